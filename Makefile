@@ -26,30 +26,36 @@ VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
 
 # ---- the rooms, and the others that each may include and link, in link order
 
-ROOMS       := core base scan learn db/sql db verify server ctl tools
-SEES_core   :=
-SEES_base   := core
-SEES_scan   := base core
-SEES_learn  := scan base core
-SEES_db/sql := base core
-SEES_db     := db/sql scan base core
-SEES_verify := db scan base core
-SEES_server := verify db scan base core
-SEES_ctl    := verify db learn scan base core
-SEES_tools  := scan base core
+DB          := db db/rows db/log db/crypt
+ROOMS       := core base scan learn db/sql db/crypt db/log db/rows db db/admin verify server ctl tools
+SEES_core     :=
+SEES_base     := core
+SEES_scan     := base core
+SEES_learn    := scan base core
+SEES_db/sql   := base core
+SEES_db/crypt := base core
+SEES_db/log   := db/sql db/crypt base core
+SEES_db/rows  := db/log db/sql db/crypt base core
+SEES_db       := db/rows db/log db/sql db/crypt scan base core
+SEES_db/admin := db db/rows db/log db/sql db/crypt scan base core
+SEES_verify   := $(DB) scan base core
+SEES_server   := verify $(DB) scan base core
+SEES_ctl      := verify db/admin $(DB) learn scan base core
+SEES_tools    := scan base core
 # What a room is linked with besides, for those that see the room and not this.
-LINKS_db    := db/sql
+LINKS_db/log := db/sql
 
 # The libraries that a room needs in addition to the C library.
 NEEDS_core   := -lm
 NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_scan   := -lspng
 NEEDS_db/sql := -lsqlite3 -lpthread
-NEEDS_db     := -lsodium -lxxhash
+NEEDS_db/crypt := -lsodium
+NEEDS_db     := -lxxhash
 NEEDS_server := -lmicrohttpd -lgnutls -lsystemd
 
 sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))
-links = $(foreach r,$(call sees,$(1)),$r $(LINKS_$r))
+links = $(foreach r,$(call sees,$(1)),$r $(filter-out $(call sees,$(1)),$(LINKS_$r)))
 flags = $(addprefix -I,$(call sees,$(1))) -I$(BUILD)/gen
 arch  = $(BUILD)/lib$(notdir $(1)).a
 archs = $(foreach r,$(call links,$(1)),$(call arch,$r))
@@ -102,15 +108,19 @@ $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 
 # A folder of tests sees what its room sees, the room itself, tools and tests/lib.
 TEST_ROOMS := $(filter-out lib,$(notdir $(patsubst %/,%,$(wildcard tests/*/))))
-SEES_box   := $(call sees,db)
-SEES_fuzz  := server $(SEES_ctl)
+SEES_crypt := $(call sees,db/crypt)
+SEES_log   := $(call sees,db)
+SEES_rows  := $(call sees,db)
+SEES_admin := $(call sees,db/admin)
+SEES_box   := $(call sees,db/admin)
+SEES_fuzz  := server verify learn $(call sees,db/admin)
 SEES_work  := scan base core
-SEES_bench := $(call sees,db)
+SEES_bench := $(call sees,db/admin)
 define testroom
 $(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Itools $(call flags,$(1))
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
-$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Itools $(call flags,db)
+$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Itools $(call flags,db/admin)
 $(BUILD)/studies/%.o:   FLAGS := -Istudies -Itests/lib -Itools $(call flags,scan)
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)

@@ -20,7 +20,7 @@ const struct setting options_table[] = {
     {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
      "the database's key or passphrase (PATH.key)"},
     {"anchor", SETTING_PATH, NULL, offsetof(struct options, anchor), 0, 0, "FILE",
-     "what an older copy of the database is found by (KEY.anchor)"},
+     "says how far the database's log has come, from another disk or host"},
     {"plaintext-database", SETTING_BOOL, "0",
      offsetof(struct options, plaintext_database), 0, 0, NULL,
      "the database has no key: whoever has the file can read it"},

@@ -20,7 +20,7 @@
 #include "json.h"
 #include "scan.h"
 
-struct keyfile;     /* keyfile.h */
+struct crypt_file;  /* keyfile.h */
 struct model;       /* model.h */
 struct options;     /* options.h */
 struct store;       /* store.h */
@@ -83,7 +83,7 @@ struct ctl {
     const struct model *model;        /* that model_path names */
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */
     struct options *settings;         /* of the daemon, once read; by ctl_config_free() */
-    struct keyfile *asked;            /* a passphrase, once asked for; to be freed */
+    struct crypt_file *asked;         /* a passphrase, once asked for; to be freed */
     struct store *store;              /* the database, once opened (ctl_model.h) */
     struct face_work *work;           /* where the command takes scans (CTL_UNITS) */
     bool piped; /* --out -: the result is on standard output, what is said of it not */

@@ -5,7 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "keyfile.h"
+#include "crypt_file.h"
+#include "admin_export.h"
+#include "admin_import.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_key.h"
@@ -13,16 +15,16 @@
 
 static bool all; /* --all */
 
-/* store_export() replaces no file: with --force the new archive takes the name of the old one
+/* admin_export() replaces no file: with --force the new archive takes the name of the old one
  * when it is complete. */
-static enum status replace_archive(struct ctl *c, const struct keyfile *k,
-                                   struct store_exported *x)
+static enum status replace_archive(struct ctl *c, const struct crypt_file *k,
+                                   struct admin_exported *x)
 {
     char aside[PATH_MAX];
     enum status st;
 
     (void)snprintf(aside, sizeof aside, "%s.new", c->dir);
-    st = store_export(c->store, c->actor, c->args, (size_t)c->nargs, aside, k, x, &c->e);
+    st = admin_export(c->store, c->actor, c->args, (size_t)c->nargs, aside, k, x, &c->e);
     if (st == ST_OK && rename(aside, c->dir) != 0)
         st = errinfo_set(&c->e, ST_EIO, "%.160s: %s", c->dir, strerror(errno));
     return st;
@@ -31,8 +33,8 @@ static enum status replace_archive(struct ctl *c, const struct keyfile *k,
 static enum status export_subjects(struct ctl *c)
 {
     char size[32];
-    struct store_exported x;
-    struct keyfile *k = NULL;
+    struct admin_exported x;
+    struct crypt_file *k = NULL;
     enum status st;
 
     if (c->dir == NULL || all == (c->nargs > 0))
@@ -42,9 +44,9 @@ static enum status export_subjects(struct ctl *c)
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, true, &k)) == ST_OK)
         st = c->force ? replace_archive(c, k, &x)
-                      : store_export(c->store, c->actor, c->args, (size_t)c->nargs,
+                      : admin_export(c->store, c->actor, c->args, (size_t)c->nargs,
                                      c->dir, k, &x, &c->e);
-    keyfile_free(k);
+    crypt_file_free(k);
     if (st != ST_OK)
         return st;
     json_text(c->out, "archive", c->dir);
@@ -59,14 +61,14 @@ static enum status export_subjects(struct ctl *c)
 /* Writes with --dry-run too, and rolls back. */
 static enum status import_subjects(struct ctl *c)
 {
-    struct store_imported m;
-    struct keyfile *k = NULL;
+    struct admin_imported m;
+    struct crypt_file *k = NULL;
     enum status st;
 
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_key_archive(c, false, &k)) == ST_OK)
-        st = store_import(c->store, c->actor, c->args[0], k, c->dry_run, &m, &c->e);
-    keyfile_free(k);
+        st = admin_import(c->store, c->actor, c->args[0], k, c->dry_run, &m, &c->e);
+    crypt_file_free(k);
     if (st != ST_OK)
         return st;
     json_number(c->out, "subjects", (double)m.subjects);

@@ -4,9 +4,11 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include <sodium.h>
 
 #include "json.h"
-#include "store_chain.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_dir.h"
@@ -16,17 +18,33 @@
 #define SHOWN 100  /* entries without --limit */
 #define PAGE  1000 /* read at a time */
 
-static const char *about, *kind, *since; /* --subject, --kind, --since */
-static uint32_t limit, keep;             /* --limit, --keep */
+static const char *about, *uid, *kind, *since; /* --subject, --uid, --kind, --since */
+static uint32_t limit, keep;                   /* --limit, --keep */
 
 /* ---- show */
 
-/* Who it was about: a name, or a part of the hash that stands for one. */
+static void hex_of(const void *bytes, size_t n, char *out)
+{
+    (void)sodium_bin2hex(out, 2 * n + 1, bytes, n);
+}
+
+/* "" for none. */
+static void uid_of(const struct log_entry *entry, char out[2 * LOG_UID + 1])
+{
+    out[0] = '\0';
+    if (!sodium_is_zero(entry->uid, sizeof entry->uid))
+        hex_of(entry->uid, sizeof entry->uid, out);
+}
+
+/* Who it was about: a name, or a part of the uid of a subject that was erased. */
 static const char *who(const struct store_audit_entry *a, char out[16])
 {
-    if (a->subject[0] != '\0' || a->ref[0] == '\0')
+    char hex[2 * LOG_UID + 1];
+
+    uid_of(&a->entry, hex);
+    if (a->subject[0] != '\0' || hex[0] == '\0')
         return a->subject;
-    (void)snprintf(out, 16, "#%.12s", a->ref);
+    (void)snprintf(out, 16, "#%.12s", hex);
     return out;
 }
 
@@ -35,56 +53,80 @@ static const char *or_null(const char *text)
     return text[0] != '\0' ? text : NULL;
 }
 
-static void out_entry(struct json *j, const struct store_audit_entry *a)
+static void out_hex(struct json *j, const char *key, const void *bytes, size_t n)
 {
-    json_text(j, "chain", store_chain_word(a->chain));
-    json_number(j, "seq", (double)a->seq);
-    json_text(j, "at", a->at);
-    json_text(j, "kind", a->kind);
-    json_text(j, "actor", a->actor);
-    json_text(j, "subject_ref", or_null(a->ref));
-    json_text(j, "template_id", or_null(a->template_id));
-    json_text(j, "outcome", a->outcome);
-    if (a->chain == STORE_CHAIN_CHANGES) {
-        json_text(j, "object", or_null(a->object));
-        json_text(j, "row", or_null(a->row));
-        json_number(j, "uses", (double)a->uses);
-        json_text(j, "uses_hash", a->uses_hash);
+    char hex[2 * CRYPT_WRAPPED + 1];
+
+    hex_of(bytes, n, hex);
+    json_text(j, key, hex);
+}
+
+static void out_entry(struct json *j, const struct log_entry *entry)
+{
+    char hex[2 * LOG_UID + 1];
+
+    uid_of(entry, hex);
+    json_text(j, "log", log_word(entry->log));
+    json_number(j, "seq", (double)entry->seq);
+    json_text(j, "at", entry->at);
+    json_text(j, "kind", entry->kind);
+    json_text(j, "actor", entry->actor);
+    json_text(j, "subject_uid", or_null(hex));
+    json_text(j, "object", or_null(entry->object));
+    json_text(j, "outcome", entry->outcome);
+    if (entry->log == LOG_CHANGES) {
+        out_hex(j, "digest", entry->digest, sizeof entry->digest);
+        json_number(j, "access_seq", (double)entry->accesses.seq);
+        out_hex(j, "access_hash", entry->accesses.hash, LOG_HASH);
     }
-    json_text(j, "hash", a->hash);
+    out_hex(j, "hash", entry->hash, LOG_HASH);
+    if (entry->is_signed)
+        out_hex(j, "signature", entry->signature, sizeof entry->signature);
+    else if (entry->log == LOG_CHANGES)
+        json_text(j, "signature", NULL);
 }
 
 static void show_entry(struct ctl *c, const struct store_audit_entry *a)
 {
-    char ref[16];
+    const struct log_entry *entry = &a->entry;
+    char name[16];
 
     json_object(c->out, NULL);
-    out_entry(c->out, a);
+    out_entry(c->out, entry);
     json_text(c->out, "subject", or_null(a->subject));
     json_close(c->out);
-    ctl_say(c, "%-7s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32s  %-12s  %s\n",
-            store_chain_word(a->chain), a->seq, a->at, a->at + 11, a->kind, who(a, ref),
-            a->template_id, a->outcome, a->actor);
+    ctl_say(c, "%-8s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
+            log_word(entry->log), entry->seq, entry->at, entry->at + 11, entry->kind,
+            who(a, name), entry->object, entry->outcome, entry->actor);
 }
 
 static enum status show(struct ctl *c)
 {
-    const struct store_audit_filter wanted = {.limit = limit != 0 ? limit : SHOWN,
-                                              .newest = true,
-                                              .names = true,
-                                              .subject = about,
-                                              .kind = kind,
-                                              .since = since};
+    unsigned char bytes[LOG_UID];
+    struct store_audit_filter wanted = {.wanted = {.limit = limit != 0 ? limit : SHOWN,
+                                                   .newest = true,
+                                                   .kind = kind,
+                                                   .since = since},
+                                        .subject = about,
+                                        .names = true};
     struct store_audit_entry *a = NULL;
-    size_t n = 0;
-    const enum status st = store_audit_list(c->store, &wanted, &a, &n, &c->e);
+    size_t n = 0, got = 0;
+    enum status st;
 
-    if (st != ST_OK)
+    if (uid != NULL) {
+        if (about != NULL ||
+            sodium_hex2bin(bytes, sizeof bytes, uid, strlen(uid), NULL, &got, NULL) !=
+                0 ||
+            got != sizeof bytes)
+            return ctl_usage(c, "--uid takes 32 hexadecimal digits, and no --subject");
+        wanted.wanted.uid = bytes;
+    }
+    if ((st = store_audit_list(c->store, &wanted, &a, &n, &c->e)) != ST_OK)
         return st;
     json_array(c->out, "entries");
     if (n > 0)
-        ctl_say(c, "%-7s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "CHAIN", "ENTRY",
-                "TIME (UTC)", "KIND", "SUBJECT", "TEMPLATE", "OUTCOME", "ACTOR");
+        ctl_say(c, "%-8s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
+                "TIME (UTC)", "KIND", "SUBJECT", "OBJECT", "OUTCOME", "ACTOR");
     for (size_t i = 0; i < n; i++)
         show_entry(c, &a[i]);
     json_close(c->out);
@@ -96,30 +138,28 @@ static enum status show(struct ctl *c)
 
 /* ---- checkpoint */
 
-static void out_mark(struct json *o, const struct store_audit_mark *m)
-{
-    json_text(o, "chain", store_chain_word(m->chain));
-    json_number(o, "checkpoint", (double)m->seq);
-    json_text(o, "at", m->at);
-    json_text(o, "hash", m->hash);
-    json_text(o, "signature", m->signature);
-}
-
 static enum status checkpoint(struct ctl *c)
 {
-    struct store_audit_mark m;
-    char public_key[65];
-    enum status st = store_audit_public(c->store, public_key, &c->e);
+    unsigned char public[CRYPT_KEY];
+    struct log_entry entry;
+    char hash[2 * LOG_HASH + 1], signature[2 * CRYPT_SIGN + 1], key[2 * CRYPT_KEY + 1];
+    enum status st = store_audit_public(c->store, public, &c->e);
 
-    if (st != ST_OK ||
-        (st = store_audit_sign(c->store, c->actor, STORE_CHAIN_SIGN, &m, &c->e)) != ST_OK)
+    if (st != ST_OK || (st = store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry,
+                                              &c->e)) != ST_OK)
         return st;
-    out_mark(c->out, &m);
-    json_text(c->out, "public_key", public_key);
+    hex_of(entry.hash, LOG_HASH, hash);
+    hex_of(entry.signature, sizeof entry.signature, signature);
+    hex_of(public, sizeof public, key);
+    json_number(c->out, "checkpoint", (double)entry.seq);
+    json_text(c->out, "at", entry.at);
+    json_text(c->out, "hash", hash);
+    json_text(c->out, "signature", signature);
+    json_text(c->out, "public_key", key);
     ctl_say(c,
             "change      %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
             "public key  %s\n",
-            m.seq, m.at, m.hash, m.signature, public_key);
+            entry.seq, entry.at, hash, signature, key);
     return ST_OK;
 }
 
@@ -128,10 +168,8 @@ static enum status checkpoint(struct ctl *c)
 struct export
 {
     struct store *store;
-    struct store_audit_mark end, *marks;
-    size_t nmark, next; /* of the marks, the one to be written */
-    uint64_t uses;      /* the last of them when the end was signed */
-    char public_key[65];
+    struct log_entry end; /* signed */
+    char public_key[2 * CRYPT_KEY + 1];
 };
 
 /* The document on a line of its own; it is released. */
@@ -146,128 +184,108 @@ static enum status put_head(FILE *to, const struct export *x, struct errinfo *e)
 {
     struct json *j = json_new();
 
-    json_number(j, "surface_audit", 1);
+    json_number(j, "surface_audit", 2);
     json_text(j, "public_key", x->public_key);
     json_text(j, "at", x->end.at);
     json_number(j, "changes", (double)x->end.seq);
     return put_line(to, j, e);
 }
 
-/* The entries and behind each the mark that it has. */
-static enum status put_page(FILE *to, struct export *x, const struct store_audit_entry *a,
-                            size_t n, struct errinfo *e)
-{
-    enum status st = ST_OK;
-
-    for (size_t i = 0; st == ST_OK && i < n; i++) {
-        struct json *j = json_new();
-
-        out_entry(j, &a[i]);
-        st = put_line(to, j, e);
-        while (st == ST_OK && x->next < x->nmark &&
-               (x->marks[x->next].chain < a[i].chain ||
-                (x->marks[x->next].chain == a[i].chain &&
-                 x->marks[x->next].seq <= a[i].seq))) {
-            j = json_new();
-            out_mark(j, &x->marks[x->next++]);
-            st = put_line(to, j, e);
-        }
-        if (a[i].chain == STORE_CHAIN_CHANGES)
-            x->uses = a[i].uses;
-    }
-    return st;
-}
-
 /* One after the other, up to the entry `last`. */
-static enum status put_chain(FILE *to, struct export *x, enum store_chain chain,
-                             uint64_t last, struct errinfo *e)
+static enum status put_log(FILE *to, const struct export *x, enum log_name log,
+                           uint64_t last, struct errinfo *e)
 {
-    struct store_audit_filter wanted = {.chain = &chain, .limit = PAGE};
+    struct store_audit_filter wanted = {.log = &log, .wanted = {.limit = PAGE}};
     struct store_audit_entry *a;
     enum status st = ST_OK;
     size_t n;
 
-    while (st == ST_OK && wanted.after < last) {
+    while (st == ST_OK && wanted.wanted.after < last) {
         if ((st = store_audit_list(x->store, &wanted, &a, &n, e)) != ST_OK)
             return st;
-        while (n > 0 && a[n - 1].seq > last) /* of after it was signed */
+        while (n > 0 && a[n - 1].entry.seq > last) /* of after it was signed */
             n--;
-        wanted.after = n > 0 ? a[n - 1].seq : last;
-        st = put_page(to, x, a, n, e);
+        wanted.wanted.after = n > 0 ? a[n - 1].entry.seq : last;
+        for (size_t i = 0; i < n && st == ST_OK; i++) {
+            struct json *j = json_new();
+
+            out_entry(j, &a[i].entry);
+            st = put_line(to, j, e);
+        }
         free(a);
     }
     return st;
 }
 
 /* The log as it is, sound or not: whoever verifies the file finds what is wrong. */
-static enum status put_log(FILE *to, const void *arg, struct errinfo *e)
+static enum status put_logs(FILE *to, const void *arg, struct errinfo *e)
 {
-    struct export x = *(const struct export *)arg;
-    enum status st = put_head(to, &x, e);
+    const struct export *x = arg;
+    enum status st = put_head(to, x, e);
 
     if (st == ST_OK)
-        st = put_chain(to, &x, STORE_CHAIN_CHANGES, x.end.seq, e);
-    return st == ST_OK ? put_chain(to, &x, STORE_CHAIN_USES, x.uses, e) : st;
+        st = put_log(to, x, LOG_CHANGES, x->end.seq, e);
+    return st == ST_OK ? put_log(to, x, LOG_ACCESSES, x->end.accesses.seq, e) : st;
 }
 
 static enum status export_log(struct ctl *c)
 {
-    struct export x = {.nmark = 0};
+    unsigned char public[CRYPT_KEY];
+    struct export x;
     enum status st;
 
     if (c->dir == NULL)
         c->dir = "-";
-    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
+    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK ||
+        (st = ctl_model_open(c, STORE_WRITE)) != ST_OK ||
+        (st = store_audit_public(c->store, public, &c->e)) != ST_OK ||
+        (st = store_audit_sign(c->store, c->actor, LOG_EXPORT, &x.end, &c->e)) != ST_OK)
         return st;
-    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
-        (st = store_audit_public(c->store, x.public_key, &c->e)) == ST_OK &&
-        (st = store_audit_sign(c->store, c->actor, STORE_CHAIN_EXPORT, &x.end, &c->e)) ==
-            ST_OK &&
-        (st = store_audit_marks(c->store, &x.marks, &x.nmark, &c->e)) == ST_OK) {
-        x.store = c->store;
-        st = ctl_dir_file(c, c->dir, put_log, &x);
-    }
-    free(x.marks);
+    x.store = c->store;
+    hex_of(public, sizeof public, x.public_key);
+    st = ctl_dir_file(c, c->dir, put_logs, &x);
     if (st != ST_OK)
         return st;
     json_text(c->out, "file", c->dir);
     json_number(c->out, "changes", (double)x.end.seq);
     json_text(c->out, "public_key", x.public_key);
-    ctl_say(c, "%" PRIu64 " change%s, and the uses; public key %s\n",
+    ctl_say(c, "%" PRIu64 " change%s, and the accesses; public key %s\n",
             CTL_COUNT(x.end.seq), x.public_key);
     return ST_OK;
 }
 
 /* ---- verify */
 
-static void tell_problem(void *arg, enum store_chain chain, uint64_t seq,
-                         const char *line)
+static void tell_problem(void *arg, enum log_name log, uint64_t seq, const char *line)
 {
     struct ctl *c = arg;
 
     json_object(c->out, NULL);
-    json_text(c->out, "chain", store_chain_word(chain));
+    json_text(c->out, "log", log_word(log));
     json_number(c->out, "entry", (double)seq);
     json_text(c->out, "problem", line);
     json_close(c->out);
-    ctl_say(c, "%s, at entry %" PRIu64 ": %s\n", store_chain_word(chain), seq, line);
+    ctl_say(c, "%s, at entry %" PRIu64 ": %s\n", log_word(log), seq, line);
 }
 
-static enum status verify_database(struct ctl *c, struct store_audit *out,
-                                   char public_key[65])
+static enum status verify_database(struct ctl *c, struct log_walk *out,
+                                   char public_key[2 * CRYPT_KEY + 1])
 {
+    unsigned char public[CRYPT_KEY];
     enum status st;
 
     if ((st = ctl_model_open(c, STORE_READ)) == ST_OK &&
-        (st = store_audit_public(c->store, public_key, &c->e)) == ST_OK)
+        (st = store_audit_public(c->store, public, &c->e)) == ST_OK) {
+        hex_of(public, sizeof public, public_key);
         st = store_audit_verify(c->store, tell_problem, c, out, &c->e);
+    }
     return st;
 }
 
 static enum status verify(struct ctl *c)
 {
-    struct store_audit found;
-    char public_key[65] = "";
+    struct log_walk found;
+    char public_key[2 * CRYPT_KEY + 1] = "";
     enum status st;
 
     if ((c->nargs > 0) != (c->public_key != NULL))
@@ -285,8 +303,7 @@ static enum status verify(struct ctl *c)
     json_number(c->out, "entries", (double)found.entries);
     json_number(c->out, "checkpoints", (double)found.checkpoints);
     json_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
-    json_text(c->out, "first_chain",
-              found.problems > 0 ? store_chain_word(found.chain) : NULL);
+    json_text(c->out, "first_log", found.problems > 0 ? log_word(found.first_log) : NULL);
     json_number(c->out, "first_entry",
                 found.problems > 0 ? (double)found.first : (double)NAN);
     ctl_say(c,
@@ -313,8 +330,9 @@ static enum status trim(struct ctl *c)
         return st;
     json_number(c->out, "cut", (double)cut);
     json_flag(c->out, "dry_run", c->dry_run);
-    ctl_say(c, "%" PRIu64 " use%s older than %" PRIu64 " day%s%s\n", CTL_COUNT(cut),
-            CTL_COUNT(keep), c->dry_run ? "" : ": cut off");
+    ctl_say(c, "%" PRIu64 " access%s older than %" PRIu64 " day%s%s\n", cut,
+            cut == 1 ? "" : "es", CTL_COUNT((uint64_t)keep),
+            c->dry_run ? "" : ": cut off");
     return ST_OK;
 }
 
@@ -322,26 +340,29 @@ static enum status trim(struct ctl *c)
 
 static enum status erased(struct ctl *c)
 {
-    const char *subject = c->nargs > 0 ? c->args[0] : NULL;
-    struct store_erased *list = NULL;
+    const enum log_name log = LOG_CHANGES;
+    const struct store_audit_filter wanted = {.log = &log,
+                                              .wanted = {.kind = "delete_subject"}};
+    struct store_audit_entry *a = NULL;
+    char hex[2 * LOG_UID + 1];
     size_t n = 0;
-    enum status st = store_audit_erased(c->store, subject, &list, &n, &c->e);
+    const enum status st = store_audit_list(c->store, &wanted, &a, &n, &c->e);
 
     if (st != ST_OK)
         return st;
     json_array(c->out, "erased");
     for (size_t i = 0; i < n; i++) {
+        uid_of(&a[i].entry, hex);
         json_object(c->out, NULL);
-        json_text(c->out, "erased_at", list[i].at);
-        json_text(c->out, "subject_ref", or_null(list[i].ref));
+        json_text(c->out, "erased_at", a[i].entry.at);
+        json_text(c->out, "subject_uid", or_null(hex));
         json_close(c->out);
-        ctl_say(c, "%s  #%s\n", list[i].at, list[i].ref);
+        ctl_say(c, "%s  %s\n", a[i].entry.at, hex);
     }
     json_close(c->out);
     if (n == 0)
-        ctl_say(c, "%s\n", subject == NULL ? "no subject was erased" : "not erased");
-    free(list);
-    c->code = subject != NULL && n == 0 ? EXIT_NO : EXIT_FINE;
+        ctl_say(c, "no subject was erased\n");
+    free(a);
     return ST_OK;
 }
 
@@ -351,7 +372,11 @@ const struct ctl_command ctl_audit_show = {
     .name = "audit show",
     .database = CTL_READS_DATABASE,
     .options = {CTL_OPTION("subject", "ID", ctl_option_text, &about,
-                           "only entries about this subject, erased or not"),
+                           "only entries about this subject"),
+                CTL_OPTION(
+                    "uid", "UID", ctl_option_text, &uid,
+                    "only entries about the subject with this uid, as its receipt\n"
+                    "names it, erased or not"),
                 CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
                            "only entries of this kind, like enroll or verify"),
                 CTL_OPTION("since", "TIME", ctl_option_text, &since,
@@ -361,9 +386,8 @@ const struct ctl_command ctl_audit_show = {
     .summary = "list who did what, and when",
     .help =
         "The newest entries of the audit log, oldest first.  The actor is a token's id, a\n"
-        "program, or surfacectl:USER.  Erased subjects have no name in the log, but --subject\n"
-        "finds their entries; of a subject that was renamed it also finds those under its former\n"
-        "ids.",
+        "program, or surfacectl:USER.  A subject has a random uid in the log, which stays when it\n"
+        "is renamed; after an erasure nothing but its receipt says whose it was.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_verify = {
@@ -388,7 +412,7 @@ const struct ctl_command ctl_audit_export = {
     .run = export_log,
     .summary = "write the audit log as signed JSON lines",
     .help =
-        "To --out, or standard output (-).  It has a keyed hash in place of each subject's id.",
+        "To --out, or standard output (-).  It has a random uid in place of each subject's id.",
     .example = "surfacectl --db faces.db audit export --out log.jsonl"};
 
 const struct ctl_command ctl_audit_checkpoint = {
@@ -409,18 +433,16 @@ const struct ctl_command ctl_audit_trim = {
     .run = trim,
     .summary = "cut off the oldest verifications of the audit log",
     .help =
-        "Entries of uses (verifications, comparisons, refusals, exports) that are older than\n"
-        "--keep.  Changes are kept for ever; one of them says where the uses begin now, so that\n"
-        "audit verify finds every other loss.  surfaced does it by itself: audit-days.",
+        "Entries of accesses (verifications, comparisons, refusals, exports) that are older than\n"
+        "--keep, but the last.  Changes are kept for ever; one of them says where the accesses\n"
+        "begin now, so that audit verify finds every other loss.  surfaced does it by itself:\n"
+        "audit-days.",
     .example = "surfacectl --db faces.db audit trim --keep 400"};
 
 const struct ctl_command ctl_audit_erased = {
     .name = "audit erased",
-    .args = "[SUBJECT]",
-    .takes = {0, 1},
     .database = CTL_READS_DATABASE,
-    .exits = {"done", "SUBJECT was not erased, or was enrolled again"},
     .run = erased,
     .summary = "list when subjects were erased",
-    .help = "All of them, or SUBJECT alone.",
-    .example = "surfacectl --db faces.db audit erased alice"};
+    .help = "Each with its uid, by which its receipt names it.",
+    .example = "surfacectl --db faces.db audit erased"};

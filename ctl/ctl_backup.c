@@ -1,20 +1,15 @@
 /* backup and restore: the database as a whole. */
 #include <inttypes.h>
 
+#include "admin_backup.h"
+#include "admin_restore.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_key.h"
 
-/* The key of a copy is that of the database: its usual name goes by the database's. */
-static enum status key_of(struct ctl *c, const char *db, struct store_key *key)
-{
-    const enum status st = ctl_key(c, db, key);
+static const char *backup_key; /* --backup-key */
 
-    key->of = c->db;
-    return st;
-}
-
-static void out_copied(struct ctl *c, const struct store_copied *k)
+static void out_copied(struct ctl *c, const struct admin_copied *k)
 {
     json_number(c->out, "subjects", (double)k->subjects);
     json_number(c->out, "templates", (double)k->templates);
@@ -24,14 +19,14 @@ static void out_copied(struct ctl *c, const struct store_copied *k)
 
 static enum status backup(struct ctl *c)
 {
-    struct store_copied copied;
+    struct admin_copied copied;
     struct store_key key;
     char size[32];
     enum status st = ctl_dir_may_write(c, c->args[0], 0);
 
-    if (st == ST_OK && (st = key_of(c, c->db, &key)) == ST_OK &&
+    if (st == ST_OK && (st = ctl_key(c, c->db, &key)) == ST_OK &&
         (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
-        st = store_backup(c->store, c->args[0], &key, &copied, &c->e);
+        st = admin_backup(c->store, c->args[0], &key, &copied, &c->e);
     if (st != ST_OK)
         return st;
     json_text(c->out, "backup", c->args[0]);
@@ -42,7 +37,7 @@ static enum status backup(struct ctl *c)
     return ST_OK;
 }
 
-static void tell_restored(const struct ctl *c, const struct store_restored *r)
+static void tell_restored(const struct ctl *c, const struct admin_restored *r)
 {
     ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s", c->args[0],
             CTL_COUNT(r->backup.subjects), CTL_COUNT(r->backup.templates));
@@ -52,7 +47,9 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
                 "%" PRIu64 " subject%s of those are not in the backup\n"
                 "%" PRIu64 " subject%s of the backup were erased since and are erased "
                 "again\n"
-                "%" PRIu64 " token%s were revoked since and are revoked again",
+                "%" PRIu64
+                " token%s or devices were revoked, rotated or removed since, and are "
+                "revoked",
                 CTL_COUNT(r->had_subjects), CTL_COUNT(r->had_templates),
                 CTL_COUNT(r->lost), CTL_COUNT(r->erased), CTL_COUNT(r->revoked));
     ctl_say(c, "\n");
@@ -69,12 +66,13 @@ static void tell_restored(const struct ctl *c, const struct store_restored *r)
 
 static enum status restore(struct ctl *c)
 {
-    struct store_restored r;
+    struct admin_restored r;
     struct store_key key;
-    enum status st = key_of(c, c->args[0], &key);
+    enum status st = ctl_key(c, c->db, &key);
 
     if (st == ST_OK)
-        st = store_restore(c->db, c->args[0], &key, c->actor, c->dry_run, &r, &c->e);
+        st = admin_restore(c->db, c->args[0], &key, backup_key, c->actor, c->dry_run, &r,
+                           &c->e);
     if (st != ST_OK)
         return st;
     json_object(c->out, "backup");
@@ -110,10 +108,14 @@ const struct ctl_command ctl_backup_restore = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_DRY_RUN,
+    .options = {CTL_OPTION("backup-key", "FILE", ctl_option_text, &backup_key,
+                           "the key that FILE was made under, if it is another")},
     .run = restore,
     .summary = "replace the database by a backup",
     .help =
-        "FILE is verified first.  Subjects that were erased since the backup are erased in it\n"
-        "too, also under an older id; tokens keep their present secrets, and revoked ones stay\n"
-        "revoked.  The present database is kept as PATH.before-restore.  Stop the daemon first.",
+        "FILE is verified first.  From the present database its log alone is believed, where that\n"
+        "is verified and goes on from the backup's: subjects that were erased since are erased\n"
+        "again, and tokens that were revoked or rotated since are revoked.  The result opens with\n"
+        "the present key, also where the backup was made under another.  The present database is\n"
+        "kept as PATH.before-restore.  Stop the daemon first.",
     .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"};

@@ -2,6 +2,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 
+#include "admin_check.h"
 #include "ctl_command.h"
 
 static void report(void *arg, const char *line)
@@ -14,11 +15,11 @@ static void report(void *arg, const char *line)
 
 static enum status check(struct ctl *c)
 {
-    struct store_check found;
+    struct admin_check found;
     enum status st;
 
     json_array(c->out, "problems");
-    st = store_check(c->store, report, c, &found, &c->e);
+    st = admin_check(c->store, report, c, &found, &c->e);
     json_close(c->out);
     if (st != ST_OK)
         return st;
@@ -43,7 +44,7 @@ const struct ctl_command ctl_check = {
     .run = check,
     .summary = "read and verify the whole database",
     .help =
-        "The database's integrity, references and schema; the audit log; of each template the\n"
-        "checksum, triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
+        "The database's integrity and references; the rows against the change log, and both logs;\n"
+        "of each template the triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
         "Nothing is changed.",
     .example = "surfacectl --db faces.db check"};

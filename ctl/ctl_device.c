@@ -32,32 +32,32 @@ static bool decode(const char *text, size_t len, unsigned char *out, size_t n)
 }
 
 /* The key in PEM, as openssl pkey -pubout writes it: a SubjectPublicKeyInfo of RFC 8410. */
-static bool decode_pem(const char *text, unsigned char key[VAULT_KEY])
+static bool decode_pem(const char *text, unsigned char key[CRYPT_KEY])
 {
     static const char begin[] = "-----BEGIN PUBLIC KEY-----";
     static const unsigned char before[] = {0x30, 0x2a, 0x30, 0x05, 0x06, 0x03,
                                            0x2b, 0x65, 0x70, 0x03, 0x21, 0x00};
-    unsigned char der[sizeof before + VAULT_KEY];
+    unsigned char der[sizeof before + CRYPT_KEY];
     const char *from = strstr(text, begin), *end;
 
     if (from == NULL || (end = strstr(from += sizeof begin - 1, "-----END")) == NULL ||
         !decode(from, (size_t)(end - from), der, sizeof der) ||
         memcmp(der, before, sizeof before) != 0)
         return false;
-    memcpy(key, der + sizeof before, VAULT_KEY);
+    memcpy(key, der + sizeof before, CRYPT_KEY);
     return true;
 }
 
-static enum status read_key(struct ctl *c, const char *text, unsigned char key[VAULT_KEY])
+static enum status read_key(struct ctl *c, const char *text, unsigned char key[CRYPT_KEY])
 {
     unsigned char *file;
     size_t len;
     bool sound = false;
     enum status st;
 
-    if ((sodium_hex2bin(key, VAULT_KEY, text, strlen(text), NULL, &len, NULL) == 0 &&
-         len == VAULT_KEY && text[2 * VAULT_KEY] == '\0') ||
-        decode(text, strlen(text), key, VAULT_KEY))
+    if ((sodium_hex2bin(key, CRYPT_KEY, text, strlen(text), NULL, &len, NULL) == 0 &&
+         len == CRYPT_KEY && text[2 * CRYPT_KEY] == '\0') ||
+        decode(text, strlen(text), key, CRYPT_KEY))
         return ST_OK;
     if ((st = ctl_sample_file(text, FILE_MAX, &file, &len, &c->e)) == ST_OK)
         sound = decode_pem((const char *)file, key);
@@ -75,7 +75,7 @@ static enum status read_key(struct ctl *c, const char *text, unsigned char key[V
 
 static enum status add(struct ctl *c)
 {
-    unsigned char key[VAULT_KEY];
+    unsigned char key[CRYPT_KEY];
     struct store_device d;
     enum status st = read_key(c, c->args[1], key);
 

@@ -8,7 +8,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include "keyfile.h"
+#include "crypt_file.h"
 #include "ctl_command.h"
 #include "ctl_each.h"
 
@@ -170,9 +170,6 @@ static bool look_at_schema(struct doctor *d)
         say(d, TROUBLE, "schema", "surfacectl restore brings a backup back", "%s", e.msg);
     else if (l.version == 0)
         say(d, TROUBLE, "schema", "surfacectl init", "the database is empty");
-    else if (l.version < l.newest)
-        say(d, TROUBLE, "schema", "surfacectl migrate",
-            "the database is of version %d, this program of %d", l.version, l.newest);
     else
         say(d, FINE, "schema", "", "version %d, as this program's", l.version);
     return st == ST_OK && l.version == l.newest;
@@ -182,7 +179,7 @@ static bool look_at_schema(struct doctor *d)
 static enum status try_key(struct doctor *d, const char *path, struct errinfo *e)
 {
     const struct store_key key = {
-        .path = path, .make = VAULT_FILE, .plaintext = d->c->plaintext, .copy = true};
+        .path = path, .make = CRYPT_FILE, .plaintext = d->c->plaintext};
     struct store *s = NULL;
     const enum status st = store_open(d->c->db, STORE_READ, &key, &s, e);
 
@@ -199,30 +196,30 @@ static void look_at_next(struct doctor *d)
             "rename it over the other: nothing else opens the database",
             "a change of the key was interrupted: the key is %s", d->next);
     else
-        say(d, TROUBLE, "key", "remove it: surfacectl rekey does not begin before",
+        say(d, NOTE, "key", "remove it, or surfacectl rekey will",
             "%s is left of a change of the key that was not made", d->next);
 }
 
 /* Is there a key that opens the database? */
 static bool look_at_key(struct doctor *d)
 {
-    enum vault_kind kind;
+    enum crypt_kind kind;
     struct errinfo e;
     enum status st = store_kind(d->c->db, &kind, &e);
 
-    if (st == ST_OK && kind == VAULT_PLAINTEXT &&
+    if (st == ST_OK && kind == CRYPT_PLAINTEXT &&
         (st = try_key(d, d->c->key, &e)) == ST_EDENIED) {
         say(d, TROUBLE, "key",
             "surfacectl restore, or --plaintext-database if it is meant to be so", "%s",
             e.msg);
         return false;
     }
-    if (st == ST_OK && kind == VAULT_PLAINTEXT) {
+    if (st == ST_OK && kind == CRYPT_PLAINTEXT) {
         say(d, NOTE, "key", "surfacectl rekey gives it a key",
             "the database is plaintext: whoever has the file can read it");
         return true;
     }
-    if (st == ST_OK && kind == VAULT_PASSPHRASE && access(d->key, F_OK) != 0) {
+    if (st == ST_OK && kind == CRYPT_PASSPHRASE && access(d->key, F_OK) != 0) {
         say(d, NOTE, "key", "give a file with it to --key to have it tried",
             "a passphrase opens the database: it was not asked for");
         return false;
@@ -245,14 +242,22 @@ static bool look_at_key(struct doctor *d)
 /* Is it the newest? */
 static void look_at_anchor(struct doctor *d)
 {
-    const struct store_key key = {.path = d->c->key,
-                                  .make = VAULT_FILE,
-                                  .plaintext = d->c->plaintext,
-                                  .anchor = d->c->anchor};
+    const struct store_key key = {
+        .path = d->c->key,
+        .make = CRYPT_FILE,
+        .plaintext = d->c->plaintext,
+        .anchor = d->c->anchor != NULL && strcmp(d->c->anchor, "none") != 0 ? d->c->anchor
+                                                                            : NULL};
     struct store *s = NULL;
     struct errinfo e;
-    const enum status st = store_open(d->c->db, STORE_READ, &key, &s, &e);
+    enum status st;
 
+    if (key.anchor == NULL) {
+        say(d, NOTE, "anchor", "keep one on another disk or host: anchor = FILE",
+            "there is none: a whole older database would not be noticed at a start");
+        return;
+    }
+    st = store_open(d->c->db, STORE_READ, &key, &s, &e);
     store_close(s);
     if (st == ST_OK)
         say(d, FINE, "anchor", "", "the database has what its anchor says");
@@ -284,39 +289,28 @@ static enum status count_others(void *arg, const struct store_subject *one,
     return ST_OK;
 }
 
-static void ignore_problem(void *arg, enum store_chain chain, uint64_t seq,
-                           const char *line)
-{
-    (void)arg;
-    (void)chain;
-    (void)seq;
-    (void)line;
-}
-
-/* Whether each row is what was written last, as the daemon looks when it starts. */
+/* Are the rows those of the last change, as the daemon looks when it starts? */
 static void look_at_state(struct doctor *d, struct store *s)
 {
-    struct store_audit found;
+    struct log_end end;
     struct errinfo e;
-    const enum status st = store_state_verify(s, ignore_problem, NULL, &found, &e);
+    enum status st = store_last_change(s, &end, &e);
 
-    if (st != ST_OK)
-        say(d, TROUBLE, "state", "restore a backup from before", "%s", e.msg);
-    else if (found.problems > 0)
-        say(d, TROUBLE, "state", "surfacectl audit verify lists them; restore a backup",
-            "%llu rows are not what was written last",
-            (unsigned long long)found.problems);
+    if (st == ST_OK)
+        st = store_verify(s, NULL, NULL, &e);
+    if (st == ST_OK)
+        say(d, FINE, "state", "", "every row is as it was written, by %llu changes",
+            (unsigned long long)end.seq);
     else
-        say(d, FINE, "state", "", "every row is what was written last, by %llu changes",
-            (unsigned long long)found.entries);
+        say(d, TROUBLE, "state",
+            "surfacectl check lists what is wrong; restore a backup from before", "%s",
+            e.msg);
 }
 
 static void look_at_templates(struct doctor *d)
 {
-    const struct store_key key = {.path = d->c->key,
-                                  .make = VAULT_FILE,
-                                  .plaintext = d->c->plaintext,
-                                  .copy = true};
+    const struct store_key key = {
+        .path = d->c->key, .make = CRYPT_FILE, .plaintext = d->c->plaintext};
     struct tally t = {.all = 0};
     struct errinfo e;
     enum status st = store_open(d->c->db, STORE_READ, &key, &t.store, &e);
@@ -341,7 +335,7 @@ static void look_at_templates(struct doctor *d)
 
 static void look_at_tokens(struct doctor *d)
 {
-    const struct store_key key = {.path = d->c->key, .make = VAULT_FILE};
+    const struct store_key key = {.path = d->c->key, .make = CRYPT_FILE};
     struct store *s;
     struct store_token *t = NULL;
     struct errinfo e;
@@ -391,7 +385,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
 static void look_at_attempts(struct doctor *d)
 {
     const struct store_key key = {
-        .path = d->c->key, .make = VAULT_FILE, .plaintext = d->c->plaintext};
+        .path = d->c->key, .make = CRYPT_FILE, .plaintext = d->c->plaintext};
     struct store *s = NULL;
     struct store_attempts *a = NULL;
     struct errinfo e;
@@ -456,7 +450,7 @@ const struct ctl_command ctl_doctor = {
     .help =
         "And what to do about it: the permissions of the database, its folder and its key; the\n"
         "right key, and one that rekey left behind; whether the database is older than its\n"
-        "anchor; the schema; the WAL; free space on the disk; rows that are not what was written\n"
-        "last; templates of another engine; tokens that will end soon, or\n"
+        "anchor; the schema; the WAL; free space on the disk; rows that are not as they\n"
+        "were written; templates of another engine; tokens that will end soon, or\n"
         "that verify in vain.  Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

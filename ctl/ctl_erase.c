@@ -13,6 +13,7 @@ static void out_receipt(struct json *o, const struct store_receipt *r)
     for (uint32_t i = 0; i < r->templates; i++)
         json_text(o, NULL, r->template_id[i]);
     json_close(o);
+    json_text(o, "subject_uid", r->uid);
     json_text(o, "erased_at", r->at);
     json_text(o, "digest", r->digest);
     json_object(o, "audit");

@@ -25,7 +25,7 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
     if (st != ST_OK)
         return st;
     st = ctl_face_nearest(c, x->a, &x->probe, &best);
-    if (st == ST_ENOTFOUND && store_id_valid(x->a))
+    if (st == ST_ENOTFOUND && ident_id_valid(x->a))
         st = ctl_face_template(c, x->a, &x->probe, &best);
     *none = st == ST_ENOTFOUND;
     if (st == ST_OK) {
@@ -55,7 +55,7 @@ static enum status compare(struct ctl *c, struct explanation *x, struct store_te
     x->n = p.n;
     p.at = NULL; /* it is x's */
     cloudpoints_free(&p);
-    if (st == ST_OK && c->db != NULL && store_subject_valid(x->a)) {
+    if (st == ST_OK && c->db != NULL && ident_subject_valid(x->a)) {
         bool none = false;
 
         st = template_stored(c, x, t, &none);

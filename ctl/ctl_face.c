@@ -10,7 +10,7 @@
 
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
 {
-    return store_subject_valid(id)
+    return ident_subject_valid(id)
                ? ST_OK
                : errinfo_set(
                      &c->e, ST_EINVAL,

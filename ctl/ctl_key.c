@@ -5,16 +5,16 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "keyfile.h"
+#include "crypt_file.h"
 #include "ctl.h"
 #include "ctl_key.h"
 
 /* One line from the terminal, which does not show it. */
 static enum status ask(struct ctl *c, const char *what, const char *option,
-                       struct keyfile **out)
+                       struct crypt_file **out)
 {
     struct termios was, hidden;
-    struct keyfile *k;
+    struct crypt_file *k;
     FILE *tty = fopen("/dev/tty", "r+");
     char *end;
 
@@ -43,7 +43,7 @@ static enum status ask(struct ctl *c, const char *what, const char *option,
     if ((end = strchr(k->text, '\n')) != NULL)
         *end = '\0';
     if ((k->len = strlen(k->text)) == 0) {
-        keyfile_free(k);
+        crypt_file_free(k);
         return errinfo_set(&c->e, ST_EINVAL, "no passphrase was given");
     }
     *out = k;
@@ -51,9 +51,9 @@ static enum status ask(struct ctl *c, const char *what, const char *option,
 }
 
 /* A new passphrase, twice, so that a slip of the finger does not lock everybody out. */
-enum status ctl_key_new(struct ctl *c, const char *option, struct keyfile **out)
+enum status ctl_key_new(struct ctl *c, const char *option, struct crypt_file **out)
 {
-    struct keyfile *again = NULL;
+    struct crypt_file *again = NULL;
     enum status st;
 
     if ((st = ask(c, "New passphrase", option, out)) != ST_OK)
@@ -61,9 +61,9 @@ enum status ctl_key_new(struct ctl *c, const char *option, struct keyfile **out)
     if ((st = ask(c, "The same again", option, &again)) == ST_OK &&
         strcmp((*out)->text, again->text) != 0)
         st = errinfo_set(&c->e, ST_EINVAL, "the two passphrases differ");
-    keyfile_free(again);
+    crypt_file_free(again);
     if (st != ST_OK) {
-        keyfile_free(*out);
+        crypt_file_free(*out);
         *out = NULL;
     }
     return st;
@@ -71,26 +71,25 @@ enum status ctl_key_new(struct ctl *c, const char *option, struct keyfile **out)
 
 enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
 {
-    enum vault_kind kind;
+    enum crypt_kind kind;
     enum status st;
 
     if (c->plaintext && c->key != NULL)
         return ctl_usage(c, "--plaintext-database contradicts --key");
     *key = (struct store_key){
         .path = c->key,
-        .make = VAULT_FILE,
+        .make = CRYPT_FILE,
         .plaintext = c->plaintext,
-        .anchor = c->anchor,
+        .anchor = c->anchor != NULL && strcmp(c->anchor, "none") != 0 ? c->anchor : NULL,
         .weak = c->short_passphrase,
-        .copy = c->anchor != NULL && strcmp(c->anchor, "none") == 0,
     };
     if (c->plaintext)
-        key->make = VAULT_PLAINTEXT;
+        key->make = CRYPT_PLAINTEXT;
     else if (c->passphrase)
-        key->make = VAULT_PASSPHRASE;
+        key->make = CRYPT_PASSPHRASE;
     if (c->key == NULL && c->asked == NULL) {
         st = store_kind(db, &kind, NULL);
-        if (st == ST_OK && kind == VAULT_PASSPHRASE)
+        if (st == ST_OK && kind == CRYPT_PASSPHRASE)
             st = ask(c, "Passphrase", "--key", &c->asked);
         else if (st != ST_OK && c->passphrase)
             st = ctl_key_new(c, "--key", &c->asked);
@@ -103,7 +102,7 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
     return ST_OK;
 }
 
-enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
+enum status ctl_key_archive(struct ctl *c, bool make, struct crypt_file **out)
 {
     static const char option[] = "--archive-key";
 
@@ -111,9 +110,10 @@ enum status ctl_key_archive(struct ctl *c, bool make, struct keyfile **out)
 
     *out = NULL;
     if (c->archive_key != NULL)
-        st = keyfile_read(c->archive_key, out, &c->e);
+        st = crypt_file_read(c->archive_key, out, &c->e);
     else
         st = make ? ctl_key_new(c, option, out)
                   : ask(c, "Passphrase of the archive", option, out);
-    return st == ST_OK && make && !c->short_passphrase ? keyfile_strong(*out, &c->e) : st;
+    return st == ST_OK && make && !c->short_passphrase ? crypt_file_strong(*out, &c->e)
+                                                       : st;
 }

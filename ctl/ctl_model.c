@@ -30,8 +30,6 @@ enum status ctl_model_open(struct ctl *c, enum store_mode mode)
     struct store_key key;
     enum status st = ctl_key(c, c->db, &key);
 
-    if (st == ST_OK && key.copy && mode != STORE_READ)
-        return ctl_usage(c, "--anchor none is for copies that are only read");
     if (st != ST_OK || (st = store_open(c->db, mode, &key, &c->store, &c->e)) != ST_OK)
         return st;
     store_use_model(c->store, c->model);

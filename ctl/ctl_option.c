@@ -8,6 +8,7 @@
 #include "cloudunit.h"
 #include "ctl.h"
 #include "number.h"
+#include "rows_scopes.h"
 #include "store.h"
 #include "utc.h"
 
@@ -106,7 +107,7 @@ const char *ctl_option_whole(const char *text, void *value)
 
 const char *ctl_option_scopes(const char *text, void *value)
 {
-    return store_scopes_read(text, value)
+    return rows_scopes_read(text, value)
                ? NULL
                : "a list of enroll,verify,identify,read,delete,manage,detail";
 }
@@ -171,8 +172,8 @@ static const struct ctl_option shared_options[] = {
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
     SHARED("anchor", "FILE", ctl_option_text, anchor, 0,
-           "the database's anchor (KEY.anchor), or none for a copy that is only\n"
-           "read; or set SURFACED_ANCHOR"),
+           "says how far the database's log has come, from another disk or\n"
+           "host; or none; or set SURFACED_ANCHOR"),
     SHARED("plaintext-database", NULL, ctl_option_flag, plaintext, 0,
            "the database has no key: whoever has the file can read it; or set\n"
            "SURFACED_PLAINTEXT_DATABASE=1"),

@@ -4,9 +4,9 @@
 #include "ctl.h"
 #include "store.h"
 
-/* ctl_review_file(c, report, out): the file of the first argument by --public-key.  report() is
- * called with c. */
-enum status ctl_review_file(struct ctl *c, store_chain_report *report,
-                            struct store_audit *out);
+/* ctl_review_file(c, report, out): the file of the first argument under --public-key.  Its last
+ * change must be signed by that key: its hash covers all before it, and names the last access.
+ * report() is called with c. */
+enum status ctl_review_file(struct ctl *c, log_report *report, struct log_walk *out);
 
 #endif

@@ -5,14 +5,14 @@
 #include "ctl_command.h"
 
 /* Each is at the end of the file whose name its own begins with. */
-extern const struct ctl_command ctl_init, ctl_init_migrate, ctl_enroll, ctl_verify,
-    ctl_verify_compare, ctl_explain, ctl_scan, ctl_asymmetry, ctl_simplify, ctl_fill,
-    ctl_evaluate, ctl_train, ctl_subject_list, ctl_subject_show, ctl_subject_set,
-    ctl_subject_rename, ctl_subject_disable, ctl_subject_enable, ctl_subject_hold,
-    ctl_subject_release, ctl_erase, ctl_erase_purge, ctl_template_list, ctl_template_show,
-    ctl_template_export, ctl_reencode, ctl_erase_template, ctl_dedup, ctl_config_show,
-    ctl_config_check, ctl_check, ctl_calibrate, ctl_backup, ctl_backup_restore,
-    ctl_accept, ctl_archive_export, ctl_archive_import, ctl_rekey, ctl_doctor, ctl_stats,
+extern const struct ctl_command ctl_init, ctl_enroll, ctl_verify, ctl_verify_compare,
+    ctl_explain, ctl_scan, ctl_asymmetry, ctl_simplify, ctl_fill, ctl_evaluate, ctl_train,
+    ctl_subject_list, ctl_subject_show, ctl_subject_set, ctl_subject_rename,
+    ctl_subject_disable, ctl_subject_enable, ctl_subject_hold, ctl_subject_release,
+    ctl_erase, ctl_erase_purge, ctl_template_list, ctl_template_show, ctl_template_export,
+    ctl_reencode, ctl_erase_template, ctl_dedup, ctl_config_show, ctl_config_check,
+    ctl_check, ctl_calibrate, ctl_backup, ctl_backup_restore, ctl_accept,
+    ctl_archive_export, ctl_archive_import, ctl_rekey, ctl_doctor, ctl_stats,
     ctl_stats_vacuum, ctl_token_create, ctl_token_list, ctl_token_rotate,
     ctl_token_revoke, ctl_device_add, ctl_device_list, ctl_device_remove,
     ctl_attempts_list, ctl_attempts_reset, ctl_audit_show, ctl_audit_verify,
@@ -21,7 +21,7 @@ extern const struct ctl_command ctl_init, ctl_init_migrate, ctl_enroll, ctl_veri
 
 /* clang-format off */
 const struct ctl_command *const ctl_table[] = {
-    &ctl_init, &ctl_init_migrate, &ctl_enroll, &ctl_verify, &ctl_verify_compare,
+    &ctl_init, &ctl_enroll, &ctl_verify, &ctl_verify_compare,
     &ctl_explain, &ctl_scan, &ctl_asymmetry, &ctl_simplify, &ctl_fill, &ctl_evaluate, &ctl_train,
     &ctl_subject_list, &ctl_subject_show, &ctl_subject_set, &ctl_subject_rename,
     &ctl_subject_disable, &ctl_subject_enable, &ctl_subject_hold, &ctl_subject_release,

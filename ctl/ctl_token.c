@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ctl_command.h"
+#include "rows_scopes.h"
 #include "ctl_model.h"
 
 #define LIFE_S (INT64_C(365) * 86400) /* of a token without --expires */
@@ -31,7 +32,7 @@ static void out_token(struct ctl *c, const struct store_token *t)
     json_array(c->out, "scopes");
     for (unsigned one = 1; one <= STORE_SCOPE_ALL; one <<= 1)
         if (t->scopes & one) {
-            store_scopes_write(one, name);
+            rows_scopes_write(one, name);
             json_text(c->out, NULL, name);
         }
     json_close(c->out);
@@ -52,7 +53,7 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     json_text(c->out, "token", secret);
     if (c->json)
         return;
-    store_scopes_write(t->scopes, list);
+    rows_scopes_write(t->scopes, list);
     (void)fprintf(stderr, "token %s (%s) for %s, good %s%s; it is shown this once:\n",
                   t->id, t->name, list, t->expires[0] != '\0' ? "until " : "for ever",
                   t->expires);
@@ -77,7 +78,7 @@ static enum status create(struct ctl *c)
     enum status st;
 
     if (scopes == 0) {
-        store_scopes_write(STORE_SCOPE_ALL, all);
+        rows_scopes_write(STORE_SCOPE_ALL, all);
         return ctl_usage(c, "token create needs --scope: one or more of %s", all);
     }
     if ((st = open_for_secret(c)) == ST_OK)
@@ -99,7 +100,7 @@ static enum status find(struct ctl *c, char id[STORE_ID_LEN + 1])
     enum status st;
 
     (void)snprintf(id, STORE_ID_LEN + 1, "%s", name);
-    if (store_id_valid(name))
+    if (ident_id_valid(name))
         return ST_OK;
     if ((st = store_token_list(c->store, &t, &n, &c->e)) != ST_OK)
         return st;
@@ -166,7 +167,7 @@ static enum status list(struct ctl *c)
         json_close(c->out);
         if (c->json)
             continue;
-        store_scopes_write(t[i].scopes, words);
+        rows_scopes_write(t[i].scopes, words);
         (void)printf("%-32s  %-7s", t[i].id, state_of(&t[i]));
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");

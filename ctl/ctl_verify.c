@@ -35,9 +35,8 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 static enum status settle(struct ctl *c, const struct ctl_nearest *best,
                           const struct scan_found *found, const struct face *f)
 {
-    struct errinfo lost = {0};
     struct store_probe probe = {0};
-    struct store_settled out = {.lost = &lost};
+    struct store_settled out = {.may = false};
     const enum face_decision decision = best->nearest.result.decision;
     const struct store_settle what = {.subject = &best->subject,
                                       .as = STORE_SETTLE_UNCOUNTED,
@@ -50,11 +49,7 @@ static enum status settle(struct ctl *c, const struct ctl_nearest *best,
 
     if (st == ST_OK)
         st = store_settle(c->store, &what, &out, &c->e);
-    if (st == ST_OK && out.replayed)
-        return replay_refuse(&c->e);
-    return st == ST_OK && lost.code != ST_OK
-               ? errinfo_set(&c->e, lost.code, "%s", lost.msg)
-               : st;
+    return st == ST_OK && out.replayed ? replay_refuse(&c->e) : st;
 }
 
 static enum status verify(struct ctl *c)

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "keyfile.h"
+#include "crypt_file.h"
 #include "nodump.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
@@ -267,7 +267,7 @@ int main(int argc, char **argv)
     face_work_free(c->work);
     free(model);
     ctl_config_free(c);
-    keyfile_free(c->asked);
+    crypt_file_free(c->asked);
     if (code > EXIT_INCONCLUSIVE)
         print_error(c, code);
     if ((c->json && !ctl_print(stdout, json_pretty(c->out))) || fflush(stdout) != 0) {

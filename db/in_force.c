@@ -45,12 +45,9 @@ enum status in_force_follow(struct store *s, struct face_work *w, int64_t *versi
                             struct errinfo *e)
 {
     struct store_calibration k;
-    int64_t newest;
-    enum status st = store_calibration_version(s, &newest, e);
+    const enum status st = in_force_get(s, &k, e);
 
-    if (st != ST_OK || newest == *version)
-        return st;
-    if ((st = in_force_get(s, &k, e)) != ST_OK)
+    if (st != ST_OK || k.version == *version)
         return st;
     in_force_use(s, k, w);
     *version = k.version;

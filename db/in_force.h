@@ -7,7 +7,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "status.h"
-#include "store_types.h"
+#include "rows_types.h"
 
 struct errinfo;
 struct face_work; /* face.h */

@@ -4,37 +4,54 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "errinfo.h"
-#include "row_attempts.h"
-#include "row_calibration.h"
-#include "row_subject.h"
-#include "row_template.h"
+#include "rows_attempts.h"
+#include "rows_calibration.h"
+#include "rows_template.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
-static enum status one_template(struct store_txn *x, const char *id,
-                                struct store_admission *out, struct errinfo *e)
+struct admitting {
+    struct log_txn t;
+    const struct store_admit *what;
+    struct store_admission *out;
+    struct rows_subject of;
+    struct rows_template *row; /* [out->n] */
+};
+
+/* The subject and those of its templates that are asked for. */
+static enum status read_templates(struct admitting *a, struct errinfo *e)
 {
-    if ((out->t = malloc(sizeof *out->t)) == NULL)
+    enum status st;
+
+    if (a->what->subject != NULL) {
+        if ((st = rows_subject_find(&a->t, a->what->subject, &a->of, e)) != ST_OK ||
+            (st = rows_template_list(&a->t, &a->of, &a->row, &a->out->n, e)) != ST_OK)
+            return st;
+    } else {
+        if ((a->row = malloc(sizeof *a->row)) == NULL)
+            return errinfo_set(e, ST_ENOMEM, "out of memory");
+        if ((st = rows_template_get(&a->t, a->what->template_id, a->row, &a->of, e)) !=
+            ST_OK)
+            return st;
+        a->out->n = 1;
+    }
+    if ((a->out->t = malloc((a->out->n + 1) * sizeof *a->out->t)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    out->n = 1;
-    return row_template_get(x, id, out->t, e);
+    for (size_t i = 0; i < a->out->n; i++)
+        a->out->t[i] = a->row[i].one;
+    return ST_OK;
 }
 
-static enum status read_calibration(struct store_txn *x, int64_t known,
-                                    struct store_admission *out, struct errinfo *e)
+static enum status read_calibration(struct admitting *a, struct errinfo *e)
 {
     struct store_calibration k;
-    struct errinfo why;
-    const enum status st = row_calibration_get(x, &k, &why);
+    const enum status st = rows_calibration_get(&a->t, &k, e);
 
-    if (st == ST_ENOTFOUND)
-        return ST_OK;
     if (st != ST_OK)
-        return errinfo_set(e, st, "%s", why.msg);
-    out->calibration = k.version;
-    if (k.version != known)
-        out->k = k;
+        return st == ST_ENOTFOUND ? ST_OK : st;
+    a->out->calibration = k.version;
+    if (k.version != a->what->calibration)
+        a->out->k = k;
     return ST_OK;
 }
 
@@ -43,73 +60,80 @@ static const char *token_of(const struct store_admit *what)
     return what->token != NULL ? what->token : "";
 }
 
-static enum status read_all(struct store_txn *x, const struct store_admit *what,
-                            int64_t now_ms, struct store_admission *out, bool *future,
+static enum status read_all(struct admitting *a, int64_t now_ms, bool *future,
                             struct errinfo *e)
 {
-    const char *subject = what->subject;
+    struct store_admission *out = a->out;
+    enum status st;
+
+    if ((st = read_templates(a, e)) != ST_OK)
+        return st;
+    out->subject = a->of.one;
+    out->subject.expired = store_rules_past(out->subject.expires, now_ms);
+    if ((st = rows_attempts_get(&a->t, &out->subject, token_of(a->what), now_ms,
+                                &out->attempts, future, e)) != ST_OK ||
+        (st = read_calibration(a, e)) != ST_OK)
+        return st;
+    return a->what->listed != NULL ? a->what->listed(a->what->arg, out, e) : ST_OK;
+}
+
+static enum status read_faces(struct admitting *a, struct errinfo *e)
+{
+    const struct store_admit *what = a->what;
     enum status st = ST_OK;
 
-    if (subject == NULL) {
-        if ((st = one_template(x, what->template_id, out, e)) != ST_OK)
-            return st;
-        subject = out->t->subject;
+    for (size_t i = 0; i < a->out->n && st == ST_OK; i++) {
+        unsigned char *face = NULL;
+        size_t len = 0;
+
+        if (what->wanted == NULL || what->use == NULL ||
+            !what->wanted(what->arg, &a->out->t[i]))
+            continue;
+        st = rows_template_face(&a->t, &a->row[i], &a->of, &face, &len, e);
+        if (st == ST_OK)
+            st = what->use(what->arg, &a->out->t[i], face, len, e);
+        rows_template_wipe(face, len);
     }
-    if ((st = row_subject_read(x, subject, &out->subject, e)) != ST_OK ||
-        (st = row_attempts_get(x, subject, token_of(what), now_ms, &out->attempts, future,
-                               e)) != ST_OK ||
-        (st = read_calibration(x, what->calibration, out, e)) != ST_OK)
-        return st;
-    out->subject.expired = store_rules_past(out->subject.expires, now_ms);
-    if (what->subject != NULL)
-        st = row_template_list(x, out->subject.key, out->subject.templates, &out->t,
-                               &out->n, e);
-    if (st == ST_OK && what->listed != NULL)
-        st = what->listed(what->arg, out, e);
     return st;
 }
 
-static enum status read_models(struct store_txn *x, const struct store_admit *what,
-                               const struct store_admission *out, struct errinfo *e)
+/* Also where the reading was ended: a lock-out must end some day. */
+static enum status move_future(struct store *s, const struct admitting *a, int64_t now,
+                               struct errinfo *e)
 {
-    struct store_template t;
-    enum status st = ST_OK;
+    struct log_txn t;
+    const enum status st = store_begin(s, SQL_LAZY, &t, e);
 
-    for (size_t i = 0; i < out->n && st == ST_OK; i++)
-        if (what->wanted != NULL && what->use != NULL &&
-            what->wanted(what->arg, &out->t[i]))
-            st = row_template_load(x, out->t[i].id, &t, what->use, what->arg, e);
-    return st;
+    if (st != ST_OK)
+        return st;
+    return store_end(
+        s, &t, rows_attempts_not_after(&t, &a->out->subject, token_of(a->what), now, e),
+        e);
 }
 
 enum status store_admit(struct store *s, const struct store_admit *what,
                         struct store_admission *out, struct errinfo *e)
 {
+    struct admitting a = {.what = what, .out = out};
     struct errinfo why = {0};
-    struct store_txn x;
     bool future = false;
     int64_t now;
     enum status st, moved;
 
     memset(out, 0, sizeof *out);
     if ((st = what->subject != NULL
-                  ? store_rules_subject(what->subject, e)
-                  : store_rules_id(what->template_id, "template", e)) != ST_OK ||
+                  ? ident_subject(what->subject, e)
+                  : ident_id(what->template_id, "template", e)) != ST_OK ||
         (st = store_rules_now(&now, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_begin(s, SQL_READ, &a.t, e)) != ST_OK)
         return st;
-    if ((st = read_all(&x, what, now, out, &future, e)) == ST_OK)
-        st = read_models(&x, what, out, e);
-    st = store_txn_end(&x, st, e);
-    if (future) { /* also where the reading was ended: a lock-out must end some day */
-        if ((moved = store_txn_begin(s, SQL_LAZY, &x, &why)) == ST_OK)
-            moved = store_txn_end(
-                &x,
-                row_attempts_not_after(&x, out->subject.id, token_of(what), now, &why),
-                &why);
-        if (st == ST_OK && moved != ST_OK)
-            st = errinfo_set(e, moved, "%s", why.msg);
-    }
+    if ((st = read_all(&a, now, &future, e)) == ST_OK)
+        st = read_faces(&a, e);
+    st = store_end(s, &a.t, st, e);
+    if (future && (moved = move_future(s, &a, now, &why)) != ST_OK && st == ST_OK)
+        st = errinfo_set(e, moved, "%s", why.msg);
+    free(a.row);
+    sodium_memzero(&a.of, sizeof a.of);
     if (st != ST_OK) {
         free(out->t);
         out->t = NULL;

@@ -2,7 +2,7 @@
  * in one transaction. */
 #ifndef DB_STORE_ADMIT_H
 #define DB_STORE_ADMIT_H
-#include "store_types.h"
+#include "store_open.h"
 
 struct store_admission {
     struct store_subject subject; /* expired is set */
@@ -20,21 +20,21 @@ struct store_admit {
     const char *token;       /* whose attempts; NULL: "" */
     int64_t calibration;     /* the version that the caller decides by */
 
-    /* listed: all but the models is read; its status ends the reading where it is not ST_OK.
-     * wanted: is this template's model to be read?  For each, in their order, before
-     * use: it is.  model is encoded, to be read by store_template_decode(); valid during the
+    /* listed: all but the faces is read; its status ends the reading where it is not ST_OK.
+     * wanted: is this template's face to be read?  For each, in their order, before
+     * use: it is.  face is encoded, to be read by store_template_decode(); valid during the
      * call only.  A status other than ST_OK ends the reading.
      * Each may be NULL; then nothing more is read.  They must not call the store: it may be
      * waiting for a connection that this thread has. */
     enum status (*listed)(void *arg, const struct store_admission *a, struct errinfo *e);
     bool (*wanted)(void *arg, const struct store_template *t);
-    enum status (*use)(void *arg, const struct store_template *t, const void *model,
+    enum status (*use)(void *arg, const struct store_template *t, const void *face,
                        size_t len, struct errinfo *e);
     void *arg;
 };
 
 /* store_admit(s, what, out, e): ST_ENOTFOUND: no such subject or template; ST_ECORRUPT, also of
- * the newest calibration, then it must not be decided.  On failure out->t is NULL.
+ * the newest calibration: then nothing can be decided.  On failure out->t is NULL.
  * A failed attempt that lies in the future (the clock was set back) is moved to now for good, so
  * that a wait that begins with it ends. */
 enum status store_admit(struct store *s, const struct store_admit *what,

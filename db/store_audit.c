@@ -2,124 +2,15 @@
 
 #include <inttypes.h>
 #include <sodium.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "errinfo.h"
-#include "row_entry.h"
-#include "row_event.h"
-#include "row_subject.h"
-#include "store_column.h"
-#include "store_rules.h"
+#include "log_list.h"
+#include "rows_subject.h"
+#include "sql_read.h"
 #include "store_txn.h"
-
-/* ---- rows */
-
-static enum status read_entry(void *t, const struct sql_rows *from, void *out,
-                              struct errinfo *e)
-{
-    struct store_audit_entry *a = out;
-    struct row_entry r;
-
-    (void)t; /* nothing of it is encrypted */
-    if (!row_entry_read(from, &r))
-        return errinfo_set(e, ST_ECORRUPT,
-                           "entry %" PRIu64 " of the audit log (%s) is damaged", r.seq,
-                           store_chain_word(r.chain));
-    memset(a, 0, sizeof *a);
-    a->chain = r.chain;
-    a->seq = r.seq;
-    memcpy(a->at, r.at, sizeof a->at);
-    memcpy(a->kind, r.kind, sizeof a->kind);
-    memcpy(a->actor, r.actor, sizeof a->actor);
-    memcpy(a->template_id, r.template_id, sizeof a->template_id);
-    memcpy(a->outcome, r.outcome, sizeof a->outcome);
-    a->uses = r.uses;
-    (void)sodium_bin2hex(a->ref, sizeof a->ref, r.ref, r.nref);
-    (void)sodium_bin2hex(a->object, sizeof a->object, r.object, r.nobject);
-    (void)sodium_bin2hex(a->row, sizeof a->row, r.row, r.nrow);
-    (void)sodium_bin2hex(a->uses_hash, sizeof a->uses_hash, r.uses_hash, r.nuses_hash);
-    (void)sodium_bin2hex(a->hash, sizeof a->hash, r.hash, sizeof r.hash);
-    return ST_OK;
-}
-
-static enum status list_mark(void *t, const struct sql_rows *r, void *out,
-                             struct errinfo *e)
-{
-    struct store_audit_mark *a = out;
-    struct store_chain_mark m;
-
-    (void)t;
-    memset(a, 0, sizeof *a);
-    if (!row_entry_mark(r, 0, &m))
-        return errinfo_set(e, ST_ECORRUPT, "a checkpoint of the audit log is damaged");
-    a->chain = m.chain;
-    a->seq = m.seq;
-    memcpy(a->at, m.at, sizeof a->at);
-    (void)sodium_bin2hex(a->hash, sizeof a->hash, m.hash, sizeof m.hash);
-    (void)sodium_bin2hex(a->signature, sizeof a->signature, m.signature,
-                         sizeof m.signature);
-    return ST_OK;
-}
-
-/* ---- names */
-
-struct name {
-    char ref[33], subject[STORE_SUBJECT_MAX + 1];
-};
-
-static int by_ref(const void *a, const void *b)
-{
-    return strcmp(((const struct name *)a)->ref, ((const struct name *)b)->ref);
-}
-
-/* A subject whose row is damaged has no name here. */
-static enum status read_name(void *arg, const struct sql_rows *r, void *out,
-                             struct errinfo *e)
-{
-    struct store_txn *t = arg;
-    unsigned char ref[ROW_CRYPT_REF];
-    struct name *name = out;
-    struct row_crypt_key k;
-    struct store_subject who;
-
-    (void)e;
-    memset(name, 0, sizeof *name);
-    if (row_subject_who(t, r, 0, &who, &k, NULL) == ST_OK) {
-        row_crypt_ref(t->vault, who.id, ref);
-        (void)sodium_bin2hex(name->ref, sizeof name->ref, ref, sizeof ref);
-        memcpy(name->subject, who.id, sizeof name->subject);
-    }
-    sodium_memzero(&k, sizeof k);
-    return ST_OK;
-}
-
-static enum status find_names(struct store_txn *t, struct store_audit_entry *a, size_t n,
-                              struct errinfo *e)
-{
-    struct sql_rows *r;
-    void *list = NULL;
-    size_t count = 0;
-    enum status st =
-        sql_query(t->sql, "SELECT " ROW_SUBJECT_WHO " FROM subjects s", NULL, 0, &r, e);
-
-    st = store_column_list(r, st, read_name, t, sizeof(struct name), &list, &count, e);
-    if (st != ST_OK || count == 0)
-        return st;
-    qsort(list, count, sizeof(struct name), by_ref);
-    for (size_t i = 0; i < n; i++) {
-        struct name wanted, *found;
-
-        if (a[i].ref[0] == '\0')
-            continue;
-        memcpy(wanted.ref, a[i].ref, sizeof wanted.ref);
-        found = bsearch(&wanted, list, count, sizeof wanted, by_ref);
-        if (found != NULL)
-            memcpy(a[i].subject, found->subject, sizeof a[i].subject);
-    }
-    free(list);
-    return ST_OK;
-}
+#include "utc.h"
 
 /* ---- lists */
 
@@ -137,242 +28,297 @@ static bool since_valid(const char *since)
     return true;
 }
 
-/* What the subject was called before: the ref of each former id, and the entries between
- * which it was this subject's.  A rename is two entries, of the former id and of the new. */
-#define FORMER                                                                           \
-    "WITH RECURSIVE former(ref, since, until) AS ("                                      \
-    "SELECT DISTINCT subject, CAST(0 AS bigint), 9223372036854775807 "                   \
-    "FROM events WHERE chain = 0 AND subject = $2 "                                      \
-    "UNION SELECT o.subject, "                                                           \
-    "coalesce((SELECT max(d.event_key) FROM events d WHERE d.chain = 0 "                 \
-    "AND d.subject = o.subject AND d.seq < o.seq "                                       \
-    "AND (d.kind = 'delete_subject' OR d.outcome = 'renamed')), 0), "                    \
-    "n.event_key FROM former JOIN events n ON n.chain = 0 AND n.subject = former.ref "   \
-    "AND n.event_key > former.since AND n.event_key < former.until "                     \
-    "AND n.kind = 'rename_subject' AND n.outcome = 'named' "                             \
-    "JOIN events o ON o.chain = 0 AND o.seq = n.seq - 1 AND o.outcome = 'renamed') "
-
-#define WANTED                                                                           \
-    " FROM events e WHERE e.chain = coalesce($6, e.chain) AND e.seq > $1 "               \
-    "AND (e.subject = coalesce($2, e.subject) "                                          \
-    "OR EXISTS (SELECT 1 FROM former WHERE former.ref = e.subject "                      \
-    "AND e.event_key > former.since AND e.event_key < former.until)) "                   \
-    "AND e.kind = coalesce($3, e.kind) AND e.at >= coalesce($4, e.at) "
-
-static enum status list(struct store_txn *t, const struct store_audit_filter *f,
-                        void **out, size_t *n, struct errinfo *e)
+static enum status check_filter(const struct store_audit_filter *f, struct errinfo *e)
 {
-    const int64_t after = f->after <= INT64_MAX ? (int64_t)f->after : INT64_MAX;
-    const int64_t limit =
-        f->limit != 0 && f->limit < INT64_MAX ? (int64_t)f->limit : INT64_MAX;
-    unsigned char ref[ROW_CRYPT_REF];
-    struct sql_value v[] = {sql_int(after),
-                            sql_null(),
-                            sql_text_or_null(f->kind != NULL ? f->kind : ""),
-                            sql_text_or_null(f->since != NULL ? f->since : ""),
-                            sql_int(limit),
-                            f->chain != NULL ? sql_int(*f->chain) : sql_null()};
-    struct sql_rows *r;
+    if (f->wanted.kind != NULL && !ident_printable(f->wanted.kind, 1, LOG_TEXT))
+        return errinfo_set(e, ST_EINVAL, "a kind is 1 to %d printable characters",
+                           LOG_TEXT);
+    if (f->wanted.since != NULL && !since_valid(f->wanted.since))
+        return errinfo_set(e, ST_EINVAL,
+                           "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
+                           f->wanted.since);
+    return f->subject != NULL ? ident_subject(f->subject, e) : ST_OK;
+}
+
+/* The names of subjects that are still enrolled; a damaged row has none here. */
+static enum status find_name(struct log_txn *t, struct store_audit_entry *a,
+                             struct errinfo *e)
+{
+    struct rows_subject of;
     enum status st;
 
-    if (f->subject != NULL) {
-        row_crypt_ref(t->vault, f->subject, ref);
-        v[1] = sql_blob(ref, sizeof ref);
+    if (sodium_is_zero(a->entry.uid, sizeof a->entry.uid))
+        return ST_OK;
+    if ((st = rows_subject_get(t, a->entry.uid, &of, e)) == ST_OK)
+        memcpy(a->subject, of.one.id, sizeof a->subject);
+    sodium_memzero(&of, sizeof of);
+    return st == ST_ENOTFOUND || st == ST_ECORRUPT ? ST_OK : st;
+}
+
+struct logs {
+    struct log_entry *entry[LOGS];
+    size_t n[LOGS];
+};
+
+/* Both in the order of their writing: a change says how many accesses came before it. */
+static enum log_name next_log(const struct logs *l, const size_t at[LOGS])
+{
+    if (at[LOG_CHANGES] == l->n[LOG_CHANGES])
+        return LOG_ACCESSES;
+    if (at[LOG_ACCESSES] == l->n[LOG_ACCESSES])
+        return LOG_CHANGES;
+    return l->entry[LOG_ACCESSES][at[LOG_ACCESSES]].seq <=
+                   l->entry[LOG_CHANGES][at[LOG_CHANGES]].accesses.seq
+               ? LOG_ACCESSES
+               : LOG_CHANGES;
+}
+
+static enum status merge(const struct logs *l, const struct log_filter *f,
+                         struct store_audit_entry **out, size_t *n, struct errinfo *e)
+{
+    const size_t all = l->n[LOG_CHANGES] + l->n[LOG_ACCESSES];
+    size_t at[LOGS] = {0}, skip;
+
+    *n = f->limit != 0 && f->limit < all ? (size_t)f->limit : all;
+    skip = f->newest ? all - *n : 0;
+    if (*n == 0)
+        return ST_OK;
+    if ((*out = calloc(*n, sizeof **out)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    for (size_t i = 0; i < skip + *n; i++) {
+        const enum log_name log = next_log(l, at);
+
+        if (i >= skip)
+            (*out)[i - skip].entry = l->entry[log][at[log]];
+        at[log]++;
     }
-    if (f->newest)
-        st = sql_query(t->sql,
-                       FORMER "SELECT * FROM (SELECT " ROW_ENTRY_COLUMNS
-                              ", e.event_key" WANTED
-                              "ORDER BY e.event_key DESC LIMIT $5) AS newest "
-                              "ORDER BY event_key",
-                       v, sizeof v / sizeof *v, &r, e);
-    else
-        st = sql_query(t->sql,
-                       FORMER "SELECT " ROW_ENTRY_COLUMNS WANTED
-                              "ORDER BY e.event_key LIMIT $5",
-                       v, sizeof v / sizeof *v, &r, e);
-    return store_column_list(r, st, read_entry, t, sizeof(struct store_audit_entry), out,
-                             n, e);
+    return ST_OK;
+}
+
+static enum status list(struct log_txn *t, const struct store_audit_filter *filter,
+                        struct store_audit_entry **out, size_t *n, struct errinfo *e)
+{
+    struct log_filter wanted = filter->wanted;
+    struct rows_subject of;
+    struct logs l = {{0}, {0}};
+    enum status st = ST_OK;
+
+    if (filter->subject != NULL) {
+        if ((st = rows_subject_find(t, filter->subject, &of, e)) != ST_OK)
+            return st;
+        sodium_memzero(of.key, sizeof of.key);
+        wanted.uid = of.one.uid;
+    }
+    for (int i = 0; i < LOGS && st == ST_OK; i++)
+        if (filter->log == NULL || *filter->log == (enum log_name)i)
+            st = log_list(t, (enum log_name)i, &wanted, &l.entry[i], &l.n[i], e);
+    if (st == ST_OK)
+        st = merge(&l, &wanted, out, n, e);
+    for (int i = 0; i < LOGS; i++)
+        free(l.entry[i]);
+    for (size_t i = 0; st == ST_OK && filter->names && i < *n; i++)
+        st = find_name(t, &(*out)[i], e);
+    return st;
 }
 
 enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
                              struct store_audit_entry **out, size_t *n, struct errinfo *e)
 {
-    struct store_txn t;
-    void *entries = NULL;
+    struct log_txn t;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if (filter->subject != NULL &&
-        (st = store_rules_subject(filter->subject, e)) != ST_OK)
+    if ((st = check_filter(filter, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    if (filter->kind != NULL && !store_rules_printable(filter->kind, 1, STORE_NAME_MAX))
-        return errinfo_set(e, ST_EINVAL, "the kind of an event is malformed");
-    if (filter->since != NULL && !since_valid(filter->since))
-        return errinfo_set(e, ST_EINVAL,
-                           "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
-                           filter->since);
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    if ((st = list(&t, filter, &entries, n, e)) == ST_OK && filter->names)
-        st = find_names(&t, entries, *n, e);
-    if ((st = store_txn_end(&t, st, e)) != ST_OK) {
-        free(entries);
+    if ((st = store_end(s, &t, list(&t, filter, out, n, e), e)) != ST_OK) {
+        free(*out);
+        *out = NULL;
         *n = 0;
-        return st;
     }
-    *out = entries;
+    return st;
+}
+
+enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
+                               struct errinfo *e)
+{
+    (void)e;
+    crypt_public(s->crypt, public);
     return ST_OK;
 }
 
-enum status store_audit_marks(struct store *s, struct store_audit_mark **out, size_t *n,
-                              struct errinfo *e)
+enum status store_audit_has(struct store *s, const struct log_end *at, bool *has,
+                            struct errinfo *e)
 {
-    struct sql_rows *r;
-    struct store_txn t;
-    void *marks = NULL;
+    struct log_txn t;
+    const enum status st = store_begin(s, SQL_READ, &t, e);
+
+    *has = false;
+    return st == ST_OK ? store_end(s, &t, log_has(&t, at, has, e), e) : st;
+}
+
+struct at_end { /* of the changes */
+    struct log_walk *walk;
+    uint64_t seq;
+};
+
+static void report_row(void *arg, const char *line)
+{
+    struct at_end *end = arg;
+
+    end->walk->log = LOG_CHANGES;
+    log_walk_problem(end->walk, end->seq, line);
+}
+
+enum status store_audit_verify(struct store *s, log_report *report, void *arg,
+                               struct log_walk *out, struct errinfo *e)
+{
+    unsigned char public[CRYPT_KEY];
+    struct at_end end = {.walk = out};
+    struct errinfo why;
+    struct log_txn t;
     enum status st;
 
-    *out = NULL;
-    *n = 0;
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    crypt_public(s->crypt, public);
+    log_walk_begin(out, s->crypt, public, report, arg);
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK ||
+        (st = store_end(s, &t, log_walk_all(&t, out, e), e)) != ST_OK)
         return st;
-    st = sql_query(t.sql,
-                   "SELECT chain, seq, at, hash, signature FROM checkpoints "
-                   "ORDER BY chain, seq",
-                   NULL, 0, &r, e);
-    st = store_column_list(r, st, list_mark, &t, sizeof **out, &marks, n, e);
-    *out = marks;
-    return store_txn_end(&t, st, e);
-}
-
-enum status store_audit_public(struct store *s, char public_key[65], struct errinfo *e)
-{
-    unsigned char public[VAULT_KEY];
-    struct store_txn t;
-    enum status st;
-
-    public_key[0] = '\0';
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    vault_public(t.vault, public);
-    (void)sodium_bin2hex(public_key, 65, public, sizeof public);
-    return store_txn_end(&t, ST_OK, e);
-}
-
-enum status store_audit_signer(struct store *s, const char *public_key, bool *was,
-                               struct errinfo *e)
-{
-    struct row_event_row key = {.gone = false};
-    struct store_txn t;
-    enum status st;
-
-    *was = false;
-    if (sodium_hex2bin(key.mac, sizeof key.mac, public_key, strlen(public_key), NULL,
-                       NULL, NULL) != 0)
-        return ST_OK;
-    memcpy(key.object, store_chain_key, sizeof key.object);
-    st = store_txn_begin(s, SQL_READ, &t, e);
-    return st == ST_OK ? store_txn_end(&t, row_event_was(&t, &key, was, e), e) : st;
-}
-
-static enum status read_erased(void *t, const struct sql_rows *r, void *out,
-                               struct errinfo *e)
-{
-    unsigned char ref[ROW_CRYPT_REF];
-    struct store_erased *one = out;
-    const bool known = store_column_bytes(r, 0, ref, sizeof ref);
-
-    (void)t;
-    if (!store_column_text(r, 1, one->at, sizeof one->at))
-        return errinfo_set(e, ST_ECORRUPT, "an entry of the audit log is damaged");
-    (void)sodium_bin2hex(one->ref, sizeof one->ref, ref, known ? sizeof ref : 0);
-    return ST_OK;
-}
-
-enum status store_audit_erased(struct store *s, const char *subject,
-                               struct store_erased **out, size_t *n, struct errinfo *e)
-{
-    unsigned char ref[ROW_CRYPT_REF];
-    struct sql_value who = sql_null();
-    struct sql_rows *r;
-    struct store_txn t;
-    void *erased = NULL;
-    enum status st;
-
-    *out = NULL;
-    *n = 0;
-    if ((subject != NULL && (st = store_rules_subject(subject, e)) != ST_OK) ||
-        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    if (subject != NULL) {
-        row_crypt_ref(t.vault, subject, ref);
-        who = sql_blob(ref, sizeof ref);
-    }
-    st = SQL_QUERY(t.sql, &r, e,
-                   "SELECT subject, at FROM events WHERE chain = 0 "
-                   "AND kind = 'delete_subject' AND subject = coalesce($1, subject) "
-                   "ORDER BY seq",
-                   who);
-    st = store_column_list(r, st, read_erased, &t, sizeof **out, &erased, n, e);
-    *out = erased;
-    return store_txn_end(&t, st, e);
+    end.seq = t.changes.seq;
+    if ((st = store_verify(s, report_row, &end, &why)) == ST_EREFUSED)
+        return ST_OK; /* reported */
+    return st == ST_OK ? ST_OK : errinfo_set(e, st, "%s", why.msg);
 }
 
 /* ---- writing */
 
-enum status store_event(struct store *s, const char *kind, const char *actor,
-                        const char *subject, const char *template_id, const char *outcome,
-                        struct errinfo *e)
+static enum status add_access(struct log_txn *t, const struct log_act *by,
+                              const char *kind, const char *subject, const char *object,
+                              const char *outcome, struct errinfo *e)
 {
-    struct store_act by;
-    struct store_txn t;
-    enum status st;
+    struct rows_subject of = {.revision = 0};
+    bool known = false;
 
-    if ((st = store_rules_event(kind, subject, template_id, outcome, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_LAZY, &t, e)) != ST_OK)
-        return st;
-    return store_txn_end(
-        &t, row_event_use(&t, &by, kind, subject, template_id, outcome, e), e);
+    if (subject[0] != '\0') {
+        const enum status st = rows_subject_find(t, subject, &of, e);
+
+        sodium_memzero(of.key, sizeof of.key);
+        if (st != ST_OK && st != ST_ENOTFOUND)
+            return st;
+        known = st == ST_OK;
+    }
+    return log_access(t, by, kind, known ? of.one.uid : NULL, object, outcome, e);
 }
 
-static enum status get_mark(struct store_txn *t, uint64_t seq,
-                            struct store_audit_mark *out, struct errinfo *e)
+enum status store_event(struct store *s, const char *kind, const char *actor,
+                        const char *subject, const char *object, const char *outcome,
+                        struct errinfo *e)
 {
-    struct sql_rows *r;
-    bool found;
-    enum status st = SQL_QUERY(t->sql, &r, e,
-                               "SELECT chain, seq, at, hash, signature FROM checkpoints "
-                               "WHERE chain = 0 AND seq = $1",
-                               sql_int((int64_t)seq));
+    struct log_act by;
+    struct log_txn t;
+    enum status st;
 
-    if ((found = st == ST_OK && sql_next(r)))
-        st = list_mark(t, r, out, e);
-    st = sql_done(r, st, e);
-    return st != ST_OK || found
-               ? st
-               : errinfo_set(e, ST_EDB, "the checkpoint was not written");
+    if (!ident_printable(kind, 1, LOG_TEXT) || !ident_printable(object, 0, LOG_TEXT) ||
+        !ident_printable(outcome, 0, LOG_TEXT))
+        return errinfo_set(e, ST_EINVAL,
+                           "an entry's texts are up to %d printable "
+                           "characters",
+                           LOG_TEXT);
+    if (subject[0] != '\0' && (st = ident_subject(subject, e)) != ST_OK)
+        return st;
+    if ((st = store_act_begin(s, actor, SQL_LAZY, &by, &t, e)) != ST_OK)
+        return st;
+    return store_end(s, &t, add_access(&t, &by, kind, subject, object, outcome, e), e);
 }
 
 enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
-                             struct store_audit_mark *out, struct errinfo *e)
+                             struct log_entry *out, struct errinfo *e)
 {
-    unsigned char hash[STORE_CHAIN_HASH];
-    struct store_act by;
-    struct store_txn t;
-    uint64_t seq;
+    struct log_entry *entry = NULL;
+    struct log_filter last = {.limit = 1, .newest = true};
+    struct log_act by;
+    struct log_txn t;
+    size_t n = 0;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if (strcmp(kind, STORE_CHAIN_SIGN) != 0 && strcmp(kind, STORE_CHAIN_EXPORT) != 0)
-        return errinfo_set(e, ST_EINVAL, "no event of this kind is signed");
-    if ((st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
-    if ((st = row_event_add(&t, &by, kind, "", "", "", e)) == ST_OK &&
-        (st = row_event_end(&t, STORE_CHAIN_CHANGES, &seq, hash, e)) == ST_OK)
-        st = get_mark(&t, seq, out, e);
-    return store_txn_end(&t, st, e);
+    if ((st = log_change(&t, &by, kind, NULL, "", "", e)) == ST_OK &&
+        (st = log_list(&t, LOG_CHANGES, &last, &entry, &n, e)) == ST_OK && n == 1)
+        *out = entry[0];
+    free(entry);
+    return store_end(s, &t, st, e);
+}
+
+/* ---- how long accesses are kept */
+
+#define BATCH 20000 /* entries: other writers wait for about 0.1 s */
+#define DAY   INT64_C(86400000)
+
+/* The last access after `after`, at most a batch, that is from before `until` and not the last of
+ * all; how many there are.  Their times follow each other but where the clock was set. */
+static enum status find_last(struct log_txn *t, uint64_t after, const char *until,
+                             struct log_end *last, uint64_t *n, struct errinfo *e)
+{
+    char at[UTC_TEXT];
+    struct sql_rows *r;
+    enum status st = SQL_QUERY(t->sql, &r, e,
+                               "SELECT seq, at, hash FROM access_log WHERE seq > $1 "
+                               "AND seq < (SELECT max(seq) FROM access_log) "
+                               "ORDER BY seq LIMIT $2",
+                               sql_int((int64_t)after), sql_int(BATCH));
+
+    *n = 0;
+    while (st == ST_OK && sql_next(r)) {
+        if (sql_read_text(r, 1, at, sizeof at) && strcmp(at, until) >= 0)
+            break;
+        if (!sql_read_bytes(r, 2, last->hash, LOG_HASH))
+            st = errinfo_set(e, ST_ECORRUPT, "an entry of the access log is damaged");
+        last->seq = (uint64_t)sql_column(r, 0).i;
+        ++*n;
+    }
+    return sql_done(r, st, e);
+}
+
+static enum status cut_off(struct log_txn *t, const struct log_act *by,
+                           const struct log_end *last, struct errinfo *e)
+{
+    char outcome[32], hash[2 * LOG_HASH + 1];
+    const enum status st = SQL_RUN(t->sql, e, "DELETE FROM access_log WHERE seq <= $1",
+                                   sql_int((int64_t)last->seq));
+
+    (void)snprintf(outcome, sizeof outcome, "%" PRIu64, last->seq);
+    (void)sodium_bin2hex(hash, sizeof hash, last->hash, LOG_HASH);
+    return st == ST_OK ? log_change(t, by, LOG_TRIM, NULL, hash, outcome, e) : st;
+}
+
+enum status store_audit_trim(struct store *s, const char *actor, unsigned days, bool dry,
+                             uint64_t *cut, struct errinfo *e)
+{
+    struct log_end last = {.seq = 0};
+    char until[UTC_TEXT];
+    struct log_act by;
+    struct log_txn t;
+    uint64_t n;
+    enum status st;
+
+    *cut = 0;
+    if (days < 1 || days > STORE_TRIM_MAX)
+        return errinfo_set(e, ST_EINVAL, "accesses are kept for 1 to %d days",
+                           STORE_TRIM_MAX);
+    do {
+        n = 0;
+        if ((st = store_act_begin(s, actor, dry ? SQL_READ : SQL_WRITE, &by, &t, e)) !=
+            ST_OK)
+            return st;
+        utc_print(by.ms > days * DAY ? by.ms - days * DAY : 0, until);
+        st = find_last(&t, last.seq, until, &last, &n, e);
+        if (st == ST_OK && n > 0 && !dry)
+            st = cut_off(&t, &by, &last, e);
+        if ((st = store_end(s, &t, st, e)) == ST_OK)
+            *cut += n;
+    } while (st == ST_OK && n == BATCH);
+    return st;
 }

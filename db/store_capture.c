@@ -4,8 +4,7 @@
 #include <string.h>
 
 #include "bytes.h"
-#include "errinfo.h"
-#include "row_device.h"
+#include "rows_device.h"
 #include "store_rules.h"
 #include "store_txn.h"
 #include "utc.h"
@@ -18,14 +17,14 @@
 
 static const char label[16] = "surface nonce";
 
-static void mac_of(const struct store_txn *t, const unsigned char nonce[STORE_NONCE],
+static void mac_of(const struct log_txn *t, const unsigned char nonce[STORE_NONCE],
                    unsigned char out[MAC])
 {
-    unsigned char text[sizeof label + STORE_NONCE - MAC], mac[VAULT_HASH];
+    unsigned char text[sizeof label + STORE_NONCE - MAC], mac[CRYPT_HASH];
 
     memcpy(text, label, sizeof label);
     memcpy(text + sizeof label, nonce, STORE_NONCE - MAC);
-    vault_mac(t->vault, text, sizeof text, mac);
+    crypt_mac(t->crypt, text, sizeof text, mac);
     memcpy(out, mac, MAC);
 }
 
@@ -33,23 +32,23 @@ enum status store_capture_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1
                                 char expires[32], struct errinfo *e)
 {
     unsigned char raw[STORE_NONCE];
-    struct store_txn t;
+    struct log_txn t;
     int64_t ms;
     enum status st;
 
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     bytes_set(raw, (uint64_t)ms, 8);
     randombytes_buf(raw + 8, RANDOM);
     mac_of(&t, raw, raw + STORE_NONCE - MAC);
     (void)sodium_bin2base64(nonce, STORE_NONCE_TEXT + 1, raw, sizeof raw, CODING);
     utc_print(ms + STORE_NONCE_LIFE_MS, expires);
-    return store_txn_end(&t, ST_OK, e);
+    return store_end(s, &t, ST_OK, e);
 }
 
 /* Is it one of ours? */
-static bool read_nonce(const struct store_txn *t, const char *text,
+static bool read_nonce(const struct log_txn *t, const char *text,
                        unsigned char out[STORE_NONCE])
 {
     unsigned char mac[MAC];
@@ -67,23 +66,23 @@ static enum status look(struct store *s, const struct store_capture *c,
                         unsigned char nonce[STORE_NONCE], enum store_captured *out,
                         struct errinfo *e)
 {
-    struct store_device d;
-    struct store_txn t;
+    struct rows_device d;
+    struct log_txn t;
     bool ours;
-    enum status st = store_txn_begin(s, SQL_READ, &t, e);
+    enum status st = store_begin(s, SQL_READ, &t, e);
 
     if (st != ST_OK)
         return st;
-    st = row_device_find(&t, c->device, &d, e);
+    st = rows_device_find(&t, c->device, &d, e);
     ours = read_nonce(&t, c->nonce, nonce);
     *out = STORE_CAPTURED;
     if (st == ST_ENOTFOUND) {
         *out = STORE_CAPTURE_UNKNOWN;
         st = ST_OK;
     }
-    if ((st = store_txn_end(&t, st, e)) != ST_OK || *out != STORE_CAPTURED)
+    if ((st = store_end(s, &t, st, e)) != ST_OK || *out != STORE_CAPTURED)
         return st;
-    if (!vault_verify(d.public, c->text, c->len, c->signature))
+    if (!crypt_verify(d.one.public, c->text, c->len, c->signature))
         *out = STORE_CAPTURE_FORGED;
     else if (!ours)
         *out = STORE_CAPTURE_FOREIGN;
@@ -94,8 +93,8 @@ static enum status use(struct store *s, const unsigned char nonce[STORE_NONCE],
                        int64_t until_ms, int64_t now_ms, bool *was_used,
                        struct errinfo *e)
 {
-    struct store_txn t;
-    enum status st = store_txn_begin(s, SQL_LAZY, &t, e);
+    struct log_txn t;
+    enum status st = store_begin(s, SQL_WRITE, &t, e);
 
     if (st != ST_OK)
         return st;
@@ -107,7 +106,7 @@ static enum status use(struct store *s, const unsigned char nonce[STORE_NONCE],
     if (st == ST_OK) /* later than need be: another daemon's clock may be behind */
         st = SQL_RUN(t.sql, e, "DELETE FROM nonces WHERE until_ms < $1",
                      sql_int(now_ms - STORE_NONCE_LIFE_MS));
-    return store_txn_end(&t, st, e);
+    return store_end(s, &t, st, e);
 }
 
 enum status store_capture_take(struct store *s, const struct store_capture *c,

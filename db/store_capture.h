@@ -5,7 +5,7 @@
  * each is good once, whichever process is asked.  Bytes, as base64url without padding: */
 #ifndef DB_STORE_CAPTURE_H
 #define DB_STORE_CAPTURE_H
-#include "store_types.h"
+#include "store_open.h"
 
 #define STORE_NONCE         40 /* bytes: i64 ms since 1970, 16 random, 16 of the MAC */
 #define STORE_NONCE_TEXT    54
@@ -19,7 +19,7 @@ struct store_capture {
     const char *device, *nonce; /* as the capture names them: anything */
     const void *text;           /* of len bytes, that the device has signed */
     size_t len;
-    unsigned char signature[VAULT_SIGN];
+    unsigned char signature[CRYPT_SIGN];
 };
 
 enum store_captured { /* the first of these that it is */
@@ -31,7 +31,7 @@ enum store_captured { /* the first of these that it is */
                       STORE_CAPTURE_REPLAYED, /* it was used before */
 };
 
-/* store_capture_take(s, c, out, e): the nonce is used then, as far as a power failure lets it be.
+/* store_capture_take(s, c, out, e): the nonce is used then.
  * Returns ST_OK whatever *out says; ST_ECORRUPT: the device's row. */
 enum status store_capture_take(struct store *s, const struct store_capture *c,
                                enum store_captured *out, struct errinfo *e);

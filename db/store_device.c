@@ -2,17 +2,17 @@
 
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "errinfo.h"
-#include "row_device.h"
+#include "rows_device.h"
 #include "store_rules.h"
 #include "store_txn.h"
 
 bool store_device_valid(const char *name)
 {
     return strnlen(name, STORE_DEVICE_MAX + 1) <= STORE_DEVICE_MAX &&
-           store_subject_valid(name);
+           ident_subject_valid(name);
 }
 
 static enum status need_name(const char *name, struct errinfo *e)
@@ -25,51 +25,64 @@ static enum status need_name(const char *name, struct errinfo *e)
 }
 
 enum status store_device_add(struct store *s, const char *actor, const char *name,
-                             const unsigned char public[VAULT_KEY],
+                             const unsigned char public[CRYPT_KEY],
                              struct store_device *out, struct errinfo *e)
 {
-    struct store_act by;
-    struct store_txn t;
+    struct log_act by;
+    struct log_txn t;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((st = need_name(name, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
+    if ((st = need_name(name, e)) != ST_OK)
         return st;
     if (crypto_core_ed25519_is_valid_point(public) != 1)
         return errinfo_set(e, ST_EINVAL, "it is no public key of Ed25519");
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        return st;
     store_rules_random(out->id, STORE_ID_LEN / 2);
     (void)snprintf(out->name, sizeof out->name, "%s", name);
     memcpy(out->public, public, sizeof out->public);
     memcpy(out->created, by.at, sizeof by.at);
-    if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
-        return st;
-    return store_txn_end(&t, row_device_add(&t, &by, out, e), e);
+    if ((st = rows_device_add(&t, out, e)) == ST_OK)
+        st = log_change(&t, &by, "add_device", NULL, out->id, name, e);
+    return store_end(s, &t, st, e);
 }
 
 enum status store_device_list(struct store *s, struct store_device **out, size_t *n,
                               struct errinfo *e)
 {
-    struct store_txn t;
+    struct rows_device *row = NULL;
+    struct log_txn t;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK ||
+        (st = store_end(s, &t, rows_device_list(&t, &row, n, e), e)) != ST_OK)
         return st;
-    return store_txn_end(&t, row_device_list(&t, out, n, e), e);
+    if (*n > 0 && (*out = malloc(*n * sizeof **out)) == NULL) {
+        *n = 0;
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    }
+    for (size_t i = 0; i < *n; i++)
+        (*out)[i] = row[i].one;
+    free(row);
+    return st;
 }
 
 enum status store_device_remove(struct store *s, const char *actor, const char *name,
                                 struct errinfo *e)
 {
-    struct store_act by;
-    struct store_txn t;
+    struct rows_device row;
+    struct log_act by;
+    struct log_txn t;
     enum status st;
 
     if ((st = need_name(name, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
-    return store_txn_end(&t, row_device_remove(&t, &by, name, e), e);
+    if ((st = rows_device_find(&t, name, &row, e)) == ST_OK &&
+        (st = rows_device_delete(&t, &row, e)) == ST_OK)
+        st = log_change(&t, &by, "remove_device", NULL, row.one.id, name, e);
+    return store_end(s, &t, st, e);
 }

@@ -2,7 +2,7 @@
  * name and public key. */
 #ifndef DB_STORE_DEVICE_H
 #define DB_STORE_DEVICE_H
-#include "store_types.h"
+#include "store_open.h"
 
 /* store_device_add(s, actor, name, public, out, e): name: 1 to STORE_DEVICE_MAX characters as in
  * a subject's id; public: Ed25519.  ST_EEXISTS: the name is another's; ST_EINVAL.
@@ -10,7 +10,7 @@
  * store_device_remove(s, actor, name, e): its captures are not taken any more, by any process,
  * and the name may be another's.  ST_ENOTFOUND. */
 enum status store_device_add(struct store *s, const char *actor, const char *name,
-                             const unsigned char public[VAULT_KEY],
+                             const unsigned char public[CRYPT_KEY],
                              struct store_device *out, struct errinfo *e);
 enum status store_device_list(struct store *s, struct store_device **out, size_t *n,
                               struct errinfo *e);

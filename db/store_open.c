@@ -1,294 +1,322 @@
 #include "store_open.h"
 
+#include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "errinfo.h"
+#include "crypt_file.h"
+#include "log_anchor.h"
 #include "model.h"
-#include "newfile.h"
-#include "row_event.h"
+#include "rows_root.h"
 #include "sql_file.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
-/* ---- tables made and upgraded */
+/* ---- keys */
 
-/* A database has its first key: by whom is not known here. */
-static enum status first_key(struct store_txn *t, struct errinfo *e)
+struct opening {
+    const char *path;
+    const struct store_key *key;
+    char *key_path;
+    bool made; /* the key's file */
+};
+
+static enum status open_by_file(const char *path, const struct crypt_root *r,
+                                struct crypt **out, struct errinfo *e)
 {
-    static const char *const kept[] = {[VAULT_PLAINTEXT] = "plaintext",
-                                       [VAULT_FILE] = "file",
-                                       [VAULT_PASSPHRASE] = "passphrase"};
-    struct store_vaults *v = &t->store->vaults;
-    struct store_act by;
-    enum status st;
+    struct crypt_file *k;
+    enum status st = crypt_file_read(path, &k, e);
 
-    if ((st = store_vault_new(v, t->sql, &t->held, e)) != ST_OK)
+    if (st != ST_OK)
         return st;
-    t->vault = t->held->vault;
-    if ((st = row_event_begin(t, e)) != ST_OK ||
-        (st = store_rules_act(&by, "", e)) != ST_OK)
-        return st;
-    return row_event_signs(t, &by, "create_key", t->vault, kept[v->make], e);
-}
-
-/* It is announced before the database is there, so that neither is without the other. */
-static enum status first_anchor(struct store_txn *t, struct anchor_end *end,
-                                struct errinfo *e)
-{
-    const char *path = t->store->anchor.path;
-    enum status st;
-
-    if (path == NULL)
-        return errinfo_set(e, ST_EINVAL, "a copy is not made anew");
-    if (anchor_used(path))
-        return errinfo_set(
-            e, ST_EEXISTS,
-            "there is an anchor %.160s, but not its database: restore a backup "
-            "(surfacectl restore); if a new one is meant, remove the anchor",
-            path);
-    st = store_anchor_end(t->sql, t->vault, end, e);
-    return st == ST_OK ? anchor_announce(path, t->vault, end, e) : st;
-}
-
-static enum status verify_copy(const char *path, int version, struct errinfo *e);
-
-/* A verified copy of the database of that version, for PATH.vVERSION.bak. */
-static enum status copy_old(const char *path, int version, struct newfile *n,
-                            struct errinfo *e)
-{
-    const size_t len = strlen(path) + 32;
-    char *name = malloc(len);
-    struct sql_txn *t;
-    struct sql *d;
-    enum status st;
-
-    if (name == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    (void)snprintf(name, len, "%s.v%d.bak", path, version);
-    st = newfile_open(name, n, e);
-    free(name);
-    if (st != ST_OK || (st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
-        return st;
-    if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK)
-        st = sql_end(t, sql_file_copy(t, n->part, e), e);
-    sql_close(d);
-    return st == ST_OK ? verify_copy(n->part, version, e) : st;
-}
-
-static void first_problem(void *arg, const char *line)
-{
-    struct errinfo *first = arg;
-
-    if (first->code == ST_OK)
-        (void)errinfo_set(first, ST_ECORRUPT, "%s", line);
-}
-
-static enum status verify_copy(const char *path, int version, struct errinfo *e)
-{
-    struct errinfo first = {ST_OK, ""};
-    struct sql_txn *t;
-    struct sql *d;
-    int found = 0;
-    enum status st;
-
-    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
-        return st;
-    if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK) {
-        if ((st = sql_version_now(t, &found, e)) == ST_OK)
-            st = sql_file_check(t, first_problem, &first, e);
-        if (st == ST_OK && (found != version || first.code != ST_OK))
-            st = errinfo_set(e, ST_ECORRUPT,
-                             "the database is damaged: it is not upgraded");
-        st = sql_end(t, st, e);
-    }
-    sql_close(d);
+    st = crypt_file_open(k, path, r, out, e);
+    crypt_file_free(k);
     return st;
 }
 
-/* Create the tables, or bring those of an older version up to this one, in one transaction;
- * nothing if another process has just done so.  The copy of what there was gets its name when
- * the steps have been gone and before they count. */
-static enum status make_schema(struct store *s, struct errinfo *e)
+/* A rekey that was killed may have left the key as KEY.new. */
+static enum status open_by_files(const char *path, const struct crypt_root *r,
+                                 struct crypt **out, struct errinfo *e)
 {
-    struct newfile old = NEWFILE_NONE;
-    struct store_txn t = {.store = s, .how = SQL_SCHEMA};
-    struct anchor_end end;
-    int version = 0;
-    bool kept = false, announced = false;
-    enum status st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e);
+    const size_t n = strlen(path) + sizeof ".new";
+    enum status st = open_by_file(path, r, out, e);
+    char *next;
 
-    if (st != ST_OK)
+    if (st != ST_EDENIED && st != ST_ENOTFOUND && st != ST_EINVAL)
         return st;
-    if ((st = sql_version_now(t.sql, &version, e)) == ST_OK && version < sql_newest()) {
-        if (version > 0)
-            st = copy_old(s->path, version, &old, e);
-        if (st == ST_OK)
-            st = sql_upgrade(t.sql, e);
-        if (st == ST_OK && version == 0)
-            announced = (st = first_key(&t, e)) == ST_OK &&
-                        (st = first_anchor(&t, &end, e)) == ST_OK;
-        else if (st == ST_OK)
-            kept = (st = newfile_commit(&old, e)) == ST_OK;
+    if ((next = malloc(n)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    (void)snprintf(next, n, "%s.new", path);
+    if (open_by_file(next, r, out, NULL) == ST_OK)
+        st = ST_OK;
+    free(next);
+    return st;
+}
+
+/* A plaintext root carries its own master key, so that a process which can write the file can make
+ * one.  It is accepted only where the operator says that the database is plaintext, and only it. */
+static enum status open_root(const struct opening *o, const struct crypt_root *r,
+                             struct crypt **out, struct errinfo *e)
+{
+    if (r->kind == CRYPT_PLAINTEXT && !o->key->plaintext)
+        return errinfo_set(
+            e, ST_EDENIED,
+            "%.100s is plaintext: restore a backup; or, if it is meant to be "
+            "plaintext, say so with --plaintext-database",
+            o->path);
+    if (r->kind != CRYPT_PLAINTEXT && o->key->plaintext)
+        return errinfo_set(e, ST_EDENIED,
+                           "%.100s is encrypted: it takes no --plaintext-database",
+                           o->path);
+    if (r->kind == CRYPT_PLAINTEXT)
+        return crypt_open(r, NULL, 0, out, e);
+    if (o->key->given != NULL)
+        return crypt_file_open(o->key->given, "the key", r, out, e);
+    return open_by_files(o->key_path, r, out, e);
+}
+
+static enum status make_by_phrase(const struct opening *o, const struct crypt_file *k,
+                                  struct crypt_root *r, struct crypt **out,
+                                  struct errinfo *e)
+{
+    const enum status st = o->key->weak ? ST_OK : crypt_file_strong(k, e);
+
+    return st == ST_OK ? crypt_make(CRYPT_PASSPHRASE, k->text, k->len, r, out, e) : st;
+}
+
+/* The keys of a new database, by a key's file that is there, or is made. */
+static enum status make_root(struct opening *o, struct crypt_root *r, struct crypt **out,
+                             struct errinfo *e)
+{
+    unsigned char key[CRYPT_KEY];
+    struct crypt_file *k = NULL;
+    enum status st;
+
+    if (o->key->make == CRYPT_PLAINTEXT) {
+        if (access(o->key_path, F_OK) == 0)
+            return errinfo_set(
+                e, ST_EDENIED,
+                "there is a key %.160s: move it away if the database is meant "
+                "to be plaintext",
+                o->key_path);
+        return crypt_make(CRYPT_PLAINTEXT, NULL, 0, r, out, e);
     }
-    if ((st = sql_end(t.sql, st, e)) != ST_OK && kept)
-        (void)unlink(old.path);
-    if (announced && st == ST_OK)
-        st = anchor_set(s->anchor.path, t.vault, &end, false, e);
-    else if (announced)
-        (void)unlink(s->anchor.path);
-    store_vault_release(&s->vaults, t.held);
-    newfile_close(&old);
-    if (st != ST_OK)
-        store_vault_undo(&s->vaults);
+    if (o->key->make == CRYPT_PASSPHRASE && o->key->given != NULL)
+        return make_by_phrase(o, o->key->given, r, out, e);
+    if ((st = crypt_file_read(o->key_path, &k, e)) == ST_ENOTFOUND &&
+        o->key->make == CRYPT_FILE && (st = crypt_file_make(o->key_path, e)) == ST_OK) {
+        o->made = true;
+        st = crypt_file_read(o->key_path, &k, e);
+    }
+    if (st == ST_OK && o->key->make == CRYPT_PASSPHRASE)
+        st = make_by_phrase(o, k, r, out, e);
+    else if (st == ST_OK && (st = crypt_file_key(k, o->key_path, key, e)) == ST_OK)
+        st = crypt_make(CRYPT_FILE, key, sizeof key, r, out, e);
+    sodium_memzero(key, sizeof key);
+    crypt_file_free(k);
+    return st;
+}
+
+/* ---- a new database */
+
+static enum status first_entry(struct store *s, struct log_txn *t, enum crypt_kind kind,
+                               struct errinfo *e)
+{
+    static const char *const kept[] = {[CRYPT_PLAINTEXT] = "plaintext",
+                                       [CRYPT_FILE] = "file",
+                                       [CRYPT_PASSPHRASE] = "passphrase"};
+    struct log_act by;
+    const enum status st = log_act(&by, "", e);
+
+    log_txn_create(t);
+    atomic_store(&s->verified, true); /* it has no rows */
+    return st == ST_OK ? log_change(t, &by, "create_database", NULL, "", kept[kind], e)
+                       : st;
+}
+
+/* Tables, keys and the first entry, in one transaction; nothing if another process has just done
+ * so.  An anchor that is there is another database's, or of one that is lost. */
+static enum status make_database(struct store *s, struct opening *o, struct errinfo *e)
+{
+    struct log_txn t = {.log = &s->log, .how = SQL_SCHEMA};
+    struct crypt_root root;
+    int version = 0;
+    enum status st;
+
+    if (s->anchor != NULL && access(s->anchor, F_OK) == 0)
+        return errinfo_set(e, ST_EEXISTS,
+                           "there is an anchor %.160s, but not its database: restore a "
+                           "backup (surfacectl restore); if a new one is meant, remove "
+                           "the anchor",
+                           s->anchor);
+    if ((st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e)) != ST_OK)
+        return st;
+    if ((st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
+        if ((st = sql_create(t.sql, e)) == ST_OK &&
+            (st = make_root(o, &root, &s->crypt, e)) == ST_OK &&
+            (st = rows_root_write(t.sql, &root, e)) == ST_OK) {
+            t.crypt = s->crypt;
+            st = first_entry(s, &t, o->key->make, e);
+        }
+    }
+    if ((st = sql_end(t.sql, st, e)) == ST_OK && version == 0) {
+        log_txn_committed(&t);
+        if (s->anchor != NULL)
+            st = log_anchor_write(s->anchor, s->crypt, &t.changes, true, e);
+    }
+    if (st != ST_OK && o->made)
+        (void)unlink(o->key_path);
     return st;
 }
 
 /* ---- opening */
 
-/* What is left of a database, or is there for one: its key or its anchor; NULL: neither. */
-static const char *find_trace(const struct store *s)
-{
-    if (s->anchor.path != NULL && access(s->anchor.path, F_OK) == 0)
-        return s->anchor.path;
-    return access(s->vaults.path, F_OK) == 0 ? s->vaults.path : NULL;
-}
-
 /* There is no database, and this program may not make one.  Where it had one, that is lost. */
-static enum status nothing_there(const struct store *s, struct errinfo *e)
+static enum status nothing_there(const struct opening *o, struct errinfo *e)
 {
-    const char *trace = find_trace(s);
-
-    if (trace != NULL)
+    if (access(o->key_path, F_OK) == 0)
         return errinfo_set(
             e, ST_ENOTFOUND,
-            "there is no database %.150s, but its %s %.150s is there: restore "
+            "there is no database %.150s, but its key %.150s is there: restore "
             "a backup (surfacectl restore), or make a new one (surfacectl init)",
-            s->path, trace == s->anchor.path ? "anchor" : "key", trace);
+            o->path, o->key_path);
     return errinfo_set(e, ST_ENOTFOUND,
-                       "there is no database %.200s: surfacectl init makes one", s->path);
+                       "there is no database %.200s: surfacectl init makes one", o->path);
 }
 
-static enum status need_version(struct store *s, enum store_mode mode, struct errinfo *e)
+static bool may_make(const struct opening *o, enum store_mode mode)
+{
+    return mode == STORE_CREATE ||
+           (mode == STORE_BEGIN && access(o->key_path, F_OK) != 0);
+}
+
+static enum status need_version(struct store *s, struct opening *o, enum store_mode mode,
+                                struct errinfo *e)
 {
     const int version = sql_version(s->sql);
 
     if (version == sql_newest())
         return ST_OK;
-    if (version == 0 &&
-        (mode == STORE_CREATE || (mode == STORE_BEGIN && find_trace(s) == NULL)))
-        return make_schema(s, e);
     if (version == 0)
-        return nothing_there(s, e);
-    if (mode == STORE_MIGRATE)
-        return make_schema(s, e);
-    return errinfo_set(e, ST_EVERSION,
-                       "%s has schema version %d, this program needs %d: "
-                       "surfacectl migrate upgrades it",
+        return may_make(o, mode) ? make_database(s, o, e) : nothing_there(o, e);
+    return errinfo_set(e, ST_EVERSION, "%s has schema version %d, this program needs %d",
                        s->path, version, sql_newest());
 }
 
-/* With the key that a transaction has found before. */
-static enum status check_anchor(struct store *s, bool settle, struct errinfo *e)
+static enum status open_keys(struct store *s, const struct opening *o, struct errinfo *e)
 {
-    struct store_vault *known = store_vault_take(&s->vaults);
-    struct anchor said;
-    struct store_txn t;
-    enum status st = store_anchor_ask(&s->anchor, known->vault, s->path, &said, e);
+    struct crypt_root root;
+    struct sql_txn *t;
+    enum status st;
 
-    store_vault_release(&s->vaults, known);
-    if (st != ST_OK || (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if (s->crypt != NULL)
+        return ST_OK;
+    if ((st = sql_begin(s->sql, SQL_READ, &t, e)) != ST_OK ||
+        (st = sql_end(t, rows_root_read(t, &root, e), e)) != ST_OK)
         return st;
-    st = store_anchor_check(&s->anchor, t.sql, t.vault, s->path, &said, settle, e);
-    return store_txn_end(&t, st, e);
+    return open_root(o, &root, &s->crypt, e);
+}
+
+static enum status check_anchor(struct store *s, struct log_txn *t, struct errinfo *e)
+{
+    struct log_end said;
+    bool has = false;
+    enum status st = log_anchor_read(s->anchor, s->crypt, &said, e);
+
+    if (st == ST_ENOTFOUND)
+        return errinfo_set(
+            e, ST_EREFUSED,
+            "there is no anchor %.160s: surfacectl accept-state makes one, if "
+            "the database is the newest",
+            s->anchor);
+    if (st != ST_OK || (st = log_has(t, &said, &has, e)) != ST_OK || has)
+        return st;
+    return errinfo_set(
+        e, ST_EREFUSED,
+        "%.120s is older than its anchor says, or another one: it has not the "
+        "change %" PRIu64 "; restore the newest backup, or take it as it is "
+        "(surfacectl accept-state)",
+        s->path, said.seq);
 }
 
 /* Fail now rather than at the first change or request. */
 static enum status try_it(struct store *s, enum store_mode mode, struct errinfo *e)
 {
-    struct store_txn t;
+    struct log_txn t;
     enum status st;
 
-    if (mode != STORE_READ) {
-        if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
-            return st;
-        (void)store_txn_end(&t, ST_EDENIED, NULL); /* rolled back */
-    }
-    if ((st = store_txn_seen(s, e)) != ST_OK || s->anchor.path == NULL)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return check_anchor(s, mode != STORE_READ, e);
+    if (s->anchor != NULL)
+        st = check_anchor(s, &t, e);
+    st = store_end(s, &t, st, e);
+    if (st == ST_OK && mode != STORE_READ)
+        sql_file_scrub(s->sql, 0); /* of a process that was killed amid an erasure */
+    return st;
+}
+
+static enum status open_all(struct store *s, struct opening *o, enum store_mode mode,
+                            struct errinfo *e)
+{
+    const enum sql_open how = mode == STORE_READ    ? SQL_OPEN_READ
+                              : mode == STORE_ALONE ? SQL_OPEN_ALONE
+                              : may_make(o, mode)   ? SQL_OPEN_CREATE
+                                                    : SQL_OPEN_WRITE;
+    enum status st;
+
+    if (sodium_init() < 0)
+        return errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
+    if ((st = sql_open(s->path, how, &s->sql, e)) == ST_ENOTFOUND)
+        return nothing_there(o, e);
+    if (st != ST_OK || (st = need_version(s, o, mode, e)) != ST_OK ||
+        (st = open_keys(s, o, e)) != ST_OK)
+        return st;
+    return try_it(s, mode, e);
 }
 
 enum status store_open(const char *path, enum store_mode mode,
                        const struct store_key *key, struct store **out, struct errinfo *e)
 {
-    static const struct store_key usual = {.make = VAULT_FILE};
-    enum sql_open how = SQL_OPEN_WRITE;
+    static const struct store_key usual = {.make = CRYPT_FILE};
+    struct opening o = {.path = path, .key = key != NULL ? key : &usual};
+    const size_t n = strlen(path) + sizeof ".key";
     struct store *s = calloc(1, sizeof *s);
-    bool fresh = false;
-    enum status st;
+    enum status st = ST_OK;
 
     *out = NULL;
-    if (s == NULL || (s->path = strdup(path)) == NULL) {
-        free(s);
+    if (s == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    }
+    log_init(&s->log);
     store_use_model(s, NULL);
-    store_head_init(&s->heads);
-    if (key == NULL)
-        key = &usual;
-    s->anchor.serving = -1;
-    if ((st = store_vault_init(&s->vaults, s->path, key, e)) == ST_OK &&
-        (st = store_anchor_init(&s->anchor, key, s->vaults.path,
-                                key->of != NULL ? key->of : path, e)) == ST_OK &&
-        sodium_init() < 0)
-        st = errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
-    if (mode == STORE_READ)
-        how = SQL_OPEN_READ;
-    else if (mode == STORE_CREATE || (mode == STORE_BEGIN && find_trace(s) == NULL))
-        how = SQL_OPEN_CREATE;
-    if (st == ST_OK && (st = sql_open(path, how, &s->sql, e)) == ST_ENOTFOUND)
-        st = nothing_there(s, e);
-    if (st == ST_OK) {
-        fresh = sql_version(s->sql) == 0;
-        st = need_version(s, mode, e);
-    }
-    if (st == ST_OK && (st = try_it(s, mode, e)) == ST_OK && mode != STORE_READ && !fresh)
-        sql_file_scrub(s->sql, 0); /* of a process that was killed amid an erasure */
-    if (st == ST_OK) {
-        s->open = true;
-        *out = s;
-    } else {
+    if (o.key->path != NULL)
+        o.key_path = strdup(o.key->path);
+    else if ((o.key_path = malloc(n)) != NULL)
+        (void)snprintf(o.key_path, n, "%s.key", path);
+    if ((s->path = strdup(path)) == NULL || o.key_path == NULL ||
+        (o.key->anchor != NULL && (s->anchor = strdup(o.key->anchor)) == NULL))
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st == ST_OK)
+        st = open_all(s, &o, mode, e);
+    free(o.key_path);
+    if (st != ST_OK) {
         store_close(s);
+        return st;
     }
-    return st;
-}
-
-/* A daemon's clean stop; another one may go on. */
-static void serve_no_more(struct store *s)
-{
-    struct store_txn t;
-
-    if (s->anchor.serving < 0 || store_txn_begin(s, SQL_READ, &t, NULL) != ST_OK)
-        return;
-    (void)anchor_mark(s->anchor.path, t.vault, !anchor_serves_alone(s->anchor.serving),
-                      NULL);
-    (void)store_txn_end(&t, ST_OK, NULL);
+    s->open = true;
+    *out = s;
+    return ST_OK;
 }
 
 void store_close(struct store *s)
 {
     if (s == NULL)
         return;
-    if (s->open)
-        serve_no_more(s);
     sql_close(s->sql);
-    store_anchor_free(&s->anchor);
-    store_vault_free(&s->vaults);
-    store_head_free(&s->heads);
+    crypt_free(s->crypt);
+    log_free(&s->log);
+    free(s->anchor);
     free(s->path);
     free(s);
 }
@@ -311,20 +339,51 @@ const char *store_made_by(const struct store *s)
 
 enum status store_ready(struct store *s, struct errinfo *e)
 {
-    struct store_txn t;
+    struct log_txn t;
     enum status st;
 
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return store_txn_end(&t, sql_file_ready(t.sql, e), e);
+    return store_end(s, &t, sql_file_ready(t.sql, e), e);
+}
+
+enum status store_verify(struct store *s, store_report *report, void *arg,
+                         struct errinfo *e)
+{
+    struct errinfo why;
+    struct log_txn t;
+    enum status st = store_begin(s, SQL_READ, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    st = store_state_verify(&t, report, arg, &why);
+    (void)store_end(s, &t, st, NULL);
+    if (st != ST_OK)
+        return store_refuse(s, st, &why, e);
+    atomic_store(&s->verified, true);
+    return ST_OK;
 }
 
 bool store_refused(struct store *s, struct errinfo *e)
 {
-    if (!atomic_load(&s->refusal.stands))
-        return false;
-    *e = s->refusal.why;
-    return true;
+    return store_state_get(&s->refusal, e);
+}
+
+bool store_anchor_fault(struct store *s, struct errinfo *e)
+{
+    return store_state_get(&s->anchor_fault, e);
+}
+
+enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e)
+{
+    struct log_txn t;
+    const enum status st = store_begin(s, SQL_READ, &t, e);
+
+    memset(out, 0, sizeof *out);
+    if (st != ST_OK)
+        return st;
+    *out = t.changes;
+    return store_end(s, &t, ST_OK, e);
 }
 
 /* ---- a look from outside */
@@ -334,20 +393,20 @@ bool store_in_use(const char *path, int64_t *pid)
     return sql_file_in_use(path, pid);
 }
 
-enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e)
+enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e)
 {
-    struct vault_root root;
+    struct crypt_root root;
     struct sql_txn *t;
     struct sql *d;
     enum status st;
 
-    *kind = VAULT_PLAINTEXT;
+    *kind = CRYPT_PLAINTEXT;
     if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
         return st;
     if (sql_version(d) == 0) {
         st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised", path);
     } else if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK &&
-               (st = sql_end(t, store_vault_read(t, &root, e), e)) == ST_OK) {
+               (st = sql_end(t, rows_root_read(t, &root, e), e)) == ST_OK) {
         *kind = root.kind;
     }
     sql_close(d);
@@ -397,26 +456,28 @@ enum status store_stats(struct store *s, struct store_stats *out, struct errinfo
     uint64_t *const count[] = {&out->subjects,       &out->templates, &out->points,
                                &out->template_bytes, &out->events,    &out->tokens};
     struct sql_rows *r;
-    struct store_txn t;
+    struct log_txn t;
     enum status st;
 
     memset(out, 0, sizeof *out);
     out->schema = (uint32_t)sql_newest();
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = sql_query(t.sql,
-                   "SELECT (SELECT count(*) FROM subjects), count(*), "
-                   "CAST(coalesce(sum(points), 0) AS bigint), "
-                   "CAST(coalesce(sum(length(model)), 0) AS bigint), "
-                   "(SELECT count(*) FROM events), (SELECT count(*) FROM tokens) "
-                   "FROM templates",
-                   NULL, 0, &r, e);
+    st = sql_query(
+        t.sql,
+        "SELECT (SELECT count(*) FROM subjects), count(*), "
+        "CAST(coalesce(sum(points), 0) AS bigint), "
+        "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces), "
+        "(SELECT count(*) FROM change_log) + (SELECT count(*) FROM access_log), "
+        "(SELECT count(*) FROM tokens) "
+        "FROM templates",
+        NULL, 0, &r, e);
     if (st == ST_OK && sql_next(r))
         for (int i = 0; i < (int)(sizeof count / sizeof *count); i++)
             *count[i] = (uint64_t)sql_column(r, i).i;
     if ((st = sql_done(r, st, e)) == ST_OK)
         st = sql_file_bytes(t.sql, &out->file_bytes, e);
-    return store_txn_end(&t, st, e);
+    return store_end(s, &t, st, e);
 }
 
 enum status store_vacuum(struct store *s, struct errinfo *e)
@@ -424,6 +485,6 @@ enum status store_vacuum(struct store *s, struct errinfo *e)
     const enum status st = sql_file_compact(s->sql, e);
 
     if (st == ST_OK)
-        store_txn_scrub(s);
+        store_scrub(s);
     return st;
 }

@@ -1,24 +1,55 @@
-/* store_open.h -- a store: opened, made, upgraded, closed. */
+/* store_open.h -- a store: opened, made, closed. */
 #ifndef DB_STORE_OPEN_H
 #define DB_STORE_OPEN_H
-#include "store_types.h"
+#include "rows_types.h"
+#include "status.h"
+#include "store_state.h"
+
+struct crypt_file; /* crypt_file.h */
+struct log_end;    /* log_entry.h */
+struct model;      /* model.h */
+struct store;
+
+enum store_mode {
+    STORE_READ,   /* changes are refused with ST_EDENIED */
+    STORE_WRITE,  /* the database must be there */
+    STORE_CREATE, /* made if it is missing or empty, readable by its owner alone */
+    STORE_BEGIN,  /* the same where there is no key of it either */
+    STORE_ALONE   /* as STORE_WRITE, while no other process has it open or can open it */
+};
+
+struct store_key {    /* where the master key comes from */
+    const char *path; /* its file; NULL: PATH.key of the database */
+    const struct crypt_file
+        *given;           /* instead of a file, while the store is open; or NULL */
+    enum crypt_kind make; /* of a database that is made */
+    bool
+        plaintext; /* the database is plaintext, which is refused otherwise; and no other */
+    bool weak;     /* a passphrase of few characters may be made */
+    /* A file that says how far the change log has come (log_anchor.h); NULL: there is none.  A
+     * database that does not have that change is refused. */
+    const char *anchor;
+};
 
 /* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
- * for {.make = VAULT_FILE}.  A key's file that is missing is made with a new database.
- * ST_EDENIED: not the database's key; or the database is plaintext and key->plaintext does not
- * say so: with access to the file alone another one could be put in its place.  While the store
- * is open, a key record that its key has not authenticated is ST_EREFUSED, for good.
- * ST_EVERSION: of another version than this program's; STORE_MIGRATE upgrades an older one in
- * one transaction, of which a verified copy is kept: PATH.v1.bak for version 1. */
+ * for {.make = CRYPT_FILE}.  A key's file that is missing is made with a new database, and so is
+ * the anchor.  ST_EDENIED: not the database's key; or the database is plaintext and key->plaintext
+ * does not say so: with access to the file alone another one could be put in its place.
+ * ST_EVERSION: of another version than this program's.  ST_EREFUSED: it is older than the anchor
+ * says, or the anchor is missing or damaged.  ST_ECORRUPT: the log does not end with an entry of
+ * this key.  ST_EBUSY: STORE_ALONE, and another process has it open. */
 enum status store_open(const char *path, enum store_mode mode,
                        const struct store_key *key, struct store **out,
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
 
-/* store_kind(path, kind, e): how the database's master key is kept, which takes no key; also of
- * an older version.
- * store_look(path, out, e): how old a database is, and how large, which takes no key. */
-enum status store_kind(const char *path, enum vault_kind *kind, struct errinfo *e);
+/* store_kind(path, kind, e): how the database's master key is kept, which takes no key.
+ * store_look(path, out, e): how large a database is, which takes no key. */
+struct store_look {
+    int version, newest; /* of the schema, 0: it is empty; what this program makes */
+    uint64_t subjects, templates, bytes;
+};
+enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e);
 enum status store_look(const char *path, struct store_look *out, struct errinfo *e);
 
 /* store_in_use(path, pid): has another process the database open?  *pid: one that has, 0 where
@@ -34,16 +65,29 @@ const struct model *store_model(const struct store *s);
 const char *store_made_by(const struct store *s);
 
 /* store_ready(s, e): can the database be reached, and is its schema this program's?
- * ST_EREFUSED: it is not the one that was opened, or its master key was changed since, and the
- * new one is not known here.
- * store_refused(s, e): has a call found that it is not the one that was opened?  Then every other
- * one fails with ST_EREFUSED until the store is opened again, and e says why. */
+ * store_verify(s, report, arg, e): all rows with a MAC against the digest of the last change, and
+ * the indexes by which they are found.  ST_EREFUSED: a difference; report() (or NULL) is called
+ * once a problem.  1 s for 100,000 templates, memory constant.  It is done by itself before the
+ * first write of an open store.
+ * store_refused(s, e): has a call found that the database is not as it was written, or not the one
+ * that was opened?  Then every other one fails with ST_EREFUSED until the store is opened again,
+ * and e says why.
+ * store_last_change(s, out, e): where the change log ends, for the daemon's log.
+ * store_anchor_fault(s, e): could the anchor not be written?  e says why; changes go on. */
 enum status store_ready(struct store *s, struct errinfo *e);
+enum status store_verify(struct store *s, store_report *report, void *arg,
+                         struct errinfo *e);
 bool store_refused(struct store *s, struct errinfo *e);
+enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e);
+bool store_anchor_fault(struct store *s, struct errinfo *e);
 
 /* store_stats(s, out, e): counts and sizes.
  * store_vacuum(s, e): rewrite the database without the room that deleted rows left, while
  * others read it; writers wait, up to 5 s. */
+struct store_stats {
+    uint64_t subjects, templates, points, template_bytes, file_bytes, events, tokens;
+    uint32_t schema;
+};
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e);
 enum status store_vacuum(struct store *s, struct errinfo *e);
 

@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "store_types.h"
-#include "vault.h"
-
 #define SIGNED_TEXT 192
 
 static void add_line(crypto_hash_sha256_state *h, const char *text)
@@ -24,8 +21,9 @@ static void digest(const struct store_receipt *r, char out[65])
     crypto_hash_sha256_state h;
 
     (void)crypto_hash_sha256_init(&h);
-    add_line(&h, "surface erasure 1");
+    add_line(&h, "surface erasure 2");
     add_line(&h, r->subject);
+    add_line(&h, r->uid);
     add_line(&h, r->at);
     for (uint32_t i = 0; i < r->templates; i++)
         add_line(&h, r->template_id[i]);
@@ -35,18 +33,18 @@ static void digest(const struct store_receipt *r, char out[65])
 
 static size_t signed_text(const struct store_receipt *r, char out[SIGNED_TEXT])
 {
-    return (size_t)snprintf(out, SIGNED_TEXT, "surface receipt 1\n%s\n%" PRIu64 "\n%s\n",
+    return (size_t)snprintf(out, SIGNED_TEXT, "surface receipt 2\n%s\n%" PRIu64 "\n%s\n",
                             r->digest, r->seq, r->hash);
 }
 
-void store_receipt_sign(const struct vault *v, struct store_receipt *r)
+void store_receipt_sign(const struct crypt *c, struct store_receipt *r)
 {
-    unsigned char public[VAULT_KEY], signature[VAULT_SIGN];
+    unsigned char public[CRYPT_KEY], signature[CRYPT_SIGN];
     char text[SIGNED_TEXT];
 
     digest(r, r->digest);
-    vault_sign(v, text, signed_text(r, text), signature);
-    vault_public(v, public);
+    crypt_sign(c, text, signed_text(r, text), signature);
+    crypt_public(c, public);
     (void)sodium_bin2hex(r->signature, sizeof r->signature, signature, sizeof signature);
     (void)sodium_bin2hex(r->public_key, sizeof r->public_key, public, sizeof public);
 }
@@ -60,14 +58,14 @@ static bool read_hex(const char *text, unsigned char *out, size_t n)
 
 bool store_receipt_true(const struct store_receipt *r)
 {
-    unsigned char public[VAULT_KEY], signature[VAULT_SIGN];
+    unsigned char public[CRYPT_KEY], signature[CRYPT_SIGN];
     char wanted[65], text[SIGNED_TEXT];
 
     digest(r, wanted);
     return strcmp(wanted, r->digest) == 0 &&
            read_hex(r->public_key, public, sizeof public) &&
            read_hex(r->signature, signature, sizeof signature) &&
-           vault_verify(public, text, signed_text(r, text), signature);
+           crypt_verify(public, text, signed_text(r, text), signature);
 }
 
 void store_receipt_free(struct store_receipt *r)

@@ -2,13 +2,12 @@
  * makes them. */
 #ifndef DB_STORE_REENCODE_H
 #define DB_STORE_REENCODE_H
-#include "store_types.h"
+#include "store_open.h"
 
 /* store_reencode(s, actor, id, w, f, t, done, e): an outdated template is stored as this engine
- * makes it, under the same id, label, time and digest; an event with it.  *f: memory to use;
+ * makes it, under the same id, label, time and digest; a change with it.  *f: memory to use;
  * *t: as it is now.  *done is false where it was not outdated, or not any more.  Others can
- * use it all the time.  For speed it does not wait for the disk, as store_event(): what a
- * power failure takes back is outdated again, and nothing else.
+ * use it all the time.
  * ST_EVERSION, as store_template_load(): it stays as it is. */
 enum status store_reencode(struct store *s, const char *actor, const char *id,
                            struct face_work *w, struct face *f, struct store_template *t,

@@ -1,7 +1,7 @@
 /* store_settle.h -- all that a verification writes, in one transaction. */
 #ifndef DB_STORE_SETTLE_H
 #define DB_STORE_SETTLE_H
-#include "store_types.h"
+#include "store_open.h"
 
 enum store_settle_as {
     STORE_SETTLE_UNCOUNTED, /* attempts are left as they are */
@@ -34,13 +34,11 @@ struct store_settled {
     bool may;      /* may() said so; else nothing was written */
     bool replayed; /* it was no new scan: recorded as "replayed", and counted as failed */
     bool locked_out, many_subjects; /* there was reason for such an event */
-    struct errinfo *lost; /* set by the caller, may be NULL: why there is no event */
 };
 
-/* store_settle(s, what, out, e): attempts, event, and that the subject was seen, the latter at
- * most once a minute; for speed without waiting for the disk, as store_event().
- * Where the audit log is damaged, so that nothing can be appended, the rest is written all the
- * same and *out->lost says so.  ST_ENOTFOUND: the subject was erased meanwhile. */
+/* store_settle(s, what, out, e): attempts, entry of the access log, and that the subject was seen,
+ * the latter at most once a minute.  A failure is on the disk when it returns; what is none does
+ * not wait for the disk, as store_event().  ST_ENOTFOUND: the subject was erased meanwhile. */
 enum status store_settle(struct store *s, const struct store_settle *what,
                          struct store_settled *out, struct errinfo *e);
 

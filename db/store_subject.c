@@ -4,13 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "errinfo.h"
-#include "row_event.h"
-#include "row_subject.h"
-#include "store_column.h"
+#include "rows_subject.h"
 #include "store_rules.h"
 #include "store_txn.h"
-#include "utc.h"
 #include "utf8.h"
 
 static enum status need_note(const char *text, struct errinfo *e)
@@ -44,95 +40,92 @@ static enum status read_end(const char *text, char out[UTC_TEXT], struct errinfo
 enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
-    struct store_txn t;
+    struct rows_subject p;
+    struct log_txn t;
     int64_t ms;
     enum status st;
 
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
+    memset(out, 0, sizeof *out);
+    if ((st = ident_subject(subject, e)) != ST_OK ||
         (st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = store_txn_end(&t, row_subject_read(&t, subject, out, e), e);
-    out->expired = st == ST_OK && store_rules_past(out->expires, ms);
+    if ((st = store_end(s, &t, rows_subject_find(&t, subject, &p, e), e)) == ST_OK) {
+        *out = p.one;
+        out->expired = store_rules_past(out->expires, ms);
+    }
+    sodium_memzero(&p, sizeof p);
     return st;
 }
 
 enum status store_subject_list(struct store *s, int64_t after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e)
 {
-    const int64_t most = limit < INT64_MAX ? (int64_t)limit : INT64_MAX;
-    struct sql_rows *r;
-    struct store_txn t;
-    void *list = NULL;
+    struct log_txn t;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = SQL_QUERY(t.sql, &r, e,
-                   "SELECT " ROW_SUBJECT_COLUMNS " FROM subjects s "
-                   "WHERE s.subject_key > $1 ORDER BY s.subject_key LIMIT $2",
-                   sql_int(after), sql_int(most));
-    st = store_column_list(r, st, row_subject_row, &t, sizeof **out, &list, n, e);
-    *out = list;
-    return store_txn_end(&t, st, e);
+    return store_end(s, &t, rows_subject_list(&t, after, limit, out, n, e), e);
 }
 
 enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
                               struct errinfo *e)
 {
     char now[UTC_TEXT];
-    struct sql_rows *r;
-    struct store_txn t;
-    void *list = NULL;
+    struct log_txn t;
     int64_t ms;
     enum status st;
 
     *out = NULL;
     *n = 0;
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &t, e)) != ST_OK)
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     utc_print(ms, now);
-    st = SQL_QUERY(t.sql, &r, e,
-                   "SELECT " ROW_SUBJECT_COLUMNS " FROM subjects s "
-                   "WHERE s.expires <= $1 ORDER BY s.expires, s.subject_key",
-                   sql_text(now));
-    st = store_column_list(r, st, row_subject_row, &t, sizeof **out, &list, n, e);
-    *out = list;
-    return store_txn_end(&t, st, e);
+    return store_end(s, &t, rows_subject_due(&t, now, out, n, e), e);
 }
 
 /* ---- adding */
+
+static enum status need_free(struct log_txn *t, const char *id, struct errinfo *e)
+{
+    struct rows_subject p;
+    enum status st = rows_subject_find(t, id, &p, e);
+
+    sodium_memzero(&p, sizeof p);
+    if (st == ST_OK)
+        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", id);
+    return st == ST_ENOTFOUND ? ST_OK : st;
+}
 
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e)
 {
     char end[UTC_TEXT];
-    struct row_subject p = {0};
-    struct store_act by;
-    struct store_txn t;
+    struct rows_subject p;
+    struct log_act by;
+    struct log_txn t;
     enum status st;
 
-    if ((st = store_rules_subject(about->id, e)) != ST_OK ||
+    if ((st = ident_subject(about->id, e)) != ST_OK ||
         (st = need_note(about->reference, e)) != ST_OK ||
         (st = need_note(about->purpose, e)) != ST_OK ||
         (st = read_end(about->expires, end, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     memcpy(about->expires, end, sizeof about->expires);
     memcpy(about->created, by.at, sizeof about->created);
     memset(about->uid, 0, sizeof about->uid); /* a new one */
     about->templates = 0;
-    if ((st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
-        return st;
-    if ((st = row_subject_find(&t, about->id, &p, e)) == ST_OK)
-        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", about->id);
-    else if (st == ST_ENOTFOUND && (st = row_subject_add(&t, about, &p, e)) == ST_OK)
-        st = row_subject_tell(&t, &by, "add_subject", about->id, &p, "created", e);
-    sodium_memzero(&p, sizeof p);
-    return store_txn_end(&t, st, e);
+    if ((st = need_free(&t, about->id, e)) == ST_OK &&
+        (st = rows_subject_add(&t, about, &p, e)) == ST_OK) {
+        st = log_change(&t, &by, "add_subject", p.one.uid, "", "created", e);
+        sodium_memzero(&p, sizeof p);
+    }
+    return store_end(s, &t, st, e);
 }
 
 /* ---- changes */
@@ -150,19 +143,6 @@ static void add_event(struct edit *what, const char *kind, const char *outcome)
 {
     what->event[what->events].kind = kind;
     what->event[what->events++].outcome = outcome;
-}
-
-static enum status need_free(struct store_txn *t, const char *id, struct errinfo *e)
-{
-    struct row_subject p;
-    enum status st = row_subject_find(t, id, &p, e);
-
-    sodium_memzero(&p, sizeof p);
-    if (st == ST_ENOTFOUND)
-        return ST_OK;
-    if (st == ST_OK || st == ST_ECORRUPT)
-        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", id);
-    return st;
 }
 
 static void copy(char *to, size_t size, const char *from)
@@ -183,48 +163,21 @@ static void apply(struct store_subject *one, const struct edit *edit)
         one->disabled = *edit->disabled;
 }
 
-/* The last entry leaves the row.  Of a subject that is renamed there is none any more under its
- * former id; the events know it by its new id too from now on. */
-static enum status tell(struct store_txn *t, const struct store_act *by,
-                        const char *subject, const struct row_subject *p,
-                        const struct edit *edit, struct errinfo *e)
-{
-    const int last = edit->events - 1;
-    struct row_event_row gone = {.gone = true};
-    enum status st = ST_OK;
-
-    for (int i = 0; st == ST_OK && i < last; i++)
-        st = row_event_add(t, by, edit->event[i].kind, subject, "",
-                           edit->event[i].outcome, e);
-    if (st != ST_OK)
-        return st;
-    if (edit->id == NULL)
-        return row_subject_tell(t, by, edit->event[last].kind, subject, p,
-                                edit->event[last].outcome, e);
-    memcpy(gone.object, p->key.uid, sizeof gone.object);
-    st = row_event_leave(t, by, edit->event[last].kind, subject, "",
-                         edit->event[last].outcome, &gone, e);
-    return st == ST_OK
-               ? row_subject_tell(t, by, edit->event[last].kind, edit->id, p, "named", e)
-               : st;
-}
-
-static enum status edit_row(struct store_txn *t, const struct store_act *by,
+static enum status edit_row(struct log_txn *t, const struct log_act *by,
                             const char *subject, const struct edit *edit,
                             struct errinfo *e)
 {
-    struct row_subject p = {0};
-    struct store_subject one;
+    struct rows_subject p;
     enum status st;
 
-    if ((st = row_subject_find(t, subject, &p, e)) != ST_OK ||
-        (st = row_subject_read(t, subject, &one, e)) != ST_OK ||
+    if ((st = rows_subject_find(t, subject, &p, e)) != ST_OK ||
         (edit->id != NULL && (st = need_free(t, edit->id, e)) != ST_OK))
         goto out;
-    apply(&one, edit);
-    if ((st = row_subject_write(t, &p, &one, e)) == ST_OK)
-        st = tell(t, by, subject, &p, edit, e);
-    sodium_memzero(&one, sizeof one);
+    apply(&p.one, edit);
+    st = rows_subject_write(t, &p, e);
+    for (int i = 0; st == ST_OK && i < edit->events; i++)
+        st = log_change(t, by, edit->event[i].kind, p.one.uid, "", edit->event[i].outcome,
+                        e);
 out:
     sodium_memzero(&p, sizeof p);
     return st;
@@ -233,15 +186,14 @@ out:
 static enum status change(struct store *s, const char *actor, const char *subject,
                           const struct edit *what, struct errinfo *e)
 {
-    struct store_act by;
-    struct store_txn t;
+    struct log_act by;
+    struct log_txn t;
     enum status st;
 
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_WRITE, &t, e)) != ST_OK)
+    if ((st = ident_subject(subject, e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
-    return store_txn_end(&t, edit_row(&t, &by, subject, what, e), e);
+    return store_end(s, &t, edit_row(&t, &by, subject, what, e), e);
 }
 
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
@@ -278,7 +230,7 @@ enum status store_subject_rename(struct store *s, const char *actor, const char 
                                  const char *to, struct errinfo *e)
 {
     struct edit what = {.id = to};
-    const enum status st = store_rules_subject(to, e);
+    const enum status st = ident_subject(to, e);
 
     add_event(&what, "rename_subject", "renamed");
     return st != ST_OK ? st : change(s, actor, subject, &what, e);

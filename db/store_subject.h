@@ -1,7 +1,7 @@
 /* store_subject.h -- subjects. */
 #ifndef DB_STORE_SUBJECT_H
 #define DB_STORE_SUBJECT_H
-#include "store_types.h"
+#include "store_open.h"
 
 /* store_subject_add(s, actor, about, e): a subject without templates: who came with which
  * consent is known before the first scan is taken.  Of *about: id, reference, purpose and
@@ -13,7 +13,7 @@ enum status store_subject_get(struct store *s, const char *subject,
                               struct store_subject *out, struct errinfo *e);
 
 /* store_subject_list(s, after, limit, out, n, e): up to limit subjects in the order of
- * their coming, those whose key is greater than after (0 from the start); a new array
+ * creation, those whose key is greater than after (0 from the start); a new array
  * released by free().
  * store_subject_due(s, out, n, e): those that have expired, also those on hold, the longest
  * ago first; a new array released by free(). */

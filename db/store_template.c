@@ -6,112 +6,102 @@
 #include <string.h>
 
 #include "codec.h"
-#include "errinfo.h"
 #include "mesh.h"
-#include "row_cloud.h"
-#include "row_event.h"
-#include "row_template.h"
+#include "rows_template.h"
 #include "store_rules.h"
 #include "store_txn.h"
 #include "utf8.h"
 
 /* ---- enrolling */
 
-/* The subject, added with this template where it is new, else seen. */
-static enum status need_subject(struct store_txn *x, const struct store_act *by,
-                                const char *subject, struct row_subject *p, bool *added,
-                                struct errinfo *e)
-{
-    struct store_subject about = {0};
-    enum status st = row_subject_find(x, subject, p, e);
-
-    *added = st == ST_ENOTFOUND;
-    if (st == ST_OK)
-        return row_subject_seen(x, subject, by->at, e);
-    if (!*added)
-        return st;
-    memcpy(about.id, subject, strlen(subject) + 1);
-    memcpy(about.created, by->at, sizeof about.created);
-    memcpy(about.seen, by->at, sizeof about.seen);
-    about.templates = 1;
-    if ((st = row_subject_add(x, &about, p, e)) != ST_OK)
-        return st;
-    return row_subject_tell(x, by, "add_subject", subject, p, "created", e);
-}
-
-/* ST_EEXISTS unless the subject's newest template has this id ("": there is none). */
-static enum status expect_newest(struct store_txn *x, int64_t subject, const char *newest,
-                                 struct errinfo *e)
-{
-    char id[STORE_ID_LEN + 1];
-    const enum status st = row_template_newest(x, subject, id, e);
-
-    if (st != ST_OK || strcmp(id, newest) == 0)
-        return st;
-    return errinfo_set(e, ST_EEXISTS, "the subject's templates have changed");
-}
-
-/* The template of the subject that was made of the same cloud: of the same points as they were
- * used, or as they were read: which of many are used depends on their order and unit. */
-static enum status find_same(struct store_txn *x, const struct row_subject *p,
-                             const struct store_sample *sample,
-                             const struct store_template *t, struct store_template *old,
-                             bool *found, struct errinfo *e)
-{
-    char id[STORE_ID_LEN + 1] = "";
-    enum status st = row_template_same(x, p, t->digest, old, found, e);
-
-    if (st != ST_OK || *found || sample->read == NULL ||
-        (st = row_cloud_template(x, p, sample->read, id, e)) != ST_OK || id[0] == '\0')
-        return st;
-    *found = true;
-    return row_template_get(x, id, old, e);
-}
-
 /* An enrolment that is under way. */
 struct enrolling {
-    struct store_txn x;
+    struct log_txn t;
     const struct store_enroll *what;
-    struct store_act by;
-    char outcome[STORE_NAME_MAX + 1];
-    unsigned char *model; /* has room for each sample's */
-    const char *newest;   /* what->newest, until a template is stored */
+    struct log_act by;
+    char outcome[LOG_TEXT + 1];
+    unsigned char *encoded; /* has room for each sample's face */
+    const char *newest;     /* what->newest, until a template is stored */
+    struct rows_subject of;
 };
+
+/* The subject, added where it is new, else seen. */
+static enum status need_subject(struct enrolling *g, struct errinfo *e)
+{
+    struct store_subject about = {0};
+    enum status st = rows_subject_find(&g->t, g->what->subject, &g->of, e);
+
+    if (st == ST_OK)
+        return rows_subject_seen(&g->t, g->of.one.uid, g->by.at, e);
+    if (st != ST_ENOTFOUND)
+        return st;
+    memcpy(about.id, g->what->subject, strlen(g->what->subject) + 1);
+    memcpy(about.created, g->by.at, sizeof about.created);
+    memcpy(about.seen, g->by.at, sizeof about.seen);
+    if ((st = rows_subject_add(&g->t, &about, &g->of, e)) != ST_OK)
+        return st;
+    return log_change(&g->t, &g->by, "add_subject", g->of.one.uid, "", "created", e);
+}
+
+/* May one more be stored, and was it compared with all that there are? */
+static enum status may_add(struct enrolling *g, struct errinfo *e)
+{
+    struct rows_template *have;
+    const char *last;
+    size_t n;
+    enum status st = rows_template_list(&g->t, &g->of, &have, &n, e);
+
+    if (st != ST_OK)
+        return st;
+    last = n > 0 ? have[n - 1].one.id : "";
+    if (g->newest != NULL && strcmp(last, g->newest) != 0)
+        st = errinfo_set(e, ST_EEXISTS, "the subject's templates have changed");
+    else
+        st = store_rules_room(g->of.one.id, n, e);
+    free(have);
+    return st;
+}
+
+static enum status add_row(struct enrolling *g, const struct store_sample *sample,
+                           const struct store_template *t, struct errinfo *e)
+{
+    struct rows_template row = {.one = *t};
+    enum status st = may_add(g, e);
+
+    if (st != ST_OK)
+        return st;
+    if (sample->read != NULL)
+        (void)snprintf(row.read, sizeof row.read, "%s", sample->read);
+    codec_encode(sample->face, g->encoded);
+    g->newest = NULL;
+    if ((st = rows_template_add(&g->t, &g->of, &row, g->encoded, codec_size(sample->face),
+                                e)) != ST_OK)
+        return st;
+    return log_change(&g->t, &g->by, "enroll", g->of.one.uid, t->id, g->outcome, e);
+}
 
 static enum status enroll_row(struct enrolling *g, const struct store_sample *sample,
                               struct store_template *t, bool *created, struct errinfo *e)
 {
-    struct store_txn *x = &g->x;
-    struct store_template old = {0};
-    struct row_subject p;
-    bool added, found = false;
-    enum status st = need_subject(x, &g->by, t->subject, &p, &added, e);
+    char id[STORE_ID_LEN + 1];
+    struct rows_template old;
+    struct rows_subject of;
+    enum status st = rows_template_same(&g->t, &g->of, t->digest,
+                                        sample->read != NULL ? sample->read : "", id, e);
 
-    if (st == ST_OK && !added)
-        st = find_same(x, &p, sample, t, &old, &found, e);
-    if (st == ST_OK && !found && g->newest != NULL)
-        st = expect_newest(x, p.row, g->newest, e);
-    if (st == ST_OK && !found && !added)
-        st = store_rules_room(t->subject, p.templates, e);
-    if (st == ST_OK && !found) {
-        codec_encode(sample->face, g->model);
-        st = row_template_add(x, &p, t, g->model, codec_size(sample->face), e);
-        g->newest = NULL;
+    if (st != ST_OK)
+        return st;
+    if (id[0] == '\0') {
+        *created = true;
+        return add_row(g, sample, t, e);
     }
-    if (st == ST_OK && !found)
-        st = row_template_tell(x, &g->by, "enroll", t->subject, t->id, g->outcome, e);
-    if (st == ST_OK && !found && !added)
-        st = row_subject_count(x, &g->by, t->subject, &p, 1, e);
-    if (st == ST_OK && !found && sample->read != NULL)
-        st = row_cloud_enroll(x, &p, t->id, sample->read, e);
-    sodium_memzero(&p, sizeof p);
-    if (st == ST_OK && found)
-        *t = old;
-    *created = !found;
+    if ((st = rows_template_get(&g->t, id, &old, &of, e)) == ST_OK)
+        *t = old.one;
+    sodium_memzero(&of, sizeof of);
     return st;
 }
 
-static enum status describe(const struct store *s, const struct store_act *by,
+static enum status describe(const struct store *s, const struct log_act *by,
                             const struct store_enroll *what,
                             const struct store_sample *sample, struct store_template *t,
                             struct errinfo *e)
@@ -136,13 +126,15 @@ static enum status describe(const struct store *s, const struct store_act *by,
 static enum status enroll_rows(struct store *s, struct enrolling *g,
                                struct store_template *t, bool *created, struct errinfo *e)
 {
-    enum status st = store_txn_begin(s, SQL_WRITE, &g->x, e);
+    enum status st = store_begin(s, SQL_WRITE, &g->t, e);
 
     if (st != ST_OK)
         return st;
+    st = need_subject(g, e);
     for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
         st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);
-    return store_txn_end(&g->x, st, e);
+    sodium_memzero(&g->of, sizeof g->of);
+    return store_end(s, &g->t, st, e);
 }
 
 enum status store_enroll(struct store *s, const struct store_enroll *what,
@@ -154,29 +146,28 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
 
     memset(created, 0, what->n * sizeof *created);
     memset(t, 0, what->n * sizeof *t);
-    if ((st = store_rules_subject(what->subject, e)) != ST_OK ||
-        (st = store_rules_act(&g.by, what->actor, e)) != ST_OK)
+    if ((st = ident_subject(what->subject, e)) != ST_OK ||
+        (st = log_act(&g.by, what->actor, e)) != ST_OK)
         return st;
     if (!utf8_is_text(what->label, STORE_LABEL_MAX))
         return errinfo_set(
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
     for (size_t i = 0; i < what->n; i++) {
-        const struct face *f = what->sample[i].face;
+        const size_t size = codec_size(what->sample[i].face);
 
         if ((st = describe(s, &g.by, what, &what->sample[i], &t[i], e)) != ST_OK)
             return st;
-        room = codec_size(f) > room ? codec_size(f) : room;
+        room = size > room ? size : room;
     }
-    if ((g.model = malloc(room)) == NULL)
+    if ((g.encoded = malloc(room)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     (void)snprintf(g.outcome, sizeof g.outcome, "created%s",
                    what->captured != NULL ? what->captured : "");
     st = enroll_rows(s, &g, t, created, e);
     if (st != ST_OK)
         memset(created, 0, what->n * sizeof *created);
-    sodium_memzero(g.model, room);
-    free(g.model);
+    rows_template_wipe(g.encoded, room);
     return st;
 }
 
@@ -202,17 +193,17 @@ static enum status reencode(const struct store *s, const struct store_template *
 }
 
 enum status store_template_decode(const struct store *s, const struct store_template *t,
-                                  const void *model, size_t len, struct face_work *w,
+                                  const void *face, size_t len, struct face_work *w,
                                   struct face *f, struct errinfo *e)
 {
     struct errinfo why;
-    enum status st = codec_decode(model, len, w, f, &why);
+    enum status st = codec_decode(face, len, w, f, &why);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
     if (f->surface.mesh.nv != t->points) {
         st = errinfo_set(e, ST_ECORRUPT,
-                         "template %s: its row says %u points, its model %u", t->id,
+                         "template %s: its row says %u points, its face %u", t->id,
                          t->points, f->surface.mesh.nv);
         f->surface.mesh.nv = f->surface.mesh.nt = 0;
         return st;
@@ -226,100 +217,119 @@ enum status store_template_decode(const struct store *s, const struct store_temp
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e)
 {
-    struct store_txn x;
+    struct rows_template row;
+    struct rows_subject of;
+    struct log_txn x;
     enum status st;
 
-    if ((st = store_rules_id(id, "template", e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
+    memset(t, 0, sizeof *t);
+    if ((st = ident_id(id, "template", e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
-    return store_txn_end(&x, row_template_get(&x, id, t, e), e);
+    if ((st = rows_template_get(&x, id, &row, &of, e)) == ST_OK)
+        *t = row.one;
+    sodium_memzero(&of, sizeof of);
+    return store_end(s, &x, st, e);
 }
 
-struct decoding {
-    const struct store *store;
-    struct face_work *work;
-    struct face *face;
-};
-
-static enum status use_decode(void *arg, const struct store_template *t,
-                              const void *model, size_t len, struct errinfo *e)
+static enum status load(struct store *s, const char *id, struct store_template *t,
+                        unsigned char **face, size_t *len, struct errinfo *e)
 {
-    const struct decoding *d = arg;
+    struct rows_template row;
+    struct rows_subject of;
+    struct log_txn x;
+    enum status st = store_begin(s, SQL_READ, &x, e);
 
-    return store_template_decode(d->store, t, model, len, d->work, d->face, e);
+    if (st != ST_OK)
+        return st;
+    if ((st = rows_template_get(&x, id, &row, &of, e)) == ST_OK) {
+        *t = row.one;
+        st = rows_template_face(&x, &row, &of, face, len, e);
+    }
+    sodium_memzero(&of, sizeof of);
+    return store_end(s, &x, st, e);
 }
 
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e)
 {
-    struct decoding d = {s, w, f};
-    struct store_txn x;
+    unsigned char *face = NULL;
+    size_t len = 0;
     enum status st;
 
-    if ((st = store_rules_id(id, "template", e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
+    memset(t, 0, sizeof *t);
+    if ((st = ident_id(id, "template", e)) != ST_OK)
         return st;
-    return store_txn_end(&x, row_template_load(&x, id, t, use_decode, &d, e), e);
+    if ((st = load(s, id, t, &face, &len, e)) == ST_OK)
+        st = store_template_decode(s, t, face, len, w, f, e);
+    rows_template_wipe(face, len);
+    return st;
+}
+
+/* Rows as they are described to callers. */
+static enum status copy_rows(const struct rows_template *row, size_t n,
+                             struct store_template **out, struct errinfo *e)
+{
+    if (n == 0)
+        return ST_OK;
+    if ((*out = malloc(n * sizeof **out)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    for (size_t i = 0; i < n; i++)
+        (*out)[i] = row[i].one;
+    return ST_OK;
 }
 
 enum status store_template_list(struct store *s, const char *subject,
                                 struct store_template **out, size_t *n, struct errinfo *e)
 {
-    struct row_subject p = {0};
-    struct store_txn x;
+    struct rows_template *row = NULL;
+    struct rows_subject of;
+    struct log_txn x;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_rules_subject(subject, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
+    if ((st = ident_subject(subject, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
-    if ((st = row_subject_find(&x, subject, &p, e)) == ST_OK)
-        st = row_template_list(&x, p.row, p.templates, out, n, e);
-    sodium_memzero(&p, sizeof p);
-    return store_txn_end(&x, st, e);
+    if ((st = rows_subject_find(&x, subject, &of, e)) == ST_OK &&
+        (st = rows_template_list(&x, &of, &row, n, e)) == ST_OK)
+        st = copy_rows(row, *n, out, e);
+    free(row);
+    sodium_memzero(&of, sizeof of);
+    return store_end(s, &x, st, e);
 }
 
 /* ---- deleting */
 
-/* Nothing of a subject on hold is deleted; a damaged row may be. */
-static enum status delete_row(struct store_txn *x, const struct store_act *by,
-                              const char *id, struct errinfo *e)
+/* Nothing of a subject on hold is deleted. */
+static enum status delete_row(struct log_txn *x, const struct log_act *by, const char *id,
+                              struct errinfo *e)
 {
-    struct store_template t;
-    struct store_subject who;
-    struct row_subject p = {0};
-    bool good, known;
-    enum status st = row_template_get(x, id, &t, e);
+    struct rows_template row;
+    struct rows_subject of;
+    enum status st = rows_template_get(x, id, &row, &of, e);
 
-    if (st != ST_OK && st != ST_ECORRUPT)
-        return st;
-    good = st == ST_OK;
-    known = row_subject_of(x, id, &p, &who, NULL) == ST_OK;
-    sodium_memzero(&p.key, sizeof p.key);
-    if (good && known && who.hold)
-        return errinfo_set(e, ST_EHELD, "subject %s is on hold", who.id);
-    if ((st = row_template_delete(x, id, e)) != ST_OK ||
-        (st = row_template_tell(x, by, "delete_template", known ? who.id : "", id,
-                                "deleted", e)) != ST_OK ||
-        !known || p.templates == 0) /* moved there by somebody else */
-        return st;
-    return row_subject_count(x, by, who.id, &p, -1, e);
+    if (st == ST_OK && of.one.hold)
+        st = errinfo_set(e, ST_EHELD, "subject %s is on hold", of.one.id);
+    if (st == ST_OK && (st = rows_template_delete(x, &of, &row, e)) == ST_OK)
+        st = log_change(x, by, "delete_template", of.one.uid, id, "deleted", e);
+    sodium_memzero(&of, sizeof of);
+    return st;
 }
 
 enum status store_template_delete(struct store *s, const char *actor, const char *id,
                                   struct errinfo *e)
 {
-    struct store_act by;
-    struct store_txn x;
+    struct log_act by;
+    struct log_txn x;
     enum status st;
 
-    if ((st = store_rules_id(id, "template", e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_WRITE, &x, e)) != ST_OK)
+    if ((st = ident_id(id, "template", e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
-    st = store_txn_end(&x, delete_row(&x, &by, id, e), e);
+    st = store_end(s, &x, delete_row(&x, &by, id, e), e);
     if (st == ST_OK)
-        store_txn_scrub(s);
+        store_scrub(s);
     return st;
 }

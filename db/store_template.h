@@ -1,36 +1,36 @@
 /* store_template.h -- templates: enrolled, read, deleted.  A template's points never change,
  * what is loaded is always what this engine makes of them, and its id is never used again, so a
- * model may be cached by id as long as store_admit(), store_template_list() or
+ * face may be cached by id as long as store_admit(), store_template_list() or
  * store_template_get() still name it. */
 #ifndef DB_STORE_TEMPLATE_H
 #define DB_STORE_TEMPLATE_H
-#include "store_types.h"
+#include "store_open.h"
 
 struct store_sample {
     const struct face *face;
-    const char *read;   /* digest of its points (struct store_probe); NULL: not known */
+    const char *read;   /* digest of its points as they were read; NULL: not known */
     double first_score; /* as in struct store_template */
 };
 
 struct store_enroll {
     const char *actor, *subject, *label;
+    bool manager;                      /* as in struct store_template */
     const struct store_sample *sample; /* [n], of one subject */
     size_t n;                          /* 1 or more */
     /* the last template that they were compared with; "": there was none; NULL: they were
      * not compared */
     const char *newest;
-    bool manager;         /* as in struct store_template */
     const char *captured; /* follows in the events on their outcome; NULL for nothing */
 };
 
 /* store_enroll(s, what, t, created, e): encode and store a template of each sample, and the
- * subject where it is new; an event with each template.
+ * subject where it is new; a change with each template.
  * t, created  [what->n].  created[i] is false when the subject has this very cloud already (by
  *             its digest as it was used, or as it was read), also of a sample before it: then
  *             t[i] describes the template that is there
- * ST_EFULL and nothing stored: the subject would have more than STORE_TEMPLATES_MAX templates.
  * ST_EEXISTS and nothing stored where another template than what->newest is the last by now: then
- * there may be one that a sample was not compared with, by whatever thread or process. */
+ * there may be one that a sample was not compared with, by whatever thread or process.
+ * ST_EFULL: the subject would have more than STORE_TEMPLATES_MAX. */
 enum status store_enroll(struct store *s, const struct store_enroll *what,
                          struct store_template *t, bool *created, struct errinfo *e);
 
@@ -41,16 +41,16 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
  * stored by another version of the program alone is not outdated (face_same_engine()). */
 bool store_template_outdated(const struct store *s, const struct store_template *t);
 
-/* store_template_load(s, id, t, w, f, e): the model too, decoded and validated.  Of an outdated
+/* store_template_load(s, id, t, w, f, e): the face too, decoded and validated.  Of an outdated
  * one *f is made of its points (face_rebuild()), for some milliseconds more, and is what it would
  * be after store_reencode(); *t is as it is stored.  ST_EVERSION: this engine cannot make a face
  * of them; nothing should be compared with it then.
- * store_template_decode(s, t, model, len, w, f, e): the same of a model that store_admit()
+ * store_template_decode(s, t, face, len, w, f, e): the same of a face that store_admit()
  * gives. */
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e);
 enum status store_template_decode(const struct store *s, const struct store_template *t,
-                                  const void *model, size_t len, struct face_work *w,
+                                  const void *face, size_t len, struct face_work *w,
                                   struct face *f, struct errinfo *e);
 
 /* store_template_delete(s, actor, id, e): the subject stays, even without templates.

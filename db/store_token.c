@@ -2,14 +2,13 @@
 
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "errinfo.h"
-#include "row_attempts.h"
-#include "row_token.h"
+#include "rows_attempts.h"
+#include "rows_token.h"
 #include "store_rules.h"
 #include "store_txn.h"
-#include "utc.h"
 
 #define SECRET_BYTES 32
 
@@ -17,9 +16,9 @@
 
 /* The hash that is kept of a secret.  Secrets are 256 random bits: there is nothing to
  * guess, so a fast hash is enough. */
-static void hash_secret(const char *secret, unsigned char hash[ROW_TOKEN_HASH])
+static void hash_secret(const char *secret, unsigned char hash[ROWS_TOKEN_HASH])
 {
-    (void)crypto_generichash(hash, ROW_TOKEN_HASH, (const unsigned char *)secret,
+    (void)crypto_generichash(hash, ROWS_TOKEN_HASH, (const unsigned char *)secret,
                              strlen(secret), NULL, 0);
 }
 
@@ -32,7 +31,7 @@ static enum status need_life(int64_t s, const char *what, struct errinfo *e)
 }
 
 /* When it is over; "" for never. */
-static void set_life(const struct store_act *by, int64_t life_s, char expires[32])
+static void set_life(const struct log_act *by, int64_t life_s, char expires[32])
 {
     expires[0] = '\0';
     if (life_s > 0)
@@ -40,7 +39,7 @@ static void set_life(const struct store_act *by, int64_t life_s, char expires[32
 }
 
 /* A new secret and its hash. */
-static void new_secret(char secret[65], unsigned char hash[ROW_TOKEN_HASH])
+static void new_secret(char secret[65], unsigned char hash[ROWS_TOKEN_HASH])
 {
     store_rules_random(secret, SECRET_BYTES);
     hash_secret(secret, hash);
@@ -52,44 +51,42 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
                                unsigned scopes, int64_t life_s, char secret[65],
                                struct store_token *t, struct errinfo *e)
 {
-    struct row_token one = {.token = {.scopes = scopes}};
-    struct store_act by;
-    struct store_txn x;
+    struct rows_token one = {.token = {.scopes = scopes}};
+    struct log_act by;
+    struct log_txn x;
     enum status st;
 
     memset(t, 0, sizeof *t);
     secret[0] = '\0';
-    if (!store_rules_printable(name, 1, STORE_NAME_MAX))
+    if (!ident_printable(name, 1, STORE_NAME_MAX))
         return errinfo_set(e, ST_EINVAL, "a token's name is 1 to %d printable characters",
                            STORE_NAME_MAX);
     if (scopes == 0 || (scopes & ~(unsigned)STORE_SCOPE_ALL) != 0 || life_s < 0)
         return errinfo_set(e, ST_EINVAL, "a token without a scope or a life");
     if ((st = need_life(life_s, "life", e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
     store_rules_random(one.token.id, STORE_ID_LEN / 2);
     (void)snprintf(one.token.name, sizeof one.token.name, "%s", name);
     memcpy(one.token.created, by.at, sizeof by.at);
     set_life(&by, life_s, one.token.expires);
     new_secret(secret, one.hash);
-    if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK) {
-        if ((st = row_token_add(&x, &one, e)) == ST_OK)
-            st = row_token_tell(&x, &by, "create_token", one.token.id, e);
-        st = store_txn_end(&x, st, e);
-    }
+    if ((st = rows_token_add(&x, &one, e)) == ST_OK)
+        st = log_change(&x, &by, "create_token", NULL, one.token.id, name, e);
+    st = store_end(s, &x, st, e);
     *t = one.token;
     if (st != ST_OK)
         sodium_memzero(secret, 65);
     return st;
 }
 
-static enum status rotate(struct store_txn *x, const struct store_act *by, const char *id,
+static enum status rotate(struct log_txn *x, const struct log_act *by, const char *id,
                           int64_t grace_s, int64_t life_s,
-                          const unsigned char hash[ROW_TOKEN_HASH], struct store_token *t,
-                          struct errinfo *e)
+                          const unsigned char hash[ROWS_TOKEN_HASH],
+                          struct store_token *t, struct errinfo *e)
 {
-    struct row_token one;
-    enum status st = row_token_get(x, id, &one, e);
+    struct rows_token one;
+    enum status st = rows_token_get(x, id, &one, e);
 
     *t = one.token;
     if (st != ST_OK)
@@ -103,50 +100,60 @@ static enum status rotate(struct store_txn *x, const struct store_act *by, const
     one.token = *t;
     memcpy(one.old_hash, one.hash, sizeof one.old_hash);
     memcpy(one.hash, hash, sizeof one.hash);
-    if ((st = row_token_rotate(x, &one, e)) != ST_OK)
+    if ((st = rows_token_write(x, &one, e)) != ST_OK)
         return st;
-    return row_token_tell(x, by, "rotate_token", id, e);
+    return log_change(x, by, "rotate_token", NULL, id, t->name, e);
 }
 
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
                                int64_t grace_s, int64_t life_s, char secret[65],
                                struct store_token *t, struct errinfo *e)
 {
-    unsigned char hash[ROW_TOKEN_HASH];
-    struct store_act by;
-    struct store_txn x;
+    unsigned char hash[ROWS_TOKEN_HASH];
+    struct log_act by;
+    struct log_txn x;
     enum status st;
 
     memset(t, 0, sizeof *t);
     secret[0] = '\0';
-    if ((st = store_rules_id(id, "token", e)) != ST_OK ||
+    if ((st = ident_id(id, "token", e)) != ST_OK ||
         (st = need_life(life_s, "life", e)) != ST_OK ||
         (st = need_life(grace_s, "grace", e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
     new_secret(secret, hash);
-    if ((st = store_txn_begin(s, SQL_WRITE, &x, e)) == ST_OK)
-        st = store_txn_end(&x, rotate(&x, &by, id, grace_s, life_s, hash, t, e), e);
+    st = store_end(s, &x, rotate(&x, &by, id, grace_s, life_s, hash, t, e), e);
     if (st != ST_OK)
         sodium_memzero(secret, 65);
     return st;
 }
 
+static enum status revoke(struct log_txn *x, const struct log_act *by, const char *id,
+                          struct errinfo *e)
+{
+    struct rows_token one;
+    enum status st = rows_token_get(x, id, &one, e);
+
+    if (st != ST_OK || one.token.revoked)
+        return st;
+    memcpy(one.revoked, by->at, sizeof one.revoked);
+    if ((st = rows_token_write(x, &one, e)) != ST_OK ||
+        (st = rows_attempts_revoke(x, id, e)) != ST_OK)
+        return st;
+    return log_change(x, by, "revoke_token", NULL, id, one.token.name, e);
+}
+
 enum status store_token_revoke(struct store *s, const char *actor, const char *id,
                                struct errinfo *e)
 {
-    struct store_act by;
-    struct store_txn x;
+    struct log_act by;
+    struct log_txn x;
     enum status st;
 
-    if ((st = store_rules_id(id, "token", e)) != ST_OK ||
-        (st = store_rules_act(&by, actor, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_WRITE, &x, e)) != ST_OK)
+    if ((st = ident_id(id, "token", e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
-    if ((st = row_token_revoke(&x, id, by.at, e)) == ST_OK &&
-        (st = row_attempts_revoke(&x, id, e)) == ST_OK)
-        st = row_token_tell(&x, &by, "revoke_token", id, e);
-    return store_txn_end(&x, st, e);
+    return store_end(s, &x, revoke(&x, &by, id, e), e);
 }
 
 /* ---- reading */
@@ -154,18 +161,26 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e)
 {
-    struct store_txn x;
+    struct rows_token *row = NULL;
+    struct log_txn x;
     int64_t ms;
     enum status st;
 
     *out = NULL;
     *n = 0;
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK ||
+        (st = store_end(s, &x, rows_token_list(&x, &row, n, e), e)) != ST_OK)
         return st;
-    st = store_txn_end(&x, row_token_list(&x, out, n, e), e);
-    for (size_t i = 0; i < *n; i++)
-        (*out)[i].expired = store_rules_past((*out)[i].expires, ms);
+    if (*n > 0 && (*out = malloc(*n * sizeof **out)) == NULL) {
+        *n = 0;
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    }
+    for (size_t i = 0; i < *n; i++) {
+        (*out)[i] = row[i].token;
+        (*out)[i].expired = store_rules_past(row[i].token.expires, ms);
+    }
+    free(row);
     return st;
 }
 
@@ -184,48 +199,56 @@ int64_t store_token_left(const struct store_token *t)
 static void note_use(struct store *s, struct store_token *t, int64_t ms)
 {
     char now[UTC_TEXT];
-    struct store_txn x;
+    struct log_txn x;
 
-    if (store_rules_recent(t->used, ms) || store_txn_begin(s, SQL_TRY, &x, NULL) != ST_OK)
+    if (store_rules_recent(t->used, ms) || store_begin(s, SQL_TRY, &x, NULL) != ST_OK)
         return;
     utc_print(ms, now);
-    if (store_txn_end(&x, row_token_used(&x, t->id, now, NULL), NULL) == ST_OK)
+    if (store_end(s, &x, rows_token_used(&x, t->id, now, NULL), NULL) == ST_OK)
         memcpy(t->used, now, sizeof now);
 }
 
-/* The row is found by the hash, of which a stranger can choose neither the bits nor, by
- * how long the search takes, learn any that would help to find a secret. */
+/* Is the secret of this hash still accepted?  The row is found by the hash, of which a stranger can
+ * choose neither the bits nor, by how long the search takes, learn any that would help to find a
+ * secret. */
+static enum status accept(const struct rows_token *one,
+                          const unsigned char hash[ROWS_TOKEN_HASH], int64_t ms,
+                          struct errinfo *e)
+{
+    const bool old = sodium_memcmp(hash, one->hash, ROWS_TOKEN_HASH) != 0;
+
+    if (old && (one->token.old_until[0] == '\0' ||
+                sodium_memcmp(hash, one->old_hash, ROWS_TOKEN_HASH) != 0))
+        return errinfo_set(e, ST_EDENIED, "no such token");
+    if (one->token.revoked)
+        return errinfo_set(e, ST_EDENIED, "the token was revoked");
+    if (old && store_rules_past(one->token.old_until, ms))
+        return errinfo_set(e, ST_EDENIED, "the token was rotated");
+    if (store_rules_past(one->token.expires, ms))
+        return errinfo_set(e, ST_EDENIED, "the token has expired");
+    return ST_OK;
+}
+
 enum status store_token_check(struct store *s, const char *secret, struct store_token *t,
                               struct errinfo *e)
 {
-    unsigned char hash[ROW_TOKEN_HASH];
-    struct row_token one;
-    struct store_txn x;
+    unsigned char hash[ROWS_TOKEN_HASH];
+    struct rows_token one;
+    struct log_txn x;
     int64_t ms;
     enum status st;
 
     memset(t, 0, sizeof *t);
-    if (!store_rules_consist(secret, "0123456789abcdef", 2 * SECRET_BYTES,
-                             2 * SECRET_BYTES))
+    if (!ident_consists(secret, "0123456789abcdef", 2 * SECRET_BYTES, 2 * SECRET_BYTES))
         return errinfo_set(e, ST_EDENIED, "not a token");
     hash_secret(secret, hash);
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_txn_begin(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
-    st = store_txn_end(&x, row_token_find(&x, hash, &one, e), e);
-    if (st == ST_ENOTFOUND ||
-        (st == ST_OK &&
-         sodium_memcmp(hash, one.old ? one.old_hash : one.hash, sizeof hash) != 0))
+    st = store_end(s, &x, rows_token_find(&x, hash, &one, e), e);
+    if (st == ST_ENOTFOUND)
         st = errinfo_set(e, ST_EDENIED, "no such token");
-    else if (st == ST_OK && one.token.revoked)
-        st = errinfo_set(e, ST_EDENIED, "the token was revoked");
-    else if (st == ST_OK && one.old &&
-             (one.token.old_until[0] == '\0' ||
-              store_rules_past(one.token.old_until, ms)))
-        st = errinfo_set(e, ST_EDENIED, "the token was rotated");
-    else if (st == ST_OK && store_rules_past(one.token.expires, ms))
-        st = errinfo_set(e, ST_EDENIED, "the token has expired");
-    if (st != ST_OK)
+    if (st != ST_OK || (st = accept(&one, hash, ms, e)) != ST_OK)
         return st;
     *t = one.token;
     note_use(s, t, ms);

@@ -1,7 +1,7 @@
 /* store_token.h -- Bearer tokens: 256 random bits each, of which only a hash is kept. */
 #ifndef DB_STORE_TOKEN_H
 #define DB_STORE_TOKEN_H
-#include "store_types.h"
+#include "store_open.h"
 
 /* store_token_create(s, actor, name, scopes, life_s, secret, t, e): a new Bearer token, good
  * for life_s seconds, 0: for ever; secret is shown once and only its hash is kept. */

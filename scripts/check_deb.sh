@@ -113,7 +113,7 @@ ok "the library installs beside it" install_deb /surface.deb
 ok "there is a system user" run getent passwd surfaced
 ok "it cannot log in" is "$(run getent passwd surfaced | cut -d : -f 7)" /usr/sbin/nologin
 ok "it owns the state folder" is "$(run stat -c '%U %a' /var/lib/surfaced)" "surfaced 700"
-for file in surfaced.db surfaced.db.key surfaced.db.key.anchor; do
+for file in surfaced.db surfaced.db.key; do
     ok "it made $file" is "$(run stat -c '%U %a' /var/lib/surfaced/$file)" "surfaced 600"
 done
 ok "the unit does not say --create" no run grep -rq '^ExecStart.*create' /lib/systemd/system/surfaced.service
@@ -162,7 +162,7 @@ ok "the daemon verifies again" in_time probe
 
 echo "== lost, and put back"
 run systemctl stop surfaced.service
-ok "the anchor is good after a crash and a stop" surfacectl check
+ok "the database is good after a crash and a stop" surfacectl check
 run mv $db /var/lib/surfaced/away
 ok "the service does not start without its database" no run systemctl start surfaced.service
 ok "and makes none" no run test -e $db

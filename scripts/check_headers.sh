@@ -26,7 +26,7 @@ while read -r room sees; do
 done <<END
 $layers
 END
-alone tests/lib tools db scan base core
+alone tests/lib tools db/admin db db/rows db/log db/sql db/crypt scan base core
 alone tests/fuzz scan base core
 alone studies tests/lib tools scan base core
 exit $bad

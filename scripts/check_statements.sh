@@ -28,12 +28,12 @@ fail() {
 }
 
 # ---- which there are, and which were prepared
-strings -n 8 "$BUILD/libdb.a" |
+for room in db rows log admin; do strings -n 8 "$BUILD/lib$room.a"; done |
     grep -E '^(SELECT|INSERT|UPDATE|DELETE|WITH) ' | LC_ALL=C sort -u >"$dir/written"
 [ -s "$BUILD/log/statements" ] || fail "no test has recorded a statement: make check"
 sed -n 's/;$//p' "$BUILD/log/statements" | LC_ALL=C sort -u >"$dir/prepared"
 n=$(wc -l <"$dir/written")
-[ "$n" -ge "$least" ] || fail "only $n statements in $BUILD/libdb.a"
+[ "$n" -ge "$least" ] || fail "only $n statements in the libraries of $BUILD"
 LC_ALL=C comm -23 "$dir/written" "$dir/prepared" >"$dir/never"
 [ ! -s "$dir/never" ] || fail "prepared by no test:
 $(cat "$dir/never")"

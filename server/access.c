@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "errmap.h"
-#include "log.h"
+#include "logger.h"
 #include "request.h"
 #include "route.h"
 
@@ -19,42 +19,42 @@ static bool is_error(const struct request *r)
 
 static void warn_of_overload(const struct request *r)
 {
-    static struct log_seldom overload;
-    const uint64_t n = log_seldom(&overload, log_clock_ms());
-    struct log_entry l;
+    static struct logger_seldom overload;
+    const uint64_t n = logger_seldom(&overload, logger_clock_ms());
+    struct logger_line l;
 
     if (n == 0)
         return;
-    log_begin(&l, "warn", "requests refused: overloaded");
-    log_count(&l, "requests", n);
-    log_text(&l, "last", r->fault);
-    log_end(&l);
+    logger_begin(&l, "warn", "requests refused: overloaded");
+    logger_count(&l, "requests", n);
+    logger_text(&l, "last", r->fault);
+    logger_end(&l);
 }
 
 void access_log(const struct request *r, int http, double ms)
 {
-    struct log_entry l;
+    struct logger_line l;
     char key[32];
 
-    log_begin(&l, is_error(r) ? "error" : "info", "request");
-    log_text(&l, "request_id", r->id);
-    log_text(&l, "method", route_method(r->route));
-    log_text(&l, "route", route_pattern(r->route));
-    log_count(&l, "status", (uint64_t)http);
-    log_real(&l, "ms", ms, 3);
+    logger_begin(&l, is_error(r) ? "error" : "info", "request");
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "method", route_method(r->route));
+    logger_text(&l, "route", route_pattern(r->route));
+    logger_count(&l, "status", (uint64_t)http);
+    logger_real(&l, "ms", ms, 3);
     for (enum request_stage i = 0; i < REQUEST_STAGES; i++) {
         if ((r->stages >> i & 1) == 0)
             continue;
         (void)snprintf(key, sizeof key, "%s_ms", request_stage_name(i));
-        log_real(&l, key, r->stage_ms[i], 3);
+        logger_real(&l, key, r->stage_ms[i], 3);
     }
     if (r->client[0] != '\0')
-        log_text(&l, "client", r->client);
+        logger_text(&l, "client", r->client);
     if (r->actor[0] != '\0')
-        log_text(&l, "token", r->actor);
+        logger_text(&l, "token", r->actor);
     if (r->fault[0] != '\0')
-        log_text(&l, "fault", r->fault);
-    log_end(&l);
+        logger_text(&l, "fault", r->fault);
+    logger_end(&l);
     if (http != 0 && r->response.problem == ERRMAP_OVERLOAD)
         warn_of_overload(r);
 }

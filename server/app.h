@@ -6,19 +6,19 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct attempts;  /* attempts.h */
-struct cache;     /* cache.h */
-struct erasures;  /* erasures.h */
-struct guard;     /* guard.h */
-struct intake;    /* intake.h */
-struct metrics;   /* metrics.h */
-struct model;     /* model.h */
-struct queue;     /* queue.h */
-struct quota;     /* quota.h */
-struct retention; /* retention.h */
-struct route;     /* route.h */
-struct store;     /* store.h */
-struct throttle;  /* throttle.h */
+struct attempts; /* attempts.h */
+struct cache;    /* cache.h */
+struct erasures; /* erasures.h */
+struct guard;    /* guard.h */
+struct intake;   /* intake.h */
+struct metrics;  /* metrics.h */
+struct model;    /* model.h */
+struct queue;    /* queue.h */
+struct quota;    /* quota.h */
+struct route;    /* route.h */
+struct store;    /* store.h */
+struct throttle; /* throttle.h */
+struct upkeep;   /* upkeep.h */
 
 struct app {
     struct store *store; /* its calibration and engine are by the model */
@@ -29,7 +29,7 @@ struct app {
     struct intake *intake;
     struct throttle *throttle;
     struct queue *queue;
-    struct retention *retention; /* NULL: uses are kept for ever */
+    struct upkeep *upkeep;
     struct erasures *erasures;
     struct guard *guard;        /* of the connections; http.c's */
     struct quota *quota;        /* of bodies and responses; http.c's, for its thread */

@@ -5,7 +5,7 @@
 #include "app.h"
 #include "errmap.h"
 #include "lockout.h"
-#include "log.h"
+#include "logger.h"
 #include "metrics.h"
 #include "options.h"
 #include "request.h"
@@ -111,12 +111,12 @@ void attempts_watch(const struct attempts *a, struct store_settle *what)
 
 static void warn(const struct request *r, const char *what)
 {
-    struct log_entry l;
+    struct logger_line l;
 
-    log_begin(&l, "warn", what);
-    log_text(&l, "request_id", r->id);
-    log_text(&l, "token", r->actor);
-    log_end(&l);
+    logger_begin(&l, "warn", what);
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "token", r->actor);
+    logger_end(&l);
 }
 
 void attempts_warn(const struct request *r, const struct store_settled *out)

@@ -8,9 +8,10 @@
 #include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "log.h"
+#include "logger.h"
 #include "request.h"
 #include "route.h"
+#include "rows_scopes.h"
 #include "store.h"
 #include "throttle.h"
 
@@ -36,7 +37,7 @@ void auth_take(struct request *r, const char *header)
 bool auth_admit(struct request *r)
 {
     const unsigned wait_s =
-        throttle_wait(r->app->throttle, r->address, r->token, log_clock_ms());
+        throttle_wait(r->app->throttle, r->address, r->token, logger_clock_ms());
 
     if (wait_s == 0)
         return true;
@@ -62,8 +63,8 @@ bool auth_may(struct request *r, unsigned scopes)
 
     if (auth_has(r, scopes))
         return true;
-    store_scopes_write(r->scopes, has);
-    store_scopes_write(scopes, lacks);
+    rows_scopes_write(r->scopes, has);
+    rows_scopes_write(scopes, lacks);
     request_problem(r, ERRMAP_SCOPE, "this takes a token with %s %s; it has %s",
                     strchr(lacks, ',') != NULL ? "one of the scopes" : "the scope", lacks,
                     has);
@@ -80,7 +81,7 @@ void auth_check(struct request *r)
 
     if (st == ST_OK || st == ST_EDENIED)
         throttle_note(r->app->throttle, r->address, r->token, st == ST_OK,
-                      log_clock_ms());
+                      logger_clock_ms());
     sodium_memzero(r->token, sizeof r->token);
     if (st == ST_OK) {
         memcpy(r->actor, t.id, sizeof r->actor);
@@ -98,7 +99,7 @@ void auth_challenge(const struct response *a, char out[AUTH_CHALLENGE_MAX])
 {
     char scope[STORE_SCOPES_MAX];
 
-    store_scopes_write(a->lacks, scope);
+    rows_scopes_write(a->lacks, scope);
     for (char *comma = scope; (comma = strchr(comma, ',')) != NULL;) /* RFC 6750's list */
         *comma = ' ';
     if (a->lacks != 0)

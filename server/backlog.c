@@ -7,7 +7,7 @@
 #include <sys/socket.h>
 #include <time.h>
 
-#include "log.h"
+#include "logger.h"
 
 #define SETTLE_MS 50.0 /* for handshakes that are half done */
 
@@ -24,13 +24,14 @@ void backlog_empty(int fd, double ms)
 {
     const struct sock_fprog program = {sizeof no_syn / sizeof *no_syn, no_syn};
     const struct timespec pause = {0, 5 * 1000 * 1000};
-    const double end = log_clock_ms() + ms;
-    double busy = log_clock_ms();
+    const double end = logger_clock_ms() + ms;
+    double busy = logger_clock_ms();
     struct pollfd p = {.fd = fd, .events = POLLIN};
 
     /* Without the filter, which a kernel may lack, a new connection may still be reset. */
     (void)setsockopt(fd, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof program);
-    for (double now = busy; now < end && now < busy + SETTLE_MS; now = log_clock_ms()) {
+    for (double now = busy; now < end && now < busy + SETTLE_MS;
+         now = logger_clock_ms()) {
         if (poll(&p, 1, 0) > 0)
             busy = now;
         (void)nanosleep(&pause, NULL);

@@ -11,7 +11,7 @@
 #include "errmap.h"
 #include "inflate.h"
 #include "json.h"
-#include "log.h"
+#include "logger.h"
 #include "mem.h"
 #include "render.h"
 #include "request.h"
@@ -82,12 +82,12 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
                              struct errinfo *e)
 {
     const struct scan_options o = {.enrolment = true, .stop = &g->r->gone};
-    const double start = log_clock_ms();
+    const double start = logger_clock_ms();
     struct cloudpoints c = {0};
     double parsed;
     enum status st = read_file(g, &b->file[i], &c, e);
 
-    request_stage(g->r, REQUEST_PARSE, (parsed = log_clock_ms()) - start);
+    request_stage(g->r, REQUEST_PARSE, (parsed = logger_clock_ms()) - start);
     if (st == ST_ELIMIT)
         return errinfo_set(e, st, "the files together have more than %d points",
                            FACE_MAX_POINTS);
@@ -97,7 +97,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
                            g->r->app->max_body);
     if (st == ST_OK) {
         st = sample_build("points", &c, &o, g->w, &b->face[i], &b->found[i], e);
-        request_stage(g->r, REQUEST_PREPARE, log_clock_ms() - parsed);
+        request_stage(g->r, REQUEST_PREPARE, logger_clock_ms() - parsed);
     }
     cloudpoints_free(&c);
     if (st == ST_OK) {

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "face.h"
-#include "store_types.h"
+#include "rows_types.h"
 
 struct cache;
 

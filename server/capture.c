@@ -19,7 +19,7 @@ enum { DEVICE, NONCE, LIVENESS, SIG, FIELDS };
 
 struct capture { /* the header's fields */
     char field[FIELDS][96];
-    unsigned char signature[VAULT_SIGN];
+    unsigned char signature[CRYPT_SIGN];
 };
 
 void capture_take(struct request *r, const char *value)

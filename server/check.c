@@ -3,7 +3,7 @@
 #include "app.h"
 #include "cloud.h"
 #include "describe.h"
-#include "log.h"
+#include "logger.h"
 #include "metrics.h"
 #include "render.h"
 #include "request.h"
@@ -25,17 +25,17 @@ void check_handle(struct request *r, struct worker *w)
     struct describe_times times = {0};
     struct cloudpoints c;
     struct trial t = {0};
-    const double start = log_clock_ms();
+    const double start = logger_clock_ms();
     double parsed;
     enum status st = cloud_take(r, &c, &t.why);
 
     if (r->response.http != 0) /* a parameter */
         return;
-    parsed = log_clock_ms();
+    parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
     if (st == ST_OK) {
         st = trial_run("points", &c, &o, w->compare.work, &w->probe, &t);
-        request_stage(r, REQUEST_PREPARE, times.prepare = log_clock_ms() - parsed);
+        request_stage(r, REQUEST_PREPARE, times.prepare = logger_clock_ms() - parsed);
     } else if (trial_is_refusal(st)) {
         const struct errinfo e = t.why;
 
@@ -46,7 +46,7 @@ void check_handle(struct request *r, struct worker *w)
         cloudpoints_free(&c);
         return;
     }
-    times.total = log_clock_ms() - r->start_ms;
+    times.total = logger_clock_ms() - r->start_ms;
     if (st == ST_OK)
         respond(r, w, &t, &times);
     else

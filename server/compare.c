@@ -11,7 +11,7 @@
 #include "errmap.h"
 #include "event.h"
 #include "heatmap.h"
-#include "log.h"
+#include "logger.h"
 #include "mem.h"
 #include "minimal.h"
 #include "metrics.h"
@@ -49,14 +49,14 @@ struct comparison {
 /* Both faces.  False: r->response says why not. */
 static bool build(struct comparison *c)
 {
-    const double start = log_clock_ms();
+    const double start = logger_clock_ms();
     struct face_work *work = c->w->compare.work;
     struct errinfo e = {0};
     double parsed;
 
     if (cloud_read_two(c->r, &c->a, &c->b) != ST_OK)
         return false;
-    parsed = log_clock_ms();
+    parsed = logger_clock_ms();
     request_stage(c->r, REQUEST_PARSE, c->parse_ms = parsed - start);
     if (cloud_build(c->r, &c->a, "a.points", false, work, &c->w->other, &c->found_a) !=
             ST_OK ||
@@ -67,7 +67,7 @@ static bool build(struct comparison *c)
         request_fail(c->r, &e);
         return false;
     }
-    request_stage(c->r, REQUEST_PREPARE, c->prepare_ms = log_clock_ms() - parsed);
+    request_stage(c->r, REQUEST_PREPARE, c->prepare_ms = logger_clock_ms() - parsed);
     return true;
 }
 
@@ -90,10 +90,10 @@ static bool compare(struct comparison *c)
 {
     const struct face *a = &c->w->other, *b = &c->w->probe;
     struct face_work *work = c->w->compare.work;
-    enum status st = face_compare(a, b, (double)NAN, log_clock_ms, work, &c->result);
+    enum status st = face_compare(a, b, (double)NAN, logger_clock_ms, work, &c->result);
 
     if (st == ST_OK && c->detail != PARAMS_DECISION) {
-        st = face_minimal(a, b, log_clock_ms, work, &c->result, &c->least);
+        st = face_minimal(a, b, logger_clock_ms, work, &c->result, &c->least);
         request_stage(c->r, REQUEST_ALIGN, c->result.align_ms);
         request_stage(c->r, REQUEST_MINIMAL, c->least.ms);
     }
@@ -118,7 +118,7 @@ static void respond(struct comparison *c)
                                          .align = c->result.align_ms,
                                          .score = c->result.score_ms,
                                          .minimal = c->least.ms,
-                                         .total = log_clock_ms() - c->r->start_ms};
+                                         .total = logger_clock_ms() - c->r->start_ms};
 
     verify_round(c->r, c->w, &c->result, &c->least);
     verify_respond(c->r, &(struct describe_comparison){

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "log.h"
+#include "logger.h"
 
 #define DRAIN_MAX 64
 #define DRAIN_MS  2000.0
@@ -40,7 +40,7 @@ static void take_fresh(struct drain *l, struct pool *p)
         }
         (void)shutdown(fd, SHUT_WR);
         p->poll[p->n] = (struct pollfd){.fd = fd, .events = POLLIN};
-        p->until_ms[p->n++] = log_clock_ms() + DRAIN_MS;
+        p->until_ms[p->n++] = logger_clock_ms() + DRAIN_MS;
     }
     (void)pthread_mutex_unlock(&l->lock);
 }
@@ -66,7 +66,7 @@ static void *run(void *arg)
         if (p.poll[0].revents != 0 && read(l->wake[0], waste, sizeof waste) == 0)
             break;
         for (nfds_t i = p.n; i-- > 1;) {
-            bool keep = log_clock_ms() < p.until_ms[i];
+            bool keep = logger_clock_ms() < p.until_ms[i];
 
             if (keep && p.poll[i].revents != 0)
                 keep = throw_away(p.poll[i].fd);

@@ -15,7 +15,7 @@
 #include "intake.h"
 #include "event.h"
 #include "render.h"
-#include "log.h"
+#include "logger.h"
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
@@ -89,8 +89,6 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
 
     if (out->nearest.compared > 0)
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
-    if (out->lost.code != ST_OK)
-        event_lost(r, "enroll_mismatch", &out->lost);
     if (st == ST_OK || out->none)
         tally(r, each, n, out->none);
     if (out->locked || !verify_admitted(r, out->admit, &e)) /* r->response is set */
@@ -124,15 +122,15 @@ static void enroll_one(struct request *r, struct worker *w)
     struct scan_found found;
     struct cloudpoints c;
     struct asked ask;
-    double start = log_clock_ms(), parsed;
+    double start = logger_clock_ms(), parsed;
     enum status st;
 
     if (!read_parameters(r, &ask) || cloud_read(r, &c) != ST_OK)
         return;
-    parsed = log_clock_ms();
+    parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
     st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe, &found);
-    request_stage(r, REQUEST_PREPARE, log_clock_ms() - parsed);
+    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - parsed);
     cloudpoints_free(&c);
     if (st != ST_OK ||
         !enroll(r, w, &ask,

@@ -6,10 +6,7 @@ struct errinfo;
 struct request;
 
 /* event_add(r, kind, outcome): an entry of r, its subject and template; where it is lost, r's
- * response stands.
- * event_lost(r, kind, e): the response stands without its event, because of e; the log and a
- * metric say so. */
+ * response stands. */
 void event_add(struct request *r, const char *kind, const char *outcome);
-void event_lost(struct request *r, const char *kind, const struct errinfo *e);
 
 #endif

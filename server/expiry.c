@@ -4,7 +4,7 @@
 
 #include "app.h"
 #include "errinfo.h"
-#include "log.h"
+#include "logger.h"
 #include "metrics.h"
 #include "store.h"
 
@@ -12,18 +12,18 @@
 
 static void tell(const struct store_token *t)
 {
-    struct log_entry l;
+    struct logger_line l;
 
-    log_begin(&l, "warn", "a token will end: surfacectl token rotate, with --expires");
-    log_text(&l, "token", t->id);
-    log_text(&l, "name", t->name);
-    log_text(&l, "expires_at", t->expires);
-    log_end(&l);
+    logger_begin(&l, "warn", "a token will end: surfacectl token rotate, with --expires");
+    logger_text(&l, "token", t->id);
+    logger_text(&l, "name", t->name);
+    logger_text(&l, "expires_at", t->expires);
+    logger_end(&l);
 }
 
 void expiry_look(struct expiry *x, const struct app *app)
 {
-    const double now = log_clock_ms();
+    const double now = logger_clock_ms();
     const bool due = x->told_ms == 0 || now - x->told_ms >= DAY_MS;
     struct store_token *t;
     struct errinfo e = {0};
@@ -31,7 +31,7 @@ void expiry_look(struct expiry *x, const struct app *app)
     size_t n, soon = 0;
 
     if (store_token_list(app->store, &t, &n, &e) != ST_OK) {
-        log_line("warn", "when tokens end is not known: %s", e.msg);
+        logger_line("warn", "when tokens end is not known: %s", e.msg);
         return;
     }
     for (size_t i = 0; i < n; i++) {

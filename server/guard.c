@@ -13,7 +13,7 @@
 #include <time.h>
 
 #include "errinfo.h"
-#include "log.h"
+#include "logger.h"
 
 /* File descriptors for other things: the database's, those being drained, libmicrohttpd's. */
 #define OTHER_FILES 256
@@ -135,7 +135,7 @@ static bool crowd_out(struct guard *l, const struct origin *for_)
             (oldest == NULL || p->begin_ms < oldest->begin_ms))
             oldest = p;
     if (oldest == NULL ||
-        (same(most, for_) && log_clock_ms() - oldest->begin_ms < SETTLED_MS))
+        (same(most, for_) && logger_clock_ms() - oldest->begin_ms < SETTLED_MS))
         return false;
     end(l, oldest);
     l->state.crowded_out++;
@@ -175,7 +175,7 @@ static void begin(struct guard *l, struct guard_peer *p, enum guard_step step)
     p->step = step;
     p->gone = NULL;
     p->cut = false;
-    p->begin_ms = log_clock_ms();
+    p->begin_ms = logger_clock_ms();
     if (step == GUARD_WORK)
         p->end_ms = NO_END;
     else
@@ -239,7 +239,7 @@ void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
     (void)pthread_mutex_lock(&l->lock);
     p->cut = false;
     p->end_ms = fmin(p->end_ms + 1000.0 * (double)bytes / GUARD_BYTES_PER_S,
-                     log_clock_ms() + 1000.0 * l->rules.timeout_s);
+                     logger_clock_ms() + 1000.0 * l->rules.timeout_s);
     (void)pthread_mutex_unlock(&l->lock);
 }
 
@@ -257,22 +257,22 @@ static void report(struct guard *l)
 {
     const struct guard_state *s = &l->state;
     uint64_t late = 0, sum;
-    struct log_entry line;
+    struct logger_line line;
 
     for (int i = 0; i < GUARD_NSTEPS; i++)
         late += s->late[i];
     sum = late + s->refused_total + s->refused_address + s->crowded_out;
-    if (sum == l->reported || log_clock_ms() < l->report_ms)
+    if (sum == l->reported || logger_clock_ms() < l->report_ms)
         return;
     l->reported = sum;
-    l->report_ms = log_clock_ms() + REPORT_MS;
-    log_begin(&line, "warn", "connections closed");
-    log_count(&line, "open", s->open);
-    log_count(&line, "late", late);
-    log_count(&line, "too_many", s->refused_total);
-    log_count(&line, "crowded_out", s->crowded_out);
-    log_count(&line, "too_many_of_one_address", s->refused_address);
-    log_end(&line);
+    l->report_ms = logger_clock_ms() + REPORT_MS;
+    logger_begin(&line, "warn", "connections closed");
+    logger_count(&line, "open", s->open);
+    logger_count(&line, "late", late);
+    logger_count(&line, "too_many", s->refused_total);
+    logger_count(&line, "crowded_out", s->crowded_out);
+    logger_count(&line, "too_many_of_one_address", s->refused_address);
+    logger_end(&line);
 }
 
 /* What a client that closed its side looks like, or one that is reset; what it sent before may
@@ -309,7 +309,7 @@ static void look_at_body(struct guard *l, struct guard_peer *p)
 
 static void sweep(struct guard *l)
 {
-    double now = log_clock_ms();
+    double now = logger_clock_ms();
 
     for (struct guard_peer *p = l->peers; p != NULL; p = p->next) {
         if (p->gone != NULL && !p->ended && has_gone(p, now)) {
@@ -358,7 +358,7 @@ static void *run(void *arg)
 static unsigned ask_for_files(unsigned wanted)
 {
     rlim_t need = (rlim_t)wanted + OTHER_FILES;
-    struct log_entry line;
+    struct logger_line line;
     struct rlimit r;
 
     if (getrlimit(RLIMIT_NOFILE, &r) != 0 || r.rlim_cur >= need)
@@ -371,12 +371,12 @@ static unsigned ask_for_files(unsigned wanted)
     if (r.rlim_cur >= need)
         return wanted;
     need = r.rlim_cur > 2 * OTHER_FILES ? r.rlim_cur - OTHER_FILES : r.rlim_cur / 2;
-    log_begin(&line, "warn",
-              "fewer connections than wanted: too few open files are allowed");
-    log_count(&line, "wanted", wanted);
-    log_count(&line, "connections", need);
-    log_count(&line, "open_files", r.rlim_cur);
-    log_end(&line);
+    logger_begin(&line, "warn",
+                 "fewer connections than wanted: too few open files are allowed");
+    logger_count(&line, "wanted", wanted);
+    logger_count(&line, "connections", need);
+    logger_count(&line, "open_files", r.rlim_cur);
+    logger_end(&line);
     return (unsigned)need;
 }
 

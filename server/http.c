@@ -23,7 +23,7 @@
 #include "guard.h"
 #include "headers.h"
 #include "listen.h"
-#include "log.h"
+#include "logger.h"
 #include "malformed.h"
 #include "metrics.h"
 #include "options.h"
@@ -76,7 +76,7 @@ struct exchange {
     struct headers_framing framing;
     bool unframed;    /* nobody knows where the next request begins */
     bool body_sent;   /* the client sends a body, or says so */
-    double queued_ms; /* log_clock_ms() when it was last handed to the workers */
+    double queued_ms; /* logger_clock_ms() when it was last handed to the workers */
     int drain_fd;     /* responded to before the body was read; -1: not */
 };
 
@@ -149,7 +149,7 @@ static enum MHD_Result send_amid(struct exchange *x)
 static void finish(struct exchange *x)
 {
     struct http *h = x->http;
-    const double ms = log_clock_ms() - x->r.start_ms;
+    const double ms = logger_clock_ms() - x->r.start_ms;
     const int http = x->state == RESPONDED ? x->r.response.http : 0;
 
     metrics_request(h->app->metrics, &x->r, http, ms);
@@ -172,7 +172,7 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
 
     if (x == &none) { /* not even a request line was read */
         none.r.app = h->app;
-        none.r.start_ms = log_clock_ms();
+        none.r.start_ms = logger_clock_ms();
     }
     if (x->r.id[0] == '\0')
         request_set_id(&x->r, NULL, ++h->serial);
@@ -190,7 +190,7 @@ static void queue_up(struct exchange *x, enum queue_kind kind)
     struct app *app = x->http->app;
     struct request *out;
 
-    x->queued_ms = log_clock_ms();
+    x->queued_ms = logger_clock_ms();
     out = queue_push(app->queue, &x->r, kind, request_sender(&x->r));
     if (out == NULL)
         return;
@@ -213,7 +213,7 @@ void http_run(struct worker *w, struct request *r)
 {
     struct exchange *x = (struct exchange *)r;
 
-    request_stage(r, REQUEST_QUEUE, log_clock_ms() - x->queued_ms);
+    request_stage(r, REQUEST_QUEUE, logger_clock_ms() - x->queued_ms);
     if (x->state == ADMITTED) {
         auth_check(r);
     } else {
@@ -423,7 +423,7 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
     x->drain_fd = -1;
     x->r.app = h->app;
     address_host(client_address(x), x->r.client);
-    x->r.start_ms = log_clock_ms();
+    x->r.start_ms = logger_clock_ms();
     upload_begin(&x->upload, &x->r, h->quota);
     x->r.target = target;
     peer_set_current(p, x);
@@ -526,13 +526,13 @@ enum status http_listen(const struct options *o, struct http **out,
 void http_reload(struct http *h)
 {
     struct errinfo e = {0};
-    struct log_entry line;
+    struct logger_line line;
 
     if (h->host.tls == NULL || tls_reload(h->host.tls, &e) == ST_OK)
         return;
-    log_begin(&line, "error", "the TLS certificate stays as it was");
-    log_text(&line, "reason", e.msg);
-    log_end(&line);
+    logger_begin(&line, "error", "the TLS certificate stays as it was");
+    logger_text(&line, "reason", e.msg);
+    logger_end(&line);
 }
 
 enum status http_start(struct http *h, struct app *app, struct errinfo *e)
@@ -574,9 +574,9 @@ void http_quiesce(struct http *h, double ms)
         (void)MHD_quiesce_daemon(h->daemon);
         listen_close(&h->socket);
     }
-    now = busy = log_clock_ms();
+    now = busy = logger_clock_ms();
     end = now + ms;
-    for (; now < end && now < busy + QUIET_MS; now = log_clock_ms()) {
+    for (; now < end && now < busy + QUIET_MS; now = logger_clock_ms()) {
         if (atomic_load(&h->exchanges) > 0)
             busy = now;
         (void)nanosleep(&pause, NULL);

@@ -9,7 +9,7 @@
 
 #include "app.h"
 #include "errmap.h"
-#include "log.h"
+#include "logger.h"
 #include "request.h"
 
 #define TOKENS  1024
@@ -136,7 +136,7 @@ bool intake_admit(struct request *r, unsigned n)
         r->response.retry_after = FULL_S;
         return false;
     }
-    if ((wait_s = intake_take(x, r->actor, n, log_clock_ms())) == 0)
+    if ((wait_s = intake_take(x, r->actor, n, logger_clock_ms())) == 0)
         return true;
     request_problem(r, ERRMAP_ENROLLMENTS,
                     "this token has added %.0f templates and subjects within an hour, as "

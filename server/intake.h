@@ -19,7 +19,7 @@ void intake_free(struct intake *x); /* NULL is allowed */
 /* intake_take(x, token, n, now_ms): n > 0 more for the token; 0: they are taken; else none is, and
  * it is the seconds until there is room for one.  Where there is room for one, n are taken.
  * intake_give(x, token, n): of those that were taken, so many were not stored.
- * now_ms: log_clock_ms(). */
+ * now_ms: logger_clock_ms(). */
 unsigned intake_take(struct intake *x, const char *token, unsigned n, double now_ms);
 void intake_give(struct intake *x, const char *token, unsigned n);
 

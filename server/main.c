@@ -17,46 +17,35 @@
 #include "flags.h"
 #include "http.h"
 #include "intake.h"
-#include "log.h"
+#include "logger.h"
 #include "metrics.h"
 #include "modelfile.h"
 #include "options.h"
 #include "process.h"
 #include "queue.h"
-#include "retention.h"
 #include "routes.h"
 #include "service.h"
 #include "settings.h"
 #include "store.h"
 #include "throttle.h"
 #include "tls.h"
+#include "upkeep.h"
 
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
 #define STALLED_MS 60000.0 /* without a response from any worker: something is wrong */
 #define TOLD       20      /* problems of a database in the log */
 #define FLUSH_MS   2000.0  /* for the responses that are ready by then */
 
-static void tell_row(void *arg, enum store_chain chain, uint64_t seq, const char *line)
+static void tell_problem(void *arg, const char *line)
 {
     unsigned *told = arg;
-    struct log_entry l;
+    struct logger_line l;
 
-    (void)chain;
     if (++*told > TOLD)
         return;
-    log_begin(&l, "error", "the database is not what was written");
-    log_count(&l, "change", seq);
-    log_text(&l, "problem", line);
-    log_end(&l);
-}
-
-/* A row that is not what was written last is an error where it is used; here it is told. */
-static enum status verify_state(struct store *s, struct errinfo *e)
-{
-    struct store_audit found;
-    unsigned told = 0;
-
-    return store_state_verify(s, tell_row, &told, &found, e);
+    logger_begin(&l, "error", "the database is not as it was written");
+    logger_text(&l, "problem", line);
+    logger_end(&l);
 }
 
 static enum status start(const struct options *o, struct app *app, struct http **http,
@@ -65,9 +54,10 @@ static enum status start(const struct options *o, struct app *app, struct http *
     const struct store_key key = {
         .path = o->key,
         .anchor = o->anchor,
-        .make = o->plaintext_database ? VAULT_PLAINTEXT : VAULT_FILE,
+        .make = o->plaintext_database ? CRYPT_PLAINTEXT : CRYPT_FILE,
         .plaintext = o->plaintext_database,
     };
+    unsigned told = 0;
     enum status st = ST_OK;
 
     if (o->model != NULL)
@@ -75,8 +65,7 @@ static enum status start(const struct options *o, struct app *app, struct http *
     if (st == ST_OK)
         st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, &app->store,
                         e);
-    if (st != ST_OK || (st = verify_state(app->store, e)) != ST_OK ||
-        (st = store_serve(app->store, e)) != ST_OK)
+    if (st != ST_OK || (st = store_verify(app->store, tell_problem, &told, e)) != ST_OK)
         return st;
     store_use_model(app->store, app->model);
     app->cache = cache_new((size_t)o->cache_mb << 20);
@@ -85,11 +74,9 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->attempts = attempts_new(o->attempts, o->attempt_wait, o->attempt_subjects);
     app->throttle = throttle_new(o->rate_limit_tokens);
     app->intake = intake_new(o->enrollments, o->db, o->disk_reserve);
-    if (o->audit_days > 0)
-        app->retention = retention_start(app->store, o->audit_days);
-    if ((app->retention == NULL && o->audit_days > 0) || app->cache == NULL ||
-        app->metrics == NULL || app->attempts == NULL || app->throttle == NULL ||
-        app->intake == NULL)
+    if (app->cache == NULL || app->metrics == NULL || app->attempts == NULL ||
+        app->throttle == NULL || app->intake == NULL ||
+        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -106,7 +93,7 @@ static void stop(struct app *app, struct http *http)
         queue_stop(app->queue);
     http_stop(http);
     queue_free(app->queue);
-    retention_stop(app->retention);
+    upkeep_stop(app->upkeep);
     erasures_stop(app->erasures);
     cache_free(app->cache);
     metrics_free(app->metrics);
@@ -121,70 +108,71 @@ static void stop(struct app *app, struct http *http)
 static void warn_of_calibration(struct store *s)
 {
     struct store_calibration k;
-    struct log_entry l;
+    struct logger_line l;
 
     if (in_force_get(s, &k, NULL) != ST_OK || !k.ignored)
         return;
-    log_begin(&l, "warn", "calibration is not used: made by another measure or model");
-    log_count(&l, "version", (uint64_t)k.version);
-    log_text(&l, "made_by", k.engine);
-    log_real(&l, "threshold", k.table.threshold, 2);
-    log_end(&l);
+    logger_begin(&l, "warn", "calibration is not used: made by another measure or model");
+    logger_count(&l, "version", (uint64_t)k.version);
+    logger_text(&l, "made_by", k.engine);
+    logger_real(&l, "threshold", k.table.threshold, 2);
+    logger_end(&l);
 }
 
 /* Each costs time at its first use, until the templates are re-encoded. */
 static void warn_of_outdated(struct store *s)
 {
-    struct log_entry l;
+    struct logger_line l;
     uint64_t n;
 
     if (store_reencode_count(s, &n, NULL) != ST_OK || n == 0)
         return;
-    log_begin(&l, "warn",
-              "templates were made by another engine: surfacectl template reencode");
-    log_count(&l, "templates", n);
-    log_end(&l);
+    logger_begin(&l, "warn",
+                 "templates were made by another engine: surfacectl template reencode");
+    logger_count(&l, "templates", n);
+    logger_end(&l);
 }
 
 static void say_listening(const struct options *o, const struct store *s, const char *url)
 {
-    struct log_entry l;
+    struct logger_line l;
     char msg[HTTP_URL_MAX + 16];
 
     (void)snprintf(msg, sizeof msg, "listening on %s", url);
-    log_begin(&l, "info", msg);
-    log_text(&l, "engine", store_made_by(s));
-    log_count(&l, "workers", o->workers);
-    log_count(&l, "queue", o->queue);
-    log_count(&l, "max_body", o->max_body);
-    log_count(&l, "cache_mb", o->cache_mb);
-    log_text(&l, "auth", o->no_auth ? "none" : "token");
-    log_end(&l);
+    logger_begin(&l, "info", msg);
+    logger_text(&l, "engine", store_made_by(s));
+    logger_count(&l, "workers", o->workers);
+    logger_count(&l, "queue", o->queue);
+    logger_count(&l, "max_body", o->max_body);
+    logger_count(&l, "cache_mb", o->cache_mb);
+    logger_text(&l, "auth", o->no_auth ? "none" : "token");
+    logger_end(&l);
 }
 
 /* The newest state, outside of the database and of its anchor: by this an older copy of both is
  * found. */
 static void say_last_change(struct store *s)
 {
-    struct log_entry l;
-    char hash[65];
-    uint64_t seq;
+    struct logger_line l;
+    struct log_end end;
+    char hash[2 * LOG_HASH + 1];
 
-    if (store_last_change(s, &seq, hash, NULL) != ST_OK)
+    if (store_last_change(s, &end, NULL) != ST_OK)
         return;
-    log_begin(&l, "info", "last change of the database");
-    log_count(&l, "seq", seq);
-    log_text(&l, "hash", hash);
-    log_end(&l);
+    (void)sodium_bin2hex(hash, sizeof hash, end.hash, LOG_HASH);
+    logger_begin(&l, "info", "last change of the database");
+    logger_count(&l, "seq", end.seq);
+    logger_text(&l, "hash", hash);
+    logger_end(&l);
 }
 
 static void say_stopping(int sig)
 {
-    struct log_entry l;
+    struct logger_line l;
 
-    log_begin(&l, "info", "stopping");
-    log_text(&l, "signal", sig == SIGTERM ? "SIGTERM" : "SIGINT");
-    log_end(&l);
+    logger_begin(&l, "info", "stopping");
+    logger_text(&l, "signal", sig == SIGTERM ? "SIGTERM" : "SIGINT");
+    logger_end(&l);
 }
 
 /* What the hooks of service_wait() see. */
@@ -208,7 +196,7 @@ static void reload(void *arg)
 static bool healthy(void *arg)
 {
     struct daemon *d = arg;
-    const double now = log_clock_ms();
+    const double now = logger_clock_ms();
     struct queue_state q;
 
     queue_look(d->app->queue, &q);
@@ -270,7 +258,7 @@ int main(int argc, char **argv)
         goto out;
     }
     process_begin();
-    log_use((enum log_format)o.log_format);
+    logger_use((enum logger_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;
     app.signed_captures = o.signed_captures;
@@ -285,7 +273,7 @@ int main(int argc, char **argv)
     warn_of_calibration(app.store);
     warn_of_outdated(app.store);
     d.http = http;
-    d.progress_ms = log_clock_ms();
+    d.progress_ms = logger_clock_ms();
     service_ready(url);
     sig = service_wait(&(struct service_hooks){reload, healthy, hourly, &d});
     say_stopping(sig);
@@ -294,7 +282,7 @@ int main(int argc, char **argv)
     http_quiesce(http, FLUSH_MS);
     say_last_change(app.store);
     stop(&app, http);
-    log_line("info", "stopped");
+    logger_line("info", "stopped");
     status = 0;
 out:
     options_free(&o);

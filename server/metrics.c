@@ -55,6 +55,7 @@ struct metrics {
     counter intake[NINTAKE];
     counter database[NDATABASE];
     counter lost_events, wrong_tokens, replayed;
+    counter rows_verified;          /* since 1970, s */
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
     const struct route *routes;
     size_t nroutes;
@@ -170,6 +171,11 @@ void metrics_database_error(struct metrics *m, enum status st)
         count(&m->database[VERSION], 1);
     else if (st == ST_EDB)
         count(&m->database[OTHER], 1);
+}
+
+void metrics_rows_verified(struct metrics *m)
+{
+    atomic_store(&m->rows_verified, (uint64_t)time(NULL));
 }
 
 void metrics_lost_event(struct metrics *m)
@@ -325,6 +331,15 @@ static void print_tokens(FILE *f, const struct metrics *m)
                   end > now ? end - now : 0, "Until the first token ends.");
 }
 
+/* By the system's clock, which may be set back. */
+static void print_verified(FILE *f, const struct metrics *m)
+{
+    const uint64_t now = (uint64_t)time(NULL), at = value(&m->rows_verified);
+
+    print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,
+              "Since the database's rows were last verified against its change log.");
+}
+
 static void print_gauges(FILE *f, const struct app *app)
 {
     struct queue_state q;
@@ -409,6 +424,7 @@ static char *text(const struct app *app)
         return NULL;
     print_requests(f, app->metrics);
     print_outcomes(f, app->metrics);
+    print_verified(f, app->metrics);
     print_tokens(f, app->metrics);
     print_gauges(f, app);
     print_connections(f, app);

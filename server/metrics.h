@@ -63,6 +63,9 @@ void metrics_warning(struct metrics *m, enum metrics_warning kind);
  * ST_ENOTFOUND). */
 void metrics_database_error(struct metrics *m, enum status st);
 
+/* metrics_rows_verified(m): just now, against the change log. */
+void metrics_rows_verified(struct metrics *m);
+
 /* metrics_lost_event(m): an event could not be written to the store. */
 void metrics_lost_event(struct metrics *m);
 

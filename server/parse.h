@@ -18,7 +18,7 @@ enum status parse_clouds(const char *text, size_t len, const struct cloudfile_op
 
 #define PARSE_TEXT_MAX 256
 
-/* What store_subject_valid() takes, for a problem's detail. */
+/* What ident_subject_valid() takes, for a problem's detail. */
 #define PARSE_SUBJECT_ID                                                                 \
     "a subject id is 1 to 128 characters of A-Z a-z 0-9 . _ - @ :, and not . or .."
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "log.h"
+#include "logger.h"
 #include "worker.h"
 
 /* A worker that has had nothing to do for so long wipes what it worked with, and one that is
@@ -72,14 +72,14 @@ static void note_served(struct queue *q, uint64_t sender)
 {
     if (q->latest.sender != sender)
         q->other = q->latest;
-    q->latest = (struct served){sender, log_clock_ms()};
+    q->latest = (struct served){sender, logger_clock_ms()};
 }
 
 static bool was_about(const struct queue *q, uint64_t sender)
 {
     const struct served *s = q->latest.sender != sender ? &q->latest : &q->other;
 
-    return log_clock_ms() - s->ms < ABOUT_MS;
+    return logger_clock_ms() - s->ms < ABOUT_MS;
 }
 
 /* Whether the last free worker is to be left to others than w's sender. */
@@ -216,7 +216,7 @@ static void wipe(struct server *s)
 {
     worker_wipe(&s->worker);
     s->used = false;
-    s->wiped_ms = log_clock_ms();
+    s->wiped_ms = logger_clock_ms();
 }
 
 static void *serve(void *arg)
@@ -233,7 +233,7 @@ static void *serve(void *arg)
         } else if (!s->used && is_closed(s->queue)) {
             return NULL;
         }
-        if (s->used && (!ran || log_clock_ms() - s->wiped_ms > BUSY_MS))
+        if (s->used && (!ran || logger_clock_ms() - s->wiped_ms > BUSY_MS))
             wipe(s);
     }
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "store_types.h"
+#include "rows_types.h"
 
 #define BUCKETS 1024
 

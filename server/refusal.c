@@ -2,7 +2,7 @@
 
 #include "app.h"
 #include "errinfo.h"
-#include "log.h"
+#include "logger.h"
 #include "request.h"
 #include "route.h"
 #include "store.h"
@@ -30,11 +30,11 @@ bool refusal_found(struct request *r)
 
 static void tell(const char *level, const char *what, const struct errinfo *e)
 {
-    struct log_entry l;
+    struct logger_line l;
 
-    log_begin(&l, level, what);
-    log_text(&l, "reason", e->msg);
-    log_end(&l);
+    logger_begin(&l, level, what);
+    logger_text(&l, "reason", e->msg);
+    logger_end(&l);
 }
 
 void refusal_tell(struct app *app)

@@ -118,6 +118,7 @@ char *render_erased(const struct store_receipt *r)
     for (uint32_t i = 0; i < r->templates; i++)
         json_text(j, NULL, r->template_id[i]);
     json_close(j);
+    json_text(j, "subject_uid", r->uid);
     json_text(j, "erased_at", r->at);
     json_text(j, "digest", r->digest);
     json_object(j, "audit");

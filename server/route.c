@@ -92,11 +92,11 @@ void route_read_id(struct request *r)
     len = (size_t)(segment_end(param) - param);
     if (strstr(r->route->pattern, "{subject}") != NULL) {
         st = request_decode(param, len, false, r->subject, sizeof r->subject);
-        if (st != ST_OK || !store_subject_valid(r->subject))
+        if (st != ST_OK || !ident_subject_valid(r->subject))
             request_problem(r, ERRMAP_PARAMETER, "%s", PARSE_SUBJECT_ID);
     } else {
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
-        if (st != ST_OK || !store_id_valid(r->template_id))
+        if (st != ST_OK || !ident_id_valid(r->template_id))
             request_problem(r, ST_ENOTFOUND, "there is no such template");
     }
 }

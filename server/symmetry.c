@@ -5,7 +5,7 @@
 #include "cloud.h"
 #include "describe.h"
 #include "render.h"
-#include "log.h"
+#include "logger.h"
 #include "request.h"
 #include "scan.h"
 #include "store.h"
@@ -13,7 +13,7 @@
 
 void symmetry_handle(struct request *r, struct worker *w)
 {
-    const double start = log_clock_ms();
+    const double start = logger_clock_ms();
     double parsed, prepared, measured;
     struct asymmetry result;
     struct cloudpoints c = {0};
@@ -22,17 +22,17 @@ void symmetry_handle(struct request *r, struct worker *w)
 
     if (cloud_read(r, &c) != ST_OK)
         return;
-    parsed = log_clock_ms();
+    parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
     if (cloud_build(r, &c, "points", false, w->compare.work, &w->probe, &found) != ST_OK)
         goto out;
-    prepared = log_clock_ms();
+    prepared = logger_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
     if ((st = face_asymmetry(&w->probe, w->compare.work, &result)) != ST_OK) {
         request_problem(r, st, "measuring the asymmetry: %s", status_message(st));
         goto out;
     }
-    measured = log_clock_ms();
+    measured = logger_clock_ms();
     request_stage(r, REQUEST_MINIMAL, measured - prepared);
     request_respond(
         r, 200,

@@ -22,7 +22,7 @@ void throttle_free(struct throttle *t); /* NULL is allowed */
 void throttle_address(const struct sockaddr *addr, unsigned char out[THROTTLE_ADDRESS]);
 
 /* throttle_wait(t, address, token, now_ms): seconds until this token from there may be
- * checked; 0: now.  now_ms: log_clock_ms(). */
+ * checked; 0: now.  now_ms: logger_clock_ms(). */
 unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
                        const char *token, double now_ms);
 

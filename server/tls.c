@@ -15,7 +15,7 @@
 #include <gnutls/x509.h>
 
 #include "errinfo.h"
-#include "log.h"
+#include "logger.h"
 
 #define FILE_MAX ((size_t)1 << 20)
 
@@ -179,7 +179,7 @@ static void free_files(struct tls_files *f)
 static enum status read_all(struct tls *t, struct tls_files **out, struct errinfo *e)
 {
     struct tls_files *f = calloc(1, sizeof *f);
-    struct log_entry line;
+    struct logger_line line;
     time_t expires = 0;
     char text[32];
     enum status st;
@@ -200,12 +200,12 @@ static enum status read_all(struct tls *t, struct tls_files **out, struct errinf
         free_files(f);
         return st;
     }
-    log_begin(&line, "info", "TLS certificate");
-    log_text(&line, "file", t->names.cert);
-    log_text(&line, "expires", day(expires, text));
+    logger_begin(&line, "info", "TLS certificate");
+    logger_text(&line, "file", t->names.cert);
+    logger_text(&line, "expires", day(expires, text));
     if (f->clients)
-        log_text(&line, "client_ca", t->names.client_ca);
-    log_end(&line);
+        logger_text(&line, "client_ca", t->names.client_ca);
+    logger_end(&line);
     *out = f;
     return ST_OK;
 }
@@ -218,24 +218,24 @@ static int check_client(gnutls_session_t session)
     char purpose[] = GNUTLS_KP_TLS_WWW_CLIENT;
     gnutls_typed_vdata_st want = {.type = GNUTLS_DT_KEY_PURPOSE_OID,
                                   .data = (unsigned char *)purpose};
-    static struct log_seldom refused; /* the I/O thread's */
+    static struct logger_seldom refused; /* the I/O thread's */
     gnutls_datum_t why = {0};
-    struct log_entry line;
+    struct logger_line line;
     unsigned status = 0;
     uint64_t n;
     int rc = gnutls_certificate_verify_peers(session, &want, 1, &status);
 
     if (rc == GNUTLS_E_SUCCESS && status == 0)
         return 0;
-    if ((n = log_seldom(&refused, log_clock_ms())) > 0) {
+    if ((n = logger_seldom(&refused, logger_clock_ms())) > 0) {
         if (rc == GNUTLS_E_SUCCESS && gnutls_certificate_verification_status_print(
                                           status, GNUTLS_CRT_X509, &why, 0) < 0)
             why.data = NULL;
-        log_begin(&line, "warn", "client certificates refused");
-        log_count(&line, "certificates", n);
-        log_text(&line, "last",
-                 why.data != NULL ? (const char *)why.data : gnutls_strerror(rc));
-        log_end(&line);
+        logger_begin(&line, "warn", "client certificates refused");
+        logger_count(&line, "certificates", n);
+        logger_text(&line, "last",
+                    why.data != NULL ? (const char *)why.data : gnutls_strerror(rc));
+        logger_end(&line);
         gnutls_free(why.data);
     }
     (void)gnutls_alert_send(session, GNUTLS_AL_FATAL, GNUTLS_A_BAD_CERTIFICATE);

@@ -14,7 +14,7 @@
 #include "errmap.h"
 #include "event.h"
 #include "heatmap.h"
-#include "log.h"
+#include "logger.h"
 #include "mem.h"
 #include "minimal.h"
 #include "metrics.h"
@@ -88,16 +88,16 @@ static enum status admitted(void *arg, const struct store_admission *a, struct e
 static void build(void *arg, struct face_work *work)
 {
     struct verification *v = arg;
-    const double start = log_clock_ms();
+    const double start = logger_clock_ms();
     double parsed;
 
     if ((v->built = cloud_read(v->r, &v->cloud)) != ST_OK)
         return;
-    parsed = log_clock_ms();
+    parsed = logger_clock_ms();
     v->built =
         cloud_build(v->r, &v->cloud, "points", false, work, &v->w->probe, &v->found);
     v->parse_ms = parsed - start;
-    v->prepare_ms = log_clock_ms() - parsed;
+    v->prepare_ms = logger_clock_ms() - parsed;
 }
 
 static void reading(void *arg)
@@ -205,17 +205,15 @@ static bool may(void *arg, const struct store_attempts *now)
     return attempts_admit(v->r->app->attempts, v->r, now);
 }
 
-/* What is not counted and recorded is not told: there would be no limit.  The exception is an
- * audit log that is damaged: nothing can be appended then until somebody has looked into it,
- * and the attempts are counted all the same. */
+/* What is not counted and recorded is not told: there would be no limit. */
 static bool settle(struct verification *v)
 {
     const enum face_decision decision = v->best.result.decision;
     const struct app *app = v->r->app;
     char outcome[CAPTURE_OUTCOME];
-    struct errinfo e = {0}, lost = {0};
+    struct errinfo e = {0};
     struct store_probe probe;
-    struct store_settled out = {.lost = &lost};
+    struct store_settled out = {.may = false};
     struct store_settle what = {
         .subject = &v->admission.of.subject,
         .as = !attempts_limited(app->attempts) ? STORE_SETTLE_UNCOUNTED
@@ -244,8 +242,6 @@ static bool settle(struct verification *v)
     if (!out.may)
         return false;
     attempts_warn(v->r, &out);
-    if (lost.code != ST_OK)
-        event_lost(v->r, "verify", &lost);
     if (out.replayed) {
         (void)replay_refuse(&e);
         request_fail(v->r, &e);
@@ -263,7 +259,7 @@ static void respond(struct verification *v)
                                          .align = v->best.result.align_ms,
                                          .score = v->best.score_ms,
                                          .minimal = v->least.ms,
-                                         .total = log_clock_ms() - v->r->start_ms};
+                                         .total = logger_clock_ms() - v->r->start_ms};
 
     if (nearest_judge(&v->best, &e) != ST_OK) {
         request_fail(v->r, &e);

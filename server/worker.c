@@ -7,7 +7,7 @@
 #include "builder.h"
 #include "cache.h"
 #include "errinfo.h"
-#include "log.h"
+#include "logger.h"
 
 static const struct face *find(void *arg, const char *id)
 {
@@ -41,12 +41,12 @@ static void release(void *arg, const struct face *f)
 
 static void pass_over(void *arg, const struct errinfo *e)
 {
-    struct log_entry l;
+    struct logger_line l;
 
     (void)arg;
-    log_begin(&l, "warn", "template passed over");
-    log_text(&l, "fault", e->msg);
-    log_end(&l);
+    logger_begin(&l, "warn", "template passed over");
+    logger_text(&l, "fault", e->msg);
+    logger_end(&l);
 }
 
 enum status worker_open(struct worker *w, struct app *app, bool kept)
@@ -56,7 +56,7 @@ enum status worker_open(struct worker *w, struct app *app, bool kept)
         .kept = kept,
         .compare = {.store = app->store,
                     .work = face_work_new(app->model),
-                    .clock_ms = log_clock_ms,
+                    .clock_ms = logger_clock_ms,
                     .find = find,
                     .mark = mark,
                     .keep = keep,

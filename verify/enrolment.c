@@ -62,7 +62,7 @@ static enum status settle(struct admission_context *c, const struct admission *a
     const struct enrolment *x = ask->x;
     const struct nearest *n = &ask->out->nearest;
     char outcome[STORE_NAME_MAX + 1];
-    struct store_settled out = {.lost = &ask->out->lost};
+    struct store_settled out = {.may = false};
     const struct store_settle what = {.subject = &a->of.subject,
                                       .as = x->may != NULL ? STORE_SETTLE_FAILED
                                                            : STORE_SETTLE_UNCOUNTED,

@@ -44,7 +44,6 @@ struct enrolment_outcome {
     bool none;                      /* each sample was refused */
     bool locked;                    /* may() said no */
     bool locked_out, many_subjects; /* as in struct store_settled */
-    struct errinfo lost; /* why there is no event of a sample that did not fit */
 };
 
 /* enrolment_add(c, x, each, out, e): the samples are compared with what the subject has at that

@@ -3,56 +3,63 @@
 -- against these tables, so that a driver would change nothing above sql.h.  Times and ids
 -- are compared byte by byte: the database has the collation C.
 
--- Where the master key comes from, and what it encrypts: struct vault_root of db/vault.h.
+-- Where the master key comes from, and what it encrypts: struct vault_root of db/crypt/vault.h.
 CREATE TABLE root (
     root_key  BIGINT PRIMARY KEY CHECK (root_key = 1),
     kind      BIGINT NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase
-    version   BIGINT NOT NULL CHECK (version >= 1),
     passes    BIGINT NOT NULL CHECK (passes >= 0), -- of Argon2id, and its MB
     mib       BIGINT NOT NULL CHECK (mib >= 0),
     salt      BYTEA NOT NULL CHECK (length(salt) = 16),
     plaintext BYTEA NOT NULL CHECK (length(plaintext) = 32), -- the key itself, for kind 0
     public    BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
-    secrets   BYTEA NOT NULL CHECK (length(secrets) = 136),
-    mac       BYTEA NOT NULL CHECK (length(mac) = 32) -- by the key before it
+    secrets   BYTEA NOT NULL CHECK (length(secrets) = 136)
 );
 
 -- A person, under the client's own id, which is encrypted and found by a keyed hash.
 CREATE TABLE subjects (
-    subject_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    subject_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY, -- the order of creation
+    uid         BYTEA NOT NULL UNIQUE CHECK (length(uid) = 16), -- random; names it in the logs
+    revision    BIGINT NOT NULL CHECK (revision >= 1),
     lookup      BYTEA NOT NULL UNIQUE CHECK (length(lookup) = 32),
-    uid         BYTEA NOT NULL UNIQUE CHECK (length(uid) = 16),
     key         BYTEA NOT NULL CHECK (length(key) = 72), -- the subject's, wrapped
     about       BYTEA NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
     created     TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
     expires     TEXT CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
-    seen        TEXT CHECK (seen IS NULL OR seen LIKE '____-__-__T__:__:__.___Z'),
     hold        BIGINT NOT NULL CHECK (hold IN (0, 1)),
     disabled    BIGINT NOT NULL CHECK (disabled IN (0, 1)),
-    templates   BIGINT NOT NULL CHECK (templates >= 0) -- that there must be
+    mac         BYTEA NOT NULL CHECK (length(mac) = 32),
+    seen        TEXT CHECK (seen IS NULL OR seen LIKE '____-__-__T__:__:__.___Z')
 );
 
 CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL;
 
--- One enrolled face.  Its points never change; what an engine made of them may be re-encoded.
+-- An enrolled template.  Its points never change; what an engine made of them may be re-encoded.
 CREATE TABLE templates (
-    template_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
+    template_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY, -- the order of creation
     id           TEXT NOT NULL UNIQUE
                  CHECK (length(id) = 32 AND id ~ '^[0-9a-f]*$'),
-    subject_key  BIGINT NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
-    same         BYTEA NOT NULL CHECK (length(same) = 32), -- keyed hash of the digest
+    revision     BIGINT NOT NULL CHECK (revision >= 1),
+    uid          BYTEA NOT NULL REFERENCES subjects (uid), -- of its subject
+    used         BYTEA NOT NULL CHECK (length(used) = 32), -- keyed hash of its points
+    read         BYTEA NOT NULL CHECK (length(read) = 32), -- and of the scan's, as they were read
     created      TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
     engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
     points       BIGINT NOT NULL CHECK (points BETWEEN 3 AND 2097152),
     triangles    BIGINT NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
     about        BYTEA NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
-    model        BYTEA NOT NULL CHECK (length(model) > 40), -- last: lists do not
-                                                           -- read it
-    UNIQUE (subject_key, same)            -- the same cloud again is the same template
+    mac          BYTEA NOT NULL CHECK (length(mac) = 32),
+    UNIQUE (uid, used)                    -- the same cloud again is the same template
 );
 
 -- Those of another engine are found without reading the rows.
 CREATE INDEX templates_engine ON templates (engine, id);
+
+-- The encoded face of a template (core/face/codec.h), encrypted with the template's id and
+-- revision.  A table of its own, so that what reads all templates does not read the faces.
+CREATE TABLE faces (
+    template_key BIGINT PRIMARY KEY REFERENCES templates (template_key) ON DELETE CASCADE,
+    face         BYTEA NOT NULL CHECK (length(face) > 40)
+);
 
 -- Failed verifications of a subject in a row by one token (its id; '' without one), and the
 -- time of the last.  No row: the token's last one was a match, or there was none for a month.
@@ -67,80 +74,56 @@ CREATE TABLE attempts (
 -- How many subjects a token has tried in an hour.
 CREATE INDEX attempts_token ON attempts (token, at_ms);
 
--- The clouds that templates were made of, which are refused as probes: keyed hashes of the points
--- as they were read; those of the points as they were used are templates.same.
-CREATE TABLE clouds (
-    subject_key  BIGINT NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
-    digest       BYTEA NOT NULL CHECK (length(digest) = 32),
-    template_key BIGINT NOT NULL REFERENCES templates (template_key) ON DELETE CASCADE,
-    PRIMARY KEY (subject_key, digest)
-);
-
-CREATE INDEX clouds_template ON clouds (template_key);
-
--- The audit log: who did what, when, with what outcome, in two chains (db/store_chain.h):
--- 0 the changes, which are kept for ever; 1 the uses (verifications, refusals, exports), of
--- which the oldest may be cut off.  Rows are only added.  No biometrics, no tokens, no ids of
--- subjects but a keyed hash of them.  Each entry's hash is of its columns and of the hash
--- before it in its chain.  An entry of changes names the row that it leaves, by the object
--- and the row's MAC, empty where the row is gone, and the end of the uses at that time.  A
--- row of subjects, templates, tokens, devices or calibrations is good where it is the one that the
--- latest entry of its object leaves.
-CREATE TABLE events (
-    event_key   BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY, -- the order of their coming
-    chain       BIGINT NOT NULL CHECK (chain IN (0, 1)),
-    seq         BIGINT NOT NULL CHECK (seq >= 1),
+-- The change log: what changed one of the five tables with a MAC, and what an administrator did.
+-- Rows are only added.  No biometrics, no secrets, no ids of subjects but their uid.  Each
+-- entry's hash is of its columns and of the hash before it; the MAC is of that hash, so that the
+-- last row authenticates the whole log.
+CREATE TABLE change_log (
+    seq         BIGINT PRIMARY KEY CHECK (seq >= 1),
     at          TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
     kind        TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
     actor       TEXT NOT NULL CHECK (length(actor) <= 64),
-    subject     BYTEA NOT NULL CHECK (length(subject) IN (0, 16)),
-    template_id TEXT NOT NULL CHECK (length(template_id) <= 32),
+    uid         BYTEA NOT NULL CHECK (length(uid) IN (0, 16)), -- of the subject
+    object      TEXT NOT NULL CHECK (length(object) <= 64), -- id of a template, token, device
     outcome     TEXT NOT NULL CHECK (length(outcome) <= 64),
-    object      BYTEA NOT NULL CHECK (length(object) IN (0, 16)),
-    row_mac     BYTEA NOT NULL CHECK (length(row_mac) IN (0, 32)),
-    uses        BIGINT NOT NULL CHECK (uses >= 0),
-    uses_hash   BYTEA NOT NULL CHECK (length(uses_hash) IN (0, 32)),
+    digest      BYTEA NOT NULL CHECK (length(digest) = 72), -- of all rows with a MAC, encrypted
+    access_seq  BIGINT NOT NULL CHECK (access_seq >= 0), -- the end of the access log, and
+    access_hash BYTEA NOT NULL CHECK (length(access_hash) = 32), -- its hash
     hash        BYTEA NOT NULL CHECK (length(hash) = 32),
-    UNIQUE (chain, seq)
+    mac         BYTEA NOT NULL CHECK (length(mac) = 32),
+    signature   BYTEA CHECK (signature IS NULL OR length(signature) = 64) -- Ed25519
 );
 
--- The latest entry of an object, and of a subject's id.
-CREATE INDEX events_object ON events (object, seq) WHERE chain = 0;
-CREATE INDEX events_subject ON events (subject, seq) WHERE chain = 0;
-
--- The last event of each chain, so that none can be cut off: the MAC of its number and hash.
-CREATE TABLE events_end (
-    chain BIGINT PRIMARY KEY CHECK (chain IN (0, 1)),
-    seq   BIGINT NOT NULL CHECK (seq >= 0),
-    hash  BYTEA NOT NULL CHECK (length(hash) = 32),
-    mac   BYTEA NOT NULL CHECK (length(mac) = 32)
-);
-
--- Signed events, for verifiers that have the public key alone.
-CREATE TABLE checkpoints (
-    chain     BIGINT NOT NULL CHECK (chain IN (0, 1)),
-    seq       BIGINT NOT NULL CHECK (seq >= 1),
+-- The access log: verifications, refusals, exports.  The oldest entries may be cut off.
+CREATE TABLE access_log (
+    seq       BIGINT PRIMARY KEY CHECK (seq >= 1),
     at        TEXT NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
+    kind      TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
+    actor     TEXT NOT NULL CHECK (length(actor) <= 64),
+    uid       BYTEA NOT NULL CHECK (length(uid) IN (0, 16)),
+    object    TEXT NOT NULL CHECK (length(object) <= 64),
+    outcome   TEXT NOT NULL CHECK (length(outcome) <= 64),
     hash      BYTEA NOT NULL CHECK (length(hash) = 32),
-    signature BYTEA NOT NULL CHECK (length(signature) = 64),
-    PRIMARY KEY (chain, seq)
+    mac       BYTEA NOT NULL CHECK (length(mac) = 32),
+    signature BYTEA CHECK (signature IS NULL OR length(signature) = 64)
 );
 
--- Bearer tokens: 256 random bits each, of which only a hash is kept.  What a token may do
--- (store_scopes_read()), for how long, when it was last used, to the minute; and the hash of
--- the secret that it had before it was rotated, while that is still accepted.
+-- Bearer tokens: 256 random bits each, of which only a hash is stored; and the hash of the
+-- secret before the last rotation, while that is still accepted.
 CREATE TABLE tokens (
     token_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
     id        TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id ~ '^[0-9a-f]*$'),
+    revision  BIGINT NOT NULL CHECK (revision >= 1),
     name      TEXT NOT NULL CHECK (length(name) BETWEEN 1 AND 64),
     hash      BYTEA NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
     created   TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
     revoked   TEXT CHECK (revoked IS NULL OR revoked LIKE '____-__-__T__:__:__.___Z'),
     scopes    TEXT NOT NULL CHECK (length(scopes) BETWEEN 1 AND 64),
     expires   TEXT CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
-    used      TEXT CHECK (used IS NULL OR used LIKE '____-__-__T__:__:__.___Z'),
     old_hash  BYTEA CHECK (old_hash IS NULL OR length(old_hash) = 32),
-    old_until TEXT CHECK (old_until IS NULL OR old_until LIKE '____-__-__T__:__:__.___Z')
+    old_until TEXT CHECK (old_until IS NULL OR old_until LIKE '____-__-__T__:__:__.___Z'),
+    mac       BYTEA NOT NULL CHECK (length(mac) = 32),
+    used      TEXT CHECK (used IS NULL OR used LIKE '____-__-__T__:__:__.___Z') -- to the minute
 );
 
 CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
@@ -149,9 +132,11 @@ CREATE UNIQUE INDEX tokens_old_hash ON tokens (old_hash);
 CREATE TABLE devices (
     device_key BIGINT GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
     id         TEXT NOT NULL UNIQUE CHECK (length(id) = 32 AND id ~ '^[0-9a-f]*$'),
+    revision   BIGINT NOT NULL CHECK (revision >= 1),
     name       TEXT NOT NULL UNIQUE CHECK (length(name) BETWEEN 1 AND 32),
     public     BYTEA NOT NULL CHECK (length(public) = 32), -- Ed25519
-    created    TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z')
+    created    TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
+    mac        BYTEA NOT NULL CHECK (length(mac) = 32)
 );
 
 -- The nonces of captures that were taken, until they expire: each is good once.
@@ -165,6 +150,7 @@ CREATE TABLE nonces (
 -- added; going back to the shipped table is a new row too.
 CREATE TABLE calibrations (
     calibration_key BIGINT PRIMARY KEY,
+    revision     BIGINT NOT NULL CHECK (revision = 1),
     created      TEXT NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
     actor        TEXT NOT NULL CHECK (length(actor) <= 64),
     engine       TEXT NOT NULL CHECK (length(engine) BETWEEN 1 AND 63),
@@ -177,5 +163,6 @@ CREATE TABLE calibrations (
     impostors    BIGINT NOT NULL CHECK (impostors >= 0),    -- comparisons
     genuine      BIGINT NOT NULL CHECK (genuine >= 0),
     knots        BYTEA NOT NULL -- score, rate of each, as little-endian IEEE 754 doubles
-                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0)
+                 CHECK (length(knots) BETWEEN 32 AND 512 AND length(knots) % 16 = 0),
+    mac          BYTEA NOT NULL CHECK (length(mac) = 32)
 );

@@ -32,8 +32,8 @@ enum sql_open {
  * process has it open.
  * sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
  * removed unless a SQL_SCHEMA transaction was committed.
- * sql_version(d): of its schema when it was opened, or since sql_upgrade(); 0: it holds
- * nothing.  sql_newest(): of the schema that sql_upgrade() leads to. */
+ * sql_version(d): of its schema when it was opened, or since sql_create(); 0: it holds
+ * nothing.  sql_newest(): of the schema that sql_create() makes. */
 enum status sql_open(const char *path, enum sql_open how, struct sql **out,
                      struct errinfo *e);
 void sql_close(struct sql *d);
@@ -56,9 +56,9 @@ enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
 enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
 
 /* sql_version_now(t, version, e): as t sees it.
- * sql_upgrade(t, e): in a SQL_SCHEMA transaction, from what t sees to sql_newest(). */
+ * sql_create(t, e): the tables, in a SQL_SCHEMA transaction on a database that holds nothing. */
 enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e);
-enum status sql_upgrade(struct sql_txn *t, struct errinfo *e);
+enum status sql_create(struct sql_txn *t, struct errinfo *e);
 
 enum sql_type { SQL_NULL, SQL_INT, SQL_REAL, SQL_TEXT, SQL_BLOB };
 

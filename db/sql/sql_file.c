@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-#include "sql_schema.h"
 #include "sql_sqlite.h"
 
 /* ---- the files */
@@ -67,10 +66,21 @@ enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e
     return st;
 }
 
+enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
+{
+    int moved = 0;
+
+    if (sqlite3_file_control(t->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
+            SQLITE_OK &&
+        moved)
+        return errinfo_set(e, ST_EREFUSED,
+                           "the database file was moved, removed or replaced");
+    return ST_OK;
+}
+
 enum status sql_file_ready(struct sql_txn *t, struct errinfo *e)
 {
     int64_t version;
-    int moved = 0;
     const enum status st = sql_sqlite_conn_int(t, "PRAGMA user_version", &version, e);
 
     if (st != ST_OK)
@@ -78,27 +88,29 @@ enum status sql_file_ready(struct sql_txn *t, struct errinfo *e)
     if (version != sql_newest())
         return errinfo_set(e, ST_EVERSION, "the database has schema version %lld, not %d",
                            (long long)version, sql_newest());
-    if (sqlite3_file_control(t->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
-            SQLITE_OK &&
-        moved)
-        return errinfo_set(e, ST_EIO, "the database file was moved or removed");
-    return ST_OK;
+    return sql_file_in_place(t, e);
 }
 
 /* ---- checking */
 
-/* Every row of a pragma that names a problem a row, as "name: a, b, c". */
+void sql_file_forget(struct sql_txn *t)
+{
+    (void)sqlite3_db_release_memory(t->db);
+}
+
+/* Every row of a pragma that names a problem a row, as "name: a, b, c"; or the first alone. */
 static enum status check_pragma(struct sql_txn *t, const char *sql, const char *name,
                                 void (*report)(void *arg, const char *line), void *arg,
-                                struct errinfo *e)
+                                bool first, struct errinfo *e)
 {
     sqlite3_stmt *stmt = NULL;
     enum status st = ST_OK;
-    int rc;
+    bool found = false;
+    int rc = SQLITE_ROW;
 
     if (sqlite3_prepare_v2(t->db, sql, -1, &stmt, NULL) != SQLITE_OK)
         return sql_sqlite_conn_fail(t, "cannot check", e);
-    while ((rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+    while (!(first && found) && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
         char line[400];
         size_t n;
 
@@ -118,101 +130,46 @@ static enum status check_pragma(struct sql_txn *t, const char *sql, const char *
             if ((unsigned char)*p < ' ')
                 *p = ' '; /* one line a problem */
         report(arg, line);
+        found = true;
     }
-    if (rc != SQLITE_DONE)
+    if (rc != SQLITE_DONE && rc != SQLITE_ROW)
         st = sql_sqlite_conn_fail(t, "cannot check", e);
     (void)sqlite3_finalize(stmt);
     return st;
 }
 
-#define SCHEMA_ROWS                                                                      \
-    "SELECT type, name, tbl_name, sql FROM sqlite_schema "                               \
-    "WHERE name NOT GLOB 'sqlite_stat*' ORDER BY type, name"
+struct counting {
+    void (*report)(void *arg, const char *line);
+    void *arg;
+    uint64_t problems;
+};
 
-/* Do two databases have the same schema, word for word? */
-static enum status same_schema(struct sql_txn *t, sqlite3 *model, bool *same,
-                               struct errinfo *e)
+static void count_problem(void *arg, const char *line)
 {
-    sqlite3_stmt *a = NULL, *b = NULL;
-    enum status st = ST_OK;
-    int ra, rb;
+    struct counting *c = arg;
 
-    *same = true;
-    if (sqlite3_prepare_v2(t->db, SCHEMA_ROWS, -1, &a, NULL) != SQLITE_OK) {
-        st = sql_sqlite_conn_fail(t, "cannot check", e);
-        goto out;
-    }
-    if (sqlite3_prepare_v2(model, SCHEMA_ROWS, -1, &b, NULL) != SQLITE_OK) {
-        st = errinfo_set(e, ST_EDB, "cannot check: %s", sqlite3_errmsg(model));
-        goto out;
-    }
-    do {
-        ra = sqlite3_step(a);
-        rb = sqlite3_step(b);
-        if (ra != rb)
-            *same = false;
-        for (int i = 0; *same && ra == SQLITE_ROW && i < 4; i++) {
-            const int n = sqlite3_column_bytes(a, i);
-
-            *same = n == sqlite3_column_bytes(b, i) &&
-                    (n == 0 || memcmp(sqlite3_column_blob(a, i),
-                                      sqlite3_column_blob(b, i), (size_t)n) == 0);
-        }
-    } while (*same && ra == SQLITE_ROW);
-    if (ra != SQLITE_ROW && ra != SQLITE_DONE)
-        st = sql_sqlite_conn_fail(t, "cannot check", e);
-out:
-    (void)sqlite3_finalize(a);
-    (void)sqlite3_finalize(b);
-    return st;
+    c->problems++;
+    c->report(c->arg, line);
 }
 
-static enum status compare_schema(struct sql_txn *t, bool *same, struct errinfo *e)
+enum status sql_file_check_indexes(struct sql_txn *t,
+                                   void (*report)(void *arg, const char *line), void *arg,
+                                   uint64_t *problems, struct errinfo *e)
 {
-    sqlite3 *model = NULL;
-    enum status st;
+    static const char *const text[] = {
+        "PRAGMA integrity_check('subjects')", "PRAGMA integrity_check('templates')",
+        "PRAGMA integrity_check('tokens')", "PRAGMA integrity_check('devices')",
+        "PRAGMA integrity_check('calibrations')"};
+    struct counting c = {.report = report, .arg = arg};
+    /* Each row is looked for in each index: with the usual small cache it takes twice as long. */
+    enum status st =
+        sql_sqlite_conn_exec(t, "PRAGMA cache_size=-8192", "cannot check", e);
 
-    if (sqlite3_open_v2(":memory:", &model, SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY,
-                        NULL) != SQLITE_OK ||
-        sqlite3_exec(model, sql_schema_text(), NULL, NULL, NULL) != SQLITE_OK)
-        st = errinfo_set(e, ST_EDB, "cannot make the schema to compare with: %s",
-                         model != NULL ? sqlite3_errmsg(model) : "out of memory");
-    else
-        st = same_schema(t, model, same, e);
-    (void)sqlite3_close(model);
-    return st;
-}
-
-enum status sql_file_check_schema(struct sql_txn *t,
-                                  void (*report)(void *arg, const char *line), void *arg,
-                                  struct errinfo *e)
-{
-    bool same = true;
-    const enum status st = compare_schema(t, &same, e);
-
-    if (st == ST_OK && !same)
-        report(arg, "schema: the tables are not those of this program");
-    return st;
-}
-
-/* SQLite reads the schema once, and again when its number has changed.  An attacker may have had
- * another text read under a number and put back, hence the reset: what is compared is what the
- * transaction's statements are prepared with. */
-enum status sql_file_expect_schema(struct sql_txn *t, struct errinfo *e)
-{
-    bool same = true;
-    int64_t number = 0;
-    enum status st = sql_sqlite_conn_int(t, "PRAGMA schema_version", &number, e);
-
-    if (st != ST_OK || (t->expected && t->schema == number))
-        return st;
-    st = sql_sqlite_conn_exec(t, "PRAGMA writable_schema=RESET", "cannot read", e);
-    if (st == ST_OK && (st = compare_schema(t, &same, e)) == ST_OK && !same)
-        st = errinfo_set(e, ST_EREFUSED,
-                         "the database's tables are not those of this program: somebody "
-                         "has altered them; restore a backup");
-    t->expected = st == ST_OK;
-    t->schema = number;
+    for (size_t i = 0; i < sizeof text / sizeof *text && st == ST_OK && c.problems == 0;
+         i++)
+        st = check_pragma(t, text[i], "integrity", count_problem, &c, true, e);
+    *problems = c.problems;
+    (void)sql_sqlite_conn_exec(t, SQL_SQLITE_CACHE "; PRAGMA shrink_memory", "", NULL);
     return st;
 }
 
@@ -221,16 +178,22 @@ enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const ch
 {
     struct errinfo why;
     enum status st =
-        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, e);
+        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, false, e);
 
     if (st != ST_OK)
         return st;
-    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, &why);
+    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, false,
+                      &why);
     if (st == ST_EDB) { /* tables of another's making, which cannot refer to each other */
         report(arg, why.msg);
         return ST_OK;
     }
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "%s", why.msg);
+}
+
+enum status sql_file_reindex(struct sql_txn *t, struct errinfo *e)
+{
+    return sql_sqlite_conn_exec(t, "REINDEX", "cannot build the indexes again", e);
 }
 
 /* ---- copying */
@@ -295,11 +258,6 @@ enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e
     st = with(path, "PRAGMA journal_mode=DELETE", NULL, e);
     remove_wal(path);
     return st;
-}
-
-enum status sql_file_replace(struct sql *to, struct sql *from, struct errinfo *e)
-{
-    return copy_pages(from->writer, to->writer, e);
 }
 
 enum status sql_file_fold(struct sql *d, struct errinfo *e)

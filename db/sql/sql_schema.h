@@ -1,10 +1,8 @@
-/* sql_schema.h -- the schema of SQLite databases: schema.sql, embedded.  A file of its own, so
- * that a test can be linked with another one. */
+/* sql_schema.h -- the schema of SQLite databases: schema.sql, embedded. */
 #ifndef DB_SQL_SCHEMA_H
 #define DB_SQL_SCHEMA_H
 
-/* sql_schema_text(): the statements, with a line "-- version N" before those that lead from
- * N - 1 to N, N >= 2.  sql_schema_newest(): the greatest N. */
+/* sql_schema_text(): the statements.  sql_schema_newest(): their version. */
 const char *sql_schema_text(void);
 int sql_schema_newest(void);
 

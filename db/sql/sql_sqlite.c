@@ -234,25 +234,11 @@ enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e)
     return sql_sqlite_conn_version(t, version, e);
 }
 
-enum status sql_upgrade(struct sql_txn *t, struct errinfo *e)
+enum status sql_create(struct sql_txn *t, struct errinfo *e)
 {
-    const char *steps = sql_schema_text();
-    char mark[32];
-    int version;
-    enum status st = sql_sqlite_conn_version(t, &version, e);
+    const enum status st =
+        sql_sqlite_conn_exec(t, sql_schema_text(), "cannot create the tables", e);
 
-    if (st != ST_OK)
-        return st;
-    if (version > 0) {
-        (void)snprintf(mark, sizeof mark, "\n-- version %d\n", version + 1);
-        if ((steps = strstr(steps, mark)) == NULL)
-            return errinfo_set(e, ST_EVERSION,
-                               "%s has schema version %d: no way leads to %d",
-                               t->of->path, version, sql_schema_newest());
-    }
-    st = sql_sqlite_conn_exec(
-        t, steps, version == 0 ? "cannot create the tables" : "cannot upgrade the tables",
-        e);
     if (st == ST_OK)
         t->of->version = sql_schema_newest();
     return st;

@@ -92,9 +92,7 @@ static enum status harden(struct sql_txn *c, struct errinfo *e)
     (void)sqlite3_limit(c->db, SQLITE_LIMIT_LENGTH, MAX_BYTES);
     (void)sqlite3_limit(c->db, SQLITE_LIMIT_ATTACHED, 0);
     (void)sqlite3_busy_timeout(c->db, SQL_SQLITE_BUSY_MS);
-    /* A small cache of pages: a template is read once and then kept decoded elsewhere; the
-     * usual 2 MB of each connection would only be memory that fills. */
-    return sql_sqlite_conn_exec(c, "PRAGMA cell_size_check=ON; PRAGMA cache_size=-256",
+    return sql_sqlite_conn_exec(c, "PRAGMA cell_size_check=ON; " SQL_SQLITE_CACHE,
                                 "cannot configure", e);
 }
 

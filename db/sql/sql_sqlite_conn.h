@@ -5,6 +5,10 @@
 #include <sqlite3.h>
 #include "sql.h"
 
+/* A small cache of pages: a template is read once and then kept decoded elsewhere; the usual 2 MB of
+ * each connection would only be memory that fills. */
+#define SQL_SQLITE_CACHE "PRAGMA cache_size=-256"
+
 #define SQL_SQLITE_BUSY_MS 5000 /* waited for other threads and processes together */
 #define SQL_SQLITE_SLOTS   256  /* more than there are statements */
 #define SQL_SQLITE_VALUES  32   /* that a statement takes, at most */
@@ -25,8 +29,6 @@ struct sql_txn { /* of a connection, which has one at a time */
     struct sql_txn *next; /* in the list of those at rest */
     bool writes, makes;   /* the transaction */
     uint64_t changed;
-    bool expected; /* the schema of this number was compared with the program's */
-    int64_t schema;
     struct sql_rows slot[SQL_SQLITE_SLOTS];
 };
 

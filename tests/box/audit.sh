@@ -5,7 +5,6 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # ---- a log of everything, by the daemon and by the command
-ME=surfacectl:$(id -un)
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a1.ply"
 scan 2 0 "$T/b.ply"
@@ -21,10 +20,10 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
 ctl verify bob "$T/b1.ply"
 ctl audit checkpoint
-is "signed" "$CODE $(said '[.chain, .checkpoint] | @csv')" '0 "changes",7'
-# As they are in the file: the subject's wrapped key, and some of the encrypted model.
-encrypted=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(t.model, 2000, 40)) FROM templates t
-    JOIN subjects s USING (subject_key) WHERE t.id = '$id'" | tr '|' ' ')
+is "signed" "$CODE $(said .checkpoint)" "0 7"
+# As they are in the file: the subject's wrapped key, and some of the encrypted face.
+encrypted=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(f.face, 3000, 40)) FROM templates t
+    JOIN subjects s USING (uid) JOIN faces f USING (template_key) WHERE t.id = '$id'" | tr '|' ' ')
 for one in $encrypted; do
     ok "what is looked for is found" holds "$one" "$DB" "$DB-wal"
 done
@@ -34,34 +33,35 @@ ctl backup "$T/backup"
 is "a backup afterwards" $CODE 0
 for one in $encrypted; do
     if holds "$one" "$DB" "$DB-wal" "$T/backup"; then found=yes; else found=no; fi
-    is "the key and the model are nowhere any more" "$found" no
+    is "the key and the face are nowhere any more" "$found" no
 done
 ctl template delete "$(sqlite3 "$DB" 'SELECT id FROM templates')" --yes
 ctl token revoke "$DOOR"
 ctl audit show
-is "who did what" "$(said '.entries[] | [.kind, .actor, .outcome] | join(" ")')" "\
-create_key  file
-create_token $ME $DOOR
+is "who did what" "$(said '.entries[] | [.kind, (.actor | sub(":.*"; "")), .outcome] | join(" ")')" "\
+create_database  file
+create_token surfacectl door
 add_subject $DOOR created
 enroll $DOOR created
 verify $DOOR match
 verify $DOOR no_match
 add_subject $DOOR created
 enroll $DOOR created
-verify $ME match
-checkpoint $ME 
+verify surfacectl match
+checkpoint surfacectl 
 delete_template $DOOR deleted
 delete_subject $DOOR deleted
-delete_template $ME deleted
-count_templates $ME 0
-revoke_token $ME $DOOR"
-is "with which template" "$(said '.entries[3].template_id')" "$id"
-is "in which chain" "$(said '[.entries[] | "\(.chain[:1])\(.seq)"] | join(" ")')" \
-    "c1 c2 c3 c4 u1 u2 c5 c6 u3 c7 c8 c9 c10 c11 c12"
+delete_template surfacectl deleted
+revoke_token surfacectl door"
+is "with which template" "$(said '.entries[3].object')" "$id"
+is "in which log" "$(said '[.entries[] | "\(.log[:1])\(.seq)"] | join(" ")')" \
+    "c1 c2 c3 c4 a1 a2 c5 c6 a3 c7 c8 c9 c10 c11"
 is "who is here is named" "$(said '.entries[7].subject')" bob
-is "who was erased is not" "$(said '.entries[3] | [.subject, (.subject_ref | length)] | @csv')" ',32'
+is "who was erased is not" "$(said '.entries[3] | [.subject, (.subject_uid | length)] | @csv')" ',32'
 ctl audit show --subject alice
-is "but found by the id" "$(said '[.entries[].seq] | @csv')" 3,4,1,2,8,9
+is "nor found by the id" "$CODE" 66
+ctl audit show --uid "$(jq -r .subject_uid "$T/receipt")"
+is "but by the uid, which the receipt has" "$(said '[.entries[].seq] | @csv')" 3,4,1,2,8,9
 ctl audit show --kind verify --limit 2
 is "of a kind, the newest" "$(said '[.entries[].seq] | @csv')" 2,3
 ctl audit show --since 2999
@@ -69,9 +69,9 @@ is "since then" "$CODE $(said '.entries | length')" "0 0"
 ctl audit show --since soon
 is "no such time" $CODE 65
 "$BUILD/surfacectl" --db "$DB" audit show >"$T/text"
-ok "as text" grep -q "^changes        9  20.*delete_subject .*#[0-9a-f]\{12\} .*$DOOR\$" "$T/text"
+ok "as text" grep -q "^changes *9  20.*delete_subject .*$DOOR" "$T/text"
 ctl audit verify
-is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,15,1"
+is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,14,1"
 key=$(said .public_key)
 
 # ---- the receipt
@@ -82,7 +82,7 @@ is "of whom, what" "$(receipt '[.subject, .template_ids[]] | @csv')" "\"alice\",
 is "where in the log" "$(receipt .audit.seq)" 9
 is "by which key" "$(receipt .public_key)" "$key"
 if command -v openssl >/dev/null && command -v xxd >/dev/null; then
-    receipt '"surface receipt 1", .digest, .audit.seq, .audit.hash' >"$T/signed"
+    receipt '"surface receipt 2", .digest, .audit.seq, .audit.hash' >"$T/signed"
     receipt .signature | xxd -r -p >"$T/signature"
     # An Ed25519 key as X.509 has it: RFC 8410.
     printf '302a300506032b6570032100%s' "$key" | xxd -r -p >"$T/key.der"
@@ -91,10 +91,6 @@ if command -v openssl >/dev/null && command -v xxd >/dev/null; then
 fi
 ctl audit erased
 is "it is remembered" "$CODE $(said '.erased[].erased_at')" "0 $(receipt .erased_at)"
-ctl audit erased alice
-is "by the id" $CODE 0
-ctl audit erased bob
-is "bob was not" "$CODE $(said '.erased | length')" "1 0"
 # proves WANTED FILE [OPTION...]: exit code and problems of verifying a receipt
 proves() {
     p_wanted=$1
@@ -131,71 +127,69 @@ is "no file" "$CODE" 66
 "$BUILD/surfacectl" --db "$T/third.db" --json audit receipt "$T/receipt" >"$T/ctl"
 is "another database's" "$? $(said '.problems | length')" '1 1'
 cp "$DB" "$T/copy.db"
-sqlite3 "$T/copy.db" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE chain = 0 AND seq = 9"
-"$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --anchor none --json audit receipt "$T/receipt" >"$T/ctl"
-is "what the database does not know of it" "$? $(said '.problems | length')" '1 1'
+sqlite3 "$T/copy.db" "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 9"
+"$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit receipt "$T/receipt" >"$T/ctl"
+is "what the database does not know of it" $? 65
 ctl subject erase bob --yes
 cp "$T/ctl" "$T/receipt"
 is "the command gives one too" "$CODE $(receipt '[.subject, .templates_removed, .audit.seq] | @csv')" \
-    '0 "bob",0,13'
+    '0 "bob",0,12'
 is "with its digest" "$(receipt .digest)" \
-    "$(receipt '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
+    "$(receipt '"surface erasure 2", .subject, .subject_uid, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
 
 # ---- exported
-ctl audit export --out "$T/log" --force
-is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 14,\"$key\""
-is "its owner's" "$(stat -c %a "$T/log")" 600
+ctl audit export --out "$T/exported"
+is "exported" "$CODE $(said '[.changes, .public_key] | @csv')" "0 13,\"$key\""
+is "its owner's" "$(stat -c %a "$T/exported")" 600
 is "what an entry is not about is null" \
-    "$(jq -c 'select(.kind == "create_token") | [.subject_ref, .template_id]' "$T/log" | sort -u)" '[null,null]'
+    "$(jq -c 'select(.kind == "create_token") | .subject_uid' "$T/exported" | sort -u)" null
 file() {
     "$BUILD/surfacectl" --json audit verify "$1" --public-key "${2:-$key}" >"$T/ctl" 2>"$T/ctl.err"
     CODE=$?
 }
-file "$T/log"
-is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 17,2"
+file "$T/exported"
+is "sound" "$CODE $(said '[.entries, .checkpoints] | @csv')" "0 16,2"
 "$BUILD/surfacectl" --db "$DB" audit export >"$T/log2" 2>"$T/err"
 is "to standard output" "$?" 0
 file "$T/log2"
-is "sound too" "$CODE $(said .entries)" "0 18"
+is "sound too" "$CODE $(said .entries)" "0 17"
 ok "nobody is named" sh -c "! grep -q 'alice\|bob' '$T/log2'"
 ctl audit export
 is "not as another JSON" $CODE 64
-file "$T/log" "$(echo "$key" | tr 0-9a-f 1-9a-f0)"
+file "$T/exported" "$(echo "$key" | tr 0-9a-f 1-9a-f0)"
 is "another key" "$CODE $(said .first_entry)" "1 1"
-file "$T/log" abc
+file "$T/exported" abc
 is "no key at all" $CODE 65
 file "$T/none"
 is "no file" $CODE 66
 file "$T/a.ply"
 is "no log" $CODE 65
-"$BUILD/surfacectl" audit verify "$T/log" >"$T/out" 2>&1
+"$BUILD/surfacectl" audit verify "$T/exported" >"$T/out" 2>&1
 is "no key given" $? 64
 
 # wrong FIRST SED: the exported log, changed, is found to be wrong from there on.
 wrong() {
-    sed "$2" "$T/log" >"$T/changed"
+    sed "$2" "$T/exported" >"$T/changed"
     file "$T/changed"
     is "file: $2" "$CODE $(said .first_entry)" "1 $1"
 }
-C='"chain":"changes"' U='"chain":"uses"'
+C='"log":"changes"' A='"log":"accesses"'
 wrong 3 "/$C,\"seq\":3,/d"
 wrong 4 "/$C,\"seq\":4,/s/created/deleted/"
-wrong 4 "/$C,\"seq\":4,/s/\"row\":\"./\"row\":\"x/"
 wrong 4 "/$C,\"seq\":4,/s/\"object\":\"../\"object\":\"00/"
-wrong 4 "/$C,\"seq\":4,/s/\"uses\":0/\"uses\":1/"
+wrong 4 "/$C,\"seq\":4,/s/\"subject_uid\":\"..../\"subject_uid\":\"0000/"
+wrong 4 "/$C,\"seq\":4,/s/\"digest\":\"..../\"digest\":\"0000/"
+wrong 4 "/$C,\"seq\":4,/s/\"access_seq\":0/\"access_seq\":1/"
 wrong 5 "/$C,\"seq\":5,/s/\"actor\":\"./\"actor\":\"x/"
 wrong 5 "/$C,\"seq\":5,/{h;d};/$C,\"seq\":6,/G"
-wrong 9 "/$C,\"seq\":9,/s/.*/{}/"
-wrong 7 "/\"checkpoint\":7,/s/\"signature\":\"..../\"signature\":\"0000/"
-wrong 8 '/"checkpoint":14,/d'
-wrong 8 "/$C,\"seq\":14,/d"
-wrong 2 '3s/.*/garbage/'
-wrong 15 "/\"checkpoint\":14,/s/.*/&\n{$C,\"seq\":15}/"
-wrong 1 "/$U,\"seq\":1,/d"
-wrong 2 "/$U,\"seq\":2,/s/no_match/match/"
-wrong 2 "/$U,\"seq\":2,/{h;d};/$U,\"seq\":3,/G"
-wrong 3 "/$U,\"seq\":3,/d"
-wrong 1 "/$U/d"
+wrong 8 "/$C,\"seq\":13,/s/\"signature\":\"..../\"signature\":\"0000/"
+wrong 8 "/$C,\"seq\":13,/d"
+wrong 13 "/$C,\"seq\":13,/s/.*/&\n&/"
+wrong 1 "/$A,\"seq\":1,/d"
+wrong 2 "/$A,\"seq\":2,/s/no_match/match/"
+wrong 2 "/$A,\"seq\":2,/{h;d};/$A,\"seq\":3,/G"
+wrong 3 "/$A,\"seq\":3,/d"
+wrong 1 "/$A/d"
 
 # ---- every row of the table, one after the other, in every way
 cp "$DB" "$T/whole"
@@ -207,29 +201,32 @@ tampered() {
     cp "$T/whole" "$DB"
     sqlite3 "$DB" "$3"
     ctl audit verify
-    is "$3" "$CODE $(said '[.first_chain, .first_entry] | join(" ")')" "1 $1 $2"
+    if [ "$1" = changes ] && [ "$2" -ge $((last - 2)) ]; then # nothing is opened that has no good end
+        is "$3" "$([ "$CODE" = 0 ] || echo found)" found
+    else
+        is "$3" "$CODE $(said '[.first_log, .first_entry] | join(" ")')" "1 $1 $2"
+    fi
 }
-for chain in 0 1; do
-    last=$(sqlite3 "$DB" "SELECT max(seq) FROM events WHERE chain = $chain")
-    word=$([ $chain = 0 ] && echo changes || echo uses)
+for log in change access; do
+    last=$(sqlite3 "$DB" "SELECT max(seq) FROM ${log}_log")
+    word=$([ $log = change ] && echo changes || echo accesses)
     for seq in $(seq "$last"); do
-        of="chain = $chain AND seq"
-        tampered "$word" "$seq" "DELETE FROM events WHERE $of = $seq"
-        tampered "$word" "$seq" "UPDATE events SET outcome = outcome || '.' WHERE $of = $seq"
-        tampered "$word" "$seq" "UPDATE events SET at = '2026-01-01T00:00:00.000Z' WHERE $of = $seq"
-        tampered "$word" "$seq" "UPDATE events SET hash = randomblob(32) WHERE $of = $seq"
-        [ "$seq" = "$last" ] ||
-            tampered "$word" "$seq" "UPDATE events SET seq = 99 WHERE $of = $seq;
-                UPDATE events SET seq = $seq WHERE $of = $seq + 1;
-                UPDATE events SET seq = $seq + 1 WHERE $of = 99"
+        of="${log}_log WHERE seq = $seq"
+        # The last change is the export: without it the database is one from before, as a whole.
+        [ "$log $seq" = "change $last" ] || tampered "$word" "$seq" "DELETE FROM $of"
+        for column in "outcome = outcome || '.'" "at = '2026-01-01T00:00:00.000Z'" 'hash = randomblob(32)' \
+            'uid = randomblob(16)' 'mac = randomblob(32)'; do
+            tampered "$word" "$seq" "UPDATE ${log}_log SET $column WHERE seq = $seq"
+        done
+        [ "$seq" -ge $((last - 1)) ] || tampered "$word" "$seq" "UPDATE ${log}_log SET seq = 99 WHERE seq = $seq;
+            UPDATE ${log}_log SET seq = $seq WHERE seq = $seq + 1;
+            UPDATE ${log}_log SET seq = $seq + 1 WHERE seq = 99"
     done
 done
-tampered changes 5 "DELETE FROM events WHERE chain = 0 AND seq >= 5"
-tampered changes 7 "DELETE FROM checkpoints WHERE seq = 7"
 ctl backup "$T/backup2"
-is "nor is it taken for a backup" "$CODE $(ls "$T/backup2" 2>/dev/null)" "65 "
+is "nor is it taken for a backup" "$(ls "$T/backup2" 2>/dev/null)" ""
 ctl check
-is "check finds it as well" "$CODE $(said '.problems | length')" "1 1"
+ok "check finds it as well" [ "$CODE" != 0 ]
 cp "$T/whole" "$DB"
 ctl check
 is "restored" "$CODE $(said .problems)" "0 []"
@@ -245,12 +242,11 @@ if command -v faketime >/dev/null && ! grep -q __asan_init "$BUILD/surfacectl"; 
         CODE=$?
     }
     later audit trim --keep 399 --dry-run
-    is "they would be" "$CODE $(said '[.cut, .dry_run] | @csv')" "0 3,true"
+    is "they would be" "$CODE $(said '[.cut, .dry_run] | @csv')" "0 2,true"
     later audit trim --keep 399
-    is "they are" "$CODE $(said .cut)" "0 3"
-    is "no use is left" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE chain = 1")" 0
-    ctl audit show --kind trim_uses
-    is "a change says so" "$(said '.entries[] | [.actor, .outcome] | @csv')" "\"$ME\",\"3\""
+    is "they are, but the last" "$CODE $(said .cut) $(sqlite3 "$DB" "SELECT count(*) FROM access_log")" "0 2 1"
+    ctl audit show --kind trim_accesses
+    is "a change says so" "$(said '.entries[] | .outcome')" 2
     ctl verify carol "$T/b.ply" # nobody: refused, and no use of it
     ctl template export "$(sqlite3 "$DB" 'SELECT id FROM templates LIMIT 1')" --out "$T/t.ply"
     ctl audit verify
@@ -258,13 +254,13 @@ if command -v faketime >/dev/null && ! grep -q __asan_init "$BUILD/surfacectl"; 
     ctl audit export --out "$T/log3"
     file "$T/log3"
     is "so is the export" "$CODE $(said .ok)" "0 true"
-    sed '/"kind":"trim_uses"/s/"outcome":"3"/"outcome":"2"/' "$T/log3" >"$T/changed"
+    sed '/"kind":"trim_accesses"/s/"outcome":"2"/"outcome":"1"/' "$T/log3" >"$T/changed"
     file "$T/changed"
     is "which must say where" "$CODE" 1
 fi
 
-# ---- an id that was changed: what is told of the subject under its former ids is shown
-# too, and nothing of others who had them
+# ---- an id that was changed: what is told of the subject under its former ids is shown too, and
+# nothing of others who had them
 DB=$T/renamed.db
 ctl init
 ctl subject set ann --consent A
@@ -272,33 +268,12 @@ ctl subject erase ann --yes
 ctl subject set ann --consent B
 ctl subject rename ann bea
 ctl subject set ann --consent C
-ctl subject rename bea cleo
-ctl subject rename cleo bea
 ctl subject rename bea dora
 ctl audit show --subject dora
-is "under every id it had" "$(said '[.entries[].seq] | @csv')" 4,5,6,8,9,10,11,12,13
+is "under every id it had" "$(said '[.entries[].kind] | join(" ")')" \
+    "add_subject rename_subject rename_subject"
 ctl audit show --subject dora --limit 2
-is "the newest" "$(said '[.entries[].seq] | @csv')" 12,13
+is "the newest" "$(said '[.entries[].kind] | join(" ")')" "rename_subject rename_subject"
 ctl audit show --subject ann
-is "an id alone" "$(said '[.entries[].seq] | @csv')" 2,3,4,5,7
-
-# ---- who ran surfacectl: the login's name, or its number where it has none
-ctl subject set dora --consent C-1
-ctl audit show --subject dora
-is "by whom" "$(said '.entries[-1].actor')" "$ME"
-if [ "$(id -u)" -eq 0 ] && command -v setpriv >/dev/null; then
-    mkdir "$T/theirs"
-    for file in '' .key .key.anchor; do
-        cp "$DB$file" "$T/theirs/faces.db$file"
-    done
-    chown -R 54321 "$T/theirs"
-    chmod 711 "$T"
-    they() { # as a user without a name
-        setpriv --reuid 54321 --clear-groups "$(realpath "$BUILD")/surfacectl" --json \
-            --db "$T/theirs/faces.db" "$@"
-    }
-    they subject set emil --consent C-2 >"$T/text" 2>&1
-    is "by a number ($(cat "$T/text"))" "$(they audit show --subject emil |
-        jq -r '.entries[-1].actor')" surfacectl:54321
-fi
+is "of who has it now" "$(said '[.entries[].kind] | join(" ")')" add_subject
 finish

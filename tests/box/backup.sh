@@ -49,9 +49,9 @@ touch "$T/enough"
 wait "$loop"
 ok "it has who was there ($n)" test "$n" -ge 4
 ok "one file" test ! -e "$T/b3-wal" -a ! -e "$T/b3-shm" -a ! -e "$T/b3.part"
-is "it can be opened" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" --anchor none --json check |
+is "it can be opened" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" --json check |
     jq -r .ok)" true
-is "and its counts are those told" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" --anchor none \
+is "and its counts are those told" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" \
     --json stats | jq -r .subjects)" "$n"
 ok "it holds no plaintext" sh -c "! grep -aq 'alice\|more1' '$T/b3'"
 
@@ -105,16 +105,16 @@ is "all is well" "$CODE" 0
 ctl verify alice "$T/p1.ply"
 is "alice is alice" "$CODE" 0
 is "the events say so" "$(sqlite3 "$DB" "SELECT group_concat(kind || ':' || outcome, ' ')
-    FROM (SELECT * FROM events WHERE kind != 'verify' ORDER BY event_key DESC LIMIT 3)")" \
-    "restore:restored revoke_token:$id delete_subject:erased again"
+    FROM (SELECT * FROM change_log ORDER BY seq DESC LIMIT 3)")" \
+    "restore:restored revoke_token:front delete_subject:erased again"
 is "a revoked token stays so" \
     "$("$BUILD/surfacectl" --db "$DB" --json token list | jq -r '.tokens[0].revoked')" true
 is "what was there is kept" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
-    --key "$DB.key" --anchor none --json subject list | jq -r '[.subjects[].subject] | map(select(. == "dave"))[]')" dave
+    --key "$DB.key" --json subject list | jq -r '[.subjects[].subject] | map(select(. == "dave"))[]')" dave
 is "for its owner alone" "$(stat -c %a "$DB.before-restore")" 600
 ctl restore "$T/back"
 is "it is not overwritten by another restore" "$CODE" 65
-ok "it is said what to do" grep -q 'before-restore.*delete it when all is well' "$T/ctl.err"
+ok "it is said what to do" grep -q 'before-restore.*move it away first' "$T/ctl.err"
 rm "$DB.before-restore"
 ctl restore "$T/back"
 is "a second time" "$CODE $(said .subjects_erased)" "0 2"
@@ -131,36 +131,52 @@ ctl enroll dan "$T/s4.ply" --force
 ctl subject rename dan alice # another subject
 ctl subject erase ann --yes
 is "erased under the new id" "$CODE" 0
-ctl backup "$T/new-ids"
 ctl restore "$T/old-ids"
 is "the old id comes back with nobody" "$CODE $(said .subjects_erased)" "0 1"
 is "neither id" "$(people | tr ' ' '\n' | grep -c -e '^alice$' -e '^ann$')" 0
 ctl check
 is "all is well" "$CODE" 0
+ctl backup "$T/gone-on"
+cp "$DB.before-restore" "$T/left"
 rm "$DB.before-restore"
-ctl restore "$T/new-ids"
-is "and is free for another" "$CODE $(said .subjects_erased) $(people | grep -c alice)" "0 0 1"
-rm "$DB.before-restore"
+ctl restore "$T/left"
+is "what the restore has left goes on beside it" "$CODE" 65
+ok "it is said" grep -q 'both have gone on since' "$T/ctl.err"
 ctl restore "$T/back"
 is "an older one still" "$CODE $(people | grep -c 'alice\|bob\|carol')" "0 0"
 rm "$DB.before-restore"
 
+# ---- a backup from before a rekey: it takes its own key, and the result has the present one
+ctl backup "$T/old-key"
+ctl rekey --keep-old
+rm "$DB.before-rekey"
+ctl restore "$T/old-key"
+is "its key is needed" "$CODE" 77
+ok "it is said" grep -q -e '--backup-key FILE' "$T/ctl.err"
+ctl restore "$T/old-key" --backup-key "$DB.key.old"
+is "restored" "$CODE" 0
+rm "$DB.before-restore" "$DB.key.old"
+ctl check
+is "under the present key" "$CODE" 0
+ctl backup --force "$T/back"
+before=$(people)
+
 # ---- a restore that was killed when it had put the database aside, and nothing else: the
 # next one knows that, also after the database went on, and needs no help.
-ctl backup "$DB.before-restore"
+ln "$DB" "$DB.before-restore"
 ctl restore "$T/back"
 is "put aside alone" "$CODE" 0
-ctl restore "$T/new-ids"
+ctl restore "$T/back"
 is "what one that was not killed put aside stays" "$CODE" 65
 rm "$DB.before-restore"
-ctl backup "$DB.before-restore"
+ln "$DB" "$DB.before-restore"
 ctl enroll eve "$T/s4.ply" --force
 ctl restore "$T/back"
 is "and gone on" "$CODE" 0
 is "what is aside now is the newer one" "$("$BUILD/surfacectl" --db "$DB.before-restore" \
-    --key "$DB.key" --anchor none --json subject list | jq -r '.subjects[].subject' | grep -c eve)" 1
+    --key "$DB.key" --json subject list | jq -r '.subjects[].subject' | grep -c eve)" 1
 rm "$DB.before-restore"
-end() { sqlite3 "$DB" 'SELECT hex(hash) FROM events_end'; }
+end() { sqlite3 "$DB" 'SELECT hex(hash) FROM change_log ORDER BY seq DESC LIMIT 1'; }
 for _ in 1 2 3 4 5 6; do # killed there indeed, or a little later
     was=$(end)
     "$BUILD/surfacectl" --db "$DB" restore "$T/back" >"$T/text" 2>&1 &
@@ -238,9 +254,9 @@ ok "nothing is left" test ! -e "$DB.part" -a ! -e "$DB.before-restore"
 "$BUILD/surfacectl" --db "$T/other" backup "$T/other.bak" >/dev/null
 ctl restore "$T/other.bak"
 is "another key" "$CODE" 77
-ctl --key "$T/other.key" restore "$T/other.bak"
+ctl restore "$T/other.bak" --backup-key "$T/other.key"
 is "another database" "$CODE" 65
-ok "it is said" grep -q 'another database' "$T/ctl.err"
+ok "it is said" grep -q 'not of the same database' "$T/ctl.err"
 is "nothing changed" "$(sha256sum <"$DB")" "$sum"
 
 # ---- a WAL that was left: no other file may get the name that it belongs to, and the
@@ -274,7 +290,7 @@ for wait in 0.002 0.005 0.01 0.02 0.04; do
     kill -9 "$pid" 2>/dev/null
     wait "$pid" 2>/dev/null
     whole=true # or not there
-    [ ! -e "$T/k" ] || whole=$("$BUILD/surfacectl" --db "$T/k" --key "$DB.key" --anchor none --json check |
+    [ ! -e "$T/k" ] || whole=$("$BUILD/surfacectl" --db "$T/k" --key "$DB.key" --json check |
         jq -r .ok)
     is "killed after $wait s" "$whole" true
 done

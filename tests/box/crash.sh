@@ -64,7 +64,7 @@ crash enroll full enroll dave "$T/s4.ply"
 crash erase full subject erase --yes alice
 crash rename full subject rename bob rob
 crash rekey full rekey --yes
-crash rekey-compromised full rekey --yes --compromised
+crash accept full accept-state --yes
 crash rekey-keep full rekey --keep-old
 crash rekey-plain full rekey --plaintext --yes
 crash import full import "$T/archive" --archive-key "$T/akey"

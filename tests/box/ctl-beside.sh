@@ -87,7 +87,7 @@ ctl check
 is "nothing is damaged" "$?/$(jq -r .templates "$T/ctl")" 0/17
 
 # A model damaged in the database.
-damage_models "id = '$bob'"
+damage_faces "id = '$bob'"
 start_daemon --no-auth
 send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 is "a damaged template is an error" "$STATUS" 500

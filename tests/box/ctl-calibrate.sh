@@ -92,19 +92,19 @@ ok "by it" near "$(get .threshold)"
 jq '{a: ., b: .}' "$T/c.json" >"$T/two.json"
 send POST /v1/compare "$JSON" "$T/two.json"
 ok "and compares" near "$(get .threshold)"
-is "which is what the log says" "$(sqlite3 "$DB" "SELECT kind, outcome FROM events
-    WHERE kind IN ('verify', 'compare') ORDER BY seq DESC LIMIT 2" | paste -sd ' ')" \
+is "which is what the log says" "$(sqlite3 "$DB" "SELECT kind, outcome FROM $ENTRIES
+    WHERE kind IN ('verify', 'compare') ORDER BY log, seq DESC LIMIT 2" | paste -sd ' ')" \
     'compare|match verify|match'
 ctl verify s2 "$T/probe.ply"
 is "surfacectl too" "$CODE" 0
 ok "by it too" near "$(said .threshold)"
-is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM events WHERE kind = 'calibrate'")" \
+is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM $ENTRIES WHERE kind = 'calibrate'")" \
     "surfacectl:$(id -un)|version 1"
 
 # A threshold that nothing reaches: enrolment is judged by it too.
-"$BUILD/forge" "$DB" "INSERT INTO calibrations (created, actor, engine, shipped, fmr, threshold, low,
-    high, subjects, impostors, genuine, knots) SELECT created, actor, engine, shipped,
-    fmr, 1000, 0, 1000, subjects, impostors, genuine, knots FROM calibrations"
+"$BUILD/forge" "$DB" "INSERT INTO calibrations (revision, created, actor, engine, shipped, fmr, threshold,
+    low, high, subjects, impostors, genuine, knots, mac) SELECT 1, created, actor, engine, shipped,
+    fmr, 1000, 0, 1000, subjects, impostors, genuine, knots, zeroblob(32) FROM calibrations"
 send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
 problem "a sample, by a strict calibration" 409 sample_mismatch
 ctl enroll s2 "$T/probe.ply"
@@ -136,23 +136,14 @@ is "two ids of one person are found" "$(said '.suspicious | map([.a, .b] | join(
 "$BUILD/surfacectl" calibrate --fmr 0.05 --dry-run >"$T/text"
 ok "as text too" grep -q 's7  s7b' "$T/text"
 
-# ---- damaged: nobody decides, until there is another
-sqlite3 "$DB" "UPDATE calibrations SET threshold = threshold + 1, high = high + 1 WHERE calibration_key = 3"
+# ---- altered by somebody else: nobody decides (store-attacks.sh has more)
 stop_daemon
-start_daemon --no-auth
-send POST /v1/subjects/s2/verify "$PLY" "$T/probe.ply"
-problem "a damaged calibration" 500 internal
-send POST /v1/compare "$JSON" "$T/two.json"
-problem "compare" 500 internal
-req GET /readyz
-problem "not ready" 503 not_ready
+sqlite3 "$DB" "UPDATE calibrations SET threshold = threshold + 1, high = high + 1 WHERE calibration_key = 3"
+start_fails "another threshold" 1 'calibration' --no-auth --db "$DB" --listen 127.0.0.1:0
 ctl verify s2 "$T/probe.ply"
 is "surfacectl says so" $CODE 65
 ctl check
-is "check finds it" "$CODE $(said '.problems | length')" "1 1"
+is "check finds it" "$CODE $(said '.ok')" "1 false"
 ctl calibrate --reset
-is "a new one" $CODE 0
-send POST /v1/subjects/s2/verify "$PLY" "$T/probe2.ply"
-is "is the way out" "$STATUS" 200
-stop_daemon
+is "nothing is written on top of it" $CODE 77
 finish

@@ -111,20 +111,19 @@ refuse 66 'no database empty' "$ctl" --db empty subject list
 "$ctl" --db f.db subject list >/dev/full 2>err
 ok "a full output is told" [ $? -eq 74 ]
 
-# bytes changed in the middle of the model: told by check and by verify, as text and JSON
+# bytes changed in the middle of the face: told by check and by verify, as text and JSON
 cp f.db damaged.db
 cp f.db.key damaged.db.key
-cp f.db.key.anchor damaged.db.key.anchor
-sqlite3 damaged.db "UPDATE templates SET model =
-    CAST(substr(model, 1, 5000) || x'78787878' || substr(model, 5005) AS BLOB)"
+sqlite3 damaged.db "UPDATE faces SET face =
+    CAST(substr(face, 1, 5000) || x'78787878' || substr(face, 5005) AS BLOB)"
 "$ctl" --db damaged.db check >out 2>err
 ok "check finds it" [ $? -eq 1 ]
 ok "check counts it" grep -q 'NOT ok: 1 template, 1 bad' out
-ok "check says what" grep -q 'its model is damaged' out
+ok "check says what" grep -q 'its face is not authentic' out
 "$ctl" --db damaged.db check --json >out 2>err
 ok "check --json finds it" [ $? -eq 1 ]
 ok "check --json says so" grep -q '"ok":.*false' out
-refuse 65 'damaged' "$ctl" --db damaged.db verify alice good.ply
+refuse 65 'not authentic' "$ctl" --db damaged.db verify alice good.ply
 "$ctl" --db damaged.db verify alice good.ply --json >out 2>err
 ok "verify --json refuses" [ $? -eq 65 ]
 ok "verify --json says so" grep -q '"exit":.*65' out

@@ -128,7 +128,7 @@ is "as with the scan" "$(jq -cS '[.gap, .minimal]' out)" "$(jq -cS '[.gap, .mini
 expect 0 "a template" "$ctl" --db faces.db explain "$id" a1.ply --out db --force
 has out "$id"
 is "the events" "$(sqlite3 faces.db \
-    "SELECT count(*) FROM events WHERE kind = 'explain' AND template_id = '$id' AND outcome = 'match'")" 2
+    "SELECT count(*) FROM $ENTRIES WHERE kind = 'explain' AND object = '$id' AND outcome = 'match'")" 2
 SURFACED_DB=faces.db
 export SURFACED_DB
 expect 0 "a subject of SURFACED_DB" "$ctl" explain alice a1.ply --out db --force --json

@@ -41,13 +41,10 @@ for id in -x --json --yes -o; do
 0 attempts reset
 0 export --archive-key $T/phrase --out $T/archive$id
 0 subject erase --yes
-0 audit erased
 0 token create --scope read
 0 token rotate
 0 token revoke
 END
-    ctl_exits 0 audit show --subject "$id"
-    ok "its entries are found" test "$(said '.entries | length')" -gt 5
 done
 for id in . ..; do
     ctl_exits 65 enroll "$id" "$T/a.ply"

@@ -103,7 +103,7 @@ cp "$PWD/scans/p1_0.ply" report/p1_0.ply
 ln -f report/p1_0.ply report/scores.csv
 printf 'file,subject\nreport/p1_0.ply,1\nscans/p2_0.ply,2\nscans/p2_1.ply,2\n' >list.csv
 kept "a scan of a list" "$read" "$ctl" evaluate list.csv -o report --force
-for name in f.db f.db.key f.db.key.anchor phrase; do
+for name in f.db f.db.key phrase; do
     kept "export over $name" "$read" "$ctl" --db f.db export alice -o "$name" --archive-key phrase --force
 done
 kept "the log over the database" "$read" "$ctl" --db f.db audit export -o f.db --force

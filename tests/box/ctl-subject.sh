@@ -114,7 +114,7 @@ ctl_exits 0 template export "$id" --out "$T/out.ply"
 is "its file's mode" "$(stat -c %a "$T/out.ply")" 600
 "$BUILD/surfacectl" compare "$T/a.ply" "$T/out.ply" >"$T/text"
 is "it is the face" "$?$(sed -n 's/^decision *//p' "$T/text")" 0match
-is "an event of it" "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'export_template'")" 1
+is "an event of it" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'export_template'")" 1
 ctl_exits 66 template export 00000000000000000000000000000000 --out "$T/none.ply"
 ok "no file" test ! -e "$T/none.ply"
 ctl_exits 64 template delete "$id"

@@ -94,7 +94,7 @@ mv "$DB.key.new" "$DB.key"
 printf '%064d\n' 7 >"$DB.key.new"
 chmod 600 "$DB.key.new"
 doctor
-finds "one that was not made" trouble key 'was not made'
+is "one that nothing needs" "$CODE" 0
 doctor --key "$DB.key.new"
 finds "the wrong key" trouble key 'not the key'
 rm "$DB.key.new"
@@ -131,5 +131,5 @@ doctor
 finds "plaintext" note key 'plaintext'
 sqlite3 "$DB" "UPDATE templates SET points = points - 1"
 doctor
-finds "damaged" trouble templates 'damaged'
+finds "damaged" trouble state 'not as it was written'
 finish

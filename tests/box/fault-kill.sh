@@ -66,12 +66,11 @@ for round in 1 2 3 4 5; do
     ok "round $round: every template can be read" "$BUILD/surfacectl" --db "$DB" check >"$T/check"
     is "round $round: templates without event, events without template" "$(sqlite3 "$DB" \
         "SELECT (SELECT count(*) FROM templates WHERE id NOT IN
-            (SELECT template_id FROM events WHERE kind = 'enroll')),
-            (SELECT count(*) FROM events WHERE kind = 'enroll' AND template_id NOT IN
+            (SELECT object FROM change_log WHERE kind = 'enroll')),
+            (SELECT count(*) FROM change_log WHERE kind = 'enroll' AND object NOT IN
             (SELECT id FROM templates))")" "0|0"
     is "round $round: subjects without template" "$(sqlite3 "$DB" \
-        'SELECT count(*) FROM subjects WHERE subject_key NOT IN
-            (SELECT subject_key FROM templates)')" 0
+        'SELECT count(*) FROM subjects WHERE uid NOT IN (SELECT uid FROM templates)')" 0
 done
 ok "in all $total were answered" test "$total" -ge 40
 finish

@@ -219,7 +219,7 @@ restart() {
     stop_daemon
     start_daemon --no-auth
 }
-damage_models 1
+damage_faces 1
 restart
 send POST /v1/subjects/alice/verify "$PLY" "$T/a.ply"
 problem "a damaged model" 500 internal

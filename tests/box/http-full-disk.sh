@@ -29,9 +29,14 @@ req GET "/v1/subjects/s$s"
 problem "the failed enrolment stored nothing" 404 not_found
 req GET '/v1/subjects?limit=100'
 is "all enrolments before it are stored" "$(get '.subjects | length')" "$stored"
-send POST /v1/subjects/s1/verify "$PLY" "$T/probe.ply"
+told=0 # entries take less room than a template: some of them still have it
+for n in $(seq 40); do
+    send POST /v1/subjects/s1/verify "$PLY" "$T/probe.ply"
+    [ "$STATUS" = 200 ] || break
+    told=$n
+done
 problem "verification needs room for its event" 503 storage
-is "it is not counted" "$(metric 'surfaced_decisions_total{decision="match"}')" 0
+is "it is not counted" "$(metric 'surfaced_decisions_total{decision="match"}')" "$told"
 send POST /v1/compare "$JSON" "$T/two.json"
 is "a comparison is served" "$STATUS $(get .decision)" "200 match"
 is "without its event" "$(metric surfaced_lost_events_total)" 1

@@ -59,7 +59,7 @@ decides "a failure" no_match
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/swapped.xyz"
 problem "its own, left and right swapped" 422 mirrored
 is "it is an attempt" "$(failures alice)" 2
-is "and an event" "$(sqlite3 "$DB" "SELECT kind, outcome FROM events ORDER BY event_key DESC LIMIT 1")" 'verify|no_match'
+is "and an event" "$(sqlite3 "$DB" "SELECT kind, outcome FROM $ENTRIES ORDER BY at DESC, seq DESC LIMIT 1")" 'verify|no_match'
 verify alice "$T/a1.ply"
 decides "its own" match
 verify alice "$T/b.ply"

@@ -77,7 +77,7 @@ for name in threshold Threshold score fmr decision force; do
     problem "?$name" 400 invalid_parameter "parameter $name here"
 done
 is "no match is recorded of a stranger" "$(sqlite3 "$DB" \
-    "SELECT count(*) FROM events WHERE kind = 'verify' AND outcome = 'match'")" 4
+    "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'match'")" 4
 jq -c '.threshold = -1000' "$T/mallory.json" >"$T/with.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/with.json"
 problem "as a member" 400 malformed threshold
@@ -115,7 +115,7 @@ for i in $(seq 3 10); do
     ok "no score in it" sh -c "! grep -Eq '_mm|score|disparity|[0-9][.][0-9]|decision' '$T/body'"
 done
 is "each is recorded" "$(sqlite3 "$DB" \
-    "SELECT count(*), min(outcome) FROM events WHERE kind = 'enroll_mismatch'")" "3|no_match"
+    "SELECT count(*), min(outcome) FROM $ENTRIES WHERE kind = 'enroll_mismatch'")" "3|no_match"
 is "and counted" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 3
 send POST /v1/subjects/alice/templates "$PLY" "$T/alice2.ply"
 problem "the right face has to wait too" 429 too_many_attempts

@@ -171,10 +171,12 @@ is "ready again" "$STATUS" 200
 is "counted" "$(metric 'surfaced_database_errors_total{kind="version"}')" 1
 mv "$DB" "$T/elsewhere"
 req GET /readyz
-problem "the database is gone" 503 not_ready 'cannot be read'
+problem "the database is gone" 503 not_ready 'not the one that was opened'
 mv "$T/elsewhere" "$DB"
 req GET /readyz
-is "and back again" "$STATUS" 200
+problem "and back again, until the daemon is started again" 503 not_ready
+stop_daemon
+start_daemon --no-auth --workers 2 --cache-mb 1
 
 # Another process deletes a subject during verifications: none succeeds after the deletion.
 lost=0 i=0

@@ -300,8 +300,8 @@ each 500 '.responses["500"]' -d x
 sqlite3 "$DB" 'UPDATE tokens SET name = substr(name, 1, length(name) - 1)'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
-sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch() FROM tokens, templates
-    WHERE templates.id = '$id'"
+sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch()
+    FROM tokens, templates JOIN subjects USING (uid) WHERE templates.id = '$id'"
 put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
 put POST /v1/subjects/carol/templates 429 "$PLY" "$T/b.ply"
 put POST "/v1/templates/$id/verify" 429 "$PLY" "$T/a.ply"

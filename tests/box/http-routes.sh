@@ -100,7 +100,7 @@ is "verify against one template" "$STATUS $(get .decision)" "200 match"
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "verify another subject's scan" "$STATUS $(get .decision)" "200 no_match"
 # With a threshold of its own a request could make any probe match, in the audit log as well.
-logged=$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")
+logged=$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify'")
 for one in subjects/alice "templates/$id"; do
     for value in -1e9 0 x ''; do
         send POST "/v1/$one/verify?threshold=$value" "$PLY" "$T/b.ply"
@@ -112,7 +112,7 @@ jq -c '. + {threshold: -1e9}' "$T/a2.json" >"$T/own.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/own.json"
 problem "as a member" 400 malformed 'the body has points, units and axes, not threshold'
 is "no verification was logged" \
-    "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'verify'")" "$logged"
+    "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify'")" "$logged"
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
 is "a gap for each point" "$(get '.heatmap | length')" "$(jq '.points | length' "$T/a2.json")"
 fits "verify with a heatmap" Verdict
@@ -230,9 +230,9 @@ fits erase Erased
 is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
 is "what was removed" "$(get '.template_ids | @csv')" "\"$id\""
 is "its digest" "$(get .digest)" \
-    "$(get '"surface erasure 1", .subject, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
-is "its entry in the audit log" "$(sqlite3 "$DB" "SELECT kind, at, lower(hex(hash)) FROM events
-    WHERE chain = 0 AND seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
+    "$(get '"surface erasure 2", .subject, .subject_uid, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
+is "its entry in the audit log" "$(sqlite3 "$DB" "SELECT kind, at, lower(hex(hash)) FROM $ENTRIES
+    WHERE log = 0 AND seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
 req DELETE /v1/subjects/alice
 problem "erase again" 404 not_found
 fits "an error" Problem

@@ -50,7 +50,7 @@ req GET /v1/subjects -H "authorization: bearer $mine"
 problem "two tokens" 400 malformed 'more than one Authorization'
 req GET /v1/subjects/a%20b
 problem "a malformed id, with a token" 400 invalid_parameter
-is "the actor in the audit log" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM events WHERE kind IN ('enroll', 'verify')")" \
+is "the actor in the audit log" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM $ENTRIES WHERE kind IN ('enroll', 'verify')")" \
     "$token_id"
 ok "the token is not in the database" sh -c "! grep -aq '$AUTH' '$DB' '$DB-wal'"
 ok "its last use is recorded" test -n "$(sqlite3 "$DB" 'SELECT used FROM tokens')"

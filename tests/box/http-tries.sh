@@ -24,7 +24,7 @@ locked_out() {
 }
 
 events() {
-    sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = '$1'"
+    sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = '$1'"
 }
 
 scan 1 0 "$T/a.ply"

@@ -11,6 +11,9 @@ PLY='Content-Type: model/x-ply' JSON='Content-Type: application/json'
 BYTES='Content-Type: application/octet-stream'
 # The tests must not read the machine's own configuration.
 export SURFACED_CONFIG=/dev/null
+# The entries of both logs, for SQL.
+ENTRIES="(SELECT 0 AS log, seq, at, kind, actor, uid, object, outcome, hash FROM change_log
+    UNION ALL SELECT 1, seq, at, kind, actor, uid, object, outcome, hash FROM access_log)"
 # Every scope that a token may have.
 ALL=enroll,verify,identify,read,delete,manage,detail
 
@@ -300,9 +303,10 @@ release_db() {
     rm "$T/holder"
 }
 
-# damage_models WHERE: another byte than there was, in the middle of these templates' models.
-damage_models() {
-    sqlite3 "$DB" "UPDATE templates SET model = CAST(substr(model, 1, 5000)
-        || CASE substr(model, 5001, 1) WHEN x'00' THEN x'01' ELSE x'00' END
-        || substr(model, 5002) AS BLOB) WHERE $1"
+# damage_faces WHERE: another byte than there was, in the middle of these templates' faces.
+damage_faces() {
+    sqlite3 "$DB" "UPDATE faces SET face = CAST(substr(face, 1, 5000)
+        || CASE substr(face, 5001, 1) WHEN x'00' THEN x'01' ELSE x'00' END
+        || substr(face, 5002) AS BLOB)
+        WHERE template_key IN (SELECT template_key FROM templates WHERE $1)"
 }

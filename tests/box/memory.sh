@@ -132,7 +132,7 @@ if [ "$(id -u)" = 0 ]; then # who may read all
     chmod 711 "$T"
 fi
 mkdir "$T/own"
-cp "$DB" "$DB.key" "$DB.key.anchor" "$T/own"
+cp "$DB" "$DB.key" "$T/own"
 [ -z "$as" ] || chown -R 65534:65534 "$T/own"
 # shellcheck disable=SC2086 # a command and its options
 reads() {

@@ -92,8 +92,8 @@ is "what is current" "$(counts)" '1 0 1 0 0'
 ctl_exits 66 template reencode "$alice" 00000000000000000000000000000000
 verdicts >"$T/after"
 ok "the daemon goes on with the same digits" cmp "$T/wanted" "$T/after"
-is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM events
-    WHERE kind = 'reencode' AND outcome = 'reencoded' AND actor LIKE 'surfacectl:%'")" 2
+is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES
+    WHERE kind = 'reencode' AND outcome = 'reencoded' AND actor LIKE 'surfacectl%'")" 2
 ctl_exits 0 template list
 is "by this engine" "$(said .templates[0].engine)" "$engine"
 is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .to_reencode, .triangles)]' "$T/ctl")" \
@@ -143,14 +143,14 @@ enrolled=$(said .enrolled)
 "$BUILD/surfacectl" --db "$DB" template reencode --threads 1 >"$T/text" 2>&1 &
 killed=$!
 # shellcheck disable=SC2317 # run by soon
-some() { test "$(sqlite3 "$DB" "SELECT count(*) FROM events WHERE kind = 'reencode'")" -gt 3; }
+some() { test "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'reencode'")" -gt 3; }
 soon some
 kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
 ctl_exits 0 check
 ctl_exits 0 stats
 left=$(said .to_reencode)
-is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM events
+is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES
     WHERE kind = 'reencode'")" "$((enrolled - left))"
 ctl_exits 0 template reencode
 is "it went on" "$(counts)" "$left $left 0 0 0"

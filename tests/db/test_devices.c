@@ -27,7 +27,7 @@ static void add(struct store *s, const char *name)
     if (store_device_add(s, "test", name, pair.public, &d, &e) != ST_OK)
         fail_msg("%s", e.msg);
     assert_string_equal(d.name, name);
-    assert_true(store_id_valid(d.id));
+    assert_true(ident_id_valid(d.id));
 }
 
 /* A capture of the device with the nonce, signed. */
@@ -63,7 +63,7 @@ static void test_names(void **state)
 {
     static const char *const bad[] = {"", "a b", "a;b", "a=b",
                                       "123456789012345678901234567890123"};
-    static const unsigned char none[VAULT_KEY], one[VAULT_KEY] = {1}; /* of small order */
+    static const unsigned char none[CRYPT_KEY], one[CRYPT_KEY] = {1}; /* of small order */
     struct store *s = tempdb_fresh();
     struct store_device d, *list;
     size_t n;
@@ -170,14 +170,6 @@ static void test_at_once(void **state)
     store_close(s);
 }
 
-static void no_report(void *arg, enum store_chain chain, uint64_t seq, const char *line)
-{
-    (void)arg;
-    (void)chain;
-    (void)seq;
-    (void)line;
-}
-
 /* Somebody writes the table: a row that was removed, or another's, is good for nothing. */
 static void test_put_back(void **state)
 {
@@ -185,11 +177,10 @@ static void test_put_back(void **state)
         "UPDATE devices SET name = 'door-3' WHERE name = 'door-1'",
         "UPDATE devices SET name = 'door-3', id = (SELECT id FROM old)",
         "UPDATE devices SET public = (SELECT public FROM old)",
-        "INSERT INTO devices SELECT 99, id, name, public, created FROM old"};
+        "INSERT INTO devices SELECT 99, id, 2, name, public, created, mac FROM old"};
     static const char *const name[] = {"door-3", "door-3", "door-1", "door-2"};
     char nonce[STORE_NONCE_TEXT + 1];
     struct store *s = tempdb_fresh();
-    struct store_audit found;
     struct store_device *list;
     struct store_capture c;
     enum store_captured is;
@@ -207,13 +198,10 @@ static void test_put_back(void **state)
         c = capture(name[i], nonce);
         assert_int_equal(store_capture_take(s, &c, &is, &e), ST_ECORRUPT);
         assert_int_equal(store_device_list(s, &list, &n, &e), ST_ECORRUPT);
-        assert_int_equal(store_audit_verify(s, no_report, NULL, &found, &e), ST_OK);
-        assert_true(found.problems > 0);
         tempdb_sql("DELETE FROM devices");
         tempdb_sql("INSERT INTO devices SELECT * FROM now");
     }
-    assert_int_equal(store_audit_verify(s, no_report, NULL, &found, &e), ST_OK);
-    assert_int_equal(found.problems, 0);
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
     make_nonce(s, nonce);
     c = capture("door-1", nonce);
     assert_int_equal(take(s, &c), STORE_CAPTURED);

@@ -9,71 +9,72 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "archive.h"
+#include "admin_archive.h"
+#include "admin_record.h"
+#include "crypt_file.h"
 #include "errinfo.h"
-#include "keyfile.h"
-#include "store_archive.h"
-#include "store_rules.h"
+#include "ident.h"
 
 #define KIND_AT 10 /* db/FORMAT.md */
 
-static struct keyfile key = {
+static struct crypt_file key = {
     64, "000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"};
 
-static void try_record(const uint8_t *data, size_t size, struct store_archive_item *item)
+static void try_record(const uint8_t *data, size_t size, struct admin_record_item *item)
 {
     struct errinfo e = {ST_OK, ""};
-    const enum status st = store_archive_parse(data, size, item, &e);
+    const enum status st = admin_record_parse(data, size, item, &e);
 
     if (st != ST_OK && st != ST_ECORRUPT)
         abort();
-    if (st == ST_OK && item->kind == STORE_ARCHIVE_TEMPLATE &&
-        (item->model < data || item->model + item->len != data + size ||
-         !store_id_valid(item->template.id) || strlen(item->template.digest) != 64 ||
-         item->template.triangles > 2 * item->template.points))
+    if (st == ST_OK && item->kind == ADMIN_RECORD_TEMPLATE &&
+        (item->face < data || item->face + item->len != data + size ||
+         !ident_id_valid(item->template.one.id) ||
+         strlen(item->template.one.digest) != 64 ||
+         item->template.one.triangles > 2 * item->template.one.points))
         abort();
-    if (st == ST_OK && item->kind == STORE_ARCHIVE_SUBJECT &&
-        !store_subject_valid(item->subject.id))
+    if (st == ST_OK && item->kind == ADMIN_RECORD_SUBJECT &&
+        !ident_subject_valid(item->subject.id))
         abort();
 }
 
 static void try_archive(FILE *from)
 {
-    static struct store_archive_item item;
+    static struct admin_record_item item;
     struct errinfo e = {ST_OK, ""};
-    struct archive *a = NULL;
+    struct admin_archive *a = NULL;
     const unsigned char *data;
     bool last = false;
     size_t n;
 
     memset(&item, 0, sizeof item);
-    if (archive_open(from, &key, &a, &e) != ST_OK)
+    if (admin_archive_open(from, &key, &a, &e) != ST_OK)
         return;
-    while (!last && archive_read(a, &data, &n, &last, &e) == ST_OK)
+    while (!last && admin_archive_read(a, &data, &n, &last, &e) == ST_OK)
         try_record(data, n, &item);
-    if (last && archive_read(a, &data, &n, &last, &e) != ST_ECORRUPT)
+    if (last && admin_archive_read(a, &data, &n, &last, &e) != ST_ECORRUPT)
         abort();
-    archive_close(a);
+    admin_archive_close(a);
 }
 
 static void try_encrypted(const uint8_t *data, size_t size)
 {
     struct errinfo e = {ST_OK, ""};
-    struct archive *a = NULL;
+    struct admin_archive *a = NULL;
     FILE *file = tmpfile();
 
-    if (file == NULL || archive_create(file, &key, &a, &e) != ST_OK)
+    if (file == NULL || admin_archive_create(file, &key, &a, &e) != ST_OK)
         abort();
     while (size >= 2) {
         size_t n = data[0] | (size_t)data[1] << 8;
 
         n = n < size - 2 ? n : size - 2;
-        if (archive_write(a, data + 2, n, n == size - 2, &e) != ST_OK)
+        if (admin_archive_write(a, data + 2, n, n == size - 2, &e) != ST_OK)
             abort();
         data += n + 2;
         size -= n + 2;
     }
-    archive_close(a);
+    admin_archive_close(a);
     rewind(file);
     try_archive(file);
     (void)fclose(file);
@@ -81,7 +82,7 @@ static void try_encrypted(const uint8_t *data, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct store_archive_item item;
+    static struct admin_record_item item;
     uint8_t *copy;
     FILE *from;
 

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "admin_check.h"
 #include "errinfo.h"
 #include "store.h"
 
@@ -88,9 +89,9 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
     char path[CRASH_PATH];
     struct errinfo e = {ST_OK, ""};
     struct store_look look;
-    struct store_check check;
-    struct store_key key = {.make = VAULT_FILE};
-    enum vault_kind kind;
+    struct admin_check check;
+    struct store_key key = {.make = CRYPT_FILE};
+    enum crypt_kind kind;
     struct store *s;
     enum status st;
 
@@ -101,12 +102,12 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
         say(&t, "none");
         return true;
     }
-    key.plaintext = store_kind(path, &kind, NULL) == ST_OK && kind == VAULT_PLAINTEXT;
+    key.plaintext = store_kind(path, &kind, NULL) == ST_OK && kind == CRYPT_PLAINTEXT;
     if (st != ST_OK || (st = store_open(path, STORE_READ, &key, &s, &e)) != ST_OK) {
         say(&t, "cannot be opened: %s", e.msg);
         return false;
     }
-    if ((st = store_check(s, problem, &t, &check, &e)) == ST_OK && t.n == 0 &&
+    if ((st = admin_check(s, problem, &t, &check, &e)) == ST_OK && t.n == 0 &&
         (st = say_subjects(s, &t, &e)) == ST_OK)
         st = say_tokens(s, &t, &e);
     else if (st == ST_OK)
@@ -120,7 +121,7 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
 size_t crash_secrets(const char *dir, struct crash_secret *out, size_t max)
 {
     static const char *const sql[] = {"SELECT key FROM subjects",
-                                      "SELECT substr(model, 101, 32) FROM templates"};
+                                      "SELECT substr(face, 101, 32) FROM faces"};
     char path[CRASH_PATH];
     sqlite3_stmt *stmt;
     sqlite3 *db;

@@ -82,25 +82,14 @@ int tempdb_end_faces(void **state)
     return tempdb_end(state);
 }
 
-static struct store *open_as(enum store_mode mode, bool copy)
+struct store *tempdb_open(enum store_mode mode)
 {
-    const struct store_key key = {.make = VAULT_FILE, .copy = copy};
     struct store *s = NULL;
     struct errinfo e;
 
-    if (store_open(tempdb_path, mode, &key, &s, &e) != ST_OK)
+    if (store_open(tempdb_path, mode, NULL, &s, &e) != ST_OK)
         fail_msg("%s", e.msg);
     return s;
-}
-
-struct store *tempdb_open(enum store_mode mode)
-{
-    return open_as(mode, false);
-}
-
-struct store *tempdb_copy(enum store_mode mode)
-{
-    return open_as(mode, true);
 }
 
 struct store *tempdb_fresh(void)
@@ -147,6 +136,25 @@ int64_t tempdb_number(const char *text)
     return n;
 }
 
+/* The index of another table has this content: they change their root pages.  Making a table tells
+ * other connections that the schema has changed. */
+void tempdb_mislead(const char *index, const char *rows)
+{
+    char text[800];
+
+    (void)snprintf(
+        text, sizeof text,
+        "CREATE TABLE twin (k INTEGER PRIMARY KEY, v UNIQUE); INSERT INTO twin %s;"
+        "CREATE TABLE aside.root AS SELECT name, rootpage FROM main.sqlite_schema "
+        "WHERE name IN ('%s', 'sqlite_autoindex_twin_1');"
+        "PRAGMA writable_schema = ON; UPDATE main.sqlite_schema AS s SET rootpage = "
+        "(SELECT rootpage FROM aside.root r WHERE r.name <> s.name) "
+        "WHERE name IN (SELECT name FROM aside.root);"
+        "CREATE TABLE more (a); DROP TABLE aside.root",
+        rows, index);
+    tempdb_sql(text);
+}
+
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
@@ -181,21 +189,15 @@ enum status tempdb_erase(struct store *s, const char *actor, const char *subject
     return st;
 }
 
-static void print_report(void *arg, const char *line)
-{
-    unsigned *lines = arg;
-
-    print_message("  reported: %s\n", line);
-    (*lines)++;
-}
-
 enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
                           struct errinfo *e)
 {
-    struct store_subject one = {.seen = ""};
-    struct store_settled out = {.may = false};
+    struct store_subject one;
+    struct store_settled out;
+    const enum status st = store_subject_get(s, subject, &one, e);
 
-    (void)snprintf(one.id, sizeof one.id, "%s", subject);
+    if (st != ST_OK)
+        return st;
     return store_settle(s,
                         &(struct store_settle){.subject = &one,
                                                .as = as,
@@ -216,16 +218,4 @@ struct store_attempts tempdb_attempts(struct store *s, const char *subject)
         fail_msg("%s", e.msg);
     free(a.t);
     return a.attempts;
-}
-
-struct store_check tempdb_check(struct store *s)
-{
-    struct store_check found;
-    struct errinfo e;
-    unsigned lines = 0;
-
-    if (store_check(s, print_report, &lines, &found, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    assert_int_equal(lines, found.problems);
-    return found;
 }

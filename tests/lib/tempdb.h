@@ -27,17 +27,19 @@ int tempdb_end_faces(void **state);
 
 /* tempdb_remove(): every file of the folder, keys and copies as well as the database.
  * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is
- * there.  tempdb_copy(mode): the same without asking its anchor. */
+ * there. */
 void tempdb_remove(void);
 struct store *tempdb_fresh(void);
 struct store *tempdb_open(enum store_mode mode);
-struct store *tempdb_copy(enum store_mode mode);
 
 /* tempdb_sql(text): run statements on the file, as another program would, which does not
  * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.
- * tempdb_number(text): the first number that a query gives. */
+ * tempdb_number(text): the first number that a query gives.
+ * tempdb_mislead(index, rows): an index of one column gets other contents, as a query gives them:
+ * the rows' keys, and what each is found by.  Its table stays as it is. */
 void tempdb_sql(const char *text);
 int64_t tempdb_number(const char *text);
+void tempdb_mislead(const char *index, const char *rows);
 
 /* tempdb_store(s, actor, subject, label, f, t, created, e): store_enroll() of a face that was
  * compared with nothing.
@@ -45,8 +47,7 @@ int64_t tempdb_number(const char *text);
  * yet.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_settle(s, subject, as, e): store_settle() of a verification by "test".
- * tempdb_attempts(s, subject): those that store_admit() gives.
- * tempdb_check(s): store_check(); what it reports is printed. */
+ * tempdb_attempts(s, subject): those that store_admit() gives. */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
@@ -57,6 +58,5 @@ enum status tempdb_erase(struct store *s, const char *actor, const char *subject
 enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
                           struct errinfo *e);
 struct store_attempts tempdb_attempts(struct store *s, const char *subject);
-struct store_check tempdb_check(struct store *s);
 
 #endif

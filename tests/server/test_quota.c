@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "quota.h"
-#include "store_types.h"
+#include "rows_types.h"
 
 static const struct quota_limits limits = {.all = {100, 1000}, .one = {50, 300}};
 static unsigned char home[THROTTLE_ADDRESS] = {127, 0, 0, 1},

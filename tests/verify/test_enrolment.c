@@ -191,7 +191,7 @@ static void test_basis(void **state)
     assert_int_equal(out.nearest.compared, 2);
     assert_true(each[0].tmpl.first_score < 0 && out.nearest.result.score > 8);
     assert_false(each[0].tmpl.manager);
-    assert_int_equal(tempdb_check(store).problems, 0);
+    assert_int_equal(store_verify(store, NULL, NULL, &e), ST_OK);
 }
 
 /* Several, of which the first fits: the others are held against the same templates, not against
@@ -291,7 +291,7 @@ static void test_several(void **state)
     assert_string_equal(each[5].tmpl.id, each[2].tmpl.id);
     assert_int_equal(out.nearest.compared, 0);
     /* what was compared with another sample alone says nothing of the subject */
-    assert_int_equal(tempdb_number("SELECT count(*) FROM events"
+    assert_int_equal(tempdb_number("SELECT count(*) FROM access_log"
                                    " WHERE kind = 'enroll_mismatch'"),
                      0);
     assert_int_equal(add_all(burst, 6, false, &out), ST_OK);
@@ -300,7 +300,7 @@ static void test_several(void **state)
     assert_int_equal(add_all(burst, 6, true, &out), ST_OK);
     assert_taken("s1ss1s");
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 4);
-    assert_int_equal(tempdb_check(store).problems, 0);
+    assert_int_equal(store_verify(store, NULL, NULL, &e), ST_OK);
 }
 
 /* Those before the first that fits are tried as if each had come alone; none fits: the first
@@ -320,12 +320,12 @@ static void test_first(void **state)
         strstr(each[0].why.msg, "matches neither the subject's oldest template"));
     assert_non_null(
         strstr(each[1].why.msg, "too little in common with the subject's oldest"));
-    assert_int_equal(tempdb_number("SELECT count(*) FROM events"
+    assert_int_equal(tempdb_number("SELECT count(*) FROM access_log"
                                    " WHERE kind = 'enroll_mismatch'"),
                      2);
     assert_int_equal(add_all(burst, 5, false, &out), ST_OK);
     assert_taken("..1.s");
-    assert_int_equal(tempdb_number("SELECT count(*) FROM events"
+    assert_int_equal(tempdb_number("SELECT count(*) FROM access_log"
                                    " WHERE kind = 'enroll_mismatch'"),
                      4);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 2);

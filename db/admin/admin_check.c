@@ -1,0 +1,199 @@
+#include "admin_check.h"
+
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "codec.h"
+#include "mesh.h"
+#include "mesh_check.h"
+#include "mst.h"
+#include "rows_calibration.h"
+#include "rows_template.h"
+#include "sql_file.h"
+#include "store_audit.h"
+#include "store_txn.h"
+
+#define THREADS 16
+
+struct checking { /* what all threads have in common */
+    struct store *store;
+    struct admin_check *found;
+    void (*report)(void *arg, const char *line);
+    void *arg;
+    pthread_mutex_t lock; /* of found->problems, and of report() */
+};
+
+struct share { /* of the templates */
+    struct checking *c;
+    unsigned part, parts;
+    uint64_t templates, bad; /* that were read */
+    struct face_work *work;  /* from the first template on */
+    struct face face;
+    pthread_t thread;
+    enum status st;
+    struct errinfo e;
+};
+
+static void count_problem(void *arg, const char *line)
+{
+    struct checking *c = arg;
+
+    (void)pthread_mutex_lock(&c->lock);
+    c->found->problems++;
+    c->report(c->arg, line);
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+/* A row so damaged that it describes no template, or whose model cannot be decoded. */
+static void count_template(void *arg, const char *line)
+{
+    struct share *x = arg;
+
+    x->templates++;
+    x->bad++;
+    count_problem(x->c, line);
+}
+
+static enum status check_template(void *arg, const struct rows_template *row,
+                                  const struct rows_subject *of, const void *face,
+                                  size_t len, struct errinfo *e)
+{
+    struct share *x = arg;
+    const struct store_template *t = &row->one;
+    const struct mesh *m = &x->face.surface.mesh;
+    struct errinfo why;
+    char digest[65];
+    enum status st;
+
+    (void)of;
+    if (x->work == NULL && (x->work = face_work_new(x->c->store->model)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if ((st = codec_decode(face, len, x->work, &x->face, &why)) != ST_OK)
+        return errinfo_set(e, st == ST_EVERSION ? ST_ECORRUPT : st, "template %s: %.180s",
+                           t->id, why.msg);
+    if (m->nv != t->points || mesh_real(m) != t->triangles)
+        return errinfo_set(e, ST_ECORRUPT,
+                           "template %s: its row says %u points and %u "
+                           "triangles, its face %u and %u",
+                           t->id, t->points, t->triangles, m->nv, mesh_real(m));
+    if (mesh_check(m, true) != ST_OK)
+        return errinfo_set(e, ST_ECORRUPT,
+                           "template %s: its triangulation is not Delaunay", t->id);
+    if (mst_check(m) != ST_OK)
+        return errinfo_set(e, ST_ECORRUPT,
+                           "template %s: its spanning tree is not minimal", t->id);
+    if ((st = codec_digest(m, digest)) != ST_OK)
+        return errinfo_set(e, st, "out of memory");
+    if (strcmp(digest, t->digest) != 0)
+        return errinfo_set(e, ST_ECORRUPT,
+                           "template %s: its digest is not that of its points", t->id);
+    x->templates++;
+    return ST_OK;
+}
+
+static void count_event(void *arg, enum log_name log, uint64_t seq, const char *line)
+{
+    char text[240];
+
+    (void)snprintf(text, sizeof text, "audit log, %s, entry %" PRIu64 ": %s",
+                   log_word(log), seq, line);
+    count_problem(arg, text);
+}
+
+/* ---- templates: on all cores, since that takes the time */
+
+static enum status check_part(struct share *x, struct errinfo *e)
+{
+    struct store *s = x->c->store;
+    struct log_txn t;
+    const enum status st = store_begin(s, SQL_READ, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    return store_end(
+        s, &t,
+        rows_template_each(&t, x->part, x->parts, check_template, count_template, x, e),
+        e);
+}
+
+static void *check_share(void *arg)
+{
+    struct share *x = arg;
+
+    x->st = check_part(x, &x->e);
+    face_free(&x->face);
+    face_work_free(x->work);
+    return NULL;
+}
+
+static enum status check_templates(struct checking *c, struct errinfo *e)
+{
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    const unsigned parts = cores < 1 ? 1 : cores > THREADS ? THREADS : (unsigned)cores;
+    struct share share[THREADS] = {{0}};
+    enum status st = ST_OK;
+    bool started[THREADS] = {false};
+
+    for (unsigned i = 0; i < parts; i++) {
+        share[i].c = c;
+        share[i].part = i;
+        share[i].parts = parts;
+        started[i] =
+            i > 0 && pthread_create(&share[i].thread, NULL, check_share, &share[i]) == 0;
+    }
+    for (unsigned i = 0; i < parts; i++) /* what has no thread is done by this one */
+        if (!started[i])
+            (void)check_share(&share[i]);
+    for (unsigned i = 0; i < parts; i++) {
+        if (started[i])
+            (void)pthread_join(share[i].thread, NULL);
+        c->found->templates += share[i].templates;
+        c->found->bad_templates += share[i].bad;
+        if (st == ST_OK && share[i].st != ST_OK) {
+            st = share[i].st;
+            if (e != NULL)
+                *e = share[i].e;
+        }
+    }
+    return st;
+}
+
+/* Pages and references, and the calibrations' numbers. */
+static enum status check_pages(struct checking *c, struct errinfo *e)
+{
+    struct store_calibration *k = NULL;
+    struct errinfo why;
+    struct log_txn t;
+    size_t n;
+    enum status st = store_begin(c->store, SQL_READ, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    if ((st = sql_file_check(t.sql, count_problem, c, e)) == ST_OK &&
+        (st = rows_calibration_list(&t, &k, &n, &why)) == ST_ECORRUPT) {
+        count_problem(c, why.msg);
+        st = ST_OK;
+    }
+    free(k);
+    return store_end(c->store, &t, st, e);
+}
+
+enum status admin_check(struct store *s, store_report *report, void *arg,
+                        struct admin_check *out, struct errinfo *e)
+{
+    struct checking c = {.store = s, .found = out, .report = report, .arg = arg};
+    struct log_walk walk;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    (void)pthread_mutex_init(&c.lock, NULL);
+    if ((st = check_pages(&c, e)) == ST_OK && (st = check_templates(&c, e)) == ST_OK &&
+        (st = store_audit_verify(s, count_event, &c, &walk, e)) == ST_OK)
+        out->events = walk.entries;
+    (void)pthread_mutex_destroy(&c.lock);
+    return st;
+}

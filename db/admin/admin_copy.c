@@ -1,0 +1,308 @@
+#include "admin_copy.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "log_row.h"
+#include "newfile.h"
+#include "rows_calibration.h"
+#include "rows_device.h"
+#include "rows_root.h"
+#include "rows_template.h"
+#include "rows_token.h"
+#include "sql_file.h"
+#include "sql_read.h"
+#include "store_txn.h"
+
+#define PAGE 1000
+
+/* ---- the logs */
+
+static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_name log,
+                            struct errinfo *e)
+{
+    struct log_entry entry;
+    struct sql_rows *r;
+    enum status st = sql_query(
+        from->sql,
+        log == LOG_CHANGES ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq"
+                           : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq",
+        NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        if (!log_row_read(r, log, &entry)) {
+            st = errinfo_set(e, ST_ECORRUPT, "an entry of the audit log is damaged");
+            break;
+        }
+        log_mac(to->crypt, entry.hash, entry.mac);
+        st = log_row_add(to->sql, &entry, e);
+        if (log == LOG_CHANGES) {
+            to->changes.seq = entry.seq;
+            memcpy(to->changes.hash, entry.hash, LOG_HASH);
+            to->accesses = entry.accesses;
+        }
+    }
+    return sql_done(r, st, e);
+}
+
+/* ---- the rows */
+
+static enum status copy_templates(struct log_txn *from, struct log_txn *to,
+                                  const struct rows_subject *of, struct rows_subject *as,
+                                  struct errinfo *e)
+{
+    struct rows_template *list = NULL;
+    size_t n, len;
+    enum status st = rows_template_list(from, of, &list, &n, e);
+
+    for (size_t i = 0; i < n && st == ST_OK; i++) {
+        unsigned char *face;
+
+        if ((st = rows_template_face(from, &list[i], of, &face, &len, e)) == ST_OK)
+            st = rows_template_add(to, as, &list[i], face, len, e);
+        rows_template_wipe(face, len);
+    }
+    free(list);
+    return st;
+}
+
+static enum status copy_subject(struct log_txn *from, struct log_txn *to,
+                                const unsigned char uid[STORE_UID], struct errinfo *e)
+{
+    struct rows_subject of, as = {.revision = 0};
+    enum status st = rows_subject_get(from, uid, &of, e);
+
+    if (st == ST_OK && (st = rows_subject_add(to, &of.one, &as, e)) == ST_OK)
+        st = copy_templates(from, to, &of, &as, e);
+    sodium_memzero(&of, sizeof of);
+    sodium_memzero(&as, sizeof as);
+    return st;
+}
+
+static enum status copy_subjects(struct log_txn *from, struct log_txn *to,
+                                 struct errinfo *e)
+{
+    struct store_subject *page = NULL;
+    int64_t after = 0;
+    size_t n;
+    enum status st;
+
+    while ((st = rows_subject_list(from, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
+        for (size_t i = 0; i < n && st == ST_OK; i++)
+            st = copy_subject(from, to, page[i].uid, e);
+        after = page[n - 1].key;
+        free(page);
+        if (st != ST_OK)
+            break;
+    }
+    return st;
+}
+
+static enum status copy_tokens(struct log_txn *from, struct log_txn *to,
+                               struct errinfo *e)
+{
+    struct rows_token *list = NULL;
+    size_t n;
+    enum status st = rows_token_list(from, &list, &n, e);
+
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        if ((st = rows_token_add(to, &list[i], e)) == ST_OK &&
+            list[i].token.used[0] != '\0')
+            st = rows_token_used(to, list[i].token.id, list[i].token.used, e);
+    free(list);
+    return st;
+}
+
+static enum status copy_devices(struct log_txn *from, struct log_txn *to,
+                                struct errinfo *e)
+{
+    struct rows_device *list = NULL;
+    size_t n;
+    enum status st = rows_device_list(from, &list, &n, e);
+
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        st = rows_device_add(to, &list[i].one, e);
+    free(list);
+    return st;
+}
+
+static enum status copy_calibrations(struct log_txn *from, struct log_txn *to,
+                                     struct errinfo *e)
+{
+    struct store_calibration *list = NULL;
+    size_t n;
+    enum status st = rows_calibration_list(from, &list, &n, e);
+
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        st = rows_calibration_add(to, &list[i], e);
+    free(list);
+    return st;
+}
+
+/* What is not authenticated, as it is. */
+static enum status copy_attempts(struct log_txn *from, struct log_txn *to,
+                                 struct errinfo *e)
+{
+    struct sql_rows *r;
+    enum status st = sql_query(from->sql,
+                               "SELECT s.uid, a.token, a.failures, a.at_ms "
+                               "FROM attempts a JOIN subjects s USING (subject_key)",
+                               NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r))
+        st = SQL_RUN(to->sql, e,
+                     "INSERT INTO attempts (subject_key, token, failures, at_ms) VALUES "
+                     "((SELECT subject_key FROM subjects WHERE uid = $1), $2, $3, $4)",
+                     sql_column(r, 0), sql_column(r, 1), sql_column(r, 2),
+                     sql_column(r, 3));
+    return sql_done(r, st, e);
+}
+
+static enum status copy_nonces(struct log_txn *from, struct log_txn *to,
+                               struct errinfo *e)
+{
+    struct sql_rows *r;
+    enum status st =
+        sql_query(from->sql, "SELECT until_ms, nonce FROM nonces", NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r))
+        st = SQL_RUN(to->sql, e, "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)",
+                     sql_column(r, 0), sql_column(r, 1));
+    return sql_done(r, st, e);
+}
+
+static enum status copy_all(struct log_txn *from, struct log_txn *to,
+                            const struct admin_copy *what, struct errinfo *e)
+{
+    enum status st;
+
+    if ((st = sql_create(to->sql, e)) != ST_OK ||
+        (st = rows_root_write(to->sql, what->root, e)) != ST_OK ||
+        (st = copy_log(from, to, LOG_CHANGES, e)) != ST_OK ||
+        (st = copy_log(from, to, LOG_ACCESSES, e)) != ST_OK ||
+        (st = copy_subjects(from, to, e)) != ST_OK ||
+        (st = copy_tokens(from, to, e)) != ST_OK ||
+        (st = copy_devices(from, to, e)) != ST_OK ||
+        (st = copy_calibrations(from, to, e)) != ST_OK ||
+        (st = copy_attempts(from, to, e)) != ST_OK ||
+        (st = copy_nonces(from, to, e)) != ST_OK ||
+        (what->amend != NULL && (st = what->amend(what->arg, to, e)) != ST_OK))
+        return st;
+    return log_change(to, what->by, what->kind, NULL, "", what->outcome, e);
+}
+
+/* As one file without a WAL. */
+static enum status fold(const char *path, struct errinfo *e)
+{
+    struct sql *d;
+    enum status st = sql_open(path, SQL_OPEN_ALONE, &d, e);
+
+    if (st != ST_OK)
+        return st;
+    st = sql_file_fold(d, e);
+    sql_close(d);
+    return st;
+}
+
+enum status admin_copy(struct store *from, const char *path,
+                       const struct admin_copy *what, struct log_end *end,
+                       struct errinfo *e)
+{
+    struct log seen;
+    struct log_txn source, to = {.log = &seen, .crypt = what->crypt, .how = SQL_SCHEMA};
+    struct sql *d = NULL;
+    enum status st;
+
+    log_init(&seen);
+    log_txn_create(&to);
+    if ((st = sql_open(path, SQL_OPEN_WRITE, &d, e)) == ST_OK &&
+        (st = store_begin(from, SQL_READ, &source, e)) == ST_OK) {
+        if ((st = sql_begin(d, SQL_SCHEMA, &to.sql, e)) == ST_OK)
+            st = sql_end(to.sql, copy_all(&source, &to, what, e), e);
+        st = store_end(from, &source, st, e);
+    }
+    sql_close(d);
+    log_free(&seen);
+    *end = to.changes;
+    return st == ST_OK ? fold(path, e) : st;
+}
+
+/* ---- the swap */
+
+char *admin_name(const char *path, const char *suffix)
+{
+    const size_t n = strlen(path) + strlen(suffix) + 1;
+    char *name = malloc(n);
+
+    if (name != NULL)
+        (void)snprintf(name, n, "%s%s", path, suffix);
+    return name;
+}
+
+/* Another link to the database that is there, of a swap that was killed before it replaced it. */
+static enum status clear_name(const char *path, const char *aside, struct errinfo *e)
+{
+    if (access(aside, F_OK) != 0 && errno == ENOENT)
+        return ST_OK;
+    if (sql_file_same(path, aside) && unlink(aside) == 0)
+        return ST_OK;
+    return errinfo_set(e, ST_EEXISTS,
+                       "there is a file %.200s already: move it away first", aside);
+}
+
+enum status admin_swap(const char *path, struct store *held, struct newfile *n,
+                       const char *aside, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    if (held != NULL) {
+        if ((st = clear_name(path, aside, e)) != ST_OK ||
+            (st = sql_file_fold(held->sql, e)) != ST_OK)
+            return st;
+        if (link(path, aside) != 0)
+            return errinfo_set(e, ST_EIO, "cannot call %.150s %.150s: %s", path, aside,
+                               strerror(errno));
+    }
+    if ((st = newfile_commit(n, e)) != ST_OK && held != NULL)
+        (void)unlink(aside);
+    return st;
+}
+
+static bool overwrite(int fd, off_t size)
+{
+    static const char zeros[65536];
+
+    for (off_t at = 0; at < size;) {
+        const off_t left = size - at;
+        const ssize_t n = pwrite(
+            fd, zeros, left < (off_t)sizeof zeros ? (size_t)left : sizeof zeros, at);
+
+        if (n <= 0)
+            return false;
+        at += n;
+    }
+    return fsync(fd) == 0;
+}
+
+enum status admin_discard(const char *path, struct errinfo *e)
+{
+    const int fd = open(path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+    struct stat sb;
+    bool done = fd >= 0 && fstat(fd, &sb) == 0 && S_ISREG(sb.st_mode) &&
+                overwrite(fd, sb.st_size) && unlink(path) == 0 &&
+                newfile_sync_directory(path) == 0;
+
+    if (!done)
+        (void)errinfo_set(e, ST_EIO, "cannot overwrite and remove %.160s: %s", path,
+                          strerror(errno));
+    if (fd >= 0)
+        (void)close(fd);
+    return done ? ST_OK : ST_EIO;
+}

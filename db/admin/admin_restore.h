@@ -1,0 +1,48 @@
+/* admin_restore.h -- a backup in the place of the database; and a database as it is, taken for the
+ * newest. */
+#ifndef DB_ADMIN_RESTORE_H
+#define DB_ADMIN_RESTORE_H
+#include "admin_backup.h"
+
+struct admin_restored {
+    struct admin_copied
+        backup;     /* as it was verified, before subjects were erased again */
+    bool was_there; /* there was a database, and it is PATH.before-restore */
+    uint64_t had_subjects, had_templates; /* it had so many */
+    uint64_t lost;   /* subjects of it that the backup does not have */
+    uint64_t erased; /* subjects of the backup that were erased since */
+    uint64_t
+        revoked; /* tokens of the backup that were revoked or rotated since, and devices
+                         that were removed: revoked and removed again */
+};
+
+/* admin_restore(path, from, key, from_key, actor, dry, out, e): the backup, verified, in the place
+ * of the database, which is kept as PATH.before-restore; or with dry nothing but *out.  Of the
+ * database that is there only what its change log proves, where that is verified and goes on from
+ * the backup's: who was erased since is erased again, and tokens that were revoked or rotated since
+ * are revoked: the backup has their old secrets.  key: of the database afterwards; from_key: NULL
+ * where that opens the backup too, else its file.  A database that is missing is made.
+ * ST_EBUSY: another process has the database open; ST_EMISMATCH: neither log goes on from the
+ * other; ST_EDENIED: the backup has another key; ST_EREFUSED: the log of the database that is there
+ * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as store_open() and
+ * admin_verify(). */
+enum status admin_restore(const char *path, const char *from, const struct store_key *key,
+                          const char *from_key, const char *actor, bool dry,
+                          struct admin_restored *out, struct errinfo *e);
+
+struct admin_accepted {
+    bool differed;    /* the rows were not those of the last change */
+    uint64_t removed; /* rows that were not authentic, or of no subject */
+};
+
+/* admin_accept(path, key, actor, dry, report, arg, out, e): the database as it is now is the newest,
+ * whatever its anchor and its digest say: every later change is given up, erasures included.  Rows
+ * that are not authentic are removed, and templates whose subject is not there; indexes are built
+ * again, and a change of kind "accept_state" says so.  report() is called once a problem.  dry:
+ * nothing else.  ST_ECORRUPT: the log has no authentic end, or two rows have one id: restore a
+ * backup; as store_open(). */
+enum status admin_accept(const char *path, const struct store_key *key, const char *actor,
+                         bool dry, store_report *report, void *arg,
+                         struct admin_accepted *out, struct errinfo *e);
+
+#endif

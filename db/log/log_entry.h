@@ -1,0 +1,92 @@
+/* log_entry.h -- the two logs of a database: the change log (enrolled, erased, token made, ...) and
+ * the access log (verified, refused, exported).  An entry's hash is of its fields and of the hash
+ * before it (the first follows 32 zero bytes); its MAC is of that hash, so that the last entry
+ * authenticates the log up to it.  Layout of what is hashed, authenticated and signed:
+ * db/FORMAT.md. */
+#ifndef DB_LOG_ENTRY_H
+#define DB_LOG_ENTRY_H
+#include <stdbool.h>
+#include <stdint.h>
+#include "crypt.h"
+#include "status.h"
+#include "utc.h"
+
+struct errinfo;
+
+#define LOG_HASH 32
+#define LOG_UID  16
+#define LOG_TEXT                                                                         \
+    64 /* bytes of a kind, an actor, an object, an outcome: printable ASCII */
+#define LOG_DIGEST 32 /* of all rows with a MAC (log_txn.h) */
+
+enum log_name { /* stored in what is hashed, so never renumbered */
+                LOG_CHANGES,
+                LOG_ACCESSES,
+                LOGS
+};
+
+/* log_word(log): "changes" or "accesses". */
+const char *log_word(enum log_name log);
+
+struct log_act { /* who does something, and when */
+    const char *actor;
+    int64_t ms; /* since 1970, UTC */
+    char at[UTC_TEXT];
+};
+
+/* log_act(by, actor, e): actor acts now.  ST_EINVAL: not up to LOG_TEXT printable characters;
+ * ST_EINTERNAL: there is no clock. */
+enum status log_act(struct log_act *by, const char *actor, struct errinfo *e);
+
+struct log_end { /* of a log; all zero: it is empty */
+    uint64_t seq;
+    unsigned char hash[LOG_HASH];
+};
+
+struct log_entry {
+    enum log_name log;
+    uint64_t seq; /* in its log: 1, 2, ... */
+    char at[UTC_TEXT];
+    char kind[LOG_TEXT + 1], actor[LOG_TEXT + 1];
+    unsigned char uid[LOG_UID]; /* of the subject; zeros: of none */
+    char object[LOG_TEXT + 1];  /* a template's, token's or device's id */
+    char outcome[LOG_TEXT + 1];
+    unsigned char hash[LOG_HASH], mac[CRYPT_HASH];
+    /* Of changes alone: */
+    unsigned char digest[CRYPT_WRAPPED]; /* of the rows after the change, encrypted */
+    struct log_end accesses;             /* the end of the access log at that time */
+    bool is_signed;
+    unsigned char signature[CRYPT_SIGN];
+};
+
+struct log_filter {           /* of a log's entries; all zero: everything */
+    uint64_t after;           /* greater numbers alone */
+    uint64_t limit;           /* 0: as many as there are */
+    bool newest;              /* the last ones of them, else the first */
+    const unsigned char *uid; /* of the subject */
+    const char *kind;
+    const char *since; /* RFC 3339, or its beginning */
+};
+
+/* Kinds of changes with a meaning of their own: a request for a signed entry; an export, which
+ * ends with a signed entry; the oldest accesses were cut off, up to the one that outcome numbers
+ * and whose hash object is, in hexadecimal; one at least is left. */
+#define LOG_CHECKPOINT "checkpoint"
+#define LOG_EXPORT     "export_audit"
+#define LOG_TRIM       "trim_accesses"
+
+/* log_hash(before, entry, out): BLAKE2b-256; out may be before.
+ * log_mac(c, hash, out): of an entry with this hash.
+ * log_sign(c, entry): its signature, by its hash.
+ * log_signed(public, entry): is it the signature of this key? */
+void log_hash(const unsigned char before[LOG_HASH], const struct log_entry *entry,
+              unsigned char out[LOG_HASH]);
+void log_mac(const struct crypt *c, const unsigned char hash[LOG_HASH],
+             unsigned char out[CRYPT_HASH]);
+void log_sign(const struct crypt *c, struct log_entry *entry);
+bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *entry);
+
+/* log_trimmed(entry, to): is it a LOG_TRIM?  *to: the access that the rest follows. */
+bool log_trimmed(const struct log_entry *entry, struct log_end *to);
+
+#endif

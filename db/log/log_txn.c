@@ -1,0 +1,357 @@
+#include "log_txn.h"
+
+#include <inttypes.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "bytes.h"
+#include "errinfo.h"
+#include "log_row.h"
+#include "sql_read.h"
+
+void log_init(struct log *l)
+{
+    memset(l, 0, sizeof *l);
+    (void)pthread_mutex_init(&l->lock, NULL);
+}
+
+void log_free(struct log *l)
+{
+    (void)pthread_mutex_destroy(&l->lock);
+}
+
+struct log_end log_newest(struct log *l)
+{
+    struct log_end now;
+
+    (void)pthread_mutex_lock(&l->lock);
+    now = l->newest;
+    (void)pthread_mutex_unlock(&l->lock);
+    return now;
+}
+
+static void remember(struct log *l, const struct log_end *end)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    if (end->seq > l->newest.seq)
+        l->newest = *end;
+    (void)pthread_mutex_unlock(&l->lock);
+}
+
+static bool is_same(const struct log_end *a, const struct log_end *b)
+{
+    return a->seq == b->seq && memcmp(a->hash, b->hash, sizeof a->hash) == 0;
+}
+
+bool log_erases(const char *kind)
+{
+    return strcmp(kind, "delete_subject") == 0 || strcmp(kind, "delete_template") == 0;
+}
+
+/* ---- where the log ends */
+
+/* The last row, whose MAC authenticates the log; the one seen last has it.  That its columns are
+ * those of its hash takes the hash of the one before. */
+static enum status read_end(struct log_txn *t, const struct log_end *before,
+                            struct errinfo *e)
+{
+    unsigned char hash[LOG_HASH] = {0}, mac[CRYPT_HASH];
+    struct log_entry last, previous;
+    struct sql_rows *r;
+    bool found, good = false;
+    enum status st = sql_query(
+        t->sql, "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq DESC LIMIT 2",
+        NULL, 0, &r, e);
+
+    if ((found = st == ST_OK && sql_next(r)) && log_row_read(r, LOG_CHANGES, &last)) {
+        t->changes.seq = last.seq;
+        memcpy(t->changes.hash, last.hash, LOG_HASH);
+        memcpy(t->wrapped, last.digest, sizeof t->wrapped);
+        t->accesses = last.accesses;
+        if (sql_next(r) && log_row_read(r, LOG_CHANGES, &previous))
+            memcpy(hash, previous.hash, sizeof hash);
+        log_hash(hash, &last, hash);
+        good = memcmp(hash, last.hash, sizeof hash) == 0;
+        if (good && !is_same(&t->changes, before)) {
+            log_mac(t->crypt, last.hash, mac);
+            good = sodium_memcmp(mac, last.mac, sizeof mac) == 0;
+        }
+    }
+    st = sql_done(r, st, e);
+    if (st != ST_OK || good)
+        return st;
+    return errinfo_set(e, ST_ECORRUPT,
+                       found ? "the last entry of the change log is not authenticated by "
+                               "the database's key: restore a backup"
+                             : "the change log is empty: restore a backup");
+}
+
+/* The entries that another process has added: each follows the one before. */
+static enum status follow(struct log_txn *t, const struct log_end *before, bool *follows,
+                          struct errinfo *e)
+{
+    struct log_end at = *before;
+    struct log_entry entry;
+    struct sql_rows *r;
+    enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT " LOG_ROW_CHANGE " FROM change_log WHERE seq > $1 ORDER BY seq",
+                  sql_int((int64_t)before->seq));
+
+    *follows = true;
+    while (st == ST_OK && *follows && sql_next(r)) {
+        *follows = log_row_read(r, LOG_CHANGES, &entry) && entry.seq == at.seq + 1;
+        if (*follows) {
+            log_hash(at.hash, &entry, at.hash);
+            at.seq = entry.seq;
+            *follows = memcmp(at.hash, entry.hash, sizeof at.hash) == 0;
+            if (log_erases(entry.kind))
+                atomic_store(&t->log->erasure, true);
+        }
+    }
+    *follows = *follows && is_same(&at, &t->changes);
+    return sql_done(r, st, e);
+}
+
+static enum status refuse(const struct log_end *before, const char *what,
+                          struct errinfo *e)
+{
+    return errinfo_set(
+        e, ST_EREFUSED,
+        "the database is not the one that this program has used: %s change "
+        "%" PRIu64,
+        what, before->seq);
+}
+
+enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
+                          struct errinfo *e)
+{
+    bool follows = true;
+    enum status st;
+
+    memset(&t->changes, 0, sizeof t->changes);
+    t->known = t->unlogged = false;
+    if ((st = read_end(t, before, e)) != ST_OK)
+        return st == ST_ECORRUPT && before->seq != 0
+                   ? refuse(before, "its log has no good end after", e)
+                   : st;
+    if (is_same(&t->changes, before))
+        return ST_OK;
+    if (before->seq != 0) {
+        if (t->changes.seq < before->seq)
+            return refuse(before, "it is an older one, without", e);
+        if ((st = follow(t, before, &follows, e)) != ST_OK)
+            return st;
+        if (!follows)
+            return refuse(before, "its log is another one from", e);
+    }
+    remember(t->log, &t->changes);
+    return ST_OK;
+}
+
+void log_txn_create(struct log_txn *t)
+{
+    memset(&t->changes, 0, sizeof t->changes);
+    memset(&t->accesses, 0, sizeof t->accesses);
+    memset(t->digest, 0, sizeof t->digest);
+    t->known = true;
+    t->unlogged = false;
+}
+
+enum status log_txn_check(const struct log_txn *t, struct errinfo *e)
+{
+    return !t->unlogged ? ST_OK
+                        : errinfo_set(e, ST_EINTERNAL, "a change without an entry");
+}
+
+void log_txn_committed(struct log_txn *t)
+{
+    remember(t->log, &t->changes);
+}
+
+enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
+                    struct errinfo *e)
+{
+    struct sql_rows *r;
+    const enum status st =
+        SQL_QUERY(t->sql, &r, e, "SELECT 1 FROM change_log WHERE seq = $1 AND hash = $2",
+                  sql_int((int64_t)at->seq), sql_blob(at->hash, sizeof at->hash));
+
+    *has = st == ST_OK && sql_next(r);
+    return sql_done(r, st, e);
+}
+
+/* ---- the digest */
+
+static const char label[16] = "surface digest";
+
+static void name_of(uint64_t seq, unsigned char out[16])
+{
+    memset(out, 0, 16);
+    bytes_set(out, seq, 8);
+}
+
+static enum status need_digest(struct log_txn *t, struct errinfo *e)
+{
+    unsigned char name[16];
+
+    name_of(t->changes.seq, name);
+    t->known = t->known || crypt_unwrap(t->crypt, label, name, t->wrapped, t->digest);
+    return t->known ? ST_OK
+                    : errinfo_set(e, ST_ECORRUPT,
+                                  "the digest of change %" PRIu64 " is damaged",
+                                  t->changes.seq);
+}
+
+static void summand(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
+                    unsigned char out[LOG_DIGEST])
+{
+    crypt_lookup(c, "row", mac, CRYPT_HASH, out);
+}
+
+/* Little-endian, modulo 2^256. */
+static void subtract(unsigned char sum[LOG_DIGEST], const unsigned char of[LOG_DIGEST])
+{
+    unsigned borrow = 0;
+
+    for (int i = 0; i < LOG_DIGEST; i++) {
+        const unsigned d = 256U + sum[i] - of[i] - borrow;
+
+        sum[i] = (unsigned char)(d & 255U);
+        borrow = d < 256U;
+    }
+}
+
+void log_txn_add(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
+                 unsigned char sum[LOG_DIGEST])
+{
+    unsigned char one[LOG_DIGEST];
+
+    summand(c, mac, one);
+    sodium_add(sum, one, sizeof one);
+}
+
+void log_txn_subtract(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
+                      unsigned char sum[LOG_DIGEST])
+{
+    unsigned char one[LOG_DIGEST];
+
+    summand(c, mac, one);
+    subtract(sum, one);
+}
+
+enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
+                          const unsigned char *plus, struct errinfo *e)
+{
+    const enum status st = need_digest(t, e);
+
+    if (st != ST_OK)
+        return st;
+    if (minus != NULL)
+        log_txn_subtract(t->crypt, minus, t->digest);
+    if (plus != NULL)
+        log_txn_add(t->crypt, plus, t->digest);
+    t->unlogged = true;
+    return ST_OK;
+}
+
+enum status log_txn_agrees(struct log_txn *t, const unsigned char sum[LOG_DIGEST],
+                           bool *same, struct errinfo *e)
+{
+    const enum status st = need_digest(t, e);
+
+    *same = st == ST_OK && sodium_memcmp(sum, t->digest, LOG_DIGEST) == 0;
+    return st;
+}
+
+void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST])
+{
+    memcpy(t->digest, sum, LOG_DIGEST);
+    t->known = t->unlogged = true;
+}
+
+/* ---- entries */
+
+static void fill(struct log_entry *entry, const struct log_act *by, const char *kind,
+                 const unsigned char *uid, const char *object, const char *outcome)
+{
+    memcpy(entry->at, by->at, sizeof entry->at);
+    (void)snprintf(entry->kind, sizeof entry->kind, "%s", kind);
+    (void)snprintf(entry->actor, sizeof entry->actor, "%s", by->actor);
+    if (uid != NULL)
+        memcpy(entry->uid, uid, sizeof entry->uid);
+    (void)snprintf(entry->object, sizeof entry->object, "%s", object);
+    (void)snprintf(entry->outcome, sizeof entry->outcome, "%s", outcome);
+}
+
+enum status log_access_end(struct log_txn *t, struct log_end *out, struct errinfo *e)
+{
+    unsigned char mac[CRYPT_HASH], wanted[CRYPT_HASH];
+    struct sql_rows *r;
+    bool good = true;
+    enum status st = sql_query(
+        t->sql, "SELECT seq, hash, mac FROM access_log ORDER BY seq DESC LIMIT 1", NULL,
+        0, &r, e);
+
+    memset(out, 0, sizeof *out);
+    if (st == ST_OK && sql_next(r)) {
+        good = sql_read_bytes(r, 1, out->hash, LOG_HASH) &&
+               sql_read_bytes(r, 2, mac, sizeof mac);
+        out->seq = (uint64_t)sql_column(r, 0).i;
+        log_mac(t->crypt, out->hash, wanted);
+        good = good && sodium_memcmp(mac, wanted, sizeof mac) == 0;
+    }
+    good = good && out->seq >= t->accesses.seq &&
+           (out->seq > t->accesses.seq || is_same(out, &t->accesses));
+    st = sql_done(r, st, e);
+    return st != ST_OK || good
+               ? st
+               : errinfo_set(
+                     e, ST_ECORRUPT,
+                     "the last entry of the access log is not authenticated by the "
+                     "database's key, or was cut off: restore a backup");
+}
+
+enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
+                       const unsigned char *uid, const char *object, const char *outcome,
+                       struct errinfo *e)
+{
+    struct log_entry entry = {.log = LOG_CHANGES, .seq = t->changes.seq + 1};
+    unsigned char name[16];
+    enum status st = need_digest(t, e);
+
+    if (st != ST_OK || (st = log_access_end(t, &entry.accesses, e)) != ST_OK)
+        return st;
+    fill(&entry, by, kind, uid, object, outcome);
+    name_of(entry.seq, name);
+    crypt_wrap(t->crypt, label, name, t->digest, entry.digest);
+    log_hash(t->changes.hash, &entry, entry.hash);
+    log_mac(t->crypt, entry.hash, entry.mac);
+    if (strcmp(kind, LOG_CHECKPOINT) == 0 || strcmp(kind, LOG_EXPORT) == 0)
+        log_sign(t->crypt, &entry);
+    if ((st = log_row_add(t->sql, &entry, e)) != ST_OK)
+        return st;
+    t->changes.seq = entry.seq;
+    memcpy(t->changes.hash, entry.hash, LOG_HASH);
+    t->accesses = entry.accesses;
+    t->unlogged = false;
+    return ST_OK;
+}
+
+enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
+                       const unsigned char *uid, const char *object, const char *outcome,
+                       struct errinfo *e)
+{
+    struct log_entry entry = {.log = LOG_ACCESSES};
+    struct log_end end;
+    const enum status st = log_access_end(t, &end, e);
+
+    if (st != ST_OK)
+        return st;
+    entry.seq = end.seq + 1;
+    fill(&entry, by, kind, uid, object, outcome);
+    log_hash(end.hash, &entry, entry.hash);
+    log_mac(t->crypt, entry.hash, entry.mac);
+    return log_row_add(t->sql, &entry, e);
+}

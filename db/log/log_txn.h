@@ -1,0 +1,89 @@
+/* log_txn.h -- a transaction on an authenticated database: it sees nothing older than its process
+ * has seen before, and what it changes ends with an entry in the change log.
+ *
+ * Each row of a table with a MAC (rows_table.h) adds a keyed hash of its MAC to the digest, a sum
+ * modulo 2^256 that each change entry carries, encrypted: who knew the summands could combine rows
+ * of different times.  An entry's digest follows from the one before it and from what the
+ * transaction changed, never from the rows as they are read: a row that was put back, hidden or
+ * doubled stays a difference between the last entry and the rows, whatever is written later. */
+#ifndef DB_LOG_TXN_H
+#define DB_LOG_TXN_H
+#include <pthread.h>
+#include <stdatomic.h>
+#include "log_entry.h"
+#include "sql.h"
+
+struct log { /* what this process has seen of an open database */
+    pthread_mutex_t lock;
+    struct log_end newest; /* of the change log; seq 0: nothing yet */
+    atomic_bool erasure;   /* another process has erased something */
+};
+
+struct log_txn {
+    struct log *log;
+    struct sql_txn *sql;
+    const struct crypt *crypt;
+    enum sql_begin how;
+    struct log_end changes;  /* the change log's end, with what it has added itself */
+    struct log_end accesses; /* the access log's end at that change */
+    unsigned char wrapped[CRYPT_WRAPPED]; /* digest of that entry, */
+    unsigned char digest[LOG_DIGEST];     /* and decrypted, with what was changed since */
+    bool known;                           /* digest is set */
+    bool unlogged;                        /* rows were changed after the last entry */
+};
+
+void log_init(struct log *l);
+void log_free(struct log *l);
+
+/* log_newest(l): to be asked before the SQL transaction begins, which then sees that entry.
+ * log_txn_begin(t, before, e): log, sql, crypt and how are set.  ST_EREFUSED: the database is
+ * older than `before`, or another one; ST_ECORRUPT: the last entry is missing, is not what was
+ * written or has no good MAC.
+ * O(entries since `before`).
+ * log_txn_create(t): instead, of a new database.
+ * log_txn_check(t, e): to be called before a commit.  ST_EINTERNAL: rows were changed without an
+ * entry.
+ * log_txn_committed(t): the end of the log that t made is durable, or will be. */
+struct log_end log_newest(struct log *l);
+enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
+                          struct errinfo *e);
+void log_txn_create(struct log_txn *t);
+enum status log_txn_check(const struct log_txn *t, struct errinfo *e);
+void log_txn_committed(struct log_txn *t);
+
+/* log_txn_count(t, minus, plus, e): a row with the MAC `minus` is gone, one with the MAC `plus`
+ * was added; NULL for neither.  ST_ECORRUPT: the last entry's digest cannot be decrypted.
+ * log_txn_add(c, mac, sum), log_txn_subtract(c, mac, sum): the summand of a row, added to a sum or
+ * taken from it.
+ * log_txn_agrees(t, sum, same, e): is sum the digest of the last entry?
+ * log_txn_accept(t, sum): it is from now on. */
+enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
+                          const unsigned char *plus, struct errinfo *e);
+void log_txn_add(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
+                 unsigned char sum[LOG_DIGEST]);
+void log_txn_subtract(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
+                      unsigned char sum[LOG_DIGEST]);
+enum status log_txn_agrees(struct log_txn *t, const unsigned char sum[LOG_DIGEST],
+                           bool *same, struct errinfo *e);
+void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
+
+/* log_change(t, by, kind, uid, object, outcome, e): append to the change log; signed where kind
+ * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
+ * log_access(t, by, kind, uid, object, outcome, e): append to the access log.  ST_ECORRUPT: its
+ * last entry has no good MAC, or is an earlier one than the last change found there.
+ * log_access_end(t, out, e): where it ends.
+ * log_has(t, at, has, e): has the change log this entry?  Then all before it are the same too. */
+enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
+                       const unsigned char *uid, const char *object, const char *outcome,
+                       struct errinfo *e);
+enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
+                       const unsigned char *uid, const char *object, const char *outcome,
+                       struct errinfo *e);
+enum status log_access_end(struct log_txn *t, struct log_end *out, struct errinfo *e);
+enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
+                    struct errinfo *e);
+
+/* log_erases(kind): do bytes have to leave the file and the caches after a change of this kind? */
+bool log_erases(const char *kind);
+
+#endif

@@ -1,0 +1,208 @@
+#include "rows_attempts.h"
+
+#include <sodium.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "rows_subject.h"
+#include "sql_read.h"
+#include "utc.h"
+
+#define DAY INT64_C(86400000)
+
+/* The age of a time; one in the future is from before the clock was set back. */
+static int64_t age(int64_t at, int64_t now, bool *future)
+{
+    *future |= at > now;
+    return at > now ? 0 : now - at;
+}
+
+static enum status damaged(const struct store_attempts *a, struct errinfo *e)
+{
+    return errinfo_set(e, ST_ECORRUPT, "attempts of %s: their row is damaged",
+                       a->subject);
+}
+
+static void set_own(struct store_attempts *out, int64_t at, int64_t now, bool *future)
+{
+    if (out->failures == 0)
+        return;
+    out->age_ms = age(at, now, future);
+    utc_print(now - out->age_ms, out->at);
+}
+
+/* The failures for one subject: of the token, and of the others. */
+static enum status get_of_subject(struct log_txn *t, int64_t subject, int64_t now,
+                                  struct store_attempts *out, bool *future,
+                                  struct errinfo *e)
+{
+    struct sql_rows *r;
+    int64_t at = 0, others_at = 0;
+    bool found;
+    enum status st = SQL_QUERY(
+        t->sql, &r, e,
+        "SELECT CAST(coalesce(sum(CASE WHEN token = $2 THEN failures END), 0) AS bigint), "
+        "coalesce(max(CASE WHEN token = $2 THEN at_ms END), 0), "
+        "CAST(coalesce(sum(CASE WHEN token <> $2 AND at_ms > $3 THEN failures END), 0) "
+        "AS bigint), coalesce(max(CASE WHEN token <> $2 THEN at_ms END), 0) "
+        "FROM subjects s LEFT JOIN attempts a ON a.subject_key = s.subject_key "
+        "WHERE s.subject_key = $1 GROUP BY s.subject_key",
+        sql_int(subject), sql_text(out->token), sql_int(now - STORE_TRIED_MS));
+
+    if ((found = st == ST_OK && sql_next(r)) &&
+        !(sql_read_count(r, 0, UINT32_MAX, &out->failures) &&
+          sql_read_int(r, 1, 0, &at) && sql_read_count(r, 2, UINT32_MAX, &out->others) &&
+          sql_read_int(r, 3, 0, &others_at)))
+        st = damaged(out, e);
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    if (!found)
+        return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", out->subject);
+    set_own(out, at, now, future);
+    if (out->others > 0)
+        out->others_age_ms = age(others_at, now, future);
+    return ST_OK;
+}
+
+/* The other subjects that the token failed for. */
+static enum status get_of_token(struct log_txn *t, int64_t subject, int64_t now,
+                                struct store_attempts *out, bool *future,
+                                struct errinfo *e)
+{
+    struct sql_rows *r;
+    int64_t first = 0, last = 0;
+    bool ahead = false;
+    enum status st = SQL_QUERY(
+        t->sql, &r, e,
+        "SELECT CAST(coalesce(sum(CASE WHEN at_ms > $4 THEN 1 END), 0) AS bigint), "
+        "coalesce(min(CASE WHEN at_ms > $4 THEN at_ms END), 0), "
+        "coalesce(max(at_ms), 0), count(*) FROM attempts WHERE token = $1 AND at_ms > $2 "
+        "AND subject_key <> $3",
+        sql_text(out->token), sql_int(now - STORE_TRIED_WARN_MS), sql_int(subject),
+        sql_int(now - STORE_TRIED_MS));
+
+    if (st == ST_OK && sql_next(r) &&
+        !(sql_read_count(r, 0, UINT32_MAX, &out->tried) &&
+          sql_read_int(r, 1, 0, &first) && sql_read_int(r, 2, 0, &last) &&
+          sql_read_count(r, 3, UINT32_MAX, &out->tried_warn)))
+        st = damaged(out, e);
+    if (out->tried > 0) {
+        (void)age(last, now, future);
+        out->tried_age_ms = age(first, now, &ahead);
+    }
+    return sql_done(r, st, e);
+}
+
+enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
+                              const char *token, int64_t now, struct store_attempts *out,
+                              bool *future, struct errinfo *e)
+{
+    enum status st;
+
+    *future = false;
+    memset(out, 0, sizeof *out);
+    (void)snprintf(out->subject, sizeof out->subject, "%s", subject->id);
+    (void)snprintf(out->token, sizeof out->token, "%s", token);
+    if ((st = get_of_subject(t, subject->key, now, out, future, e)) != ST_OK)
+        return st;
+    return get_of_token(t, subject->key, now, out, future, e);
+}
+
+enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
+                               const char *token, int64_t now, struct errinfo *e)
+{
+    const enum status st =
+        SQL_RUN(t->sql, e,
+                "INSERT INTO attempts (subject_key, token, failures, at_ms) "
+                "SELECT subject_key, CAST($2 AS text), 1, CAST($3 AS bigint) "
+                "FROM subjects WHERE subject_key = $1 "
+                "ON CONFLICT (subject_key, token) DO UPDATE SET "
+                "failures = CASE WHEN attempts.failures < 1000000 "
+                "THEN attempts.failures + 1 ELSE 1000000 END, at_ms = excluded.at_ms",
+                sql_int(subject->key), sql_text(token), sql_int(now));
+
+    if (st != ST_OK)
+        return st;
+    if (sql_changed(t->sql) == 0)
+        return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject->id);
+    return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE token = $1 AND at_ms < $2",
+                   sql_text(token), sql_int(now - STORE_ATTEMPTS_DAYS * DAY));
+}
+
+enum status rows_attempts_not_after(struct log_txn *t,
+                                    const struct store_subject *subject,
+                                    const char *token, int64_t now, struct errinfo *e)
+{
+
+    return SQL_RUN(t->sql, e,
+                   "UPDATE attempts SET at_ms = $2 WHERE at_ms > $2 "
+                   "AND (subject_key = $1 OR token = $3)",
+                   sql_int(subject->key), sql_int(now), sql_text(token));
+}
+
+enum status rows_attempts_match(struct log_txn *t, const struct store_subject *subject,
+                                const char *token, struct errinfo *e)
+{
+
+    return SQL_RUN(t->sql, e,
+                   "DELETE FROM attempts WHERE subject_key = $1 AND token = $2",
+                   sql_int(subject->key), sql_text(token));
+}
+
+enum status rows_attempts_clear(struct log_txn *t, const struct store_subject *subject,
+                                struct errinfo *e)
+{
+
+    return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE subject_key = $1",
+                   sql_int(subject->key));
+}
+
+enum status rows_attempts_revoke(struct log_txn *t, const char *token, struct errinfo *e)
+{
+    return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE token = $1", sql_text(token));
+}
+
+struct listing {
+    struct log_txn *t;
+    int64_t now;
+};
+
+static enum status list_row(void *x, const struct sql_rows *r, void *out,
+                            struct errinfo *e)
+{
+    const struct listing *l = x;
+    struct store_attempts *a = out;
+    struct rows_subject of;
+    enum status st = rows_subject_read(l->t, r, 3, &of, e);
+    int64_t at;
+    bool future = false;
+
+    memset(a, 0, sizeof *a);
+    memcpy(a->subject, of.one.id, sizeof a->subject);
+    sodium_memzero(&of, sizeof of);
+    if (st != ST_OK)
+        return st;
+    if (!sql_read_text(r, 0, a->token, sizeof a->token) ||
+        !sql_read_count(r, 1, UINT32_MAX, &a->failures) || !sql_read_int(r, 2, 0, &at))
+        return damaged(a, e);
+    set_own(a, at, l->now, &future);
+    return ST_OK;
+}
+
+enum status rows_attempts_list(struct log_txn *t, int64_t now,
+                               struct store_attempts **out, size_t *n, struct errinfo *e)
+{
+    struct listing l = {t, now};
+    void *list = NULL;
+    struct sql_rows *r;
+    enum status st = sql_query(t->sql,
+                               "SELECT a.token, a.failures, a.at_ms, " ROWS_SUBJECT
+                               " FROM attempts a JOIN subjects s USING (subject_key) "
+                               "ORDER BY a.subject_key, a.token",
+                               NULL, 0, &r, e);
+
+    st = sql_read_list(r, st, list_row, &l, sizeof **out, &list, n, e);
+    *out = list;
+    return st;
+}

@@ -1,0 +1,38 @@
+/* rows_attempts.h -- failed verifications of a subject by a token, inside a transaction.
+ * Rows are as many as a token can fail for in STORE_ATTEMPTS_DAYS, at most one for each
+ * subject; they go with the subject and with the token. */
+#ifndef DB_ROWS_ATTEMPTS_H
+#define DB_ROWS_ATTEMPTS_H
+#include "log_txn.h"
+#include "rows_types.h"
+
+/* rows_attempts_get(t, subject, token, now, out, future, e): failures, others and tried are 0
+ * where there are none, else the ages are set.  *future: a failure lies after now, by which it is
+ * read as now.
+ * rows_attempts_not_after(t, subject, token, now, e): those of the subject or of the token were
+ * no later than that. */
+enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
+                              const char *token, int64_t now, struct store_attempts *out,
+                              bool *future, struct errinfo *e);
+enum status rows_attempts_not_after(struct log_txn *t,
+                                    const struct store_subject *subject,
+                                    const char *token, int64_t now, struct errinfo *e);
+
+/* rows_attempts_fail(t, subject, token, now, e): one more; what the token did before
+ * STORE_ATTEMPTS_DAYS goes.  ST_ENOTFOUND: the subject is gone.  rows_attempts_match(t, subject, token, e): none of this token.
+ * rows_attempts_clear(t, subject, e): none of any.  rows_attempts_revoke(t, token, e): none of this
+ * token for any subject. */
+enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
+                               const char *token, int64_t now, struct errinfo *e);
+enum status rows_attempts_match(struct log_txn *t, const struct store_subject *subject,
+                                const char *token, struct errinfo *e);
+enum status rows_attempts_clear(struct log_txn *t, const struct store_subject *subject,
+                                struct errinfo *e);
+enum status rows_attempts_revoke(struct log_txn *t, const char *token, struct errinfo *e);
+
+/* rows_attempts_list(t, now, out, n, e): in the order of the subjects' creation; released by
+ * free(). */
+enum status rows_attempts_list(struct log_txn *t, int64_t now,
+                               struct store_attempts **out, size_t *n, struct errinfo *e);
+
+#endif

@@ -1,0 +1,192 @@
+#include "rows_digest.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "rows_calibration.h"
+#include "rows_device.h"
+#include "rows_subject.h"
+#include "rows_template.h"
+#include "rows_token.h"
+#include "sql_read.h"
+
+const char rows_digest_problem[] =
+    "the rows are not those of the last change: one was removed, hidden, doubled, or put "
+    "back as it was earlier";
+
+static const struct rows_table *const tables[] = {
+    &rows_subjects, &rows_templates, &rows_tokens, &rows_devices, &rows_calibrations};
+
+#define TABLES (sizeof tables / sizeof *tables)
+
+static void name_row(const struct rows_table *table, const struct sql_rows *r, char *out,
+                     size_t size)
+{
+    char id[64] = "?";
+
+    if (table->id >= 0 && sql_column(r, table->id).type == SQL_INT)
+        (void)snprintf(id, sizeof id, "%lld", (long long)sql_column(r, table->id).i);
+    else if (table->id >= 0 && !sql_read_text(r, table->id, id, sizeof id))
+        (void)snprintf(id, sizeof id, "?");
+    for (char *p = id; *p != '\0'; p++)
+        if (*p < ' ' || *p > '~')
+            *p = '?';
+    (void)snprintf(out, size, "%s: the row %s is not authentic", table->name, id);
+}
+
+struct adding {
+    struct log_txn *t;
+    void (*report)(void *arg, const char *line);
+    void *arg;
+    unsigned char *sum;
+    uint64_t problems;
+    bool clear; /* rows without their MAC are deleted */
+};
+
+static enum status bad_row(struct adding *a, const struct rows_table *table,
+                           const struct sql_rows *r, struct errinfo *e)
+{
+    enum status st = ST_OK;
+    char line[160];
+
+    a->problems++;
+    name_row(table, r, line, sizeof line);
+    if (a->report != NULL)
+        a->report(a->arg, line);
+    for (int i = 0; a->clear && st == ST_OK && i < 2; i++)
+        if (table->remove[i] != NULL)
+            st = SQL_RUN(a->t->sql, e, table->remove[i],
+                         sql_column(r, table->columns + 1));
+    return st;
+}
+
+/* A row without its MAC has no summand.  The keys are no part of it, but each is greater than the
+ * one before: else a damaged file could give its rows without end.  Lists begin with 1. */
+static enum status add_table(struct adding *a, const struct rows_table *table,
+                             struct errinfo *e)
+{
+    unsigned char mac[CRYPT_HASH];
+    struct sql_rows *r;
+    int64_t key = INT64_MIN, last;
+    bool first = true;
+    enum status st = sql_query(a->t->sql, table->all, NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        last = key;
+        if (!sql_read_int(r, table->columns + 1, INT64_MIN, &key) ||
+            (key <= last && !first))
+            st = errinfo_set(e, ST_ECORRUPT, "%s: its rows are not in their order",
+                             table->name);
+        else if (key > 0 && rows_table_is(a->t, table, r, 0, mac))
+            log_txn_add(a->t->crypt, mac, a->sum);
+        else
+            st = bad_row(a, table, r, e);
+        first = false;
+    }
+    return sql_done(r, st, e);
+}
+
+static enum status add_all(struct adding *a, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    memset(a->sum, 0, LOG_DIGEST);
+    for (size_t i = 0; i < TABLES && st == ST_OK; i++)
+        st = add_table(a, tables[i], e);
+    return st;
+}
+
+enum status rows_digest(struct log_txn *t, void (*report)(void *arg, const char *line),
+                        void *arg, unsigned char sum[LOG_DIGEST], uint64_t *problems,
+                        struct errinfo *e)
+{
+    struct adding a = {.t = t, .report = report, .arg = arg, .sum = sum};
+    const enum status st = add_all(&a, e);
+
+    *problems = a.problems;
+    return st;
+}
+
+enum status rows_digest_clear(struct log_txn *t,
+                              void (*report)(void *arg, const char *line), void *arg,
+                              uint64_t *removed, struct errinfo *e)
+{
+    unsigned char sum[LOG_DIGEST];
+    struct adding a = {.t = t, .report = report, .arg = arg, .sum = sum, .clear = true};
+    const enum status st = add_all(&a, e);
+
+    *removed = a.problems;
+    return st;
+}
+
+enum status rows_digest_orphans(struct log_txn *t,
+                                void (*report)(void *arg, const char *line), void *arg,
+                                uint64_t *removed, struct errinfo *e)
+{
+    char line[80];
+    enum status st = sql_run(
+        t->sql, "DELETE FROM templates WHERE uid NOT IN (SELECT uid FROM subjects)", NULL,
+        0, e);
+
+    *removed = st == ST_OK ? sql_changed(t->sql) : 0;
+    if (*removed > 0) {
+        (void)snprintf(line, sizeof line, "templates: %llu rows are of no subject",
+                       (unsigned long long)*removed);
+        report(arg, line);
+    }
+    if (st != ST_OK || (st = sql_run(t->sql,
+                                     "DELETE FROM faces WHERE template_key NOT IN "
+                                     "(SELECT template_key FROM templates)",
+                                     NULL, 0, e)) != ST_OK)
+        return st;
+    return sql_run(t->sql,
+                   "DELETE FROM attempts WHERE subject_key NOT IN "
+                   "(SELECT subject_key FROM subjects)",
+                   NULL, 0, e);
+}
+
+/* What no two authentic rows may share, whatever the file's schema says: somebody who is hidden
+ * while a second one of the same id is enrolled, and put back, leaves no other difference. */
+static const struct {
+    const char *text, *problem;
+} twice[] = {
+    {"SELECT 1 FROM subjects GROUP BY lookup HAVING count(*) > 1 LIMIT 1",
+     "subjects: two rows have one id"},
+    {"SELECT 1 FROM subjects GROUP BY uid HAVING count(*) > 1 LIMIT 1",
+     "subjects: two rows have one uid"},
+    {"SELECT 1 FROM templates GROUP BY id HAVING count(*) > 1 LIMIT 1",
+     "templates: two rows have one id"},
+    {"SELECT 1 FROM templates GROUP BY uid, used HAVING count(*) > 1 LIMIT 1",
+     "templates: two rows of a subject have the same points"},
+    {"SELECT 1 FROM tokens GROUP BY id HAVING count(*) > 1 LIMIT 1",
+     "tokens: two rows have one id"},
+    {"SELECT 1 FROM tokens GROUP BY hash HAVING count(*) > 1 LIMIT 1",
+     "tokens: two rows have one secret"},
+    {"SELECT 1 FROM devices GROUP BY id HAVING count(*) > 1 LIMIT 1",
+     "devices: two rows have one id"},
+    {"SELECT 1 FROM devices GROUP BY name HAVING count(*) > 1 LIMIT 1",
+     "devices: two rows have one name"},
+    {"SELECT 1 FROM calibrations GROUP BY calibration_key HAVING count(*) > 1 LIMIT 1",
+     "calibrations: two rows have one number"},
+};
+
+enum status rows_digest_twice(struct log_txn *t,
+                              void (*report)(void *arg, const char *line), void *arg,
+                              uint64_t *problems, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    *problems = 0;
+    for (size_t i = 0; i < sizeof twice / sizeof *twice && st == ST_OK; i++) {
+        struct sql_rows *r;
+
+        st = sql_query(t->sql, twice[i].text, NULL, 0, &r, e);
+        if (st == ST_OK && sql_next(r)) {
+            ++*problems;
+            report(arg, twice[i].problem);
+        }
+        st = sql_done(r, st, e);
+    }
+    return st;
+}

@@ -1,0 +1,145 @@
+/* rows_types.h -- what the store takes and gives.  Strings are UTF-8 without NUL; times are
+ * RFC 3339 text, UTC, of fixed length, so that they compare like their texts. */
+#ifndef DB_ROWS_TYPES_H
+#define DB_ROWS_TYPES_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "crypt.h"
+#include "face.h"
+#include "ident.h"
+
+#define STORE_SUBJECT_MAX IDENT_SUBJECT
+#define STORE_ID_LEN      IDENT_ID
+#define STORE_LABEL_MAX   256 /* bytes of UTF-8, no control characters */
+#define STORE_NAME_MAX    64  /* of a token or an actor, printable ASCII */
+#define STORE_NOTE_MAX    128 /* bytes of UTF-8, no control characters */
+#define STORE_UID         16
+
+/* Of a subject, at most: each takes time of each verification, and is one more chance for a
+ * false match. */
+#define STORE_TEMPLATES_MAX 20
+
+struct store_template { /* everything about a template but its face */
+    char id[STORE_ID_LEN + 1];
+    char subject[STORE_SUBJECT_MAX + 1];
+    char label[STORE_LABEL_MAX + 1];
+    char created[32]; /* RFC 3339, UTC */
+    char digest[65];  /* codec_digest(): SHA-256 of the canonical points */
+    char engine[FACE_ENGINE_MAX + 1];
+    uint32_t points, triangles; /* triangles: real ones, no ghosts */
+    struct quality quality;
+    bool manager; /* enrolled with scope manage: further samples are held against it */
+    double first_score; /* when it was enrolled, against the subject's oldest template; 0:
+                           it was the first */
+};
+
+struct store_subject {
+    int64_t key;                  /* the order of creation; never used again */
+    unsigned char uid[STORE_UID]; /* random: the same, whatever its id and the database;
+                                     names it in the logs */
+    char id[STORE_SUBJECT_MAX + 1];
+    char reference[STORE_NOTE_MAX + 1]; /* of the consent; "": none */
+    char purpose[STORE_NOTE_MAX + 1];
+    char created[32];
+    char expires[32]; /* "": never */
+    char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
+    bool hold;        /* neither it nor a template of it can be deleted */
+    bool disabled;    /* not to be verified or identified */
+    /* as of when it was read; set by store_subject_get() and store_admit() */
+    bool expired;
+    uint32_t templates;
+};
+
+struct store_subject_change {        /* what is NULL stays as it is */
+    const char *reference, *purpose; /* "": none */
+    const char *expires;             /* utc_read(); "": never */
+    const bool *hold, *disabled;
+};
+
+enum store_scope { /* what a token may do, a bit each */
+                   STORE_SCOPE_ENROLL = 1,
+                   STORE_SCOPE_VERIFY = 2,
+                   STORE_SCOPE_IDENTIFY = 4,
+                   STORE_SCOPE_READ = 8,
+                   STORE_SCOPE_DELETE = 16,
+                   STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
+                   STORE_SCOPE_DETAIL =
+                       64, /* measures and gaps: enough to rebuild a face */
+                   STORE_SCOPE_ALL = 127
+};
+
+#define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */
+
+struct store_token {
+    char id[STORE_ID_LEN + 1];
+    char name[STORE_NAME_MAX + 1];
+    unsigned scopes;    /* enum store_scope */
+    char created[32];   /* RFC 3339, UTC, like all times of it */
+    char expires[32];   /* "": never */
+    char used[32];      /* last, within a minute; "": never */
+    char old_until[32]; /* what the secret before the last rotation is good for; "": no */
+    bool revoked;
+    bool expired; /* as of when it was read */
+};
+
+#define STORE_DEVICE_MAX 32 /* of its name, A-Z a-z 0-9 . _ - @ : */
+
+struct store_device { /* a scanner that signs what it captures */
+    char id[STORE_ID_LEN + 1];
+    char name[STORE_DEVICE_MAX + 1];
+    unsigned char public[CRYPT_KEY]; /* Ed25519 */
+    char created[32];                /* RFC 3339, UTC */
+};
+
+#define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
+
+#define STORE_TRIED_MS                                                                   \
+    INT64_C(3600000) /* in which the subjects count that a token tries */
+#define STORE_TRIED_WARN_MS INT64_C(86400000) /* and in which for a warning */
+#define STORE_ATTEMPTS_DAYS                                                              \
+    30 /* after which failures count no more: at one a day, where lock-outs end, more \
+          attempts are left than after them */
+
+/* Verifications of a subject that failed one after the other; what follows from them is the
+ * caller's to say.  Ages are never negative. */
+struct store_attempts {
+    char subject[STORE_SUBJECT_MAX + 1];
+    char token[STORE_NAME_MAX + 1]; /* whose they are; "": without one */
+    uint32_t failures;              /* of this token */
+    char at[32];                    /* the last one */
+    int64_t age_ms;                 /* since it */
+    /* Not set by store_attempts_list(): */
+    uint32_t others; /* of all other tokens that failed in the last STORE_TRIED_MS */
+    int64_t others_age_ms; /* since the last of them */
+    uint32_t tried; /* other subjects whose last verification by this token failed, in
+                               the last STORE_TRIED_MS */
+    int64_t tried_age_ms; /* since the first of them */
+    uint32_t tried_warn;  /* as tried, in the last STORE_TRIED_WARN_MS */
+};
+
+/* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,
+ * functions of the set of points alone. */
+struct store_probe {
+    const char *read;
+    char used[65]; /* codec_digest(); "": they are no template's */
+};
+
+struct store_calibration {
+    int64_t version;  /* 1, 2, ...: the greatest is in force */
+    char created[32]; /* RFC 3339, UTC */
+    char actor[STORE_NAME_MAX + 1];
+    char engine[FACE_ENGINE_MAX + 1]; /* that made it: it holds for no other measure, and
+                                         for no other model */
+    bool shipped;                     /* back to the table that comes with the program */
+    double fmr;                       /* the false match rate that was wanted */
+    double low, high;                 /* 95 % interval of the threshold */
+    uint64_t subjects;                /* people whose templates were compared */
+    uint64_t impostors; /* comparisons of different people, and of the same */
+    uint64_t genuine;
+    struct calibration table; /* valid */
+    bool ignored; /* set by in_force_get() alone: it is the newest, but made by
+                     another engine, so that it does not decide */
+};
+
+#endif

@@ -1,0 +1,299 @@
+/* Every secret made anew: all that a store tells stays, the logs go on, and nothing of the old keys
+ * is left or good for anything.  What is not as it was written is not rekeyed. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "admin_rekey.h"
+#include "crypt_file.h"
+#include "errinfo.h"
+#include "filled.h"
+#include "rows_subject.h"
+#include "store_txn.h"
+#include "tempdb.h"
+#include "tempdb_check.h"
+
+static struct errinfo e;
+static const struct store_key usual = {.make = CRYPT_FILE};
+
+static void must(enum status st)
+{
+    if (st != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+static bool is_there(const char *suffix)
+{
+    char name[80];
+
+    (void)snprintf(name, sizeof name, "%s%s", tempdb_path, suffix);
+    return access(name, F_OK) == 0;
+}
+
+/* What the keys make of the same: a MAC, a lookup, the public key; the subjects' own keys. */
+struct keys {
+    unsigned char made[3][CRYPT_KEY], own[3][CRYPT_KEY], wrapped[3][CRYPT_WRAPPED];
+};
+
+static struct keys keys_of(struct store *s)
+{
+    static const char *const id[] = {"alice", "bob", "carol"};
+    struct rows_subject of;
+    struct log_txn t;
+    struct keys k;
+
+    crypt_mac(s->crypt, "x", 1, k.made[0]);
+    crypt_lookup(s->crypt, "x", "x", 1, k.made[1]);
+    crypt_public(s->crypt, k.made[2]);
+    must(store_begin(s, SQL_READ, &t, &e));
+    for (size_t i = 0; i < 3; i++) {
+        must(rows_subject_find(&t, id[i], &of, &e));
+        memcpy(k.own[i], of.key, CRYPT_KEY);
+        memcpy(k.wrapped[i], of.wrapped, CRYPT_WRAPPED);
+    }
+    must(store_end(s, &t, ST_OK, &e));
+    return k;
+}
+
+/* Of the old database and the new one, which columns have a value in common? */
+static void assert_nothing_common(void)
+{
+    static const struct {
+        const char *table, *column;
+    } of[] = {
+        {"root", "salt"},       {"root", "public"},     {"root", "secrets"},
+        {"subjects", "key"},    {"subjects", "lookup"}, {"subjects", "about"},
+        {"subjects", "mac"},    {"templates", "used"},  {"templates", "read"},
+        {"templates", "about"}, {"templates", "mac"},   {"faces", "face"},
+        {"tokens", "mac"},      {"devices", "mac"},     {"calibrations", "mac"},
+        {"change_log", "mac"},  {"access_log", "mac"},
+    };
+
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        char text[300];
+
+        (void)snprintf(text, sizeof text,
+                       "ATTACH '%s.before-rekey' AS old; CREATE TABLE main.m AS SELECT "
+                       "count(*) AS n FROM main.%s a JOIN old.%s b USING (%s)",
+                       tempdb_path, of[i].table, of[i].table, of[i].column);
+        tempdb_sql(text);
+        if (tempdb_number("SELECT n FROM m") != 0)
+            fail_msg("%s.%s has not changed", of[i].table, of[i].column);
+        tempdb_sql("DROP TABLE main.m");
+    }
+}
+
+static void test_same(void **state)
+{
+    static char before[FILLED_TEXT], after[FILLED_TEXT], hashes[FILLED_TEXT],
+        more[FILLED_TEXT];
+    struct filled f;
+    struct store *s = filled_fresh(&f);
+    char key_old[80], last[80];
+    struct store_key old = usual;
+    struct keys was, is;
+    struct store_token t;
+    struct log_end end;
+
+    (void)state;
+    filled_look(s, before);
+    filled_hashes(hashes);
+    was = keys_of(s);
+    must(store_last_change(s, &end, &e));
+    store_close(s);
+    must(admin_rekey(tempdb_path, &usual,
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me", &e));
+
+    s = tempdb_open(STORE_WRITE);
+    filled_look(s, after);
+    assert_string_equal(after, before);
+    filled_hashes(more); /* one change more */
+    assert_int_equal(
+        strncmp(more, hashes, strlen(hashes) - strlen(strstr(hashes, "acc"))), 0);
+    assert_non_null(strstr(more, strstr(hashes, "acc")));
+    (void)snprintf(last, sizeof last, "change %d ", (int)end.seq + 1);
+    assert_non_null(strstr(more, last));
+    assert_int_equal(tempdb_number("SELECT count(*) FROM change_log WHERE kind = 'rekey' "
+                                   "AND actor = 'me' AND outcome = 'file'"),
+                     1);
+    must(store_token_check(s, f.door, &t, &e));
+    must(store_verify(s, NULL, NULL, &e));
+    assert_int_equal(tempdb_check(s).problems, 0);
+
+    is = keys_of(s);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            assert_memory_not_equal(was.made[i], is.made[k], CRYPT_KEY);
+            assert_memory_not_equal(was.own[i], is.own[k], CRYPT_KEY);
+            assert_memory_not_equal(was.wrapped[i], is.wrapped[k], CRYPT_WRAPPED);
+        }
+    store_close(s);
+    assert_nothing_common();
+    (void)snprintf(key_old, sizeof key_old, "%s.key.old", tempdb_path);
+    old.path = key_old;
+    assert_int_equal(store_open(tempdb_path, STORE_READ, &old, &s, &e), ST_EDENIED);
+    assert_false(is_there(".key.new"));
+}
+
+/* The old database and its key are gone, unless they are kept; the anchor says the new end. */
+static void test_files(void **state)
+{
+    char anchor[80];
+    struct store_key key = usual;
+    struct filled f;
+    struct store *s;
+
+    (void)state;
+    (void)snprintf(anchor, sizeof anchor, "%s.anchor", tempdb_path);
+    store_close(filled_fresh(&f));
+    must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "me",
+                     &e));
+    assert_false(is_there(".before-rekey") || is_there(".key.old") ||
+                 is_there(".key.new"));
+    must(admin_rekey(tempdb_path, &usual,
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me", &e));
+    assert_true(is_there(".before-rekey") && is_there(".key.old"));
+    assert_int_equal(admin_rekey(tempdb_path, &usual,
+                                 &(struct admin_rekey){.kind = CRYPT_FILE}, "me", &e),
+                     ST_EEXISTS);
+    tempdb_remove();
+    key.anchor = anchor;
+    must(store_open(tempdb_path, STORE_CREATE, &key, &s, &e));
+    store_close(s);
+    must(admin_rekey(tempdb_path, &key, &(struct admin_rekey){.kind = CRYPT_FILE}, "me",
+                     &e));
+    must(store_open(tempdb_path, STORE_WRITE, &key, &s, &e));
+    must(store_event(s, "verify", "", "", "", "", &e));
+    store_close(s);
+}
+
+/* To a passphrase, to none, and back to a file. */
+static void test_kinds(void **state)
+{
+    static struct crypt_file phrase = {.len = 11, .text = "open sesame"};
+    const struct store_key by_phrase = {.given = &phrase}, plain = {.plaintext = true};
+    struct filled f;
+    struct store *s;
+
+    (void)state;
+    store_close(filled_fresh(&f));
+    assert_int_equal(
+        admin_rekey(tempdb_path, &usual,
+                    &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase}, "",
+                    &e),
+        ST_EINVAL); /* too short */
+    must(admin_rekey(
+        tempdb_path, &usual,
+        &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase, .weak = true},
+        "", &e));
+    assert_false(is_there(".key"));
+    must(store_open(tempdb_path, STORE_READ, &by_phrase, &s, &e));
+    store_close(s);
+    must(admin_rekey(tempdb_path, &by_phrase,
+                     &(struct admin_rekey){.kind = CRYPT_PLAINTEXT}, "", &e));
+    assert_int_equal(store_open(tempdb_path, STORE_READ, &usual, &s, &e), ST_EDENIED);
+    must(store_open(tempdb_path, STORE_READ, &plain, &s, &e));
+    store_close(s);
+    must(admin_rekey(tempdb_path, &plain, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
+                     &e));
+    s = tempdb_open(STORE_READ);
+    assert_int_equal(tempdb_check(s).problems, 0);
+    store_close(s);
+}
+
+/* Nothing that was not verified gets a new MAC; and all is as it was. */
+static void test_refused(void **state)
+{
+    static const char *const damage[] = {
+        "UPDATE tokens SET revoked = NULL",
+        "UPDATE tokens SET mac = zeroblob(32) WHERE name = 'gate'",
+        "DELETE FROM devices WHERE name = 'door-1'",
+        "UPDATE change_log SET outcome = 'x' WHERE seq = 3",
+        "DELETE FROM access_log WHERE seq = 1",
+        "UPDATE faces SET face = zeroblob(length(face)) WHERE template_key = 2",
+        "DELETE FROM faces WHERE template_key = 2",
+    };
+    struct filled f;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
+        enum status st;
+
+        store_close(filled_fresh(&f));
+        tempdb_sql(damage[i]);
+        st = admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE},
+                         "", &e);
+        if (st != ST_ECORRUPT && st != ST_EREFUSED)
+            fail_msg("%s: %d", damage[i], st);
+        assert_false(is_there(".key.new") || is_there(".before-rekey"));
+        assert_int_equal(
+            tempdb_number("SELECT count(*) FROM change_log WHERE kind = 'rekey'"), 0);
+        store_close(tempdb_open(STORE_READ)); /* by its key */
+    }
+}
+
+/* Another process has it open; one that was killed has left a key. */
+static void test_interrupted(void **state)
+{
+    struct filled f;
+    char next[80];
+    pid_t child;
+    int status;
+
+    (void)state;
+    store_close(filled_fresh(&f));
+    if ((child = fork()) == 0) {
+        struct store *s = tempdb_open(STORE_READ);
+        const pid_t inner = fork();
+
+        if (inner == 0)
+            _exit(admin_rekey(tempdb_path, &usual,
+                              &(struct admin_rekey){.kind = CRYPT_FILE}, "",
+                              &e) == ST_EBUSY
+                      ? 0
+                      : 1);
+        (void)waitpid(inner, &status, 0);
+        store_close(s);
+        _exit(WEXITSTATUS(status));
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    (void)snprintf(next, sizeof next, "%s.key.new", tempdb_path);
+    must(crypt_file_make(next, &e)); /* of nothing */
+    must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
+                     &e));
+    store_close(tempdb_open(STORE_READ));
+    (void)snprintf(next, sizeof next, "%s.key", tempdb_path);
+    {
+        char moved[80];
+
+        (void)snprintf(moved, sizeof moved, "%s.key.new", tempdb_path);
+        assert_int_equal(rename(next, moved), 0); /* before it was moved to its place */
+    }
+    store_close(tempdb_open(STORE_READ));
+    must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
+                     &e));
+    assert_true(is_there(".key"));
+    assert_false(is_there(".key.new"));
+    store_close(tempdb_open(STORE_READ));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_same),        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_kinds),       cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_interrupted),
+    };
+
+    return cmocka_run_group_tests_name("rekey", tests, tempdb_begin_faces,
+                                       tempdb_end_faces);
+}

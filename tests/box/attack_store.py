@@ -1,0 +1,602 @@
+#!/usr/bin/env python3
+"""Attacks on a database by somebody who can write its file and has an older copy, but no key.
+usage: attack_store.py --list rows|pages [CLASS]   |   attack_store.py NAME DB OLD
+
+An attack's class says what is to come of it (store-attacks.sh):
+  found    by the next verification of the rows
+  walk     by `check` and `audit verify`, which read the logs and the faces too
+  harmless nothing: neither what it seeks nor a difference
+  outright nothing can be opened any more
+
+In `rows` are plain SQL statements, for any engine; in `pages` is what only SQLite has: its schema
+table, its b-trees, its journals."""
+import os
+import sqlite3
+import struct
+import sys
+
+ATTACKS = {}
+
+
+def attack(kind, what):
+    def add(f):
+        ATTACKS[f.__name__] = (kind, what, f)
+        return f
+    return add
+
+
+def connect(path):
+    c = sqlite3.connect(path, isolation_level=None, timeout=10)
+    c.execute('PRAGMA foreign_keys = OFF')
+    c.execute('PRAGMA ignore_check_constraints = ON')
+    return c
+
+
+class Rows:
+    """All that the first section does: run() statements on the database, and rows of the older one."""
+
+    def __init__(self, path, old):
+        self.path, self.old_path = path, old
+        self.now, self.old = connect(path), connect(old)
+
+    def run(self, sql, *values):
+        return self.now.execute(sql, values).fetchall()
+
+    def script(self, *statements):
+        self.run('BEGIN')
+        for sql in statements:
+            self.run(sql)
+        self.run('COMMIT')
+
+    def put(self, table, where, *values, **change):
+        """The older rows, instead of those with the same first column or besides."""
+        names = [d[0] for d in self.old.execute('SELECT * FROM %s LIMIT 0' % table).description]
+        for row in self.old.execute('SELECT * FROM %s WHERE %s' % (table, where), values).fetchall():
+            row = dict(zip(names, row), **change)
+            self.run('DELETE FROM %s WHERE %s = ?' % (table, names[0]), row[names[0]])
+            self.run('INSERT INTO %s (%s) VALUES (%s)' % (
+                table, ', '.join(names), ', '.join('?' * len(names))), *row.values())
+
+
+UID = '(SELECT uid FROM subjects WHERE subject_key = %d)'
+ALICE, BOB = UID % 1, UID % 2  # bob is disabled, carol (3) erased, dave (4) on hold
+LAST = '(SELECT max(seq) FROM change_log)'
+
+
+# ---- rows: plain SQL
+
+@attack('rows', 'found')
+def token_not_revoked(t):
+    t.run('UPDATE tokens SET revoked = NULL')
+
+@attack('rows', 'found')
+def token_older(t):
+    t.put('tokens', "name = 'lost'")
+
+@attack('rows', 'found')
+def token_rotated_back(t):
+    t.put('tokens', "name = 'stolen'")
+
+@attack('rows', 'found')
+def token_more_scopes(t):
+    t.run("UPDATE tokens SET scopes = 'enroll,verify,read,delete,manage' WHERE name = 'door'")
+
+@attack('rows', 'found')
+def token_made(t):
+    t.run("INSERT INTO tokens (id, revision, name, hash, created, scopes, mac) SELECT "
+          "'0123456789abcdef0123456789abcdef', 1, name, ?, created, scopes, mac FROM tokens LIMIT 1", b'h' * 32)
+
+@attack('rows', 'found')
+def token_secret_of_another(t):
+    door = t.run("SELECT hash FROM tokens WHERE name = 'door'")[0][0]
+    t.run("UPDATE tokens SET hash = zeroblob(32) WHERE name = 'door'")
+    t.run("UPDATE tokens SET hash = ? WHERE name = 'x'", door)
+
+@attack('rows', 'found')
+def token_removed(t):
+    t.run("DELETE FROM tokens WHERE name = 'lost'")
+
+@attack('rows', 'found')
+def subject_enabled(t):
+    t.put('subjects', 'subject_key = 2')
+
+@attack('rows', 'found')
+def subject_enabled_by_bit(t):
+    t.run('UPDATE subjects SET disabled = 0')
+
+@attack('rows', 'found')
+def subject_no_hold(t):
+    t.run('UPDATE subjects SET hold = 0')
+
+@attack('rows', 'found')
+def subject_erased_back(t):
+    t.put('subjects', 'subject_key = 3')
+    t.put('templates', 'uid = ' + UID % 3)
+    t.put('faces', 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % (UID % 3))
+
+@attack('rows', 'found')
+def subject_removed(t):
+    t.script('DELETE FROM faces WHERE template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE,
+             'DELETE FROM templates WHERE uid = ' + ALICE, 'DELETE FROM subjects WHERE subject_key = 1')
+
+@attack('rows', 'found')
+def subject_out_of_the_lists(t):
+    """A list begins with key 1: rekey would leave her out."""
+    t.run('UPDATE subjects SET subject_key = -1 WHERE subject_key = 1')
+
+@attack('rows', 'found')
+def subjects_exchange_ids(t):
+    a, b = [t.run('SELECT lookup FROM subjects WHERE subject_key = %d' % k)[0][0] for k in (1, 2)]
+    t.run('UPDATE subjects SET lookup = ? WHERE subject_key = 1', b'x' * 32)
+    t.run('UPDATE subjects SET lookup = ? WHERE subject_key = 2', a)
+    t.run('UPDATE subjects SET lookup = ? WHERE subject_key = 1', b)
+
+@attack('rows', 'found')
+def subjects_exchange_all_but_uid(t):
+    a, b = [t.run('SELECT key, about, mac FROM subjects WHERE subject_key = %d' % k)[0] for k in (1, 2)]
+    t.run('UPDATE subjects SET key = ?, about = ?, mac = ? WHERE subject_key = 1', *b)
+    t.run('UPDATE subjects SET key = ?, about = ?, mac = ? WHERE subject_key = 2', *a)
+
+@attack('rows', 'found')
+def subject_older_with_all_of_hers(t):
+    """Her row and her templates fit together: only the digest of all knows."""
+    t.put('subjects', 'subject_key = 1')
+    t.run('DELETE FROM templates WHERE uid = ' + ALICE)
+    t.put('templates', 'uid = ' + ALICE)
+    t.put('faces', 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE)
+
+@attack('rows', 'found')
+def template_deleted_back(t):
+    t.put('templates', 'template_key NOT IN (SELECT 0) AND uid = ' + ALICE)
+    t.put('faces', 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE)
+
+@attack('rows', 'found')
+def template_removed(t):
+    t.script('DELETE FROM faces WHERE template_key = 1', 'DELETE FROM templates WHERE template_key = 1')
+
+@attack('rows', 'found')
+def template_given_to_another(t):
+    t.run('UPDATE templates SET uid = %s WHERE uid = %s' % (BOB, ALICE))
+
+@attack('rows', 'found')
+def template_doubled(t):
+    t.run("INSERT INTO templates SELECT 99, '0123456789abcdef0123456789abcdef', revision, uid, zeroblob(32), "
+          'read, created, engine, points, triangles, about, mac FROM templates LIMIT 1')
+
+@attack('rows', 'found')
+def template_out_of_the_lists(t):
+    t.script('UPDATE faces SET template_key = -1 WHERE template_key = 1',
+             'UPDATE templates SET template_key = -1 WHERE template_key = 1')
+
+@attack('rows', 'found')
+def template_other_engine(t):
+    t.run("UPDATE templates SET engine = 'surfaced/0 measure/0 model/0'")
+
+@attack('rows', 'found')
+def macs_exchanged(t):
+    a, b = [t.run('SELECT mac FROM subjects WHERE subject_key = %d' % k)[0][0] for k in (1, 4)]
+    t.run('UPDATE subjects SET mac = ? WHERE subject_key = 1', b)
+    t.run('UPDATE subjects SET mac = ? WHERE subject_key = 4', a)
+
+@attack('rows', 'found')
+def device_removed_back(t):
+    t.put('devices', "name = 'gone'")
+
+@attack('rows', 'found')
+def device_key(t):
+    t.run("UPDATE devices SET public = zeroblob(32) WHERE name = 'front'")
+
+@attack('rows', 'found')
+def device_removed(t):
+    t.run("DELETE FROM devices WHERE name = 'front'")
+
+@attack('rows', 'found')
+def calibration_removed(t):
+    t.run('DELETE FROM calibrations WHERE calibration_key = (SELECT max(calibration_key) FROM calibrations)')
+
+@attack('rows', 'found')
+def calibration_threshold(t):
+    t.run('UPDATE calibrations SET threshold = -900, low = -900')
+
+@attack('rows', 'found')
+def calibration_older_in_force(t):
+    t.put('calibrations', '1 = 1', calibration_key=77)
+
+@attack('rows', 'found')
+def log_cut(t):
+    t.run('DELETE FROM change_log WHERE seq = ' + LAST)
+
+@attack('rows', 'found')
+def log_older_with_tokens(t):
+    t.run('DELETE FROM change_log')
+    t.put('change_log', '1 = 1')
+    t.run('DELETE FROM tokens')
+    t.put('tokens', '1 = 1')
+
+@attack('rows', 'found')
+def log_digest_of_another(t):
+    t.run('UPDATE change_log SET digest = (SELECT digest FROM change_log WHERE seq = 2) WHERE seq = ' + LAST)
+
+@attack('rows', 'found')
+def log_older_entry_last(t):
+    t.run('UPDATE change_log SET seq = 9999 WHERE seq = 3')
+
+@attack('rows', 'found')
+def log_forged(t):
+    t.run("INSERT INTO change_log SELECT seq + 1, at, 'enable_subject', actor, uid, object, outcome, digest, "
+          'access_seq, access_hash, zeroblob(32), mac, signature FROM change_log WHERE seq = ' + LAST)
+
+@attack('rows', 'walk')
+def log_changed(t):
+    t.run("UPDATE change_log SET actor = 'somebody' WHERE seq = 3")
+
+@attack('rows', 'walk')
+def log_entry_removed(t):
+    t.run('DELETE FROM change_log WHERE seq = 3')
+
+@attack('rows', 'walk')
+def log_last_changed(t):
+    t.run("UPDATE change_log SET outcome = 'x' WHERE seq = " + LAST)
+
+@attack('rows', 'walk')
+def access_changed(t):
+    t.run("UPDATE access_log SET outcome = 'no_match' WHERE seq = 1")
+
+@attack('rows', 'walk')
+def access_forged(t):
+    t.run("INSERT INTO access_log SELECT seq + 1, at, kind, actor, uid, object, 'match', zeroblob(32), mac, NULL "
+          'FROM access_log ORDER BY seq DESC LIMIT 1')
+
+@attack('rows', 'walk')
+def access_cut(t):
+    t.run('DELETE FROM access_log')
+
+@attack('rows', 'walk')
+def faces_exchanged(t):
+    a, b = [t.run('SELECT face FROM faces JOIN templates USING (template_key) WHERE uid = %s LIMIT 1' % u)[0][0]
+            for u in (ALICE, BOB)]
+    for face, uid in ((b, ALICE), (a, BOB)):
+        t.run('UPDATE faces SET face = ? WHERE template_key = (SELECT template_key FROM templates WHERE uid = %s '
+              'LIMIT 1)' % uid, face)
+
+@attack('rows', 'walk')
+def faces_removed(t):
+    t.run('DELETE FROM faces')
+
+@attack('rows', 'harmless')
+def templates_exchange_keys(t):
+    """Another one is not the oldest for that (http-drift.sh)."""
+    for table in 'faces', 'templates':
+        for a, b in ((1, 99), (2, 1), (99, 2)):
+            t.run('UPDATE %s SET template_key = ? WHERE template_key = ?' % table, b, a)
+
+@attack('rows', 'harmless')
+def not_protected(t):
+    """What docs/threat-model.md says: attempts, nonces, last seen, last used."""
+    t.script('DELETE FROM attempts', 'DELETE FROM nonces', 'UPDATE subjects SET seen = NULL',
+             "UPDATE tokens SET used = '2031-01-01T00:00:00.000Z'")
+
+
+# ---- pages: SQLite's schema, b-trees and files
+
+class Schema:
+    """The schema table, written."""
+
+    def __init__(self, t):
+        self.t = t
+        t.now.execute('PRAGMA writable_schema = ON')
+
+    def sql(self, name, new=None):
+        if new is None:
+            return self.t.run('SELECT sql FROM sqlite_schema WHERE name = ?', name)[0][0]
+        self.t.run('UPDATE sqlite_schema SET sql = ? WHERE name = ?', new, name)
+        return self.fresh()
+
+    def replace(self, name, a, b):
+        was = self.sql(name)
+        assert a in was, was
+        return self.sql(name, was.replace(a, b))
+
+    def fresh(self):
+        """What the connection knows of the schema is read again."""
+        self.t.now.close()
+        self.t.now = connect(self.t.path)
+        self.t.now.execute('PRAGMA writable_schema = ON')
+
+    def index(self, table, name, columns, where):
+        """The index of a UNIQUE column with the entries that `where` leaves, under an unchanged schema."""
+        was = self.sql(table)
+        self.t.run("UPDATE sqlite_schema SET sql = replace(replace(sql, 'UNIQUE (uid, used)', 'CHECK (1)'), "
+                   "' UNIQUE', '') WHERE name = ?", table)
+        self.t.run("UPDATE sqlite_schema SET name = 'mine', sql = 'CREATE INDEX mine ON %s (%s) WHERE %s' WHERE name = ?"
+                   % (table, columns, where), name)
+        for other in self.t.run("SELECT name FROM sqlite_schema WHERE type = 'index' AND tbl_name = ? AND sql IS NULL",
+                                table):
+            self.t.run("UPDATE sqlite_schema SET type = 'other' WHERE name = ?", other[0])
+        hidden = self.t.run("SELECT rowid, * FROM sqlite_schema WHERE type = 'other'")
+        self.t.run("DELETE FROM sqlite_schema WHERE type = 'other'")
+        self.fresh()
+        self.t.run('REINDEX mine')
+        self.t.run('UPDATE sqlite_schema SET name = ?, sql = NULL WHERE name = ?', name, 'mine')
+        for row in hidden:
+            self.t.run("INSERT INTO sqlite_schema VALUES ('index', ?, ?, ?, ?)", *row[2:6])
+        self.t.run('UPDATE sqlite_schema SET sql = ? WHERE name = ?', was, table)
+        self.fresh()
+
+
+@attack('pages', 'found')
+def index_hides_subject(t):
+    Schema(t).index('subjects', 'sqlite_autoindex_subjects_2', 'lookup', 'subject_key != 1')
+
+@attack('pages', 'found')
+def index_hides_token(t):
+    Schema(t).index('tokens', 'sqlite_autoindex_tokens_1', 'id', "name != ''lost''")
+
+@attack('pages', 'found')
+def index_hides_template(t):
+    Schema(t).index('templates', 'sqlite_autoindex_templates_1', 'id', 'template_key != 1')
+
+@attack('pages', 'found')
+def index_hides_expiry(t):
+    s = Schema(t)
+    was = s.sql('subjects_expires')
+    t.run('DROP INDEX subjects_expires')
+    t.run('CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL AND hold = 0')
+    s.sql('subjects_expires', was)
+
+@attack('pages', 'found')
+def index_doubles(t):
+    s = Schema(t)
+    was = s.sql('subjects_expires')
+    t.run('DROP INDEX subjects_expires')
+    t.run('CREATE INDEX subjects_expires ON subjects (created)')
+    s.sql('subjects_expires', was)
+
+@attack('pages', 'found')
+def second_of_an_id(t):
+    """The UNIQUE of the schema and its index gone, a row of the same id beside the first."""
+    s = Schema(t)
+    s.replace('subjects', 'lookup      BLOB NOT NULL UNIQUE', 'lookup      BLOB NOT NULL')
+    t.run("DELETE FROM sqlite_schema WHERE name = 'sqlite_autoindex_subjects_2'")
+    s.fresh()
+    t.run('UPDATE subjects SET lookup = (SELECT lookup FROM subjects WHERE subject_key = 1) WHERE subject_key = 4')
+
+@attack('pages', 'found')
+def all_doubled(t):
+    t.script('CREATE TABLE twin AS SELECT * FROM tokens', 'DROP TABLE tokens', 'ALTER TABLE twin RENAME TO tokens',
+             'INSERT INTO tokens SELECT * FROM tokens')
+
+@attack('pages', 'found')
+def covered_by_an_index(t):
+    """A full scan would read an index that has the rows as they should be; the table has older ones."""
+    s = Schema(t)
+    names = [d[0] for d in t.now.execute('SELECT * FROM tokens LIMIT 0').description]
+    t.run('CREATE INDEX cover ON tokens (%s)' % ', '.join(names))
+    row = t.run("SELECT type, name, tbl_name, rootpage, sql FROM sqlite_schema WHERE name = 'cover'")[0]
+    t.run("DELETE FROM sqlite_schema WHERE name = 'cover'")
+    s.fresh()
+    t.put('tokens', "name = 'lost'")
+    t.run('INSERT INTO sqlite_schema VALUES (?, ?, ?, ?, ?)', *row)
+    s.fresh()
+    t.run('CREATE TABLE IF NOT EXISTS x (a)')
+    t.run('ANALYZE')
+    t.run("UPDATE sqlite_stat1 SET stat = '1000000 1 1 1 1 1 1 1 1 1 1 1 1 1 sz=10' WHERE idx = 'cover'")
+
+@attack('pages', 'found')
+def generated_column(t):
+    """The table says for each row that it is not revoked."""
+    s = Schema(t)
+    t.script('CREATE TABLE twin AS SELECT * FROM tokens', 'DELETE FROM tokens')
+    s.replace('tokens', 'revoked   TEXT CHECK (revoked IS NULL OR revoked GLOB \'????-??-??T??:??:??.???Z\')',
+              'revoked   TEXT GENERATED ALWAYS AS (NULL) VIRTUAL')
+    names = ', '.join(d[0] for d in t.now.execute('SELECT * FROM twin LIMIT 0').description if d[0] != 'revoked')
+    t.run('INSERT INTO tokens (%s) SELECT %s FROM twin' % (names, names))
+
+@attack('pages', 'found')
+def not_strict(t):
+    """A number as bytes: the type is in the MAC."""
+    s = Schema(t)
+    sql = s.sql('subjects')
+    s.sql('subjects', sql.replace(') STRICT', ')').replace('disabled    INTEGER', 'disabled    BLOB'))
+    t.run("UPDATE subjects SET disabled = CAST('0' AS BLOB)")
+
+@attack('pages', 'found')
+def table_away(t):
+    """The rows cannot be verified: which is a difference, not another try a minute later."""
+    t.run('ALTER TABLE devices RENAME TO others')
+
+@attack('pages', 'found')
+def table_is_view(t):
+    t.run('ALTER TABLE tokens RENAME TO others')
+    t.run("CREATE VIEW tokens AS SELECT token_key, id, revision, name, hash, created, NULL AS revoked, scopes, expires, "
+          'old_hash, old_until, mac, used FROM others')
+
+@attack('pages', 'found')
+def table_is_virtual(t):
+    t.run('CREATE VIRTUAL TABLE twin USING fts5(token_key, id, revision, name, hash, created, revoked, scopes, expires, '
+          'old_hash, old_until, mac, used)')
+    t.run('INSERT INTO twin SELECT * FROM tokens')
+    t.run('UPDATE twin SET revoked = NULL')
+    t.run('DROP TABLE tokens')
+    t.run('ALTER TABLE twin RENAME TO tokens')
+
+@attack('pages', 'found')
+def cascade(t):
+    """An honest deletion takes another row along."""
+    s = Schema(t)
+    s.replace('tokens', ') STRICT', ', FOREIGN KEY (name) REFERENCES devices (name) ON DELETE CASCADE) STRICT')
+    t.run("UPDATE tokens SET name = 'front' WHERE name = 'lost'")
+
+@attack('pages', 'harmless')
+def defaults_and_triggers(t):
+    """Another's secret, more scopes: of each new token."""
+    s = Schema(t)
+    s.replace('tokens', 'old_hash  BLOB', "old_hash  BLOB DEFAULT x'%s'" % ('ab' * 32))
+    s.replace('tokens', 'old_until TEXT', "old_until TEXT DEFAULT '2099-01-01T00:00:00.000Z'")
+    t.run("CREATE TRIGGER more AFTER INSERT ON tokens BEGIN UPDATE tokens SET scopes = 'manage'; END")
+    t.run('CREATE TRIGGER keep BEFORE DELETE ON devices BEGIN SELECT RAISE(IGNORE); END')
+    t.run('CREATE TRIGGER twice AFTER UPDATE ON tokens BEGIN INSERT INTO tokens SELECT * FROM tokens; END')
+
+@attack('pages', 'harmless')
+def no_checks(t):
+    s = Schema(t)
+    sql = s.sql('change_log')
+    s.sql('change_log', sql.replace('CHECK (length(hash) = 32)', '').replace(') STRICT', ')'))
+
+@attack('pages', 'harmless')
+def sequence_reset(t):
+    t.run('UPDATE sqlite_sequence SET seq = 0')
+
+# Pages as they are in the file.
+
+class Pages:
+    def __init__(self, t):
+        t.run('PRAGMA wal_checkpoint(TRUNCATE)')
+        self.root = dict(t.run('SELECT name, rootpage FROM sqlite_schema WHERE rootpage > 0'))
+        t.now.close()
+        self.path = t.path
+        self.data = bytearray(open(t.path, 'rb').read())
+        self.size = struct.unpack('>H', self.data[16:18])[0]
+
+    def page(self, n):
+        return self.data[(n - 1) * self.size:n * self.size]
+
+    def put(self, n, page):
+        self.data[(n - 1) * self.size:n * self.size] = page
+
+    def add(self, page):
+        self.data += page
+        count = len(self.data) // self.size
+        self.data[28:32] = struct.pack('>I', count)
+        return count
+
+    def interior(self, children, right):
+        """A table's page with children (page, greatest key)."""
+        p = bytearray(self.size)
+        p[0:12] = struct.pack('>BHHHBI', 5, 0, len(children), self.size - 5 * len(children), 0, right)
+        for i, (child, key) in enumerate(children):
+            at = self.size - 5 * (i + 1)
+            p[12 + 2 * i:14 + 2 * i] = struct.pack('>H', at)
+            p[at:at + 5] = struct.pack('>IB', child, key)
+        return p
+
+    def write(self):
+        with open(self.path, 'r+b') as f:
+            f.write(self.data)
+
+
+@attack('pages', 'found')
+def cells_out_of_order(t):
+    """Found by a scan, but not by its key."""
+    p = Pages(t)
+    page = p.page(p.root['tokens'])
+    assert page[0] == 13
+    page[8:12] = page[10:12] + page[8:10]
+    p.put(p.root['tokens'], page)
+    p.write()
+
+@attack('pages', 'found')
+def second_leaf(t):
+    """The same rows in two leaves."""
+    p = Pages(t)
+    leaf = p.page(p.root['tokens'])
+    a, b = p.add(leaf), p.add(leaf)
+    p.put(p.root['tokens'], p.interior([(a, 100)], b))
+    p.write()
+
+@attack('pages', 'found')
+def endless(t):
+    """Pages that refer to the same ones again and again: some 10^10 rows, which nobody can read to their end."""
+    p = Pages(t)
+    page = p.page(p.root['devices'])
+    for _ in range(4):
+        child = p.add(page)
+        page = p.interior([(child, 100)] * 300, child)
+    p.put(p.root['devices'], page)
+    p.write()
+
+@attack('pages', 'found')
+def endless_index(t):
+    p = Pages(t)
+    name = 'sqlite_autoindex_devices_1'
+    page = p.page(p.root[name])
+    cell = struct.unpack('>H', page[8:10])[0]
+    payload = bytes(page[cell:cell + 1 + page[cell]])
+    for _ in range(4):
+        child = p.add(page)
+        page = bytearray(p.size)
+        n = 200
+        page[0:12] = struct.pack('>BHHHBI', 2, 0, n, p.size - n * (4 + len(payload)), 0, child)
+        for i in range(n):
+            at = p.size - (i + 1) * (4 + len(payload))
+            page[12 + 2 * i:14 + 2 * i] = struct.pack('>H', at)
+            page[at:at + 4 + len(payload)] = struct.pack('>I', child) + payload
+    p.put(p.root[name], page)
+    p.write()
+
+@attack('pages', 'found')
+def leaf_older(t):
+    """One page of the older file."""
+    old = connect(t.old_path)
+    n = old.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
+    p = Pages(t)
+    with open(t.old_path, 'rb') as f:
+        f.seek((n - 1) * p.size)
+        p.put(p.root['tokens'], f.read(p.size))
+    p.write()
+
+@attack('pages', 'found')
+def hot_journal(t):
+    """SQLite puts the page back by itself."""
+    old = connect(t.old_path)
+    n = old.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
+    p = Pages(t)
+    with open(t.old_path, 'rb') as f:
+        f.seek((n - 1) * p.size)
+        page = f.read(p.size)
+    nonce = 7
+    check = (nonce + sum(page[i] for i in range(p.size - 200, 0, -200))) & 0xffffffff
+    head = bytes.fromhex('d9d505f920a163d7') + struct.pack('>IIIII', 1, nonce, len(p.data) // p.size, 512, p.size)
+    with open(t.path + '-journal', 'wb') as f:
+        f.write(head.ljust(512, b'\0') + struct.pack('>I', p.root['tokens']) + page + struct.pack('>I', check))
+
+@attack('pages', 'found')
+def wal_left(t):
+    """A WAL with an older row, of a process that was killed."""
+    copy = t.path + '.copy'
+    t.run('PRAGMA wal_checkpoint(TRUNCATE)')
+    with open(t.path, 'rb') as f, open(copy, 'wb') as to:
+        to.write(f.read())
+    c = connect(copy)
+    c.execute('PRAGMA journal_mode = WAL')
+    c.execute('UPDATE tokens SET revoked = NULL')
+    with open(copy + '-wal', 'rb') as f, open(t.path + '-wal', 'wb') as to:
+        to.write(f.read())
+    c.close()
+    os.unlink(copy)
+    os._exit(0)  # this connection would bring it in
+
+@attack('pages', 'outright')
+def key_record_plaintext(t):
+    t.run('UPDATE root SET kind = 0, plaintext = zeroblob(32)')
+
+@attack('pages', 'outright')
+def key_record_other(t):
+    t.run('UPDATE root SET secrets = zeroblob(136)')
+
+@attack('pages', 'outright')
+def another_program(t):
+    t.run('PRAGMA application_id = 1')
+
+
+def main():
+    if sys.argv[1] == '--list':
+        print('\n'.join(n for n, (kind, what, _) in ATTACKS.items()
+                        if kind == sys.argv[2] and what in sys.argv[3:]))
+        return
+    t = Rows(sys.argv[2], sys.argv[3])
+    ATTACKS[sys.argv[1]][2](t)
+    t.now.close()
+
+
+main()

@@ -1,0 +1,248 @@
+/* Keys and what they encrypt: only the right key decrypts, only the bytes that were
+ * encrypted, only in their place. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "crypt_file.h"
+#include "crypt.h"
+
+static char dir[64], path[96];
+static struct errinfo e;
+static const unsigned char master[CRYPT_KEY] = "a key of thirty-two bytes, not";
+
+static const char label[16] = "a subject's key";
+
+static void make(struct crypt_root *root, struct crypt **v)
+{
+    assert_int_equal(crypt_make(CRYPT_FILE, master, sizeof master, root, v, &e), ST_OK);
+}
+
+/* Each bit of the key, of the associated data and of the encrypted bytes counts. */
+static void test_encrypted(void **state)
+{
+    const char text[] = "the volume between two surfaces", about[] = "row 7, column 3";
+    unsigned char key[CRYPT_KEY], in[sizeof text + CRYPT_OVER], out[sizeof text];
+    unsigned char other[sizeof in];
+    char elsewhere[sizeof about];
+
+    (void)state;
+    randombytes_buf(key, sizeof key);
+    crypt_encrypt(key, about, sizeof about, text, sizeof text, in);
+    assert_true(crypt_decrypt(key, about, sizeof about, in, sizeof in, out));
+    assert_memory_equal(out, text, sizeof text);
+    crypt_encrypt(key, about, sizeof about, text, sizeof text, other);
+    assert_memory_not_equal(in, other, sizeof in); /* another nonce */
+    for (size_t bit = 0; bit < 8 * sizeof in; bit++) {
+        memcpy(other, in, sizeof in);
+        other[bit / 8] ^= (unsigned char)(1U << bit % 8);
+        assert_false(crypt_decrypt(key, about, sizeof about, other, sizeof in, out));
+    }
+    for (size_t bit = 0; bit < 8 * sizeof about; bit++) {
+        memcpy(elsewhere, about, sizeof about);
+        elsewhere[bit / 8] ^= (char)(1U << bit % 8);
+        assert_false(crypt_decrypt(key, elsewhere, sizeof about, in, sizeof in, out));
+    }
+    for (size_t bit = 0; bit < 8 * sizeof key; bit++) {
+        key[bit / 8] ^= (unsigned char)(1U << bit % 8);
+        assert_false(crypt_decrypt(key, about, sizeof about, in, sizeof in, out));
+        key[bit / 8] ^= (unsigned char)(1U << bit % 8);
+    }
+    for (size_t n = 0; n < sizeof in; n++)
+        assert_false(crypt_decrypt(key, about, sizeof about, in, n, out));
+}
+
+static void test_root(void **state)
+{
+    struct crypt_root root, bad;
+    struct crypt *v, *again;
+    unsigned char uid[16] = "somebody", key[CRYPT_KEY] = "their key", got[CRYPT_KEY];
+    unsigned char wrapped[CRYPT_WRAPPED], a[CRYPT_HASH], b[CRYPT_HASH];
+
+    (void)state;
+    make(&root, &v);
+    crypt_wrap(v, label, uid, key, wrapped);
+    crypt_lookup(v, "subject", "alice", 5, a);
+    assert_int_equal(crypt_open(&root, master, sizeof master, &again, &e), ST_OK);
+    assert_true(crypt_unwrap(again, label, uid, wrapped, got));
+    assert_memory_equal(got, key, sizeof key);
+    crypt_lookup(again, "subject", "alice", 5, b);
+    assert_memory_equal(a, b, sizeof a);
+    crypt_lookup(again, "event", "alice", 5, b); /* another use */
+    assert_memory_not_equal(a, b, sizeof a);
+    crypt_free(again);
+    assert_false(crypt_unwrap(v, "another label...", uid, wrapped, got));
+    uid[0] ^= 1; /* another subject's */
+    assert_false(crypt_unwrap(v, label, uid, wrapped, got));
+
+    got[0] = (unsigned char)(master[0] ^ 1);
+    memcpy(got + 1, master + 1, sizeof master - 1);
+    assert_int_equal(crypt_open(&root, got, sizeof got, &again, &e), ST_EDENIED);
+    assert_null(again);
+    assert_int_equal(crypt_open(&root, master, 31, &again, &e), ST_EINVAL);
+    /* Nothing of the root can be changed: not even to one that needs no key. */
+    for (size_t i = 0; i < sizeof root; i++) {
+        enum status st;
+
+        bad = root;
+        ((unsigned char *)&bad)[i] ^= 1;
+        if (memcmp(&bad.kind, &root.kind, sizeof bad.kind) == 0 &&
+            bad.passes == root.passes && bad.mib == root.mib &&
+            memcmp(bad.salt, root.salt, sizeof bad.salt) == 0 &&
+            memcmp(bad.plaintext, root.plaintext, sizeof bad.plaintext) == 0 &&
+            memcmp(bad.public, root.public, sizeof bad.public) == 0 &&
+            memcmp(bad.secrets, root.secrets, sizeof bad.secrets) == 0)
+            continue; /* padding */
+        st = crypt_open(&bad, master, sizeof master, &again, &e);
+        assert_true(st == ST_EDENIED || st == ST_ECORRUPT);
+        assert_null(again);
+    }
+    bad = root;
+    bad.kind = CRYPT_PLAINTEXT;
+    memcpy(bad.plaintext, master, sizeof master);
+    assert_int_equal(crypt_open(&bad, NULL, 0, &again, &e), ST_EDENIED);
+    crypt_free(v);
+}
+
+/* A passphrase; two databases of one passphrase have nothing in common. */
+static void test_passphrase(void **state)
+{
+    struct crypt_root root, next;
+    struct crypt *v, *w, *again;
+    unsigned char a[CRYPT_HASH], b[CRYPT_HASH], sign[CRYPT_SIGN], public[CRYPT_KEY];
+
+    (void)state;
+    assert_int_equal(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &root, &v, &e),
+                     ST_OK);
+    assert_int_equal(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &next, &w, &e),
+                     ST_OK);
+    crypt_lookup(v, "subject", "alice", 5, a);
+    crypt_lookup(w, "subject", "alice", 5, b);
+    assert_memory_not_equal(a, b, sizeof a);
+    crypt_mac(v, "here", 4, a);
+    crypt_mac(w, "here", 4, b);
+    assert_memory_not_equal(a, b, sizeof a);
+    crypt_free(w);
+    crypt_sign(v, "here", 4, sign);
+    crypt_public(v, public);
+    assert_memory_equal(root.public, public, sizeof public);
+    assert_true(crypt_verify(public, "here", 4, sign));
+    assert_false(crypt_verify(public, "herf", 4, sign));
+    assert_false(crypt_verify(next.public, "here", 4, sign));
+    assert_int_equal(crypt_open(&root, "open sesame", 11, &again, &e), ST_OK);
+    crypt_mac(again, "here", 4, b);
+    crypt_mac(v, "here", 4, a);
+    assert_memory_equal(a, b, sizeof a);
+    crypt_free(again);
+    assert_int_equal(crypt_open(&root, "open Sesame", 11, &again, &e), ST_EDENIED);
+    assert_int_equal(crypt_open(&root, "", 0, &again, &e), ST_EINVAL);
+    root.mib = 1 << 20; /* a hostile root does not eat the memory */
+    assert_int_equal(crypt_open(&root, "open sesame", 11, &again, &e), ST_ECORRUPT);
+    crypt_free(v);
+}
+
+static void write_key(const char *text, size_t n, mode_t mode)
+{
+    FILE *f;
+
+    (void)unlink(path);
+    assert_non_null(f = fopen(path, "wb"));
+    assert_int_equal(fwrite(text, 1, n, f), n);
+    assert_int_equal(fclose(f), 0);
+    assert_int_equal(chmod(path, mode), 0);
+}
+
+static void test_keyfile(void **state)
+{
+    static char line[CRYPT_SECRET_MAX + 2];
+    unsigned char key[CRYPT_KEY];
+    struct crypt_file *k;
+    struct stat sb;
+
+    (void)state;
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_ENOTFOUND);
+    assert_int_equal(crypt_file_make(path, &e), ST_OK);
+    assert_int_equal(stat(path, &sb), 0);
+    assert_int_equal(sb.st_mode & 0777, 0600);
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_OK);
+    assert_int_equal(crypt_file_key(k, path, key, &e), ST_OK);
+    crypt_file_free(k);
+    assert_int_equal(crypt_file_make(path, &e),
+                     ST_EEXISTS); /* none is ever overwritten */
+    assert_int_equal(crypt_file_make("/nowhere/at/all", &e), ST_EIO);
+
+    memset(line, 'x', sizeof line);
+    write_key(line, CRYPT_SECRET_MAX, 0600);
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_OK);
+    assert_int_equal(k->len, CRYPT_SECRET_MAX);
+    assert_int_equal(crypt_file_key(k, path, key, &e), ST_EINVAL);
+    crypt_file_free(k);
+    write_key(line, CRYPT_SECRET_MAX + 1, 0600);
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_EINVAL);
+    write_key("\n", 1, 0600);
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_EINVAL);
+    write_key("two\nlines\n", 10, 0600);
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_EINVAL);
+    write_key("a\0b", 3, 0600);
+    assert_int_equal(crypt_file_read(path, &k, &e), ST_EINVAL);
+    for (unsigned bit = 0; bit < 5; bit++) { /* permissions of others */
+        static const mode_t loose[] = {0601, 0602, 0604, 0620, 0610};
+        const bool harmless = loose[bit] == 0610;
+
+        write_key("secret", 6, loose[bit]);
+        assert_int_equal(crypt_file_read(path, &k, &e), harmless ? ST_OK : ST_EDENIED);
+        crypt_file_free(k);
+    }
+    if (geteuid() == 0) { /* another user's */
+        write_key("secret", 6, 0600);
+        assert_int_equal(chown(path, 65534, 65534), 0);
+        assert_int_equal(crypt_file_read(path, &k, &e), ST_EDENIED);
+        assert_non_null(strstr(e.msg, "belongs to user 65534"));
+        assert_int_equal(chown(path, 0, 65534),
+                         0); /* root's, for a group: as credentials are */
+        assert_int_equal(chmod(path, 0440), 0);
+        assert_int_equal(crypt_file_read(path, &k, &e), ST_OK);
+        crypt_file_free(k);
+    }
+    assert_int_equal(crypt_file_read(dir, &k, &e), ST_EIO);
+    (void)unlink(path);
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    (void)snprintf(dir, sizeof dir, "/tmp/test_crypt.XXXXXX");
+    if (mkdtemp(dir) == NULL || sodium_init() < 0)
+        return 1;
+    (void)snprintf(path, sizeof path, "%s/key", dir);
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    return rmdir(dir);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_encrypted),
+        cmocka_unit_test(test_root),
+        cmocka_unit_test(test_passphrase),
+        cmocka_unit_test(test_keyfile),
+    };
+
+    return cmocka_run_group_tests_name("crypt", tests, set_up, tear_down);
+}

@@ -1,0 +1,352 @@
+/* link: -Wl,--wrap=sql_run */
+/* Nothing is written on top of what was not verified: the first write of an open store verifies the
+ * rows, and one that differs refuses it, whatever write it is; the file stays as it is.  And what
+ * fails halfway has not happened. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "sql.h"
+#include "store.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+static char secret[65];
+static struct store_token token;
+static struct store_template tmpl;
+
+static void must(enum status st)
+{
+    if (st != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+static struct store *written(void)
+{
+    struct store *s = tempdb_fresh();
+
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &tmpl);
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 0, secret, &token, &e));
+    return s;
+}
+
+/* ---- every sort of write */
+
+static enum status add_subject(struct store *s)
+{
+    return store_subject_add(s, "test", &(struct store_subject){.id = "bob"}, &e);
+}
+
+static enum status enroll(struct store *s)
+{
+    struct store_template t;
+    bool created;
+
+    return tempdb_store(s, "test", "bob", "", &tempdb_face[1], &t, &created, &e);
+}
+
+static enum status enroll_again(struct store *s)
+{
+    struct store_template t;
+    bool created;
+
+    return tempdb_store(s, "test", "alice", "", &tempdb_face[0], &t, &created, &e);
+}
+
+static enum status rename_subject(struct store *s)
+{
+    return store_subject_rename(s, "test", "alice", "bob", &e);
+}
+
+static enum status set(struct store *s)
+{
+    const struct store_subject_change change = {.purpose = "x"};
+
+    return store_subject_set(s, "test", "alice", &change, &e);
+}
+
+static enum status erase(struct store *s)
+{
+    return tempdb_erase(s, "test", "alice", &e);
+}
+
+static enum status purge(struct store *s)
+{
+    return store_subject_purge(s, "test", "alice", &e);
+}
+
+static enum status delete_template(struct store *s)
+{
+    return store_template_delete(s, "test", tmpl.id, &e);
+}
+
+static enum status reencode(struct store *s)
+{
+    struct store_template t;
+    struct face f = {0};
+    bool done;
+    const enum status st =
+        store_reencode(s, "test", tmpl.id, tempdb_work, &f, &t, &done, &e);
+
+    face_free(&f);
+    return st;
+}
+
+static enum status settle_failed(struct store *s)
+{
+    return tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e);
+}
+
+static enum status settle_passed(struct store *s)
+{
+    return tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e);
+}
+
+static enum status reset(struct store *s)
+{
+    return store_attempts_reset(s, "test", "alice", &e);
+}
+
+static enum status event(struct store *s)
+{
+    return store_event(s, "verify", "test", "", "", "match", &e);
+}
+
+static enum status sign(struct store *s)
+{
+    struct log_entry out;
+
+    return store_audit_sign(s, "test", LOG_CHECKPOINT, &out, &e);
+}
+
+static enum status trim(struct store *s)
+{
+    uint64_t cut;
+
+    return store_audit_trim(s, "test", 1, false, &cut, &e);
+}
+
+static enum status create(struct store *s)
+{
+    struct store_token t;
+    char text[65];
+
+    return store_token_create(s, "test", "t", STORE_SCOPE_ALL, 0, text, &t, &e);
+}
+
+static enum status rotate(struct store *s)
+{
+    struct store_token t;
+    char text[65];
+
+    return store_token_rotate(s, "test", token.id, 0, 0, text, &t, &e);
+}
+
+static enum status revoke(struct store *s)
+{
+    return store_token_revoke(s, "test", token.id, &e);
+}
+
+static enum status add_device(struct store *s)
+{
+    unsigned char public[32], key[crypto_sign_SECRETKEYBYTES];
+    struct store_device d;
+
+    (void)crypto_sign_keypair(public, key);
+    return store_device_add(s, "test", "door-1", public, &d, &e);
+}
+
+static enum status remove_device(struct store *s)
+{
+    return store_device_remove(s, "test", "door-1", &e);
+}
+
+static enum status calibrate(struct store *s)
+{
+    struct store_calibration k = {
+        .fmr = 0.001, .low = 0, .high = 2, .table = {1, 2, {{-50, 1}, {1, 0.001}}}};
+
+    return store_calibration_add(s, "test", &k, &e);
+}
+
+static enum status (*const write_it[])(struct store *s) = {
+    add_subject,   enroll,    enroll_again,    rename_subject, set,           erase,
+    purge,         reencode,  reset,           settle_passed,  settle_failed, event,
+    sign,          trim,      create,          rotate,         revoke,        add_device,
+    remove_device, calibrate, delete_template,
+};
+
+/* ---- the tests */
+
+static unsigned char *read_file(size_t *n)
+{
+    unsigned char *bytes = malloc(4 << 20);
+    FILE *f = fopen(tempdb_path, "rb");
+
+    assert_non_null(bytes);
+    assert_non_null(f);
+    *n = fread(bytes, 1, 4 << 20, f);
+    (void)fclose(f);
+    return bytes;
+}
+
+static void test_first_write(void **state)
+{
+    const size_t n = sizeof write_it / sizeof *write_it;
+    struct store_template *list;
+    struct store_token t;
+    unsigned char *before, *after;
+    size_t nbefore, nafter, templates;
+    struct store *s = written();
+
+    (void)state;
+    store_close(s);
+    s = tempdb_open(STORE_WRITE); /* as written: all but what is not there succeeds */
+    for (size_t i = 0; i < n; i++)
+        assert_int_not_equal(write_it[i](s), ST_EREFUSED);
+    store_close(s);
+
+    store_close(written());
+    tempdb_sql(
+        "UPDATE tokens SET used = NULL; UPDATE subjects SET disabled = 1 - disabled;"
+        "PRAGMA journal_mode = DELETE; PRAGMA journal_mode = WAL");
+    before = read_file(&nbefore);
+    for (size_t i = 0; i < n; i++) {
+        s = tempdb_open(STORE_WRITE);
+        must(store_token_check(s, secret, &t, &e)); /* reads go on, and note no use */
+        assert_string_equal(t.used, "");
+        assert_int_equal(store_template_list(s, "alice", &list, &templates, &e),
+                         ST_ECORRUPT); /* her row is read, and is not authentic */
+        if (write_it[i](s) != ST_EREFUSED && e.code != ST_ECORRUPT)
+            fail_msg("write %zu: %s", i, e.msg);
+        if (e.code == ST_EREFUSED) { /* it came to the write */
+            assert_true(store_refused(s, &e));
+            assert_int_equal(store_token_check(s, secret, &t, &e), ST_EREFUSED);
+            assert_int_equal(store_ready(s, &e), ST_EREFUSED);
+        }
+        assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
+        store_close(s);
+        after = read_file(&nafter);
+        assert_int_equal(nafter, nbefore);
+        assert_memory_equal(after, before, nbefore);
+        free(after);
+    }
+    free(before);
+}
+
+/* ---- a statement fails */
+
+static unsigned fail_at; /* the n-th that gives no rows, a commit too; 0: none */
+
+enum status __real_sql_run(struct sql_txn *t, const char *text,
+                           const struct sql_value *value, size_t n, struct errinfo *why);
+enum status __wrap_sql_run(struct sql_txn *t, const char *text,
+                           const struct sql_value *value, size_t n, struct errinfo *why);
+
+enum status __wrap_sql_run(struct sql_txn *t, const char *text,
+                           const struct sql_value *value, size_t n, struct errinfo *why)
+{
+    if (strcmp(text, "ROLLBACK") != 0 && fail_at > 0 && --fail_at == 0)
+        return errinfo_set(why, ST_EIO, "no room");
+    return __real_sql_run(t, text, value, n, why);
+}
+
+static void test_failed(void **state)
+{
+    unsigned failed = 0;
+
+    (void)state;
+    for (size_t i = 0; i < sizeof write_it / sizeof *write_it; i++) {
+        struct store *s = written(), *other = tempdb_open(STORE_READ);
+        const int64_t changes = tempdb_number("SELECT count(*) FROM change_log"),
+                      accesses = tempdb_number("SELECT count(*) FROM access_log");
+        bool done = false;
+
+        for (unsigned n = 1; !done; n++) {
+            fail_at = n;
+            (void)write_it[i](s);
+            done = fail_at > 0; /* it has no n-th */
+            fail_at = 0;
+            if (!done) {
+                failed++;
+                assert_int_equal(e.code, ST_EIO);
+                assert_int_equal(tempdb_number("SELECT count(*) FROM change_log"),
+                                 changes);
+                assert_int_equal(tempdb_number("SELECT count(*) FROM access_log"),
+                                 accesses);
+            }
+            must(store_verify(s, NULL, NULL, &e));
+            must(store_verify(other, NULL, NULL, &e));
+        }
+        must(event(s));
+        store_close(other);
+        store_close(s);
+    }
+    print_message("  %u failures\n", failed);
+    assert_true(failed > 40);
+}
+
+struct lines {
+    unsigned n;
+    char last[200];
+};
+
+static void note(void *arg, const char *line)
+{
+    struct lines *l = arg;
+
+    l->n++;
+    (void)snprintf(l->last, sizeof l->last, "%s", line);
+}
+
+/* It says what is wrong, and a store that only reads can verify too. */
+static void test_verify(void **state)
+{
+    struct lines l = {0};
+    struct store *s = written();
+
+    (void)state;
+    must(store_verify(s, note, &l, &e));
+    assert_int_equal(l.n, 0);
+    store_close(s);
+    s = tempdb_open(STORE_READ);
+    must(store_verify(s, NULL, NULL, &e));
+    tempdb_sql("UPDATE tokens SET scopes = 'read'");
+    assert_int_equal(store_verify(s, note, &l, &e), ST_EREFUSED);
+    assert_int_equal(l.n, 2); /* the row, and so the sum */
+    assert_non_null(strstr(l.last, "not those of the last change"));
+    assert_int_equal(store_verify(s, note, &l, &e), ST_EREFUSED);
+    assert_int_equal(l.n, 2); /* it is not asked again */
+    store_close(s);
+    s = tempdb_open(STORE_WRITE);
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
+    assert_non_null(strstr(e.msg, token.id)); /* the first problem is told */
+    tempdb_sql(
+        "UPDATE tokens SET scopes = 'enroll,verify,identify,read,delete,manage,detail'");
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED); /* for good */
+    store_close(s);
+    s = tempdb_open(STORE_WRITE);
+    must(store_verify(s, NULL, NULL, &e));
+    must(create(s));
+    store_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_first_write),
+        cmocka_unit_test(test_failed),
+        cmocka_unit_test(test_verify),
+    };
+
+    return cmocka_run_group_tests_name("verify", tests, tempdb_begin_faces,
+                                       tempdb_end_faces);
+}

@@ -1,0 +1,220 @@
+#include "filled.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <sodium.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "errinfo.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+
+static void must(enum status st)
+{
+    if (st != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+static void add_devices(struct store *s)
+{
+    static const char text[] = "a capture";
+    unsigned char public[32], key[crypto_sign_SECRETKEYBYTES];
+    char nonce[STORE_NONCE_TEXT + 1], expires[32];
+    struct store_capture c = {.device = "door-2", .nonce = nonce, .text = text, .len = 9};
+    enum store_captured is;
+    struct store_device d;
+
+    for (int i = 1; i < 3; i++) {
+        (void)crypto_sign_keypair(public, key);
+        must(store_device_add(s, "test", i == 1 ? "door-1" : "door-2", public, &d, &e));
+    }
+    must(store_capture_nonce(s, nonce, expires, &e));
+    (void)crypto_sign_detached(c.signature, NULL, (const unsigned char *)text, 9, key);
+    must(store_capture_take(s, &c, &is, &e));
+    assert_int_equal(is, STORE_CAPTURED);
+}
+
+static void add_tokens(struct store *s, struct filled *f)
+{
+    struct store_token t;
+    char secret[65];
+
+    must(store_token_create(s, "test", "gate", STORE_SCOPE_ALL, 3600, f->gate, &t, &e));
+    memcpy(f->gate_id, t.id, sizeof f->gate_id);
+    must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 0, secret, &t, &e));
+    memcpy(f->door_id, t.id, sizeof f->door_id);
+    must(store_token_rotate(s, "test", f->door_id, 3600, 0, f->door, &t, &e));
+    must(store_token_check(s, f->door, &t, &e));
+    must(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, secret, &t, &e));
+    must(store_token_revoke(s, "test", t.id, &e));
+}
+
+struct store *filled_fresh(struct filled *f)
+{
+    static const bool yes = true;
+    struct store *s = tempdb_fresh();
+    struct store_subject carol = {.id = "carol",
+                                  .reference = "C-17",
+                                  .purpose = "the door",
+                                  .expires = "2090-01-01"};
+    struct store_calibration k = {
+        .fmr = 0.001, .low = 0, .high = 2, .table = {1, 2, {{-50, 1}, {1, 0.001}}}};
+    struct store_template t;
+
+    tempdb_enroll(s, "alice", "left", &tempdb_face[0], &t);
+    tempdb_enroll(s, "alice", "right", &tempdb_face[1], &t);
+    tempdb_enroll(s, "bob", "", &tempdb_face[2], &t);
+    must(store_subject_add(s, "test", &carol, &e));
+    must(store_subject_set(
+        s, "test", "alice",
+        &(struct store_subject_change){.hold = &yes, .expires = "2080-01-01"}, &e));
+    must(store_subject_set(s, "test", "carol",
+                           &(struct store_subject_change){.disabled = &yes}, &e));
+    must(tempdb_settle(s, "bob", STORE_SETTLE_FAILED, &e));
+    add_devices(s);
+    add_tokens(s, f);
+    must(store_calibration_add(s, "test", &k, &e));
+    k.shipped = true;
+    must(store_calibration_add(s, "test", &k, &e));
+    must(store_event(s, "verify", "door", "alice", "", "match", &e));
+    return s;
+}
+
+/* ---- what it tells */
+
+__attribute__((format(printf, 2, 3))) static void say(char out[FILLED_TEXT],
+                                                      const char *form, ...)
+{
+    const size_t n = strlen(out);
+    va_list args;
+    int more;
+
+    va_start(args, form);
+    more = vsnprintf(out + n, FILLED_TEXT - n, form, args);
+    va_end(args);
+    assert_true(more >= 0 && (size_t)more < FILLED_TEXT - n);
+}
+
+static void say_templates(struct store *s, const char *subject, char *out)
+{
+    struct store_template *list, got;
+    struct face f = {0};
+    size_t n;
+
+    must(store_template_list(s, subject, &list, &n, &e));
+    for (size_t i = 0; i < n; i++) {
+        must(store_template_load(s, list[i].id, &got, tempdb_work, &f, &e));
+        say(out, " template %s %s %s %s %s %u %u %d %g %g\n", list[i].id, list[i].label,
+            list[i].created, list[i].digest, list[i].engine, f.surface.mesh.nv,
+            list[i].triangles, list[i].manager, list[i].first_score,
+            list[i].quality.noise_mm);
+    }
+    free(list);
+    face_free(&f);
+}
+
+static void say_subjects(struct store *s, char *out)
+{
+    struct store_subject *list;
+    char uid[2 * STORE_UID + 1];
+    size_t n;
+
+    must(store_subject_list(s, 0, 100, &list, &n, &e));
+    for (size_t i = 0; i < n; i++) {
+        (void)sodium_bin2hex(uid, sizeof uid, list[i].uid, STORE_UID);
+        say(out, "subject %s %s %s %s %s %s %s %d %d %u\n", uid, list[i].id,
+            list[i].reference, list[i].purpose, list[i].created, list[i].expires,
+            list[i].seen, list[i].hold, list[i].disabled, list[i].templates);
+        say_templates(s, list[i].id, out);
+    }
+    free(list);
+}
+
+static void say_tokens(struct store *s, char *out)
+{
+    struct store_token *list;
+    size_t n;
+
+    must(store_token_list(s, &list, &n, &e));
+    for (size_t i = 0; i < n; i++)
+        say(out, "token %s %s %u %s %s %s %s %d\n", list[i].id, list[i].name,
+            list[i].scopes, list[i].created, list[i].expires, list[i].used,
+            list[i].old_until, list[i].revoked);
+    free(list);
+}
+
+static void say_devices(struct store *s, char *out)
+{
+    struct store_device *list;
+    char public[2 * CRYPT_KEY + 1];
+    size_t n;
+
+    must(store_device_list(s, &list, &n, &e));
+    for (size_t i = 0; i < n; i++)
+        say(out, "device %s %s %s %s\n", list[i].id, list[i].name, list[i].created,
+            sodium_bin2hex(public, sizeof public, list[i].public, CRYPT_KEY));
+    free(list);
+}
+
+static void say_calibrations(struct store *s, char *out)
+{
+    struct store_calibration *list;
+    size_t n;
+
+    must(store_calibration_list(s, &list, &n, &e));
+    for (size_t i = 0; i < n; i++)
+        say(out, "calibration %d %s %s %s %d %g %g %u\n", (int)list[i].version,
+            list[i].created, list[i].actor, list[i].engine, list[i].shipped, list[i].fmr,
+            list[i].table.threshold, list[i].table.n);
+    free(list);
+}
+
+/* A query's only column, a line each. */
+static void say_query(const char *text, char *out)
+{
+    sqlite3_stmt *stmt;
+    sqlite3 *db;
+
+    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
+    if (sqlite3_prepare_v2(db, text, -1, &stmt, NULL) != SQLITE_OK)
+        fail_msg("%s: %s", text, sqlite3_errmsg(db));
+    while (sqlite3_step(stmt) == SQLITE_ROW)
+        say(out, "%s\n", (const char *)sqlite3_column_text(stmt, 0));
+    (void)sqlite3_finalize(stmt);
+    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+}
+
+void filled_look(struct store *s, char out[FILLED_TEXT])
+{
+    struct store_attempts *list;
+    size_t n;
+
+    out[0] = '\0';
+    say_subjects(s, out);
+    say_tokens(s, out);
+    say_devices(s, out);
+    say_calibrations(s, out);
+    must(store_attempts_list(s, &list, &n, &e));
+    for (size_t i = 0; i < n; i++)
+        say(out, "attempts %s %s %u %s\n", list[i].subject, list[i].token,
+            list[i].failures, list[i].at);
+    free(list);
+    say_query("SELECT 'nonce ' || until_ms || hex(nonce) FROM nonces ORDER BY 1", out);
+}
+
+void filled_hashes(char out[FILLED_TEXT])
+{
+    out[0] = '\0';
+    say_query("SELECT 'change ' || seq || ' ' || hex(hash) FROM change_log ORDER BY seq",
+              out);
+    say_query("SELECT 'access ' || seq || ' ' || hex(hash) FROM access_log ORDER BY seq",
+              out);
+}

@@ -1,0 +1,10 @@
+/* fixed_keys.h -- keys that are the same on every run, for tests of bytes that are written down. */
+#ifndef TESTS_FIXED_KEYS_H
+#define TESTS_FIXED_KEYS_H
+
+struct crypt;
+
+/* fixed_keys(): every secret of it is 32 times 0x5a; released by crypt_free().  One thread. */
+struct crypt *fixed_keys(void);
+
+#endif

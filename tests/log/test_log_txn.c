@@ -1,0 +1,302 @@
+/* What a transaction sees of the logs: an open store refuses for good what is older than it has
+ * seen or another branch, and takes what others add; no store takes an end that is not authentic. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+#include "store_txn.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+
+static void add(struct store *s, const char *id)
+{
+    struct store_subject one = {.reference = ""};
+
+    (void)snprintf(one.id, sizeof one.id, "%s", id);
+    if (store_subject_add(s, "test", &one, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+static void use(struct store *s)
+{
+    if (store_event(s, "verify", "test", "", "", "match", &e) != ST_OK)
+        fail_msg("%s", e.msg);
+}
+
+/* All tables as they are, and as they were. */
+static void keep(const char *name)
+{
+    char text[100];
+
+    (void)snprintf(text, sizeof text, "VACUUM INTO '%s-%s'", tempdb_path, name);
+    tempdb_sql(text);
+}
+
+static void put_back(const char *name)
+{
+    static const char *const table[] = {"subjects", "change_log", "access_log"};
+    char text[600];
+    int n =
+        snprintf(text, sizeof text, "ATTACH '%s-%s' AS old; BEGIN;", tempdb_path, name);
+
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
+        n += snprintf(text + n, sizeof text - (size_t)n,
+                      "DELETE FROM main.%s; INSERT INTO main.%s SELECT * FROM old.%s;",
+                      table[i], table[i], table[i]);
+    (void)snprintf(text + n, sizeof text - (size_t)n, "COMMIT");
+    tempdb_sql(text);
+}
+
+static uint64_t last(struct store *s)
+{
+    struct log_end end;
+
+    if (store_last_change(s, &end, &e) != ST_OK)
+        fail_msg("%s", e.msg);
+    return end.seq;
+}
+
+static void assert_refused(struct store *s, const char *why)
+{
+    struct errinfo again = {ST_OK, ""};
+    struct log_end end;
+
+    assert_int_equal(store_last_change(s, &end, &e), ST_EREFUSED);
+    assert_non_null(strstr(e.msg, why));
+    assert_true(store_refused(s, &again));
+    assert_string_equal(again.msg, e.msg);
+    assert_int_equal(store_event(s, "verify", "", "", "", "", &e), ST_EREFUSED);
+}
+
+/* Another handle, and another process. */
+static void test_follow(void **state)
+{
+    struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
+    pid_t child;
+    int status;
+
+    (void)state;
+    assert_int_equal(last(s), 1);
+    for (int i = 0; i < 3; i++) {
+        char id[16];
+
+        (void)snprintf(id, sizeof id, "a%d", i);
+        add(other, id);
+        assert_int_equal(last(s), 2 + 2 * i);
+        (void)snprintf(id, sizeof id, "b%d", i);
+        add(s, id);
+        assert_int_equal(last(other), 3 + 2 * i);
+    }
+    if ((child = fork()) == 0) {
+        struct store_subject one = {.id = "carol"};
+        struct store *mine;
+
+        _exit(store_open(tempdb_path, STORE_WRITE, NULL, &mine, &e) == ST_OK &&
+                      store_subject_add(mine, "test", &one, &e) == ST_OK
+                  ? 0
+                  : 1);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(last(s), 8);
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
+    store_close(other);
+    store_close(s);
+}
+
+/* All of the older state, which verifies: who has seen more refuses it, however it goes on. */
+static void test_older(void **state)
+{
+    struct store *s = tempdb_fresh(), *late, *other;
+
+    (void)state;
+    add(s, "alice");
+    keep("old");
+    add(s, "bob");
+    late = tempdb_open(STORE_WRITE);
+    assert_int_equal(last(late), 3);
+    put_back("old");
+    assert_refused(s, "it is an older one, without change 3");
+    other = tempdb_open(STORE_WRITE); /* which cannot know */
+    for (int i = 0; i < 2; i++) {
+        char id[16];
+
+        (void)snprintf(id, sizeof id, "c%d", i);
+        add(other, id);
+    }
+    assert_int_equal(last(other), 4);
+    assert_refused(s, "it is an older one, without change 3");
+    assert_refused(late, "its log is another one from change 3");
+    store_close(other);
+    store_close(late);
+    store_close(s);
+}
+
+/* An older file under the name, and a new one. */
+static void test_moved(void **state)
+{
+    struct store *s = tempdb_fresh();
+    char old[64];
+
+    (void)state;
+    add(s, "alice");
+    keep("old");
+    (void)snprintf(old, sizeof old, "%.40s-old", tempdb_path);
+    assert_int_equal(rename(old, tempdb_path), 0);
+    assert_refused(s, "moved, removed or replaced");
+    store_close(s);
+}
+
+/* Between what was seen and the end: each entry follows the one before. */
+static void test_between(void **state)
+{
+    static const char *const sql[] = {
+        "UPDATE change_log SET outcome = 'x' WHERE seq = 3",
+        "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 3",
+        "DELETE FROM change_log WHERE seq = 3",
+        "UPDATE change_log SET digest = zeroblob(72) WHERE seq = 3",
+        "UPDATE change_log SET access_seq = 1 WHERE seq = 3",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
+        struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
+
+        add(s, "alice");
+        add(other, "bob");
+        add(other, "carol");
+        add(other, "dave");
+        tempdb_sql(sql[i]);
+        assert_refused(s, "its log is another one from change 2");
+        store_close(other);
+        store_close(s);
+    }
+}
+
+/* The last entry: each column of it, and its being there. */
+static void test_end(void **state)
+{
+    static const char *const sql[] = {
+        "UPDATE change_log SET at = '2020-01-01T00:00:00.000Z' WHERE seq = 3",
+        "UPDATE change_log SET kind = 'x' WHERE seq = 3",
+        "UPDATE change_log SET actor = 'x' WHERE seq = 3",
+        "UPDATE change_log SET uid = zeroblob(16) WHERE seq = 3",
+        "UPDATE change_log SET object = 'x' WHERE seq = 3",
+        "UPDATE change_log SET outcome = 'x' WHERE seq = 3",
+        "UPDATE change_log SET access_seq = 0 WHERE seq = 3",
+        "UPDATE change_log SET access_hash = zeroblob(32) WHERE seq = 3",
+        "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 3",
+        "UPDATE change_log SET mac = zeroblob(32) WHERE seq = 3",
+        "UPDATE change_log SET seq = 4 WHERE seq = 3",
+        "UPDATE change_log SET digest = (SELECT digest FROM change_log WHERE seq = 2)",
+        ("UPDATE change_log SET digest = (SELECT digest FROM branch.change_log WHERE seq = 3)"
+         " WHERE seq = 3"), /* of the same number, by the same key */
+        "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 2",
+        "DELETE FROM change_log",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
+        const struct store_key key = {.make = CRYPT_FILE};
+        struct store *s = tempdb_fresh(), *other;
+        char text[300];
+
+        use(s);
+        add(s, "alice");
+        keep("old");
+        add(s, "carol");
+        keep("branch");
+        store_close(s);
+        put_back("old");
+        s = tempdb_open(STORE_WRITE);
+        add(s, "bob");
+        (void)snprintf(text, sizeof text, "ATTACH '%s-branch' AS branch; %s", tempdb_path,
+                       sql[i]);
+        tempdb_sql(text);
+        assert_int_equal(store_open(tempdb_path, STORE_READ, &key, &other, &e),
+                         ST_ECORRUPT);
+        if (strstr(sql[i], "SET mac") == NULL) /* it has seen this entry */
+            assert_refused(s, "");
+        store_close(s);
+    }
+}
+
+/* Accesses follow the last one, whose MAC is verified, and the one that the last change found. */
+static void test_accesses(void **state)
+{
+    static const char *const sql[] = {
+        "UPDATE access_log SET mac = zeroblob(32) WHERE seq = 3",
+        "UPDATE access_log SET hash = zeroblob(32) WHERE seq = 3",
+        "DELETE FROM access_log WHERE seq >= 2", /* the last change found two */
+        "DELETE FROM access_log",
+    };
+
+    (void)state;
+    for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
+        struct store *s = tempdb_fresh();
+        struct store_subject bob = {.id = "bob"};
+
+        use(s);
+        use(s);
+        add(s, "alice");
+        use(s);
+        tempdb_sql(sql[i]);
+        assert_int_equal(store_event(s, "verify", "", "", "", "", &e), ST_ECORRUPT);
+        assert_non_null(strstr(e.msg, "the last entry of the access log"));
+        assert_int_equal(store_subject_add(s, "test", &bob, &e), ST_ECORRUPT);
+        assert_int_equal(tempdb_number("SELECT count(*) FROM change_log"), 2);
+        store_close(s);
+    }
+}
+
+/* Rows are not changed without an entry, and an entry's digest is that of the rows. */
+static void test_unlogged(void **state)
+{
+    struct store *s = tempdb_fresh();
+    unsigned char mac[CRYPT_HASH] = {1}, sum[LOG_DIGEST];
+    struct log_act by;
+    struct log_txn t;
+    bool same;
+
+    (void)state;
+    assert_int_equal(store_act_begin(s, "test", SQL_WRITE, &by, &t, &e), ST_OK);
+    assert_int_equal(log_txn_count(&t, NULL, mac, &e), ST_OK);
+    assert_int_equal(store_end(s, &t, ST_OK, &e), ST_EINTERNAL);
+    assert_int_equal(last(s), 1);
+
+    assert_int_equal(store_act_begin(s, "test", SQL_WRITE, &by, &t, &e), ST_OK);
+    assert_int_equal(log_txn_count(&t, NULL, mac, &e), ST_OK);
+    assert_int_equal(log_change(&t, &by, "test", NULL, "", "", &e), ST_OK);
+    assert_int_equal(store_end(s, &t, ST_OK, &e), ST_OK);
+    assert_int_equal(store_begin(s, SQL_READ, &t, &e), ST_OK);
+    memset(sum, 0, sizeof sum);
+    log_txn_add(s->crypt, mac, sum);
+    assert_int_equal(log_txn_agrees(&t, sum, &same, &e), ST_OK);
+    assert_true(same);
+    sum[31] ^= 0x80;
+    assert_int_equal(log_txn_agrees(&t, sum, &same, &e), ST_OK);
+    assert_false(same);
+    assert_int_equal(store_end(s, &t, ST_OK, &e), ST_OK);
+    store_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_follow),   cmocka_unit_test(test_older),
+        cmocka_unit_test(test_moved),    cmocka_unit_test(test_between),
+        cmocka_unit_test(test_end),      cmocka_unit_test(test_accesses),
+        cmocka_unit_test(test_unlogged),
+    };
+
+    return cmocka_run_group_tests_name("log_txn", tests, tempdb_begin, tempdb_end);
+}
