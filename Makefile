@@ -2,7 +2,7 @@
 #
 # A room is a folder of modules.  The Makefile finds the files by their names: the *.c files
 # of a room become an archive, build/libROOM.a; server/main.c and ctl/main.c hold the programs'
-# main(); tools/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
+# main(); sim/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
 # tests/ROOM/test_*.c are unit tests, each linked only with its room and the rooms that it sees.
 # A test that needs a linker flag has a line:  /* link: -Wl,--wrap=f */
 # Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
@@ -22,31 +22,38 @@ DESTDIR      ?=
 OPT          ?= -O3
 WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
-VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face.h)
+VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face/face.h)
 
 # ---- the rooms, and the others that each may include and link, in link order
 
-DB          := db db/rows db/log db/crypt
-ROOMS       := core base scan learn db/sql db/crypt db/log db/rows db db/admin verify server ctl tools
-SEES_core     :=
-SEES_base     := core
-SEES_scan     := base core
-SEES_learn    := scan base core
-SEES_db/sql   := base core
-SEES_db/crypt := base core
-SEES_db/log   := db/sql db/crypt base core
-SEES_db/rows  := db/log db/sql db/crypt base core
-SEES_db       := db/rows db/log db/sql db/crypt scan base core
-SEES_db/admin := db db/rows db/log db/sql db/crypt scan base core
-SEES_verify   := $(DB) scan base core
-SEES_server   := verify $(DB) scan base core
-SEES_ctl      := verify db/admin $(DB) learn scan base core
-SEES_tools    := scan base core
+FACE         := core/face core/measure core/mesh
+CORE         := core/find $(FACE)
+DB           := db db/rows db/log db/crypt
+ROOMS        := core/mesh core/measure core/face core/find core base scan learn \
+                db/sql db/crypt db/log db/rows db db/admin service server ctl sim
+SEES_core/mesh    :=
+SEES_core/measure := core/mesh
+SEES_core/face    := core/measure core/mesh
+SEES_core/find    := $(FACE)
+SEES_core     := $(CORE)
+SEES_base     := $(FACE)
+SEES_scan     := base $(CORE)
+SEES_learn    := scan base $(CORE)
+SEES_db/sql   := base core/mesh
+SEES_db/crypt := base core/mesh
+SEES_db/log   := db/sql db/crypt base core/mesh
+SEES_db/rows  := db/log db/sql db/crypt base $(FACE)
+SEES_db       := db/rows db/log db/sql db/crypt scan base $(CORE)
+SEES_db/admin := db db/rows db/log db/sql db/crypt scan base $(CORE)
+SEES_service  := $(DB) scan base $(CORE)
+SEES_server   := service $(DB) scan base $(CORE)
+SEES_ctl      := service db/admin $(DB) learn scan base $(CORE)
+SEES_sim      := scan base $(CORE)
 # What a room is linked with besides, for those that see the room and not this.
 LINKS_db/log := db/sql
 
 # The libraries that a room needs in addition to the C library.
-NEEDS_core   := -lm
+NEEDS_core/mesh := -lm
 NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_scan   := -lspng
 NEEDS_db/sql := -lsqlite3 -lpthread
@@ -84,7 +91,7 @@ TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
 BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))
 BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
-TOOL_BIN  := $(call programs,$(filter-out tools/model_main.c,$(wildcard tools/*_main.c)))
+TOOL_BIN  := $(call programs,$(filter-out sim/model_main.c,$(wildcard sim/*_main.c)))
 AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
 # Preloaded into finished programs; the recorder not into sanitized ones.
@@ -106,7 +113,7 @@ $(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c,$(w
 endef
 $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 
-# A folder of tests sees what its room sees, the room itself, tools and tests/lib.
+# A folder of tests sees what its room sees, the room itself, sim and tests/lib.
 TEST_ROOMS := $(filter-out lib,$(notdir $(patsubst %/,%,$(wildcard tests/*/))))
 SEES_crypt := $(call sees,db/crypt)
 SEES_log   := $(call sees,db)
@@ -114,14 +121,14 @@ SEES_rows  := $(call sees,db)
 SEES_admin := $(call sees,db/admin)
 SEES_box   := $(call sees,db/admin)
 SEES_fuzz  := server verify learn $(call sees,db/admin)
-SEES_work  := scan base core
+SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
 define testroom
-$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Itools $(call flags,$(1))
+$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(1))
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
-$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Itools $(call flags,db/admin)
-$(BUILD)/studies/%.o:   FLAGS := -Istudies -Itests/lib -Itools $(call flags,scan)
+$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin)
+$(BUILD)/studies/%.o:   FLAGS := -Istudies -Itests/lib -Isim $(call flags,scan)
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -143,21 +150,21 @@ $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.
-MODEL_H := $(addprefix core/,model.h calibration.h grid.h status.h)
-$(BUILD)/gen/model: tools/model_main.c core/model.c core/calibration.c $(MODEL_H) Makefile
+MODEL_H := $(addprefix core/,face/model.h face/calibration.h face/grid.h mesh/status.h)
+$(BUILD)/gen/model: sim/model_main.c core/face/model.c core/face/calibration.c $(MODEL_H) Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
-	$(Q)$(HOSTCC) -std=c11 -O1 -ffp-contract=off -Icore -o $@ $(filter %.c,$^) -lm
+	$(Q)$(HOSTCC) -std=c11 -O1 -ffp-contract=off $(call flags,core/face) -o $@ $(filter %.c,$^) -lm
 
-$(BUILD)/gen/default_model.c: core/default.model $(BUILD)/gen/model
+$(BUILD)/gen/default_model.c: core/face/default.model $(BUILD)/gen/model
 	$(call say,GEN)
 	$(Q)$(BUILD)/gen/model < $< > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c $(MODEL_H) Makefile
 	$(call say,CC)
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -Icore -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(call flags,core/face) -c -o $@ $<
 
-$(call arch,core): $(BUILD)/gen/default_model.o
+$(call arch,core/face): $(BUILD)/gen/default_model.o
 # Helpers that include cmocka are linked only with unit tests: a build for users has no cmocka.
 FIXTURES := $(shell grep -ls '<cmocka.h>' tests/lib/*.c)
 $(call arch,fixtures): $(call obj,$(FIXTURES))
@@ -168,21 +175,19 @@ $(BUILD)/lib%.a:
 	$(call say,AR)
 	$(Q)$(AR) rcs $@ $^
 
-# The core, and the way from points to a face, with a call in each basic block, which tests/work
-# counts.
-COUNTED := $(patsubst %.c,$(BUILD)/counted/%.o,$(wildcard core/*.c scan/find*.c) \
-    $(addprefix scan/,scan.c crop.c gate.c mirror.c sight.c thin.c cloudpoints.c))
+# The core with a call in each basic block, which tests/work counts.
+COUNTED := $(patsubst %.c,$(BUILD)/counted/%.o,$(wildcard $(CORE:%=%/*.c)))
 $(COUNTED): $(BUILD)/counted/%.o: %.c Makefile
 	@mkdir -p $(@D)
 	$(call say,CC)
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc $(call flags,scan) -MMD -MP -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc $(call flags,core/find) -MMD -MP -c -o $@ $<
 $(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
 
 # The library as it is installed: core as one object that exports what core/libsurface.h
 # declares, and nothing else.
-$(BUILD)/libsurface.a: $(call arch,core)
+$(BUILD)/libsurface.a: $(call archs,core)
 	$(call say,AR)
-	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $< -Wl,--no-whole-archive
+	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $^ -Wl,--no-whole-archive
 	$(Q)$(NM) -g --defined-only $(BUILD)/core/libsurface.o | sed 's/.* //' > $(@:.a=.names)
 	$(Q)$(OBJCOPY) --keep-global-symbols=$(@:.a=.names) $(@:.a=.o)
 	@rm -f $@
@@ -196,12 +201,12 @@ $(BUILD)/surfacectl: $(BUILD)/ctl/main.o $(call archs,ctl)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,ctl)
 
-$(TOOL_BIN): $(BUILD)/%: $(BUILD)/tools/%_main.o $(call archs,tools)
+$(TOOL_BIN): $(BUILD)/%: $(BUILD)/sim/%_main.o $(call archs,sim)
 	$(call say,LD)
-	$(Q)$(link) $(call needs,tools)
+	$(Q)$(link) $(call needs,sim)
 
 # The program of scripts/studies.
-$(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call arch,tools) \
+$(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call arch,sim) \
     $(call archs,scan)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,scan)
@@ -214,15 +219,15 @@ linkflags = $$(sed -n 's|^/\* link: \(.*\) \*/$$|\1|p' $(1))
 # The programs in tests/ROOM, linked with tests/lib, the face generator and the rooms they see.
 define testlink
 $(filter $(BUILD)/tests/$(1)/%,$(TEST_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,fixtures) $(call arch,tests) \
-    $(call arch,tools) $(call testarchs,$(1))
+    $(call arch,sim) $(call testarchs,$(1))
 	$$(call say,LD)
 	$$(Q)$$(link) $$(call linkflags,$$*.c) -lcmocka $(call needs,$(1))
 $(filter $(BUILD)/tests/$(1)/%,$(FUZZ_BIN)): $(BUILD)/%: $(BUILD)/%.o $(call arch,tests) \
-    $(call arch,tools) $(call testarchs,$(1))
+    $(call arch,sim) $(call testarchs,$(1))
 	$$(call say,LD)
 	$$(Q)$$(link) $$(if $$(findstring fuzzer,$$(EXTRA)),-fsanitize=fuzzer) $(call needs,$(1))
 $(call programs,$(filter tests/$(1)/%,$(AID_SRC))): $(BUILD)/%: $(BUILD)/tests/$(1)/%_main.o \
-    $(call arch,tests) $(call arch,tools) $(call testarchs,$(1))
+    $(call arch,tests) $(call arch,sim) $(call testarchs,$(1))
 	$$(call say,LD)
 	$$(Q)$$(link) $(call needs,$(1))
 endef
@@ -235,7 +240,7 @@ $(SHIM_BIN): $(BUILD)/%.so: tests/box/%.c tests/lib/crash_op.h Makefile
 	$(Q)$(CC) $(filter-out $(EXTRA) -fPIE,$(CFLAGS)) -fPIC -shared -Itests/lib -o $@ $<
 
 $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/bench/%.o \
-    $(call arch,tests) $(call arch,tools) $(call archs,bench)
+    $(call arch,tests) $(call arch,sim) $(call archs,bench)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,bench)
 
@@ -247,11 +252,12 @@ AIDS := $(AID_BIN) $(SHIM_BIN) $(BUILD)/study
 tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
-# too; and crash, whose preloaded library would be loaded before the sanitizer's.
+# too; those that count basic blocks, which are others there; and crash, whose preloaded library would be loaded before the sanitizer's.
 LONG := ctl-evaluate ctl-train http-openapi accuracy http-hostile studies fault-client crash
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
-    $(BLACK_BOX)),$(BLACK_BOX)) $(TEST_BIN) $(FUZZ_BIN)
+    $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
+    $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN)) $(FUZZ_BIN)
 CHECK     := $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
     $(ALL_TESTS))
 
@@ -378,4 +384,4 @@ help:
 
 .DELETE_ON_ERROR:
 .SECONDARY:
--include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(BUILD)/counted/*/*.d $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)
+-include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(CORE:%=$(BUILD)/counted/%/*.d) $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "cloudformat.h"
 #include "cloudpoints.h"
 #include "cloudunit.h"
 #include "describe.h"
@@ -27,8 +28,8 @@ struct checked {
 static void print_found(const struct scan_found *f)
 {
     (void)printf("format       %s, %zu points, %zu without a value, %zu used\n",
-                 cloudformat_name(f->format), f->points_read, f->points_dropped,
-                 f->points_used);
+                 cloudformat_name((enum cloudformat)f->format), f->points_read,
+                 f->points_dropped, f->points_used);
     (void)printf("unit         %s%s\n",
                  f->unit_mm > 0 ? cloudunit_name(f->unit_mm) : "not found",
                  f->unit_mm > 0 && f->unit_found ? " (found)" : "");

@@ -1,5 +1,5 @@
 /* in_force.h -- the calibration in force: the newest of the store, or the table that comes
- * with the model (core/model.h) that the store is used with, where there is none, where the
+ * with the model (core/face/model.h) that the store is used with, where there is none, where the
  * newest says so, and where it was made for another measure than this program's or for another
  * model. */
 #ifndef DB_IN_FORCE_H

@@ -1,5 +1,5 @@
 /* population.h -- what is known of a population's faces, before it is cut down to the modes of a
- * model (core/model.h): the mean face and, about it, how gaps vary within a person and between
+ * model (core/face/model.h): the mean face and, about it, how gaps vary within a person and between
  * people.  It is learned from a morphable model (population_render.h), or taken from a model, and
  * adapted to scans (population_scans.h). */
 #ifndef LEARN_POPULATION_H

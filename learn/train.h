@@ -1,4 +1,4 @@
-/* train.h -- a model (core/model.h) from a morphable model, from scans of real people, or from
+/* train.h -- a model (core/face/model.h) from a morphable model, from scans of real people, or from
  * both: docs/model.md, "How it is learned".
  * Deterministic: the same files give the same model, with any compiler and any number of
  * threads. */

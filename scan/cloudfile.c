@@ -106,7 +106,7 @@ static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
 static enum status parse_as(struct cloudtext *t, const struct cloudfile_options *o,
                             struct cloudlist *list)
 {
-    switch (list->out.format) {
+    switch ((enum cloudformat)list->out.format) {
     case CLOUDFORMAT_PLY:
         return cloudply_parse(t, list);
     case CLOUDFORMAT_STL:
@@ -163,16 +163,18 @@ static const char *foreign(const struct cloudtext *t, enum cloudformat declared)
 static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
                          struct cloudlist *list)
 {
-    const enum cloudformat declared = list->out.format;
+    const enum cloudformat declared = (enum cloudformat)list->out.format;
     const char *name = foreign(t, declared);
     struct cloudtext whole = *t;
+    enum cloudformat found = declared;
     enum status st = ST_OK;
 
     if (name != NULL)
         return errinfo_set(t->e, ST_EVERSION,
                            "%s, which is not read: send " CLOUDFORMAT_READ, name);
     if (declared == CLOUDFORMAT_ANY)
-        st = recognise(t, &list->out.format);
+        st = recognise(t, &found);
+    list->out.format = found;
     if (st == ST_OK)
         st = parse_as(t, o, list);
     return st == ST_EINVAL && declared != CLOUDFORMAT_ANY ? blame(&whole, declared) : st;

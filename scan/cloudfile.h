@@ -4,6 +4,7 @@
 #define SCAN_CLOUDFILE_H
 #include <stddef.h>
 #include "clouddepth.h"
+#include "cloudformat.h"
 #include "cloudpoints.h"
 #include "status.h"
 

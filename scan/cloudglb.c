@@ -381,6 +381,7 @@ enum status cloudglb_parse(struct cloudtext *t, struct cloudlist *list)
         st = push(&s, nodes_of_scene(&s), none);
     if (st == ST_OK)
         st = read_nodes(&s);
+    list->out.usual_mm = 1000; /* glTF is in metres */
     if (st == ST_OK && list->out.read == 0)
         st = errinfo_set(s.e, ST_EINVAL,
                          "GLB: no node of the scene has a mesh with points");

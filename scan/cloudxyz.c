@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "cloudformat.h"
 #include "cloudheading.h"
 #include "cloudlist.h"
 #include "cloudtext.h"

@@ -60,6 +60,11 @@ alone() {
     done
 }
 
+# sees ROOM: the rooms that it sees
+sees() {
+    make -s layers | sed -n "s|^$1 ||p"
+}
+
 rooms=''
 make -s layers >"$list.rooms"
 while read -r room sees; do
@@ -72,10 +77,11 @@ while read -r room sees; do
     [ -z "$headless" ] || complain "no header of its name: $headless"
 done <"$list.rooms"
 rm -f "$list.rooms"
-own studies studies tests/lib tools scan base core
+# shellcheck disable=SC2046 # rooms
+own studies studies tests/lib sim $(sees sim)
 
-libc='assert|ctype|errno|float|inttypes|limits|malloc|math|stdarg|stdbool|stddef|stdint|stdio|stdlib|string'
-grep -H '^# *include *<' core/*.[ch] | grep -Ev "<($libc)\.h>" |
+libc='assert|ctype|errno|float|inttypes|limits|malloc|math|stdarg|stdatomic|stdbool|stddef|stdint|stdio|stdlib|string'
+grep -H '^# *include *<' core/*.[ch] core/*/*.[ch] | grep -Ev "<($libc)\.h>" |
     sed 's|^|check_deps: |' | grep . && bad=1
 
 # only PATTERN NUMBER ROOMS NAME: at most NUMBER files of each of ROOMS include a header matching
@@ -100,7 +106,7 @@ only 'microhttpd.*' 2 server libmicrohttpd
 memory='malloc|calloc|realloc|aligned_alloc|posix_memalign|free|strdup'
 world='printf|fprintf|puts|fputs|fputc|putchar|fwrite|perror|exit|_exit|abort|fopen|open|read'
 world="$world|write|time|clock|clock_gettime|rand|random|setlocale|getenv"
-for object in "$build"/core/*.o; do
+for object in "$build"/core/*.o "$build"/core/*/*.o; do
     case $object in
     */mem.o) never=$world ;;
     *) never="$world|$memory" ;;
@@ -111,6 +117,6 @@ for object in "$build"/core/*.o; do
 done
 echo 'int main(void) { return 0; }' |
     ${CC:-gcc} -x c - -x none -o "$build/core_alone" -Wl,--whole-archive \
-        "$build/libcore.a" -Wl,--no-whole-archive -lm ||
+        "$build/libsurface.a" -Wl,--no-whole-archive -lm ||
     complain "core does not link with -lm alone"
 exit $bad

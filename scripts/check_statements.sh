@@ -31,7 +31,8 @@ fail() {
 for room in db rows log admin; do strings -n 8 "$BUILD/lib$room.a"; done |
     grep -E '^(SELECT|INSERT|UPDATE|DELETE|WITH) ' | LC_ALL=C sort -u >"$dir/written"
 [ -s "$BUILD/log/statements" ] || fail "no test has recorded a statement: make check"
-sed -n 's/;$//p' "$BUILD/log/statements" | LC_ALL=C sort -u >"$dir/prepared"
+# Not those with a quoted 'main': a module of SQLite's that an attacker's schema names prepares them.
+sed -n "/'main'\./d; s/;\$//p" "$BUILD/log/statements" | LC_ALL=C sort -u >"$dir/prepared"
 n=$(wc -l <"$dir/written")
 [ "$n" -ge "$least" ] || fail "only $n statements in the libraries of $BUILD"
 LC_ALL=C comm -23 "$dir/written" "$dir/prepared" >"$dir/never"

@@ -25,17 +25,17 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
 
     # allowed(SOURCE): a pattern of the names that the file SOURCE.c may export.
     function allowed(source, folder, module, names) {
-        if (source == "core/predicates")
+        if (source == "core/mesh/predicates")
             return "incircle_.*" # named as in the literature
         if (source == "core/libsurface")
             return "surface_.*" # named after the header as it is installed
-        if (source == "core/mem")
+        if (source == "core/mesh/mem")
             return "(mem|scratch)_.*"
         if (source == "server/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
         if (source == "tests/lib/work")
             return "work_.*|__sanitizer_cov_trace_pc" # which the compiler calls
-        if (source ~ /^(server|ctl)\/main$|^(tools|tests|studies)\/.*_main$/)
+        if (source ~ /^(server|ctl)\/main$|^(sim|tests|studies)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz\//)
             return "main|LLVMFuzzer.*"

@@ -10,7 +10,7 @@ struct process_state {
 };
 
 /* process_begin(): nothing is dumped (nodump.h); what is freed is overwritten, also by
- * libraries, as qsort() and GnuTLS do not, in blocks of more than 1 KB (core/mem.h does
+ * libraries, as qsort() and GnuTLS do not, in blocks of more than 1 KB (core/mesh/mem.h does
  * it for all of its own); blocks that only large requests need go back to the system when
  * they are freed. */
 void process_begin(void);

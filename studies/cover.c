@@ -2,7 +2,7 @@
  * How far the surface that is left lies from the true one, with and without the triangles
  * that bridge a hole, and how verification decides: the evidence for the share below which a
  * comparison is inconclusive.
- * People: made up (tools/facegen.h), and besides the scans of a folder, if one is given:
+ * People: made up (sim/facegen.h), and besides the scans of a folder, if one is given:
  * SUBJECT_enroll.ply with SUBJECT_p1.ply. */
 #include <math.h>
 #include <stdlib.h>

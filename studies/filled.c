@@ -1,4 +1,4 @@
-/* filled.c -- how far restored points (core/fill.h) are from the true face, by the size of the
+/* filled.c -- how far restored points (core/measure/fill.h) are from the true face, by the size of the
  * hole: round and long holes cut out of made-up scans, and out of a folder's, if one is given;
  * there the points that were cut out stand for the truth. */
 #include <math.h>

@@ -4,7 +4,7 @@
  * production but the measure itself, measure_at().
  * Allowed are poses within 10 degrees and 20 mm of the alignment (the turn as one rotation, the
  * shift that of the middle of the probe) with 0.95 of the alignment's common area.
- * People: made up (tools/facegen.h), or the scans of a folder, SUBJECT_enroll.ply with
+ * People: made up (sim/facegen.h), or the scans of a folder, SUBJECT_enroll.ply with
  * SUBJECT_p1.ply to SUBJECT_p4.ply. */
 #include <math.h>
 #include <stdlib.h>

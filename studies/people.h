@@ -16,7 +16,7 @@ struct person {
     size_t n;
 };
 
-/* people_made_up(first, n, w, p): tools/facegen.h's subjects from first on, into p[n]. */
+/* people_made_up(first, n, w, p): sim/facegen.h's subjects from first on, into p[n]. */
 void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p);
 
 /* people_scanned(dir, kind, most, w, p): those of a folder's scans, by name, of which there

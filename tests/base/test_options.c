@@ -145,7 +145,7 @@ static void test_files(void **state)
     assert_true(load(text, false));
     assert_false(load(text, true)); /* the file of the settings is no model */
     assert_non_null(strstr(said, "line 1: not a model"));
-    assert_true(load("db = /tmp/none.db\nmodel = core/default.model\n", true));
+    assert_true(load("db = /tmp/none.db\nmodel = core/face/default.model\n", true));
     assert_false(load("db = /nowhere/none.db\n", true));
 }
 

@@ -116,7 +116,7 @@ wrong "a missing model" 'conf:2: model = .*no.model: No such file'
 echo junk >"$T/no.model"
 wrong "not a model" 'conf:2: model = .*no.model: '
 mkdir "$T/credentials"
-ln -s "$PWD/core/default.model" "$T/credentials/model"
+ln -s "$PWD/core/face/default.model" "$T/credentials/model"
 conf "db = $DB" "model = credential:model"
 wrong "no folder of credentials" 'CREDENTIALS_DIRECTORY is not set'
 export CREDENTIALS_DIRECTORY="$T/credentials"

@@ -54,7 +54,7 @@ is "listed too" "$(jq -r '.refused[].file' "$T/out")" s3_p2.ply
 is "subjects" "$(jq -c '[.subjects, .scans, .mated]' "$T/out")" '[21,62,41]'
 ok "the weight" jq_true '(.weight - 21 / 221 | fabs) < 0.001' "$T/out"
 ok "figures" jq_true '.base.eer >= 0 and .trained.eer >= 0 and .worse == false' "$T/out"
-is "the base model's name" "$(jq -r .name "$T/out")" "$(sed -n 's/^name //p' core/default.model)"
+is "the base model's name" "$(jq -r .name "$T/out")" "$(sed -n 's/^name //p' core/face/default.model)"
 engine=$(jq -r .engine "$T/out")
 expect 0 "on one thread" "$ctl" train "$T/scans" --threads 1 --out "$T/again.model"
 ok "the same" cmp "$T/scans.model" "$T/again.model"

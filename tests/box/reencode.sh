@@ -11,7 +11,7 @@ unset SURFACED_DB SURFACED_MODEL
 counts() { said '[.templates, .reencoded, .current, .failed, .undone] | join(" ")'; }
 # models: one with another mean face; and one that only hollow faces resemble.
 mean() { awk -v how="$1" '/^change/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".")
-    $i = how == "hollow" ? -$i : $i + 1500 } /^mean/ { on = 1 } { print }' core/default.model; }
+    $i = how == "hollow" ? -$i : $i + 1500 } /^mean/ { on = 1 } { print }' core/face/default.model; }
 mean raised >"$T/raised.model"
 mean hollow >"$T/hollow.model"
 

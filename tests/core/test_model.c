@@ -14,7 +14,7 @@
 #include "model_digest.h"
 #include "toy.h"
 
-#define SHIPPED "core/default.model"
+#define SHIPPED "core/face/default.model"
 
 static struct model model, got;
 

@@ -1,5 +1,5 @@
 /* fail_alloc.h -- makes core's n-th allocation fail.  For programs linked with
- * -Wl,--wrap=aligned_alloc: core/mem.c allocates by aligned_alloc() alone. */
+ * -Wl,--wrap=aligned_alloc: core/mesh/mem.c allocates by aligned_alloc() alone. */
 #ifndef TESTS_FAIL_ALLOC_H
 #define TESTS_FAIL_ALLOC_H
 

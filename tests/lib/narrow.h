@@ -1,4 +1,4 @@
-/* narrow.h -- core/normal.c compiled for any processor, where the build has wider vectors too. */
+/* narrow.h -- core/face/normal.c compiled for any processor, where the build has wider vectors too. */
 #ifndef TESTS_NARROW_H
 #define TESTS_NARROW_H
 #include <stdbool.h>

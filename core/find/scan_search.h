@@ -1,8 +1,8 @@
 /* scan_search.h -- what the search for the face found, and what the points are as they are, so that
  * a second call of scan_build() for the same points, by the other gate, need not compute it again.
  * Between the two calls nobody changes the face that they have as out. */
-#ifndef SCAN_SCAN_SEARCH_H
-#define SCAN_SCAN_SEARCH_H
+#ifndef FIND_SCAN_SEARCH_H
+#define FIND_SCAN_SEARCH_H
 #include <stdbool.h>
 #include "face.h"
 #include "find.h"

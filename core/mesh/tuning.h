@@ -118,7 +118,7 @@
 #define QUALITY_TURNED_YAW_DEG   30
 #define QUALITY_TURNED_OTHER_DEG 20 /* pitch, roll */
 
-/* ---- the crop of a raw scan (scan/crop.h) */
+/* ---- the crop of a raw scan (core/find/crop.h) */
 
 /* Cells (12 mm) round the outline of the mean face that belong to a scan of it. */
 #define CROP_RIM 3
@@ -144,7 +144,7 @@
  * 0.099. */
 #define CROP_MEAN_MM 2.5
 
-/* ---- a mirror image (scan/mirror.h) */
+/* ---- a mirror image (core/find/mirror.h) */
 
 /* So many normals must be known, or pixels, and so great a share of the normals must agree:
  * those of a mesh, or of a scanner, nearly all do.  By hand. */
@@ -154,7 +154,7 @@
 /* How well rows and columns must explain where the points lie in the view.  By hand. */
 #define MIRROR_IMAGE 0.7
 
-/* ---- from a raw scan to a face (scan/scan.h) */
+/* ---- from a raw scan to a face (core/find/scan.h) */
 
 /* Scans of so many points are not thinned; those of more, to so many points of the face, if it
  * has more: what is measured by 4 mm cells hardly changes with density (docs/accuracy.md). */
@@ -510,7 +510,7 @@
  * scan does not. */
 #define DECISION_MIRRORED 10.0
 
-/* ---- finding a face in a cloud (scan/find.h)
+/* ---- finding a face in a cloud (core/find/find.h)
  * Keys, counts and times are those of 20 simulated people as scanners deliver them (whole heads,
  * busts, half profiles, glasses, masks, depth cameras; 300 scans in any unit and axes). */
 

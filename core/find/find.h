@@ -9,8 +9,8 @@
  * (3) The shape of a face is fitted from the best of them, roughly, and from the best of these
  *     more closely (shape_seek()).
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
-#ifndef SCAN_FIND_H
-#define SCAN_FIND_H
+#ifndef FIND_FIND_H
+#define FIND_FIND_H
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>

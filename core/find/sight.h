@@ -1,6 +1,6 @@
 /* sight.h -- were points measured from one side? */
-#ifndef SCAN_SIGHT_H
-#define SCAN_SIGHT_H
+#ifndef FIND_SIGHT_H
+#define FIND_SIGHT_H
 #include <stdbool.h>
 #include <stddef.h>
 #include "vec.h"

@@ -1,12 +1,11 @@
 /* scan.h -- from the points of a scanner's file to the model of one frontal face: the unit, the
  * face and its view, the crop, the gate. */
-#ifndef SCAN_SCAN_H
-#define SCAN_SCAN_H
+#ifndef FIND_SCAN_H
+#define FIND_SCAN_H
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "cloudformat.h"
 #include "gate.h"
 #include "status.h"
 
@@ -43,7 +42,7 @@ enum scan_warning {
 
 /* What was found; as far as it was found on failure, the rest 0 or NAN. */
 struct scan_found {
-    enum cloudformat format;
+    unsigned format;                    /* cloudpoints.h */
     size_t points_read, points_dropped; /* dropped: without a value */
     size_t points_used;
     double unit_mm;   /* that was taken; 0: none */

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "advice.h"
+#include "cloudformat.h"
 #include "describe.h"
 #include "face.h"
 #include "json.h"

@@ -1,6 +1,6 @@
 /* find_grid.h -- a cloud as the means of its points over small cubes.  Internal to find.h. */
-#ifndef SCAN_FIND_GRID_H
-#define SCAN_FIND_GRID_H
+#ifndef FIND_FIND_GRID_H
+#define FIND_FIND_GRID_H
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"

@@ -5,6 +5,7 @@
 #include "asymmetry.h"
 #include "cloudunit.h"
 #include "enrolment.h"
+#include "cloudformat.h"
 #include "face.h"
 #include "frame.h"
 #include "json.h"
@@ -55,7 +56,7 @@ static void format(struct json *j, enum cloudformat f)
 void describe_scan(struct json *j, const char *key, const struct scan_found *f)
 {
     json_object(j, key);
-    format(j, f->format);
+    format(j, (enum cloudformat)f->format);
     json_number(j, "points_read", (double)f->points_read);
     json_number(j, "points_dropped", (double)f->points_dropped);
     json_number(j, "points_used", (double)f->points_used);

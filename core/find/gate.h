@@ -2,8 +2,8 @@
  * over the mean face's cells alone, by the fit of a face's shape (shape.h).  The gate is for
  * things, not for people: what is rare in a face, its size and proportions included, is no
  * evidence against it; only too little evidence that there is a face at all is. */
-#ifndef SCAN_GATE_H
-#define SCAN_GATE_H
+#ifndef FIND_GATE_H
+#define FIND_GATE_H
 #include <stdbool.h>
 #include "status.h"
 

@@ -16,8 +16,6 @@
 #include "tuning.h"
 #include "vec.h"
 
-#define SCAN_GLB_MM 1000 /* glTF is in metres */
-
 static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* One call. */
@@ -300,9 +298,9 @@ static enum status build_agreed(struct scan *s, struct scan_search *k)
     const size_t n = s->c->n;
     enum status st = ST_OK;
 
-    s->found->unit_mm = s->c->unit_mm != 0                ? s->c->unit_mm
-                        : s->c->format == CLOUDFORMAT_GLB ? SCAN_GLB_MM
-                                                          : 1;
+    s->found->unit_mm = s->c->unit_mm != 0    ? s->c->unit_mm
+                        : s->c->usual_mm != 0 ? s->c->usual_mm
+                                              : 1;
     scale(s->c, s->found->unit_mm);
     if (n > SCAN_FULL)
         st = crop_thin(s->c, SCAN_ENOUGH);

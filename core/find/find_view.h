@@ -1,7 +1,7 @@
 /* find_view.h -- a cloud seen from one side: where it sticks out as a nose does, and how well the
  * mean face lies there, at every roll.  Internal to find.h. */
-#ifndef SCAN_FIND_VIEW_H
-#define SCAN_FIND_VIEW_H
+#ifndef FIND_FIND_VIEW_H
+#define FIND_FIND_VIEW_H
 #include <stdint.h>
 #include "align_pose.h"
 #include "status.h"

@@ -71,7 +71,7 @@ struct shape_work *face_work_shape(struct face_work *w);
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.
  * The gate is a coarse one: the quality's (quality.h), and ST_ENOTFACE where no face explains the
- * surface at all.  Whether the points are a face, scan/gate.h judges.
+ * surface at all.  Whether the points are a face, core/find/gate.h judges.
  * out   all zero, or a former face, whose memory is used again; on failure it is empty but
  *       may still hold memory: face_free().
  * bad   the index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL

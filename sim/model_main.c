@@ -1,4 +1,4 @@
-/* model < core/default.model > default_model.c: the shipped model as the constant
+/* model < core/face/default.model > default_model.c: the shipped model as the constant
  * model_default.  The build runs it, so it is linked with the parser alone, not with the
  * library that the constant becomes a part of.  Floats are printed in hexadecimal: exactly. */
 #include <math.h>
@@ -54,7 +54,7 @@ static void print_text(const char *text)
 
 static void print_model(const struct model *m)
 {
-    (void)printf("/* Made by tools/model_main.c; do not edit. */\n#include <math.h>\n"
+    (void)printf("/* Made by sim/model_main.c; do not edit. */\n#include <math.h>\n"
                  "#include \"model.h\"\nconst struct model model_default = {\n"
                  "    .name = ");
     print_text(m->name);

@@ -1,10 +1,9 @@
 /* cloudpoints.h -- what a scanner's file says. */
-#ifndef SCAN_CLOUDPOINTS_H
-#define SCAN_CLOUDPOINTS_H
+#ifndef FIND_CLOUDPOINTS_H
+#define FIND_CLOUDPOINTS_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "cloudformat.h"
 #include "status.h"
 #include "vec.h"
 
@@ -18,12 +17,14 @@
  *         an organised cloud go row by row: place % width is the column
  * read    with those dropped: read - n are.  Equal vertices of an STL file count once */
 struct cloudpoints {
-    enum cloudformat format;
+    unsigned format;  /* as its reader numbers the formats (cloudformat.h) */
     struct dvec3 *at; /* in the file's unit and axes */
     struct dvec3 *normal;
     uint32_t *index;
     size_t n; /* of at, normal and index */
     size_t read;
+    double
+        usual_mm; /* the unit of such files, which not every program keeps to; 0: none */
     double unit_mm; /* millimetres per unit; 0: neither the caller nor the file says */
     /* either says: x to the image's right, y up, z towards the scanner */
     bool as_scanned;

@@ -1,5 +1,5 @@
-/* service -- for the tests: runs a program as a service manager would.
- *   service NOTES [--socket] [--watchdog USEC] COMMAND...
+/* manager -- for the tests: runs a program as a service manager would.
+ *   manager NOTES [--socket] [--watchdog USEC] COMMAND...
  * The program's notifications are appended to the file NOTES, one line each (line breaks
  * become spaces).  --socket: the program gets a socket that listens on 127.0.0.1.  It is
  * started by exec() and has this process's id. */
@@ -86,7 +86,7 @@ int main(int argc, char **argv)
     char **command = argv + 2;
 
     if (argc < 3) {
-        (void)fputs("service NOTES [--socket] [--watchdog USEC] COMMAND...\n", stderr);
+        (void)fputs("manager NOTES [--socket] [--watchdog USEC] COMMAND...\n", stderr);
         return 2;
     }
     open_notes(argv[1]);
