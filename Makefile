@@ -58,7 +58,6 @@ NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_scan   := -lspng
 NEEDS_db/sql := -lsqlite3 -lpthread
 NEEDS_db/crypt := -lsodium
-NEEDS_db     := -lxxhash
 NEEDS_server := -lmicrohttpd -lgnutls -lsystemd
 
 sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))

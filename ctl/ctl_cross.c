@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "codec.h"
+#include "digest.h"
 #include "ctl.h"
 #include "ctl_corpus.h"
 #include "ctl_each.h"
@@ -308,7 +308,7 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     if (subject == NOBODY)
         return ST_OK;
     st = ctl_sample_read(&c, scan->path, false, w, &f, &found);
-    if (st == ST_OK && (st = codec_digest(&f.surface.mesh, digest)) == ST_OK) {
+    if (st == ST_OK && (st = digest_points(&f.surface.mesh, digest)) == ST_OK) {
         const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "codec.h"
+#include "digest.h"
 #include "corpus.h"
 #include "corpus_read.h"
 #include "pool.h"
@@ -70,7 +70,7 @@ static enum status is_there(struct ctl *c, const char *subject, const struct fac
     *there = false;
     if (st == ST_ENOTFOUND)
         return ST_OK;
-    if (st == ST_OK && codec_digest(&f->surface.mesh, digest) != ST_OK)
+    if (st == ST_OK && digest_points(&f->surface.mesh, digest) != ST_OK)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; st == ST_OK && i < n; i++)
         *there = *there || strcmp(t[i].digest, digest) == 0;

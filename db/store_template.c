@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "codec.h"
+#include "digest.h"
 #include "mesh.h"
 #include "rows_template.h"
 #include "store_rules.h"
@@ -118,7 +119,7 @@ static enum status describe(const struct store *s, const struct log_act *by,
     t->quality = f->quality;
     t->manager = what->manager;
     t->first_score = sample->first_score;
-    return codec_digest(&f->surface.mesh, t->digest) == ST_OK
+    return digest_points(&f->surface.mesh, t->digest) == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
@@ -196,11 +197,10 @@ enum status store_template_decode(const struct store *s, const struct store_temp
                                   const void *face, size_t len, struct face_work *w,
                                   struct face *f, struct errinfo *e)
 {
-    struct errinfo why;
-    enum status st = codec_decode(face, len, w, f, &why);
+    enum status st = codec_decode(face, len, w, f);
 
     if (st != ST_OK)
-        return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
+        return errinfo_set(e, st, "template %s: %s", t->id, status_message(st));
     if (f->surface.mesh.nv != t->points) {
         st = errinfo_set(e, ST_ECORRUPT,
                          "template %s: its row says %u points, its face %u", t->id,

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "cloudpoints.h"
-#include "codec.h"
+#include "digest.h"
 #include "errinfo.h"
 #include "face.h"
 #include "scan.h"
@@ -82,7 +82,7 @@ enum status replay_probe(const struct store_template *t, const struct scan_found
     const struct mesh *m = &probe->surface.mesh;
 
     *out = (struct store_probe){.read = found->digest};
-    if (m->nv == t->points && codec_digest(m, out->used) != ST_OK)
+    if (m->nv == t->points && digest_points(m, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
     return ST_OK;
 }

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "codec.h"
+#include "digest.h"
 #include "mesh.h"
 #include "mesh_check.h"
 #include "mst.h"
@@ -65,16 +66,15 @@ static enum status check_template(void *arg, const struct rows_template *row,
     struct share *x = arg;
     const struct store_template *t = &row->one;
     const struct mesh *m = &x->face.surface.mesh;
-    struct errinfo why;
     char digest[65];
     enum status st;
 
     (void)of;
     if (x->work == NULL && (x->work = face_work_new(x->c->store->model)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = codec_decode(face, len, x->work, &x->face, &why)) != ST_OK)
-        return errinfo_set(e, st == ST_EVERSION ? ST_ECORRUPT : st, "template %s: %.180s",
-                           t->id, why.msg);
+    if ((st = codec_decode(face, len, x->work, &x->face)) != ST_OK)
+        return errinfo_set(e, st == ST_EVERSION ? ST_ECORRUPT : st, "template %s: %s",
+                           t->id, status_message(st));
     if (m->nv != t->points || mesh_real(m) != t->triangles)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its row says %u points and %u "
@@ -86,7 +86,7 @@ static enum status check_template(void *arg, const struct rows_template *row,
     if (mst_check(m) != ST_OK)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its spanning tree is not minimal", t->id);
-    if ((st = codec_digest(m, digest)) != ST_OK)
+    if ((st = digest_points(m, digest)) != ST_OK)
         return errinfo_set(e, st, "out of memory");
     if (strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT,

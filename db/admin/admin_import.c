@@ -8,6 +8,7 @@
 
 #include "admin_archive.h"
 #include "codec.h"
+#include "digest.h"
 #include "log_list.h"
 #include "mesh.h"
 #include "admin_record.h"
@@ -62,13 +63,12 @@ static enum status verify_template(struct reading *m, struct face_work *w, struc
                                    struct errinfo *e)
 {
     const struct store_template *t = &m->item.template.one;
-    struct errinfo why = {ST_OK, ""};
     char digest[65];
     enum status st;
 
-    if ((st = codec_decode(m->item.face, m->item.len, w, f, &why)) != ST_OK)
-        return errinfo_set(e, st, "template %s: %.180s", t->id, why.msg);
-    if ((st = codec_digest(&f->surface.mesh, digest)) != ST_OK)
+    if ((st = codec_decode(m->item.face, m->item.len, w, f)) != ST_OK)
+        return errinfo_set(e, st, "template %s: %s", t->id, status_message(st));
+    if ((st = digest_points(&f->surface.mesh, digest)) != ST_OK)
         return errinfo_set(e, st, "out of memory");
     if (f->surface.mesh.nv != t->points || mesh_real(&f->surface.mesh) != t->triangles ||
         strcmp(digest, t->digest) != 0)

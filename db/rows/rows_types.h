@@ -25,7 +25,7 @@ struct store_template { /* everything about a template but its face */
     char subject[STORE_SUBJECT_MAX + 1];
     char label[STORE_LABEL_MAX + 1];
     char created[32]; /* RFC 3339, UTC */
-    char digest[65];  /* codec_digest(): SHA-256 of the canonical points */
+    char digest[65];  /* digest_points(): SHA-256 of the canonical points */
     char engine[FACE_ENGINE_MAX + 1];
     uint32_t points, triangles; /* triangles: real ones, no ghosts */
     struct quality quality;
@@ -122,7 +122,7 @@ struct store_attempts {
  * functions of the set of points alone. */
 struct store_probe {
     const char *read;
-    char used[65]; /* codec_digest(); "": they are no template's */
+    char used[65]; /* digest_points(); "": they are no template's */
 };
 
 struct store_calibration {

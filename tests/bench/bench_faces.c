@@ -174,7 +174,7 @@ static double stored(struct pair *p)
     const double start = timing_now_ms();
     double ms[ROWS], mm;
 
-    must(codec_decode(p->blob, p->blob_size, work, &decoded, NULL));
+    must(codec_decode(p->blob, p->blob_size, work, &decoded));
     a.own = decoded.surface;
     must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
     must(mst_build(&b->own.mesh, &scratch));

@@ -160,7 +160,7 @@ static void decide(const struct pair *p, struct minimal *out)
 {
     struct face_result r;
 
-    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
+    must(codec_decode(p->blob, p->blob_size, work, &stored));
     must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
     must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
@@ -194,7 +194,7 @@ static void pass(struct pair *pair, size_t k)
     struct minimal least;
     double t = timing_now_ms();
 
-    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
+    must(codec_decode(p->blob, p->blob_size, work, &stored));
     t = lap(LOAD, t);
     p = turn(pair, k, PROBE);
     must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
@@ -365,7 +365,7 @@ static void decide_dense(struct timing *t, const struct pair *p, struct minimal 
 
     points_of(p->probe_pts, p->n_probe, &c);
     timing_start(t);
-    must(codec_decode(p->blob, p->blob_size, work, &stored, NULL));
+    must(codec_decode(p->blob, p->blob_size, work, &stored));
     scan(&c, &fresh);
     must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
@@ -422,7 +422,7 @@ static void memory(const struct pair *p)
 
     if (w == NULL)
         must(ST_ENOMEM);
-    must(codec_decode(p->blob, p->blob_size, w, &a, NULL));
+    must(codec_decode(p->blob, p->blob_size, w, &a));
     must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
     must(face_compare(&a, &b, (double)NAN, NULL, w, &r));
     must(face_minimal(&a, &b, NULL, w, &r, &least));

@@ -1,23 +1,15 @@
 #include "codec.h"
 
-#include <sodium.h>
-#include <stdlib.h>
 #include <string.h>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
-#include "bytes.h"
-#include "errinfo.h"
 #include "face.h"
 #include "lattice.h"
-#include "mem.h"
 #include "mesh.h"
 #include "mesh_link.h"
 
 /* The layout: db/FORMAT.md. */
 #define MAGIC   "SURF"
-#define VERSION 2
+#define VERSION 3
 #define NARROW  65535 /* the largest number that fits 2 bytes */
 
 enum {
@@ -31,8 +23,7 @@ enum {
     AT_MARK = 28,
     AT_FRAME = 32, /* 9 + 3 doubles: rotation and shift, scanner -> canonical frame */
     HEADER = 128,
-    THERE = GRID_N / 8,
-    CHECKSUM = 8 /* at the end, over all before it */
+    THERE = GRID_N / 8
 };
 
 /* ---- little-endian numbers at any address: what there are many of, without a loop */
@@ -55,6 +46,12 @@ static void put32(unsigned char *p, uint32_t v)
     put16(p + 2, v >> 16);
 }
 
+static void put64(unsigned char *p, uint64_t v)
+{
+    put32(p, (uint32_t)(v & 0xffffffff));
+    put32(p + 4, (uint32_t)(v >> 32));
+}
+
 static uint32_t get16(const unsigned char *p)
 {
     return (uint32_t)p[0] | (uint32_t)p[1] << 8;
@@ -68,6 +65,11 @@ static uint32_t get24(const unsigned char *p)
 static uint32_t get32(const unsigned char *p)
 {
     return get16(p) | get16(p + 2) << 16;
+}
+
+static uint64_t get64(const unsigned char *p)
+{
+    return (uint64_t)get32(p) | (uint64_t)get32(p + 4) << 32;
 }
 
 /* Bytes of a number that is at most `most`: below 6 MESH_MAX_POINTS, so 3 are enough. */
@@ -130,7 +132,7 @@ static size_t size_of(uint32_t nv, uint32_t modes)
     const size_t n = nv, nt = 2 * n - 2;
 
     return HEADER + encoding_size(modes) + 12 * n + 2 * nt * half_width(nv) +
-           (nt + n) * vertex_width(nv) + CHECKSUM;
+           (nt + n) * vertex_width(nv);
 }
 
 size_t codec_size(const struct face *f)
@@ -140,8 +142,12 @@ size_t codec_size(const struct face *f)
 
 static void put_frame(unsigned char *p, const struct align_pose *a)
 {
-    for (size_t i = 0; i < 12; i++)
-        bytes_put_real(&p, i < 9 ? a->r[i] : a->t[i - 9]);
+    for (size_t i = 0; i < 12; i++) {
+        uint64_t bits;
+
+        memcpy(&bits, i < 9 ? &a->r[i] : &a->t[i - 9], sizeof bits);
+        put64(p + 8 * i, bits);
+    }
 }
 
 /* False: no similarity, beyond the lattice, or of no head's size. */
@@ -151,8 +157,11 @@ static bool get_frame(const unsigned char *p, struct align_pose *a)
     struct align_pose rigid;
     double scale;
 
-    for (size_t i = 0; i < 12; i++)
-        *(i < 9 ? &a->r[i] : &a->t[i - 9]) = bytes_real(p + 8 * i);
+    for (size_t i = 0; i < 12; i++) {
+        const uint64_t bits = get64(p + 8 * i);
+
+        memcpy(i < 9 ? &a->r[i] : &a->t[i - 9], &bits, sizeof bits);
+    }
     scale = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
     rigid = align_pose_unscaled(a);
     return scale > 0.25 && scale < 4 && align_pose_rigid(&rigid);
@@ -214,14 +223,13 @@ static bool get_encoding(const unsigned char *p, uint32_t modes, struct encoding
 void codec_encode(const struct face *f, unsigned char *buf)
 {
     const struct mesh *m = &f->surface.mesh;
-    const size_t len = codec_size(f);
     const size_t half = half_width(m->nv), vertex = vertex_width(m->nv);
     unsigned char *p = buf + HEADER;
 
     memcpy(buf + AT_MAGIC, MAGIC, 4);
     put16(buf + AT_VERSION, VERSION);
     put16(buf + AT_MODES, f->encoding.n);
-    bytes_set(buf + AT_LENGTH, len, 8);
+    put64(buf + AT_LENGTH, codec_size(f));
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
@@ -246,62 +254,50 @@ void codec_encode(const struct face *f, unsigned char *buf)
         }
     for (uint32_t v = 0; v < m->nv; v++, p += vertex)
         put_index(p, m->parent[v], vertex);
-    bytes_set(p, XXH3_64bits(buf, len - CHECKSUM), 8);
 }
 
-static enum status check_header(const unsigned char *p, size_t len, struct errinfo *e)
+static enum status check_header(const unsigned char *p, size_t len)
 {
     uint32_t nv, modes;
 
-    if (len < HEADER + CHECKSUM || memcmp(p + AT_MAGIC, MAGIC, 4) != 0)
-        return errinfo_set(e, ST_ECORRUPT, "not a face model");
+    if (len < HEADER || memcmp(p + AT_MAGIC, MAGIC, 4) != 0)
+        return ST_ECORRUPT;
     if (get16(p + AT_VERSION) != VERSION)
-        return errinfo_set(e, ST_EVERSION, "a face model of version %u, not %d",
-                           get16(p + AT_VERSION), VERSION);
-    if (bytes_number(p + AT_LENGTH, 8) != len)
-        return errinfo_set(e, ST_ECORRUPT, "%zu bytes where its header says %llu", len,
-                           (unsigned long long)bytes_number(p + AT_LENGTH, 8));
-    if (XXH3_64bits(p, len - CHECKSUM) != bytes_number(p + len - CHECKSUM, 8))
-        return errinfo_set(e, ST_ECORRUPT, "its checksum is wrong");
+        return ST_EVERSION;
     nv = get32(p + AT_POINTS);
     modes = get16(p + AT_MODES);
-    if (nv < 3 || nv > MESH_MAX_POINTS || modes > MODEL_MODES ||
-        size_of(nv, modes) != len || get32(p + AT_TRIANGLES) != 2 * nv - 2)
-        return errinfo_set(e, ST_ECORRUPT, "%u points and %u triangles in %zu bytes", nv,
-                           get32(p + AT_TRIANGLES), len);
-    if (get32(p + AT_SCALE) != (uint32_t)LATTICE_PER_MM)
-        return errinfo_set(e, ST_ECORRUPT, "its header contradicts itself");
-    return ST_OK;
+    return get64(p + AT_LENGTH) == len && nv >= 3 && nv <= MESH_MAX_POINTS &&
+                   modes <= MODEL_MODES && size_of(nv, modes) == len &&
+                   get32(p + AT_TRIANGLES) == 2 * nv - 2 &&
+                   get32(p + AT_SCALE) == (uint32_t)LATTICE_PER_MM
+               ? ST_OK
+               : ST_ECORRUPT;
 }
 
 enum status codec_decode(const void *buf, size_t len, struct face_work *w,
-                         struct face *out, struct errinfo *e)
+                         struct face *out)
 {
     const unsigned char *p = buf;
     struct mesh *m = &out->surface.mesh;
     enum status st;
     uint32_t nv, modes;
+    bool good;
 
     m->nv = m->nt = 0;
-    if ((st = check_header(p, len, e)) != ST_OK)
+    if ((st = check_header(p, len)) != ST_OK)
         return st;
     nv = get32(p + AT_POINTS);
     modes = get16(p + AT_MODES);
     if ((st = mesh_reserve(m, nv)) != ST_OK)
-        return errinfo_set(e, st, "%u points: %s", nv, status_message(st));
+        return st;
+    out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
+    good = get_frame(p + AT_FRAME, &out->frame.pose) || out->frame.mean_id == 0;
+    p += HEADER;
+    if (!good || !get_encoding(p, modes, &out->encoding))
+        return ST_ECORRUPT;
+    p += encoding_size(modes);
     m->nv = nv;
     m->nt = 2 * nv - 2;
-    out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
-    if (out->frame.mean_id != 0 && !get_frame(p + AT_FRAME, &out->frame.pose)) {
-        m->nv = m->nt = 0;
-        return errinfo_set(e, ST_ECORRUPT, "its canonical frame is no rigid motion");
-    }
-    p += HEADER;
-    if (!get_encoding(p, modes, &out->encoding)) {
-        m->nv = m->nt = 0;
-        return errinfo_set(e, ST_ECORRUPT, "its encoding contradicts itself");
-    }
-    p += encoding_size(modes);
     for (uint32_t v = 0; v < nv; v++, p += 8) {
         m->xy[v].x = to_signed(get32(p));
         m->xy[v].y = to_signed(get32(p + 4));
@@ -314,45 +310,6 @@ enum status codec_decode(const void *buf, size_t len, struct face_work *w,
         m->org[3 * t] = m->twin[3 * t]; /* a ghost has no gate */
     p = get_indices(p, m->org + 1, m->nt, 3, half_width(nv));
     (void)get_indices(p, m->parent, nv, 1, vertex_width(nv));
-    if ((st = face_adopt(out, w)) != ST_OK)
-        return errinfo_set(e, st, "its triangulation or tree is no valid one: %s",
-                           status_message(st));
     memset(&out->quality, 0, sizeof out->quality);
-    return ST_OK;
-}
-
-/* ---- digest */
-
-static int compare_points(const void *a, const void *b)
-{
-    const struct ivec3 *p = a, *q = b;
-
-    if (p->x != q->x)
-        return p->x < q->x ? -1 : 1;
-    return (p->y > q->y) - (p->y < q->y);
-}
-
-enum status codec_digest(const struct mesh *m, char hex[65])
-{
-    crypto_hash_sha256_state state;
-    unsigned char hash[crypto_hash_sha256_BYTES], point[12];
-    struct ivec3 *pts = calloc(m->nv != 0 ? m->nv : 1, sizeof *pts);
-
-    hex[0] = '\0';
-    if (pts == NULL)
-        return ST_ENOMEM;
-    for (uint32_t v = 0; v < m->nv; v++)
-        pts[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
-    qsort(pts, m->nv, sizeof *pts, compare_points);
-    (void)crypto_hash_sha256_init(&state);
-    for (uint32_t v = 0; v < m->nv; v++) {
-        put32(point, (uint32_t)pts[v].x);
-        put32(point + 4, (uint32_t)pts[v].y);
-        put32(point + 8, (uint32_t)pts[v].z);
-        (void)crypto_hash_sha256_update(&state, point, sizeof point);
-    }
-    (void)crypto_hash_sha256_final(&state, hash);
-    (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
-    mem_free(pts);
-    return ST_OK;
+    return face_adopt(out, w);
 }

@@ -1,0 +1,24 @@
+/* codec.h -- a face as bytes, and back.  Byte layout: db/FORMAT.md.
+ * Little-endian, magic, version, length; at most 32 bytes a point below 65,536 points.
+ * Decoding verifies everything: a damaged or hostile block gives ST_ECORRUPT or ST_EVERSION,
+ * never a crash.  There is no checksum: who stores the bytes authenticates them. */
+#ifndef CORE_CODEC_H
+#define CORE_CODEC_H
+#include <stddef.h>
+#include "status.h"
+
+struct face;      /* face.h */
+struct face_work; /* face.h */
+
+size_t codec_size(const struct face *f); /* bytes codec_encode() writes */
+
+/* codec_encode(f, buf): write codec_size(f) bytes. */
+void codec_encode(const struct face *f, unsigned char *buf);
+
+/* codec_decode(buf, len, w, out): buf need not be aligned.  out as in face_build(); its quality
+ * is zero.  On failure out->surface.mesh.nv is 0.
+ * Returns ST_OK, ST_ECORRUPT, ST_EVERSION, ST_ENOMEM. */
+enum status codec_decode(const void *buf, size_t len, struct face_work *w,
+                         struct face *out);
+
+#endif

@@ -1,0 +1,13 @@
+/* digest.h -- a digest of a face's points. */
+#ifndef DB_DIGEST_H
+#define DB_DIGEST_H
+#include "status.h"
+
+struct mesh; /* mesh.h */
+
+/* digest_points(m, hex): SHA-256 of the canonical points (FORMAT.md), in lower-case hex: a
+ * function of the set of points alone, whatever their order.  O(nv log nv).
+ * Returns ST_OK, ST_ENOMEM. */
+enum status digest_points(const struct mesh *m, char hex[65]);
+
+#endif
