@@ -22,7 +22,9 @@ DESTDIR      ?=
 OPT          ?= -O3
 WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
-VERSION      := $(shell sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/face/face.h)
+VERSION      := $(shell sed -n 's|.*SURFACE_VERSION  *"\(.*\)"|\1|p' core/libsurface.h)
+# The version of the shared library's interface; counted up by an incompatible change.
+SOVERSION    := 0
 
 # ---- the rooms, and the others that each may include and link, in link order
 
@@ -104,10 +106,13 @@ PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(TOOL_BIN)
 
 ## all: the library, both programs and the face generator
 .PHONY: all
-all: $(BUILD)/libsurface.a $(PROGRAMS)
+all: $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) $(PROGRAMS)
 
+# The core is in the shared library too; nothing of it but what core/libsurface.h declares can
+# be seen there, so that calls inside it cost no more than in a program.
+PIC        = $(if $(filter core core/%,$(1)),-fPIC -fvisibility=hidden)
 define room
-$(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1))
+$(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1)) $(call PIC,$(1))
 $(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c,$(wildcard $(1)/*.c)))
 endef
 $(foreach r,$(ROOMS),$(eval $(call room,$r)))
@@ -161,7 +166,7 @@ $(BUILD)/gen/default_model.c: core/face/default.model $(BUILD)/gen/model
 
 $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c $(MODEL_H) Makefile
 	$(call say,CC)
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(call flags,core/face) -c -o $@ $<
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(call flags,core/face) $(call PIC,core) -c -o $@ $<
 
 $(call arch,core/face): $(BUILD)/gen/default_model.o
 # Helpers that include cmocka are linked only with unit tests: a build for users has no cmocka.
@@ -191,6 +196,14 @@ $(BUILD)/libsurface.a: $(call archs,core)
 	$(Q)$(OBJCOPY) --keep-global-symbols=$(@:.a=.names) $(@:.a=.o)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $(@:.a=.o)
+
+# Built from the archive, with the same names, under a version node of their own.
+$(BUILD)/libsurface.so.$(SOVERSION): $(BUILD)/libsurface.a
+	$(call say,LD)
+	$(Q)awk 'BEGIN { print "SURFACE_$(SOVERSION) { global:" } { print $$0 ";" } \
+	    END { print "local: *; };" }' $(<:.a=.names) > $@.map
+	$(Q)$(CC) $(CFLAGS) -shared -Wl,-soname,$(@F) -Wl,--version-script,$@.map -Wl,-z,defs \
+	    -Wl,-z,relro -Wl,-z,now $(EXTRA) -o $@ -Wl,--whole-archive $< -Wl,--no-whole-archive -lm
 
 $(BUILD)/surfaced: $(BUILD)/server/main.o $(call archs,server)
 	$(call say,LD)
@@ -343,7 +356,9 @@ install: all
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
 	install -m 644 core/libsurface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
-	install -m 644 $(BUILD)/libsurface.a "$(DESTDIR)$(LIBDIR)/"
+	install -m 644 $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) \
+	    "$(DESTDIR)$(LIBDIR)/"
+	ln -sf libsurface.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libsurface.so"
 	sed 's|@PREFIX@|$(PREFIX)|; s|@LIBDIR@|$(LIBDIR)|; s|@VERSION@|$(VERSION)|' \
 	    packaging/surface.pc.in > "$(DESTDIR)$(LIBDIR)/pkgconfig/surface.pc"
 	sed 's|=/usr/sbin/|=$(PREFIX)/sbin/|' packaging/surfaced.service \

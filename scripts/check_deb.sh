@@ -9,6 +9,7 @@ cd "$(dirname "$0")/.." || exit 1
 BUILD=${BUILD:-build}
 deb=$(ls "$BUILD"/deb/surfaced_*.deb) || exit 1
 dev=$(ls "$BUILD"/deb/libsurface-dev_*.deb) || exit 1
+lib=$(ls "$BUILD"/deb/libsurface0_*.deb) || exit 1
 bare=$BUILD/bookworm.tar
 db=/var/lib/surfaced/surfaced.db
 passed=0 failed=0 boot='' system=''
@@ -88,7 +89,7 @@ boot() {
 
 echo "== the packages"
 if command -v lintian >/dev/null; then
-    ok "lintian" lintian --fail-on error,warning "$deb" "$dev"
+    ok "lintian" lintian --fail-on error,warning "$deb" "$lib" "$dev"
 else
     echo "  SKIP  lintian: it is not installed"
 fi
@@ -101,6 +102,7 @@ tar -x --exclude './dev/*' -f "$bare" -C "$root" || exit 1
 cp /etc/resolv.conf "$root/etc/"
 for device in null random urandom; do cp -a "/dev/$device" "$root/dev/"; done
 cp "$deb" "$root/surfaced.deb"
+cp "$lib" "$root/surface0.deb"
 cp "$dev" "$root/surface.deb"
 for scan in 0 1; do
     "$BUILD/facegen" --subject 1 --scan $scan -o "$root/alice-$scan.ply" || exit 1
@@ -109,7 +111,7 @@ done
 echo "== installed on a bare Debian 12"
 earlier >"$log" || exit 1
 ok "installs with the dependencies that apt finds" install_deb /surfaced_0.0.1.deb
-ok "the library installs beside it" install_deb /surface.deb
+ok "the library installs beside it" install_deb /surface0.deb /surface.deb
 ok "there is a system user" run getent passwd surfaced
 ok "it cannot log in" is "$(run getent passwd surfaced | cut -d : -f 7)" /usr/sbin/nologin
 ok "it owns the state folder" is "$(run stat -c '%U %a' /var/lib/surfaced)" "surfaced 700"
@@ -201,7 +203,7 @@ ok "installs again" install_deb /surfaced.deb
 ok "the database is used again" in_time probe
 
 echo "== purged"
-ok "purges" run apt-get -q -y purge surfaced libsurface-dev
+ok "purges" run apt-get -q -y purge surfaced libsurface-dev libsurface0
 left=$(run find / -xdev -name '*surface[d.]*' -not -path '/proc/*' -not -path '/sys/*' \
     -not -name '*.deb' -not -path '/var/log/*' -not -path '/tmp/*')
 ok "no file is left: $(echo "$left" | tr '\n' ' ')" is "$left" ""

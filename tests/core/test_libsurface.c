@@ -1,20 +1,24 @@
-/* The library's public functions: they give the results of face.h, and their own errors. */
+/* The library's public functions: they give the results of the core's own, and their errors. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
 
+#include "asymmetry.h"
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
 #include "fail_alloc.h"
+#include "head.h"
+#include "headscan.h"
 #include "libsurface.h"
-#include "measure.h"
 #include "minimal.h"
+#include "model.h"
 #include "status.h"
 
 #define POINTS 3000
@@ -34,20 +38,25 @@ static size_t scan(uint64_t subject, uint64_t number)
     return n;
 }
 
+/* The n points at xyz, frontal. */
 static enum surface_status build(struct surface_work *work, size_t n,
-                                 struct surface_face **out, size_t *bad)
+                                 struct surface_face **out, struct surface_found *found)
 {
-    return surface_face_new(work, (const double(*)[3])xyz, n, out, bad);
+    const struct surface_cloud cloud = {.size = sizeof cloud,
+                                        .points = (const double(*)[3])xyz,
+                                        .n = n,
+                                        .flags = SURFACE_FRONTAL};
+
+    return surface_build(work, &cloud, out, found);
 }
 
-/* The same as face_build() and face_compare() give, of the same subject and of two. */
+/* The same as face.h gives, of the same subject and of two. */
 static void test_same(void **state)
 {
     static const uint64_t probe[2][2] = {{3, 1}, {4, 0}};
-    struct surface_work *work = surface_work_new();
+    struct surface_work *work = surface_work_new(NULL);
     struct face_work *w = face_work_new(NULL);
-    struct surface_face *tmpl, *other;
-    struct measure_work measure = {0};
+    struct surface_face *tmpl = NULL, *other = NULL;
     struct face a = {0}, b = {0};
     char engine[2][SURFACE_ENGINE_SIZE];
     size_t n = scan(3, 0);
@@ -57,11 +66,15 @@ static void test_same(void **state)
     assert_int_equal(build(work, n, &tmpl, NULL), SURFACE_OK);
     assert_int_equal(face_build(pts, n, w, &a, NULL), ST_OK);
     for (int i = 0; i < 2; i++) {
-        struct surface_comparison c;
-        struct surface_quality q;
+        struct surface_comparison c = {.size = sizeof c}, best;
+        struct surface_disparity d = {.size = sizeof d};
+        struct surface_quality q = {.size = sizeof q};
+        struct surface_parts parts = {.size = sizeof parts};
+        struct surface_asymmetry asym = {.size = sizeof asym};
+        struct face_field field;
+        struct asymmetry mirror;
         struct face_result r;
         struct minimal m;
-        struct disparity aligned;
 
         n = scan(probe[i][0], probe[i][1]);
         assert_int_equal(build(work, n, &other, NULL), SURFACE_OK);
@@ -71,75 +84,235 @@ static void test_same(void **state)
         assert_true(q.score == b.quality.score && q.coverage == b.quality.coverage);
         assert_true(q.density_mm == b.quality.density_mm);
         assert_true(q.noise_mm == b.quality.noise_mm);
+        assert_int_equal(q.reasons, quality_reasons(&b.quality, &b.frame));
         assert_int_equal(surface_compare(work, tmpl, other, &c), SURFACE_OK);
         assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, w, &r), ST_OK);
         assert_int_equal(c.decision, i == 0 ? SURFACE_MATCH : SURFACE_NO_MATCH);
         assert_true(c.score == r.score && c.threshold == r.threshold);
-        assert_true(c.false_match_rate == r.fmr_at_score);
-        assert_true(c.overlap == r.overlap);
+        assert_true(c.false_match_rate == r.fmr_at_score && c.overlap == r.overlap);
+        assert_true(surface_false_match_rate(work, c.score) == c.false_match_rate);
+        best = c;
+        surface_best_of(work, 5, &best);
+        assert_int_equal(surface_disparity(work, tmpl, other, &d), SURFACE_OK);
         assert_int_equal(face_minimal(&a, &b, NULL, w, &r, &m), ST_OK);
-        assert_memory_equal(c.transform, r.align.transform, sizeof c.transform);
-        assert_true(c.disparity_mm == m.disparity.plain_mm);
-        assert_true(c.volume_mm3 == m.disparity.volume_mm3);
-        assert_true(c.area_mm2 == m.disparity.area_mm2);
-        assert_memory_equal(c.minimal_transform, m.transform, sizeof m.transform);
-        assert_int_equal(
-            measure_at(&a.surface, &b.surface, c.transform, NULL, &measure, &aligned),
-            ST_OK);
-        assert_true(c.disparity_mm > 0 && c.disparity_mm <= aligned.plain_mm);
-        assert_true(fabs(c.volume_mm3 / c.area_mm2 - c.disparity_mm) < 1e-9);
-        surface_face_free(other);
+        assert_memory_equal(d.align_transform, r.align.transform, sizeof d.transform);
+        assert_memory_equal(d.transform, m.transform, sizeof m.transform);
+        assert_true(d.disparity_mm == m.disparity.plain_mm);
+        assert_true(d.volume_mm3 == m.disparity.volume_mm3);
+        assert_true(d.area_mm2 == m.disparity.area_mm2);
+        face_best_of(&r, 5, w);
+        assert_true(best.score == r.score && best.expected == r.expected);
+        assert_int_equal(best.decision, r.decision);
+        assert_int_equal(surface_parts(work, tmpl, other, &parts), SURFACE_OK);
+        assert_int_equal(face_field(&a, &b, w, &field), ST_OK);
+        assert_memory_equal(parts.gap_mm, field.gap_mm, sizeof field.gap_mm);
+        assert_memory_equal(parts.part, field.part, sizeof field.part);
+        assert_memory_equal(parts.region, field.region, sizeof field.region);
+        assert_int_equal(surface_asymmetry(work, other, &asym), SURFACE_OK);
+        assert_int_equal(face_asymmetry(&b, w, &mirror), ST_OK);
+        assert_true(asym.disparity_mm == mirror.final.plain_mm && asym.conclusive);
     }
-    surface_engine(engine[0]);
+    surface_engine(NULL, engine[0]);
     face_engine(NULL, engine[1]);
     assert_string_equal(engine[0], engine[1]);
-    measure_work_free(&measure);
+    assert_non_null(strstr(engine[0], "/" SURFACE_VERSION " "));
+    assert_string_equal(surface_version(), SURFACE_VERSION);
     face_free(&a);
     face_free(&b);
     face_work_free(w);
     surface_work_free(work);
     surface_face_free(tmpl); /* a face outlives the memory it was built with */
+    surface_face_free(other);
 }
 
-/* A probe that shows a small part of the face has too little in common with it. */
-static void test_inconclusive(void **state)
+/* A raw scan of a head, in metres and turned: the face is found in it and matches; at the points
+ * as they were given the gaps are small. */
+static void test_raw(void **state)
 {
-    struct surface_work *work = surface_work_new();
-    struct surface_face *whole, *part;
-    struct surface_comparison c;
-    size_t n = scan(13, 0), kept = 0;
+    struct surface_work *work = surface_work_new(NULL);
+    struct surface_face *face[2] = {NULL, NULL};
+    struct surface_found found = {.size = sizeof found};
+    struct surface_comparison c = {.size = sizeof c};
+    struct surface_disparity d = {.size = sizeof d};
+    double to_template[16] = {0}, sum = 0, *gap;
+    struct headscan_options o;
+    struct headscan s;
+    struct head h;
+    size_t covered = 0;
 
     (void)state;
-    assert_int_equal(build(work, n, &whole, NULL), SURFACE_OK);
-    n = scan(13, 1);
-    for (size_t i = 0; i < n; i++)
-        if (fabs(xyz[i][0]) < 14 && fabs(xyz[i][1]) < 36)
-            memcpy(xyz[kept++], xyz[i], sizeof *xyz);
-    assert_int_equal(build(work, kept, &part, NULL), SURFACE_OK);
-    assert_int_equal(surface_compare(work, whole, part, &c), SURFACE_OK);
-    assert_int_equal(c.decision, SURFACE_INCONCLUSIVE);
-    surface_face_free(whole);
-    surface_face_free(part);
+    head_make_up(5, &h);
+    for (int i = 0; i < 2; i++) {
+        struct surface_cloud cloud = {.size = sizeof cloud, .flags = SURFACE_ENROLMENT};
+
+        headscan_kind(0, 3 + (uint64_t)i, false, &o);
+        o.unit_mm = 1000;
+        headscan_render(&h, &h, &o, &s);
+        cloud.points = (const double(*)[3])s.at; /* x, y, z */
+        cloud.n = s.n;
+        assert_int_equal(surface_build(work, &cloud, &face[i], &found), SURFACE_OK);
+        assert_true(found.unit_mm == 1000 && found.unit_found && found.faces == 1);
+        assert_true(found.points_used > 1000 && found.points_used < s.n);
+        assert_true(found.evidence > found.evidence_wanted);
+        if (i == 0)
+            headscan_free(&s);
+    }
+    assert_int_equal(surface_compare(work, face[0], face[1], &c), SURFACE_OK);
+    assert_int_equal(c.decision, SURFACE_MATCH);
+    assert_int_equal(surface_disparity(work, face[0], face[1], &d), SURFACE_OK);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            for (int k = 0; k < 4; k++)
+                to_template[4 * i + j] += d.transform[4 * i + k] * found.view[4 * k + j];
+    assert_non_null(gap = malloc(s.n * sizeof *gap));
+    assert_int_equal(
+        surface_gaps(face[0], (const double(*)[3])s.at, s.n, to_template, gap),
+        SURFACE_OK);
+    for (size_t i = 0; i < s.n; i++)
+        if (fabs(gap[i]) < 10) {
+            sum += fabs(gap[i]);
+            covered++;
+        }
+    assert_true(covered > found.points_used / 2 && sum / (double)covered < 2);
+    free(gap);
+    headscan_free(&s);
+    head_free(&h);
+    surface_face_free(face[0]);
+    surface_face_free(face[1]);
+    surface_work_free(work);
+}
+
+/* A face written and read again scores the same; damaged bytes are refused. */
+static void test_bytes(void **state)
+{
+    struct surface_work *work = surface_work_new(NULL);
+    struct surface_face *a = NULL, *b = NULL, *again = NULL;
+    struct surface_comparison c[2] = {{.size = sizeof *c}, {.size = sizeof *c}};
+    struct surface_quality q = {.size = sizeof q};
+    double(*points)[3];
+    size_t len;
+    char *bytes;
+
+    (void)state;
+    assert_int_equal(build(work, scan(7, 0), &a, NULL), SURFACE_OK);
+    assert_int_equal(build(work, scan(7, 1), &b, NULL), SURFACE_OK);
+    len = surface_encoded_size(a);
+    assert_non_null(bytes = malloc(len));
+    surface_encode(a, bytes);
+    assert_int_equal(surface_decode(work, bytes, len, &again), SURFACE_OK);
+    assert_int_equal(surface_compare(work, a, b, &c[0]), SURFACE_OK);
+    assert_int_equal(surface_compare(work, again, b, &c[1]), SURFACE_OK);
+    assert_memory_equal(&c[0], &c[1], sizeof c[0]);
+    surface_face_quality(again, &q);
+    assert_true(q.points > 2000 && q.score == 0 && q.reasons == 0);
+    assert_non_null(points = calloc(q.points, sizeof *points));
+    surface_face_points(again, points);
+    for (size_t i = 0; i < q.points; i++)
+        assert_true(fabs(points[i][0]) < 500 && points[i][2] == points[i][2]);
+    bytes[4] ^= 1;
+    assert_int_equal(surface_decode(work, bytes, len, &again), SURFACE_EVERSION);
+    assert_null(again);
+    bytes[4] ^= 1;
+    bytes[8] ^= 1;
+    assert_int_equal(surface_decode(work, bytes, len, &again), SURFACE_ECORRUPT);
+    free(points);
+    free(bytes);
+    surface_face_free(a);
+    surface_face_free(b);
+    surface_work_free(work);
+}
+
+/* A model as text is the shipped one again; a calibration moves the threshold. */
+static void test_model(void **state)
+{
+    const size_t len = model_write(&model_default, NULL, 0);
+    struct surface_calibration by = {
+        .size = sizeof by, .threshold = 1000, .knots = 2, .knot = {{0, 1}, {10, 0.5}}};
+    struct surface_face *a = NULL;
+    struct surface_comparison c = {.size = sizeof c};
+    struct surface_model *m;
+    struct surface_work *work;
+    char engine[2][SURFACE_ENGINE_SIZE];
+    uint32_t line = 0;
+    char *text = malloc(len + 1);
+
+    (void)state;
+    assert_non_null(text);
+    (void)model_write(&model_default, text, len + 1);
+    assert_int_equal(surface_model_parse(text, len, &m, &line), SURFACE_OK);
+    surface_engine(m, engine[0]);
+    surface_engine(NULL, engine[1]);
+    assert_string_equal(engine[0], engine[1]);
+    assert_non_null(work = surface_work_new(m));
+    assert_int_equal(build(work, scan(7, 0), &a, NULL), SURFACE_OK);
+    assert_int_equal(surface_work_calibrate(work, &by), SURFACE_OK);
+    assert_int_equal(surface_compare(work, a, a, &c), SURFACE_OK);
+    assert_true(c.threshold == 1000 && c.decision != SURFACE_MATCH);
+    by.knots = SURFACE_KNOTS + 1;
+    assert_int_equal(surface_work_calibrate(work, &by), SURFACE_EINVAL);
+    by.knots = 2;
+    by.knot[1].rate = 1;
+    assert_int_equal(surface_work_calibrate(work, &by), SURFACE_EINVAL);
+    assert_int_equal(surface_work_calibrate(work, NULL), SURFACE_OK);
+    assert_int_equal(surface_compare(work, a, a, &c), SURFACE_OK);
+    assert_int_equal(c.decision, SURFACE_MATCH);
+    surface_work_free(work);
+    surface_model_free(m);
+    text[len / 2] = '?';
+    assert_int_equal(surface_model_parse(text, len, &m, &line), SURFACE_ECORRUPT);
+    assert_true(m == NULL && line > 1);
+    surface_face_free(a);
+    free(text);
+}
+
+/* A caller whose structs are smaller, or larger, is given what it has room for. */
+static void test_sizes(void **state)
+{
+    struct {
+        struct surface_comparison c;
+        double more;
+    } later = {.c = {.size = sizeof later}, .more = 7};
+    struct surface_comparison c = {.size = offsetof(struct surface_comparison, threshold),
+                                   .threshold = 7};
+    struct surface_work *work = surface_work_new(NULL);
+    struct surface_face *a = NULL;
+
+    (void)state;
+    assert_int_equal(build(work, scan(7, 0), &a, NULL), SURFACE_OK);
+    assert_int_equal(surface_compare(work, a, a, &c), SURFACE_OK);
+    assert_true(c.score > 0 && c.threshold == 7);
+    assert_int_equal(surface_compare(work, a, a, &later.c), SURFACE_OK);
+    assert_true(later.c.score == c.score && later.c.overlap > 0.9 && later.more == 7);
+    surface_face_free(a);
     surface_work_free(work);
 }
 
 static void test_refused(void **state)
 {
-    struct surface_work *work = surface_work_new();
-    struct surface_face *face;
+    struct surface_work *work = surface_work_new(NULL);
+    struct surface_found found = {.size = sizeof found};
+    struct surface_cloud cloud = {.size = sizeof cloud};
+    struct surface_face *face = NULL;
     struct brute_rng r = {1};
-    size_t n = scan(3, 0), bad = 0;
+    size_t n = scan(3, 0);
 
     (void)state;
+    assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_ETOOFEW);
+    cloud.n = 1;
+    assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_EINVAL);
+    cloud.points = (const double(*)[3])xyz;
+    cloud.width = 2;
+    assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_EINVAL);
+    cloud.width = 0;
+    cloud.flags = 64;
+    assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_EINVAL);
     assert_int_equal(build(work, 99, &face, NULL), SURFACE_ETOOFEW);
-    assert_null(face);
     assert_int_equal(build(work, SURFACE_MAX_POINTS + 1, &face, NULL), SURFACE_ELIMIT);
-    assert_null(face);
     xyz[17][2] = (double)NAN;
-    assert_int_equal(build(work, n, &face, &bad), SURFACE_ENOTFINITE);
-    assert_int_equal(bad, 17);
+    assert_int_equal(build(work, n, &face, &found), SURFACE_ENOTFINITE);
+    assert_int_equal(found.bad, 17);
     xyz[17][2] = 17e3;
-    assert_int_equal(build(work, n, &face, &bad), SURFACE_ERANGE);
+    assert_int_equal(build(work, n, &face, &found), SURFACE_ERANGE);
     for (size_t i = 0; i < n; i++) {
         xyz[i][0] = xyz[i][1] = (double)i / 10;
         xyz[i][2] = 0;
@@ -154,25 +327,42 @@ static void test_refused(void **state)
     for (size_t i = 0; i < n; i++)
         xyz[i][2] = 0;
     assert_int_equal(build(work, n, &face, NULL), SURFACE_ENOTFACE);
-    assert_null(face);
+    cloud = (struct surface_cloud){
+        .size = sizeof cloud, .points = (const double(*)[3])xyz, .n = n};
+    assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_ENOTFACE);
     n = scan(3, 0);
     for (size_t i = 0; i < n; i++)
         xyz[i][2] += 30 * (brute_real(&r) - 0.5);
     assert_int_equal(build(work, n, &face, NULL), SURFACE_EQUALITY);
+    assert_null(face);
     surface_work_free(work);
     surface_work_free(NULL);
     surface_face_free(NULL);
+    surface_model_free(NULL);
 }
 
-/* Each status has a message of its own; a value that is no status has another. */
-static void test_messages(void **state)
+/* Each status has a message of its own, each bit a name; what is none has none. */
+static void test_words(void **state)
 {
+    static const enum surface_status all[] = {
+        SURFACE_OK,        SURFACE_EINVAL,         SURFACE_ENOMEM,   SURFACE_ELIMIT,
+        SURFACE_ETOOFEW,   SURFACE_ENOTFINITE,     SURFACE_ERANGE,   SURFACE_EDEGENERATE,
+        SURFACE_EUNITS,    SURFACE_ENOFACE,        SURFACE_ESEVERAL, SURFACE_EMIRRORED,
+        SURFACE_ENOTFACE,  SURFACE_EQUALITY,       SURFACE_ECORRUPT, SURFACE_EVERSION,
+        SURFACE_EINTERNAL, (enum surface_status)99};
+
     (void)state;
-    for (unsigned i = 0; i <= SURFACE_STATUSES; i++)
-        for (unsigned k = 0; k < i; k++)
-            assert_string_not_equal(surface_message((enum surface_status)i),
-                                    surface_message((enum surface_status)k));
-    assert_string_equal(surface_message(SURFACE_ENOTFACE), status_message(ST_ENOTFACE));
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        for (size_t k = 0; k < i; k++)
+            assert_string_not_equal(surface_message(all[i]), surface_message(all[k]));
+    assert_string_equal(surface_message((enum surface_status)ST_EDB),
+                        surface_message((enum surface_status)99));
+    assert_string_equal(surface_warning_name(SURFACE_THINNED), "thinned");
+    assert_string_equal(surface_reason_name(SURFACE_OBLIQUE), "turned");
+    assert_string_equal(surface_region_name(SURFACE_CHIN), "chin");
+    assert_null(surface_warning_name((enum surface_warning)64));
+    assert_null(surface_reason_name((enum surface_reason)64));
+    assert_null(surface_region_name(SURFACE_REGIONS));
 }
 
 static void test_memory(void **state)
@@ -183,16 +373,19 @@ static void test_memory(void **state)
 
     (void)state;
     for (k = 1; st != SURFACE_OK; k++) {
+        struct surface_comparison c = {.size = sizeof c};
+        struct surface_disparity d = {.size = sizeof d};
         struct surface_face *face = NULL;
-        struct surface_comparison c;
         struct surface_work *work;
 
         fail_alloc_at(k);
-        if ((work = surface_work_new()) != NULL) {
+        if ((work = surface_work_new(NULL)) != NULL) {
             st = build(work, n, &face, NULL);
             assert_true((face != NULL) == (st == SURFACE_OK));
             if (st == SURFACE_OK)
                 st = surface_compare(work, face, face, &c);
+            if (st == SURFACE_OK)
+                st = surface_disparity(work, face, face, &d);
         }
         fail_alloc_at(0);
         assert_true(st == SURFACE_OK || st == SURFACE_ENOMEM);
@@ -205,9 +398,10 @@ static void test_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),    cmocka_unit_test(test_inconclusive),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_messages),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_same),  cmocka_unit_test(test_raw),
+        cmocka_unit_test(test_bytes), cmocka_unit_test(test_model),
+        cmocka_unit_test(test_sizes), cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_words), cmocka_unit_test(test_memory),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);
