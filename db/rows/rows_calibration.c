@@ -91,28 +91,27 @@ enum status rows_calibration_get(struct log_txn *t, struct store_calibration *k,
                                  struct errinfo *e)
 {
     struct sql_rows *r;
-    bool found;
-    enum status st = sql_query(t->sql,
+    enum status st = sql_first(t->sql,
                                "SELECT " COLUMNS " FROM calibrations "
                                "ORDER BY calibration_key DESC LIMIT 1",
                                NULL, 0, &r, e);
 
-    if ((found = st == ST_OK && sql_next(r)))
+    if (st == ST_OK)
         st = read_row(t, r, k, e);
-    st = sql_done(r, st, e);
-    return st != ST_OK || found ? st
-                                : errinfo_set(e, ST_ENOTFOUND, "there is no calibration");
+    else if (st == ST_ENOTFOUND)
+        st = errinfo_set(e, st, "there is no calibration");
+    return sql_done(r, st, e);
 }
 
 static enum status next_version(struct log_txn *t, int64_t *version, struct errinfo *e)
 {
     struct sql_rows *r;
     enum status st =
-        sql_query(t->sql, "SELECT coalesce(max(calibration_key), 0) FROM calibrations",
+        sql_first(t->sql, "SELECT coalesce(max(calibration_key), 0) FROM calibrations",
                   NULL, 0, &r, e);
 
     *version = 0;
-    if (st == ST_OK && sql_next(r) && sql_column(r, 0).i < INT64_MAX)
+    if (st == ST_OK && sql_column(r, 0).i < INT64_MAX)
         *version = sql_column(r, 0).i + 1;
     else if (st == ST_OK)
         st = errinfo_set(e, ST_ECORRUPT, "calibrations: their numbers are used up");

@@ -129,12 +129,11 @@ enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
                             struct errinfo *e)
 {
     struct sql_rows *r;
-    bool found;
-    enum status st = sql_query(t->sql, text, &value, 1, &r, e);
+    enum status st = sql_first(t->sql, text, &value, 1, &r, e);
 
     memset(row, 0, table->size);
-    if ((found = st == ST_OK && sql_next(r)) &&
-        (st = rows_table_read(t, table, r, 0, row, e)) == ST_OK && by >= 0) {
+    if (st == ST_OK && (st = rows_table_read(t, table, r, 0, row, e)) == ST_OK &&
+        by >= 0) {
         const struct sql_value got = sql_column(r, by);
 
         if (!is_value(&got, &value)) {
@@ -143,8 +142,7 @@ enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
                              table->name);
         }
     }
-    st = sql_done(r, st, e);
-    return st != ST_OK || found ? st : ST_ENOTFOUND;
+    return sql_done(r, st, e);
 }
 
 struct listing {

@@ -152,24 +152,22 @@ enum status rows_template_get(struct log_txn *t, const char *id,
                               struct errinfo *e)
 {
     struct sql_rows *r;
-    bool found;
     enum status st =
-        SQL_QUERY(t->sql, &r, e, "SELECT " COLUMNS " FROM templates t WHERE t.id = $1",
+        SQL_FIRST(t->sql, &r, e, "SELECT " COLUMNS " FROM templates t WHERE t.id = $1",
                   sql_text(id));
 
     memset(out, 0, sizeof *out);
     memset(of, 0, sizeof *of);
-    if ((found = st == ST_OK && sql_next(r)) &&
+    if (st == ST_ENOTFOUND)
+        return errinfo_set(e, st, "there is no template %s", id);
+    if (st == ST_OK &&
         (st = rows_table_read(t, &rows_templates, r, 0, out, e)) == ST_OK &&
         (st = rows_subject_get(t, out->uid, of, e)) == ST_OK &&
         (st = read_row(t, r, of, out, e)) == ST_OK && strcmp(out->one.id, id) != 0)
         st = rows_table_damaged(&rows_templates, r, 0, e);
-    else if (found && st == ST_ENOTFOUND)
+    if (st == ST_ENOTFOUND)
         st = errinfo_set(e, ST_ECORRUPT, "template %s: its subject is missing", id);
-    st = sql_done(r, st, e);
-    return st != ST_OK || found
-               ? st
-               : errinfo_set(e, ST_ENOTFOUND, "there is no template %s", id);
+    return sql_done(r, st, e);
 }
 
 struct listing {
@@ -265,15 +263,15 @@ enum status rows_template_same(struct log_txn *t, const struct rows_subject *of,
     hash_digest(t, "used", of, used, by_used);
     hash_digest(t, "read", of, read[0] != '\0' ? read : "unknown", by_read);
     id[0] = '\0';
-    st = SQL_QUERY(t->sql, &r, e,
+    st = SQL_FIRST(t->sql, &r, e,
                    "SELECT t.id FROM templates t WHERE t.uid = $1 "
                    "AND (t.used = $2 OR t.read = $3) LIMIT 1",
                    sql_blob(of->one.uid, STORE_UID), sql_blob(by_used, sizeof by_used),
                    sql_blob(by_read, sizeof by_read));
-    if (st == ST_OK && sql_next(r) &&
+    if (st == ST_OK &&
         (!sql_read_text(r, 0, id, STORE_ID_LEN + 1) || !ident_id_valid(id)))
         st = errinfo_set(e, ST_ECORRUPT, "a template's row is not authentic");
-    return sql_done(r, st, e);
+    return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
 }
 
 /* ---- faces */
@@ -290,22 +288,19 @@ enum status rows_template_face(struct log_txn *t, const struct rows_template *ro
                                size_t *len, struct errinfo *e)
 {
     struct sql_rows *r;
-    bool found;
     enum status st =
-        SQL_QUERY(t->sql, &r, e,
+        SQL_FIRST(t->sql, &r, e,
                   "SELECT f.face FROM templates t JOIN faces f USING (template_key) "
                   "WHERE t.id = $1",
                   sql_text(row->one.id));
 
     *face = NULL;
     *len = 0;
-    if ((found = st == ST_OK && sql_next(r)))
+    if (st == ST_OK)
         st = decrypt_face(row, of, r, 0, face, len, e);
-    st = sql_done(r, st, e);
-    return st != ST_OK || found
-               ? st
-               : errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing",
-                             row->one.id);
+    else if (st == ST_ENOTFOUND)
+        st = errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing", row->one.id);
+    return sql_done(r, st, e);
 }
 
 /* Of so many shares the one that a row is in: by its key, so that no writer moves it into
@@ -363,7 +358,7 @@ static void encrypt(const struct log_txn *t, struct rows_template *row,
 
 static enum status put_face(struct log_txn *t, const struct rows_template *row,
                             const struct rows_subject *of, const void *face, size_t len,
-                            const char *text, struct errinfo *e)
+                            struct errinfo *e)
 {
     const struct sql_field_blob label = label_of(row, of, true);
     unsigned char *stored = malloc(len + CRYPT_OVER);
@@ -372,8 +367,11 @@ static enum status put_face(struct log_txn *t, const struct rows_template *row,
     if (stored == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     crypt_encrypt(of->key, label.bytes, label.n, face, len, stored);
-    st = SQL_RUN(t->sql, e, text, sql_text(row->one.id),
-                 sql_blob(stored, len + CRYPT_OVER));
+    st = SQL_RUN(t->sql, e,
+                 "INSERT INTO faces (template_key, face) VALUES "
+                 "((SELECT template_key FROM templates WHERE id = $1), $2) "
+                 "ON CONFLICT (template_key) DO UPDATE SET face = excluded.face",
+                 sql_text(row->one.id), sql_blob(stored, len + CRYPT_OVER));
     free(stored);
     return st;
 }
@@ -399,10 +397,7 @@ enum status rows_template_add(struct log_txn *t, struct rows_subject *of,
     row->number = ++of->added;
     encrypt(t, row, of);
     if ((st = rows_table_insert(t, &rows_templates, row, e)) != ST_OK ||
-        (st = put_face(t, row, of, face, len,
-                       "INSERT INTO faces (template_key, face) VALUES "
-                       "((SELECT template_key FROM templates WHERE id = $1), $2)",
-                       e)) != ST_OK)
+        (st = put_face(t, row, of, face, len, e)) != ST_OK)
         return st;
     return recount(t, of, NULL, row->mac, e);
 }
@@ -411,18 +406,14 @@ enum status rows_template_write(struct log_txn *t, struct rows_subject *of,
                                 struct rows_template *row, const void *face, size_t len,
                                 struct errinfo *e)
 {
-    unsigned char old[CRYPT_HASH];
+    const struct rows_template old = *row;
     enum status st;
 
-    memcpy(old, row->mac, sizeof old);
     encrypt(t, row, of);
     if ((st = rows_table_update(t, &rows_templates, row, e)) != ST_OK ||
-        (st = put_face(t, row, of, face, len,
-                       "UPDATE faces SET face = $2 WHERE template_key = "
-                       "(SELECT template_key FROM templates WHERE id = $1)",
-                       e)) != ST_OK)
+        (st = put_face(t, row, of, face, len, e)) != ST_OK)
         return st;
-    return recount(t, of, old, row->mac, e);
+    return recount(t, of, old.mac, row->mac, e);
 }
 
 enum status rows_template_drop(struct log_txn *t, const struct rows_template *row,

@@ -362,3 +362,15 @@ enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e)
     r->open = false;
     return st;
 }
+
+enum status sql_first(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n, struct sql_rows **out, struct errinfo *e)
+{
+    enum status st = sql_query(t, text, value, n, out, e);
+
+    if (st != ST_OK || sql_next(*out))
+        return st;
+    st = sql_done(*out, st, e);
+    *out = NULL;
+    return st == ST_OK ? ST_ENOTFOUND : st;
+}
