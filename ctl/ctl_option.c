@@ -8,7 +8,6 @@
 #include "cloudunit.h"
 #include "ctl.h"
 #include "number.h"
-#include "rows_scopes.h"
 #include "store.h"
 #include "utc.h"
 

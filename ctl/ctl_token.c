@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "rows_scopes.h"
 #include "ctl_model.h"
 
 #define LIFE_S (INT64_C(365) * 86400) /* of a token without --expires */

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "log_list.h"
+#include "log_row.h"
 #include "rows_subject.h"
 #include "sql_read.h"
 #include "store_txn.h"
@@ -111,7 +111,7 @@ static enum status list(struct log_txn *t, const struct store_audit_filter *filt
     }
     for (int i = 0; i < LOGS && st == ST_OK; i++)
         if (filter->log == NULL || *filter->log == (enum log_name)i)
-            st = log_list(t, (enum log_name)i, &wanted, &l.entry[i], &l.n[i], e);
+            st = log_list(t->sql, (enum log_name)i, &wanted, &l.entry[i], &l.n[i], e);
     if (st == ST_OK)
         st = merge(&l, &wanted, out, n, e);
     for (int i = 0; i < LOGS; i++)
@@ -183,7 +183,7 @@ enum status store_audit_verify(struct store *s, log_report *report, void *arg,
     crypt_public(s->crypt, public);
     log_walk_begin(out, s->crypt, public, report, arg);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK ||
-        (st = store_end(s, &t, log_walk_all(&t, out, e), e)) != ST_OK)
+        (st = store_end(s, &t, log_walk_all(t.sql, out, e), e)) != ST_OK)
         return st;
     end.seq = t.changes.seq;
     if ((st = store_verify(s, report_row, &end, &why)) == ST_EREFUSED)
@@ -246,7 +246,7 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     if ((st = log_change(&t, &by, kind, NULL, "", "", e)) == ST_OK &&
-        (st = log_list(&t, LOG_CHANGES, &last, &entry, &n, e)) == ST_OK && n == 1)
+        (st = log_list(t.sql, LOG_CHANGES, &last, &entry, &n, e)) == ST_OK && n == 1)
         *out = entry[0];
     free(entry);
     return store_end(s, &t, st, e);

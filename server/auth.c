@@ -11,7 +11,6 @@
 #include "logger.h"
 #include "request.h"
 #include "route.h"
-#include "rows_scopes.h"
 #include "store.h"
 #include "throttle.h"
 

@@ -9,7 +9,7 @@
 #include "admin_archive.h"
 #include "codec.h"
 #include "digest.h"
-#include "log_list.h"
+#include "log_row.h"
 #include "mesh.h"
 #include "admin_record.h"
 #include "store_rules.h"
@@ -209,7 +209,7 @@ static enum status add_all(struct store *s, const struct log_act *by,
 
     if ((st = store_begin(s, SQL_WRITE, &m.t, e)) != ST_OK)
         return st;
-    st = log_list(&m.t, LOG_CHANGES, &erased, &m.erased, &m.nerased, e);
+    st = log_list(m.t.sql, LOG_CHANGES, &erased, &m.erased, &m.nerased, e);
     do {
         if (st != ST_OK || (st = next(from, &item, e)) != ST_OK)
             break;

@@ -12,7 +12,7 @@
 #include "admin_copy.h"
 #include "crypt_file.h"
 #include "log_anchor.h"
-#include "log_list.h"
+#include "log_row.h"
 #include "newfile.h"
 #include "rows_device.h"
 #include "rows_digest.h"
@@ -67,7 +67,7 @@ static enum status walk_held(struct restoring *r, struct errinfo *e)
     crypt_public(r->held->crypt, public);
     log_walk_begin(&w, r->held->crypt, public, first_problem, &first);
     if ((st = store_begin(r->held, SQL_READ, &t, e)) != ST_OK ||
-        (st = store_end(r->held, &t, log_walk_all(&t, &w, e), e)) != ST_OK)
+        (st = store_end(r->held, &t, log_walk_all(t.sql, &w, e), e)) != ST_OK)
         return st;
     return first.code == ST_OK ? ST_OK : errinfo_set(e, first.code, "%s", first.msg);
 }
@@ -192,7 +192,7 @@ static enum status relate(struct restoring *r, struct errinfo *e)
         return st;
     end = t.changes;
     if ((st = log_has(&t, &r->end, &goes_on, e)) == ST_OK && goes_on)
-        st = log_list(&t, LOG_CHANGES, &after, &r->since, &r->n, e);
+        st = log_list(t.sql, LOG_CHANGES, &after, &r->since, &r->n, e);
     if (st == ST_OK)
         st = count_held(&t, r, e);
     if ((st = store_end(r->held, &t, st, e)) != ST_OK || goes_on)

@@ -1,103 +1,140 @@
 #include "log_row.h"
 
+#include <inttypes.h>
+#include <sodium.h>
 #include <string.h>
 
-#include "sql.h"
+#include "errinfo.h"
 #include "sql_read.h"
 
-enum { /* the columns of LOG_ROW_CHANGE */
-       COL_SEQ,
-       COL_AT,
-       COL_KIND,
-       COL_ACTOR,
-       COL_UID,
-       COL_OBJECT,
-       COL_OUTCOME,
-       COL_HASH,
-       COL_MAC,
-       COL_DIGEST,
-       COL_ACCESS_SEQ,
-       COL_ACCESS_HASH,
-       COL_SIGNATURE
+#define F(kind, member) SQL_FIELD(kind, struct log_entry, member)
+
+enum { COL_ACCESS = 9, COL_CHANGE = 13 }; /* columns of either log */
+
+static const struct sql_field columns[COL_CHANGE] = {
+    SQL_FIELD_IN(NUMBER, struct log_entry, seq, 1, DBL_MAX),
+    F(TEXT, at),
+    F(TEXT, kind),
+    F(TEXT, actor),
+    F(BYTES_OR_NONE, uid),
+    F(TEXT, object),
+    F(TEXT, outcome),
+    F(BYTES, hash),
+    F(BYTES, mac),
+    F(BYTES, digest),
+    F(NUMBER, accesses.seq),
+    F(BYTES, accesses.hash),
+    F(BYTES_OR_NULL, signature),
 };
 
-static const unsigned char nobody[LOG_UID];
-
-static bool read_uid(const struct sql_rows *r, unsigned char out[LOG_UID])
+static size_t columns_of(enum log_name log)
 {
-    size_t n;
-    const void *uid = sql_read_blob(r, COL_UID, 0, LOG_UID, &n);
-
-    if (uid == NULL || (n != 0 && n != LOG_UID))
-        return false;
-    if (n != 0)
-        memcpy(out, uid, n);
-    return true;
-}
-
-static bool read_change(const struct sql_rows *r, struct log_entry *out)
-{
-    int64_t seq;
-
-    if (!sql_read_bytes(r, COL_DIGEST, out->digest, sizeof out->digest) ||
-        !sql_read_int(r, COL_ACCESS_SEQ, 0, &seq) ||
-        !sql_read_bytes(r, COL_ACCESS_HASH, out->accesses.hash, LOG_HASH))
-        return false;
-    out->accesses.seq = (uint64_t)seq;
-    out->is_signed = sql_column(r, COL_SIGNATURE).type != SQL_NULL;
-    return !out->is_signed ||
-           sql_read_bytes(r, COL_SIGNATURE, out->signature, sizeof out->signature);
+    return log == LOG_CHANGES ? COL_CHANGE : COL_ACCESS;
 }
 
 bool log_row_read(const struct sql_rows *r, enum log_name log, struct log_entry *out)
 {
-    int64_t seq;
-
-    memset(out, 0, sizeof *out);
-    out->log = log;
-    if (!sql_read_int(r, COL_SEQ, 1, &seq))
+    *out = (struct log_entry){.log = log};
+    if (!sql_read_fields(r, 0, columns, columns_of(log), out))
         return false;
-    out->seq = (uint64_t)seq;
-    return sql_read_text(r, COL_AT, out->at, sizeof out->at) &&
-           sql_read_text(r, COL_KIND, out->kind, sizeof out->kind) &&
-           sql_read_text(r, COL_ACTOR, out->actor, sizeof out->actor) &&
-           read_uid(r, out->uid) &&
-           sql_read_text(r, COL_OBJECT, out->object, sizeof out->object) &&
-           sql_read_text(r, COL_OUTCOME, out->outcome, sizeof out->outcome) &&
-           sql_read_bytes(r, COL_HASH, out->hash, sizeof out->hash) &&
-           sql_read_bytes(r, COL_MAC, out->mac, sizeof out->mac) &&
-           (log == LOG_ACCESSES || read_change(r, out));
+    out->is_signed = !sodium_is_zero(out->signature, sizeof out->signature);
+    return true;
 }
 
 enum status log_row_add(struct sql_txn *t, const struct log_entry *entry,
                         struct errinfo *e)
 {
-    const bool of_none = memcmp(entry->uid, nobody, sizeof nobody) == 0;
-    const struct sql_value v[] = {
-        [COL_SEQ] = sql_int((int64_t)entry->seq),
-        [COL_AT] = sql_text(entry->at),
-        [COL_KIND] = sql_text(entry->kind),
-        [COL_ACTOR] = sql_text(entry->actor),
-        [COL_UID] = sql_blob(entry->uid, of_none ? 0 : sizeof entry->uid),
-        [COL_OBJECT] = sql_text(entry->object),
-        [COL_OUTCOME] = sql_text(entry->outcome),
-        [COL_HASH] = sql_blob(entry->hash, sizeof entry->hash),
-        [COL_MAC] = sql_blob(entry->mac, sizeof entry->mac),
-        [COL_DIGEST] = sql_blob(entry->digest, sizeof entry->digest),
-        [COL_ACCESS_SEQ] = sql_int((int64_t)entry->accesses.seq),
-        [COL_ACCESS_HASH] = sql_blob(entry->accesses.hash, LOG_HASH),
-        [COL_SIGNATURE] = entry->is_signed
-                              ? sql_blob(entry->signature, sizeof entry->signature)
-                              : sql_null(),
-    };
+    struct sql_value v[COL_CHANGE];
 
-    if (entry->log == LOG_ACCESSES)
-        return sql_run(t,
-                       "INSERT INTO access_log (" LOG_ROW_ACCESS
-                       ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)",
-                       v, COL_DIGEST, e);
-    return sql_run(t,
-                   "INSERT INTO change_log (" LOG_ROW_CHANGE
-                   ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
-                   v, sizeof v / sizeof *v, e);
+    sql_field_values(columns, COL_CHANGE, entry, v);
+    return sql_run(
+        t,
+        entry->log == LOG_ACCESSES
+            ? "INSERT INTO access_log (" LOG_ROW_ACCESS
+              ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)"
+            : "INSERT INTO change_log (" LOG_ROW_CHANGE
+              ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
+        v, columns_of(entry->log), e);
+}
+
+static enum status read_row(void *log, const struct sql_rows *r, void *out,
+                            struct errinfo *e)
+{
+    const enum log_name *name = log;
+    struct log_entry *entry = out;
+
+    if (log_row_read(r, *name, entry))
+        return ST_OK;
+    return errinfo_set(e, ST_ECORRUPT,
+                       "entry %" PRIu64 " of the audit log (%s) is damaged", entry->seq,
+                       log_word(*name));
+}
+
+#define WANTED                                                                           \
+    " WHERE seq > $1 AND uid = coalesce($2, uid) AND kind = coalesce($3, kind) "         \
+    "AND at >= coalesce($4, at) ORDER BY seq"
+
+static const char *query(enum log_name log, bool newest)
+{
+    if (log == LOG_CHANGES)
+        return newest ? "SELECT * FROM (SELECT " LOG_ROW_CHANGE " FROM change_log" WANTED
+                        " DESC LIMIT $5) AS newest ORDER BY seq"
+                      : "SELECT " LOG_ROW_CHANGE " FROM change_log" WANTED " LIMIT $5";
+    return newest ? "SELECT * FROM (SELECT " LOG_ROW_ACCESS " FROM access_log" WANTED
+                    " DESC LIMIT $5) AS newest ORDER BY seq"
+                  : "SELECT " LOG_ROW_ACCESS " FROM access_log" WANTED " LIMIT $5";
+}
+
+static int64_t bounded(uint64_t v)
+{
+    return v < INT64_MAX ? (int64_t)v : INT64_MAX;
+}
+
+enum status log_list(struct sql_txn *t, enum log_name log, const struct log_filter *f,
+                     struct log_entry **out, size_t *n, struct errinfo *e)
+{
+    const struct sql_value v[] = {
+        sql_int(bounded(f->after)),
+        f->uid != NULL ? sql_blob(f->uid, LOG_UID) : sql_null(),
+        sql_text_or_null(f->kind != NULL ? f->kind : ""),
+        sql_text_or_null(f->since != NULL ? f->since : ""),
+        sql_int(f->limit != 0 ? bounded(f->limit) : INT64_MAX),
+    };
+    struct sql_rows *r;
+    void *list = NULL;
+    enum status st = sql_query(t, query(log, f->newest), v, sizeof v / sizeof *v, &r, e);
+
+    st = sql_read_list(r, st, read_row, &log, sizeof **out, &list, n, e);
+    *out = list;
+    return st;
+}
+
+static enum status walk_log(struct sql_txn *t, struct log_walk *w, const char *text,
+                            struct errinfo *e)
+{
+    struct log_entry entry;
+    struct sql_rows *r;
+    const enum status st = sql_query(t, text, NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        if (log_row_read(r, w->log, &entry))
+            log_walk_step(w, &entry);
+        else
+            log_walk_damaged(w, entry.seq);
+    }
+    return sql_done(r, st, e);
+}
+
+enum status log_walk_all(struct sql_txn *t, struct log_walk *w, struct errinfo *e)
+{
+    enum status st =
+        walk_log(t, w, "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq", e);
+
+    if (st != ST_OK)
+        return st;
+    log_walk_accesses(w);
+    if ((st = walk_log(t, w, "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq",
+                       e)) == ST_OK)
+        log_walk_end(w);
+    return st;
 }

@@ -44,47 +44,59 @@ static bool is_same(const struct log_end *a, const struct log_end *b)
     return a->seq == b->seq && memcmp(a->hash, b->hash, sizeof a->hash) == 0;
 }
 
-bool log_erases(const char *kind)
+static bool erases(const char *kind)
 {
     return strcmp(kind, "delete_subject") == 0 || strcmp(kind, "delete_template") == 0;
 }
 
-/* ---- where the log ends */
+/* ---- where a log ends */
 
-/* The last row, whose MAC authenticates the log; the one seen last has it.  That its columns are
- * those of its hash takes the hash of the one before. */
-static enum status read_end(struct log_txn *t, const struct log_end *before,
-                            struct errinfo *e)
+/* The last entry, seq 0 where there is none: its MAC authenticates the log up to it.  Of a change,
+ * whose fields are used, the hash is made again; that takes the entry before. */
+static enum status read_last(struct log_txn *t, enum log_name log, struct log_entry *last,
+                             struct errinfo *e)
 {
-    unsigned char hash[LOG_HASH] = {0}, mac[CRYPT_HASH];
-    struct log_entry last, previous;
+    unsigned char hash[LOG_HASH], mac[CRYPT_HASH];
+    struct log_entry before = {.seq = 0};
     struct sql_rows *r;
-    bool found, good = false;
+    bool good = true;
     enum status st = sql_query(
-        t->sql, "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq DESC LIMIT 2",
+        t->sql,
+        log == LOG_CHANGES
+            ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq DESC LIMIT 2"
+            : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq DESC LIMIT 1",
         NULL, 0, &r, e);
 
-    if ((found = st == ST_OK && sql_next(r)) && log_row_read(r, LOG_CHANGES, &last)) {
-        t->changes.seq = last.seq;
-        memcpy(t->changes.hash, last.hash, LOG_HASH);
-        memcpy(t->wrapped, last.digest, sizeof t->wrapped);
-        t->accesses = last.accesses;
-        if (sql_next(r) && log_row_read(r, LOG_CHANGES, &previous))
-            memcpy(hash, previous.hash, sizeof hash);
-        log_hash(hash, &last, hash);
-        good = memcmp(hash, last.hash, sizeof hash) == 0;
-        if (good && !is_same(&t->changes, before)) {
-            log_mac(t->crypt, last.hash, mac);
-            good = sodium_memcmp(mac, last.mac, sizeof mac) == 0;
+    *last = (struct log_entry){.log = log};
+    if (st == ST_OK && sql_next(r)) {
+        good = log_row_read(r, log, last);
+        log_mac(t->crypt, last->hash, mac);
+        good = good && sodium_memcmp(mac, last->mac, sizeof mac) == 0;
+        if (log == LOG_CHANGES) {
+            good = good && (!sql_next(r) || log_row_read(r, log, &before));
+            log_hash(before.hash, last, hash);
+            good = good && memcmp(hash, last->hash, sizeof hash) == 0;
         }
     }
+    if (log == LOG_ACCESSES) /* it has the one that the last change found */
+        good = good && last->seq >= t->accesses.seq &&
+               (last->seq > t->accesses.seq ||
+                memcmp(last->hash, t->accesses.hash, LOG_HASH) == 0);
+    else
+        good = good && last->seq != 0;
     st = sql_done(r, st, e);
-    if (st != ST_OK || good)
-        return st;
-    return errinfo_set(e, ST_ECORRUPT,
-                       found ? "the last entry of the change log is not authenticated by "
-                               "the database's key: restore a backup"
-                             : "the change log is empty: restore a backup");
+    return st != ST_OK || good
+               ? st
+               : errinfo_set(e, ST_ECORRUPT,
+                             "the last entry of the %s log is not authenticated by the "
+                             "database's key, or was cut off: restore a backup",
+                             log == LOG_CHANGES ? "change" : "access");
+}
+
+static void set_end(struct log_end *end, const struct log_entry *entry)
+{
+    end->seq = entry->seq;
+    memcpy(end->hash, entry->hash, LOG_HASH);
 }
 
 /* The entries that another process has added: each follows the one before. */
@@ -106,7 +118,7 @@ static enum status follow(struct log_txn *t, const struct log_end *before, bool 
             log_hash(at.hash, &entry, at.hash);
             at.seq = entry.seq;
             *follows = memcmp(at.hash, entry.hash, sizeof at.hash) == 0;
-            if (log_erases(entry.kind))
+            if (erases(entry.kind))
                 atomic_store(&t->log->erasure, true);
         }
     }
@@ -127,12 +139,16 @@ static enum status refuse(const struct log_end *before, const char *what,
 enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
                           struct errinfo *e)
 {
+    struct log_entry last;
     bool follows = true;
     enum status st;
 
-    memset(&t->changes, 0, sizeof t->changes);
     t->known = t->unlogged = false;
-    if ((st = read_end(t, before, e)) != ST_OK)
+    st = read_last(t, LOG_CHANGES, &last, e);
+    set_end(&t->changes, &last);
+    t->accesses = last.accesses;
+    memcpy(t->wrapped, last.digest, sizeof t->wrapped);
+    if (st != ST_OK)
         return st == ST_ECORRUPT && before->seq != 0
                    ? refuse(before, "its log has no good end after", e)
                    : st;
@@ -175,11 +191,11 @@ enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
 {
     struct sql_rows *r;
     const enum status st =
-        SQL_QUERY(t->sql, &r, e, "SELECT 1 FROM change_log WHERE seq = $1 AND hash = $2",
+        SQL_FIRST(t->sql, &r, e, "SELECT 1 FROM change_log WHERE seq = $1 AND hash = $2",
                   sql_int((int64_t)at->seq), sql_blob(at->hash, sizeof at->hash));
 
-    *has = st == ST_OK && sql_next(r);
-    return sql_done(r, st, e);
+    *has = st == ST_OK;
+    return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
 }
 
 /* ---- the digest */
@@ -204,32 +220,13 @@ static enum status need_digest(struct log_txn *t, struct errinfo *e)
                                   t->changes.seq);
 }
 
-static void summand(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
-                    unsigned char out[LOG_DIGEST])
-{
-    crypt_lookup(c, "row", mac, CRYPT_HASH, out);
-}
-
-/* Little-endian, modulo 2^256. */
-static void subtract(unsigned char sum[LOG_DIGEST], const unsigned char of[LOG_DIGEST])
-{
-    unsigned borrow = 0;
-
-    for (int i = 0; i < LOG_DIGEST; i++) {
-        const unsigned d = 256U + sum[i] - of[i] - borrow;
-
-        sum[i] = (unsigned char)(d & 255U);
-        borrow = d < 256U;
-    }
-}
-
 void log_txn_add(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
                  unsigned char sum[LOG_DIGEST])
 {
     unsigned char one[LOG_DIGEST];
 
-    summand(c, mac, one);
-    sodium_add(sum, one, sizeof one);
+    crypt_lookup(c, "row", mac, CRYPT_HASH, one);
+    sodium_add(sum, one, sizeof one); /* little-endian, modulo 2^256 */
 }
 
 void log_txn_subtract(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
@@ -237,8 +234,8 @@ void log_txn_subtract(const struct crypt *c, const unsigned char mac[CRYPT_HASH]
 {
     unsigned char one[LOG_DIGEST];
 
-    summand(c, mac, one);
-    subtract(sum, one);
+    crypt_lookup(c, "row", mac, CRYPT_HASH, one);
+    sodium_sub(sum, one, sizeof one);
 }
 
 enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
@@ -273,67 +270,53 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST])
 
 /* ---- entries */
 
-static void fill(struct log_entry *entry, const struct log_act *by, const char *kind,
-                 const unsigned char *uid, const char *object, const char *outcome)
-{
-    memcpy(entry->at, by->at, sizeof entry->at);
-    (void)snprintf(entry->kind, sizeof entry->kind, "%s", kind);
-    (void)snprintf(entry->actor, sizeof entry->actor, "%s", by->actor);
-    if (uid != NULL)
-        memcpy(entry->uid, uid, sizeof entry->uid);
-    (void)snprintf(entry->object, sizeof entry->object, "%s", object);
-    (void)snprintf(entry->outcome, sizeof entry->outcome, "%s", outcome);
-}
+struct what {
+    const struct log_act *by;
+    const char *kind;
+    const unsigned char *uid;
+    const char *object, *outcome;
+};
 
-enum status log_access_end(struct log_txn *t, struct log_end *out, struct errinfo *e)
+/* The entry after `end`, which becomes the end. */
+static enum status append(struct log_txn *t, struct log_entry *entry,
+                          const struct what *w, struct log_end *end, struct errinfo *e)
 {
-    unsigned char mac[CRYPT_HASH], wanted[CRYPT_HASH];
-    struct sql_rows *r;
-    bool good = true;
-    enum status st = sql_query(
-        t->sql, "SELECT seq, hash, mac FROM access_log ORDER BY seq DESC LIMIT 1", NULL,
-        0, &r, e);
+    enum status st;
 
-    memset(out, 0, sizeof *out);
-    if (st == ST_OK && sql_next(r)) {
-        good = sql_read_bytes(r, 1, out->hash, LOG_HASH) &&
-               sql_read_bytes(r, 2, mac, sizeof mac);
-        out->seq = (uint64_t)sql_column(r, 0).i;
-        log_mac(t->crypt, out->hash, wanted);
-        good = good && sodium_memcmp(mac, wanted, sizeof mac) == 0;
-    }
-    good = good && out->seq >= t->accesses.seq &&
-           (out->seq > t->accesses.seq || is_same(out, &t->accesses));
-    st = sql_done(r, st, e);
-    return st != ST_OK || good
-               ? st
-               : errinfo_set(
-                     e, ST_ECORRUPT,
-                     "the last entry of the access log is not authenticated by the "
-                     "database's key, or was cut off: restore a backup");
+    entry->seq = end->seq + 1;
+    memcpy(entry->at, w->by->at, sizeof entry->at);
+    (void)snprintf(entry->kind, sizeof entry->kind, "%s", w->kind);
+    (void)snprintf(entry->actor, sizeof entry->actor, "%s", w->by->actor);
+    if (w->uid != NULL)
+        memcpy(entry->uid, w->uid, sizeof entry->uid);
+    (void)snprintf(entry->object, sizeof entry->object, "%s", w->object);
+    (void)snprintf(entry->outcome, sizeof entry->outcome, "%s", w->outcome);
+    log_hash(end->hash, entry, entry->hash);
+    log_mac(t->crypt, entry->hash, entry->mac);
+    if (entry->log == LOG_CHANGES &&
+        (strcmp(w->kind, LOG_CHECKPOINT) == 0 || strcmp(w->kind, LOG_EXPORT) == 0))
+        log_sign(t->crypt, entry);
+    if ((st = log_row_add(t->sql, entry, e)) == ST_OK)
+        set_end(end, entry);
+    return st;
 }
 
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_CHANGES, .seq = t->changes.seq + 1};
+    const struct what w = {by, kind, uid, object, outcome};
+    struct log_entry entry = {.log = LOG_CHANGES}, last;
     unsigned char name[16];
     enum status st = need_digest(t, e);
 
-    if (st != ST_OK || (st = log_access_end(t, &entry.accesses, e)) != ST_OK)
+    if (st != ST_OK || (st = read_last(t, LOG_ACCESSES, &last, e)) != ST_OK)
         return st;
-    fill(&entry, by, kind, uid, object, outcome);
-    name_of(entry.seq, name);
+    set_end(&entry.accesses, &last);
+    name_of(t->changes.seq + 1, name);
     crypt_wrap(t->crypt, label, name, t->digest, entry.digest);
-    log_hash(t->changes.hash, &entry, entry.hash);
-    log_mac(t->crypt, entry.hash, entry.mac);
-    if (strcmp(kind, LOG_CHECKPOINT) == 0 || strcmp(kind, LOG_EXPORT) == 0)
-        log_sign(t->crypt, &entry);
-    if ((st = log_row_add(t->sql, &entry, e)) != ST_OK)
+    if ((st = append(t, &entry, &w, &t->changes, e)) != ST_OK)
         return st;
-    t->changes.seq = entry.seq;
-    memcpy(t->changes.hash, entry.hash, LOG_HASH);
     t->accesses = entry.accesses;
     t->unlogged = false;
     return ST_OK;
@@ -343,15 +326,11 @@ enum status log_access(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_ACCESSES};
+    const struct what w = {by, kind, uid, object, outcome};
+    struct log_entry entry = {.log = LOG_ACCESSES}, last;
+    const enum status st = read_last(t, LOG_ACCESSES, &last, e);
     struct log_end end;
-    const enum status st = log_access_end(t, &end, e);
 
-    if (st != ST_OK)
-        return st;
-    entry.seq = end.seq + 1;
-    fill(&entry, by, kind, uid, object, outcome);
-    log_hash(end.hash, &entry, entry.hash);
-    log_mac(t->crypt, entry.hash, entry.mac);
-    return log_row_add(t->sql, &entry, e);
+    set_end(&end, &last);
+    return st == ST_OK ? append(t, &entry, &w, &end, e) : st;
 }

@@ -71,7 +71,6 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
  * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
  * log_access(t, by, kind, uid, object, outcome, e): append to the access log.  ST_ECORRUPT: its
  * last entry has no good MAC, or is an earlier one than the last change found there.
- * log_access_end(t, out, e): where it ends.
  * log_has(t, at, has, e): has the change log this entry?  Then all before it are the same too. */
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
@@ -79,11 +78,7 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
 enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);
-enum status log_access_end(struct log_txn *t, struct log_end *out, struct errinfo *e);
 enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
                     struct errinfo *e);
-
-/* log_erases(kind): do bytes have to leave the file and the caches after a change of this kind? */
-bool log_erases(const char *kind);
 
 #endif

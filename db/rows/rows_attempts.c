@@ -174,7 +174,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
     const struct listing *l = x;
     struct store_attempts *a = out;
     struct rows_subject of;
-    enum status st = rows_subject_read(l->t, r, 3, &of, e);
+    enum status st = rows_table_read(l->t, &rows_subjects, r, 3, &of, e);
     int64_t at;
     bool future = false;
 

@@ -6,6 +6,7 @@
 
 struct rows_device { /* a row as it was read and found authentic */
     struct store_device one;
+    int64_t revision;
     unsigned char mac[CRYPT_HASH];
 };
 

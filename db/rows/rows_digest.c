@@ -20,21 +20,6 @@ static const struct rows_table *const tables[] = {
 
 #define TABLES (sizeof tables / sizeof *tables)
 
-static void name_row(const struct rows_table *table, const struct sql_rows *r, char *out,
-                     size_t size)
-{
-    char id[64] = "?";
-
-    if (table->id >= 0 && sql_column(r, table->id).type == SQL_INT)
-        (void)snprintf(id, sizeof id, "%lld", (long long)sql_column(r, table->id).i);
-    else if (table->id >= 0 && !sql_read_text(r, table->id, id, sizeof id))
-        (void)snprintf(id, sizeof id, "?");
-    for (char *p = id; *p != '\0'; p++)
-        if (*p < ' ' || *p > '~')
-            *p = '?';
-    (void)snprintf(out, size, "%s: the row %s is not authentic", table->name, id);
-}
-
 struct adding {
     struct log_txn *t;
     void (*report)(void *arg, const char *line);
@@ -48,16 +33,15 @@ static enum status bad_row(struct adding *a, const struct rows_table *table,
                            const struct sql_rows *r, struct errinfo *e)
 {
     enum status st = ST_OK;
-    char line[160];
+    struct errinfo why;
 
     a->problems++;
-    name_row(table, r, line, sizeof line);
+    (void)rows_table_damaged(table, r, 0, &why);
     if (a->report != NULL)
-        a->report(a->arg, line);
+        a->report(a->arg, why.msg);
     for (int i = 0; a->clear && st == ST_OK && i < 2; i++)
-        if (table->remove[i] != NULL)
-            st = SQL_RUN(a->t->sql, e, table->remove[i],
-                         sql_column(r, table->columns + 1));
+        if (table->drop[i] != NULL)
+            st = SQL_RUN(a->t->sql, e, table->drop[i], sql_column(r, table->columns + 1));
     return st;
 }
 

@@ -4,8 +4,6 @@
 #include "rows_table.h"
 #include "rows_types.h"
 
-#define ROWS_ABOUT 1024 /* bytes that suffice for any encrypted description */
-
 struct rows_subject { /* a row as it was read and found authentic; to be wiped */
     struct store_subject one;
     int64_t revision;
@@ -13,24 +11,18 @@ struct rows_subject { /* a row as it was read and found authentic; to be wiped *
     unsigned char templates[LOG_DIGEST]; /* of its templates' rows, as log_txn_add() */
     uint64_t added;                      /* templates, so far: the number of the newest */
     unsigned char wrapped[CRYPT_WRAPPED], key[CRYPT_KEY]; /* the subject's own */
+    unsigned char lookup[CRYPT_HASH];                     /* what it is found by */
+    struct sql_field_blob about;                          /* encrypted */
 };
 
 extern const struct rows_table rows_subjects;
 
-/* The columns that rows_subject_read() reads, of the table s, and their number. */
+/* The columns that rows_table_read() reads, of the table s, and their number. */
 #define ROWS_SUBJECT                                                                     \
     "s.uid, s.revision, s.lookup, s.key, s.about, s.created, s.expires, s.hold, "        \
-    "s.disabled, s.mac, s.seen, s.subject_key, "                                         \
+    "s.disabled, s.mac, s.subject_key, s.seen, "                                         \
     "(SELECT count(*) FROM templates x WHERE x.uid = s.uid)"
 #define ROWS_SUBJECT_N 13
-
-/* rows_subject_read(t, r, col, out, e): from these columns, the first of which is col.
- * ST_ECORRUPT: not authentic.
- * rows_subject_lookup(t, subject, out): what a row is found by, as a value; out is its bytes. */
-enum status rows_subject_read(const struct log_txn *t, const struct sql_rows *r, int col,
-                              struct rows_subject *out, struct errinfo *e);
-struct sql_value rows_subject_lookup(const struct log_txn *t, const char *subject,
-                                     unsigned char out[CRYPT_HASH]);
 
 /* rows_subject_find(t, subject, out, e), rows_subject_get(t, uid, out, e): by id, by uid.
  * ST_ENOTFOUND, ST_ECORRUPT.

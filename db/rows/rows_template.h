@@ -8,8 +8,10 @@ struct rows_template { /* a row as it was read and found authentic */
     int64_t revision;
     uint64_t number; /* of its subject's, in the order of enrolment */
     unsigned char mac[CRYPT_HASH];
-    char read
-        [65]; /* digest of the scan's points as they were read, as 64 digits; "": unknown */
+    char read[65]; /* digest of the scan's points as they were read; "": unknown */
+    /* Set when the row is written: keyed hashes of both digests, what is encrypted. */
+    unsigned char uid[STORE_UID], by_used[CRYPT_HASH], by_read[CRYPT_HASH];
+    struct sql_field_blob about;
 };
 
 extern const struct rows_table rows_templates;

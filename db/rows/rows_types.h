@@ -71,6 +71,11 @@ enum store_scope { /* what a token may do, a bit each */
 
 #define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */
 
+/* rows_scopes_read(text, out): one or more names with commas between; false: another.
+ * rows_scopes_write(scopes, out): the names of those that are set, in the order of their bits. */
+bool rows_scopes_read(const char *text, unsigned *out);
+void rows_scopes_write(unsigned scopes, char out[STORE_SCOPES_MAX]);
+
 struct store_token {
     char id[STORE_ID_LEN + 1];
     char name[STORE_NAME_MAX + 1];

@@ -125,12 +125,20 @@ bool sql_next(struct sql_rows *r);
 struct sql_value sql_column(const struct sql_rows *r, int i);
 enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e);
 
-/* SQL_RUN(t, e, text, value...), SQL_QUERY(t, out, e, text, value...): with one value or more. */
+/* sql_first(t, text, value, n, out, e): sql_query() and sql_next(), for one row; sql_done() follows in
+ * any case.  ST_ENOTFOUND, without a text: there is none. */
+enum status sql_first(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n, struct sql_rows **out, struct errinfo *e);
+
+/* SQL_RUN(t, e, text, value...), SQL_QUERY(t, out, e, text, value...), SQL_FIRST(): with one value
+ * or more. */
 #define SQL_VALUES(...) ((const struct sql_value[]){__VA_ARGS__})
 #define SQL_COUNT(...)  (sizeof SQL_VALUES(__VA_ARGS__) / sizeof(struct sql_value))
 #define SQL_RUN(t, e, text, ...)                                                         \
     sql_run(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), e)
 #define SQL_QUERY(t, out, e, text, ...)                                                  \
     sql_query(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), out, e)
+#define SQL_FIRST(t, out, e, text, ...)                                                  \
+    sql_first(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), out, e)
 
 #endif

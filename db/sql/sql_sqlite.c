@@ -9,55 +9,38 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-#include "sql_schema.h"
+#include "schema_sql.h"
 
-#define MAX_READERS 32
-
-/* ---- the reading connections */
+/* ---- the reading connections: as many as threads read at a time */
 
 static enum status open_query(struct sql *d, struct sql_txn **c, struct errinfo *e)
 {
     enum status st = sql_sqlite_conn_open(d->reading, d->flags, false, c, e);
 
-    if (st == ST_OK && (st = sql_sqlite_conn_exec(*c, "PRAGMA query_only=ON",
-                                                  "cannot configure", e)) != ST_OK) {
+    if (st != ST_OK)
+        return st;
+    (*c)->of = d;
+    st = sql_sqlite_conn_exec(*c, "PRAGMA query_only=ON", "cannot configure", e);
+    if (st != ST_OK)
         sql_sqlite_conn_close(*c);
-        *c = NULL;
-    }
     return st;
 }
 
-/* A connection at rest, or a new one. */
 static enum status take(struct sql *d, struct sql_txn **c, struct errinfo *e)
 {
-    enum status st = ST_OK;
-
-    pthread_mutex_lock(&d->read_lock);
-    while (d->idle == NULL && d->readers == MAX_READERS)
-        pthread_cond_wait(&d->read_free, &d->read_lock);
+    pthread_mutex_lock(&d->lock);
     if ((*c = d->idle) != NULL)
         d->idle = (*c)->next;
-    else
-        d->readers++; /* its place is taken, it is opened outside the lock */
-    pthread_mutex_unlock(&d->read_lock);
-    if (*c == NULL && (st = open_query(d, c, e)) != ST_OK) {
-        pthread_mutex_lock(&d->read_lock);
-        d->readers--;
-        pthread_cond_signal(&d->read_free);
-        pthread_mutex_unlock(&d->read_lock);
-    }
-    if (st == ST_OK)
-        (*c)->of = d;
-    return st;
+    pthread_mutex_unlock(&d->lock);
+    return *c != NULL ? ST_OK : open_query(d, c, e);
 }
 
 static void give_back(struct sql *d, struct sql_txn *c)
 {
-    pthread_mutex_lock(&d->read_lock);
+    pthread_mutex_lock(&d->lock);
     c->next = d->idle;
     d->idle = c;
-    pthread_cond_signal(&d->read_free);
-    pthread_mutex_unlock(&d->read_lock);
+    pthread_mutex_unlock(&d->lock);
 }
 
 /* ---- the writing connection */
@@ -77,13 +60,13 @@ enum status sql_sqlite_lock(struct sql *d, long ms, struct errinfo *e)
     until.tv_nsec += ms % 1000 * 1000000;
     until.tv_sec += until.tv_nsec / 1000000000;
     until.tv_nsec %= 1000000000;
-    pthread_mutex_lock(&d->write_lock);
+    pthread_mutex_lock(&d->lock);
     while (d->writing && rc == 0)
-        rc = pthread_cond_timedwait(&d->write_free, &d->write_lock, &until);
+        rc = pthread_cond_timedwait(&d->write_free, &d->lock, &until);
     if (!d->writing)
         rc = 0;
     d->writing = true;
-    pthread_mutex_unlock(&d->write_lock);
+    pthread_mutex_unlock(&d->lock);
     if (rc != 0)
         return errinfo_set(e, ST_EBUSY, "%s: other threads are writing", d->path);
     (void)clock_gettime(CLOCK_MONOTONIC, &now);
@@ -95,10 +78,10 @@ enum status sql_sqlite_lock(struct sql *d, long ms, struct errinfo *e)
 
 void sql_sqlite_unlock(struct sql *d)
 {
-    pthread_mutex_lock(&d->write_lock);
+    pthread_mutex_lock(&d->lock);
     d->writing = false;
     pthread_cond_signal(&d->write_free);
-    pthread_mutex_unlock(&d->write_lock);
+    pthread_mutex_unlock(&d->lock);
 }
 
 /* A pragma takes effect when it is compiled: a prepared statement would not do. */
@@ -237,10 +220,10 @@ enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e)
 enum status sql_create(struct sql_txn *t, struct errinfo *e)
 {
     const enum status st =
-        sql_sqlite_conn_exec(t, sql_schema_text(), "cannot create the tables", e);
+        sql_sqlite_conn_exec(t, schema_sql, "cannot create the tables", e);
 
     if (st == ST_OK)
-        t->of->version = sql_schema_newest();
+        t->of->version = sql_newest();
     return st;
 }
 
@@ -335,13 +318,11 @@ static enum status new_database(const char *path, enum sql_open how, struct sql 
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     d->synced = -1;
     d->single = how == SQL_OPEN_LOOK || how == SQL_OPEN_ALONE;
-    (void)pthread_mutex_init(&d->write_lock, NULL);
+    (void)pthread_mutex_init(&d->lock, NULL);
     (void)pthread_condattr_init(&monotonic);
     (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&d->write_free, &monotonic);
     (void)pthread_condattr_destroy(&monotonic);
-    (void)pthread_mutex_init(&d->read_lock, NULL);
-    (void)pthread_cond_init(&d->read_free, NULL);
     if ((d->path = strdup(path)) == NULL || !choose_reading(d, how))
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     return ST_OK;
@@ -402,10 +383,8 @@ void sql_close(struct sql *d)
     sql_sqlite_conn_close(d->writer);
     if (d->made)
         (void)unlink(d->path); /* nothing was ever in it */
-    (void)pthread_cond_destroy(&d->read_free);
-    (void)pthread_mutex_destroy(&d->read_lock);
     (void)pthread_cond_destroy(&d->write_free);
-    (void)pthread_mutex_destroy(&d->write_lock);
+    (void)pthread_mutex_destroy(&d->lock);
     free(d->reading);
     free(d->path);
     free(d);
@@ -414,9 +393,4 @@ void sql_close(struct sql *d)
 int sql_version(const struct sql *d)
 {
     return d->version;
-}
-
-int sql_newest(void)
-{
-    return sql_schema_newest();
 }

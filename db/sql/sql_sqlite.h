@@ -14,17 +14,13 @@ struct sql {
     bool made;   /* the file is new, and nothing is in it */
     bool single; /* the writer's connection is the only one */
 
-    pthread_mutex_t write_lock; /* of `writing`, held but a moment */
-    pthread_cond_t write_free;  /* by the monotonic clock */
-    bool writing;               /* a thread has the writer's connection */
-    struct sql_txn *writer;     /* NULL: opened for reading */
-    int synced;                 /* does the writer wait for the disk?  -1: not yet said */
-    atomic_bool scrub; /* erased bytes may be in the WAL: a reader was in the way */
-
-    pthread_mutex_t read_lock;
-    pthread_cond_t read_free;
-    struct sql_txn *idle;
-    unsigned readers;
+    pthread_mutex_t lock;      /* of `writing` and `idle`, held but a moment */
+    pthread_cond_t write_free; /* by the monotonic clock */
+    bool writing;              /* a thread has the writer's connection */
+    struct sql_txn *writer;    /* NULL: opened for reading */
+    int synced;                /* does the writer wait for the disk?  -1: not yet said */
+    atomic_bool scrub;    /* erased bytes may be in the WAL: a reader was in the way */
+    struct sql_txn *idle; /* readers' connections at rest */
 };
 
 /* sql_sqlite_lock(d, ms, e): wait up to ms for the writer's connection, and what is left of

@@ -3,9 +3,9 @@
 #include <stdlib.h>
 
 #include "errinfo.h"
-#include "sql_schema.h"
 
 #define APPLICATION 0x53524644  /* application_id in schema.sql */
+#define VERSION     1           /* user_version in schema.sql */
 #define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
 
 /* ---- errors */
@@ -168,16 +168,21 @@ enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct erri
         return ST_OK;
     if (application != APPLICATION)
         return errinfo_set(e, ST_ECORRUPT, "%s is the database of another program", path);
-    if (user > sql_schema_newest())
+    if (user > VERSION)
         return errinfo_set(e, ST_EVERSION,
                            "%s has schema version %lld, this program knows up to %d: "
                            "use a newer program",
-                           path, (long long)user, sql_schema_newest());
+                           path, (long long)user, VERSION);
     if (user < 1)
         return errinfo_set(e, ST_ECORRUPT, "%s has the impossible schema version %lld",
                            path, (long long)user);
     *version = (int)user;
     return ST_OK;
+}
+
+int sql_newest(void)
+{
+    return VERSION;
 }
 
 /* ---- statements */
@@ -361,4 +366,16 @@ enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e)
     (void)sqlite3_reset(r->stmt);
     r->open = false;
     return st;
+}
+
+enum status sql_first(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n, struct sql_rows **out, struct errinfo *e)
+{
+    enum status st = sql_query(t, text, value, n, out, e);
+
+    if (st != ST_OK || sql_next(*out))
+        return st;
+    st = sql_done(*out, st, e);
+    *out = NULL;
+    return st == ST_OK ? ST_ENOTFOUND : st;
 }

@@ -13,7 +13,6 @@
 
 #include "errinfo.h"
 #include "forge.h"
-#include "rows_scopes.h"
 #include "store.h"
 #include "tempdb.h"
 

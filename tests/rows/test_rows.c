@@ -1,4 +1,4 @@
-/* The digest: the sum over all rows, whatever was added, changed and removed; and what a file says
+/* Rows and their digest: the sum over all rows, whatever was added, changed and removed; and what a file says
  * that somebody else has written is a difference, which no later write takes away. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,14 +47,27 @@ static void device(struct store *s, const char *name)
     must(store_device_add(s, "test", name, public, &d, &e));
 }
 
-static void calibrate(struct store *s, double threshold)
+static struct store_token token(struct store *s, const char *name)
 {
-    struct store_calibration k = {
+    struct store_token t;
+
+    must(store_token_create(s, "test", name, STORE_SCOPE_VERIFY, 0, secret, &t, &e));
+    return t;
+}
+
+static struct store_calibration calibration(double threshold)
+{
+    return (struct store_calibration){
         .fmr = 0.001,
         .low = threshold - 1,
         .high = threshold + 1,
         .table = {.threshold = threshold, .n = 2, .knot = {{-50, 1}, {threshold, 0.001}}},
     };
+}
+
+static void calibrate(struct store *s, double threshold)
+{
+    struct store_calibration k = calibration(threshold);
 
     must(store_calibration_add(s, "test", &k, &e));
 }
@@ -171,33 +184,6 @@ static void test_sum(void **state)
     store_close(s);
 }
 
-/* What was added and removed again has left nothing. */
-static void test_undone(void **state)
-{
-    struct store *s = tempdb_fresh();
-    unsigned char before[LOG_DIGEST], sum[LOG_DIGEST];
-    struct store_template t;
-
-    (void)state;
-    add(s, "alice");
-    device(s, "door-1");
-    assert_sum(s, before);
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
-    assert_sum(s, sum);
-    assert_memory_not_equal(sum, before, sizeof sum);
-    must(store_template_delete(s, "test", t.id, &e));
-    assert_sum(s, before); /* alice's row was written: it has a digest of her templates */
-    tempdb_enroll(s, "bob", "", &tempdb_face[1], &t);
-    must(tempdb_erase(s, "test", "bob", &e));
-    assert_sum(s, sum);
-    assert_memory_equal(sum, before, sizeof sum);
-    device(s, "door-2");
-    must(store_device_remove(s, "test", "door-2", &e));
-    assert_sum(s, sum);
-    assert_memory_equal(sum, before, sizeof sum);
-    store_close(s);
-}
-
 /* The MACs as db/FORMAT.md has them. */
 static void test_format(void **state)
 {
@@ -239,20 +225,19 @@ static struct store *written(void)
     const struct store_subject_change disable = {.disabled = &yes};
     struct store *s = tempdb_fresh();
     struct store_template a, t;
-    struct store_token token;
+    struct store_token door;
     char copy[128];
 
     tempdb_enroll(s, "alice", "one", &tempdb_face[0], &a);
     tempdb_enroll(s, "alice", "two", &tempdb_face[1], &t);
     tempdb_enroll(s, "bob", "", &tempdb_face[2], &t);
-    must(
-        store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 0, secret, &token, &e));
+    door = token(s, "door");
     device(s, "door-1");
     calibrate(s, 9);
     (void)snprintf(old, sizeof old, "%.40s-old", tempdb_path);
     (void)snprintf(copy, sizeof copy, "VACUUM INTO '%s'", old);
     tempdb_sql(copy);
-    must(store_token_revoke(s, "test", token.id, &e));
+    must(store_token_revoke(s, "test", door.id, &e));
     must(store_subject_set(s, "test", "alice", &disable, &e));
     must(store_template_delete(s, "test", a.id, &e));
     must(store_device_remove(s, "test", "door-1", &e));
@@ -260,6 +245,27 @@ static struct store *written(void)
     calibrate(s, 1);
     must(tempdb_erase(s, "test", "bob", &e));
     return s;
+}
+
+/* The rows are refused, for what the text says, and for good: in every process that would write. */
+static void assert_found(struct store *s, const char *why)
+{
+    struct store *late = tempdb_open(STORE_WRITE);
+    struct store_subject one = {.id = "eve"};
+
+    if (store_verify(s, NULL, NULL, &e) != ST_EREFUSED || strstr(e.msg, why) == NULL)
+        fail_msg("%s, not '%s'", e.msg, why);
+    assert_int_equal(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
+    store_close(late);
+    store_close(s);
+}
+
+static void mislead(const char *index, const char *rows)
+{
+    char name[64];
+
+    (void)snprintf(name, sizeof name, "sqlite_autoindex_%s", index);
+    tempdb_mislead(name, rows);
 }
 
 #define BACK(table, where)                                                               \
@@ -299,58 +305,30 @@ static void test_attacks(void **state)
 
     (void)state;
     for (size_t i = 0; i < sizeof attack / sizeof *attack; i++) {
-        struct store *s = written(), *other = tempdb_open(STORE_WRITE), *late;
-        struct store_subject one = {.id = "eve"};
-        struct store_token token;
+        struct store *s = written(), *other = tempdb_open(STORE_WRITE);
+        struct store_token got;
         char sql[500];
 
         must(store_verify(s, NULL, NULL, &e));
-        assert_int_equal(store_token_check(s, secret, &token, &e), ST_EDENIED);
+        assert_int_equal(store_token_check(s, secret, &got, &e), ST_EDENIED);
         must(store_verify(other, NULL, NULL, &e));
         (void)snprintf(sql, sizeof sql, "ATTACH '%s' AS old; %s", old, attack[i]);
         tempdb_sql(sql);
         add(other, "carol");
-        device(other, "door-3");
         if (store_verify(s, NULL, NULL, &e) != ST_EREFUSED)
             fail_msg("not found: %s", sql);
         assert_true(store_refused(s, &e));
-        assert_int_equal(store_token_check(s, secret, &token, &e), ST_EREFUSED);
+        assert_int_equal(store_token_check(s, secret, &got, &e), ST_EREFUSED);
         must(tempdb_erase(other, "test", "carol", &e));
-        late = tempdb_open(STORE_WRITE);
-        assert_int_equal(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
-        assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
-        store_close(late);
         store_close(other);
-        store_close(s);
+        assert_found(s, "");
     }
 }
 
-/* A row is hidden while the daemon runs, a stranger takes its place, and the row comes back. */
+/* A row is hidden while the daemon runs, a stranger takes its place, and the row comes back: both are
+ * authentic, and in the sum, and no index of the file forbids them.  Nor is the stranger's sample the
+ * first one where her templates alone are hidden. */
 static void test_second_alice(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct store_template t;
-
-    (void)state;
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
-    tempdb_sql("CREATE TABLE aside.s AS SELECT * FROM subjects;"
-               "CREATE TABLE aside.t AS SELECT * FROM templates;"
-               "CREATE TABLE aside.f AS SELECT * FROM faces;"
-               "DELETE FROM faces; DELETE FROM templates; DELETE FROM subjects");
-    tempdb_enroll(s, "alice", "", &tempdb_face[1], &t); /* nothing is found at once */
-    tempdb_sql(
-        "CREATE TABLE rest AS SELECT * FROM subjects; DROP TABLE subjects;"
-        "ALTER TABLE rest RENAME TO subjects; INSERT INTO subjects SELECT * FROM s;"
-        "INSERT INTO templates SELECT * FROM t WHERE template_key = 1");
-    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 2);
-    /* Both rows are authentic, and in the sum; and no index of the file forbids them. */
-    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
-    assert_non_null(strstr(e.msg, "subjects: two rows have one id"));
-    store_close(s);
-}
-
-/* Her templates alone: the next sample is not her first one. */
-static void test_first_sample(void **state)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
@@ -358,41 +336,39 @@ static void test_first_sample(void **state)
 
     (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
-    tempdb_sql("CREATE TABLE aside.t AS SELECT * FROM templates; DELETE FROM templates");
+    tempdb_sql("CREATE TABLE aside.s AS SELECT * FROM subjects;"
+               "CREATE TABLE aside.t AS SELECT * FROM templates;"
+               "DELETE FROM faces; DELETE FROM templates");
     assert_int_equal(
         tempdb_store(s, "test", "alice", "", &tempdb_face[1], &t, &created, &e),
         ST_ECORRUPT);
-    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
-    store_close(s);
+    tempdb_sql("DELETE FROM subjects");
+    tempdb_enroll(s, "alice", "", &tempdb_face[1], &t); /* nothing is found at once */
+    tempdb_sql(
+        "CREATE TABLE rest AS SELECT * FROM subjects; DROP TABLE subjects;"
+        "ALTER TABLE rest RENAME TO subjects; INSERT INTO subjects SELECT * FROM s;"
+        "INSERT INTO templates SELECT * FROM t WHERE template_key = 1");
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 2);
+    assert_found(s, "subjects: two rows have one id");
 }
 
 /* Hidden from an index alone: every row is there, and in the sum. */
 static void test_hidden(void **state)
 {
-    static const struct {
-        const char *index, *rows;
-    } hide[] = {
-        {"sqlite_autoindex_subjects_2",
-         "SELECT subject_key, lookup FROM subjects LIMIT 0"},
-        {"sqlite_autoindex_subjects_1", "SELECT subject_key, uid FROM subjects LIMIT 0"},
-        {"sqlite_autoindex_templates_1",
-         "SELECT template_key, id FROM templates LIMIT 0"},
-        {"sqlite_autoindex_tokens_2", "SELECT token_key, zeroblob(32) FROM tokens"},
-        {"sqlite_autoindex_devices_2", "SELECT device_key, id FROM devices"},
+    static const char *const hide[][2] = {
+        {"subjects_2", "SELECT subject_key, lookup FROM subjects LIMIT 0"},
+        {"subjects_1", "SELECT subject_key, uid FROM subjects LIMIT 0"},
+        {"templates_1", "SELECT template_key, id FROM templates LIMIT 0"},
+        {"tokens_2", "SELECT token_key, zeroblob(32) FROM tokens"},
+        {"devices_2", "SELECT device_key, id FROM devices"},
     };
 
     (void)state;
     for (size_t i = 0; i < sizeof hide / sizeof *hide; i++) {
-        struct store *s = written(), *late;
-        struct store_subject one = {.id = "eve"};
+        struct store *s = written();
 
-        tempdb_mislead(hide[i].index, hide[i].rows);
-        assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
-        assert_non_null(strstr(e.msg, "integrity"));
-        late = tempdb_open(STORE_WRITE);
-        assert_int_equal(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
-        store_close(late);
-        store_close(s);
+        mislead(hide[i][0], hide[i][1]);
+        assert_found(s, "integrity");
     }
 }
 
@@ -420,7 +396,7 @@ static void test_named(void **state)
     must(store_begin(s, SQL_WRITE, &t, &e));
     must(rows_digest(&t, count, text, sum, &n, &e));
     assert_int_equal(n, 5);
-    assert_non_null(strstr(text, "subjects: the row ? is not authentic\n"));
+    assert_non_null(strstr(text, "subjects: the row 1 is not authentic\n"));
     assert_non_null(strstr(text, "tokens: the row ab? is not authentic\n"));
     assert_non_null(strstr(text, "devices: the row x is not authentic\n"));
     assert_non_null(strstr(text, "calibrations: the row 1 is not authentic\n"));
@@ -435,15 +411,155 @@ static void test_named(void **state)
     assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 1);
 }
 
+/* ---- a change is of one row or of none, and of what was to be written */
+
+/* It is refused, and nothing of it is in the file. */
+#define ASSERT_NOTHING(call)                                                             \
+    do {                                                                                 \
+        const int64_t before = tempdb_number("SELECT count(*) FROM change_log");         \
+        assert_int_equal(call, ST_ECORRUPT);                                             \
+        assert_int_equal(tempdb_number("SELECT count(*) FROM change_log"), before);      \
+    } while (0)
+
+#define DOUBLE(table, key)                                                               \
+    "CREATE TABLE twice AS SELECT * FROM " table "; DROP TABLE " table ";"               \
+    "ALTER TABLE twice RENAME TO " table "; INSERT INTO " table " SELECT * FROM " table  \
+    ";"                                                                                  \
+    "UPDATE " table " SET " key " = rowid"
+
+/* A row that is there twice is not half changed: neither an update nor a removal is taken for done. */
+static void test_doubled(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_token t = token(s, "gate"), got, *list;
+    char other[65];
+    size_t n;
+
+    (void)state;
+    device(s, "door-1");
+    tempdb_sql(DOUBLE("tokens", "token_key") ";" DOUBLE("devices", "device_key"));
+    ASSERT_NOTHING(store_token_revoke(s, "test", t.id, &e));
+    assert_non_null(strstr(e.msg, "a change of one row changed 2"));
+    ASSERT_NOTHING(store_token_rotate(s, "test", t.id, 0, 0, other, &got, &e));
+    ASSERT_NOTHING(store_device_remove(s, "test", "door-1", &e));
+    must(store_token_list(s, &list, &n, &e));
+    assert_true(n == 2 && !list[0].revoked && !list[1].revoked);
+    free(list);
+    must(store_token_check(s, secret, &got, &e));
+    assert_found(s, "");
+}
+
+/* An index leads to another row, which would get the rights or the end; or the row is read by
+ * another index than it is written by. */
+static void test_misled(void **state)
+{
+    static const bool yes = true;
+    const struct store_subject_change disable = {.disabled = &yes};
+    struct store *s = tempdb_fresh();
+    const struct store_token first = token(s, "first"), second = token(s, "second");
+    struct store_token got;
+    char other[65];
+
+    (void)state;
+    add(s, "alice");
+    add(s, "bob");
+    device(s, "door-1");
+    device(s, "door-2");
+    mislead("tokens_1", "SELECT 3 - token_key, id FROM tokens");
+    ASSERT_NOTHING(store_token_revoke(s, "test", first.id, &e));
+    ASSERT_NOTHING(store_token_rotate(s, "test", second.id, 0, 0, other, &got, &e));
+    tempdb_sql("DROP TABLE twin; DROP TABLE more");
+    mislead("subjects_2", "SELECT 3 - subject_key, lookup FROM subjects");
+    ASSERT_NOTHING(store_subject_rename(s, "test", "alice", "carol", &e));
+    ASSERT_NOTHING(tempdb_erase(s, "test", "bob", &e));
+    tempdb_sql("DROP TABLE twin; DROP TABLE more");
+    mislead("devices_2", "SELECT 3 - device_key, name FROM devices");
+    ASSERT_NOTHING(store_device_remove(s, "test", "door-1", &e));
+    assert_found(s, "");
+    s = tempdb_fresh();
+    add(s, "alice");
+    add(s, "bob");
+    mislead("subjects_1", "SELECT 3 - subject_key, uid FROM subjects");
+    ASSERT_NOTHING(store_subject_set(s, "test", "alice", &disable, &e));
+    assert_non_null(strstr(e.msg, "a change of one row changed 0"));
+    store_close(s);
+}
+
+/* Triggers and defaults of the file do nothing. */
+static void test_triggers(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_token t, got;
+    struct store_device *list;
+    char other[65];
+    size_t n;
+
+    (void)state;
+    device(s, "door-1");
+    tempdb_sql(
+        "CREATE TRIGGER a AFTER INSERT ON tokens BEGIN UPDATE tokens SET scopes = "
+        "'enroll,verify,identify,read,delete,manage,detail'; END;"
+        "CREATE TRIGGER b BEFORE UPDATE ON tokens BEGIN SELECT RAISE(IGNORE); END;"
+        "CREATE TRIGGER c BEFORE DELETE ON devices BEGIN SELECT RAISE(IGNORE); END;"
+        "CREATE TRIGGER d AFTER INSERT ON change_log BEGIN "
+        "UPDATE subjects SET disabled = 0; END;"
+        "ALTER TABLE tokens RENAME COLUMN old_hash TO was;"
+        "ALTER TABLE tokens ADD COLUMN old_hash BLOB DEFAULT x'00'");
+    t = token(s, "gate");
+    must(store_token_check(s, secret, &got, &e));
+    assert_int_equal(got.scopes, STORE_SCOPE_VERIFY);
+    must(store_token_rotate(s, "test", t.id, 0, 0, other, &got, &e));
+    assert_int_equal(store_token_check(s, secret, &got, &e), ST_EDENIED);
+    must(store_token_revoke(s, "test", t.id, &e));
+    assert_int_equal(store_token_check(s, other, &got, &e), ST_EDENIED);
+    must(store_device_remove(s, "test", "door-1", &e));
+    must(store_device_list(s, &list, &n, &e));
+    assert_int_equal(n, 0);
+    must(store_verify(s, NULL, NULL, &e));
+    store_close(s);
+}
+
+/* A row that was planted gets no MAC, whatever is written beside it. */
+static void test_planted(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_calibration k = calibration(0.5), got;
+    struct store_token t = token(s, "gate");
+
+    (void)state;
+    must(store_calibration_add(s, "test", &k, &e));
+    tempdb_sql(
+        "INSERT INTO calibrations SELECT 2, revision, created, actor, engine, shipped,"
+        "fmr, 900, low, 901, subjects, impostors, genuine, knots, mac FROM calibrations;"
+        "INSERT INTO tokens SELECT 2, '0123456789abcdef0123456789abcdef', revision, "
+        "name, zeroblob(32), created, revoked, scopes, expires, old_hash, old_until, "
+        "mac, used FROM tokens");
+    assert_int_equal(store_calibration_get(s, &got, &e), ST_ECORRUPT);
+    assert_int_equal(
+        store_token_revoke(s, "test", "0123456789abcdef0123456789abcdef", &e),
+        ST_ECORRUPT);
+    k = calibration(0.25);
+    k.shipped = true;
+    must(store_calibration_add(s, "test", &k, &e));
+    (void)token(s, "other");
+    must(store_token_revoke(s, "test", t.id, &e));
+    must(store_calibration_get(s, &got, &e));
+    assert_true(got.version == 3 && got.table.threshold == 0.25);
+    tempdb_sql("DELETE FROM calibrations WHERE calibration_key = 3");
+    assert_int_equal(store_calibration_get(s, &got, &e), ST_ECORRUPT);
+    assert_found(s, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sum),          cmocka_unit_test(test_undone),
-        cmocka_unit_test(test_format),       cmocka_unit_test(test_attacks),
-        cmocka_unit_test(test_second_alice), cmocka_unit_test(test_first_sample),
-        cmocka_unit_test(test_hidden),       cmocka_unit_test(test_named),
+        cmocka_unit_test(test_sum),      cmocka_unit_test(test_format),
+        cmocka_unit_test(test_attacks),  cmocka_unit_test(test_second_alice),
+        cmocka_unit_test(test_hidden),   cmocka_unit_test(test_named),
+        cmocka_unit_test(test_doubled),  cmocka_unit_test(test_misled),
+        cmocka_unit_test(test_triggers), cmocka_unit_test(test_planted),
     };
 
-    return cmocka_run_group_tests_name("rows_digest", tests, tempdb_begin_faces,
+    return cmocka_run_group_tests_name("rows", tests, tempdb_begin_faces,
                                        tempdb_end_faces);
 }

@@ -1,4 +1,4 @@
-#include "rows_scopes.h"
+#include "rows_types.h"
 
 #include <stdio.h>
 #include <string.h>
