@@ -71,7 +71,7 @@ is "nothing was stored" "$(stored)" "$before"
 rm empty/21.ply
 ctl_exits 0 enroll carol empty
 is "20" "$(list)" "new$(printf ' same%.0s' $(seq 19))"
-ctl_exits 0 check
+ctl_exits 0 check-database
 
 # ---- no room: none of them
 (
@@ -82,5 +82,5 @@ ctl_exits 0 check
 )
 is "no room" $? 0
 ctl_exits 66 subject show dave
-ctl_exits 0 check
+ctl_exits 0 check-database
 finish

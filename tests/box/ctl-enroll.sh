@@ -35,7 +35,7 @@ is "nor an event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = '
 "$BUILD/surfacectl" --db "$DB" enroll "$T/scans" >"$T/text" 2>/dev/null
 ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 were there already, 2 failed; ' "$T/text"
 ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/ctl.err" | grep -c '#')" -eq 0
-ctl_exits 0 check
+ctl_exits 0 check-database
 
 # ---- what is no scan, or is not named like one, stops nothing either
 cp -r "$T/scans" "$T/strays"
@@ -118,11 +118,11 @@ soon some
 kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
 DB=$T/killed.db
-ctl_exits 0 check
+ctl_exits 0 check-database
 before=$(said .templates)
 ctl_exits 0 enroll "$T/many"
 is "it went on" "$(counts)" "30 $((30 - before)) $before 0 0"
-ctl_exits 0 check
+ctl_exits 0 check-database
 is "all are there" "$(said .templates)" 30
 
 # ---- the machine's fault ends it, and is told
