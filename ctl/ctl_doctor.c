@@ -372,7 +372,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
     for (size_t j = 0; j < n; j++)
         if (a[j].age_ms < STORE_TRIED_WARN_MS && strcmp(a[j].token, token) == 0) {
             if (j < i)
-                return; /* it was told */
+                return; /* was reported */
             tried++;
         }
     if (tried >= MANY_TRIED)

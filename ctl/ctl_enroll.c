@@ -23,7 +23,7 @@ struct burst {
     struct face face[ENROLMENT_SAMPLES];
     struct scan_found found[ENROLMENT_SAMPLES];
     struct enrolment_result each[ENROLMENT_SAMPLES];
-    size_t n; /* more than there is room for: so many were named */
+    size_t n; /* files named; may exceed the room for them */
 };
 
 /* ---- which files */

@@ -98,7 +98,7 @@ static enum status show(struct ctl *c)
 
 /* ---- changes */
 
-/* Tell what the subject is now, in words too. */
+/* The subject after the change, as JSON or a line of text. */
 static enum status tell(struct ctl *c, const char *id, const char *done)
 {
     struct store_subject one;

@@ -109,9 +109,9 @@ refuse 65 'good.ply is not a database' "$ctl" --db good.ply subject list
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
 refuse 66 'no database empty' "$ctl" --db empty subject list
 "$ctl" --db f.db subject list >/dev/full 2>err
-ok "a full output is told" [ $? -eq 74 ]
+ok "a full output is reported" [ $? -eq 74 ]
 
-# bytes changed in the middle of the face: told by check and by verify, as text and JSON
+# bytes changed in the middle of the face: reported by check-database and by verify, as text and JSON
 cp f.db damaged.db
 cp f.db.key damaged.db.key
 sqlite3 damaged.db "UPDATE faces SET face =
