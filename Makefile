@@ -347,7 +347,7 @@ format:
 
 # ---- install
 
-## install: programs, library and its header, man pages, systemd units (PREFIX, DESTDIR)
+## install: programs, library, man pages, completion, systemd units (PREFIX, DESTDIR)
 .PHONY: install
 install: all
 	install -d "$(DESTDIR)$(PREFIX)/bin" "$(DESTDIR)$(PREFIX)/sbin" \
@@ -367,6 +367,9 @@ install: all
 	    > "$(DESTDIR)$(UNITDIR)/surfaced-backup.service"
 	install -m 644 packaging/surfaced.socket packaging/surfaced-backup.timer \
 	    "$(DESTDIR)$(UNITDIR)/"
+	install -d "$(DESTDIR)$(PREFIX)/share/bash-completion/completions"
+	$(BUILD)/surfacectl completion bash \
+	    > "$(DESTDIR)$(PREFIX)/share/bash-completion/completions/surfacectl"
 	install -m 644 packaging/surfaced.sysusers \
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d/surfaced.conf"
 	[ -e "$(DESTDIR)/etc/surfaced.conf" ] || \
@@ -375,7 +378,7 @@ install: all
 	    install -D -m 644 -t "$(DESTDIR)$(PREFIX)/share/man/man$${page##*.}" $$page || exit; \
 	done
 
-## deb: Debian packages, in build/deb (make check-deb tests them on a bare Debian)
+## deb: Debian packages, in build/deb; runs the unit tests (DEB_BUILD_OPTIONS=nocheck: none)
 .PHONY: deb
 deb:
 	BUILD=$(BUILD) scripts/deb.sh

@@ -1,7 +1,9 @@
 #include "utc.h"
 
+#include <string.h>
 #include <time.h>
 
+#define DAY_MS  INT64_C(86400000)
 #define LAST_MS INT64_C(253402300799999) /* of the year 9999 */
 
 bool utc_now(int64_t *ms)
@@ -120,4 +122,13 @@ bool utc_read(const char *text, int64_t *ms)
     }
     *ms = (((day * 24 + h) * 60 + m) * 60 + s) * 1000 + fraction - zone;
     return *ms >= 0 && *ms <= LAST_MS;
+}
+
+bool utc_read_end(const char *text, int64_t *ms)
+{
+    if (!utc_read(text, ms))
+        return false;
+    if (strlen(text) == sizeof "2027-01-31" - 1)
+        *ms += DAY_MS - 1;
+    return true;
 }

@@ -20,4 +20,7 @@ void utc_print(int64_t ms, char out[UTC_TEXT]);
  * outside of 1970 to 9999. */
 bool utc_read(const char *text, int64_t *ms);
 
+/* utc_read_end(text, ms): the same of an end: a day without a time is its last millisecond. */
+bool utc_read_end(const char *text, int64_t *ms);
+
 #endif

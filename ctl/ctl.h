@@ -49,8 +49,8 @@ struct ctl_scans {  /* how scans are read */
 
 struct ctl_expires { /* --expires */
     bool given;
-    int64_t life_s; /* from now on; 0: never.  Not above 0 where at_s is: in the past */
-    int64_t at_s;   /* since 1970; 0: never */
+    int64_t life_s; /* from now on; 0: never */
+    int64_t at_ms;  /* since 1970; 0: never */
 };
 
 struct ctl {

@@ -40,7 +40,7 @@ static enum status reset(struct ctl *c)
         return st;
     json_text(c->out, "subject", c->args[0]);
     json_number(c->out, "failures", 0);
-    ctl_say(c, "%s: no failed verifications any more\n", c->args[0]);
+    ctl_say(c, "%s: failed verifications forgotten\n", c->args[0]);
     return ST_OK;
 }
 

@@ -17,8 +17,8 @@
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
-#define LEAST_LIMIT  20000.0 /* non-mated comparisons: so many, or */
-#define ERRORS_LIMIT 60.0    /* as many as give so many errors at the wanted rate */
+#define LEAST_LIMIT  20000.0 /* at least this many non-mated comparisons, or */
+#define ERRORS_LIMIT 60.0    /* those that give this many errors at the wanted rate */
 #define SUSPECTS     20      /* shown as text; all as JSON */
 
 static bool wants_list, wants_reset; /* --list, --reset */
@@ -99,7 +99,7 @@ static enum status compare_all(struct ctl *c, struct result *r)
     if (!rates_supported(c->fmr, pairs_of(p->nsubject)))
         return too_few(c, p->nenrolled, pairs_of(p->nsubject));
     st = ctl_cross_non_mated(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
-    /* Each pair was compared from both sides, or else in so many comparisons. */
+    /* Each pair was compared from both sides, or else nscore / 2 pairs were. */
     r->pairs =
         p->nscore / 2 < pairs_of(p->nsubject) ? p->nscore / 2 : pairs_of(p->nsubject);
     if (st == ST_OK && !rates_supported(c->fmr, r->pairs))

@@ -1,4 +1,4 @@
-/* check: the whole database, read and verified. */
+/* check-database: the whole database, read and verified. */
 #include <inttypes.h>
 #include <stdio.h>
 
@@ -38,7 +38,7 @@ static enum status check(struct ctl *c)
 }
 
 const struct ctl_command ctl_check = {
-    .name = "check",
+    .name = "check-database",
     .database = CTL_READS_DATABASE,
     .exits = {"no problems", "problems were found"},
     .run = check,
@@ -47,4 +47,4 @@ const struct ctl_command ctl_check = {
         "The database's integrity and references; the rows against the change log, and both logs;\n"
         "of each template the triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
         "Nothing is changed.",
-    .example = "surfacectl --db faces.db check"};
+    .example = "surfacectl --db faces.db check-database"};

@@ -17,7 +17,7 @@ enum ctl_database {
 struct ctl_command {
     const char *name;    /* one word, or a group and a verb: "token create" */
     const char *args;    /* as in its usage; NULL: it takes none */
-    int takes[2];        /* arguments: so many at least, at most */
+    int takes[2];        /* the least and greatest number of arguments */
     const char *summary; /* begins with a small letter */
     const char *help;    /* lines of up to 88 characters */
     const char *example;

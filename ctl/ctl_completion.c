@@ -154,7 +154,7 @@ static enum status run(struct ctl *c)
     const bool zsh = strcmp(c->args[0], "zsh") == 0;
 
     if (!zsh && strcmp(c->args[0], "bash") != 0)
-        return ctl_usage(c, "it is: surfacectl completion bash|zsh");
+        return ctl_usage(c, "usage: surfacectl completion bash|zsh");
     if (c->json)
         return ctl_usage(c, "completion prints a shell program, not JSON");
     if (zsh)

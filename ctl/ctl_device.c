@@ -152,7 +152,7 @@ const struct ctl_command ctl_device_remove = {
     .takes = {1, 1},
     .database = CTL_WRITES_DATABASE,
     .run = do_remove,
-    .summary = "take no captures of a device any more",
+    .summary = "remove a device",
     .help =
         "A running daemon refuses them at once.  The name may be given to another device.",
     .example = "surfacectl --db faces.db device remove door-1"};

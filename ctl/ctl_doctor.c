@@ -235,7 +235,7 @@ static bool look_at_key(struct doctor *d)
         say(d, TROUBLE, "key", "chmod 600 and chown it, or name the right one with --key",
             "%s", e.msg);
     else
-        say(d, TROUBLE, "key", "surfacectl check says more", "%s", e.msg);
+        say(d, TROUBLE, "key", "surfacectl check-database says more", "%s", e.msg);
     return st == ST_OK;
 }
 
@@ -303,8 +303,8 @@ static void look_at_state(struct doctor *d, struct store *s)
             (unsigned long long)end.seq);
     else
         say(d, TROUBLE, "state",
-            "surfacectl check lists what is wrong; restore a backup from before", "%s",
-            e.msg);
+            "surfacectl check-database lists what is wrong; restore a backup from before",
+            "%s", e.msg);
 }
 
 static void look_at_templates(struct doctor *d)
@@ -322,8 +322,8 @@ static void look_at_templates(struct doctor *d)
     }
     store_close(t.store);
     if (st != ST_OK)
-        say(d, TROUBLE, "templates", "surfacectl check finds all that is damaged", "%s",
-            e.msg);
+        say(d, TROUBLE, "templates",
+            "surfacectl check-database finds all that is damaged", "%s", e.msg);
     else if (t.others > 0)
         say(d, TROUBLE, "templates",
             "surfacectl template reencode, or name their model with --model",
@@ -356,8 +356,8 @@ static void look_at_tokens(struct doctor *d)
     }
     free(t);
     if (st != ST_OK)
-        say(d, TROUBLE, "tokens", "surfacectl check finds all that is damaged", "%s",
-            e.msg);
+        say(d, TROUBLE, "tokens", "surfacectl check-database finds all that is damaged",
+            "%s", e.msg);
     else if (soon == 0)
         say(d, FINE, "tokens", "", "none will end within 30 days");
 }
@@ -372,7 +372,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
     for (size_t j = 0; j < n; j++)
         if (a[j].age_ms < STORE_TRIED_WARN_MS && strcmp(a[j].token, token) == 0) {
             if (j < i)
-                return; /* it was told */
+                return; /* was reported */
             tried++;
         }
     if (tried >= MANY_TRIED)
@@ -393,8 +393,8 @@ static void look_at_attempts(struct doctor *d)
 
     if (store_open(d->c->db, STORE_READ, &key, &s, &e) != ST_OK ||
         store_attempts_list(s, &a, &n, &e) != ST_OK) {
-        say(d, TROUBLE, "attempts", "surfacectl check finds all that is damaged", "%s",
-            e.msg);
+        say(d, TROUBLE, "attempts", "surfacectl check-database finds all that is damaged",
+            "%s", e.msg);
         n = 0;
     }
     for (size_t i = 0; i < n; i++) {

@@ -23,7 +23,7 @@ struct burst {
     struct face face[ENROLMENT_SAMPLES];
     struct scan_found found[ENROLMENT_SAMPLES];
     struct enrolment_result each[ENROLMENT_SAMPLES];
-    size_t n; /* more than there is room for: so many were named */
+    size_t n; /* files named; may exceed the room for them */
 };
 
 /* ---- which files */
@@ -186,8 +186,8 @@ static enum status run(struct ctl *c)
     if (c->nargs == 1) {
         if (stat(c->args[0], &sb) != 0)
             return ctl_usage(c,
-                             "it is: surfacectl enroll SUBJECT FILE..., or "
-                             "enroll DIR|MANIFEST, and there is no %.80s",
+                             "usage: surfacectl enroll SUBJECT FILE..., or enroll "
+                             "DIR|MANIFEST; there is no folder or table %.80s",
                              c->args[0]);
         return ctl_enroll_folder(c, kind, force);
     }

@@ -24,8 +24,8 @@ static void out_receipt(struct json *o, const struct store_receipt *r)
     json_text(o, "public_key", r->public_key);
 }
 
-/* What --dry-run tells of a deletion: so many templates of the subject would go, or may not,
- * which is a failure.  what: "deletes ...". */
+/* What --dry-run prints of a deletion: the number of templates that would be deleted; it
+ * fails where a hold forbids that.  what: "deletes ...". */
 static enum status would_erase(struct ctl *c, const struct store_subject *one,
                                uint32_t templates, const char *what)
 {

@@ -1,4 +1,4 @@
-/* ctl_help.h -- what surfacectl tells of itself, on standard output. */
+/* ctl_help.h -- the help texts of surfacectl, on standard output. */
 #ifndef CTL_HELP_H
 #define CTL_HELP_H
 #include <stdbool.h>

@@ -94,7 +94,7 @@ enum status ctl_key(struct ctl *c, const char *db, struct store_key *key)
         else if (st != ST_OK && c->passphrase)
             st = ctl_key_new(c, "--key", &c->asked);
         else
-            st = ST_OK; /* what is wrong with the database, opening it tells better */
+            st = ST_OK; /* opening the database will report what is wrong with it */
         if (st != ST_OK)
             return st;
     }

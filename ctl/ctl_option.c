@@ -1,9 +1,9 @@
 #include "ctl_option.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "cloudunit.h"
 #include "ctl.h"
@@ -136,21 +136,19 @@ const char *ctl_option_duration(const char *text, void *value)
 static const char *read_expires(const char *text, void *value)
 {
     struct ctl_expires *x = value;
-    const int64_t now = time(NULL);
-    int64_t ms;
+    int64_t now = 0;
 
-    x->given = true;
-    x->life_s = x->at_s = 0;
+    *x = (struct ctl_expires){.given = true};
     if (strcmp(text, "never") == 0)
         return NULL;
-    if (utc_read(text, &ms)) {
-        x->at_s = ms / 1000;
-        x->life_s = x->at_s - now;
-        return NULL;
+    (void)utc_now(&now);
+    if (utc_read_end(text, &x->at_ms)) {
+        x->life_s = (x->at_ms - now) / 1000;
+        return x->life_s > 0 ? NULL : "a time to come";
     }
     if (ctl_option_duration(text, &x->life_s) != NULL)
         return "a time like 90d, 12h, 30m, 2027-01-31 or never";
-    x->at_s = now + x->life_s;
+    x->at_ms = now + x->life_s * 1000;
     return NULL;
 }
 
@@ -206,8 +204,9 @@ static const struct ctl_option shared_options[] = {
            "a file with the archive's key or passphrase, instead of asking"),
     SHARED("public-key", "HEX", ctl_option_text, public_key, 0,
            "the public key of the database that FILE is from"),
-    SHARED("expires", "TIME", read_expires, expires, 0,
-           "until when: 90d, 12h or 30m from now, 2027-01-31, or never"),
+    SHARED(
+        "expires", "TIME", read_expires, expires, 0,
+        "until when: 90d, 12h or 30m from now, the end of 2027-01-31 (UTC),\n2027-01-31T14:30:00Z, or never"),
     SHARED("dry-run", NULL, ctl_option_flag, dry_run, 0,
            "show what would be done, change nothing"),
     SHARED("yes", NULL, ctl_option_flag, yes, 0, "do not ask for confirmation"),
@@ -238,4 +237,43 @@ const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_optio
         if (strcmp(o->name, name) == 0)
             return o;
     return NULL;
+}
+
+/* How many letters are inserted, removed or replaced; of up to 39. */
+static size_t edits_between(const char *a, const char *b)
+{
+    size_t row[40], before, was;
+    const size_t n = strlen(b);
+
+    for (size_t j = 0; j <= n; j++)
+        row[j] = j;
+    for (size_t i = 0; a[i] != '\0'; i++) {
+        before = row[0]++;
+        for (size_t j = 0; j < n; j++) {
+            was = row[j + 1];
+            row[j + 1] = before + (a[i] != b[j]);
+            if (row[j + 1] > was + 1)
+                row[j + 1] = was + 1;
+            if (row[j + 1] > row[j] + 1)
+                row[j + 1] = row[j] + 1;
+            before = was;
+        }
+    }
+    return row[n];
+}
+
+void ctl_near(struct ctl_near *near, const char *word, const char *before,
+              const char *name)
+{
+    char whole[sizeof near->name];
+    size_t edits;
+
+    (void)snprintf(whole, sizeof whole, "%s%s", before, name);
+    edits = strlen(word) > 2 && strncmp(whole, word, strlen(word)) == 0
+                ? 1
+                : edits_between(word, whole);
+    if (3 * edits > strlen(whole) || (near->name[0] != '\0' && edits >= near->edits))
+        return;
+    (void)snprintf(near->name, sizeof near->name, "%s", whole);
+    near->edits = edits;
 }

@@ -68,6 +68,15 @@ const struct ctl_option *ctl_option_at(unsigned shared, const struct ctl_option 
 const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_option *own,
                                          const char *name);
 
+/* The name that is nearest to a mistyped word; "" before, and where none is near.
+ * ctl_near(near, word, before, name): is `before` and name together nearer? */
+struct ctl_near {
+    char name[40];
+    size_t edits;
+};
+void ctl_near(struct ctl_near *near, const char *word, const char *before,
+              const char *name);
+
 /* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: millimetres above 0, a
  * score, a rate above 0 up to 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
 const char *ctl_option_flag(const char *text, void *value);

@@ -55,6 +55,8 @@ static void print_text(const struct checked *k)
     (void)printf("verification %s\n", t->verification == ST_OK ? "usable" : "refused");
     for (size_t i = 0; t->enrolment == ST_OK && i < t->advice.n; i++)
         (void)printf("advice       %s\n", t->advice.line[i]);
+    for (size_t i = 0; i < t->advice.nnote; i++)
+        (void)printf("note         %s\n", t->advice.note[i]);
 }
 
 /* ---- as a picture */

@@ -98,7 +98,7 @@ static enum status show(struct ctl *c)
 
 /* ---- changes */
 
-/* Tell what the subject is now, in words too. */
+/* The subject after the change, as JSON or a line of text. */
 static enum status tell(struct ctl *c, const char *id, const char *done)
 {
     struct store_subject one;
@@ -117,8 +117,8 @@ static const char *expiry(const struct ctl *c, char text[UTC_TEXT])
     if (!c->expires.given)
         return NULL;
     text[0] = '\0';
-    if (c->expires.at_s > 0)
-        utc_print(c->expires.at_s * 1000, text);
+    if (c->expires.at_ms > 0)
+        utc_print(c->expires.at_ms, text);
     return text;
 }
 

@@ -59,14 +59,6 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     (void)printf("%s\n", secret);
 }
 
-/* Open the database for a secret that is valid until --expires. */
-static enum status open_for_secret(struct ctl *c)
-{
-    if (c->expires.at_s > 0 && c->expires.life_s <= 0)
-        return ctl_usage(c, "--expires is in the past");
-    return ctl_model_open(c, STORE_WRITE);
-}
-
 /* A token that may do everything, or for ever, is one that somebody asked for. */
 static enum status create(struct ctl *c)
 {
@@ -80,7 +72,7 @@ static enum status create(struct ctl *c)
         rows_scopes_write(STORE_SCOPE_ALL, all);
         return ctl_usage(c, "token create needs --scope: one or more of %s", all);
     }
-    if ((st = open_for_secret(c)) == ST_OK)
+    if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = store_token_create(c->store, c->actor, name, scopes, life_s, secret, &t,
                                 &c->e);
     if (st == ST_OK)
@@ -125,7 +117,7 @@ static enum status rotate(struct ctl *c)
 {
     struct store_token t;
     char id[STORE_ID_LEN + 1], secret[65];
-    enum status st = open_for_secret(c);
+    enum status st = ctl_model_open(c, STORE_WRITE);
 
     if (st == ST_OK && (st = find(c, id)) == ST_OK)
         st = store_token_rotate(c->store, c->actor, id, grace_s,

@@ -34,6 +34,15 @@ static bool wrong(struct line *l, const char *what, const char *which)
     return false;
 }
 
+/* "; did you mean --json?", where one of the names is near the word that was typed; or "". */
+static const char *meant(const struct ctl_near *near, char out[80])
+{
+    out[0] = '\0';
+    if (near->name[0] != '\0')
+        (void)snprintf(out, 80, "; did you mean %s?", near->name);
+    return out;
+}
+
 /* ---- options: every name once, since they may stand before the command */
 
 static void list_options(struct line *l, unsigned shared, const struct ctl_option *own)
@@ -61,6 +70,21 @@ static int index_of(const struct line *l, int returned)
     return k;
 }
 
+static bool no_option(struct line *l, const char *word)
+{
+    struct ctl_near near = {.name = ""};
+    char text[80];
+
+    for (int k = 0; strncmp(word, "--", 2) == 0 && k < l->noption; k++)
+        ctl_near(&near, word, "--", l->option[k].name);
+    (void)ctl_usage(
+        &l->c,
+        "there is no option %.60s%s (surfacectl --help; an argument that begins "
+        "with a hyphen stands after --)",
+        word, meant(&near, text));
+    return false;
+}
+
 static bool read_options(int argc, char **argv, struct line *l)
 {
     int got;
@@ -72,14 +96,8 @@ static bool read_options(int argc, char **argv, struct line *l)
     while ((got = getopt_long(argc, argv, ":ho:", l->option, NULL)) != -1) {
         int k;
 
-        if (got == '?') {
-            (void)ctl_usage(
-                &l->c,
-                "there is no option %.80s (surfacectl --help); what begins with "
-                "a hyphen and is no option goes behind --",
-                argv[optind - 1]);
-            return false;
-        }
+        if (got == '?')
+            return no_option(l, argv[optind - 1]);
         if (got == ':')
             return wrong(l, "a value is missing after", argv[optind - 1]);
         k = index_of(l, got);
@@ -121,20 +139,29 @@ static bool read_values(struct line *l)
 
 /* ---- the command */
 
-/* What one may type after the group's name. */
-static bool which_of(struct line *l, const char *group)
+/* No command: of a group the verbs are listed, else the nearest name is. */
+static bool no_command(struct line *l, char **words, int n)
 {
-    char list[200] = "";
-    size_t n = 0;
+    struct ctl_near near = {.name = ""};
+    char list[160] = "", typed[160], text[80];
+    size_t at = 0;
 
-    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
-        if (ctl_table_in(*k, group) && n < sizeof list)
-            n += (size_t)snprintf(
-                list + n, sizeof list - n, "%s%s%s%s", n > 0 ? ", " : "", (*k)->name,
-                (*k)->args != NULL ? " " : "", (*k)->args != NULL ? (*k)->args : "");
-    if (n == 0)
-        return wrong(l, "there is no command", group);
-    (void)ctl_usage(&l->c, "it is: surfacectl %s", list);
+    (void)snprintf(typed, sizeof typed, "%.70s%s%.70s", words[0], n > 1 ? " " : "",
+                   n > 1 ? words[1] : "");
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
+        if (ctl_table_in(*k, words[0]) && at < sizeof list)
+            at += (size_t)snprintf(list + at, sizeof list - at, "%s%s",
+                                   at > 0 ? ", " : "", strchr((*k)->name, ' ') + 1);
+        ctl_near(&near, strchr((*k)->name, ' ') != NULL ? typed : words[0], "",
+                 (*k)->name);
+    }
+    if (at > 0 && n == 1)
+        (void)ctl_usage(&l->c, "usage: surfacectl %s COMMAND, which is one of %s",
+                        words[0], list);
+    else
+        (void)ctl_usage(&l->c, "there is no command %s%s (surfacectl %s%s--help)",
+                        at > 0 ? typed : words[0], meant(&near, text),
+                        at > 0 ? words[0] : "", at > 0 ? " " : "");
     return false;
 }
 
@@ -148,13 +175,13 @@ static bool read_words(struct line *l, char **words, int n)
         return true;
     if ((l->cmd = ctl_table_find(words, n, &used)) == NULL) {
         l->group = words[0];
-        return (help && n == 1 && ctl_help_is_group(words[0])) || which_of(l, words[0]);
+        return (help && n == 1 && ctl_help_is_group(words[0])) || no_command(l, words, n);
     }
     l->c.cmd = l->cmd;
     l->c.args = words + used;
     l->c.nargs = n - used;
     if (!help && (l->c.nargs < l->cmd->takes[0] || l->c.nargs > l->cmd->takes[1])) {
-        (void)ctl_usage(&l->c, "it is: surfacectl %s%s%s", l->cmd->name,
+        (void)ctl_usage(&l->c, "usage: surfacectl %s%s%s", l->cmd->name,
                         l->cmd->args != NULL ? " " : "",
                         l->cmd->args != NULL ? l->cmd->args : "");
         return false;
@@ -168,7 +195,8 @@ static bool read_line(int argc, char **argv, struct line *l)
         return false;
     if (!read_values(l))
         return false;
-    return l->cmd != NULL || l->c.help || l->c.version || wrong(l, "which command?", "");
+    return l->cmd != NULL || l->c.help || l->c.version ||
+           wrong(l, "a command is", "missing");
 }
 
 static bool is_given(const struct line *l, const char *name)

@@ -40,7 +40,7 @@ enum status store_state_verify(struct log_txn *t, store_report *report, void *ar
                                struct errinfo *e)
 {
     static const char advice[] =
-        "restore a backup (surfacectl restore), or see surfacectl check";
+        "restore a backup (surfacectl restore), or see surfacectl check-database";
     struct errinfo first = {ST_OK, ""}, why;
     store_report *const tell = report != NULL ? report : count;
     void *const to = report != NULL ? arg : &first;

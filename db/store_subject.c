@@ -19,18 +19,26 @@ static enum status need_note(const char *text, struct errinfo *e)
                        STORE_NOTE_MAX);
 }
 
-/* An end as it is kept; NULL: nothing is said of it. */
+/* An end as it is stored; NULL: it does not change. */
 static enum status read_end(const char *text, char out[UTC_TEXT], struct errinfo *e)
 {
-    int64_t ms;
+    int64_t ms, now;
+    enum status st;
 
     out[0] = '\0';
     if (text == NULL || text[0] == '\0')
         return ST_OK;
-    if (!utc_read(text, &ms))
-        return errinfo_set(
-            e, ST_EINVAL,
-            "the end is not a time like 2027-01-31T14:30:00Z, from 1970 on");
+    if (!utc_read_end(text, &ms))
+        return errinfo_set(e, ST_EINVAL,
+                           "expires_at must be a time such as 2027-01-31T14:30:00Z, or a "
+                           "day, 2027-01-31, at whose end (UTC) it expires");
+    if ((st = store_rules_now(&now, e)) != ST_OK)
+        return st;
+    if (ms <= now)
+        return errinfo_set(e, ST_EINVAL,
+                           "expires_at %.40s is in the past; to stop verifying a subject "
+                           "now, disable it",
+                           text);
     utc_print(ms, out);
     return ST_OK;
 }

@@ -5,7 +5,7 @@
 
 /* store_subject_add(s, actor, about, e): a subject without templates: who came with which
  * consent is known before the first scan is taken.  Of *about: id, reference, purpose and
- * expires, which are checked; created is set.  ST_EEXISTS. */
+ * expires (to come), which are checked; created is set.  ST_EEXISTS. */
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e);
 

@@ -82,6 +82,7 @@ done
 for file in usr/bin/surfacectl usr/sbin/surfaced usr/lib/libsurface.a usr/lib/libsurface.so \
     usr/lib/pkgconfig/surface.pc usr/share/man/man8/surfaced.8 \
     usr/share/man/man1/surfacectl.1 usr/share/man/man3/surface.3 \
+    usr/share/bash-completion/completions/surfacectl \
     usr/share/man/man5/surfaced.conf.5 etc/surfaced.conf \
     usr/lib/systemd/system/surfaced.service usr/lib/systemd/system/surfaced.socket \
     usr/lib/sysusers.d/surfaced.conf; do

@@ -25,6 +25,16 @@ __attribute__((format(printf, 2, 3))) static void add(struct advice *a, const ch
     va_end(ap);
 }
 
+__attribute__((format(printf, 2, 3))) static void note(struct advice *a, const char *fmt,
+                                                       ...)
+{
+    va_list ap;
+
+    va_start(ap, fmt);
+    (void)vsnprintf(a->note[a->nnote++], ADVICE_MAX, fmt, ap);
+    va_end(ap);
+}
+
 static bool warns(const struct scan_found *f, enum scan_warning k)
 {
     return (f->warnings >> k & 1) != 0;
@@ -48,8 +58,7 @@ static void unit(const struct scan_found *f, struct advice *a)
     const char *likely = likely_unit(f);
 
     if (likely[0] != '\0')
-        add(a, "is it %s? Tell the unit%s", likely,
-            f->unit_found ? "" : ", or let it be found (auto)");
+        add(a, "is it %s? Give the unit%s", likely, f->unit_found ? "" : ", or use auto");
     else
         add(a, "is it one face, and the unit right?");
 }
@@ -132,11 +141,11 @@ static void found(enum status st, const struct scan_found *f, struct advice *a)
     if (warns(f, SCAN_TURNED))
         turned(f, a);
     if (st == ST_OK && warns(f, SCAN_BEHIND))
-        add(a, "%.0f %% of the points are outside the face and were ignored",
-            100 * f->elsewhere);
+        note(a, "%.0f %% of the points are outside the face and were ignored",
+             100 * f->elsewhere);
     if (st == ST_OK && f->unit_found && f->unit_mm != 1)
-        add(a, "the unit seems to be %s: tell it, so that it need not be found",
-            cloudunit_plural(f->unit_mm));
+        note(a, "detected %s; units=%s skips the detection", cloudunit_plural(f->unit_mm),
+             cloudunit_name(f->unit_mm));
 }
 
 static void quality(enum status st, const struct scan_found *f, const struct face *face,
@@ -163,7 +172,7 @@ static void quality(enum status st, const struct scan_found *f, const struct fac
 void advice_give(enum status st, const struct scan_found *f, const struct face *face,
                  struct advice *out)
 {
-    out->n = 0;
+    out->n = out->nnote = 0;
     if (st != ST_ENOTFACE || f->gate.support > NEARLY_A_FACE * f->gate.support_wanted)
         found(st, f, out); /* else it was found in something else */
     reason(st, f, out);

@@ -1,5 +1,5 @@
-/* advice.h -- what to change at the scanner, in plain words: what every refusal of a scan
- * ends with, and what a check of one gives besides. */
+/* advice.h -- what to change at the scanner, in plain words: every refusal of a scan ends with
+ * it, and a check returns it beside what was found and needs no change. */
 #ifndef VERIFY_ADVICE_H
 #define VERIFY_ADVICE_H
 #include <stddef.h>
@@ -9,12 +9,15 @@ struct face;       /* face.h */
 struct scan_found; /* scan.h */
 
 #define ADVICE_LINES 8
+#define ADVICE_NOTES 2
 #define ADVICE_MAX   144
 
 struct advice {
     size_t n;
     char line[ADVICE_LINES]
              [ADVICE_MAX]; /* "hold still and scan again: ...", no full stop */
+    size_t nnote;
+    char note[ADVICE_NOTES][ADVICE_MAX]; /* found in a scan that is accepted */
 };
 
 /* advice_give(st, found, face, out): what scan_build() left, and what to change; first what

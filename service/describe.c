@@ -286,6 +286,10 @@ void describe_trial(struct json *j, const struct trial *t, const struct face *fa
     for (size_t i = 0; i < t->advice.n; i++)
         json_text(j, NULL, t->advice.line[i]);
     json_close(j);
+    json_array(j, "notes");
+    for (size_t i = 0; i < t->advice.nnote; i++)
+        json_text(j, NULL, t->advice.note[i]);
+    json_close(j);
     if (read)
         describe_scan(j, "scan", &t->found);
     else

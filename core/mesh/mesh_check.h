@@ -8,7 +8,7 @@ struct mesh; /* mesh.h */
 
 /* mesh_check(m): all of mesh_link()'s conditions on a mesh with twins, and the empty
  * circle across every inner edge (so: the Delaunay triangulation).  For tests and for
- * surfacectl check.  If tree is true, parent[] must be a spanning tree of mesh edges (its
+ * surfacectl check-database.  If tree is true, parent[] must be a spanning tree of mesh edges (its
  * minimality: mst_check()).  O(nv).
  * Returns ST_OK or ST_ECORRUPT. */
 enum status mesh_check(const struct mesh *m, bool tree);

@@ -24,7 +24,7 @@ struct scratch; /* mem.h */
 enum status mst_build(struct mesh *m, struct scratch *s);
 
 /* mst_check(m): is m->parent the tree that mst_build() makes?  By the cycle property over
- * every edge, O(nv * depth): for tests and surfacectl check.  That the tree's edges are
+ * every edge, O(nv * depth): for tests and surfacectl check-database.  That the tree's edges are
  * edges of the mesh is mesh_check()'s business.  Returns ST_OK, ST_ECORRUPT. */
 enum status mst_check(const struct mesh *m);
 

@@ -53,7 +53,7 @@ struct store_subject {
 
 struct store_subject_change {        /* what is NULL stays as it is */
     const char *reference, *purpose; /* "": none */
-    const char *expires;             /* utc_read(); "": never */
+    const char *expires;             /* utc_read_end(), to come; "": never */
     const bool *hold, *disabled;
 };
 

@@ -107,6 +107,10 @@ static void test_read(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         if (utc_read(bad[i], &ms))
             fail_msg("%s is read", bad[i]);
+    assert_true(utc_read_end("1970-01-02", &ms) && ms == 2 * INT64_C(86400000) - 1);
+    assert_true(utc_read_end("9999-12-31", &ms) && ms == INT64_C(253402300799999));
+    assert_true(utc_read_end("1970-01-01T00:00:01Z", &ms) && ms == 1000);
+    assert_false(utc_read_end("2027-02-29", &ms));
 }
 
 static void test_now(void **state)

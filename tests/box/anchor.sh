@@ -64,7 +64,7 @@ keep now
 back 'then'
 refused "an older database" 'is older than its anchor says.*surfacectl accept-state'
 back now
-ctl check
+ctl check-database
 is "the newest is good" "$CODE" 0
 
 # ---- a rollback that goes on: others' entries under the same numbers
@@ -92,7 +92,7 @@ mkfifo "$ANCHOR"
 start_fails "a FIFO, which nobody writes to" 1 'anchor' --db "$DB" --listen 127.0.0.1:0
 rm "$ANCHOR"
 cp "$T/then.anchor" "$ANCHOR"
-ctl check
+ctl check-database
 is "an anchor that lags is good" "$CODE" 0
 ctl token create after --scope verify
 ok "and goes on with the next change" sh -c "! cmp -s '$ANCHOR' '$T/then.anchor'"
@@ -107,7 +107,7 @@ ctl accept-state --dry-run
 is "tried" "$CODE $(accepted)" "0 0"
 ctl accept-state --yes
 is "accepted" "$CODE $(accepted)" "0 1"
-ctl check
+ctl check-database
 is "it is the newest now" "$CODE" 0
 back 'then'
 refused "the same once more" 'is older than its anchor'
@@ -126,7 +126,7 @@ for wait in 0.002 0.004 0.008 0.016; do # killed, and run again
     wait "$pid" 2>/dev/null
     ctl accept-state --yes
     is "killed after $wait s, and again" "$CODE" 0
-    ctl check
+    ctl check-database
     is "and accepted" "$CODE" 0
 done
 
@@ -153,7 +153,7 @@ for command in "restore $T/backup" "rekey --yes"; do
     # shellcheck disable=SC2086 # a command and its arguments
     ctl $command
     is "$command" "$CODE" 0
-    ctl check
+    ctl check-database
     is "$command: the anchor" "$CODE" 0
 done
 cp "$DB.before-restore" "$T/put-back.db"

@@ -225,10 +225,10 @@ for log in change access; do
 done
 ctl backup "$T/backup2"
 is "nor is it taken for a backup" "$(ls "$T/backup2" 2>/dev/null)" ""
-ctl check
+ctl check-database
 ok "check finds it as well" [ "$CODE" != 0 ]
 cp "$T/whole" "$DB"
-ctl check
+ctl check-database
 is "restored" "$CODE $(said .problems)" "0 []"
 
 # ---- the oldest uses cut off: the chain and exports go on from there

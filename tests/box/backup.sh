@@ -49,7 +49,7 @@ touch "$T/enough"
 wait "$loop"
 ok "it has who was there ($n)" test "$n" -ge 4
 ok "one file" test ! -e "$T/b3-wal" -a ! -e "$T/b3-shm" -a ! -e "$T/b3.part"
-is "it can be opened" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" --json check |
+is "it can be opened" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" --json check-database |
     jq -r .ok)" true
 is "and its counts are those told" "$("$BUILD/surfacectl" --db "$T/b3" --key "$DB.key" \
     --json stats | jq -r .subjects)" "$n"
@@ -79,7 +79,7 @@ ctl backup "$DB" --force
 is "nor the database" "$CODE" 65
 ctl backup "$T/nowhere/b"
 is "nor is it in a folder that is not there" "$CODE" 74
-ctl check
+ctl check-database
 is "the database is well" "$CODE" 0
 
 # ---- back to what was
@@ -100,7 +100,7 @@ ctl restore "$T/back"
 is "restored" "$CODE $(said '.restored')" "0 true"
 is "who was there is, but for the erased" "$(people)" \
     "$(printf '%s' "$before" | sed 's/ bob//; s/ carol//')"
-ctl check
+ctl check-database
 is "all is well" "$CODE" 0
 ctl verify alice "$T/p1.ply"
 is "alice is alice" "$CODE" 0
@@ -134,7 +134,7 @@ is "erased under the new id" "$CODE" 0
 ctl restore "$T/old-ids"
 is "the old id comes back with nobody" "$CODE $(said .subjects_erased)" "0 1"
 is "neither id" "$(people | tr ' ' '\n' | grep -c -e '^alice$' -e '^ann$')" 0
-ctl check
+ctl check-database
 is "all is well" "$CODE" 0
 ctl backup "$T/gone-on"
 cp "$DB.before-restore" "$T/left"
@@ -156,7 +156,7 @@ ok "it is said" grep -q -e '--backup-key FILE' "$T/ctl.err"
 ctl restore "$T/old-key" --backup-key "$DB.key.old"
 is "restored" "$CODE" 0
 rm "$DB.before-restore" "$DB.key.old"
-ctl check
+ctl check-database
 is "under the present key" "$CODE" 0
 ctl backup --force "$T/back"
 before=$(people)
@@ -193,7 +193,7 @@ for _ in 1 2 3 4 5 6; do # killed there indeed, or a little later
     fi
     rm "$DB.before-restore"
 done
-ctl check
+ctl check-database
 is "all is well after that" "$CODE" 0
 
 # ---- where there is nothing
@@ -203,7 +203,7 @@ ctl restore "$T/back"
 is "without a database" "$CODE" 0
 is "all are back" "$(people)" "$before"
 ok "nothing is aside" test ! -e "$DB.before-restore"
-ctl check
+ctl check-database
 is "well" "$CODE" 0
 
 # ---- a backup that is no good
@@ -231,7 +231,7 @@ while [ "$at" -lt "$size" ]; do
         dd of="$T/flipped" bs=1 seek="$at" conv=notrunc 2>/dev/null
     ctl restore "$T/flipped"
     if [ "$CODE" = 0 ]; then
-        ctl check
+        ctl check-database
         [ "$CODE" = 0 ] || wrong="$wrong $at"
         rm -f "$DB.before-restore"
         cp "$T/back" "$T/whole"
@@ -290,7 +290,7 @@ for wait in 0.002 0.005 0.01 0.02 0.04; do
     kill -9 "$pid" 2>/dev/null
     wait "$pid" 2>/dev/null
     whole=true # or not there
-    [ ! -e "$T/k" ] || whole=$("$BUILD/surfacectl" --db "$T/k" --key "$DB.key" --json check |
+    [ ! -e "$T/k" ] || whole=$("$BUILD/surfacectl" --db "$T/k" --key "$DB.key" --json check-database |
         jq -r .ok)
     is "killed after $wait s" "$whole" true
 done

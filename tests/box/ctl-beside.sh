@@ -35,7 +35,7 @@ send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
 is "a deleted template never matches" "$STATUS" 404
 send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 is "nor does its subject" "$STATUS" 404
-ctl check
+ctl check-database
 is "check beside the daemon" "$?/$(jq -r .ok "$T/ctl")" 0/true
 
 # Erased by surfacectl while another reads, so that it cannot cut the log: the daemon does, at
@@ -83,7 +83,7 @@ wait "$PID" 2>/dev/null
 PID=
 ctl subject list
 is "nothing is lost" "$(jq '.subjects | length' "$T/ctl")" 18
-ctl check
+ctl check-database
 is "nothing is damaged" "$?/$(jq -r .templates "$T/ctl")" 0/17
 
 # A model damaged in the database.
@@ -92,11 +92,11 @@ start_daemon --no-auth
 send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 is "a damaged template is an error" "$STATUS" 500
 ok "that tells nothing of the database" test -z "$(get .detail | grep -i -e sql -e "$DB")"
-ctl check
+ctl check-database
 is "which check finds" "$?/$(jq -r .bad_templates "$T/ctl")" 1/1
 ctl --yes subject erase bob
 is "and delete removes" $? 0
-ctl check
+ctl check-database
 is "so that all is well" $? 0
 
 # A newer version's database.

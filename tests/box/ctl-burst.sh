@@ -20,8 +20,8 @@ ctl_exits 65 enroll alice a0.ply b.ply none.ply a1.ply a0.ply --label sitting
 is "a burst" "$(list) $(said .failed)" 'new sample_mismatch malformed new same 2'
 is "the names" "$(said '[.templates[].file] | join(" ")')" 'a0.ply b.ply none.ply a1.ply a0.ply'
 is "how many" "$(said .error.detail)" '2 of 5 scans were not enrolled'
-ok "each is told" grep -q '^surfacectl: b.ply: the sample does not fit: it does not match the first' ctl.err
-ok "each is told" grep -q '^surfacectl: none.ply: line 2: there are no points in it' ctl.err
+ok "each is reported" grep -q '^surfacectl: b.ply: the sample does not fit: it does not match the first' ctl.err
+ok "each is reported" grep -q '^surfacectl: none.ply: line 2: there are no points in it' ctl.err
 ctl_exits 0 subject show alice
 is "they are there" "$(said '[.templates[].label] | join(" ")')" 'sitting sitting'
 ctl_exits 0 enroll alice a0.ply a1.ply
@@ -71,7 +71,7 @@ is "nothing was stored" "$(stored)" "$before"
 rm empty/21.ply
 ctl_exits 0 enroll carol empty
 is "20" "$(list)" "new$(printf ' same%.0s' $(seq 19))"
-ctl_exits 0 check
+ctl_exits 0 check-database
 
 # ---- no room: none of them
 (
@@ -82,5 +82,5 @@ ctl_exits 0 check
 )
 is "no room" $? 0
 ctl_exits 66 subject show dave
-ctl_exits 0 check
+ctl_exits 0 check-database
 finish

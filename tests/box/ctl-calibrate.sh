@@ -124,7 +124,7 @@ is "nothing is deleted" "$(said '[.calibrations[].version, .in_force.source] | @
     '1,2,3,"shipped"'
 "$BUILD/surfacectl" calibrate --list >"$T/text"
 is "the list as text" "$(grep -c -e database -e shipped "$T/text")" 4
-ctl check
+ctl check-database
 is "all is well" "$CODE" 0
 
 # ---- one person under two ids
@@ -142,7 +142,7 @@ sqlite3 "$DB" "UPDATE calibrations SET threshold = threshold + 1, high = high + 
 start_fails "another threshold" 1 'calibration' --no-auth --db "$DB" --listen 127.0.0.1:0
 ctl verify s2 "$T/probe.ply"
 is "surfacectl says so" $CODE 65
-ctl check
+ctl check-database
 is "check finds it" "$CODE $(said '.ok')" "1 false"
 ctl calibrate --reset
 is "nothing is written on top of it" $CODE 77

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: surfacectl enrolls a folder or a table of scans on all cores: what is bad is told with
+# Goal: surfacectl enrolls a folder or a table of scans on all cores: bad scans are reported with
 # the reason and stops nothing else; done again, or after it was killed, it goes on where it
 # was; the same on any number of threads.
 cd "$(dirname "$0")/../.." || exit 1
@@ -25,7 +25,7 @@ ctl_exits 65 enroll "$T/scans"
 is "scans, enrolled, there, failed, undone" "$(counts)" '11 8 1 2 0'
 is "which failed" "$(said '[.failures[] | .file + " " + .reason] | join(", ")')" \
     "s1_wrong.ply the sample does not fit the subject's others, s3_cut.ply malformed input"
-ok "each is told" test "$(grep -c 's1_wrong.ply\|s3_cut.ply' "$T/ctl.err")" -eq 2
+ok "each is reported" test "$(grep -c 's1_wrong.ply\|s3_cut.ply' "$T/ctl.err")" -eq 2
 ok "and how many" grep -q '2 of 11 scans were not enrolled' "$T/ctl.err"
 ctl_exits 0 template list s3
 is "the kind is the label" "$(said '[.templates[].label] | join(" ")')" 'enroll later'
@@ -35,7 +35,7 @@ is "nor an event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = '
 "$BUILD/surfacectl" --db "$DB" enroll "$T/scans" >"$T/text" 2>/dev/null
 ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 were there already, 2 failed; ' "$T/text"
 ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/ctl.err" | grep -c '#')" -eq 0
-ctl_exits 0 check
+ctl_exits 0 check-database
 
 # ---- what is no scan, or is not named like one, stops nothing either
 cp -r "$T/scans" "$T/strays"
@@ -54,7 +54,7 @@ head -c 64 "$T/scans/s1_enroll.ply" >"$T/strays/h_1.glb"
 mkfifo "$T/strays/pipe_1.ply"
 ctl_exits 65 enroll "$T/strays"
 is "of the scans" "$(counts) $(said .left_out)" '16 0 9 7 0 9'
-is "all of it is told" "$(said '[.failures[].file] | join(", ")')" \
+is "all are reported" "$(said '[.failures[].file] | join(", ")')" \
     'a b_1.ply, e_1.ply, f_1.ply, g_1.stl, h_1.glb, s1_wrong.ply, s3_cut.ply, README.txt, bad??[1m_1.ply, carol.ply, dave-2.ply, list.csv, list.xls, older, pipe_1.ply, x_1.off'
 ok "each of it, why" jq_true '.failures | all(.reason | length > 0)' "$T/ctl"
 is "a name" "$(said '.failures[] | select(.file == "carol.ply").reason')" \
@@ -73,7 +73,7 @@ done
 rm "$T"/strays/*.off "$T"/strays/[ae-hp]*_1.* "$T"/strays/bad* "$T"/strays/*.txt "$T"/strays/*.csv \
     "$T"/strays/carol.ply "$T"/strays/dave-2.ply "$T"/strays/s1_wrong.ply "$T"/strays/s3_cut.ply
 ctl_exits 0 enroll "$T/strays"
-is "what is no scan by its name is told, and no failure" \
+is "a file that is no scan by its name is reported, and is no failure" \
     "$(counts) $(said '[.failures[].file] | join(", ")')" '9 0 9 0 0 list.xls, older'
 
 # ---- the same on one thread
@@ -118,18 +118,18 @@ soon some
 kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
 DB=$T/killed.db
-ctl_exits 0 check
+ctl_exits 0 check-database
 before=$(said .templates)
 ctl_exits 0 enroll "$T/many"
 is "it went on" "$(counts)" "30 $((30 - before)) $before 0 0"
-ctl_exits 0 check
+ctl_exits 0 check-database
 is "all are there" "$(said .templates)" 30
 
-# ---- the machine's fault ends it, and is told
+# ---- a fault of the machine ends it, and is reported
 "$BUILD/surfacectl" --db "$T/ro.db" init >"$T/text"
 DB=$T/ro.db
 trap '' XFSZ
 ulimit -f 2000 # blocks of 512 bytes: a full disk, to the command
 ctl_exits 74 enroll "$T/many"
-ok "what was not tried is told" test "$(said .undone)" -gt 20
+ok "the scans not tried are counted" test "$(said .undone)" -gt 20
 finish

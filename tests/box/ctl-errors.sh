@@ -26,22 +26,22 @@ refuse() {
 before=$(sha256sum <f.db)
 
 # the command line
-refuse 64 'which command' "$ctl"
+refuse 64 'a command is missing' "$ctl"
 refuse 64 'no command' "$ctl" frobnicate
 refuse 64 'no option --frob' "$ctl" --frob subject list
 refuse 64 'no database: give --db PATH' "$ctl" subject list
 refuse 64 'value is missing' "$ctl" subject list --db
 refuse 64 'given twice' "$ctl" --db f.db --db f.db subject list
 refuse 64 'given twice' "$ctl" --db f.db subject list --json --json
-refuse 64 'it is: surfacectl enroll' "$ctl" --db f.db enroll alice
-refuse 64 'it is: surfacectl subject list' "$ctl" --db f.db subject list alice
+refuse 64 'usage: surfacectl enroll' "$ctl" --db f.db enroll alice
+refuse 64 'usage: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
 refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'axes takes auto or scanner' "$ctl" --db f.db --axes camera enroll alice good.ply
 refuse 64 'fill does not take' "$ctl" fill good.ply --axes auto --out filled.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold nan
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold 10000
-refuse 64 'token create \[NAME' "$ctl" --db f.db token destroy all
+refuse 64 'no command token destroy' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
 refuse 64 'token rotate NAME|ID' "$ctl" --db f.db token rotate
 for list in '' admin 'enroll,' 'enroll verify' Enroll; do
@@ -56,11 +56,11 @@ refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h 
 refuse 64 'token rotate does not take' "$ctl" --db f.db token rotate --scope read a
 refuse 64 'token list does not take' "$ctl" --db f.db token list --expires 1h
 refuse 64 'attempts reset SUBJECT' "$ctl" --db f.db attempts reset
-refuse 64 'attempts list, attempts reset SUBJECT' "$ctl" --db f.db attempts
+refuse 64 'attempts COMMAND, which is one of list, reset' "$ctl" --db f.db attempts
 refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
 refuse 64 'no command frobnicate' "$ctl" help frobnicate
 refuse 64 'compare does not take' "$ctl" --db f.db compare good.ply good.ply
-refuse 64 'subject show SUBJECT' "$ctl" --db f.db subject shwo alice
+refuse 64 'did you mean subject show' "$ctl" --db f.db subject shwo alice
 refuse 64 'attempts list' "$ctl" --db f.db attempts list alice
 
 # ids
@@ -109,18 +109,18 @@ refuse 65 'good.ply is not a database' "$ctl" --db good.ply subject list
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
 refuse 66 'no database empty' "$ctl" --db empty subject list
 "$ctl" --db f.db subject list >/dev/full 2>err
-ok "a full output is told" [ $? -eq 74 ]
+ok "a full output is reported" [ $? -eq 74 ]
 
-# bytes changed in the middle of the face: told by check and by verify, as text and JSON
+# bytes changed in the middle of the face: reported by check-database and by verify, as text and JSON
 cp f.db damaged.db
 cp f.db.key damaged.db.key
 sqlite3 damaged.db "UPDATE faces SET face =
     CAST(substr(face, 1, 5000) || x'78787878' || substr(face, 5005) AS BLOB)"
-"$ctl" --db damaged.db check >out 2>err
+"$ctl" --db damaged.db check-database >out 2>err
 ok "check finds it" [ $? -eq 1 ]
 ok "check counts it" grep -q 'NOT ok: 1 template, 1 bad' out
 ok "check says what" grep -q 'its face is not authentic' out
-"$ctl" --db damaged.db check --json >out 2>err
+"$ctl" --db damaged.db check-database --json >out 2>err
 ok "check --json finds it" [ $? -eq 1 ]
 ok "check --json says so" grep -q '"ok":.*false' out
 refuse 65 'not authentic' "$ctl" --db damaged.db verify alice good.ply
@@ -152,7 +152,7 @@ refuse 65 'large.ply: 3.2 GB, and at most 268.4 MB are read' "$ctl" compare good
 ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
 
 # ---- one of something, and no minus zero
-"$ctl" --db f.db check >out
+"$ctl" --db f.db check-database >out
 ok "one template" grep -q ' 1 template, ' out
 "$ctl" --db f.db audit export -o log.jsonl >out
 "$ctl" scan good.ply >out

@@ -51,7 +51,7 @@ for id in . ..; do
     ctl_exits 65 subject set "$id" --consent C-1
 done
 ctl subject show -x
-ok "it is said what to do" grep -q 'there is no option -x .* goes behind --' "$T/ctl.err"
+ok "it is said what to do" grep -q 'there is no option -x .* stands after --' "$T/ctl.err"
 ctl_exits 0 enroll -- - "$T/a.ply"
 ctl_exits 0 verify - "$T/a2.ply"
 is "a hyphen alone is an id" "$(said .subject)" -

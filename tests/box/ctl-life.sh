@@ -68,7 +68,7 @@ expect 0 stats "$ctl" stats
 has out '^templates *3'
 expect 0 "stats json" "$ctl" stats --json
 has out '"subjects":.*2'
-expect 0 check "$ctl" check
+expect 0 check "$ctl" check-database
 has out '^ok: 3 templates'
 expect 64 "delete unasked" "$ctl" template delete "$id"
 has err -- --yes

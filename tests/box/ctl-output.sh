@@ -109,7 +109,7 @@ done
 kept "the log over the database" "$read" "$ctl" --db f.db audit export -o f.db --force
 kept "a backup over the database" "$read" "$ctl" --db f.db backup ./sub/../f.db --force
 kept "a template over the key" "$read" "$ctl" --db f.db template export "$id" -o f.db.key --force
-expect 0 "the database is whole" "$ctl" --db f.db check
+expect 0 "the database is whole" "$ctl" --db f.db check-database
 
 # ---- what is no file
 mkfifo pipe

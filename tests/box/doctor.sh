@@ -32,7 +32,7 @@ finds "templates" ok templates '^1, by'
 is "as text" "$?" 0
 ok "a line each" grep -q '^ok  *key  *.*opens the database' "$T/text"
 
-# ---- who tries faces
+# ---- guessing and lock-outs
 sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch() FROM subjects"
 doctor
 is "failures are no trouble" "$CODE" 0
@@ -111,7 +111,7 @@ wait "$PID" 2>/dev/null
 PID=
 doctor
 is "a WAL that is left is no trouble" "$CODE" 0
-finds "but told of" note WAL 'was killed'
+finds "but reported" note WAL 'was killed'
 
 # ---- schema, engine, kinds of keys
 sqlite3 "$DB" 'PRAGMA user_version = 99'

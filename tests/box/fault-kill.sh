@@ -63,7 +63,7 @@ for round in 1 2 3 4 5; do
     is "round $round: the first one verifies" "$STATUS $(get .decision)" "200 match"
     stop_daemon
     is "round $round: the database is whole" "$(sqlite3 "$DB" 'PRAGMA integrity_check')" ok
-    ok "round $round: every template can be read" "$BUILD/surfacectl" --db "$DB" check >"$T/check"
+    ok "round $round: every template can be read" "$BUILD/surfacectl" --db "$DB" check-database >"$T/check"
     is "round $round: templates without event, events without template" "$(sqlite3 "$DB" \
         "SELECT (SELECT count(*) FROM templates WHERE id NOT IN
             (SELECT object FROM change_log WHERE kind = 'enroll')),

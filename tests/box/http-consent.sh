@@ -64,7 +64,7 @@ change alice '{}'
 is "nothing to change" "$STATUS" 200
 is "no audit event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES")" "$before"
 req PATCH /v1/subjects/alice -H "$JSON" -d '{"expires_at": "2031-01-31"}'
-is "plain JSON, a date" "$STATUS $(get .expires_at)" '200 2031-01-31T00:00:00.000Z'
+is "plain JSON, a date" "$STATUS $(get .expires_at)" '200 2031-01-31T23:59:59.999Z'
 ctl subject set alice --expires never --consent C-1
 shows '["C-1",null,null,false,false]'
 
@@ -104,7 +104,7 @@ problem "the scope manage cannot erase" 403 insufficient_scope
 AUTH=$enroll
 req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "expires_at": "2031-01-31"}'
 is "created" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
-    '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T00:00:00.000Z"]'
+    '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T23:59:59.999Z"]'
 is "its audit event" "$(events add_subject | cut -d ' ' -f 1,3)" '2 d@ora:1'
 req POST /v1/subjects -H "$JSON" -d '{"subject": "alice"}'
 problem "it exists" 409 exists
@@ -140,7 +140,11 @@ is "its audit event" "$(events release_subject)" "2 $id alice"
 change alice '{"disabled": true}'
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "disabled" 403 subject_disabled
-change alice '{"disabled": false, "expires_at": "2020-01-01"}'
+change alice '{"disabled": false}'
+change alice '{"expires_at": "2020-01-01"}'
+problem "an end in the past" 400 malformed 'in the past'
+change alice "$(ending)"
+sleep 1.1
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "expired" 403 subject_expired
 send POST "/v1/templates/$template/verify" "$PLY" "$T/a2.ply"
@@ -148,6 +152,7 @@ problem "by its template too" 403 subject_expired
 ctl purge --dry-run
 is "it is due for erasure" "$(said '.due[]')" alice
 change alice '{"expires_at": "2031-01-01"}'
+is "a day ends at its end" "$(get .expires_at)" 2031-01-01T23:59:59.999Z
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified again" "$STATUS $(get .decision)" '200 match'
 is "the audit events" "$(events disable_subject) $(events enable_subject)" "1 $id alice 1 $id alice"

@@ -57,10 +57,10 @@ send POST /v1/subjects/mm/verify "$TEXT" "$T/x"
 is "somebody else" "$STATUS $(get .decision)" "200 no_match"
 moved "$T/a.xyz" 'x / 1000, -y / 1000, -z / 1000' >"$T/camera"
 send POST /v1/check "$TEXT" "$T/camera"
-is "advice" "$(get '[.usable, .enrollable, .advice] | tojson')" \
-    '[true,true,["the unit seems to be metres: tell it, so that it need not be found"]]'
+is "a note" "$(get '[.usable, .enrollable, .notes] | tojson')" \
+    '[true,true,["detected metres; units=m skips the detection"]]'
 send POST '/v1/check?units=m' "$TEXT" "$T/camera"
-is "told" "$(get '[.usable, .enrollable, .advice] | tojson')" '[true,true,[]]'
+is "the unit given" "$(get '[.usable, .enrollable, .advice, .notes] | tojson')" '[true,true,[],[]]'
 send POST '/v1/check?axes=scanner&units=m' "$TEXT" "$T/camera"
 is "axes=scanner: nothing is turned" "$STATUS $(get .usable)" "200 false"
 jq -R -s -c '{axes: "scanner", units: "m", points: split("\n") | map(select(. != "")
@@ -87,7 +87,7 @@ is "null on the wall" "$(get '.heatmap | (.[:4000] + .[-4000:]) | all(. == null)
 ok "small on the face" jq_true '.heatmap[4000:7000] | map(numbers) | length > 2300 and
     (map(select(fabs < 1)) | length) > 0.9 * length' "$T/body"
 send POST /v1/check "$TEXT" "$T/walled"
-contains "advice" "$T/body" '"7[0-9] % of the points are outside the face and were ignored"'
+contains "a note" "$T/body" '"7[0-9] % of the points are outside the face and were ignored"'
 
 # ---- a dense scan is thinned
 scan 2 2 "$T/dense.xyz" --points 40000

@@ -81,5 +81,5 @@ is "nothing was imported" "$(templates carol)" 20
 ctl_exits 0 template delete "$(ctl template list carol && said '.templates[19].template_id')" --yes
 ctl_exits 0 import "$T/carol.archive" --archive-key "$T/archive.key"
 is "as many as there is room for" "$(said .templates_new) $(templates carol)" "1 20"
-ctl_exits 0 check
+ctl_exits 0 check-database
 finish

@@ -220,8 +220,9 @@ done
 put POST "/v1/subjects/alice/templates?force=true" 403 "$PLY" "$T/a.ply"
 is "not enrolled either" "$(get .code)" subject_disabled
 subject enable
-echo '{"expires_at": "2020-01-01"}' >"$T/change"
+ending >"$T/change"
 put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
+sleep 1.1
 for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 403 "$PLY" "$T/a.ply"
     is "expired" "$(get .code)" subject_expired

@@ -176,7 +176,7 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "it serves a plaintext database" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 export SURFACED_PLAINTEXT_DATABASE=1
-ctl check
+ctl check-database
 is "so does the command, by the environment" "$CODE" 0
 ctl backup "$T/plain"
 is "its backup" "$CODE" 0

@@ -209,6 +209,11 @@ field() {
     sed -n "s/\r\$//; s/^$1: //Ip" "$T/head"
 }
 
+# ending: a change of a subject that expires a second later.
+ending() {
+    date -u -d '+1 second' +'{"expires_at": "%Y-%m-%dT%H:%M:%S.%3NZ"}'
+}
+
 # problem TITLE STATUS CODE [DETAIL-PATTERN]: the last response is this problem document.
 problem() {
     { # of one jq, which takes longer to start than the daemon to answer

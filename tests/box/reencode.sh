@@ -98,7 +98,7 @@ ctl_exits 0 template list
 is "by this engine" "$(said .templates[0].engine)" "$engine"
 is "nothing else has changed" "$(jq -c '[.templates[] | del(.engine, .to_reencode, .triangles)]' "$T/ctl")" \
     "$(cat "$T/kept")"
-ctl_exits 0 check
+ctl_exits 0 check-database
 stop_daemon
 start_daemon --no-auth
 verdicts >"$T/after"
@@ -147,7 +147,7 @@ some() { test "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'reen
 soon some
 kill -9 "$killed" 2>/dev/null
 wait "$killed" 2>/dev/null
-ctl_exits 0 check
+ctl_exits 0 check-database
 ctl_exits 0 stats
 left=$(said .to_reencode)
 is "done is what has an event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES
@@ -156,7 +156,7 @@ ctl_exits 0 template reencode
 is "it went on" "$(counts)" "$left $left 0 0 0"
 ctl_exits 0 template reencode
 is "nothing is left" "$(counts)" '0 0 0 0 0'
-ctl_exits 0 check
+ctl_exits 0 check-database
 is "all are there" "$(said .templates)" "$enrolled"
 
 # ---- as text

@@ -68,7 +68,7 @@ is "an export is verified by the new key" $? 0
 is "and not by the old one" $? 1
 ctl audit receipt "$T/receipt" --public-key "$public"
 is "a receipt of before is true by the old key" "$CODE $(said .ok)" "0 true"
-ctl check
+ctl check-database
 is "every template is there" "$CODE $(said .templates)" "0 2"
 ctl subject show s1
 is "the same template" "$(said '.templates[0].template_id')" "$id"
@@ -104,7 +104,7 @@ cp "$DB.key" "$T/second"
 ctl rekey --keep-old
 is "kept" "$CODE" 0
 ok "the key" cmp -s "$DB.key.old" "$T/second"
-"$BUILD/surfacectl" --db "$DB.before-rekey" --key "$DB.key.old" check >"$T/out"
+"$BUILD/surfacectl" --db "$DB.before-rekey" --key "$DB.key.old" check-database >"$T/out"
 is "and the database" $? 0
 ctl rekey --keep-old
 is "no kept file is overwritten" "$CODE" 65
@@ -147,7 +147,7 @@ ctl rekey --yes --plaintext-database
 is "its first key" "$CODE $(said .kind)" "0 file"
 if holds "$open" "$DB" "$DB-wal"; then found=yes; else found=no; fi
 is "the plaintext key is gone" "$found" no
-ctl check
+ctl check-database
 is "all is well" "$CODE $(said .templates)" "0 2"
 
 # ---- what a rekey that was killed has left
@@ -174,7 +174,7 @@ while read -r when; do
     sleep "$when"
     kill -9 "$killed" 2>/dev/null
     wait "$killed" 2>/dev/null
-    ctl check
+    ctl check-database
     [ "$CODE $(said .templates)" = "0 2" ] || lost="$lost $when"
     rm -f "$DB.before-rekey"
 done <"$T/when"

@@ -48,7 +48,7 @@ refuses() {
 
 # checked TITLE WANTED: `check` says that all is well (0) or not (1).
 checked() {
-    ctl check
+    ctl check-database
     [ "$CODE" = 0 ] && c_got=0 || c_got=1
     is "$1: check" "$c_got" "$2"
     ok "$1: check in time" [ "$CODE" != 124 ]

@@ -175,7 +175,6 @@ static void test_ended(void **state)
 
 static void test_state(void **state)
 {
-    const struct store_subject_change over = {.expires = "2020-01-01"};
     struct store *s = make();
     struct store_admit what = {.subject = "alice", .token = "test"};
     struct store_admission a;
@@ -183,7 +182,7 @@ static void test_state(void **state)
         .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
 
     (void)state;
-    assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
+    tempdb_expire(s, "alice");
     assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
     assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
     reads = writes = 0;

@@ -7,13 +7,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 #include <cmocka.h>
 #include <sqlite3.h>
 
 #include "clouds.h"
 #include "errinfo.h"
+#include "store_rules.h"
 #include "tempdb.h"
+#include "utc.h"
 
 #define POINTS 1500
 
@@ -187,6 +190,22 @@ enum status tempdb_erase(struct store *s, const char *actor, const char *subject
 
     store_receipt_free(&receipt);
     return st;
+}
+
+void tempdb_expire(struct store *s, const char *subject)
+{
+    char end[UTC_TEXT];
+    struct errinfo e;
+    int64_t ms;
+
+    assert_true(utc_now(&ms));
+    utc_print(ms + 50, end);
+    assert_int_equal(store_subject_set(s, "test", subject,
+                                       &(struct store_subject_change){.expires = end},
+                                       &e),
+                     ST_OK);
+    while (utc_now(&ms) && store_rules_past(end, ms) == 0)
+        (void)nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }
 
 enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
