@@ -165,8 +165,8 @@ $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c $(MODEL_H) Makefile
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(call flags,core/face) -c -o $@ $<
 
 $(call arch,core/face): $(BUILD)/gen/default_model.o
-# Helpers that include cmocka are linked only with unit tests: a build for users has no cmocka.
-FIXTURES := $(shell grep -ls '<cmocka.h>' tests/lib/*.c)
+# Helpers of unit tests include cmocka and are linked only with unit tests: a build for users has no cmocka.
+FIXTURES := $(shell grep -lE '<cmocka.h>|"unit.h"' tests/lib/*.c)
 $(call arch,fixtures): $(call obj,$(FIXTURES))
 $(call arch,tests): $(call obj,$(filter-out $(FIXTURES),$(wildcard tests/lib/*.c)))
 $(BUILD)/lib%.a:

@@ -1,14 +1,4 @@
 /* The volume between two surfaces: by hand, against exact overlays, and by its symmetries. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "disparity.h"
 #include "holes.h"
@@ -18,6 +8,7 @@
 #include "mst.h"
 #include "predicates.h"
 #include "interpolate.h"
+#include "unit.h"
 
 #define MAX_POINTS 1200
 
@@ -171,14 +162,13 @@ static int32_t pyramid(int32_t x, int32_t y)
 }
 
 /* Parallel planes, crossing planes, a pyramid, over a square of 12 x 12. */
-static void test_by_hand(void **state)
+TEST(test_by_hand)
 {
     const struct {
         int32_t (*height)(int32_t x, int32_t y);
         double volume;
     } want[] = {{level, 0}, {higher, 7 * 144}, {slope, 432}, {pyramid, 60 * 144 / 3}};
 
-    (void)state;
     for (size_t i = 0; i < 4; i++) {
         const size_t n = square(pts_a, level);
         struct both *p = compare(n, square(pts_b, want[i].height), false);
@@ -200,11 +190,10 @@ static void test_by_hand(void **state)
 
 /* The same points with other heights: the cells are the triangles of both surfaces, and the
  * disparity is exactly the volume of their overlay. */
-static void test_same_points(void **state)
+TEST(test_same_points)
 {
     struct brute_rng r = {seed + 2};
 
-    (void)state;
     for (int round = 0; round < 6; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             const size_t n =
@@ -227,11 +216,10 @@ static void test_same_points(void **state)
 }
 
 /* Two planes, whatever the points: the disparity is exact over the common hull. */
-static void test_planes(void **state)
+TEST(test_planes)
 {
     struct brute_rng r = {seed + 3};
 
-    (void)state;
     for (int round = 0; round < 40; round++) {
         size_t n[2];
         struct both *p;
@@ -259,13 +247,12 @@ static void test_planes(void **state)
 
 /* Smooth surfaces densely sampled: the volume is close to that of the overlay over their
  * common area. */
-static void test_smooth(void **state)
+TEST(test_smooth)
 {
     struct brute_rng r = {seed + 4};
     struct both *p;
     double area, volume;
 
-    (void)state;
     for (int side = 0; side < 2; side++)
         for (int i = 0; i < 500; i++) {
             struct ivec3 q = {brute_int(&r, -60000, 60000), brute_int(&r, -60000, 60000),
@@ -283,11 +270,10 @@ static void test_smooth(void **state)
 }
 
 /* Exchanging, shifting and mirroring the surfaces does not matter. */
-static void test_symmetries(void **state)
+TEST(test_symmetries)
 {
     struct brute_rng r = {seed + 5};
 
-    (void)state;
     for (int round = 0; round < 16; round++) {
         const bool holes = round % 2 == 0;
         const size_t na = brute_points(BRUTE_RANDOM, 150, &r, pts_a);
@@ -345,12 +331,11 @@ static size_t grid(struct ivec3 *out, int32_t side, struct ivec3 from, bool bloc
 }
 
 /* Two grids that overlap by half: common area, area outside and overlap by hand. */
-static void test_overlap(void **state)
+TEST(test_overlap)
 {
     const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
     struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){500, 0, -7}, false), true);
 
-    (void)state;
     assert_true(p->d.area_mm2 == 50 * 1e4);
     assert_true(p->d.outside_mm2 == 100 * 1e4);
     assert_true(p->d.bridged_mm2 == 0);
@@ -372,9 +357,8 @@ static void test_overlap(void **state)
 }
 
 /* Surface over a hole of the other surface does not count, whichever has the hole. */
-static void test_hole(void **state)
+TEST(test_hole)
 {
-    (void)state;
     for (int side = 0; side < 2; side++) {
         struct ivec3 *whole = side == 0 ? pts_a : pts_b, *cut = side == 0 ? pts_b : pts_a;
         const size_t n = grid(whole, 21, (struct ivec3){0, 0, 0}, false);
@@ -410,7 +394,7 @@ static void test_hole(void **state)
 
 /* A point whose triangles are all bridges has no gap, even where the other mesh has the same
  * point; one measured triangle is enough. */
-static void test_lone_point(void **state)
+TEST(test_lone_point)
 {
     const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
     struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){0, 0, 40}, false), true);
@@ -418,7 +402,6 @@ static void test_lone_point(void **state)
     const uint32_t lone = p->b.surface.mesh.org[v];
     uint32_t h = v;
 
-    (void)state;
     do {
         measure(p, NULL, 1);
         assert_true(p->vertex[p->b_vertex[lone]].gap == 40);
@@ -486,11 +469,10 @@ static double gap_again(const struct both *p, uint32_t v)
     return outside ? (double)NAN : bridged ? (double)INFINITY : gap;
 }
 
-static void test_classes(void **state)
+TEST(test_classes)
 {
     struct brute_rng r = {seed + 6};
 
-    (void)state;
     for (int round = 0; round < 3 * BRUTE_SHAPES; round++) {
         const size_t na =
             brute_points((enum brute_shape)(round % BRUTE_SHAPES), 150, &r, pts_a);
@@ -549,7 +531,7 @@ static void test_classes(void **state)
 
 /* Heights so high that a plain sum drops most of the small cells: the exact volume is a
  * whole number of sixths. */
-static void test_compensated(void **state)
+TEST(test_compensated)
 {
     struct brute_rng r = {seed + 7};
     __extension__ __int128 exact = 0;
@@ -557,7 +539,6 @@ static void test_compensated(void **state)
     struct both *p;
     double naive = 0, want, ulp;
 
-    (void)state;
     for (; n < 900; n++)
         pts_a[n] = (struct ivec3){8000000 + brute_int(&r, 0, 800),
                                   8000000 + brute_int(&r, 0, 800), 0};
@@ -626,7 +607,7 @@ static int32_t step(int32_t x, int32_t y)
     return x == 12 ? 30 : 10 + 0 * y;
 }
 
-static void test_weight(void **state)
+TEST(test_weight)
 {
     const float three = 3, none = 0;
     const struct disparity_weight all = {even, &three}, nothing = {even, &none};
@@ -637,7 +618,6 @@ static void test_weight(void **state)
 
     /* Four cells of 36 round the middle, gaps 10 but 30 along x = 12: means 50 / 3 below
      * and above, 70 / 3 on the right, 10 on the left. */
-    (void)state;
     assert_true(close_to(volume, 36 * (50 + 50 + 70 + 30) / 3.0));
     measure(p, &all, 1);
     assert_true(close_to(p->d.weighted_mm, plain));
@@ -657,17 +637,7 @@ static void test_weight(void **state)
     drop(p);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand),    cmocka_unit_test(test_same_points),
-        cmocka_unit_test(test_planes),     cmocka_unit_test(test_smooth),
-        cmocka_unit_test(test_symmetries), cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_hole),       cmocka_unit_test(test_lone_point),
-        cmocka_unit_test(test_classes),    cmocka_unit_test(test_compensated),
-        cmocka_unit_test(test_weight),
-    };
-
     seed = brute_seed("test_disparity");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

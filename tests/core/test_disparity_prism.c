@@ -1,23 +1,14 @@
 /* The volume over one cell: every sign case by hand; compared with exact overlays; and its
  * symmetries to the last digit. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "disparity.h"
 #include "mesh.h"
+#include "unit.h"
 
 static uint64_t seed;
 
-static void test_cell_by_hand(void **state)
+TEST(test_cell_by_hand)
 {
-    (void)state;
     assert_true(disparity_prism(6, 0, 0, 0) == 0);
     assert_true(disparity_prism(6, 2, 2, 2) == 12); /* prism */
     assert_true(disparity_prism(6, 1, 2, 3) == 12); /* cut prism */
@@ -48,11 +39,10 @@ static double cell_by_overlay(double *area, int32_t a, int32_t b, int32_t c)
     return volume;
 }
 
-static void test_cell_by_overlay(void **state)
+TEST(test_cell_by_overlay)
 {
     struct brute_rng r = {seed};
 
-    (void)state;
     for (int round = 0; round < 2000; round++) {
         const int32_t top = round % 2 == 0 ? 3 : 1000;
         const int32_t a = brute_int(&r, -top, top), b = brute_int(&r, -top, top);
@@ -64,11 +54,10 @@ static void test_cell_by_overlay(void **state)
     }
 }
 
-static void test_cell_symmetries(void **state)
+TEST(test_cell_symmetries)
 {
     struct brute_rng r = {seed + 1};
 
-    (void)state;
     for (int round = 0; round < 5000; round++) {
         const double a = brute_real(&r) - 0.5, b = brute_real(&r) - 0.5;
         const double c = round % 3 == 0 ? 0 : round % 7 == 0 ? a : brute_real(&r) - 0.5;
@@ -114,11 +103,10 @@ static double quadrature(const double gap[3], const double u[3], int depth)
     return sum / 4;
 }
 
-static void test_weighted_by_quadrature(void **state)
+TEST(test_weighted_by_quadrature)
 {
     struct brute_rng r = {seed + 2};
 
-    (void)state;
     for (int round = 0; round < 300; round++) {
         double gap[3], u[3], want;
 
@@ -133,12 +121,11 @@ static void test_weighted_by_quadrature(void **state)
     }
 }
 
-static void test_weighted_by_hand(void **state)
+TEST(test_weighted_by_hand)
 {
     const double crossed[] = {1, -1, 1}, touching[] = {0, 0, 3}, none[] = {0, 0, 0};
     const double even[] = {2, 2, 2}, tip[] = {0, 1, 0};
 
-    (void)state;
     assert_true(disparity_prism_weighted(6, crossed, even) ==
                 6); /* twice (e) (f) above */
     assert_true(disparity_prism_weighted(6, touching, even) == 12);
@@ -149,16 +136,7 @@ static void test_weighted_by_hand(void **state)
     assert_true(disparity_prism_weighted(6, crossed, tip) == 2 * 3.0 / 8);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cell_by_hand),
-        cmocka_unit_test(test_cell_by_overlay),
-        cmocka_unit_test(test_cell_symmetries),
-        cmocka_unit_test(test_weighted_by_quadrature),
-        cmocka_unit_test(test_weighted_by_hand),
-    };
-
     seed = brute_seed("test_disparity_prism");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,21 +1,13 @@
 /* Splitting a gap into motion, change and rest: compared with a dense solver; known motions
  * and changes are found, despite outliers; too few cells; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "cells.h"
 #include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define MOST (MODEL_MODES + 6)
 
@@ -154,11 +146,10 @@ static void noisy(struct brute_rng *rng, double amount)
 
 /* Random gaps over random parts, and random modes: the coefficients, motion and rest are
  * those of the dense solver. */
-static void test_against_naive(void **state)
+TEST(test_against_naive)
 {
     struct brute_rng rng = {seed};
 
-    (void)state;
     for (int round = 0; round < 24; round++) {
         static struct model_basis b;
         static struct fit_basis p;
@@ -202,9 +193,8 @@ static const double change[6] = {1.2, -0.7, -1.5, 0.4, 0.8, -0.3};
 static const double nothing[6] = {0};
 
 /* A motion, a change, or both are found, and almost no rest is left. */
-static void test_known(void **state)
+TEST(test_known)
 {
-    (void)state;
     for (int which = 1; which < 4; which++) {
         const double *x = which & 1 ? motion : nothing, *a = which & 2 ? change : nothing;
 
@@ -224,9 +214,8 @@ static void test_known(void **state)
 }
 
 /* A strong tie keeps the motion near 0. */
-static void test_tie(void **state)
+TEST(test_tie)
 {
-    (void)state;
     no_gap(&cells);
     add_known(&cells, nothing, motion);
     assert_int_equal(fit_solve(&changed, &cells, 1e9, 0, &scratch, &fit), ST_OK);
@@ -235,11 +224,10 @@ static void test_tie(void **state)
 }
 
 /* An outlier region of 3 mm that no mode explains: reweighting reduces its influence. */
-static void test_outliers(void **state)
+TEST(test_outliers)
 {
     double off[2] = {0, 0};
 
-    (void)state;
     for (int passes = 0; passes < 4; passes += 3) {
         no_gap(&cells);
         add_known(&cells, nothing, motion);
@@ -256,12 +244,11 @@ static void test_outliers(void **state)
 }
 
 /* White noise stays in the rest: motion and change explain little of it. */
-static void test_noise_stays(void **state)
+TEST(test_noise_stays)
 {
     struct brute_rng rng = {seed + 1};
     double before = 0, after = 0;
 
-    (void)state;
     no_gap(&cells);
     noisy(&rng, 0.3);
     assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
@@ -272,9 +259,8 @@ static void test_noise_stays(void **state)
     assert_true(after > 0.95 * before && after <= before);
 }
 
-static void test_few(void **state)
+TEST(test_few)
 {
-    (void)state;
     for (uint32_t keep = FIT_MIN_CELLS + 1; keep-- > FIT_MIN_CELLS - 2;) {
         uint32_t n = 0;
 
@@ -300,12 +286,11 @@ static void test_few(void **state)
 
 /* The same input gives the same bytes, also in memory that was used before; a failed
  * allocation leaves the memory usable. */
-static void test_determinism_and_memory(void **state)
+TEST(test_determinism_and_memory)
 {
     struct scratch fresh = {0};
     struct brute_rng rng = {seed + 2};
 
-    (void)state;
     no_gap(&cells);
     add_known(&cells, change, motion);
     noisy(&rng, 0.5);
@@ -326,25 +311,16 @@ static void test_determinism_and_memory(void **state)
     scratch_free(&fresh);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_naive),
-        cmocka_unit_test(test_known),
-        cmocka_unit_test(test_tie),
-        cmocka_unit_test(test_outliers),
-        cmocka_unit_test(test_noise_stays),
-        cmocka_unit_test(test_few),
-        cmocka_unit_test(test_determinism_and_memory),
-    };
-    int failed;
-
     seed = brute_seed("fit");
     toy_model(&model);
     memcpy(nothing_changes.rest, model.change.rest, sizeof nothing_changes.rest);
     fit_prepare(&nothing_changes, &moved);
     fit_prepare(&model.change, &changed);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,13 +1,5 @@
 /* The library's public functions: they give the results of face.h, and their own errors. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
@@ -16,6 +8,7 @@
 #include "measure.h"
 #include "minimal.h"
 #include "status.h"
+#include "unit.h"
 
 #define POINTS 3000
 
@@ -41,7 +34,7 @@ static enum surface_status build(struct surface_work *work, size_t n,
 }
 
 /* The same as face_build() and face_compare() give, of the same subject and of two. */
-static void test_same(void **state)
+TEST(test_same)
 {
     static const uint64_t probe[2][2] = {{3, 1}, {4, 0}};
     struct surface_work *work = surface_work_new();
@@ -52,7 +45,6 @@ static void test_same(void **state)
     char engine[2][SURFACE_ENGINE_SIZE];
     size_t n = scan(3, 0);
 
-    (void)state;
     assert_non_null(work);
     assert_int_equal(build(work, n, &tmpl, NULL), SURFACE_OK);
     assert_int_equal(face_build(pts, n, w, &a, NULL), ST_OK);
@@ -102,14 +94,13 @@ static void test_same(void **state)
 }
 
 /* A probe that shows a small part of the face has too little in common with it. */
-static void test_inconclusive(void **state)
+TEST(test_inconclusive)
 {
     struct surface_work *work = surface_work_new();
     struct surface_face *whole, *part;
     struct surface_comparison c;
     size_t n = scan(13, 0), kept = 0;
 
-    (void)state;
     assert_int_equal(build(work, n, &whole, NULL), SURFACE_OK);
     n = scan(13, 1);
     for (size_t i = 0; i < n; i++)
@@ -123,14 +114,13 @@ static void test_inconclusive(void **state)
     surface_work_free(work);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     struct surface_work *work = surface_work_new();
     struct surface_face *face;
     struct brute_rng r = {1};
     size_t n = scan(3, 0), bad = 0;
 
-    (void)state;
     assert_int_equal(build(work, 99, &face, NULL), SURFACE_ETOOFEW);
     assert_null(face);
     assert_int_equal(build(work, SURFACE_MAX_POINTS + 1, &face, NULL), SURFACE_ELIMIT);
@@ -165,9 +155,8 @@ static void test_refused(void **state)
 }
 
 /* Each status has a message of its own; a value that is no status has another. */
-static void test_messages(void **state)
+TEST(test_messages)
 {
-    (void)state;
     for (unsigned i = 0; i <= SURFACE_STATUSES; i++)
         for (unsigned k = 0; k < i; k++)
             assert_string_not_equal(surface_message((enum surface_status)i),
@@ -175,13 +164,12 @@ static void test_messages(void **state)
     assert_string_equal(surface_message(SURFACE_ENOTFACE), status_message(ST_ENOTFACE));
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     const size_t n = scan(3, 0);
     enum surface_status st = SURFACE_ENOMEM;
     unsigned long k;
 
-    (void)state;
     for (k = 1; st != SURFACE_OK; k++) {
         struct surface_face *face = NULL;
         struct surface_comparison c;
@@ -200,15 +188,4 @@ static void test_memory(void **state)
         surface_work_free(work);
     }
     assert_true(k > 15);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),    cmocka_unit_test(test_inconclusive),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_messages),
-        cmocka_unit_test(test_memory),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

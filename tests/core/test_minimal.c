@@ -1,16 +1,6 @@
 /* The minimal disparity: against descent by values alone over the measure itself; cases by
  * hand; its limits; gaps and their derivatives; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align_pose.h"
 #include "brute.h"
 #include "face.h"
@@ -22,6 +12,7 @@
 #include "minimal_places.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 3000
 #define LEVER  80.0
@@ -156,9 +147,8 @@ static void against_descent(uint64_t subject, bool mated, double most)
     assert_true(m.disparity.area_mm2 >= MINIMAL_AREA * aligned.area_mm2);
 }
 
-static void test_descent(void **state)
+TEST(test_descent)
 {
-    (void)state;
     for (uint64_t subject = 50; subject < 53; subject++) {
         against_descent(subject, true, 1.01);
         against_descent(subject, false, 1.02);
@@ -167,14 +157,13 @@ static void test_descent(void **state)
 
 /* ---- what holds of every result */
 
-static void test_result(void **state)
+TEST(test_result)
 {
     static const double start[3][6] = {
         {2, 0, -1, 1, 2, 1}, {-1, 2, 1, -2, 0, 1}, {0, -2, 2, 0.5, -2, -1}};
     const double *aligned = pair(7, true, POINTS, -INFINITY);
     const struct minimal first = find(aligned);
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         double t[16];
         struct disparity d;
@@ -205,7 +194,7 @@ static void not_above(const char *what, const struct minimal *m,
 
 /* Few points, parts of faces, poses far off.  At the estimate's minimum alone the first eight
  * have 0.67 to 0.94 of the area, and the next three 0.2 to 2 % more than at the alignment. */
-static void test_alignment(void **state)
+TEST(test_alignment)
 {
     static const struct {
         uint64_t subject;
@@ -218,7 +207,6 @@ static void test_alignment(void **state)
              {140, true, 250, -10},   {127, true, 250, 0},   {134, true, 500, 0}};
     static const double far[6] = {4, -6, 3, 15, -12, 4};
 
-    (void)state;
     for (size_t i = 0; i < sizeof k / sizeof *k; i++) {
         double t[16];
         struct disparity before;
@@ -238,9 +226,8 @@ static void test_alignment(void **state)
 }
 
 /* From a minimum: nothing more, whatever the estimate says. */
-static void test_again(void **state)
+TEST(test_again)
 {
-    (void)state;
     for (uint64_t subject = 60; subject < 68; subject++) {
         struct minimal m = find(pair(subject, true, POINTS, -INFINITY));
 
@@ -271,7 +258,7 @@ static void distance(const double aligned[16], const struct minimal *m, double *
     *shift = sqrt(vec_dot(d, d));
 }
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
     static const double far[5][6] = {{0, 0, 0, 0, 0, 45},
                                      {0, 0, 0, 0, 0, -30},
@@ -280,7 +267,6 @@ static void test_limits(void **state)
                                      {0, 0, 28, 0, 0, 0}};
     double aligned[16], t[16], turn, shift;
 
-    (void)state;
     memcpy(aligned, pair(3, true, POINTS, -INFINITY), sizeof aligned);
     for (int i = 0; i < 5; i++) {
         struct minimal m;
@@ -316,13 +302,12 @@ static void sheets(const double a[3], const double b[3])
 
 static const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-static void test_planes(void **state)
+TEST(test_planes)
 {
     static const double up[3] = {3, 0.1, 0.05}, tilted[3] = {-2, 0.13, 0.02},
                         down[3] = {0, 0.1, 0.05};
     struct minimal m;
 
-    (void)state;
     sheets(down, up);
     assert_true(at(still).plain_mm > 2.9);
     assert_true(find(still).disparity.plain_mm < 0.01);
@@ -334,13 +319,12 @@ static void test_planes(void **state)
 }
 
 /* Over itself: exactly 0, and the pose is the alignment's to the bit. */
-static void test_itself(void **state)
+TEST(test_itself)
 {
     const double *aligned = pair(5, true, POINTS, -INFINITY);
     struct minimal m;
     double t[16];
 
-    (void)state;
     (void)aligned;
     assert_int_equal(face_build(points, 0, work, &probe, NULL), ST_ETOOFEW);
     face_free(&probe);
@@ -353,13 +337,12 @@ static void test_itself(void **state)
     memset(&probe, 0, sizeof probe);
 }
 
-static void test_apart(void **state)
+TEST(test_apart)
 {
     double away[16];
     struct disparity nothing;
     struct minimal m;
 
-    (void)state;
     memset(&nothing, 0, sizeof nothing);
     memcpy(away, pair(1, true, POINTS, -INFINITY), sizeof away);
     away[3] += 500;
@@ -373,11 +356,10 @@ static void test_apart(void **state)
 }
 
 /* Seen from the back or the side most triangles are overturned: it ends all the same. */
-static void test_overturned(void **state)
+TEST(test_overturned)
 {
     double aligned[16], t[16];
 
-    (void)state;
     memcpy(aligned, pair(2, true, POINTS, -INFINITY), sizeof aligned);
     for (int i = 1; i < 6; i++) {
         const double x[6] = {0, 40.0 * i, 15.0 * i, 0, 0, 0};
@@ -389,7 +371,7 @@ static void test_overturned(void **state)
 
 /* ---- gaps and derivatives */
 
-static void test_places(void **state)
+TEST(test_places)
 {
     static const double a[3] = {0, 0.2, -0.1}, b[3] = {4, 0.4, 0.25};
     struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
@@ -401,7 +383,6 @@ static void test_places(void **state)
     uint32_t n, checked = 0;
     void *block;
 
-    (void)state;
     sheets(a, b);
     p.centre = (struct dvec3){3, -4, 5};
     block = aligned_alloc(64, minimal_places_layout(&p, NULL));
@@ -450,7 +431,7 @@ static void test_places(void **state)
 }
 
 /* Missing points of either scan are bridged, and nothing is measured there. */
-static void test_holes(void **state)
+TEST(test_holes)
 {
     struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
                              .probe = {.surface = &probe.surface}};
@@ -459,7 +440,6 @@ static void test_holes(void **state)
     struct align_pose pose;
     void *block;
 
-    (void)state;
     facegen_default(&s);
     s.subject = 20;
     s.holes = 0.3;
@@ -478,13 +458,12 @@ static void test_holes(void **state)
 
 /* ---- memory */
 
-static void test_digits(void **state)
+TEST(test_digits)
 {
     struct measure_work fresh = {0};
     double aligned[16];
     struct minimal first = {.ms = 0}, m;
 
-    (void)state;
     memcpy(aligned, pair(9, false, POINTS, -INFINITY), sizeof aligned);
     assert_int_equal(minimal_find(&tmpl.surface, &probe.surface, aligned, &fresh, &first),
                      ST_OK);
@@ -497,14 +476,13 @@ static void test_digits(void **state)
     measure_work_free(&fresh);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct minimal m = {.ms = 0};
     double aligned[16];
     unsigned long k = 0, failed;
     enum status st;
 
-    (void)state;
     memcpy(aligned, pair(4, true, POINTS, -INFINITY), sizeof aligned);
     do {
         struct measure_work fresh = {0};
@@ -521,32 +499,15 @@ static void test_memory(void **state)
     assert_true(m.disparity.plain_mm == find(aligned).disparity.plain_mm);
 }
 
-static int start(void **state)
+BEFORE_ALL(start)
 {
-    (void)state;
-    return (work = face_work_new(NULL)) == NULL;
+    assert_non_null(work = face_work_new(NULL));
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
-    (void)state;
     face_work_free(work);
     measure_work_free(&measure);
     face_free(&tmpl);
     face_free(&probe);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_descent),    cmocka_unit_test(test_result),
-        cmocka_unit_test(test_alignment),  cmocka_unit_test(test_again),
-        cmocka_unit_test(test_limits),     cmocka_unit_test(test_planes),
-        cmocka_unit_test(test_itself),     cmocka_unit_test(test_apart),
-        cmocka_unit_test(test_overturned), cmocka_unit_test(test_places),
-        cmocka_unit_test(test_holes),      cmocka_unit_test(test_digits),
-        cmocka_unit_test(test_memory)};
-
-    return cmocka_run_group_tests(tests, start, end);
 }

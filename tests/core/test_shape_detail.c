@@ -1,18 +1,10 @@
 /* How much of a face's fine relief a surface has, against the definition, and what changes it. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 static struct model model;
 static struct shape_work work;
@@ -84,11 +76,10 @@ static double reference(void)
 }
 
 /* Any heights, seen anywhere. */
-static void test_definition(void **state)
+TEST(test_definition)
 {
     struct brute_rng rng = {brute_seed("detail")};
 
-    (void)state;
     for (int k = 0; k < 200; k++) {
         const double share = brute_real(&rng);
 
@@ -102,9 +93,8 @@ static void test_definition(void **state)
 
 /* The mean face has all of it, one twice as deep twice as much; how the surface lies does not
  * matter, nor that a half of it is not seen. */
-static void test_mean(void **state)
+TEST(test_mean)
 {
-    (void)state;
     for (int half = 0; half < 2; half++)
         for (int times = 0; times < 4; times++) {
             see_all();
@@ -124,12 +114,11 @@ static void test_mean(void **state)
 }
 
 /* A smooth surface has little of it. */
-static void test_smooth(void **state)
+TEST(test_smooth)
 {
     static double mean[GRID_N];
     static bool face[GRID_N];
 
-    (void)state;
     for (uint32_t i = 0; i < GRID_N; i++) {
         face[i] = !isnan(work.mean[i]);
         mean[i] = (double)work.mean[i];
@@ -149,11 +138,10 @@ static void test_smooth(void **state)
 }
 
 /* Noise neither adds nor takes away much. */
-static void test_noise(void **state)
+TEST(test_noise)
 {
     struct brute_rng rng = {brute_seed("detail of noise")};
 
-    (void)state;
     for (int k = 0; k < 50; k++) {
         see_all();
         for (uint32_t i = 0; i < GRID_N; i++)
@@ -162,19 +150,13 @@ static void test_noise(void **state)
     }
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_mean),
-        cmocka_unit_test(test_smooth),
-        cmocka_unit_test(test_noise),
-    };
-    int failed;
-
     toy_model(&model);
     shape_work_prepare(&model, &work);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     shape_work_free(&work);
-    return failed;
 }

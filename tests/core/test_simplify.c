@@ -2,15 +2,6 @@
  * scratch; the greedy choice is the one by definition; no gap exceeds its limit; the reported
  * disparity is that over the papers' general triangulation. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "clouds.h"
 #include "delaunay.h"
@@ -25,6 +16,7 @@
 #include "simplify.h"
 #include "star.h"
 #include "interpolate.h"
+#include "unit.h"
 
 #define MOST 3000
 
@@ -86,13 +78,12 @@ static size_t remaining(const struct mesh *m, const uint8_t *in, struct ivec3 *o
     return n;
 }
 
-static void test_star(void **state)
+TEST(test_star)
 {
     struct mesh m = {0}, small = {0}, want = {0};
     struct star star;
     unsigned removed = 0;
 
-    (void)state;
     for (int round = 0; round < 12 * BRUTE_SHAPES; round++) {
         const enum brute_shape shape = (enum brute_shape)(round % BRUTE_SHAPES);
         const size_t n = brute_points(shape, 8 + (size_t)round / 2, &rng, pts);
@@ -125,13 +116,12 @@ static void test_star(void **state)
 }
 
 /* A vertex with more neighbours than a star has room for stays. */
-static void test_crowded(void **state)
+TEST(test_crowded)
 {
     struct mesh m = {0};
     struct star star;
     size_t n = 0;
 
-    (void)state;
     for (int i = 0; i < 100; i++)
         pts[n++] = (struct ivec3){(int32_t)lrint(1e6 * cos(i * 0.0628318)),
                                   (int32_t)lrint(1e6 * sin(i * 0.0628318)), 0};
@@ -240,12 +230,11 @@ static void by_definition(const struct mesh *m, const struct simplify_limit *lim
     }
 }
 
-static void test_greedy(void **state)
+TEST(test_greedy)
 {
     struct mesh m = {0}, out = {0}, want = {0};
     struct simplify_result r;
 
-    (void)state;
     for (int round = 0; round < 40; round++) {
         const size_t n =
             brute_points(round % 2 ? BRUTE_RANDOM : BRUTE_CLUSTERS, 24, &rng, pts);
@@ -321,14 +310,13 @@ static void face(uint64_t subject, struct mesh *m)
     assert_int_equal(mst_build(m, &scratch), ST_OK);
 }
 
-static void test_face(void **state)
+TEST(test_face)
 {
     static const double error[] = {0, 100, 300, 1000, 3000};
     struct mesh m = {0}, out = {0};
     uint32_t before = MOST + 1, hull = 0;
     struct simplify_result r;
 
-    (void)state;
     face(3, &m);
     for (uint32_t v = 0; v < m.nv; v++)
         hull += on_hull(&m, v);
@@ -354,13 +342,12 @@ static void test_face(void **state)
 }
 
 /* A limit on the disparity keeps fewer points than one on the gap; `least` is obeyed. */
-static void test_limits(void **state)
+TEST(test_limits)
 {
     struct mesh m = {0}, out = {0};
     struct simplify_result r, by_error;
     struct simplify_limit limit = {500, INFINITY, 0};
 
-    (void)state;
     face(4, &m);
     assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, NULL, &by_error),
                      ST_OK);
@@ -376,14 +363,13 @@ static void test_limits(void **state)
 }
 
 /* A plane is simplified to its outline, a pyramid to its outline and tip. */
-static void test_by_hand(void **state)
+TEST(test_by_hand)
 {
     struct mesh m = {0}, out = {0};
     struct simplify_limit limit = {0.5, INFINITY, 0};
     struct simplify_result r;
     size_t n = 0;
 
-    (void)state;
     for (int j = 0; j < 11; j++)
         for (int i = 0; i < 11; i++)
             pts[n++] = (struct ivec3){1000 * i, 1000 * j, 200 * i + 300 * j};
@@ -407,7 +393,7 @@ static void test_by_hand(void **state)
     mesh_free(&out);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     const struct simplify_limit limit = {300, INFINITY, 0};
     struct mesh m = {0}, out = {0}, want = {0};
@@ -415,7 +401,6 @@ static void test_memory(void **state)
     enum status st = ST_ENOMEM;
     unsigned long k;
 
-    (void)state;
     face(5, &m);
     assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &want, NULL, &r), ST_OK);
     for (k = 1; st != ST_OK; k++) {
@@ -437,18 +422,12 @@ static void test_memory(void **state)
     mesh_free(&want);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_star),   cmocka_unit_test(test_crowded),
-        cmocka_unit_test(test_greedy), cmocka_unit_test(test_face),
-        cmocka_unit_test(test_limits), cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_memory),
-    };
-    int failed;
-
     rng.state = brute_seed("simplify");
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     scratch_free(&scratch);
-    return failed;
 }

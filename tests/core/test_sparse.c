@@ -1,19 +1,10 @@
 /* Sparse scans: two of one person match despite spikes and holes; and where only one is
  * sparse, its coarse triangles hardly matter. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "face.h"
 #include "facegen.h"
 #include "heights.h"
 #include "toy.h"
+#include "unit.h"
 
 static void make(uint64_t subject, uint64_t number, uint32_t points, double spikes,
                  struct face_work *w, struct face *out)
@@ -65,11 +56,10 @@ static int refused(uint32_t points, double spikes, int *others)
     return count;
 }
 
-static void test_sparse(void **state)
+TEST(test_sparse)
 {
     int others;
 
-    (void)state;
     assert_in_range(refused(800, 0.01, &others), 0, 1);
     assert_in_range(others, 0, 4);
     assert_in_range(refused(1000, 0.02, &others), 0, 1);
@@ -78,7 +68,7 @@ static void test_sparse(void **state)
 
 /* The same face with 6,000 points and with 1,000, without noise: between its heights at one frame
  * is what the larger triangles cut off, and what fewer samples miss of a slope. */
-static void test_two_densities(void **state)
+TEST(test_two_densities)
 {
     static struct dvec3 pts[6000];
     static float z[2][GRID_N];
@@ -88,7 +78,6 @@ static void test_two_densities(void **state)
     struct face face[2];
     double squares = 0, n = 0;
 
-    (void)state;
     memset(face, 0, sizeof face);
     assert_non_null(w);
     for (uint64_t subject = 0; subject < 8; subject++) {
@@ -118,14 +107,4 @@ static void test_two_densities(void **state)
     face_free(&face[1]);
     scratch_free(&scratch);
     face_work_free(w);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sparse),
-        cmocka_unit_test(test_two_densities),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }
