@@ -258,12 +258,17 @@ LONG := ctl-evaluate ctl-train http-openapi accuracy http-hostile studies fault-
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
     $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN)) $(FUZZ_BIN)
-CHECK     := $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
-    $(ALL_TESTS))
+CHECK     := $(strip $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
+    $(ALL_TESTS)))
+
+# The aids that the chosen black-box tests name, as "$BUILD/forge"; all where all tests run.
+NEEDED    = $(if $(T),$(filter $(patsubst BUILD/%,$(BUILD)/%,$(shell \
+    grep -oh 'BUILD/[a-z_.]*' $(filter %.sh,$(CHECK)))),$(AIDS)),$(AIDS))
 
 ## check: build and run the tests whose names contain T (make check T=locate), or all
 .PHONY: check unit
-check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(AIDS))
+check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(NEEDED))
+	$(if $(CHECK),,$(error no test's name contains "$(T)": see tests/*/test_*.c and tests/box/*.sh))
 	BUILD=$(BUILD) scripts/run_tests.sh $(CHECK)
 
 ## unit: the unit tests alone
