@@ -120,32 +120,6 @@ static double off_by(const double m[16], const double r[9])
     return acos(trace > 1 ? 1 : trace) / degree;
 }
 
-TEST(test_solve)
-{
-    struct brute_rng rng = {seed};
-
-    for (int round = 0; round < 50; round++) {
-        struct align_normal a;
-        double want[6], x[6];
-
-        memset(&a, 0, sizeof a);
-        for (int i = 0; i < 6; i++)
-            want[i] = brute_real(&rng) - 0.5;
-        for (int k = 0; k < 30; k++) {
-            double j[6], r = 0;
-
-            for (int i = 0; i < 6; i++) {
-                j[i] = brute_real(&rng) - 0.5;
-                r -= j[i] * want[i];
-            }
-            align_solve_add(&a, j, r, 0.1 + brute_real(&rng));
-        }
-        assert_true(align_solve(&a, 0, x));
-        for (int i = 0; i < 6; i++)
-            assert_true(fabs(x[i] - want[i]) < 1e-9);
-    }
-}
-
 /* A flat surface does not determine shifts within it nor the turn about its normal: those
  * unknowns stay 0, the others are found. */
 TEST(test_solve_plane)
@@ -165,36 +139,6 @@ TEST(test_solve_plane)
     assert_true(x[2] == 0 && x[3] == 0 && x[4] == 0);
     memset(&a, 0, sizeof a);
     assert_false(align_solve(&a, 1e-6, x));
-}
-
-TEST(test_pose)
-{
-    struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 2, 3}}, back;
-    const struct dvec3 centre = {5, -7, -80};
-    double m[16];
-
-    for (int i = 0; i < 1000; i++) {
-        const double x[6] = {0.2, -0.1, 0.05, 1, 2, -3};
-        const struct dvec3 before = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
-        struct dvec3 after;
-
-        align_pose_move(&pose, centre, x);
-        after = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
-        /* the centre moves along; the point keeps its distance to it */
-        assert_true(fabs(hypot(hypot(before.x - 5, before.y + 7), before.z + 80) -
-                         hypot(hypot(after.x - 6, after.y + 5), after.z + 83)) < 1e-6);
-    }
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            double d = 0;
-
-            for (int l = 0; l < 3; l++)
-                d += pose.r[3 * i + l] * pose.r[3 * k + l];
-            assert_true(fabs(d - (i == k)) < 1e-14);
-        }
-    align_pose_to_matrix(&pose, m);
-    align_pose_from_matrix(m, &back);
-    assert_memory_equal(&pose, &back, sizeof pose);
 }
 
 /* Single points at random places: the gap is that found by searching all triangles; outside
@@ -283,37 +227,6 @@ TEST(test_finds_pose)
     face_free(&b);
 }
 
-/* A third of the face is missing, and some points lie far off. */
-TEST(test_holes_and_spikes)
-{
-    struct face a = {0}, b = {0};
-    double sum = 0;
-
-    for (uint64_t subject = 20; subject < 30; subject++) {
-        struct facegen_scan s;
-        struct align_result r;
-        double true_r[9];
-
-        enroll(subject, &a);
-        facegen_default(&s);
-        s.holes = 0.35;
-        s.spikes = 0.012;
-        s.noise = 0.3;
-        s.subject = subject;
-        s.scan = 3;
-        facegen_pose(&s, 10, 15);
-        build(points, sample(&s, subject, 3, points), &b);
-        align(&a, &b, &r);
-        rotation(s.yaw, s.pitch, s.roll, true_r);
-        sum += off_by(r.transform, true_r);
-        assert_true(off_by(r.transform, true_r) < 3);
-        printf("%d: %.2f degrees\n", (int)subject, off_by(r.transform, true_r));
-    }
-    assert_true(sum / 10 < 1.2);
-    face_free(&a);
-    face_free(&b);
-}
-
 /* Where the points p are once they are moved, compared with the places `was`: the root mean
  * square distance, mm. */
 static double moved_by(const double transform[16], const struct dvec3 *p, size_t n,
@@ -369,42 +282,6 @@ TEST(test_start_does_not_matter)
     }
     face_free(&a);
     face_free(&b);
-}
-
-/* Mirroring both faces, or moving both, moves the pose likewise. */
-TEST(test_mirror_and_translation)
-{
-    static const double maps[][3] = {{1, 0, 0}, {-1, 0, 0}, {1, 777.7, -333.3}};
-    static struct dvec3 first[MAX_POINTS];
-    struct face f[2] = {0};
-    struct facegen_scan s;
-    struct align_result r;
-
-    facegen_default(&s);
-    for (size_t how = 0; how < sizeof maps / sizeof *maps; how++) {
-        size_t n = 0;
-        double off;
-
-        for (uint64_t side = 0; side < 2; side++) {
-            n = sample(&s, 50, side, points);
-            for (size_t i = 0; i < n; i++) {
-                points[i].x = maps[how][0] * points[i].x + maps[how][1];
-                points[i].y += maps[how][2];
-            }
-            build(points, n, &f[side]);
-        }
-        align(&f[0], &f[1], &r);
-        for (size_t i = 0; how == 0 && i < n; i++)
-            first[i] = vec_transform(r.transform, points[i]);
-        for (size_t i = 0; i < n; i++)
-            turned[i] = (struct dvec3){maps[how][0] * first[i].x + maps[how][1],
-                                       first[i].y + maps[how][2], first[i].z};
-        off = moved_by(r.transform, points, n, turned);
-        printf("map %zu: %.3f mm\n", how, off);
-        assert_true(off < 0.04);
-    }
-    face_free(&f[0]);
-    face_free(&f[1]);
 }
 
 /* The gap per cell of the template's frame, at right angles to the mean face. */

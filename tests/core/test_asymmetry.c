@@ -292,32 +292,6 @@ TEST(test_planted)
     assert_true(worst < 0.5);
 }
 
-/* A face's mirror image is as asymmetric, about the mirrored plane. */
-TEST(test_mirrored)
-{
-    for (uint64_t k = 0; k < 4; k++) {
-        struct facegen_scan s;
-        struct asymmetry a, b;
-        size_t n;
-
-        facegen_default(&s);
-        s.subject = 20 + k;
-        facegen_pose(&s, 8, 10);
-        scan(&s);
-        a = measured();
-        n = facegen_sample(&s, points);
-        for (size_t i = 0; i < n; i++)
-            points[i].x = -points[i].x;
-        assert_int_equal(face_build(points, n, work, &face, NULL), ST_OK);
-        b = measured();
-        close_to(a.final.plain_mm / b.final.plain_mm, 1, 0.01);
-        close_to(a.normal[0], b.normal[0], 2e-3);
-        close_to(a.normal[1], -b.normal[1], 2e-3);
-        close_to(a.normal[2], -b.normal[2], 2e-3);
-        close_to(a.offset_mm, -b.offset_mm, 0.1);
-    }
-}
-
 /* The same input gives the same bytes; half a face gives an inconclusive result. */
 TEST(test_half)
 {

@@ -209,13 +209,7 @@ TEST(test_order)
     add_box(3000, (struct dvec3){-60, -90, -220}, (struct dvec3){60, 70, 20});
     crop(&a, 8000, &count);
     assert_in_range(a.n, 7000, 8000);
-    for (size_t i = n - 1; i > 0; i--) {
-        const size_t with = (size_t)brute_int(&rng, 0, (int32_t)i);
-        const struct dvec3 swap = pts[i];
-
-        pts[i] = pts[with];
-        pts[with] = swap;
-    }
+    brute_shuffle(pts, n, sizeof *pts, &rng);
     crop(&b, 8000, &count);
     assert_int_equal(a.n, b.n);
     qsort(a.at, a.n, sizeof *a.at, by_place);

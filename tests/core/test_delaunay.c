@@ -197,17 +197,6 @@ TEST(test_mean_height)
     mesh_free(&m);
 }
 
-static void shuffle(struct ivec3 *pts, size_t n, struct brute_rng *r)
-{
-    for (size_t i = n; i-- > 1;) {
-        const size_t j = brute_rand(r) % (i + 1);
-        const struct ivec3 t = pts[i];
-
-        pts[i] = pts[j];
-        pts[j] = t;
-    }
-}
-
 /* The meshes must agree byte for byte, except for a shift. */
 static void check_same_bytes(const struct mesh *a, const struct mesh *b, int32_t dx,
                              int32_t dy)
@@ -244,7 +233,7 @@ TEST(test_canonical)
             k += n / 3;
             assert_int_equal(delaunay_build(pts, k, &scratch, &a), ST_OK);
             for (int again = 0; again < 3; again++) {
-                shuffle(pts, k, &r);
+                brute_shuffle(pts, k, sizeof *pts, &r);
                 assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
                 check_same_bytes(&a, &b, 0, 0);
             }

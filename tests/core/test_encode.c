@@ -423,36 +423,6 @@ TEST(test_few)
     assert_true(got.n == 0 && got.cells == 0);
 }
 
-/* ---- parts */
-
-TEST(test_parts)
-{
-    static double part[GRID_N], before[GRID_N];
-    double slope[MODEL_MODES], sum, want;
-
-    for (int round = 0; round < 8; round++) {
-        (void)draw(noise_of(0.3), 0.15 * (round % 4));
-        for (uint32_t i = 0; round % 2 == 1 && i < GRID_N; i += 37)
-            z[i] += 5.0f; /* outliers */
-        encode(0.3);
-        for (uint32_t k = 0; k < MODEL_MODES; k++)
-            slope[k] = k < got.n ? 2 * brute_real(&rng) - 1 : (double)NAN;
-        for (uint32_t i = 0; i < GRID_N; i++)
-            part[i] = before[i] = brute_real(&rng);
-        assert_int_equal(encode_parts(&basis, z, 0.3, slope, &scratch, part), ST_OK);
-        want = sum = 0;
-        for (uint32_t k = 0; k < got.n; k++)
-            want += slope[k] * (double)got.b[k] / 2;
-        for (uint32_t i = 0; i < GRID_N; i++) {
-            if (!(got.there[i / 8] >> i % 8 & 1))
-                assert_true(part[i] == before[i]);
-            sum += part[i] - before[i];
-        }
-        if (!(fabs(sum - want) < 1e-4 * (1 + fabs(want))))
-            fail_msg("parts %.9g, wanted %.9g", sum, want);
-    }
-}
-
 /* A cell's part is half of its height times the derivative of slope' b by it. */
 TEST(test_part_of_cell)
 {

@@ -232,32 +232,6 @@ TEST(test_mated_and_not)
     face_free(&probe);
 }
 
-/* Twice, in fresh memory, after other comparisons: the same bytes. */
-TEST(test_determinism)
-{
-    struct face a = {0}, b = {0}, c = {0};
-    struct face_result first, again;
-    struct face_work *fresh = face_work_new(NULL);
-
-    assert_non_null(fresh);
-    make(10, 0, &a);
-    make(11, 0, &c);
-    make(10, 1, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &first), ST_OK);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &again), ST_OK);
-    check_same_result(&first, &again);
-    assert_int_equal(face_compare(&c, &a, (double)NAN, NULL, work, &again), ST_OK);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &again), ST_OK);
-    check_same_result(&first, &again);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, fresh, &again), ST_OK);
-    check_same_result(&first, &again);
-    face_work_free(fresh);
-    face_work_free(NULL);
-    face_free(&a);
-    face_free(&b);
-    face_free(&c);
-}
-
 /* The threshold changes the decision and nothing else. */
 TEST(test_threshold)
 {
@@ -361,33 +335,6 @@ TEST(test_round)
     face_free(&b);
 }
 
-/* The order of the points changes nothing, to the last digit. */
-TEST(test_order)
-{
-    struct face a = {0}, b = {0}, c = {0};
-    struct face_result first, again;
-
-    make(24, 0, &a);
-    make(24, 1, &b);
-    for (size_t i = cloud.n; i-- > 1;) {
-        const size_t j = (i * 7919 + 13) % (i + 1);
-        const struct dvec3 t = cloud.pts[i];
-
-        cloud.pts[i] = cloud.pts[j];
-        cloud.pts[j] = t;
-    }
-    build(&c);
-    assert_memory_equal(&b.encoding, &c.encoding, sizeof b.encoding);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &first), ST_OK);
-    assert_int_equal(face_align(&a, &b, NULL, work, &first), ST_OK);
-    assert_int_equal(face_compare(&a, &c, (double)NAN, NULL, work, &again), ST_OK);
-    assert_int_equal(face_align(&a, &c, NULL, work, &again), ST_OK);
-    check_same_result(&first, &again);
-    face_free(&a);
-    face_free(&b);
-    face_free(&c);
-}
-
 /* Whatever the pose of the probe, the score is about the same. */
 TEST(test_poses)
 {
@@ -417,30 +364,6 @@ TEST(test_poses)
     }
     face_free(&a);
     face_free(&b);
-}
-
-/* Both mirrored: as not mirrored. */
-TEST(test_mirrored_both)
-{
-    struct face f[2] = {0};
-    double score[2] = {0, 0};
-
-    for (int how = 0; how < 2; how++) {
-        struct face_result r;
-
-        for (uint64_t side = 0; side < 2; side++) {
-            scan(50, side, POINTS);
-            for (size_t i = 0; how == 1 && i < cloud.n; i++)
-                cloud.pts[i].x = -cloud.pts[i].x;
-            build(&f[side]);
-        }
-        assert_int_equal(face_compare(&f[0], &f[1], (double)NAN, NULL, work, &r), ST_OK);
-        score[how] = r.score;
-    }
-    print_message("%.2f, both mirrored %.2f\n", score[0], score[1]);
-    assert_true(fabs(score[1] - score[0]) < 0.2);
-    face_free(&f[0]);
-    face_free(&f[1]);
 }
 
 /* A mirrored scan scores as the scan that it is the mirror image of, up to the triangulation

@@ -268,13 +268,7 @@ TEST(test_order)
 
     prepare(pts, n, &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
-    for (size_t i = n; i-- > 1;) {
-        const size_t j = brute_rand(&rng) % (i + 1);
-        const struct ivec3 t = pts[i];
-
-        pts[i] = pts[j];
-        pts[j] = t;
-    }
+    brute_shuffle(pts, n, sizeof *pts, &rng);
     prepare(pts, n, &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &other), ST_OK);
     assert_int_equal(other.n, fill.n);

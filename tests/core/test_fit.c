@@ -3,6 +3,7 @@
 /* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
 #include "cells.h"
+#include "dense.h"
 #include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
@@ -52,32 +53,6 @@ static void add_known(struct cells *c, const double *a, const double x[6])
     }
 }
 
-/* Gauss, with pivots: m x = v, n unknowns. */
-static void gauss(double m[MOST][MOST + 1], uint32_t n, double *x)
-{
-    for (uint32_t k = 0; k < n; k++) {
-        uint32_t best = k;
-
-        for (uint32_t i = k + 1; i < n; i++)
-            best = fabs(m[i][k]) > fabs(m[best][k]) ? i : best;
-        for (uint32_t j = 0; j <= n; j++) {
-            const double t = m[k][j];
-
-            m[k][j] = m[best][j];
-            m[best][j] = t;
-        }
-        for (uint32_t i = k + 1; i < n; i++)
-            for (uint32_t j = n + 1; j-- > k;)
-                m[i][j] -= m[i][k] / m[k][k] * m[k][j];
-    }
-    for (uint32_t k = n; k-- > 0;) {
-        x[k] = m[k][n];
-        for (uint32_t j = k + 1; j < n; j++)
-            x[k] -= m[k][j] * x[j];
-        x[k] /= m[k][k];
-    }
-}
-
 /* One row by definition: the modes; then, negated, the effect of each turn by 1 mm at the
  * lever's length and of each shift by 1 mm. */
 static void row_of(const struct model_basis *b, const struct cells *c, uint32_t i,
@@ -97,13 +72,14 @@ static void row_of(const struct model_basis *b, const struct cells *c, uint32_t 
 static void naive(const struct model_basis *b, const struct cells *c, double tie,
                   int passes, double *y, double *rest)
 {
-    static double m[MOST][MOST + 1], share[GRID_N]; /* of its full weight, by cell */
+    static double m[MOST * MOST], share[GRID_N]; /* of its full weight, by cell */
     const uint32_t n = b->n + 6;
     double row[MOST];
 
     memset(rest, 0, GRID_N * sizeof *rest);
     for (int pass = 0; pass <= passes; pass++) {
         memset(m, 0, sizeof m);
+        memset(y, 0, n * sizeof *y);
         for (uint32_t i = 0; i < GRID_N; i++) {
             const double over = 1 / (double)b->rest[i], z = fabs(rest[i]) * over;
             const double now = z > FIT_HUBER ? FIT_HUBER / z : 1;
@@ -119,13 +95,13 @@ static void naive(const struct model_basis *b, const struct cells *c, double tie
             row_of(b, c, i, row);
             for (uint32_t k = 0; k < n; k++) {
                 for (uint32_t j = 0; j < n; j++)
-                    m[k][j] += w * row[k] * row[j];
-                m[k][n] += w * row[k] * (double)c->gap[i];
+                    m[k * n + j] += w * row[k] * row[j];
+                y[k] += w * row[k] * (double)c->gap[i];
             }
         }
         for (uint32_t k = 0; k < n; k++)
-            m[k][k] += k < b->n ? 1 : tie;
-        gauss(m, n, y);
+            m[k * n + k] += k < b->n ? 1 : tie;
+        (void)dense_solve(m, n, y, 1);
         for (uint32_t i = 0; i < GRID_N; i++) {
             if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
                 continue;
@@ -211,52 +187,6 @@ TEST(test_known)
         for (uint32_t i = 0; i < GRID_N; i++)
             assert_true(fabsf(fit.rest[i]) < 0.03f);
     }
-}
-
-/* A strong tie keeps the motion near 0. */
-TEST(test_tie)
-{
-    no_gap(&cells);
-    add_known(&cells, nothing, motion);
-    assert_int_equal(fit_solve(&changed, &cells, 1e9, 0, &scratch, &fit), ST_OK);
-    for (int k = 0; k < 6; k++)
-        assert_true(fabs(fit.x[k]) < 1e-3);
-}
-
-/* An outlier region of 3 mm that no mode explains: reweighting reduces its influence. */
-TEST(test_outliers)
-{
-    double off[2] = {0, 0};
-
-    for (int passes = 0; passes < 4; passes += 3) {
-        no_gap(&cells);
-        add_known(&cells, nothing, motion);
-        for (uint32_t i = 0; i < GRID_N; i++)
-            if (cells.area[i] > 0.0f && grid_x(i) > 25 && grid_y(i) < -30)
-                cells.gap[i] += 3.0f;
-        assert_int_equal(fit_solve(&moved, &cells, 1e-6, passes, &scratch, &fit), ST_OK);
-        for (int k = 0; k < 6; k++)
-            off[passes > 0] += fabs(fit.x[k] - motion[k]) * (k < 3 ? POSE_LEVER_MM : 1);
-    }
-    print_message("off by %.3f mm by least squares, %.3f mm reweighted\n", off[0],
-                  off[1]);
-    assert_true(off[1] < 0.6 * off[0]);
-}
-
-/* White noise stays in the rest: motion and change explain little of it. */
-TEST(test_noise_stays)
-{
-    struct brute_rng rng = {seed + 1};
-    double before = 0, after = 0;
-
-    no_gap(&cells);
-    noisy(&rng, 0.3);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        before += (double)cells.gap[i] * (double)cells.gap[i];
-        after += (double)fit.rest[i] * (double)fit.rest[i];
-    }
-    assert_true(after > 0.95 * before && after <= before);
 }
 
 TEST(test_few)

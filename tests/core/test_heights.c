@@ -284,37 +284,6 @@ static void face(void)
     face_work_free(w);
 }
 
-/* Shifting the points, or the pose: the same to the rounding of floats. */
-TEST(test_moved)
-{
-    const struct dvec3 by = {3, -5, 700};
-    struct align_pose pose = still;
-    float want[GRID_N];
-    uint32_t same = 0, all = 0;
-
-    face();
-    heights(&still);
-    memcpy(want, z, sizeof z);
-    for (uint32_t v = 0; v < surface.mesh.nv; v++) {
-        surface.mesh.xy[v].x += (int32_t)by.x * 1000;
-        surface.mesh.xy[v].y += (int32_t)by.y * 1000;
-        surface.mesh.z[v] += (int32_t)by.z * 1000;
-    }
-    pose.t[0] = -by.x;
-    pose.t[1] = -by.y;
-    pose.t[2] = -by.z;
-    heights(&pose);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        assert_true(isnan(z[i]) == isnan(want[i]));
-        if (isnan(z[i]))
-            continue;
-        all++; /* a sample on the border of two cells may go to the other */
-        same += fabsf(z[i] - want[i]) < 1e-3f;
-        assert_true(fabsf(z[i] - want[i]) < 0.3f);
-    }
-    assert_true(all > 700 && same > all * 99 / 100);
-}
-
 /* Samples are taken at one pose, and seen from another near it. */
 TEST(test_samples)
 {

@@ -154,25 +154,6 @@ TEST(test_block)
     mesh_free(&m);
 }
 
-/* A concave outline: an L, whose inner corner lies within the hull and is bridged. */
-TEST(test_outline)
-{
-    struct mesh m = {0};
-    size_t n = 0;
-
-    for (int32_t x = 0; x < 30; x++)
-        for (int32_t y = 0; y < 30; y++)
-            if (x < 10 || y < 10)
-                pts[n++] = (struct ivec3){x * 500, y * 500, 0};
-    /* the L is 29 x 9 + 20 x 9 squares; short triangles in the corner may stay */
-    assert_true(fabs(make(&m, n) / (500.0 * 500) - 441) < 10);
-    assert_true(bridged_at(&m, 8000, 8000));
-    assert_true(bridged_at(&m, 6000, 6100));
-    assert_false(bridged_at(&m, 4300, 14200));
-    assert_false(bridged_at(&m, 14200, 4300));
-    mesh_free(&m);
-}
-
 /* Random points, far more uneven than a scan's: away from the border hardly any triangle is
  * marked.  Scaling the points by 2 marks the same triangles. */
 TEST(test_random)
@@ -202,21 +183,6 @@ TEST(test_random)
                                                m.org[3 * t + 1], m.org[3 * t + 2]));
     mesh_free(&m);
     mesh_free(&twice);
-}
-
-/* A dense block and some points far from each other: triangles between those are bridges. */
-TEST(test_crumbs)
-{
-    struct mesh m = {0};
-    size_t n = grid(30, 100, 99, 99);
-    double measured;
-
-    for (int32_t x = 0; x < 4; x++)
-        for (int32_t y = 0; y < 4; y++)
-            pts[n++] = (struct ivec3){6000 + 900 * x + 70 * y, 900 * y - 70 * x, 0};
-    measured = make(&m, n);
-    assert_true(measured == 2900.0 * 2900);
-    mesh_free(&m);
 }
 
 TEST(test_no_memory)

@@ -63,24 +63,6 @@ TEST(test_vertices)
     }
 }
 
-/* By hand: a pyramid over a square, and outside. */
-TEST(test_by_hand)
-{
-    const struct ivec3 pyramid[] = {
-        {0, 0, 0}, {12, 0, 0}, {12, 12, 24}, {0, 12, 0}, {6, 6, 60}};
-    struct mesh m = {0};
-
-    brute_delaunay(pyramid, 5, &m);
-    assert_true(height(&m, (struct ivec2){6, 6}) == 60);
-    assert_true(height(&m, (struct ivec2){3, 3}) == 30);
-    assert_true(height(&m, (struct ivec2){6, 2}) == 20);
-    assert_true(height(&m, (struct ivec2){6, 0}) == 0);
-    assert_true(height(&m, (struct ivec2){12, 3}) == 6);
-    assert_true(height(&m, (struct ivec2){10, 6}) == 28);
-    assert_true(isnan(height(&m, (struct ivec2){40, 3})));
-    mesh_free(&m);
-}
-
 /* interpolate_mesh() gives the same heights as point by point. */
 TEST(test_interpolate)
 {

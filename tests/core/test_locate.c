@@ -268,42 +268,6 @@ TEST(test_mesh)
         }
 }
 
-/* A square cut by the diagonal 0-2, each location by hand. */
-TEST(test_by_hand)
-{
-    const struct ivec3 square[] = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
-    const struct {
-        struct ivec2 q;
-        enum locate_where where;
-        struct ivec2 a, b; /* the edge found, or the vertex a */
-    } want[] = {
-        {{10, 10}, LOCATE_VERTEX, {10, 10}, {0, 0}},
-        {{0, 0}, LOCATE_VERTEX, {0, 0}, {0, 0}},
-        {{0, 4}, LOCATE_EDGE, {0, 10}, {0, 0}},
-        {{10, 9}, LOCATE_EDGE, {10, 0}, {10, 10}},
-        {{12, 5}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},
-        {{5, -1}, LOCATE_OUTSIDE, {0, 0}, {10, 0}},
-        {{20, 10}, LOCATE_OUTSIDE, {10, 0}, {10, 10}}, /* in line with another edge */
-        {{10, 20}, LOCATE_OUTSIDE, {10, 10}, {0, 10}},
-    };
-    struct mesh m = {0};
-
-    brute_delaunay(square, 4, &m);
-    for (size_t i = 0; i < sizeof want / sizeof *want; i++)
-        for (uint32_t h = 0; h < 3 * m.nt; h++) {
-            struct location at;
-
-            if (mesh_is_ghost(&m, h / 3))
-                continue;
-            at = locate_point(&m, h, m.xy[m.org[h]], want[i].q, NULL);
-            assert_int_equal(at.where, want[i].where);
-            assert_true(same_xy(m.xy[m.org[at.he]], want[i].a));
-            if (at.where != LOCATE_VERTEX)
-                assert_true(same_xy(m.xy[mesh_dest(&m, at.he)], want[i].b));
-        }
-    mesh_free(&m);
-}
-
 static void count(void *arg, uint32_t t)
 {
     (void)t;

@@ -207,65 +207,6 @@ TEST(test_on_edges)
     }
 }
 
-/* b wholly outside a (beside, across a corner, all round) or inside one triangle of it. */
-TEST(test_apart)
-{
-    static const int32_t shift[][2] = {
-        {300000, 0}, {0, -300000}, {200000, 200000}, {140000, 0}, {-140001, 139999}};
-    struct brute_rng r = {brute_seed("apart")};
-
-    for (size_t k = 0; k < sizeof shift / sizeof shift[0]; k++)
-        for (size_t n = 3; n < 400; n *= 5) {
-            first.n = brute_points(BRUTE_RANDOM, n, &r, first.pts);
-            second.n = brute_points(BRUTE_RANDOM, n, &r, second.pts);
-            for (size_t i = 0; i < second.n; i++) {
-                second.pts[i].x += shift[k][0];
-                second.pts[i].y += shift[k][1];
-            }
-            check_both_ways(&first, &second);
-        }
-    for (size_t n = 3; n < 400; n *= 2) {
-        first.n = 0;
-        add(&first, -9000000, -8000000);
-        add(&first, 9500000, -7000000);
-        add(&first, 100000, 9000000);
-        second.n = brute_points(BRUTE_RANDOM, n, &r, second.pts);
-        check_both_ways(&first, &second);
-        add(&first, 100000, -7500000); /* the edge to it runs through the middle of b */
-        check_both_ways(&first, &second);
-    }
-}
-
-/* Grids and circles that interleave: cocircular points from both sides. */
-TEST(test_interleaved)
-{
-    static const int32_t off[][2] = {{5, 5}, {5, 0}, {0, 5}, {2, 1}, {10, 20}, {25, -15}};
-
-    for (size_t k = 0; k < sizeof off / sizeof off[0]; k++)
-        for (int32_t side = 2; side <= 20; side += 3) {
-            first.n = second.n = 0;
-            for (int32_t i = 0; i < side * side; i++) {
-                add(&first, 10 * (i % side), 10 * (i / side));
-                add(&second, 10 * (i % side) + off[k][0], 10 * (i / side) + off[k][1]);
-            }
-            check_both_ways(&first, &second);
-        }
-    for (int parts = 2; parts <= 5; parts++) {
-        struct brute_rng r = {brute_seed("circles")};
-        static struct ivec3 circle[324];
-        const size_t n = brute_points(BRUTE_CIRCLE, 324, &r, circle);
-
-        first.n = second.n = 0;
-        for (size_t i = 0; i < n; i++)
-            add(i % (size_t)parts == 0 ? &first : &second, circle[i].x, circle[i].y);
-        check_both_ways(&first, &second);
-        add(&second, 0, 0);
-        check_both_ways(&first, &second);
-        add(&first, 0, 0);
-        check_both_ways(&first, &second);
-    }
-}
-
 /* Points on half a parabola form a fan round the end with the greater curvature, so points
  * put in from the other end, as here, turn every edge each time. */
 static void make_fan(int32_t n)

@@ -55,12 +55,6 @@ static const double *pair(uint64_t subject, bool mated, uint32_t n, double from_
     return r.align.transform;
 }
 
-static void close_to(double got, double wanted, double by)
-{
-    if (!(fabs(got - wanted) <= by))
-        fail_msg("%.9g, wanted %.9g to %.2g", got, wanted, by);
-}
-
 static struct disparity at(const double transform[16])
 {
     struct disparity d;
@@ -225,23 +219,6 @@ TEST(test_alignment)
     }
 }
 
-/* From a minimum: nothing more, whatever the estimate says. */
-TEST(test_again)
-{
-    for (uint64_t subject = 60; subject < 68; subject++) {
-        struct minimal m = find(pair(subject, true, POINTS, -INFINITY));
-
-        for (int i = 0; i < 3; i++) {
-            const struct disparity before = m.disparity;
-            double t[16];
-
-            memcpy(t, m.transform, sizeof t);
-            m = find(t);
-            not_above("again", &m, &before);
-        }
-    }
-}
-
 /* How far m is from the alignment: degrees, and mm of the middle of the probe. */
 static void distance(const double aligned[16], const struct minimal *m, double *turn,
                      double *shift)
@@ -367,113 +344,6 @@ TEST(test_overturned)
         moved(aligned, x, t);
         assert_true(find(t).disparity.plain_mm <= at(t).plain_mm);
     }
-}
-
-/* ---- gaps and derivatives */
-
-TEST(test_places)
-{
-    static const double a[3] = {0, 0.2, -0.1}, b[3] = {4, 0.4, 0.25};
-    struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
-                             .probe = {.surface = &probe.surface}};
-    struct align_pose pose;
-    struct disparity d;
-    double transform[16];
-    float *gap, *by[5];
-    uint32_t n, checked = 0;
-    void *block;
-
-    sheets(a, b);
-    p.centre = (struct dvec3){3, -4, 5};
-    block = aligned_alloc(64, minimal_places_layout(&p, NULL));
-    (void)minimal_places_layout(&p, block);
-    minimal_places_begin(&p);
-
-    /* Each triangle weighs twice its area at each corner. */
-    toy_pose(25, -9, 15, (struct dvec3){2, -3, 1}, &pose);
-    align_pose_to_matrix(&pose, transform);
-    d = at(transform);
-    close_to(minimal_places_all(&p, &pose) / (2 * 6 * d.area_mm2), 1, 0.02);
-    n = p.places.n;
-    close_to(minimal_mean(&p.places) / d.plain_mm, 1, 0.01);
-    gap = calloc(6 * (size_t)n, sizeof *gap);
-    memcpy(gap, p.places.gap, n * sizeof *gap);
-    for (int k = 0; k < 5; k++) {
-        by[k] = gap + (size_t)(k + 1) * n;
-        memcpy(by[k], p.places.by[k], n * sizeof **by);
-    }
-    for (int k = 0; k < 6; k++) {
-        struct align_pose turned = pose;
-        double x[6] = {0};
-
-        x[k] = k < 3 ? 1e-3 : 0.1;
-        align_pose_move(&turned, p.centre, x);
-        assert_true(minimal_places_all(&p, &turned) > 0);
-        for (uint32_t i = 0; i < n; i++) {
-            const double rate = k < 5 ? (double)by[k][i] : 1;
-
-            if (p.places.weight[i] <= 0 || gap[i] == 0)
-                continue;
-            checked++;
-            if (!(fabs((double)p.places.gap[i] - (double)gap[i] - rate * x[k]) < 1.5e-3))
-                fail_msg("place %u, motion %d: %g, not %g", (unsigned)i, k,
-                         (double)p.places.gap[i] - (double)gap[i], rate * x[k]);
-        }
-    }
-    assert_true(checked > 3 * n);
-
-    /* Few of them: about the same. */
-    assert_true(probe.surface.mesh.nv / MINIMAL_FEW >= 2);
-    close_to(minimal_places_few(&p, &pose) * p.stride / (6 * d.area_mm2), 1, 0.05);
-    close_to(minimal_mean(&p.places) / d.plain_mm, 1, 0.03);
-    free(gap);
-    free(block);
-}
-
-/* Missing points of either scan are bridged, and nothing is measured there. */
-TEST(test_holes)
-{
-    struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
-                             .probe = {.surface = &probe.surface}};
-    struct face_result r;
-    struct facegen_scan s;
-    struct align_pose pose;
-    void *block;
-
-    facegen_default(&s);
-    s.subject = 20;
-    s.holes = 0.3;
-    build(&s, -INFINITY, &tmpl);
-    s.scan = 1;
-    build(&s, -INFINITY, &probe);
-    assert_int_equal(face_align(&tmpl, &probe, NULL, work, &r), ST_OK);
-    block = aligned_alloc(64, minimal_places_layout(&p, NULL));
-    (void)minimal_places_layout(&p, block);
-    align_pose_from_matrix(r.align.transform, &pose);
-    minimal_places_begin(&p);
-    close_to(minimal_places_all(&p, &pose) / (2 * 6 * at(r.align.transform).area_mm2), 1,
-             0.04);
-    free(block);
-}
-
-/* ---- memory */
-
-TEST(test_digits)
-{
-    struct measure_work fresh = {0};
-    double aligned[16];
-    struct minimal first = {.ms = 0}, m;
-
-    memcpy(aligned, pair(9, false, POINTS, -INFINITY), sizeof aligned);
-    assert_int_equal(minimal_find(&tmpl.surface, &probe.surface, aligned, &fresh, &first),
-                     ST_OK);
-    m = find(aligned);
-    assert_memory_equal(&m, &first, sizeof m);
-    (void)minimal_find(&probe.surface, &tmpl.surface, aligned, &fresh, &m);
-    assert_int_equal(minimal_find(&tmpl.surface, &probe.surface, aligned, &fresh, &m),
-                     ST_OK);
-    assert_memory_equal(&m, &first, sizeof m);
-    measure_work_free(&fresh);
 }
 
 TEST(test_memory)

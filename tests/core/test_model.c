@@ -61,27 +61,6 @@ TEST(test_round_trip)
     free(text);
 }
 
-/* A basis with the largest number of modes. */
-TEST(test_full)
-{
-    static struct model full;
-    size_t len;
-    char *text;
-
-    full = model;
-    full.change.n = MODEL_MODES;
-    for (uint32_t i = 0; i < GRID_N; i++)
-        for (uint32_t k = 0; k < MODEL_MODES; k++)
-            full.change.mode[i][k] =
-                (float)((int)((i * 7 + k * 131) % 2001) - 1000) / 500;
-    text = toy_text(&full, &len);
-    assert_int_equal(model_parse(text, len, &got, NULL), ST_OK);
-    for (uint32_t i = 0; i < GRID_N; i++)
-        for (uint32_t k = 0; k < MODEL_MODES; k++)
-            assert_true(full.change.mode[i][k] == got.change.mode[i][k]);
-    free(text);
-}
-
 /* The table in the source tree equals the constant that the build makes from it. */
 TEST(test_shipped)
 {

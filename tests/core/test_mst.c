@@ -104,13 +104,7 @@ TEST(test_canonical)
         const size_t n = brute_points((enum brute_shape)shape, 300, &r, pts);
 
         brute_delaunay(pts, n, &a);
-        for (size_t i = n; i-- > 1;) {
-            const size_t j = brute_rand(&r) % (i + 1);
-            const struct ivec3 t = pts[i];
-
-            pts[i] = pts[j];
-            pts[j] = t;
-        }
+        brute_shuffle(pts, n, sizeof *pts, &r);
         brute_delaunay(pts, n, &b);
         assert_int_equal(mst_build(&a, &s), ST_OK);
         for (int again = 0; again < 2; again++) {

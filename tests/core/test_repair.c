@@ -122,34 +122,6 @@ TEST(test_turned)
     assert_true(done >= 55);
 }
 
-/* Points leave the hull, enter it, and change places along it. */
-TEST(test_hull)
-{
-    struct brute_rng r = {brute_seed("hull")};
-    static struct ivec2 to[MOST];
-    uint32_t done = 0;
-
-    for (int round = 0; round < 400; round++) {
-        uint32_t h;
-
-        make(round % 2 ? BRUTE_RANDOM : BRUTE_HULL_LINE, 40, 1, &r);
-        memcpy(to, mesh.xy, mesh.nv * sizeof *to);
-        h = mesh.out[mesh.nv];
-        for (uint32_t i = brute_rand(&r) % 8; i > 0; i--)
-            h = mesh_turn(&mesh, h);
-        for (uint32_t i = 0; i < 1 + brute_rand(&r) % 3; i++, h = mesh_turn(&mesh, h)) {
-            const uint32_t v = mesh_dest(&mesh, h); /* on the hull */
-            const int32_t by = brute_int(&r, -30, 30);
-
-            to[v].x = within_lattice((int64_t)to[v].x + (int64_t)to[v].x * by / 100);
-            to[v].y = within_lattice((int64_t)to[v].y + (int64_t)to[v].y * by / 100);
-        }
-        done += repair(to) == ST_OK;
-    }
-    printf("%u of 400 repaired\n", done);
-    assert_true(done > 360);
-}
-
 /* One point falls on another, be it its neighbour or not: no triangulation has both. */
 TEST(test_coincide)
 {

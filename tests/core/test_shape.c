@@ -350,13 +350,7 @@ TEST(test_invariant)
     fit(&still, true, &g);
     check_same(&f, &g);
 
-    for (size_t i = n - 1; i > 0; i--) {
-        const size_t k = brute_rand(&rng) % (i + 1);
-        const struct dvec3 p = pts[i];
-
-        pts[i] = pts[k];
-        pts[k] = p;
-    }
+    brute_shuffle(pts, n, sizeof *pts, &rng);
     fit(&still, true, &g);
     assert_true(most_apart(&f, &g) < 0.01);
     assert_int_equal(f.cover, g.cover);

@@ -133,13 +133,7 @@ TEST(test_order)
             for (size_t i = 0; i < n; i++) /* as many as far from the middle */
                 pts[i].x = floorf(pts[i].x * 2) / 2, pts[i].y = floorf(pts[i].y * 2) / 2;
         memcpy(other, pts, n * sizeof *pts);
-        for (size_t i = n - 1; i > 0; i--) {
-            const size_t with = (size_t)brute_int(&rng, 0, (int32_t)i);
-            const struct thin_point swap = other[i];
-
-            other[i] = other[with];
-            other[with] = swap;
-        }
+        brute_shuffle(other, n, sizeof *other, &rng);
         kept = as_many = n;
         assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
         assert_int_equal(thin_points(other, &as_many, MOST, NEAR), ST_OK);
