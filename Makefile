@@ -88,7 +88,10 @@ obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
 TEST_SRC  := $(wildcard tests/*/test_*.c)
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
-FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+# Fuzzers of tests/fuzz/cloud.c: fuzz_cloudNAME-FORMAT.
+CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ
+CLOUD_BIN := $(foreach c,$(CLOUDS),$(BUILD)/tests/fuzz/fuzz_cloud$(firstword $(subst -, ,$c)))
+FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c)) $(CLOUD_BIN)
 BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))
 BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
 TOOL_BIN  := $(call programs,$(filter-out sim/model_main.c,$(wildcard sim/*_main.c)))
@@ -134,6 +137,12 @@ $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
 	$(call say,CC)
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(FLAGS) -MMD -MP -c -o $@ $<
+
+$(CLOUD_BIN:=.o): $(BUILD)/tests/fuzz/fuzz_cloud%.o: tests/fuzz/cloud.c Makefile
+	@mkdir -p $(@D)
+	$(call say,CC)
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(FLAGS) -MMD -MP -c -o $@ $< \
+	    -DFUZZ_CLOUD=CLOUDFORMAT_$(patsubst $*-%,%,$(filter $*-%,$(CLOUDS)))
 
 $(BUILD)/gen/%_sql.h: %.sql scripts/embed.sh
 	@mkdir -p $(@D)

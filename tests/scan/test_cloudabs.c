@@ -34,11 +34,7 @@ TEST(test_points)
 
 TEST(test_bad)
 {
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"2 rows", ST_EINVAL, "line 1: a line like \"480 columns\""},
         {"2 rows\n", ST_EINVAL, "line 2: a line like \"480 columns\""},
         {"2 rows\n3 rows\n", ST_EINVAL, "line 2: a line like \"480 columns\""},
@@ -63,11 +59,6 @@ TEST(test_bad)
         {HEAD "0 0 0 0 0 0\n0 0 0 0 0 0\n0 0 0 0 0 0\n0 0 0 0 0 0\n", ST_ENOTFINITE,
          "none of the 6 points"},
     };
-    static struct scanfile f;
 
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        f.len = 0;
-        scanfile_text(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
-    }
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }

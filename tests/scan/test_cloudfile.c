@@ -53,6 +53,9 @@ static void expect_error(const char *text, enum cloudformat format, enum status 
 
 /* ---- PLY */
 
+#define PLY "ply\nformat ascii 1.0\n"
+#define XYZ "property float x\nproperty float y\nproperty float z\n"
+
 static const struct {
     const char *name, *name2;
     unsigned size;
@@ -241,8 +244,7 @@ TEST(test_ply_truncated)
     }
 }
 
-static const char head[] = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
-                           "property float y\nproperty float z\nend_header\n";
+static const char head[] = PLY "element vertex 2\n" XYZ "end_header\n";
 
 static void expect_ply_body(const char *body, enum status want, uint32_t line)
 {
@@ -288,42 +290,30 @@ TEST(test_ply_bad_header)
         "ply\n",
         "plywood\n",
         "ply extra\nformat ascii 1.0\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "property float z\n",
-        "ply\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-        "end_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement face 1\nproperty float x\nend_header\n1\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "end_header\n1 2\n",
-        "ply\nformat ascii 1.0\nelement vertex -1\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1x\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\n"
-        "property float y\nproperty float z\nend_header\n1 1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float float q\n"
-        "property float x\nproperty float y\nproperty float z\nend_header\n0 1 2 3\n",
-        "ply\nformat ascii 1.0\nproperty float x\nelement vertex 1\nend_header\n",
-        "ply\nformat ascii 1.0\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nelement vertex 1\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1 2\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "property float z\nhello\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "property float z\nend_header",
-        "ply\nformat ascii 1.0\nelement a 5\nproperty float q\nelement vertex 1\n"
-        "property float x\nproperty float y\nproperty float z\nend_header\n1\n2\n",
-        "ply\nformat ascii 1.0\nelement a 1\nproperty list int int q\nelement vertex 1\n"
-        "property float x\nproperty float y\nproperty float z\nend_header\n-1\n1 2 3\n",
+        PLY "element vertex 1\n" XYZ,
+        "ply\nelement vertex 1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element face 1\nproperty float x\nend_header\n1\n",
+        PLY "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n",
+        PLY "element vertex -1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1x\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1\nproperty float x\n" XYZ "end_header\n1 1 2 3\n",
+        PLY
+        "element vertex 1\nproperty quad x\nproperty float y\nproperty float z\nend_header\n"
+        "1 2 3\n",
+        PLY
+        "element vertex 1\nproperty list uchar float x\nproperty float y\nproperty float z\nend_header\n"
+        "1 1 2 3\n",
+        PLY "element vertex 1\nproperty list float float q\n" XYZ "end_header\n0 1 2 3\n",
+        PLY "property float x\nelement vertex 1\nend_header\n",
+        PLY "format ascii 1.0\nelement vertex 1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1\nelement vertex 1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1 2\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1\n" XYZ "hello\nend_header\n1 2 3\n",
+        PLY "element vertex 1\n" XYZ "end_header",
+        PLY "element a 5\nproperty float q\nelement vertex 1\n" XYZ "end_header\n1\n2\n",
+        PLY "element a 1\nproperty list int int q\nelement vertex 1\n" XYZ
+            "end_header\n-1\n1 2 3\n",
     };
 
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
@@ -352,8 +342,7 @@ TEST(test_ply_false_counts)
 
                 b.len = 0;
                 (void)snprintf(text, sizeof text,
-                               "ply\nformat %s 1.0\n%s%s%selement vertex %s\n"
-                               "property float x\nproperty float y\nproperty float z\n"
+                               "ply\nformat %s 1.0\n%s%s%selement vertex %s\n" XYZ
                                "end_header\n",
                                encodings[encoding], before ? "element a " : "",
                                before ? counts[i] : "",
@@ -379,18 +368,16 @@ TEST(test_ply_false_counts)
 TEST(test_ply_rows_of_nothing)
 {
     static const double want[2][3] = {{1, 2, 3}, {4, 5, 6}};
-    static const char text[] = "ply\nformat ascii 1.0\nelement a 99999999999999999\n"
-                               "element vertex 2\nproperty float x\nproperty float y\n"
-                               "property float z\nend_header\n1 2 3\n4 5 6\n";
+    static const char text[] = PLY "element a 99999999999999999\nelement vertex 2\n" XYZ
+                                   "end_header\n1 2 3\n4 5 6\n";
 
     expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 2);
 }
 
 TEST(test_ply_no_vertices)
 {
-    static const char text[] = "ply\nformat binary_big_endian 1.0\nelement vertex 0\n"
-                               "property float x\nproperty float y\nproperty float z\n"
-                               "end_header\n";
+    static const char text[] =
+        "ply\nformat binary_big_endian 1.0\nelement vertex 0\n" XYZ "end_header\n";
 
     expect_points(text, strlen(text), CLOUDFORMAT_ANY, NULL, 0);
     expect_points(text, strlen(text) - 1, CLOUDFORMAT_ANY, NULL, 0);
@@ -405,9 +392,8 @@ TEST(test_ply_left_over)
     size_t n;
 
     b.len = 0;
-    scanfile_text(&b,
-                  "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
-                  "property float x\nproperty float y\nproperty float z\nend_header\n");
+    scanfile_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ
+                      "end_header\n");
     for (size_t k = 0; k < 12; k++)
         put_value(&b, LITTLE, 6, 1);
     assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_PLY, &pts, &n, &err), ST_EINVAL);
@@ -416,14 +402,6 @@ TEST(test_ply_left_over)
 }
 
 /* ---- points without a value, normals */
-
-static void expect_whole(const char *text, struct cloudpoints *out)
-{
-    struct scanfile f = {.len = 0};
-
-    scanfile_text(&f, text);
-    scanfile_good(&f, CLOUDFORMAT_ANY, out);
-}
 
 static void expect_places(struct cloudpoints *p, size_t read, size_t n,
                           const uint32_t *place)
@@ -446,20 +424,19 @@ TEST(test_dropped)
         "v nan 2 3\nv 1 2 3\nv 2 inf 3\nv 3 2 3\nv 4 2 -nan\nv 5 2 -1.#IND\nv 6 2 3\n",
         "0 0 0\n1 2 3\n0 0 0\n3 2 3\n-0 0 0.0\n0 0 0\n6 2 3\n",
         "{\"points\": [[0,0,0],[1,2,3],[0,0,0],[3,2,3],[0,0,0],[0,0,0],[6,2,3]]}",
-        "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n"
-        "nan 2 3\n1 2 3\n0 0 0\n3 2 3\n4 inf 3\n0 0 0\n6 2 3\n"};
+        PLY "element vertex 7\n" XYZ
+            "end_header\nnan 2 3\n1 2 3\n0 0 0\n3 2 3\n4 inf 3\n0 0 0\n6 2 3\n"};
     struct cloudpoints p;
 
-    expect_whole("0 2 3\n1 2 3\n2 2 3\n", &p);
+    scanfile_good_text("0 2 3\n1 2 3\n2 2 3\n", &p);
     assert_null(p.index);
     expect_places(&p, 3, 3, all);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        expect_whole(texts[i], &p);
+        scanfile_good_text(texts[i], &p);
         expect_places(&p, 7, 3, odd);
     }
     /* One point at the origin is a point. */
-    expect_whole("0 0 0\n1 2 3\n", &p);
+    scanfile_good_text("0 0 0\n1 2 3\n", &p);
     assert_int_equal(p.n, 2);
     assert_null(p.index);
     cloudpoints_free(&p);
@@ -478,7 +455,7 @@ TEST(test_dropped_many)
         at += sprintf(at, "v %zu %s 3\n", i, i % 3 == 1 ? "nan" : "2");
     for (size_t i = 0; i + 3 < n; i++)
         at += sprintf(at, "f %zu %zu %zu\n", i + 1, i + 2, i + 4);
-    expect_whole(text, &p);
+    scanfile_good_text(text, &p);
     assert_int_equal(p.read, n);
     assert_int_equal(p.n, n - (n + 1) / 3);
     for (size_t i = 0; i < p.n; i++) {
@@ -495,25 +472,24 @@ TEST(test_normals)
     static const char *const texts[] = {
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\nf 1 2 3 4\n",
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\nf -5/1/2 -4//2 -3/1\nf 1 3 4\n",
-        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
-        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-        "property uchar red\nend_header\n"
+        PLY
+        "element vertex 5\n" XYZ
+        "element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\nend_header\n"
         "0 0 0\n2 0 0\n2 3 0\n0 3 0\n9 9 9\n3 0 1 2 7\n3 0 2 3 7\n",
-        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
-        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-        "end_header\n"
-        "0 0 0 0 0 12\n2 0 0 0 0 6\n2 3 0 0 0 12\n0 3 0 0 0 6\n9 9 9 nan 0 0\n"};
+        PLY "element vertex 5\n" XYZ
+            "property float nx\nproperty float ny\nproperty float nz\nend_header\n"
+            "0 0 0 0 0 12\n2 0 0 0 0 6\n2 3 0 0 0 12\n0 3 0 0 0 6\n9 9 9 nan 0 0\n"};
     static const char *const without[] = {
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2 4\n",
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2 0\n",
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2\n",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-        "end_header\n0 0 0\n2 0 0\n2 3 0\n3 0 1 2\n3 0 1 3\n"};
+        PLY "element vertex 3\n" XYZ
+            "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0\n2 0 0\n2 3 0\n3 0 1 2\n3 0 1 3\n"};
     struct cloudpoints p;
 
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        expect_whole(texts[i], &p);
+        scanfile_good_text(texts[i], &p);
         assert_non_null(p.normal);
         scanfile_at(p.normal[0], 0, 0, 12);
         scanfile_at(p.normal[1], 0, 0, 6);
@@ -524,7 +500,7 @@ TEST(test_normals)
     }
     /* Faces that cannot be right are no reason to refuse the points. */
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
-        expect_whole(without[i], &p);
+        scanfile_good_text(without[i], &p);
         assert_int_equal(p.n, 3);
         assert_null(p.normal);
         cloudpoints_free(&p);
@@ -536,8 +512,7 @@ TEST(test_normals)
 TEST(test_limit)
 {
     static const char *const three[] = {
-        ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-         "property float z\nend_header\n1 2 3\n1 2 3\n1 2 3\n"),
+        (PLY "element vertex 3\n" XYZ "end_header\n1 2 3\n1 2 3\n1 2 3\n"),
         "v 1 2 3\nv 1 2 3\nv 1 2 3\n", "1 2 3\n1 2 3\n1 2 3\n"};
 
     for (size_t i = 0; i < 3; i++) {

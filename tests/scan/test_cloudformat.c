@@ -88,6 +88,17 @@ TEST(test_json)
     static const char *const good[] = {
         "{\"points\": [[1,2,3],[4,5,6]], \"units\": \"in\"}",
         "\xEF\xBB\xBF \n{\"units\":\"in\",\"points\":[[1,2,3],[4e0,5.0,6]]}\n"};
+    static const struct scanfile_case bad[] = {
+        {"{\"asset\": {\"version\": \"2.0\"}}", ST_EINVAL,
+         "the body has points, units and axes, not asset"},
+        {"{\"points\": [[1,2,1e999]]}", ST_ENOTFINITE, "points[0]"},
+        {"{\"points\": [[1,2,3]], \"units\": \"ell\"}", ST_EINVAL,
+         "units is not auto, mm, cm, m, in or um"},
+        {"{\"points\": [[1,2,3]], \"axes\": \"camera\"}", ST_EINVAL,
+         "axes is neither auto nor scanner"},
+        {"{\"points\": [[1,2,3]], \"axes\": null}", ST_EINVAL,
+         "axes is neither auto nor scanner"},
+    };
     struct scanfile f;
     struct cloudpoints p;
 
@@ -99,34 +110,14 @@ TEST(test_json)
         scanfile_at(p.at[1], 4, 5, 6);
         cloudpoints_free(&p);
     }
-    f.len = 0;
-    scanfile_text(&f, "{\"asset\": {\"version\": \"2.0\"}}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
-                 "the body has points, units and axes, not asset");
-    f.len = 0;
-    scanfile_text(&f, "{\"points\": [[1,2,1e999]]}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "points[0]");
-    f.len = 0;
-    scanfile_text(&f, "{\"points\": [[1,2,3]], \"units\": \"ell\"}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
-                 "units is not auto, mm, cm, m, in or um");
-    f.len = 0;
-    scanfile_text(&f,
-                  "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}");
-    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
+    scanfile_good_text(
+        "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}", &p);
     assert_true(p.unit_mm == 0 && p.as_scanned);
     cloudpoints_free(&p);
-    f.len = 0;
-    scanfile_text(&f, "{\"points\": [[1,2,3]], \"axes\": \"auto\"}");
-    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_good_text("{\"points\": [[1,2,3]], \"axes\": \"auto\"}", &p);
     assert_true(p.unit_mm == 0 && !p.as_scanned);
     cloudpoints_free(&p);
-    for (int i = 0; i < 2; i++) {
-        f.len = 0;
-        scanfile_text(&f, i == 0 ? "{\"points\": [[1,2,3]], \"axes\": \"camera\"}"
-                                 : "{\"points\": [[1,2,3]], \"axes\": null}");
-        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "axes is neither auto nor scanner");
-    }
 }
 
 /* Declared as something else than it is. */

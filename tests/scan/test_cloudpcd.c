@@ -125,13 +125,12 @@ TEST(test_all)
 /* An unorganised cloud may have a point at the origin, and neither COUNT nor POINTS. */
 TEST(test_short)
 {
-    struct scanfile f = {.len = 0};
     struct cloudpoints p;
 
-    scanfile_text(&f,
-                  "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\n"
-                  "DATA ascii\n0 0 0\n\n1 2 3");
-    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_good_text(
+        "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\n"
+        "DATA ascii\n0 0 0\n\n1 2 3",
+        &p);
     assert_true(p.n == 2 && p.width == 0 && p.height == 0 && p.normal == NULL);
     scanfile_at(p.at[1], 1, 2, 3);
     cloudpoints_free(&p);
@@ -214,11 +213,7 @@ TEST(test_lzf)
 TEST(test_bad_header)
 {
 #define REST "SIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n"
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"VERSION .7\nFIELDS x y\n" REST, ST_EINVAL, "no x, y and z"},
         {"VERSION .7\nFIELDS x y y\n" REST, ST_EINVAL, "y twice"},
         {"VERSION .7\nFIELDS x y z w\n" REST, ST_EINVAL, "one for each field"},
@@ -242,10 +237,5 @@ TEST(test_bad_header)
          "too few numbers"},
     };
 
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct scanfile f = {.len = 0};
-
-        scanfile_text(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
-    }
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }

@@ -104,29 +104,22 @@ TEST(test_hostile)
 
 TEST(test_bad_text)
 {
-    static const struct {
-        const char *text, *words;
-    } bad[] = {
-        {"solid\nvertex 1 2 3\nendsolid\n", "not what an STL file has here"},
+    static const struct scanfile_case bad[] = {
+        {"solid\nvertex 1 2 3\nendsolid\n", ST_EINVAL, "not what an STL file has here"},
         {"solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nendloop\nendfacet\nendsolid\n",
-         "fewer than three"},
+         ST_EINVAL, "fewer than three"},
         {"solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nvertex 1 2 5\nvertex 1 2 6\n",
-         "more than three"},
-        {"solid\nfacet\nouter loop\nvertex 1 2\n", "too few numbers"},
-        {"solid\nfacet\nouter loop\nvertex 1 2 x\n", "a number is expected"},
+         ST_EINVAL, "more than three"},
+        {"solid\nfacet\nouter loop\nvertex 1 2\n", ST_EINVAL, "too few numbers"},
+        {"solid\nfacet\nouter loop\nvertex 1 2 x\n", ST_EINVAL, "a number is expected"},
         {"solid\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nvertex 1 3 4\n"
          "endloop\nendfacet\n",
-         "ends within a solid"},
-        {"solid\nendsolid\n", "there are no points"},
-        {"solid\nfacet \x01\n", "binary data inside text"},
+         ST_EINVAL, "ends within a solid"},
+        {"solid\nendsolid\n", ST_EINVAL, "there are no points"},
+        {"solid\nfacet \x01\n", ST_EINVAL, "binary data inside text"},
     };
 
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct scanfile f = {.len = 0};
-
-        scanfile_text(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, bad[i].words);
-    }
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }
 
 /* Many vertices, six times each, far beyond the first rooms. */

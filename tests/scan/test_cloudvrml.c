@@ -74,7 +74,6 @@ TEST(test_faces)
         "coordIndex [ 0 1 2 -1 0 1 2.5 -1 ]",
         "coordIndex [ 0 1 2 -1 0 1 99999999999999999999 -1 ]",
     };
-    static struct scanfile f;
     char text[300];
     struct cloudpoints p;
 
@@ -83,8 +82,7 @@ TEST(test_faces)
                        V2 "Shape { geometry IndexedFaceSet { coord Coordinate { " SQUARE
                           " } %s } }",
                        index[i]);
-        make(&f, text);
-        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        scanfile_good_text(text, &p);
         assert_true(p.n == 4 && p.normal == NULL);
         cloudpoints_free(&p);
     }
@@ -128,12 +126,10 @@ TEST(test_transforms)
             "Coordinate3 { point [ 1 2 3, 2 2 3 ] } }",
          {{2, 2, 6}, {3, 2, 6}}},
     };
-    static struct scanfile f;
     struct cloudpoints p;
 
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
-        make(&f, c[i].text);
-        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        scanfile_good_text(c[i].text, &p);
         assert_int_equal(p.n, 2);
         for (size_t k = 0; k < 2; k++)
             near(p.at[k], c[i].at[k][0], c[i].at[k][1], c[i].at[k][2]);
@@ -162,11 +158,7 @@ TEST(test_moved_faces)
 
 TEST(test_bad)
 {
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {V2, ST_EINVAL, "no points"},
         {V2 "Shape { geometry Box { } }", ST_EINVAL, "no points"},
         {V2 "Shape { geometry X { texCoord TextureCoordinate { point [ 1 2 ] } } }",
@@ -220,10 +212,7 @@ TEST(test_bad)
     };
     static struct scanfile f;
 
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        make(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
-    }
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
     make(&f, "Shape { }");
     scanfile_bad(&f, CLOUDFORMAT_VRML, ST_EINVAL, "a VRML file begins with #VRML");
 }

@@ -4,19 +4,8 @@
 
 static void good(const char *text, struct cloudpoints *p)
 {
-    struct scanfile f = {.len = 0};
-
-    scanfile_text(&f, text);
-    scanfile_good(&f, CLOUDFORMAT_ANY, p);
+    scanfile_good_text(text, p);
     assert_int_equal(p->format, CLOUDFORMAT_XYZ);
-}
-
-static void bad(const char *text, enum status st, const char *words)
-{
-    struct scanfile f = {.len = 0};
-
-    scanfile_text(&f, text);
-    scanfile_bad(&f, CLOUDFORMAT_ANY, st, words);
 }
 
 /* All of these have the points (1, 2, 3) and (4, 5, 6). */
@@ -100,11 +89,7 @@ TEST(test_normals)
 
 TEST(test_bad)
 {
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } c[] = {
+    static const struct scanfile_case bad[] = {
         {"time,px,py,pz\n0,1,2,3\n", ST_EINVAL, "one column x, one y and one z"},
         {"time,x,y,z,x\n0,1,2,3,4\n", ST_EINVAL, "one column x, one y and one z"},
         {"time,x,y\n0,1,2\n", ST_EINVAL, "one column x, one y and one z"},
@@ -119,6 +104,5 @@ TEST(test_bad)
         {"480\n640\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n", ST_EVERSION, "PTX"},
     };
 
-    for (size_t i = 0; i < sizeof c / sizeof *c; i++)
-        bad(c[i].text, c[i].st, c[i].words);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }
