@@ -89,7 +89,10 @@ obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
 TEST_SRC  := $(wildcard tests/*/test_*.c)
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
-FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c))
+# Fuzzers of tests/fuzz/cloud.c: fuzz_cloudNAME-FORMAT.
+CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ
+CLOUD_BIN := $(foreach c,$(CLOUDS),$(BUILD)/tests/fuzz/fuzz_cloud$(firstword $(subst -, ,$c)))
+FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c)) $(CLOUD_BIN)
 BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))
 BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
 TOOL_BIN  := $(call programs,$(filter-out sim/model_main.c,$(wildcard sim/*_main.c)))
@@ -139,6 +142,12 @@ $(BUILD)/%.o: %.c Makefile | $(GEN)
 	$(call say,CC)
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(FLAGS) -MMD -MP -c -o $@ $<
 
+$(CLOUD_BIN:=.o): $(BUILD)/tests/fuzz/fuzz_cloud%.o: tests/fuzz/cloud.c Makefile
+	@mkdir -p $(@D)
+	$(call say,CC)
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(FLAGS) -MMD -MP -c -o $@ $< \
+	    -DFUZZ_CLOUD=CLOUDFORMAT_$(patsubst $*-%,%,$(filter $*-%,$(CLOUDS)))
+
 $(BUILD)/gen/%_sql.h: %.sql scripts/embed.sh
 	@mkdir -p $(@D)
 	$(call say,GEN)
@@ -169,8 +178,8 @@ $(BUILD)/gen/default_model.o: $(BUILD)/gen/default_model.c $(MODEL_H) Makefile
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(call flags,core/face) $(call PIC,core) -c -o $@ $<
 
 $(call arch,core/face): $(BUILD)/gen/default_model.o
-# Helpers that include cmocka are linked only with unit tests: a build for users has no cmocka.
-FIXTURES := $(shell grep -ls '<cmocka.h>' tests/lib/*.c)
+# Helpers of unit tests include cmocka and are linked only with unit tests: a build for users has no cmocka.
+FIXTURES := $(shell grep -lE '<cmocka.h>|"unit.h"' tests/lib/*.c)
 $(call arch,fixtures): $(call obj,$(FIXTURES))
 $(call arch,tests): $(call obj,$(filter-out $(FIXTURES),$(wildcard tests/lib/*.c)))
 $(BUILD)/lib%.a:
@@ -270,12 +279,17 @@ LONG := ctl-evaluate ctl-train http-openapi accuracy http-hostile studies fault-
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
     $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN)) $(FUZZ_BIN)
-CHECK     := $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
-    $(ALL_TESTS))
+CHECK     := $(strip $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
+    $(ALL_TESTS)))
+
+# The aids that the chosen black-box tests name, as "$BUILD/forge"; all where all tests run.
+NEEDED    = $(if $(T),$(filter $(patsubst BUILD/%,$(BUILD)/%,$(shell \
+    grep -oh 'BUILD/[a-z_.]*' $(filter %.sh,$(CHECK)))),$(AIDS)),$(AIDS))
 
 ## check: build and run the tests whose names contain T (make check T=locate), or all
 .PHONY: check unit
-check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(AIDS))
+check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(NEEDED))
+	$(if $(CHECK),,$(error no test's name contains "$(T)": see tests/*/test_*.c and tests/box/*.sh))
 	BUILD=$(BUILD) scripts/run_tests.sh $(CHECK)
 
 ## unit: the unit tests alone

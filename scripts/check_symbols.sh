@@ -43,7 +43,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
         sub(/[^\/]*$/, "", folder)
         sub(/.*\//, "", module)
         names = module "_.*|" module
-        if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/fail_alloc$)/)
+        if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/(fail_alloc|unit)$)/)
             names = "main|__wrap_.*|" names
         # A room below db/ has names of its own: db/log/log_txn.c exports log_*.
         if (folder ~ /^db\/[a-z]+\/$/)

@@ -1,14 +1,8 @@
 /* Numbers and texts as bytes: by hand, and truncated at every byte. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <float.h>
-#include <math.h>
-#include <string.h>
-#include <cmocka.h>
 
 #include "bytes.h"
+#include "unit.h"
 
 static const unsigned char by_hand[] = {
     0x34, 0x12,                                 /* 0x1234 */
@@ -18,11 +12,10 @@ static const unsigned char by_hand[] = {
     7,    8,    9,                              /* themselves */
 };
 
-static void test_put(void **state)
+TEST(test_put)
 {
     unsigned char out[sizeof by_hand], *to = out;
 
-    (void)state;
     bytes_put_number(&to, 0xf1234, 2);
     bytes_put_real(&to, 1.5);
     bytes_put_text(&to, "a\xc3\xa4");
@@ -47,11 +40,10 @@ static bool get_all(struct bytes *b, char text[4])
            v == 255 && bytes_get(b, rest, 3) && memcmp(rest, "\7\10\11", 3) == 0;
 }
 
-static void test_get(void **state)
+TEST(test_get)
 {
     char text[4];
 
-    (void)state;
     for (size_t n = 0; n <= sizeof by_hand; n++) {
         struct bytes b = {by_hand, by_hand + n};
 
@@ -61,14 +53,13 @@ static void test_get(void **state)
     assert_string_equal(text, "a\xc3\xa4");
 }
 
-static void test_cannot_be(void **state)
+TEST(test_cannot_be)
 {
     static const double bad[] = {-DBL_MIN, 1.0000001, INFINITY, -INFINITY, NAN};
     static const unsigned char zero_inside[] = {2, 0, 'a', 0};
     struct bytes b = {by_hand + 10, by_hand + sizeof by_hand};
     char text[4] = "xyz";
 
-    (void)state;
     assert_false(bytes_get_text(&b, text, 3)); /* no room for the terminating NUL */
     assert_string_equal(text, "");
     b = (struct bytes){zero_inside, zero_inside + sizeof zero_inside};
@@ -84,15 +75,4 @@ static void test_cannot_be(void **state)
         b = (struct bytes){in, to};
         assert_int_equal(bytes_get_finite(&b, &x), isfinite(bad[i]) != 0);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_put),
-        cmocka_unit_test(test_get),
-        cmocka_unit_test(test_cannot_be),
-    };
-
-    return cmocka_run_group_tests_name("bytes", tests, NULL, NULL);
 }

@@ -1,19 +1,13 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* Compressed bodies: round trips of every length near the limits, several members and frames,
  * damage at every byte, truncation at every byte, and the memory that bombs can take. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 #include <zlib.h>
 #include <zstd.h>
 
 #include "errinfo.h"
 #include "inflate.h"
 #include "mem.h"
+#include "unit.h"
 
 static size_t most; /* the largest size passed to aligned_alloc() */
 
@@ -95,13 +89,12 @@ static void check(enum inflate_coding coding, const unsigned char *in, size_t le
 
 static const enum inflate_coding both[] = {INFLATE_GZIP, INFLATE_ZSTD};
 
-static void test_lengths(void **state)
+TEST(test_lengths)
 {
     static const size_t lengths[] = {0,     1,     2,      100,    65534,  65535,
                                      65536, 65537, 131071, 131072, 131073, 400000};
     unsigned char *text = make_text(400000), *packed = malloc(500000);
 
-    (void)state;
     assert_non_null(packed);
     for (int c = 0; c < 2; c++) {
         for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
@@ -119,11 +112,10 @@ static void test_lengths(void **state)
     free(packed);
 }
 
-static void test_several(void **state)
+TEST(test_several)
 {
     unsigned char *text = make_text(3000), packed[9000];
 
-    (void)state;
     for (int c = 0; c < 2; c++) {
         size_t len = pack(both[c], text, 1000, packed, 3000);
 
@@ -140,13 +132,12 @@ static void test_several(void **state)
 }
 
 /* Skippable frames of zstd, and frames of an old version. */
-static void test_skippable(void **state)
+TEST(test_skippable)
 {
     unsigned char packed[600] = {0x5a, 0x2a, 0x4d, 0x18, 5, 0, 0, 0, 1, 2, 3, 4, 5};
     size_t len =
         13 + pack(INFLATE_ZSTD, (const unsigned char *)"abc", 3, packed + 13, 500);
 
-    (void)state;
     memcpy(packed + len, packed, 13);
     check(INFLATE_ZSTD, packed, len + 13, 10, ST_OK, (const unsigned char *)"abc", 3);
     check(INFLATE_ZSTD, packed, len + 12, 10, ST_EINVAL, NULL, 0);
@@ -155,13 +146,12 @@ static void test_skippable(void **state)
     check(INFLATE_ZSTD, packed, len, 10, ST_EINVAL, NULL, 0);
 }
 
-static void test_window(void **state)
+TEST(test_window)
 {
     /* A frame header alone: magic, no content size, a window of 8 MB or 16 MB; then one
      * last raw block of one byte. */
     unsigned char packed[] = {0x28, 0xb5, 0x2f, 0xfd, 0, 13 << 3, 9, 0, 0, 'a'};
 
-    (void)state;
     check(INFLATE_ZSTD, packed, sizeof packed, 10, ST_OK, (const unsigned char *)"a", 1);
     packed[5] = 14 << 3;
     check(INFLATE_ZSTD, packed, sizeof packed, 10, ST_EINVAL, NULL, 0);
@@ -169,11 +159,10 @@ static void test_window(void **state)
 
 /* Truncated anywhere the body is rejected; with any bit flipped it is rejected or, if the bit
  * is part of the metadata (time, name, system), gives the same text. */
-static void test_damage(void **state)
+TEST(test_damage)
 {
     unsigned char *text = make_text(700), packed[1000];
 
-    (void)state;
     for (int c = 0; c < 2; c++) {
         size_t len = pack(both[c], text, 700, packed, sizeof packed);
 
@@ -201,12 +190,11 @@ static void test_damage(void **state)
 }
 
 /* A hundred megabytes of zeros are rejected, with bounded memory. */
-static void test_bomb(void **state)
+TEST(test_bomb)
 {
     const size_t size = 100 << 20, limit = 1 << 20;
     unsigned char *zeros = calloc(size, 1), *packed = malloc(1 << 20);
 
-    (void)state;
     assert_non_null(zeros);
     assert_non_null(packed);
     for (int c = 0; c < 2; c++) {
@@ -221,9 +209,8 @@ static void test_bomb(void **state)
     free(packed);
 }
 
-static void test_coding(void **state)
+TEST(test_coding)
 {
-    (void)state;
     assert_int_equal(inflate_coding(NULL), INFLATE_NONE);
     assert_int_equal(inflate_coding("identity"), INFLATE_NONE);
     assert_int_equal(inflate_coding("gzip"), INFLATE_GZIP);
@@ -238,16 +225,4 @@ static void test_coding(void **state)
     assert_int_equal(inflate_coding("gzip,"), INFLATE_OTHER);
     assert_int_equal(inflate_coding("gzip gzip"), INFLATE_OTHER);
     assert_int_equal(inflate_coding("gzip;q=1"), INFLATE_OTHER);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lengths),   cmocka_unit_test(test_several),
-        cmocka_unit_test(test_skippable), cmocka_unit_test(test_window),
-        cmocka_unit_test(test_damage),    cmocka_unit_test(test_bomb),
-        cmocka_unit_test(test_coding),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,8 @@
 /* link: -Wl,--wrap=malloc -Wl,--wrap=calloc */
 /* JSON written and read: digits, texts, what is rejected, and failed allocations. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "errinfo.h"
 #include "json.h"
+#include "unit.h"
 
 void *__real_malloc(size_t size);
 void *__wrap_malloc(size_t size);
@@ -58,9 +49,8 @@ static void check_number(void (*write)(struct json *, const char *, double), dou
     wrote(j, text);
 }
 
-static void test_digits(void **state)
+TEST(test_digits)
 {
-    (void)state;
     check_number(json_number, 0, "0");
     check_number(json_number, -0.00001, "0");
     check_number(json_number, 0.1, "0.1");
@@ -83,11 +73,10 @@ static void test_digits(void **state)
 }
 
 /* Every value of 4 decimals is printed with those, not with 17 digits. */
-static void test_shortest(void **state)
+TEST(test_shortest)
 {
     char want[32];
 
-    (void)state;
     for (int k = 1; k < 20000; k++) {
         if (k % 10 == 0)
             continue;
@@ -98,25 +87,23 @@ static void test_shortest(void **state)
     }
 }
 
-static void test_vectors(void **state)
+TEST(test_vectors)
 {
     const double normal[3] = {0.6, -0.8, 1e-9};
     const double transform[16] = {1.0 / 3, 0, 0, 1.0 / 3, 0, 1, 0, -2.0 / 3,
                                   0,       0, 1, 12,      0, 0, 0, 1};
     struct json *j = json_new();
 
-    (void)state;
     json_direction(j, "normal", normal);
     json_transform(j, "transform", transform);
     wrote(j, "{\"normal\":[0.6,-0.8,0],"
              "\"transform\":[0.3333333,0,0,0.3333,0,1,0,-0.6667,0,0,1,12,0,0,0,1]}");
 }
 
-static void test_texts(void **state)
+TEST(test_texts)
 {
     struct json *j = json_new();
 
-    (void)state;
     json_text(j, "a", "\"\\\n\x01 \xc3\xa4");
     json_text(j, "b", NULL);
     json_text(j, "c", "x\xff\xc3\xa4\xed\xa0\x80");
@@ -146,12 +133,11 @@ static struct json *nested(void)
     return j;
 }
 
-static void test_nesting(void **state)
+TEST(test_nesting)
 {
     char *text;
     struct json *j;
 
-    (void)state;
     wrote(nested(), "{\"list\":[{\"x\":1},{}],\"last\":\"it\","
                     "\"open\":{\"y\":\"z\xef\xbf\xbd\",\"r\":0.5}}");
     text = json_pretty(nested());
@@ -171,12 +157,11 @@ static void test_nesting(void **state)
     assert_null(json_compact(j));
 }
 
-static void test_write_memory(void **state)
+TEST(test_write_memory)
 {
     unsigned long n = 0;
     char *text;
 
-    (void)state;
     do {
         fail_at(++n);
         text = json_compact(nested());
@@ -210,11 +195,10 @@ static void bad(const char *text, const char *why)
     assert_string_equal(e.msg, why);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     char deep[JSON_DEPTH + 2] = "", many[600] = "{";
 
-    (void)state;
     bad("", "the document is empty");
     bad("{\"a\":\"\xff\"}", "not UTF-8 at byte 6");
     bad("[1,2", "not valid JSON: it ends too early");
@@ -249,7 +233,7 @@ static void test_refused(void **state)
     assert_string_equal(e.msg, "more than 4 values");
 }
 
-static void test_values(void **state)
+TEST(test_values)
 {
     const struct json_value *v;
     uint64_t count;
@@ -257,7 +241,6 @@ static void test_values(void **state)
     bool flag;
     char text[4];
 
-    (void)state;
     assert_int_equal(read_text("{\"t\":\"abc\",\"f\":true,\"n\":null,\"c\":7,\"m\":-1,"
                                "\"h\":0.5,\"p\":[1,2.5,-3],\"i\":[1,1e999,2],\"o\":{}}",
                                100),
@@ -298,13 +281,12 @@ static void test_values(void **state)
     doc = NULL;
 }
 
-static void test_expect(void **state)
+TEST(test_expect)
 {
     static const char *const two[] = {"a", "b", NULL}, *const three[] = {"a", "b", "c",
                                                                          NULL};
     char key[80] = "{\"";
 
-    (void)state;
     assert_int_equal(read_text("{\"a\":1,\"b\":{\"c\":1}}", 100), ST_OK);
     assert_int_equal(json_expect(doc, "it", two, &e), ST_OK);
     assert_int_equal(json_expect(json_member(doc, "b"), "it", two, &e), ST_EINVAL);
@@ -319,12 +301,11 @@ static void test_expect(void **state)
     assert_int_equal(strlen(e.msg), strlen("it has a, b and c, not ") + 63);
 }
 
-static void test_read_memory(void **state)
+TEST(test_read_memory)
 {
     unsigned long n = 0;
     enum status st;
 
-    (void)state;
     do {
         fail_at(++n);
         st = read_text("{\"a\":[1,2],\"b\":\"text\"}", 100);
@@ -334,17 +315,4 @@ static void test_read_memory(void **state)
     assert_true(n > 7);
     fail_at(0);
     bad("[", "not valid JSON: it ends too early");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_digits),  cmocka_unit_test(test_shortest),
-        cmocka_unit_test(test_vectors), cmocka_unit_test(test_texts),
-        cmocka_unit_test(test_nesting), cmocka_unit_test(test_write_memory),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_values),
-        cmocka_unit_test(test_expect),  cmocka_unit_test(test_read_memory),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,18 +1,9 @@
 /* link: -Wl,--wrap=malloc -Wl,--wrap=calloc -Wl,--wrap=aligned_alloc */
 /* Points read in one pass: the same values, messages and places in them as those of a
  * document that is read with a value for each number. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "errinfo.h"
 #include "json.h"
+#include "unit.h"
 #include "vec.h"
 
 #define MOST 1000
@@ -91,9 +82,8 @@ static void check(const char *text, const char *path, size_t count, size_t want,
     assert_memory_equal(points, others, want * sizeof *points);
 }
 
-static void test_values(void **state)
+TEST(test_values)
 {
-    (void)state;
     check("[]", "", 0, 0, ST_OK);
     check("[[1,2,3]]", "", 1, 1, ST_OK);
     check(" [ [ 1 ,\t2.5,-3e-1 ]\r\n, [0,-0,1E2] , [0.1,1e-400,12.345600128173828]\n] ",
@@ -114,9 +104,8 @@ static void test_values(void **state)
 }
 
 /* The array that has points is found among others, whatever is in texts and names. */
-static void test_places(void **state)
+TEST(test_places)
 {
-    (void)state;
     check("{\"u\":\"[[1,2,3]]\",\"p\":[[1,2,3],[4,5,6]]}", "p", 0, 2, ST_OK);
     check("{\"u\":[1,[2],{\"v\":[]}],\"[\":[\"\\\"[\"],\"p\":[[1,2,3],[4,5,6]]}", "p", 0,
           2, ST_OK);
@@ -147,9 +136,8 @@ static void bad(const char *text, enum status st, const char *why)
     }
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
-    (void)state;
     bad("[[1,2,3],[4,5,6],]", ST_EINVAL, "not valid JSON at byte 17");
     bad("[[1,2,3],[4,5,6] [7,8,9]]", ST_EINVAL, "not valid JSON at byte 17");
     bad("[[1,2,3],[4,5,6],[7,8 9]]", ST_EINVAL, "not valid JSON at byte 22");
@@ -179,14 +167,13 @@ static void test_refused(void **state)
 }
 
 /* A number of any length, which the library would refuse beyond 63 characters. */
-static void test_long_number(void **state)
+TEST(test_long_number)
 {
     char text[500];
     struct json_value *doc;
     struct errinfo e;
     size_t n;
 
-    (void)state;
     (void)snprintf(text, sizeof text, "[[0.1%0400d,-2,3]]", 1);
     assert_int_equal(json_read_points(text, strlen(text), MOST, &doc, &e), ST_OK);
     assert_int_equal(get(doc, "", points, &n), ST_OK);
@@ -195,7 +182,7 @@ static void test_long_number(void **state)
 }
 
 /* Clouds need no value for each number: some bytes a point in all. */
-static void test_memory(void **state)
+TEST(test_memory)
 {
     char *text = malloc(60000);
     struct json_value *doc;
@@ -203,7 +190,6 @@ static void test_memory(void **state)
     size_t len = 0, n;
     enum status st;
 
-    (void)state;
     assert_non_null(text);
     len += (size_t)sprintf(text + len, "{\"p\":[");
     for (int i = 0; i < MOST; i++)
@@ -228,15 +214,4 @@ static void test_memory(void **state)
     failing = 0;
     json_free(doc);
     free(text);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values),  cmocka_unit_test(test_places),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_long_number),
-        cmocka_unit_test(test_memory),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,20 +2,12 @@
 /* New files appear complete or not at all. */
 #include <errno.h>
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "errinfo.h"
 #include "newfile.h"
+#include "unit.h"
 
 void *__real_malloc(size_t size);
 void *__wrap_malloc(size_t size);
@@ -57,22 +49,18 @@ static const char *in_folder(const char *name)
     return path;
 }
 
-static int begin(void **state)
+BEFORE_EACH(begin)
 {
-    (void)state;
     strcpy(folder, "/tmp/newfile.XXXXXX");
     assert_non_null(mkdtemp(folder));
     full = false;
     synced = 0;
-    return 0;
 }
 
-static int end(void **state)
+AFTER_EACH(end)
 {
-    (void)state;
     (void)unlink(in_folder("x"));
     assert_int_equal(rmdir(folder), 0); /* no other file was left */
-    return 0;
 }
 
 static void holds(const char *want)
@@ -91,11 +79,10 @@ static bool is_there(const char *name)
     return access(in_folder(name), F_OK) == 0;
 }
 
-static void test_commit(void **state)
+TEST(test_commit)
 {
     struct stat sb;
 
-    (void)state;
     (void)umask(0);
     assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     assert_int_equal(newfile_put(&n, "one", 3, &e), ST_OK);
@@ -116,9 +103,8 @@ static void test_commit(void **state)
     holds("two");
 }
 
-static void test_keep(void **state)
+TEST(test_keep)
 {
-    (void)state;
     for (int i = 0; i < 2; i++) {
         assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
         assert_int_equal(newfile_put(&n, i == 0 ? "old" : "new", 3, &e), ST_OK);
@@ -129,9 +115,8 @@ static void test_keep(void **state)
 }
 
 /* Without a commit, or if it fails for lack of space, the old file stays. */
-static void test_given_up(void **state)
+TEST(test_given_up)
 {
-    (void)state;
     assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     assert_int_equal(newfile_put(&n, "one", 3, &e), ST_OK);
     newfile_close(&n);
@@ -146,12 +131,11 @@ static void test_given_up(void **state)
 }
 
 /* A killed process's partial file is overwritten; one that is being written is ST_EBUSY. */
-static void test_part(void **state)
+TEST(test_part)
 {
     struct newfile other = NEWFILE_NONE;
     FILE *out = fopen(in_folder("x.part"), "w");
 
-    (void)state;
     assert_non_null(out);
     (void)fputs("much that was left", out);
     assert_int_equal(fchmod(fileno(out), 0600), 0);
@@ -166,11 +150,10 @@ static void test_part(void **state)
 }
 
 /* A process that was killed between link() and unlink() has left two names of one file. */
-static void test_two_names(void **state)
+TEST(test_two_names)
 {
     char from[128];
 
-    (void)state;
     assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     assert_int_equal(newfile_put(&n, "one", 3, &e), ST_OK);
     assert_int_equal(newfile_commit(&n, &e), ST_OK);
@@ -186,12 +169,11 @@ static void test_two_names(void **state)
 }
 
 /* What others have put there is neither written into nor through, and stays. */
-static void test_planted(void **state)
+TEST(test_planted)
 {
     struct stat before, after;
     FILE *out;
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         if (i < 2) { /* readable by others, or theirs */
             assert_non_null(out = fopen(in_folder("x.part"), "w"));
@@ -217,12 +199,11 @@ static void test_planted(void **state)
 }
 
 /* A file that takes the part's place while it is written never gets the name. */
-static void test_replaced(void **state)
+TEST(test_replaced)
 {
     enum status (*const finish[])(struct newfile *, struct errinfo *) = {newfile_commit,
                                                                          newfile_keep};
 
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         FILE *out;
 
@@ -244,12 +225,11 @@ static enum status print(FILE *to, const void *arg, struct errinfo *why)
     return ((const char *)arg)[0] == 'b' ? errinfo_set(why, ST_ECORRUPT, "bad") : ST_OK;
 }
 
-static void test_fill(void **state)
+TEST(test_fill)
 {
     const int dir = open(folder, O_RDONLY | O_DIRECTORY);
     int fd;
 
-    (void)state;
     assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
     assert_int_equal(newfile_fill(&n, print, "bad", &e), ST_ECORRUPT);
     newfile_close(&n);
@@ -270,11 +250,10 @@ static void test_fill(void **state)
     holds("good");
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     enum status st;
 
-    (void)state;
     for (failing = 1;; failing++) {
         asked = 0;
         if ((st = newfile_open(in_folder("x"), &n, &e)) == ST_OK)
@@ -285,21 +264,4 @@ static void test_memory(void **state)
     assert_int_equal(failing, 3);
     failing = 0;
     newfile_close(&n);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_commit, begin, end),
-        cmocka_unit_test_setup_teardown(test_keep, begin, end),
-        cmocka_unit_test_setup_teardown(test_given_up, begin, end),
-        cmocka_unit_test_setup_teardown(test_part, begin, end),
-        cmocka_unit_test_setup_teardown(test_two_names, begin, end),
-        cmocka_unit_test_setup_teardown(test_planted, begin, end),
-        cmocka_unit_test_setup_teardown(test_replaced, begin, end),
-        cmocka_unit_test_setup_teardown(test_fill, begin, end),
-        cmocka_unit_test_setup_teardown(test_memory, begin, end),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

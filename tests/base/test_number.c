@@ -1,17 +1,9 @@
 /* number_read() against strtod() in the C locale, and in locales with a decimal comma. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <inttypes.h>
 #include <locale.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 
 #include "number.h"
+#include "unit.h"
 
 static uint64_t next_random(uint64_t *x) /* splitmix64 */
 {
@@ -32,7 +24,7 @@ static void check(const char *text)
         fail_msg("%.60s: %.17g, not %.17g", text, got, want);
 }
 
-static void test_known(void **state)
+TEST(test_known)
 {
     static const char *const texts[] = {
         "0",
@@ -86,18 +78,16 @@ static void test_known(void **state)
         "1000000000000000000000000",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         check(texts[i]);
 }
 
 /* Half way between two doubles, then a digit far behind that decides. */
-static void test_half_way(void **state)
+TEST(test_half_way)
 {
     char text[2000] = "1.00000000000000011102230246251565404236316680908203125";
     const size_t len = strlen(text);
 
-    (void)state;
     check(text); /* exactly half: to even */
     memset(text + len, '0', 1500);
     text[len + 1500] = 0;
@@ -113,12 +103,11 @@ static void test_half_way(void **state)
     check(text);
 }
 
-static void test_random(void **state)
+TEST(test_random)
 {
     uint64_t seed = 20;
     char text[64];
 
-    (void)state;
     print_message("seed 20\n");
     for (int i = 0; i < 200000; i++) {
         const uint64_t bits = next_random(&seed);
@@ -142,19 +131,18 @@ static void test_random(void **state)
     }
 }
 
-static void test_no_number(void **state)
+TEST(test_no_number)
 {
     static const char *const texts[] = {"",    "+",   "-",   ".",  "-.",  "e5",
                                         "nan", "inf", "--1", "x1", "+e1", " 1"};
     double value;
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         assert_null(number_read(texts[i], texts[i] + strlen(texts[i]), &value));
 }
 
 /* A number ends at the first byte that does not continue it; nothing past `end` is read. */
-static void test_ends(void **state)
+TEST(test_ends)
 {
     static const char text[] = "12.5e+7", comma[] = "1,5", hex[] = "0x10";
     static const struct {
@@ -164,7 +152,6 @@ static void test_ends(void **state)
                 {5, 4, 12.5}, {6, 4, 12.5}, {7, 7, 12.5e7}};
     double value;
 
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         char *copy = malloc(rows[i].given); /* of exact size: asan sees an overrun */
 
@@ -180,7 +167,7 @@ static void test_ends(void **state)
     assert_true(value == 0); /* no hexadecimal: it ends at the x */
 }
 
-static void test_locale(void **state)
+TEST(test_locale)
 {
     static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8",
                                         "de_DE", "ru_RU.UTF-8"};
@@ -188,7 +175,6 @@ static void test_locale(void **state)
     double want, got;
     size_t i;
 
-    (void)state;
     want = strtod(digits, NULL);
     for (i = 0; i < sizeof names / sizeof *names; i++)
         if (setlocale(LC_ALL, names[i]) != NULL)
@@ -200,15 +186,4 @@ static void test_locale(void **state)
     assert_non_null(number_read(digits, digits + strlen(digits), &got));
     (void)setlocale(LC_ALL, "C");
     assert_true(got == want);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known),  cmocka_unit_test(test_half_way),
-        cmocka_unit_test(test_random), cmocka_unit_test(test_no_number),
-        cmocka_unit_test(test_ends),   cmocka_unit_test(test_locale),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,18 +1,10 @@
 /* link: -Wl,--wrap=calloc -Wl,--wrap=strdup */
 /* The daemon's settings: the table, the defaults, settings that exclude each other, and
  * failed allocations. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "options.h"
+#include "unit.h"
 
 void *__real_calloc(size_t n, size_t size);
 void *__wrap_calloc(size_t n, size_t size);
@@ -64,11 +56,10 @@ static void refused(const char *text, const char *why)
         fail_msg("%s, not: %s", said, why);
 }
 
-static int begin(void **state)
+BEFORE_ALL(begin)
 {
     const int fd = mkstemp(path);
 
-    (void)state;
     for (size_t i = 0; i < OPTIONS_ROWS; i++) {
         char name[64] = "SURFACED_";
 
@@ -77,20 +68,18 @@ static int begin(void **state)
                            *c == '-' ? '_' : *c - 'a' + 'A');
         (void)unsetenv(name);
     }
-    return fd < 0 ? -1 : close(fd);
+    assert_true(fd >= 0 && close(fd) == 0);
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
-    (void)state;
     options_free(&o);
     free(said);
-    return unlink(path);
+    assert_int_equal(unlink(path), 0);
 }
 
-static void test_table(void **state)
+TEST(test_table)
 {
-    (void)state;
     for (size_t i = 0; i < OPTIONS_ROWS; i++) {
         assert_non_null(options_table[i].name);
         assert_non_null(options_table[i].help);
@@ -102,9 +91,8 @@ static void test_table(void **state)
     }
 }
 
-static void test_defaults(void **state)
+TEST(test_defaults)
 {
-    (void)state;
     assert_true(load("db = /x/faces.db\nqueue = 9\n", false));
     assert_string_equal(o.db, "/x/faces.db");
     assert_null(o.key);
@@ -121,9 +109,8 @@ static void test_defaults(void **state)
     assert_false(o.no_auth || o.plaintext);
 }
 
-static void test_together(void **state)
+TEST(test_together)
 {
-    (void)state;
     refused("queue = 9\n", "no database: give --db PATH");
     refused("db = x\ntls-cert = c\n", "--tls-cert and --tls-key go together");
     refused("db = x\ntls-client-ca = c\n", "--tls-client-ca is of no use");
@@ -136,11 +123,10 @@ static void test_together(void **state)
     assert_true(load("db = x\nno-auth = 1\n", false));
 }
 
-static void test_files(void **state)
+TEST(test_files)
 {
     char text[200];
 
-    (void)state;
     (void)snprintf(text, sizeof text, "db = /tmp/none.db\nmodel = %s\n", path);
     assert_true(load(text, false));
     assert_false(load(text, true)); /* the file of the settings is no model */
@@ -149,11 +135,10 @@ static void test_files(void **state)
     assert_false(load("db = /nowhere/none.db\n", true));
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     bool good;
 
-    (void)state;
     for (failing = 1;; failing++) {
         asked = 0;
         good = load("db = x\n", false);
@@ -164,15 +149,4 @@ static void test_memory(void **state)
     }
     assert_true(good && failing > OPTIONS_ROWS / 2);
     failing = 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_table),    cmocka_unit_test(test_defaults),
-        cmocka_unit_test(test_together), cmocka_unit_test(test_files),
-        cmocka_unit_test(test_memory),
-    };
-
-    return cmocka_run_group_tests(tests, begin, end);
 }

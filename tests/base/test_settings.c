@@ -1,17 +1,8 @@
 /* Settings by name: which member each fills, which source wins, and the message for each
  * bad value. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "address.h"
 #include "settings.h"
+#include "unit.h"
 
 struct all {
     const char *text, *file, *path, *address;
@@ -40,23 +31,19 @@ static FILE *errors;
 static char *said;
 static size_t said_len;
 
-static int begin(void **state)
+BEFORE_EACH(begin)
 {
-    (void)state;
     (void)unsetenv("CREDENTIALS_DIRECTORY");
     errors = open_memstream(&said, &said_len);
     assert_non_null(errors);
     assert_true(settings_new(table, ROWS, errors, &s));
-    return 0;
 }
 
-static int end(void **state)
+AFTER_EACH(end)
 {
-    (void)state;
     settings_free(s);
     (void)fclose(errors);
     free(said);
-    return 0;
 }
 
 static void read_text(const char *text)
@@ -78,11 +65,10 @@ static void assert_said(unsigned n, const char *lines)
     assert_int_equal(settings_problems(s), n);
 }
 
-static void test_fill(void **state)
+TEST(test_fill)
 {
     struct all a = {.text = "before", .choice = 7};
 
-    (void)state;
     settings_fill(s, &a);
     assert_string_equal(a.text, "before"); /* it is unset */
     assert_string_equal(a.address, "127.0.0.1:1");
@@ -104,14 +90,13 @@ static void test_fill(void **state)
     assert_true(a.yes);
 }
 
-static void test_strength(void **state)
+TEST(test_strength)
 {
     struct all a = {0};
     char *out;
     size_t len;
     FILE *to = open_memstream(&out, &len);
 
-    (void)state;
     settings_default(s, "text", "guessed");
     read_text("some-number = 5\nbytes = 1\nlog = json\n");
     assert_int_equal(setenv("SURFACED_BYTES", "2", 1), 0);
@@ -140,11 +125,10 @@ static void test_strength(void **state)
     assert_said(0, "");
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     struct all a = {0};
 
-    (void)state;
     read_text("text =\nsome-number = 1\nbytes = 1T\nyes = yes\nlog = xml\nlisten = 1\n");
     settings_flag(s, BYTES, "17179869184G"); /* 2^64 */
     settings_flag(s, LOG, "logfm");
@@ -178,9 +162,8 @@ static void test_refused(void **state)
     assert_null(a.text);
 }
 
-static void test_malformed(void **state)
+TEST(test_malformed)
 {
-    (void)state;
     read_text("yes = 1\nyes = 1\nno = 1\n[x]\nyes = 1\n[surfaced]\ntext");
     assert_said(4,
                 "surfaced: the.conf:2: yes is given twice, first on line 1\n"
@@ -190,12 +173,11 @@ static void test_malformed(void **state)
 }
 
 /* A line of 4,000 bytes is accepted, with or without a line feed; a longer one is not. */
-static void test_long_lines(void **state)
+TEST(test_long_lines)
 {
     char line[4100] = "text = ";
     struct all a = {0};
 
-    (void)state;
     memset(line + 7, 'x', 4001 - 7);
     line[4000] = '\0';
     read_text(line);
@@ -212,11 +194,10 @@ static void test_long_lines(void **state)
                    "surfaced: the.conf:1: a line of more than 4000 bytes\n");
 }
 
-static void test_credentials(void **state)
+TEST(test_credentials)
 {
     struct all a = {0};
 
-    (void)state;
     settings_flag(s, KEY, "credential:tls.key");
     assert_int_equal(settings_problems(s), 1);
     assert_int_equal(setenv("CREDENTIALS_DIRECTORY", "/run/c", 1), 0);
@@ -231,9 +212,8 @@ static void test_credentials(void **state)
     assert_int_equal(settings_problems(s), 4);
 }
 
-static void test_files(void **state)
+TEST(test_files)
 {
-    (void)state;
     settings_flag(s, KEY, "/dev/null");
     settings_flag(s, PATH, "/dev/null/x");
     settings_check_files(s);
@@ -248,13 +228,12 @@ static void test_files(void **state)
     assert_int_equal(settings_problems(s), 3);
 }
 
-static void test_help(void **state)
+TEST(test_help)
 {
     char *out;
     size_t len;
     FILE *to = open_memstream(&out, &len);
 
-    (void)state;
     settings_help(table + LISTEN, 2, to);
     (void)fclose(to);
     assert_string_equal(out, "  --listen ADDRESS:PORT\n"
@@ -264,7 +243,7 @@ static void test_help(void **state)
     free(out);
 }
 
-static void test_addresses(void **state)
+TEST(test_addresses)
 {
     static const char *const good[] = {"127.0.0.1:0", "localhost:8787",  "[::1]:65535",
                                        "0.0.0.0:1",   "[2001:db8::1]:1", "unix:/run/x"};
@@ -277,7 +256,6 @@ static void test_addresses(void **state)
     struct sockaddr_storage ss;
     socklen_t len;
 
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         assert_true(address_read(good[i], &ss, &len));
         assert_int_equal(address_is_local(&ss), near[i]);
@@ -296,7 +274,7 @@ static void test_addresses(void **state)
     assert_false(address_read(path, &ss, &len));
 }
 
-static void test_urls(void **state)
+TEST(test_urls)
 {
     static const char *const text[] = {"127.0.0.1:80", "[::1]:80", "unix:/run/x"};
     static const char *const plain[] = {"http://127.0.0.1:80", "http://[::1]:80",
@@ -307,7 +285,6 @@ static void test_urls(void **state)
     socklen_t len;
     char url[ADDRESS_URL_MAX];
 
-    (void)state;
     for (size_t i = 0; i < sizeof text / sizeof text[0]; i++) {
         assert_true(address_read(text[i], &ss, &len));
         address_url(&ss, false, url);
@@ -315,24 +292,4 @@ static void test_urls(void **state)
         address_url(&ss, true, url);
         assert_string_equal(url, tls[i]);
     }
-}
-
-#define TEST(f) cmocka_unit_test_setup_teardown(f, begin, end)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        TEST(test_fill),
-        TEST(test_strength),
-        TEST(test_refused),
-        TEST(test_malformed),
-        TEST(test_long_lines),
-        TEST(test_credentials),
-        TEST(test_files),
-        TEST(test_help),
-        cmocka_unit_test(test_addresses),
-        cmocka_unit_test(test_urls),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,14 +1,8 @@
 /* link: -Wl,--wrap=clock_gettime */
 /* Times: printed and read, for every day; texts that are no time; a clock out of range. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 #include <time.h>
-#include <cmocka.h>
 
+#include "unit.h"
 #include "utc.h"
 
 #define DAY_MS INT64_C(86400000)
@@ -26,13 +20,12 @@ int __wrap_clock_gettime(clockid_t clock, struct timespec *out)
 }
 
 /* Every day from 1970 to 9999, counted by the calendar's rules. */
-static void test_days(void **state)
+TEST(test_days)
 {
     static const int length[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
     char text[UTC_TEXT], want[UTC_TEXT], day[32];
     int64_t ms = 12345678, back;
 
-    (void)state;
     for (int y = 1970; y <= 9999; y++)
         for (int m = 1; m <= 12; m++) {
             const int leap = y % 4 == 0 && (y % 100 != 0 || y % 400 == 0);
@@ -54,7 +47,7 @@ static void test_days(void **state)
     assert_string_equal(text, "1970-01-01T00:00:00.000Z");
 }
 
-static void test_read(void **state)
+TEST(test_read)
 {
     static const struct {
         const char *text;
@@ -99,7 +92,6 @@ static void test_read(void **state)
     };
     int64_t ms;
 
-    (void)state;
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         assert_true(utc_read(good[i].text, &ms) == (good[i].ms >= 0));
         assert_true(good[i].ms < 0 || ms == good[i].ms);
@@ -113,11 +105,10 @@ static void test_read(void **state)
     assert_false(utc_read_end("2027-02-29", &ms));
 }
 
-static void test_now(void **state)
+TEST(test_now)
 {
     int64_t ms;
 
-    (void)state;
     now = (struct timespec){.tv_sec = 1800000000, .tv_nsec = 123999999};
     assert_true(utc_now(&ms) && ms == INT64_C(1800000000123));
     now.tv_sec = INT64_C(253402300799);
@@ -130,15 +121,4 @@ static void test_now(void **state)
     rc = -1;
     assert_true(!utc_now(&ms) && ms == 0);
     rc = 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_days),
-        cmocka_unit_test(test_read),
-        cmocka_unit_test(test_now),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,10 +1,5 @@
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
 
+#include "unit.h"
 #include "utf8.h"
 
 /* Encodes c by Unicode's table 3-6; returns the number of bytes, 0 if c is no character. */
@@ -35,12 +30,11 @@ static size_t encode(uint32_t c, char *out)
 }
 
 /* Every character is valid if complete, and invalid if truncated. */
-static void test_characters(void **state)
+TEST(test_characters)
 {
     char s[8];
     size_t count = 0;
 
-    (void)state;
     for (uint32_t c = 0; c <= 0x10ffff; c++) {
         const size_t n = encode(c, s);
 
@@ -55,11 +49,10 @@ static void test_characters(void **state)
 }
 
 /* What is wrong is found at its place, wherever it stands in a long text. */
-static void test_place(void **state)
+TEST(test_place)
 {
     char s[40];
 
-    (void)state;
     for (size_t i = 0; i < sizeof s; i++)
         for (size_t len = i + 1; len <= sizeof s; len++) {
             memset(s, 'a', sizeof s);
@@ -77,12 +70,11 @@ static void test_place(void **state)
 
 /* The number of valid sequences of one to four bytes is the number of such characters; of
  * four bytes only those that end in 0x80 are tried. */
-static void test_sequences(void **state)
+TEST(test_sequences)
 {
     size_t one = 0, two = 0, three = 0, four = 0;
     char s[4];
 
-    (void)state;
     for (uint32_t c = 0; c < 1U << 24; c++) {
         s[0] = (char)(c >> 16);
         s[1] = (char)(c >> 8 & 0xff);
@@ -105,9 +97,8 @@ static void test_sequences(void **state)
     assert_int_equal(four, 0x100000 / 64);
 }
 
-static void test_where(void **state)
+TEST(test_where)
 {
-    (void)state;
     assert_int_equal(utf8_valid("", 0), 0);
     assert_int_equal(utf8_valid("a\0b", 3), 3);
     assert_int_equal(utf8_valid("ab\xff", 3), 2);
@@ -117,12 +108,11 @@ static void test_where(void **state)
     assert_int_equal(utf8_valid("x\xf4\x90\x80\x80", 5), 1); /* above U+10FFFF */
 }
 
-static void test_text(void **state)
+TEST(test_text)
 {
     char s[8] = "";
     unsigned controls = 0;
 
-    (void)state;
     for (uint32_t c = 1; c <= 0x10ffff; c++) {
         const size_t n = encode(c, s);
 
@@ -140,15 +130,4 @@ static void test_text(void **state)
     assert_false(utf8_is_text("a\xc3\xa4", 2));
     assert_false(utf8_is_text("a\xc3", 9));
     assert_false(utf8_is_text("a\tb", 9));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_characters), cmocka_unit_test(test_place),
-        cmocka_unit_test(test_sequences),  cmocka_unit_test(test_where),
-        cmocka_unit_test(test_text),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

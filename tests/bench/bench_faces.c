@@ -74,14 +74,6 @@ static struct face decoded;
 static struct face_work *work;
 static struct disparity_vertex *vertex;
 
-static void must(enum status st)
-{
-    if (st == ST_OK)
-        return;
-    fprintf(stderr, "bench: %s\n", status_message(st));
-    exit(1);
-}
-
 static void side_make(struct side *s, uint64_t k)
 {
     s->pts = timing_alloc(POINTS, sizeof *s->pts);
@@ -134,7 +126,8 @@ static double compare(struct side *a, struct side *b, double ms[ROWS])
     disparity_gaps(&a->own, &b->own, a->loc, false, a->other);
     disparity_gaps(&b->own, &a->own, b->loc, true, b->other);
     t = lap(ms, MEASURE, t);
-    must(merge_build(&a->own.mesh, &b->own.mesh, b->loc, &scratch, &general, b_vertex));
+    timing_must(
+        merge_build(&a->own.mesh, &b->own.mesh, b->loc, &scratch, &general, b_vertex));
     t = lap(ms, MERGE, t);
     ms[INSERT] += ms[MERGE];
     da = (struct disparity_side){&a->own, a->other};
@@ -151,14 +144,14 @@ static double table1(struct pair *p)
     const double start = timing_now_ms();
     double ms[ROWS] = {0}, t = start, mm;
 
-    must(delaunay_build(a->pts, a->n, &scratch, &a->own.mesh));
-    must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
+    timing_must(delaunay_build(a->pts, a->n, &scratch, &a->own.mesh));
+    timing_must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
     t = lap(ms, DELAUNAY, t);
-    must(mst_build(&a->own.mesh, &scratch));
-    must(mst_build(&b->own.mesh, &scratch));
+    timing_must(mst_build(&a->own.mesh, &scratch));
+    timing_must(mst_build(&b->own.mesh, &scratch));
     t = lap(ms, TREE, t);
-    must(surface_derive(&a->own, &scratch));
-    must(surface_derive(&b->own, &scratch));
+    timing_must(surface_derive(&a->own, &scratch));
+    timing_must(surface_derive(&b->own, &scratch));
     (void)lap(ms, HOLES, t);
     mm = compare(a, b, ms);
     (void)lap(ms, SUM, start);
@@ -174,11 +167,11 @@ static double stored(struct pair *p)
     const double start = timing_now_ms();
     double ms[ROWS], mm;
 
-    must(codec_decode(p->blob, p->blob_size, work, &decoded));
+    timing_must(codec_decode(p->blob, p->blob_size, work, &decoded));
     a.own = decoded.surface;
-    must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
-    must(mst_build(&b->own.mesh, &scratch));
-    must(surface_derive(&b->own, &scratch));
+    timing_must(delaunay_build(b->pts, b->n, &scratch, &b->own.mesh));
+    timing_must(mst_build(&b->own.mesh, &scratch));
+    timing_must(surface_derive(&b->own, &scratch));
     mm = compare(&a, b, ms);
     timing_add(&row[STORED], timing_now_ms() - start);
     return mm;
@@ -196,31 +189,8 @@ static void store(struct pair *p)
 static void scratch_union(const struct pair *p)
 {
     timing_start(&row[SCRATCH]);
-    must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole));
+    timing_must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole));
     timing_stop(&row[SCRATCH]);
-}
-
-/* The peer's graph, made from our mesh. */
-static void *peer_graph(const struct mesh *m)
-{
-    uint32_t(*edges)[2] = timing_alloc(3 * (size_t)m->nv, sizeof *edges);
-    double *length = timing_alloc(3 * (size_t)m->nv, sizeof *length);
-    void *graph;
-    size_t n = 0;
-
-    for (uint32_t h = 0; h < 3 * m->nt; h++) {
-        const uint32_t u = m->org[h], v = mesh_dest(m, h);
-
-        if (u >= m->nv || v >= m->nv || u > v)
-            continue;
-        edges[n][0] = u;
-        edges[n][1] = v;
-        length[n++] = hypot(m->xy[u].x - m->xy[v].x, m->xy[u].y - m->xy[v].y);
-    }
-    graph = peers->graph(m->nv, (const uint32_t(*)[2])edges, length, n);
-    free(edges);
-    free(length);
-    return graph;
 }
 
 static void peer_pass(struct pair *p)
@@ -399,47 +369,20 @@ static void report(void)
 
 static void other_kinds(double one)
 {
-    struct ivec3 *pts[40] = {NULL};
-    void *peer[40] = {NULL};
-    size_t n[40];
-
     printf("\n%-30s %8s %9s %9s %9s %9s\n", "Triangulation, 40 sets each", "points", "ms",
            "units", "CGAL ms", "ratio");
     for (int kind = 0; kind < CLOUDS_KINDS; kind++) {
         struct timing ours = {0}, theirs = {0};
         const char *name = clouds_name((enum clouds_kind)kind);
-        double o, t;
+        const size_t n = timing_triangulation(peers, (enum clouds_kind)kind, 1000, POINTS,
+                                              40, &ours, &theirs);
+        const double o = timing_median(&ours), t = timing_median(&theirs);
         char what[80];
 
-        for (size_t k = 0; k < 40; k++) {
-            pts[k] = timing_alloc(POINTS + 72, sizeof *pts[k]);
-            n[k] = clouds_make((enum clouds_kind)kind, 1000 + k, POINTS, pts[k]);
-            peer[k] = peers != NULL ? peers->points(pts[k], n[k]) : NULL;
-        }
-        for (int round = 0; round < 8; round++)
-            for (size_t k = 0; k < 40; k++) {
-                timing_start(&ours);
-                must(delaunay_build(pts[k], n[k], &scratch, &whole));
-                timing_stop(&ours);
-                if (peers != NULL) {
-                    timing_start(&theirs);
-                    void *dt = peers->triangulate(peer[k]);
-                    timing_stop(&theirs);
-                    peers->triangulation_free(dt);
-                }
-            }
-        o = timing_median(&ours);
-        t = timing_median(&theirs);
-        printf("  %-28s %8zu %9.3f %9.2f %9.3f %9.2f\n", name, n[0], o, o / one, t,
-               o / t);
+        printf("  %-28s %8zu %9.3f %9.2f %9.3f %9.2f\n", name, n, o, o / one, t, o / t);
         (void)snprintf(what, sizeof what, "triangulation, %s", name);
         if (kind == CLOUDS_GRID || kind == CLOUDS_TILTED || kind == CLOUDS_CIRCLE)
             timing_target(what, o / t, 0.8, "x CGAL's");
-        for (size_t k = 0; k < 40; k++) {
-            free(pts[k]);
-            if (peers != NULL)
-                peers->points_free(peer[k]);
-        }
         timing_free(&ours);
         timing_free(&theirs);
     }
@@ -453,7 +396,7 @@ int main(void)
     peers = timing_peers();
     b_vertex = timing_alloc(POINTS, sizeof *b_vertex);
     if ((work = face_work_new(NULL)) == NULL)
-        must(ST_ENOMEM);
+        timing_must(ST_ENOMEM);
     vertex = timing_alloc(2 * POINTS, sizeof *vertex);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k);
@@ -467,8 +410,8 @@ int main(void)
         }
         sum += mm;
         if (peers != NULL) {
-            pair[k].a.graph = peer_graph(&pair[k].a.own.mesh);
-            pair[k].b.graph = peer_graph(&pair[k].b.own.mesh);
+            pair[k].a.graph = timing_graph(peers, &pair[k].a.own.mesh);
+            pair[k].b.graph = timing_graph(peers, &pair[k].b.own.mesh);
         }
     }
     printf("%d pairs of clouds, subjects 0-%d, scans 0-%d; mean gap %.3f mm\n", PAIRS,

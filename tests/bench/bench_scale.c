@@ -17,14 +17,6 @@
 static const struct peers *peers;
 static struct scratch scratch;
 
-static void must(enum status st)
-{
-    if (st == ST_OK)
-        return;
-    fprintf(stderr, "bench: %s\n", status_message(st));
-    exit(1);
-}
-
 /* A scan, its mesh with the tree, and the same for the peer. */
 struct scan {
     size_t n;
@@ -37,9 +29,9 @@ static void scan_make(struct scan *s, uint64_t k, size_t n)
 {
     s->pts = timing_alloc(n, sizeof *s->pts);
     s->n = clouds_make(CLOUDS_FACE, k, n, s->pts);
-    must(delaunay_build(s->pts, s->n, &scratch, &s->mesh));
-    must(mesh_copy(&s->bare, &s->mesh, 0));
-    must(mst_build(&s->mesh, &scratch));
+    timing_must(delaunay_build(s->pts, s->n, &scratch, &s->mesh));
+    timing_must(mesh_copy(&s->bare, &s->mesh, 0));
+    timing_must(mst_build(&s->mesh, &scratch));
     if (peers != NULL)
         s->points = peers->points(s->pts, s->n);
 }
@@ -60,28 +52,6 @@ static void scan_free(struct scan *s)
     *s = (struct scan){0};
 }
 
-static void *graph_of(const struct mesh *m)
-{
-    uint32_t(*edges)[2] = timing_alloc(3 * (size_t)m->nv, sizeof *edges);
-    double *length = timing_alloc(3 * (size_t)m->nv, sizeof *length);
-    void *graph;
-    size_t n = 0;
-
-    for (uint32_t h = 0; h < 3 * m->nt; h++) {
-        const uint32_t u = m->org[h], v = mesh_dest(m, h);
-
-        if (u >= m->nv || v >= m->nv || u > v)
-            continue;
-        edges[n][0] = u;
-        edges[n][1] = v;
-        length[n++] = hypot(m->xy[u].x - m->xy[v].x, m->xy[u].y - m->xy[v].y);
-    }
-    graph = peers->graph(m->nv, (const uint32_t(*)[2])edges, length, n);
-    free(edges);
-    free(length);
-    return graph;
-}
-
 /* Table 2: spanning trees. */
 static void trees(void)
 {
@@ -98,13 +68,13 @@ static void trees(void)
         for (size_t k = 0; k < SCANS; k++) {
             scan_make(&scan[k], 2 * k, 20000 * (i + 1));
             if (peers != NULL)
-                scan[k].graph = graph_of(&scan[k].mesh);
+                scan[k].graph = timing_graph(peers, &scan[k].mesh);
         }
         for (int round = 0; round < ROUNDS; round++)
             for (size_t k = 0; k < SCANS; k++) {
-                must(mesh_copy(&m, &scan[k].bare, 0));
+                timing_must(mesh_copy(&m, &scan[k].bare, 0));
                 timing_start(&ours);
-                must(mst_build(&m, &scratch));
+                timing_must(mst_build(&m, &scratch));
                 timing_stop(&ours);
                 if (peers != NULL) {
                     timing_start(&theirs);
@@ -167,49 +137,26 @@ static void locations(size_t n, struct location_times *t)
     free(h);
 }
 
-static void location_times_free(struct location_times *t)
+/* Tables 3 and 4: one scan located in another; the heights of both at the points of the other. */
+static void location_table(const double (*paper)[2], size_t rows, bool both)
 {
-    timing_free(&t->locate);
-    timing_free(&t->interpolate);
-    timing_free(&t->peer_locate);
-    timing_free(&t->peer_interpolate);
-}
-
-/* Table 3: one scan located in another. */
-static void table3(void)
-{
-    static const double paper[][2] = {
-        {10000, 31}, {25000, 93}, {50000, 171}, {75000, 234}, {100000, 312}};
-
-    timing_head("Table 3: location (peer: CGAL, in Hilbert order)", "paper ms");
-    for (size_t i = 0; i < sizeof paper / sizeof paper[0]; i++) {
+    for (size_t i = 0; i < rows; i++) {
         struct location_times t = {0};
         char what[64];
 
         locations((size_t)paper[i][0], &t);
-        (void)snprintf(what, sizeof what, "%.0f points", paper[i][0]);
-        timing_row(what, paper[i][1], timing_median(&t.locate),
-                   timing_median(&t.peer_locate));
-        location_times_free(&t);
-    }
-}
-
-/* Table 4: the heights of both scans at the points of the other. */
-static void table4(void)
-{
-    static const double paper[][2] = {
-        {50000, 15}, {100000, 31}, {150000, 46}, {200000, 62}};
-
-    timing_head("Table 4: interpolation both ways (peer: CGAL)", "paper ms");
-    for (size_t i = 0; i < sizeof paper / sizeof paper[0]; i++) {
-        struct location_times t = {0};
-        char what[64];
-
-        locations((size_t)paper[i][0], &t);
-        (void)snprintf(what, sizeof what, "%.0f points each", paper[i][0]);
-        timing_row(what, paper[i][1], 2 * timing_median(&t.interpolate),
-                   2 * timing_median(&t.peer_interpolate));
-        location_times_free(&t);
+        (void)snprintf(what, sizeof what, "%.0f points%s", paper[i][0],
+                       both ? " each" : "");
+        if (both)
+            timing_row(what, paper[i][1], 2 * timing_median(&t.interpolate),
+                       2 * timing_median(&t.peer_interpolate));
+        else
+            timing_row(what, paper[i][1], timing_median(&t.locate),
+                       timing_median(&t.peer_locate));
+        timing_free(&t.locate);
+        timing_free(&t.interpolate);
+        timing_free(&t.peer_locate);
+        timing_free(&t.peer_interpolate);
     }
 }
 
@@ -223,46 +170,17 @@ static void triangulations(void)
     for (size_t i = 0; i < sizeof size / sizeof size[0]; i++) {
         const size_t n = size[i], many = 200000 / n;
         const size_t scans = many > SCANS ? SCANS : many < 1 ? 1 : many;
-        struct ivec3 *pts[SCANS] = {NULL};
-        void *peer[SCANS] = {NULL};
-        size_t got[SCANS];
         struct timing ours = {0}, theirs = {0};
-        struct mesh m = {0};
         double o, t;
         char what[64];
 
-        for (size_t k = 0; k < scans; k++) {
-            pts[k] = timing_alloc(n, sizeof *pts[k]);
-            got[k] = clouds_make(CLOUDS_FACE, k, n, pts[k]);
-            peer[k] = peers != NULL ? peers->points(pts[k], got[k]) : NULL;
-        }
-        must(delaunay_build(pts[0], got[0], &scratch, &m));
-        for (int round = 0; round < 5; round++)
-            for (size_t k = 0; k < scans; k++) {
-                void *dt;
-
-                timing_start(&ours);
-                must(delaunay_build(pts[k], got[k], &scratch, &m));
-                timing_stop(&ours);
-                if (peers == NULL)
-                    continue;
-                timing_start(&theirs);
-                dt = peers->triangulate(peer[k]);
-                timing_stop(&theirs);
-                peers->triangulation_free(dt);
-            }
+        (void)timing_triangulation(peers, CLOUDS_FACE, 0, n, scans, &ours, &theirs);
         o = timing_median(&ours);
         t = timing_median(&theirs);
         (void)snprintf(what, sizeof what, "%zu points", n);
         timing_row(what, o * 1e6 / (double)n, o, t);
         if (n == 1000000)
             timing_target("triangulation of 1,000,000 points", o / t, 0.42, "x CGAL's");
-        for (size_t k = 0; k < scans; k++) {
-            free(pts[k]);
-            if (peer[k] != NULL)
-                peers->points_free(peer[k]);
-        }
-        mesh_free(&m);
         timing_free(&ours);
         timing_free(&theirs);
     }
@@ -280,7 +198,7 @@ static void memory(void)
     (void)clouds_make(CLOUDS_FACE, 7, n, pts);
     scratch_free(&scratch);
     before = timing_bytes() - (double)(n * sizeof *pts);
-    must(delaunay_build(pts, n, &scratch, &m));
+    timing_must(delaunay_build(pts, n, &scratch, &m));
     printf("\nMemory: triangulation of 1,000,000 points: %.1f MB with the points given\n",
            (timing_bytes() - before) / 1e6);
     timing_target("memory, triangulation of 1,000,000 points",
@@ -291,10 +209,17 @@ static void memory(void)
 
 int main(void)
 {
+    static const double table3[][2] = {
+        {10000, 31}, {25000, 93}, {50000, 171}, {75000, 234}, {100000, 312}};
+    static const double table4[][2] = {
+        {50000, 15}, {100000, 31}, {150000, 46}, {200000, 62}};
+
     peers = timing_peers();
     trees();
-    table3();
-    table4();
+    timing_head("Table 3: location (peer: CGAL, in Hilbert order)", "paper ms");
+    location_table(table3, sizeof table3 / sizeof *table3, false);
+    timing_head("Table 4: interpolation both ways (peer: CGAL)", "paper ms");
+    location_table(table4, sizeof table4 / sizeof *table4, true);
     triangulations();
     memory();
     scratch_free(&scratch);

@@ -63,14 +63,6 @@ static struct fit_basis motion;
 static struct face_work *work;
 static struct face stored, fresh, fresh2;
 
-static void must(enum status st)
-{
-    if (st == ST_OK)
-        return;
-    fprintf(stderr, "bench: %s\n", status_message(st));
-    exit(1);
-}
-
 static void pair_make(struct pair *p, uint64_t k, size_t n)
 {
     struct ivec3 *pts = timing_alloc(n, sizeof *pts);
@@ -80,12 +72,12 @@ static void pair_make(struct pair *p, uint64_t k, size_t n)
     p->n_tmpl = clouds_scan(k, 2 * k, n, p->tmpl_pts);
     p->n_probe = clouds_scan(k, 2 * k + 1, n, p->probe_pts);
     clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
-    must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
-    must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
+    timing_must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
+    timing_must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
     p->blob_size = codec_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&p->tmpl, p->blob);
-    must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
+    timing_must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
     if (peers != NULL)
         p->points = peers->points(pts, p->n_tmpl);
     free(pts);
@@ -142,7 +134,7 @@ static void find_pose(const struct face *tmpl, const struct face *probe,
     const struct align_weight u = {mean.rigid, tmpl->frame.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
 
-    must(align_search(&tmpl->surface, &probe->surface, &how, &search, out));
+    timing_must(align_search(&tmpl->surface, &probe->surface, &how, &search, out));
 }
 
 /* Every way to a pair's score must give the same digits. */
@@ -160,12 +152,12 @@ static void decide(const struct pair *p, struct minimal *out)
 {
     struct face_result r;
 
-    must(codec_decode(p->blob, p->blob_size, work, &stored));
-    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
+    timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
+    timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    timing_must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
     if (out != NULL)
-        must(face_minimal(&stored, &fresh, NULL, work, &r, out));
+        timing_must(face_minimal(&stored, &fresh, NULL, work, &r, out));
 }
 
 /* From the points of both. */
@@ -173,9 +165,9 @@ static void decide_raw(const struct pair *p)
 {
     struct face_result r;
 
-    must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
-    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    must(face_compare(&fresh2, &fresh, (double)NAN, NULL, work, &r));
+    timing_must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
+    timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    timing_must(face_compare(&fresh2, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
 }
 
@@ -194,18 +186,18 @@ static void pass(struct pair *pair, size_t k)
     struct minimal least;
     double t = timing_now_ms();
 
-    must(codec_decode(p->blob, p->blob_size, work, &stored));
+    timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
     t = lap(LOAD, t);
     p = turn(pair, k, PROBE);
-    must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
+    timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
     t = lap(PROBE, t);
-    must(face_place(&turn(pair, k, FRAME)->probe, work));
+    timing_must(face_place(&turn(pair, k, FRAME)->probe, work));
     t = lap(FRAME, t);
     p = turn(pair, k, SEARCH);
     find_pose(&p->tmpl, &p->probe, &found);
     t = lap(SEARCH, t);
     p = turn(pair, k, COMPARE);
-    must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
     t = lap(COMPARE, t);
     decide(turn(pair, k, DECIDE), NULL);
     t = lap(DECIDE, t);
@@ -270,10 +262,11 @@ static void outcome(struct pair *pair)
     for (size_t k = 0; k < PAIRS; k++) {
         struct face_result r;
 
-        must(face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, NULL, work, &r));
+        timing_must(
+            face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, NULL, work, &r));
         pair[k].score = r.score;
         matches += r.decision == FACE_MATCH;
-        must(face_align(&pair[k].tmpl, &pair[k].probe, NULL, work, &r));
+        timing_must(face_align(&pair[k].tmpl, &pair[k].probe, NULL, work, &r));
         timing_add(&error, pose_error(&pair[k], r.align.transform));
     }
     printf("%d mated pairs: %u match; pose error, median: %.3f mm", PAIRS, matches,
@@ -301,10 +294,10 @@ static void white_noise_only(void)
         s.scan++;
         p.n_probe = facegen_sample(&s, p.probe_pts);
         clouds_move(p.probe_pts, p.n_probe, k, 8, 10, p.moved);
-        must(face_build(p.tmpl_pts, p.n_tmpl, work, &fresh, NULL));
-        must(face_build(p.probe_pts, p.n_probe, work, &fresh2, NULL));
-        must(face_compare(&fresh, &fresh2, (double)NAN, NULL, work, &r));
-        must(face_align(&fresh, &fresh2, NULL, work, &r));
+        timing_must(face_build(p.tmpl_pts, p.n_tmpl, work, &fresh, NULL));
+        timing_must(face_build(p.probe_pts, p.n_probe, work, &fresh2, NULL));
+        timing_must(face_compare(&fresh, &fresh2, (double)NAN, NULL, work, &r));
+        timing_must(face_align(&fresh, &fresh2, NULL, work, &r));
         timing_add(&error, pose_error(&p, r.align.transform));
     }
     printf(", with white noise alone %.3f mm\n", timing_median(&error));
@@ -326,14 +319,14 @@ static void scan(struct cloudpoints *c, struct face *out)
     static const struct scan_options as_found;
     struct scan_found found;
 
-    must(scan_build(c, &as_found, work, out, NULL, &found));
+    timing_must(scan_build(c, &as_found, work, out, NULL, &found));
 }
 
 static void points_of(const struct dvec3 *pts, size_t n, struct cloudpoints *out)
 {
     *out = (struct cloudpoints){.at = mem_array(n, sizeof *pts), .n = n, .read = n};
     if (out->at == NULL)
-        must(ST_ENOMEM);
+        timing_must(ST_ENOMEM);
     memcpy(out->at, pts, n * sizeof *pts);
 }
 
@@ -354,7 +347,7 @@ static void dense_make(struct pair *p, uint64_t k)
     p->blob_size = codec_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
     codec_encode(&p->tmpl, p->blob);
-    must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
     p->score = r.score;
 }
 
@@ -365,12 +358,12 @@ static void decide_dense(struct timing *t, const struct pair *p, struct minimal 
 
     points_of(p->probe_pts, p->n_probe, &c);
     timing_start(t);
-    must(codec_decode(p->blob, p->blob_size, work, &stored));
+    timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
     scan(&c, &fresh);
-    must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
     same_score(p, &r);
     if (out != NULL)
-        must(face_minimal(&stored, &fresh, NULL, work, &r, out));
+        timing_must(face_minimal(&stored, &fresh, NULL, work, &r, out));
     timing_stop(t);
     cloudpoints_free(&c);
 }
@@ -421,11 +414,11 @@ static void memory(const struct pair *p)
     double bytes;
 
     if (w == NULL)
-        must(ST_ENOMEM);
-    must(codec_decode(p->blob, p->blob_size, w, &a));
-    must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
-    must(face_compare(&a, &b, (double)NAN, NULL, w, &r));
-    must(face_minimal(&a, &b, NULL, w, &r, &least));
+        timing_must(ST_ENOMEM);
+    timing_must(codec_decode(p->blob, p->blob_size, w, &a));
+    timing_must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
+    timing_must(face_compare(&a, &b, (double)NAN, NULL, w, &r));
+    timing_must(face_minimal(&a, &b, NULL, w, &r, &least));
     bytes = timing_bytes() - before;
     printf("\nMemory: working set of a comparison: %.2f MB\n", bytes / 1e6);
     timing_target("memory, working set of a comparison", bytes / 1e6, 4, "MB");
@@ -440,8 +433,8 @@ int main(void)
 
     peers = timing_peers();
     if ((work = face_work_new(NULL)) == NULL)
-        must(ST_ENOMEM);
-    must(frame_mean_make(&model_default, &mean));
+        timing_must(ST_ENOMEM);
+    timing_must(frame_mean_make(&model_default, &mean));
     fit_prepare(&model_default.change, &motion);
     for (size_t k = 0; k < PAIRS; k++)
         pair_make(&pair[k], k, POINTS);

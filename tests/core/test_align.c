@@ -2,16 +2,6 @@
  * result does not depend on the start; surfaces with nothing in common are reported; failed
  * allocations.  The faces are facegen's. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align.h"
 #include "align_field.h"
 #include "align_pose.h"
@@ -29,6 +19,7 @@
 #include "mem.h"
 #include "model.h"
 #include "toy.h"
+#include "unit.h"
 
 #define MAX_POINTS 3000
 
@@ -129,41 +120,13 @@ static double off_by(const double m[16], const double r[9])
     return acos(trace > 1 ? 1 : trace) / degree;
 }
 
-static void test_solve(void **state)
-{
-    struct brute_rng rng = {seed};
-
-    (void)state;
-    for (int round = 0; round < 50; round++) {
-        struct align_normal a;
-        double want[6], x[6];
-
-        memset(&a, 0, sizeof a);
-        for (int i = 0; i < 6; i++)
-            want[i] = brute_real(&rng) - 0.5;
-        for (int k = 0; k < 30; k++) {
-            double j[6], r = 0;
-
-            for (int i = 0; i < 6; i++) {
-                j[i] = brute_real(&rng) - 0.5;
-                r -= j[i] * want[i];
-            }
-            align_solve_add(&a, j, r, 0.1 + brute_real(&rng));
-        }
-        assert_true(align_solve(&a, 0, x));
-        for (int i = 0; i < 6; i++)
-            assert_true(fabs(x[i] - want[i]) < 1e-9);
-    }
-}
-
 /* A flat surface does not determine shifts within it nor the turn about its normal: those
  * unknowns stay 0, the others are found. */
-static void test_solve_plane(void **state)
+TEST(test_solve_plane)
 {
     struct align_normal a;
     double x[6];
 
-    (void)state;
     memset(&a, 0, sizeof a);
     for (int i = -5; i <= 5; i++)
         for (int k = -5; k <= 5; k++) {
@@ -178,40 +141,9 @@ static void test_solve_plane(void **state)
     assert_false(align_solve(&a, 1e-6, x));
 }
 
-static void test_pose(void **state)
-{
-    struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 2, 3}}, back;
-    const struct dvec3 centre = {5, -7, -80};
-    double m[16];
-
-    (void)state;
-    for (int i = 0; i < 1000; i++) {
-        const double x[6] = {0.2, -0.1, 0.05, 1, 2, -3};
-        const struct dvec3 before = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
-        struct dvec3 after;
-
-        align_pose_move(&pose, centre, x);
-        after = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
-        /* the centre moves along; the point keeps its distance to it */
-        assert_true(fabs(hypot(hypot(before.x - 5, before.y + 7), before.z + 80) -
-                         hypot(hypot(after.x - 6, after.y + 5), after.z + 83)) < 1e-6);
-    }
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) {
-            double d = 0;
-
-            for (int l = 0; l < 3; l++)
-                d += pose.r[3 * i + l] * pose.r[3 * k + l];
-            assert_true(fabs(d - (i == k)) < 1e-14);
-        }
-    align_pose_to_matrix(&pose, m);
-    align_pose_from_matrix(m, &back);
-    assert_memory_equal(&pose, &back, sizeof pose);
-}
-
 /* Single points at random places: the gap is that found by searching all triangles; outside
  * the hull there is none. */
-static void test_field(void **state)
+TEST(test_field)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct face f = {0};
@@ -219,7 +151,6 @@ static void test_field(void **state)
     struct align_field field;
     struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
 
-    (void)state;
     enroll(5, &f);
     memset(f.surface.bridge, 0, f.surface.mesh.nt);
     align_field_make(&f.surface, NULL, &field);
@@ -258,13 +189,12 @@ static void test_field(void **state)
 }
 
 /* Mated probes, turned and shifted up to the limits of the search. */
-static void test_finds_pose(void **state)
+TEST(test_finds_pose)
 {
     struct face a = {0}, b = {0};
     struct brute_rng rng = {seed + 1};
     double sum = 0;
 
-    (void)state;
     for (uint64_t subject = 0; subject < 12; subject++) {
         struct facegen_scan s;
         struct align_result r;
@@ -297,38 +227,6 @@ static void test_finds_pose(void **state)
     face_free(&b);
 }
 
-/* A third of the face is missing, and some points lie far off. */
-static void test_holes_and_spikes(void **state)
-{
-    struct face a = {0}, b = {0};
-    double sum = 0;
-
-    (void)state;
-    for (uint64_t subject = 20; subject < 30; subject++) {
-        struct facegen_scan s;
-        struct align_result r;
-        double true_r[9];
-
-        enroll(subject, &a);
-        facegen_default(&s);
-        s.holes = 0.35;
-        s.spikes = 0.012;
-        s.noise = 0.3;
-        s.subject = subject;
-        s.scan = 3;
-        facegen_pose(&s, 10, 15);
-        build(points, sample(&s, subject, 3, points), &b);
-        align(&a, &b, &r);
-        rotation(s.yaw, s.pitch, s.roll, true_r);
-        sum += off_by(r.transform, true_r);
-        assert_true(off_by(r.transform, true_r) < 3);
-        printf("%d: %.2f degrees\n", (int)subject, off_by(r.transform, true_r));
-    }
-    assert_true(sum / 10 < 1.2);
-    face_free(&a);
-    face_free(&b);
-}
-
 /* Where the points p are once they are moved, compared with the places `was`: the root mean
  * square distance, mm. */
 static double moved_by(const double transform[16], const struct dvec3 *p, size_t n,
@@ -346,7 +244,7 @@ static double moved_by(const double transform[16], const struct dvec3 *p, size_t
 
 /* Whatever the probe's pose, its points come to the same places; not as exactly in non-mated
  * comparisons, where the minimum is shallow. */
-static void test_start_does_not_matter(void **state)
+TEST(test_start_does_not_matter)
 {
     static const double poses[][6] = {{0, 0, 0, 0, 0, 0},       {8, 3, 0, 10, 0, 0},
                                       {0, 0, 20, 50, -150, 9},  {-9, -9, 9, 5, 5, 300},
@@ -354,7 +252,6 @@ static void test_start_does_not_matter(void **state)
                                       {-25, 15, 15, 60, 70, 80}};
     struct face a = {0}, b = {0};
 
-    (void)state;
     for (uint64_t who = 0; who < 6; who++) {
         const uint64_t subject = 40 + who % 3; /* mated, then non-mated: no pose
                                                    fits well */
@@ -387,43 +284,6 @@ static void test_start_does_not_matter(void **state)
     face_free(&b);
 }
 
-/* Mirroring both faces, or moving both, moves the pose likewise. */
-static void test_mirror_and_translation(void **state)
-{
-    static const double maps[][3] = {{1, 0, 0}, {-1, 0, 0}, {1, 777.7, -333.3}};
-    static struct dvec3 first[MAX_POINTS];
-    struct face f[2] = {0};
-    struct facegen_scan s;
-    struct align_result r;
-
-    (void)state;
-    facegen_default(&s);
-    for (size_t how = 0; how < sizeof maps / sizeof *maps; how++) {
-        size_t n = 0;
-        double off;
-
-        for (uint64_t side = 0; side < 2; side++) {
-            n = sample(&s, 50, side, points);
-            for (size_t i = 0; i < n; i++) {
-                points[i].x = maps[how][0] * points[i].x + maps[how][1];
-                points[i].y += maps[how][2];
-            }
-            build(points, n, &f[side]);
-        }
-        align(&f[0], &f[1], &r);
-        for (size_t i = 0; how == 0 && i < n; i++)
-            first[i] = vec_transform(r.transform, points[i]);
-        for (size_t i = 0; i < n; i++)
-            turned[i] = (struct dvec3){maps[how][0] * first[i].x + maps[how][1],
-                                       first[i].y + maps[how][2], first[i].z};
-        off = moved_by(r.transform, points, n, turned);
-        printf("map %zu: %.3f mm\n", how, off);
-        assert_true(off < 0.04);
-    }
-    face_free(&f[0]);
-    face_free(&f[1]);
-}
-
 /* The gap per cell of the template's frame, at right angles to the mean face. */
 static void gap_at(const struct face *a, const struct face *b, const double transform[16],
                    struct cells *out)
@@ -443,11 +303,10 @@ static void gap_at(const struct face *a, const struct face *b, const double tran
 /* The search samples the gap.  At the pose where it ends, hardly any of the exact gap can be
  * explained as motion (somewhat more in a non-mated comparison, where the minimum is
  * shallow); and the same input gives the same bytes. */
-static void test_end(void **state)
+TEST(test_end)
 {
     struct face a = {0}, b = {0};
 
-    (void)state;
     for (uint64_t who = 60; who < 62; who++) {
         struct align_result r, again;
         struct facegen_scan s;
@@ -470,7 +329,7 @@ static void test_end(void **state)
 }
 
 /* A given start is used: from the end of a former search only few steps are left. */
-static void test_given_start(void **state)
+TEST(test_given_start)
 {
     struct face a = {0}, b = {0};
     struct align_work w = {0};
@@ -478,7 +337,6 @@ static void test_given_start(void **state)
     struct align_pose end;
     struct facegen_scan s;
 
-    (void)state;
     enroll(63, &a);
     facegen_default(&s);
     s.yaw = 20;
@@ -502,7 +360,7 @@ static void test_given_start(void **state)
 }
 
 /* A template without measured area, and a pose off the lattice. */
-static void test_apart(void **state)
+TEST(test_apart)
 {
     static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const double edge_on[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
@@ -512,7 +370,6 @@ static void test_apart(void **state)
     struct align_result r;
     struct disparity d;
 
-    (void)state;
     memset(&w, 0, sizeof w);
     enroll(70, &a);
     assert_int_equal(measure_at(&a.surface, &a.surface, far, NULL, &w, &d), ST_OK);
@@ -530,14 +387,13 @@ static void test_apart(void **state)
 }
 
 /* The n-th allocation fails, for every n until none does. */
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct face a = {0}, b = {0};
     struct facegen_scan s;
     enum status st = ST_ENOMEM;
     long n = 0;
 
-    (void)state;
     facegen_default(&s);
     enroll(80, &a);
     build(points, sample(&s, 80, 4, points), &b);
@@ -559,33 +415,16 @@ static void test_memory(void **state)
     face_free(&b);
 }
 
-int main(int argc, char **argv)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_solve),
-        cmocka_unit_test(test_solve_plane),
-        cmocka_unit_test(test_pose),
-        cmocka_unit_test(test_field),
-        cmocka_unit_test(test_finds_pose),
-        cmocka_unit_test(test_holes_and_spikes),
-        cmocka_unit_test(test_start_does_not_matter),
-        cmocka_unit_test(test_mirror_and_translation),
-        cmocka_unit_test(test_end),
-        cmocka_unit_test(test_given_start),
-        cmocka_unit_test(test_apart),
-        cmocka_unit_test(test_memory),
-    };
-    int failed;
-
-    if (argc > 1)
-        cmocka_set_test_filter(argv[1]);
     seed = brute_seed("align");
-    if ((work = face_work_new(NULL)) == NULL ||
-        frame_mean_make(&model_default, &mean) != ST_OK)
-        return 2;
+    assert_non_null(work = face_work_new(NULL));
+    assert_int_equal(frame_mean_make(&model_default, &mean), ST_OK);
     fit_prepare(&model_default.change, &motion);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     face_work_free(work);
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,16 +1,9 @@
 /* The grid as a template: heights between the cells, missing corners, and the robust sum
  * against the same in double precision, one point at a time. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align_grid.h"
 #include "brute.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 203
 
@@ -128,12 +121,11 @@ static void compare(const struct align_point *pts, uint32_t n, uint32_t stride,
     }
 }
 
-static void test_sum(void **state)
+TEST(test_sum)
 {
     static struct align_point pts[POINTS];
     struct brute_rng rng = {brute_seed("align_grid")};
 
-    (void)state;
     for (int round = 0; round < 50; round++) {
         /* The points may lie far from the origin: the pose brings them back. */
         const struct dvec3 far = {round % 5 * 2000.0, round % 3 * -3000.0, 5000.0};
@@ -158,7 +150,7 @@ static void test_sum(void **state)
 
 /* Nothing over the grid, which covers every cell: no gap, and a cost that no pose with a gap
  * has. */
-static void test_apart(void **state)
+TEST(test_apart)
 {
     static float z[GRID_N];
     static struct align_grid whole;
@@ -167,7 +159,6 @@ static void test_apart(void **state)
     const struct dvec3 c = {0, 0, 0};
     struct align_sum sum;
 
-    (void)state;
     (void)align_grid_make(z, weight, &whole);
     align_grid_sum(&whole, p, 2, 1, &off, c, ALIGN_LOSS_L1, &sum);
     assert_true(sum.within == 0 && sum.cost == ALIGN_NO_GAP_MM && sum.normal.h[0] == 0);
@@ -176,12 +167,11 @@ static void test_apart(void **state)
 }
 
 /* Four corners, or three, make a patch; two make none; the last row and column have none. */
-static void test_patches(void **state)
+TEST(test_patches)
 {
     static float z[GRID_N];
     static struct align_grid g;
 
-    (void)state;
     assert_int_equal(align_grid_make(z, weight, &g), (GRID_NX - 1) * (GRID_NY - 1));
     for (uint32_t i = 0; i < GRID_N; i++)
         z[i] = (float)NAN;
@@ -195,15 +185,8 @@ static void test_patches(void **state)
                 g.patch[0].zxy == 0.0f);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sum),
-        cmocka_unit_test(test_apart),
-        cmocka_unit_test(test_patches),
-    };
-
     make();
     (void)align_grid_make(height, weight, &grid);
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,15 +2,6 @@
  * the generator put in, and the plane is found; a face and its mirror image have the same
  * value; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align_pose.h"
 #include "asymmetry.h"
 #include "delaunay.h"
@@ -21,6 +12,7 @@
 #include "measure.h"
 #include "mst.h"
 #include "toy.h"
+#include "unit.h"
 
 #define POINTS 3000
 #define DEGREE (3.14159265358979323846 / 180)
@@ -80,11 +72,10 @@ static double step(double x, double y)
     return dome(x, y) + (x > 22 && x < 38 && fabs(y) < 18 ? 2 : 0);
 }
 
-static void test_symmetric(void **state)
+TEST(test_symmetric)
 {
     const struct asymmetry a = find(points, sheet(dome, points));
 
-    (void)state;
     close_to(a.initial.plain_mm, 0, 1e-9);
     close_to(a.final.plain_mm, 0, 1e-9);
     close_to(a.final.overlap, 1, 0);
@@ -98,11 +89,10 @@ static void test_symmetric(void **state)
 
 /* A plane that rises by 1/8 to the right: against its image in x = 0 the gap is |x| / 4,
  * 6 mm in the mean over |x| <= 48.  In the plane square to its slope it is symmetric. */
-static void test_slope(void **state)
+TEST(test_slope)
 {
     const struct asymmetry a = find(points, sheet(slope, points));
 
-    (void)state;
     close_to(a.initial.plain_mm, 6, 1e-9);
     close_to(a.final.plain_mm, 0, 0.002);
     close_to(a.normal[0] * -0.125 + a.normal[1] * -0.25 + a.normal[2], 0, 1e-3);
@@ -110,12 +100,11 @@ static void test_slope(void **state)
 
 /* The plateau is all of the asymmetry: 2 mm over its area, on either side; at its rim a
  * slope of half the spacing more. */
-static void test_step(void **state)
+TEST(test_step)
 {
     const struct asymmetry a = find(points, sheet(step, points));
     const double volume = 2 * 2 * (12 + 4.0) * (32 + 4.0);
 
-    (void)state;
     close_to(a.initial.volume_mm3 / volume, 1, 0.02);
     assert_true(a.final.plain_mm <= a.initial.plain_mm + 1e-3);
     close_to(a.final.volume_mm3 / volume, 1, 0.05);
@@ -123,13 +112,12 @@ static void test_step(void **state)
 }
 
 /* For a symmetric surface that was turned and shifted, the plane gives the turn and shift. */
-static void test_tilted(void **state)
+TEST(test_tilted)
 {
     static const double turns[][4] = {
         {0.1, 0, 0, 0}, {0, 0.2, 0, 0}, {0, 0, -0.15, 4}, {0.05, 0.1, 0.1, -6}};
     const uint32_t n = sheet(dome, points);
 
-    (void)state;
     for (size_t k = 0; k < sizeof turns / sizeof *turns; k++) {
         static struct dvec3 moved[POINTS];
         struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -263,11 +251,10 @@ static double angle(const struct facegen_scan *s, const double found[3],
 #define LEVELS   4
 #define SCANS    3
 
-static void test_planted(void **state)
+TEST(test_planted)
 {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, spread = 0, worst = 0, cor;
 
-    (void)state;
     for (int i = 0; i < SUBJECTS * LEVELS; i++) {
         struct facegen_scan s;
         double plane[3], truth, low = INFINITY, high = 0;
@@ -305,41 +292,13 @@ static void test_planted(void **state)
     assert_true(worst < 0.5);
 }
 
-/* A face's mirror image is as asymmetric, about the mirrored plane. */
-static void test_mirrored(void **state)
-{
-    (void)state;
-    for (uint64_t k = 0; k < 4; k++) {
-        struct facegen_scan s;
-        struct asymmetry a, b;
-        size_t n;
-
-        facegen_default(&s);
-        s.subject = 20 + k;
-        facegen_pose(&s, 8, 10);
-        scan(&s);
-        a = measured();
-        n = facegen_sample(&s, points);
-        for (size_t i = 0; i < n; i++)
-            points[i].x = -points[i].x;
-        assert_int_equal(face_build(points, n, work, &face, NULL), ST_OK);
-        b = measured();
-        close_to(a.final.plain_mm / b.final.plain_mm, 1, 0.01);
-        close_to(a.normal[0], b.normal[0], 2e-3);
-        close_to(a.normal[1], -b.normal[1], 2e-3);
-        close_to(a.normal[2], -b.normal[2], 2e-3);
-        close_to(a.offset_mm, -b.offset_mm, 0.1);
-    }
-}
-
 /* The same input gives the same bytes; half a face gives an inconclusive result. */
-static void test_half(void **state)
+TEST(test_half)
 {
     struct facegen_scan s;
     struct asymmetry a, b;
     size_t n, half = 0;
 
-    (void)state;
     facegen_default(&s);
     s.subject = 3;
     scan(&s);
@@ -359,14 +318,13 @@ static void test_half(void **state)
     assert_false(asymmetry_conclusive(&a));
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct facegen_scan s;
     enum status st = ST_ENOMEM;
     struct asymmetry want;
     unsigned long k;
 
-    (void)state;
     facegen_default(&s);
     scan(&s);
     want = measured();
@@ -388,20 +346,14 @@ static void test_memory(void **state)
     assert_true(k > 4);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_symmetric), cmocka_unit_test(test_slope),
-        cmocka_unit_test(test_step),      cmocka_unit_test(test_tilted),
-        cmocka_unit_test(test_planted),   cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_half),      cmocka_unit_test(test_memory),
-    };
-    int failed;
-
     work = face_work_new(NULL);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     face_work_free(work);
     face_free(&face);
     surface_free(&made);
-    return failed;
 }

@@ -1,20 +1,13 @@
 /* A calibration is a distribution function of non-mated scores, and says no more than it knows. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "calibration.h"
 #include "model.h"
+#include "unit.h"
 
 static const struct calibration table = {
     8, 4, {{-50, 1}, {-10, 0.5}, {0, 0.1}, {10, 0.001}}};
 
-static void test_by_hand(void **state)
+TEST(test_by_hand)
 {
-    (void)state;
     assert_true(calibration_fmr(&table, -50.001) == 1 &&
                 calibration_fmr(&table, -50) == 1);
     assert_true(calibration_fmr(&table, -30) == 0.75);
@@ -26,12 +19,11 @@ static void test_by_hand(void **state)
 }
 
 /* The shipped one too: monotone, without jumps, and the wanted rate at its threshold. */
-static void test_shipped(void **state)
+TEST(test_shipped)
 {
     const struct calibration *c = &model_default.calibration;
     double last = 1;
 
-    (void)state;
     assert_true(calibration_valid(c));
     for (int i = 0; i <= 50000; i++) {
         const double rate = calibration_fmr(c, -200 + i * 0.01);
@@ -42,19 +34,17 @@ static void test_shipped(void **state)
     assert_true(calibration_fmr(c, c->threshold) < 1e-3);
 }
 
-static void test_odd_values(void **state)
+TEST(test_odd_values)
 {
-    (void)state;
     assert_true(calibration_fmr(&table, (double)NAN) == 1);
     assert_true(calibration_fmr(&table, -(double)INFINITY) == 1);
     assert_true(calibration_fmr(&table, (double)INFINITY) == 0.001);
 }
 
-static void test_valid(void **state)
+TEST(test_valid)
 {
     struct calibration c = table;
 
-    (void)state;
     assert_true(calibration_valid(&c));
     c.threshold = -8;
     assert_true(calibration_valid(&c));
@@ -82,16 +72,4 @@ static void test_valid(void **state)
     c = table;
     c.knot[3].score = (double)INFINITY;
     assert_false(calibration_valid(&c));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_shipped),
-        cmocka_unit_test(test_odd_values),
-        cmocka_unit_test(test_valid),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,19 +1,12 @@
 /* The gap per cell from points of the probe: planes by hand, in any frame and at any pose; what
  * is steep, bridged or beside the template is left out. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align_field.h"
 #include "brute.h"
 #include "cells.h"
 #include "lattice.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define ROOM 20000
 
@@ -70,9 +63,8 @@ static bool inner(double x, double y)
     return x * x / (44.0 * 44) + y * y / (58.0 * 58) < 1;
 }
 
-static void test_plane(void **state)
+TEST(test_plane)
 {
-    (void)state;
     for (int k = -2; k <= 2; k++) {
         make(&slope, k);
         sample(&still, &still);
@@ -95,12 +87,11 @@ static void test_plane(void **state)
 }
 
 /* The gap does not depend on the frame; what the points have been moved by, the pose undoes. */
-static void test_poses(void **state)
+TEST(test_poses)
 {
     struct align_pose frame, pose, back;
     uint32_t seen = 0;
 
-    (void)state;
     make(&slope, 1.5);
     toy_pose(9, -7, 20, (struct dvec3){3, -4, 12}, &frame);
     toy_pose(20, 10, -15, (struct dvec3){30, 40, -500}, &pose);
@@ -118,12 +109,11 @@ static void test_poses(void **state)
 }
 
 /* A cliff, what is beside the template, and points that cover nothing. */
-static void test_left_out(void **state)
+TEST(test_left_out)
 {
     const struct plane cliff = {5, 0, 0}, level = {0, 0, 0};
     struct align_pose away = still;
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         make(k == 0 ? &cliff : &level, 1);
         away.t[0] = k == 1 ? 500 : 0;
@@ -138,12 +128,11 @@ static void test_left_out(void **state)
 }
 
 /* In a cell the mean is weighted by area. */
-static void test_weights(void **state)
+TEST(test_weights)
 {
     const struct plane level = {0, 0, 0};
     const uint32_t i = grid_cell(2, 4);
 
-    (void)state;
     make(&level, 0);
     pts[0] = (struct align_point){{1, 3, 4}, 3, ALIGN_FIELD_NONE};
     pts[1] = (struct align_point){{3, 5, -1}, 1, ALIGN_FIELD_NONE};
@@ -153,21 +142,7 @@ static void test_weights(void **state)
     assert_true(fabs((double)cells.gap[i] - 2.75) < 1e-3);
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
-    (void)state;
     surface_free(&tmpl);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_poses),
-        cmocka_unit_test(test_left_out),
-        cmocka_unit_test(test_weights),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, tear_down);
 }

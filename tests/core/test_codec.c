@@ -1,15 +1,5 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* A face model as bytes and back; damaged bytes are refused. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align_pose.h"
 #include "brute.h"
 #include "clouds.h"
@@ -23,6 +13,7 @@
 #include "model.h"
 #include "mst.h"
 #include "predicates.h"
+#include "unit.h"
 
 #define GOLDEN   "tests/golden/face_v3.bin"
 #define HEADER   128
@@ -112,7 +103,7 @@ static void round_trip(const struct face *f)
     face_free(&h);
 }
 
-static void test_round_trip(void **state)
+TEST(test_round_trip)
 {
     /* The last with half-edges, and with points, of two bytes, and the next. */
     static const struct {
@@ -121,7 +112,6 @@ static void test_round_trip(void **state)
     struct brute_rng r = {brute_seed("codec")};
     struct face f = {0};
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 3; n <= 3000; n = n * 2 + 1) {
             build((enum brute_shape)shape, n, &r, &f);
@@ -141,14 +131,13 @@ static void test_round_trip(void **state)
 }
 
 /* Any other length than the block's own is refused. */
-static void test_length(void **state)
+TEST(test_length)
 {
     struct brute_rng r = {brute_seed("bytes")};
     struct face f = {0}, g = {0};
     size_t len;
     unsigned char *buf;
 
-    (void)state;
     build(BRUTE_RANDOM, 60, &r, &f);
     buf = encode(&f, &len);
     for (size_t n = 0; n < len; n++)
@@ -196,7 +185,7 @@ static void assert_safe(const struct mesh *m)
 
 /* Whatever byte is changed: what is accepted is safe to walk on.  The mark is test_frame()'s:
  * with another one the frame is found again, which takes a millisecond. */
-static void test_checked(void **state)
+TEST(test_checked)
 {
     struct brute_rng r = {brute_seed("sealed")};
     struct face f = {0}, g = {0};
@@ -204,7 +193,6 @@ static void test_checked(void **state)
     size_t len;
     unsigned char *buf;
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         build((enum brute_shape)shape, 40, &r, &f);
         buf = encode(&f, &len);
@@ -245,7 +233,7 @@ static size_t golden(const char *path, unsigned char buf[1024])
 }
 
 /* A model made by hand: a square with its centre, on a roof. */
-static void test_golden(void **state)
+TEST(test_golden)
 {
     static const struct ivec2 xy[5] = {
         {-50000, -50000}, {0, 0}, {-50000, 50000}, {50000, -50000}, {50000, 50000}};
@@ -262,7 +250,6 @@ static void test_golden(void **state)
     unsigned char buf[1024], again[1024];
     size_t len = 0;
 
-    (void)state;
     len = golden(GOLDEN, buf);
     assert_int_equal(codec_decode(buf, len, work, &f), ST_OK);
     assert_int_equal(f.surface.mesh.nv, 5);
@@ -315,13 +302,12 @@ static void check_close(const struct align_pose *a, const struct align_pose *b)
 }
 
 /* Without a mark there is no frame: it is found from the points. */
-static void test_no_mark(void **state)
+TEST(test_no_mark)
 {
     struct face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len);
 
-    (void)state;
     memset(buf + MARK, 0, 4);
     assert_int_equal(decode(buf, len, &g), ST_OK);
     assert_same(&f.surface.mesh, &g.surface.mesh);
@@ -334,7 +320,7 @@ static void test_no_mark(void **state)
 
 /* The frame is kept to the last digit; another mean face's is found again; what is no
  * similarity of a head's size is refused. */
-static void test_frame(void **state)
+TEST(test_frame)
 {
     static const struct {
         size_t at;
@@ -344,7 +330,6 @@ static void test_frame(void **state)
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
 
-    (void)state;
     assert_non_null(other);
     assert_int_equal(decode(buf, len, &g), ST_OK);
     assert_int_equal(f.frame.mean_id, g.frame.mean_id);
@@ -387,7 +372,7 @@ static void put_bits(unsigned char *p, uint32_t v)
 
 /* Of a face that was built it is what face_build() made, to the last bit; of any other number of
  * modes too, none and the most included. */
-static void test_encoding(void **state)
+TEST(test_encoding)
 {
     static const uint32_t modes[] = {0, 1, 7, MODEL_MODES};
     struct brute_rng r = {brute_seed("encoding")};
@@ -395,7 +380,6 @@ static void test_encoding(void **state)
     size_t len;
     unsigned char *buf = encoded_face(&f, &len);
 
-    (void)state;
     assert_true(f.encoding.n > 0);
     assert_int_equal(decode(buf, len, &g), ST_OK);
     assert_memory_equal(&f.encoding, &g.encoding, sizeof f.encoding);
@@ -422,7 +406,7 @@ static void test_encoding(void **state)
 
 /* An encoding that contradicts itself, or has a number that is none, is refused; so is one of
  * more modes than there are, and one that is cut off. */
-static void test_bad_encoding(void **state)
+TEST(test_bad_encoding)
 {
     static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
                                     0x7f800001}; /* NAN, infinite, ... */
@@ -433,7 +417,6 @@ static void test_bad_encoding(void **state)
     const uint32_t n = f.encoding.n, pairs = n * (n + 1) / 2;
     const uint32_t at[] = {0, 1, n - 1, n, n + pairs / 2, n + pairs - 1};
 
-    (void)state;
     assert_non_null(other);
     for (size_t k = 0; k < sizeof none / sizeof *none; k++)
         for (size_t i = 0; i <= sizeof at / sizeof *at; i++) {
@@ -466,14 +449,13 @@ static void test_bad_encoding(void **state)
 
 /* The number of modes says how long the block is: more than MODEL_MODES, or one more or less than
  * there are, is refused even where the length of the header agrees. */
-static void test_modes(void **state)
+TEST(test_modes)
 {
     struct face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other;
     const uint32_t n = f.encoding.n;
 
-    (void)state;
     for (uint32_t modes = 0; modes <= MODEL_MODES + 2; modes++) {
         const size_t was = 4 * n + 2 * n * (n + 1),
                      now = 4 * modes + 2 * modes * (modes + 1);
@@ -507,7 +489,7 @@ static void test_modes(void **state)
     face_free(&g);
 }
 
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("memory")};
     struct face f = {0};
@@ -516,7 +498,6 @@ static void test_no_memory(void **state)
     unsigned char *buf;
     unsigned long n = 0;
 
-    (void)state;
     build(BRUTE_RANDOM, 300, &r, &f);
     buf = encode(&f, &len);
     do {
@@ -539,29 +520,13 @@ static void test_no_memory(void **state)
     face_free(&f);
 }
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
-    (void)state;
-    return (work = face_work_new(NULL)) == NULL;
+    assert_non_null(work = face_work_new(NULL));
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
-    (void)state;
     face_work_free(work);
     scratch_free(&scratch);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_length),
-        cmocka_unit_test(test_checked),    cmocka_unit_test(test_golden),
-        cmocka_unit_test(test_no_mark),    cmocka_unit_test(test_frame),
-        cmocka_unit_test(test_encoding),   cmocka_unit_test(test_bad_encoding),
-        cmocka_unit_test(test_modes),      cmocka_unit_test(test_no_memory),
-    };
-
-    return cmocka_run_group_tests_name("codec", tests, set_up, tear_down);
 }

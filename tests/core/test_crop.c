@@ -1,17 +1,6 @@
 /* The crop keeps the face that is seen from the front: of two layers the first, nothing that
  * covers it or lies elsewhere, and the same points whatever their order. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "cloudpoints.h"
 #include "crop.h"
@@ -23,6 +12,7 @@
 #include "shape.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 12000
 #define ROOM   60000
@@ -34,11 +24,10 @@ static struct align_pose pose; /* of the scan: canonical frame -> points */
 static struct dvec3 pts[ROOM];
 static size_t n;
 
-static int set_up(void **state)
+BEFORE_EACH(set_up)
 {
     static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
-    (void)state;
     rng.state = brute_seed("crop");
     memset(cell, SHAPE_EMPTY, sizeof cell);
     for (uint32_t i = 0; i < GRID_N; i++)
@@ -49,7 +38,6 @@ static int set_up(void **state)
     view.height = model_default.mean;
     view.cell = cell;
     n = 0;
-    return 0;
 }
 
 /* The mean face at (x, y), bilinear; NAN off it. */
@@ -137,12 +125,11 @@ static void crop(struct cloudpoints *c, size_t most, struct crop_count *count)
     }
 }
 
-static void test_elsewhere(void **state)
+TEST(test_elsewhere)
 {
     struct crop_count count;
     struct cloudpoints c;
 
-    (void)state;
     add_face(POINTS, 0, 0.2);
     add_box(3000, (struct dvec3){-60, -90, -220}, (struct dvec3){60, 70, -150});
     add_box(3000, (struct dvec3){-250, -300, -150}, (struct dvec3){250, -130, 0});
@@ -156,13 +143,12 @@ static void test_elsewhere(void **state)
 }
 
 /* The second layer goes where it is 3 mm behind the first; what is noisy has none. */
-static void test_layers(void **state)
+TEST(test_layers)
 {
     static const double behind[] = {3, 5, 7.5};
     struct crop_count count;
     struct cloudpoints c;
 
-    (void)state;
     for (size_t k = 0; k < sizeof behind / sizeof *behind; k++) {
         n = 0;
         add_face(POINTS, 0, 0.15);
@@ -183,13 +169,12 @@ static void test_layers(void **state)
     cloudpoints_free(&c);
 }
 
-static void test_cover(void **state)
+TEST(test_cover)
 {
     struct crop_count count;
     struct cloudpoints c;
     size_t under = 0, over = 0, first;
 
-    (void)state;
     for (uint32_t i = 0; i < GRID_N; i++)
         if (cell[i] == SHAPE_SKIN && grid_y(i) < -18)
             cell[i] = grid_x(i) < 0 ? SHAPE_COVER : SHAPE_APART;
@@ -214,24 +199,17 @@ static int by_place(const void *a, const void *b)
     return memcmp(a, b, sizeof(struct dvec3));
 }
 
-static void test_order(void **state)
+TEST(test_order)
 {
     struct crop_count count;
     struct cloudpoints a, b;
 
-    (void)state;
     add_face(POINTS, 0, 0.2);
     add_face(POINTS, -4, 0.2);
     add_box(3000, (struct dvec3){-60, -90, -220}, (struct dvec3){60, 70, 20});
     crop(&a, 8000, &count);
     assert_in_range(a.n, 7000, 8000);
-    for (size_t i = n - 1; i > 0; i--) {
-        const size_t with = (size_t)brute_int(&rng, 0, (int32_t)i);
-        const struct dvec3 swap = pts[i];
-
-        pts[i] = pts[with];
-        pts[with] = swap;
-    }
+    brute_shuffle(pts, n, sizeof *pts, &rng);
     crop(&b, 8000, &count);
     assert_int_equal(a.n, b.n);
     qsort(a.at, a.n, sizeof *a.at, by_place);
@@ -243,12 +221,11 @@ static void test_order(void **state)
 
 /* What many points measure alike is measured the better: of 10 points each the noise is a
  * third, on steep places too. */
-static void test_noise(void **state)
+TEST(test_noise)
 {
     static const size_t most[] = {ROOM, 5000};
     double rms[2];
 
-    (void)state;
     add_face(50000, 0, 0.5);
     for (int k = 0; k < 2; k++) {
         struct crop_count count;
@@ -266,12 +243,11 @@ static void test_noise(void **state)
 }
 
 /* Places and normals go with the points. */
-static void test_members(void **state)
+TEST(test_members)
 {
     struct crop_count count;
     struct cloudpoints c;
 
-    (void)state;
     add_face(POINTS, 0, 0.15);
     take(&c);
     c.index = mem_array(n, sizeof *c.index);
@@ -294,12 +270,11 @@ static void test_members(void **state)
 }
 
 /* No points at all, and none on the face. */
-static void test_none(void **state)
+TEST(test_none)
 {
     struct crop_count count;
     struct cloudpoints c;
 
-    (void)state;
     crop(&c, 100, &count);
     assert_int_equal(c.n, 0);
     cloudpoints_free(&c);
@@ -309,13 +284,12 @@ static void test_none(void **state)
     cloudpoints_free(&c);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     enum status st = ST_ENOMEM;
     struct crop_count count;
     struct cloudpoints c;
 
-    (void)state;
     add_face(POINTS, 0, 0.15);
     take(&c);
     for (unsigned long k = 1; st != ST_OK; k++) {
@@ -345,11 +319,10 @@ static void seen(struct cloudpoints *c, double side)
     }
 }
 
-static void test_normals(void **state)
+TEST(test_normals)
 {
     struct cloudpoints c;
 
-    (void)state;
     add_face(1000, 0, 0.15);
     seen(&c, 1);
     assert_false(mirror_told(&c));
@@ -388,9 +361,8 @@ static bool told(double ax, double bx, double ay, double by, bool shuffled)
     return mirrored;
 }
 
-static void test_pixels(void **state)
+TEST(test_pixels)
 {
-    (void)state;
     assert_false(told(2, 0.2, -0.1, -2, false));
     assert_false(told(0.1, 2, 2, 0.3, false)); /* the camera on its side */
     assert_false(told(-2, 0, 0, 2, false));    /* upside down */
@@ -398,22 +370,4 @@ static void test_pixels(void **state)
     assert_true(told(2, 0, 0, 2, false));
     assert_true(told(0.1, -2, 2, 0.3, false));
     assert_false(told(-2, 0, 0, -2, true)); /* the order is no image's */
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_elsewhere, set_up),
-        cmocka_unit_test_setup(test_layers, set_up),
-        cmocka_unit_test_setup(test_cover, set_up),
-        cmocka_unit_test_setup(test_order, set_up),
-        cmocka_unit_test_setup(test_noise, set_up),
-        cmocka_unit_test_setup(test_members, set_up),
-        cmocka_unit_test_setup(test_none, set_up),
-        cmocka_unit_test_setup(test_memory, set_up),
-        cmocka_unit_test_setup(test_normals, set_up),
-        cmocka_unit_test_setup(test_pixels, set_up),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

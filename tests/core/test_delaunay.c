@@ -1,13 +1,5 @@
 /* Delaunay triangulation against its definition, on every kind of input. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "delaunay.h"
 #include "fail_alloc.h"
@@ -15,6 +7,7 @@
 #include "mem.h"
 #include "mesh_check.h"
 #include "predicates.h"
+#include "unit.h"
 
 #define LARGE 20000
 
@@ -86,12 +79,11 @@ static void check_brute(struct ivec3 *pts, size_t n)
     mesh_free(&want);
 }
 
-static void test_by_definition(void **state)
+TEST(test_by_definition)
 {
     struct brute_rng r = {brute_seed("by definition")};
     struct ivec3 pts[400];
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         for (size_t n = 3; n < 40; n++)
             check_brute(pts, brute_points((enum brute_shape)shape, n, &r, pts));
@@ -104,11 +96,10 @@ static void test_by_definition(void **state)
 }
 
 /* Every set of up to 9 points on a 3 x 3 grid, if not all are on one line. */
-static void test_all_small_sets(void **state)
+TEST(test_all_small_sets)
 {
     int lines = 0;
 
-    (void)state;
     for (unsigned set = 0; set < 1u << 9; set++) {
         struct ivec3 pts[9];
         size_t n = 0;
@@ -149,14 +140,13 @@ static size_t line_points(int32_t dx, int32_t dy, size_t n, size_t off,
     return n + off;
 }
 
-static void test_lines(void **state)
+TEST(test_lines)
 {
     static const struct ivec2 way[] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {3, 1}, {-2, 7}};
     struct brute_rng r = {brute_seed("lines")};
     struct ivec3 pts[256];
     struct mesh m = {0};
 
-    (void)state;
     for (size_t w = 0; w < sizeof way / sizeof way[0]; w++)
         for (size_t n = 2; n < 250; n += 1 + n / 4) {
             size_t all = line_points(way[w].x, way[w].y, n, 0, &r, pts);
@@ -175,13 +165,12 @@ static void test_lines(void **state)
 }
 
 /* Many points at few places: heights averaged and rounded down, whatever the order. */
-static void test_duplicates(void **state)
+TEST(test_duplicates)
 {
     static const int side[] = {2, 3, 4, 7, 15};
     struct brute_rng r = {brute_seed("duplicates")};
     struct ivec3 pts[500];
 
-    (void)state;
     for (size_t s = 0; s < 5; s++)
         for (size_t n = 10; n <= 500; n += 49) {
             for (size_t i = 0; i < n; i++)
@@ -196,28 +185,16 @@ static void test_duplicates(void **state)
         }
 }
 
-static void test_mean_height(void **state)
+TEST(test_mean_height)
 {
     struct ivec3 pts[] = {{0, 0, -1}, {0, 0, -2}, {5, 0, 1}, {5, 0, 2},
                           {0, 5, -7}, {0, 5, -7}, {5, 0, 2}, {9, 9, LATTICE_MAX}};
     const struct ivec3 want[] = {{0, 0, -2}, {0, 5, -7}, {5, 0, 1}, {9, 9, LATTICE_MAX}};
     struct mesh m = {0};
 
-    (void)state;
     assert_int_equal(delaunay_build(pts, 8, &scratch, &m), ST_OK);
     check_points(&m, want, 4);
     mesh_free(&m);
-}
-
-static void shuffle(struct ivec3 *pts, size_t n, struct brute_rng *r)
-{
-    for (size_t i = n; i-- > 1;) {
-        const size_t j = brute_rand(r) % (i + 1);
-        const struct ivec3 t = pts[i];
-
-        pts[i] = pts[j];
-        pts[j] = t;
-    }
 }
 
 /* The meshes must agree byte for byte, except for a shift. */
@@ -238,13 +215,12 @@ static void check_same_bytes(const struct mesh *a, const struct mesh *b, int32_t
     assert_memory_equal(a->out, b->out, (a->nv + 1) * sizeof *a->out);
 }
 
-static void test_canonical(void **state)
+TEST(test_canonical)
 {
     struct brute_rng r = {brute_seed("canonical")};
     struct ivec3 *pts = malloc(2 * LARGE * sizeof *pts);
     struct mesh a = {0}, b = {0};
 
-    (void)state;
     assert_non_null(pts);
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 5; n <= LARGE; n *= 8) {
@@ -257,7 +233,7 @@ static void test_canonical(void **state)
             k += n / 3;
             assert_int_equal(delaunay_build(pts, k, &scratch, &a), ST_OK);
             for (int again = 0; again < 3; again++) {
-                shuffle(pts, k, &r);
+                brute_shuffle(pts, k, sizeof *pts, &r);
                 assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
                 check_same_bytes(&a, &b, 0, 0);
             }
@@ -270,13 +246,12 @@ static void test_canonical(void **state)
     free(pts);
 }
 
-static void test_translation(void **state)
+TEST(test_translation)
 {
     struct brute_rng r = {brute_seed("translation")};
     struct ivec3 *pts = malloc(3000 * sizeof *pts);
     struct mesh a = {0}, b = {0};
 
-    (void)state;
     assert_non_null(pts);
     for (int shape = 0; shape < BRUTE_EXTREME; shape++) {
         const size_t k = brute_points((enum brute_shape)shape, 3000, &r, pts);
@@ -296,14 +271,13 @@ static void test_translation(void **state)
 }
 
 /* Too many to compare with the definition: the empty circle across every edge. */
-static void test_large(void **state)
+TEST(test_large)
 {
     struct brute_rng r = {brute_seed("large")};
     struct ivec3 *pts = malloc(LARGE * sizeof *pts);
     struct mesh m = {0};
     size_t n = 0;
 
-    (void)state;
     assert_non_null(pts);
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         const size_t k = brute_points((enum brute_shape)shape, LARGE, &r, pts);
@@ -327,7 +301,7 @@ static void test_large(void **state)
     free(pts);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     static const struct ivec3 far[] = {
         {LATTICE_MAX + 1, 0, 0},  {-LATTICE_MAX - 1, 0, 0}, {0, LATTICE_MAX + 1, 0},
@@ -339,7 +313,6 @@ static void test_refused(void **state)
                                  {8, 3, 0}, {8, 3, 0}, {3, 3, 3}};
     struct mesh m = {0};
 
-    (void)state;
     for (size_t k = 0; k < sizeof far / sizeof far[0]; k++)
         for (int i = 0; i < 5; i++) {
             const struct ivec3 keep = pts[i];
@@ -365,12 +338,11 @@ static void test_refused(void **state)
 }
 
 /* The four corners of the lattice, its middle, and a point next to each. */
-static void test_extremes(void **state)
+TEST(test_extremes)
 {
     struct ivec3 pts[18];
     size_t n = 0;
 
-    (void)state;
     for (int32_t x = -1; x <= 1; x++)
         for (int32_t y = -1; y <= 1; y++) {
             pts[n++] = (struct ivec3){x * LATTICE_MAX, y * LATTICE_MAX, -LATTICE_MAX};
@@ -381,14 +353,13 @@ static void test_extremes(void **state)
 }
 
 /* Bigger, smaller and bigger again in the same memory gives what fresh memory gives. */
-static void test_reuse(void **state)
+TEST(test_reuse)
 {
     static const size_t size[] = {3000, 7, 400, 3, 5000, 3000, 12};
     struct brute_rng r = {brute_seed("reuse")};
     struct ivec3 *pts = malloc(5000 * sizeof *pts);
     struct mesh kept = {0};
 
-    (void)state;
     assert_non_null(pts);
     for (size_t i = 0; i < sizeof size / sizeof size[0]; i++) {
         const size_t k = brute_points(BRUTE_RANDOM, size[i], &r, pts);
@@ -408,14 +379,13 @@ static void test_reuse(void **state)
     free(pts);
 }
 
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("no memory")};
     struct ivec3 pts[100];
     const size_t n = brute_points(BRUTE_RANDOM, 100, &r, pts);
     enum status st = ST_ENOMEM;
 
-    (void)state;
     for (unsigned long k = 1; st != ST_OK; k++) {
         struct scratch s = {0};
         struct mesh m = {0};
@@ -438,7 +408,7 @@ static void test_no_memory(void **state)
 }
 
 /* mesh_check() must notice each kind of damage. */
-static void test_check_can_fail(void **state)
+TEST(test_check_can_fail)
 {
     struct brute_rng r = {brute_seed("check")};
     struct ivec3 pts[60];
@@ -446,7 +416,6 @@ static void test_check_can_fail(void **state)
     struct mesh m = {0};
     int seen = 0;
 
-    (void)state;
     assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_OK);
     for (uint32_t h = 0; h < 3 * m.nt; h++) {
         const uint32_t org = m.org[h], twin = m.twin[h];
@@ -479,19 +448,7 @@ static void test_check_can_fail(void **state)
     mesh_free(&m);
 }
 
-int main(void)
+AFTER_ALL(tear_down)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_definition),  cmocka_unit_test(test_all_small_sets),
-        cmocka_unit_test(test_lines),          cmocka_unit_test(test_duplicates),
-        cmocka_unit_test(test_mean_height),    cmocka_unit_test(test_canonical),
-        cmocka_unit_test(test_translation),    cmocka_unit_test(test_large),
-        cmocka_unit_test(test_refused),        cmocka_unit_test(test_extremes),
-        cmocka_unit_test(test_reuse),          cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_check_can_fail),
-    };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,14 +1,5 @@
-/* The volume between two surfaces: by hand, against exact overlays, and by its symmetries. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
+/* The volume between two surfaces and over one cell: by hand, by the definition in disparity.h,
+ * and against exact overlays. */
 #include "brute.h"
 #include "disparity.h"
 #include "holes.h"
@@ -18,6 +9,7 @@
 #include "mst.h"
 #include "predicates.h"
 #include "interpolate.h"
+#include "unit.h"
 
 #define MAX_POINTS 1200
 
@@ -171,14 +163,13 @@ static int32_t pyramid(int32_t x, int32_t y)
 }
 
 /* Parallel planes, crossing planes, a pyramid, over a square of 12 x 12. */
-static void test_by_hand(void **state)
+TEST(test_by_hand)
 {
     const struct {
         int32_t (*height)(int32_t x, int32_t y);
         double volume;
     } want[] = {{level, 0}, {higher, 7 * 144}, {slope, 432}, {pyramid, 60 * 144 / 3}};
 
-    (void)state;
     for (size_t i = 0; i < 4; i++) {
         const size_t n = square(pts_a, level);
         struct both *p = compare(n, square(pts_b, want[i].height), false);
@@ -200,11 +191,10 @@ static void test_by_hand(void **state)
 
 /* The same points with other heights: the cells are the triangles of both surfaces, and the
  * disparity is exactly the volume of their overlay. */
-static void test_same_points(void **state)
+TEST(test_same_points)
 {
     struct brute_rng r = {seed + 2};
 
-    (void)state;
     for (int round = 0; round < 6; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             const size_t n =
@@ -226,131 +216,22 @@ static void test_same_points(void **state)
         }
 }
 
-/* Two planes, whatever the points: the disparity is exact over the common hull. */
-static void test_planes(void **state)
-{
-    struct brute_rng r = {seed + 3};
-
-    (void)state;
-    for (int round = 0; round < 40; round++) {
-        size_t n[2];
-        struct both *p;
-        double area, volume;
-
-        for (int side = 0; side < 2; side++) {
-            struct ivec3 *pts = side == 0 ? pts_a : pts_b;
-            const int32_t a = brute_int(&r, -3, 3), b = brute_int(&r, -3, 3);
-
-            n[side] = brute_points(round % 2 == 0 ? BRUTE_RANDOM : BRUTE_HULL_LINE, 50,
-                                   &r, pts);
-            for (int32_t i = 0; i < 4; i++) /* one hull for both */
-                pts[n[side]++] =
-                    (struct ivec3){i / 2 * 200000 - 100000, i % 2 * 200000 - 100000, 0};
-            for (size_t i = 0; i < n[side]; i++)
-                pts[i].z = a * pts[i].x + b * pts[i].y + 1000 * side;
-        }
-        p = compare(n[0], n[1], false);
-        volume = brute_volume(&p->a.surface.mesh, &p->b.surface.mesh, &area);
-        assert_true(p->d.area_mm2 == 4e10);
-        assert_true(fabs(p->d.volume_mm3 - volume) <= 1e-9 * volume);
-        drop(p);
-    }
-}
-
-/* Smooth surfaces densely sampled: the volume is close to that of the overlay over their
- * common area. */
-static void test_smooth(void **state)
-{
-    struct brute_rng r = {seed + 4};
-    struct both *p;
-    double area, volume;
-
-    (void)state;
-    for (int side = 0; side < 2; side++)
-        for (int i = 0; i < 500; i++) {
-            struct ivec3 q = {brute_int(&r, -60000, 60000), brute_int(&r, -60000, 60000),
-                              0};
-
-            q.z = (int32_t)(9000 * cos(q.x * 3e-5) * cos(q.y * 2e-5)) +
-                  side * (int32_t)(3000 * sin(q.x * 4e-5));
-            (side == 0 ? pts_a : pts_b)[i] = q;
-        }
-    p = compare(500, 500, false);
-    volume = brute_volume(&p->a.surface.mesh, &p->b.surface.mesh, &area);
-    assert_true(p->d.area_mm2 <= area && p->d.area_mm2 > 0.9 * area);
-    assert_true(fabs(p->d.plain_mm - volume / area) < 0.01 * volume / area);
-    drop(p);
-}
-
-/* Exchanging, shifting and mirroring the surfaces does not matter. */
-static void test_symmetries(void **state)
-{
-    struct brute_rng r = {seed + 5};
-
-    (void)state;
-    for (int round = 0; round < 16; round++) {
-        const bool holes = round % 2 == 0;
-        const size_t na = brute_points(BRUTE_RANDOM, 150, &r, pts_a);
-        size_t nb =
-            brute_points(round % 4 < 2 ? BRUTE_RANDOM : BRUTE_CLUSTERS, 150, &r, pts_b);
-        struct both *first, *p;
-
-        if (round % 3 == 0) /* some points in both */
-            for (size_t i = 0; i < 40; i++)
-                pts_b[i] = pts_a[i];
-        first = compare(na, nb, holes);
-        for (int change = 0; change < 3; change++) {
-            for (size_t i = 0; i < (na > nb ? na : nb); i++) {
-                struct ivec3 t = pts_a[i];
-
-                if (change == 0) { /* swap */
-                    pts_a[i] = pts_b[i];
-                    pts_b[i] = t;
-                } else if (change == 1) { /* mirror */
-                    pts_a[i].x = -pts_a[i].x;
-                    pts_b[i].x = -pts_b[i].x;
-                } else { /* shift both */
-                    pts_a[i].x += 3001, pts_a[i].y -= 777, pts_a[i].z += 50;
-                    pts_b[i].x += 3001, pts_b[i].y -= 777, pts_b[i].z += 50;
-                }
-            }
-            p = compare(change == 0 ? nb : na, change == 0 ? na : nb, holes);
-            assert_true(close_to(p->d.volume_mm3, first->d.volume_mm3));
-            assert_true(p->d.area_mm2 == first->d.area_mm2);
-            assert_true(p->d.outside_mm2 == first->d.outside_mm2);
-            assert_true(p->d.bridged_mm2 == first->d.bridged_mm2);
-            assert_int_equal(p->d.common, first->d.common);
-            drop(p);
-            if (change == 0)
-                for (size_t i = 0; i < (na > nb ? na : nb); i++) {
-                    struct ivec3 t = pts_a[i];
-
-                    pts_a[i] = pts_b[i];
-                    pts_b[i] = t;
-                }
-        }
-        drop(first);
-    }
-}
-
-static size_t grid(struct ivec3 *out, int32_t side, struct ivec3 from, bool block)
+static size_t grid(struct ivec3 *out, int32_t side, struct ivec3 from)
 {
     size_t n = 0;
 
     for (int32_t x = 0; x < side; x++)
         for (int32_t y = 0; y < side; y++)
-            if (!block || x < 6 || x > 14 || y < 6 || y > 14)
-                out[n++] = (struct ivec3){from.x + 100 * x, from.y + 100 * y, from.z};
+            out[n++] = (struct ivec3){from.x + 100 * x, from.y + 100 * y, from.z};
     return n;
 }
 
 /* Two grids that overlap by half: common area, area outside and overlap by hand. */
-static void test_overlap(void **state)
+TEST(test_overlap)
 {
-    const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
-    struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){500, 0, -7}, false), true);
+    const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0});
+    struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){500, 0, -7}), true);
 
-    (void)state;
     assert_true(p->d.area_mm2 == 50 * 1e4);
     assert_true(p->d.outside_mm2 == 100 * 1e4);
     assert_true(p->d.bridged_mm2 == 0);
@@ -364,70 +245,10 @@ static void test_overlap(void **state)
     assert_true(p->d.overlap == 0);
     drop(p);
 
-    p = compare(n, grid(pts_b, 11, (struct ivec3){5000, 0, 0}, false), true); /* apart */
+    p = compare(n, grid(pts_b, 11, (struct ivec3){5000, 0, 0}), true); /* apart */
     assert_true(p->d.area_mm2 == 0 && p->d.volume_mm3 == 0 && p->d.plain_mm == 0);
     assert_true(p->d.overlap == 0 && p->d.weighted_mm == 0);
     assert_int_equal(p->d.common, 0);
-    drop(p);
-}
-
-/* Surface over a hole of the other surface does not count, whichever has the hole. */
-static void test_hole(void **state)
-{
-    (void)state;
-    for (int side = 0; side < 2; side++) {
-        struct ivec3 *whole = side == 0 ? pts_a : pts_b, *cut = side == 0 ? pts_b : pts_a;
-        const size_t n = grid(whole, 21, (struct ivec3){0, 0, 0}, false);
-        const size_t m = grid(cut, 21, (struct ivec3){0, 0, 0}, true);
-        struct both *p;
-
-        for (size_t i = 0; i < n; i++) /* a tower in the middle of the hole */
-            if (abs(whole[i].x - 1000) <= 100 && abs(whole[i].y - 1000) <= 100)
-                whole[i].z = 5000;
-        p = compare(side == 0 ? n : m, side == 0 ? m : n, true);
-        assert_true(p->d.volume_mm3 == 0);
-        assert_true(p->d.bridged > 100 && p->d.outside == 0);
-        assert_true(p->d.area_mm2 >= 300 * 1e4 &&
-                    p->d.area_mm2 + p->d.bridged_mm2 == 400 * 1e4);
-        assert_true(p->d.overlap > (side == 0 ? 0.74 : 0.94));
-        drop(p);
-        /* without the bridge marks the tower counts */
-        p = compare(side == 0 ? n : m, side == 0 ? m : n, false);
-        assert_true(p->d.volume_mm3 > 1e8);
-        drop(p);
-    }
-    {
-        const size_t n = grid(pts_a, 21, (struct ivec3){0, 0, 0}, true);
-        struct both *p =
-            compare(n, grid(pts_b, 21, (struct ivec3){50, 50, 9}, true), true);
-
-        /* both have the hole, with other points around it: the wide cells across bridge */
-        assert_true(p->d.bridged_mm2 > 70 * 1e4);
-        assert_true(close_to(p->d.plain_mm, 9));
-        drop(p);
-    }
-}
-
-/* A point whose triangles are all bridges has no gap, even where the other mesh has the same
- * point; one measured triangle is enough. */
-static void test_lone_point(void **state)
-{
-    const size_t n = grid(pts_a, 11, (struct ivec3){0, 0, 0}, false);
-    struct both *p = compare(n, grid(pts_b, 11, (struct ivec3){0, 0, 40}, false), true);
-    const uint32_t v = brute_locate(&p->b.surface.mesh, (struct ivec2){500, 500}).he;
-    const uint32_t lone = p->b.surface.mesh.org[v];
-    uint32_t h = v;
-
-    (void)state;
-    do {
-        measure(p, NULL, 1);
-        assert_true(p->vertex[p->b_vertex[lone]].gap == 40);
-        p->b.surface.bridge[h / 3] = 1;
-        h = mesh_turn(&p->b.surface.mesh, h);
-    } while (h != v);
-    measure(p, NULL, 1);
-    assert_true(isinf(p->vertex[p->b_vertex[lone]].gap));
-    assert_true(p->d.bridged_mm2 >= 2e4 && p->d.bridged_mm2 <= 4e4);
     drop(p);
 }
 
@@ -486,11 +307,10 @@ static double gap_again(const struct both *p, uint32_t v)
     return outside ? (double)NAN : bridged ? (double)INFINITY : gap;
 }
 
-static void test_classes(void **state)
+TEST(test_classes)
 {
     struct brute_rng r = {seed + 6};
 
-    (void)state;
     for (int round = 0; round < 3 * BRUTE_SHAPES; round++) {
         const size_t na =
             brute_points((enum brute_shape)(round % BRUTE_SHAPES), 150, &r, pts_a);
@@ -498,7 +318,7 @@ static void test_classes(void **state)
         struct both *p;
         long double volume = 0;
         uint32_t cells = 0, bridged = 0, outside = 0;
-        int64_t common = 0;
+        int64_t common = 0, apart = 0, holes = 0;
 
         if (round % 2 == 0) /* some points in both */
             for (size_t i = 0; i < na && i < nb; i += 3)
@@ -511,9 +331,12 @@ static void test_classes(void **state)
         for (uint32_t t = 0; t < p->general.nt; t++) {
             const uint32_t *v = &p->general.org[3 * t];
             double g[3], spread = 0, area;
+            int64_t twice;
 
             if (mesh_is_ghost(&p->general, t))
                 continue;
+            twice =
+                orient2d(p->general.xy[v[0]], p->general.xy[v[1]], p->general.xy[v[2]]);
             for (int i = 0; i < 3; i++) {
                 g[i] = gap_again(p, v[i]);
                 spread += (double)p->vertex[v[i]].spacing;
@@ -523,14 +346,13 @@ static void test_classes(void **state)
             }
             if (isnan(g[0] + g[1] + g[2])) {
                 outside++;
+                apart += twice;
             } else if (isinf(g[0] + g[1] + g[2]) ||
                        holes_wide(p->general.xy[v[0]], p->general.xy[v[1]],
                                   p->general.xy[v[2]], spread, &area)) {
                 bridged++;
+                holes += twice;
             } else {
-                const int64_t twice = orient2d(p->general.xy[v[0]], p->general.xy[v[1]],
-                                               p->general.xy[v[2]]);
-
                 cells++;
                 common += twice;
                 volume +=
@@ -541,7 +363,9 @@ static void test_classes(void **state)
         assert_int_equal(p->d.common, cells);
         assert_int_equal(p->d.bridged, bridged);
         assert_int_equal(p->d.outside, outside);
-        assert_true(p->d.area_mm2 == 0.5 * (double)common);
+        assert_true(p->d.area_mm2 == 0.5 * (double)common &&
+                    p->d.outside_mm2 == 0.5 * (double)apart &&
+                    p->d.bridged_mm2 == 0.5 * (double)holes);
         assert_true(close_to(p->d.volume_mm3, (double)volume));
         drop(p);
     }
@@ -549,7 +373,7 @@ static void test_classes(void **state)
 
 /* Heights so high that a plain sum drops most of the small cells: the exact volume is a
  * whole number of sixths. */
-static void test_compensated(void **state)
+TEST(test_compensated)
 {
     struct brute_rng r = {seed + 7};
     __extension__ __int128 exact = 0;
@@ -557,7 +381,6 @@ static void test_compensated(void **state)
     struct both *p;
     double naive = 0, want, ulp;
 
-    (void)state;
     for (; n < 900; n++)
         pts_a[n] = (struct ivec3){8000000 + brute_int(&r, 0, 800),
                                   8000000 + brute_int(&r, 0, 800), 0};
@@ -626,7 +449,7 @@ static int32_t step(int32_t x, int32_t y)
     return x == 12 ? 30 : 10 + 0 * y;
 }
 
-static void test_weight(void **state)
+TEST(test_weight)
 {
     const float three = 3, none = 0;
     const struct disparity_weight all = {even, &three}, nothing = {even, &none};
@@ -637,7 +460,6 @@ static void test_weight(void **state)
 
     /* Four cells of 36 round the middle, gaps 10 but 30 along x = 12: means 50 / 3 below
      * and above, 70 / 3 on the right, 10 on the left. */
-    (void)state;
     assert_true(close_to(volume, 36 * (50 + 50 + 70 + 30) / 3.0));
     measure(p, &all, 1);
     assert_true(close_to(p->d.weighted_mm, plain));
@@ -657,17 +479,123 @@ static void test_weight(void **state)
     drop(p);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand),    cmocka_unit_test(test_same_points),
-        cmocka_unit_test(test_planes),     cmocka_unit_test(test_smooth),
-        cmocka_unit_test(test_symmetries), cmocka_unit_test(test_overlap),
-        cmocka_unit_test(test_hole),       cmocka_unit_test(test_lone_point),
-        cmocka_unit_test(test_classes),    cmocka_unit_test(test_compensated),
-        cmocka_unit_test(test_weight),
-    };
+/* ---- one cell */
 
+TEST(test_cell_by_hand)
+{
+    assert_true(disparity_prism(6, 0, 0, 0) == 0);
+    assert_true(disparity_prism(6, 2, 2, 2) == 12); /* prism */
+    assert_true(disparity_prism(6, 1, 2, 3) == 12); /* cut prism */
+    assert_true(disparity_prism(6, 0, 3, 3) == 12); /* (a) pyramid over a quadrangle */
+    assert_true(disparity_prism(6, 0, 0, 3) == 6); /* (b) (c) pyramid over the triangle */
+    assert_true(disparity_prism(6, 0, 0, -3) == 6);
+    assert_true(disparity_prism(6, 0, -3, 3) == 6); /* (d) two pyramids of 3 */
+    assert_true(disparity_prism(6, 0, -1, 3) == 5); /* 1.5 * 1 / 3 + 4.5 * 3 / 3 */
+    assert_true(disparity_prism(6, 1, -1, 1) == 3); /* (e) (f) 0.5 and a wedge of 2.5 */
+    assert_true(disparity_prism(6, -1, 1, -1) == 3);
+    /* tip 30 / 3 / 5 = 2 in area, 2 / 3 in volume; the signed volume is 50 */
+    assert_true(fabs(disparity_prism(30, 2, -1, 4) - (50 + 4.0 / 3)) < 1e-13);
+    assert_true(disparity_prism(0, 5, -7, 1) == 0);
+}
+
+static double cell_by_overlay(double *area, int32_t a, int32_t b, int32_t c)
+{
+    const struct ivec3 flat[] = {{0, 0, 0}, {900, 100, 0}, {300, 700, 0}};
+    const struct ivec3 bent[] = {{0, 0, a}, {900, 100, b}, {300, 700, c}};
+    struct mesh m = {0}, n = {0};
+    double volume;
+
+    brute_delaunay(flat, 3, &m);
+    brute_delaunay(bent, 3, &n);
+    volume = brute_volume(&m, &n, area);
+    mesh_free(&m);
+    mesh_free(&n);
+    return volume;
+}
+
+TEST(test_cell_by_overlay)
+{
+    struct brute_rng r = {seed + 8};
+
+    for (int round = 0; round < 2000; round++) {
+        const int32_t top = round % 2 == 0 ? 3 : 1000;
+        const int32_t a = brute_int(&r, -top, top), b = brute_int(&r, -top, top);
+        const int32_t c = brute_int(&r, -top, top);
+        double area;
+        const double want = cell_by_overlay(&area, a, b, c);
+
+        assert_true(fabs(disparity_prism(area, a, b, c) - want) <= 1e-12 * (want + 1));
+    }
+}
+
+TEST(test_cell_symmetries)
+{
+    struct brute_rng r = {seed + 9};
+
+    for (int round = 0; round < 5000; round++) {
+        const double a = brute_real(&r) - 0.5, b = brute_real(&r) - 0.5;
+        const double c = round % 3 == 0 ? 0 : round % 7 == 0 ? a : brute_real(&r) - 0.5;
+        const double v = disparity_prism(3, a, b, c);
+
+        assert_true(v > 0);
+        assert_true(disparity_prism(3, b, c, a) == v && disparity_prism(3, c, a, b) == v);
+        assert_true(disparity_prism(3, b, a, c) == v && disparity_prism(3, c, b, a) == v);
+        assert_true(disparity_prism(3, -a, -b, -c) == v);
+        assert_true(disparity_prism(3, 1024 * a, 1024 * b, 1024 * c) == 1024 * v);
+        assert_true(v <= 3 * (fabs(a) + fabs(b) + fabs(c)) / 3 * (1 + 1e-15));
+        assert_true(v >= 3 * fabs(a + b + c) / 3 * (1 - 1e-15));
+    }
+}
+
+/* The integral of u |gap| by quadrature: the rule at the middles of the sides is exact for the
+ * product of two linear functions; pieces in which the gap changes its sign are cut in four
+ * again and again. */
+static double quadrature(const double gap[3], const double u[3], int depth)
+{
+    double sum = 0;
+
+    if (depth == 0 || (gap[0] >= 0 && gap[1] >= 0 && gap[2] >= 0) ||
+        (gap[0] <= 0 && gap[1] <= 0 && gap[2] <= 0)) {
+        for (int i = 0; i < 3; i++) {
+            const int j = (i + 1) % 3;
+
+            sum += (u[i] + u[j]) / 2 * fabs(gap[i] + gap[j]) / 2;
+        }
+        return sum / 3;
+    }
+    for (int part = 0; part < 4; part++) {
+        double g[3], w[3];
+
+        for (int i = 0; i < 3; i++) { /* the last piece is the one in the middle */
+            const int a = part < 3 ? part : (i + 1) % 3, b = part < 3 ? i : (i + 2) % 3;
+
+            g[i] = (gap[a] + gap[b]) / 2;
+            w[i] = (u[a] + u[b]) / 2;
+        }
+        sum += quadrature(g, w, depth - 1);
+    }
+    return sum / 4;
+}
+
+TEST(test_weighted_by_quadrature)
+{
+    struct brute_rng r = {seed + 10};
+
+    for (int round = 0; round < 300; round++) {
+        double gap[3], u[3], want;
+
+        for (int i = 0; i < 3; i++) {
+            gap[i] = brute_real(&r) - 0.5;
+            u[i] = round % 5 == 0 ? (i == round % 3) : brute_real(&r);
+        }
+        for (int i = 0; i < 3; i++) /* all of them, one, or none are 0 */
+            gap[i] *= round > 0 && (round % 4 != 0 || i != round % 3);
+        want = 3 * quadrature(gap, u, 16);
+        assert_true(fabs(disparity_prism_weighted(3, gap, u) - want) <= 1e-9 * want);
+    }
+}
+
+BEFORE_ALL(set_up)
+{
     seed = brute_seed("test_disparity");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,16 +1,6 @@
 /* Encodings against the definition in encode.h: the covariance of all but the identity is built
  * cell by cell and inverted; missing and outlying cells, noise, hostile heights. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "dense.h"
 #include "encode.h"
@@ -18,6 +8,7 @@
 #include "shape_map.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define FAR_MM 12.0 /* as encode.h says, in numbers: */
 #define HUBER  2.5
@@ -218,11 +209,10 @@ static void check_plain(double residual)
 }
 
 /* Whole faces and what is left of them, quiet and noisy. */
-static void test_definition(void **state)
+TEST(test_definition)
 {
     static const double missing[] = {0, 0.2, 0.45, 0.6};
 
-    (void)state;
     for (size_t k = 0; k < sizeof missing / sizeof *missing; k++) {
         const double residual = k % 2 == 0 ? 0 : 0.8;
         const uint32_t cells = draw(noise_of(residual), missing[k]);
@@ -235,9 +225,8 @@ static void test_definition(void **state)
 }
 
 /* All columns in use. */
-static void test_shipped(void **state)
+TEST(test_shipped)
 {
-    (void)state;
     use(&model_default);
     (void)draw(noise_of(0.4), 0.1);
     encode(0.4);
@@ -247,11 +236,10 @@ static void test_shipped(void **state)
 }
 
 /* A model of no change, and of one mode of identity: no column but those that there are. */
-static void test_few_modes(void **state)
+TEST(test_few_modes)
 {
     static struct model few;
 
-    (void)state;
     few = model;
     few.change.n = 0;
     few.identity.n = 1;
@@ -304,7 +292,7 @@ static void left_over(double noise, double left[GRID_N])
 }
 
 /* Cells that no coefficients explain count less: by Huber's weights. */
-static void test_outliers(void **state)
+TEST(test_outliers)
 {
     static struct answer want, alike;
     const double noise = noise_of(0.3);
@@ -312,7 +300,6 @@ static void test_outliers(void **state)
     static struct encoding clean;
     uint32_t outliers = 0;
 
-    (void)state;
     (void)draw(0.8 * noise, 0.1);
     encode(0.3);
     clean = got;
@@ -344,14 +331,13 @@ static void test_outliers(void **state)
 /* ---- hostile and few heights */
 
 /* Heights that no face has are as none. */
-static void test_hostile(void **state)
+TEST(test_hostile)
 {
     static const double bad[] = {1e30, -1e30,         (double)INFINITY, -(double)INFINITY,
                                  3e38, FAR_MM + 0.01, -FAR_MM - 0.01};
     static float plain[GRID_N];
     struct encoding none;
 
-    (void)state;
     (void)draw(noise_of(0.3), 0.1);
     memcpy(plain, z, sizeof z);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
@@ -384,11 +370,10 @@ static void test_hostile(void **state)
     assert_memory_equal(&got, &again, sizeof got);
 }
 
-static void test_residual(void **state)
+TEST(test_residual)
 {
     static const double bad[] = {(double)NAN, (double)INFINITY, 1e30, 1e300, -1};
 
-    (void)state;
     (void)draw(noise_of(0.3), 0.1);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         encode(bad[k]);
@@ -408,11 +393,10 @@ static void test_residual(void **state)
 }
 
 /* Fewer cells than a quarter of a face: nothing is known of it. */
-static void test_few(void **state)
+TEST(test_few)
 {
     double part[GRID_N] = {0}, slope[MODEL_MODES];
 
-    (void)state;
     for (uint32_t k = 0; k < MODEL_MODES; k++)
         slope[k] = 1;
     for (uint32_t keep = LEAST - 1; keep <= LEAST; keep++) {
@@ -439,45 +423,13 @@ static void test_few(void **state)
     assert_true(got.n == 0 && got.cells == 0);
 }
 
-/* ---- parts */
-
-static void test_parts(void **state)
-{
-    static double part[GRID_N], before[GRID_N];
-    double slope[MODEL_MODES], sum, want;
-
-    (void)state;
-    for (int round = 0; round < 8; round++) {
-        (void)draw(noise_of(0.3), 0.15 * (round % 4));
-        for (uint32_t i = 0; round % 2 == 1 && i < GRID_N; i += 37)
-            z[i] += 5.0f; /* outliers */
-        encode(0.3);
-        for (uint32_t k = 0; k < MODEL_MODES; k++)
-            slope[k] = k < got.n ? 2 * brute_real(&rng) - 1 : (double)NAN;
-        for (uint32_t i = 0; i < GRID_N; i++)
-            part[i] = before[i] = brute_real(&rng);
-        assert_int_equal(encode_parts(&basis, z, 0.3, slope, &scratch, part), ST_OK);
-        want = sum = 0;
-        for (uint32_t k = 0; k < got.n; k++)
-            want += slope[k] * (double)got.b[k] / 2;
-        for (uint32_t i = 0; i < GRID_N; i++) {
-            if (!(got.there[i / 8] >> i % 8 & 1))
-                assert_true(part[i] == before[i]);
-            sum += part[i] - before[i];
-        }
-        if (!(fabs(sum - want) < 1e-4 * (1 + fabs(want))))
-            fail_msg("parts %.9g, wanted %.9g", sum, want);
-    }
-}
-
 /* A cell's part is half of its height times the derivative of slope' b by it. */
-static void test_part_of_cell(void **state)
+TEST(test_part_of_cell)
 {
     static double part[GRID_N];
     double slope[MODEL_MODES];
     uint32_t checked = 0;
 
-    (void)state;
     (void)draw(0.5 * noise_of(0.3), 0.1);
     for (uint32_t k = 0; k < MODEL_MODES; k++)
         slope[k] = 2 * brute_real(&rng) - 1;
@@ -506,12 +458,11 @@ static void test_part_of_cell(void **state)
 
 /* ---- memory */
 
-static void test_determinism_and_memory(void **state)
+TEST(test_determinism_and_memory)
 {
     struct scratch fresh = {0};
     double part[2][GRID_N] = {{0}}, slope[MODEL_MODES];
 
-    (void)state;
     for (uint32_t k = 0; k < MODEL_MODES; k++)
         slope[k] = 1;
     (void)draw(noise_of(0.3), 0.6);
@@ -535,26 +486,14 @@ static void test_determinism_and_memory(void **state)
     scratch_free(&fresh);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_shipped),
-        cmocka_unit_test(test_few_modes),
-        cmocka_unit_test(test_outliers),
-        cmocka_unit_test(test_hostile),
-        cmocka_unit_test(test_residual),
-        cmocka_unit_test(test_few),
-        cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_part_of_cell),
-        cmocka_unit_test(test_determinism_and_memory),
-    };
-    int failed;
-
     rng.state = brute_seed("encode");
     toy_model(&model);
     encode_prepare(&model, &basis);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,14 +1,5 @@
 /* Faces: what is accepted and refused, and that a face depends on its points alone. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
@@ -16,6 +7,7 @@
 #include "fail_alloc.h"
 #include "mesh_check.h"
 #include "mst.h"
+#include "unit.h"
 
 #define POINTS 3000
 
@@ -64,11 +56,9 @@ static void check_same_model(const struct face *a, const struct face *b)
     assert_memory_equal(a->surface.bridge, b->surface.bridge, m->nt);
     assert_memory_equal(&a->surface.measured, &b->surface.measured,
                         sizeof a->surface.measured);
-}
-
-static void check_same_quality(const struct quality *a, const struct quality *b)
-{
-    assert_memory_equal(a, b, sizeof *a); /* doubles alone: no padding */
+    assert_memory_equal(&a->frame.pose, &b->frame.pose, sizeof a->frame.pose);
+    assert_memory_equal(&a->encoding, &b->encoding, sizeof a->encoding);
+    assert_memory_equal(&a->quality, &b->quality, sizeof a->quality);
 }
 
 static void check_model(const struct face *f)
@@ -85,11 +75,10 @@ static void check_model(const struct face *f)
 }
 
 /* Scans of good and poor quality, with few and many points, are accepted. */
-static void test_accepted(void **state)
+TEST(test_accepted)
 {
     struct face f = {0};
 
-    (void)state;
     for (uint64_t k = 0; k < 40; k++) {
         struct facegen_scan s;
 
@@ -113,12 +102,11 @@ static void test_accepted(void **state)
 }
 
 /* The estimate of the noise follows the noise; more holes, less coverage. */
-static void test_quality(void **state)
+TEST(test_quality)
 {
     double noise[4], coverage[3];
     struct face f = {0};
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         struct facegen_scan s;
 
@@ -161,11 +149,10 @@ static void refused(const struct cloud *c, enum status want)
     face_free(&f);
 }
 
-static void test_too_few(void **state)
+TEST(test_too_few)
 {
     static struct cloud c;
 
-    (void)state;
     scan(1, 2, POINTS, &c);
     for (c.n = 0; c.n < FACE_MIN_POINTS; c.n += 33)
         refused(&c, ST_ETOOFEW);
@@ -177,13 +164,12 @@ static void test_too_few(void **state)
     refused(&c, ST_ETOOFEW);
 }
 
-static void test_not_finite(void **state)
+TEST(test_not_finite)
 {
     static const double wrong[] = {(double)NAN, (double)INFINITY, -(double)INFINITY,
                                    1e300};
     static struct cloud c;
 
-    (void)state;
     for (int k = 0; k < 4; k++)
         for (int axis = 0; axis < 3; axis++) {
             struct face f = {0};
@@ -202,22 +188,21 @@ static void test_not_finite(void **state)
         }
 }
 
-static void test_limit(void **state)
+TEST(test_limit)
 {
     struct face f = {0};
 
-    (void)state; /* rejected before any point is read */
+    /* rejected before any point is read */
     assert_int_equal(face_build(cloud.pts, (size_t)MESH_MAX_POINTS + 1, work, &f, NULL),
                      ST_ELIMIT);
     assert_int_equal(face_build(cloud.pts, SIZE_MAX, work, &f, NULL), ST_ELIMIT);
     face_free(&f);
 }
 
-static void test_degenerate(void **state)
+TEST(test_degenerate)
 {
     static struct cloud c;
 
-    (void)state;
     c.n = 500;
     for (size_t i = 0; i < c.n; i++)
         c.pts[i] = (struct dvec3){0.25 * (double)i, 0.5 * (double)i, sin((double)i)};
@@ -227,12 +212,12 @@ static void test_degenerate(void **state)
     refused(&c, ST_EDEGENERATE);
 }
 
-static void test_units(void **state)
+TEST(test_units)
 {
     static const double scale[] = {0.25, 5.5, 0.001, 0.1, 10};
     static struct cloud c;
 
-    (void)state; /* faces of 40 and 900 mm; metres, centimetres and 1/10 mm given as mm */
+    /* faces of 40 and 900 mm; metres, centimetres and 1/10 mm given as mm */
     for (size_t k = 0; k < sizeof scale / sizeof scale[0]; k++) {
         scan(3, 4, POINTS, &c);
         for (size_t i = 0; i < c.n; i++) {
@@ -245,12 +230,11 @@ static void test_units(void **state)
 }
 
 /* Surfaces that are not faces: planes, level or tilted, with and without noise. */
-static void test_not_face(void **state)
+TEST(test_not_face)
 {
     static struct cloud c;
     struct brute_rng r = {brute_seed("planes")};
 
-    (void)state;
     for (int k = 0; k < 6; k++) {
         scan(4, 5, POINTS, &c);
         for (size_t i = 0; i < c.n; i++)
@@ -260,12 +244,11 @@ static void test_not_face(void **state)
     }
 }
 
-static void test_noise(void **state)
+TEST(test_noise)
 {
     static struct cloud c;
     struct brute_rng r = {brute_seed("noise")};
 
-    (void)state;
     scan(4, 6, POINTS, &c);
     for (size_t i = 0; i < c.n; i++)
         c.pts[i].z += 30 * (brute_real(&r) - 0.5);
@@ -274,14 +257,13 @@ static void test_noise(void **state)
 
 /* Spikes (single points far off the surface) are flattened: the scan compares as if it had
  * none. */
-static void test_spikes(void **state)
+TEST(test_spikes)
 {
     static struct cloud clean, spiky;
     struct brute_rng r = {brute_seed("spikes")};
     struct face a = {0}, b = {0}, c = {0};
     struct face_result plain, spikes;
 
-    (void)state;
     make(6, 0, &c);
     scan(6, 1, POINTS, &clean);
     spiky = clean;
@@ -301,36 +283,27 @@ static void test_spikes(void **state)
     face_free(&c);
 }
 
-static void test_permutation(void **state)
+TEST(test_permutation)
 {
     struct brute_rng r = {brute_seed("permutation")};
     struct face a = {0}, b = {0};
 
-    (void)state;
     make(7, 0, &a);
     for (int k = 0; k < 4; k++) {
-        for (size_t i = cloud.n; i-- > 1;) {
-            const size_t j = brute_rand(&r) % (i + 1);
-            const struct dvec3 t = cloud.pts[i];
-
-            cloud.pts[i] = cloud.pts[j];
-            cloud.pts[j] = t;
-        }
+        brute_shuffle(cloud.pts, cloud.n, sizeof *cloud.pts, &r);
         assert_int_equal(build(&cloud, &b), ST_OK);
         check_same_model(&a, &b);
-        check_same_quality(&a.quality, &b.quality);
     }
     face_free(&a);
     face_free(&b);
 }
 
 /* A face made from its stored parts is the face that was stored. */
-static void test_adopt(void **state)
+TEST(test_adopt)
 {
     struct face a = {0}, b = {0};
     struct mesh *m = &b.surface.mesh;
 
-    (void)state;
     make(16, 0, &a);
     for (int damaged = 0; damaged < 2; damaged++) {
         assert_int_equal(mesh_copy(m, &a.surface.mesh, 0), ST_OK);
@@ -349,13 +322,12 @@ static void test_adopt(void **state)
     face_free(&b);
 }
 
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct face want = {0};
     enum status st = ST_ENOMEM;
     unsigned long k;
 
-    (void)state;
     fail_alloc_at(1);
     assert_null(face_work_new(NULL));
     make(18, 0, &want);
@@ -380,22 +352,12 @@ static void test_no_memory(void **state)
     face_free(&want);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_accepted),    cmocka_unit_test(test_quality),
-        cmocka_unit_test(test_too_few),     cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_limit),       cmocka_unit_test(test_degenerate),
-        cmocka_unit_test(test_units),       cmocka_unit_test(test_not_face),
-        cmocka_unit_test(test_noise),       cmocka_unit_test(test_spikes),
-        cmocka_unit_test(test_permutation), cmocka_unit_test(test_adopt),
-        cmocka_unit_test(test_no_memory),
-    };
-    int failed;
+    assert_non_null(work = face_work_new(NULL));
+}
 
-    if ((work = face_work_new(NULL)) == NULL)
-        return 1;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+AFTER_ALL(tear_down)
+{
     face_work_free(work);
-    return failed;
 }

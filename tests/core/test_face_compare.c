@@ -1,14 +1,7 @@
 /* Comparing faces: the score depends on the two faces alone, the decision on that and the
  * threshold; parts of cells and regions add up to it. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
 
 #include "clouds.h"
 #include "calibration.h"
@@ -20,6 +13,7 @@
 #include "minimal.h"
 #include "model.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 3000
 
@@ -81,14 +75,13 @@ static void check_identity(const double t[16], double within)
 }
 
 /* A face compared with itself, and with itself moved. */
-static void test_identity(void **state)
+TEST(test_identity)
 {
     struct face a = {0}, b = {0};
     struct minimal least;
     struct face_result r;
     double moved[16], itself;
 
-    (void)state;
     for (uint64_t k = 0; k < 5; k++) {
         double far = 0;
 
@@ -154,7 +147,7 @@ static double share_scale(void)
 
 /* The weighted disparity is that of the model's share of identity at the template's surface,
  * taken in its canonical frame; the plain one has the same digits with and without a weight. */
-static void test_weigh(void **state)
+TEST(test_weigh)
 {
     struct measure_work m = {0};
     struct face a = {0}, b = {0};
@@ -164,7 +157,6 @@ static void test_weigh(void **state)
     double sum = 0, weights = 0;
     const double scale = share_scale();
 
-    (void)state;
     make(3, 0, &a);
     make(4, 1, &b);
     assert_int_equal(face_minimal(&a, &b, NULL, work, &r, &least), ST_OK);
@@ -204,13 +196,12 @@ static void test_weigh(void **state)
 }
 
 /* All mated scores are above all non-mated scores, and the decisions follow the threshold. */
-static void test_mated_and_not(void **state)
+TEST(test_mated_and_not)
 {
     enum { SUBJECTS = 6 };
     struct face tmpl = {0}, probe = {0};
     double worst = INFINITY, nearest = -INFINITY;
 
-    (void)state;
     for (uint64_t k = 0; k < SUBJECTS; k++) {
         make(k + 50, 0, &tmpl);
         for (uint64_t who = 0; who < SUBJECTS; who++) {
@@ -241,40 +232,12 @@ static void test_mated_and_not(void **state)
     face_free(&probe);
 }
 
-/* Twice, in fresh memory, after other comparisons: the same bytes. */
-static void test_determinism(void **state)
-{
-    struct face a = {0}, b = {0}, c = {0};
-    struct face_result first, again;
-    struct face_work *fresh = face_work_new(NULL);
-
-    (void)state;
-    assert_non_null(fresh);
-    make(10, 0, &a);
-    make(11, 0, &c);
-    make(10, 1, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &first), ST_OK);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &again), ST_OK);
-    check_same_result(&first, &again);
-    assert_int_equal(face_compare(&c, &a, (double)NAN, NULL, work, &again), ST_OK);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &again), ST_OK);
-    check_same_result(&first, &again);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, fresh, &again), ST_OK);
-    check_same_result(&first, &again);
-    face_work_free(fresh);
-    face_work_free(NULL);
-    face_free(&a);
-    face_free(&b);
-    face_free(&c);
-}
-
 /* The threshold changes the decision and nothing else. */
-static void test_threshold(void **state)
+TEST(test_threshold)
 {
     struct face a = {0}, b = {0};
     struct face_result usual, strict, loose, below;
 
-    (void)state;
     make(12, 0, &a);
     make(12, 1, &b);
     assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &usual), ST_OK);
@@ -351,12 +314,11 @@ static void check_agreement(struct face_result r)
         }
 }
 
-static void test_round(void **state)
+TEST(test_round)
 {
     struct face a = {0}, b = {0};
     struct face_result r, rounded;
 
-    (void)state;
     make(14, 0, &a);
     make(14, 1, &b);
     assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
@@ -373,42 +335,13 @@ static void test_round(void **state)
     face_free(&b);
 }
 
-/* The order of the points changes nothing, to the last digit. */
-static void test_order(void **state)
-{
-    struct face a = {0}, b = {0}, c = {0};
-    struct face_result first, again;
-
-    (void)state;
-    make(24, 0, &a);
-    make(24, 1, &b);
-    for (size_t i = cloud.n; i-- > 1;) {
-        const size_t j = (i * 7919 + 13) % (i + 1);
-        const struct dvec3 t = cloud.pts[i];
-
-        cloud.pts[i] = cloud.pts[j];
-        cloud.pts[j] = t;
-    }
-    build(&c);
-    assert_memory_equal(&b.encoding, &c.encoding, sizeof b.encoding);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &first), ST_OK);
-    assert_int_equal(face_align(&a, &b, NULL, work, &first), ST_OK);
-    assert_int_equal(face_compare(&a, &c, (double)NAN, NULL, work, &again), ST_OK);
-    assert_int_equal(face_align(&a, &c, NULL, work, &again), ST_OK);
-    check_same_result(&first, &again);
-    face_free(&a);
-    face_free(&b);
-    face_free(&c);
-}
-
 /* Whatever the pose of the probe, the score is about the same. */
-static void test_poses(void **state)
+TEST(test_poses)
 {
     static const double turn[] = {0, 10, 20, 28};
     static struct dvec3 as_is[2 * POINTS];
     struct face a = {0}, b = {0};
 
-    (void)state;
     for (uint64_t who = 40; who < 44; who++) {
         double first = 0;
 
@@ -433,39 +366,13 @@ static void test_poses(void **state)
     face_free(&b);
 }
 
-/* Both mirrored: as not mirrored. */
-static void test_mirrored_both(void **state)
-{
-    struct face f[2] = {0};
-    double score[2] = {0, 0};
-
-    (void)state;
-    for (int how = 0; how < 2; how++) {
-        struct face_result r;
-
-        for (uint64_t side = 0; side < 2; side++) {
-            scan(50, side, POINTS);
-            for (size_t i = 0; how == 1 && i < cloud.n; i++)
-                cloud.pts[i].x = -cloud.pts[i].x;
-            build(&f[side]);
-        }
-        assert_int_equal(face_compare(&f[0], &f[1], (double)NAN, NULL, work, &r), ST_OK);
-        score[how] = r.score;
-    }
-    print_message("%.2f, both mirrored %.2f\n", score[0], score[1]);
-    assert_true(fabs(score[1] - score[0]) < 0.2);
-    face_free(&f[0]);
-    face_free(&f[1]);
-}
-
 /* A mirrored scan scores as the scan that it is the mirror image of, up to the triangulation
  * and the pose found; the scan itself stays as it is. */
-static void test_mirrored(void **state)
+TEST(test_mirrored)
 {
     struct face a = {0}, b = {0}, m = {0};
     struct face_result plain, as_is, mirrored, again;
 
-    (void)state;
     for (uint64_t k = 20; k < 24; k++) {
         make(k, 0, &a);
         make(k, 1, &b);
@@ -511,12 +418,11 @@ static bool is_forehead(const struct dvec3 *p)
 }
 
 /* A probe of a small part of the face is inconclusive, whatever the threshold. */
-static void test_inconclusive(void **state)
+TEST(test_inconclusive)
 {
     static bool (*const part[])(const struct dvec3 *) = {is_nose, is_forehead};
     struct face a = {0}, b = {0};
 
-    (void)state;
     make(13, 0, &a);
     for (uint64_t who = 13; who < 16; who++)
         for (int k = 0; k < 2; k++) {
@@ -542,13 +448,12 @@ static double ticking(void)
     return now += 2.5;
 }
 
-static void test_clock(void **state)
+TEST(test_clock)
 {
     struct face a = {0};
     struct face_result r, without;
     struct minimal least, plain;
 
-    (void)state;
     make(14, 0, &a);
     assert_int_equal(face_compare(&a, &a, (double)NAN, ticking, work, &r), ST_OK);
     assert_true(r.score_ms == 2.5);
@@ -615,11 +520,10 @@ static void check_field(const struct face *tmpl, const struct face *probe)
     assert_memory_equal(field.region, again.region, sizeof field.region);
 }
 
-static void test_field(void **state)
+TEST(test_field)
 {
     struct face a = {0}, b = {0};
 
-    (void)state;
     make(16, 0, &a);
     check_field(&a, &a);
     make(16, 1, &b);
@@ -646,12 +550,11 @@ static void test_field(void **state)
 }
 
 /* Where the encodings are of little of the face, they say nothing, and no cell does. */
-static void test_empty_field(void **state)
+TEST(test_empty_field)
 {
     static struct face_field field;
     struct face a = {0}, b = {0};
 
-    (void)state;
     make(16, 0, &a);
     scan(16, 1, 2 * POINTS);
     keep(is_nose);
@@ -668,13 +571,12 @@ static void test_empty_field(void **state)
 
 /* The gaps are those between the two surfaces as they are: of a face moved 2 mm towards the
  * scanner in its own frame, 2 mm times the cosine of the slope. */
-static void test_field_gap(void **state)
+TEST(test_field_gap)
 {
     static struct face_field field;
     struct face a = {0}, b = {0};
     uint32_t n = 0;
 
-    (void)state;
     make(16, 0, &a);
     build(&b);
     b.frame.pose.t[2] += 2;
@@ -690,7 +592,7 @@ static void test_field_gap(void **state)
     face_free(&b);
 }
 
-static void test_heatmap(void **state)
+TEST(test_heatmap)
 {
     static double gap[2 * POINTS];
     const double up[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1};
@@ -700,7 +602,6 @@ static void test_heatmap(void **state)
     struct face a = {0};
     size_t seen = 0;
 
-    (void)state;
     make(15, 0, &a);
     assert_int_equal(heatmap_gaps(&a.surface, cloud.pts, cloud.n, up, gap), ST_OK);
     for (size_t i = 0; i < cloud.n; i++) {
@@ -720,7 +621,7 @@ static void test_heatmap(void **state)
 }
 
 /* The points on the rim of a hole are covered: one of their triangles was measured. */
-static void test_heatmap_rim(void **state)
+TEST(test_heatmap_rim)
 {
     static struct dvec3 pts[POINTS];
     static double gap[POINTS];
@@ -728,7 +629,6 @@ static void test_heatmap_rim(void **state)
     struct face f = {0};
     size_t n = 0, rim = 0;
 
-    (void)state;
     scan(15, 0, POINTS);
     for (size_t i = 0; i < cloud.n; i++)
         if (hypot(cloud.pts[i].x - 25, cloud.pts[i].y) > 14)
@@ -793,11 +693,10 @@ static enum status call(int k, const struct face *a, const struct face *b,
 }
 
 /* Every n-th allocation fails: ST_ENOMEM, and the next call succeeds with the same digits. */
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct face a = {0}, b = {0};
 
-    (void)state;
     make(18, 1, &b);
     make(18, 0, &a);
     for (int c = 0; c < CALLS; c++) {
@@ -858,12 +757,11 @@ static void *compare(void *arg)
     return NULL;
 }
 
-static void test_threads(void **state)
+TEST(test_threads)
 {
     static struct thread t[THREADS], alone;
     struct face a = {0};
 
-    (void)state;
     make(19, 0, &a);
     scan(19, 1, POINTS);
     alone.tmpl = &a;
@@ -885,25 +783,12 @@ static void test_threads(void **state)
     face_free(&a);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_identity),      cmocka_unit_test(test_weigh),
-        cmocka_unit_test(test_mated_and_not), cmocka_unit_test(test_determinism),
-        cmocka_unit_test(test_threshold),     cmocka_unit_test(test_inconclusive),
-        cmocka_unit_test(test_clock),         cmocka_unit_test(test_field),
-        cmocka_unit_test(test_empty_field),   cmocka_unit_test(test_field_gap),
-        cmocka_unit_test(test_heatmap),       cmocka_unit_test(test_heatmap_rim),
-        cmocka_unit_test(test_round),         cmocka_unit_test(test_order),
-        cmocka_unit_test(test_poses),         cmocka_unit_test(test_mirrored),
-        cmocka_unit_test(test_mirrored_both), cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_threads),
-    };
-    int failed;
+    assert_non_null(work = face_work_new(NULL));
+}
 
-    if ((work = face_work_new(NULL)) == NULL)
-        return 1;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+AFTER_ALL(tear_down)
+{
     face_work_free(work);
-    return failed;
 }

@@ -1,15 +1,6 @@
 /* Restored points: inside holes alone, on the scan's surface, apart from the scan's points, as
  * dense as those; filling again adds nothing; the order of the points does not matter. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "clouds.h"
 #include "fail_alloc.h"
@@ -21,6 +12,7 @@
 #include "mem.h"
 #include "surface.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define MOST  40000
 #define PITCH 1000
@@ -152,11 +144,10 @@ static void check_again(size_t n, const struct fill *f)
     fill_free(&again);
 }
 
-static void test_scans(void **state)
+TEST(test_scans)
 {
     unsigned filled = 0, bridged = 0, all = 0;
 
-    (void)state;
     for (uint64_t k = 0; k < 40; k++) {
         const size_t n = cut_scan(k, k % 4 == 3 ? 10000 : 3000, (int)(k % 8));
 
@@ -172,9 +163,8 @@ static void test_scans(void **state)
     assert_true(bridged >= 0.99 * all);
 }
 
-static void test_shapes(void **state)
+TEST(test_shapes)
 {
-    (void)state;
     for (int round = 0; round < 20 * BRUTE_SHAPES; round++) {
         const enum brute_shape shape = (enum brute_shape)(round % BRUTE_SHAPES);
         const size_t n = brute_points(shape, 8 + 4 * (size_t)round, &rng, pts);
@@ -212,11 +202,10 @@ static bool with_island(int x, int y)
 }
 
 /* 10 x 10 points of a grid are missing: as many are restored, on the plane. */
-static void test_grid(void **state)
+TEST(test_grid)
 {
     size_t n = grid(whole);
 
-    (void)state;
     prepare(pts, n, &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
     assert_int_equal(fill.n, 0);
@@ -245,12 +234,11 @@ static void test_grid(void **state)
 
 /* A place for a point on an edge that two triangles of the hole share: the origin, where a
  * grid point always is. */
-static void test_edge(void **state)
+TEST(test_edge)
 {
     const size_t n = grid(with_hole);
     unsigned there = 0;
 
-    (void)state;
     for (size_t i = 0; i < n; i++) {
         pts[i].x -= 49 * PITCH / 2;
         pts[i].y -= 49 * PITCH / 2;
@@ -263,32 +251,24 @@ static void test_edge(void **state)
 }
 
 /* What is open to the outside was perhaps never there. */
-static void test_outline(void **state)
+TEST(test_outline)
 {
     const size_t n = grid(with_notch);
 
-    (void)state;
     prepare(pts, n, &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
     assert_int_equal(fill.n, 0);
     assert_in_range(fill.beyond, 90 * PITCH * PITCH, 11 * 10 * PITCH * PITCH);
 }
 
-static void test_order(void **state)
+TEST(test_order)
 {
     const size_t n = cut_scan(5, 3000, 6);
     struct fill other = {0};
 
-    (void)state;
     prepare(pts, n, &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
-    for (size_t i = n; i-- > 1;) {
-        const size_t j = brute_rand(&rng) % (i + 1);
-        const struct ivec3 t = pts[i];
-
-        pts[i] = pts[j];
-        pts[j] = t;
-    }
+    brute_shuffle(pts, n, sizeof *pts, &rng);
     prepare(pts, n, &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &other), ST_OK);
     assert_int_equal(other.n, fill.n);
@@ -302,11 +282,10 @@ static void test_order(void **state)
     fill_free(&other);
 }
 
-static void test_limit(void **state)
+TEST(test_limit)
 {
     uint32_t n;
 
-    (void)state;
     prepare(pts, grid(with_hole), &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
     n = fill.n;
@@ -315,13 +294,12 @@ static void test_limit(void **state)
     assert_int_equal(fill_holes(&scan, 0, &scratch, &fill), ST_ELIMIT);
 }
 
-static void test_error(void **state)
+TEST(test_error)
 {
     static const double size[FILL_SIZES] = FILL_SIZE_MM, rms[FILL_SIZES] = FILL_RMS_MM,
                         most[FILL_SIZES] = FILL_95_MM;
     double r, m, last = 0;
 
-    (void)state;
     for (int k = 0; k < FILL_SIZES; k++) {
         fill_error(size[k], &r, &m);
         assert_true(fabs(r - rms[k]) < 1e-12 && fabs(m - most[k]) < 1e-12);
@@ -336,13 +314,12 @@ static void test_error(void **state)
     assert_true(isnan(r) && isnan(m));
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct fill other = {0};
     enum status st = ST_ENOMEM;
     unsigned long k;
 
-    (void)state;
     prepare(pts, cut_scan(9, 3000, 5), &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
     for (k = 1; st != ST_OK; k++) {
@@ -360,21 +337,14 @@ static void test_memory(void **state)
     fill_free(&other);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scans),   cmocka_unit_test(test_shapes),
-        cmocka_unit_test(test_grid),    cmocka_unit_test(test_edge),
-        cmocka_unit_test(test_outline), cmocka_unit_test(test_order),
-        cmocka_unit_test(test_limit),   cmocka_unit_test(test_error),
-        cmocka_unit_test(test_memory),
-    };
-    int failed;
-
     rng.state = brute_seed("fill");
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     surface_free(&scan);
     fill_free(&fill);
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,15 +1,6 @@
 /* Finding a face: made-up heads in any pose, unit and surroundings; several in one cloud; what
  * is none; memory that runs out. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
@@ -17,21 +8,18 @@
 #include "find.h"
 #include "headscan.h"
 #include "tuning.h"
+#include "unit.h"
 
 static struct face_work *work;
 
-static int open_work(void **state)
+BEFORE_ALL(open_work)
 {
-    (void)state;
-    work = face_work_new(NULL);
-    return work == NULL;
+    assert_non_null(work = face_work_new(NULL));
 }
 
-static int close_work(void **state)
+AFTER_ALL(close_work)
 {
-    (void)state;
     face_work_free(work);
-    return 0;
 }
 
 /* ---- motions */
@@ -195,11 +183,10 @@ static size_t crop(uint64_t subject, struct dvec3 *out)
 /* ---- tests */
 
 /* A frontal crop is found where frame_find() finds it. */
-static void test_frame(void **state)
+TEST(test_frame)
 {
     static struct dvec3 pts[3000];
 
-    (void)state;
     for (uint64_t subject = 1; subject <= 5; subject++) {
         const size_t n = crop(subject, pts);
         struct face face = {0};
@@ -238,12 +225,11 @@ static void check_any(const struct dvec3 *pts, size_t n, const struct align_pose
     }
 }
 
-static void test_any_pose(void **state)
+TEST(test_any_pose)
 {
     static struct dvec3 pts[3000];
     struct brute_rng r = {brute_seed("test_find")};
 
-    (void)state;
     tried = missed = 0;
     for (uint64_t subject = 1; subject <= 4; subject++) {
         const size_t n = crop(subject, pts);
@@ -261,7 +247,7 @@ static void test_any_pose(void **state)
 }
 
 /* The kinds of scans, with their surroundings.  What covers a face moves its pose. */
-static void test_kinds(void **state)
+TEST(test_kinds)
 {
     static const struct {
         const char *name;
@@ -270,7 +256,6 @@ static void test_kinds(void **state)
                  {"grid", 4, 5},    {"behind", 4, 5}, {"beard", 9, 8}, {"cap", 6, 8},
                  {"glasses", 9, 9}, {"mask", 9, 9}};
 
-    (void)state;
     tried = missed = 0;
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         for (uint64_t subject = 1; subject <= 3; subject++) {
@@ -299,9 +284,8 @@ static double nose_at(const struct find *f)
 
 /* Two heads are two faces; in axes that say nothing of a scanner (y away from it) first comes
  * the one with more points, whatever their order. */
-static void test_two(void **state)
+TEST(test_two)
 {
-    (void)state;
     for (uint64_t subject = 1; subject <= 3; subject++) {
         struct head a = {0}, b = {0};
         struct dvec3 *pts;
@@ -334,7 +318,7 @@ static void test_two(void **state)
 
 /* Seen from the front, along the agreed axes or a camera's, first comes the nearer one, though
  * fewer points show it; in other axes nobody knows which one that is. */
-static void test_nearest(void **state)
+TEST(test_nearest)
 {
     static const struct align_pose axes[] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
                                              {{1, 0, 0, 0, -1, 0, 0, 0, -1}, {0, 0, 0}},
@@ -342,7 +326,6 @@ static void test_nearest(void **state)
     struct head a = {0}, b = {0};
     struct dvec3 *pts;
 
-    (void)state;
     head_make_up(1, &a);
     head_make_up(2, &b);
     pts = malloc((a.n + b.n) * sizeof *pts);
@@ -365,14 +348,13 @@ static void test_nearest(void **state)
     head_free(&b);
 }
 
-static void test_strays(void **state)
+TEST(test_strays)
 {
     static struct dvec3 pts[3400];
     const size_t n = crop(7, pts);
     struct brute_rng r = {brute_seed("test_find")};
     struct find f, with;
 
-    (void)state;
     assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
     for (size_t i = n; i < n + 100; i++) {
         const double far = i % 10 == 0 ? 300 : 1e6;
@@ -388,14 +370,13 @@ static void test_strays(void **state)
 }
 
 /* A unit that is given is the one; by a wrong one nothing is plainly a face. */
-static void test_unit(void **state)
+TEST(test_unit)
 {
     static struct dvec3 pts[3000];
     const size_t n = crop(8, pts);
     const struct align_pose still = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     struct find f;
 
-    (void)state;
     move_all(pts, n, &still, 10);
     assert_int_equal(find_face(pts, n, 10, work, NULL, &f), ST_OK);
     assert_true(f.pose[0].unit_mm == 10 && f.pose[0].worth >= FIND_PLAIN);
@@ -407,14 +388,13 @@ static void test_unit(void **state)
 }
 
 /* The same points give the same digits; where no face is plain, as where one is. */
-static void test_again(void **state)
+TEST(test_again)
 {
     struct headscan_options o;
     struct align_pose still;
     struct headscan s;
     struct find a, b;
 
-    (void)state;
     headscan_kind(kind_of("mask"), 2, false, &o);
     render(2, &o, &s, &still);
     assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &a), ST_OK);
@@ -430,12 +410,11 @@ static void test_again(void **state)
     headscan_free(&s);
 }
 
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
     static struct dvec3 pts[2000];
     struct find f;
 
-    (void)state;
     assert_int_equal(find_face(pts, 0, 0, work, NULL, &f), ST_ENOFACE);
     assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE); /* all equal */
     for (size_t i = 0; i < 2000; i++)
@@ -448,7 +427,7 @@ static void test_nothing(void **state)
     assert_int_equal(f.faces, 0);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct headscan_options o;
     struct align_pose still;
@@ -457,7 +436,6 @@ static void test_memory(void **state)
     enum status st = ST_ENOMEM;
     unsigned long n;
 
-    (void)state;
     headscan_kind(kind_of("depth"), 1, false, &o);
     render(1, &o, &s, &still);
     for (n = 1; st == ST_ENOMEM; n++) {
@@ -469,17 +447,4 @@ static void test_memory(void **state)
     assert_int_equal(st, ST_OK);
     assert_true(n > 5);
     headscan_free(&s);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_frame),   cmocka_unit_test(test_any_pose),
-        cmocka_unit_test(test_kinds),   cmocka_unit_test(test_two),
-        cmocka_unit_test(test_nearest), cmocka_unit_test(test_strays),
-        cmocka_unit_test(test_unit),    cmocka_unit_test(test_again),
-        cmocka_unit_test(test_nothing), cmocka_unit_test(test_memory),
-    };
-
-    return cmocka_run_group_tests(tests, open_work, close_work);
 }

@@ -1,21 +1,14 @@
 /* Splitting a gap into motion, change and rest: compared with a dense solver; known motions
  * and changes are found, despite outliers; too few cells; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "cells.h"
+#include "dense.h"
 #include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define MOST (MODEL_MODES + 6)
 
@@ -60,32 +53,6 @@ static void add_known(struct cells *c, const double *a, const double x[6])
     }
 }
 
-/* Gauss, with pivots: m x = v, n unknowns. */
-static void gauss(double m[MOST][MOST + 1], uint32_t n, double *x)
-{
-    for (uint32_t k = 0; k < n; k++) {
-        uint32_t best = k;
-
-        for (uint32_t i = k + 1; i < n; i++)
-            best = fabs(m[i][k]) > fabs(m[best][k]) ? i : best;
-        for (uint32_t j = 0; j <= n; j++) {
-            const double t = m[k][j];
-
-            m[k][j] = m[best][j];
-            m[best][j] = t;
-        }
-        for (uint32_t i = k + 1; i < n; i++)
-            for (uint32_t j = n + 1; j-- > k;)
-                m[i][j] -= m[i][k] / m[k][k] * m[k][j];
-    }
-    for (uint32_t k = n; k-- > 0;) {
-        x[k] = m[k][n];
-        for (uint32_t j = k + 1; j < n; j++)
-            x[k] -= m[k][j] * x[j];
-        x[k] /= m[k][k];
-    }
-}
-
 /* One row by definition: the modes; then, negated, the effect of each turn by 1 mm at the
  * lever's length and of each shift by 1 mm. */
 static void row_of(const struct model_basis *b, const struct cells *c, uint32_t i,
@@ -105,13 +72,14 @@ static void row_of(const struct model_basis *b, const struct cells *c, uint32_t 
 static void naive(const struct model_basis *b, const struct cells *c, double tie,
                   int passes, double *y, double *rest)
 {
-    static double m[MOST][MOST + 1], share[GRID_N]; /* of its full weight, by cell */
+    static double m[MOST * MOST], share[GRID_N]; /* of its full weight, by cell */
     const uint32_t n = b->n + 6;
     double row[MOST];
 
     memset(rest, 0, GRID_N * sizeof *rest);
     for (int pass = 0; pass <= passes; pass++) {
         memset(m, 0, sizeof m);
+        memset(y, 0, n * sizeof *y);
         for (uint32_t i = 0; i < GRID_N; i++) {
             const double over = 1 / (double)b->rest[i], z = fabs(rest[i]) * over;
             const double now = z > FIT_HUBER ? FIT_HUBER / z : 1;
@@ -127,13 +95,13 @@ static void naive(const struct model_basis *b, const struct cells *c, double tie
             row_of(b, c, i, row);
             for (uint32_t k = 0; k < n; k++) {
                 for (uint32_t j = 0; j < n; j++)
-                    m[k][j] += w * row[k] * row[j];
-                m[k][n] += w * row[k] * (double)c->gap[i];
+                    m[k * n + j] += w * row[k] * row[j];
+                y[k] += w * row[k] * (double)c->gap[i];
             }
         }
         for (uint32_t k = 0; k < n; k++)
-            m[k][k] += k < b->n ? 1 : tie;
-        gauss(m, n, y);
+            m[k * n + k] += k < b->n ? 1 : tie;
+        (void)dense_solve(m, n, y, 1);
         for (uint32_t i = 0; i < GRID_N; i++) {
             if (c->area[i] < CELLS_COVERED || b->rest[i] <= 0.0f)
                 continue;
@@ -154,11 +122,10 @@ static void noisy(struct brute_rng *rng, double amount)
 
 /* Random gaps over random parts, and random modes: the coefficients, motion and rest are
  * those of the dense solver. */
-static void test_against_naive(void **state)
+TEST(test_against_naive)
 {
     struct brute_rng rng = {seed};
 
-    (void)state;
     for (int round = 0; round < 24; round++) {
         static struct model_basis b;
         static struct fit_basis p;
@@ -202,9 +169,8 @@ static const double change[6] = {1.2, -0.7, -1.5, 0.4, 0.8, -0.3};
 static const double nothing[6] = {0};
 
 /* A motion, a change, or both are found, and almost no rest is left. */
-static void test_known(void **state)
+TEST(test_known)
 {
-    (void)state;
     for (int which = 1; which < 4; which++) {
         const double *x = which & 1 ? motion : nothing, *a = which & 2 ? change : nothing;
 
@@ -223,58 +189,8 @@ static void test_known(void **state)
     }
 }
 
-/* A strong tie keeps the motion near 0. */
-static void test_tie(void **state)
+TEST(test_few)
 {
-    (void)state;
-    no_gap(&cells);
-    add_known(&cells, nothing, motion);
-    assert_int_equal(fit_solve(&changed, &cells, 1e9, 0, &scratch, &fit), ST_OK);
-    for (int k = 0; k < 6; k++)
-        assert_true(fabs(fit.x[k]) < 1e-3);
-}
-
-/* An outlier region of 3 mm that no mode explains: reweighting reduces its influence. */
-static void test_outliers(void **state)
-{
-    double off[2] = {0, 0};
-
-    (void)state;
-    for (int passes = 0; passes < 4; passes += 3) {
-        no_gap(&cells);
-        add_known(&cells, nothing, motion);
-        for (uint32_t i = 0; i < GRID_N; i++)
-            if (cells.area[i] > 0.0f && grid_x(i) > 25 && grid_y(i) < -30)
-                cells.gap[i] += 3.0f;
-        assert_int_equal(fit_solve(&moved, &cells, 1e-6, passes, &scratch, &fit), ST_OK);
-        for (int k = 0; k < 6; k++)
-            off[passes > 0] += fabs(fit.x[k] - motion[k]) * (k < 3 ? POSE_LEVER_MM : 1);
-    }
-    print_message("off by %.3f mm by least squares, %.3f mm reweighted\n", off[0],
-                  off[1]);
-    assert_true(off[1] < 0.6 * off[0]);
-}
-
-/* White noise stays in the rest: motion and change explain little of it. */
-static void test_noise_stays(void **state)
-{
-    struct brute_rng rng = {seed + 1};
-    double before = 0, after = 0;
-
-    (void)state;
-    no_gap(&cells);
-    noisy(&rng, 0.3);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        before += (double)cells.gap[i] * (double)cells.gap[i];
-        after += (double)fit.rest[i] * (double)fit.rest[i];
-    }
-    assert_true(after > 0.95 * before && after <= before);
-}
-
-static void test_few(void **state)
-{
-    (void)state;
     for (uint32_t keep = FIT_MIN_CELLS + 1; keep-- > FIT_MIN_CELLS - 2;) {
         uint32_t n = 0;
 
@@ -300,12 +216,11 @@ static void test_few(void **state)
 
 /* The same input gives the same bytes, also in memory that was used before; a failed
  * allocation leaves the memory usable. */
-static void test_determinism_and_memory(void **state)
+TEST(test_determinism_and_memory)
 {
     struct scratch fresh = {0};
     struct brute_rng rng = {seed + 2};
 
-    (void)state;
     no_gap(&cells);
     add_known(&cells, change, motion);
     noisy(&rng, 0.5);
@@ -326,25 +241,16 @@ static void test_determinism_and_memory(void **state)
     scratch_free(&fresh);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_naive),
-        cmocka_unit_test(test_known),
-        cmocka_unit_test(test_tie),
-        cmocka_unit_test(test_outliers),
-        cmocka_unit_test(test_noise_stays),
-        cmocka_unit_test(test_few),
-        cmocka_unit_test(test_determinism_and_memory),
-    };
-    int failed;
-
     seed = brute_seed("fit");
     toy_model(&model);
     memcpy(nothing_changes.rest, model.change.rest, sizeof nothing_changes.rest);
     fit_prepare(&nothing_changes, &moved);
     fit_prepare(&model.change, &changed);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,15 +1,6 @@
 /* The canonical frame: it moves with the face, the mean face's own frame is the identity, and
  * a map of heights in it is the mean face again. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
@@ -17,6 +8,7 @@
 #include "frame.h"
 #include "model_digest.h"
 #include "toy.h"
+#include "unit.h"
 
 #define POINTS 3000
 
@@ -56,13 +48,12 @@ static struct align_pose then(const struct align_pose *a, const struct align_pos
 }
 
 /* The frame of the toy face, scanned in any pose, is the inverse of that pose. */
-static void test_toy(void **state)
+TEST(test_toy)
 {
     static const struct dvec3 corners[] = {
         {0, 0, 0}, {50, 0, -40}, {-50, 0, -40}, {0, 60, -30}, {0, -60, -30}};
     struct brute_rng rng = {brute_seed("frame")};
 
-    (void)state;
     for (int k = 0; k < 5; k++) {
         struct align_pose pose, both;
         const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -82,14 +73,13 @@ static void test_toy(void **state)
 }
 
 /* Turning and shifting a whole scan leaves the frame at the same place of the face. */
-static void test_moves_along(void **state)
+TEST(test_moves_along)
 {
     static struct dvec3 pts[POINTS], moved[POINTS];
     struct face_work *w = face_work_new(NULL);
     struct face f = {0};
     double sum = 0;
 
-    (void)state;
     assert_non_null(w);
     for (uint64_t k = 0; k < 8; k++) {
         const size_t n = clouds_scan(k, 0, POINTS, pts);
@@ -121,12 +111,11 @@ static double scaled(const void *arg, double x, double y)
 }
 
 /* Neither a quadric nor a scale changes the likeness; for a hollow face it is negative. */
-static void test_likeness(void **state)
+TEST(test_likeness)
 {
     static const double scale[] = {1, 0.3, 2, -1, 0};
     static double z[GRID_N], n[GRID_N];
 
-    (void)state;
     for (size_t k = 0; k < sizeof scale / sizeof *scale; k++) {
         double l;
 
@@ -146,12 +135,11 @@ static void test_likeness(void **state)
     assert_true(isnan(frame_likeness_heights(&mean, z, n)));
 }
 
-static void test_mean(void **state)
+TEST(test_mean)
 {
     struct model bad = model;
     struct frame_mean m;
 
-    (void)state;
     for (uint32_t i = 0; i < GRID_N; i++) {
         assert_true(mean.rigid[i] >= 0.0f && mean.rigid[i] <= 1.0f);
         assert_true((mean.rigid[i] > 0.0f) == (model.change.rest[i] > 0.0f));
@@ -166,14 +154,13 @@ static void test_mean(void **state)
     assert_int_equal(frame_mean_make(&bad, &m), ST_EDEGENERATE);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct brute_rng rng = {8};
     struct frame want, got;
     enum status st = ST_ENOMEM;
     unsigned long n;
 
-    (void)state;
     toy_scan(toy, NULL, 2000, NULL, &rng, &surface);
     assert_int_equal(frame_find(&mean, &surface, &work, &want), ST_OK);
     for (n = 1; st != ST_OK; n++) {
@@ -189,20 +176,14 @@ static void test_memory(void **state)
     assert_memory_equal(&want.pose, &got.pose, sizeof want.pose);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_toy),      cmocka_unit_test(test_moves_along),
-        cmocka_unit_test(test_likeness), cmocka_unit_test(test_mean),
-        cmocka_unit_test(test_memory),
-    };
-    int failed;
-
     toy_model(&model);
-    if (frame_mean_make(&model, &mean) != ST_OK)
-        return 2;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    assert_int_equal(frame_mean_make(&model, &mean), ST_OK);
+}
+
+AFTER_ALL(tear_down)
+{
     align_work_free(&work);
     surface_free(&surface);
-    return failed;
 }

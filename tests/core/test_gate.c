@@ -1,19 +1,12 @@
 /* The gate: what is no face is not enrolled, each for its reason, and made-up faces are.  Kinds
  * and seeds of which the gate that judged by the mean face alone enrolled some. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cloudpoints.h"
 #include "face.h"
 #include "facegen.h"
 #include "mem.h"
 #include "object.h"
 #include "scan.h"
+#include "unit.h"
 
 #define N 4000
 
@@ -47,7 +40,7 @@ static size_t face(uint64_t subject)
     return facegen_sample(&s, pts);
 }
 
-static void test_things(void **state)
+TEST(test_things)
 {
     static const char *const name[] = {"cone from its point",
                                        "bottle",
@@ -62,7 +55,6 @@ static void test_things(void **state)
                                        "face: sides swapped"};
     size_t tried = 0;
 
-    (void)state;
     for (uint32_t k = 0; k < object_kinds(); k++)
         for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
             enum status st;
@@ -79,9 +71,8 @@ static void test_things(void **state)
     assert_int_equal(tried, sizeof name / sizeof *name);
 }
 
-static void test_faces(void **state)
+TEST(test_faces)
 {
-    (void)state;
     for (uint64_t who = 100; who < 130; who++) {
         const size_t n = face(who);
 
@@ -100,7 +91,7 @@ static void test_faces(void **state)
 }
 
 /* Children and large adults are people; a doll and a giant's mask are none. */
-static void test_sizes(void **state)
+TEST(test_sizes)
 {
     static const struct {
         double by;
@@ -108,7 +99,6 @@ static void test_sizes(void **state)
     } size[] = {{0.4, false}, {0.78, true}, {0.9, true},
                 {1.1, true},  {1.15, true}, {2, false}};
 
-    (void)state;
     for (uint64_t who = 7; who < 12; who++)
         for (size_t k = 0; k < sizeof size / sizeof *size; k++) {
             const size_t n = face(who);
@@ -126,11 +116,10 @@ static void test_sizes(void **state)
 }
 
 /* A band of a face is too little to enrol, and the part below the eyes is none without them. */
-static void test_parts(void **state)
+TEST(test_parts)
 {
     size_t n = face(9), left = 0;
 
-    (void)state;
     for (size_t i = 0; i < n; i++)
         if (fabs(pts[i].y - 20) < 28)
             pts[left++] = pts[i];
@@ -148,11 +137,10 @@ static void test_parts(void **state)
 }
 
 /* Upside down it is no face where the axes are the scanner's; else it is found. */
-static void test_turned(void **state)
+TEST(test_turned)
 {
     const size_t n = face(10);
 
-    (void)state;
     for (size_t i = 0; i < n; i++)
         pts[i] = (struct dvec3){-pts[i].x, -pts[i].y, pts[i].z};
     assert_int_equal(build(pts, n, SCAN_AXES_SCANNER, true), ST_ENOTFACE);
@@ -160,18 +148,12 @@ static void test_turned(void **state)
     assert_true(found.found);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_things), cmocka_unit_test(test_faces),
-        cmocka_unit_test(test_sizes),  cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_turned),
-    };
-    int failed;
+    assert_non_null(work = face_work_new(NULL));
+}
 
-    if ((work = face_work_new(NULL)) == NULL)
-        return 2;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+AFTER_ALL(tear_down)
+{
     face_work_free(work);
-    return failed;
 }

@@ -1,27 +1,18 @@
 /* A few fixed comparisons must give the digits of tests/golden/digits.txt.  After an intended
  * change of the measure write the file again (build/digits > tests/golden/digits.txt) and
  * raise the measure's number in FACE_ENGINE. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "digits.h"
+#include "unit.h"
 
 #define GOLDEN "tests/golden/digits.txt"
 
 /* Line by line, so that a failure prints the line that differs. */
-static void test_digits(void **state)
+TEST(test_digits)
 {
     FILE *in = fopen(GOLDEN, "r");
     size_t size;
     char *text = digits_text(&size), *line = text, want[4096];
 
-    (void)state;
     assert_non_null(in);
     while (fgets(want, sizeof want, in) != NULL) {
         char *end = strchr(line, '\n');
@@ -35,13 +26,4 @@ static void test_digits(void **state)
     assert_ptr_equal(line, text + size);
     (void)fclose(in);
     free(text);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_digits),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

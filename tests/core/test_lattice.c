@@ -1,12 +1,6 @@
 /* Millimetres to lattice units: rounding, range, and the index of the first bad point. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "lattice.h"
+#include "unit.h"
 
 static int32_t rounded(double mm, double scale)
 {
@@ -26,9 +20,8 @@ static enum status refused(double mm)
     return lattice_from_mm(&p, 1, LATTICE_PER_MM, &u, NULL);
 }
 
-static void test_nearest(void **state)
+TEST(test_nearest)
 {
-    (void)state;
     assert_int_equal(rounded(0, LATTICE_PER_MM), 0);
     assert_int_equal(rounded(-0.0, LATTICE_PER_MM), 0);
     assert_int_equal(rounded(1, LATTICE_PER_MM), 1000);
@@ -39,23 +32,21 @@ static void test_nearest(void **state)
     assert_int_equal(rounded(3, 0.5), 2);
 }
 
-static void test_ties_to_even(void **state)
+TEST(test_ties_to_even)
 {
     static const double at[] = {0.5, 1.5, 2.5, 3.5, 1000000.5, 1000001.5};
     static const int32_t want[] = {0, 2, 2, 4, 1000000, 1000002};
 
-    (void)state;
     for (int i = 0; i < 6; i++) {
         assert_int_equal(rounded(at[i], 1), want[i]);
         assert_int_equal(rounded(-at[i], 1), -want[i]);
     }
 }
 
-static void test_range(void **state)
+TEST(test_range)
 {
     const double edge = LATTICE_MAX / LATTICE_PER_MM;
 
-    (void)state;
     assert_int_equal(rounded(edge, LATTICE_PER_MM), LATTICE_MAX);
     assert_int_equal(rounded(-edge, LATTICE_PER_MM), -LATTICE_MAX);
     assert_int_equal(rounded(nextafter(edge, 0), LATTICE_PER_MM), LATTICE_MAX);
@@ -66,21 +57,19 @@ static void test_range(void **state)
     assert_int_equal(refused(-1e308), ST_ERANGE);
 }
 
-static void test_not_finite(void **state)
+TEST(test_not_finite)
 {
-    (void)state;
     assert_int_equal(refused((double)NAN), ST_ENOTFINITE);
     assert_int_equal(refused((double)INFINITY), ST_ENOTFINITE);
     assert_int_equal(refused(-(double)INFINITY), ST_ENOTFINITE);
 }
 
-static void test_array(void **state)
+TEST(test_array)
 {
     const struct dvec3 good[] = {{1, 2, 3}, {-0.0015, 0.0025, 16777.216}};
     struct ivec3 out[2];
     size_t bad = 99;
 
-    (void)state;
     assert_int_equal(lattice_from_mm(good, 2, LATTICE_PER_MM, out, &bad), ST_OK);
     assert_int_equal(bad, 99);
     assert_int_equal(out[0].x, 1000);
@@ -93,13 +82,12 @@ static void test_array(void **state)
 }
 
 /* Whichever coordinate of whichever point is bad, the point's index is returned. */
-static void test_offender(void **state)
+TEST(test_offender)
 {
     static const double wrong[] = {(double)NAN, (double)INFINITY, 16778, -16778};
     static const enum status want[] = {ST_ENOTFINITE, ST_ENOTFINITE, ST_ERANGE,
                                        ST_ERANGE};
 
-    (void)state;
     for (size_t k = 0; k < 4; k++)
         for (size_t i = 0; i < 5; i++)
             for (int axis = 0; axis < 3; axis++) {
@@ -115,15 +103,4 @@ static void test_offender(void **state)
                 assert_int_equal(lattice_from_mm(pts, 5, LATTICE_PER_MM, out, NULL),
                                  want[k]);
             }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nearest), cmocka_unit_test(test_ties_to_even),
-        cmocka_unit_test(test_range),   cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_array),   cmocka_unit_test(test_offender),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,14 +1,5 @@
 /* The library's public functions: they give the results of the core's own, and their errors. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "asymmetry.h"
 #include "brute.h"
 #include "clouds.h"
@@ -20,6 +11,7 @@
 #include "minimal.h"
 #include "model.h"
 #include "status.h"
+#include "unit.h"
 
 #define POINTS 3000
 
@@ -51,7 +43,7 @@ static enum surface_status build(struct surface_work *work, size_t n,
 }
 
 /* The same as face.h gives, of the same subject and of two. */
-static void test_same(void **state)
+TEST(test_same)
 {
     static const uint64_t probe[2][2] = {{3, 1}, {4, 0}};
     struct surface_work *work = surface_work_new(NULL);
@@ -61,7 +53,6 @@ static void test_same(void **state)
     char engine[2][SURFACE_ENGINE_SIZE];
     size_t n = scan(3, 0);
 
-    (void)state;
     assert_non_null(work);
     assert_int_equal(build(work, n, &tmpl, NULL), SURFACE_OK);
     assert_int_equal(face_build(pts, n, w, &a, NULL), ST_OK);
@@ -127,7 +118,7 @@ static void test_same(void **state)
 
 /* A raw scan of a head, in metres and turned: the face is found in it and matches; at the points
  * as they were given the gaps are small. */
-static void test_raw(void **state)
+TEST(test_raw)
 {
     struct surface_work *work = surface_work_new(NULL);
     struct surface_face *face[2] = {NULL, NULL};
@@ -140,7 +131,6 @@ static void test_raw(void **state)
     struct head h;
     size_t covered = 0;
 
-    (void)state;
     head_make_up(5, &h);
     for (int i = 0; i < 2; i++) {
         struct surface_cloud cloud = {.size = sizeof cloud, .flags = SURFACE_ENROLMENT};
@@ -183,7 +173,7 @@ static void test_raw(void **state)
 }
 
 /* A face written and read again scores the same; damaged bytes are refused. */
-static void test_bytes(void **state)
+TEST(test_bytes)
 {
     struct surface_work *work = surface_work_new(NULL);
     struct surface_face *a = NULL, *b = NULL, *again = NULL;
@@ -193,7 +183,6 @@ static void test_bytes(void **state)
     size_t len;
     char *bytes;
 
-    (void)state;
     assert_int_equal(build(work, scan(7, 0), &a, NULL), SURFACE_OK);
     assert_int_equal(build(work, scan(7, 1), &b, NULL), SURFACE_OK);
     len = surface_encoded_size(a);
@@ -223,7 +212,7 @@ static void test_bytes(void **state)
 }
 
 /* A model as text is the shipped one again; a calibration moves the threshold. */
-static void test_model(void **state)
+TEST(test_model)
 {
     const size_t len = model_write(&model_default, NULL, 0);
     struct surface_calibration by = {
@@ -236,7 +225,6 @@ static void test_model(void **state)
     uint32_t line = 0;
     char *text = malloc(len + 1);
 
-    (void)state;
     assert_non_null(text);
     (void)model_write(&model_default, text, len + 1);
     assert_int_equal(surface_model_parse(text, len, &m, &line), SURFACE_OK);
@@ -266,7 +254,7 @@ static void test_model(void **state)
 }
 
 /* A caller whose structs are smaller, or larger, is given what it has room for. */
-static void test_sizes(void **state)
+TEST(test_sizes)
 {
     struct {
         struct surface_comparison c;
@@ -277,7 +265,6 @@ static void test_sizes(void **state)
     struct surface_work *work = surface_work_new(NULL);
     struct surface_face *a = NULL;
 
-    (void)state;
     assert_int_equal(build(work, scan(7, 0), &a, NULL), SURFACE_OK);
     assert_int_equal(surface_compare(work, a, a, &c), SURFACE_OK);
     assert_true(c.score > 0 && c.threshold == 7);
@@ -287,7 +274,7 @@ static void test_sizes(void **state)
     surface_work_free(work);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     struct surface_work *work = surface_work_new(NULL);
     struct surface_found found = {.size = sizeof found};
@@ -296,7 +283,6 @@ static void test_refused(void **state)
     struct brute_rng r = {1};
     size_t n = scan(3, 0);
 
-    (void)state;
     assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_ETOOFEW);
     cloud.n = 1;
     assert_int_equal(surface_build(work, &cloud, &face, NULL), SURFACE_EINVAL);
@@ -342,7 +328,7 @@ static void test_refused(void **state)
 }
 
 /* Each status has a message of its own, each bit a name; what is none has none. */
-static void test_words(void **state)
+TEST(test_words)
 {
     static const enum surface_status all[] = {
         SURFACE_OK,        SURFACE_EINVAL,         SURFACE_ENOMEM,   SURFACE_ELIMIT,
@@ -351,7 +337,6 @@ static void test_words(void **state)
         SURFACE_ENOTFACE,  SURFACE_EQUALITY,       SURFACE_ECORRUPT, SURFACE_EVERSION,
         SURFACE_EINTERNAL, (enum surface_status)99};
 
-    (void)state;
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         for (size_t k = 0; k < i; k++)
             assert_string_not_equal(surface_message(all[i]), surface_message(all[k]));
@@ -365,13 +350,12 @@ static void test_words(void **state)
     assert_null(surface_region_name(SURFACE_REGIONS));
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     const size_t n = scan(3, 0);
     enum surface_status st = SURFACE_ENOMEM;
     unsigned long k;
 
-    (void)state;
     for (k = 1; st != SURFACE_OK; k++) {
         struct surface_comparison c = {.size = sizeof c};
         struct surface_disparity d = {.size = sizeof d};
@@ -393,16 +377,4 @@ static void test_memory(void **state)
         surface_work_free(work);
     }
     assert_true(k > 15);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),  cmocka_unit_test(test_raw),
-        cmocka_unit_test(test_bytes), cmocka_unit_test(test_model),
-        cmocka_unit_test(test_sizes), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_words), cmocka_unit_test(test_memory),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

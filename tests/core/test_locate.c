@@ -1,13 +1,4 @@
 /* Location by walking, compared with a search of all triangles; heights at the locations. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "chains.h"
 #include "delaunay.h"
@@ -16,6 +7,7 @@
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
+#include "unit.h"
 
 #define MAX_POINTS 400
 
@@ -195,11 +187,10 @@ static void walk_and_check(const struct mesh *m, struct brute_rng *r)
     assert_int_equal(from.where, at.where);
 }
 
-static void test_point(void **state)
+TEST(test_point)
 {
     struct brute_rng r = {seed};
 
-    (void)state;
     for (int round = 0; round < 40; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = make((enum brute_shape)shape, 3 + brute_rand(&r) % 60, &r);
@@ -228,12 +219,11 @@ static void check_find(const struct mesh *m, const struct chains *c, struct ivec
     }
 }
 
-static void test_chains(void **state)
+TEST(test_chains)
 {
     struct brute_rng r = {seed + 1};
     struct scratch s = {0};
 
-    (void)state;
     for (int round = 0; round < 60; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = make((enum brute_shape)shape, 3 + brute_rand(&r) % 60, &r);
@@ -251,12 +241,11 @@ static void test_chains(void **state)
 }
 
 /* Whole meshes, along any tree: what the walk finds does not depend on the tree. */
-static void test_mesh(void **state)
+TEST(test_mesh)
 {
     struct brute_rng r = {seed + 2};
     static struct location loc[MAX_POINTS];
 
-    (void)state;
     for (int round = 0; round < 12; round++)
         for (int pair = 0; pair < BRUTE_SHAPES * BRUTE_SHAPES; pair++) {
             struct mesh in = make((enum brute_shape)(pair / BRUTE_SHAPES),
@@ -279,43 +268,6 @@ static void test_mesh(void **state)
         }
 }
 
-/* A square cut by the diagonal 0-2, each location by hand. */
-static void test_by_hand(void **state)
-{
-    const struct ivec3 square[] = {{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}};
-    const struct {
-        struct ivec2 q;
-        enum locate_where where;
-        struct ivec2 a, b; /* the edge found, or the vertex a */
-    } want[] = {
-        {{10, 10}, LOCATE_VERTEX, {10, 10}, {0, 0}},
-        {{0, 0}, LOCATE_VERTEX, {0, 0}, {0, 0}},
-        {{0, 4}, LOCATE_EDGE, {0, 10}, {0, 0}},
-        {{10, 9}, LOCATE_EDGE, {10, 0}, {10, 10}},
-        {{12, 5}, LOCATE_OUTSIDE, {10, 0}, {10, 10}},
-        {{5, -1}, LOCATE_OUTSIDE, {0, 0}, {10, 0}},
-        {{20, 10}, LOCATE_OUTSIDE, {10, 0}, {10, 10}}, /* in line with another edge */
-        {{10, 20}, LOCATE_OUTSIDE, {10, 10}, {0, 10}},
-    };
-    struct mesh m = {0};
-
-    (void)state;
-    brute_delaunay(square, 4, &m);
-    for (size_t i = 0; i < sizeof want / sizeof *want; i++)
-        for (uint32_t h = 0; h < 3 * m.nt; h++) {
-            struct location at;
-
-            if (mesh_is_ghost(&m, h / 3))
-                continue;
-            at = locate_point(&m, h, m.xy[m.org[h]], want[i].q, NULL);
-            assert_int_equal(at.where, want[i].where);
-            assert_true(same_xy(m.xy[m.org[at.he]], want[i].a));
-            if (at.where != LOCATE_VERTEX)
-                assert_true(same_xy(m.xy[mesh_dest(&m, at.he)], want[i].b));
-        }
-    mesh_free(&m);
-}
-
 static void count(void *arg, uint32_t t)
 {
     (void)t;
@@ -324,11 +276,10 @@ static void count(void *arg, uint32_t t)
 
 /* Along the spanning tree a walk crosses a handful of triangles, whatever the number of
  * points (paper 1, 3.3); from one fixed place it would cross some sqrt(n) of them. */
-static void test_linear(void **state)
+TEST(test_linear)
 {
     struct brute_rng r = {seed + 3};
 
-    (void)state;
     for (size_t n = 1000; n <= 64000; n *= 8) {
         struct ivec3 *pts = malloc(n * sizeof *pts);
         struct location *loc = malloc(n * sizeof *loc);
@@ -372,7 +323,7 @@ static void test_linear(void **state)
 
 /* Two columns with needles between them, and points that a tree visits up and down across
  * the needles: most of the points are located without a walk. */
-static void test_needles(void **state)
+TEST(test_needles)
 {
     enum { N = 3000 };
     static struct ivec3 pts[N];
@@ -381,7 +332,6 @@ static void test_needles(void **state)
     struct scratch s = {0};
     struct mesh in = {0}, across = {0};
 
-    (void)state;
     for (int i = 0; i < N; i++)
         pts[i] = (struct ivec3){i % 2 * 8000000, i / 2 * 1000, 0};
     assert_int_equal(delaunay_build(pts, N, &s, &in), ST_OK);
@@ -400,14 +350,7 @@ static void test_needles(void **state)
     scratch_free(&s);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand), cmocka_unit_test(test_point),
-        cmocka_unit_test(test_chains),  cmocka_unit_test(test_mesh),
-        cmocka_unit_test(test_linear),  cmocka_unit_test(test_needles),
-    };
-
     seed = brute_seed("test_locate");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,19 +1,11 @@
 /* Allocation: alignment, overflow, and that a failed one changes nothing. */
 /* link: -Wl,--wrap=aligned_alloc -Wl,--wrap=free */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "fail_alloc.h"
 #include "mem.h"
+#include "unit.h"
 
-static void test_aligned(void **state)
+TEST(test_aligned)
 {
-    (void)state;
     for (size_t n = 0; n < 300; n++) {
         unsigned char *p = mem_array(n, 3);
 
@@ -25,11 +17,10 @@ static void test_aligned(void **state)
     mem_free(NULL);
 }
 
-static void test_overflow(void **state)
+TEST(test_overflow)
 {
     const size_t half = SIZE_MAX / 2;
 
-    (void)state;
     assert_null(mem_array(half + 2, 2));
     assert_null(mem_array(2, half + 2));
     assert_null(mem_array(SIZE_MAX, SIZE_MAX));
@@ -38,11 +29,10 @@ static void test_overflow(void **state)
     assert_null(mem_array((size_t)1 << 33, (size_t)1 << 33));
 }
 
-static void test_fail(void **state)
+TEST(test_fail)
 {
     void *p;
 
-    (void)state;
     fail_alloc_at(1);
     assert_null(mem_array(1, 1));
     p = mem_array(1, 1);
@@ -51,11 +41,10 @@ static void test_fail(void **state)
     mem_free(p);
 }
 
-static void test_grow(void **state)
+TEST(test_grow)
 {
     unsigned char *p = mem_array(100, 1), *q;
 
-    (void)state;
     memset(p, 7, 100);
     q = mem_grow(p, 100, 5000);
     assert_non_null(q);
@@ -87,12 +76,11 @@ void __wrap_free(void *p)
     __real_free(p);
 }
 
-static void test_wiped(void **state)
+TEST(test_wiped)
 {
     struct scratch s = {0};
     unsigned char *p = mem_array(10000, 1);
 
-    (void)state;
     watched = memset(p, 7, 10000);
     wiped = false;
     mem_free(p);
@@ -129,12 +117,11 @@ static void test_wiped(void **state)
     watched = NULL;
 }
 
-static void test_scratch(void **state)
+TEST(test_scratch)
 {
     struct scratch s = {0};
     unsigned char *a = scratch_need(&s, 1000), *b;
 
-    (void)state;
     assert_non_null(a);
     assert_int_equal((uintptr_t)a % 64, 0);
     memset(a, 1, 1000);
@@ -162,23 +149,10 @@ static void test_scratch(void **state)
     scratch_free(&s);
 }
 
-static void test_round(void **state)
+TEST(test_round)
 {
-    (void)state;
     assert_int_equal(mem_round(0), 0);
     assert_int_equal(mem_round(1), 64);
     assert_int_equal(mem_round(64), 64);
     assert_int_equal(mem_round(65), 128);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_aligned), cmocka_unit_test(test_overflow),
-        cmocka_unit_test(test_fail),    cmocka_unit_test(test_grow),
-        cmocka_unit_test(test_wiped),   cmocka_unit_test(test_scratch),
-        cmocka_unit_test(test_round),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

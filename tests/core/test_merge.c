@@ -1,14 +1,6 @@
 /* The general triangulation must be the triangulation of the union built from scratch. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "brute.h"
 #include "delaunay.h"
@@ -21,6 +13,7 @@
 #include "mesh_link.h"
 #include "mst.h"
 #include "predicates.h"
+#include "unit.h"
 
 #define MOST 6000
 
@@ -148,12 +141,11 @@ static void check_both_ways(const struct cloud *a, const struct cloud *b)
 }
 
 /* Every kind of point set against every kind, at their own places and on one another. */
-static void test_kinds(void **state)
+TEST(test_kinds)
 {
     static const size_t size[][2] = {{3, 3}, {5, 60}, {80, 6}, {150, 150}, {700, 500}};
     struct brute_rng r = {brute_seed("kinds")};
 
-    (void)state;
     for (int ka = 0; ka < BRUTE_SHAPES; ka++)
         for (int kb = 0; kb < BRUTE_SHAPES; kb++)
             for (size_t s = 0; s < sizeof size / sizeof size[0]; s++) {
@@ -164,12 +156,11 @@ static void test_kinds(void **state)
 }
 
 /* Some, then all points of b are points of a. */
-static void test_shared(void **state)
+TEST(test_shared)
 {
     struct brute_rng r = {brute_seed("shared")};
     struct pair p;
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 8; n < 300; n *= 3) {
             first.n = brute_points((enum brute_shape)shape, n, &r, first.pts);
@@ -188,11 +179,10 @@ static void test_shared(void **state)
 }
 
 /* b's points on a's edges, inner and hull edges, and on the lines beyond their ends. */
-static void test_on_edges(void **state)
+TEST(test_on_edges)
 {
     struct brute_rng r = {brute_seed("on edges")};
 
-    (void)state;
     for (int round = 0; round < 60; round++) {
         struct mesh m = {0};
 
@@ -217,67 +207,6 @@ static void test_on_edges(void **state)
     }
 }
 
-/* b wholly outside a (beside, across a corner, all round) or inside one triangle of it. */
-static void test_apart(void **state)
-{
-    static const int32_t shift[][2] = {
-        {300000, 0}, {0, -300000}, {200000, 200000}, {140000, 0}, {-140001, 139999}};
-    struct brute_rng r = {brute_seed("apart")};
-
-    (void)state;
-    for (size_t k = 0; k < sizeof shift / sizeof shift[0]; k++)
-        for (size_t n = 3; n < 400; n *= 5) {
-            first.n = brute_points(BRUTE_RANDOM, n, &r, first.pts);
-            second.n = brute_points(BRUTE_RANDOM, n, &r, second.pts);
-            for (size_t i = 0; i < second.n; i++) {
-                second.pts[i].x += shift[k][0];
-                second.pts[i].y += shift[k][1];
-            }
-            check_both_ways(&first, &second);
-        }
-    for (size_t n = 3; n < 400; n *= 2) {
-        first.n = 0;
-        add(&first, -9000000, -8000000);
-        add(&first, 9500000, -7000000);
-        add(&first, 100000, 9000000);
-        second.n = brute_points(BRUTE_RANDOM, n, &r, second.pts);
-        check_both_ways(&first, &second);
-        add(&first, 100000, -7500000); /* the edge to it runs through the middle of b */
-        check_both_ways(&first, &second);
-    }
-}
-
-/* Grids and circles that interleave: cocircular points from both sides. */
-static void test_interleaved(void **state)
-{
-    static const int32_t off[][2] = {{5, 5}, {5, 0}, {0, 5}, {2, 1}, {10, 20}, {25, -15}};
-
-    (void)state;
-    for (size_t k = 0; k < sizeof off / sizeof off[0]; k++)
-        for (int32_t side = 2; side <= 20; side += 3) {
-            first.n = second.n = 0;
-            for (int32_t i = 0; i < side * side; i++) {
-                add(&first, 10 * (i % side), 10 * (i / side));
-                add(&second, 10 * (i % side) + off[k][0], 10 * (i / side) + off[k][1]);
-            }
-            check_both_ways(&first, &second);
-        }
-    for (int parts = 2; parts <= 5; parts++) {
-        struct brute_rng r = {brute_seed("circles")};
-        static struct ivec3 circle[324];
-        const size_t n = brute_points(BRUTE_CIRCLE, 324, &r, circle);
-
-        first.n = second.n = 0;
-        for (size_t i = 0; i < n; i++)
-            add(i % (size_t)parts == 0 ? &first : &second, circle[i].x, circle[i].y);
-        check_both_ways(&first, &second);
-        add(&second, 0, 0);
-        check_both_ways(&first, &second);
-        add(&first, 0, 0);
-        check_both_ways(&first, &second);
-    }
-}
-
 /* Points on half a parabola form a fan round the end with the greater curvature, so points
  * put in from the other end, as here, turn every edge each time. */
 static void make_fan(int32_t n)
@@ -293,9 +222,8 @@ static void make_fan(int32_t n)
 
 /* Quadratic work: merge_build() must give up and triangulate the union from scratch, which is
  * seen by its allocations. */
-static void test_work_limit(void **state)
+TEST(test_work_limit)
 {
-    (void)state;
     for (int32_t n = 500; n <= 4000; n *= 2) {
         make_fan(n);
         assert_true(check_merge(&first, &second) > 0);
@@ -304,11 +232,10 @@ static void test_work_limit(void **state)
 }
 
 /* Two scans of one surface never come near that limit, whatever their sampling. */
-static void test_steady_state(void **state)
+TEST(test_steady_state)
 {
     struct brute_rng r = {brute_seed("steady state")};
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         first.n = brute_points((enum brute_shape)shape, 3000, &r, first.pts);
         second.n = brute_points((enum brute_shape)shape, 3000, &r, second.pts);
@@ -343,11 +270,10 @@ static void make_pinwheel(struct mesh *m)
 
 /* The flips for the first point move the triangle in which the second one was located to
  * between the squares.  The alarm kills the test if a walk does not end. */
-static void test_walk_limit(void **state)
+TEST(test_walk_limit)
 {
     struct pair p = {{0}, {0}, {0}, NULL, NULL};
 
-    (void)state;
     make_pinwheel(&p.a);
     second.n = 0;
     add(&second, -2, 1);
@@ -382,11 +308,10 @@ static int64_t area(const struct mesh *m)
 }
 
 /* If a is not Delaunay, the result is still a triangulation of all points. */
-static void test_flipped(void **state)
+TEST(test_flipped)
 {
     struct brute_rng r = {brute_seed("flipped")};
 
-    (void)state;
     for (int round = 0; round < 300; round++) {
         const enum brute_shape shape = (enum brute_shape)(round % BRUTE_SHAPES);
         struct pair p = {{0}, {0}, {0}, NULL, NULL};
@@ -439,11 +364,10 @@ static void no_memory(const struct cloud *a, const struct cloud *b, unsigned lon
     pair_free(&p);
 }
 
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("no memory")};
 
-    (void)state;
     first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
     second.n = brute_points(BRUTE_RANDOM, 50, &r, second.pts);
     no_memory(&first, &second, 2); /* a copy, and the scratch for inserting */
@@ -451,12 +375,11 @@ static void test_no_memory(void **state)
     no_memory(&first, &second, 4); /* and a list, and delaunay_build()'s scratch */
 }
 
-static void test_limit(void **state)
+TEST(test_limit)
 {
     struct brute_rng r = {brute_seed("limit")};
     struct pair p;
 
-    (void)state;
     first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
     pair_make(&p, &first, &first);
     p.b.nv = MESH_MAX_POINTS; /* refused before any point is looked at */
@@ -466,18 +389,7 @@ static void test_limit(void **state)
     pair_free(&p);
 }
 
-int main(void)
+AFTER_ALL(tear_down)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kinds),        cmocka_unit_test(test_shared),
-        cmocka_unit_test(test_on_edges),     cmocka_unit_test(test_apart),
-        cmocka_unit_test(test_interleaved),  cmocka_unit_test(test_work_limit),
-        cmocka_unit_test(test_steady_state), cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_limit),        cmocka_unit_test(test_walk_limit),
-        cmocka_unit_test(test_flipped),
-    };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,15 +1,6 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* mesh_link(), which checks decoded meshes.  Its twins are compared with delaunay_build()'s,
  * and its verdict on damaged meshes with the conditions of mesh.h by definition. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "delaunay.h"
 #include "fail_alloc.h"
@@ -20,6 +11,7 @@
 #include "mesh_link.h"
 #include "mst.h"
 #include "predicates.h"
+#include "unit.h"
 
 #define MAX_POINTS 3000
 
@@ -144,12 +136,11 @@ static bool valid(const struct mesh *m)
 
 /* ---- tests */
 
-static void test_links(void **state)
+TEST(test_links)
 {
     struct brute_rng r = {brute_seed("mesh")};
     struct mesh m = {0}, d = {0};
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 3; n <= MAX_POINTS; n += 1 + n / 2) {
             build(brute_points((enum brute_shape)shape, n, &r, pts), &m);
@@ -180,13 +171,12 @@ static bool flip(struct mesh *m, uint32_t h)
 
 /* Triangulations that are not Delaunay are accepted too, if the tree's edges are edges of
  * the mesh. */
-static void test_flipped(void **state)
+TEST(test_flipped)
 {
     struct brute_rng r = {brute_seed("flipped")};
     struct mesh m = {0}, d = {0};
     uint32_t accepted = 0;
 
-    (void)state;
     for (int round = 0; round < 200; round++) {
         build(brute_points(BRUTE_RANDOM, 40, &r, pts), &m);
         for (int i = 0; i < 3; i++) {
@@ -235,12 +225,11 @@ static uint32_t *number(struct mesh *m, uint32_t i)
 }
 
 /* Every number of the code of small meshes, set to every other value. */
-static void test_each_index(void **state)
+TEST(test_each_index)
 {
     struct brute_rng r = {brute_seed("indices")};
     struct mesh m = {0}, k = {0}, d = {0};
 
-    (void)state;
     refused = accepted = 0;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 4; n <= 10; n += 3) {
@@ -268,12 +257,11 @@ static void test_each_index(void **state)
 }
 
 /* A pair that is listed twice, in place of another: the other one would be without twins. */
-static void test_pair_twice(void **state)
+TEST(test_pair_twice)
 {
     struct brute_rng r = {brute_seed("pairs")};
     struct mesh m = {0}, k = {0}, d = {0};
 
-    (void)state;
     build(brute_points(BRUTE_RANDOM, 20, &r, pts), &m);
     strip(&m, &k);
     refused = accepted = 0;
@@ -298,12 +286,11 @@ static void test_pair_twice(void **state)
 }
 
 /* Up to three numbers exchanged or overwritten, points moved. */
-static void test_damaged(void **state)
+TEST(test_damaged)
 {
     struct brute_rng r = {brute_seed("damaged")};
     struct mesh m = {0}, code = {0}, k = {0}, d = {0};
 
-    (void)state;
     refused = accepted = 0;
     for (int round = 0; round < 40000; round++) {
         if (round % 100 == 0) {
@@ -348,13 +335,12 @@ static void test_damaged(void **state)
 
 /* A fan whose rim goes round its centre twice: edges pair, all triangles are counter-clockwise
  * and the hull turns left at each corner, but it makes two turns. */
-static void test_turns_twice(void **state)
+TEST(test_turns_twice)
 {
     static const struct ivec2 rim[5] = {
         {1000, 0}, {309, 951}, {-809, 588}, {-809, -588}, {309, -951}};
     struct mesh m = {0};
 
-    (void)state;
     for (uint32_t step = 1; step <= 2; step++) {
         assert_int_equal(mesh_reserve(&m, 6), ST_OK);
         m.nv = 6;
@@ -377,13 +363,12 @@ static void test_turns_twice(void **state)
     mesh_free(&m);
 }
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
     struct brute_rng r = {brute_seed("limits")};
     struct mesh m = {0}, d = {0};
     int32_t *at;
 
-    (void)state;
     build(brute_points(BRUTE_RANDOM, 50, &r, pts), &m);
     for (int i = 0; i < 3; i++) {
         at = i == 0 ? &m.z[7] : i == 1 ? &m.xy[0].x : &m.xy[49].y;
@@ -414,12 +399,11 @@ static void test_limits(void **state)
 }
 
 /* Triangles behind gates chosen at random: any order in which each has its gate will do. */
-static void test_any_order(void **state)
+TEST(test_any_order)
 {
     struct brute_rng r = {brute_seed("order")};
     struct mesh m = {0}, d = {0};
 
-    (void)state;
     for (int round = 0; round < 20; round++) {
         build(brute_points((enum brute_shape)(round % BRUTE_SHAPES), 300, &r, pts), &m);
         brute_order(&m, &r);
@@ -433,13 +417,12 @@ static void test_any_order(void **state)
     mesh_free(&d);
 }
 
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("memory")};
     struct mesh m = {0}, d = {0};
     struct scratch empty = {0};
 
-    (void)state;
     build(brute_points(BRUTE_RANDOM, 30, &r, pts), &m);
     strip(&m, &d);
     fail_alloc_at(1);
@@ -451,17 +434,4 @@ static void test_no_memory(void **state)
     scratch_free(&scratch);
     mesh_free(&m);
     mesh_free(&d);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_links),       cmocka_unit_test(test_flipped),
-        cmocka_unit_test(test_each_index),  cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_turns_twice), cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_pair_twice),  cmocka_unit_test(test_any_order),
-        cmocka_unit_test(test_no_memory),
-    };
-
-    return cmocka_run_group_tests_name("mesh", tests, NULL, NULL);
 }

@@ -1,16 +1,6 @@
 /* The minimal disparity: against descent by values alone over the measure itself; cases by
  * hand; its limits; gaps and their derivatives; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align_pose.h"
 #include "brute.h"
 #include "face.h"
@@ -22,6 +12,7 @@
 #include "minimal_places.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 3000
 #define LEVER  80.0
@@ -62,12 +53,6 @@ static const double *pair(uint64_t subject, bool mated, uint32_t n, double from_
     build(&s, from_x, &probe);
     assert_int_equal(face_align(&tmpl, &probe, NULL, work, &r), ST_OK);
     return r.align.transform;
-}
-
-static void close_to(double got, double wanted, double by)
-{
-    if (!(fabs(got - wanted) <= by))
-        fail_msg("%.9g, wanted %.9g to %.2g", got, wanted, by);
 }
 
 static struct disparity at(const double transform[16])
@@ -156,9 +141,8 @@ static void against_descent(uint64_t subject, bool mated, double most)
     assert_true(m.disparity.area_mm2 >= MINIMAL_AREA * aligned.area_mm2);
 }
 
-static void test_descent(void **state)
+TEST(test_descent)
 {
-    (void)state;
     for (uint64_t subject = 50; subject < 53; subject++) {
         against_descent(subject, true, 1.01);
         against_descent(subject, false, 1.02);
@@ -167,14 +151,13 @@ static void test_descent(void **state)
 
 /* ---- what holds of every result */
 
-static void test_result(void **state)
+TEST(test_result)
 {
     static const double start[3][6] = {
         {2, 0, -1, 1, 2, 1}, {-1, 2, 1, -2, 0, 1}, {0, -2, 2, 0.5, -2, -1}};
     const double *aligned = pair(7, true, POINTS, -INFINITY);
     const struct minimal first = find(aligned);
 
-    (void)state;
     for (int i = 0; i < 3; i++) {
         double t[16];
         struct disparity d;
@@ -205,7 +188,7 @@ static void not_above(const char *what, const struct minimal *m,
 
 /* Few points, parts of faces, poses far off.  At the estimate's minimum alone the first eight
  * have 0.67 to 0.94 of the area, and the next three 0.2 to 2 % more than at the alignment. */
-static void test_alignment(void **state)
+TEST(test_alignment)
 {
     static const struct {
         uint64_t subject;
@@ -218,7 +201,6 @@ static void test_alignment(void **state)
              {140, true, 250, -10},   {127, true, 250, 0},   {134, true, 500, 0}};
     static const double far[6] = {4, -6, 3, 15, -12, 4};
 
-    (void)state;
     for (size_t i = 0; i < sizeof k / sizeof *k; i++) {
         double t[16];
         struct disparity before;
@@ -234,24 +216,6 @@ static void test_alignment(void **state)
         before = at(t);
         m = find(t);
         not_above(what, &m, &before);
-    }
-}
-
-/* From a minimum: nothing more, whatever the estimate says. */
-static void test_again(void **state)
-{
-    (void)state;
-    for (uint64_t subject = 60; subject < 68; subject++) {
-        struct minimal m = find(pair(subject, true, POINTS, -INFINITY));
-
-        for (int i = 0; i < 3; i++) {
-            const struct disparity before = m.disparity;
-            double t[16];
-
-            memcpy(t, m.transform, sizeof t);
-            m = find(t);
-            not_above("again", &m, &before);
-        }
     }
 }
 
@@ -271,7 +235,7 @@ static void distance(const double aligned[16], const struct minimal *m, double *
     *shift = sqrt(vec_dot(d, d));
 }
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
     static const double far[5][6] = {{0, 0, 0, 0, 0, 45},
                                      {0, 0, 0, 0, 0, -30},
@@ -280,7 +244,6 @@ static void test_limits(void **state)
                                      {0, 0, 28, 0, 0, 0}};
     double aligned[16], t[16], turn, shift;
 
-    (void)state;
     memcpy(aligned, pair(3, true, POINTS, -INFINITY), sizeof aligned);
     for (int i = 0; i < 5; i++) {
         struct minimal m;
@@ -316,13 +279,12 @@ static void sheets(const double a[3], const double b[3])
 
 static const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-static void test_planes(void **state)
+TEST(test_planes)
 {
     static const double up[3] = {3, 0.1, 0.05}, tilted[3] = {-2, 0.13, 0.02},
                         down[3] = {0, 0.1, 0.05};
     struct minimal m;
 
-    (void)state;
     sheets(down, up);
     assert_true(at(still).plain_mm > 2.9);
     assert_true(find(still).disparity.plain_mm < 0.01);
@@ -334,13 +296,12 @@ static void test_planes(void **state)
 }
 
 /* Over itself: exactly 0, and the pose is the alignment's to the bit. */
-static void test_itself(void **state)
+TEST(test_itself)
 {
     const double *aligned = pair(5, true, POINTS, -INFINITY);
     struct minimal m;
     double t[16];
 
-    (void)state;
     (void)aligned;
     assert_int_equal(face_build(points, 0, work, &probe, NULL), ST_ETOOFEW);
     face_free(&probe);
@@ -353,13 +314,12 @@ static void test_itself(void **state)
     memset(&probe, 0, sizeof probe);
 }
 
-static void test_apart(void **state)
+TEST(test_apart)
 {
     double away[16];
     struct disparity nothing;
     struct minimal m;
 
-    (void)state;
     memset(&nothing, 0, sizeof nothing);
     memcpy(away, pair(1, true, POINTS, -INFINITY), sizeof away);
     away[3] += 500;
@@ -373,11 +333,10 @@ static void test_apart(void **state)
 }
 
 /* Seen from the back or the side most triangles are overturned: it ends all the same. */
-static void test_overturned(void **state)
+TEST(test_overturned)
 {
     double aligned[16], t[16];
 
-    (void)state;
     memcpy(aligned, pair(2, true, POINTS, -INFINITY), sizeof aligned);
     for (int i = 1; i < 6; i++) {
         const double x[6] = {0, 40.0 * i, 15.0 * i, 0, 0, 0};
@@ -387,124 +346,13 @@ static void test_overturned(void **state)
     }
 }
 
-/* ---- gaps and derivatives */
-
-static void test_places(void **state)
-{
-    static const double a[3] = {0, 0.2, -0.1}, b[3] = {4, 0.4, 0.25};
-    struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
-                             .probe = {.surface = &probe.surface}};
-    struct align_pose pose;
-    struct disparity d;
-    double transform[16];
-    float *gap, *by[5];
-    uint32_t n, checked = 0;
-    void *block;
-
-    (void)state;
-    sheets(a, b);
-    p.centre = (struct dvec3){3, -4, 5};
-    block = aligned_alloc(64, minimal_places_layout(&p, NULL));
-    (void)minimal_places_layout(&p, block);
-    minimal_places_begin(&p);
-
-    /* Each triangle weighs twice its area at each corner. */
-    toy_pose(25, -9, 15, (struct dvec3){2, -3, 1}, &pose);
-    align_pose_to_matrix(&pose, transform);
-    d = at(transform);
-    close_to(minimal_places_all(&p, &pose) / (2 * 6 * d.area_mm2), 1, 0.02);
-    n = p.places.n;
-    close_to(minimal_mean(&p.places) / d.plain_mm, 1, 0.01);
-    gap = calloc(6 * (size_t)n, sizeof *gap);
-    memcpy(gap, p.places.gap, n * sizeof *gap);
-    for (int k = 0; k < 5; k++) {
-        by[k] = gap + (size_t)(k + 1) * n;
-        memcpy(by[k], p.places.by[k], n * sizeof **by);
-    }
-    for (int k = 0; k < 6; k++) {
-        struct align_pose turned = pose;
-        double x[6] = {0};
-
-        x[k] = k < 3 ? 1e-3 : 0.1;
-        align_pose_move(&turned, p.centre, x);
-        assert_true(minimal_places_all(&p, &turned) > 0);
-        for (uint32_t i = 0; i < n; i++) {
-            const double rate = k < 5 ? (double)by[k][i] : 1;
-
-            if (p.places.weight[i] <= 0 || gap[i] == 0)
-                continue;
-            checked++;
-            if (!(fabs((double)p.places.gap[i] - (double)gap[i] - rate * x[k]) < 1.5e-3))
-                fail_msg("place %u, motion %d: %g, not %g", (unsigned)i, k,
-                         (double)p.places.gap[i] - (double)gap[i], rate * x[k]);
-        }
-    }
-    assert_true(checked > 3 * n);
-
-    /* Few of them: about the same. */
-    assert_true(probe.surface.mesh.nv / MINIMAL_FEW >= 2);
-    close_to(minimal_places_few(&p, &pose) * p.stride / (6 * d.area_mm2), 1, 0.05);
-    close_to(minimal_mean(&p.places) / d.plain_mm, 1, 0.03);
-    free(gap);
-    free(block);
-}
-
-/* Missing points of either scan are bridged, and nothing is measured there. */
-static void test_holes(void **state)
-{
-    struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
-                             .probe = {.surface = &probe.surface}};
-    struct face_result r;
-    struct facegen_scan s;
-    struct align_pose pose;
-    void *block;
-
-    (void)state;
-    facegen_default(&s);
-    s.subject = 20;
-    s.holes = 0.3;
-    build(&s, -INFINITY, &tmpl);
-    s.scan = 1;
-    build(&s, -INFINITY, &probe);
-    assert_int_equal(face_align(&tmpl, &probe, NULL, work, &r), ST_OK);
-    block = aligned_alloc(64, minimal_places_layout(&p, NULL));
-    (void)minimal_places_layout(&p, block);
-    align_pose_from_matrix(r.align.transform, &pose);
-    minimal_places_begin(&p);
-    close_to(minimal_places_all(&p, &pose) / (2 * 6 * at(r.align.transform).area_mm2), 1,
-             0.04);
-    free(block);
-}
-
-/* ---- memory */
-
-static void test_digits(void **state)
-{
-    struct measure_work fresh = {0};
-    double aligned[16];
-    struct minimal first = {.ms = 0}, m;
-
-    (void)state;
-    memcpy(aligned, pair(9, false, POINTS, -INFINITY), sizeof aligned);
-    assert_int_equal(minimal_find(&tmpl.surface, &probe.surface, aligned, &fresh, &first),
-                     ST_OK);
-    m = find(aligned);
-    assert_memory_equal(&m, &first, sizeof m);
-    (void)minimal_find(&probe.surface, &tmpl.surface, aligned, &fresh, &m);
-    assert_int_equal(minimal_find(&tmpl.surface, &probe.surface, aligned, &fresh, &m),
-                     ST_OK);
-    assert_memory_equal(&m, &first, sizeof m);
-    measure_work_free(&fresh);
-}
-
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct minimal m = {.ms = 0};
     double aligned[16];
     unsigned long k = 0, failed;
     enum status st;
 
-    (void)state;
     memcpy(aligned, pair(4, true, POINTS, -INFINITY), sizeof aligned);
     do {
         struct measure_work fresh = {0};
@@ -521,32 +369,15 @@ static void test_memory(void **state)
     assert_true(m.disparity.plain_mm == find(aligned).disparity.plain_mm);
 }
 
-static int start(void **state)
+BEFORE_ALL(start)
 {
-    (void)state;
-    return (work = face_work_new(NULL)) == NULL;
+    assert_non_null(work = face_work_new(NULL));
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
-    (void)state;
     face_work_free(work);
     measure_work_free(&measure);
     face_free(&tmpl);
     face_free(&probe);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_descent),    cmocka_unit_test(test_result),
-        cmocka_unit_test(test_alignment),  cmocka_unit_test(test_again),
-        cmocka_unit_test(test_limits),     cmocka_unit_test(test_planes),
-        cmocka_unit_test(test_itself),     cmocka_unit_test(test_apart),
-        cmocka_unit_test(test_overturned), cmocka_unit_test(test_places),
-        cmocka_unit_test(test_holes),      cmocka_unit_test(test_digits),
-        cmocka_unit_test(test_memory)};
-
-    return cmocka_run_group_tests(tests, start, end);
 }

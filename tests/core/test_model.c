@@ -1,18 +1,9 @@
 /* The model's text: writing and reading keeps every value; the shipped table is the compiled
  * one; malformed text is rejected with the number of the line. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "model.h"
 #include "model_digest.h"
 #include "toy.h"
+#include "unit.h"
 
 #define SHIPPED "core/face/default.model"
 
@@ -50,13 +41,12 @@ static void check_same(const struct model *a, const struct model *b)
     assert_int_equal(model_mean_id(a), model_mean_id(b));
 }
 
-static void test_round_trip(void **state)
+TEST(test_round_trip)
 {
     size_t len, again;
     char *text = toy_text(&model, &len), *second;
     uint32_t line;
 
-    (void)state;
     assert_int_equal(strlen(text), len);
     assert_int_equal(model_parse(text, len, &got, &line), ST_OK);
     check_same(&model, &got);
@@ -71,37 +61,14 @@ static void test_round_trip(void **state)
     free(text);
 }
 
-/* A basis with the largest number of modes. */
-static void test_full(void **state)
-{
-    static struct model full;
-    size_t len;
-    char *text;
-
-    (void)state;
-    full = model;
-    full.change.n = MODEL_MODES;
-    for (uint32_t i = 0; i < GRID_N; i++)
-        for (uint32_t k = 0; k < MODEL_MODES; k++)
-            full.change.mode[i][k] =
-                (float)((int)((i * 7 + k * 131) % 2001) - 1000) / 500;
-    text = toy_text(&full, &len);
-    assert_int_equal(model_parse(text, len, &got, NULL), ST_OK);
-    for (uint32_t i = 0; i < GRID_N; i++)
-        for (uint32_t k = 0; k < MODEL_MODES; k++)
-            assert_true(full.change.mode[i][k] == got.change.mode[i][k]);
-    free(text);
-}
-
 /* The table in the source tree equals the constant that the build makes from it. */
-static void test_shipped(void **state)
+TEST(test_shipped)
 {
     FILE *in = fopen(SHIPPED, "rb");
     uint32_t line = 0;
     char *text, *again;
     size_t len, n;
 
-    (void)state;
     assert_non_null(in);
     assert_int_equal(fseek(in, 0, SEEK_END), 0);
     len = (size_t)ftell(in);
@@ -156,7 +123,7 @@ static void refused(const char *after, const char *from, const char *to, enum st
     free(text);
 }
 
-static void test_malformed(void **state)
+TEST(test_malformed)
 {
     static const struct {
         const char *after, *from, *to;
@@ -200,19 +167,17 @@ static void test_malformed(void **state)
         {"shape 18", "mode", "end", ST_ECORRUPT},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         refused(bad[i].after, bad[i].from, bad[i].to, bad[i].st);
 }
 
 /* Contradictions between lines are rejected too. */
-static void test_contradictions(void **state)
+TEST(test_contradictions)
 {
     static struct model bad;
     size_t len;
     char *text;
 
-    (void)state;
     for (int what = 0; what < 6; what++) {
         bad = model;
         for (uint32_t i = 0; i < GRID_N; i++) {
@@ -236,13 +201,12 @@ static void test_contradictions(void **state)
 }
 
 /* A text that is cut off anywhere, or followed by anything but white space, is rejected. */
-static void test_truncated(void **state)
+TEST(test_truncated)
 {
     size_t len;
     char *text = toy_text(&model, &len), *longer = malloc(len + 8);
     uint32_t line;
 
-    (void)state;
     for (size_t n = 0; n < len - 1; n += n < 300 || n + 300 > len ? 1 : 977) {
         char *cut = malloc(n + 1); /* of exact size: the sanitizer sees an overrun */
 
@@ -268,11 +232,10 @@ static void test_truncated(void **state)
 }
 
 /* The mark depends on the mean face and on nothing else. */
-static void test_mark(void **state)
+TEST(test_mark)
 {
     static struct model other;
 
-    (void)state;
     other = model;
     other.change.rest[700] += 1.0f;
     other.kinship = 0;
@@ -283,7 +246,7 @@ static void test_mark(void **state)
 }
 
 /* The digest depends on all that faces and scores follow from, and on nothing else. */
-static void test_digest(void **state)
+TEST(test_digest)
 {
     static struct model other;
     float *const counts[] = {&other.mean[700],           &other.change.rest[700],
@@ -293,7 +256,6 @@ static void test_digest(void **state)
                                &other.noise_factor};
     const uint64_t digest = model_digest(&model);
 
-    (void)state;
     for (size_t i = 0; i < sizeof scalars / sizeof *scalars; i++) {
         other = model;
         *scalars[i] += 0.001;
@@ -312,15 +274,7 @@ static void test_digest(void **state)
     assert_true(model_digest(&other) != digest);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),     cmocka_unit_test(test_full),
-        cmocka_unit_test(test_shipped),        cmocka_unit_test(test_malformed),
-        cmocka_unit_test(test_contradictions), cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_mark),           cmocka_unit_test(test_digest),
-    };
-
     toy_model(&model);
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

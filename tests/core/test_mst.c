@@ -1,14 +1,5 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* The spanning tree in stages, against Prim's rule on the whole graph. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "delaunay.h"
 #include "fail_alloc.h"
@@ -17,6 +8,7 @@
 #include "mesh_check.h"
 #include "mst.h"
 #include "predicates.h"
+#include "unit.h"
 
 #define MAX_POINTS 700
 
@@ -75,12 +67,11 @@ static void check_preorder(const struct mesh *m)
     }
 }
 
-static void test_against_prim(void **state)
+TEST(test_against_prim)
 {
     struct brute_rng r = {seed};
     struct scratch s = {0};
 
-    (void)state;
     for (int round = 0; round < 30; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = {0}, before = {0};
@@ -103,24 +94,17 @@ static void test_against_prim(void **state)
 
 /* The tree and its numbering are a function of the set of points, also when built from a
  * mesh that already has them. */
-static void test_canonical(void **state)
+TEST(test_canonical)
 {
     struct brute_rng r = {seed + 1};
     struct scratch s = {0};
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh a = {0}, b = {0};
         const size_t n = brute_points((enum brute_shape)shape, 300, &r, pts);
 
         brute_delaunay(pts, n, &a);
-        for (size_t i = n; i-- > 1;) {
-            const size_t j = brute_rand(&r) % (i + 1);
-            const struct ivec3 t = pts[i];
-
-            pts[i] = pts[j];
-            pts[j] = t;
-        }
+        brute_shuffle(pts, n, sizeof *pts, &r);
         brute_delaunay(pts, n, &b);
         assert_int_equal(mst_build(&a, &s), ST_OK);
         for (int again = 0; again < 2; again++) {
@@ -136,14 +120,13 @@ static void test_canonical(void **state)
 }
 
 /* mst_check() must notice a tree that spans but is not minimal. */
-static void test_check(void **state)
+TEST(test_check)
 {
     struct brute_rng r = {seed + 2};
     struct scratch s = {0};
     struct mesh m = {0};
     int caught = 0;
 
-    (void)state;
     brute_delaunay(pts, brute_points(BRUTE_RANDOM, 60, &r, pts), &m);
     assert_int_equal(mst_build(&m, &s), ST_OK);
     for (uint32_t h = 0; h < 3 * m.nt; h++) {
@@ -168,7 +151,7 @@ static void test_check(void **state)
 
 /* A tree as deep as its number of points (along a line with growing distances); and a large
  * tree. */
-static void test_deep_and_large(void **state)
+TEST(test_deep_and_large)
 {
     struct brute_rng r = {seed + 3};
     struct scratch s = {0};
@@ -176,7 +159,6 @@ static void test_deep_and_large(void **state)
     const size_t n = 20000;
     struct ivec3 *many = malloc(n * sizeof *many);
 
-    (void)state;
     assert_non_null(many);
     for (int32_t i = 0; i < 4000; i++)
         many[i] = (struct ivec3){i * (i + 1) / 2, i % 2, 0};
@@ -198,14 +180,13 @@ static void test_deep_and_large(void **state)
     free(many);
 }
 
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     struct brute_rng r = {seed + 4};
     struct scratch s = {0};
     struct mesh m = {0}, before = {0};
     const size_t n = brute_points(BRUTE_SMALL, 200, &r, pts);
 
-    (void)state;
     brute_delaunay(pts, n, &m);
     memset(m.parent, 0, n * sizeof *m.parent);
     assert_int_equal(mesh_copy(&before, &m, 0), ST_OK);
@@ -223,14 +204,7 @@ static void test_no_memory(void **state)
     scratch_free(&s);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_prim), cmocka_unit_test(test_canonical),
-        cmocka_unit_test(test_check),        cmocka_unit_test(test_deep_and_large),
-        cmocka_unit_test(test_no_memory),
-    };
-
     seed = brute_seed("test_mst");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

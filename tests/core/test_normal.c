@@ -1,17 +1,10 @@
 /* Normal equations: sums against a plain loop, factors against Cholesky's by definition and
  * against elimination; the same digits whatever the processor's vectors. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "dense.h"
 #include "narrow.h"
 #include "normal.h"
+#include "unit.h"
 
 #define WIDTH  NORMAL_WIDTH
 #define STRIDE (WIDTH + 8)
@@ -60,9 +53,8 @@ static void check_sums(uint32_t from, uint32_t to, uint32_t n)
         }
 }
 
-static void test_add(void **state)
+TEST(test_add)
 {
-    (void)state;
     for (uint32_t width = NORMAL_LANES; width <= WIDTH; width += NORMAL_LANES) {
         const uint32_t n =
             width == WIDTH ? NORMAL_ROWS : (uint32_t)brute_int(&rng, 0, NORMAL_ROWS);
@@ -123,11 +115,10 @@ static void plain_factor(uint32_t n, double l[MOST][MOST])
         }
 }
 
-static void test_factor(void **state)
+TEST(test_factor)
 {
     static double l[MOST][MOST], narrow[MOST * STRIDE];
 
-    (void)state;
     for (uint32_t n = 1; n <= MOST; n += n < 20 ? 1 : 29) {
         draw(n);
         memcpy(narrow, h, sizeof h);
@@ -172,12 +163,11 @@ static void eliminated(uint32_t to, uint32_t n, const double *v, double s[MOST][
 }
 
 /* A part of the columns leaves the Schur complement; the rest of them completes the factor. */
-static void test_partial(void **state)
+TEST(test_partial)
 {
     static double s[MOST][MOST], l[MOST][MOST];
     double v[MOST], left[MOST], x[MOST];
 
-    (void)state;
     for (uint32_t n = 1; n <= 60; n += n < 12 ? 1 : 7)
         for (uint32_t to = 0; to <= n; to += n < 12 ? 1 : 5) {
             draw(n);
@@ -199,12 +189,11 @@ static void test_partial(void **state)
         }
 }
 
-static void test_solve(void **state)
+TEST(test_solve)
 {
     static double a[MOST * MOST];
     double v[MOST], x[MOST], y[MOST];
 
-    (void)state;
     for (uint32_t n = 1; n <= MOST; n += n < 20 ? 1 : 29) {
         double square = 0, want, unused;
 
@@ -232,11 +221,10 @@ static void test_solve(void **state)
 }
 
 /* What is not positive definite is told at the column where it shows, wherever that is. */
-static void test_indefinite(void **state)
+TEST(test_indefinite)
 {
     static const double bad[] = {-1e9, 0, 1e-10, (double)NAN, -(double)INFINITY};
 
-    (void)state;
     for (uint32_t n = 1; n < 14; n++)
         for (uint32_t at = 0; at < n; at++)
             for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
@@ -254,14 +242,7 @@ static void test_indefinite(void **state)
             }
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_add),        cmocka_unit_test(test_factor),
-        cmocka_unit_test(test_partial),    cmocka_unit_test(test_solve),
-        cmocka_unit_test(test_indefinite),
-    };
-
     rng.state = brute_seed("normal");
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,12 +1,4 @@
 /* Triangulations with given numbers: the right triangles, and no point lost. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "delaunay.h"
 #include "lattice.h"
@@ -14,6 +6,7 @@
 #include "mesh.h"
 #include "mesh_check.h"
 #include "numbered.h"
+#include "unit.h"
 
 #define MOST 1000
 
@@ -35,12 +28,11 @@ static void check(uint32_t n)
     assert_true(brute_same(&mesh, &want));
 }
 
-static void test_kinds(void **state)
+TEST(test_kinds)
 {
     struct brute_rng r = {brute_seed("kinds")};
     struct ivec3 before[MOST];
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t size = 3; size < MOST; size = 2 * size + 3) {
             const size_t n = brute_points((enum brute_shape)shape, size, &r, pts);
@@ -54,14 +46,13 @@ static void test_kinds(void **state)
 
 /* A pile pushes its neighbours aside, in the order of x, then of the numbers; other rows stay
  * as they are. */
-static void test_pile(void **state)
+TEST(test_pile)
 {
     static const struct ivec3 given[] = {{7, 0, 5}, {9, 3, 1}, {7, 0, -4}, {8, 0, 2},
                                          {2, 0, 9}, {7, 0, 0}, {8, 3, 6},  {20, 0, 8}};
     static const int32_t x[] = {7, 9, 8, 10, 2, 9, 8, 20};
     const uint32_t n = sizeof given / sizeof *given;
 
-    (void)state;
     memcpy(pts, given, sizeof given);
     assert_int_equal(numbered_build(pts, n, &scratch, &mesh), ST_OK);
     for (uint32_t v = 0; v < n; v++) {
@@ -73,9 +64,8 @@ static void test_pile(void **state)
 }
 
 /* Nearly all points on one place. */
-static void test_heap(void **state)
+TEST(test_heap)
 {
-    (void)state;
     for (int32_t i = 0; i < MOST; i++)
         pts[i] = (struct ivec3){0, i < MOST - 2 ? 0 : i, i};
     pts[MOST - 1].x = 5;
@@ -85,11 +75,10 @@ static void test_heap(void **state)
     check(MOST);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     const int32_t far = LATTICE_MAX;
 
-    (void)state;
     pts[0] = pts[1] = (struct ivec3){far, 0, 0}; /* the second would leave the lattice */
     pts[2] = (struct ivec3){0, 0, 0};
     pts[3] = (struct ivec3){0, 9, 0};
@@ -103,18 +92,9 @@ static void test_refused(void **state)
     assert_int_equal(numbered_build(pts, 2, &scratch, &mesh), ST_EDEGENERATE);
 }
 
-int main(void)
+AFTER_ALL(tear_down)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kinds),
-        cmocka_unit_test(test_pile),
-        cmocka_unit_test(test_heap),
-        cmocka_unit_test(test_refused),
-    };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-
     mesh_free(&mesh);
     mesh_free(&want);
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,16 +1,10 @@
 /* The predicates compared with determinants computed another way (four rows, not translated,
  * in 128-bit integers), on grids round degenerate points; and the rule for cocircular
  * points. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "lattice.h"
 #include "predicates.h"
+#include "unit.h"
 
 typedef predicates_i128 wide;
 
@@ -112,7 +106,7 @@ static void check_incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c, struc
     assert_int_equal(incircle(c, a, b, d), want);
 }
 
-static void test_orient_grid(void **state)
+TEST(test_orient_grid)
 {
     static const struct ivec2 line[][3] = {
         {{12, 12}, {24, 24}, {0, 0}},
@@ -124,7 +118,6 @@ static void test_orient_grid(void **state)
         {{1, 2}, {1, 2}, {1, 2}},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof line / sizeof line[0]; i++)
         for (int dx = -32; dx < 32; dx++)
             for (int dy = -32; dy < 32; dy++) {
@@ -135,14 +128,13 @@ static void test_orient_grid(void **state)
 }
 
 /* A circle round the origin with many lattice points, and grids round one of them. */
-static void test_incircle_grid(void **state)
+TEST(test_incircle_grid)
 {
     static const struct ivec2 base[] = {{5, 0},   {4, 3},  {3, 4},  {0, 5},
                                         {-3, 4},  {-4, 3}, {-5, 0}, {-4, -3},
                                         {-3, -4}, {0, -5}, {3, -4}, {4, -3}};
     static const int32_t scale[] = {1, 7, 65537, 3355435};
 
-    (void)state;
     for (size_t s = 0; s < 4; s++)
         for (size_t i = 0; i < 12; i++)
             for (int dx = -6; dx <= 6; dx++)
@@ -162,13 +154,12 @@ static void test_incircle_grid(void **state)
 }
 
 /* The largest possible determinants: points at and near the corners of the lattice. */
-static void test_extremes(void **state)
+TEST(test_extremes)
 {
     static const int32_t at[] = {-LATTICE_MAX,    1 - LATTICE_MAX, -1, 0, 1,
                                  LATTICE_MAX - 1, LATTICE_MAX};
     struct brute_rng r = {brute_seed("extremes")};
 
-    (void)state;
     for (int k = 0; k < 200000; k++) {
         struct ivec2 p[4];
 
@@ -189,9 +180,8 @@ static void test_extremes(void **state)
 }
 
 /* All small quadruples: every degenerate case of four points. */
-static void test_exhaustive_small(void **state)
+TEST(test_exhaustive_small)
 {
-    (void)state;
     for (uint32_t k = 0; k < 1u << 16; k++) {
         struct ivec2 p[4];
 
@@ -224,7 +214,7 @@ static void check_fan(const struct ivec2 *p, size_t n)
             }
 }
 
-static void test_one_diagonal(void **state)
+TEST(test_one_diagonal)
 {
     static const struct ivec2 square[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
     static const struct ivec2 rectangle[] = {{-3, 1}, {7, 1}, {7, 2}, {-3, 2}};
@@ -237,7 +227,6 @@ static void test_one_diagonal(void **state)
                                           {-3, 4},  {-4, 3}, {-5, 0}, {-4, -3},
                                           {-3, -4}, {0, -5}, {3, -4}, {4, -3}};
 
-    (void)state;
     check_fan(square, 4);
     check_fan(rectangle, 4);
     check_fan(diamond, 4);
@@ -248,14 +237,13 @@ static void test_one_diagonal(void **state)
 }
 
 /* Cocircular quadruples of a random circle: one diagonal, through the first point. */
-static void test_ties(void **state)
+TEST(test_ties)
 {
     struct brute_rng r = {brute_seed("ties")};
     struct ivec3 circle[324];
     const size_t n = brute_points(BRUTE_CIRCLE, 324, &r, circle);
     int seen = 0;
 
-    (void)state;
     for (int k = 0; k < 100000; k++) {
         struct ivec2 p[4];
         bool ac;
@@ -280,11 +268,10 @@ static void test_ties(void **state)
     assert_true(seen > 5000);
 }
 
-static void test_translation(void **state)
+TEST(test_translation)
 {
     struct brute_rng r = {brute_seed("translation")};
 
-    (void)state;
     for (int k = 0; k < 100000; k++) {
         const int32_t dx = brute_int(&r, -LATTICE_MAX + 20, LATTICE_MAX - 20);
         const int32_t dy = brute_int(&r, -LATTICE_MAX + 20, LATTICE_MAX - 20);
@@ -303,23 +290,10 @@ static void test_translation(void **state)
     }
 }
 
-static void test_lex_less(void **state)
+TEST(test_lex_less)
 {
     const struct ivec2 a = {-1, 5}, b = {0, -LATTICE_MAX}, c = {0, 3};
 
-    (void)state;
     assert_true(lex_less(a, b) && lex_less(b, c) && lex_less(a, c));
     assert_false(lex_less(b, a) || lex_less(c, b) || lex_less(a, a));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orient_grid),  cmocka_unit_test(test_incircle_grid),
-        cmocka_unit_test(test_extremes),     cmocka_unit_test(test_exhaustive_small),
-        cmocka_unit_test(test_one_diagonal), cmocka_unit_test(test_ties),
-        cmocka_unit_test(test_translation),  cmocka_unit_test(test_lex_less),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,17 +1,9 @@
 /* quality.h: the defects of a scan; and how much of a face's shape explains it (face.h). */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 #include "clouds.h"
 #include "face.h"
 #include "quality.h"
 #include "tuning.h"
+#include "unit.h"
 
 static const struct quality good = {0.9, 0.95, 2.2, 0.3};
 static const struct frame still = {
@@ -30,7 +22,7 @@ static struct frame turned(int axis, double degrees)
     return f;
 }
 
-static void test_reasons(void **state)
+TEST(test_reasons)
 {
     const struct {
         struct quality q;
@@ -41,7 +33,6 @@ static void test_reasons(void **state)
     const struct quality all = {0.1, 0.1, 9, 2};
     struct frame f;
 
-    (void)state;
     assert_int_equal(quality_reasons(&good, &still), 0);
     assert_int_equal(quality_reasons(&good, NULL), 0);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
@@ -50,11 +41,10 @@ static void test_reasons(void **state)
     assert_int_equal(quality_reasons(&all, &f), (1U << QUALITY_REASONS) - 1);
 }
 
-static void test_turned(void **state)
+TEST(test_turned)
 {
     static const double limit[3] = {20, 30, 20};
 
-    (void)state;
     for (int axis = 0; axis < 3; axis++)
         for (int sign = -1; sign <= 1; sign += 2) {
             struct frame f = turned(axis, sign * (limit[axis] - 1));
@@ -65,9 +55,8 @@ static void test_turned(void **state)
         }
 }
 
-static void test_words(void **state)
+TEST(test_words)
 {
-    (void)state;
     for (int i = 0; i < QUALITY_REASONS; i++)
         for (int k = 0; k < i; k++)
             assert_string_not_equal(quality_reason_name((enum quality_reason)i),
@@ -118,13 +107,12 @@ static enum status build(double (*height)(double, double), struct face_work *w,
 
 /* Surfaces of a face's size that are not faces have little support; one that is hollow has none,
  * and is refused. */
-static void test_no_faces(void **state)
+TEST(test_no_faces)
 {
     static double (*const height[])(double, double) = {cylinder, cone, egg};
     struct face_work *w = face_work_new(NULL);
     struct face f = {0};
 
-    (void)state;
     assert_non_null(w);
     for (size_t k = 0; k < sizeof height / sizeof *height; k++) {
         const enum status st = build(height[k], w, &f);
@@ -160,14 +148,13 @@ static size_t part_of(struct dvec3 *pts, size_t n, enum part part)
 
 /* A whole face and each half of one, sparse or dense, have much support, an upside-down face
  * little. */
-static void test_halves(void **state)
+TEST(test_halves)
 {
     static const size_t points[] = {1000, 3000, 10000};
     struct face_work *w = face_work_new(NULL);
     static struct dvec3 pts[10000];
     struct face f = {0};
 
-    (void)state;
     assert_non_null(w);
     for (uint64_t who = 0; who < 8; who++)
         for (int part = 0; part < PARTS; part++)
@@ -187,15 +174,4 @@ static void test_halves(void **state)
             }
     face_free(&f);
     face_work_free(w);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reasons), cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_words),   cmocka_unit_test(test_no_faces),
-        cmocka_unit_test(test_halves),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

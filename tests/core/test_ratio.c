@@ -2,19 +2,12 @@
  * logarithm; what is no encoding never matches. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 
 #include "brute.h"
 #include "dense.h"
 #include "fail_alloc.h"
 #include "ratio.h"
+#include "unit.h"
 
 #define MOST MODEL_MODES
 
@@ -132,12 +125,11 @@ static double ln_density(double rho)
     return -(square + ln_det) / 2;
 }
 
-static void test_definition(void **state)
+TEST(test_definition)
 {
     static const double rho[] = {0, 0.3, 0.9};
     static const uint32_t modes[] = {1, 2, 3, 8, 31, MOST};
 
-    (void)state;
     for (size_t m = 0; m < sizeof modes / sizeof *modes; m++)
         for (size_t k = 0; k < sizeof rho / sizeof *rho; k++)
             for (int mated = 0; mated < 2; mated++) {
@@ -160,11 +152,10 @@ static void test_definition(void **state)
 }
 
 /* The determinant of many modes of much or little evidence leaves the range of doubles. */
-static void test_range(void **state)
+TEST(test_range)
 {
     static const double size[] = {1e-9, 1e4, 1e10};
 
-    (void)state;
     for (size_t k = 0; k < sizeof size / sizeof *size; k++) {
         double want, expected, got;
 
@@ -183,12 +174,11 @@ static void test_range(void **state)
 }
 
 /* Over many pairs of scans of one person the mean score is what is expected. */
-static void test_expected(void **state)
+TEST(test_expected)
 {
     enum { PAIRS = 20000 };
     double sum = 0, squares = 0, expected = 0, mean, deviation;
 
-    (void)state;
     draw_a(6, 5, &tmpl);
     draw_a(6, 2, &probe);
     for (int i = 0; i < PAIRS; i++) {
@@ -208,11 +198,10 @@ static void test_expected(void **state)
 
 /* ---- slopes */
 
-static void test_slopes(void **state)
+TEST(test_slopes)
 {
     static const double rho[] = {0, 0.3, 0.9};
 
-    (void)state;
     for (size_t k = 0; k < sizeof rho / sizeof *rho; k++) {
         double slope[2][MOST], s, expected, sum;
         struct ratio_probe *r;
@@ -260,9 +249,8 @@ static void check_ln(double x)
         fail_msg("ln %.17g: %.17g, wanted %.17g", x, got, want);
 }
 
-static void test_ln(void **state)
+TEST(test_ln)
 {
-    (void)state;
     assert_true(ratio_ln(1) == 0);
     for (int power = -1074; power < 1024; power++)
         for (int i = 0; i < 50; i++)
@@ -282,11 +270,10 @@ static void test_ln(void **state)
 
 /* ---- what says nothing, and what is no encoding */
 
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
     static const uint32_t modes[][2] = {{0, 5}, {5, 0}, {0, 0}, {5, 6}, {6, 5}};
 
-    (void)state;
     for (size_t k = 0; k < sizeof modes / sizeof *modes; k++) {
         double expected = 7, slope[2][MOST];
         struct ratio_probe *r;
@@ -304,12 +291,11 @@ static void test_nothing(void **state)
 }
 
 /* A number of either that no encoding has: the score is the least, and nothing is expected. */
-static void test_hostile(void **state)
+TEST(test_hostile)
 {
     static const double bad[] = {
         (double)NAN, (double)INFINITY, -(double)INFINITY, -1e3, 1e38, -1e38};
 
-    (void)state;
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++)
         for (int where = 0; where < 6; where++) {
             struct encoding *e = where % 2 == 0 ? &tmpl : &probe;
@@ -336,13 +322,12 @@ static void test_hostile(void **state)
 
 /* ---- memory */
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct scratch fresh = {0};
     double first, again, expected[2];
     struct ratio_probe *r;
 
-    (void)state;
     draw_a(40, 3, &tmpl);
     draw_a(40, 3, &probe);
     draw_pair(1);
@@ -358,13 +343,12 @@ static void test_memory(void **state)
 }
 
 /* One probe against many: each score as by itself. */
-static void test_many(void **state)
+TEST(test_many)
 {
     static struct encoding t[4];
     double want[4], expected[4], again;
     struct ratio_probe *r;
 
-    (void)state;
     draw_a(40, 3, &probe);
     for (int i = 0; i < 4; i++) {
         draw_a(40, 1 + i, &tmpl);
@@ -382,19 +366,12 @@ static void test_many(void **state)
     }
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition), cmocka_unit_test(test_range),
-        cmocka_unit_test(test_expected),   cmocka_unit_test(test_slopes),
-        cmocka_unit_test(test_ln),         cmocka_unit_test(test_nothing),
-        cmocka_unit_test(test_hostile),    cmocka_unit_test(test_many),
-        cmocka_unit_test(test_memory),
-    };
-    int failed;
-
     rng.state = brute_seed("ratio");
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     scratch_free(&scratch);
-    return failed;
 }

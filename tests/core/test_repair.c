@@ -1,13 +1,4 @@
 /* A triangulation repaired after its points have moved must be the one built from scratch. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "delaunay.h"
 #include "lattice.h"
@@ -16,6 +7,7 @@
 #include "mesh_check.h"
 #include "numbered.h"
 #include "repair.h"
+#include "unit.h"
 
 #define MOST 4000
 
@@ -83,7 +75,7 @@ static void jitter(struct ivec2 *to, int32_t most, struct brute_rng *r)
 /* Points of every kind, moved by nothing, a little and much, one by one and back to where
  * they were: cocircular and collinear ones, too, on the hull and inside, are moved apart and
  * together again. */
-static void test_kinds(void **state)
+TEST(test_kinds)
 {
     static const size_t size[] = {3, 4, 7, 30, 200, 900};
     static const int32_t most[] = {0, 1, 3, 10, 30, 100, 1000, 30000};
@@ -91,7 +83,6 @@ static void test_kinds(void **state)
     static struct ivec2 to[MOST], home[MOST];
     uint32_t done = 0, all = 0;
 
-    (void)state;
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t s = 0; s < sizeof size / sizeof *size; s++)
             for (size_t k = 0; k < sizeof most / sizeof *most; k++) {
@@ -111,13 +102,12 @@ static void test_kinds(void **state)
 }
 
 /* Turned in space by up to 12 degrees, as in a comparison: nearly all can be repaired. */
-static void test_turned(void **state)
+TEST(test_turned)
 {
     struct brute_rng r = {brute_seed("turned")};
     static struct ivec2 to[MOST];
     uint32_t done = 0;
 
-    (void)state;
     for (int round = 0; round < 60; round++) {
         const double x = 0.4 * brute_real(&r) - 0.2, y = 0.4 * brute_real(&r) - 0.2;
 
@@ -132,42 +122,12 @@ static void test_turned(void **state)
     assert_true(done >= 55);
 }
 
-/* Points leave the hull, enter it, and change places along it. */
-static void test_hull(void **state)
-{
-    struct brute_rng r = {brute_seed("hull")};
-    static struct ivec2 to[MOST];
-    uint32_t done = 0;
-
-    (void)state;
-    for (int round = 0; round < 400; round++) {
-        uint32_t h;
-
-        make(round % 2 ? BRUTE_RANDOM : BRUTE_HULL_LINE, 40, 1, &r);
-        memcpy(to, mesh.xy, mesh.nv * sizeof *to);
-        h = mesh.out[mesh.nv];
-        for (uint32_t i = brute_rand(&r) % 8; i > 0; i--)
-            h = mesh_turn(&mesh, h);
-        for (uint32_t i = 0; i < 1 + brute_rand(&r) % 3; i++, h = mesh_turn(&mesh, h)) {
-            const uint32_t v = mesh_dest(&mesh, h); /* on the hull */
-            const int32_t by = brute_int(&r, -30, 30);
-
-            to[v].x = within_lattice((int64_t)to[v].x + (int64_t)to[v].x * by / 100);
-            to[v].y = within_lattice((int64_t)to[v].y + (int64_t)to[v].y * by / 100);
-        }
-        done += repair(to) == ST_OK;
-    }
-    printf("%u of 400 repaired\n", done);
-    assert_true(done > 360);
-}
-
 /* One point falls on another, be it its neighbour or not: no triangulation has both. */
-static void test_coincide(void **state)
+TEST(test_coincide)
 {
     struct brute_rng r = {brute_seed("coincide")};
     static struct ivec2 to[MOST];
 
-    (void)state;
     for (int round = 0; round < 200; round++) {
         uint32_t v, w;
 
@@ -185,12 +145,11 @@ static void test_coincide(void **state)
 
 /* What cannot be repaired: the mirror image, all points on a line, points that have changed
  * places at random. */
-static void test_gives_up(void **state)
+TEST(test_gives_up)
 {
     struct brute_rng r = {brute_seed("gives up")};
     static struct ivec2 to[MOST];
 
-    (void)state;
     make(BRUTE_RANDOM, 300, 1, &r);
     for (uint32_t v = 0; v < mesh.nv; v++)
         to[v] = (struct ivec2){-mesh.xy[v].x, mesh.xy[v].y};
@@ -213,7 +172,7 @@ static void test_gives_up(void **state)
 
 /* A fan of twelve triangles about a point, wound round it twice: each triangle is
  * counter-clockwise, each circle empty, the hull turns left at each corner. */
-static void test_wound_twice(void **state)
+TEST(test_wound_twice)
 {
     static const int32_t x[6] = {1000, 500, -500, -1000, -500, 500};
     static const int32_t y[6] = {0, 866, 866, 0, -866, -866};
@@ -222,7 +181,6 @@ static void test_wound_twice(void **state)
         {-1000, 0}, {-866, -500}, {-500, -866}, {0, -1000}, {500, -866}, {866, -500}};
     struct ivec2 to[13] = {{0, 0}};
 
-    (void)state;
     pts[0] = (struct ivec3){0, 0, 0};
     for (int i = 0; i < 12; i++) {
         pts[i + 1] = (struct ivec3){fan[i][0], fan[i][1], 0};
@@ -233,17 +191,9 @@ static void test_wound_twice(void **state)
     assert_int_equal(repair(to), ST_ELIMIT);
 }
 
-int main(void)
+AFTER_ALL(tear_down)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kinds),    cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_hull),     cmocka_unit_test(test_coincide),
-        cmocka_unit_test(test_gives_up), cmocka_unit_test(test_wound_twice),
-    };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-
     mesh_free(&mesh);
     mesh_free(&moved);
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,15 +1,6 @@
 /* From points to a model: what is a frontal face is left as it is, everything else is found,
  * cropped and judged; what was found is told. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "cloudpoints.h"
 #include "clouds.h"
@@ -22,6 +13,7 @@
 #include "scan_search.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define ROOM 60000
 
@@ -32,20 +24,17 @@ static struct dvec3 pts[ROOM];
 static size_t n;
 static struct cloudpoints c;
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
-    (void)state;
-    return (work = face_work_new(NULL)) == NULL;
+    assert_non_null(work = face_work_new(NULL));
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
-    (void)state;
     face_free(&tmpl);
     face_free(&face);
     face_free(&plain);
     face_work_free(work);
-    return 0;
 }
 
 static void sample(uint64_t subject, uint64_t scan, uint32_t points)
@@ -109,11 +98,10 @@ static void assert_decision(enum face_decision want)
 
 /* The same model as face_build() gives, to the last digit, and the points stay, unless something
  * seems to cover the face: the foreheads of made-up ones are not as people's are. */
-static void test_as_it_is(void **state)
+TEST(test_as_it_is)
 {
     unsigned covered = 0;
 
-    (void)state;
     for (uint64_t subject = 1; subject < 16; subject++) {
         const struct surface *a = &plain.surface, *b = &face.surface;
 
@@ -143,9 +131,8 @@ static void test_as_it_is(void **state)
 }
 
 /* What lies on the forehead from its rim down is no part of the face: it is told, and left out. */
-static void test_cap(void **state)
+TEST(test_cap)
 {
-    (void)state;
     for (uint64_t subject = 1; subject < 6; subject++) {
         double without;
 
@@ -164,11 +151,10 @@ static void test_cap(void **state)
 }
 
 /* In another unit, given or not. */
-static void test_units(void **state)
+TEST(test_units)
 {
     static const double mm[] = {1000, 10, 25.4};
 
-    (void)state;
     for (size_t k = 0; k < sizeof mm / sizeof *mm; k++) {
         sample(1, 0, 3000);
         for (size_t i = 0; i < n; i++)
@@ -187,9 +173,8 @@ static void test_units(void **state)
 }
 
 /* Of more than SCAN_FULL points at most SCAN_ENOUGH are used. */
-static void test_dense(void **state)
+TEST(test_dense)
 {
-    (void)state;
     sample(3, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     sample(3, 1, 50000);
@@ -220,11 +205,10 @@ static void assert_view(void)
 }
 
 /* Turned, and without what a scanner in front of it cannot see then. */
-static void test_half(void **state)
+TEST(test_half)
 {
     size_t kept = 0;
 
-    (void)state;
     sample(5, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     sample(5, 1, 5000);
@@ -241,9 +225,8 @@ static void test_half(void **state)
 
 /* What is left of a half profile lies askew to its own axes, and its nose at its edge: it stays
  * where it was found. */
-static void test_half_profile(void **state)
+TEST(test_half_profile)
 {
-    (void)state;
     for (uint64_t subject = 8; subject < 12; subject++) {
         const double *r = face.frame.pose.r, *t = face.frame.pose.t;
         struct headscan_options o;
@@ -267,7 +250,7 @@ static void test_half_profile(void **state)
     }
 }
 
-static void test_found(void **state)
+TEST(test_found)
 {
     static const double poses[][4] = {/* yaw, pitch, roll, unit */
                                       {0, 0, 90, 1},
@@ -275,7 +258,6 @@ static void test_found(void **state)
                                       {170, 20, -30, 1000},
                                       {-50, 60, 120, 10}};
 
-    (void)state;
     sample(5, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     for (size_t k = 0; k < sizeof poses / sizeof *poses; k++) {
@@ -295,9 +277,8 @@ static void test_found(void **state)
 }
 
 /* A camera's axes: the turn is told against them. */
-static void test_turn(void **state)
+TEST(test_turn)
 {
-    (void)state;
     sample(5, 1, 3000);
     turn(35, 0, 0, 1);
     for (size_t i = 0; i < n; i++)
@@ -312,12 +293,11 @@ static void test_turn(void **state)
 }
 
 /* A tenth of the points are of the back of the head. */
-static void test_elsewhere(void **state)
+TEST(test_elsewhere)
 {
     struct brute_rng rng = {brute_seed("scan")};
     size_t front = 0;
 
-    (void)state;
     sample(7, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     sample(7, 1, 3000);
@@ -334,11 +314,10 @@ static void test_elsewhere(void **state)
 }
 
 /* Two people: the nearer one is taken, though the other is a plain face where it is. */
-static void test_two(void **state)
+TEST(test_two)
 {
     size_t first;
 
-    (void)state;
     sample(7, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     sample(7, 1, 4000);
@@ -358,11 +337,10 @@ static void test_two(void **state)
 
 /* Shoulders make it larger than a face is, in whatever unit: taken for mm, metres are one
  * place. */
-static void test_shoulders(void **state)
+TEST(test_shoulders)
 {
     struct brute_rng rng = {brute_seed("scan")};
 
-    (void)state;
     sample(8, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     sample(8, 1, 12000);
@@ -379,9 +357,8 @@ static void test_shoulders(void **state)
 /* ---- what is told, and what is refused */
 
 /* Everything below the nose is under a cover. */
-static void test_cover(void **state)
+TEST(test_cover)
 {
-    (void)state;
     sample(9, 0, 3000);
     assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
     sample(9, 1, 3000);
@@ -397,9 +374,8 @@ static void test_cover(void **state)
     assert_true(warned(SCAN_OCCLUDED) && face.surface.mesh.nv == 0);
 }
 
-static void test_mirrored(void **state)
+TEST(test_mirrored)
 {
-    (void)state;
     for (int mirrored = 0; mirrored < 2; mirrored++) {
         sample(10, 1, 3000);
         turn(0, mirrored ? 60 : 0, 0, 1);
@@ -415,11 +391,10 @@ static void test_mirrored(void **state)
     }
 }
 
-static void test_no_face(void **state)
+TEST(test_no_face)
 {
     struct brute_rng rng = {brute_seed("ball")};
 
-    (void)state;
     for (n = 0; n < 4000;) { /* a ball of a head's size */
         const struct dvec3 q = {brute_real(&rng) - 0.5, brute_real(&rng) - 0.5,
                                 brute_real(&rng) - 0.5};
@@ -443,14 +418,13 @@ static void test_no_face(void **state)
 
 /* A second call for the same points takes what the first one's search found, and gives what it
  * gives without: to the last digit. */
-static void test_search_kept(void **state)
+TEST(test_search_kept)
 {
     struct scan_search search = {.done = false};
     const struct scan_options strict = {.enrolment = true, .search = &search},
                               loose = {.search = &search};
     struct scan_found before;
 
-    (void)state;
     sample(6, 1, 3000);
     turn(45, 0, 30, 1000);
     assert_int_equal(build(&probe), ST_OK);
@@ -465,7 +439,7 @@ static void test_search_kept(void **state)
 }
 
 /* The same where the points stay as they are, and both gates refuse them. */
-static void test_as_is_kept(void **state)
+TEST(test_as_is_kept)
 {
     struct scan_search search = {.done = false};
     const struct scan_options strict = {.axes = SCAN_AXES_SCANNER,
@@ -477,7 +451,6 @@ static void test_as_is_kept(void **state)
     struct quality quality;
     size_t bad = 0;
 
-    (void)state;
     for (int kind = 0; kind < 3; kind++) {
         enum status st;
 
@@ -508,12 +481,11 @@ static void test_as_is_kept(void **state)
 }
 
 /* Nobody waits for the model any more. */
-static void test_stopped(void **state)
+TEST(test_stopped)
 {
     const atomic_bool stop = true;
     const struct scan_options stopped = {.stop = &stop};
 
-    (void)state;
     sample(1, 0, 11000);
     turn(0, 0, 90, 1);
     assert_int_equal(build(&stopped), ST_EBUSY);
@@ -521,11 +493,10 @@ static void test_stopped(void **state)
 }
 
 /* A number that no scanner gives is told as such, and where. */
-static void test_range(void **state)
+TEST(test_range)
 {
     size_t bad = 0;
 
-    (void)state;
     sample(1, 0, 3000);
     for (size_t i = 0; i < n; i++)
         pts[i].z = 0;
@@ -555,9 +526,8 @@ static void fail_each(void)
     }
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
-    (void)state;
     sample(2, 1, 800);
     fail_each();
     turn(0, 0, 90, 1);
@@ -565,21 +535,4 @@ static void test_memory(void **state)
     sample(2, 1, 11000);
     fail_each();
     cloudpoints_free(&c);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_it_is),     cmocka_unit_test(test_units),
-        cmocka_unit_test(test_cap),          cmocka_unit_test(test_dense),
-        cmocka_unit_test(test_found),        cmocka_unit_test(test_half),
-        cmocka_unit_test(test_half_profile), cmocka_unit_test(test_turn),
-        cmocka_unit_test(test_elsewhere),    cmocka_unit_test(test_two),
-        cmocka_unit_test(test_search_kept),  cmocka_unit_test(test_as_is_kept),
-        cmocka_unit_test(test_shoulders),    cmocka_unit_test(test_cover),
-        cmocka_unit_test(test_mirrored),     cmocka_unit_test(test_no_face),
-        cmocka_unit_test(test_range),        cmocka_unit_test(test_stopped),
-        cmocka_unit_test(test_memory)};
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,21 +1,12 @@
 /* What the search for the pose leaves out, and what it tries twice: a face of which a part has
  * changed is registered by the rest, and a probe for which the cheapest coarse pose is the
  * wrong one finds the right one. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align.h"
 #include "clouds.h"
 #include "face.h"
 #include "facegen.h"
 #include "surface.h"
+#include "unit.h"
 
 #define POINTS 3000
 
@@ -71,12 +62,11 @@ static double error(const struct face *tmpl, const struct face *probe,
 /* All below the mouth lies 12 mm farther out: a quarter of the face.  Gaps beyond 2.5 mm
  * count nothing (ALIGN_TUKEY_MM), and the pose is right to 0.2 mm, unless the coarse stage ends
  * too far away (once in these); with all gaps counted all are wrong by 3 mm. */
-static void test_change(void **state)
+TEST(test_change)
 {
     struct face a = {0}, b = {0};
     int right = 0;
 
-    (void)state;
     for (uint64_t subject = 0; subject < 8; subject++) {
         double moved[16];
         size_t n = sample(subject, 0, POINTS, 0, 0);
@@ -99,13 +89,12 @@ static void test_change(void **state)
 
 /* One half of a face, with holes, turned by 30 degrees: for these subjects, of 1,100 tried, the
  * cheapest coarse pose is wrong by 30 to 100 mm, and its rival (ALIGN_RIVAL) is right. */
-static void test_rival(void **state)
+TEST(test_rival)
 {
     static const uint64_t subject[] = {98, 355, 903, 1041};
     struct face a = {0}, b = {0};
     int right = 0;
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         size_t n = sample(subject[k], 0, 800, 0.3, 0.15), half = 0;
         double moved[16];
@@ -124,25 +113,12 @@ static void test_rival(void **state)
     face_free(&b);
 }
 
-static int begin(void **state)
+BEFORE_ALL(begin)
 {
-    (void)state;
-    return (work = face_work_new(NULL)) == NULL;
+    assert_non_null(work = face_work_new(NULL));
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
-    (void)state;
     face_work_free(work);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_change),
-        cmocka_unit_test(test_rival),
-    };
-
-    return cmocka_run_group_tests(tests, begin, end);
 }

@@ -1,17 +1,10 @@
 /* Selection compared with sorting, on values that are hard for selection. */
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "brute.h"
 #include "select.h"
+#include "unit.h"
 
 #define MOST (1 << 21) /* points of the largest mesh */
 
@@ -62,11 +55,10 @@ static double draw(int kind, struct brute_rng *r)
     }
 }
 
-static void test_random(void **state)
+TEST(test_random)
 {
     struct brute_rng r = {brute_seed("select")};
 
-    (void)state;
     for (int kind = 0; kind < 6; kind++)
         for (size_t n = 1; n < 3000; n += 1 + n / 3) {
             for (size_t i = 0; i < n; i++)
@@ -77,11 +69,10 @@ static void test_random(void **state)
 
 /* Sorted either way, all equal, rising then falling, powers of 2; and a value for each bit,
  * which takes the most rounds. */
-static void test_patterns(void **state)
+TEST(test_patterns)
 {
     const size_t n = 2000;
 
-    (void)state;
     for (int kind = 0; kind < 5; kind++) {
         for (size_t i = 0; i < n; i++)
             value[i] = kind == 0   ? (double)i
@@ -120,24 +111,12 @@ static void make_killer(size_t n)
 }
 
 /* Quadratic selection would take some 10^12 steps: the alarm kills it. */
-static void test_killer(void **state)
+TEST(test_killer)
 {
-    (void)state;
     make_killer(2000);
     check(2000);
     make_killer(MOST);
     (void)alarm(60);
     assert_true(select_kth(value, MOST, MOST / 2) == MOST / 2);
     (void)alarm(0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_patterns),
-        cmocka_unit_test(test_killer),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,21 +1,13 @@
 /* A face made of the modes is found again, with its pose; what covers it is told; what is no
  * face has little support. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "fail_alloc.h"
 #include "shape.h"
 #include "shape_map.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 4000
 #define ROOM   40000
@@ -132,12 +124,11 @@ static void check_pose(const struct shape_fit *f)
     }
 }
 
-static void test_recovered(void **state)
+TEST(test_recovered)
 {
     struct brute_rng rng = {brute_seed("shape")};
     struct shape_fit f, g;
 
-    (void)state;
     for (int round = 0; round < 20; round++) {
         const struct align_pose pose = any_pose(8, 8, &rng),
                                 turn = any_pose(90, 90, &rng);
@@ -207,13 +198,12 @@ static void check_outside(const struct shape_fit *f, const double r[4], double m
 
 /* A slab before the mouth is cover, with a rim of one cell, and nothing else is: the face
  * beneath is found as without it. */
-static void test_slab(void **state)
+TEST(test_slab)
 {
     static const double mouth[4] = {-28, 28, -52, -14};
     struct brute_rng rng = {brute_seed("slab")};
     struct shape_fit f;
 
-    (void)state;
     for (int round = 0; round < 10; round++) {
         const struct align_pose pose = any_pose(5, 5, &rng);
 
@@ -229,12 +219,11 @@ static void test_slab(void **state)
 }
 
 /* A few cells in front are no cover: a nose ring, or strays. */
-static void test_small(void **state)
+TEST(test_small)
 {
     struct brute_rng rng = {brute_seed("small")};
     struct shape_fit f;
 
-    (void)state;
     make_face(&rng);
     cover(-28, -20, -34, -26, 8); /* four cells */
     fit(&still, true, &f);
@@ -243,14 +232,13 @@ static void test_small(void **state)
 }
 
 /* What hides more than a simple fit can leave out is found from the parts that it leaves. */
-static void test_hard(void **state)
+TEST(test_hard)
 {
     static const double hidden[][4] = {
         {-70, 70, 12, 44}, {-70, 70, -94, 0}, {-70, 0, -94, 94}, {0, 70, -94, 94}};
     struct brute_rng rng = {brute_seed("hard")};
     struct shape_fit f, g;
 
-    (void)state;
     for (size_t k = 0; k < sizeof hidden / sizeof *hidden; k++) {
         const double *h = hidden[k];
 
@@ -265,12 +253,11 @@ static void test_hard(void **state)
 
 /* Rims of glasses 7 mm before the face, and no points behind the lenses: these are cover
  * too.  Holes alone are not. */
-static void test_glasses(void **state)
+TEST(test_glasses)
 {
     struct brute_rng rng = {brute_seed("glasses")};
     struct shape_fit f;
 
-    (void)state;
     for (int round = 0; round < 10; round++) {
         const bool rims = round % 2 == 0;
         double lens[2][4] = {{-46, -14, 20, 44}, {14, 46, 20, 44}};
@@ -290,12 +277,11 @@ static void test_glasses(void **state)
 }
 
 /* Planes, cylinders and eggs are no faces. */
-static void test_flat(void **state)
+TEST(test_flat)
 {
     struct brute_rng rng = {brute_seed("flat")};
     struct shape_fit f;
 
-    (void)state;
     for (int what = 0; what < 3; what++) {
         for (n = 0; n < POINTS; n++) {
             const double x = -60 + 120 * brute_real(&rng),
@@ -313,11 +299,10 @@ static void test_flat(void **state)
 }
 
 /* Few points, or none near the face. */
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
     struct shape_fit f;
 
-    (void)state;
     for (size_t few = 0; few < 40; few += 13) {
         n = few;
         for (size_t i = 0; i < n; i++)
@@ -353,26 +338,19 @@ static double most_apart(const struct shape_fit *f, const struct shape_fit *g)
 
 /* Neither the points' order nor where the scanner stands matters, nor what is far behind; the
  * same call gives the same digits. */
-static void test_invariant(void **state)
+TEST(test_invariant)
 {
     struct brute_rng rng = {brute_seed("invariant")};
     static struct shape_fit f, g;
     struct align_pose pose, start;
 
-    (void)state;
     make_face(&rng);
     cover(-28, 28, -52, -14, 12);
     fit(&still, true, &f);
     fit(&still, true, &g);
     check_same(&f, &g);
 
-    for (size_t i = n - 1; i > 0; i--) {
-        const size_t k = brute_rand(&rng) % (i + 1);
-        const struct dvec3 p = pts[i];
-
-        pts[i] = pts[k];
-        pts[k] = p;
-    }
+    brute_shuffle(pts, n, sizeof *pts, &rng);
     fit(&still, true, &g);
     assert_true(most_apart(&f, &g) < 0.01);
     assert_int_equal(f.cover, g.cover);
@@ -393,13 +371,12 @@ static void test_invariant(void **state)
 }
 
 /* Of several starts that which leads to a face; and many points are as good as few. */
-static void test_starts(void **state)
+TEST(test_starts)
 {
     struct brute_rng rng = {brute_seed("starts")};
     struct align_pose start[3];
     struct shape_fit f, g;
 
-    (void)state;
     make_face(&rng);
     fit(&still, false, &f);
     toy_pose(0, 0, 180, (struct dvec3){0, 0, 0}, &start[0]);
@@ -413,14 +390,13 @@ static void test_starts(void **state)
 }
 
 /* shape_map_make() by definition. */
-static void test_map(void **state)
+TEST(test_map)
 {
     struct brute_rng rng = {brute_seed("map")};
     struct scratch s = {0};
     struct shape_points p;
     float got[GRID_N];
 
-    (void)state;
     make_face(&rng);
     for (size_t i = 0; i < n; i++)
         pts[i].z += i % 5 == 0 ? -20 : i % 7 == 0 ? -60 : i % 11 == 0 ? 9 : 0;
@@ -457,13 +433,12 @@ static void test_map(void **state)
 
 /* A cell of the face without points has the mean of those beside it, if there are two: at a corner
  * of the grid too, where the cells at its other side are not beside it. */
-static void test_fill(void **state)
+TEST(test_fill)
 {
     static float level[GRID_N], over[GRID_N];
     const uint32_t corner = 0, left = 5 * GRID_NX, inner = 20 * GRID_NX + 10;
     const float none = (float)NAN;
 
-    (void)state;
     for (uint32_t i = 0; i < GRID_N; i++) {
         level[i] = 0.0f;
         over[i] = none;
@@ -486,13 +461,12 @@ static void test_fill(void **state)
 
 /* A head of another size is found at the next of the sizes, also where it lies elsewhere; one of the
  * mean's size is not taken for another. */
-static void test_sizes(void **state)
+TEST(test_sizes)
 {
     static const double by[] = {0.71, 0.78, 1, 1.16}, want[] = {0.71, 0.77, 1, 1.16};
     struct brute_rng rng = {brute_seed("sizes")};
     struct shape_fit f;
 
-    (void)state;
     for (size_t k = 0; k < sizeof by / sizeof *by; k++) {
         const struct align_pose pose = any_pose(5, 5, &rng);
 
@@ -507,14 +481,13 @@ static void test_sizes(void **state)
 }
 
 /* Wherever an allocation fails. */
-static void test_no_memory(void **state)
+TEST(test_no_memory)
 {
     static struct shape_work w;
     struct brute_rng rng = {7};
     struct shape_fit f;
     unsigned long failed = 0;
 
-    (void)state;
     make_face(&rng);
     for (unsigned long at = 1;; at++) {
         enum status st;
@@ -532,26 +505,17 @@ static void test_no_memory(void **state)
     assert_int_equal(failed, 2); /* the points, and fit_solve()'s */
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_recovered), cmocka_unit_test(test_slab),
-        cmocka_unit_test(test_small),     cmocka_unit_test(test_hard),
-        cmocka_unit_test(test_glasses),   cmocka_unit_test(test_flat),
-        cmocka_unit_test(test_nothing),   cmocka_unit_test(test_invariant),
-        cmocka_unit_test(test_starts),    cmocka_unit_test(test_map),
-        cmocka_unit_test(test_fill),      cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_no_memory),
-    };
-    int failed;
-
     toy_model(&model);
     model.shape.n = 6;
     for (uint32_t i = 0; i < GRID_N; i++)
         for (uint32_t k = 6; k < MODEL_MODES; k++)
             model.shape.mode[i][k] = 0.0f;
     shape_work_prepare(&model, &work);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     shape_work_free(&work);
-    return failed;
 }

@@ -1,17 +1,9 @@
 /* What covers a face, and what is a face's own: above the brows, hair, and masks. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "model.h"
 #include "shape.h"
 #include "tuning.h"
+#include "unit.h"
 
 #define POINTS 4000
 
@@ -69,9 +61,8 @@ static double nothing(double x, double y)
     return 0;
 }
 
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
-    (void)state;
     for (int hard = 0; hard < 2; hard++) {
         const struct shape_fit f = see(nothing, hard);
 
@@ -96,11 +87,10 @@ static double bump(double x, double y)
 }
 
 /* A cap is a cover; a bump in the middle of the forehead is the person's own. */
-static void test_brows(void **state)
+TEST(test_brows)
 {
     struct shape_fit f;
 
-    (void)state;
     for (int hard = 0; hard < 2; hard++) {
         f = see(cap, hard);
         assert_true(f.cover > 60);
@@ -122,11 +112,10 @@ static double rough(double x, double y)
 }
 
 /* What is as rough as hair is hair, unless all of the scan is. */
-static void test_hair(void **state)
+TEST(test_hair)
 {
     struct shape_fit f;
 
-    (void)state;
     f = see(hair, false);
     assert_true(f.sure > 60 && covered(&f, 2, 58) && covered(&f, -26, 58));
     assert_true(!covered(&f, 2, 30));
@@ -170,12 +159,11 @@ static double scarf(double x, double y)
 
 /* A mask is a cover, and loose cloth down to the rim, and nothing above it; cheeks that are puffed,
  * or a hand on one of them, are none for sure. */
-static void test_mask(void **state)
+TEST(test_mask)
 {
     struct shape_fit f;
     uint32_t below = 0, above = 0;
 
-    (void)state;
     for (int hard = 0; hard < 2; hard++) {
         f = see(mask, hard);
         assert_true(f.cover > 50);
@@ -194,16 +182,13 @@ static void test_mask(void **state)
     assert_int_equal(f.sure, 0);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing), cmocka_unit_test(test_brows),
-        cmocka_unit_test(test_hair), cmocka_unit_test(test_mask)};
-    int failed;
-
     rng = (struct brute_rng){brute_seed("cover")};
     shape_work_prepare(&model_default, &work);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     shape_work_free(&work);
-    return failed;
 }

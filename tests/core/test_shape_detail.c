@@ -1,18 +1,10 @@
 /* How much of a face's fine relief a surface has, against the definition, and what changes it. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
 #include "tuning.h"
+#include "unit.h"
 
 static struct model model;
 static struct shape_work work;
@@ -84,13 +76,12 @@ static double reference(void)
 }
 
 /* Any heights, seen anywhere. */
-static void test_definition(void **state)
+TEST(test_definition)
 {
     struct brute_rng rng = {brute_seed("detail")};
 
-    (void)state;
     for (int k = 0; k < 200; k++) {
-        const double share = brute_real(&rng);
+        const double share = k == 0 ? 0 : brute_real(&rng);
 
         see_all();
         for (uint32_t i = 0; i < GRID_N; i++)
@@ -100,81 +91,13 @@ static void test_definition(void **state)
     }
 }
 
-/* The mean face has all of it, one twice as deep twice as much; how the surface lies does not
- * matter, nor that a half of it is not seen. */
-static void test_mean(void **state)
+BEFORE_ALL(set_up)
 {
-    (void)state;
-    for (int half = 0; half < 2; half++)
-        for (int times = 0; times < 4; times++) {
-            see_all();
-            for (uint32_t i = 0; i < GRID_N; i++) {
-                z[i] *= (float)times;
-                z[i] += (float)(3 + 0.1 * grid_x(i) - 0.2 * grid_y(i));
-                if (half && grid_x(i) > 0)
-                    z[i] = (float)NAN;
-            }
-            if (half && times != 1)
-                continue; /* the rim of what is seen */
-            assert_true(fabs(detail() - times) < (half ? 0.1 : 1e-3));
-        }
-    for (uint32_t i = 0; i < GRID_N; i++)
-        z[i] = (float)NAN;
-    assert_true(detail() == 0);
-}
-
-/* A smooth surface has little of it. */
-static void test_smooth(void **state)
-{
-    static double mean[GRID_N];
-    static bool face[GRID_N];
-
-    (void)state;
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        face[i] = !isnan(work.mean[i]);
-        mean[i] = (double)work.mean[i];
-    }
-    see_all();
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        bool all;
-
-        if (face[i])
-            z[i] -= (float)above(mean, face, i, &all);
-    }
-    assert_true(detail() < 0.5);
-    see_all();
-    for (uint32_t i = 0; i < GRID_N; i++)
-        z[i] = (float)(-grid_x(i) * grid_x(i) / 130 - grid_y(i) * grid_y(i) / 220);
-    assert_true(fabs(detail()) < 0.2);
-}
-
-/* Noise neither adds nor takes away much. */
-static void test_noise(void **state)
-{
-    struct brute_rng rng = {brute_seed("detail of noise")};
-
-    (void)state;
-    for (int k = 0; k < 50; k++) {
-        see_all();
-        for (uint32_t i = 0; i < GRID_N; i++)
-            z[i] += (float)(2 * brute_real(&rng) - 1);
-        assert_true(fabs(detail() - 1) < 0.15);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_definition),
-        cmocka_unit_test(test_mean),
-        cmocka_unit_test(test_smooth),
-        cmocka_unit_test(test_noise),
-    };
-    int failed;
-
     toy_model(&model);
     shape_work_prepare(&model, &work);
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     shape_work_free(&work);
-    return failed;
 }

@@ -1,12 +1,6 @@
 /* Points of one side of a ball are told from points all round, with and without a wall. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "sight.h"
+#include "unit.h"
 
 #define ACROSS 120
 
@@ -42,9 +36,8 @@ static void add_wall(double side)
         }
 }
 
-static void test_ball(void **state)
+TEST(test_ball)
 {
-    (void)state;
     for (double side = -1; side <= 1; side += 2) {
         const struct dvec3 nose = {5, -7, 80 * side};
 
@@ -58,18 +51,9 @@ static void test_ball(void **state)
     }
 }
 
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
-    (void)state;
     take(1, true);
     assert_false(sight_single(pts, n, (struct dvec3){1e6, 0, 0}, 1));
     assert_false(sight_single(pts, 0, (struct dvec3){0, 0, 0}, 1));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_ball),
-                                       cmocka_unit_test(test_nothing)};
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,15 +2,6 @@
  * scratch; the greedy choice is the one by definition; no gap exceeds its limit; the reported
  * disparity is that over the papers' general triangulation. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "clouds.h"
 #include "delaunay.h"
@@ -25,6 +16,7 @@
 #include "simplify.h"
 #include "star.h"
 #include "interpolate.h"
+#include "unit.h"
 
 #define MOST 3000
 
@@ -44,37 +36,6 @@ static void build(const struct ivec3 *p, size_t n, struct mesh *m)
     assert_int_equal(delaunay_build(p, n, &scratch, m), ST_OK);
 }
 
-/* m without the vertices and triangles that are out. */
-static void compact(const struct mesh *m, struct mesh *out)
-{
-    static uint32_t vertex[MOST + 1], triangle[2 * MOST];
-    uint32_t nv = 0, nt = 0;
-
-    assert_int_equal(mesh_reserve(out, m->nv), ST_OK);
-    for (uint32_t v = 0; v < m->nv; v++)
-        if (m->out[v] != STAR_NONE) {
-            out->xy[nv] = m->xy[v];
-            out->z[nv] = m->z[v];
-            vertex[v] = nv++;
-        }
-    vertex[m->nv] = nv;
-    for (uint32_t t = 0; t < m->nt; t++)
-        triangle[t] = m->org[3 * t] != STAR_NONE ? nt++ : STAR_NONE;
-    out->nv = nv;
-    out->nt = nt;
-    for (uint32_t h = 0; h < 3 * m->nt; h++)
-        if (triangle[h / 3] != STAR_NONE) {
-            const uint32_t to = 3 * triangle[h / 3] + h % 3, twin = m->twin[h];
-
-            assert_true(triangle[twin / 3] != STAR_NONE);
-            out->org[to] = vertex[m->org[h]];
-            out->twin[to] = 3 * triangle[twin / 3] + twin % 3;
-        }
-    for (uint32_t v = 0; v <= m->nv; v++)
-        if (v == m->nv || m->out[v] != STAR_NONE)
-            out->out[vertex[v]] = 3 * triangle[m->out[v] / 3] + m->out[v] % 3;
-}
-
 /* The points of m that are kept. */
 static size_t remaining(const struct mesh *m, const uint8_t *in, struct ivec3 *out)
 {
@@ -86,52 +47,13 @@ static size_t remaining(const struct mesh *m, const uint8_t *in, struct ivec3 *o
     return n;
 }
 
-static void test_star(void **state)
-{
-    struct mesh m = {0}, small = {0}, want = {0};
-    struct star star;
-    unsigned removed = 0;
-
-    (void)state;
-    for (int round = 0; round < 12 * BRUTE_SHAPES; round++) {
-        const enum brute_shape shape = (enum brute_shape)(round % BRUTE_SHAPES);
-        const size_t n = brute_points(shape, 8 + (size_t)round / 2, &rng, pts);
-        static uint8_t in[MOST];
-
-        build(pts, n, &m);
-        memset(in, 1, n);
-        for (int tries = 0; tries < 60; tries++) {
-            const uint32_t v = (uint32_t)brute_int(&rng, 0, (int32_t)m.nv - 1);
-            size_t left;
-
-            if (!star_find(&m, v, &star))
-                continue;
-            star_remove(&m, &star);
-            in[v] = 0;
-            removed++;
-            assert_false(star_find(&m, v, &star));
-            compact(&m, &small);
-            left = remaining(&m, in, rest);
-            brute_delaunay(rest, left, &want);
-            if (mesh_check(&small, false) != ST_OK || !brute_same(&small, &want))
-                fail_msg("%s: not the triangulation of %zu points",
-                         brute_shape_name(shape), left);
-        }
-    }
-    assert_true(removed > 500);
-    mesh_free(&m);
-    mesh_free(&small);
-    mesh_free(&want);
-}
-
 /* A vertex with more neighbours than a star has room for stays. */
-static void test_crowded(void **state)
+TEST(test_crowded)
 {
     struct mesh m = {0};
     struct star star;
     size_t n = 0;
 
-    (void)state;
     for (int i = 0; i < 100; i++)
         pts[n++] = (struct ivec3){(int32_t)lrint(1e6 * cos(i * 0.0628318)),
                                   (int32_t)lrint(1e6 * sin(i * 0.0628318)), 0};
@@ -240,15 +162,14 @@ static void by_definition(const struct mesh *m, const struct simplify_limit *lim
     }
 }
 
-static void test_greedy(void **state)
+TEST(test_greedy)
 {
     struct mesh m = {0}, out = {0}, want = {0};
     struct simplify_result r;
 
-    (void)state;
-    for (int round = 0; round < 40; round++) {
+    for (int round = 0; round < 5 * BRUTE_SHAPES; round++) {
         const size_t n =
-            brute_points(round % 2 ? BRUTE_RANDOM : BRUTE_CLUSTERS, 24, &rng, pts);
+            brute_points((enum brute_shape)(round % BRUTE_SHAPES), 24, &rng, pts);
         struct simplify_limit limit = {INFINITY, INFINITY, 0};
         uint8_t in[64];
         double height = 1;
@@ -321,14 +242,13 @@ static void face(uint64_t subject, struct mesh *m)
     assert_int_equal(mst_build(m, &scratch), ST_OK);
 }
 
-static void test_face(void **state)
+TEST(test_face)
 {
     static const double error[] = {0, 100, 300, 1000, 3000};
     struct mesh m = {0}, out = {0};
     uint32_t before = MOST + 1, hull = 0;
     struct simplify_result r;
 
-    (void)state;
     face(3, &m);
     for (uint32_t v = 0; v < m.nv; v++)
         hull += on_hull(&m, v);
@@ -354,13 +274,12 @@ static void test_face(void **state)
 }
 
 /* A limit on the disparity keeps fewer points than one on the gap; `least` is obeyed. */
-static void test_limits(void **state)
+TEST(test_limits)
 {
     struct mesh m = {0}, out = {0};
     struct simplify_result r, by_error;
     struct simplify_limit limit = {500, INFINITY, 0};
 
-    (void)state;
     face(4, &m);
     assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, NULL, &by_error),
                      ST_OK);
@@ -375,39 +294,7 @@ static void test_limits(void **state)
     mesh_free(&out);
 }
 
-/* A plane is simplified to its outline, a pyramid to its outline and tip. */
-static void test_by_hand(void **state)
-{
-    struct mesh m = {0}, out = {0};
-    struct simplify_limit limit = {0.5, INFINITY, 0};
-    struct simplify_result r;
-    size_t n = 0;
-
-    (void)state;
-    for (int j = 0; j < 11; j++)
-        for (int i = 0; i < 11; i++)
-            pts[n++] = (struct ivec3){1000 * i, 1000 * j, 200 * i + 300 * j};
-    build(pts, n, &m);
-    assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, gap, &r), ST_OK);
-    assert_int_equal(r.kept, 40);
-    close_to(r.error, 0, 1e-9);
-    close_to(r.disparity, 0, 1e-9);
-    pts[60].z += 4000;
-    build(pts, n, &m);
-    limit.error = 3999;
-    assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, gap, &r), ST_OK);
-    assert_true(r.kept > 40 && r.kept < 60 && r.error <= limit.error);
-    limit.error = 4000; /* the tip may be removed */
-    assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, gap, &r), ST_OK);
-    assert_int_equal(r.kept, 40);
-    close_to(r.error, 4000, 1e-9);
-    /* The pyramid stood over six triangles of 0.5 mm^2, 4 mm high, out of 100 mm^2. */
-    close_to(r.disparity, 40, 1e-9);
-    mesh_free(&m);
-    mesh_free(&out);
-}
-
-static void test_memory(void **state)
+TEST(test_memory)
 {
     const struct simplify_limit limit = {300, INFINITY, 0};
     struct mesh m = {0}, out = {0}, want = {0};
@@ -415,7 +302,6 @@ static void test_memory(void **state)
     enum status st = ST_ENOMEM;
     unsigned long k;
 
-    (void)state;
     face(5, &m);
     assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &want, NULL, &r), ST_OK);
     for (k = 1; st != ST_OK; k++) {
@@ -437,18 +323,12 @@ static void test_memory(void **state)
     mesh_free(&want);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_star),   cmocka_unit_test(test_crowded),
-        cmocka_unit_test(test_greedy), cmocka_unit_test(test_face),
-        cmocka_unit_test(test_limits), cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_memory),
-    };
-    int failed;
-
     rng.state = brute_seed("simplify");
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     scratch_free(&scratch);
-    return failed;
 }

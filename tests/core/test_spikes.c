@@ -1,16 +1,9 @@
 /* Spikes laid flat. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "mem.h"
 #include "mesh.h"
 #include "surface.h"
+#include "unit.h"
 
 #define N 800
 
@@ -24,14 +17,13 @@ static int32_t slope(struct ivec2 p)
 
 /* 800 points at random on a plane as wide as a face, every fiftieth thrown off.  They are
  * laid back on the plane, though its height changes by millimetres between neighbours. */
-static void test_plane(void **state)
+TEST(test_plane)
 {
     struct brute_rng r = {7};
     struct ivec3 pts[N];
     struct surface s = {0};
     uint32_t laid = 0;
 
-    (void)state;
     for (int i = 0; i < N; i++) {
         const struct ivec2 p = {brute_int(&r, -50000, 50000),
                                 brute_int(&r, -70000, 70000)};
@@ -59,12 +51,11 @@ static void test_plane(void **state)
 
 /* A ridge: the plane through a spike's neighbours leads out of their heights only where they
  * tell little; the median is taken, and the spike is gone. */
-static void test_median(void **state)
+TEST(test_median)
 {
     struct ivec3 pts[25];
     struct surface s = {0};
 
-    (void)state;
     for (int i = 0; i < 25; i++)
         pts[i] = (struct ivec3){i % 5 * 2000, i / 5 * 2000 + i % 3, 0};
     pts[0].z = 20000; /* a corner: all its neighbours lie to one side */
@@ -76,19 +67,7 @@ static void test_median(void **state)
     surface_free(&s);
 }
 
-static int stop(void **state)
+AFTER_ALL(stop)
 {
-    (void)state;
     scratch_free(&scratch);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),
-        cmocka_unit_test(test_median),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, stop);
 }

@@ -1,16 +1,9 @@
 /* Every code has a message of its own; any other value is "unknown". */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "status.h"
+#include "unit.h"
 
-static void test_messages_distinct(void **state)
+TEST(test_messages_distinct)
 {
-    (void)state;
     for (int i = 0; i < ST_COUNT; i++) {
         const char *text = status_message((enum status)i);
 
@@ -21,20 +14,9 @@ static void test_messages_distinct(void **state)
     }
 }
 
-static void test_unknown(void **state)
+TEST(test_unknown)
 {
-    (void)state;
     assert_string_equal(status_message(ST_COUNT), "unknown status");
     assert_string_equal(status_message((enum status)(-1)), "unknown status");
     assert_string_equal(status_message((enum status)9999), "unknown status");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_messages_distinct),
-        cmocka_unit_test(test_unknown),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,13 +1,5 @@
 /* One surface from points: prepared, moved, used again; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "fail_alloc.h"
 #include "holes.h"
 #include "lattice.h"
@@ -16,6 +8,7 @@
 #include "mesh_check.h"
 #include "mst.h"
 #include "surface.h"
+#include "unit.h"
 
 #define SIDE 20
 #define N    (SIDE * SIDE)
@@ -49,13 +42,12 @@ static void assert_same(const struct surface *a, const struct surface *b)
     assert_int_equal(a->spikes, b->spikes);
 }
 
-static void test_prepare(void **state)
+TEST(test_prepare)
 {
     struct ivec3 p[N];
     struct surface s = {0}, rough = {0};
     uint32_t differ = 0;
 
-    (void)state;
     bowl(p);
     assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
     assert_int_equal(mesh_check(&s.mesh, true), ST_OK);
@@ -122,7 +114,7 @@ static uint32_t check_moved(const struct surface *s, const struct surface *moved
 
 /* Moving by the identity changes no digit.  By other motions the surface keeps what belongs
  * to the scan: seen from the side, other points would be spikes. */
-static void test_move(void **state)
+TEST(test_move)
 {
     static const double quarter[16] = {0, -1, 0, 5, 1, 0, 0, 0, 0, 0, 1, -2, 0, 0, 0, 1};
     static const double mirror[16] = {-1, 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -130,7 +122,6 @@ static void test_move(void **state)
     struct ivec3 p[N];
     struct surface s = {0}, moved = {0};
 
-    (void)state;
     bowl(p);
     assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
     assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
@@ -153,14 +144,13 @@ static void test_move(void **state)
 
 /* A bowl seen from its side: points of the near and of the far wall fall on one place.  None
  * is lost, and the lower number stays. */
-static void test_coincide(void **state)
+TEST(test_coincide)
 {
     static const double side[16] = {0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
     struct ivec3 p[N];
     struct surface s = {0}, moved = {0}, again = {0};
     uint32_t aside = 0;
 
-    (void)state;
     bowl(p);
     assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
     assert_int_equal(surface_move(&s, side, &points, &scratch, &moved), ST_OK);
@@ -183,14 +173,13 @@ static void test_coincide(void **state)
     surface_free(&again);
 }
 
-static void test_nothing_left(void **state)
+TEST(test_nothing_left)
 {
     static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const double edge_on[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
     struct ivec3 p[N];
     struct surface s = {0}, moved = {0};
 
-    (void)state;
     bowl(p);
     assert_int_equal(surface_prepare(p, N, true, &scratch, &s), ST_OK);
     assert_int_equal(surface_move(&s, still, &points, &scratch, &moved), ST_OK);
@@ -204,13 +193,12 @@ static void test_nothing_left(void **state)
     surface_free(&moved);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct ivec3 p[N];
     enum status st = ST_ENOMEM;
     unsigned long n;
 
-    (void)state;
     bowl(p);
     for (n = 1; st != ST_OK; n++) {
         struct scratch a = {0}, b = {0};
@@ -230,16 +218,8 @@ static void test_memory(void **state)
     assert_true(n > 7);
 }
 
-int main(void)
+AFTER_ALL(tear_down)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_prepare),  cmocka_unit_test(test_move),
-        cmocka_unit_test(test_coincide), cmocka_unit_test(test_nothing_left),
-        cmocka_unit_test(test_memory),
-    };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-
     scratch_free(&points);
     scratch_free(&scratch);
-    return failed;
 }

@@ -1,19 +1,10 @@
 /* Thinning keeps points of the scan, evenly spread, whatever their order; nearly as many as may
  * be; and all of them where that is enough. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "fail_alloc.h"
 #include "thin.h"
+#include "unit.h"
 
 #define MOST 10000
 #define NEAR 2.5
@@ -59,11 +50,10 @@ static size_t empty_squares(const struct thin_point *p, size_t count, double ste
     return empty;
 }
 
-static void test_grids(void **state)
+TEST(test_grids)
 {
     static const double step[] = {1.6, 1.5, 1.2, 0.9, 0.55, 0.4}, degrees[] = {0, 17, 45};
 
-    (void)state;
     for (size_t k = 0; k < 18; k++) {
         size_t kept;
 
@@ -79,12 +69,11 @@ static void test_grids(void **state)
     }
 }
 
-static void test_random(void **state)
+TEST(test_random)
 {
     static const size_t count[] = {MOST + 1, MOST + 50, 12000, 30000, 100000, 300000};
     struct brute_rng rng = {brute_seed("thin")};
 
-    (void)state;
     for (size_t k = 0; k < sizeof count / sizeof *count; k++) {
         size_t kept;
 
@@ -97,12 +86,11 @@ static void test_random(void **state)
 
 /* Of 30 points a square the mean is five times as near the surface as each of them; what is far
  * from the point kept has no part in it. */
-static void test_mean(void **state)
+TEST(test_mean)
 {
     static const double near[] = {0, NEAR};
     struct brute_rng rng = {brute_seed("mean")};
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         size_t kept, strays = 0;
         double sum = 0;
@@ -133,11 +121,10 @@ static int by_index(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void test_order(void **state)
+TEST(test_order)
 {
     struct brute_rng rng = {brute_seed("order")};
 
-    (void)state;
     for (int k = 0; k < 4; k++) {
         size_t kept, as_many;
 
@@ -146,13 +133,7 @@ static void test_order(void **state)
             for (size_t i = 0; i < n; i++) /* as many as far from the middle */
                 pts[i].x = floorf(pts[i].x * 2) / 2, pts[i].y = floorf(pts[i].y * 2) / 2;
         memcpy(other, pts, n * sizeof *pts);
-        for (size_t i = n - 1; i > 0; i--) {
-            const size_t with = (size_t)brute_int(&rng, 0, (int32_t)i);
-            const struct thin_point swap = other[i];
-
-            other[i] = other[with];
-            other[with] = swap;
-        }
+        brute_shuffle(other, n, sizeof *other, &rng);
         kept = as_many = n;
         assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
         assert_int_equal(thin_points(other, &as_many, MOST, NEAR), ST_OK);
@@ -165,12 +146,11 @@ static void test_order(void **state)
 }
 
 /* Few enough points stay as they are; any numbers are safe. */
-static void test_limits(void **state)
+TEST(test_limits)
 {
     struct brute_rng rng = {brute_seed("limits")};
     size_t kept;
 
-    (void)state;
     anywhere(MOST, &rng);
     memcpy(other, pts, n * sizeof *pts);
     kept = n;
@@ -195,13 +175,12 @@ static void test_limits(void **state)
     assert_in_range(kept, 1000, MOST);
 }
 
-static void test_memory(void **state)
+TEST(test_memory)
 {
     struct brute_rng rng = {brute_seed("memory")};
     enum status st = ST_ENOMEM;
     size_t kept;
 
-    (void)state;
     anywhere(20000, &rng);
     memcpy(other, pts, n * sizeof *pts);
     for (unsigned long k = 1; st != ST_OK; k++) {
@@ -215,15 +194,4 @@ static void test_memory(void **state)
         }
     }
     fail_alloc_at(0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_grids),  cmocka_unit_test(test_random),
-        cmocka_unit_test(test_order),  cmocka_unit_test(test_limits),
-        cmocka_unit_test(test_memory), cmocka_unit_test(test_mean),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,6 +6,14 @@
 #define TESTS_FUZZ_H
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
+
+/* Ends the program, as a crash that is reported, unless the condition holds. */
+static inline void require(int condition)
+{
+    if (!condition)
+        abort();
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

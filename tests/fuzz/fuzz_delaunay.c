@@ -33,12 +33,6 @@ static int32_t coordinate(unsigned mode, const uint8_t *p)
     }
 }
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 /* Whether both have the same triangles on the same points: vertices may be numbered
  * differently, so each half-edge of a is searched in b. */
 static int same_triangles(const struct mesh *a, const struct mesh *b)

@@ -18,12 +18,6 @@ static double coordinate(const uint8_t *p, unsigned scale)
     return (double)(int16_t)(p[0] | p[1] << 8) * 0.01 * (double)(1 + scale % 4);
 }
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void check_minimal(const struct face *a, const struct face *b,
                           struct face_result *r, struct face_work *w)
 {

@@ -21,12 +21,6 @@ static double coordinate(const uint8_t *p, unsigned scale)
     return (double)(int16_t)(p[0] | p[1] << 8) * of[scale % 4];
 }
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void check(const struct find *f)
 {
     require(f->n >= 1 && f->n <= FIND_POSES && f->faces >= 1);

@@ -10,12 +10,6 @@
 #include "frame.h"
 #include "model.h"
 
-static void require(int condition)
-{
-    if (!condition)
-        abort();
-}
-
 static void check_numbers(const struct model *m)
 {
     require(m->kinship >= 0 && m->kinship < 1 && m->noise_floor_mm > 0 &&

@@ -8,12 +8,6 @@
 
 #include "objmesh.h"
 
-static void require(bool condition)
-{
-    if (!condition)
-        abort();
-}
-
 static bool is_skin(const char *material)
 {
     require(strlen(material) < 128);

@@ -39,6 +39,20 @@ double brute_real(struct brute_rng *r)
     return (double)(brute_rand(r) >> 11) * 0x1p-53;
 }
 
+void brute_shuffle(void *items, size_t n, size_t size, struct brute_rng *r)
+{
+    unsigned char *at = items, t[64];
+
+    assert(size <= sizeof t);
+    for (size_t i = n; i-- > 1;) {
+        unsigned char *a = at + i * size, *b = at + brute_rand(r) % (i + 1) * size;
+
+        memcpy(t, a, size);
+        memmove(a, b, size);
+        memcpy(b, t, size);
+    }
+}
+
 static void *allocate(size_t n, size_t size)
 {
     void *p = calloc(n, size);
@@ -141,25 +155,13 @@ static size_t some_points(enum brute_shape shape, size_t n, struct brute_rng *r,
     else
         for (; m < n; m++)
             all[m] = one_point(shape, m, n, r);
-    for (size_t i = m; i-- > 1;) { /* shuffle, so that a part of the circle is random */
-        const size_t j = brute_rand(r) % (i + 1);
-        const struct ivec3 t = all[i];
-
-        all[i] = all[j];
-        all[j] = t;
-    }
+    brute_shuffle(all, m, sizeof *all, r);
     m = m < n ? m : n;
     qsort(all, m, sizeof *all, by_xy);
     for (size_t i = 0; i < m; i++)
         if (i == 0 || by_xy(&all[i - 1], &all[i]) != 0)
             out[kept++] = all[i];
-    for (size_t i = kept; i-- > 1;) {
-        const size_t j = brute_rand(r) % (i + 1);
-        const struct ivec3 t = out[i];
-
-        out[i] = out[j];
-        out[j] = t;
-    }
+    brute_shuffle(out, kept, sizeof *out, r);
     for (size_t i = 0; i < kept; i++)
         out[i].z = (int32_t)(5000 * sin(out[i].x * 3e-5) * cos(out[i].y * 4e-5)) +
                    brute_int(r, -900, 900);

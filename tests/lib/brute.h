@@ -21,6 +21,9 @@ int32_t brute_int(struct brute_rng *r, int32_t lo,
                   int32_t hi);          /* lo..hi, both included */
 double brute_real(struct brute_rng *r); /* [0, 1) */
 
+/* brute_shuffle(items, n, size, r): puts n items of size bytes (64 at most) in random order. */
+void brute_shuffle(void *items, size_t n, size_t size, struct brute_rng *r);
+
 /* Shapes of point sets.  All points are distinct in (x, y) and not all on a line. */
 enum brute_shape {
     BRUTE_RANDOM,    /* uniform in a large square */

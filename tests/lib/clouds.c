@@ -74,17 +74,6 @@ static size_t tilted_grid(struct brute_rng *r, size_t n, struct ivec3 *out)
     return m;
 }
 
-static void shuffle(struct brute_rng *r, struct ivec3 *pts, size_t n)
-{
-    for (size_t i = n; i-- > 1;) {
-        const size_t j = brute_rand(r) % (i + 1);
-        const struct ivec3 t = pts[i];
-
-        pts[i] = pts[j];
-        pts[j] = t;
-    }
-}
-
 /* x^2 + y^2 = r2, a product of small primes 4k + 1: 3,072 solutions. */
 static size_t circle(struct brute_rng *r, size_t n, struct ivec3 *out)
 {
@@ -101,7 +90,7 @@ static size_t circle(struct brute_rng *r, size_t n, struct ivec3 *out)
             for (int sy = -1; sy <= (y != 0); sy += 2)
                 all[count++] = lifted((int32_t)(sx * x), (int32_t)(sy * y));
     }
-    shuffle(r, all, count);
+    brute_shuffle(all, count, sizeof *all, r);
     n = n < count ? n : count;
     for (size_t i = 0; i < n; i++)
         out[i] = all[i];
@@ -162,7 +151,7 @@ size_t clouds_make(enum clouds_kind kind, uint64_t k, size_t n, struct ivec3 *ou
         for (m = 0; m < n; m++)
             out[m] = drawn(kind, &r, k, m, n);
     }
-    shuffle(&r, out, m);
+    brute_shuffle(out, m, sizeof *out, &r);
     return m;
 }
 

@@ -1,13 +1,7 @@
 #include "scanfile.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "errinfo.h"
+#include "unit.h"
 
 void scanfile_put(struct scanfile *f, const void *bytes, size_t len)
 {
@@ -112,6 +106,24 @@ void scanfile_bad(const struct scanfile *f, enum cloudformat format, enum status
 
     if (st != want || strstr(err.msg, words) == NULL)
         fail_msg("status %d, not %d with '%s': %s", st, want, words, err.msg);
+}
+
+void scanfile_refused(const struct scanfile_case *c, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        struct scanfile f = {.len = 0};
+
+        scanfile_text(&f, c[i].text);
+        scanfile_bad(&f, CLOUDFORMAT_ANY, c[i].st, c[i].words);
+    }
+}
+
+void scanfile_good_text(const char *text, struct cloudpoints *out)
+{
+    struct scanfile f = {.len = 0};
+
+    scanfile_text(&f, text);
+    scanfile_good(&f, CLOUDFORMAT_ANY, out);
 }
 
 void scanfile_cut(const struct scanfile *f, enum cloudformat format)

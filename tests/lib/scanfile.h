@@ -38,6 +38,15 @@ void scanfile_good(const struct scanfile *f, enum cloudformat format,
 /* It is not, for this reason, and with these words in the message. */
 void scanfile_bad(const struct scanfile *f, enum cloudformat format, enum status want,
                   const char *words);
+/* scanfile_refused(c, n): each text is not read, for its reason, and with these words. */
+struct scanfile_case {
+    const char *text;
+    enum status st;
+    const char *words;
+};
+void scanfile_refused(const struct scanfile_case *c, size_t n);
+/* The text is read, as what it is recognised to be. */
+void scanfile_good_text(const char *text, struct cloudpoints *out);
 /* However much of the file's end is missing. */
 void scanfile_cut(const struct scanfile *f, enum cloudformat format);
 

@@ -6,6 +6,9 @@
 #define TESTS_TIMING_H
 #include <stddef.h>
 #include <stdint.h>
+#include "clouds.h"
+#include "mesh.h"
+#include "status.h"
 
 struct peers; /* peers.h */
 
@@ -29,8 +32,20 @@ double timing_bytes(void);
 /* timing_peers(): the peers of the shared object $BENCH_PEERS, or NULL: not installed. */
 const struct peers *timing_peers(void);
 
-/* timing_alloc(n, size): zeroed memory; exits if there is none. */
+/* timing_alloc(n, size): zeroed memory; exits if there is none.
+ * timing_must(st): exits with the status's message unless st is ST_OK. */
 void *timing_alloc(size_t n, size_t size);
+void timing_must(enum status st);
+
+/* timing_graph(peers, m): the peer's graph of m's edges with their lengths. */
+void *timing_graph(const struct peers *peers, const struct mesh *m);
+
+/* timing_triangulation(peers, kind, first, n, sets, ours, theirs): times the triangulation of so
+ * many point sets of a kind, the first one numbered `first`, in turn, eight times each; theirs:
+ * the peer's, unless peers is NULL.  Returns the number of points of the first set. */
+size_t timing_triangulation(const struct peers *peers, enum clouds_kind kind,
+                            uint64_t first, size_t n, size_t sets, struct timing *ours,
+                            struct timing *theirs);
 
 /* timing_head(title, first), timing_row(what, first, ms, peer_ms): print a table of a first
  * figure (`first` is its heading), the time, a peer's time and the ratio; NAN: no value. */

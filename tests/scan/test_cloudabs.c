@@ -1,17 +1,11 @@
 /* FRGC's range images: four lists after each other, on any number of lines; points whose flag
  * is 0; headers that are not true. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "scanfile.h"
+#include "unit.h"
 
 #define HEAD "2 rows\n3 columns\npixels (flag X Y Z):\n"
 
-static void test_points(void **state)
+TEST(test_points)
 {
     static const char *const texts[] = {
         HEAD "0 1 1 0 0 1\n-999999.0 1 2 -999999.0 -999999.0 3\n"
@@ -23,7 +17,6 @@ static void test_points(void **state)
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         f.len = 0;
         scanfile_text(&f, texts[i / 2]);
@@ -39,13 +32,9 @@ static void test_points(void **state)
     scanfile_cut(&f, CLOUDFORMAT_ABS);
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"2 rows", ST_EINVAL, "line 1: a line like \"480 columns\""},
         {"2 rows\n", ST_EINVAL, "line 2: a line like \"480 columns\""},
         {"2 rows\n3 rows\n", ST_EINVAL, "line 2: a line like \"480 columns\""},
@@ -70,22 +59,6 @@ static void test_bad(void **state)
         {HEAD "0 0 0 0 0 0\n0 0 0 0 0 0\n0 0 0 0 0 0\n0 0 0 0 0 0\n", ST_ENOTFINITE,
          "none of the 6 points"},
     };
-    static struct scanfile f;
 
-    (void)state;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        f.len = 0;
-        scanfile_text(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),
-        cmocka_unit_test(test_bad),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }

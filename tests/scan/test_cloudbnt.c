@@ -1,13 +1,6 @@
 /* The Bosphorus database's files: points by blocks, missing ones, headers that are not true. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "scanfile.h"
+#include "unit.h"
 
 #define ZMIN (-1e9)
 
@@ -32,13 +25,12 @@ static void make(struct scanfile *f, unsigned rows, unsigned columns, const char
                           8, false);
 }
 
-static void test_points(void **state)
+TEST(test_points)
 {
     static const char *const names[] = {"", "a_0.png"};
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (int i = 0; i < 4; i++) {
         make(&f, 2, 2, names[i / 2]);
         scanfile_good(&f, i % 2 == 0 ? CLOUDFORMAT_ANY : CLOUDFORMAT_BNT, &p);
@@ -58,11 +50,10 @@ static void test_points(void **state)
     cloudpoints_free(&p);
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
     static struct scanfile f;
 
-    (void)state;
     make(&f, 2, 2, "a");
     f.len -= 8;
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
@@ -84,14 +75,4 @@ static void test_bad(void **state)
     for (size_t i = 34; i < 42; i++)
         f.bytes[i] = f.bytes[i - 30]; /* z is what stands for none */
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "none of the 1 points");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),
-        cmocka_unit_test(test_bad),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

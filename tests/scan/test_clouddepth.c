@@ -1,17 +1,9 @@
 /* Depth images in PNG, PGM and without a header: the points of the pixels, what the scale may
  * mean, pixels without a value, and pictures that are no depth images. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 #include <spng.h>
 
 #include "scanfile.h"
+#include "unit.h"
 
 static void make_png(struct scanfile *f, uint32_t width, uint32_t height, uint8_t color,
                      uint8_t bits, const void *pixels, size_t len)
@@ -84,13 +76,12 @@ static enum cloudformat make(struct scanfile *f, int as)
     }
 }
 
-static void test_points(void **state)
+TEST(test_points)
 {
     static struct scanfile f;
     struct scanfile_said err;
     struct cloudpoints p;
 
-    (void)state;
     for (int i = 0; i < 8; i++) {
         const enum cloudformat format = make(&f, i / 2);
         struct clouddepth_camera camera = CAMERA;
@@ -113,7 +104,7 @@ static void test_points(void **state)
     }
 }
 
-static void test_scale(void **state)
+TEST(test_scale)
 {
     static const struct {
         double scale, mm; /* of 500 */
@@ -123,7 +114,6 @@ static void test_scale(void **state)
     struct scanfile_said err;
     struct cloudpoints p;
 
-    (void)state;
     make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         struct clouddepth_camera camera = CAMERA;
@@ -147,14 +137,13 @@ static void expect(const struct scanfile *f, struct clouddepth_camera c, enum st
         fail_msg("status %d, not %d with '%s': %s", st, want, words, err.msg);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     const struct clouddepth_camera camera = CAMERA, none = CLOUDDEPTH_NO_CAMERA;
     static const unsigned char zeros[64];
     struct clouddepth_camera part = CAMERA;
     static struct scanfile f;
 
-    (void)state;
     make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     expect(&f, none, ST_EVERSION, "fx, fy, cx and cy");
     expect(&f, (struct clouddepth_camera){0}, ST_EVERSION, "fx, fy, cx and cy");
@@ -175,18 +164,17 @@ static void test_refused(void **state)
 }
 
 /* Cut off anywhere, but for the end of the last chunk, which has nothing in it. */
-static void test_cut(void **state)
+TEST(test_cut)
 {
     const struct clouddepth_camera camera = CAMERA;
     static struct scanfile f;
 
-    (void)state;
     make_png(&f, 3, 2, SPNG_COLOR_TYPE_GRAYSCALE, 16, depth, sizeof depth);
     for (f.len -= 12 + 4; f.len-- > 8;)
         expect(&f, camera, ST_EINVAL, "damaged");
 }
 
-static void test_pgm(void **state)
+TEST(test_pgm)
 {
     struct scanfile_said err;
     struct cloudpoints p;
@@ -214,7 +202,6 @@ static void test_pgm(void **state)
     const struct clouddepth_camera camera = CAMERA, none = CLOUDDEPTH_NO_CAMERA;
     static struct scanfile f;
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         f.len = 0;
         scanfile_text(&f, bad[i].text);
@@ -229,14 +216,13 @@ static void test_pgm(void **state)
 }
 
 /* Nothing in such a file says what it is, so it may look like anything. */
-static void test_raw(void **state)
+TEST(test_raw)
 {
     struct clouddepth_camera camera = CAMERA;
     static struct scanfile f;
     struct scanfile_said err;
     struct cloudpoints p;
 
-    (void)state;
     camera.width = 2;
     camera.height = 3;
     f.len = 0;
@@ -255,15 +241,4 @@ static void test_raw(void **state)
     (void)make(&f, 3);
     camera.fx = NAN;
     expect(&f, camera, ST_EVERSION, "fx, fy, cx and cy");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),  cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_refused), cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_pgm),     cmocka_unit_test(test_raw),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,18 +1,8 @@
 /* Scanner files: every PLY type and byte order, OBJ, XYZ, and malformed files. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cloudfile.h"
 #include "mem.h"
 #include "scanfile.h"
+#include "unit.h"
 
 static enum status parse(const void *bytes, size_t len, enum cloudformat format,
                          struct dvec3 **out, size_t *n, struct scanfile_said *err)
@@ -62,6 +52,9 @@ static void expect_error(const char *text, enum cloudformat format, enum status 
 }
 
 /* ---- PLY */
+
+#define PLY "ply\nformat ascii 1.0\n"
+#define XYZ "property float x\nproperty float y\nproperty float z\n"
 
 static const struct {
     const char *name, *name2;
@@ -179,13 +172,12 @@ static void make_ply(struct scanfile *b, int encoding, const size_t axis[3], siz
     end_row(b, encoding, eol);
 }
 
-static void test_ply_all_types(void **state)
+TEST(test_ply_all_types)
 {
     static const char *const eols[] = {"\n", "\r\n", "\r"};
     static struct scanfile b;
     double want[20][3];
 
-    (void)state;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         for (size_t t = 0; t < NTYPES; t++) {
             for (size_t count = 0; count < 6; count++) {
@@ -204,13 +196,12 @@ static void test_ply_all_types(void **state)
 }
 
 /* A line feed as the first byte of data after a header whose lines end in CR or CR LF. */
-static void test_ply_first_byte(void **state)
+TEST(test_ply_first_byte)
 {
     static const char *const eols[] = {"\n", "\r\n", "\r"};
     static const double want[1][3] = {{10, 13, 10}};
     static struct scanfile b;
 
-    (void)state;
     for (size_t e = 0; e < 3; e++) {
         char text[300];
 
@@ -228,12 +219,11 @@ static void test_ply_first_byte(void **state)
 
 /* A file that is truncated before the end of its last vertex is an error; after it, it is
  * not. */
-static void test_ply_truncated(void **state)
+TEST(test_ply_truncated)
 {
     static struct scanfile b;
     double want[20][3];
 
-    (void)state;
     for (int encoding = LITTLE; encoding <= BIG; encoding++) {
         for (int list = 0; list < 2; list++) {
             const size_t axis[3] = {6, 6, 6};
@@ -254,8 +244,7 @@ static void test_ply_truncated(void **state)
     }
 }
 
-static const char head[] = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
-                           "property float y\nproperty float z\nend_header\n";
+static const char head[] = PLY "element vertex 2\n" XYZ "end_header\n";
 
 static void expect_ply_body(const char *body, enum status want, uint32_t line)
 {
@@ -267,14 +256,13 @@ static void expect_ply_body(const char *body, enum status want, uint32_t line)
     expect_error((const char *)b.bytes, CLOUDFORMAT_ANY, want, line);
 }
 
-static void test_ply_bad_text(void **state)
+TEST(test_ply_bad_text)
 {
     static struct scanfile b;
     struct scanfile_said err;
     struct dvec3 *pts;
     size_t n;
 
-    (void)state;
     expect_ply_body("1 2 3\n4 5 6\n", ST_OK, 0);
     expect_ply_body("1 2 3\n\n  4\t5 6e0", ST_OK, 0);
     expect_ply_body("1.000 2 3\n4 5\n", ST_EINVAL, 9);
@@ -295,52 +283,39 @@ static void test_ply_bad_text(void **state)
     assert_string_equal(err.what, "binary data inside text");
 }
 
-static void test_ply_bad_header(void **state)
+TEST(test_ply_bad_header)
 {
     static const char *const bad[] = {
         "ply",
         "ply\n",
         "plywood\n",
         "ply extra\nformat ascii 1.0\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "property float z\n",
-        "ply\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-        "end_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement face 1\nproperty float x\nend_header\n1\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "end_header\n1 2\n",
-        "ply\nformat ascii 1.0\nelement vertex -1\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1x\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar float x\n"
-        "property float y\nproperty float z\nend_header\n1 1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list float float q\n"
-        "property float x\nproperty float y\nproperty float z\nend_header\n0 1 2 3\n",
-        "ply\nformat ascii 1.0\nproperty float x\nelement vertex 1\nend_header\n",
-        "ply\nformat ascii 1.0\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nelement vertex 1\nproperty float x\n"
-        "property float y\nproperty float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1 2\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "property float z\nhello\nend_header\n1 2 3\n",
-        "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-        "property float z\nend_header",
-        "ply\nformat ascii 1.0\nelement a 5\nproperty float q\nelement vertex 1\n"
-        "property float x\nproperty float y\nproperty float z\nend_header\n1\n2\n",
-        "ply\nformat ascii 1.0\nelement a 1\nproperty list int int q\nelement vertex 1\n"
-        "property float x\nproperty float y\nproperty float z\nend_header\n-1\n1 2 3\n",
+        PLY "element vertex 1\n" XYZ,
+        "ply\nelement vertex 1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element face 1\nproperty float x\nend_header\n1\n",
+        PLY "element vertex 1\nproperty float x\nproperty float y\nend_header\n1 2\n",
+        PLY "element vertex -1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1x\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1\nproperty float x\n" XYZ "end_header\n1 1 2 3\n",
+        PLY
+        "element vertex 1\nproperty quad x\nproperty float y\nproperty float z\nend_header\n"
+        "1 2 3\n",
+        PLY
+        "element vertex 1\nproperty list uchar float x\nproperty float y\nproperty float z\nend_header\n"
+        "1 1 2 3\n",
+        PLY "element vertex 1\nproperty list float float q\n" XYZ "end_header\n0 1 2 3\n",
+        PLY "property float x\nelement vertex 1\nend_header\n",
+        PLY "format ascii 1.0\nelement vertex 1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1\nelement vertex 1\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1 2\n" XYZ "end_header\n1 2 3\n",
+        PLY "element vertex 1\n" XYZ "hello\nend_header\n1 2 3\n",
+        PLY "element vertex 1\n" XYZ "end_header",
+        PLY "element a 5\nproperty float q\nelement vertex 1\n" XYZ "end_header\n1\n2\n",
+        PLY "element a 1\nproperty list int int q\nelement vertex 1\n" XYZ
+            "end_header\n-1\n1 2 3\n",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         expect_error(bad[i], CLOUDFORMAT_PLY, ST_EINVAL, 0);
     expect_error("ply\nformat ascii 2.0\n", CLOUDFORMAT_PLY, ST_EVERSION, 2);
@@ -351,13 +326,12 @@ static void test_ply_bad_header(void **state)
 
 /* A count (of the vertices or of an element before them) far beyond the data is an error at
  * once, and no memory is allocated for it; so is a count above the caller's limit. */
-static void test_ply_false_counts(void **state)
+TEST(test_ply_false_counts)
 {
     static const char *const counts[] = {"3", "4294967296", "99999999999999999",
                                          "999999999999999999999999"};
     static struct scanfile b;
 
-    (void)state;
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             for (int before = 0; before < 3; before++) {
@@ -368,8 +342,7 @@ static void test_ply_false_counts(void **state)
 
                 b.len = 0;
                 (void)snprintf(text, sizeof text,
-                               "ply\nformat %s 1.0\n%s%s%selement vertex %s\n"
-                               "property float x\nproperty float y\nproperty float z\n"
+                               "ply\nformat %s 1.0\n%s%s%selement vertex %s\n" XYZ
                                "end_header\n",
                                encodings[encoding], before ? "element a " : "",
                                before ? counts[i] : "",
@@ -392,41 +365,35 @@ static void test_ply_false_counts(void **state)
 }
 
 /* An element without properties takes no data, whatever its count. */
-static void test_ply_rows_of_nothing(void **state)
+TEST(test_ply_rows_of_nothing)
 {
     static const double want[2][3] = {{1, 2, 3}, {4, 5, 6}};
-    static const char text[] = "ply\nformat ascii 1.0\nelement a 99999999999999999\n"
-                               "element vertex 2\nproperty float x\nproperty float y\n"
-                               "property float z\nend_header\n1 2 3\n4 5 6\n";
+    static const char text[] = PLY "element a 99999999999999999\nelement vertex 2\n" XYZ
+                                   "end_header\n1 2 3\n4 5 6\n";
 
-    (void)state;
     expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 2);
 }
 
-static void test_ply_no_vertices(void **state)
+TEST(test_ply_no_vertices)
 {
-    static const char text[] = "ply\nformat binary_big_endian 1.0\nelement vertex 0\n"
-                               "property float x\nproperty float y\nproperty float z\n"
-                               "end_header\n";
+    static const char text[] =
+        "ply\nformat binary_big_endian 1.0\nelement vertex 0\n" XYZ "end_header\n";
 
-    (void)state;
     expect_points(text, strlen(text), CLOUDFORMAT_ANY, NULL, 0);
     expect_points(text, strlen(text) - 1, CLOUDFORMAT_ANY, NULL, 0);
 }
 
 /* Bytes after the last vertex that the header promises. */
-static void test_ply_left_over(void **state)
+TEST(test_ply_left_over)
 {
     static struct scanfile b;
     struct scanfile_said err;
     struct dvec3 *pts;
     size_t n;
 
-    (void)state;
     b.len = 0;
-    scanfile_text(&b,
-                  "ply\nformat binary_little_endian 1.0\nelement vertex 3\n"
-                  "property float x\nproperty float y\nproperty float z\nend_header\n");
+    scanfile_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ
+                      "end_header\n");
     for (size_t k = 0; k < 12; k++)
         put_value(&b, LITTLE, 6, 1);
     assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_PLY, &pts, &n, &err), ST_EINVAL);
@@ -435,14 +402,6 @@ static void test_ply_left_over(void **state)
 }
 
 /* ---- points without a value, normals */
-
-static void expect_whole(const char *text, struct cloudpoints *out)
-{
-    struct scanfile f = {.len = 0};
-
-    scanfile_text(&f, text);
-    scanfile_good(&f, CLOUDFORMAT_ANY, out);
-}
 
 static void expect_places(struct cloudpoints *p, size_t read, size_t n,
                           const uint32_t *place)
@@ -456,7 +415,7 @@ static void expect_places(struct cloudpoints *p, size_t read, size_t n,
     cloudpoints_free(p);
 }
 
-static void test_dropped(void **state)
+TEST(test_dropped)
 {
     static const uint32_t all[] = {0, 1, 2, 3, 4, 5, 6}, odd[] = {1, 3, 6};
     static const char *const texts[] = {
@@ -465,21 +424,19 @@ static void test_dropped(void **state)
         "v nan 2 3\nv 1 2 3\nv 2 inf 3\nv 3 2 3\nv 4 2 -nan\nv 5 2 -1.#IND\nv 6 2 3\n",
         "0 0 0\n1 2 3\n0 0 0\n3 2 3\n-0 0 0.0\n0 0 0\n6 2 3\n",
         "{\"points\": [[0,0,0],[1,2,3],[0,0,0],[3,2,3],[0,0,0],[0,0,0],[6,2,3]]}",
-        "ply\nformat ascii 1.0\nelement vertex 7\nproperty float x\nproperty float y\n"
-        "property float z\nend_header\n"
-        "nan 2 3\n1 2 3\n0 0 0\n3 2 3\n4 inf 3\n0 0 0\n6 2 3\n"};
+        PLY "element vertex 7\n" XYZ
+            "end_header\nnan 2 3\n1 2 3\n0 0 0\n3 2 3\n4 inf 3\n0 0 0\n6 2 3\n"};
     struct cloudpoints p;
 
-    (void)state;
-    expect_whole("0 2 3\n1 2 3\n2 2 3\n", &p);
+    scanfile_good_text("0 2 3\n1 2 3\n2 2 3\n", &p);
     assert_null(p.index);
     expect_places(&p, 3, 3, all);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        expect_whole(texts[i], &p);
+        scanfile_good_text(texts[i], &p);
         expect_places(&p, 7, 3, odd);
     }
     /* One point at the origin is a point. */
-    expect_whole("0 0 0\n1 2 3\n", &p);
+    scanfile_good_text("0 0 0\n1 2 3\n", &p);
     assert_int_equal(p.n, 2);
     assert_null(p.index);
     cloudpoints_free(&p);
@@ -487,19 +444,18 @@ static void test_dropped(void **state)
 }
 
 /* More points than the first room, with and without a value, and their normals. */
-static void test_dropped_many(void **state)
+TEST(test_dropped_many)
 {
     const size_t n = 2000;
     char *text = malloc(n * 40 + 1), *at = text;
     struct cloudpoints p;
 
-    (void)state;
     assert_non_null(text);
     for (size_t i = 0; i < n; i++)
         at += sprintf(at, "v %zu %s 3\n", i, i % 3 == 1 ? "nan" : "2");
     for (size_t i = 0; i + 3 < n; i++)
         at += sprintf(at, "f %zu %zu %zu\n", i + 1, i + 2, i + 4);
-    expect_whole(text, &p);
+    scanfile_good_text(text, &p);
     assert_int_equal(p.read, n);
     assert_int_equal(p.n, n - (n + 1) / 3);
     for (size_t i = 0; i < p.n; i++) {
@@ -511,31 +467,29 @@ static void test_dropped_many(void **state)
     free(text);
 }
 
-static void test_normals(void **state)
+TEST(test_normals)
 {
     static const char *const texts[] = {
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\nf 1 2 3 4\n",
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 9 9 9\nf -5/1/2 -4//2 -3/1\nf 1 3 4\n",
-        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
-        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-        "property uchar red\nend_header\n"
+        PLY
+        "element vertex 5\n" XYZ
+        "element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\nend_header\n"
         "0 0 0\n2 0 0\n2 3 0\n0 3 0\n9 9 9\n3 0 1 2 7\n3 0 2 3 7\n",
-        "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
-        "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
-        "end_header\n"
-        "0 0 0 0 0 12\n2 0 0 0 0 6\n2 3 0 0 0 12\n0 3 0 0 0 6\n9 9 9 nan 0 0\n"};
+        PLY "element vertex 5\n" XYZ
+            "property float nx\nproperty float ny\nproperty float nz\nend_header\n"
+            "0 0 0 0 0 12\n2 0 0 0 0 6\n2 3 0 0 0 12\n0 3 0 0 0 6\n9 9 9 nan 0 0\n"};
     static const char *const without[] = {
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2 4\n",
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2 0\n",
         "v 0 0 0\nv 2 0 0\nv 2 3 0\nf 1 2 3\nf 1 2\n",
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-        "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
-        "end_header\n0 0 0\n2 0 0\n2 3 0\n3 0 1 2\n3 0 1 3\n"};
+        PLY "element vertex 3\n" XYZ
+            "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+            "0 0 0\n2 0 0\n2 3 0\n3 0 1 2\n3 0 1 3\n"};
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        expect_whole(texts[i], &p);
+        scanfile_good_text(texts[i], &p);
         assert_non_null(p.normal);
         scanfile_at(p.normal[0], 0, 0, 12);
         scanfile_at(p.normal[1], 0, 0, 6);
@@ -546,7 +500,7 @@ static void test_normals(void **state)
     }
     /* Faces that cannot be right are no reason to refuse the points. */
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
-        expect_whole(without[i], &p);
+        scanfile_good_text(without[i], &p);
         assert_int_equal(p.n, 3);
         assert_null(p.normal);
         cloudpoints_free(&p);
@@ -555,14 +509,12 @@ static void test_normals(void **state)
 
 /* ---- the limit of points */
 
-static void test_limit(void **state)
+TEST(test_limit)
 {
     static const char *const three[] = {
-        ("ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-         "property float z\nend_header\n1 2 3\n1 2 3\n1 2 3\n"),
+        (PLY "element vertex 3\n" XYZ "end_header\n1 2 3\n1 2 3\n1 2 3\n"),
         "v 1 2 3\nv 1 2 3\nv 1 2 3\n", "1 2 3\n1 2 3\n1 2 3\n"};
 
-    (void)state;
     for (size_t i = 0; i < 3; i++) {
         struct cloudfile_options o = {.max_points = 2};
         struct cloudpoints p;
@@ -579,7 +531,7 @@ static void test_limit(void **state)
 
 /* ---- OBJ */
 
-static void test_obj(void **state)
+TEST(test_obj)
 {
     static const double want[4][3] = {
         {1, 2, 3}, {-4.5, 5e-1, 6}, {7, 8, 9}, {10, 11, 12}};
@@ -588,14 +540,12 @@ static void test_obj(void **state)
         "  v\t-4.5 5e-1 6 1.0\r\nvt 0.5 0.5\nv 7 \\\n8 \\\r\n9 0.1 0.2 0.3\n"
         "f 1//1 2//1 \\\n v 3//1\ng v 1 2 3\nusemtl \\\nv 9 9 9\nv 10 11 12";
 
-    (void)state;
     expect_points(text, strlen(text), CLOUDFORMAT_OBJ, want, 4);
     expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 4);
 }
 
-static void test_obj_bad(void **state)
+TEST(test_obj_bad)
 {
-    (void)state;
     expect_error("v 1 2\nv 1 2 3\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
     expect_error("v 1 2 3\nv 1 2 x\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
     expect_error("v 1 2 3 4 5 6 7 8 9\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
@@ -611,7 +561,7 @@ static void test_obj_bad(void **state)
 
 /* ---- XYZ */
 
-static void test_xyz(void **state)
+TEST(test_xyz)
 {
     static const double want[3][3] = {{1, 2, 3}, {-4, 5.5, 6}, {7, 8, 9}};
     static const char *const texts[] = {
@@ -624,16 +574,14 @@ static void test_xyz(void **state)
          "1 2 3\r-4 5.5 6\r7 8 9\r"),
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         expect_points(texts[i], strlen(texts[i]), CLOUDFORMAT_XYZ, want, 3);
         expect_points(texts[i], strlen(texts[i]), CLOUDFORMAT_ANY, want, 3);
     }
 }
 
-static void test_xyz_bad(void **state)
+TEST(test_xyz_bad)
 {
-    (void)state;
     expect_error("1 2\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
     expect_error("1 2 3\n4 5\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
     expect_error("1 2 3\nx y z\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
@@ -647,29 +595,4 @@ static void test_xyz_bad(void **state)
     expect_error("", CLOUDFORMAT_ANY, ST_EINVAL, 1);
     expect_error("\n\n# only\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
     expect_error("1 2 3\n4 5 6 \x7f\n", CLOUDFORMAT_ANY, ST_EINVAL, 2);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ply_all_types),
-        cmocka_unit_test(test_ply_first_byte),
-        cmocka_unit_test(test_ply_truncated),
-        cmocka_unit_test(test_ply_bad_text),
-        cmocka_unit_test(test_ply_bad_header),
-        cmocka_unit_test(test_ply_false_counts),
-        cmocka_unit_test(test_ply_rows_of_nothing),
-        cmocka_unit_test(test_ply_no_vertices),
-        cmocka_unit_test(test_ply_left_over),
-        cmocka_unit_test(test_dropped),
-        cmocka_unit_test(test_dropped_many),
-        cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_limit),
-        cmocka_unit_test(test_obj),
-        cmocka_unit_test(test_obj_bad),
-        cmocka_unit_test(test_xyz),
-        cmocka_unit_test(test_xyz_bad),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

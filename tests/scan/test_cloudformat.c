@@ -1,17 +1,11 @@
 /* Formats by their names, and by what a file begins with; what is refused by name; files
  * compressed by gzip. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 #include <zlib.h>
 
 #include "scanfile.h"
+#include "unit.h"
 
-static void test_endings(void **state)
+TEST(test_endings)
 {
     static const struct {
         const char *name, *ending;
@@ -44,7 +38,6 @@ static void test_endings(void **state)
              {"", NULL},
              {".gz", NULL}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         const char *ending = cloudformat_ending(c[i].name);
 
@@ -55,7 +48,7 @@ static void test_endings(void **state)
     }
 }
 
-static void test_foreign(void **state)
+TEST(test_foreign)
 {
     static const struct {
         const char *bytes;
@@ -80,7 +73,6 @@ static void test_foreign(void **state)
               "ELF",
               4, "not a scan in a format"}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         struct scanfile f = {.len = 0};
 
@@ -91,15 +83,25 @@ static void test_foreign(void **state)
     }
 }
 
-static void test_json(void **state)
+TEST(test_json)
 {
     static const char *const good[] = {
         "{\"points\": [[1,2,3],[4,5,6]], \"units\": \"in\"}",
         "\xEF\xBB\xBF \n{\"units\":\"in\",\"points\":[[1,2,3],[4e0,5.0,6]]}\n"};
+    static const struct scanfile_case bad[] = {
+        {"{\"asset\": {\"version\": \"2.0\"}}", ST_EINVAL,
+         "the body has points, units and axes, not asset"},
+        {"{\"points\": [[1,2,1e999]]}", ST_ENOTFINITE, "points[0]"},
+        {"{\"points\": [[1,2,3]], \"units\": \"ell\"}", ST_EINVAL,
+         "units is not auto, mm, cm, m, in or um"},
+        {"{\"points\": [[1,2,3]], \"axes\": \"camera\"}", ST_EINVAL,
+         "axes is neither auto nor scanner"},
+        {"{\"points\": [[1,2,3]], \"axes\": null}", ST_EINVAL,
+         "axes is neither auto nor scanner"},
+    };
     struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (int i = 0; i < 2; i++) {
         f.len = 0;
         scanfile_text(&f, good[i]);
@@ -108,42 +110,21 @@ static void test_json(void **state)
         scanfile_at(p.at[1], 4, 5, 6);
         cloudpoints_free(&p);
     }
-    f.len = 0;
-    scanfile_text(&f, "{\"asset\": {\"version\": \"2.0\"}}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
-                 "the body has points, units and axes, not asset");
-    f.len = 0;
-    scanfile_text(&f, "{\"points\": [[1,2,1e999]]}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "points[0]");
-    f.len = 0;
-    scanfile_text(&f, "{\"points\": [[1,2,3]], \"units\": \"ell\"}");
-    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
-                 "units is not auto, mm, cm, m, in or um");
-    f.len = 0;
-    scanfile_text(&f,
-                  "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}");
-    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
+    scanfile_good_text(
+        "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}", &p);
     assert_true(p.unit_mm == 0 && p.as_scanned);
     cloudpoints_free(&p);
-    f.len = 0;
-    scanfile_text(&f, "{\"points\": [[1,2,3]], \"axes\": \"auto\"}");
-    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_good_text("{\"points\": [[1,2,3]], \"axes\": \"auto\"}", &p);
     assert_true(p.unit_mm == 0 && !p.as_scanned);
     cloudpoints_free(&p);
-    for (int i = 0; i < 2; i++) {
-        f.len = 0;
-        scanfile_text(&f, i == 0 ? "{\"points\": [[1,2,3]], \"axes\": \"camera\"}"
-                                 : "{\"points\": [[1,2,3]], \"axes\": null}");
-        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "axes is neither auto nor scanner");
-    }
 }
 
 /* Declared as something else than it is. */
-static void test_declared(void **state)
+TEST(test_declared)
 {
     struct scanfile f = {.len = 0};
 
-    (void)state;
     scanfile_text(&f, "v 1 2 3\nv 4 5 6\n");
     scanfile_bad(&f, CLOUDFORMAT_STL, ST_EINVAL, "this is OBJ, not STL as declared");
     scanfile_bad(&f, CLOUDFORMAT_GLB, ST_EINVAL, "this is OBJ, not GLB as declared");
@@ -171,13 +152,12 @@ static void pack(struct scanfile *f, const void *bytes, size_t len)
     (void)deflateEnd(&z);
 }
 
-static void test_gzip(void **state)
+TEST(test_gzip)
 {
     static unsigned char zeros[2 << 20];
     struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     pack(&f, "v 1 2 3\nv 4 5 6\n", 16);
     scanfile_good(&f, CLOUDFORMAT_ANY, &p);
     assert_true(p.format == CLOUDFORMAT_OBJ && p.n == 2);
@@ -192,15 +172,4 @@ static void test_gzip(void **state)
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ESIZE, "1048576 bytes when unpacked");
     pack(&f, "", 0);
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "no points");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_endings), cmocka_unit_test(test_foreign),
-        cmocka_unit_test(test_json),    cmocka_unit_test(test_declared),
-        cmocka_unit_test(test_gzip),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

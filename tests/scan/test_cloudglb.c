@@ -1,17 +1,8 @@
 /* GLB files: nodes' transforms, several meshes, indices and components of each type, and
  * files whose numbers lead outside of them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cloudglb.h"
 #include "scanfile.h"
+#include "unit.h"
 
 /* The binary chunk: at 0 four vertices of a square as floats, 16 bytes each; at 64 the
  * indices of two triangles, as bytes; at 70 as 16 bits; at 84 as 32 bits; at 108 the
@@ -95,7 +86,7 @@ static void check_square(const struct cloudpoints *p, size_t from, const double 
 
 static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
-static void test_indices(void **state)
+TEST(test_indices)
 {
     static const char *const json[] = {SCENE("[{\"mesh\":0}]", MESH("1")),
                                        SCENE("[{\"mesh\":0}]", MESH("2")),
@@ -103,7 +94,6 @@ static void test_indices(void **state)
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < 3; i++) {
         make(&f, json[i]);
         scanfile_good(&f, i == 0 ? CLOUDFORMAT_ANY : CLOUDFORMAT_GLB, &p);
@@ -118,14 +108,13 @@ static void test_indices(void **state)
 }
 
 /* A node below another, one by a matrix and one by its parts, each with a mesh. */
-static void test_nodes(void **state)
+TEST(test_nodes)
 {
     static const double turned[16] = {0, -4, 0, 5, 2, 0, 0, 6, 0, 0, 1, 7, 0, 0, 0, 1};
     static const double mirrored[16] = {0, -4, 0, 5, -2, 0, 0, 8, 0, 0, 1, 7, 0, 0, 0, 1};
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     make(&f, SCENE("[{\"children\":[2],\"mesh\":0,\"translation\":[5,6,7],"
                    "\"rotation\":[0,0,0.70710678118654752,0.70710678118654752],"
                    "\"scale\":[2,4,1]},{\"mesh\":0},"
@@ -144,12 +133,11 @@ static void test_nodes(void **state)
     cloudpoints_free(&p);
 }
 
-static void test_quantized(void **state)
+TEST(test_quantized)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     make(&f,
          SCENE("[{\"mesh\":0,\"scale\":[3,3,3]}]",
                "[{\"primitives\":[{\"attributes\":{\"POSITION\":4},\"mode\":0},"
@@ -163,21 +151,20 @@ static void test_quantized(void **state)
     cloudpoints_free(&p);
 }
 
-static void test_units(void **state)
+TEST(test_units)
 {
     const struct cloudfile_options o = {.max_points = 10, .unit_mm = 1};
     static struct scanfile f;
     struct scanfile_said err;
     struct cloudpoints p;
 
-    (void)state;
     make(&f, SCENE("[{\"mesh\":0}]", MESH("1")));
     assert_int_equal(scanfile_read(f.bytes, f.len, &o, &p, &err), ST_OK);
     assert_true(p.unit_mm == 1);
     cloudpoints_free(&p);
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
     static const struct {
         const char *json;
@@ -235,7 +222,6 @@ static void test_bad(void **state)
     };
     static struct scanfile f;
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         make(&f, bad[i].json);
         scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
@@ -254,11 +240,10 @@ static void test_bad(void **state)
 }
 
 /* A version that is not 2; lengths that are not true; no chunks. */
-static void test_bad_head(void **state)
+TEST(test_bad_head)
 {
     static struct scanfile f;
 
-    (void)state;
     make(&f, SCENE("[{\"mesh\":0}]", MESH("1")));
     f.bytes[4] = 1;
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, "version 1");
@@ -278,7 +263,7 @@ static void test_bad_head(void **state)
 }
 
 /* One mesh shown by ever so many nodes is no way to a long computation. */
-static void test_work(void **state)
+TEST(test_work)
 {
     const struct cloudfile_options o = {.max_points = 400, .max_bytes = 1};
     static struct scanfile f;
@@ -287,7 +272,6 @@ static void test_work(void **state)
     struct cloudpoints p;
     size_t n;
 
-    (void)state;
     /* None of the points has a value, so that their limit is no help. */
     n = (size_t)snprintf(json, sizeof json,
                          "{\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"scale\":"
@@ -302,16 +286,4 @@ static void test_work(void **state)
                    "],\"meshes\":" MESH("1") "," SHARED("140") "}");
     make(&f, json);
     assert_int_equal(scanfile_read(f.bytes, f.len, &o, &p, &err), ST_ELIMIT);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_indices),   cmocka_unit_test(test_nodes),
-        cmocka_unit_test(test_quantized), cmocka_unit_test(test_units),
-        cmocka_unit_test(test_bad),       cmocka_unit_test(test_bad_head),
-        cmocka_unit_test(test_work),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

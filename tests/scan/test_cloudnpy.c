@@ -1,15 +1,7 @@
 /* NumPy's arrays: points and depth images by their shape; types, byte orders and both orders
  * of the values; headers that are not true. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "scanfile.h"
+#include "unit.h"
 
 /* The header of a version with this dictionary. */
 static void begin(struct scanfile *f, unsigned version, const char *dictionary)
@@ -70,12 +62,11 @@ static void check(const struct scanfile *f, uint32_t width, uint32_t height)
     cloudpoints_free(&p);
 }
 
-static void test_points(void **state)
+TEST(test_points)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < 2 * TYPES; i++) {
         make(&f, types[i / 2], i % 2 == 1, 4, 3, 0);
         check(&f, 0, 0);
@@ -95,12 +86,11 @@ static void test_points(void **state)
     }
 }
 
-static void test_no_value(void **state)
+TEST(test_no_value)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     begin(&f, 3, "{'shape': (2, 2, 3), 'fortran_order': False, 'descr': '<f8'}");
     for (int i = 0; i < 12; i++)
         scanfile_real(&f, i == 4 ? (double)NAN : i < 9 ? i : 0, 8, false);
@@ -122,12 +112,11 @@ static enum status read_by(const struct scanfile *f, double scale, struct cloudp
 }
 
 /* Of integers a value is a millimetre; of floats it may be anything. */
-static void test_depth(void **state)
+TEST(test_depth)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < 2 * TYPES; i++)
         for (int scaled = 0; scaled < 2; scaled++) {
             const char *type = types[i / 2];
@@ -152,7 +141,7 @@ static void test_depth(void **state)
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, "fx, fy, cx and cy");
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
     static const struct {
         const char *dictionary;
@@ -191,7 +180,6 @@ static void test_bad(void **state)
     };
     static struct scanfile f;
 
-    (void)state;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         begin(&f, 1, bad[i].dictionary);
         for (int k = 0; k < 12; k++)
@@ -203,16 +191,4 @@ static void test_bad(void **state)
     f.len = 0;
     scanfile_text(&f, "NUMPY and nothing");
     scanfile_bad(&f, CLOUDFORMAT_NPY, ST_EINVAL, "an NPY file begins with");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_points),
-        cmocka_unit_test(test_no_value),
-        cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_bad),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

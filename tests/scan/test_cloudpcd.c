@@ -1,17 +1,8 @@
 /* PCD files: ascii, binary and compressed; fields in any order and of any type; organised
  * clouds; counts and lengths that are not true. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cloudlzf.h"
 #include "scanfile.h"
+#include "unit.h"
 
 enum { ASCII, BINARY, COMPRESSED };
 static const char *const encodings[] = {"ascii", "binary", "binary_compressed"};
@@ -118,11 +109,10 @@ static void check_cloud(const struct scanfile *f, enum cloudformat format)
     cloudpoints_free(&p);
 }
 
-static void test_all(void **state)
+TEST(test_all)
 {
     static struct scanfile f;
 
-    (void)state;
     for (int encoding = ASCII; encoding <= COMPRESSED; encoding++) {
         make(&f, encoding);
         check_cloud(&f, CLOUDFORMAT_ANY);
@@ -133,28 +123,25 @@ static void test_all(void **state)
 }
 
 /* An unorganised cloud may have a point at the origin, and neither COUNT nor POINTS. */
-static void test_short(void **state)
+TEST(test_short)
 {
-    struct scanfile f = {.len = 0};
     struct cloudpoints p;
 
-    (void)state;
-    scanfile_text(&f,
-                  "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\n"
-                  "DATA ascii\n0 0 0\n\n1 2 3");
-    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_good_text(
+        "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\n"
+        "DATA ascii\n0 0 0\n\n1 2 3",
+        &p);
     assert_true(p.n == 2 && p.width == 0 && p.height == 0 && p.normal == NULL);
     scanfile_at(p.at[1], 1, 2, 3);
     cloudpoints_free(&p);
 }
 
-static void test_hostile(void **state)
+TEST(test_hostile)
 {
     static const char *const counts[] = {"3", "65536", "4294967295", "4294967296",
                                          "999999999999999999"};
     static struct scanfile f;
 
-    (void)state;
     for (int encoding = ASCII; encoding <= COMPRESSED; encoding++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             char points[40];
@@ -172,11 +159,10 @@ static void test_hostile(void **state)
 }
 
 /* Lengths of the compressed data that are not true; damage; more than may be unpacked. */
-static void test_compressed(void **state)
+TEST(test_compressed)
 {
     struct scanfile f, plain = {.len = 0};
 
-    (void)state;
     put_header(&f, COMPRESSED, "2", "4");
     for (int i = 0; i < 4 * 37; i++)
         scanfile_text(&plain, "x");
@@ -192,7 +178,7 @@ static void test_compressed(void **state)
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ESIZE, "1048576 bytes when unpacked");
 }
 
-static void test_lzf(void **state)
+TEST(test_lzf)
 {
     static const struct {
         size_t len, size;
@@ -214,7 +200,6 @@ static void test_lzf(void **state)
         {0, 0, true, {0}},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         unsigned char out[300] = {0};
 
@@ -225,14 +210,10 @@ static void test_lzf(void **state)
     }
 }
 
-static void test_bad_header(void **state)
+TEST(test_bad_header)
 {
 #define REST "SIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n"
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"VERSION .7\nFIELDS x y\n" REST, ST_EINVAL, "no x, y and z"},
         {"VERSION .7\nFIELDS x y y\n" REST, ST_EINVAL, "y twice"},
         {"VERSION .7\nFIELDS x y z w\n" REST, ST_EINVAL, "one for each field"},
@@ -256,22 +237,5 @@ static void test_bad_header(void **state)
          "too few numbers"},
     };
 
-    (void)state;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct scanfile f = {.len = 0};
-
-        scanfile_text(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
-    }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all),     cmocka_unit_test(test_short),
-        cmocka_unit_test(test_hostile), cmocka_unit_test(test_compressed),
-        cmocka_unit_test(test_lzf),     cmocka_unit_test(test_bad_header),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }

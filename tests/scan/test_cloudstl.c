@@ -1,17 +1,8 @@
 /* STL files, text and binary: equal vertices become one, the corners' order gives the
  * normals, and a file that is not just what it says is refused. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cloudstl.h"
 #include "scanfile.h"
+#include "unit.h"
 
 /* A triangle with a corner without a value, and a square of two. */
 static const double triangle[3][3][3] = {{{2, 0, 0}, {NAN, 1, 1}, {0, 3, 0}},
@@ -80,11 +71,10 @@ static void check_square(const struct scanfile *f, enum cloudformat format)
     cloudpoints_free(&p);
 }
 
-static void test_both(void **state)
+TEST(test_both)
 {
     static struct scanfile f;
 
-    (void)state;
     make_binary(&f, "by a scanner", 3);
     check_square(&f, CLOUDFORMAT_ANY);
     check_square(&f, CLOUDFORMAT_STL);
@@ -96,12 +86,11 @@ static void test_both(void **state)
     check_square(&f, CLOUDFORMAT_STL);
 }
 
-static void test_hostile(void **state)
+TEST(test_hostile)
 {
     static const uint32_t count[] = {0, 2, 4, 0x80000000U, 0xFFFFFFFFU};
     static struct scanfile f;
 
-    (void)state;
     for (size_t i = 0; i < sizeof count / sizeof *count; i++) {
         make_binary(&f, "x", count[i]);
         scanfile_bad(&f, CLOUDFORMAT_STL, ST_EINVAL, "the STL file has 234");
@@ -113,36 +102,28 @@ static void test_hostile(void **state)
     scanfile_bad(&f, CLOUDFORMAT_STL, ST_EINVAL, "neither the word solid");
 }
 
-static void test_bad_text(void **state)
+TEST(test_bad_text)
 {
-    static const struct {
-        const char *text, *words;
-    } bad[] = {
-        {"solid\nvertex 1 2 3\nendsolid\n", "not what an STL file has here"},
+    static const struct scanfile_case bad[] = {
+        {"solid\nvertex 1 2 3\nendsolid\n", ST_EINVAL, "not what an STL file has here"},
         {"solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nendloop\nendfacet\nendsolid\n",
-         "fewer than three"},
+         ST_EINVAL, "fewer than three"},
         {"solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nvertex 1 2 5\nvertex 1 2 6\n",
-         "more than three"},
-        {"solid\nfacet\nouter loop\nvertex 1 2\n", "too few numbers"},
-        {"solid\nfacet\nouter loop\nvertex 1 2 x\n", "a number is expected"},
+         ST_EINVAL, "more than three"},
+        {"solid\nfacet\nouter loop\nvertex 1 2\n", ST_EINVAL, "too few numbers"},
+        {"solid\nfacet\nouter loop\nvertex 1 2 x\n", ST_EINVAL, "a number is expected"},
         {"solid\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nvertex 1 3 4\n"
          "endloop\nendfacet\n",
-         "ends within a solid"},
-        {"solid\nendsolid\n", "there are no points"},
-        {"solid\nfacet \x01\n", "binary data inside text"},
+         ST_EINVAL, "ends within a solid"},
+        {"solid\nendsolid\n", ST_EINVAL, "there are no points"},
+        {"solid\nfacet \x01\n", ST_EINVAL, "binary data inside text"},
     };
 
-    (void)state;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        struct scanfile f = {.len = 0};
-
-        scanfile_text(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, bad[i].words);
-    }
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }
 
 /* Many vertices, six times each, far beyond the first rooms. */
-static void test_weld(void **state)
+TEST(test_weld)
 {
     enum { SIDE = 70 };
     const size_t triangles = 2 * (SIDE - 1) * (SIDE - 1), len = 84 + 50 * triangles;
@@ -152,7 +133,6 @@ static void test_weld(void **state)
     struct cloudpoints p;
     struct scanfile_said err;
 
-    (void)state;
     assert_non_null(file);
     for (int i = 0; i < 4; i++)
         file[80 + i] = (unsigned char)(triangles >> (8 * i));
@@ -176,16 +156,4 @@ static void test_weld(void **state)
     cloudpoints_free(&p);
     assert_int_equal(scanfile_read(file, len, &less, &p, &err), ST_ELIMIT);
     free(file);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_both),
-        cmocka_unit_test(test_hostile),
-        cmocka_unit_test(test_bad_text),
-        cmocka_unit_test(test_weld),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

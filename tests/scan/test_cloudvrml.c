@@ -1,15 +1,7 @@
 /* VRML 1.0 and 2.0: points by their nodes and transforms, normals by the faces, names, and
  * what is not read. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "scanfile.h"
+#include "unit.h"
 
 #define V1     "#VRML V1.0 ascii\n"
 #define V2     "#VRML V2.0 utf8\n"
@@ -48,12 +40,11 @@ static const char *const squares[] = {
     "IndexedFaceSet { coordIndex [ 2 1 0 -1 3 2 0 -1 ] textureCoordIndex [ 0 1 2 -1 ] } }",
 };
 
-static void test_square(void **state)
+TEST(test_square)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < sizeof squares / sizeof *squares; i++) {
         make(&f, squares[i]);
         scanfile_good(&f, i % 2 == 0 ? CLOUDFORMAT_ANY : CLOUDFORMAT_VRML, &p);
@@ -72,7 +63,7 @@ static void test_square(void **state)
 }
 
 /* No faces, or some that cannot be read: the points stay. */
-static void test_faces(void **state)
+TEST(test_faces)
 {
     static const char *const index[] = {
         "",
@@ -83,18 +74,15 @@ static void test_faces(void **state)
         "coordIndex [ 0 1 2 -1 0 1 2.5 -1 ]",
         "coordIndex [ 0 1 2 -1 0 1 99999999999999999999 -1 ]",
     };
-    static struct scanfile f;
     char text[300];
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < sizeof index / sizeof *index; i++) {
         (void)snprintf(text, sizeof text,
                        V2 "Shape { geometry IndexedFaceSet { coord Coordinate { " SQUARE
                           " } %s } }",
                        index[i]);
-        make(&f, text);
-        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        scanfile_good_text(text, &p);
         assert_true(p.n == 4 && p.normal == NULL);
         cloudpoints_free(&p);
     }
@@ -111,7 +99,7 @@ static void near(struct dvec3 p, double x, double y, double z)
 #define QUARTER "rotation 0 0 5 1.5707963267948966 "
 
 /* Where they leave the points (1, 2, 3) and (2, 2, 3). */
-static void test_transforms(void **state)
+TEST(test_transforms)
 {
     static const struct {
         const char *text;
@@ -138,13 +126,10 @@ static void test_transforms(void **state)
             "Coordinate3 { point [ 1 2 3, 2 2 3 ] } }",
          {{2, 2, 6}, {3, 2, 6}}},
     };
-    static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
-        make(&f, c[i].text);
-        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        scanfile_good_text(c[i].text, &p);
         assert_int_equal(p.n, 2);
         for (size_t k = 0; k < 2; k++)
             near(p.at[k], c[i].at[k][0], c[i].at[k][1], c[i].at[k][2]);
@@ -153,12 +138,11 @@ static void test_transforms(void **state)
 }
 
 /* The normals are those of the points as they were moved; several lists of points. */
-static void test_moved_faces(void **state)
+TEST(test_moved_faces)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     make(&f,
          V2 "Transform { rotation 1 0 0 1.5707963267948966 children [ Shape { geometry "
             "IndexedFaceSet { coord Coordinate { " SQUARE " } " FACES " } } ] }\n"
@@ -172,13 +156,9 @@ static void test_moved_faces(void **state)
     cloudpoints_free(&p);
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {V2, ST_EINVAL, "no points"},
         {V2 "Shape { geometry Box { } }", ST_EINVAL, "no points"},
         {V2 "Shape { geometry X { texCoord TextureCoordinate { point [ 1 2 ] } } }",
@@ -232,21 +212,16 @@ static void test_bad(void **state)
     };
     static struct scanfile f;
 
-    (void)state;
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        make(&f, bad[i].text);
-        scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
-    }
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
     make(&f, "Shape { }");
     scanfile_bad(&f, CLOUDFORMAT_VRML, ST_EINVAL, "a VRML file begins with #VRML");
 }
 
 /* Cut off anywhere, but for the end of what follows the last node. */
-static void test_cut(void **state)
+TEST(test_cut)
 {
     static struct scanfile f;
 
-    (void)state;
     for (size_t i = 0; i < sizeof squares / sizeof *squares; i++) {
         make(&f, squares[i]);
         while (f.bytes[f.len - 1] != '}')
@@ -255,12 +230,11 @@ static void test_cut(void **state)
     }
 }
 
-static void test_limits(void **state)
+TEST(test_limits)
 {
     static struct scanfile f;
     struct cloudpoints p;
 
-    (void)state;
     for (int depth = 62; depth < 65; depth++) {
         make(&f, V2);
         for (int i = 1; i < depth; i++)
@@ -285,16 +259,4 @@ static void test_limits(void **state)
         }
     }
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, "more than 64 names");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_square),     cmocka_unit_test(test_faces),
-        cmocka_unit_test(test_transforms), cmocka_unit_test(test_moved_faces),
-        cmocka_unit_test(test_bad),        cmocka_unit_test(test_cut),
-        cmocka_unit_test(test_limits),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

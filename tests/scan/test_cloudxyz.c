@@ -1,34 +1,15 @@
 /* Text files with points: headings and where the columns are, units in them, PTS. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "scanfile.h"
+#include "unit.h"
 
 static void good(const char *text, struct cloudpoints *p)
 {
-    struct scanfile f = {.len = 0};
-
-    scanfile_text(&f, text);
-    scanfile_good(&f, CLOUDFORMAT_ANY, p);
+    scanfile_good_text(text, p);
     assert_int_equal(p->format, CLOUDFORMAT_XYZ);
 }
 
-static void bad(const char *text, enum status st, const char *words)
-{
-    struct scanfile f = {.len = 0};
-
-    scanfile_text(&f, text);
-    scanfile_bad(&f, CLOUDFORMAT_ANY, st, words);
-}
-
 /* All of these have the points (1, 2, 3) and (4, 5, 6). */
-static void test_columns(void **state)
+TEST(test_columns)
 {
     static const char *const texts[] = {
         "time,x,y,z\n0.5,1,2,3\n0.6,4,5,6\n",
@@ -54,7 +35,6 @@ static void test_columns(void **state)
         "# exported\n2\n1,2,3\n4,5,6\n",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         struct cloudpoints p;
 
@@ -70,7 +50,7 @@ static void test_columns(void **state)
     }
 }
 
-static void test_units(void **state)
+TEST(test_units)
 {
     static const struct {
         const char *heading;
@@ -79,7 +59,6 @@ static void test_units(void **state)
              {"x_um,y_um,z_um", 0.001}, {"x[cm],y[cm],z[cm]", 10},
              {"x/in,y/in,z/in", 25.4},  {"x,y,z", 0}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         struct cloudpoints p;
         char text[100];
@@ -91,11 +70,10 @@ static void test_units(void **state)
     }
 }
 
-static void test_normals(void **state)
+TEST(test_normals)
 {
     struct cloudpoints p;
 
-    (void)state;
     good("x y z nx ny nz\n1 2 3 0 0 1\n4 5 6 nan 0 1\n", &p);
     scanfile_at(p.normal[0], 0, 0, 1);
     scanfile_at(p.normal[1], 0, 0, 0);
@@ -109,13 +87,9 @@ static void test_normals(void **state)
     cloudpoints_free(&p);
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } c[] = {
+    static const struct scanfile_case bad[] = {
         {"time,px,py,pz\n0,1,2,3\n", ST_EINVAL, "one column x, one y and one z"},
         {"time,x,y,z,x\n0,1,2,3,4\n", ST_EINVAL, "one column x, one y and one z"},
         {"time,x,y\n0,1,2\n", ST_EINVAL, "one column x, one y and one z"},
@@ -130,19 +104,5 @@ static void test_bad(void **state)
         {"480\n640\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n", ST_EVERSION, "PTX"},
     };
 
-    (void)state;
-    for (size_t i = 0; i < sizeof c / sizeof *c; i++)
-        bad(c[i].text, c[i].st, c[i].words);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_units),
-        cmocka_unit_test(test_normals),
-        cmocka_unit_test(test_bad),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }

@@ -1,25 +1,16 @@
 /* The face generator: faces have realistic sizes, scans have no hidden points, the same seeds
  * give the same scan, and different subjects differ more than two scans of one. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "facegen.h"
+#include "unit.h"
 
 #define N 3000
 
 static struct dvec3 a[N], b[N];
 
-static void test_same_seeds_same_scan(void **state)
+TEST(test_same_seeds_same_scan)
 {
     struct facegen_scan s;
 
-    (void)state;
     facegen_default(&s);
     s.subject = 5;
     s.holes = 0.2;
@@ -33,11 +24,10 @@ static void test_same_seeds_same_scan(void **state)
     assert_memory_not_equal(a, b, sizeof a);
 }
 
-static void test_size_of_a_face(void **state)
+TEST(test_size_of_a_face)
 {
     struct facegen_scan s;
 
-    (void)state;
     facegen_default(&s);
     for (s.subject = 0; s.subject < 50; s.subject++) {
         struct dvec3 low = {1e9, 1e9, 1e9}, high = {-1e9, -1e9, -1e9};
@@ -61,13 +51,12 @@ static void test_size_of_a_face(void **state)
 
 /* Without noise, each point moved back by the pose lies on the face; and points close
  * together in x and y differ little in height: no hidden point was sampled. */
-static void test_pose_and_visibility(void **state)
+TEST(test_pose_and_visibility)
 {
     struct facegen_scan s;
     struct facegen_face face;
     const double rad = acos(-1.0) / 180;
 
-    (void)state;
     facegen_default(&s);
     s.subject = 3;
     s.noise = s.warp = 0;
@@ -88,12 +77,11 @@ static void test_pose_and_visibility(void **state)
     }
 }
 
-static void test_holes_and_spikes(void **state)
+TEST(test_holes_and_spikes)
 {
     struct facegen_scan s;
     size_t n, off = 0;
 
-    (void)state;
     facegen_default(&s);
     s.holes = 0.3;
     n = facegen_sample(&s, a);
@@ -149,12 +137,11 @@ static double unlike(uint64_t p, double smile_p, uint64_t q, double smile_q)
     return sum / n;
 }
 
-static void test_subjects_differ(void **state)
+TEST(test_subjects_differ)
 {
     double least = 1e9, most = 0, sum = 0;
     int n = 0;
 
-    (void)state;
     for (uint64_t p = 0; p < 40; p++) {
         for (uint64_t q = 0; q < p; q++) {
             const double d = unlike(p, 0, q, 0);
@@ -170,17 +157,4 @@ static void test_subjects_differ(void **state)
                   sum / n);
     assert_true(least > 0.6);
     assert_true(sum / n > 1.2 && sum / n < 3);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_seeds_same_scan),
-        cmocka_unit_test(test_size_of_a_face),
-        cmocka_unit_test(test_pose_and_visibility),
-        cmocka_unit_test(test_holes_and_spikes),
-        cmocka_unit_test(test_subjects_differ),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

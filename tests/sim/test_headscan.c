@@ -1,34 +1,21 @@
 /* The rendered kinds are what they say: unit, axes, counts, what covers what. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "draw.h"
 #include "face.h"
 #include "headpose.h"
 #include "headscan.h"
 #include "headview.h"
+#include "unit.h"
 
 static struct head made;
 
-static int make(void **state)
+BEFORE_ALL(make)
 {
-    (void)state;
     head_make_up(3, &made);
-    return 0;
 }
 
-static int unmake(void **state)
+AFTER_ALL(unmake)
 {
-    (void)state;
     head_free(&made);
-    return 0;
 }
 
 static struct headscan_options kind(const char *name, uint64_t seed)
@@ -69,12 +56,11 @@ static size_t extent(const struct headscan *s, struct dvec3 *low, struct dvec3 *
     return n;
 }
 
-static void test_same_seed_same_scan(void **state)
+TEST(test_same_seed_same_scan)
 {
     struct headscan_options o = kind("glasses", 7);
     struct headscan a, b;
 
-    (void)state;
     render(&o, &a);
     render(&o, &b);
     assert_int_equal(a.n, 20000);
@@ -89,14 +75,13 @@ static void test_same_seed_same_scan(void **state)
 }
 
 /* Metres, y down, z away, and the shoulders are wider than the head. */
-static void test_bust(void **state)
+TEST(test_bust)
 {
     const struct headscan_options o = kind("bust", 1);
     struct dvec3 low, high;
     struct headscan s;
     double nose = INFINITY, above = 0;
 
-    (void)state;
     render(&o, &s);
     assert_int_equal(extent(&s, &low, &high), 30000);
     assert_true(high.x - low.x > 0.35 && high.x - low.x < 0.5);
@@ -111,12 +96,11 @@ static void test_bust(void **state)
 }
 
 /* The same points in any axes and unit: distances are kept. */
-static void test_axes_and_units(void **state)
+TEST(test_axes_and_units)
 {
     struct headscan_options o = kind("head", 2);
     struct headscan a, b;
 
-    (void)state;
     render(&o, &a);
     for (int axes = 0; axes < HEADSCAN_AXES; axes++) {
         o.axes = (enum headscan_axes)axes;
@@ -142,14 +126,13 @@ static void test_axes_and_units(void **state)
 
 /* A camera's grid: each pixel on its ray, the head before the wall, and no value somewhere;
  * depths are steps that grow with the distance. */
-static void test_depth_camera(void **state)
+TEST(test_depth_camera)
 {
     const struct headscan_options o = kind("depth", 3);
     size_t n, near = 0;
     struct dvec3 low, high;
     struct headscan s;
 
-    (void)state;
     render(&o, &s);
     n = extent(&s, &low, &high);
     assert_int_equal(s.width * s.height, 640 * 480);
@@ -172,13 +155,12 @@ static void test_depth_camera(void **state)
     headscan_free(&s);
 }
 
-static void test_grid_half_behind_two(void **state)
+TEST(test_grid_half_behind_two)
 {
     struct headscan_options o = kind("grid", 4);
     struct dvec3 low, high;
     struct headscan s;
 
-    (void)state;
     render(&o, &s);
     for (size_t i = 0; i < s.n; i++)
         assert_true(fmod(fabs(s.at[i].x) + 1e-6, 1) < 2e-6 &&
@@ -210,7 +192,7 @@ static size_t skin_seen(const struct headview *v)
 
 /* What covers a face lies before it, and what it hides is not seen: of the head's own front
  * less is left than without it. */
-static void test_covers(void **state)
+TEST(test_covers)
 {
     static const struct {
         double x, y; /* a place that it covers */
@@ -220,7 +202,6 @@ static void test_covers(void **state)
                         [HEADCOVER_CAP] = {0, 70}};
     struct headview bare, v;
 
-    (void)state;
     headview_make(&made, false, &bare);
     for (int kind = 1; kind < HEADCOVERS; kind++) {
         size_t covered = 0;
@@ -266,9 +247,8 @@ static void make_layers(double slope, struct head *h)
 
 /* Of two layers the front one is seen whole, on slopes too, and an eighth of the other one at
  * most; the surface passes through the points, and is not smoothed. */
-static void test_layers(void **state)
+TEST(test_layers)
 {
-    (void)state;
     for (int steep = 0; steep <= 2; steep++) {
         size_t front = 0, back = 0, all = 0;
         double off = 0, z, rough = 0;
@@ -299,7 +279,7 @@ static void test_layers(void **state)
 
 /* Turned anyhow, the face is found again: but for the height of its nose, in which made-up
  * faces differ from the mean. */
-static void test_pose_is_found(void **state)
+TEST(test_pose_is_found)
 {
     const struct headscan_options o = kind("round", 5);
     struct face_work *w = face_work_new(NULL);
@@ -307,7 +287,6 @@ static void test_pose_is_found(void **state)
     double to[16];
     size_t close = 0, face = 0;
 
-    (void)state;
     assert_non_null(w);
     render(&o, &s);
     assert_true(headpose_find(s.at, s.n, false, w, to));
@@ -322,20 +301,4 @@ static void test_pose_is_found(void **state)
     assert_true(face > 1000 && close > face * 9 / 10);
     headscan_free(&s);
     face_work_free(w);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_seed_same_scan),
-        cmocka_unit_test(test_bust),
-        cmocka_unit_test(test_axes_and_units),
-        cmocka_unit_test(test_depth_camera),
-        cmocka_unit_test(test_grid_half_behind_two),
-        cmocka_unit_test(test_covers),
-        cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_pose_is_found),
-    };
-
-    return cmocka_run_group_tests(tests, make, unmake);
 }

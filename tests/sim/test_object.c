@@ -1,24 +1,16 @@
 /* Things that are no faces: every kind gives a scan of a sensible size, the same seed gives the
  * same one, and solids are where their parts are. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "object.h"
 #include "relief.h"
 #include "solid.h"
+#include "unit.h"
 
 #define N 600
 
 static struct dvec3 a[N], b[N];
 
-static void test_every_kind(void **state)
+TEST(test_every_kind)
 {
-    (void)state;
     for (uint32_t k = 0; k < object_kinds(); k++)
         for (uint64_t seed = 0; seed < 2; seed++) {
             const size_t n = object_scan(k, seed, N, a);
@@ -40,7 +32,7 @@ static void test_every_kind(void **state)
 
 /* A ball with a box taken out of it: the scanner sees the ball from the front, and the bottom
  * of the hole. */
-static void test_solid(void **state)
+TEST(test_solid)
 {
     static const struct solid_view front = {
         .turn = {1, 0, 0, 0, 1, 0, 0, 0, 1}, .wide = 60, .points = N};
@@ -48,7 +40,6 @@ static void test_solid(void **state)
     struct solid s = {0};
     size_t n, deep = 0;
 
-    (void)state;
     solid_add(&s, SOLID_BALL, 5, 0, 0, 50, 50, 50, 0);
     solid_add(&s, SOLID_BOX, 5, 0, 50, 10, 10, 40, 0)->carved = true;
     n = solid_scan(&s, &front, &r, a);
@@ -66,14 +57,13 @@ static void test_solid(void **state)
     assert_in_range(deep, N / 40, N / 10);
 }
 
-static void test_relief(void **state)
+TEST(test_relief)
 {
     const double noise = 0;
     struct relief f;
     struct draw r = {2};
     size_t n;
 
-    (void)state;
     for (uint64_t seed = 0; seed < 20; seed++) {
         relief_draw(seed, &f);
         n = relief_sample(&f, N, noise, &r, a);
@@ -81,15 +71,4 @@ static void test_relief(void **state)
         for (size_t i = 0; i < n; i++)
             assert_true(a[i].z == relief_height(&f, a[i].x, a[i].y));
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_kind),
-        cmocka_unit_test(test_solid),
-        cmocka_unit_test(test_relief),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

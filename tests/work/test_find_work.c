@@ -1,17 +1,10 @@
 /* The search for a face costs no more than MOST times what it does in a head of as many points,
  * whatever they are: counted in basic blocks of core and the search, so that no clock is asked. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "face.h"
 #include "find.h"
 #include "head.h"
+#include "unit.h"
 #include "work.h"
 
 #define MOST   13
@@ -96,12 +89,11 @@ static void contrive(int kind, struct brute_rng *r)
     }
 }
 
-static void test_contrived(void **state)
+TEST(test_contrived)
 {
     struct brute_rng r = {1};
     double head;
 
-    (void)state;
     work = face_work_new(NULL);
     assert_non_null(work);
     head = (double)ordinary(&r);
@@ -117,12 +109,11 @@ static void test_contrived(void **state)
 }
 
 /* A search that is stopped, at whatever moment, ends with the step that it is at. */
-static void test_stopped(void **state)
+TEST(test_stopped)
 {
     struct brute_rng r = {1};
     uint64_t all;
 
-    (void)state;
     work = face_work_new(NULL);
     assert_non_null(work);
     contrive(0, &r);
@@ -140,14 +131,4 @@ static void test_stopped(void **state)
         assert_true(soon < all / 2);
     }
     face_work_free(work);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_contrived),
-        cmocka_unit_test(test_stopped),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

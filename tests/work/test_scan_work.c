@@ -1,15 +1,6 @@
 /* What a check of few points costs, by both gates as trial.c asks them: no more than MOST times what
  * one of an ordinary scan of as many points does, whatever they are: counted in basic blocks of core
  * and of the way to a face, so that no clock is asked. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "brute.h"
 #include "cloudpoints.h"
 #include "face.h"
@@ -17,6 +8,7 @@
 #include "mem.h"
 #include "scan.h"
 #include "scan_search.h"
+#include "unit.h"
 #include "work.h"
 
 #define MOST   13
@@ -103,13 +95,12 @@ static void contrive(int kind, struct brute_rng *r)
     }
 }
 
-static void test_contrived(void **state)
+TEST(test_contrived)
 {
     struct brute_rng r = {1};
     enum status st;
     double usual;
 
-    (void)state;
     work = face_work_new(NULL);
     assert_non_null(work);
     ordinary();
@@ -126,11 +117,4 @@ static void test_contrived(void **state)
             assert_true(ratio < MOST);
         }
     face_work_free(work);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_contrived)};
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,15 +1,5 @@
 /* No request costs more than MOST times an ordinary one of its size, whatever the points are:
  * counted in basic blocks of core, so that no clock is asked. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "align.h"
 #include "brute.h"
 #include "clouds.h"
@@ -20,6 +10,7 @@
 #include "locate.h"
 #include "measure.h"
 #include "mst.h"
+#include "unit.h"
 #include "work.h"
 
 #define MOST   10
@@ -55,7 +46,7 @@ static void measure_ordinary(size_t n, double ordinary[WORK_STEPS])
 }
 
 /* What work_search found: the worst at their time, before and after the limits. */
-static void test_found(void **state)
+TEST(test_found)
 {
     static const double gene[][2 * CONTRIVED_GENES] = {
         {0.00, 1.00, 0.00, 0.00, 0.26, 0.00, 0.06, 0.71, 0.05, 0.57, 0.79, 0.05,
@@ -74,7 +65,6 @@ static void test_found(void **state)
          0.00, 0.86, 0.17, 0.00, 0.13, 0.00, 0.87, 0.24, 0.74, 0.10, 0.46, 0.15},
     };
 
-    (void)state;
     for (uint32_t n = 2000; n <= POINTS; n *= 10) {
         double ordinary[WORK_STEPS];
 
@@ -94,12 +84,11 @@ static double height(double x, double y)
 
 /* Two columns 0.001 mm apart, points between them, and one 900 mm off: a start grid over the
  * bounding box had every walk cross most triangles, 41 s for 300,000 points. */
-static void test_columns(void **state)
+TEST(test_columns)
 {
     struct brute_rng r = {3};
     double ordinary[WORK_STEPS];
 
-    (void)state;
     measure_ordinary(POINTS, ordinary);
     for (int i = 0; i < POINTS; i++) {
         const double y = i % 3 == 2 ? brute_int(&r, -60000, 60000) * 0.001
@@ -114,12 +103,11 @@ static void test_columns(void **state)
 }
 
 /* Needles between two columns 100 mm apart, and a probe at random over them. */
-static void test_needles(void **state)
+TEST(test_needles)
 {
     struct brute_rng r = {4};
     double ordinary[WORK_STEPS];
 
-    (void)state;
     measure_ordinary(POINTS, ordinary);
     for (int i = 0; i < POINTS; i++) {
         const double x = brute_int(&r, -60000, 60000) * 0.001,
@@ -133,7 +121,7 @@ static void test_needles(void **state)
 }
 
 /* Location alone, where each step of the tree crosses hundreds of needles. */
-static void test_location(void **state)
+TEST(test_location)
 {
     struct brute_rng r = {6};
     struct ivec3 *pts = alloc(POINTS, sizeof *pts);
@@ -142,7 +130,6 @@ static void test_location(void **state)
     struct mesh in = {0}, across = {0};
     uint64_t before;
 
-    (void)state;
     for (int i = 0; i < POINTS; i++)
         pts[i] = (struct ivec3){i % 2 * 8000000, i / 2, 0};
     assert_int_equal(delaunay_build(pts, POINTS, &s, &in), ST_OK);
@@ -165,7 +152,7 @@ static void test_location(void **state)
 
 /* All points of a heat map at one vertex that has thousands of triangles, all of which
  * bridge. */
-static void test_one_vertex(void **state)
+TEST(test_one_vertex)
 {
     static const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     const uint32_t n = 5000;
@@ -175,7 +162,6 @@ static void test_one_vertex(void **state)
     struct scratch scratch = {0};
     uint64_t before;
 
-    (void)state;
     for (uint32_t i = 0; i < n; i++) { /* an arc round its centre */
         const double t = (double)i / n - 0.5;
 
@@ -195,7 +181,7 @@ static void test_one_vertex(void **state)
 
 /* A template that was stored with another triangulation than Delaunay's: walks towards a point
  * may go in circles there. */
-static void test_not_delaunay(void **state)
+TEST(test_not_delaunay)
 {
     const struct align_how how = {0};
     struct brute_rng r = {5};
@@ -207,7 +193,6 @@ static void test_not_delaunay(void **state)
     struct ivec3 *pts = alloc(2000, sizeof *pts);
     uint64_t work[2];
 
-    (void)state;
     for (int flips = 0; flips < 2; flips++) {
         for (int k = 0; k < 2; k++) {
             const size_t n = clouds_scan(1, (uint64_t)k, 2000, a);
@@ -242,11 +227,10 @@ static void test_not_delaunay(void **state)
  * ruler: each stage of the search halves the trees, but of the edges between the lines none
  * ends up inside a tree before the last.  Without the limit to parallel edges each stage
  * would cost as much as the first. */
-static void test_tree(void **state)
+TEST(test_tree)
 {
     double each[2];
 
-    (void)state;
     for (int k = 0; k < 2; k++) {
         const uint32_t n = k == 0 ? 1 << 9 : 1 << 15;
         struct ivec3 *pts = alloc(2 * n, sizeof *pts);
@@ -269,16 +253,4 @@ static void test_tree(void **state)
     }
     print_message("tree: %.1f and %.1f blocks a point\n", each[0], each[1]);
     assert_true(each[1] < 1.1 * each[0]);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_found),      cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_needles),    cmocka_unit_test(test_location),
-        cmocka_unit_test(test_one_vertex), cmocka_unit_test(test_not_delaunay),
-        cmocka_unit_test(test_tree),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,8 @@
-/* cloud.h -- reads an input as a scanner's file, for the fuzzers of its formats: what is read
- * is finite and within the limits, and every failure has a message. */
-#ifndef TESTS_FUZZ_CLOUD_H
-#define TESTS_FUZZ_CLOUD_H
+/* Scanners' files: what is read is finite and within the limits, and every failure has a
+ * message.  The Makefile makes a fuzzer of each format of this file, with FUZZ_CLOUD the format;
+ * CLOUDFORMAT_COUNT: the first byte selects it. */
+#include "fuzz.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,11 +10,11 @@
 #include "cloudfile.h"
 #include "errinfo.h"
 
-#define CLOUD_MAX 5000
+#define MOST 5000
 
-static inline void cloud_check(const struct cloudpoints *p)
+static void check(const struct cloudpoints *p)
 {
-    if (p->at == NULL || p->n > CLOUD_MAX || p->n > p->read ||
+    if (p->at == NULL || p->n > MOST || p->n > p->read ||
         (p->index == NULL && p->n != p->read))
         abort();
     for (size_t i = 0; i < p->n; i++) {
@@ -25,11 +26,11 @@ static inline void cloud_check(const struct cloudpoints *p)
     }
 }
 
-static inline int cloud_fuzz(const void *data, size_t size, enum cloudformat format)
+static void fuzz(const uint8_t *data, size_t size, enum cloudformat format)
 {
     const bool raw = format == CLOUDFORMAT_RAW;
     const struct cloudfile_options o = {.format = format,
-                                        .max_points = CLOUD_MAX,
+                                        .max_points = MOST,
                                         .max_bytes = 1 << 20,
                                         .camera = {.fx = 500,
                                                    .fy = 500,
@@ -43,17 +44,23 @@ static inline int cloud_fuzz(const void *data, size_t size, enum cloudformat for
     enum status st;
 
     if (copy == NULL)
-        return 0;
+        return;
     memcpy(copy, data, size);
     copy[size] = '\0';
     st = cloudfile_read(copy, size, &o, &p, &e);
     if (st == ST_OK)
-        cloud_check(&p);
+        check(&p);
     else if (p.at != NULL || p.n != 0 || (st != ST_ENOMEM && e.msg[0] == 0))
         abort();
     cloudpoints_free(&p);
     free(copy);
-    return 0;
 }
 
-#endif
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    if (FUZZ_CLOUD != CLOUDFORMAT_COUNT)
+        fuzz(data, size, FUZZ_CLOUD);
+    else if (size > 0)
+        fuzz(data + 1, size - 1, (enum cloudformat)(data[0] % CLOUDFORMAT_COUNT));
+    return 0;
+}
