@@ -91,6 +91,34 @@ static void assert_nothing_common(void)
     }
 }
 
+/* A row that the thief of the old key wrote is good for nothing in the new database. */
+static void assert_old_rows_refused(void)
+{
+    static const char *const table[] = {"tokens", "templates", "subjects", "root"};
+
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        struct store *s = NULL;
+        char text[300];
+
+        (void)snprintf(text, sizeof text,
+                       "PRAGMA foreign_keys = OFF; ATTACH '%s.before-rekey' AS old;"
+                       "CREATE TABLE IF NOT EXISTS aside.%s AS SELECT * FROM main.%s;"
+                       "DELETE FROM main.%s; INSERT INTO main.%s SELECT * FROM old.%s",
+                       tempdb_path, table[i], table[i], table[i], table[i], table[i]);
+        tempdb_sql(text);
+        if (store_open(tempdb_path, STORE_READ, NULL, &s, &e) == ST_OK)
+            assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
+        else
+            assert_int_equal(e.code, ST_EDENIED);
+        store_close(s);
+        (void)snprintf(text, sizeof text,
+                       "PRAGMA foreign_keys = OFF; DELETE FROM main.%s;"
+                       "INSERT INTO main.%s SELECT * FROM aside.%s",
+                       table[i], table[i], table[i]);
+        tempdb_sql(text);
+    }
+}
+
 static void test_same(void **state)
 {
     static char before[FILLED_TEXT], after[FILLED_TEXT], hashes[FILLED_TEXT],
@@ -137,6 +165,7 @@ static void test_same(void **state)
         }
     store_close(s);
     assert_nothing_common();
+    assert_old_rows_refused();
     (void)snprintf(key_old, sizeof key_old, "%s.key.old", tempdb_path);
     old.path = key_old;
     assert_int_equal(store_open(tempdb_path, STORE_READ, &old, &s, &e), ST_EDENIED);

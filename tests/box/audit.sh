@@ -1,6 +1,7 @@
 #!/bin/sh
-# Goal: the audit log says who did what; a change of any row of it is found, with its
-# place; an export can be verified without the database; an erasure leaves a receipt.
+# Goal: the audit log says who did what; an export can be verified without the database, and a
+# change of any of its members is found, with its place; an erasure leaves a receipt.  What is
+# found of changed rows is in tests/log and test_audit.c.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -175,61 +176,30 @@ wrong() {
 }
 C='"log":"changes"' A='"log":"accesses"'
 wrong 3 "/$C,\"seq\":3,/d"
-wrong 4 "/$C,\"seq\":4,/s/created/deleted/"
-wrong 4 "/$C,\"seq\":4,/s/\"object\":\"../\"object\":\"00/"
-wrong 4 "/$C,\"seq\":4,/s/\"subject_uid\":\"..../\"subject_uid\":\"0000/"
-wrong 4 "/$C,\"seq\":4,/s/\"digest\":\"..../\"digest\":\"0000/"
-wrong 4 "/$C,\"seq\":4,/s/\"access_seq\":0/\"access_seq\":1/"
-wrong 5 "/$C,\"seq\":5,/s/\"actor\":\"./\"actor\":\"x/"
-wrong 5 "/$C,\"seq\":5,/{h;d};/$C,\"seq\":6,/G"
+for change in 's/created/deleted/' 's/"object":"../"object":"00/' 's/"at":"2026/"at":"2025/' \
+    's/"subject_uid":"..../"subject_uid":"0000/' 's/"digest":"..../"digest":"0000/' \
+    's/"access_seq":0/"access_seq":1/' 's/"actor":"./"actor":"x/' 's/"kind":"./"kind":"x/'; do
+    wrong 4 "/$C,\"seq\":4,/$change"
+done
 wrong 8 "/$C,\"seq\":13,/s/\"signature\":\"..../\"signature\":\"0000/"
 wrong 8 "/$C,\"seq\":13,/d"
 wrong 13 "/$C,\"seq\":13,/s/.*/&\n&/"
-wrong 1 "/$A,\"seq\":1,/d"
 wrong 2 "/$A,\"seq\":2,/s/no_match/match/"
 wrong 2 "/$A,\"seq\":2,/{h;d};/$A,\"seq\":3,/G"
-wrong 3 "/$A,\"seq\":3,/d"
 wrong 1 "/$A/d"
 
-# ---- every row of the table, one after the other, in every way
-cp "$DB" "$T/whole"
+# ---- a changed row: `audit verify` says where, and nobody takes it for a backup
 stop_daemon
-sqlite3 "$DB" 'PRAGMA wal_checkpoint(TRUNCATE)' >/dev/null
 cp "$DB" "$T/whole"
-# tampered CHAIN FIRST SQL
-tampered() {
-    cp "$T/whole" "$DB"
-    sqlite3 "$DB" "$3"
-    ctl audit verify
-    if [ "$1" = changes ] && [ "$2" -ge $((last - 2)) ]; then # nothing is opened that has no good end
-        is "$3" "$([ "$CODE" = 0 ] || echo found)" found
-    else
-        is "$3" "$CODE $(said '[.first_log, .first_entry] | join(" ")')" "1 $1 $2"
-    fi
-}
-for log in change access; do
-    last=$(sqlite3 "$DB" "SELECT max(seq) FROM ${log}_log")
-    word=$([ $log = change ] && echo changes || echo accesses)
-    for seq in $(seq "$last"); do
-        of="${log}_log WHERE seq = $seq"
-        # The last change is the export: without it the database is one from before, as a whole.
-        [ "$log $seq" = "change $last" ] || tampered "$word" "$seq" "DELETE FROM $of"
-        for column in "outcome = outcome || '.'" "at = '2026-01-01T00:00:00.000Z'" 'hash = randomblob(32)' \
-            'uid = randomblob(16)' 'mac = randomblob(32)'; do
-            tampered "$word" "$seq" "UPDATE ${log}_log SET $column WHERE seq = $seq"
-        done
-        [ "$seq" -ge $((last - 1)) ] || tampered "$word" "$seq" "UPDATE ${log}_log SET seq = 99 WHERE seq = $seq;
-            UPDATE ${log}_log SET seq = $seq WHERE seq = $seq + 1;
-            UPDATE ${log}_log SET seq = $seq + 1 WHERE seq = 99"
-    done
-done
+sqlite3 "$DB" "UPDATE access_log SET outcome = 'x' WHERE seq = 2"
+ctl audit verify
+is "found" "$CODE $(said '[.first_log, .first_entry] | join(" ")')" "1 accesses 2"
 ctl backup "$T/backup2"
-is "nor is it taken for a backup" "$(ls "$T/backup2" 2>/dev/null)" ""
+ok "no backup" [ "$CODE" != 0 -a ! -e "$T/backup2" ]
 ctl check-database
 ok "check finds it as well" [ "$CODE" != 0 ]
 cp "$T/whole" "$DB"
-ctl check-database
-is "restored" "$CODE $(said .problems)" "0 []"
+ctl_exits 0 check-database
 
 # ---- the oldest uses cut off: the chain and exports go on from there
 ctl audit trim

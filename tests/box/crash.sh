@@ -22,12 +22,16 @@ for n in 1 2 3 4; do
     scan "$n" 0 "$T/s$n.ply" --points 1000
 done
 scan 4 1 "$T/p4.ply" --points 1000
+# A model of another mean face: to it all templates are of another engine.
+awk '/^change/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".") $i = $i + 1500 } /^mean/ { on = 1 } { print }' \
+    core/face/default.model >"$T/raised.model"
 
 # ---- what there is before
 mkdir "$T/full" "$T/lost"
 db=$T/full/db
 admin "$db" init
 admin "$db" enroll alice "$T/s1.ply"
+id=$(sqlite3 "$db" 'SELECT id FROM templates')
 admin "$db" enroll bob "$T/s2.ply"
 admin "$db" token create gate --scope verify
 admin "$db" backup "$T/full/copy"
@@ -72,6 +76,7 @@ crash restore full restore "$T/backup"
 crash restore-lost lost restore "$T/backup"
 crash backup full backup --force @copy
 crash vacuum full vacuum
+crash reencode full template reencode "$id" --model "$T/raised.model"
 
 # ---- the daemon
 if [ "${CRASH_ONLY:-daemon}" = daemon ]; then

@@ -89,6 +89,12 @@ ctl_exits() {
     is "surfacectl $*" "$CODE" "$c_wanted"
 }
 
+# ctl_failed TITLE STATUS DETAIL-PATTERN: the last ctl failed so, with this detail of its error.
+ctl_failed() {
+    is "$1" "$CODE" "$2"
+    ok "$1: '$(said .error.detail)' like '$3'" matches "$(said .error.detail)" "$3"
+}
+
 # said FILTER: applies jq's FILTER to the JSON of the last ctl.
 said() {
     jq -r "$1" "$T/ctl"
@@ -180,6 +186,24 @@ stop_daemon() {
         cat "$LOG"
         ok "no sanitizer report" false
     fi
+}
+
+# kill_daemon: by SIGKILL.
+kill_daemon() {
+    kill -9 "$PID"
+    wait "$PID" 2>/dev/null
+    PID=''
+}
+
+# killed_after SECONDS ARGUMENT...: surfacectl on $DB, by SIGKILL if it still runs then.
+killed_after() {
+    k_wait=$1
+    shift
+    "$BUILD/surfacectl" --db "$DB" "$@" >/dev/null 2>&1 &
+    k_pid=$!
+    sleep "$k_wait"
+    kill -9 "$k_pid" 2>/dev/null
+    wait "$k_pid" 2>/dev/null
 }
 
 # req METHOD PATH [CURL-OPTION...]: sends a request and sets STATUS; the response is in $T/body

@@ -47,7 +47,7 @@ static enum status say_templates(struct store *s, const char *subject, struct te
     if (st != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++)
-        say(t, "  %s %s\n", list[i].digest, list[i].label);
+        say(t, "  %s %s %s\n", list[i].digest, list[i].engine, list[i].label);
     free(list);
     return st;
 }
