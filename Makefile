@@ -127,7 +127,7 @@ SEES_log   := $(call sees,db)
 SEES_rows  := $(call sees,db)
 SEES_admin := $(call sees,db/admin)
 SEES_box   := $(call sees,db/admin)
-SEES_fuzz  := server verify learn $(call sees,db/admin)
+SEES_fuzz  := server service learn $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
 define testroom

@@ -149,7 +149,7 @@ cp "$T/evil.db" "$DB"
 no_start "the default key"
 no_start "a given key" --key "$T/credential"
 no_start "a given key that does not exist" --key "$T/nowhere"
-for command in "subject list" check "verify alice $T/mallory.ply" "backup $T/copy" "rekey --yes"; do
+for command in "subject list" check-database "verify alice $T/mallory.ply" "backup $T/copy" "rekey --yes"; do
     # shellcheck disable=SC2086 # a command and its arguments
     ctl $command
     denied "$command" "$DB is plaintext: restore a backup; or, .*--plaintext-database"
@@ -177,15 +177,8 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/again.ply"
 is "it serves a plaintext database" "$STATUS $(get .decision)" "200 match"
 stop_daemon
 export SURFACED_PLAINTEXT_DATABASE=1
-<<<<<<< HEAD:tests/box/key-downgrade.sh
-ctl check-database
-is "so does the command, by the environment" "$CODE" 0
-ctl backup "$T/plain"
-is "its backup" "$CODE" 0
-=======
 ctl_exits 0 check-database
 ctl_exits 0 backup "$T/plain"
->>>>>>> w2:tests/box/replaced.sh
 unset SURFACED_PLAINTEXT_DATABASE
 cp "$T/credential" "$T/new.db.key"
 "$BUILD/surfacectl" --db "$T/new.db" init --plaintext-database >"$T/ctl" 2>&1
