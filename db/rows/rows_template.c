@@ -212,7 +212,7 @@ static void sum_of(const struct log_txn *t, const struct rows_template *row, siz
 {
     memset(sum, 0, LOG_DIGEST);
     for (size_t i = 0; i < n; i++)
-        log_txn_add(t->crypt, row[i].mac, sum);
+        log_txn_sum(t->crypt, NULL, row[i].mac, sum);
 }
 
 enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
@@ -380,10 +380,7 @@ static enum status recount(struct log_txn *t, struct rows_subject *of,
                            const unsigned char *minus, const unsigned char *plus,
                            struct errinfo *e)
 {
-    if (minus != NULL)
-        log_txn_subtract(t->crypt, minus, of->templates);
-    if (plus != NULL)
-        log_txn_add(t->crypt, plus, of->templates);
+    log_txn_sum(t->crypt, minus, plus, of->templates);
     return rows_subject_write(t, of, e);
 }
 

@@ -25,7 +25,7 @@ enum sql_field_kind {
     SQL_FIELD_NUMBER,        /* int64_t or uint64_t, from 0 on */
     SQL_FIELD_COUNT,         /* uint32_t */
     SQL_FIELD_BOOL,          /* bool */
-    SQL_FIELD_REAL          /* double */
+    SQL_FIELD_REAL           /* double */
 };
 
 struct sql_field {
