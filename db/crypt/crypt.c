@@ -105,15 +105,13 @@ static bool root_possible(const struct crypt_root *r)
 enum status crypt_make(enum crypt_kind kind, const void *secret, size_t len,
                        struct crypt_root *root, struct crypt **out, struct errinfo *e)
 {
-    struct crypt *c = sodium_malloc(sizeof *c);
+    struct crypt *c = *out = sodium_malloc(sizeof *c);
     unsigned char about[ROOT_ABOUT];
     enum status st;
 
-    *out = NULL;
     if (c == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    memset(root, 0, sizeof *root);
-    root->kind = kind;
+    *root = (struct crypt_root){.kind = kind};
     if (kind == CRYPT_PASSPHRASE) {
         root->passes = PASSES;
         root->mib = MIB;
@@ -121,17 +119,17 @@ enum status crypt_make(enum crypt_kind kind, const void *secret, size_t len,
     randombytes_buf(root->salt, sizeof root->salt);
     if (kind == CRYPT_PLAINTEXT)
         randombytes_buf(root->plaintext, sizeof root->plaintext);
-    if ((st = master_key(root, secret, len, c->master, e)) != ST_OK) {
-        crypt_free(c);
-        return st;
+    if ((st = master_key(root, secret, len, c->master, e)) == ST_OK) {
+        randombytes_buf(&c->secrets, sizeof c->secrets);
+        (void)crypto_sign_seed_keypair(root->public, c->sign, c->secrets.seed);
+        root_about(root, about);
+        crypt_encrypt(c->master, about, sizeof about, &c->secrets, sizeof c->secrets,
+                      root->secrets);
+        return ST_OK;
     }
-    randombytes_buf(&c->secrets, sizeof c->secrets);
-    (void)crypto_sign_seed_keypair(root->public, c->sign, c->secrets.seed);
-    root_about(root, about);
-    crypt_encrypt(c->master, about, sizeof about, &c->secrets, sizeof c->secrets,
-                  root->secrets);
-    *out = c;
-    return ST_OK;
+    crypt_free(c);
+    *out = NULL;
+    return st;
 }
 
 enum status crypt_open(const struct crypt_root *root, const void *secret, size_t len,
@@ -144,23 +142,21 @@ enum status crypt_open(const struct crypt_root *root, const void *secret, size_t
     *out = NULL;
     if (!root_possible(root))
         return errinfo_set(e, ST_ECORRUPT, "the database's key record is damaged");
-    if ((c = sodium_malloc(sizeof *c)) == NULL)
+    if ((c = *out = sodium_malloc(sizeof *c)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = master_key(root, secret, len, c->master, e)) != ST_OK)
-        goto fail;
     root_about(root, about);
-    st = ST_EDENIED;
-    if (!crypt_decrypt(c->master, about, sizeof about, root->secrets,
-                       sizeof root->secrets, (unsigned char *)&c->secrets)) {
-        (void)errinfo_set(
-            e, st, "not the key of this database: give its own, or restore a backup");
-        goto fail;
+    if ((st = master_key(root, secret, len, c->master, e)) == ST_OK &&
+        !crypt_decrypt(c->master, about, sizeof about, root->secrets,
+                       sizeof root->secrets, (unsigned char *)&c->secrets))
+        st = errinfo_set(
+            e, ST_EDENIED,
+            "not the key of this database: give its own, or restore a backup");
+    if (st == ST_OK) {
+        (void)crypto_sign_seed_keypair(public, c->sign, c->secrets.seed);
+        return ST_OK;
     }
-    (void)crypto_sign_seed_keypair(public, c->sign, c->secrets.seed);
-    *out = c;
-    return ST_OK;
-fail:
     crypt_free(c);
+    *out = NULL;
     return st;
 }
 
@@ -171,22 +167,25 @@ void crypt_free(struct crypt *c)
 
 /* ---- small secrets under the master key */
 
-#define WRAP_ABOUT (16 + 16)
+struct wrap_about {
+    unsigned char what[16], name[16];
+};
 
-static void wrap_about(const char what[16], const unsigned char name[16],
-                       unsigned char out[WRAP_ABOUT])
+static struct wrap_about wrap_about(const char what[16], const unsigned char name[16])
 {
-    memcpy(out, what, 16);
-    memcpy(out + 16, name, 16);
+    struct wrap_about about;
+
+    memcpy(about.what, what, sizeof about.what);
+    memcpy(about.name, name, sizeof about.name);
+    return about;
 }
 
 void crypt_wrap(const struct crypt *c, const char what[16], const unsigned char name[16],
                 const unsigned char in[CRYPT_KEY], unsigned char out[CRYPT_WRAPPED])
 {
-    unsigned char about[WRAP_ABOUT];
+    const struct wrap_about about = wrap_about(what, name);
 
-    wrap_about(what, name, about);
-    crypt_encrypt(c->master, about, sizeof about, in, CRYPT_KEY, out);
+    crypt_encrypt(c->master, &about, sizeof about, in, CRYPT_KEY, out);
 }
 
 _Bool crypt_unwrap(const struct crypt *c, const char what[16],
@@ -194,10 +193,9 @@ _Bool crypt_unwrap(const struct crypt *c, const char what[16],
                    const unsigned char wrapped[CRYPT_WRAPPED],
                    unsigned char out[CRYPT_KEY])
 {
-    unsigned char about[WRAP_ABOUT];
+    const struct wrap_about about = wrap_about(what, name);
 
-    wrap_about(what, name, about);
-    return crypt_decrypt(c->master, about, sizeof about, wrapped, CRYPT_WRAPPED, out);
+    return crypt_decrypt(c->master, &about, sizeof about, wrapped, CRYPT_WRAPPED, out);
 }
 
 /* ---- hashes and signatures */

@@ -220,22 +220,19 @@ static enum status need_digest(struct log_txn *t, struct errinfo *e)
                                   t->changes.seq);
 }
 
-void log_txn_add(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
-                 unsigned char sum[LOG_DIGEST])
+void log_txn_sum(const struct crypt *c, const unsigned char *minus,
+                 const unsigned char *plus, unsigned char sum[LOG_DIGEST])
 {
-    unsigned char one[LOG_DIGEST];
+    unsigned char one[LOG_DIGEST]; /* little-endian, modulo 2^256 */
 
-    crypt_lookup(c, "row", mac, CRYPT_HASH, one);
-    sodium_add(sum, one, sizeof one); /* little-endian, modulo 2^256 */
-}
-
-void log_txn_subtract(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
-                      unsigned char sum[LOG_DIGEST])
-{
-    unsigned char one[LOG_DIGEST];
-
-    crypt_lookup(c, "row", mac, CRYPT_HASH, one);
-    sodium_sub(sum, one, sizeof one);
+    if (minus != NULL) {
+        crypt_lookup(c, "row", minus, CRYPT_HASH, one);
+        sodium_sub(sum, one, sizeof one);
+    }
+    if (plus != NULL) {
+        crypt_lookup(c, "row", plus, CRYPT_HASH, one);
+        sodium_add(sum, one, sizeof one);
+    }
 }
 
 enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
@@ -245,10 +242,7 @@ enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
 
     if (st != ST_OK)
         return st;
-    if (minus != NULL)
-        log_txn_subtract(t->crypt, minus, t->digest);
-    if (plus != NULL)
-        log_txn_add(t->crypt, plus, t->digest);
+    log_txn_sum(t->crypt, minus, plus, t->digest);
     t->unlogged = true;
     return ST_OK;
 }

@@ -53,16 +53,13 @@ void log_txn_committed(struct log_txn *t);
 
 /* log_txn_count(t, minus, plus, e): a row with the MAC `minus` is gone, one with the MAC `plus`
  * was added; NULL for neither.  ST_ECORRUPT: the last entry's digest cannot be decrypted.
- * log_txn_add(c, mac, sum), log_txn_subtract(c, mac, sum): the summand of a row, added to a sum or
- * taken from it.
+ * log_txn_sum(c, minus, plus, sum): the same for any sum of rows' summands.
  * log_txn_agrees(t, sum, same, e): is sum the digest of the last entry?
  * log_txn_accept(t, sum): it is from now on. */
 enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
                           const unsigned char *plus, struct errinfo *e);
-void log_txn_add(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
-                 unsigned char sum[LOG_DIGEST]);
-void log_txn_subtract(const struct crypt *c, const unsigned char mac[CRYPT_HASH],
-                      unsigned char sum[LOG_DIGEST]);
+void log_txn_sum(const struct crypt *c, const unsigned char *minus,
+                 const unsigned char *plus, unsigned char sum[LOG_DIGEST]);
 enum status log_txn_agrees(struct log_txn *t, const unsigned char sum[LOG_DIGEST],
                            bool *same, struct errinfo *e);
 void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);

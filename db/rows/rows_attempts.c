@@ -11,102 +11,65 @@
 
 #define DAY INT64_C(86400000)
 
-/* The age of a time; one in the future is from before the clock was set back. */
-static int64_t age(int64_t at, int64_t now, bool *future)
-{
-    *future |= at > now;
-    return at > now ? 0 : now - at;
-}
-
 static enum status damaged(const struct store_attempts *a, struct errinfo *e)
 {
     return errinfo_set(e, ST_ECORRUPT, "attempts of %s: their row is damaged",
                        a->subject);
 }
 
-static void set_own(struct store_attempts *out, int64_t at, int64_t now, bool *future)
+/* A time in the future is from before the clock was set back, and is read as now. */
+static int64_t age(int64_t at, int64_t now)
+{
+    return at > now ? 0 : now - at;
+}
+
+static void set_own(struct store_attempts *out, int64_t at, int64_t now)
 {
     if (out->failures == 0)
         return;
-    out->age_ms = age(at, now, future);
+    out->age_ms = age(at, now);
     utc_print(now - out->age_ms, out->at);
-}
-
-/* The failures for one subject: of the token, and of the others. */
-static enum status get_of_subject(struct log_txn *t, int64_t subject, int64_t now,
-                                  struct store_attempts *out, bool *future,
-                                  struct errinfo *e)
-{
-    struct sql_rows *r;
-    int64_t at = 0, others_at = 0;
-    bool found;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e,
-        "SELECT CAST(coalesce(sum(CASE WHEN token = $2 THEN failures END), 0) AS bigint), "
-        "coalesce(max(CASE WHEN token = $2 THEN at_ms END), 0), "
-        "CAST(coalesce(sum(CASE WHEN token <> $2 AND at_ms > $3 THEN failures END), 0) "
-        "AS bigint), coalesce(max(CASE WHEN token <> $2 THEN at_ms END), 0) "
-        "FROM subjects s LEFT JOIN attempts a ON a.subject_key = s.subject_key "
-        "WHERE s.subject_key = $1 GROUP BY s.subject_key",
-        sql_int(subject), sql_text(out->token), sql_int(now - STORE_TRIED_MS));
-
-    if ((found = st == ST_OK && sql_next(r)) &&
-        !(sql_read_count(r, 0, UINT32_MAX, &out->failures) &&
-          sql_read_int(r, 1, 0, &at) && sql_read_count(r, 2, UINT32_MAX, &out->others) &&
-          sql_read_int(r, 3, 0, &others_at)))
-        st = damaged(out, e);
-    if ((st = sql_done(r, st, e)) != ST_OK)
-        return st;
-    if (!found)
-        return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", out->subject);
-    set_own(out, at, now, future);
-    if (out->others > 0)
-        out->others_age_ms = age(others_at, now, future);
-    return ST_OK;
-}
-
-/* The other subjects that the token failed for. */
-static enum status get_of_token(struct log_txn *t, int64_t subject, int64_t now,
-                                struct store_attempts *out, bool *future,
-                                struct errinfo *e)
-{
-    struct sql_rows *r;
-    int64_t first = 0, last = 0;
-    bool ahead = false;
-    enum status st = SQL_QUERY(
-        t->sql, &r, e,
-        "SELECT CAST(coalesce(sum(CASE WHEN at_ms > $4 THEN 1 END), 0) AS bigint), "
-        "coalesce(min(CASE WHEN at_ms > $4 THEN at_ms END), 0), "
-        "coalesce(max(at_ms), 0), count(*) FROM attempts WHERE token = $1 AND at_ms > $2 "
-        "AND subject_key <> $3",
-        sql_text(out->token), sql_int(now - STORE_TRIED_WARN_MS), sql_int(subject),
-        sql_int(now - STORE_TRIED_MS));
-
-    if (st == ST_OK && sql_next(r) &&
-        !(sql_read_count(r, 0, UINT32_MAX, &out->tried) &&
-          sql_read_int(r, 1, 0, &first) && sql_read_int(r, 2, 0, &last) &&
-          sql_read_count(r, 3, UINT32_MAX, &out->tried_warn)))
-        st = damaged(out, e);
-    if (out->tried > 0) {
-        (void)age(last, now, future);
-        out->tried_age_ms = age(first, now, &ahead);
-    }
-    return sql_done(r, st, e);
 }
 
 enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
                               const char *token, int64_t now, struct store_attempts *out,
                               bool *future, struct errinfo *e)
 {
-    enum status st;
+    struct sql_rows *r;
+    int64_t own = 0, others = 0, first = 0, last = 0;
+    enum status st = SQL_FIRST(
+        t->sql, &r, e,
+        "SELECT CAST(coalesce(sum(CASE WHEN here AND mine THEN failures END), 0) AS bigint), "
+        "coalesce(max(CASE WHEN here AND mine THEN at_ms END), 0), "
+        "CAST(coalesce(sum(CASE WHEN here AND NOT mine AND at_ms > $4 THEN failures END), 0) "
+        "AS bigint), coalesce(max(CASE WHEN here AND NOT mine THEN at_ms END), 0), "
+        "count(CASE WHEN mine AND NOT here AND at_ms > $4 THEN 1 END), "
+        "coalesce(min(CASE WHEN mine AND NOT here AND at_ms > $4 THEN at_ms END), 0), "
+        "count(CASE WHEN mine AND NOT here THEN 1 END), coalesce(max(at_ms), 0) "
+        "FROM (SELECT failures, at_ms, subject_key = $1 AS here, token = $2 AS mine "
+        "FROM attempts WHERE subject_key = $1 OR (token = $2 AND at_ms > $3)) AS a",
+        sql_int(subject->key), sql_text(token), sql_int(now - STORE_TRIED_WARN_MS),
+        sql_int(now - STORE_TRIED_MS));
 
-    *future = false;
     memset(out, 0, sizeof *out);
     (void)snprintf(out->subject, sizeof out->subject, "%s", subject->id);
     (void)snprintf(out->token, sizeof out->token, "%s", token);
-    if ((st = get_of_subject(t, subject->key, now, out, future, e)) != ST_OK)
-        return st;
-    return get_of_token(t, subject->key, now, out, future, e);
+    if (st == ST_OK &&
+        !(sql_read_count(r, 0, UINT32_MAX, &out->failures) &&
+          sql_read_int(r, 1, 0, &own) && sql_read_count(r, 2, UINT32_MAX, &out->others) &&
+          sql_read_int(r, 3, 0, &others) &&
+          sql_read_count(r, 4, UINT32_MAX, &out->tried) &&
+          sql_read_int(r, 5, 0, &first) &&
+          sql_read_count(r, 6, UINT32_MAX, &out->tried_warn) &&
+          sql_read_int(r, 7, 0, &last)))
+        st = damaged(out, e);
+    *future = last > now;
+    set_own(out, own, now);
+    if (out->others > 0)
+        out->others_age_ms = age(others, now);
+    if (out->tried > 0)
+        out->tried_age_ms = age(first, now);
+    return sql_done(r, st, e);
 }
 
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
@@ -134,7 +97,6 @@ enum status rows_attempts_not_after(struct log_txn *t,
                                     const struct store_subject *subject,
                                     const char *token, int64_t now, struct errinfo *e)
 {
-
     return SQL_RUN(t->sql, e,
                    "UPDATE attempts SET at_ms = $2 WHERE at_ms > $2 "
                    "AND (subject_key = $1 OR token = $3)",
@@ -144,7 +106,6 @@ enum status rows_attempts_not_after(struct log_txn *t,
 enum status rows_attempts_match(struct log_txn *t, const struct store_subject *subject,
                                 const char *token, struct errinfo *e)
 {
-
     return SQL_RUN(t->sql, e,
                    "DELETE FROM attempts WHERE subject_key = $1 AND token = $2",
                    sql_int(subject->key), sql_text(token));
@@ -153,7 +114,6 @@ enum status rows_attempts_match(struct log_txn *t, const struct store_subject *s
 enum status rows_attempts_clear(struct log_txn *t, const struct store_subject *subject,
                                 struct errinfo *e)
 {
-
     return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE subject_key = $1",
                    sql_int(subject->key));
 }
@@ -176,7 +136,6 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
     struct rows_subject of;
     enum status st = rows_table_read(l->t, &rows_subjects, r, 3, &of, e);
     int64_t at;
-    bool future = false;
 
     memset(a, 0, sizeof *a);
     memcpy(a->subject, of.one.id, sizeof a->subject);
@@ -186,7 +145,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
     if (!sql_read_text(r, 0, a->token, sizeof a->token) ||
         !sql_read_count(r, 1, UINT32_MAX, &a->failures) || !sql_read_int(r, 2, 0, &at))
         return damaged(a, e);
-    set_own(a, at, l->now, &future);
+    set_own(a, at, l->now);
     return ST_OK;
 }
 

@@ -63,7 +63,7 @@ static enum status add_table(struct adding *a, const struct rows_table *table,
             st = errinfo_set(e, ST_ECORRUPT, "%s: its rows are not in their order",
                              table->name);
         else if (key > 0 && rows_table_is(a->t, table, r, 0, mac))
-            log_txn_add(a->t->crypt, mac, a->sum);
+            log_txn_sum(a->t->crypt, NULL, mac, a->sum);
         else
             st = bad_row(a, table, r, e);
         first = false;

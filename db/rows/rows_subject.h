@@ -8,7 +8,7 @@ struct rows_subject { /* a row as it was read and found authentic; to be wiped *
     struct store_subject one;
     int64_t revision;
     unsigned char mac[CRYPT_HASH];
-    unsigned char templates[LOG_DIGEST]; /* of its templates' rows, as log_txn_add() */
+    unsigned char templates[LOG_DIGEST]; /* of its templates' rows, as log_txn_sum() */
     uint64_t added;                      /* templates, so far: the number of the newest */
     unsigned char wrapped[CRYPT_WRAPPED], key[CRYPT_KEY]; /* the subject's own */
     unsigned char lookup[CRYPT_HASH];                     /* what it is found by */

@@ -1,5 +1,6 @@
 #include "rows_table.h"
 
+#include <assert.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,53 +15,61 @@ struct text {
     unsigned char bytes[BYTES_MAX];
 };
 
-static bool put(struct text *p, const void *from, size_t n)
+/* Its type, and its value or length and bytes: no two different values give the same. */
+static bool put_value(struct text *p, const struct sql_value *v)
 {
-    if (n > sizeof p->bytes - p->n)
+    unsigned char *to = p->bytes + p->n;
+
+    if (p->n + 9 + v->n > sizeof p->bytes)
         return false;
-    if (n > 0)
-        memcpy(p->bytes + p->n, from, n);
-    p->n += n;
+    bytes_put_number(&to, (uint64_t)v->type, 1);
+    if (v->type == SQL_INT)
+        bytes_put_number(&to, (uint64_t)v->i, 8);
+    else if (v->type == SQL_REAL)
+        bytes_put_real(&to, v->r);
+    else if (v->type != SQL_NULL) {
+        bytes_put_number(&to, v->n, 4);
+        bytes_put(&to, v->data, v->n);
+    }
+    p->n = (size_t)(to - p->bytes);
     return true;
 }
 
-static bool put_number(struct text *p, uint64_t v, size_t n)
+/* A text or a blob stays where it is. */
+static bool get_value(struct bytes *b, struct sql_value *v)
 {
-    unsigned char bytes[8];
+    uint64_t type, n;
 
-    bytes_set(bytes, v, n);
-    return put(p, bytes, n);
-}
-
-/* Its type, and its value or length and bytes: no two different columns give the same. */
-static bool put_value(struct text *p, const struct sql_value *v)
-{
-    uint64_t bits;
-
-    switch (v->type) {
-    case SQL_NULL:
-        return put_number(p, 0, 1);
-    case SQL_INT:
-        return put_number(p, 1, 1) && put_number(p, (uint64_t)v->i, 8);
-    case SQL_REAL:
-        memcpy(&bits, &v->r, sizeof bits);
-        return put_number(p, 2, 1) && put_number(p, bits, 8);
-    case SQL_TEXT:
-    case SQL_BLOB:
-        break;
+    *v = sql_null();
+    if (!bytes_get_number(b, 1, &type) || type > SQL_BLOB)
+        return false;
+    v->type = (enum sql_type)type;
+    if (v->type == SQL_NULL)
+        return true;
+    if (v->type == SQL_REAL)
+        return bytes_get_finite(b, &v->r);
+    if (!bytes_get_number(b, v->type == SQL_INT ? 8 : 4, &n))
+        return false;
+    if (v->type == SQL_INT) {
+        v->i = (int64_t)n;
+        return true;
     }
-    return put_number(p, v->type == SQL_TEXT ? 3 : 4, 1) && put_number(p, v->n, 4) &&
-           put(p, v->data, v->n);
+    v->data = b->at;
+    v->n = (size_t)n;
+    b->at += n <= (uint64_t)(b->end - b->at) ? n : 0;
+    return b->at == (const unsigned char *)v->data + n;
 }
 
 /* False: more bytes than any row of this program's has. */
 static bool mac_of(const struct log_txn *t, const struct rows_table *table,
                    const struct sql_value *v, unsigned char out[CRYPT_HASH])
 {
-    struct text p = {.n = 0};
-    bool fits =
-        put(&p, "surface row   2", 16) && put(&p, table->name, strlen(table->name) + 1);
+    const size_t name = strlen(table->name) + 1;
+    struct text p = {.n = 16 + name};
+    bool fits = true;
 
+    memcpy(p.bytes, "surface row   2", 16);
+    memcpy(p.bytes + 16, table->name, name);
     for (int i = 0; i < table->columns; i++)
         fits = fits && put_value(&p, &v[i]);
     if (fits)
@@ -234,77 +243,22 @@ enum status rows_table_delete(struct log_txn *t, const struct rows_table *table,
 
 /* ---- what is encrypted */
 
-#define DIGEST 32
-
-static void put_field(unsigned char **to, const struct sql_field *f,
-                      const unsigned char *from)
-{
-    unsigned char digest[DIGEST] = {0};
-
-    switch (f->kind) {
-    case SQL_FIELD_TEXT:
-        bytes_put_text(to, (const char *)from);
-        break;
-    case SQL_FIELD_NUMBER:
-        bytes_put_number(to, *(const uint64_t *)(const void *)from, 8);
-        break;
-    case SQL_FIELD_BOOL:
-        bytes_put_number(to, *(const bool *)from, 1);
-        break;
-    case SQL_FIELD_REAL:
-        bytes_put_real(to, *(const double *)(const void *)from);
-        break;
-    case SQL_FIELD_HEX:
-        (void)sodium_hex2bin(digest, sizeof digest, (const char *)from,
-                             strlen((const char *)from), NULL, NULL, NULL);
-        bytes_put(to, digest, sizeof digest);
-        break;
-    default:
-        bytes_put(to, from, f->size);
-    }
-}
-
-static bool get_field(struct bytes *b, const struct sql_field *f, unsigned char *to)
-{
-    unsigned char digest[DIGEST];
-    double *real = (void *)to;
-    uint64_t yes = 2;
-
-    switch (f->kind) {
-    case SQL_FIELD_TEXT:
-        return bytes_get_text(b, (char *)to, f->size);
-    case SQL_FIELD_NUMBER:
-        return bytes_get_number(b, 8, (void *)to);
-    case SQL_FIELD_BOOL:
-        if (!bytes_get_number(b, 1, &yes) || yes > 1)
-            return false;
-        *(bool *)to = yes != 0;
-        return true;
-    case SQL_FIELD_REAL:
-        return bytes_get_finite(b, real) && *real >= f->min && *real <= f->max;
-    case SQL_FIELD_HEX:
-        to[0] = '\0';
-        if (!bytes_get(b, digest, sizeof digest))
-            return false;
-        if (!sodium_is_zero(digest, sizeof digest))
-            (void)sodium_bin2hex((char *)to, f->size, digest, sizeof digest);
-        return true;
-    default:
-        return bytes_get(b, to, f->size);
-    }
-}
-
 void rows_table_encrypt(const unsigned char key[CRYPT_KEY],
                         const struct sql_field_blob *label, const struct sql_field *field,
                         size_t n, const void *row, struct sql_field_blob *out)
 {
-    unsigned char plain[SQL_FIELD_MAX], *to = plain;
+    struct text p = {.n = 0};
 
-    for (size_t i = 0; i < n; i++)
-        put_field(&to, &field[i], (const unsigned char *)row + field[i].at);
-    out->n = (size_t)(to - plain) + CRYPT_OVER;
-    crypt_encrypt(key, label->bytes, label->n, plain, out->n - CRYPT_OVER, out->bytes);
-    sodium_memzero(plain, sizeof plain);
+    for (size_t i = 0; i < n; i++) {
+        const struct sql_value v =
+            sql_field_value(&field[i], (const char *)row + field[i].at);
+
+        (void)put_value(&p, &v);
+    }
+    out->n = p.n + CRYPT_OVER;
+    assert(out->n <= sizeof out->bytes);
+    crypt_encrypt(key, label->bytes, label->n, p.bytes, p.n, out->bytes);
+    sodium_memzero(p.bytes, p.n);
 }
 
 bool rows_table_decrypt(const unsigned char key[CRYPT_KEY],
@@ -317,8 +271,11 @@ bool rows_table_decrypt(const unsigned char key[CRYPT_KEY],
 
     if (ok)
         b.end += in->n - CRYPT_OVER;
-    for (size_t i = 0; ok && i < n; i++)
-        ok = get_field(&b, &field[i], (unsigned char *)row + field[i].at);
+    for (size_t i = 0; ok && i < n; i++) {
+        struct sql_value v;
+
+        ok = get_value(&b, &v) && sql_field_set(&field[i], &v, (char *)row + field[i].at);
+    }
     sodium_memzero(plain, sizeof plain);
     return ok && b.at == b.end;
 }

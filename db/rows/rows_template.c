@@ -41,8 +41,8 @@ static const struct sql_field columns[COL_MAC] = {
 /* What is encrypted in `about`. */
 static const struct sql_field about[] = {
     F(TEXT, one.label),
-    F(HEX, one.digest),
-    F(HEX, read),
+    F(TEXT, one.digest),
+    F(TEXT, read),
     F(NUMBER, number),
     F(BOOL, one.manager),
     REAL(one.first_score, -DBL_MAX, DBL_MAX),
@@ -107,18 +107,17 @@ static enum status decrypt_face(const struct rows_template *row,
                                 struct errinfo *e)
 {
     const struct sql_field_blob label = label_of(row, of, true);
-    size_t n;
-    const void *stored = sql_read_blob(r, col, CRYPT_OVER + 1, SIZE_MAX, &n);
+    const struct sql_value v = sql_column(r, col);
 
     *face = NULL;
     *len = 0;
-    if (stored == NULL)
+    if (v.type != SQL_BLOB || v.n <= CRYPT_OVER)
         return errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing",
                            row->one.id);
-    if ((*face = malloc(n)) == NULL)
+    if ((*face = malloc(v.n)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (crypt_decrypt(of->key, label.bytes, label.n, stored, n, *face)) {
-        *len = n - CRYPT_OVER;
+    if (crypt_decrypt(of->key, label.bytes, label.n, v.data, v.n, *face)) {
+        *len = v.n - CRYPT_OVER;
         return ST_OK;
     }
     free(*face);
@@ -213,7 +212,7 @@ static void sum_of(const struct log_txn *t, const struct rows_template *row, siz
 {
     memset(sum, 0, LOG_DIGEST);
     for (size_t i = 0; i < n; i++)
-        log_txn_add(t->crypt, row[i].mac, sum);
+        log_txn_sum(t->crypt, NULL, row[i].mac, sum);
 }
 
 enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
@@ -381,10 +380,7 @@ static enum status recount(struct log_txn *t, struct rows_subject *of,
                            const unsigned char *minus, const unsigned char *plus,
                            struct errinfo *e)
 {
-    if (minus != NULL)
-        log_txn_subtract(t->crypt, minus, of->templates);
-    if (plus != NULL)
-        log_txn_add(t->crypt, plus, of->templates);
+    log_txn_sum(t->crypt, minus, plus, of->templates);
     return rows_subject_write(t, of, e);
 }
 

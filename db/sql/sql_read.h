@@ -6,12 +6,10 @@
 #include <float.h>
 #include "sql.h"
 
-/* A text of 0..size-1 bytes without NUL; exactly n bytes, or min to max of them; a whole number
- * from 0 to max, or from min on. */
+/* A text of 0..size-1 bytes without NUL; exactly n bytes; a whole number from 0 to max, or
+ * from min on. */
 bool sql_read_text(const struct sql_rows *r, int col, char *out, size_t size);
 bool sql_read_bytes(const struct sql_rows *r, int col, void *out, size_t n);
-const void *sql_read_blob(const struct sql_rows *r, int col, size_t min, size_t max,
-                          size_t *n);
 bool sql_read_count(const struct sql_rows *r, int col, int64_t max, uint32_t *out);
 bool sql_read_int(const struct sql_rows *r, int col, int64_t min, int64_t *out);
 
@@ -27,8 +25,7 @@ enum sql_field_kind {
     SQL_FIELD_NUMBER,        /* int64_t or uint64_t, from 0 on */
     SQL_FIELD_COUNT,         /* uint32_t */
     SQL_FIELD_BOOL,          /* bool */
-    SQL_FIELD_REAL,          /* double */
-    SQL_FIELD_HEX /* char[65]: 32 bytes in hexadecimal, "" for zeros; not a column */
+    SQL_FIELD_REAL           /* double */
 };
 
 struct sql_field {
@@ -49,9 +46,13 @@ struct sql_field_blob {
     }
 #define SQL_FIELD(kind, type, member) SQL_FIELD_IN(kind, type, member, 0, DBL_MAX)
 
-/* sql_read_fields(r, col, field, n, out): n columns from col on, in their order, until one is not as
+/* sql_field_set(f, v, to): the member at `to`; false: it cannot have this value.
+ * sql_field_value(f, from): the value of the member at `from`, which it may point to.
+ * sql_read_fields(r, col, field, n, out): n columns from col on, in their order, until one is not as
  * its field says (false).
- * sql_field_values(field, n, from, v): the same members as values, which point into *from. */
+ * sql_field_values(field, n, from, v): the same members as values. */
+bool sql_field_set(const struct sql_field *f, const struct sql_value *v, void *to);
+struct sql_value sql_field_value(const struct sql_field *f, const void *from);
 bool sql_read_fields(const struct sql_rows *r, int col, const struct sql_field *field,
                      size_t n, void *out);
 void sql_field_values(const struct sql_field *field, size_t n, const void *from,

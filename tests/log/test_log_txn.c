@@ -87,13 +87,9 @@ static void test_follow(void **state)
     (void)state;
     assert_int_equal(last(s), 1);
     for (int i = 0; i < 3; i++) {
-        char id[16];
-
-        (void)snprintf(id, sizeof id, "a%d", i);
-        add(other, id);
+        add(other, (char[]){'a', (char)('0' + i), '\0'});
         assert_int_equal(last(s), 2 + 2 * i);
-        (void)snprintf(id, sizeof id, "b%d", i);
-        add(s, id);
+        add(s, (char[]){'b', (char)('0' + i), '\0'});
         assert_int_equal(last(other), 3 + 2 * i);
     }
     if ((child = fork()) == 0) {
@@ -127,12 +123,8 @@ static void test_older(void **state)
     put_back("old");
     assert_refused(s, "it is an older one, without change 3");
     other = tempdb_open(STORE_WRITE); /* which cannot know */
-    for (int i = 0; i < 2; i++) {
-        char id[16];
-
-        (void)snprintf(id, sizeof id, "c%d", i);
-        add(other, id);
-    }
+    add(other, "c1");
+    add(other, "c2");
     assert_int_equal(last(other), 4);
     assert_refused(s, "it is an older one, without change 3");
     assert_refused(late, "its log is another one from change 3");
@@ -224,8 +216,7 @@ static void test_end(void **state)
         tempdb_sql(text);
         assert_int_equal(store_open(tempdb_path, STORE_READ, &key, &other, &e),
                          ST_ECORRUPT);
-        if (strstr(sql[i], "SET mac") == NULL) /* it has seen this entry */
-            assert_refused(s, "");
+        assert_refused(s, "");
         store_close(s);
     }
 }
@@ -279,7 +270,7 @@ static void test_unlogged(void **state)
     assert_int_equal(store_end(s, &t, ST_OK, &e), ST_OK);
     assert_int_equal(store_begin(s, SQL_READ, &t, &e), ST_OK);
     memset(sum, 0, sizeof sum);
-    log_txn_add(s->crypt, mac, sum);
+    log_txn_sum(s->crypt, NULL, mac, sum);
     assert_int_equal(log_txn_agrees(&t, sum, &same, &e), ST_OK);
     assert_true(same);
     sum[31] ^= 0x80;
