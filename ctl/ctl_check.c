@@ -19,7 +19,7 @@ static enum status check(struct ctl *c)
     enum status st;
 
     json_array(c->out, "problems");
-    st = admin_check(c->store, report, c, &found, &c->e);
+    st = admin_check(c->store, true, report, c, &found, &c->e);
     json_close(c->out);
     if (st != ST_OK)
         return st;

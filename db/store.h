@@ -19,7 +19,6 @@
 #include "store_erase.h"
 #include "store_open.h"
 #include "store_receipt.h"
-#include "store_reencode.h"
 #include "store_settle.h"
 #include "store_subject.h"
 #include "store_template.h"

@@ -1,101 +1,42 @@
 #include "admin_backup.h"
 
-#include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
+#include "admin_check.h"
 #include "admin_copy.h"
 #include "newfile.h"
-#include "rows_template.h"
 #include "sql_file.h"
-#include "store_audit.h"
 #include "store_txn.h"
-
-#define PAGE 1000
 
 /* ---- verifying */
 
-struct verifying {
-    struct errinfo first; /* problem */
-    struct admin_copied *found;
-};
-
-static void problem(void *arg, const char *line)
+static void keep_first(void *arg, const char *line)
 {
-    struct verifying *v = arg;
+    struct errinfo *first = arg;
 
-    if (v->first.code == ST_OK)
-        (void)errinfo_set(&v->first, ST_ECORRUPT, "%s", line);
-}
-
-static enum status count_template(void *arg, const struct rows_template *row,
-                                  const struct rows_subject *of, const void *face,
-                                  size_t len, struct errinfo *e)
-{
-    struct verifying *v = arg;
-
-    (void)row;
-    (void)of;
-    (void)face;
-    (void)len;
-    (void)e;
-    v->found->templates++;
-    return ST_OK;
-}
-
-static enum status verify_subjects(struct log_txn *t, struct admin_copied *found,
-                                   struct errinfo *e)
-{
-    struct store_subject *page = NULL;
-    int64_t after = 0;
-    size_t n;
-    enum status st;
-
-    while ((st = rows_subject_list(t, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
-        found->subjects += n;
-        after = page[n - 1].key;
-        free(page);
-    }
-    return st;
-}
-
-static void audit_problem(void *arg, enum log_name log, uint64_t seq, const char *line)
-{
-    char text[240];
-
-    (void)snprintf(text, sizeof text, "audit log, %s, entry %" PRIu64 ": %s",
-                   log_word(log), seq, line);
-    problem(arg, text);
-}
-
-static enum status verify_rows(struct log_txn *t, struct verifying *v, struct errinfo *e)
-{
-    enum status st;
-
-    if ((st = sql_file_check(t->sql, problem, v, e)) != ST_OK ||
-        (st = verify_subjects(t, v->found, e)) != ST_OK ||
-        (st = rows_template_each(t, 0, 1, count_template, problem, v, e)) != ST_OK)
-        return st;
-    return sql_file_bytes(t->sql, &v->found->bytes, e);
+    if (first->code == ST_OK)
+        (void)errinfo_set(first, ST_ECORRUPT, "%s", line);
 }
 
 enum status admin_verify_store(struct store *s, struct admin_copied *found,
                                struct errinfo *e)
 {
-    struct verifying v = {.found = found};
-    struct log_walk walk;
-    struct log_txn t;
+    struct errinfo first = {ST_OK, ""};
+    struct store_stats stats;
+    struct admin_check check;
     enum status st;
 
     memset(found, 0, sizeof *found);
-    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK ||
-        (st = store_end(s, &t, verify_rows(&t, &v, e), e)) != ST_OK ||
-        (st = store_audit_verify(s, audit_problem, &v, &walk, e)) != ST_OK)
+    if ((st = admin_check(s, false, keep_first, &first, &check, e)) != ST_OK)
         return st;
-    found->events = walk.entries;
-    return v.first.code == ST_OK ? ST_OK : errinfo_set(e, ST_ECORRUPT, "%s", v.first.msg);
+    if (first.code != ST_OK)
+        return errinfo_set(e, ST_ECORRUPT, "%s", first.msg);
+    if ((st = store_stats(s, &stats, e)) == ST_OK)
+        *found = (struct admin_copied){stats.subjects, stats.templates, stats.events,
+                                       stats.file_bytes};
+    return st;
 }
 
 enum status admin_verify(const char *path, const struct store_key *key,

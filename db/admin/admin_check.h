@@ -7,12 +7,13 @@ struct admin_check {
     uint64_t templates, bad_templates, events, problems;
 };
 
-/* admin_check(s, report, arg, out, e): read-only: SQLite's integrity and foreign keys, the rows
+/* admin_check(s, decode, report, arg, out, e): read-only: SQLite's integrity and foreign keys, the rows
  * against the last change and both logs (store_audit_verify()), every calibration valid, every
- * template decoded, its triangulation Delaunay and its tree minimal, its digest and counts right.
- * report() is called once a problem with one line of text, by one thread at a time.  About 2.5 ms a
- * template of 3,000 points, shared among as many threads as there are cores. */
-enum status admin_check(struct store *s, store_report *report, void *arg,
+ * template decrypted; with decode also decoded, its triangulation Delaunay and its tree minimal, its
+ * digest and counts right, which takes about 2.5 ms a template of 3,000 points, shared among as many
+ * threads as there are cores.
+ * report() is called once a problem with one line of text, by one thread at a time. */
+enum status admin_check(struct store *s, bool decode, store_report *report, void *arg,
                         struct admin_check *out, struct errinfo *e);
 
 #endif

@@ -146,35 +146,19 @@ static enum status copy_calibrations(struct log_txn *from, struct log_txn *to,
     return st;
 }
 
-/* What is not authenticated, as it is. */
-static enum status copy_attempts(struct log_txn *from, struct log_txn *to,
-                                 struct errinfo *e)
+/* Rows that are not authenticated, as they are: of n columns, of which add takes each. */
+static enum status copy_plain(struct log_txn *from, struct log_txn *to, const char *list,
+                              const char *add, int n, struct errinfo *e)
 {
+    struct sql_value value[4];
     struct sql_rows *r;
-    enum status st = sql_query(from->sql,
-                               "SELECT s.uid, a.token, a.failures, a.at_ms "
-                               "FROM attempts a JOIN subjects s USING (subject_key)",
-                               NULL, 0, &r, e);
+    enum status st = sql_query(from->sql, list, NULL, 0, &r, e);
 
-    while (st == ST_OK && sql_next(r))
-        st = SQL_RUN(to->sql, e,
-                     "INSERT INTO attempts (subject_key, token, failures, at_ms) VALUES "
-                     "((SELECT subject_key FROM subjects WHERE uid = $1), $2, $3, $4)",
-                     sql_column(r, 0), sql_column(r, 1), sql_column(r, 2),
-                     sql_column(r, 3));
-    return sql_done(r, st, e);
-}
-
-static enum status copy_nonces(struct log_txn *from, struct log_txn *to,
-                               struct errinfo *e)
-{
-    struct sql_rows *r;
-    enum status st =
-        sql_query(from->sql, "SELECT until_ms, nonce FROM nonces", NULL, 0, &r, e);
-
-    while (st == ST_OK && sql_next(r))
-        st = SQL_RUN(to->sql, e, "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)",
-                     sql_column(r, 0), sql_column(r, 1));
+    while (st == ST_OK && sql_next(r)) {
+        for (int i = 0; i < n; i++)
+            value[i] = sql_column(r, i);
+        st = sql_run(to->sql, add, value, (size_t)n, e);
+    }
     return sql_done(r, st, e);
 }
 
@@ -191,8 +175,16 @@ static enum status copy_all(struct log_txn *from, struct log_txn *to,
         (st = copy_tokens(from, to, e)) != ST_OK ||
         (st = copy_devices(from, to, e)) != ST_OK ||
         (st = copy_calibrations(from, to, e)) != ST_OK ||
-        (st = copy_attempts(from, to, e)) != ST_OK ||
-        (st = copy_nonces(from, to, e)) != ST_OK ||
+        (st = copy_plain(from, to,
+                         "SELECT s.uid, a.token, a.failures, a.at_ms "
+                         "FROM attempts a JOIN subjects s USING (subject_key)",
+                         "INSERT INTO attempts (subject_key, token, failures, at_ms) "
+                         "VALUES ((SELECT subject_key FROM subjects WHERE uid = $1), $2, "
+                         "$3, $4)",
+                         4, e)) != ST_OK ||
+        (st = copy_plain(from, to, "SELECT until_ms, nonce FROM nonces",
+                         "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e)) !=
+            ST_OK ||
         (what->amend != NULL && (st = what->amend(what->arg, to, e)) != ST_OK))
         return st;
     return log_change(to, what->by, what->kind, NULL, "", what->outcome, e);

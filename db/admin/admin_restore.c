@@ -162,24 +162,10 @@ static enum status has_change(struct store *s, const struct log_end *at, bool *h
     return st == ST_OK ? store_end(s, &t, log_has(&t, at, has, e), e) : st;
 }
 
-static enum status count_held(struct log_txn *t, struct restoring *r, struct errinfo *e)
-{
-    struct sql_rows *rows;
-    const enum status st = sql_query(t->sql,
-                                     "SELECT (SELECT count(*) FROM subjects), "
-                                     "(SELECT count(*) FROM templates)",
-                                     NULL, 0, &rows, e);
-
-    if (st == ST_OK && sql_next(rows)) {
-        r->out->had_subjects = (uint64_t)sql_column(rows, 0).i;
-        r->out->had_templates = (uint64_t)sql_column(rows, 1).i;
-    }
-    return sql_done(rows, st, e);
-}
-
 static enum status relate(struct restoring *r, struct errinfo *e)
 {
     struct log_filter after = {.after = r->end.seq};
+    struct store_stats stats;
     struct log_end end;
     struct log_txn t;
     bool goes_on = false, older = false;
@@ -193,10 +179,13 @@ static enum status relate(struct restoring *r, struct errinfo *e)
     end = t.changes;
     if ((st = log_has(&t, &r->end, &goes_on, e)) == ST_OK && goes_on)
         st = log_list(t.sql, LOG_CHANGES, &after, &r->since, &r->n, e);
-    if (st == ST_OK)
-        st = count_held(&t, r, e);
-    if ((st = store_end(r->held, &t, st, e)) != ST_OK || goes_on)
+    if ((st = store_end(r->held, &t, st, e)) != ST_OK ||
+        (st = store_stats(r->held, &stats, e)) != ST_OK)
         return st;
+    r->out->had_subjects = stats.subjects;
+    r->out->had_templates = stats.templates;
+    if (goes_on)
+        return ST_OK;
     if ((st = has_change(r->backup, &end, &older, e)) != ST_OK || older)
         return st; /* the backup has all that it has, and more */
     return errinfo_set(

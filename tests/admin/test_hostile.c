@@ -1,10 +1,6 @@
 /* Every byte of a small database is changed in turn, by an attacker without the key.  Each call
  * returns the truth or an error: never another face, subject, token or threshold, never a crash.
  * Many changes at once, and rows: tests/fuzz/fuzz_database.c and tests/box/store-attacks.sh. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,9 +8,8 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <cmocka.h>
 
-#include "errinfo.h"
+#include "expect.h"
 #include "face.h"
 #include "facegen.h"
 #include "store.h"
@@ -91,14 +86,10 @@ static void fill(struct store *s)
     struct store_token t;
 
     tempdb_enroll(s, "alice", "front", &face, &tmpl);
-    assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
-    assert_int_equal(
-        store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t, &e),
-        ST_OK);
-    assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
-    assert_int_equal(
-        store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e),
-        ST_OK);
+    must(store_calibration_add(s, "test", &k, &e));
+    must(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t, &e));
+    must(store_token_revoke(s, "test", t.id, &e));
+    must(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e));
 }
 
 /* ---- what reads may return */

@@ -1,20 +1,14 @@
 /* Every secret made anew: all that a store tells stays, the logs go on, and nothing of the old keys
  * is left or good for anything.  What is not as it was written is not rekeyed. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "expect.h"
 #include "admin_rekey.h"
 #include "crypt_file.h"
-#include "errinfo.h"
 #include "filled.h"
 #include "rows_subject.h"
 #include "store_txn.h"
@@ -23,12 +17,6 @@
 
 static struct errinfo e;
 static const struct store_key usual = {.make = CRYPT_FILE};
-
-static void must(enum status st)
-{
-    if (st != ST_OK)
-        fail_msg("%s", e.msg);
-}
 
 static bool is_there(const char *suffix)
 {
@@ -107,7 +95,7 @@ static void assert_old_rows_refused(void)
                        tempdb_path, table[i], table[i], table[i], table[i], table[i]);
         tempdb_sql(text);
         if (store_open(tempdb_path, STORE_READ, NULL, &s, &e) == ST_OK)
-            assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
+            fails(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
         else
             assert_int_equal(e.code, ST_EDENIED);
         store_close(s);
@@ -149,8 +137,8 @@ static void test_same(void **state)
     assert_non_null(strstr(more, strstr(hashes, "acc")));
     (void)snprintf(last, sizeof last, "change %d ", (int)end.seq + 1);
     assert_non_null(strstr(more, last));
-    assert_int_equal(tempdb_number("SELECT count(*) FROM change_log WHERE kind = 'rekey' "
-                                   "AND actor = 'me' AND outcome = 'file'"),
+    assert_int_equal(tempdb_count("change_log WHERE kind = 'rekey' "
+                                  "AND actor = 'me' AND outcome = 'file'"),
                      1);
     must(store_token_check(s, f.door, &t, &e));
     must(store_verify(s, NULL, NULL, &e));
@@ -168,7 +156,7 @@ static void test_same(void **state)
     assert_old_rows_refused();
     (void)snprintf(key_old, sizeof key_old, "%s.key.old", tempdb_path);
     old.path = key_old;
-    assert_int_equal(store_open(tempdb_path, STORE_READ, &old, &s, &e), ST_EDENIED);
+    fails(store_open(tempdb_path, STORE_READ, &old, &s, &e), ST_EDENIED);
     assert_false(is_there(".key.new"));
 }
 
@@ -190,9 +178,9 @@ static void test_files(void **state)
     must(admin_rekey(tempdb_path, &usual,
                      &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me", &e));
     assert_true(is_there(".before-rekey") && is_there(".key.old"));
-    assert_int_equal(admin_rekey(tempdb_path, &usual,
-                                 &(struct admin_rekey){.kind = CRYPT_FILE}, "me", &e),
-                     ST_EEXISTS);
+    fails(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE},
+                      "me", &e),
+          ST_EEXISTS);
     tempdb_remove();
     key.anchor = anchor;
     must(store_open(tempdb_path, STORE_CREATE, &key, &s, &e));
@@ -214,11 +202,10 @@ static void test_kinds(void **state)
 
     (void)state;
     store_close(filled_fresh(&f));
-    assert_int_equal(
-        admin_rekey(tempdb_path, &usual,
-                    &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase}, "",
-                    &e),
-        ST_EINVAL); /* too short */
+    fails(admin_rekey(tempdb_path, &usual,
+                      &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase},
+                      "", &e),
+          ST_EINVAL); /* too short */
     must(admin_rekey(
         tempdb_path, &usual,
         &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase, .weak = true},
@@ -228,7 +215,7 @@ static void test_kinds(void **state)
     store_close(s);
     must(admin_rekey(tempdb_path, &by_phrase,
                      &(struct admin_rekey){.kind = CRYPT_PLAINTEXT}, "", &e));
-    assert_int_equal(store_open(tempdb_path, STORE_READ, &usual, &s, &e), ST_EDENIED);
+    fails(store_open(tempdb_path, STORE_READ, &usual, &s, &e), ST_EDENIED);
     must(store_open(tempdb_path, STORE_READ, &plain, &s, &e));
     store_close(s);
     must(admin_rekey(tempdb_path, &plain, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
@@ -263,8 +250,7 @@ static void test_refused(void **state)
         if (st != ST_ECORRUPT && st != ST_EREFUSED)
             fail_msg("%s: %d", damage[i], st);
         assert_false(is_there(".key.new") || is_there(".before-rekey"));
-        assert_int_equal(
-            tempdb_number("SELECT count(*) FROM change_log WHERE kind = 'rekey'"), 0);
+        assert_int_equal(tempdb_count("change_log WHERE kind = 'rekey'"), 0);
         store_close(tempdb_open(STORE_READ)); /* by its key */
     }
 }

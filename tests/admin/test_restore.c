@@ -1,21 +1,15 @@
 /* A backup in the place of the database: of what was there only a log that verifies and goes on from
  * the backup's is believed, and only erasures, revocations and removals.  And a state that is
  * accepted as it is. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "expect.h"
 #include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"
-#include "errinfo.h"
 #include "filled.h"
 #include "store_audit.h"
 #include "store_txn.h"
@@ -26,12 +20,6 @@ static struct errinfo e;
 static const struct store_key usual = {.make = CRYPT_FILE};
 static char backup[80], aside[80], key_path[80];
 static struct filled have;
-
-static void must(enum status st)
-{
-    if (st != ST_OK)
-        fail_msg("%s", e.msg);
-}
 
 static void make_backup(struct store *s)
 {
@@ -81,10 +69,10 @@ static void assert_restored(void)
     size_t n;
 
     must(store_subject_get(s, "alice", &one, &e));
-    assert_int_equal(store_subject_get(s, "bob", &one, &e), ST_ENOTFOUND);
-    assert_int_equal(store_subject_get(s, "dave", &one, &e), ST_ENOTFOUND);
-    assert_int_equal(store_token_check(s, have.gate, &t, &e), ST_EDENIED);
-    assert_int_equal(store_token_check(s, have.door, &t, &e), ST_EDENIED);
+    fails(store_subject_get(s, "bob", &one, &e), ST_ENOTFOUND);
+    fails(store_subject_get(s, "dave", &one, &e), ST_ENOTFOUND);
+    fails(store_token_check(s, have.gate, &t, &e), ST_EDENIED);
+    fails(store_token_check(s, have.door, &t, &e), ST_EDENIED);
     must(store_device_list(s, &d, &n, &e));
     assert_int_equal(n, 1);
     assert_string_equal(d[0].name, "door-2");
@@ -93,11 +81,9 @@ static void assert_restored(void)
     assert_int_equal(tempdb_check(s).problems, 0);
     add(s, "eve");
     store_close(s);
-    assert_int_equal(
-        tempdb_number(
-            "SELECT count(*) FROM change_log WHERE kind = 'restore' AND actor = "
-            "'me'"),
-        1);
+    assert_int_equal(tempdb_count("change_log WHERE kind = 'restore' AND actor = "
+                                  "'me'"),
+                     1);
 }
 
 static void test_restore(void **state)
@@ -186,7 +172,7 @@ static void test_poisoned_log(void **state)
         if (st == ST_OK || strstr(e.msg, "move it away first") == NULL)
             fail_msg("%s: %d %s", damage[i], st, e.msg);
         assert_true(access(aside, F_OK) != 0);
-        assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 3);
+        assert_int_equal(tempdb_count("subjects"), 3);
     }
 }
 
@@ -222,9 +208,8 @@ static void test_bad_backup(void **state)
         (void)fclose(f);
     }
     assert_int_not_equal(restore(false, &r), ST_OK);
-    assert_int_equal(
-        admin_restore(tempdb_path, tempdb_path, &usual, NULL, "", false, &r, &e),
-        ST_EINVAL);
+    fails(admin_restore(tempdb_path, tempdb_path, &usual, NULL, "", false, &r, &e),
+          ST_EINVAL);
     /* Two that have gone on from one. */
     s = gone_on();
     store_close(s);
@@ -294,9 +279,8 @@ static void test_other_key(void **state)
     assert_string_equal(after, before);
     assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
-    assert_int_equal(
-        store_open(tempdb_path, STORE_READ, &(struct store_key){.path = old}, &s, &e),
-        ST_EDENIED);
+    fails(store_open(tempdb_path, STORE_READ, &(struct store_key){.path = old}, &s, &e),
+          ST_EDENIED);
 }
 
 /* The same beside the database that was rekeyed: its log goes on from the backup's. */
@@ -320,13 +304,12 @@ static void test_rekeyed(void **state)
     must(admin_restore(tempdb_path, backup, &usual, old, "me", false, &r, &e));
     assert_int_equal(r.erased, 1);
     s = tempdb_open(STORE_WRITE);
-    assert_int_equal(store_subject_get(s, "bob", &one, &e), ST_ENOTFOUND);
+    fails(store_subject_get(s, "bob", &one, &e), ST_ENOTFOUND);
     must(store_subject_get(s, "alice", &one, &e));
     assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
-    assert_int_equal(
-        store_open(tempdb_path, STORE_READ, &(struct store_key){.path = old}, &s, &e),
-        ST_EDENIED);
+    fails(store_open(tempdb_path, STORE_READ, &(struct store_key){.path = old}, &s, &e),
+          ST_EDENIED);
 }
 
 /* The anchor says the restored state from then on. */
@@ -416,15 +399,11 @@ static void test_accept(void **state)
                 fail_msg("case %zu: %u removed", i, (unsigned)a.removed);
             assert_int_equal(reported, a.removed + a.differed);
         }
-        assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"),
-                         cases[i].subjects);
-        assert_int_equal(tempdb_number("SELECT count(*) FROM templates"),
-                         cases[i].templates);
-        assert_int_equal(tempdb_number("SELECT count(*) FROM tokens"), cases[i].tokens);
-        assert_int_equal(tempdb_number("SELECT count(*) FROM devices"), cases[i].devices);
-        assert_int_equal(
-            tempdb_number("SELECT count(*) FROM change_log WHERE kind = 'accept_state'"),
-            1);
+        assert_int_equal(tempdb_count("subjects"), cases[i].subjects);
+        assert_int_equal(tempdb_count("templates"), cases[i].templates);
+        assert_int_equal(tempdb_count("tokens"), cases[i].tokens);
+        assert_int_equal(tempdb_count("devices"), cases[i].devices);
+        assert_int_equal(tempdb_count("change_log WHERE kind = 'accept_state'"), 1);
         s = tempdb_open(STORE_WRITE);
         must(store_verify(s, NULL, NULL, &e));
         add(s, "eve");
@@ -459,7 +438,7 @@ static void test_accept_older(void **state)
     add(s, "carol");
     store_close(s);
     assert_int_equal(rename(old, tempdb_path), 0);
-    assert_int_equal(store_open(tempdb_path, STORE_WRITE, &key, &s, &e), ST_EREFUSED);
+    fails(store_open(tempdb_path, STORE_WRITE, &key, &s, &e), ST_EREFUSED);
     must(admin_accept(tempdb_path, &key, "me", false, note, NULL, &a, &e));
     assert_false(a.differed);
     must(store_open(tempdb_path, STORE_WRITE, &key, &s, &e));

@@ -81,8 +81,8 @@ crash reencode full template reencode "$id" --model "$T/raised.model"
 # ---- the daemon
 if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
     for kind in kill power; do
-        "$BUILD/crash_daemon" "$BUILD/crash_shim.so" "$T/full" "$T/work" "$kind" "$seed" \
-            "$trials" "$T/s4.ply" "$T/p4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
+        "$BUILD/crash" "$BUILD/crash_shim.so" "$T/full" "$T/work" "$kind" "$seed" \
+            "$trials" --clients "$T/s4.ply" "$T/p4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
             --no-auth --workers 2 >"$T/said" 2>&1
         code=$?
         echo "daemon, $kind: $(cat "$T/said")"

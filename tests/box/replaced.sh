@@ -128,6 +128,21 @@ for what in evil keyed phrase given older log cut empty forged other; do
 done
 AUTH=''
 
+# ---- another file of that name, or none: no change may be lost
+for what in moved removed replaced; do
+    start_daemon --no-auth
+    case $what in
+    moved) mv "$DB" "$T/away" ;;
+    removed) rm "$DB" ;;
+    replaced) cp "$T/old.db" "$T/other" && mv "$T/other" "$DB" ;;
+    esac
+    send POST /v1/subjects/erin/templates "$PLY" "$T/mallory.ply"
+    problem "$what: an enrolment" 503 database_refused
+    req DELETE /v1/subjects/alice
+    problem "$what: an erasure" 503 database_refused
+    back
+done
+
 # ---- the key record alone: a daemon has its keys, and takes no other ones; nothing starts with it
 for with in evil keyed phrase; do
     start_daemon --no-auth

@@ -2,7 +2,8 @@
 # Goal: somebody who can write the database's file and has older copies of it, but no key, gets
 # nothing that lasts: what attack_store.py does at rest or beside a daemon is found by the next
 # verification of the rows, and stays found whatever is written honestly after it; nothing that
-# is written hangs a command.  Then, each with its story, attacks that go on while the store works.
+# is written hangs a command.  Then attacks that go on while the store works.  More of them: tests/rows,
+# test_restore.c, replaced.sh, archive.sh, audit.sh.
 # ATTACK: one of them alone.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
@@ -23,13 +24,6 @@ fresh() {
     rm -f "$DB"* # also the key of a rekey
     cp "$T/now.db" "$DB"
     cp "$T/key" "$DB.key"
-}
-
-# killed: the daemon is.
-killed() {
-    kill -9 "$PID"
-    wait "$PID" 2>"$T/out"
-    PID=''
 }
 
 # attack NAME: on the database as it is.
@@ -72,9 +66,7 @@ key_of gone
 ctl_exits 0 init
 cp "$DB.key" "$T/key"
 DOOR=$(new_token door)
-LOST=$(new_token lost)
-STOLEN=$(new_token stolen)
-new_token x >"$T/out"
+for name in lost stolen x; do new_token $name >"$T/out"; done
 ctl_exits 0 device add front "$T/front.pem"
 ctl_exits 0 device add gone "$T/gone.pem"
 for who in alice:1 bob:2 carol:3 dave:4; do
@@ -85,8 +77,6 @@ second=$(said '.templates[0].template_id')
 ctl_exits 0 verify alice "$T/p1.ply"
 ctl_exits 0 subject set dave --expires 2099-01-01T00:00:00Z
 ctl_exits 0 calibrate --reset --yes
-ctl_exits 0 backup "$T/backup"
-ctl_exits 0 export carol -o "$T/archive" --archive-key "$T/key"
 sqlite3 "$DB" "VACUUM INTO '$T/old.db'"
 id_of() { ctl token list && said ".tokens[] | select(.name == \"$1\") | .id"; }
 ctl_exits 0 token revoke "$(id_of lost)"
@@ -123,7 +113,7 @@ for name in $(list rows found) $(list pages found); do
     attack "$name"
     AUTH=$DOOR send POST /v1/subjects/erin/templates "$PLY" "$T/s5.ply"
     ok "$name: an enrolment is answered: $STATUS" [ "$STATUS" != 000 ]
-    killed
+    kill_daemon
     checked "$name: after an honest enrolment" 1
     refuses "$name: after it" rekey --yes
     checked "$name: and after that" 1
@@ -176,51 +166,6 @@ swap() {
     sqlite3 "$DB" "PRAGMA foreign_keys = OFF; ATTACH '$T/old.db' AS old; ATTACH '$T/now.db' AS now; BEGIN; $*; COMMIT" ||
         ok "the attacker can write" false
 }
-hers="uid = (SELECT uid FROM now.subjects WHERE subject_key = 1)"
-her_faces="template_key IN (SELECT template_key FROM now.templates WHERE $hers)"
-
-# ---- she is hidden while a stranger is enrolled, and put back
-if wanted hidden; then
-    # her templates alone: her row knows how many she has
-    fresh
-    start_daemon
-    AUTH=$DOOR
-    swap "DELETE FROM main.faces WHERE $her_faces; DELETE FROM main.templates WHERE $hers"
-    send POST /v1/subjects/alice/templates "$PLY" "$T/s5.ply"
-    ok "a stranger's scan is not her first: $STATUS" [ "$STATUS" -ge 400 ]
-    swap "INSERT INTO main.templates SELECT * FROM now.templates WHERE $hers;
-        INSERT INTO main.faces SELECT * FROM now.faces WHERE $her_faces"
-    send POST /v1/subjects/alice/verify "$PLY" "$T/p5.ply"
-    is "nor a match" "$STATUS $(get .decision)" "200 no_match"
-    send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
-    is "she is" "$STATUS $(get .decision)" "200 match"
-    killed
-    checked "put back as they were" 0
-
-    # all of her: then there are two of her id, also where the schema does not mind
-    for schema in unique any; do
-        fresh
-        start_daemon
-        swap "DELETE FROM main.faces WHERE $her_faces; DELETE FROM main.templates WHERE $hers;
-            DELETE FROM main.subjects WHERE subject_key = 1"
-        send POST /v1/subjects/alice/templates "$PLY" "$T/s5.ply"
-        is "$schema: a second one of her id" "$STATUS" 201
-        killed
-        [ $schema = unique ] || sqlite3 "$DB" ".filectrl data_version" "PRAGMA writable_schema = ON;
-            UPDATE sqlite_schema SET sql = replace(sql, 'lookup      BLOB NOT NULL UNIQUE', 'lookup      BLOB NOT NULL')
-                WHERE name = 'subjects';
-            DELETE FROM sqlite_schema WHERE name = 'sqlite_autoindex_subjects_2'" >"$T/out"
-        [ $schema = any ] || sqlite3 "$DB" "UPDATE subjects SET lookup = zeroblob(32) WHERE subject_key > 4"
-        swap "INSERT INTO main.subjects SELECT * FROM now.subjects WHERE subject_key = 1;
-            INSERT INTO main.templates SELECT * FROM now.templates WHERE $hers;
-            INSERT INTO main.faces SELECT * FROM now.faces WHERE $her_faces"
-        checked "$schema: both" 1
-        refuses "$schema: both" rekey --yes
-        refuses "$schema: both" enroll erin "$T/s5.ply"
-    done
-    AUTH=''
-fi
-
 # ---- an older row is in the place of a newer one while it is changed honestly, which is put back
 if wanted older; then
     for what in "token rotate $(id_of lost)" 'subject set bob --consent C' "enroll bob $T/p2.ply"; do
@@ -244,7 +189,7 @@ if wanted older; then
         ok "$what: the daemon cannot know yet: $STATUS" [ "$STATUS" = 200 -o "$STATUS" = 201 ]
         # shellcheck disable=SC2086 # a command and its arguments
         refuses "$what" $what
-        killed
+        kill_daemon
         checked "$what" 1
     done
     AUTH=''
@@ -265,97 +210,4 @@ if wanted history; then
     start_fails "another history's digest" 1 'surfaced: ' --db "$DB" --listen 127.0.0.1:0
 fi
 
-# ---- restore takes nothing from the file that it replaces but what its log proves
-if wanted restore; then
-    fresh
-    uid=$(sqlite3 "$DB" "SELECT hex(uid) FROM subjects WHERE subject_key = 1")
-    sqlite3 "$DB" "INSERT INTO change_log SELECT seq + 1, at, 'delete_subject', '', x'$uid', '', 'deleted', digest,
-        access_seq, access_hash, hash, mac, NULL FROM change_log ORDER BY seq DESC LIMIT 1"
-    refuses "a forged erasure" restore "$T/backup"
-    fresh
-    sqlite3 "$DB" "UPDATE change_log SET kind = 'delete_subject', uid = x'$uid' WHERE kind = 'revoke_token'"
-    refuses "a changed entry" restore "$T/backup"
-    fresh
-    AUTH=$STOLEN start_daemon
-    AUTH=$STOLEN req GET /v1/subjects
-    is "a stolen secret, rotated away" "$STATUS" 401
-    killed
-    rm -f "$DB"-*
-    cp "$T/old.db" "$DB" # an older whole file
-    ctl_exits 0 restore "$T/backup"
-    start_daemon
-    AUTH=$STOLEN req GET /v1/subjects
-    was=$STATUS # the backup has it too: what the operator knows from the log says so (docs)
-    killed
-    fresh
-    attack token_rotated_back
-    ctl_exits 0 restore "$T/backup"
-    start_daemon
-    for secret in "$STOLEN" "$LOST"; do
-        AUTH=$secret req GET /v1/subjects
-        is "where the log proves it, it is revoked (else $was)" "$STATUS" 401
-    done
-    AUTH=$DOOR req GET /v1/subjects/carol
-    is "and the erased are erased again" "$STATUS" 404
-    killed
-    checked "restored" 0
-fi
-
-# ---- an export is not verified by a key of the file's own choice
-if wanted export; then
-    fresh
-    ctl_exits 0 audit verify
-    key=$(said .public_key)
-    ctl_exits 0 audit export --out "$T/log.jsonl"
-    ok "the true one" "$BUILD/surfacectl" audit verify "$T/log.jsonl" --public-key "$key" >"$T/out"
-    "$BUILD/surfacectl" --db "$T/mine.db" init >"$T/out"
-    "$BUILD/surfacectl" --db "$T/mine.db" token create x --scope verify >"$T/out" 2>&1
-    "$BUILD/surfacectl" --db "$T/mine.db" audit export --out "$T/mine.jsonl" >"$T/out"
-    own=$(sed -n 's/.*"public_key": *"\([0-9a-f]*\)".*/\1/p' "$T/mine.jsonl" | tail -n 1)
-    sed "s/$own/$key/" "$T/mine.jsonl" >"$T/as-theirs.jsonl"
-    head -n 3 "$T/log.jsonl" >"$T/short.jsonl"
-    grep -v '"kind": *"revoke_token"' "$T/log.jsonl" >"$T/less.jsonl"
-    for file in mine as-theirs short less; do
-        ! "$BUILD/surfacectl" audit verify "$T/$file.jsonl" --public-key "$key" >"$T/out" 2>&1
-        ok "$file is not" [ $? = 0 ]
-    done
-fi
-
-# ---- an archive of another database says nothing about whom an id means here
-if wanted import; then
-    fresh
-    "$BUILD/surfacectl" --db "$T/other.db" init >"$T/out"
-    "$BUILD/surfacectl" --db "$T/other.db" enroll alice "$T/s5.ply" >"$T/out"
-    "$BUILD/surfacectl" --db "$T/other.db" export alice -o "$T/other.archive" --archive-key "$T/key" >"$T/out"
-    refuses "another alice" import "$T/other.archive" --archive-key "$T/key"
-    ctl verify alice "$T/p5.ply"
-    ok "she does not match" [ "$CODE" != 0 ]
-    ctl import "$T/archive" --archive-key "$T/key"
-    is "nor is the erased imported" "$CODE $(said .subjects_new)" "0 0"
-fi
-
-# ---- the files under a running daemon
-if wanted files; then
-    for what in moved removed replaced copied; do
-        fresh
-        start_daemon
-        AUTH=$DOOR
-        req GET /v1/subjects
-        is "$what: before" "$STATUS" 200
-        case $what in
-        moved) mv "$DB" "$T/away" ;;
-        removed) rm "$DB" ;;
-        replaced) cp "$T/old.db" "$T/other" && mv "$T/other" "$DB" ;;
-        copied) cat "$T/old.db" >"$DB" ;; # the same file, other bytes
-        esac
-        # What is in memory may be answered from; no change may be lost.
-        send POST /v1/subjects/erin/templates "$PLY" "$T/s5.ply"
-        ok "$what: an enrolment: $STATUS" [ "$STATUS" != 201 ]
-        req DELETE /v1/subjects/alice
-        ok "$what: an erasure: $STATUS" [ "$STATUS" != 200 ]
-        [ $what = copied ] || problem "$what" 503 database_refused
-        AUTH=''
-        killed
-    done
-fi
 finish

@@ -1,15 +1,10 @@
 /* What a verification reads and writes, in one transaction each. */
 /* link: -Wl,--wrap=sql_begin */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
-#include "errinfo.h"
+#include "expect.h"
 #include "model.h"
 #include "sql.h"
 #include "tempdb.h"
@@ -100,7 +95,7 @@ static void test_admit(void **state)
     struct store_admission a;
 
     (void)state;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_transactions(1, 0);
     assert_string_equal(a.subject.id, "alice");
     assert_int_equal(a.subject.templates, 2);
@@ -118,7 +113,7 @@ static void test_admit(void **state)
     free(a.t);
 
     c = (struct caller){.store = s, .has = t[0].id};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_int_equal(c.used, 1);
     assert_string_equal(c.got[0], t[1].id);
     free(a.t);
@@ -127,7 +122,7 @@ static void test_admit(void **state)
     c = (struct caller){.store = s};
     what.subject = NULL;
     what.template_id = t[2].id;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_string_equal(a.subject.id, "bob");
     assert_int_equal(a.n, 1);
     assert_memory_equal(&a.t[0], &t[2], sizeof t[2]);
@@ -136,7 +131,7 @@ static void test_admit(void **state)
 
     /* Without callbacks: the lists alone. */
     what = (struct store_admit){.subject = "bob"};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_int_equal(a.n, 1);
     free(a.t);
     store_close(s);
@@ -152,24 +147,24 @@ static void test_ended(void **state)
     struct store_admission a;
 
     (void)state;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    fails(store_admit(s, &what, &a, &e), ST_EHELD);
     assert_string_equal(e.msg, "no more");
     assert_null(a.t);
     assert_int_equal(c.used, 0);
     c = (struct caller){.store = s, .fail = ST_EVERSION};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EVERSION);
+    fails(store_admit(s, &what, &a, &e), ST_EVERSION);
     assert_null(a.t);
     assert_int_equal(c.used, 1);
     what.subject = "nobody";
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    fails(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
     what.subject = "no body";
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EINVAL);
+    fails(store_admit(s, &what, &a, &e), ST_EINVAL);
     what.subject = NULL;
     what.template_id = "00000000000000000000000000000000";
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
-    assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
+    fails(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    must(tempdb_erase(s, "test", "bob", &e));
     what.template_id = t[2].id;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    fails(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
     store_close(s);
 }
 
@@ -183,10 +178,10 @@ static void test_state(void **state)
 
     (void)state;
     tempdb_expire(s, "alice");
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
-    assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
+    must(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e));
+    must(store_calibration_add(s, "test", &k, &e));
     reads = writes = 0;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_transactions(1, 0);
     assert_true(a.subject.expired);
     assert_int_equal(a.attempts.failures, 1);
@@ -197,35 +192,35 @@ static void test_state(void **state)
     free(a.t);
     /* A caller that has this calibration does not get it again. */
     what.calibration = 1;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_int_equal(a.calibration, 1);
     assert_int_equal(a.k.version, 0);
     free(a.t);
     /* The clock was set back: the last failure is now, for good. */
     tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
     reads = writes = 0;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_transactions(1, 1);
     assert_int_equal(a.attempts.age_ms, 0);
     free(a.t);
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    must(store_admit(s, &what, &a, &e));
     assert_transactions(1, 0);
     free(a.t);
     /* Also where the caller ends the reading: its lock-out would never end. */
     tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
     what.listed = listed;
     what.arg = &(struct caller){.end = true};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    fails(store_admit(s, &what, &a, &e), ST_EHELD);
     assert_string_equal(e.msg, "no more");
     assert_null(a.t);
     assert_transactions(1, 1);
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    fails(store_admit(s, &what, &a, &e), ST_EHELD);
     assert_transactions(1, 0);
     what.listed = NULL;
     /* By a damaged calibration nobody may decide. */
     tempdb_sql("UPDATE calibrations SET threshold = threshold + 1");
     what.calibration = 0;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ECORRUPT);
+    fails(store_admit(s, &what, &a, &e), ST_ECORRUPT);
     store_close(s);
 }
 
@@ -245,7 +240,7 @@ static struct store_audit_entry last_event(struct store *s)
     struct store_audit_entry *list, one;
     size_t n;
 
-    assert_int_equal(store_audit_list(s, &last, &list, &n, &e), ST_OK);
+    must(store_audit_list(s, &last, &list, &n, &e));
     assert_int_equal(n, 1);
     one = list[0];
     free(list);
@@ -270,10 +265,10 @@ static void test_settle(void **state)
 
     (void)state;
     tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
-    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    must(store_subject_get(s, "alice", &alice, &e));
     reads = writes = 0;
     for (unsigned i = 0; i < 2; i++) {
-        assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+        must(store_settle(s, &what, &out, &e));
         assert_transactions(0, 1);
         assert_true(out.may);
         assert_int_equal(failures, i);
@@ -282,30 +277,28 @@ static void test_settle(void **state)
     assert_string_equal(last_event(s).subject, "alice");
     assert_string_equal(last_event(s).entry.actor, "test");
     seq = last_event(s).entry.seq;
-    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
-                     1);
+    assert_int_equal(tempdb_count("subjects WHERE seen > '2026'"), 1);
     /* No more: and nothing is written. */
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    must(store_settle(s, &what, &out, &e));
     assert_false(out.may);
     assert_int_equal(last_event(s).entry.seq, seq);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
     what.may = NULL;
     what.as = STORE_SETTLE_UNCOUNTED;
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    must(store_settle(s, &what, &out, &e));
     assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
     assert_int_equal(last_event(s).entry.seq, seq + 1);
     what.as = STORE_SETTLE_PASSED;
     what.outcome = "match";
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    must(store_settle(s, &what, &out, &e));
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     assert_string_equal(last_event(s).entry.outcome, "match");
-    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
+    must(store_verify(s, NULL, NULL, &e));
     /* A subject that was seen just now is not written again. */
-    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    must(store_subject_get(s, "alice", &alice, &e));
     tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
-    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
-                     0);
+    must(store_settle(s, &what, &out, &e));
+    assert_int_equal(tempdb_count("subjects WHERE seen > '2026'"), 0);
     store_close(s);
 }
 
@@ -323,14 +316,14 @@ static void test_no_event(void **state)
     struct store_settled out;
 
     (void)state;
-    assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    must(store_subject_get(s, "bob", &bob, &e));
+    must(store_settle(s, &what, &out, &e));
     tempdb_sql("UPDATE access_log SET mac = zeroblob(32)");
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_ECORRUPT);
+    fails(store_settle(s, &what, &out, &e), ST_ECORRUPT);
     assert_int_equal(tempdb_attempts(s, "bob").failures, 1);
     tempdb_sql("DELETE FROM access_log");
-    assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_ENOTFOUND);
+    must(tempdb_erase(s, "test", "bob", &e));
+    fails(store_settle(s, &what, &out, &e), ST_ENOTFOUND);
     store_close(s);
 }
 
@@ -352,9 +345,9 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
     uint32_t before;
 
     (void)snprintf(probe.used, sizeof probe.used, "%s", used);
-    assert_int_equal(store_subject_get(s, who, &one, &e), ST_OK);
+    must(store_subject_get(s, who, &one, &e));
     before = tempdb_attempts(s, who).failures;
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    must(store_settle(s, &what, &out, &e));
     assert_true(out.may);
     assert_string_equal(last_event(s).entry.outcome, out.replayed ? "replayed" : "match");
     assert_int_equal(tempdb_attempts(s, who).failures, out.replayed ? before + 1 : 0);
@@ -370,17 +363,15 @@ static void test_replayed(void **state)
     (void)state;
     for (int i = 0; i < 2; i++)
         memset(digest[i], 'a' + i, 64);
-    assert_int_equal(
-        store_enroll(s,
-                     &(struct store_enroll){
-                         .actor = "test",
-                         .subject = "carol",
-                         .label = "",
-                         .sample = &(struct store_sample){.face = &tempdb_face[2],
-                                                          .read = digest[0]},
-                         .n = 1},
-                     &carol, &created, &e),
-        ST_OK);
+    must(store_enroll(
+        s,
+        &(struct store_enroll){
+            .actor = "test",
+            .subject = "carol",
+            .label = "",
+            .sample = &(struct store_sample){.face = &tempdb_face[2], .read = digest[0]},
+            .n = 1},
+        &carol, &created, &e));
     /* The cloud of a template, as it was used and as it was read; of this subject alone. */
     assert_true(replayed(s, "alice", digest[1], t[0].digest));
     assert_true(replayed(s, "alice", digest[1], t[1].digest));
@@ -391,10 +382,10 @@ static void test_replayed(void **state)
     assert_false(replayed(s, "alice", digest[1], ""));
     assert_false(replayed(s, "alice", digest[1], ""));
     /* It ends with the template, and with the subject. */
-    assert_int_equal(store_template_delete(s, "test", carol.id, &e), ST_OK);
+    must(store_template_delete(s, "test", carol.id, &e));
     assert_false(replayed(s, "carol", digest[0], carol.digest));
-    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
-    assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
+    must(store_verify(s, NULL, NULL, &e));
+    must(tempdb_erase(s, "test", "alice", &e));
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t[0]);
     assert_true(replayed(s, "alice", digest[1], t[0].digest));
     assert_false(replayed(s, "alice", digest[1], t[1].digest));

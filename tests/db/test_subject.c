@@ -1,15 +1,10 @@
 /* What is stored of a subject, and how it changes: set, renamed, held, disabled, seen,
  * due; each change is one transaction with its event. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <cmocka.h>
 
-#include "errinfo.h"
+#include "expect.h"
 #include "face.h"
 #include "store.h"
 #include "tempdb.h"
@@ -25,8 +20,7 @@ static struct store_subject get(struct store *s, const char *subject)
 {
     struct store_subject one;
 
-    if (store_subject_get(s, subject, &one, &e) != ST_OK)
-        fail_msg("%s", e.msg);
+    must(store_subject_get(s, subject, &one, &e));
     return one;
 }
 
@@ -84,7 +78,7 @@ static void test_set(void **state)
     assert_string_equal(one.expires, "");
     assert_int_equal(changes("set_subject"), 2);
     /* Its templates are read by the same key as before. */
-    assert_int_equal(store_template_get(s, t.id, &got, &e), ST_OK);
+    must(store_template_get(s, t.id, &got, &e));
     assert_string_equal(got.subject, "alice");
     assert_string_equal(got.label, "a label");
 
@@ -115,7 +109,7 @@ static void test_together(void **state)
     (void)state;
     enroll(s, "alice", &t);
     assert_false(get(s, "alice").expired);
-    assert_int_equal(store_subject_set(s, "me", "alice", &what, &e), ST_OK);
+    must(store_subject_set(s, "me", "alice", &what, &e));
     one = get(s, "alice");
     assert_string_equal(one.reference, "C-1");
     assert_string_equal(one.expires, "2031-02-03T03:05:06.000Z");
@@ -128,11 +122,11 @@ static void test_together(void **state)
     assert_int_equal(changes("hold_subject"), 1);
     assert_int_equal(changes("disable_subject"), 1);
     what = (struct store_subject_change){.purpose = "a\nb", .hold = &no};
-    assert_int_equal(store_subject_set(s, "me", "alice", &what, &e), ST_EINVAL);
+    fails(store_subject_set(s, "me", "alice", &what, &e), ST_EINVAL);
     assert_true(get(s, "alice").hold);
     what = (struct store_subject_change){0};
-    assert_int_equal(store_subject_set(s, "me", "alice", &what, &e), ST_OK);
-    assert_int_equal(store_subject_set(s, "me", "nobody", &what, &e), ST_ENOTFOUND);
+    must(store_subject_set(s, "me", "alice", &what, &e));
+    fails(store_subject_set(s, "me", "nobody", &what, &e), ST_ENOTFOUND);
     assert_int_equal(changes("release_subject"), 0);
     assert_int_equal(changes("set_subject"), 2);
     store_close(s);
@@ -149,27 +143,27 @@ static void test_rename(void **state)
     enroll(s, "alice", &t);
     enroll(s, "bob", &t);
     assert_int_equal(set(s, "alice", "C-17", NULL, NULL), ST_OK);
-    assert_int_equal(store_subject_rename(s, "me", "alice", "bob", &e), ST_EEXISTS);
-    assert_int_equal(store_subject_rename(s, "me", "alice", "alice", &e), ST_EEXISTS);
-    assert_int_equal(store_subject_rename(s, "me", "alice", "a b", &e), ST_EINVAL);
-    assert_int_equal(store_subject_rename(s, "me", "nobody", "carol", &e), ST_ENOTFOUND);
+    fails(store_subject_rename(s, "me", "alice", "bob", &e), ST_EEXISTS);
+    fails(store_subject_rename(s, "me", "alice", "alice", &e), ST_EEXISTS);
+    fails(store_subject_rename(s, "me", "alice", "a b", &e), ST_EINVAL);
+    fails(store_subject_rename(s, "me", "nobody", "carol", &e), ST_ENOTFOUND);
     assert_int_equal(changes("rename_subject"), 0);
-    assert_int_equal(store_subject_rename(s, "me", "alice", "carol", &e), ST_OK);
+    must(store_subject_rename(s, "me", "alice", "carol", &e));
     assert_int_equal(changes("rename_subject"), 1);
-    assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ENOTFOUND);
+    fails(store_subject_get(s, "alice", &one, &e), ST_ENOTFOUND);
     one = get(s, "carol");
     assert_string_equal(one.id, "carol");
     assert_string_equal(one.reference, "C-17");
-    assert_int_equal(store_template_list(s, "carol", &list, &n, &e), ST_OK);
+    must(store_template_list(s, "carol", &list, &n, &e));
     assert_int_equal(n, 1);
     assert_string_equal(list[0].subject, "carol");
     free(list);
 
     /* Another subject may get the old id, also after an erasure. */
     enroll(s, "alice", &t);
-    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_OK);
+    must(tempdb_erase(s, "", "alice", &e));
     assert_int_equal(changes("delete_subject"), 1);
-    assert_int_equal(store_subject_rename(s, "", "carol", "alice", &e), ST_OK);
+    must(store_subject_rename(s, "", "carol", "alice", &e));
     store_close(s);
 }
 
@@ -184,20 +178,20 @@ static void test_hold(void **state)
     assert_int_equal(hold(s, "alice", true), ST_OK);
     assert_int_equal(hold(s, "alice", true), ST_OK);
     assert_true(get(s, "alice").hold);
-    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_EHELD);
-    assert_int_equal(store_template_delete(s, "", t.id, &e), ST_EHELD);
+    fails(tempdb_erase(s, "", "alice", &e), ST_EHELD);
+    fails(store_template_delete(s, "", t.id, &e), ST_EHELD);
     tempdb_expire(s, "alice");
-    assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_EHELD);
+    fails(store_subject_purge(s, "", "alice", &e), ST_EHELD);
     assert_int_equal(get(s, "alice").templates, 1);
     /* The bit alone, without the key, is no release: the row is damaged then. */
     tempdb_sql("UPDATE subjects SET hold = 0");
-    assert_int_equal(store_subject_get(s, "alice", &one, &e), ST_ECORRUPT);
+    fails(store_subject_get(s, "alice", &one, &e), ST_ECORRUPT);
     tempdb_sql("UPDATE subjects SET hold = 1");
     assert_int_equal(hold(s, "alice", false), ST_OK);
     assert_int_equal(changes("hold_subject"), 2);
     assert_int_equal(changes("release_subject"), 1);
-    assert_int_equal(store_template_delete(s, "", t.id, &e), ST_OK);
-    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_OK);
+    must(store_template_delete(s, "", t.id, &e));
+    must(tempdb_erase(s, "", "alice", &e));
     store_close(s);
 }
 
@@ -229,7 +223,7 @@ static void see(struct store *s, const struct store_subject *one)
                                       .outcome = "match"};
     struct store_settled out = {0};
 
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    must(store_settle(s, &what, &out, &e));
 }
 
 static void test_seen(void **state)
@@ -258,8 +252,7 @@ static void test_seen(void **state)
     assert_true(get(s, "alice").seen[0] == '2');
     /* Enrolling the same scan again counts as seen too. */
     tempdb_sql("UPDATE subjects SET seen = NULL");
-    assert_int_equal(tempdb_store(s, "", "alice", "", &tempdb_face[0], &t, &created, &e),
-                     ST_OK);
+    must(tempdb_store(s, "", "alice", "", &tempdb_face[0], &t, &created, &e));
     assert_false(created);
     assert_true(get(s, "alice").seen[0] == '2');
     assert_int_equal(changes("enroll"), 1);
@@ -280,31 +273,31 @@ static void test_due(void **state)
     size_t n;
 
     (void)state;
-    assert_int_equal(store_subject_due(s, &due, &n, &e), ST_OK);
+    must(store_subject_due(s, &due, &n, &e));
     assert_int_equal(n, 0);
     free(due);
     for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
         memset(&one, 0, sizeof one);
         (void)snprintf(one.id, sizeof one.id, "%s", some[i].id);
         (void)snprintf(one.expires, sizeof one.expires, "%s", some[i].expires);
-        assert_int_equal(store_subject_add(s, "", &one, &e), ST_OK);
+        must(store_subject_add(s, "", &one, &e));
     }
     tempdb_expire(s, "first");
     tempdb_expire(s, "second");
     tempdb_expire(s, "held");
     assert_int_equal(hold(s, "held", true), ST_OK);
-    assert_int_equal(store_subject_due(s, &due, &n, &e), ST_OK);
+    must(store_subject_due(s, &due, &n, &e));
     assert_int_equal(n, 3);
     assert_string_equal(due[0].id, "first");
     assert_string_equal(due[1].id, "second");
     assert_string_equal(due[2].id, "held");
     assert_true(due[2].hold);
     free(due);
-    assert_int_equal(store_subject_purge(s, "", "never", &e), ST_ENOTFOUND);
-    assert_int_equal(store_subject_purge(s, "", "later", &e), ST_ENOTFOUND);
-    assert_int_equal(store_subject_purge(s, "", "nobody", &e), ST_ENOTFOUND);
-    assert_int_equal(store_subject_purge(s, "", "first", &e), ST_OK);
-    assert_int_equal(store_subject_get(s, "first", &one, &e), ST_ENOTFOUND);
+    fails(store_subject_purge(s, "", "never", &e), ST_ENOTFOUND);
+    fails(store_subject_purge(s, "", "later", &e), ST_ENOTFOUND);
+    fails(store_subject_purge(s, "", "nobody", &e), ST_ENOTFOUND);
+    must(store_subject_purge(s, "", "first", &e));
+    fails(store_subject_get(s, "first", &one, &e), ST_ENOTFOUND);
     assert_int_equal(changes("delete_subject"), 1);
     store_close(s);
 }
@@ -319,10 +312,10 @@ static void test_damaged(void **state)
     enroll(s, "alice", &t);
     tempdb_sql("UPDATE subjects SET about = zeroblob(length(about))");
     assert_int_equal(set(s, "alice", "x", NULL, NULL), ST_ECORRUPT);
-    assert_int_equal(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
+    fails(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
     assert_int_equal(hold(s, "alice", true), ST_ECORRUPT);
-    assert_int_equal(store_subject_purge(s, "", "alice", &e), ST_ECORRUPT);
-    assert_int_equal(tempdb_erase(s, "", "alice", &e), ST_ECORRUPT);
+    fails(store_subject_purge(s, "", "alice", &e), ST_ECORRUPT);
+    fails(tempdb_erase(s, "", "alice", &e), ST_ECORRUPT);
     store_close(s);
 }
 
@@ -340,17 +333,16 @@ static void test_vacuum(void **state)
     }
     for (int i = 0; i < 19; i++) {
         (void)snprintf(id, sizeof id, "s%d", i);
-        assert_int_equal(tempdb_erase(s, "", id, &e), ST_OK);
+        must(tempdb_erase(s, "", id, &e));
     }
-    assert_int_equal(store_stats(s, &before, &e), ST_OK);
-    if (store_vacuum(s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    assert_int_equal(store_stats(s, &after, &e), ST_OK);
+    must(store_stats(s, &before, &e));
+    must(store_vacuum(s, &e));
+    must(store_stats(s, &after, &e));
     assert_true(after.file_bytes < before.file_bytes / 2);
     assert_int_equal(get(s, "s19").templates, 1);
     enroll(s, "after", &t);
-    assert_int_equal(store_open(tempdb_path, STORE_READ, NULL, &reader, &e), ST_OK);
-    assert_int_equal(store_vacuum(reader, &e), ST_EDENIED);
+    must(store_open(tempdb_path, STORE_READ, NULL, &reader, &e));
+    fails(store_vacuum(reader, &e), ST_EDENIED);
     store_close(reader);
     store_close(s);
 }

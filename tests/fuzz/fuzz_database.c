@@ -452,7 +452,7 @@ static void ask(struct store *s)
     if (store_calibration_get(s, &k, &e) == ST_OK)
         MUST(k.table.threshold == THRESHOLD && !k.shipped);
     ask_lists(s);
-    (void)admin_check(s, ignore, NULL, &check, &e);
+    (void)admin_check(s, true, ignore, NULL, &check, &e);
 }
 
 /* Everything is there then, but faces, which are found damaged when they are loaded. */

@@ -372,7 +372,7 @@ void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
     for (size_t i = 0; i < n; i++) {
         const struct change *c = &l->change[i];
 
-        if (loss == CRASH_KEEP || c->until < n)
+        if (c->until < n)
             apply(f, l, c, NULL);
         else if (is_name(c) && kept > 0 && kept-- > 0)
             apply(f, l, c, NULL);

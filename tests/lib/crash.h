@@ -34,7 +34,6 @@ size_t crash_log_n(const struct crash_log *l);
 uint64_t crash_log_bytes(const struct crash_log *l, size_t n);
 
 enum crash_loss {
-    CRASH_KEEP, /* all is on the disk: the program alone was killed */
     CRASH_LOSE, /* what was not synced (fsync) is lost */
     CRASH_SOME /* some of that is there: any sectors of 512 bytes; names in their order */
 };

@@ -107,7 +107,7 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
         say(&t, "cannot be opened: %s", e.msg);
         return false;
     }
-    if ((st = admin_check(s, problem, &t, &check, &e)) == ST_OK && t.n == 0 &&
+    if ((st = admin_check(s, true, problem, &t, &check, &e)) == ST_OK && t.n == 0 &&
         (st = say_subjects(s, &t, &e)) == ST_OK)
         st = say_tokens(s, &t, &e);
     else if (st == ST_OK)

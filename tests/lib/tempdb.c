@@ -139,6 +139,14 @@ int64_t tempdb_number(const char *text)
     return n;
 }
 
+int64_t tempdb_count(const char *rows)
+{
+    char text[256];
+
+    (void)snprintf(text, sizeof text, "SELECT count(*) FROM %s", rows);
+    return tempdb_number(text);
+}
+
 /* The index of another table has this content: they change their root pages.  Making a table tells
  * other connections that the schema has changed. */
 void tempdb_mislead(const char *index, const char *rows)

@@ -35,10 +35,12 @@ struct store *tempdb_open(enum store_mode mode);
 /* tempdb_sql(text): run statements on the file, as another program would, which does not
  * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.
  * tempdb_number(text): the first number that a query gives.
+ * tempdb_count(rows): how many there are of "TABLE", or "TABLE WHERE ...".
  * tempdb_mislead(index, rows): an index of one column gets other contents, as a query gives them:
  * the rows' keys, and what each is found by.  Its table stays as it is. */
 void tempdb_sql(const char *text);
 int64_t tempdb_number(const char *text);
+int64_t tempdb_count(const char *rows);
 void tempdb_mislead(const char *index, const char *rows);
 
 /* tempdb_store(s, actor, subject, label, f, t, created, e): store_enroll() of a face that was

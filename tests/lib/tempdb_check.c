@@ -23,7 +23,7 @@ struct admin_check tempdb_check(struct store *s)
     struct errinfo e;
     unsigned lines = 0;
 
-    if (admin_check(s, print_report, &lines, &found, &e) != ST_OK)
+    if (admin_check(s, true, print_report, &lines, &found, &e) != ST_OK)
         fail_msg("%s", e.msg);
     assert_int_equal(lines, found.problems);
     return found;
