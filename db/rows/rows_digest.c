@@ -132,27 +132,20 @@ enum status rows_digest_orphans(struct log_txn *t,
 
 /* What no two authentic rows may share, whatever the file's schema says: somebody who is hidden
  * while a second one of the same id is enrolled, and put back, leaves no other difference. */
-static const struct {
-    const char *text, *problem;
-} twice[] = {
-    {"SELECT 1 FROM subjects GROUP BY lookup HAVING count(*) > 1 LIMIT 1",
-     "subjects: two rows have one id"},
-    {"SELECT 1 FROM subjects GROUP BY uid HAVING count(*) > 1 LIMIT 1",
-     "subjects: two rows have one uid"},
-    {"SELECT 1 FROM templates GROUP BY id HAVING count(*) > 1 LIMIT 1",
-     "templates: two rows have one id"},
-    {"SELECT 1 FROM templates GROUP BY uid, used HAVING count(*) > 1 LIMIT 1",
-     "templates: two rows of a subject have the same points"},
-    {"SELECT 1 FROM tokens GROUP BY id HAVING count(*) > 1 LIMIT 1",
-     "tokens: two rows have one id"},
-    {"SELECT 1 FROM tokens GROUP BY hash HAVING count(*) > 1 LIMIT 1",
-     "tokens: two rows have one secret"},
-    {"SELECT 1 FROM devices GROUP BY id HAVING count(*) > 1 LIMIT 1",
-     "devices: two rows have one id"},
-    {"SELECT 1 FROM devices GROUP BY name HAVING count(*) > 1 LIMIT 1",
-     "devices: two rows have one name"},
-    {"SELECT 1 FROM calibrations GROUP BY calibration_key HAVING count(*) > 1 LIMIT 1",
-     "calibrations: two rows have one number"},
+#define TWICE(table, columns, problem)                                                   \
+    "SELECT '" table ": two rows " problem "' FROM " table " GROUP BY " columns          \
+    " HAVING count(*) > 1 LIMIT 1"
+
+static const char *const twice[] = {
+    TWICE("subjects", "lookup", "have one id"),
+    TWICE("subjects", "uid", "have one uid"),
+    TWICE("templates", "id", "have one id"),
+    TWICE("templates", "uid, used", "of a subject have the same points"),
+    TWICE("tokens", "id", "have one id"),
+    TWICE("tokens", "hash", "have one secret"),
+    TWICE("devices", "id", "have one id"),
+    TWICE("devices", "name", "have one name"),
+    TWICE("calibrations", "calibration_key", "have one number"),
 };
 
 enum status rows_digest_twice(struct log_txn *t,
@@ -164,13 +157,14 @@ enum status rows_digest_twice(struct log_txn *t,
     *problems = 0;
     for (size_t i = 0; i < sizeof twice / sizeof *twice && st == ST_OK; i++) {
         struct sql_rows *r;
+        char line[80];
 
-        st = sql_query(t->sql, twice[i].text, NULL, 0, &r, e);
-        if (st == ST_OK && sql_next(r)) {
+        st = sql_first(t->sql, twice[i], NULL, 0, &r, e);
+        if (st == ST_OK && sql_read_text(r, 0, line, sizeof line)) {
             ++*problems;
-            report(arg, twice[i].problem);
+            report(arg, line);
         }
-        st = sql_done(r, st, e);
+        st = sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
     }
     return st;
 }

@@ -130,10 +130,13 @@ static enum status list_row(void *t, const struct sql_rows *r, void *out,
     return st;
 }
 
-static enum status list(struct log_txn *t, struct sql_rows *r, enum status st,
-                        struct store_subject **out, size_t *n, struct errinfo *e)
+static enum status list(struct log_txn *t, const char *text, const struct sql_value *v,
+                        size_t nv, struct store_subject **out, size_t *n,
+                        struct errinfo *e)
 {
     void *rows = NULL;
+    struct sql_rows *r;
+    enum status st = sql_query(t->sql, text, v, nv, &r, e);
 
     st = sql_read_list(r, st, list_row, t, sizeof **out, &rows, n, e);
     *out = rows;
@@ -143,28 +146,24 @@ static enum status list(struct log_txn *t, struct sql_rows *r, enum status st,
 enum status rows_subject_list(struct log_txn *t, int64_t after, size_t limit,
                               struct store_subject **out, size_t *n, struct errinfo *e)
 {
-    const int64_t most = limit < INT64_MAX ? (int64_t)limit : INT64_MAX;
-    struct sql_rows *r;
-    const enum status st =
-        SQL_QUERY(t->sql, &r, e,
-                  "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.subject_key > $1 "
-                  "ORDER BY s.subject_key LIMIT $2",
-                  sql_int(after), sql_int(most));
+    const struct sql_value v[] = {
+        sql_int(after), sql_int(limit < INT64_MAX ? (int64_t)limit : INT64_MAX)};
 
-    return list(t, r, st, out, n, e);
+    return list(t,
+                "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.subject_key > $1 "
+                "ORDER BY s.subject_key LIMIT $2",
+                v, 2, out, n, e);
 }
 
 enum status rows_subject_due(struct log_txn *t, const char *now,
                              struct store_subject **out, size_t *n, struct errinfo *e)
 {
-    struct sql_rows *r;
-    const enum status st =
-        SQL_QUERY(t->sql, &r, e,
-                  "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.expires <= $1 "
-                  "ORDER BY s.expires, s.subject_key",
-                  sql_text(now));
+    const struct sql_value v = sql_text(now);
 
-    return list(t, r, st, out, n, e);
+    return list(t,
+                "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.expires <= $1 "
+                "ORDER BY s.expires, s.subject_key",
+                &v, 1, out, n, e);
 }
 
 /* ---- writing */

@@ -128,21 +128,17 @@ static enum status decrypt_face(const struct rows_template *row,
 
 /* ---- reading */
 
-/* A row of the subject `of`. */
-static enum status read_row(const struct log_txn *t, const struct sql_rows *r,
-                            const struct rows_subject *of, struct rows_template *out,
+/* What a row of the subject `of` has encrypted. */
+static enum status describe(const struct rows_subject *of, struct rows_template *row,
                             struct errinfo *e)
 {
-    const enum status st = rows_table_read(t, &rows_templates, r, 0, out, e);
-    struct sql_field_blob label;
+    const struct sql_field_blob label = label_of(row, of, false);
 
-    if (st != ST_OK)
-        return st;
-    label = label_of(out, of, false);
-    if (memcmp(out->uid, of->one.uid, STORE_UID) != 0 ||
-        !rows_table_decrypt(of->key, &label, about, ABOUT, &out->about, out))
-        return rows_table_damaged(&rows_templates, r, 0, e);
-    memcpy(out->one.subject, of->one.id, sizeof out->one.subject);
+    if (memcmp(row->uid, of->one.uid, STORE_UID) != 0 ||
+        !rows_table_decrypt(of->key, &label, about, ABOUT, &row->about, row))
+        return errinfo_set(e, ST_ECORRUPT, "templates: the row %s is not authentic",
+                           row->one.id);
+    memcpy(row->one.subject, of->one.id, sizeof row->one.subject);
     return ST_OK;
 }
 
@@ -150,23 +146,17 @@ enum status rows_template_get(struct log_txn *t, const char *id,
                               struct rows_template *out, struct rows_subject *of,
                               struct errinfo *e)
 {
-    struct sql_rows *r;
-    enum status st =
-        SQL_FIRST(t->sql, &r, e, "SELECT " COLUMNS " FROM templates t WHERE t.id = $1",
-                  sql_text(id));
+    enum status st = rows_table_find(
+        t, &rows_templates, "SELECT " COLUMNS " FROM templates t WHERE t.id = $1", COL_ID,
+        sql_text(id), out, e);
 
-    memset(out, 0, sizeof *out);
     memset(of, 0, sizeof *of);
-    if (st == ST_ENOTFOUND)
-        return errinfo_set(e, st, "there is no template %s", id);
-    if (st == ST_OK &&
-        (st = rows_table_read(t, &rows_templates, r, 0, out, e)) == ST_OK &&
-        (st = rows_subject_get(t, out->uid, of, e)) == ST_OK &&
-        (st = read_row(t, r, of, out, e)) == ST_OK && strcmp(out->one.id, id) != 0)
-        st = rows_table_damaged(&rows_templates, r, 0, e);
-    if (st == ST_ENOTFOUND)
-        st = errinfo_set(e, ST_ECORRUPT, "template %s: its subject is missing", id);
-    return sql_done(r, st, e);
+    if (st != ST_OK)
+        return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no template %s", id)
+                                  : st;
+    if ((st = rows_subject_get(t, out->uid, of, e)) == ST_ENOTFOUND)
+        return errinfo_set(e, ST_ECORRUPT, "template %s: its subject is missing", id);
+    return st == ST_OK ? describe(of, out, e) : st;
 }
 
 struct listing {
@@ -178,8 +168,9 @@ static enum status list_row(void *arg, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
     const struct listing *l = arg;
+    const enum status st = rows_table_read(l->t, &rows_templates, r, 0, out, e);
 
-    return read_row(l->t, r, l->of, out, e);
+    return st == ST_OK ? describe(l->of, out, e) : st;
 }
 
 /* Neither the rows' keys, which nothing authenticates, nor the clock say which is the oldest. */
@@ -190,8 +181,10 @@ static int by_number(const void *a, const void *b)
     return (p->number > q->number) - (p->number < q->number);
 }
 
+/* Those that there are, and the sum of their rows. */
 static enum status list(struct log_txn *t, const struct rows_subject *of,
-                        struct rows_template **out, size_t *n, struct errinfo *e)
+                        struct rows_template **out, size_t *n,
+                        unsigned char sum[LOG_DIGEST], struct errinfo *e)
 {
     struct listing l = {t, of};
     struct sql_rows *r;
@@ -204,28 +197,20 @@ static enum status list(struct log_txn *t, const struct rows_subject *of,
     *out = rows;
     if (*n > 1)
         qsort(*out, *n, sizeof **out, by_number);
-    return st;
-}
-
-static void sum_of(const struct log_txn *t, const struct rows_template *row, size_t n,
-                   unsigned char sum[LOG_DIGEST])
-{
     memset(sum, 0, LOG_DIGEST);
-    for (size_t i = 0; i < n; i++)
-        log_txn_sum(t->crypt, NULL, row[i].mac, sum);
+    for (size_t i = 0; i < *n; i++)
+        log_txn_sum(t->crypt, NULL, (*out)[i].mac, sum);
+    return st;
 }
 
 enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
                                struct rows_template **out, size_t *n, struct errinfo *e)
 {
     unsigned char sum[LOG_DIGEST];
-    const enum status st = list(t, of, out, n, e);
+    const enum status st = list(t, of, out, n, sum, e);
 
-    if (st != ST_OK)
+    if (st != ST_OK || sodium_memcmp(sum, of->templates, sizeof sum) == 0)
         return st;
-    sum_of(t, *out, *n, sum);
-    if (sodium_memcmp(sum, of->templates, sizeof sum) == 0)
-        return ST_OK;
     free(*out);
     *out = NULL;
     *n = 0;
@@ -328,7 +313,9 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
         size_t len = 0;
         enum status one = rows_table_read(t, &rows_subjects, r, COLS, &of, &why);
 
-        if (one == ST_OK && (one = read_row(t, r, &of, &row, &why)) == ST_OK &&
+        if (one == ST_OK &&
+            (one = rows_table_read(t, &rows_templates, r, 0, &row, &why)) == ST_OK &&
+            (one = describe(&of, &row, &why)) == ST_OK &&
             (one = decrypt_face(&row, &of, r, COLS + ROWS_SUBJECT_N, &face, &len,
                                 &why)) == ST_OK)
             one = use(arg, &row, &of, face, len, &why);
@@ -432,14 +419,11 @@ enum status rows_template_accept(struct log_txn *t, struct rows_subject *of,
     struct rows_template *row = NULL;
     unsigned char sum[LOG_DIGEST];
     size_t n;
-    enum status st = list(t, of, &row, &n, e);
+    const enum status st = list(t, of, &row, &n, sum, e);
 
-    if (st != ST_OK)
-        return st;
-    sum_of(t, row, n, sum);
     free(row);
-    if (memcmp(sum, of->templates, sizeof sum) == 0)
-        return ST_OK;
+    if (st != ST_OK || memcmp(sum, of->templates, sizeof sum) == 0)
+        return st;
     memcpy(of->templates, sum, sizeof sum);
     return rows_subject_write(t, of, e);
 }

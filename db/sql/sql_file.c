@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,6 +11,13 @@
 /* ---- the files */
 
 #define LOCK_AT 128
+#define PATH    4096
+
+/* What SQLite has beside a database; false: too long. */
+static bool beside(const char *path, const char *suffix, char out[PATH])
+{
+    return snprintf(out, PATH, "%s%s", path, suffix) < PATH;
+}
 
 /* Every process that has the database open holds a lock on one byte of PATH-shm as long as it
  * does (SQLite's unix VFS, "dead man's switch"): asking for it changes nothing. */
@@ -19,32 +25,26 @@ bool sql_file_in_use(const char *path, int64_t *pid)
 {
     struct flock lock = {
         .l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = LOCK_AT, .l_len = 1};
-    const size_t n = strlen(path) + sizeof "-shm";
-    char *name = malloc(n);
+    char name[PATH];
     bool used = false;
     int fd;
 
     *pid = 0;
-    if (name == NULL)
-        return false;
-    (void)snprintf(name, n, "%s-shm", path);
-    if ((fd = open(name, O_RDONLY | O_CLOEXEC)) >= 0) {
+    if (beside(path, "-shm", name) && (fd = open(name, O_RDONLY | O_CLOEXEC)) >= 0) {
         used = fcntl(fd, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
         if (used && lock.l_pid > 0)
             *pid = lock.l_pid;
         (void)close(fd);
     }
-    free(name);
     return used;
 }
 
 bool sql_file_has_wal(const char *path)
 {
-    char wal[4096];
+    char name[PATH];
     struct stat sb;
 
-    return snprintf(wal, sizeof wal, "%s-wal", path) < (int)sizeof wal &&
-           stat(wal, &sb) == 0 && sb.st_size > 0;
+    return beside(path, "-wal", name) && stat(name, &sb) == 0 && sb.st_size > 0;
 }
 
 bool sql_file_same(const char *a, const char *b)
@@ -101,16 +101,15 @@ void sql_file_forget(struct sql_txn *t)
 /* Every row of a pragma that names a problem a row, as "name: a, b, c"; or the first alone. */
 static enum status check_pragma(struct sql_txn *t, const char *sql, const char *name,
                                 void (*report)(void *arg, const char *line), void *arg,
-                                bool first, struct errinfo *e)
+                                bool first, uint64_t *problems, struct errinfo *e)
 {
     sqlite3_stmt *stmt = NULL;
     enum status st = ST_OK;
-    bool found = false;
     int rc = SQLITE_ROW;
 
     if (sqlite3_prepare_v2(t->db, sql, -1, &stmt, NULL) != SQLITE_OK)
         return sql_sqlite_conn_fail(t, "cannot check", e);
-    while (!(first && found) && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+    while (!(first && *problems > 0) && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
         char line[400];
         size_t n;
 
@@ -130,26 +129,12 @@ static enum status check_pragma(struct sql_txn *t, const char *sql, const char *
             if ((unsigned char)*p < ' ')
                 *p = ' '; /* one line a problem */
         report(arg, line);
-        found = true;
+        ++*problems;
     }
     if (rc != SQLITE_DONE && rc != SQLITE_ROW)
         st = sql_sqlite_conn_fail(t, "cannot check", e);
     (void)sqlite3_finalize(stmt);
     return st;
-}
-
-struct counting {
-    void (*report)(void *arg, const char *line);
-    void *arg;
-    uint64_t problems;
-};
-
-static void count_problem(void *arg, const char *line)
-{
-    struct counting *c = arg;
-
-    c->problems++;
-    c->report(c->arg, line);
 }
 
 enum status sql_file_check_indexes(struct sql_txn *t,
@@ -160,15 +145,14 @@ enum status sql_file_check_indexes(struct sql_txn *t,
         "PRAGMA integrity_check('subjects')", "PRAGMA integrity_check('templates')",
         "PRAGMA integrity_check('tokens')", "PRAGMA integrity_check('devices')",
         "PRAGMA integrity_check('calibrations')"};
-    struct counting c = {.report = report, .arg = arg};
     /* Each row is looked for in each index: with the usual small cache it takes twice as long. */
     enum status st =
         sql_sqlite_conn_exec(t, "PRAGMA cache_size=-8192", "cannot check", e);
 
-    for (size_t i = 0; i < sizeof text / sizeof *text && st == ST_OK && c.problems == 0;
+    *problems = 0;
+    for (size_t i = 0; i < sizeof text / sizeof *text && st == ST_OK && *problems == 0;
          i++)
-        st = check_pragma(t, text[i], "integrity", count_problem, &c, true, e);
-    *problems = c.problems;
+        st = check_pragma(t, text[i], "integrity", report, arg, true, problems, e);
     (void)sql_sqlite_conn_exec(t, SQL_SQLITE_CACHE "; PRAGMA shrink_memory", "", NULL);
     return st;
 }
@@ -177,12 +161,13 @@ enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const ch
                            void *arg, struct errinfo *e)
 {
     struct errinfo why;
+    uint64_t n = 0;
     enum status st =
-        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, false, e);
+        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, false, &n, e);
 
     if (st != ST_OK)
         return st;
-    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, false,
+    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, false, &n,
                       &why);
     if (st == ST_EDB) { /* tables of another's making, which cannot refer to each other */
         report(arg, why.msg);
@@ -219,14 +204,11 @@ static enum status copy_pages(struct sql_txn *from, struct sql_txn *to, struct e
 static void remove_wal(const char *path)
 {
     static const char *const suffix[] = {"-wal", "-shm", "-journal"};
-    const size_t n = strlen(path) + sizeof "-journal";
-    char *name = malloc(n);
+    char name[PATH];
 
-    for (size_t i = 0; name != NULL && i < sizeof suffix / sizeof *suffix; i++) {
-        (void)snprintf(name, n, "%s%s", path, suffix[i]);
-        (void)unlink(name);
-    }
-    free(name);
+    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++)
+        if (beside(path, suffix[i], name))
+            (void)unlink(name);
 }
 
 /* Run the driver's own statements on a connection of its own. */

@@ -84,29 +84,6 @@ void sql_sqlite_unlock(struct sql *d)
     pthread_mutex_unlock(&d->lock);
 }
 
-/* A pragma takes effect when it is compiled: a prepared statement would not do. */
-static enum status set_synced(struct sql *d, bool synced, struct errinfo *e)
-{
-    enum status st;
-
-    if (d->synced == (synced ? 1 : 0))
-        return ST_OK;
-    st = sql_sqlite_conn_exec(
-        d->writer, synced ? "PRAGMA synchronous=FULL" : "PRAGMA synchronous=NORMAL",
-        "cannot configure", e);
-    d->synced = st != ST_OK ? -1 : synced ? 1 : 0;
-    return st;
-}
-
-/* Deleted bytes are overwritten. */
-static enum status use_wal(struct sql *d, struct errinfo *e)
-{
-    return sql_sqlite_conn_exec(d->writer,
-                                "PRAGMA journal_mode=WAL; PRAGMA secure_delete=ON;"
-                                "PRAGMA journal_size_limit=16777216",
-                                "cannot configure", e);
-}
-
 /* SQLite does not fsync after truncating the WAL: after a power failure it would be whole
  * again. */
 static bool sync_wal(sqlite3 *db)
@@ -136,60 +113,49 @@ static enum status step(struct sql_txn *c, const char *text, struct errinfo *e)
     return sql_run(c, text, NULL, 0, e);
 }
 
-static enum status begin_read(struct sql *d, struct sql_txn **t, struct errinfo *e)
-{
-    enum status st = take(d, t, e);
-
-    if (st != ST_OK)
-        return st;
-    (*t)->writes = (*t)->makes = false;
-    if ((st = step(*t, "BEGIN", e)) != ST_OK)
-        give_back(d, *t);
-    return st;
-}
+/* Deleted bytes are overwritten. */
+#define USE_WAL                                                                          \
+    "PRAGMA journal_mode=WAL; PRAGMA secure_delete=ON; PRAGMA journal_size_limit=16777216"
 
 /* Large pages, in a new file: a template of 79 KB is five of them one after the other, not
  * twenty, which a disk notices (docs/database.md). */
-static enum status prepare_schema(struct sql *d, struct errinfo *e)
+static const struct {
+    const char *configure, *begin;
+} transaction[] = {
+    [SQL_READ] = {"", "BEGIN"},
+    [SQL_WRITE] = {"PRAGMA synchronous=FULL", "BEGIN IMMEDIATE"},
+    [SQL_LAZY] = {"PRAGMA synchronous=NORMAL", "BEGIN IMMEDIATE"},
+    [SQL_TRY] = {"PRAGMA synchronous=NORMAL", "BEGIN IMMEDIATE"},
+    [SQL_SCHEMA] = {"PRAGMA page_size=16384; " USE_WAL "; PRAGMA synchronous=FULL",
+                    "BEGIN EXCLUSIVE"},
+};
+
+static void release(struct sql_txn *t)
 {
-    const enum status st =
-        sql_sqlite_conn_exec(d->writer, "PRAGMA page_size=16384", "cannot initialise", e);
-
-    return st == ST_OK ? use_wal(d, e) : st;
-}
-
-static enum status begin_write(struct sql *d, enum sql_begin how, struct sql_txn **t,
-                               struct errinfo *e)
-{
-    const bool synced = how == SQL_WRITE || how == SQL_SCHEMA;
-    enum status st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
-
-    if (st != ST_OK)
-        return st;
-    *t = d->writer;
-    (*t)->writes = how != SQL_READ;
-    (*t)->makes = how == SQL_SCHEMA;
-    if (how == SQL_SCHEMA)
-        st = prepare_schema(d, e);
-    if (st == ST_OK && how != SQL_READ)
-        st = set_synced(d, synced, e);
-    if (st == ST_OK)
-        st = step(*t,
-                  how == SQL_READ     ? "BEGIN"
-                  : how == SQL_SCHEMA ? "BEGIN EXCLUSIVE"
-                                      : "BEGIN IMMEDIATE",
-                  e);
-    if (st != ST_OK)
-        sql_sqlite_unlock(d);
-    return st;
+    if (t != t->of->writer)
+        give_back(t->of, t);
+    else
+        sql_sqlite_unlock(t->of);
 }
 
 enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
                       struct errinfo *e)
 {
-    *t = NULL;
-    return how == SQL_READ && !d->single ? begin_read(d, t, e)
-                                         : begin_write(d, how, t, e);
+    enum status st;
+
+    *t = d->writer;
+    if (how == SQL_READ && !d->single)
+        st = take(d, t, e);
+    else
+        st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
+    if (st != ST_OK)
+        return st;
+    (*t)->writes = how != SQL_READ;
+    (*t)->makes = how == SQL_SCHEMA;
+    st = sql_sqlite_conn_exec(*t, transaction[how].configure, "cannot configure", e);
+    if (st != ST_OK || (st = step(*t, transaction[how].begin, e)) != ST_OK)
+        release(*t);
+    return st;
 }
 
 enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e)
@@ -200,15 +166,11 @@ enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e)
         st = step(t, "COMMIT", e);
     if (!sqlite3_get_autocommit(t->db))
         (void)step(t, "ROLLBACK", NULL); /* a reader's, which has changed nothing, too */
-    if (t != d->writer) {
-        give_back(d, t);
-        return st;
-    }
     if (st == ST_OK && t->makes)
         d->made = false;
     if (t->writes && atomic_load(&d->scrub)) /* costs little while the reader is there */
         sql_sqlite_truncate(d, 0);
-    sql_sqlite_unlock(d);
+    release(t);
     return st;
 }
 
@@ -316,7 +278,6 @@ static enum status new_database(const char *path, enum sql_open how, struct sql 
     *out = d;
     if (d == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    d->synced = -1;
     d->single = how == SQL_OPEN_LOOK || how == SQL_OPEN_ALONE;
     (void)pthread_mutex_init(&d->lock, NULL);
     (void)pthread_condattr_init(&monotonic);
@@ -338,7 +299,9 @@ static enum status open_writer(struct sql *d, enum sql_open how, struct errinfo 
         return st;
     d->writer->of = d;
     st = sql_sqlite_conn_version(d->writer, &d->version, e);
-    return st == ST_OK && d->version > 0 && !d->single ? use_wal(d, e) : st;
+    return st == ST_OK && d->version > 0 && !d->single
+               ? sql_sqlite_conn_exec(d->writer, USE_WAL, "cannot configure", e)
+               : st;
 }
 
 static enum status open_reader(struct sql *d, struct errinfo *e)

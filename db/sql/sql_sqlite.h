@@ -15,7 +15,6 @@
 
 #define SQL_SQLITE_BUSY_MS 5000 /* waited for other threads and processes together */
 #define SQL_SQLITE_SLOTS   256  /* more than there are statements */
-#define SQL_SQLITE_VALUES  32   /* that a statement takes, at most */
 
 struct sql_rows {
     const char *text; /* NULL: no statement is in this slot */
@@ -23,8 +22,6 @@ struct sql_rows {
     struct sql_txn *conn;
     int rc; /* of the last step */
     bool open;
-    int parameters; /* to SQLite their numbers follow their first use, $2 is but a name */
-    unsigned char value[SQL_SQLITE_VALUES]; /* that parameter i + 1 takes, 0 for $1 */
 };
 
 struct sql_txn { /* of a connection, which has one at a time */
@@ -68,7 +65,6 @@ struct sql {
     pthread_cond_t write_free; /* by the monotonic clock */
     bool writing;              /* a thread has the writer's connection */
     struct sql_txn *writer;    /* NULL: opened for reading */
-    int synced;                /* does the writer wait for the disk?  -1: not yet said */
     atomic_bool scrub;    /* erased bytes may be in the WAL: a reader was in the way */
     struct sql_txn *idle; /* readers' connections at rest */
 };

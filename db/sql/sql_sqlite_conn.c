@@ -202,22 +202,6 @@ static struct sql_rows *find_slot(struct sql_txn *c, const char *text)
     return NULL;
 }
 
-static bool number_values(struct sql_rows *r)
-{
-    r->parameters = sqlite3_bind_parameter_count(r->stmt);
-    if (r->parameters > SQL_SQLITE_VALUES)
-        return false;
-    for (int i = 0; i < r->parameters; i++) {
-        const char *name = sqlite3_bind_parameter_name(r->stmt, i + 1);
-        const long number = name != NULL ? strtol(name + 1, NULL, 10) : 0;
-
-        if (number < 1 || number > SQL_SQLITE_VALUES)
-            return false;
-        r->value[i] = (unsigned char)(number - 1);
-    }
-    return true;
-}
-
 /* The statement of this text, ready to bind. */
 static enum status prepare(struct sql_txn *c, const char *text, struct sql_rows **out,
                            struct errinfo *e)
@@ -233,12 +217,6 @@ static enum status prepare(struct sql_txn *c, const char *text, struct sql_rows 
     if (sqlite3_prepare_v3(c->db, text, -1, SQLITE_PREPARE_PERSISTENT, &r->stmt, NULL) !=
         SQLITE_OK)
         return sql_sqlite_conn_fail(c, "cannot prepare a statement", e);
-    if (!number_values(r)) {
-        (void)sqlite3_finalize(r->stmt);
-        r->stmt = NULL;
-        return errinfo_set(e, ST_EINTERNAL, "parameters are $1 to $%d: %.80s",
-                           SQL_SQLITE_VALUES, text);
-    }
     r->text = text;
     r->conn = c;
     return ST_OK;
@@ -269,12 +247,16 @@ static enum status start(struct sql_txn *c, const char *text,
                          struct errinfo *e)
 {
     const enum status st = prepare(c, text, out, e);
-    const struct sql_rows *r = *out;
+    sqlite3_stmt *stmt = st == ST_OK ? (*out)->stmt : NULL;
 
-    for (int i = 0; st == ST_OK && i < r->parameters; i++) {
-        if (r->value[i] >= n)
+    for (int i = 1; st == ST_OK && i <= sqlite3_bind_parameter_count(stmt); i++) {
+        /* To SQLite their numbers follow their first use, and $2 is but a name. */
+        const char *name = sqlite3_bind_parameter_name(stmt, i);
+        const unsigned long number = name != NULL ? strtoul(name + 1, NULL, 10) : 0;
+
+        if (number < 1 || number > n)
             return errinfo_set(e, ST_EINTERNAL, "a value too few for: %.80s", text);
-        if (bind_value(r->stmt, i + 1, &value[r->value[i]], copied) != SQLITE_OK)
+        if (bind_value(stmt, i, &value[number - 1], copied) != SQLITE_OK)
             return sql_sqlite_conn_fail(c, "cannot bind a value", e);
     }
     return st;

@@ -500,11 +500,10 @@ static void test_planted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sum),      cmocka_unit_test(test_format),
-        cmocka_unit_test(test_attacks),  cmocka_unit_test(test_second_alice),
-        cmocka_unit_test(test_hidden),   cmocka_unit_test(test_named),
-        cmocka_unit_test(test_doubled),  cmocka_unit_test(test_misled),
-        cmocka_unit_test(test_triggers), cmocka_unit_test(test_planted),
+        cmocka_unit_test(test_sum),     cmocka_unit_test(test_format),
+        cmocka_unit_test(test_attacks), cmocka_unit_test(test_second_alice),
+        cmocka_unit_test(test_named),   cmocka_unit_test(test_doubled),
+        cmocka_unit_test(test_misled),  cmocka_unit_test(test_planted),
     };
 
     return cmocka_run_group_tests_name("rows", tests, tempdb_begin_faces,
