@@ -7,18 +7,14 @@
 #include "align_pose.h"
 #include "align_solve.h"
 #include "brute.h"
-#include "cells.h"
 #include "face.h"
 #include "facegen.h"
 #include "fit.h"
 #include "frame.h"
-#include "heights.h"
 #include "interpolate.h"
 #include "locate.h"
 #include "measure.h"
-#include "mem.h"
 #include "model.h"
-#include "toy.h"
 #include "unit.h"
 
 #define MAX_POINTS 3000
@@ -279,50 +275,6 @@ TEST(test_start_does_not_matter)
             printf("%d, pose %zu: %.3f mm\n", (int)who, i, off);
             assert_true(off < (who < 3 ? 0.04 : 2));
         }
-    }
-    face_free(&a);
-    face_free(&b);
-}
-
-/* The gap per cell of the template's frame, at right angles to the mean face. */
-static void gap_at(const struct face *a, const struct face *b, const double transform[16],
-                   struct cells *out)
-{
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct align_pose back = align_pose_after(&a->frame.pose, &still);
-    struct align_pose pose;
-    float z[2][GRID_N];
-
-    align_pose_from_matrix(transform, &pose);
-    pose = align_pose_after(&back, &pose);
-    assert_int_equal(heights_of(&a->surface, &a->frame.pose, &scratch, z[0]), ST_OK);
-    assert_int_equal(heights_of(&b->surface, &pose, &scratch, z[1]), ST_OK);
-    toy_cells(&model_default, z[0], z[1], out);
-}
-
-/* The search samples the gap.  At the pose where it ends, hardly any of the exact gap can be
- * explained as motion (somewhat more in a non-mated comparison, where the minimum is
- * shallow); and the same input gives the same bytes. */
-TEST(test_end)
-{
-    struct face a = {0}, b = {0};
-
-    for (uint64_t who = 60; who < 62; who++) {
-        struct align_result r, again;
-        struct facegen_scan s;
-        struct cells cells;
-        struct fit fit;
-
-        enroll(60, &a);
-        facegen_default(&s);
-        build(points, sample(&s, who, 9, points), &b);
-        align(&a, &b, &r);
-        align(&a, &b, &again);
-        assert_memory_equal(&r.transform, &again.transform, sizeof r.transform);
-        gap_at(&a, &b, r.transform, &cells);
-        assert_int_equal(fit_solve(&motion, &cells, 1e-4, 1, &scratch, &fit), ST_OK);
-        for (int i = 0; i < 6; i++)
-            assert_true(fabs(fit.x[i]) < (who == 60 ? 0.3 : 1) * (i < 3 ? degree : 1));
     }
     face_free(&a);
     face_free(&b);

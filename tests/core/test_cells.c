@@ -3,9 +3,7 @@
 #include "align_field.h"
 #include "brute.h"
 #include "cells.h"
-#include "lattice.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define ROOM 20000

@@ -7,7 +7,6 @@
 #include "fail_alloc.h"
 #include "shape_map.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define FAR_MM 12.0 /* as encode.h says, in numbers: */

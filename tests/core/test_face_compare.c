@@ -12,7 +12,6 @@
 #include "measure.h"
 #include "minimal.h"
 #include "model.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 3000

@@ -11,7 +11,6 @@
 #include "locate.h"
 #include "mem.h"
 #include "surface.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define MOST  40000
@@ -259,27 +258,6 @@ TEST(test_outline)
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
     assert_int_equal(fill.n, 0);
     assert_in_range(fill.beyond, 90 * PITCH * PITCH, 11 * 10 * PITCH * PITCH);
-}
-
-TEST(test_order)
-{
-    const size_t n = cut_scan(5, 3000, 6);
-    struct fill other = {0};
-
-    prepare(pts, n, &scan);
-    assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
-    brute_shuffle(pts, n, sizeof *pts, &rng);
-    prepare(pts, n, &scan);
-    assert_int_equal(fill_holes(&scan, MOST, &scratch, &other), ST_OK);
-    assert_int_equal(other.n, fill.n);
-    assert_true(fill.n > 0);
-    assert_memory_equal(other.pts, fill.pts, fill.n * sizeof *fill.pts);
-    assert_int_equal(other.nholes, fill.nholes);
-    for (uint32_t i = 0; i < fill.nholes; i++) {
-        assert_int_equal(other.hole[i].points, fill.hole[i].points);
-        assert_true(other.hole[i].area == fill.hole[i].area);
-    }
-    fill_free(&other);
 }
 
 TEST(test_limit)

@@ -7,7 +7,6 @@
 #include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define MOST (MODEL_MODES + 6)

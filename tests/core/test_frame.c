@@ -2,8 +2,6 @@
  * a map of heights in it is the mean face again. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
-#include "clouds.h"
-#include "face.h"
 #include "fail_alloc.h"
 #include "frame.h"
 #include "model_digest.h"
@@ -70,37 +68,6 @@ TEST(test_toy)
         assert_true(frame.cost_mm < 0.5 && frame.within > 0.8);
         assert_true(align_pose_rigid(&frame.pose));
     }
-}
-
-/* Turning and shifting a whole scan leaves the frame at the same place of the face. */
-TEST(test_moves_along)
-{
-    static struct dvec3 pts[POINTS], moved[POINTS];
-    struct face_work *w = face_work_new(NULL);
-    struct face f = {0};
-    double sum = 0;
-
-    assert_non_null(w);
-    for (uint64_t k = 0; k < 8; k++) {
-        const size_t n = clouds_scan(k, 0, POINTS, pts);
-        struct align_pose before, both, motion;
-        double m[16], off;
-
-        assert_int_equal(face_build(pts, n, w, &f, NULL), ST_OK);
-        before = f.frame.pose;
-        memcpy(moved, pts, n * sizeof *pts);
-        clouds_move(moved, n, k, 15, 120, m);
-        align_pose_from_matrix(m, &motion);
-        assert_int_equal(face_build(moved, n, w, &f, NULL), ST_OK);
-        both = then(&motion, &f.frame.pose);
-        off = apart(&both, &before, pts, n);
-        printf("face %d: off by %.2f mm at most\n", (int)k, off);
-        sum += off;
-        assert_true(off < 0.5);
-    }
-    assert_true(sum / 8 < 0.2);
-    face_free(&f);
-    face_work_free(w);
 }
 
 /* Heights that are a multiple of the mean face's relief and any quadric. */

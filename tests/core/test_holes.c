@@ -4,12 +4,10 @@
 #include "delaunay.h"
 #include "fail_alloc.h"
 #include "holes.h"
-#include "locate.h"
 #include "mem.h"
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define MAX_POINTS 4000

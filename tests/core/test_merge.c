@@ -5,7 +5,6 @@
 #include "brute.h"
 #include "delaunay.h"
 #include "fail_alloc.h"
-#include "lattice.h"
 #include "locate.h"
 #include "mem.h"
 #include "merge.h"

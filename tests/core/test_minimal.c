@@ -6,12 +6,9 @@
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
-#include "lattice.h"
 #include "measure.h"
 #include "minimal.h"
-#include "minimal_places.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 3000

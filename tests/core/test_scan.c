@@ -3,7 +3,6 @@
 /* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
 #include "cloudpoints.h"
-#include "clouds.h"
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
@@ -12,7 +11,6 @@
 #include "scan.h"
 #include "scan_search.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define ROOM 60000

@@ -6,7 +6,6 @@
 #include "shape.h"
 #include "shape_map.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 4000

@@ -2,7 +2,6 @@
 #include "brute.h"
 #include "model.h"
 #include "shape.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 4000

@@ -3,7 +3,6 @@
 #include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 static struct model model;
