@@ -9,6 +9,7 @@
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
+#include "fail_alloc.h"
 #include "fit.h"
 #include "frame.h"
 #include "interpolate.h"
@@ -21,23 +22,11 @@
 
 static const double degree = 3.14159265358979323846 / 180;
 static uint64_t seed;
-static long allowed = -1; /* allocations until one fails; -1: never */
 static struct face_work *work;
 static struct frame_mean mean;
 static struct fit_basis motion; /* the default model's, prepared */
 static struct scratch scratch;
 static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
-
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    if (allowed == 0)
-        return NULL;
-    allowed -= allowed > 0;
-    return __real_aligned_alloc(alignment, size);
-}
 
 /* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
 static void rotation(double yaw, double pitch, double roll, double r[9])
@@ -338,33 +327,30 @@ TEST(test_apart)
     face_free(&a);
 }
 
-/* The n-th allocation fails, for every n until none does. */
+static struct face pair[2];
+
+static enum status search_pair(void *arg)
+{
+    struct align_work w = {0};
+    const enum status st = search(&pair[0], &pair[1], &w, arg);
+
+    align_work_free(&w);
+    assert_true(w.field.block == NULL && w.fit.block == NULL);
+    return st;
+}
+
 TEST(test_memory)
 {
-    struct face a = {0}, b = {0};
     struct facegen_scan s;
-    enum status st = ST_ENOMEM;
-    long n = 0;
+    struct align_result r;
 
     facegen_default(&s);
-    enroll(80, &a);
-    build(points, sample(&s, 80, 4, points), &b);
-    for (; st != ST_OK; n++) {
-        struct align_work w = {0};
-        struct align_result r;
-
-        allowed = n;
-        st = search(&a, &b, &w, &r);
-        allowed = -1;
-        assert_true(st == ST_OK || st == ST_ENOMEM);
-        align_work_free(&w);
-        assert_null(w.field.block);
-        assert_null(w.fit.block);
-    }
-    assert_true(n > 2);
+    enroll(80, &pair[0]);
+    build(points, sample(&s, 80, 4, points), &pair[1]);
+    assert_true(fail_alloc_walk(search_pair, &r) > 1);
     measure_work_free(NULL);
-    face_free(&a);
-    face_free(&b);
+    face_free(&pair[0]);
+    face_free(&pair[1]);
 }
 
 BEFORE_ALL(set_up)
