@@ -25,7 +25,6 @@ static uint64_t seed;
 static struct face_work *work;
 static struct frame_mean mean;
 static struct fit_basis motion; /* the default model's, prepared */
-static struct scratch scratch;
 static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
 
 /* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
@@ -359,10 +358,4 @@ BEFORE_ALL(set_up)
     assert_non_null(work = face_work_new(NULL));
     assert_int_equal(frame_mean_make(&model_default, &mean), ST_OK);
     fit_prepare(&model_default.change, &motion);
-}
-
-AFTER_ALL(tear_down)
-{
-    face_work_free(work);
-    scratch_free(&scratch);
 }

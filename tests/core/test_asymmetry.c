@@ -324,10 +324,3 @@ BEFORE_ALL(set_up)
 {
     work = face_work_new(NULL);
 }
-
-AFTER_ALL(tear_down)
-{
-    face_work_free(work);
-    face_free(&face);
-    surface_free(&made);
-}

@@ -139,8 +139,3 @@ TEST(test_weights)
     assert_true(fabs((double)cells.area[i] - 4) < 1e-5);
     assert_true(fabs((double)cells.gap[i] - 2.75) < 1e-3);
 }
-
-AFTER_ALL(tear_down)
-{
-    surface_free(&tmpl);
-}

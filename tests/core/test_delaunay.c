@@ -408,8 +408,3 @@ TEST(test_check_can_fail)
     assert_int_equal(mesh_check(&m, false), ST_OK);
     mesh_free(&m);
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
-}

@@ -491,8 +491,3 @@ BEFORE_ALL(set_up)
     toy_model(&model);
     encode_prepare(&model, &basis);
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
-}

@@ -317,10 +317,3 @@ BEFORE_ALL(set_up)
 {
     rng.state = brute_seed("fill");
 }
-
-AFTER_ALL(tear_down)
-{
-    surface_free(&scan);
-    fill_free(&fill);
-    scratch_free(&scratch);
-}

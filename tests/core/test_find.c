@@ -17,11 +17,6 @@ BEFORE_ALL(open_work)
     assert_non_null(work = face_work_new(NULL));
 }
 
-AFTER_ALL(close_work)
-{
-    face_work_free(work);
-}
-
 /* ---- motions */
 
 static struct align_pose any_pose(struct brute_rng *r)

@@ -248,8 +248,3 @@ BEFORE_ALL(set_up)
     fit_prepare(&nothing_changes, &moved);
     fit_prepare(&model.change, &changed);
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
-}

@@ -146,9 +146,3 @@ BEFORE_ALL(set_up)
     toy_model(&model);
     assert_int_equal(frame_mean_make(&model, &mean), ST_OK);
 }
-
-AFTER_ALL(tear_down)
-{
-    align_work_free(&work);
-    surface_free(&surface);
-}

@@ -387,8 +387,3 @@ TEST(test_limit)
     assert_int_equal(p.out.nv, 0);
     pair_free(&p);
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
-}

@@ -368,11 +368,3 @@ BEFORE_ALL(start)
 {
     assert_non_null(work = face_work_new(NULL));
 }
-
-AFTER_ALL(end)
-{
-    face_work_free(work);
-    measure_work_free(&measure);
-    face_free(&tmpl);
-    face_free(&probe);
-}

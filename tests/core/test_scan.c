@@ -27,14 +27,6 @@ BEFORE_ALL(set_up)
     assert_non_null(work = face_work_new(NULL));
 }
 
-AFTER_ALL(tear_down)
-{
-    face_free(&tmpl);
-    face_free(&face);
-    face_free(&plain);
-    face_work_free(work);
-}
-
 static void sample(uint64_t subject, uint64_t scan, uint32_t points)
 {
     struct facegen_scan s;

@@ -508,8 +508,3 @@ BEFORE_ALL(set_up)
             model.shape.mode[i][k] = 0.0f;
     shape_work_prepare(&model, &work);
 }
-
-AFTER_ALL(tear_down)
-{
-    shape_work_free(&work);
-}

@@ -186,8 +186,3 @@ BEFORE_ALL(set_up)
     rng = (struct brute_rng){brute_seed("cover")};
     shape_work_prepare(&model_default, &work);
 }
-
-AFTER_ALL(tear_down)
-{
-    shape_work_free(&work);
-}

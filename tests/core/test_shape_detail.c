@@ -95,8 +95,3 @@ BEFORE_ALL(set_up)
     toy_model(&model);
     shape_work_prepare(&model, &work);
 }
-
-AFTER_ALL(tear_down)
-{
-    shape_work_free(&work);
-}

@@ -326,8 +326,3 @@ BEFORE_ALL(set_up)
 {
     rng.state = brute_seed("simplify");
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
-}

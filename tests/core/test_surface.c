@@ -216,9 +216,3 @@ TEST(test_memory)
     bowl(p);
     assert_true(fail_alloc_walk(prepare_and_move, p) > 5);
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&points);
-    scratch_free(&scratch);
-}
