@@ -1,31 +1,9 @@
 /* link: -Wl,--wrap=malloc -Wl,--wrap=calloc */
 /* JSON written and read: digits, texts, what is rejected, and failed allocations. */
 #include "errinfo.h"
+#include "fail_alloc.h"
 #include "json.h"
 #include "unit.h"
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-
-static unsigned long asked, failing; /* the allocation that fails; 0: none */
-
-void *__wrap_malloc(size_t size)
-{
-    return ++asked == failing ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return ++asked == failing ? NULL : __real_calloc(n, size);
-}
-
-static void fail_at(unsigned long n)
-{
-    asked = 0;
-    failing = n;
-}
 
 /* ---- writing */
 
@@ -163,13 +141,13 @@ TEST(test_write_memory)
     char *text;
 
     do {
-        fail_at(++n);
+        fail_alloc_at(++n);
         text = json_compact(nested());
-        assert_true((text == NULL) == (asked >= n));
+        assert_true((text == NULL) == (fail_alloc_count() >= n));
     } while (text == NULL);
     assert_true(n > 20);
     free(text);
-    fail_at(0);
+    fail_alloc_at(0);
     assert_null(json_compact(NULL));
     json_discard(NULL);
     json_discard(nested());
@@ -307,12 +285,12 @@ TEST(test_read_memory)
     enum status st;
 
     do {
-        fail_at(++n);
+        fail_alloc_at(++n);
         st = read_text("{\"a\":[1,2],\"b\":\"text\"}", 100);
-        assert_int_equal(st, asked >= n ? ST_ENOMEM : ST_OK);
+        assert_int_equal(st, fail_alloc_count() >= n ? ST_ENOMEM : ST_OK);
         assert_true((doc == NULL) == (st != ST_OK));
     } while (st != ST_OK);
     assert_true(n > 7);
-    fail_at(0);
+    fail_alloc_at(0);
     bad("[", "not valid JSON: it ends too early");
 }

@@ -2,42 +2,12 @@
 /* Points read in one pass: the same values, messages and places in them as those of a
  * document that is read with a value for each number. */
 #include "errinfo.h"
+#include "fail_alloc.h"
 #include "json.h"
 #include "unit.h"
 #include "vec.h"
 
 #define MOST 1000
-
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-void *__real_calloc(size_t n, size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-
-static unsigned long asked, failing; /* the allocation that fails; 0: none */
-static size_t bytes;                 /* of all that succeeded */
-
-static bool fails(size_t size)
-{
-    bytes += size;
-    return ++asked == failing;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return fails(size) ? NULL : __real_malloc(size);
-}
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return fails(n * size) ? NULL : __real_calloc(n, size);
-}
-
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return fails(size) ? NULL : __real_aligned_alloc(alignment, size);
-}
 
 typedef enum status read_function(const char *, size_t, size_t, struct json_value **,
                                   struct errinfo *);
@@ -188,6 +158,7 @@ TEST(test_memory)
     struct json_value *doc;
     struct errinfo e;
     size_t len = 0, n;
+    unsigned long failing = 0;
     enum status st;
 
     assert_non_null(text);
@@ -196,22 +167,20 @@ TEST(test_memory)
         len +=
             (size_t)sprintf(text + len, "%s[%d,-%d,%d]", i > 0 ? "," : "", i, i, i % 9);
     len += (size_t)sprintf(text + len, "]}");
-    bytes = 0;
+    fail_alloc_at(0);
     assert_int_equal(json_read_points(text, len, 4 * MOST + 2, &doc, &e), ST_OK);
-    assert_true(bytes < 100 * MOST);
+    assert_true(fail_alloc_bytes() < 100 * MOST);
     assert_int_equal(get(doc, "p", points, &n), ST_OK);
     assert_true(n == MOST && points[999].x == 999 && points[10].y == -10);
     json_free(doc);
-    asked = failing = 0;
     do {
-        failing++;
-        asked = 0;
+        fail_alloc_at(++failing);
         st = json_read_points(text, len, 4 * MOST + 2, &doc, &e);
-        assert_int_equal(st, asked >= failing ? ST_ENOMEM : ST_OK);
+        assert_int_equal(st, fail_alloc_count() >= failing ? ST_ENOMEM : ST_OK);
         assert_true((doc == NULL) == (st != ST_OK));
     } while (st != ST_OK);
     assert_true(failing > 5);
-    failing = 0;
+    fail_alloc_at(0);
     json_free(doc);
     free(text);
 }

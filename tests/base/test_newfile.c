@@ -6,29 +6,15 @@
 #include <unistd.h>
 
 #include "errinfo.h"
+#include "fail_alloc.h"
 #include "newfile.h"
 #include "unit.h"
 
-void *__real_malloc(size_t size);
-void *__wrap_malloc(size_t size);
-char *__real_strdup(const char *s);
-char *__wrap_strdup(const char *s);
 int __real_fsync(int fd);
 int __wrap_fsync(int fd);
 
-static int asked, failing; /* the allocation that fails; 0: none */
 static int synced;
 static bool full; /* fsync() fails: the disk is full */
-
-void *__wrap_malloc(size_t size)
-{
-    return ++asked == failing ? NULL : __real_malloc(size);
-}
-
-char *__wrap_strdup(const char *s)
-{
-    return ++asked == failing ? NULL : __real_strdup(s);
-}
 
 int __wrap_fsync(int fd)
 {
@@ -252,16 +238,17 @@ TEST(test_fill)
 
 TEST(test_memory)
 {
+    unsigned long failing;
     enum status st;
 
     for (failing = 1;; failing++) {
-        asked = 0;
+        fail_alloc_at(failing);
         if ((st = newfile_open(in_folder("x"), &n, &e)) == ST_OK)
             break;
         assert_int_equal(st, ST_ENOMEM);
         assert_false(is_there("x.part"));
     }
     assert_int_equal(failing, 3);
-    failing = 0;
+    fail_alloc_at(0);
     newfile_close(&n);
 }

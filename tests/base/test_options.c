@@ -3,25 +3,9 @@
  * failed allocations. */
 #include <unistd.h>
 
+#include "fail_alloc.h"
 #include "options.h"
 #include "unit.h"
-
-void *__real_calloc(size_t n, size_t size);
-void *__wrap_calloc(size_t n, size_t size);
-char *__real_strdup(const char *s);
-char *__wrap_strdup(const char *s);
-
-static unsigned asked, failing; /* the allocation that fails; 0: none */
-
-void *__wrap_calloc(size_t n, size_t size)
-{
-    return ++asked == failing ? NULL : __real_calloc(n, size);
-}
-
-char *__wrap_strdup(const char *s)
-{
-    return ++asked == failing ? NULL : __real_strdup(s);
-}
 
 static struct options o;
 static char path[] = "/tmp/options.XXXXXX", *said;
@@ -137,16 +121,17 @@ TEST(test_files)
 
 TEST(test_memory)
 {
+    unsigned long failing;
     bool good;
 
     for (failing = 1;; failing++) {
-        asked = 0;
+        fail_alloc_at(failing);
         good = load("db = x\n", false);
-        if (asked < failing)
+        if (fail_alloc_count() < failing)
             break;
         assert_false(good);
         assert_true(o.settings == NULL || strstr(said, "out of memory") != NULL);
     }
     assert_true(good && failing > OPTIONS_ROWS / 2);
-    failing = 0;
+    fail_alloc_at(0);
 }

@@ -97,17 +97,6 @@ TEST(test_sequences)
     assert_int_equal(four, 0x100000 / 64);
 }
 
-TEST(test_where)
-{
-    assert_int_equal(utf8_valid("", 0), 0);
-    assert_int_equal(utf8_valid("a\0b", 3), 3);
-    assert_int_equal(utf8_valid("ab\xff", 3), 2);
-    assert_int_equal(utf8_valid("\xc3\xa4\xc3", 3), 2);
-    assert_int_equal(utf8_valid("x\xed\xa0\x80", 4), 1);     /* a surrogate */
-    assert_int_equal(utf8_valid("x\xc0\xaf", 3), 1);         /* overlong */
-    assert_int_equal(utf8_valid("x\xf4\x90\x80\x80", 5), 1); /* above U+10FFFF */
-}
-
 TEST(test_text)
 {
     char s[8] = "";

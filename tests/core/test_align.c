@@ -7,41 +7,25 @@
 #include "align_pose.h"
 #include "align_solve.h"
 #include "brute.h"
-#include "cells.h"
 #include "face.h"
 #include "facegen.h"
+#include "fail_alloc.h"
 #include "fit.h"
 #include "frame.h"
-#include "heights.h"
 #include "interpolate.h"
 #include "locate.h"
 #include "measure.h"
-#include "mem.h"
 #include "model.h"
-#include "toy.h"
 #include "unit.h"
 
 #define MAX_POINTS 3000
 
 static const double degree = 3.14159265358979323846 / 180;
 static uint64_t seed;
-static long allowed = -1; /* allocations until one fails; -1: never */
 static struct face_work *work;
 static struct frame_mean mean;
 static struct fit_basis motion; /* the default model's, prepared */
-static struct scratch scratch;
 static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
-
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    if (allowed == 0)
-        return NULL;
-    allowed -= allowed > 0;
-    return __real_aligned_alloc(alignment, size);
-}
 
 /* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
 static void rotation(double yaw, double pitch, double roll, double r[9])
@@ -284,50 +268,6 @@ TEST(test_start_does_not_matter)
     face_free(&b);
 }
 
-/* The gap per cell of the template's frame, at right angles to the mean face. */
-static void gap_at(const struct face *a, const struct face *b, const double transform[16],
-                   struct cells *out)
-{
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct align_pose back = align_pose_after(&a->frame.pose, &still);
-    struct align_pose pose;
-    float z[2][GRID_N];
-
-    align_pose_from_matrix(transform, &pose);
-    pose = align_pose_after(&back, &pose);
-    assert_int_equal(heights_of(&a->surface, &a->frame.pose, &scratch, z[0]), ST_OK);
-    assert_int_equal(heights_of(&b->surface, &pose, &scratch, z[1]), ST_OK);
-    toy_cells(&model_default, z[0], z[1], out);
-}
-
-/* The search samples the gap.  At the pose where it ends, hardly any of the exact gap can be
- * explained as motion (somewhat more in a non-mated comparison, where the minimum is
- * shallow); and the same input gives the same bytes. */
-TEST(test_end)
-{
-    struct face a = {0}, b = {0};
-
-    for (uint64_t who = 60; who < 62; who++) {
-        struct align_result r, again;
-        struct facegen_scan s;
-        struct cells cells;
-        struct fit fit;
-
-        enroll(60, &a);
-        facegen_default(&s);
-        build(points, sample(&s, who, 9, points), &b);
-        align(&a, &b, &r);
-        align(&a, &b, &again);
-        assert_memory_equal(&r.transform, &again.transform, sizeof r.transform);
-        gap_at(&a, &b, r.transform, &cells);
-        assert_int_equal(fit_solve(&motion, &cells, 1e-4, 1, &scratch, &fit), ST_OK);
-        for (int i = 0; i < 6; i++)
-            assert_true(fabs(fit.x[i]) < (who == 60 ? 0.3 : 1) * (i < 3 ? degree : 1));
-    }
-    face_free(&a);
-    face_free(&b);
-}
-
 /* A given start is used: from the end of a former search only few steps are left. */
 TEST(test_given_start)
 {
@@ -386,33 +326,30 @@ TEST(test_apart)
     face_free(&a);
 }
 
-/* The n-th allocation fails, for every n until none does. */
+static struct face pair[2];
+
+static enum status search_pair(void *arg)
+{
+    struct align_work w = {0};
+    const enum status st = search(&pair[0], &pair[1], &w, arg);
+
+    align_work_free(&w);
+    assert_true(w.field.block == NULL && w.fit.block == NULL);
+    return st;
+}
+
 TEST(test_memory)
 {
-    struct face a = {0}, b = {0};
     struct facegen_scan s;
-    enum status st = ST_ENOMEM;
-    long n = 0;
+    struct align_result r;
 
     facegen_default(&s);
-    enroll(80, &a);
-    build(points, sample(&s, 80, 4, points), &b);
-    for (; st != ST_OK; n++) {
-        struct align_work w = {0};
-        struct align_result r;
-
-        allowed = n;
-        st = search(&a, &b, &w, &r);
-        allowed = -1;
-        assert_true(st == ST_OK || st == ST_ENOMEM);
-        align_work_free(&w);
-        assert_null(w.field.block);
-        assert_null(w.fit.block);
-    }
-    assert_true(n > 2);
+    enroll(80, &pair[0]);
+    build(points, sample(&s, 80, 4, points), &pair[1]);
+    assert_true(fail_alloc_walk(search_pair, &r) > 1);
     measure_work_free(NULL);
-    face_free(&a);
-    face_free(&b);
+    face_free(&pair[0]);
+    face_free(&pair[1]);
 }
 
 BEFORE_ALL(set_up)
@@ -421,10 +358,4 @@ BEFORE_ALL(set_up)
     assert_non_null(work = face_work_new(NULL));
     assert_int_equal(frame_mean_make(&model_default, &mean), ST_OK);
     fit_prepare(&model_default.change, &motion);
-}
-
-AFTER_ALL(tear_down)
-{
-    face_work_free(work);
-    scratch_free(&scratch);
 }

@@ -3,9 +3,7 @@
 #include "align_field.h"
 #include "brute.h"
 #include "cells.h"
-#include "lattice.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define ROOM 20000
@@ -140,9 +138,4 @@ TEST(test_weights)
     sample(&still, &still);
     assert_true(fabs((double)cells.area[i] - 4) < 1e-5);
     assert_true(fabs((double)cells.gap[i] - 2.75) < 1e-3);
-}
-
-AFTER_ALL(tear_down)
-{
-    surface_free(&tmpl);
 }

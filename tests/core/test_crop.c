@@ -11,7 +11,6 @@
 #include "model.h"
 #include "shape.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 12000

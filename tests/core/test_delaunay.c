@@ -246,30 +246,6 @@ TEST(test_canonical)
     free(pts);
 }
 
-TEST(test_translation)
-{
-    struct brute_rng r = {brute_seed("translation")};
-    struct ivec3 *pts = malloc(3000 * sizeof *pts);
-    struct mesh a = {0}, b = {0};
-
-    assert_non_null(pts);
-    for (int shape = 0; shape < BRUTE_EXTREME; shape++) {
-        const size_t k = brute_points((enum brute_shape)shape, 3000, &r, pts);
-        const int32_t dx = -3 - LATTICE_MAX / 6, dy = LATTICE_MAX / 7;
-
-        assert_int_equal(delaunay_build(pts, k, &scratch, &a), ST_OK);
-        for (size_t i = 0; i < k; i++) {
-            pts[i].x += dx;
-            pts[i].y += dy;
-        }
-        assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
-        check_same_bytes(&a, &b, dx, dy);
-    }
-    mesh_free(&a);
-    mesh_free(&b);
-    free(pts);
-}
-
 /* Too many to compare with the definition: the empty circle across every edge. */
 TEST(test_large)
 {
@@ -335,21 +311,6 @@ TEST(test_refused)
                      ST_OK); /* the memory is still usable */
     assert_int_equal(m.nv, 5);
     mesh_free(&m);
-}
-
-/* The four corners of the lattice, its middle, and a point next to each. */
-TEST(test_extremes)
-{
-    struct ivec3 pts[18];
-    size_t n = 0;
-
-    for (int32_t x = -1; x <= 1; x++)
-        for (int32_t y = -1; y <= 1; y++) {
-            pts[n++] = (struct ivec3){x * LATTICE_MAX, y * LATTICE_MAX, -LATTICE_MAX};
-            pts[n++] = (struct ivec3){x * (LATTICE_MAX - 1) + (x == 0),
-                                      y * (LATTICE_MAX - 1), LATTICE_MAX};
-        }
-    check_brute(pts, n);
 }
 
 /* Bigger, smaller and bigger again in the same memory gives what fresh memory gives. */
@@ -446,9 +407,4 @@ TEST(test_check_can_fail)
     assert_true(seen > 50);
     assert_int_equal(mesh_check(&m, false), ST_OK);
     mesh_free(&m);
-}
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
 }

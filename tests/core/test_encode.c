@@ -7,7 +7,6 @@
 #include "fail_alloc.h"
 #include "shape_map.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define FAR_MM 12.0 /* as encode.h says, in numbers: */
@@ -491,9 +490,4 @@ BEFORE_ALL(set_up)
     rng.state = brute_seed("encode");
     toy_model(&model);
     encode_prepare(&model, &basis);
-}
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
 }

@@ -255,34 +255,6 @@ TEST(test_noise)
     refused(&c, ST_EQUALITY);
 }
 
-/* Spikes (single points far off the surface) are flattened: the scan compares as if it had
- * none. */
-TEST(test_spikes)
-{
-    static struct cloud clean, spiky;
-    struct brute_rng r = {brute_seed("spikes")};
-    struct face a = {0}, b = {0}, c = {0};
-    struct face_result plain, spikes;
-
-    make(6, 0, &c);
-    scan(6, 1, POINTS, &clean);
-    spiky = clean;
-    for (size_t i = 0; i < spiky.n; i += 60)
-        spiky.pts[i].z += (i % 120 == 0 ? 1 : -1) * (10 + 20 * brute_real(&r));
-    assert_int_equal(build(&clean, &a), ST_OK);
-    assert_int_equal(build(&spiky, &b), ST_OK);
-    assert_int_equal(a.surface.mesh.nv, b.surface.mesh.nv);
-    for (uint32_t v = 0; v < b.surface.mesh.nv; v++) /* a spike is 10 mm or more */
-        assert_true(abs(b.surface.mesh.z[v] - a.surface.mesh.z[v]) < 6000);
-    assert_true(b.surface.spikes >= 45 && b.surface.spikes < 80);
-    assert_int_equal(face_compare(&c, &a, (double)NAN, NULL, work, &plain), ST_OK);
-    assert_int_equal(face_compare(&c, &b, (double)NAN, NULL, work, &spikes), ST_OK);
-    assert_true(fabs(plain.score - spikes.score) < 3);
-    face_free(&a);
-    face_free(&b);
-    face_free(&c);
-}
-
 TEST(test_permutation)
 {
     struct brute_rng r = {brute_seed("permutation")};
@@ -355,9 +327,4 @@ TEST(test_no_memory)
 BEFORE_ALL(set_up)
 {
     assert_non_null(work = face_work_new(NULL));
-}
-
-AFTER_ALL(tear_down)
-{
-    face_work_free(work);
 }

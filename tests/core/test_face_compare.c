@@ -12,7 +12,6 @@
 #include "measure.h"
 #include "minimal.h"
 #include "model.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 3000
@@ -786,9 +785,4 @@ TEST(test_threads)
 BEFORE_ALL(set_up)
 {
     assert_non_null(work = face_work_new(NULL));
-}
-
-AFTER_ALL(tear_down)
-{
-    face_work_free(work);
 }

@@ -11,7 +11,6 @@
 #include "locate.h"
 #include "mem.h"
 #include "surface.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define MOST  40000
@@ -261,27 +260,6 @@ TEST(test_outline)
     assert_in_range(fill.beyond, 90 * PITCH * PITCH, 11 * 10 * PITCH * PITCH);
 }
 
-TEST(test_order)
-{
-    const size_t n = cut_scan(5, 3000, 6);
-    struct fill other = {0};
-
-    prepare(pts, n, &scan);
-    assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
-    brute_shuffle(pts, n, sizeof *pts, &rng);
-    prepare(pts, n, &scan);
-    assert_int_equal(fill_holes(&scan, MOST, &scratch, &other), ST_OK);
-    assert_int_equal(other.n, fill.n);
-    assert_true(fill.n > 0);
-    assert_memory_equal(other.pts, fill.pts, fill.n * sizeof *fill.pts);
-    assert_int_equal(other.nholes, fill.nholes);
-    for (uint32_t i = 0; i < fill.nholes; i++) {
-        assert_int_equal(other.hole[i].points, fill.hole[i].points);
-        assert_true(other.hole[i].area == fill.hole[i].area);
-    }
-    fill_free(&other);
-}
-
 TEST(test_limit)
 {
     uint32_t n;
@@ -314,24 +292,22 @@ TEST(test_error)
     assert_true(isnan(r) && isnan(m));
 }
 
+static enum status fill_fresh(void *out)
+{
+    struct scratch s = {0};
+    const enum status st = fill_holes(&scan, MOST, &s, out);
+
+    scratch_free(&s);
+    return st;
+}
+
 TEST(test_memory)
 {
     struct fill other = {0};
-    enum status st = ST_ENOMEM;
-    unsigned long k;
 
     prepare(pts, cut_scan(9, 3000, 5), &scan);
     assert_int_equal(fill_holes(&scan, MOST, &scratch, &fill), ST_OK);
-    for (k = 1; st != ST_OK; k++) {
-        struct scratch s = {0};
-
-        fail_alloc_at(k);
-        st = fill_holes(&scan, MOST, &s, &other);
-        fail_alloc_at(0);
-        assert_true(st == ST_OK || st == ST_ENOMEM);
-        scratch_free(&s);
-    }
-    assert_true(k > 5);
+    assert_true(fail_alloc_walk(fill_fresh, &other) > 4);
     assert_int_equal(other.n, fill.n);
     assert_memory_equal(other.pts, fill.pts, fill.n * sizeof *fill.pts);
     fill_free(&other);
@@ -340,11 +316,4 @@ TEST(test_memory)
 BEFORE_ALL(set_up)
 {
     rng.state = brute_seed("fill");
-}
-
-AFTER_ALL(tear_down)
-{
-    surface_free(&scan);
-    fill_free(&fill);
-    scratch_free(&scratch);
 }

@@ -17,11 +17,6 @@ BEFORE_ALL(open_work)
     assert_non_null(work = face_work_new(NULL));
 }
 
-AFTER_ALL(close_work)
-{
-    face_work_free(work);
-}
-
 /* ---- motions */
 
 static struct align_pose any_pose(struct brute_rng *r)
@@ -95,6 +90,12 @@ static void look_among(const struct align_pose *a, const struct find *f,
         const struct align_pose there = after(&f->pose[i].pose, by);
         double deg, mm;
 
+        assert_true(align_pose_rigid(&f->pose[i].pose));
+        if (i > 0) { /* the best first, and none twice */
+            assert_true(f->pose[i].worth <= f->pose[i - 1].worth);
+            apart(&f->pose[i].pose, &f->pose[i - 1].pose, &deg, &mm);
+            assert_true(deg > 9 || mm > 9);
+        }
         apart(a, &there, &deg, &mm);
         near |= deg <= most_deg && mm <= most_mm;
     }
@@ -182,28 +183,6 @@ static size_t crop(uint64_t subject, struct dvec3 *out)
 
 /* ---- tests */
 
-/* A frontal crop is found where frame_find() finds it. */
-TEST(test_frame)
-{
-    static struct dvec3 pts[3000];
-
-    for (uint64_t subject = 1; subject <= 5; subject++) {
-        const size_t n = crop(subject, pts);
-        struct face face = {0};
-        struct find f;
-
-        assert_int_equal(face_build(pts, n, work, &face, NULL), ST_OK);
-        assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
-        assert_int_equal(f.n, 1);
-        assert_int_equal(f.faces, 1);
-        assert_true(f.pose[0].unit_mm == 1);
-        assert_true(f.pose[0].worth >= FIND_PLAIN);
-        assert_true(align_pose_rigid(&f.pose[0].pose));
-        assert_near(&face.frame.pose, &f.pose[0].pose, 6, 6);
-        face_free(&face);
-    }
-}
-
 /* Turned, moved and in another unit the face is found at the same place. */
 static void check_any(const struct dvec3 *pts, size_t n, const struct align_pose *still,
                       struct brute_rng *r)
@@ -282,40 +261,6 @@ static double nose_at(const struct find *f)
     return align_pose_origin(&f->pose[0].pose).x;
 }
 
-/* Two heads are two faces; in axes that say nothing of a scanner (y away from it) first comes
- * the one with more points, whatever their order. */
-TEST(test_two)
-{
-    for (uint64_t subject = 1; subject <= 3; subject++) {
-        struct head a = {0}, b = {0};
-        struct dvec3 *pts;
-        struct find f;
-        size_t n = 0;
-
-        head_make_up(subject, &a);
-        head_make_up(subject + 1, &b);
-        pts = malloc((2 * a.n + 2 * b.n) * sizeof *pts);
-        assert_non_null(pts);
-        for (int order = 0; order < 2; order++) {
-            n = 0;
-            for (size_t i = 0; i < a.n; i += order == 0 ? 1 : 2)
-                pts[n++] = a.at[i];
-            for (size_t i = 0; i < b.n; i += order == 0 ? 2 : 1)
-                pts[n++] = (struct dvec3){b.at[i].x + 330, b.at[i].y, b.at[i].z - 50};
-            for (size_t i = 0; i < n; i++)
-                pts[i] = (struct dvec3){pts[i].x, -pts[i].z, pts[i].y};
-            assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
-            assert_int_equal(f.faces, 2);
-            assert_int_equal(f.n, 1);
-            /* That one of them which is fitted best. */
-            assert_true(fabs(nose_at(&f)) < 10 || fabs(nose_at(&f) - 330) < 10);
-        }
-        free(pts);
-        head_free(&a);
-        head_free(&b);
-    }
-}
-
 /* Seen from the front, along the agreed axes or a camera's, first comes the nearer one, though
  * fewer points show it; in other axes nobody knows which one that is. */
 TEST(test_nearest)
@@ -387,29 +332,6 @@ TEST(test_unit)
     assert_int_equal(f.n, 0);
 }
 
-/* The same points give the same digits; where no face is plain, as where one is. */
-TEST(test_again)
-{
-    struct headscan_options o;
-    struct align_pose still;
-    struct headscan s;
-    struct find a, b;
-
-    headscan_kind(kind_of("mask"), 2, false, &o);
-    render(2, &o, &s, &still);
-    assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &a), ST_OK);
-    assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &b), ST_OK);
-    assert_memory_equal(&a, &b, sizeof a);
-    for (uint32_t i = 1; i < a.n; i++) {
-        double deg, mm;
-
-        assert_true(a.pose[i].worth <= a.pose[i - 1].worth);
-        apart(&a.pose[i].pose, &a.pose[i - 1].pose, &deg, &mm);
-        assert_true(deg > 9 || mm > 9);
-    }
-    headscan_free(&s);
-}
-
 TEST(test_nothing)
 {
     static struct dvec3 pts[2000];
@@ -427,24 +349,24 @@ TEST(test_nothing)
     assert_int_equal(f.faces, 0);
 }
 
+static enum status find_in(void *arg)
+{
+    const struct headscan *s = arg;
+    struct find f;
+    const enum status st = find_face(s->at, s->n, 0, work, NULL, &f);
+
+    assert_true(st == ST_OK || f.n == 0);
+    return st;
+}
+
 TEST(test_memory)
 {
     struct headscan_options o;
     struct align_pose still;
     struct headscan s;
-    struct find f;
-    enum status st = ST_ENOMEM;
-    unsigned long n;
 
     headscan_kind(kind_of("depth"), 1, false, &o);
     render(1, &o, &s, &still);
-    for (n = 1; st == ST_ENOMEM; n++) {
-        fail_alloc_at(n);
-        st = find_face(s.at, s.n, 0, work, NULL, &f);
-        assert_true(st == ST_OK || f.n == 0);
-    }
-    fail_alloc_at(0);
-    assert_int_equal(st, ST_OK);
-    assert_true(n > 5);
+    assert_true(fail_alloc_walk(find_in, &s) > 3);
     headscan_free(&s);
 }

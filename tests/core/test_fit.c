@@ -7,7 +7,6 @@
 #include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define MOST (MODEL_MODES + 6)
@@ -248,9 +247,4 @@ BEFORE_ALL(set_up)
     memcpy(nothing_changes.rest, model.change.rest, sizeof nothing_changes.rest);
     fit_prepare(&nothing_changes, &moved);
     fit_prepare(&model.change, &changed);
-}
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
 }

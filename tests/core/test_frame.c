@@ -2,8 +2,6 @@
  * a map of heights in it is the mean face again. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
-#include "clouds.h"
-#include "face.h"
 #include "fail_alloc.h"
 #include "frame.h"
 #include "model_digest.h"
@@ -72,37 +70,6 @@ TEST(test_toy)
     }
 }
 
-/* Turning and shifting a whole scan leaves the frame at the same place of the face. */
-TEST(test_moves_along)
-{
-    static struct dvec3 pts[POINTS], moved[POINTS];
-    struct face_work *w = face_work_new(NULL);
-    struct face f = {0};
-    double sum = 0;
-
-    assert_non_null(w);
-    for (uint64_t k = 0; k < 8; k++) {
-        const size_t n = clouds_scan(k, 0, POINTS, pts);
-        struct align_pose before, both, motion;
-        double m[16], off;
-
-        assert_int_equal(face_build(pts, n, w, &f, NULL), ST_OK);
-        before = f.frame.pose;
-        memcpy(moved, pts, n * sizeof *pts);
-        clouds_move(moved, n, k, 15, 120, m);
-        align_pose_from_matrix(m, &motion);
-        assert_int_equal(face_build(moved, n, w, &f, NULL), ST_OK);
-        both = then(&motion, &f.frame.pose);
-        off = apart(&both, &before, pts, n);
-        printf("face %d: off by %.2f mm at most\n", (int)k, off);
-        sum += off;
-        assert_true(off < 0.5);
-    }
-    assert_true(sum / 8 < 0.2);
-    face_free(&f);
-    face_work_free(w);
-}
-
 /* Heights that are a multiple of the mean face's relief and any quadric. */
 static double scaled(const void *arg, double x, double y)
 {
@@ -154,25 +121,23 @@ TEST(test_mean)
     assert_int_equal(frame_mean_make(&bad, &m), ST_EDEGENERATE);
 }
 
+static enum status find_fresh(void *out)
+{
+    struct align_work fresh = {0};
+    const enum status st = frame_find(&mean, &surface, &fresh, out);
+
+    align_work_free(&fresh);
+    return st;
+}
+
 TEST(test_memory)
 {
     struct brute_rng rng = {8};
     struct frame want, got;
-    enum status st = ST_ENOMEM;
-    unsigned long n;
 
     toy_scan(toy, NULL, 2000, NULL, &rng, &surface);
     assert_int_equal(frame_find(&mean, &surface, &work, &want), ST_OK);
-    for (n = 1; st != ST_OK; n++) {
-        struct align_work fresh = {0};
-
-        fail_alloc_at(n);
-        st = frame_find(&mean, &surface, &fresh, &got);
-        fail_alloc_at(0);
-        assert_true(st == ST_OK || st == ST_ENOMEM);
-        align_work_free(&fresh);
-    }
-    assert_true(n > 2);
+    assert_true(fail_alloc_walk(find_fresh, &got) > 0);
     assert_memory_equal(&want.pose, &got.pose, sizeof want.pose);
 }
 
@@ -180,10 +145,4 @@ BEFORE_ALL(set_up)
 {
     toy_model(&model);
     assert_int_equal(frame_mean_make(&model, &mean), ST_OK);
-}
-
-AFTER_ALL(tear_down)
-{
-    align_work_free(&work);
-    surface_free(&surface);
 }

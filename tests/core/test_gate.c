@@ -152,8 +152,3 @@ BEFORE_ALL(set_up)
 {
     assert_non_null(work = face_work_new(NULL));
 }
-
-AFTER_ALL(tear_down)
-{
-    face_work_free(work);
-}

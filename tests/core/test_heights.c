@@ -345,9 +345,3 @@ TEST(test_memory)
     assert_int_equal(fail_alloc_count(), 0);
     scratch_free(&fresh);
 }
-
-AFTER_ALL(tear_down)
-{
-    surface_free(&surface);
-    scratch_free(&scratch);
-}

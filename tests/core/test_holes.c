@@ -4,17 +4,14 @@
 #include "delaunay.h"
 #include "fail_alloc.h"
 #include "holes.h"
-#include "locate.h"
 #include "mem.h"
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define MAX_POINTS 4000
 
-static uint64_t seed;
 static struct ivec3 pts[MAX_POINTS];
 static float spacing[MAX_POINTS];
 static uint8_t bridge[2 * MAX_POINTS];
@@ -49,7 +46,7 @@ static bool bridged_at(const struct mesh *m, int32_t x, int32_t y)
  * at most the limit. */
 TEST(test_spacing)
 {
-    struct brute_rng r = {seed};
+    struct brute_rng r = {brute_seed("holes")};
     static double sum[100], count[100], s2[100], c2[100];
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
@@ -102,7 +99,7 @@ static bool bridges(const struct mesh *m, const float *space, uint32_t a, uint32
  * the triangles without a mark. */
 TEST(test_marks)
 {
-    struct brute_rng r = {seed + 1};
+    struct brute_rng r = {brute_seed("holes") + 1};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};
@@ -158,7 +155,7 @@ TEST(test_block)
  * marked.  Scaling the points by 2 marks the same triangles. */
 TEST(test_random)
 {
-    struct brute_rng r = {seed + 2};
+    struct brute_rng r = {brute_seed("holes") + 2};
     struct mesh m = {0}, twice = {0};
     static uint8_t marks[2 * MAX_POINTS];
     double measured, inner = 0;
@@ -198,9 +195,4 @@ TEST(test_no_memory)
     scratch_free(&none);
     mesh_free(&m);
     scratch_free(&scratch);
-}
-
-BEFORE_ALL(set_up)
-{
-    seed = brute_seed("test_holes");
 }

@@ -7,7 +7,6 @@
 
 #define MAX_POINTS 200
 
-static uint64_t seed;
 static struct ivec3 pts[MAX_POINTS];
 
 static double height(const struct mesh *m, struct ivec2 q)
@@ -18,7 +17,7 @@ static double height(const struct mesh *m, struct ivec2 q)
 /* On a plane every height is the plane's, up to the largest coordinates. */
 TEST(test_plane)
 {
-    struct brute_rng r = {seed};
+    struct brute_rng r = {brute_seed("interpolate")};
 
     for (int round = 0; round < 20; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
@@ -46,7 +45,7 @@ TEST(test_plane)
 /* At the vertices the height is the vertex's own, to the last digit, from every triangle. */
 TEST(test_vertices)
 {
-    struct brute_rng r = {seed + 1};
+    struct brute_rng r = {brute_seed("interpolate") + 1};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         const size_t n = brute_points((enum brute_shape)shape, 80, &r, pts);
@@ -66,7 +65,7 @@ TEST(test_vertices)
 /* interpolate_mesh() gives the same heights as point by point. */
 TEST(test_interpolate)
 {
-    struct brute_rng r = {seed + 2};
+    struct brute_rng r = {brute_seed("interpolate") + 2};
     static struct location loc[MAX_POINTS];
     static double out[MAX_POINTS];
 
@@ -85,9 +84,4 @@ TEST(test_interpolate)
         mesh_free(&a);
         mesh_free(&b);
     }
-}
-
-BEFORE_ALL(set_up)
-{
-    seed = brute_seed("test_interpolate");
 }

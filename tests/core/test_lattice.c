@@ -57,13 +57,6 @@ TEST(test_range)
     assert_int_equal(refused(-1e308), ST_ERANGE);
 }
 
-TEST(test_not_finite)
-{
-    assert_int_equal(refused((double)NAN), ST_ENOTFINITE);
-    assert_int_equal(refused((double)INFINITY), ST_ENOTFINITE);
-    assert_int_equal(refused(-(double)INFINITY), ST_ENOTFINITE);
-}
-
 TEST(test_array)
 {
     const struct dvec3 good[] = {{1, 2, 3}, {-0.0015, 0.0025, 16777.216}};

@@ -5,7 +5,6 @@
 #include "brute.h"
 #include "delaunay.h"
 #include "fail_alloc.h"
-#include "lattice.h"
 #include "locate.h"
 #include "mem.h"
 #include "merge.h"
@@ -387,9 +386,4 @@ TEST(test_limit)
                      ST_ELIMIT);
     assert_int_equal(p.out.nv, 0);
     pair_free(&p);
-}
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
 }

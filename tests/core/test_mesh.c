@@ -154,21 +154,6 @@ TEST(test_links)
     mesh_free(&d);
 }
 
-/* Flip the edge h where that leaves both triangles counter-clockwise. */
-static bool flip(struct mesh *m, uint32_t h)
-{
-    const uint32_t t = m->twin[h], ha = mesh_prev(h), ta = mesh_prev(t);
-    const uint32_t a = m->org[h], b = m->org[t], c = m->org[ha], d = m->org[ta];
-
-    if (mesh_is_ghost(m, h / 3) || mesh_is_ghost(m, t / 3) ||
-        orient2d(m->xy[c], m->xy[d], m->xy[b]) <= 0 ||
-        orient2d(m->xy[d], m->xy[c], m->xy[a]) <= 0)
-        return false;
-    m->org[h] = d;
-    m->org[t] = c;
-    return true;
-}
-
 /* Triangulations that are not Delaunay are accepted too, if the tree's edges are edges of
  * the mesh. */
 TEST(test_flipped)
@@ -180,7 +165,7 @@ TEST(test_flipped)
     for (int round = 0; round < 200; round++) {
         build(brute_points(BRUTE_RANDOM, 40, &r, pts), &m);
         for (int i = 0; i < 3; i++) {
-            if (flip(&m, (uint32_t)brute_int(&r, 0, (int32_t)(3 * m.nt) - 1))) {
+            if (brute_flip(&m, (uint32_t)brute_int(&r, 0, (int32_t)(3 * m.nt) - 1))) {
                 brute_order(&m, &r);
                 strip(&m, &d);
                 if (mesh_link(&d, &scratch) != ST_OK) {

@@ -6,12 +6,9 @@
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
-#include "lattice.h"
 #include "measure.h"
 #include "minimal.h"
-#include "minimal_places.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 3000
@@ -346,38 +343,28 @@ TEST(test_overturned)
     }
 }
 
+static struct minimal found;
+
+static enum status find_fresh(void *transform)
+{
+    struct measure_work fresh = {0};
+    const enum status st =
+        minimal_find(&tmpl.surface, &probe.surface, transform, &fresh, &found);
+
+    measure_work_free(&fresh);
+    return st;
+}
+
 TEST(test_memory)
 {
-    struct minimal m = {.ms = 0};
     double aligned[16];
-    unsigned long k = 0, failed;
-    enum status st;
 
     memcpy(aligned, pair(4, true, POINTS, -INFINITY), sizeof aligned);
-    do {
-        struct measure_work fresh = {0};
-
-        fail_alloc_at(++k);
-        st = minimal_find(&tmpl.surface, &probe.surface, aligned, &fresh, &m);
-        failed = fail_alloc_count();
-        fail_alloc_at(0);
-        assert_true(st == ST_OK || st == ST_ENOMEM);
-        assert_true(st == ST_OK || failed >= k);
-        measure_work_free(&fresh);
-    } while (st == ST_ENOMEM);
-    assert_true(k > 4);
-    assert_true(m.disparity.plain_mm == find(aligned).disparity.plain_mm);
+    assert_true(fail_alloc_walk(find_fresh, aligned) > 3);
+    assert_true(found.disparity.plain_mm == find(aligned).disparity.plain_mm);
 }
 
 BEFORE_ALL(start)
 {
     assert_non_null(work = face_work_new(NULL));
-}
-
-AFTER_ALL(end)
-{
-    face_work_free(work);
-    measure_work_free(&measure);
-    face_free(&tmpl);
-    face_free(&probe);
 }

@@ -91,10 +91,3 @@ TEST(test_refused)
     assert_int_equal(mesh.nv, 0);
     assert_int_equal(numbered_build(pts, 2, &scratch, &mesh), ST_EDEGENERATE);
 }
-
-AFTER_ALL(tear_down)
-{
-    mesh_free(&mesh);
-    mesh_free(&want);
-    scratch_free(&scratch);
-}

@@ -370,8 +370,3 @@ BEFORE_ALL(set_up)
 {
     rng.state = brute_seed("ratio");
 }
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&scratch);
-}

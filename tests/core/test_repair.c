@@ -190,10 +190,3 @@ TEST(test_wound_twice)
     assert_int_equal(numbered_build(pts, 13, &scratch, &mesh), ST_OK);
     assert_int_equal(repair(to), ST_ELIMIT);
 }
-
-AFTER_ALL(tear_down)
-{
-    mesh_free(&mesh);
-    mesh_free(&moved);
-    scratch_free(&scratch);
-}

@@ -117,8 +117,3 @@ BEFORE_ALL(begin)
 {
     assert_non_null(work = face_work_new(NULL));
 }
-
-AFTER_ALL(end)
-{
-    face_work_free(work);
-}

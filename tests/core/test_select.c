@@ -67,29 +67,6 @@ TEST(test_random)
         }
 }
 
-/* Sorted either way, all equal, rising then falling, powers of 2; and a value for each bit,
- * which takes the most rounds. */
-TEST(test_patterns)
-{
-    const size_t n = 2000;
-
-    for (int kind = 0; kind < 5; kind++) {
-        for (size_t i = 0; i < n; i++)
-            value[i] = kind == 0   ? (double)i
-                       : kind == 1 ? -(double)i
-                       : kind == 2 ? 7
-                       : kind == 3 ? (double)(i < n / 2 ? i : n - i)
-                                   : -ldexp(1, (int)i % 900);
-        check(n);
-    }
-    for (size_t i = 0; i < 63; i++) {
-        const uint64_t bits = UINT64_C(1) << i;
-
-        memcpy(&value[i], &bits, sizeof bits);
-    }
-    check(63);
-}
-
 /* Fills value[] such that the middle element of what is left is its minimum in each round:
  * selection with that pivot (Hoare's) takes quadratic time. */
 static void make_killer(size_t n)

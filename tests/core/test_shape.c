@@ -6,7 +6,6 @@
 #include "shape.h"
 #include "shape_map.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 4000
@@ -480,29 +479,24 @@ TEST(test_sizes)
     }
 }
 
-/* Wherever an allocation fails. */
-TEST(test_no_memory)
+static enum status fit_fresh(void *out)
 {
     static struct shape_work w;
+    enum status st;
+
+    shape_work_prepare(&model, &w);
+    st = shape_fit(&w, pts, n, &still, 1, true, out);
+    shape_work_free(&w);
+    return st;
+}
+
+TEST(test_no_memory)
+{
     struct brute_rng rng = {7};
     struct shape_fit f;
-    unsigned long failed = 0;
 
     make_face(&rng);
-    for (unsigned long at = 1;; at++) {
-        enum status st;
-
-        shape_work_prepare(&model, &w);
-        fail_alloc_at(at);
-        st = shape_fit(&w, pts, n, &still, 1, true, &f);
-        fail_alloc_at(0);
-        shape_work_free(&w);
-        if (st == ST_OK)
-            break;
-        assert_int_equal(st, ST_ENOMEM);
-        failed++;
-    }
-    assert_int_equal(failed, 2); /* the points, and fit_solve()'s */
+    assert_int_equal(fail_alloc_walk(fit_fresh, &f), 2); /* the points, fit_solve()'s */
 }
 
 BEFORE_ALL(set_up)
@@ -513,9 +507,4 @@ BEFORE_ALL(set_up)
         for (uint32_t k = 6; k < MODEL_MODES; k++)
             model.shape.mode[i][k] = 0.0f;
     shape_work_prepare(&model, &work);
-}
-
-AFTER_ALL(tear_down)
-{
-    shape_work_free(&work);
 }

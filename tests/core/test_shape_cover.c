@@ -2,7 +2,6 @@
 #include "brute.h"
 #include "model.h"
 #include "shape.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 4000
@@ -186,9 +185,4 @@ BEFORE_ALL(set_up)
 {
     rng = (struct brute_rng){brute_seed("cover")};
     shape_work_prepare(&model_default, &work);
-}
-
-AFTER_ALL(tear_down)
-{
-    shape_work_free(&work);
 }

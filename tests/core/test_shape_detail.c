@@ -3,7 +3,6 @@
 #include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
-#include "tuning.h"
 #include "unit.h"
 
 static struct model model;
@@ -95,9 +94,4 @@ BEFORE_ALL(set_up)
 {
     toy_model(&model);
     shape_work_prepare(&model, &work);
-}
-
-AFTER_ALL(tear_down)
-{
-    shape_work_free(&work);
 }

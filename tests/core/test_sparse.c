@@ -2,8 +2,6 @@
  * sparse, its coarse triangles hardly matter. */
 #include "face.h"
 #include "facegen.h"
-#include "heights.h"
-#include "toy.h"
 #include "unit.h"
 
 static void make(uint64_t subject, uint64_t number, uint32_t points, double spikes,

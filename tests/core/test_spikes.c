@@ -66,8 +66,3 @@ TEST(test_median)
         assert_in_range(s.mesh.z[v] + 1, 1, 101);
     surface_free(&s);
 }
-
-AFTER_ALL(stop)
-{
-    scratch_free(&scratch);
-}

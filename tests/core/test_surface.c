@@ -193,33 +193,26 @@ TEST(test_nothing_left)
     surface_free(&moved);
 }
 
+static enum status prepare_and_move(void *p)
+{
+    struct scratch a = {0}, b = {0};
+    struct surface s = {0}, moved = {0};
+    enum status st = surface_prepare(p, N, true, &a, &s);
+
+    if (st == ST_OK)
+        st = surface_move(&s, still, &b, &a, &moved);
+    assert_true(st == ST_OK || moved.mesh.nv == 0);
+    surface_free(&s);
+    surface_free(&moved);
+    scratch_free(&a);
+    scratch_free(&b);
+    return st;
+}
+
 TEST(test_memory)
 {
     struct ivec3 p[N];
-    enum status st = ST_ENOMEM;
-    unsigned long n;
 
     bowl(p);
-    for (n = 1; st != ST_OK; n++) {
-        struct scratch a = {0}, b = {0};
-        struct surface s = {0}, moved = {0};
-
-        fail_alloc_at(n);
-        st = surface_prepare(p, N, true, &a, &s);
-        if (st == ST_OK)
-            st = surface_move(&s, still, &b, &a, &moved);
-        fail_alloc_at(0);
-        assert_true(st == ST_OK || (st == ST_ENOMEM && moved.mesh.nv == 0));
-        surface_free(&s);
-        surface_free(&moved);
-        scratch_free(&a);
-        scratch_free(&b);
-    }
-    assert_true(n > 7);
-}
-
-AFTER_ALL(tear_down)
-{
-    scratch_free(&points);
-    scratch_free(&scratch);
+    assert_true(fail_alloc_walk(prepare_and_move, p) > 5);
 }

@@ -1,6 +1,5 @@
 /* GLB files: nodes' transforms, several meshes, indices and components of each type, and
  * files whose numbers lead outside of them. */
-#include "cloudglb.h"
 #include "scanfile.h"
 #include "unit.h"
 

@@ -1,6 +1,5 @@
 /* STL files, text and binary: equal vertices become one, the corners' order gives the
  * normals, and a file that is not just what it says is refused. */
-#include "cloudstl.h"
 #include "scanfile.h"
 #include "unit.h"
 

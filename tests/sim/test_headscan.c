@@ -13,11 +13,6 @@ BEFORE_ALL(make)
     head_make_up(3, &made);
 }
 
-AFTER_ALL(unmake)
-{
-    head_free(&made);
-}
-
 static struct headscan_options kind(const char *name, uint64_t seed)
 {
     struct headscan_options o = {.seed = 0};

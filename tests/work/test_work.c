@@ -45,7 +45,7 @@ static void measure_ordinary(size_t n, double ordinary[WORK_STEPS])
     work_count(a, b, na < nb ? na : nb, ordinary);
 }
 
-/* What work_search found: the worst at their time, before and after the limits. */
+/* Of many point sets that were searched: the worst at their time, before and after the limits. */
 TEST(test_found)
 {
     static const double gene[][2 * CONTRIVED_GENES] = {
