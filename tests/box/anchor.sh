@@ -21,7 +21,7 @@ said_by_both() { { sqlite3 "$DB" .dump && cat "$ANCHOR" 2>/dev/null; } | sha256s
 refused() {
     r_sum=$(said_by_both)
     start_fails "$1" 1 "$2" --db "$DB" --anchor "$ANCHOR" --listen 127.0.0.1:0 --no-auth
-    for r_command in "subject list" check "audit verify" "backup $T/b" \
+    for r_command in "subject list" check-database "audit verify" "backup $T/b" \
         "token create x --scope verify" "verify alice $T/p1.ply" "subject erase alice --yes" \
         "rekey --yes"; do
         # shellcheck disable=SC2086 # a command and its arguments

@@ -77,7 +77,7 @@ events=$(sqlite3 "$TO" "SELECT count(*) FROM $ENTRIES")
 on "$TO" import "$T/all" --archive-key "$T/phrase"
 is "twice is once" "$CODE $(said '.subjects_new, .templates_new' | tr '\n' ' ')" "0 0 0 "
 is "without an event" "$(sqlite3 "$TO" "SELECT count(*) FROM $ENTRIES")" "$events"
-on "$TO" check
+on "$TO" check-database
 is "all is well" "$CODE $(said .templates)" "0 3"
 on "$TO" verify alice "$T/p1.ply"
 is "alice is alice" "$CODE" 0
@@ -168,6 +168,6 @@ on "$TO" import "$T/nowhere" --archive-key "$T/akey"
 is "no file" "$CODE" 66
 on "$TO" stats
 is "nobody came of all that" "$(said '.subjects, .templates' | tr '\n' ' ')" "0 0 "
-on "$TO" check
+on "$TO" check-database
 is "and all is well" "$CODE" 0
 finish
