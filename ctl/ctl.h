@@ -2,12 +2,12 @@
  * and the error that it ends with.  From the bottom up:
  *   ctl, ctl_dir               errors, exit codes, output; files that are written
  *   ctl_option, ctl_command    what an option and a command are
- *   ctl_key, ctl_model, ctl_config  the database, opened by its key and for a model
- *   ctl_each, ctl_pairs        every subject; of two subjects the nearest templates
+ *   ctl_model, ctl_config      the database, opened by its key and for a model; each subject
+ *   ctl_pairs                  of two subjects the nearest templates
  *   ctl_sample, ctl_face, ctl_corpus  a scan as a face, compared, enrolled; many scans
  *   ctl_trials, ctl_cross      many comparisons
  *   the other files            a command each, or a few of one group
- *   ctl_table, ctl_help, main  the list of the commands, help texts, the command line */
+ *   ctl_table, main            the list of the commands, their help texts, the command line */
 #ifndef CTL_H
 #define CTL_H
 #include <limits.h>
@@ -26,7 +26,7 @@ struct options;     /* options.h */
 struct store;       /* store.h */
 struct ctl_command; /* ctl_command.h */
 
-/* As in <sysexits.h> where that has one; ctl_help.c says what they mean. */
+/* As in <sysexits.h> where that has one; ctl_table.c says what they mean. */
 enum ctl_exit {
     EXIT_FINE = 0,
     EXIT_NO = 1,

@@ -10,7 +10,6 @@
 #include "admin_import.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
-#include "ctl_key.h"
 #include "ctl_model.h"
 
 static bool all; /* --all */
@@ -42,7 +41,7 @@ static enum status export_subjects(struct ctl *c)
                          c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
     if ((st = ctl_dir_may_write(c, c->dir, 0)) == ST_OK &&
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
-        (st = ctl_key_archive(c, true, &k)) == ST_OK)
+        (st = ctl_model_archive_key(c, true, &k)) == ST_OK)
         st = c->force ? replace_archive(c, k, &x)
                       : admin_export(c->store, c->actor, c->args, (size_t)c->nargs,
                                      c->dir, k, &x, &c->e);
@@ -66,7 +65,7 @@ static enum status import_subjects(struct ctl *c)
     enum status st;
 
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
-        (st = ctl_key_archive(c, false, &k)) == ST_OK)
+        (st = ctl_model_archive_key(c, false, &k)) == ST_OK)
         st = admin_import(c->store, c->actor, c->args[0], k, c->dry_run, &m, &c->e);
     crypt_file_free(k);
     if (st != ST_OK)

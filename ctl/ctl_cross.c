@@ -8,7 +8,7 @@
 #include "digest.h"
 #include "ctl.h"
 #include "ctl_corpus.h"
-#include "ctl_each.h"
+#include "ctl_model.h"
 #include "ctl_sample.h"
 #include "corpus.h"
 #include "corpus_read.h"
@@ -100,7 +100,7 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
 enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p)
 {
     struct list list = {.c = c};
-    enum status st = ctl_each_subject(c->store, list_subject, &list, &c->e);
+    enum status st = ctl_model_each(c->store, list_subject, &list, &c->e);
     uint32_t all = list.n;
 
     p->subject = list.subject;

@@ -11,7 +11,6 @@
 #include "calibration.h"
 #include "pool.h"
 #include "ctl_command.h"
-#include "ctl_each.h"
 #include "ctl_model.h"
 #include "ctl_pairs.h"
 
@@ -94,7 +93,7 @@ static enum status list_all(struct dedup *d)
     enum status st;
 
     d->alone = NOBODY;
-    st = ctl_each_subject(d->c->store, list_one, d, &d->c->e);
+    st = ctl_model_each(d->c->store, list_one, d, &d->c->e);
     if (st == ST_OK && only != NULL && d->alone == NOBODY)
         st = errinfo_set(&d->c->e, ST_ENOTFOUND,
                          "there is no subject %.128s with a template", only);

@@ -10,11 +10,12 @@
 
 #include "crypt_file.h"
 #include "ctl_command.h"
-#include "ctl_each.h"
+#include "ctl_model.h"
 
 #define LEAST_FREE    (UINT64_C(64) << 20) /* bytes */
 #define MANY_TRIED    10                   /* subjects in a day */
 #define MANY_FAILURES 3 /* in a row, by one token: as many lock it out */
+#define FIND_ALL      "surfacectl check-database finds all that is damaged"
 #define DAY_MS        INT64_C(86400000)
 #define STICKY        01000 /* S_ISVTX, which POSIX leaves to XSI */
 
@@ -239,54 +240,31 @@ static bool look_at_key(struct doctor *d)
     return st == ST_OK;
 }
 
-/* Is it the newest? */
-static void look_at_anchor(struct doctor *d)
+/* The database, opened once for what follows; NULL: it cannot be.  Is it the newest? */
+static struct store *look_at_anchor(struct doctor *d)
 {
-    const struct store_key key = {
-        .path = d->c->key,
-        .make = CRYPT_FILE,
-        .plaintext = d->c->plaintext,
-        .anchor = d->c->anchor != NULL && strcmp(d->c->anchor, "none") != 0 ? d->c->anchor
-                                                                            : NULL};
+    struct store_key key = {
+        .path = d->c->key, .make = CRYPT_FILE, .plaintext = d->c->plaintext};
     struct store *s = NULL;
     struct errinfo e;
-    enum status st;
 
-    if (key.anchor == NULL) {
+    if (d->c->anchor == NULL || strcmp(d->c->anchor, "none") == 0) {
         say(d, NOTE, "anchor", "keep one on another disk or host: anchor = FILE",
             "there is none: a whole older database would not be noticed at a start");
-        return;
-    }
-    st = store_open(d->c->db, STORE_READ, &key, &s, &e);
-    store_close(s);
-    if (st == ST_OK)
-        say(d, FINE, "anchor", "", "the database has what its anchor says");
-    else
+    } else {
+        key.anchor = d->c->anchor;
+        if (store_open(d->c->db, STORE_READ, &key, &s, &e) == ST_OK) {
+            say(d, FINE, "anchor", "", "the database has what its anchor says");
+            return s;
+        }
         say(d, TROUBLE, "anchor",
-            "find out who put it back; operation.md, \"A rollback was found\"", "%s",
+            "find out who put it back; operation.md, \"A difference was found\"", "%s",
             e.msg);
-}
-
-struct tally {
-    struct store *store;
-    uint64_t all, others;
-};
-
-static enum status count_others(void *arg, const struct store_subject *one,
-                                struct errinfo *e)
-{
-    struct tally *t = arg;
-    struct store_template *list;
-    size_t n;
-    const enum status st = store_template_list(t->store, one->id, &list, &n, e);
-
-    if (st != ST_OK)
-        return st;
-    for (size_t i = 0; i < n; i++)
-        t->others += store_template_outdated(t->store, &list[i]);
-    t->all += n;
-    free(list);
-    return ST_OK;
+        key.anchor = NULL;
+    }
+    if (store_open(d->c->db, STORE_READ, &key, &s, &e) != ST_OK)
+        say(d, TROUBLE, "database", "surfacectl check-database", "%s", e.msg);
+    return s;
 }
 
 /* Are the rows those of the last change, as the daemon looks when it starts? */
@@ -307,44 +285,35 @@ static void look_at_state(struct doctor *d, struct store *s)
             "%s", e.msg);
 }
 
-static void look_at_templates(struct doctor *d)
+static void look_at_templates(struct doctor *d, struct store *s)
 {
-    const struct store_key key = {
-        .path = d->c->key, .make = CRYPT_FILE, .plaintext = d->c->plaintext};
-    struct tally t = {.all = 0};
+    struct store_stats all;
     struct errinfo e;
-    enum status st = store_open(d->c->db, STORE_READ, &key, &t.store, &e);
+    uint64_t others = 0;
+    enum status st = store_stats(s, &all, &e);
 
-    if (st == ST_OK) {
-        look_at_state(d, t.store);
-        store_use_model(t.store, d->c->model);
-        st = ctl_each_subject(t.store, count_others, &t, &e);
-    }
-    store_close(t.store);
+    store_use_model(s, d->c->model);
+    if (st == ST_OK)
+        st = store_reencode_count(s, &others, &e);
     if (st != ST_OK)
-        say(d, TROUBLE, "templates",
-            "surfacectl check-database finds all that is damaged", "%s", e.msg);
-    else if (t.others > 0)
+        say(d, TROUBLE, "templates", FIND_ALL, "%s", e.msg);
+    else if (others > 0)
         say(d, TROUBLE, "templates",
             "surfacectl template reencode, or name their model with --model",
             "%llu of %llu were made by another engine than %s",
-            (unsigned long long)t.others, (unsigned long long)t.all, d->c->engine);
+            (unsigned long long)others, (unsigned long long)all.templates, d->c->engine);
     else
-        say(d, FINE, "templates", "", "%llu, by this engine", (unsigned long long)t.all);
+        say(d, FINE, "templates", "", "%llu, by this engine",
+            (unsigned long long)all.templates);
 }
 
-static void look_at_tokens(struct doctor *d)
+static void look_at_tokens(struct doctor *d, struct store *s)
 {
-    const struct store_key key = {.path = d->c->key, .make = CRYPT_FILE};
-    struct store *s;
     struct store_token *t = NULL;
     struct errinfo e;
     size_t n = 0, soon = 0;
-    enum status st = store_open(d->c->db, STORE_READ, &key, &s, &e);
+    const enum status st = store_token_list(s, &t, &n, &e);
 
-    if (st == ST_OK)
-        st = store_token_list(s, &t, &n, &e);
-    store_close(s);
     for (size_t i = 0; i < n; i++) {
         const int64_t left = store_token_left(&t[i]);
 
@@ -356,8 +325,7 @@ static void look_at_tokens(struct doctor *d)
     }
     free(t);
     if (st != ST_OK)
-        say(d, TROUBLE, "tokens", "surfacectl check-database finds all that is damaged",
-            "%s", e.msg);
+        say(d, TROUBLE, "tokens", FIND_ALL, "%s", e.msg);
     else if (soon == 0)
         say(d, FINE, "tokens", "", "none will end within 30 days");
 }
@@ -382,19 +350,14 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
             token[0] != '\0' ? token : "(none)", tried);
 }
 
-static void look_at_attempts(struct doctor *d)
+static void look_at_attempts(struct doctor *d, struct store *s)
 {
-    const struct store_key key = {
-        .path = d->c->key, .make = CRYPT_FILE, .plaintext = d->c->plaintext};
-    struct store *s = NULL;
     struct store_attempts *a = NULL;
     struct errinfo e;
     size_t n = 0, locked = 0;
 
-    if (store_open(d->c->db, STORE_READ, &key, &s, &e) != ST_OK ||
-        store_attempts_list(s, &a, &n, &e) != ST_OK) {
-        say(d, TROUBLE, "attempts", "surfacectl check-database finds all that is damaged",
-            "%s", e.msg);
+    if (store_attempts_list(s, &a, &n, &e) != ST_OK) {
+        say(d, TROUBLE, "attempts", FIND_ALL, "%s", e.msg);
         n = 0;
     }
     for (size_t i = 0; i < n; i++) {
@@ -407,12 +370,12 @@ static void look_at_attempts(struct doctor *d)
             "%zu times in the last day %d verifications or more in a row failed", locked,
             MANY_FAILURES);
     free(a);
-    store_close(s);
 }
 
 static enum status run(struct ctl *c)
 {
     struct doctor d = {.c = c};
+    struct store *s;
 
     if (c->key != NULL)
         (void)snprintf(d.key, sizeof d.key, "%s", c->key);
@@ -426,11 +389,12 @@ static enum status run(struct ctl *c)
         look_at_left(&d);
         if (look_at_schema(&d)) {
             look_at_next(&d);
-            if (look_at_key(&d)) {
-                look_at_anchor(&d);
-                look_at_templates(&d);
-                look_at_tokens(&d);
-                look_at_attempts(&d);
+            if (look_at_key(&d) && (s = look_at_anchor(&d)) != NULL) {
+                look_at_state(&d, s);
+                look_at_templates(&d, s);
+                look_at_tokens(&d, s);
+                look_at_attempts(&d, s);
+                store_close(s);
             }
         }
     }

@@ -1,44 +1,37 @@
+/* The commands, by name; their help texts, made from the table; the command help. */
 #include "ctl_table.h"
 
+#include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "ctl_command.h"
 
-/* Each is at the end of the file whose name its own begins with. */
-extern const struct ctl_command ctl_init, ctl_enroll, ctl_verify, ctl_verify_compare,
-    ctl_explain, ctl_scan, ctl_asymmetry, ctl_simplify, ctl_fill, ctl_evaluate, ctl_train,
-    ctl_subject_list, ctl_subject_show, ctl_subject_set, ctl_subject_rename,
-    ctl_subject_disable, ctl_subject_enable, ctl_subject_hold, ctl_subject_release,
-    ctl_erase, ctl_erase_purge, ctl_template_list, ctl_template_show, ctl_template_export,
-    ctl_reencode, ctl_erase_template, ctl_dedup, ctl_config_show, ctl_config_check,
-    ctl_check, ctl_calibrate, ctl_backup, ctl_backup_restore, ctl_accept,
-    ctl_archive_export, ctl_archive_import, ctl_rekey, ctl_doctor, ctl_stats,
-    ctl_stats_vacuum, ctl_token_create, ctl_token_list, ctl_token_rotate,
-    ctl_token_revoke, ctl_device_add, ctl_device_list, ctl_device_remove,
-    ctl_attempts_list, ctl_attempts_reset, ctl_audit_show, ctl_audit_verify,
-    ctl_audit_export, ctl_audit_checkpoint, ctl_receipt, ctl_audit_trim, ctl_audit_erased,
-    ctl_completion, ctl_help;
-
 /* clang-format off */
-const struct ctl_command *const ctl_table[] = {
-    &ctl_init, &ctl_enroll, &ctl_verify, &ctl_verify_compare,
-    &ctl_explain, &ctl_scan, &ctl_asymmetry, &ctl_simplify, &ctl_fill, &ctl_evaluate, &ctl_train,
-    &ctl_subject_list, &ctl_subject_show, &ctl_subject_set, &ctl_subject_rename,
-    &ctl_subject_disable, &ctl_subject_enable, &ctl_subject_hold, &ctl_subject_release,
-    &ctl_erase, &ctl_erase_purge,
-    &ctl_template_list, &ctl_template_show, &ctl_template_export, &ctl_reencode,
-    &ctl_erase_template,
-    &ctl_dedup, &ctl_config_show, &ctl_config_check, &ctl_check, &ctl_calibrate,
-    &ctl_backup, &ctl_backup_restore, &ctl_accept, &ctl_archive_export, &ctl_archive_import,
-    &ctl_rekey, &ctl_doctor, &ctl_stats, &ctl_stats_vacuum,
-    &ctl_token_create, &ctl_token_list, &ctl_token_rotate, &ctl_token_revoke,
-    &ctl_device_add, &ctl_device_list, &ctl_device_remove,
-    &ctl_attempts_list, &ctl_attempts_reset,
-    &ctl_audit_show, &ctl_audit_verify, &ctl_audit_export, &ctl_audit_checkpoint,
-    &ctl_receipt, &ctl_audit_trim, &ctl_audit_erased,
-    &ctl_completion, &ctl_help, NULL,
-};
+/* Each is at the end of the file whose name its own begins with. */
+#define COMMANDS(X) \
+    X(ctl_database_init) X(ctl_enroll) X(ctl_verify) X(ctl_verify_compare) \
+    X(ctl_explain) X(ctl_scan) X(ctl_asymmetry) X(ctl_simplify) X(ctl_fill) \
+    X(ctl_evaluate) X(ctl_train) X(ctl_subject_list) X(ctl_subject_show) \
+    X(ctl_subject_set) X(ctl_subject_rename) X(ctl_subject_disable) \
+    X(ctl_subject_enable) X(ctl_subject_hold) X(ctl_subject_release) X(ctl_erase) \
+    X(ctl_erase_purge) X(ctl_template_list) X(ctl_template_show) \
+    X(ctl_template_export) X(ctl_template_reencode) X(ctl_erase_template) X(ctl_dedup) \
+    X(ctl_config_show) X(ctl_config_check) X(ctl_database_check) X(ctl_calibrate) \
+    X(ctl_backup) X(ctl_backup_restore) X(ctl_database_accept) X(ctl_archive_export) \
+    X(ctl_archive_import) X(ctl_backup_rekey) X(ctl_doctor) X(ctl_database_stats) \
+    X(ctl_database_vacuum) X(ctl_token_create) X(ctl_token_list) X(ctl_token_rotate) \
+    X(ctl_token_revoke) X(ctl_device_add) X(ctl_device_list) X(ctl_device_remove) \
+    X(ctl_subject_attempts_list) X(ctl_subject_attempts_reset) X(ctl_audit_show) \
+    X(ctl_audit_verify) X(ctl_audit_export) X(ctl_audit_checkpoint) X(ctl_review_receipt) \
+    X(ctl_audit_trim) X(ctl_audit_erased) X(ctl_completion) X(ctl_table_help)
 /* clang-format on */
+
+#define EXTERN(name)  extern const struct ctl_command name;
+#define POINTER(name) &name,
+COMMANDS(EXTERN)
+
+const struct ctl_command *const ctl_table[] = {COMMANDS(POINTER) NULL};
 
 bool ctl_table_in(const struct ctl_command *cmd, const char *group)
 {
@@ -68,3 +61,194 @@ unsigned ctl_table_options(const struct ctl_command *cmd)
     return CTL_COMMON | cmd->shared |
            (cmd->database != CTL_NO_DATABASE ? CTL_DATABASE : 0U);
 }
+
+bool ctl_table_is_group(const char *word)
+{
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
+        if (ctl_table_in(*k, word))
+            return true;
+    return false;
+}
+
+/* ---- exit codes */
+
+static const struct {
+    int code;
+    const char *meaning;
+} exits[] = {
+    {EXIT_FINE, "done; a match"},
+    {EXIT_NO, "no match; problems, or duplicates, were found; a scan is refused"},
+    {EXIT_INCONCLUSIVE, CTL_INCONCLUSIVE},
+    {EXIT_USAGE, "the command line is wrong, or a confirmation is missing"},
+    {EXIT_DATA, "a scan, a model or the database is malformed or cannot be used"},
+    {EXIT_NOINPUT, "no such file, model, subject, template, token, device or database"},
+    {EXIT_SOFTWARE, "a defect of this program, or an error of the database engine"},
+    {EXIT_OSERR, "out of memory"},
+    {EXIT_IOERR, "reading or writing failed, or the disk is full"},
+    {EXIT_TEMPFAIL, "another process has locked the database; try again"},
+    {EXIT_NOPERM, "not permitted; the subject is disabled, expired or on hold"},
+};
+#define NEXIT (sizeof exits / sizeof *exits)
+
+/* ---- parts */
+
+/* Lines, the further ones under the first. */
+static void print_lines(const char *text, int indent)
+{
+    for (;;) {
+        const size_t n = strcspn(text, "\n");
+
+        (void)printf("%.*s\n", (int)n, text);
+        if (text[n] == '\0')
+            return;
+        text += n + 1;
+        (void)printf("%*s", indent, "");
+    }
+}
+
+static void print_options(unsigned shared, const struct ctl_option *own)
+{
+    const struct ctl_option *o;
+
+    (void)printf("Options (before or after the command):\n");
+    for (size_t i = 0; (o = ctl_option_at(shared, own, i)) != NULL; i++) {
+        char name[64], letter[] = "-?, ";
+
+        letter[1] = o->letter;
+        (void)snprintf(name, sizeof name, "%s--%s%s%s", o->letter != 0 ? letter : "",
+                       o->name, o->arg != NULL ? " " : "", o->arg != NULL ? o->arg : "");
+        if (strlen(name) > 20)
+            (void)printf("  %s\n%23s", name, "");
+        else
+            (void)printf("  %-20s ", name);
+        print_lines(o->help, 23);
+    }
+    (void)printf("\n");
+}
+
+static void print_summaries(const char *group)
+{
+    (void)printf("Commands (surfacectl %s%sCOMMAND --help says more):\n",
+                 group != NULL ? group : "", group != NULL ? " " : "");
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
+        if (group == NULL || ctl_table_in(*k, group))
+            (void)printf("  %-19s %s\n", (*k)->name, (*k)->summary);
+    (void)printf("\n");
+}
+
+/* Can the command end with this error? */
+static bool can_fail(const struct ctl_command *k, int code)
+{
+    if (code == EXIT_DATA || code == EXIT_NOINPUT)
+        return k->database != CTL_NO_DATABASE || (k->shared & (CTL_UNITS | CTL_CONFIG));
+    if (code == EXIT_SOFTWARE || code == EXIT_TEMPFAIL || code == EXIT_NOPERM)
+        return k->database != CTL_NO_DATABASE;
+    return true;
+}
+
+static void print_exits(const struct ctl_command *k)
+{
+    (void)printf("Exit codes:\n");
+    for (int i = 0; i < 3; i++)
+        if (i == 0 || k->exits[i] != NULL)
+            (void)printf("  %2d  %s\n", i, k->exits[i] != NULL ? k->exits[i] : "done");
+    (void)printf("  64");
+    for (size_t i = 0; i < NEXIT; i++)
+        if (exits[i].code > EXIT_USAGE && can_fail(k, exits[i].code))
+            (void)printf(", %d", exits[i].code);
+    (void)printf("  an error (surfacectl help exit)\n");
+}
+
+/* ---- pages */
+
+static void print_all(void)
+{
+    (void)printf("Usage: surfacectl [--db PATH] [--json] COMMAND [ARGUMENT...]\n\n");
+    print_summaries(NULL);
+    print_options(CTL_DATABASE | CTL_COMMON, NULL);
+    (void)printf("Example:\n  surfacectl --db faces.db init\n"
+                 "  surfacectl --db faces.db enroll alice alice.ply\n"
+                 "  surfacectl --db faces.db verify alice probe.ply\n\n"
+                 "Exit codes: surfacectl help exit\n");
+}
+
+static void print_group(const char *group)
+{
+    (void)printf("Usage: surfacectl %s COMMAND [ARGUMENT...]\n\n", group);
+    print_summaries(group);
+    (void)printf("Example:\n");
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
+        if (ctl_table_in(*k, group))
+            (void)printf("  %s\n", (*k)->example);
+    (void)printf("\nExit codes: surfacectl help exit\n");
+}
+
+static void print_command(const struct ctl_command *k)
+{
+    (void)printf("Usage: surfacectl%s %s%s%s\n\n%c%s.\n%s\n\n",
+                 k->database >= CTL_NEEDS_DATABASE   ? " --db PATH"
+                 : k->database == CTL_TAKES_DATABASE ? " [--db PATH]"
+                                                     : "",
+                 k->name, k->args != NULL ? " " : "", k->args != NULL ? k->args : "",
+                 toupper((unsigned char)k->summary[0]), k->summary + 1, k->help);
+    print_options(ctl_table_options(k) & ~(unsigned)CTL_VERSION, k->options);
+    (void)printf("Example:\n  %s\n\n", k->example);
+    print_exits(k);
+}
+
+static void print_exit_codes(void)
+{
+    (void)printf("Exit codes of surfacectl:\n");
+    for (size_t i = 0; i < NEXIT; i++)
+        (void)printf("  %2d  %s\n", exits[i].code, exits[i].meaning);
+}
+
+static void print_version(void)
+{
+    const char *version = strchr(FACE_ENGINE, '/') + 1;
+
+    (void)printf("surfacectl %.*s (%s)\n", (int)strcspn(version, " "), version,
+                 FACE_ENGINE);
+}
+
+void ctl_table_print(bool version, const struct ctl_command *cmd, const char *group)
+{
+    if (version)
+        print_version();
+    else if (cmd != NULL)
+        print_command(cmd);
+    else if (group != NULL)
+        print_group(group);
+    else
+        print_all();
+}
+
+/* ---- the command */
+
+static enum status run(struct ctl *c)
+{
+    const struct ctl_command *cmd = NULL;
+    const char *word = c->nargs > 0 ? c->args[0] : NULL;
+    int used = 0;
+
+    if (c->json)
+        return ctl_usage(c, "help is text, not JSON");
+    if (word != NULL && strcmp(word, "exit") == 0) {
+        print_exit_codes();
+        return ST_OK;
+    }
+    if (word != NULL && (cmd = ctl_table_find(c->args, c->nargs, &used)) == NULL &&
+        !ctl_table_is_group(word))
+        return ctl_usage(c, "there is no command %.80s (surfacectl help)", word);
+    ctl_table_print(false, cmd, word);
+    return ST_OK;
+}
+
+const struct ctl_command ctl_table_help = {
+    .name = "help",
+    .args = "[COMMAND | exit]",
+    .takes = {0, 2},
+    .run = run,
+    .summary = "print a help text",
+    .help = "Of surfacectl, of a command or a group of commands, or of all exit codes.",
+    .example = "surfacectl help token create"};

@@ -17,4 +17,10 @@ const struct ctl_command *ctl_table_find(char *const *words, int n, int *used);
 bool ctl_table_in(const struct ctl_command *cmd, const char *group);
 unsigned ctl_table_options(const struct ctl_command *cmd);
 
+/* ctl_table_print(version, cmd, group): the version, or help: of a command, else of a group of
+ * them, else of everything (both NULL).
+ * ctl_table_is_group(word): is it the first of two words of a command? */
+void ctl_table_print(bool version, const struct ctl_command *cmd, const char *group);
+bool ctl_table_is_group(const char *word);
+
 #endif

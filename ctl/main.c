@@ -11,7 +11,6 @@
 #include "nodump.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
-#include "ctl_help.h"
 #include "ctl_model.h"
 #include "ctl_table.h"
 
@@ -175,7 +174,8 @@ static bool read_words(struct line *l, char **words, int n)
         return true;
     if ((l->cmd = ctl_table_find(words, n, &used)) == NULL) {
         l->group = words[0];
-        return (help && n == 1 && ctl_help_is_group(words[0])) || no_command(l, words, n);
+        return (help && n == 1 && ctl_table_is_group(words[0])) ||
+               no_command(l, words, n);
     }
     l->c.cmd = l->cmd;
     l->c.args = words + used;
@@ -276,7 +276,7 @@ int main(int argc, char **argv)
 
     nodump_begin();
     if (ok && (c->help || c->version)) {
-        ctl_help_print(c->version, l.cmd, l.group);
+        ctl_table_print(c->version, l.cmd, l.group);
         return EXIT_FINE;
     }
     ok = ok && read_environment(&l);

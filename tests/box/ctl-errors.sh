@@ -32,7 +32,6 @@ refuse 64 'no option --frob' "$ctl" --frob subject list
 refuse 64 'no database: give --db PATH' "$ctl" subject list
 refuse 64 'value is missing' "$ctl" subject list --db
 refuse 64 'given twice' "$ctl" --db f.db --db f.db subject list
-refuse 64 'given twice' "$ctl" --db f.db subject list --json --json
 refuse 64 'usage: surfacectl enroll' "$ctl" --db f.db enroll alice
 refuse 64 'usage: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
@@ -40,61 +39,38 @@ refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch 
 refuse 64 'axes takes auto or scanner' "$ctl" --db f.db --axes camera enroll alice good.ply
 refuse 64 'fill does not take' "$ctl" fill good.ply --axes auto --out filled.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold nan
-refuse 64 'threshold' "$ctl" --db f.db dedup --threshold 10000
 refuse 64 'no command token destroy' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
-refuse 64 'token rotate NAME|ID' "$ctl" --db f.db token rotate
-for list in '' admin 'enroll,' 'enroll verify' Enroll; do
-    refuse 64 'scope takes a list' "$ctl" --db f.db token create --scope "$list" a
-done
+refuse 64 'scope takes a list' "$ctl" --db f.db token create --scope 'enroll verify' a
 refuse 64 "needs --scope: one or more of $ALL" "$ctl" --db f.db token create a
 for time in 0d 90 1w -1d 1.5h 99999999d 99999999999999999999d d '' '90 d'; do
     refuse 64 '--expires takes' "$ctl" --db f.db token create --scope read --expires "$time" a
 done
 refuse 64 '--grace takes' "$ctl" --db f.db token rotate 00000000000000000000000000000000 --grace never
 refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
-refuse 64 'token rotate does not take' "$ctl" --db f.db token rotate --scope read a
-refuse 64 'token list does not take' "$ctl" --db f.db token list --expires 1h
-refuse 64 'attempts reset SUBJECT' "$ctl" --db f.db attempts reset
 refuse 64 'attempts COMMAND, which is one of list, reset' "$ctl" --db f.db attempts
 refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
 refuse 64 'no command frobnicate' "$ctl" help frobnicate
-refuse 64 'compare does not take' "$ctl" --db f.db compare good.ply good.ply
 refuse 64 'did you mean subject show' "$ctl" --db f.db subject shwo alice
-refuse 64 'attempts list' "$ctl" --db f.db attempts list alice
 
 # ids
 refuse 65 'no subject id' "$ctl" --db f.db enroll 'al ice' good.ply
-refuse 65 'no subject id' "$ctl" --db f.db enroll '../alice' good.ply
-refuse 66 'no subject nobody' "$ctl" --db f.db subject show nobody
 refuse 66 'no subject nobody' "$ctl" --db f.db subject erase nobody --yes
 refuse 66 'no subject nobody' "$ctl" --db f.db verify nobody good.ply
 refuse 66 'no token nonsense' "$ctl" --db f.db token revoke nonsense
-refuse 66 'no token nonsense' "$ctl" --db f.db token rotate nonsense
 refuse 66 'no token' "$ctl" --db f.db token rotate 00000000000000000000000000000000
 refuse 66 'no subject nobody' "$ctl" --db f.db attempts reset nobody
-refuse 65 'subject id' "$ctl" --db f.db attempts reset 'al ice'
 
-# scans
+# scans (what a scan is refused for: http-examples.sh)
 : >empty
 printf '0 0 0\n1 0 0\n0 1 0\n' >three.xyz
-awk 'BEGIN { for (i = 0; i < 500; i++) print i / 5, i / 5, i / 5 }' >line.xyz
-awk 'BEGIN { for (i = 0; i < 500; i++) print 5, 5, 5 }' >point.xyz
-awk 'BEGIN { for (i = 0; i < 500; i++) print i % 20 * 7, int(i / 20) * 7, "nan" }' >nan.xyz
-awk 'BEGIN { for (i = 0; i < 400; i++) print i % 20 / 5, int(i / 20) / 5, 0 }' >tiny.xyz
-awk 'BEGIN { for (i = 0; i < 1000001; i++) print i % 600 / 4, int(i / 600) / 4, i % 7 }' >many.xyz
 head -c 4000 good.ply >cut.ply
 head -c 3000 /dev/zero >zeros
 refuse 66 'missing.ply: No such file' "$ctl" --db f.db verify alice missing.ply
 refuse 74 "$T: Is a directory" "$ctl" --db f.db verify alice "$T"
 refuse 65 'empty' "$ctl" --db f.db verify alice empty
 refuse 65 'three.xyz: 3 points' "$ctl" --db f.db verify alice three.xyz
-refuse 65 'line.xyz' "$ctl" --db f.db verify alice line.xyz
-refuse 65 'point.xyz' "$ctl" --db f.db verify alice point.xyz
-refuse 65 'nan.xyz' "$ctl" --db f.db verify alice nan.xyz
-refuse 65 'tiny.xyz: the extent' "$ctl" --db f.db verify alice tiny.xyz --units mm
 refuse 65 'good.ply: the extent' "$ctl" --db f.db --units cm verify alice good.ply
-refuse 65 'many.xyz' "$ctl" --db f.db verify alice many.xyz
 refuse 65 'cut.ply' "$ctl" --db f.db verify alice cut.ply
 refuse 65 'zeros' "$ctl" --db f.db verify alice zeros
 refuse 65 '1 of 1 scans' "$ctl" --db f.db enroll alice cut.ply
@@ -154,7 +130,6 @@ ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
 # ---- one of something, and no minus zero
 "$ctl" --db f.db check-database >out
 ok "one template" grep -q ' 1 template, ' out
-"$ctl" --db f.db audit export -o log.jsonl >out
 "$ctl" scan good.ply >out
 ok "no -0: $(grep ^view out)" sh -c "! grep -q -e ' -0' out"
 finish

@@ -1,0 +1,220 @@
+/* The database as a whole: made, verified, counted, compacted, accepted. */
+#include <inttypes.h>
+#include <limits.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "admin_check.h"
+#include "admin_restore.h"
+#include "ctl_command.h"
+#include "ctl_model.h"
+
+/* ---- init */
+
+static enum status init(struct ctl *c)
+{
+    char usual[PATH_MAX];
+    const char *path = c->key != NULL ? c->key : usual;
+    enum crypt_kind kind;
+    const bool there = store_kind(c->db, &kind, NULL) == ST_OK;
+    bool had_key;
+    enum status st;
+
+    (void)snprintf(usual, sizeof usual, "%s.key", c->db);
+    had_key = access(path, F_OK) == 0;
+    if ((st = ctl_model_open(c, STORE_CREATE)) != ST_OK)
+        return st;
+    json_text(c->out, "database", c->db);
+    json_flag(c->out, "created", !there);
+    ctl_say(c, "%s: %s\n", c->db, there ? "was initialised before" : "initialised");
+    if (access(path, F_OK) != 0)
+        return ST_OK;
+    json_text(c->out, "key", path);
+    if (!had_key)
+        ctl_say(c,
+                "The key is in %s: keep a copy of it elsewhere.  Without it nothing in "
+                "the database can be read.\n",
+                path);
+    return ST_OK;
+}
+
+const struct ctl_command ctl_database_init = {
+    .name = "init",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_PASSPHRASE | CTL_SHORT,
+    .run = init,
+    .summary = "make a new database",
+    .help =
+        "What identifies people is encrypted with the key in the file PATH.key, or --key.  The\n"
+        "file is made if it is missing: keep a copy of it elsewhere, since without the key\n"
+        "nothing in the database can be read.  An existing database is left as it is.",
+    .example = "surfacectl --db faces.db init"};
+
+/* ---- check-database */
+
+static void report(void *arg, const char *line)
+{
+    const struct ctl *c = arg;
+
+    json_text(c->out, NULL, line);
+    ctl_say(c, "%s\n", line);
+}
+
+static enum status check(struct ctl *c)
+{
+    struct admin_check found;
+    enum status st;
+
+    json_array(c->out, "problems");
+    st = admin_check(c->store, true, report, c, &found, &c->e);
+    json_close(c->out);
+    if (st != ST_OK)
+        return st;
+    c->code = found.problems == 0 ? EXIT_FINE : EXIT_NO;
+    json_number(c->out, "templates", (double)found.templates);
+    json_number(c->out, "bad_templates", (double)found.bad_templates);
+    json_number(c->out, "events", (double)found.events);
+    json_flag(c->out, "ok", found.problems == 0);
+    ctl_say(c,
+            "%s: %" PRIu64 " template%s, %llu bad; %" PRIu64 " event%s; %" PRIu64
+            " problem%s in all\n",
+            found.problems == 0 ? "ok" : "NOT ok", CTL_COUNT(found.templates),
+            (unsigned long long)found.bad_templates, CTL_COUNT(found.events),
+            CTL_COUNT(found.problems));
+    return ST_OK;
+}
+
+const struct ctl_command ctl_database_check = {
+    .name = "check-database",
+    .database = CTL_READS_DATABASE,
+    .exits = {"no problems", "problems were found"},
+    .run = check,
+    .summary = "read and verify the whole database",
+    .help =
+        "The database's integrity and references; the rows against the change log, and both logs;\n"
+        "of each template the triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
+        "Nothing is changed.",
+    .example = "surfacectl --db faces.db check-database"};
+
+/* ---- stats, vacuum */
+
+static enum status stats(struct ctl *c)
+{
+    struct store_stats t;
+    char text[32];
+    uint64_t other = 0;
+    enum status st;
+
+    if ((st = store_stats(c->store, &t, &c->e)) != ST_OK ||
+        (st = store_reencode_count(c->store, &other, &c->e)) != ST_OK)
+        return st;
+    json_number(c->out, "subjects", (double)t.subjects);
+    json_number(c->out, "templates", (double)t.templates);
+    json_number(c->out, "to_reencode", (double)other);
+    json_number(c->out, "points", (double)t.points);
+    json_number(c->out, "template_bytes", (double)t.template_bytes);
+    json_number(c->out, "file_bytes", (double)t.file_bytes);
+    json_number(c->out, "events", (double)t.events);
+    json_number(c->out, "tokens", (double)t.tokens);
+    json_number(c->out, "schema", t.schema);
+    ctl_say(c, "subjects     %llu\n", (unsigned long long)t.subjects);
+    ctl_say(c, "templates    %llu", (unsigned long long)t.templates);
+    if (other > 0)
+        ctl_say(c, ", %llu by another engine (template reencode)",
+                (unsigned long long)other);
+    ctl_say(c, "\n");
+    ctl_say(c, "points       %llu\n", (unsigned long long)t.points);
+    ctl_say(c, "encoded      %s\n", ctl_bytes(t.template_bytes, text));
+    ctl_say(c, "file         %s\n", ctl_bytes(t.file_bytes, text));
+    if (t.points > 0)
+        ctl_say(c, "per point    %.1f bytes of template, %.1f of file\n",
+                (double)t.template_bytes / (double)t.points,
+                (double)t.file_bytes / (double)t.points);
+    ctl_say(c, "events       %llu\n", (unsigned long long)t.events);
+    ctl_say(c, "tokens       %llu\n", (unsigned long long)t.tokens);
+    ctl_say(c, "schema       %u\n", t.schema);
+    return ST_OK;
+}
+
+static enum status vacuum(struct ctl *c)
+{
+    struct store_stats before, after;
+    char was[32], is[32];
+    enum status st;
+
+    if ((st = store_stats(c->store, &before, &c->e)) != ST_OK ||
+        (st = store_vacuum(c->store, &c->e)) != ST_OK ||
+        (st = store_stats(c->store, &after, &c->e)) != ST_OK)
+        return st;
+    json_number(c->out, "bytes_before", (double)before.file_bytes);
+    json_number(c->out, "bytes_after", (double)after.file_bytes);
+    ctl_say(c, "%s: %s before, %s now\n", c->db, ctl_bytes(before.file_bytes, was),
+            ctl_bytes(after.file_bytes, is));
+    return ST_OK;
+}
+
+const struct ctl_command ctl_database_stats = {
+    .name = "stats",
+    .database = CTL_READS_DATABASE,
+    .shared = CTL_MODEL,
+    .run = stats,
+    .summary = "count what is in the database",
+    .help = "Subjects, templates, points, events and tokens, and what they take on disk.",
+    .example = "surfacectl --db faces.db stats"};
+
+const struct ctl_command ctl_database_vacuum = {
+    .name = "vacuum",
+    .database = CTL_WRITES_DATABASE,
+    .run = vacuum,
+    .summary = "give the room of deleted rows back to the disk",
+    .help =
+        "The database is written again, so it takes as much room once more while this runs, and\n"
+        "nobody else can write: a running daemon responds with 503 to an enrolment that would wait\n"
+        "more than 5 seconds.",
+    .example = "surfacectl --db faces.db vacuum"};
+
+/* ---- accept-state */
+
+static enum status accept_state(struct ctl *c)
+{
+    struct admin_accepted found;
+    struct store_key key;
+    enum status st = ctl_model_key(c, c->db, &key);
+
+    if (st != ST_OK ||
+        (!c->dry_run &&
+         (st = ctl_confirm(
+              c,
+              "accepts the database as it is and discards every later change, "
+              "erasures and revocations included",
+              "accept")) != ST_OK))
+        return st;
+    json_array(c->out, "problems");
+    st = admin_accept(c->db, &key, c->actor, c->dry_run, report, c, &found, &c->e);
+    json_close(c->out);
+    if (st != ST_OK)
+        return st;
+    json_text(c->out, "database", c->db);
+    json_flag(c->out, "differed", found.differed);
+    json_number(c->out, "rows_removed", (double)found.removed);
+    json_flag(c->out, "dry_run", c->dry_run);
+    ctl_say(c, "%s: %s; %" PRIu64 " row%s %sremoved\n", c->db,
+            c->dry_run ? "nothing was changed"
+                       : "accepted, with an entry in the change log",
+            found.removed, found.removed == 1 ? "" : "s", c->dry_run ? "would be " : "");
+    return ST_OK;
+}
+
+const struct ctl_command ctl_database_accept = {
+    .name = "accept-state",
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_YES | CTL_DRY_RUN,
+    .run = accept_state,
+    .summary = "take a database as it is, whatever its log and anchor say",
+    .help =
+        "A database whose rows are not those of its last change is refused, and one that is older\n"
+        "than its anchor, or without it.  Where that is meant, as after a snapshot of the file\n"
+        "system was put back, or where there is no backup, this accepts the database as it is now:\n"
+        "rows that are not authentic are removed, and an entry in the change log says so.  A\n"
+        "backup is put back by surfacectl restore instead, which repeats the erasures since.",
+    .example = "surfacectl --db faces.db accept-state --dry-run"};
