@@ -9,8 +9,8 @@
 #include <cmocka.h>
 
 #include "align_grid.h"
+#include "align_lanes.h"
 #include "brute.h"
-#include "tuning.h"
 
 #define POINTS 203
 

@@ -13,7 +13,6 @@
 #include "cells.h"
 #include "lattice.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define ROOM 20000
 

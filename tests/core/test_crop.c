@@ -22,7 +22,6 @@
 #include "model.h"
 #include "shape.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define POINTS 12000
 #define ROOM   60000

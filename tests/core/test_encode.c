@@ -11,13 +11,13 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "align_pose.h"
 #include "brute.h"
 #include "dense.h"
 #include "encode.h"
 #include "fail_alloc.h"
 #include "shape_map.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define FAR_MM 12.0 /* as encode.h says, in numbers: */
 #define HUBER  2.5

@@ -19,7 +19,6 @@
 #include "measure.h"
 #include "minimal.h"
 #include "model.h"
-#include "tuning.h"
 
 #define POINTS 3000
 

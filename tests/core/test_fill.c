@@ -20,7 +20,6 @@
 #include "locate.h"
 #include "mem.h"
 #include "surface.h"
-#include "tuning.h"
 
 #define MOST  40000
 #define PITCH 1000

@@ -16,7 +16,6 @@
 #include "fail_alloc.h"
 #include "find.h"
 #include "headscan.h"
-#include "tuning.h"
 
 static struct face_work *work;
 

@@ -10,12 +10,12 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "align_pose.h"
 #include "brute.h"
 #include "cells.h"
 #include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define MOST (MODEL_MODES + 6)
 

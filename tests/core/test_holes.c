@@ -19,7 +19,6 @@
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
-#include "tuning.h"
 
 #define MAX_POINTS 4000
 

@@ -21,7 +21,6 @@
 #include "minimal.h"
 #include "minimal_places.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define POINTS 3000
 #define LEVER  80.0

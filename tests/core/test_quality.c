@@ -11,7 +11,6 @@
 #include "clouds.h"
 #include "face.h"
 #include "quality.h"
-#include "tuning.h"
 
 static const struct quality good = {0.9, 0.95, 2.2, 0.3};
 static const struct frame still = {

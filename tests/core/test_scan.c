@@ -21,7 +21,6 @@
 #include "scan.h"
 #include "scan_search.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define ROOM 60000
 

@@ -15,7 +15,6 @@
 #include "shape.h"
 #include "shape_map.h"
 #include "toy.h"
-#include "tuning.h"
 
 #define POINTS 4000
 #define ROOM   40000

@@ -11,7 +11,6 @@
 #include "brute.h"
 #include "model.h"
 #include "shape.h"
-#include "tuning.h"
 
 #define POINTS 4000
 

@@ -12,7 +12,6 @@
 #include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
-#include "tuning.h"
 
 static struct model model;
 static struct shape_work work;
