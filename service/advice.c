@@ -7,8 +7,8 @@
 
 #include "cloudunit.h"
 #include "face.h"
+#include "quality.h"
 #include "scan.h"
-#include "tuning.h"
 
 #define NEARLY_A_FACE    0.5 /* of the support that is wanted */
 #define HALF_PROFILE_DEG 55  /* beyond it less than half of a face is seen */

@@ -5,7 +5,12 @@
 
 #include "errinfo.h"
 #include "minimal.h"
-#include "tuning.h"
+
+/* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
+ * far above the threshold.  Of 40 made-up people the 13 whose mirrored scans do not match gain 20
+ * to 65, to 26 or more; of 120 strangers the mirror image of one matches, with 10.3, where the
+ * scan does not. */
+#define DECISION_MIRRORED 10.0
 
 static bool better(const struct face_result *a, const struct face_result *b)
 {

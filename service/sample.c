@@ -8,9 +8,10 @@
 #include "cloudpoints.h"
 #include "errinfo.h"
 #include "face.h"
+#include "gate.h"
 #include "lattice.h"
+#include "quality.h"
 #include "replay.h"
-#include "tuning.h"
 
 /* To the end of the message, as far as there is room. */
 __attribute__((format(printf, 2, 3))) static void append(struct errinfo *e,

@@ -12,7 +12,6 @@
 #include "lattice.h"
 #include "people.h"
 #include "study.h"
-#include "tuning.h"
 
 #define MOST   60000 /* points of a scan */
 #define PEOPLE 200

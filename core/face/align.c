@@ -7,13 +7,59 @@
 #include "align_field.h"
 #include "align_grid.h"
 #include "align_pose.h"
+#include "align_solve.h"
 #include "cells.h"
 #include "fit.h"
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
 #include "surface.h"
-#include "tuning.h"
+
+/* Points of the probe that decide between starts, that bring the best of them home, and that
+ * leave out what does not fit; at most twice as many.  A step shorter than MM is the last of
+ * its stage, and there are STAGE_STEPS at most.  Time grows with the points; one start is
+ * enough for 90 % of probes turned by up to 25 degrees, and none of 340 ended beyond 1.5
+ * degrees. */
+#define ALIGN_COARSE_POINTS 150
+#define ALIGN_COARSE_MM     1.0
+#define ALIGN_MIDDLE_POINTS 400
+#define ALIGN_MIDDLE_MM     0.3
+#define ALIGN_TUKEY_POINTS  1000
+#define ALIGN_TUKEY_STEP_MM 0.1
+#define ALIGN_STAGE_STEPS   8
+
+/* Other starts are tilted by turns whose half angles have these tangents: 14 degrees from
+ * the principal axes, 17 from the pose as scanned, which knows less.  By hand. */
+#define ALIGN_TILT_AXES  0.12
+#define ALIGN_TILT_AS_IS 0.15
+
+/* A coarse pose needs no rival when it has GOOD_WITHIN of the points over the template and
+ * costs less than GOOD_MM, or more when two or three starts led there (SAME_MM apart at
+ * most).  A quarter of all scans tried all starts before agreement counted. */
+#define ALIGN_GOOD_WITHIN 0.75
+#define ALIGN_GOOD_MM     1.0
+#define ALIGN_GOOD_2_MM   2.0
+#define ALIGN_GOOD_3_MM   3.0
+#define ALIGN_SAME_MM     5.0
+
+/* Else the second best is followed too, if it costs less than this times the best. */
+#define ALIGN_RIVAL 1.4
+
+/* The last step, which tells motion from change: over this many points, at most twice as
+ * many (with half as many the median rotation error grows by 5 %, and a second step does not
+ * make it less), and the prior on the motion (1 / mm^2), which is next to none.  By hand. */
+#define ALIGN_LAST_POINTS 3000
+#define ALIGN_LAST_TIE    1e-4
+
+/* Triangles that the area of the probe is taken from, at most twice as many: to 2 %. */
+#define ALIGN_AREA_TRIANGLES 2500
+
+/* Points of the face that its frame is found by, at most twice as many. */
+#define FRAME_POINTS 1200
+
+/* Reweighted steps onto a surface that does not fit are too short: each is three fifths of
+ * the one before.  Stretched by this they end after 25 sums instead of 31. */
+#define FRAME_STRETCH 1.5
 
 /* What a coarse pose may cost to need no rival, by the number of starts that led there; more
  * starts than AGREED say no more. */

@@ -16,6 +16,9 @@
 #include "mem.h"
 #include "status.h"
 
+/* Share of the probe's points over the template below which both are apart. */
+#define ALIGN_APART_WITHIN 0.2
+
 struct align_axes;   /* align_pose.h */
 struct align_grid;   /* align_grid.h */
 struct align_pose;   /* align_pose.h */

@@ -8,7 +8,12 @@
 #include "lattice.h"
 #include "mesh.h"
 #include "surface.h"
-#include "tuning.h"
+
+/* Steps that a walk of the search is allowed, and the steps a triangle that all of them may
+ * take beyond that: time, not results.  On scans a walk takes two or three; what needs more
+ * than both is no face, and the search ends apart. */
+#define ALIGN_WALK 8
+#define ALIGN_WORK 40
 
 void align_field_make(const struct surface *s, const struct align_weight *u,
                       struct align_field *f)

@@ -6,7 +6,15 @@
 #include <math.h>
 #include <stdint.h>
 #include "align_solve.h"
-#include "tuning.h"
+
+/* Residuals, mm.  |r| is rounded off below SOFT, so that L1's weight 1 / |r| stays finite;
+ * beyond TUKEY a residual counts nothing: it belongs to another expression, to hair or to a
+ * spike; one residual adds at most CAP to a pose's cost; a point without a gap adds NO_GAP,
+ * so that sliding apart does not pay.  By hand. */
+#define ALIGN_SOFT_MM   0.05
+#define ALIGN_TUKEY_MM  2.5
+#define ALIGN_CAP_MM    5.0
+#define ALIGN_NO_GAP_MM 3.0
 
 #define ALIGN_LANES 4
 typedef float align_lanes __attribute__((vector_size(4 * ALIGN_LANES)));

@@ -4,13 +4,35 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "align.h"
 #include "align_field.h"
 #include "align_pose.h"
 #include "align_solve.h"
 #include "lattice.h"
 #include "measure.h"
 #include "surface.h"
-#include "tuning.h"
+
+/* The surface is turned upright by the start, then by the corrected plane: after two rounds
+ * the side it was scanned from does not matter. */
+#define ASYMMETRY_ROUNDS 2
+
+/* Points of the mirror image in a robust sum, at most; steps, and the length of the last. */
+#define ASYMMETRY_POINTS  4000
+#define ASYMMETRY_STEPS   40
+#define ASYMMETRY_LAST_MM 2e-3
+
+/* As in alignment; the start is nearer, and a sphere's plane stays where it is. */
+#define ASYMMETRY_MAX_TURN_RAD 0.2
+#define ASYMMETRY_MAX_SHIFT_MM 10.0
+#define ASYMMETRY_DAMPING      1e-9
+
+/* Bands across the surface, in halves, inner and outer: each is left out in turn. */
+#define ASYMMETRY_BANDS 6
+
+/* Least overlap of a surface with its mirror image that says something.  Of faces turned by
+ * 35 degrees, or with 40 % missing in blobs, half of the surface lies over its image; of one
+ * half of a face, which some other plane fits as well, less than a third. */
+#define ASYMMETRY_MIN_OVERLAP 0.45
 
 /* The surface in parts, each left out in turn: bands across, inner and outer halves. */
 #define BLOCKS   (2 * ASYMMETRY_BANDS)

@@ -7,7 +7,10 @@
 
 #include "align_field.h"
 #include "lattice.h"
-#include "tuning.h"
+
+/* Cosine between a normal and the frame's z (75 degrees) below which a place is left out: a
+ * gap at right angles says little there, and the area is seen edge-on. */
+#define CELLS_STEEP 0.25
 
 /* Sums over a cell, as vectors.  Lanes 0 to 2 of normal: of the normals, each as long as the
  * area of its piece, so that lane 2 is the area seen along the frame's z.  Lanes 2 and 3 of

@@ -7,7 +7,10 @@
 #include "align_pose.h"
 #include "grid.h"
 #include "status.h"
-#include "tuning.h"
+
+/* mm^2 of a cell's 16 that both surfaces must cover before the cell counts at all.  By
+ * hand: what little counts beyond it rises from nothing (cells_cover()). */
+#define CELLS_COVERED 1.0f
 
 struct align_field; /* align_field.h */
 struct align_point; /* align_field.h */

@@ -4,8 +4,8 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "align_pose.h"
 #include "shape_map.h"
-#include "tuning.h"
 
 /* mm: farther from the mean face there is none.  Of real people's scans whose face had been
  * found, 1 cell in 2,000 lay farther. */

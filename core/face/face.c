@@ -20,7 +20,6 @@
 #include "ratio.h"
 #include "shape.h"
 #include "shape_work.h"
-#include "tuning.h"
 
 struct face_work {
     struct measure_work measure; /* its scratch serves the builders too */

@@ -3,8 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "align_pose.h"
+#include "cells.h"
 #include "normal.h"
-#include "tuning.h"
 
 /* A covered cell is a row: the modes, padded to a multiple of LANES, and a tail: the six
  * motions, its gap, a zero.  The normal equations are the upper triangle of the sum of

@@ -16,6 +16,16 @@
 #include "model.h"
 #include "status.h"
 
+/* Huber's limit, in standard deviations: 1.2 % of a normal distribution lies beyond. */
+#define FIT_HUBER 2.5
+
+/* A weight that a pass would change by less than this share of a full one stays: half of the
+ * sums' work, and scores change by less than 0.1 %. */
+#define FIT_STILL 0.05
+
+/* With fewer covered cells nothing is explained; a third of a face has 350.  By hand. */
+#define FIT_MIN_CELLS 40
+
 struct fit {
     double a[MODEL_MODES];
     double x[6];         /* the motion of the probe that explains the gap, in the frame: a

@@ -7,7 +7,9 @@
 #include "lattice.h"
 #include "model.h"
 #include "model_digest.h"
-#include "tuning.h"
+
+/* Common cells below which the likeness is unknown: a third of a face. */
+#define FRAME_LIKENESS_CELLS 350
 
 /* Where a face keeps its shape from one scan to the next: 1 / variance of the gap. */
 static void rigidity(const struct model_basis *b, float *out)

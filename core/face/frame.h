@@ -10,6 +10,9 @@
 #include "grid.h"
 #include "surface.h"
 
+/* Mean square, mm^2, below which a relief is rounding: the surface is a quadric. */
+#define FRAME_RELIEF_MIN_MM2 1e-6
+
 struct model; /* model.h */
 
 /* The mean face as a surface to align others to. */

@@ -7,6 +7,19 @@
 #include "status.h"
 #include "vec.h"
 
+/* mm, of the longest side: what a scan in cm, inches or metres, or of a room, has not. */
+#define QUALITY_EXTENT_MIN_MM 60
+#define QUALITY_EXTENT_MAX_MM 500
+
+/* Warnings.  Density (mm): beyond it the score begins to fall, and with it q->score.  The
+ * others: beyond what 99 of 100 scans of a good scanner have (noise 0.51 mm); a third of the outline missing; turns beyond what align_search() is
+ * made for. */
+#define QUALITY_SPARSE_MM        3.0
+#define QUALITY_NOISY_MM         0.6
+#define QUALITY_INCOMPLETE_SHARE 0.7
+#define QUALITY_TURNED_YAW_DEG   30
+#define QUALITY_TURNED_OTHER_DEG 20 /* pitch, roll */
+
 struct frame;   /* frame.h */
 struct scratch; /* mem.h */
 struct surface; /* surface.h */

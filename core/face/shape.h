@@ -20,6 +20,13 @@
 #include "shape_work.h"
 #include "status.h"
 
+/* Sizes of heads, over the mean face's: children from five years on, and large adults; taken where
+ * they explain GAIN cells of a whole face more. */
+#define SHAPE_SIZE_GAIN 24.0
+/* clang-format off */
+#define SHAPE_SIZES { 0.84, 1.16, 0.77, 0.71 }
+/* clang-format on */
+
 struct surface; /* surface.h */
 
 /* shape_fit(w, pts, n, start, nstart, hard, out): the fit of most support, from nstart > 0

@@ -4,6 +4,15 @@
 #include <stdint.h>
 #include "grid.h"
 
+/* mm: a cell is explained up to NEAR; what stands farther than STRONG in front of the face,
+ * or WEAK beside such cells, covers it, if there are so many; and what is HOLE cells beside or
+ * between them. */
+#define SHAPE_NEAR_MM     2.0
+#define SHAPE_STRONG_MM   3.0
+#define SHAPE_WEAK_MM     1.6
+#define SHAPE_COVER_CELLS 8
+#define SHAPE_HOLE        6
+
 struct shape_work; /* shape_work.h */
 
 /* shape_cover_mark(w, gap, z, height, cell): mark the cells of what covers the face.

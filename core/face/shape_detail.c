@@ -4,8 +4,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "tuning.h"
-
 /* A grid with a rim of zeros. */
 enum { REACH = SHAPE_FINE, SIDE = 2 * REACH + 1, WIDE = GRID_NX + 2 * REACH };
 struct wide {

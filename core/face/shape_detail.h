@@ -6,6 +6,11 @@
 #define CORE_SHAPE_DETAIL_H
 #include "grid.h"
 
+/* Cells: fine relief is what is left once the mean over a square that reaches so far to each
+ * side, 20 mm wide, is subtracted.  Squares of 12 and of 28 mm told faces from surfaces sought
+ * against the gate as well or a little less well. */
+#define SHAPE_FINE 2
+
 /* shape_detail_prepare(mean, fine): the fine relief of the mean face, mm; 0 where it has none, as
  * at its rim.
  * mean  mm; NAN: not used */

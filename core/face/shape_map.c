@@ -4,8 +4,6 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "tuning.h"
-
 #define LANES 4
 typedef float lanes __attribute__((vector_size(16)));
 typedef int32_t masks __attribute__((vector_size(16)));

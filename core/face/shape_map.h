@@ -9,6 +9,18 @@
 #include "mem.h"
 #include "status.h"
 
+/* Points near the face that are looked at: ten in a cell.  By hand. */
+#define SHAPE_POINTS 10000
+
+/* mm: how far beside the grid and before it points are kept, and how deep behind the mean face,
+ * at the pose that a fit starts from; a cell's points are those up to LAYER behind its first;
+ * farther than BEHIND behind the face they are the back of the head, seen through a gap.  By
+ * hand. */
+#define SHAPE_AROUND_MM 30.0
+#define SHAPE_DEEP_MM   60.0
+#define SHAPE_LAYER_MM  4.0
+#define SHAPE_BEHIND_MM 40.0
+
 /* Points near the face, in the canonical frame of some pose. */
 struct shape_points {
     float *x, *y, *z; /* [n], mm; padded to whole lanes */

@@ -5,7 +5,6 @@
 
 #include "shape_detail.h"
 #include "shape_map.h"
-#include "tuning.h"
 
 /* How much each cell's rest is, against the others'. */
 static void compare_rests(struct shape_work *w)

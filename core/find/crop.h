@@ -7,6 +7,11 @@
 #include "align_pose.h"
 #include "status.h"
 
+/* mm: a point kept by thinning becomes the mean, over the face, of the points in its place that
+ * are so near to it, spikes not.  Of a depth camera the mated score becomes 0.094 instead of
+ * 0.099. */
+#define CROP_MEAN_MM 2.5
+
 struct cloudpoints; /* cloudpoints.h */
 struct shape_fit;   /* shape.h */
 

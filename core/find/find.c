@@ -10,7 +10,30 @@
 #include "find_view.h"
 #include "mem.h"
 #include "shape.h"
-#include "tuning.h"
+
+/* Units, the usual ones first: they are tried in this order. */
+#define FIND_UNITS_MM                                                                    \
+    {                                                                                    \
+        1, 1000, 10, 25.4, 0.001                                                         \
+    }
+
+/* A child's head, upright before a scanner, is looked at as if it were so much larger; it must be
+ * worth so much more. */
+#define FIND_SMALL      1.25
+#define FIND_SMALL_COST 80.0
+
+/* Where no face is plain, other poses than the best are told if they are worth this share of it. */
+#define FIND_RIVAL 0.75
+
+/* mm: where the nose is in a face that was fitted the wrong way up. */
+#define FIND_WAY_UP_MM 56.0
+
+/* Poses are the same within MM and 10 degrees (1 + 2 cos).  Another face is OTHER_MM away, of
+ * nose from nose, and its start costs less than COST. */
+#define FIND_SAME_MM    10.0
+#define FIND_SAME_TRACE 2.9696
+#define FIND_OTHER_MM   120.0
+#define FIND_OTHER_COST 18.0
 
 #define SAMPLE 2048
 #define FOUND  16

@@ -18,6 +18,20 @@
 #include "status.h"
 #include "vec.h"
 
+/* A view is told against a scanner's axes that it is within 75 degrees of: the trace of the
+ * rotation, 1 + 2 cos 75. */
+#define SCAN_AXES_TRACE 1.5176
+
+/* The worth of a fit (shape.h), and of eyes that are as the mean face's: what is plainly a face, as
+ * neither the smooth back of a head is nor one the wrong way up; what is one if it is within 45
+ * degrees (1 + 2 cos) of upright before a scanner; and what may well be one, so that other units
+ * are not tried. */
+#define FIND_WORTH_EYES    200.0
+#define FIND_PLAIN         620.0
+#define FIND_UPRIGHT       560.0
+#define FIND_UPRIGHT_TRACE 2.4142
+#define FIND_LIKELY        350.0
+
 struct face_work; /* face.h */
 
 #define FIND_POSES 4

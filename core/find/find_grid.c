@@ -4,7 +4,6 @@
 #include <stdbool.h>
 
 #include "mem.h"
-#include "tuning.h"
 
 #define DIGIT_BITS 11
 #define DIGITS     (1u << DIGIT_BITS)

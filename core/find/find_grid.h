@@ -6,6 +6,17 @@
 #include "status.h"
 #include "vec.h"
 
+/* The largest side, mm, of what may be a head with shoulders, and of a room; leaving out one
+ * point in STRAY_IN at either end, or, where that finds nothing, one in STRAYS_IN.  The
+ * smallest crops are 130 mm, busts 500.  Nothing farther than REACH from the median is looked
+ * at. */
+#define FIND_HEAD_MIN_MM 110
+#define FIND_ROOM_MIN_MM 900
+#define FIND_ROOM_MAX_MM 6000
+#define FIND_STRAY_IN    100
+#define FIND_STRAYS_IN   10
+#define FIND_REACH_MM    4000
+
 #define FIND_GRID_MM 5
 
 struct find_grid {

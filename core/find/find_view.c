@@ -8,6 +8,23 @@
 #include "frame.h"
 #include "mem.h"
 
+/* A view (find_view.h), mm: its cells; a nose stands out by OUT, as no ball of a head's size does,
+ * from a ring about it, of which so many of 16 places must be SEEN; what lies farther than NEAR
+ * before or behind the nose is something else.  The samples of the mean face: without what hair, a
+ * collar or the view hides.  So great a share of them must be SEEN; gaps count up to CAP; the plane
+ * may be so STEEP. */
+#define FIND_CELL_MM        8.0
+#define FIND_RING_MM        32.0
+#define FIND_RING_SEEN      10
+#define FIND_OUT_MM         8.5
+#define FIND_NEAR_MM        60.0
+#define FIND_FACE_X_MM      54.0
+#define FIND_FACE_BOTTOM_MM (-62.0)
+#define FIND_FACE_TOP_MM    50.0
+#define FIND_SEEN           0.6
+#define FIND_CAP_MM         6.0
+#define FIND_STEEP          0.6
+
 #define ROLLS FIND_VIEW_ROLLS
 #define NONE  (-1e9f)
 

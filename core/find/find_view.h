@@ -5,7 +5,27 @@
 #include <stdint.h>
 #include "align_pose.h"
 #include "status.h"
-#include "tuning.h"
+
+/* Starts that are kept; of these followed roughly at most, and of what that finds to the end: of
+ * those along a scanner's axes, and of the others.  What is worth SURE roughly is followed at
+ * once. */
+#define FIND_STARTS       64
+#define FIND_SEEKS        12
+#define FIND_FITS         4
+#define FIND_SEEKS_OTHERS 40
+#define FIND_FITS_OTHERS  8
+#define FIND_SURE         400.0
+
+/* The search ends with what it has once it has spent what so many noses cost, some 4 us each, and
+ * one for each so many points.  A view costs one for so many cubes and for so many cells that are
+ * seen; a fit costs FIT and one for so many cubes. */
+#define FIND_SPENT       5000
+#define FIND_SPENT_SMALL 2000
+#define FIND_SPENT_PER   12
+#define FIND_SPENT_CUBES 512
+#define FIND_SPENT_CELLS 96
+#define FIND_SPENT_FIT   25
+#define FIND_SPENT_FAR   1000
 
 struct find_grid;  /* find_grid.h */
 struct frame_mean; /* frame.h */

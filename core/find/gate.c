@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "shape.h"
-#include "tuning.h"
 
 /* The least of an enrolment's evidence.  Of real people's scans from stereo photogrammetry and
  * structured light the least has 13, of Kinect v2's single frames two of nine have 10 and 11;

@@ -7,6 +7,12 @@
 #include <stdbool.h>
 #include "status.h"
 
+/* Share of the face that may be covered at enrolment; and from which it is told, as is the
+ * share of points elsewhere. */
+#define SCAN_OCCLUDED_MOST  0.25
+#define SCAN_OCCLUDED_SOME  0.05
+#define SCAN_ELSEWHERE_SOME 0.05
+
 struct shape_fit;  /* shape.h */
 struct shape_work; /* shape.h */
 

@@ -3,7 +3,14 @@
 #include <stddef.h>
 
 #include "cloudpoints.h"
-#include "tuning.h"
+
+/* So many normals must be known, or pixels, and so great a share of the normals must agree:
+ * those of a mesh, or of a scanner, nearly all do.  By hand. */
+#define MIRROR_LEAST 100
+#define MIRROR_SHARE 0.9
+
+/* How well rows and columns must explain where the points lie in the view.  By hand. */
+#define MIRROR_IMAGE 0.7
 
 /* What is known: 1 a mirror image, -1 none, 0 nothing. */
 static int by_normals(const struct cloudpoints *c)

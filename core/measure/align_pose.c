@@ -7,7 +7,17 @@
 #include "lattice.h"
 #include "mesh.h"
 #include "surface.h"
-#include "tuning.h"
+
+/* Axes and nose are those of this many points, at most twice as many: only starts of a search
+ * come from them. */
+#define POSE_AXES_POINTS 1000
+
+/* The nose: the mean of this share of the points, those that protrude most; what lies d to
+ * the side protrudes d^2 / RADIUS less, so that a chin or a forehead turned forward is no
+ * nose.  BINS of protrusion, each about 1 mm.  By hand. */
+#define POSE_NOSE_SHARE     0.02
+#define POSE_NOSE_RADIUS_MM 250.0
+#define POSE_NOSE_BINS      128
 
 static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
 {

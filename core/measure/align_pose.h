@@ -5,6 +5,11 @@
 #include <stdint.h>
 #include "vec.h"
 
+/* Turns are taken about a point this far behind the surface, mm: a face is roughly a ball of
+ * that radius, so that turns and shifts disturb each other least.  Turns count as lengths at
+ * this distance. */
+#define POSE_LEVER_MM 80.0
+
 struct surface; /* surface.h */
 struct mesh;    /* mesh.h */
 

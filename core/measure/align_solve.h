@@ -4,6 +4,12 @@
 #define CORE_ALIGN_SOLVE_H
 #include <stdbool.h>
 
+/* Gauss-Newton: the longest step, and damping that keeps what nothing tells where it is.  By
+ * hand. */
+#define ALIGN_MAX_TURN_RAD 0.25
+#define ALIGN_MAX_SHIFT_MM 25.0
+#define ALIGN_DAMPING      1e-4
+
 /* The sum of w J J^T (upper triangle, row by row) and of w r J over the residuals. */
 struct align_normal {
     double h[21], g[6];

@@ -10,7 +10,14 @@
 #include "mesh.h"
 #include "predicates.h"
 #include "surface.h"
-#include "tuning.h"
+
+/* Points missing in a hole, by its area and rim, below which it is left alone.  Points at random
+ * leave such gaps: of sound simulated scans of 3,000 points one in six has one, of 20,000
+ * points each; with 3 it would be three times as many. */
+#define FILL_LEAST 5
+
+/* Looks at a surface, the first included, until nothing is missing: 2, rarely 3. */
+#define FILL_PASSES 8
 
 #define ROW 0.8660254037844386 /* height of an equilateral triangle of side 1 */
 #define PI  3.141592653589793

@@ -6,7 +6,33 @@
 
 #include "measure.h"
 #include "minimal_places.h"
-#include "tuning.h"
+#include "minimal_solve.h"
+
+/* tan(MINIMAL_TURN_DEG / 2). */
+#define MINIMAL_TAN_HALF_TURN 0.08748866352592400
+
+/* The longest Newton step, mm, in the first steps and in the last.  By hand. */
+#define MINIMAL_FAR_MM  4
+#define MINIMAL_LAST_MM 1
+
+/* Looks at all vertices, at most; and how long, mm, the way from the last one must have been
+ * for another: one pair in 18.  Non-mated pairs more than 2 % above the least known value
+ * become 0.7 % instead of 1.0; with 0.35 mm no fewer. */
+#define MINIMAL_LOOKS   3
+#define MINIMAL_NEAR_MM 1
+
+/* A mean gap, mm, below which there is nothing to make less: a tenth of a lattice unit. */
+#define MINIMAL_LEVEL_MM 1e-4
+
+/* The alignment is measured too unless estimate and measure are less than this share of the
+ * estimate at the alignment, and the estimated area is not less than this share of the one
+ * there.  Of 600 pairs the change of the estimate errs by -5 to +17 % of the measure's, of the
+ * area by 2 %; one pair in 20 is measured at both poses. */
+#define MINIMAL_SURE_GAP  0.95
+#define MINIMAL_SURE_AREA 0.97
+
+/* The least share of the motion that is tried where all of it is not allowed.  By hand. */
+#define MINIMAL_LEAST_SHARE 0.1
 
 /* A search in progress. */
 struct search {

@@ -7,7 +7,10 @@
 #include "mem.h"
 #include "mesh.h"
 #include "surface.h"
-#include "tuning.h"
+
+/* Triangles passed on the way to a vertex before it counts as having no gap.  In two scans
+ * alike it is one or two; between overturned triangles a walk may go in circles. */
+#define MINIMAL_WALK 400
 
 #define NO_GAP (-1.0f) /* the weight of a place without one, while weights are summed */
 #define NONE   UINT32_MAX

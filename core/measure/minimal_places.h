@@ -11,6 +11,13 @@
 #include "minimal_solve.h"
 #include "vec.h"
 
+/* The first steps see so many of the probe's vertices; how many steps at most, and the length
+ * of the last, mm.  Of non-mated pairs 97 % end within 1 % of the least known value with 1,500,
+ * 96 with 750, 94 with 500; a seventh step gains nothing. */
+#define MINIMAL_FEW      750
+#define MINIMAL_STEPS    6
+#define MINIMAL_SHORT_MM 0.1
+
 struct surface; /* surface.h */
 
 /* From the centre, mm. */

@@ -3,8 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "align_pose.h"
 #include "align_solve.h"
-#include "tuning.h"
+
+/* In terms of the mean of |gap|: below SHARP |gap| is rounded off; its curvature is spread
+ * over SOFT.  0.05 to 0.2 and 0.3 to 0.6 fare alike. */
+#define MINIMAL_SHARP 0.1
+#define MINIMAL_SOFT  0.4
 
 typedef minimal_lanes lane4;
 typedef int32_t mask4 __attribute__((vector_size(4 * MINIMAL_LANES)));

@@ -4,6 +4,11 @@
 #define CORE_MINIMAL_SOLVE_H
 #include <stdint.h>
 
+/* Newton steps between two looks at the surfaces (2: 95.7 % of the non-mated pairs,
+ * 3: 96.7, 4: 96.3), and how far one goes back. */
+#define MINIMAL_NEWTON 3
+#define MINIMAL_BACK   0.35
+
 #define MINIMAL_LANES 4
 typedef float minimal_lanes __attribute__((vector_size(4 * MINIMAL_LANES)));
 

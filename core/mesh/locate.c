@@ -6,7 +6,10 @@
 #include "mem.h"
 #include "mesh.h"
 #include "predicates.h"
-#include "tuning.h"
+
+/* Steps per point, on average, before locate_mesh() locates the others by bisection.  Two
+ * scans of a face need about 3; contrived input would need N. */
+#define LOCATE_WORK 40
 
 /* A walk along the segment from -> q.  It stands in one of three states:
  *   crossing  it leaves its triangle through the inside of the edge he;

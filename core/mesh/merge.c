@@ -16,7 +16,10 @@
 #include "mem.h"
 #include "mesh.h"
 #include "numbered.h"
-#include "tuning.h"
+
+/* Walk steps and new triangles per point, on average, before merge_build() starts from
+ * scratch.  Two scans of a face need about 5; contrived input would need N. */
+#define MERGE_WORK 40
 
 /* Give the ghost its final number. */
 static void name_ghost(struct mesh *m, uint32_t from, uint32_t to)

@@ -10,7 +10,14 @@
 #include "mesh.h"
 #include "plane.h"
 #include "select.h"
-#include "tuning.h"
+
+/* A spike rises above a neighbour by more than this (mm), and more steeply than 45 degrees,
+ * so that neither noise nor the side of a nose is one.  By hand. */
+#define SPIKES_STEP_MM 1
+
+/* It does so above (or below) this many quarters of its neighbours: on an edge of the
+ * surface only about half of them lie below.  By hand. */
+#define SPIKES_QUARTERS 3
 
 #define STEP (SPIKES_STEP_MM * (int64_t)LATTICE_PER_MM)
 

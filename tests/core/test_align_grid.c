@@ -1,8 +1,8 @@
 /* The grid as a template: heights between the cells, missing corners, and the robust sum
  * against the same in double precision, one point at a time. */
 #include "align_grid.h"
+#include "align_lanes.h"
 #include "brute.h"
-#include "tuning.h"
 #include "unit.h"
 
 #define POINTS 203

@@ -7,7 +7,6 @@
 #include "fail_alloc.h"
 #include "find.h"
 #include "headscan.h"
-#include "tuning.h"
 #include "unit.h"
 
 static struct face_work *work;
