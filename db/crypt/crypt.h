@@ -27,11 +27,11 @@ struct crypt;
 #define CRYPT_SECRETS    (3 * CRYPT_KEY)
 #define CRYPT_SECRET_MAX 1024 /* bytes of a passphrase */
 
-enum crypt_kind { /* where the master key comes from; stored, so never renumbered */
-                  CRYPT_PLAINTEXT =
-                      0, /* the root itself: the database alone suffices to read it */
-                  CRYPT_FILE = 1,      /* 256 random bits in a file */
-                  CRYPT_PASSPHRASE = 2 /* by Argon2id */
+/* Where the master key comes from; stored, so never renumbered. */
+enum crypt_kind {
+    CRYPT_PLAINTEXT = 0, /* the root itself: the database alone suffices to read it */
+    CRYPT_FILE = 1,      /* 256 random bits in a file */
+    CRYPT_PASSPHRASE = 2 /* by Argon2id */
 };
 
 struct crypt_root { /* what the database keeps of its keys */

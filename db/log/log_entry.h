@@ -13,17 +13,12 @@
 
 struct errinfo;
 
-#define LOG_HASH 32
-#define LOG_UID  16
-#define LOG_TEXT                                                                         \
-    64 /* bytes of a kind, an actor, an object, an outcome: printable ASCII */
+#define LOG_HASH   32
+#define LOG_UID    16
+#define LOG_TEXT   64 /* bytes of a kind, actor, object, outcome: printable ASCII */
 #define LOG_DIGEST 32 /* of all rows with a MAC (log_txn.h) */
 
-enum log_name { /* stored in what is hashed, so never renumbered */
-                LOG_CHANGES,
-                LOG_ACCESSES,
-                LOGS
-};
+enum log_name { LOG_CHANGES, LOG_ACCESSES, LOGS }; /* hashed, so never renumbered */
 
 /* log_word(log): "changes" or "accesses". */
 const char *log_word(enum log_name log);

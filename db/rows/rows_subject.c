@@ -6,14 +6,7 @@
 #include "errinfo.h"
 #include "ident.h"
 
-enum { /* columns of ROWS_SUBJECT */
-       COL_UID,
-       COL_LOOKUP = 2,
-       COL_MAC = 9,
-       COL_ROW,
-       COL_SEEN,
-       COL_TEMPLATES
-};
+enum { COL_UID, COL_LOOKUP = 2, COL_MAC = 9, COL_ROW, COL_SEEN, COL_TEMPLATES };
 
 #define F(kind, member) SQL_FIELD(kind, struct rows_subject, member)
 

@@ -15,12 +15,7 @@
     "t.id, t.revision, t.uid, t.used, t.read, t.created, t.engine, t.points, "           \
     "t.triangles, t.about, t.mac, t.template_key"
 
-enum { /* of COLUMNS */
-       COL_ID,
-       COL_UID = 2,
-       COL_MAC = 10,
-       COLS = 12
-};
+enum { COL_ID, COL_MAC = 10, COLS = 12 };
 
 #define F(kind, member)        SQL_FIELD(kind, struct rows_template, member)
 #define REAL(member, min, max) SQL_FIELD_IN(REAL, struct rows_template, member, min, max)

@@ -57,16 +57,16 @@ struct store_subject_change {        /* what is NULL stays as it is */
     const bool *hold, *disabled;
 };
 
-enum store_scope { /* what a token may do, a bit each */
-                   STORE_SCOPE_ENROLL = 1,
-                   STORE_SCOPE_VERIFY = 2,
-                   STORE_SCOPE_IDENTIFY = 4,
-                   STORE_SCOPE_READ = 8,
-                   STORE_SCOPE_DELETE = 16,
-                   STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
-                   STORE_SCOPE_DETAIL =
-                       64, /* measures and gaps: enough to rebuild a face */
-                   STORE_SCOPE_ALL = 127
+/* What a token may do, a bit each. */
+enum store_scope {
+    STORE_SCOPE_ENROLL = 1,
+    STORE_SCOPE_VERIFY = 2,
+    STORE_SCOPE_IDENTIFY = 4,
+    STORE_SCOPE_READ = 8,
+    STORE_SCOPE_DELETE = 16,
+    STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
+    STORE_SCOPE_DETAIL = 64, /* measures and gaps: enough to rebuild a face */
+    STORE_SCOPE_ALL = 127
 };
 
 #define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */
@@ -99,12 +99,11 @@ struct store_device { /* a scanner that signs what it captures */
 
 #define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
 
-#define STORE_TRIED_MS                                                                   \
-    INT64_C(3600000) /* in which the subjects count that a token tries */
-#define STORE_TRIED_WARN_MS INT64_C(86400000) /* and in which for a warning */
-#define STORE_ATTEMPTS_DAYS                                                              \
-    30 /* after which failures count no more: at one a day, where lock-outs end, more \
-          attempts are left than after them */
+/* In which the subjects count that a token tries, and in which for a warning; and after which
+ * failures count no more: at one a day, where lock-outs end, more attempts are left than after. */
+#define STORE_TRIED_MS      INT64_C(3600000)
+#define STORE_TRIED_WARN_MS INT64_C(86400000)
+#define STORE_ATTEMPTS_DAYS 30
 
 /* Verifications of a subject that failed one after the other; what follows from them is the
  * caller's to say.  Ages are never negative. */

@@ -75,6 +75,10 @@ static void calibrate(struct store *s, double threshold)
 
 /* ---- the sum */
 
+#define MACS                                                                             \
+    "SELECT mac FROM subjects UNION ALL SELECT mac FROM templates UNION ALL SELECT mac " \
+    "FROM tokens UNION ALL SELECT mac FROM devices UNION ALL SELECT mac FROM calibrations"
+
 /* Digits base 256, by school arithmetic; what the last change says is in t. */
 static void assert_sum(struct store *s, unsigned char sum[LOG_DIGEST])
 {
@@ -85,11 +89,7 @@ static void assert_sum(struct store *s, unsigned char sum[LOG_DIGEST])
 
     memset(sum, 0, LOG_DIGEST);
     must(store_begin(s, SQL_READ, &t, &e));
-    must(sql_query(t.sql,
-                   "SELECT mac FROM subjects UNION ALL SELECT mac FROM templates "
-                   "UNION ALL SELECT mac FROM tokens UNION ALL SELECT mac FROM devices "
-                   "UNION ALL SELECT mac FROM calibrations",
-                   NULL, 0, &r, &e));
+    must(sql_query(t.sql, MACS, NULL, 0, &r, &e));
     while (sql_next(r)) {
         unsigned carry = 0;
 
@@ -203,59 +203,22 @@ static void test_format(void **state)
     device(s, "door");
     calibrate(s, 2.5);
     store_close(s);
-    tempdb_sql(
-        "CREATE TABLE aside.was AS SELECT mac FROM subjects UNION ALL SELECT mac "
-        "FROM templates UNION ALL SELECT mac FROM tokens UNION ALL SELECT mac FROM "
-        "devices UNION ALL SELECT mac FROM calibrations");
+    tempdb_sql("CREATE TABLE aside.was AS " MACS);
     must(forge_sql(tempdb_path, "", &e));
-    tempdb_sql(
-        "CREATE TABLE aside.now AS SELECT mac FROM subjects UNION ALL SELECT mac "
-        "FROM templates UNION ALL SELECT mac FROM tokens UNION ALL SELECT mac FROM "
-        "devices UNION ALL SELECT mac FROM calibrations;"
-        "CREATE TABLE same AS SELECT count(*) AS n FROM was JOIN now USING (mac)");
+    tempdb_sql("CREATE TABLE same AS SELECT count(*) AS n FROM was JOIN (" MACS
+               ") USING (mac)");
     assert_int_equal(tempdb_number("SELECT n FROM same"), 5);
 }
 
-/* ---- attacks */
+/* ---- what somebody else has written */
 
-static char old[64]; /* a copy from before the second half of written() */
-
-static struct store *written(void)
-{
-    static const bool yes = true;
-    const struct store_subject_change disable = {.disabled = &yes};
-    struct store *s = tempdb_fresh();
-    struct store_template a, t;
-    struct store_token door;
-    char copy[128];
-
-    tempdb_enroll(s, "alice", "one", &tempdb_face[0], &a);
-    tempdb_enroll(s, "alice", "two", &tempdb_face[1], &t);
-    tempdb_enroll(s, "bob", "", &tempdb_face[2], &t);
-    door = token(s, "door");
-    device(s, "door-1");
-    calibrate(s, 9);
-    (void)snprintf(old, sizeof old, "%.40s-old", tempdb_path);
-    (void)snprintf(copy, sizeof copy, "VACUUM INTO '%s'", old);
-    tempdb_sql(copy);
-    must(store_token_revoke(s, "test", door.id, &e));
-    must(store_subject_set(s, "test", "alice", &disable, &e));
-    must(store_template_delete(s, "test", a.id, &e));
-    must(store_device_remove(s, "test", "door-1", &e));
-    device(s, "door-2");
-    calibrate(s, 1);
-    must(tempdb_erase(s, "test", "bob", &e));
-    return s;
-}
-
-/* The rows are refused, for what the text says, and for good: in every process that would write. */
-static void assert_found(struct store *s, const char *why)
+/* The rows are refused, and for good: in every process that would write. */
+static void assert_found(struct store *s)
 {
     struct store *late = tempdb_open(STORE_WRITE);
     struct store_subject one = {.id = "eve"};
 
-    if (store_verify(s, NULL, NULL, &e) != ST_EREFUSED || strstr(e.msg, why) == NULL)
-        fail_msg("%s, not '%s'", e.msg, why);
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
     assert_int_equal(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
     store_close(late);
     store_close(s);
@@ -269,90 +232,6 @@ static void mislead(const char *index, const char *rows)
     tempdb_mislead(name, rows);
 }
 
-#define BACK(table, where)                                                               \
-    "DELETE FROM main." table " WHERE " where "; INSERT INTO main." table                \
-    " SELECT * FROM old." table " WHERE " where
-
-/* old: the older copy.  Each is found, by the process that serves too; and stays found, whatever
- * somebody writes who has verified the rows before. */
-static void test_attacks(void **state)
-{
-    static const char *const attack[] = {
-        BACK("tokens", "true"),
-        "UPDATE tokens SET revoked = NULL",
-        "DELETE FROM tokens",
-        BACK("subjects", "subject_key = 1"),
-        "UPDATE subjects SET disabled = 0",
-        BACK("templates", "template_key = 1"),
-        "DELETE FROM templates",
-        "PRAGMA foreign_keys = OFF; DELETE FROM subjects",
-        "DELETE FROM subjects; DELETE FROM templates",
-        BACK("subjects", "subject_key = 2"),
-        "INSERT INTO devices SELECT 9, id, revision, name, public, created, mac FROM old.devices",
-        BACK("devices", "true"),
-        "UPDATE devices SET mac = (SELECT mac FROM old.devices)",
-        "DELETE FROM calibrations WHERE calibration_key = 2",
-        "UPDATE calibrations SET calibration_key = 7 - calibration_key",
-        "UPDATE calibrations SET mac = (SELECT mac FROM calibrations WHERE calibration_key "
-        "= 1)",
-        "CREATE TABLE twin AS SELECT * FROM tokens; DROP TABLE tokens;"
-        "ALTER TABLE twin RENAME TO tokens; INSERT INTO tokens SELECT * FROM tokens",
-        "CREATE TABLE twin AS SELECT * FROM calibrations; DROP TABLE calibrations;"
-        "ALTER TABLE twin RENAME TO calibrations;"
-        "INSERT INTO calibrations SELECT * FROM calibrations LIMIT 1",
-        /* With the entries that tell of it. */
-        "DELETE FROM change_log WHERE kind = 'revoke_token';" BACK("tokens", "true"),
-    };
-
-    (void)state;
-    for (size_t i = 0; i < sizeof attack / sizeof *attack; i++) {
-        struct store *s = written(), *other = tempdb_open(STORE_WRITE);
-        struct store_token got;
-        char sql[500];
-
-        must(store_verify(s, NULL, NULL, &e));
-        assert_int_equal(store_token_check(s, secret, &got, &e), ST_EDENIED);
-        must(store_verify(other, NULL, NULL, &e));
-        (void)snprintf(sql, sizeof sql, "ATTACH '%s' AS old; %s", old, attack[i]);
-        tempdb_sql(sql);
-        add(other, "carol");
-        if (store_verify(s, NULL, NULL, &e) != ST_EREFUSED)
-            fail_msg("not found: %s", sql);
-        assert_true(store_refused(s, &e));
-        assert_int_equal(store_token_check(s, secret, &got, &e), ST_EREFUSED);
-        must(tempdb_erase(other, "test", "carol", &e));
-        store_close(other);
-        assert_found(s, "");
-    }
-}
-
-/* A row is hidden while the daemon runs, a stranger takes its place, and the row comes back: both are
- * authentic, and in the sum, and no index of the file forbids them.  Nor is the stranger's sample the
- * first one where her templates alone are hidden. */
-static void test_second_alice(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct store_template t;
-    bool created;
-
-    (void)state;
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
-    tempdb_sql("CREATE TABLE aside.s AS SELECT * FROM subjects;"
-               "CREATE TABLE aside.t AS SELECT * FROM templates;"
-               "DELETE FROM faces; DELETE FROM templates");
-    assert_int_equal(
-        tempdb_store(s, "test", "alice", "", &tempdb_face[1], &t, &created, &e),
-        ST_ECORRUPT);
-    tempdb_sql("DELETE FROM subjects");
-    tempdb_enroll(s, "alice", "", &tempdb_face[1], &t); /* nothing is found at once */
-    tempdb_sql(
-        "CREATE TABLE rest AS SELECT * FROM subjects; DROP TABLE subjects;"
-        "ALTER TABLE rest RENAME TO subjects; INSERT INTO subjects SELECT * FROM s;"
-        "INSERT INTO templates SELECT * FROM t WHERE template_key = 1");
-    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 2);
-    assert_found(s, "subjects: two rows have one id");
-}
-
 static void count(void *arg, const char *line)
 {
     char *text = arg;
@@ -363,7 +242,8 @@ static void count(void *arg, const char *line)
 /* Each row that is not authentic is named, and can be removed. */
 static void test_named(void **state)
 {
-    struct store *s = written();
+    struct store *s = tempdb_fresh();
+    struct store_template of;
     unsigned char sum[LOG_DIGEST];
     char text[400] = "";
     struct log_txn t;
@@ -371,6 +251,10 @@ static void test_named(void **state)
     bool same;
 
     (void)state;
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &of);
+    (void)token(s, "door");
+    device(s, "door-1");
+    calibrate(s, 1);
     tempdb_sql("UPDATE subjects SET hold = 1; UPDATE templates SET points = points + 1;"
                "UPDATE tokens SET id = 'ab' || char(10); UPDATE devices SET name = 'x';"
                "UPDATE calibrations SET mac = x'00' WHERE calibration_key = 1");
@@ -427,7 +311,7 @@ static void test_doubled(void **state)
     assert_true(n == 2 && !list[0].revoked && !list[1].revoked);
     free(list);
     must(store_token_check(s, secret, &got, &e));
-    assert_found(s, "");
+    assert_found(s);
 }
 
 /* An index leads to another row, which would get the rights or the end; or the row is read by
@@ -456,7 +340,7 @@ static void test_misled(void **state)
     tempdb_sql("DROP TABLE twin; DROP TABLE more");
     mislead("devices_2", "SELECT 3 - device_key, name FROM devices");
     ASSERT_NOTHING(store_device_remove(s, "test", "door-1", &e));
-    assert_found(s, "");
+    assert_found(s);
     s = tempdb_fresh();
     add(s, "alice");
     add(s, "bob");
@@ -494,16 +378,15 @@ static void test_planted(void **state)
     assert_true(got.version == 3 && got.table.threshold == 0.25);
     tempdb_sql("DELETE FROM calibrations WHERE calibration_key = 3");
     assert_int_equal(store_calibration_get(s, &got, &e), ST_ECORRUPT);
-    assert_found(s, "");
+    assert_found(s);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sum),     cmocka_unit_test(test_format),
-        cmocka_unit_test(test_attacks), cmocka_unit_test(test_second_alice),
-        cmocka_unit_test(test_named),   cmocka_unit_test(test_doubled),
-        cmocka_unit_test(test_misled),  cmocka_unit_test(test_planted),
+        cmocka_unit_test(test_sum),    cmocka_unit_test(test_format),
+        cmocka_unit_test(test_named),  cmocka_unit_test(test_doubled),
+        cmocka_unit_test(test_misled), cmocka_unit_test(test_planted),
     };
 
     return cmocka_run_group_tests_name("rows", tests, tempdb_begin_faces,
