@@ -268,26 +268,6 @@ static void check_close(const struct align_pose *a, const struct align_pose *b)
         assert_true(fabs(a->t[i] - b->t[i]) < 0.5);
 }
 
-/* Without a mark there is no frame: it is found from the points. */
-static void test_no_mark(void **state)
-{
-    struct face f = {0}, g = {0};
-    struct errinfo e;
-    size_t len;
-    unsigned char *buf = encoded_face(&f, &len);
-
-    (void)state;
-    memset(buf + MARK, 0, 4);
-    put_checksum(buf, len);
-    must(decode(buf, len, &g, &e));
-    assert_same(&f.surface.mesh, &g.surface.mesh);
-    assert_int_equal(f.frame.mean_id, g.frame.mean_id);
-    check_close(&f.frame.pose, &g.frame.pose);
-    free(buf);
-    face_free(&f);
-    face_free(&g);
-}
-
 /* The frame is kept to the last digit; another mean face's is found again; what is no
  * similarity of a head's size is refused. */
 static void test_frame(void **state)
@@ -557,11 +537,11 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_round_trip),   cmocka_unit_test(test_every_byte),
-        cmocka_unit_test(test_golden),       cmocka_unit_test(test_no_mark),
-        cmocka_unit_test(test_frame),        cmocka_unit_test(test_encoding),
-        cmocka_unit_test(test_bad_encoding), cmocka_unit_test(test_modes),
-        cmocka_unit_test(test_digest),       cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_round_trip), cmocka_unit_test(test_every_byte),
+        cmocka_unit_test(test_golden),     cmocka_unit_test(test_frame),
+        cmocka_unit_test(test_encoding),   cmocka_unit_test(test_bad_encoding),
+        cmocka_unit_test(test_modes),      cmocka_unit_test(test_digest),
+        cmocka_unit_test(test_no_memory),
     };
 
     return cmocka_run_group_tests_name("codec", tests, set_up, tear_down);
