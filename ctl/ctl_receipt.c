@@ -7,7 +7,7 @@
 
 #include "json.h"
 #include "store_audit.h"
-#include "store_receipt.h"
+#include "store_erase.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_model.h"

@@ -195,48 +195,8 @@ ok "check finds it as well" [ "$CODE" != 0 ]
 cp "$T/whole" "$DB"
 ctl_exits 0 check
 
-# ---- the oldest uses cut off: the chain and exports go on from there
+# ---- the oldest uses cut off: test_audit.c
 ctl_exits 64 audit trim # for how long?
 ctl audit trim --keep 30
 is "none is as old" "$CODE $(said .cut)" "0 0"
-if command -v faketime >/dev/null && ! grep -q __asan_init "$BUILD/surfacectl"; then
-    later() {
-        faketime -f +400d "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err"
-        CODE=$?
-    }
-    later audit trim --keep 399 --dry-run
-    is "they would be" "$CODE $(said '[.cut, .dry_run] | @csv')" "0 2,true"
-    later audit trim --keep 399
-    is "they are, but the last" "$CODE $(said .cut) $(sqlite3 "$DB" "SELECT count(*) FROM access_log")" "0 2 1"
-    ctl audit show --kind trim_accesses
-    is "a change says so" "$(said '.entries[] | .outcome')" 2
-    ctl verify carol "$T/b.ply" # nobody: refused, and no use of it
-    ctl template export "$(sqlite3 "$DB" 'SELECT id FROM templates LIMIT 1')" --out "$T/t.ply"
-    ctl audit verify
-    is "all as it was written" "$CODE $(said .ok)" "0 true"
-    ctl audit export --out "$T/log3"
-    file "$T/log3"
-    is "so is the export" "$CODE $(said .ok)" "0 true"
-    sed '/"kind":"trim_accesses"/s/"outcome":"2"/"outcome":"1"/' "$T/log3" >"$T/changed"
-    file "$T/changed"
-    is "which must say where" "$CODE" 1
-fi
-
-# ---- an id that was changed: what is told of the subject under its former ids is shown too, and
-# nothing of others who had them
-DB=$T/renamed.db
-ctl init
-ctl subject set ann --consent A
-ctl subject erase ann --yes
-ctl subject set ann --consent B
-ctl subject rename ann bea
-ctl subject set ann --consent C
-ctl subject rename bea dora
-ctl audit show --subject dora
-is "under every id it had" "$(said '[.entries[].kind] | join(" ")')" \
-    "add_subject rename_subject rename_subject"
-ctl audit show --subject dora --limit 2
-is "the newest" "$(said '[.entries[].kind] | join(" ")')" "rename_subject rename_subject"
-ctl audit show --subject ann
-is "of who has it now" "$(said '[.entries[].kind] | join(" ")')" add_subject
 finish
