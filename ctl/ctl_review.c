@@ -13,7 +13,7 @@
 #include "ctl_sample.h"
 #include "json.h"
 #include "store_audit.h"
-#include "store_receipt.h"
+#include "store_erase.h"
 
 #define LINE          4096      /* bytes of a line of an export, at most */
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */

@@ -18,7 +18,6 @@
 #include "store_device.h"
 #include "store_erase.h"
 #include "store_open.h"
-#include "store_receipt.h"
 #include "store_settle.h"
 #include "store_subject.h"
 #include "store_template.h"

@@ -413,40 +413,17 @@ enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *
     return st;
 }
 
-static enum status count_rows(struct sql_txn *t, struct store_look *out,
-                              struct errinfo *e)
-{
-    struct sql_rows *r;
-    const enum status st = sql_query(t,
-                                     "SELECT (SELECT count(*) FROM subjects), "
-                                     "(SELECT count(*) FROM templates)",
-                                     NULL, 0, &r, e);
-
-    if (st == ST_OK && sql_next(r)) {
-        out->subjects = (uint64_t)sql_column(r, 0).i;
-        out->templates = (uint64_t)sql_column(r, 1).i;
-    }
-    return sql_done(r, st, e);
-}
-
 enum status store_look(const char *path, struct store_look *out, struct errinfo *e)
 {
-    struct sql_txn *t;
     struct sql *d;
-    enum status st;
+    const enum status st = sql_open(path, SQL_OPEN_LOOK, &d, e);
 
-    memset(out, 0, sizeof *out);
-    out->newest = sql_newest();
-    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
+    *out = (struct store_look){.newest = sql_newest()};
+    if (st != ST_OK)
         return st;
     out->version = sql_version(d);
-    if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK) {
-        if ((st = sql_file_bytes(t, &out->bytes, e)) == ST_OK && out->version > 0)
-            st = count_rows(t, out, e);
-        st = sql_end(t, st, e);
-    }
     sql_close(d);
-    return st;
+    return ST_OK;
 }
 
 /* ---- statistics, room */

@@ -44,10 +44,9 @@ enum status store_open(const char *path, enum store_mode mode,
 void store_close(struct store *s); /* NULL is allowed */
 
 /* store_kind(path, kind, e): how the database's master key is kept, which takes no key.
- * store_look(path, out, e): how large a database is, which takes no key. */
+ * store_look(path, out, e): of which version a database is, which takes no key. */
 struct store_look {
     int version, newest; /* of the schema, 0: it is empty; what this program makes */
-    uint64_t subjects, templates, bytes;
 };
 enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e);
 enum status store_look(const char *path, struct store_look *out, struct errinfo *e);

@@ -1,10 +1,7 @@
-/* Databases that are damaged, foreign, newer or read-only, without their key, and on a
- * full disk. */
-#include <signal.h>
+/* Databases that are damaged, foreign, newer or read-only, or without their key. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <sodium.h>
@@ -310,85 +307,12 @@ static void test_check_shares(void **state)
     store_close(s);
 }
 
-/* Each opening of a file fails: the database is opened, or it is not, and nothing is lost. */
-static void test_files(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct store_subject one = {.id = "alice"};
-    struct rlimit was, few;
-    unsigned failed = 0;
-    enum status st = ST_EIO;
-
-    (void)state;
-    store_close(s);
-    assert_int_equal(getrlimit(RLIMIT_NOFILE, &was), 0);
-    few = was;
-    for (rlim_t n = 3; n < 64 && st != ST_OK; n++) {
-        few.rlim_cur = n;
-        assert_int_equal(setrlimit(RLIMIT_NOFILE, &few), 0);
-        st = store_open(tempdb_path, STORE_WRITE, NULL, &s, &e);
-        assert_int_equal(setrlimit(RLIMIT_NOFILE, &was), 0);
-        failed += st != ST_OK;
-        assert_true((s != NULL) == (st == ST_OK));
-    }
-    assert_int_equal(st, ST_OK);
-    assert_true(failed > 3);
-    must(store_subject_add(s, "test", &one, &e));
-    store_close(s);
-}
-
-/* The disk is full at any point of an enrolment: nothing half-done, and it goes on
- * later. */
-static void test_full_disk(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct rlimit was, tight;
-    struct store_template t;
-    struct stat sb;
-    bool created, done = false;
-    unsigned failures = 0;
-    char wal[128];
-
-    (void)state;
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
-    (void)snprintf(wal, sizeof wal, "%s-wal", tempdb_path);
-    assert_int_equal(stat(wal, &sb), 0);
-    assert_int_equal(getrlimit(RLIMIT_FSIZE, &was), 0);
-    assert_true(signal(SIGXFSZ, SIG_IGN) != SIG_ERR);
-    for (rlim_t room = 100; !done; room += 5000) {
-        enum status st;
-
-        tight = was;
-        tight.rlim_cur = (rlim_t)sb.st_size + room;
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
-        st = tempdb_store(s, "test", "bob", "", &tempdb_face[1], &t, &created, &e);
-        assert_int_equal(setrlimit(RLIMIT_FSIZE, &was), 0);
-        if (st == ST_OK) {
-            done = true;
-        } else {
-            assert_int_equal(st, ST_EIO);
-            assert_false(created);
-            assert_non_null(strstr(e.msg, tempdb_path));
-            failures++;
-            assert_int_equal(tempdb_count("subjects"), 1);
-            assert_int_equal(tempdb_count("templates"), 1);
-            assert_int_equal(tempdb_count("change_log"), 3);
-        }
-    }
-    print_message("%u enrolments failed: %s\n", failures, e.msg);
-    assert_true(failures > 3);
-    assert_int_equal(tempdb_check(s).problems, 0);
-    assert_int_equal(tempdb_check(s).templates, 2);
-    store_close(s);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_refused),      cmocka_unit_test(test_keys),
         cmocka_unit_test(test_unwritable),   cmocka_unit_test(test_ready),
         cmocka_unit_test(test_damaged_rows), cmocka_unit_test(test_check_shares),
-        cmocka_unit_test(test_files),        cmocka_unit_test(test_full_disk),
     };
 
     return cmocka_run_group_tests_name("damaged", tests, tempdb_begin_faces,

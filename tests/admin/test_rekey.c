@@ -160,16 +160,12 @@ static void test_same(void **state)
     assert_false(is_there(".key.new"));
 }
 
-/* The old database and its key are gone, unless they are kept; the anchor says the new end. */
+/* The old database and its key are gone, unless they are kept. */
 static void test_files(void **state)
 {
-    char anchor[80];
-    struct store_key key = usual;
     struct filled f;
-    struct store *s;
 
     (void)state;
-    (void)snprintf(anchor, sizeof anchor, "%s.anchor", tempdb_path);
     store_close(filled_fresh(&f));
     must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "me",
                      &e));
@@ -181,48 +177,6 @@ static void test_files(void **state)
     fails(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE},
                       "me", &e),
           ST_EEXISTS);
-    tempdb_remove();
-    key.anchor = anchor;
-    must(store_open(tempdb_path, STORE_CREATE, &key, &s, &e));
-    store_close(s);
-    must(admin_rekey(tempdb_path, &key, &(struct admin_rekey){.kind = CRYPT_FILE}, "me",
-                     &e));
-    must(store_open(tempdb_path, STORE_WRITE, &key, &s, &e));
-    must(store_event(s, "verify", "", "", "", "", &e));
-    store_close(s);
-}
-
-/* To a passphrase, to none, and back to a file. */
-static void test_kinds(void **state)
-{
-    static struct crypt_file phrase = {.len = 11, .text = "open sesame"};
-    const struct store_key by_phrase = {.given = &phrase}, plain = {.plaintext = true};
-    struct filled f;
-    struct store *s;
-
-    (void)state;
-    store_close(filled_fresh(&f));
-    fails(admin_rekey(tempdb_path, &usual,
-                      &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase},
-                      "", &e),
-          ST_EINVAL); /* too short */
-    must(admin_rekey(
-        tempdb_path, &usual,
-        &(struct admin_rekey){.kind = CRYPT_PASSPHRASE, .given = &phrase, .weak = true},
-        "", &e));
-    assert_false(is_there(".key"));
-    must(store_open(tempdb_path, STORE_READ, &by_phrase, &s, &e));
-    store_close(s);
-    must(admin_rekey(tempdb_path, &by_phrase,
-                     &(struct admin_rekey){.kind = CRYPT_PLAINTEXT}, "", &e));
-    fails(store_open(tempdb_path, STORE_READ, &usual, &s, &e), ST_EDENIED);
-    must(store_open(tempdb_path, STORE_READ, &plain, &s, &e));
-    store_close(s);
-    must(admin_rekey(tempdb_path, &plain, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
-                     &e));
-    s = tempdb_open(STORE_READ);
-    assert_int_equal(tempdb_check(s).problems, 0);
-    store_close(s);
 }
 
 /* Nothing that was not verified gets a new MAC; and all is as it was. */
@@ -304,8 +258,9 @@ static void test_interrupted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),        cmocka_unit_test(test_files),
-        cmocka_unit_test(test_kinds),       cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_same),
+        cmocka_unit_test(test_files),
+        cmocka_unit_test(test_refused),
         cmocka_unit_test(test_interrupted),
     };
 

@@ -6,6 +6,13 @@ cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 TO=$T/to.db
+# on_exits STATUS DATABASE ARGUMENT...: the exit status must be STATUS.
+on_exits() {
+    x_wanted=$1
+    shift
+    on "$@"
+    is "on $*" "$CODE" "$x_wanted"
+}
 # on DATABASE ARGUMENT...: run ctl on that database.
 on() {
     o_db=$DB DB=$1
@@ -37,31 +44,24 @@ chmod 600 "$T/phrase" "$T/akey"
 export SURFACED_KEY=
 
 # ---- export
-on "$DB" export alice bob
-is "where to is asked" "$CODE" 64
-on "$DB" export -o "$T/a"
-is "whom is asked" "$CODE" 64
-on "$DB" export alice --all -o "$T/a"
-is "some or all" "$CODE" 64
-on "$DB" export alice nobody -o "$T/a" --archive-key "$T/akey"
-is "nobody of that name" "$CODE" 66
+on_exits 64 "$DB" export alice bob # where to is asked
+on_exits 64 "$DB" export -o "$T/a" # whom is asked
+on_exits 64 "$DB" export alice --all -o "$T/a" # some or all
+on_exits 66 "$DB" export alice nobody -o "$T/a" --archive-key "$T/akey" # nobody of that name
 ok "then there is no archive" test ! -e "$T/a" -a ! -e "$T/a.part"
 on "$DB" export alice bob -o "$T/a" --archive-key "$T/akey"
 is "two are out" "$CODE $(said '.subjects, .templates' | tr '\n' ' ')" "0 2 2 "
 is "for the owner alone" "$(stat -c %a "$T/a")" 600
 ok "it holds no plaintext" sh -c "! grep -aq 'alice\|left camera\|SURF[^A]' '$T/a'"
-on "$DB" export alice -o "$T/a" --archive-key "$T/akey"
-is "an archive is not overwritten" "$CODE" 65
+on_exits 65 "$DB" export alice -o "$T/a" --archive-key "$T/akey" # an archive is not overwritten
 on "$DB" export --all -o "$T/all" --archive-key "$T/phrase"
 is "all, by a passphrase" "$CODE $(said .subjects)" "0 3"
 is "who was exported is in the events" "$(sqlite3 "$DB" "SELECT count(*) FROM access_log
     WHERE kind = 'export'" | tr -d '\n')" 5
 
 # ---- import
-on "$TO" import "$T/a" --archive-key "$T/phrase"
-is "not by a passphrase" "$CODE" 77
-on "$TO" import "$T/all" --archive-key "$T/akey"
-is "nor by another" "$CODE" 77
+on_exits 77 "$TO" import "$T/a" --archive-key "$T/phrase" # not by a passphrase
+on_exits 77 "$TO" import "$T/all" --archive-key "$T/akey" # nor by another
 on "$TO" import "$T/a" --archive-key "$T/akey" --dry-run
 is "what would come" "$CODE $(said '.subjects_new, .templates_new, .imported' |
     tr '\n' ' ')" "0 2 2 false "
@@ -78,10 +78,8 @@ is "twice is once" "$CODE $(said '.subjects_new, .templates_new' | tr '\n' ' ')"
 is "without an event" "$(sqlite3 "$TO" "SELECT count(*) FROM $ENTRIES")" "$events"
 on "$TO" check-database
 is "all is well" "$CODE $(said .templates)" "0 3"
-on "$TO" verify alice "$T/p1.ply"
-is "alice is alice" "$CODE" 0
-on "$TO" verify bob "$T/p1.ply"
-is "and not bob" "$CODE" 1
+on_exits 0 "$TO" verify alice "$T/p1.ply" # alice is alice
+on_exits 1 "$TO" verify bob "$T/p1.ply" # and not bob
 
 # ---- a subject that was erased there does not come back; a running daemon sees the
 # others
@@ -117,8 +115,7 @@ is "who is there" "$(said '[.subjects[].subject] | join(" ")')" 'carol alice'
 rm -f "$T/third"*
 on "$T/third" init
 on "$T/third" enroll carol "$T/s1.ply"
-on "$T/third" import "$T/all" --archive-key "$T/phrase"
-is "another carol" "$CODE" 65
+on_exits 65 "$T/third" import "$T/all" --archive-key "$T/phrase" # another carol
 on "$T/third" subject list
 is "then nobody comes" "$(said '[.subjects[].subject] | join(" ")')" carol
 on "$T/third" subject erase --yes carol
@@ -133,8 +130,7 @@ on "$TO" init
 on "$DB" export bob -o "$T/bob" --archive-key "$T/akey"
 on "$TO" import "$T/bob" --archive-key "$T/akey"
 "$BUILD/forge" "$TO" "UPDATE templates SET id = '$template'"
-on "$TO" import "$T/a" --archive-key "$T/akey"
-is "an id that is another's" "$CODE" 65
+on_exits 65 "$TO" import "$T/a" --archive-key "$T/akey" # an id that is another's
 on "$TO" subject list
 is "nobody came" "$(said '[.subjects[].subject] | join(" ")')" bob
 
@@ -148,14 +144,10 @@ for cut in 0 8 60 64 $((size / 2)) $((size - 1)); do
     ok "cut to $cut bytes: exit $CODE" test "$CODE" = 65 -o "$CODE" = 77
 done
 cat "$T/a" "$T/a" >"$T/bad"
-on "$TO" import "$T/bad" --archive-key "$T/akey"
-is "something after its end" "$CODE" 65
-on "$TO" import "$T/s1.ply" --archive-key "$T/akey"
-is "no archive at all" "$CODE" 65
-on "$TO" import "$T/nowhere" --archive-key "$T/akey"
-is "no file" "$CODE" 66
+on_exits 65 "$TO" import "$T/bad" --archive-key "$T/akey" # something after its end
+on_exits 65 "$TO" import "$T/s1.ply" --archive-key "$T/akey" # no archive at all
+on_exits 66 "$TO" import "$T/nowhere" --archive-key "$T/akey" # no file
 on "$TO" stats
 is "nobody came of all that" "$(said '.subjects, .templates' | tr '\n' ' ')" "0 0 "
-on "$TO" check-database
-is "and all is well" "$CODE" 0
+on_exits 0 "$TO" check-database # and all is well
 finish

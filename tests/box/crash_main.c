@@ -444,13 +444,13 @@ static bool trial_power(bool daemon, const struct crash_log *l, struct brute_rng
 {
     const size_t n = crash_log_n(l);
     const size_t at = brute_rand(rng) % 4 == 0 ? n : (size_t)(brute_rand(rng) % (n + 1));
-    const enum crash_loss loss = brute_rand(rng) % 3 == 0 ? CRASH_LOSE : CRASH_SOME;
+    const bool some = brute_rand(rng) % 3 != 0;
 
-    crash_log_state(l, at, loss, rng, dir);
+    crash_log_state(l, at, some, rng, dir);
     if (daemon ? !wrong && kept(crash_log_bytes(l, at), t) : settled(t, at == n))
         return true;
     (void)printf("power lost after change %zu of %zu, %s of the rest is kept\n", at, n,
-                 loss == CRASH_LOSE ? "nothing" : "some");
+                 some ? "some" : "nothing");
     return false;
 }
 

@@ -83,26 +83,6 @@ static void make_models(void)
 
 /* ---- faces */
 
-static void test_identity(void **state)
-{
-    static struct bytes before, after;
-
-    (void)state;
-    for (uint64_t subject = 0; subject < 5; subject++) {
-        struct face f = {0};
-        struct quality q;
-
-        make(subject, 0, 1, SHIPPED, &f);
-        encode(&f, &before);
-        q = f.quality;
-        assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
-        encode(&f, &after);
-        assert_same(&before, &after);
-        assert_memory_equal(&q, &f.quality, sizeof q);
-        face_free(&f);
-    }
-}
-
 /* Laying spikes flat again would change the points once more. */
 static void test_spikes(void **state)
 {
@@ -296,9 +276,9 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_identity), cmocka_unit_test(test_spikes),
-        cmocka_unit_test(test_engines),  cmocka_unit_test(test_same_engine),
-        cmocka_unit_test(test_store),    cmocka_unit_test(test_stays),
+        cmocka_unit_test(test_spikes),      cmocka_unit_test(test_engines),
+        cmocka_unit_test(test_same_engine), cmocka_unit_test(test_store),
+        cmocka_unit_test(test_stays),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -49,12 +49,6 @@ static enum status hold(struct store *s, const char *subject, bool held)
                              &(struct store_subject_change){.hold = &held}, &e);
 }
 
-static enum status disable(struct store *s, const char *subject, bool disabled)
-{
-    return store_subject_set(s, "me", subject,
-                             &(struct store_subject_change){.disabled = &disabled}, &e);
-}
-
 static void test_set(void **state)
 {
     struct store *s = tempdb_fresh();
@@ -121,6 +115,10 @@ static void test_together(void **state)
     assert_int_equal(changes("set_subject"), 2);
     assert_int_equal(changes("hold_subject"), 1);
     assert_int_equal(changes("disable_subject"), 1);
+    what = (struct store_subject_change){.disabled = &no};
+    must(store_subject_set(s, "me", "alice", &what, &e));
+    assert_false(get(s, "alice").disabled);
+    assert_int_equal(changes("enable_subject"), 1);
     what = (struct store_subject_change){.purpose = "a\nb", .hold = &no};
     fails(store_subject_set(s, "me", "alice", &what, &e), ST_EINVAL);
     assert_true(get(s, "alice").hold);
@@ -192,25 +190,6 @@ static void test_hold(void **state)
     assert_int_equal(changes("release_subject"), 1);
     must(store_template_delete(s, "", t.id, &e));
     must(tempdb_erase(s, "", "alice", &e));
-    store_close(s);
-}
-
-static void test_disable(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct store_template t;
-
-    (void)state;
-    enroll(s, "alice", &t);
-    assert_false(get(s, "alice").disabled);
-    assert_int_equal(disable(s, "alice", true), ST_OK);
-    assert_true(get(s, "alice").disabled);
-    assert_false(get(s, "alice").hold);
-    assert_int_equal(disable(s, "alice", false), ST_OK);
-    assert_false(get(s, "alice").disabled);
-    assert_int_equal(changes("disable_subject"), 1);
-    assert_int_equal(changes("enable_subject"), 1);
-    assert_int_equal(disable(s, "nobody", true), ST_ENOTFOUND);
     store_close(s);
 }
 
@@ -302,23 +281,6 @@ static void test_due(void **state)
     store_close(s);
 }
 
-/* A damaged row is neither changed nor erased: surfacectl accept-state removes it. */
-static void test_damaged(void **state)
-{
-    struct store *s = tempdb_fresh();
-    struct store_template t;
-
-    (void)state;
-    enroll(s, "alice", &t);
-    tempdb_sql("UPDATE subjects SET about = zeroblob(length(about))");
-    assert_int_equal(set(s, "alice", "x", NULL, NULL), ST_ECORRUPT);
-    fails(store_subject_rename(s, "", "alice", "bob", &e), ST_ECORRUPT);
-    assert_int_equal(hold(s, "alice", true), ST_ECORRUPT);
-    fails(store_subject_purge(s, "", "alice", &e), ST_ECORRUPT);
-    fails(tempdb_erase(s, "", "alice", &e), ST_ECORRUPT);
-    store_close(s);
-}
-
 static void test_vacuum(void **state)
 {
     struct store *s = tempdb_fresh(), *reader = NULL;
@@ -350,10 +312,9 @@ static void test_vacuum(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_set),     cmocka_unit_test(test_together),
-        cmocka_unit_test(test_rename),  cmocka_unit_test(test_hold),
-        cmocka_unit_test(test_disable), cmocka_unit_test(test_seen),
-        cmocka_unit_test(test_due),     cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_set),    cmocka_unit_test(test_together),
+        cmocka_unit_test(test_rename), cmocka_unit_test(test_hold),
+        cmocka_unit_test(test_seen),   cmocka_unit_test(test_due),
         cmocka_unit_test(test_vacuum),
     };
 

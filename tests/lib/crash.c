@@ -352,7 +352,7 @@ static void apply(struct folder *f, const struct crash_log *l, const struct chan
         resize(b, c->op.at);
 }
 
-void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
+void crash_log_state(const struct crash_log *l, size_t n, bool some,
                      struct brute_rng *rng, const char *dir)
 {
     struct folder *f = calloc(1, sizeof *f);
@@ -367,7 +367,7 @@ void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
         put(&f->file[i], l->file[i].at, l->file[i].n, 0);
     for (size_t i = 0; i < n; i++)
         names += is_name(&l->change[i]) && l->change[i].until >= n;
-    if (loss == CRASH_SOME)
+    if (some)
         kept = (size_t)(brute_rand(rng) % (names + 1));
     for (size_t i = 0; i < n; i++) {
         const struct change *c = &l->change[i];
@@ -376,7 +376,7 @@ void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
             apply(f, l, c, NULL);
         else if (is_name(c) && kept > 0 && kept-- > 0)
             apply(f, l, c, NULL);
-        else if (!is_name(c) && loss == CRASH_SOME)
+        else if (!is_name(c) && some)
             apply(f, l, c, rng);
     }
     clear(dir);

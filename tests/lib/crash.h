@@ -33,13 +33,10 @@ void crash_log_free(struct crash_log *l); /* NULL is allowed */
 size_t crash_log_n(const struct crash_log *l);
 uint64_t crash_log_bytes(const struct crash_log *l, size_t n);
 
-enum crash_loss {
-    CRASH_LOSE, /* what was not synced (fsync) is lost */
-    CRASH_SOME /* some of that is there: any sectors of 512 bytes; names in their order */
-};
-
-/* crash_log_state(l, n, loss, rng, dir): the folder after the first n changes, in dir. */
-void crash_log_state(const struct crash_log *l, size_t n, enum crash_loss loss,
+/* crash_log_state(l, n, some, rng, dir): the folder after the first n changes and a loss of power, in
+ * dir.  What was not synced (fsync) is lost; or with some, some of it is there: any sectors of 512
+ * bytes, and names in their order. */
+void crash_log_state(const struct crash_log *l, size_t n, bool some,
                      struct brute_rng *rng, const char *dir);
 
 /* ---- what is in a database */
