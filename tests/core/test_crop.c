@@ -39,19 +39,6 @@ BEFORE_EACH(set_up)
     n = 0;
 }
 
-/* The mean face at (x, y), bilinear; NAN off it. */
-static double face_at(double x, double y)
-{
-    const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
-                 j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
-    const uint32_t at = (uint32_t)j * GRID_NX + (uint32_t)i;
-    const float *h = model_default.mean + at;
-    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
-
-    return (1 - v) * ((1 - u) * (double)h[0] + u * (double)h[1]) +
-           v * ((1 - u) * (double)h[GRID_NX] + u * (double)h[GRID_NX + 1]);
-}
-
 /* About normally distributed. */
 static double normal(void)
 {
@@ -67,7 +54,7 @@ static void add_face(size_t count, double before, double noise)
 {
     for (size_t k = 0; k < count;) {
         const double x = -60 + 120 * brute_real(&rng), y = -88 + 154 * brute_real(&rng);
-        const double z = face_at(x, y);
+        const double z = toy_at(model_default.mean, x, y);
 
         if (isnan(z))
             continue;
@@ -233,7 +220,7 @@ TEST(test_noise)
 
         crop(&c, most[k], &count);
         for (size_t i = 0; i < c.n; i++)
-            sum += pow(c.at[i].z - face_at(c.at[i].x, c.at[i].y), 2);
+            sum += pow(c.at[i].z - toy_at(model_default.mean, c.at[i].x, c.at[i].y), 2);
         rms[k] = sqrt(sum / (double)c.n);
         cloudpoints_free(&c);
     }

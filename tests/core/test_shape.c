@@ -19,24 +19,12 @@ static size_t n;
 static float face[GRID_N];          /* heights of a face made of modes */
 static double made_of[MODEL_MODES]; /* its coefficients */
 
-/* Bilinear between the middles of the cells; NAN off the face. */
-static double height_at(const float *h, double x, double y)
-{
-    const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
-                 j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
-    const uint32_t at = (uint32_t)j * GRID_NX + (uint32_t)i;
-    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
-
-    return (1 - v) * ((1 - u) * (double)h[at] + u * (double)h[at + 1]) +
-           v * ((1 - u) * (double)h[at + GRID_NX] + u * (double)h[at + GRID_NX + 1]);
-}
-
 /* So many points of the surface h, anywhere on it. */
 static void scan(const float *h, size_t count, struct brute_rng *rng)
 {
     for (n = 0; n < count;) {
         const double x = -58 + 116 * brute_real(rng), y = -76 + 138 * brute_real(rng);
-        const double z = height_at(h, x, y);
+        const double z = toy_at(h, x, y);
 
         if (!isnan(z))
             pts[n++] = (struct dvec3){x, y, z};
@@ -118,7 +106,7 @@ static void check_pose(const struct shape_fit *f)
         double miss = INFINITY;
 
         if (grid_cell(q.x, q.y) != GRID_NONE && fabs(q.x) < 61)
-            miss = q.z - height_at(face, q.x, q.y);
+            miss = q.z - toy_at(face, q.x, q.y);
         assert_true(isnan(miss) || fabs(miss) < 1.0);
     }
 }

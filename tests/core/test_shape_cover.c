@@ -2,6 +2,7 @@
 #include "brute.h"
 #include "model.h"
 #include "shape.h"
+#include "toy.h"
 #include "unit.h"
 
 #define POINTS 4000
@@ -11,19 +12,6 @@ static struct shape_work work;
 static struct dvec3 pts[POINTS];
 static struct brute_rng rng;
 
-/* The mean face, bilinear between the middles of the cells; NAN off it. */
-static double height(double x, double y)
-{
-    const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
-                 j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
-    const uint32_t at = (uint32_t)j * GRID_NX + (uint32_t)i;
-    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
-    const float *h = &work.mean[at];
-
-    return (1 - v) * ((1 - u) * (double)h[0] + u * (double)h[1]) +
-           v * ((1 - u) * (double)h[GRID_NX] + u * (double)h[GRID_NX + 1]);
-}
-
 /* Something on the mean face: what is added to its height, mm. */
 typedef double thing(double x, double y);
 
@@ -31,7 +19,7 @@ static void make(thing *on)
 {
     for (size_t n = 0; n < POINTS;) {
         const double x = -58 + 116 * brute_real(&rng), y = -76 + 142 * brute_real(&rng);
-        const double z = height(x, y);
+        const double z = toy_at(work.mean, x, y);
 
         if (!isnan(z))
             pts[n++] = (struct dvec3){x, y, z + on(x, y) + 0.2 * brute_real(&rng)};
@@ -129,13 +117,14 @@ TEST(test_hair)
 static double mask(double x, double y)
 {
     const double wide = 44, top = 6, low = -62, t = fabs(x) / wide;
-    const double nose = height(0, top), chin = height(0, low);
+    const double nose = toy_at(work.mean, 0, top), chin = toy_at(work.mean, 0, low);
     const double middle =
-        y > -2 ? height(0, y) : nose + (y - top) / (low - top) * (chin - nose);
-    const double sheet =
-        (1 - t) * fmax(middle, height(0, y)) + t * height(wide * (x < 0 ? -1 : 1), y);
+        y > -2 ? toy_at(work.mean, 0, y) : nose + (y - top) / (low - top) * (chin - nose);
+    const double sheet = (1 - t) * fmax(middle, toy_at(work.mean, 0, y)) +
+                         t * toy_at(work.mean, wide * (x < 0 ? -1 : 1), y);
 
-    return y < top && y > low && t < 1 ? fmax(sheet + 0.6 - height(x, y), 0) : 0;
+    return y < top && y > low && t < 1 ? fmax(sheet + 0.6 - toy_at(work.mean, x, y), 0)
+                                       : 0;
 }
 
 static double one_cheek(double x, double y)

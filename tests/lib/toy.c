@@ -192,3 +192,14 @@ void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift,
     align_pose_tilt(p, centre, tan(yaw * half), tan(pitch * half));
     align_pose_move(p, centre, turn);
 }
+
+double toy_at(const float h[GRID_N], double x, double y)
+{
+    const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
+                 j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
+    const float *at = h + (uint32_t)j * GRID_NX + (uint32_t)i;
+    const double u = i - (uint32_t)i, v = j - (uint32_t)j;
+
+    return (1 - v) * ((1 - u) * (double)at[0] + u * (double)at[1]) +
+           v * ((1 - u) * (double)at[GRID_NX] + u * (double)at[GRID_NX + 1]);
+}

@@ -41,4 +41,7 @@ void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out);
 void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift,
               struct align_pose *p);
 
+/* toy_at(h, x, y): between the middles of the cells with heights h, bilinear; NAN off them. */
+double toy_at(const float h[GRID_N], double x, double y);
+
 #endif
