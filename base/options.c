@@ -23,7 +23,7 @@ const struct setting options_table[] = {
      "says how far the database's log has come, from another disk or host"},
     {"plaintext-database", SETTING_BOOL, "0",
      offsetof(struct options, plaintext_database), 0, 0, NULL,
-     "the database has no key: whoever has the file can read it"},
+     "the database has no key: anyone who has the file can read it"},
     {"model", SETTING_FILE, NULL, offsetof(struct options, model), 0, 0, "FILE",
      "judge by a model that surfacectl train wrote"},
     {"listen", SETTING_ADDRESS, "127.0.0.1:8787", offsetof(struct options, listen_text),

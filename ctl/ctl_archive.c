@@ -101,10 +101,9 @@ const struct ctl_command ctl_archive_export = {
     .run = export_subjects,
     .summary = "write subjects to an archive for another machine",
     .help =
-        "The file --out is encrypted with a passphrase that is asked for, or with the line\n"
-        "in the file --archive-key: 64 hexadecimal digits are a key, anything else is a\n"
-        "passphrase.  Tokens, calibrations and events are not in it.  An event records each\n"
-        "subject that was exported.",
+        "The file --out is encrypted with a passphrase that is asked for, or with the line in the\n"
+        "file --archive-key: 64 hexadecimal digits are a key, other text is a passphrase. It\n"
+        "contains no tokens, calibrations or events. The audit log records each exported subject.",
     .example = "surfacectl --db faces.db export alice bob --out moving.archive"};
 
 const struct ctl_command ctl_archive_import = {
@@ -116,8 +115,8 @@ const struct ctl_command ctl_archive_import = {
     .run = import_subjects,
     .summary = "read subjects from an archive",
     .help =
-        "All of it or nothing; it is verified first.  Subjects and templates that are here\n"
-        "already stay as they are, so a second import changes nothing.  Subjects that were\n"
-        "erased here, under whatever id, are left out: to have them back, enroll them again.\n"
-        "Templates of another engine are imported as they are (template reencode).",
+        "The archive is verified, then imported whole or not at all. Existing subjects and\n"
+        "templates do not change, so a second import changes nothing. Subjects that were erased\n"
+        "here are skipped, whatever their id: enroll them again. Templates of another engine are\n"
+        "imported unchanged (see template reencode).",
     .example = "surfacectl --db faces.db import moving.archive --dry-run"};

@@ -385,9 +385,9 @@ const struct ctl_command ctl_audit_show = {
     .run = show,
     .summary = "list who did what, and when",
     .help =
-        "The newest entries of the audit log, oldest first.  The actor is a token's id, a\n"
-        "program, or surfacectl:USER.  A subject has a random uid in the log, which stays when it\n"
-        "is renamed; after an erasure nothing but its receipt says whose it was.",
+        "The newest entries of the audit log, oldest first. The actor is a token's id, a program,\n"
+        "or surfacectl:USER. In the log a subject has a random uid, which a rename does not\n"
+        "change; after an erasure only the receipt says whose uid it was.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_verify = {
@@ -396,7 +396,7 @@ const struct ctl_command ctl_audit_verify = {
     .takes = {0, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
-    .exits = {"the log is as it was written", "it is not: each problem is printed"},
+    .exits = {"the log is as it was written", "it is not; problems are printed"},
     .run = verify,
     .summary = "find audit entries that were removed or changed",
     .help =
@@ -411,8 +411,7 @@ const struct ctl_command ctl_audit_export = {
     .shared = CTL_OUT | CTL_FORCE,
     .run = export_log,
     .summary = "write the audit log as signed JSON lines",
-    .help =
-        "To --out, or standard output (-).  It has a random uid in place of each subject's id.",
+    .help = "To --out, or standard output (-). Random uids replace the subjects' ids.",
     .example = "surfacectl --db faces.db audit export --out log.jsonl"};
 
 const struct ctl_command ctl_audit_checkpoint = {
@@ -421,7 +420,7 @@ const struct ctl_command ctl_audit_checkpoint = {
     .run = checkpoint,
     .summary = "sign the audit log as it is now",
     .help =
-        "Keep the output elsewhere: with it, an older log that was put back can be recognised.",
+        "Store the output elsewhere: it shows later whether an older log was put back.",
     .example = "surfacectl --db faces.db --json audit checkpoint"};
 
 const struct ctl_command ctl_audit_trim = {
@@ -431,12 +430,12 @@ const struct ctl_command ctl_audit_trim = {
     .options = {CTL_OPTION("keep", "DAYS", ctl_option_whole, &keep,
                            "how long entries are kept")},
     .run = trim,
-    .summary = "cut off the oldest verifications of the audit log",
+    .summary = "delete the oldest accesses from the audit log",
     .help =
-        "Entries of accesses (verifications, comparisons, refusals, exports) that are older than\n"
-        "--keep, but the last.  Changes are kept for ever; one of them says where the accesses\n"
-        "begin now, so that audit verify finds every other loss.  surfaced does it by itself:\n"
-        "audit-days.",
+        "Accesses (verifications, comparisons, refusals, exports) older than --keep days are\n"
+        "deleted, except the last. Changes are never deleted; one of them records where the\n"
+        "accesses begin, so that audit verify finds every other loss. The setting audit-days\n"
+        "makes surfaced do this.",
     .example = "surfacectl --db faces.db audit trim --keep 400"};
 
 const struct ctl_command ctl_audit_erased = {
@@ -444,5 +443,5 @@ const struct ctl_command ctl_audit_erased = {
     .database = CTL_READS_DATABASE,
     .run = erased,
     .summary = "list when subjects were erased",
-    .help = "Each with its uid, by which its receipt names it.",
+    .help = "Each with the uid that its receipt has.",
     .example = "surfacectl --db faces.db audit erased"};

@@ -136,7 +136,7 @@ static void tell_rekeyed(struct ctl *c, const struct admin_rekey *to, const char
         ctl_say(c, "%s: the new key is in %s: keep a copy of it elsewhere.\n", c->db,
                 path);
     else if (to->kind == CRYPT_PASSPHRASE)
-        ctl_say(c, "%s: it is encrypted with the passphrase now.\n", c->db);
+        ctl_say(c, "%s: encrypted with the passphrase now\n", c->db);
     else
         ctl_say(c,
                 "%s: whoever has the file can read it now; from now on it takes "
@@ -190,9 +190,9 @@ const struct ctl_command ctl_backup = {
     .run = backup,
     .summary = "copy the database, also while the daemon runs",
     .help =
-        "The copy is of one moment.  Before it gets its name it is verified: every page, every\n"
-        "subject and template decrypted, the audit log.  FILE is complete or not there; --force\n"
-        "replaces an older backup of that name.  The key is not in it.",
+        "A consistent copy of one moment. It is verified before it gets its name: every page,\n"
+        "every subject and template decrypted, the audit log. FILE is complete or absent; --force\n"
+        "replaces an older backup of that name. The key is not in the backup.",
     .example = "surfacectl --db faces.db backup faces-monday.db"};
 
 const struct ctl_command ctl_backup_restore = {
@@ -202,15 +202,14 @@ const struct ctl_command ctl_backup_restore = {
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_DRY_RUN,
     .options = {CTL_OPTION("backup-key", "FILE", ctl_option_text, &backup_key,
-                           "the key that FILE was made under, if it is another")},
+                           "the key of FILE, if it differs from the present key")},
     .run = restore,
-    .summary = "replace the database by a backup",
+    .summary = "replace the database with a backup",
     .help =
-        "FILE is verified first.  From the present database its log alone is believed, where that\n"
-        "is verified and goes on from the backup's: subjects that were erased since are erased\n"
-        "again, and tokens that were revoked or rotated since are revoked.  The result opens with\n"
-        "the present key, also where the backup was made under another.  The present database is\n"
-        "kept as PATH.before-restore.  Stop the daemon first.",
+        "FILE is verified first. From the log of the replaced database, if it verifies and\n"
+        "continues the backup's, erasures, revocations and rotations since the backup are\n"
+        "repeated. The result opens with the present key, even if the backup was made under\n"
+        "another. The replaced database is renamed to PATH.before-restore. Stop the daemon first.",
     .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"};
 
 const struct ctl_command ctl_backup_rekey = {
@@ -220,19 +219,17 @@ const struct ctl_command ctl_backup_rekey = {
     .options = {CTL_OPTION("new-key", "FILE", ctl_option_text, &new_key,
                            "a file with the new key or passphrase"),
                 CTL_OPTION("plaintext", NULL, ctl_option_flag, &to_plaintext,
-                           "the new key lies in the database: whoever has the file can\n"
-                           "read it"),
+                           "no key: anyone who has the file can read it"),
                 CTL_OPTION("keep-old", NULL, ctl_option_flag, &keep_old,
                            "keep the old key, as FILE.old, and the old database, as\n"
                            "PATH.before-rekey")},
     .run = rekey,
-    .summary = "make every key of the database anew",
+    .summary = "replace every key of the database",
     .help =
-        "The database is copied under new keys, each subject's and those of hashes, MACs and\n"
-        "signatures too, and the copy takes its place; the old one is overwritten and removed.  A\n"
-        "new random key replaces the old one in PATH.key, or --key; or a copy of the one in\n"
-        "--new-key does.  With --passphrase a passphrase is asked for, or read from --new-key;\n"
-        "with --plaintext the key lies in the database.  Stop the daemon first.  Older backups\n"
-        "still need the key that they were made with: unless --keep-old keeps its file, that has\n"
-        "to be confirmed.  Interrupted, it is begun again.",
+        "The database is copied under new keys (master key, subject keys, and those of hashes,\n"
+        "MACs and signatures), and the copy replaces it; the old file is overwritten and removed.\n"
+        "A new random key replaces PATH.key (or --key); or give a key with --new-key, a\n"
+        "passphrase with --passphrase (asked for, or read from --new-key), or none with\n"
+        "--plaintext. Stop the daemon first. Older backups need the old key: unless --keep-old is\n"
+        "given, its removal must be confirmed. An interrupted run starts from the beginning.",
     .example = "surfacectl --db faces.db rekey --keep-old"};

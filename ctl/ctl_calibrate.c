@@ -420,9 +420,9 @@ const struct ctl_command ctl_calibrate = {
     .run = run,
     .summary = "compute a threshold from the enrolled templates",
     .help =
-        "The templates of different subjects are compared with each other.  At the threshold the\n"
-        "share --fmr (0.001) of these comparisons would match.  Subjects with several templates,\n"
-        "and the scans of --mated, tell the false non-match rate.  A running daemon decides by\n"
-        "the new threshold at once.  A lower threshold than the one in force needs --yes, or\n"
+        "Compares the templates of different subjects with each other and chooses the threshold\n"
+        "that the share --fmr (0.001) of these comparisons reaches. Subjects with several\n"
+        "templates, and the scans of --mated, give the false non-match rate. A running daemon\n"
+        "uses the new threshold at once. A threshold lower than the one in force needs --yes, or\n"
         "accept typed on a terminal.",
     .example = "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run"};

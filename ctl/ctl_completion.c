@@ -168,8 +168,8 @@ const struct ctl_command ctl_completion = {
     .args = "bash|zsh",
     .takes = {1, 1},
     .run = run,
-    .summary = "print the shell's completion of command lines",
+    .summary = "print completions for bash or zsh",
     .help =
-        "For bash, put `source <(surfacectl completion bash)` into ~/.bashrc.  For zsh, put the\n"
+        "For bash, put `source <(surfacectl completion bash)` into ~/.bashrc. For zsh, put the\n"
         "same with zsh into ~/.zshrc, after compinit.",
     .example = "surfacectl completion bash >/etc/bash_completion.d/surfacectl"};

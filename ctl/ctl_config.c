@@ -154,8 +154,8 @@ const struct ctl_command ctl_config_show = {
     .run = show,
     .summary = "print the daemon's settings and their sources",
     .help =
-        "As they would be in force if surfaced was started now: by the file --config,\n"
-        "SURFACED_CONFIG or /etc/surfaced.conf, by the environment, and by default.",
+        "The settings that surfaced would use if it was started now: from the file --config,\n"
+        "SURFACED_CONFIG or /etc/surfaced.conf, from the environment, and defaults.",
     .example = "surfacectl config show --json"};
 
 const struct ctl_command ctl_config_check = {
@@ -165,6 +165,6 @@ const struct ctl_command ctl_config_check = {
     .run = check,
     .summary = "find what is wrong with the daemon's settings",
     .help =
-        "Each problem is printed with its place.  Nothing is written; a running daemon keeps the\n"
-        "settings that it has.  surfaced itself also checks what certificates hold.",
+        "Each problem is printed with its place. Nothing is written; a running daemon is not\n"
+        "affected. surfaced itself also checks the contents of certificates.",
     .example = "surfacectl config check --config new.conf"};

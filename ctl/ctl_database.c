@@ -45,9 +45,9 @@ const struct ctl_command ctl_database_init = {
     .run = init,
     .summary = "make a new database",
     .help =
-        "What identifies people is encrypted with the key in the file PATH.key, or --key.  The\n"
-        "file is made if it is missing: keep a copy of it elsewhere, since without the key\n"
-        "nothing in the database can be read.  An existing database is left as it is.",
+        "Names, notes and faces are encrypted with the key in PATH.key (or --key); the file is\n"
+        "made if it is missing. Keep a copy of the key elsewhere: without it nothing in the\n"
+        "database can be read. An existing database is not changed.",
     .example = "surfacectl --db faces.db init"};
 
 /* ---- check-database */
@@ -91,9 +91,9 @@ const struct ctl_command ctl_database_check = {
     .run = check,
     .summary = "read and verify the whole database",
     .help =
-        "The database's integrity and references; the rows against the change log, and both logs;\n"
-        "of each template the triangulation (Delaunay), spanning tree (minimal), digest and counts.\n"
-        "Nothing is changed.",
+        "Verifies the integrity and references of the database, the rows against the change log,\n"
+        "both logs, and of each template the triangulation, the spanning tree, the digest and the\n"
+        "counts. Nothing is changed.",
     .example = "surfacectl --db faces.db check-database"};
 
 /* ---- stats, vacuum */
@@ -159,18 +159,18 @@ const struct ctl_command ctl_database_stats = {
     .shared = CTL_MODEL,
     .run = stats,
     .summary = "count what is in the database",
-    .help = "Subjects, templates, points, events and tokens, and what they take on disk.",
+    .help = "Subjects, templates, points, events and tokens, and their size on disk.",
     .example = "surfacectl --db faces.db stats"};
 
 const struct ctl_command ctl_database_vacuum = {
     .name = "vacuum",
     .database = CTL_WRITES_DATABASE,
     .run = vacuum,
-    .summary = "give the room of deleted rows back to the disk",
+    .summary = "return the space of deleted rows to the file system",
     .help =
-        "The database is written again, so it takes as much room once more while this runs, and\n"
-        "nobody else can write: a running daemon responds with 503 to an enrolment that would wait\n"
-        "more than 5 seconds.",
+        "Writes the database again, which needs its size once more on the disk. Others can read\n"
+        "meanwhile, not write: a running daemon answers 503 to an enrolment that would wait more\n"
+        "than 5 seconds.",
     .example = "surfacectl --db faces.db vacuum"};
 
 /* ---- accept-state */
@@ -183,11 +183,10 @@ static enum status accept_state(struct ctl *c)
 
     if (st != ST_OK ||
         (!c->dry_run &&
-         (st = ctl_confirm(
-              c,
-              "accepts the database as it is and discards every later change, "
-              "erasures and revocations included",
-              "accept")) != ST_OK))
+         (st = ctl_confirm(c,
+                           "accepts the older database and discards every later change, "
+                           "erasures and revocations included",
+                           "accept")) != ST_OK))
         return st;
     json_array(c->out, "problems");
     st = admin_accept(c->db, &key, c->actor, c->dry_run, report, c, &found, &c->e);
@@ -210,11 +209,11 @@ const struct ctl_command ctl_database_accept = {
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_YES | CTL_DRY_RUN,
     .run = accept_state,
-    .summary = "take a database as it is, whatever its log and anchor say",
+    .summary = "accept the present rows, despite log and anchor",
     .help =
-        "A database whose rows are not those of its last change is refused, and one that is older\n"
-        "than its anchor, or without it.  Where that is meant, as after a snapshot of the file\n"
-        "system was put back, or where there is no backup, this accepts the database as it is now:\n"
-        "rows that are not authentic are removed, and an entry in the change log says so.  A\n"
-        "backup is put back by surfacectl restore instead, which repeats the erasures since.",
+        "A database is refused if its rows differ from those of its last change, or if it is\n"
+        "older than its anchor. If that is intended (a snapshot of the file system was put back)\n"
+        "or there is no backup, this command accepts the present rows: it removes rows that are\n"
+        "not authentic and records that in the change log. Every later change is lost, erasures\n"
+        "included. If there is a backup, use surfacectl restore, which repeats the erasures.",
     .example = "surfacectl --db faces.db accept-state --dry-run"};

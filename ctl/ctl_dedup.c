@@ -316,12 +316,11 @@ static void tell_found(const struct dedup *d)
     ctl_say(d->c, "%zu pair%s of subjects, by %" PRIu64 " comparisons", d->nfound,
             d->nfound == 1 ? "" : "s", d->compared);
     if (d->inconclusive > 0)
-        ctl_say(d->c, ", of which %" PRIu64 " had too little in common to tell",
-                d->inconclusive);
+        ctl_say(d->c, ", of which %" PRIu64 " were inconclusive", d->inconclusive);
     ctl_say(d->c, "\n");
     if ((double)d->compared < d->pairs)
         ctl_say(d->c,
-                "%.0f were left out: deleted meanwhile, or of another engine "
+                "%.0f were skipped: deleted meanwhile, or of another engine "
                 "(template reencode)\n",
                 d->pairs - (double)d->compared);
 }
@@ -384,10 +383,10 @@ const struct ctl_command ctl_dedup = {
     .run = run,
     .summary = "find one face enrolled under two subjects",
     .help =
-        "All templates of each subject are compared with those of every other, each pair of\n"
-        "templates for itself.  The pairs at or above the threshold in force, --threshold or that\n"
-        "for --fmr are listed, the most alike first.  They may be one person, relatives, or\n"
-        "alike by chance: about one comparison in a thousand is, at the shipped threshold, so\n"
-        "choose a smaller --fmr for a large database.  The number of comparisons and the time\n"
-        "that they take are printed first, with --dry-run nothing else.  Nothing is changed.",
+        "Compares all templates of each subject with those of every other subject. Pairs at or\n"
+        "above the threshold (in force, --threshold, or that of --fmr) are listed, highest score\n"
+        "first: they may be one person, relatives, or alike by chance. At the shipped threshold\n"
+        "about one comparison in a thousand matches by chance, so choose a smaller --fmr for a\n"
+        "large database. The number of comparisons and the expected time are printed first; with\n"
+        "--dry-run nothing else. Nothing is changed.",
     .example = "surfacectl --db faces.db dedup --fmr 1e-5"};

@@ -131,11 +131,10 @@ const struct ctl_command ctl_device_add = {
     .takes = {2, 2},
     .database = CTL_WRITES_DATABASE,
     .run = add,
-    .summary = "let a scanner sign what it captures",
+    .summary = "register a scanner that signs its captures",
     .help =
-        "The key is Ed25519's: 64 hexadecimal digits, base64, or a file in PEM as\n"
-        "openssl writes it.  The daemon takes captures of the device at once, and no others where\n"
-        "its settings require signed captures.",
+        "The key is Ed25519: 64 hexadecimal digits, base64, or a PEM file as openssl writes it.\n"
+        "The daemon accepts captures of the device at once.",
     .example = "surfacectl --db faces.db device add door-1 door-1.pem"};
 
 const struct ctl_command ctl_device_list = {
@@ -143,7 +142,7 @@ const struct ctl_command ctl_device_list = {
     .database = CTL_READS_DATABASE,
     .run = list,
     .summary = "list the devices and their public keys",
-    .help = "The oldest first.",
+    .help = "In order of creation.",
     .example = "surfacectl --db faces.db device list"};
 
 const struct ctl_command ctl_device_remove = {
@@ -154,5 +153,5 @@ const struct ctl_command ctl_device_remove = {
     .run = do_remove,
     .summary = "remove a device",
     .help =
-        "A running daemon refuses them at once.  The name may be given to another device.",
+        "A running daemon refuses its captures at once. The name can be used for another device.",
     .example = "surfacectl --db faces.db device remove door-1"};

@@ -69,15 +69,15 @@ static bool look_at_file(struct doctor *d)
         return false;
     }
     if ((sb.st_mode & 077) != 0)
-        say(d, TROUBLE, "database", "chmod 600, unless a group is meant to",
+        say(d, TROUBLE, "database", "chmod 600 FILE, unless a group is meant to read it",
             "%s may be read or changed by others (mode %03o)", db,
             (unsigned)sb.st_mode & 0777);
     else if (access(db, R_OK | W_OK) != 0)
         say(d, TROUBLE, "database", "run this as its owner, as with runuser -u surfaced",
-            "%s belongs to user %u: not to be read and written by this one", db,
+            "%s belongs to user %u, and this user may not read and write it", db,
             (unsigned)sb.st_uid);
     else
-        say(d, FINE, "database", "", "%s is its owner's alone", db);
+        say(d, FINE, "database", "", "only its owner can read %s", db);
     return access(db, R_OK) == 0;
 }
 
@@ -95,8 +95,8 @@ static void look_at_folder(struct doctor *d)
     if (stat(dir, &sb) != 0 || statvfs(dir, &fs) != 0)
         return;
     if ((sb.st_mode & 022) != 0 && (sb.st_mode & STICKY) == 0)
-        say(d, TROUBLE, "folder", "chmod go-w on it",
-            "others may exchange files in %s (mode %03o)", dir,
+        say(d, TROUBLE, "folder", "chmod go-w FOLDER",
+            "others may replace files in %s (mode %03o)", dir,
             (unsigned)sb.st_mode & 0777);
     else if (access(dir, W_OK | X_OK) != 0)
         say(d, TROUBLE, "folder", "make it the daemon's user's: chown, chmod 700",
@@ -124,14 +124,14 @@ static void look_at_wal(struct doctor *d)
         return;
     if (access(name, R_OK | W_OK) != 0)
         say(d, TROUBLE, "WAL", "chown it to the database's owner, and PATH-shm too",
-            "%s belongs to user %u, and this one may not write it", name,
+            "%s belongs to user %u, and this user may not write it", name,
             (unsigned)sb.st_uid);
     else if (!d->used)
         say(d, NOTE, "WAL",
-            "nothing: the next command checkpoints it; never copy or remove one without the "
-            "other",
-            "%s is left, %lld bytes: whoever had the database was killed", name,
-            (long long)sb.st_size);
+            "nothing: the next command checkpoints it; never copy or remove the database or its "
+            "WAL alone",
+            "%s is left, %lld bytes: a process that had the database open was killed",
+            name, (long long)sb.st_size);
 }
 
 /* Files that commands left: killed ones, or completed ones for a person to remove. */
@@ -194,11 +194,11 @@ static void look_at_next(struct doctor *d)
         return;
     if (try_key(d, d->next, NULL) == ST_OK)
         say(d, TROUBLE, "key",
-            "rename it over the other: nothing else opens the database",
-            "a change of the key was interrupted: the key is %s", d->next);
+            "rename it over the old key: nothing else opens the database",
+            "rekey was interrupted: the key is %s", d->next);
     else
         say(d, NOTE, "key", "remove it, or surfacectl rekey will",
-            "%s is left of a change of the key that was not made", d->next);
+            "%s was left by a rekey that did not happen", d->next);
 }
 
 /* Is there a key that opens the database? */
@@ -211,18 +211,18 @@ static bool look_at_key(struct doctor *d)
     if (st == ST_OK && kind == CRYPT_PLAINTEXT &&
         (st = try_key(d, d->c->key, &e)) == ST_EDENIED) {
         say(d, TROUBLE, "key",
-            "surfacectl restore, or --plaintext-database if it is meant to be so", "%s",
+            "surfacectl restore, or --plaintext-database if that is intended", "%s",
             e.msg);
         return false;
     }
     if (st == ST_OK && kind == CRYPT_PLAINTEXT) {
         say(d, NOTE, "key", "surfacectl rekey gives it a key",
-            "the database is plaintext: whoever has the file can read it");
+            "the database has no key: anyone who has the file can read it");
         return true;
     }
     if (st == ST_OK && kind == CRYPT_PASSPHRASE && access(d->key, F_OK) != 0) {
-        say(d, NOTE, "key", "give a file with it to --key to have it tried",
-            "a passphrase opens the database: it was not asked for");
+        say(d, NOTE, "key", "name a file with the passphrase with --key to try it",
+            "the database is encrypted with a passphrase, which was not tried");
         return false;
     }
     if (st == ST_OK)
@@ -230,8 +230,8 @@ static bool look_at_key(struct doctor *d)
     if (st == ST_OK)
         say(d, FINE, "key", "", "%s opens the database", d->key);
     else if (st == ST_ENOTFOUND)
-        say(d, TROUBLE, "key", "put the copy of it there, or name it with --key", "%s",
-            e.msg);
+        say(d, TROUBLE, "key",
+            "restore the key file from its copy, or name it with --key", "%s", e.msg);
     else if (st == ST_EDENIED)
         say(d, TROUBLE, "key", "chmod 600 and chown it, or name the right one with --key",
             "%s", e.msg);
@@ -250,7 +250,7 @@ static struct store *look_at_anchor(struct doctor *d)
 
     if (d->c->anchor == NULL || strcmp(d->c->anchor, "none") == 0) {
         say(d, NOTE, "anchor", "keep one on another disk or host: anchor = FILE",
-            "there is none: a whole older database would not be noticed at a start");
+            "none: an older copy of the whole database would not be noticed at a start");
     } else {
         key.anchor = d->c->anchor;
         if (store_open(d->c->db, STORE_READ, &key, &s, &e) == ST_OK) {
@@ -258,7 +258,7 @@ static struct store *look_at_anchor(struct doctor *d)
             return s;
         }
         say(d, TROUBLE, "anchor",
-            "find out who put it back; operation.md, \"A difference was found\"", "%s",
+            "find out who restored it; operation.md, \"A difference was found\"", "%s",
             e.msg);
         key.anchor = NULL;
     }
@@ -277,7 +277,7 @@ static void look_at_state(struct doctor *d, struct store *s)
     if (st == ST_OK)
         st = store_verify(s, NULL, NULL, &e);
     if (st == ST_OK)
-        say(d, FINE, "state", "", "every row is as it was written, by %llu changes",
+        say(d, FINE, "state", "", "every row is as written, by %llu changes",
             (unsigned long long)end.seq);
     else
         say(d, TROUBLE, "state",
@@ -345,7 +345,7 @@ static void look_at_token(struct doctor *d, const struct store_attempts *a, size
         }
     if (tried >= MANY_TRIED)
         say(d, NOTE, "attempts",
-            "look who uses it: surfacectl audit show, attempts list; token revoke ends it",
+            "find out who uses it: surfacectl audit show, attempts list; token revoke ends it",
             "token %s tried %u subjects without a match within a day",
             token[0] != '\0' ? token : "(none)", tried);
 }
@@ -366,7 +366,7 @@ static void look_at_attempts(struct doctor *d, struct store *s)
             look_at_token(d, a, n, i);
     }
     if (locked > 0)
-        say(d, NOTE, "attempts", "look who it was: surfacectl attempts list",
+        say(d, NOTE, "attempts", "see surfacectl attempts list",
             "%zu times in the last day %d verifications or more in a row failed", locked,
             MANY_FAILURES);
     free(a);
@@ -410,11 +410,10 @@ const struct ctl_command ctl_doctor = {
     .shared = CTL_MODEL,
     .exits = {"no trouble", "there is trouble"},
     .run = run,
-    .summary = "find what is wrong around a database",
+    .summary = "find what is wrong with a database and its files",
     .help =
-        "And what to do about it: the permissions of the database, its folder and its key; the\n"
-        "right key, and one that rekey left behind; whether the database is older than its\n"
-        "anchor; the schema; the WAL; free space on the disk; rows that are not as they\n"
-        "were written; templates of another engine; tokens that will end soon, or\n"
-        "that verify in vain.  Nothing is changed.",
+        "And what to do about it: permissions of the database, its folder and key; the right key,\n"
+        "and a key left by an interrupted rekey; a database older than its anchor; schema, WAL,\n"
+        "free disk space; rows that were changed; templates of another engine; tokens that end\n"
+        "soon, or that fail to verify many subjects. Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

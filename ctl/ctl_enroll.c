@@ -454,21 +454,19 @@ const struct ctl_command ctl_enroll = {
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_SCANS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
     .options = {CTL_OPTION("force", NULL, ctl_option_flag, &force,
-                           "enroll scans that do not fit the subject's other samples"),
+                           "enroll scans that do not match the subject's other samples"),
                 CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
                            "of a folder or a table, only the scans of this kind")},
     .run = run,
-    .summary = "enroll scans of a subject, or of many",
+    .summary = "enroll scans of one subject, or of many subjects",
     .help =
-        "Each FILE (a scan in any format that the manual lists; - is standard input; a folder:\n"
-        "the scans in it) becomes a template, at most 20 at once, all together or none.  The first\n"
-        "that is a face must match the subject's oldest template, if there is one, or one that was\n"
-        "enrolled by this command or with scope manage, and the others the first; one that does\n"
-        "not, or does not tell (inconclusive), is refused and listed, unless --force is given.\n"
-        "Enrolling the same scan again changes nothing.\n"
-        "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
-        "the columns file and subject.  Their scans are enrolled on all cores.  If it is stopped\n"
-        "and started again, it goes on where it was.\n"
-        "What cannot be enrolled is listed at the end with the reason, and stops nothing else;\n"
-        "surfacectl scan says more of a single scan.",
+        "Each FILE (any format in the manual; -: standard input; a folder: the scans in it)\n"
+        "becomes a template, at most 20 at once, in one transaction. The first face must match\n"
+        "the subject's oldest template or one enrolled by this command or with scope manage; the\n"
+        "others must match the first. A scan that does not match, or is inconclusive, is refused\n"
+        "unless --force is given. Enrolling the same scan again changes nothing.\n"
+        "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table with\n"
+        "the columns file and subject. These scans are enrolled on all cores; an interrupted run\n"
+        "continues when it is started again. Refused scans are listed at the end with the reason\n"
+        "and do not stop the others (surfacectl scan FILE says more).",
     .example = "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply"};

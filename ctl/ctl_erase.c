@@ -99,7 +99,7 @@ static void tell_due(struct ctl *c, const char *key, bool hold,
             continue;
         json_text(c->out, NULL, due[i].id);
         ctl_say(c, "%-32s %9u  %.16s  %s\n", due[i].id, due[i].templates, due[i].expires,
-                hold ? "on hold: kept" : "");
+                hold ? "on hold: not erased" : "");
     }
     json_close(c->out);
 }
@@ -165,9 +165,9 @@ const struct ctl_command ctl_erase = {
     .run = erase,
     .summary = "delete a subject with all its templates",
     .help =
-        "Its key is deleted too, so that copies of its data cannot be decrypted.  A receipt is\n"
-        "printed, by --json in full, with its signature.  On a terminal the id has to be typed\n"
-        "again; elsewhere --yes is required.",
+        "The subject's key is deleted too, so that copies of its data cannot be decrypted. A\n"
+        "receipt is printed; --json prints it in full, with its signature. On a terminal the id\n"
+        "must be typed again; elsewhere --yes is required.",
     .example = "surfacectl --db faces.db --yes subject erase alice"};
 
 const struct ctl_command ctl_erase_template = {
@@ -178,7 +178,7 @@ const struct ctl_command ctl_erase_template = {
     .shared = CTL_DRY_RUN | CTL_YES,
     .run = erase_template,
     .summary = "delete one template",
-    .help = "On a terminal the id has to be typed again; elsewhere --yes is required.",
+    .help = "On a terminal the id must be typed again; elsewhere --yes is required.",
     .example =
         "surfacectl --db faces.db template delete 0123456789abcdef0123456789abcdef --yes"};
 
@@ -189,6 +189,6 @@ const struct ctl_command ctl_erase_purge = {
     .run = purge,
     .summary = "erase the subjects that have expired",
     .help =
-        "Those on hold are listed and kept.  On a terminal their number has to be typed;\n"
-        "elsewhere --yes is required.",
+        "Subjects on hold are listed and not erased. On a terminal the number of subjects must be\n"
+        "typed; elsewhere --yes is required.",
     .example = "surfacectl --db faces.db purge --dry-run"};

@@ -169,10 +169,10 @@ static const struct ctl_option shared_options[] = {
     SHARED("key", "FILE", ctl_option_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
     SHARED("anchor", "FILE", ctl_option_text, anchor, 0,
-           "says how far the database's log has come, from another disk or\n"
-           "host; or none; or set SURFACED_ANCHOR"),
+           "records the newest state of the database, on another disk or host;\n"
+           "or none; or set SURFACED_ANCHOR"),
     SHARED("plaintext-database", NULL, ctl_option_flag, plaintext, 0,
-           "the database has no key: whoever has the file can read it; or set\n"
+           "the database has no key: anyone who has the file can read it; or set\n"
            "SURFACED_PLAINTEXT_DATABASE=1"),
     SHARED("units", "auto|mm|cm|m|in|um", read_units, scans.unit_mm, 0,
            "the unit of the scans' coordinates (auto: it is found); what a\n"
@@ -191,7 +191,7 @@ static const struct ctl_option shared_options[] = {
     SHARED("fmr", "RATE", ctl_option_rate, fmr, 0,
            "the false match rate that the threshold is for"),
     SHARED("label", "TEXT", ctl_option_text, label, 0,
-           "a note that is kept with each template, or a model's name"),
+           "a note stored with each template, or a model's name"),
     SHARED("out", "DIR|FILE", ctl_option_text, dir, 'o',
            "the folder or the file that is written"),
     SHARED("threads", "N", ctl_option_whole, threads, 0,
@@ -206,7 +206,7 @@ static const struct ctl_option shared_options[] = {
            "the public key of the database that FILE is from"),
     SHARED(
         "expires", "TIME", read_expires, expires, 0,
-        "until when: 90d, 12h or 30m from now, the end of 2027-01-31 (UTC),\n2027-01-31T14:30:00Z, or never"),
+        "the end: 90d, 12h or 30m from now, the end of 2027-01-31 (UTC),\n2027-01-31T14:30:00Z, or never"),
     SHARED("dry-run", NULL, ctl_option_flag, dry_run, 0,
            "show what would be done, change nothing"),
     SHARED("yes", NULL, ctl_option_flag, yes, 0, "do not ask for confirmation"),

@@ -264,7 +264,7 @@ static enum status look_at_templates(struct review *v)
     for (uint32_t i = 0; st == ST_OK && i < v->r.templates; i++) {
         st = store_template_get(v->c->store, v->r.template_id[i], &t, &v->c->e);
         if (st == ST_OK)
-            problem(v, "a template of it is there");
+            problem(v, "a template named by the receipt exists");
         else if (st == ST_ENOTFOUND || st == ST_EINVAL)
             st = ST_OK;
     }
@@ -290,10 +290,10 @@ static enum status run(struct ctl *c)
     st = read_receipt(&v);
     json_array(c->out, "problems");
     if (st == ST_OK && !store_receipt_true(&v.r))
-        problem(&v, "what it says is not what was signed");
+        problem(&v, "its contents are not what was signed");
     if (st == ST_OK && c->public_key != NULL &&
         strcmp(c->public_key, v.r.public_key) != 0)
-        problem(&v, "it is signed by another key than the one given");
+        problem(&v, "it was signed by another key than the one given");
     if (st == ST_OK && c->db != NULL)
         st = ask_database(&v);
     json_close(c->out);
@@ -320,12 +320,12 @@ const struct ctl_command ctl_review_receipt = {
     .takes = {1, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
-    .exits = {"the receipt is true", "it is not: each problem is printed"},
+    .exits = {"the receipt is true", "it is not; problems are printed"},
     .run = run,
     .summary = "verify the receipt of an erasure",
     .help =
-        "FILE is the response to DELETE over HTTP, or the output of subject erase --json; - is\n"
-        "standard input.  With --public-key: did that key sign it?  With a database, the default:\n"
-        "is it signed by its key, or one that it had before, is the entry in its audit log, and is\n"
-        "none of the templates there?",
+        "FILE is the response to DELETE over HTTP, or the output of subject erase --json (-:\n"
+        "standard input). With --public-key: was it signed by that key? With a database (the\n"
+        "default): was it signed by its present or an earlier key, is the entry in its audit log,\n"
+        "and is none of the templates there?",
     .example = "surfacectl --db faces.db audit receipt alice.json"};

@@ -175,7 +175,7 @@ static enum status run(struct ctl *c)
     bool usable;
 
     if ((picture != NULL || face_file != NULL) && c->nargs > 1)
-        return ctl_usage(c, "--picture and --face are of one scan");
+        return ctl_usage(c, "--picture and --face take one scan");
     if (picture != NULL && face_file != NULL && strcmp(picture, face_file) == 0)
         return ctl_usage(c, "--picture and --face name the same file");
     for (int i = 0; i < 2; i++) {
@@ -212,12 +212,12 @@ const struct ctl_command ctl_scan = {
                            "write the face as it is compared (PLY, mm); of one scan")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,
-    .summary = "say what is found in scans, and what to do better",
+    .summary = "describe scans, and what to change at the scanner",
     .help =
-        "For each FILE: format and points, the unit, how the face is turned and covered, the\n"
-        "quality, whether it can be enrolled and verified with or why not, and what to change at\n"
-        "the scanner.  Nothing is stored.  --picture shows the points as they were delivered\n"
-        "beside the face that was found; --face writes that face with its triangles: cropped, in\n"
-        "millimetres, seen from the front (x to the image's right, y up, z towards the scanner).\n"
-        "Both are biometric data: only their owner can read them.",
+        "For each FILE: format, points, unit, how the face is turned and covered, the quality,\n"
+        "whether it can be enrolled and verified or why not, and what to change at the scanner.\n"
+        "Nothing is stored. --picture draws the points as delivered beside the face that was\n"
+        "found; --face writes the cropped face with its triangles, in millimetres, seen from the\n"
+        "front (x to the image's right, y up, z towards the scanner). Both files are biometric\n"
+        "data: only their owner can read them.",
     .example = "surfacectl scan alice.glb --picture alice.png"};

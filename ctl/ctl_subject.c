@@ -236,13 +236,13 @@ static enum status reset_attempts(struct ctl *c)
 
 #define ONE_SUBJECT(how) .args = "SUBJECT", .takes = {1, 1}, .database = how
 
-const struct ctl_command ctl_subject_list = {
-    .name = "subject list",
-    .database = CTL_READS_DATABASE,
-    .run = list,
-    .summary = "list the subjects",
-    .help = "In the order in which they were added.",
-    .example = "surfacectl --db faces.db subject list"};
+const struct ctl_command ctl_subject_list = {.name = "subject list",
+                                             .database = CTL_READS_DATABASE,
+                                             .run = list,
+                                             .summary = "list the subjects",
+                                             .help = "In order of creation.",
+                                             .example =
+                                                 "surfacectl --db faces.db subject list"};
 
 const struct ctl_command ctl_subject_show = {
     .name = "subject show",
@@ -250,7 +250,7 @@ const struct ctl_command ctl_subject_show = {
     .shared = CTL_MODEL,
     .run = show,
     .summary = "describe a subject and its templates",
-    .help = "Its consent, purpose, expiry, when it was last seen, and each template.",
+    .help = "Consent, purpose, expiry, when it was last seen, and each template.",
     .example = "surfacectl --db faces.db subject show alice"};
 
 const struct ctl_command ctl_subject_set = {
@@ -264,9 +264,10 @@ const struct ctl_command ctl_subject_set = {
     .run = set,
     .summary = "record a subject's consent and expiry",
     .help =
-        "What is not given stays as it is.  A subject that does not exist is added, without a\n"
-        "template: the consent often comes before the first scan.  After its expiry a subject is\n"
-        "not verified, and purge erases it.",
+        "Values that are not given do not change. A subject that does not exist is created\n"
+        "without a template, since the consent often precedes the first scan. An expired subject\n"
+        "is not verified, and purge erases it. A day without a time ends at 23:59:59.999 UTC; an\n"
+        "end in the past is refused.",
     .example =
         "surfacectl --db faces.db subject set alice --consent C-17 --expires 2027-01-31"};
 
@@ -278,8 +279,7 @@ const struct ctl_command ctl_subject_rename = {
     .run = rename_it,
     .summary = "change a subject's id",
     .help =
-        "Its templates and everything recorded about it stay.  If another subject has the id,\n"
-        "nothing is changed.",
+        "Templates and records stay. If another subject has the new id, nothing is changed.",
     .example = "surfacectl --db faces.db subject rename alice alice.b"};
 
 const struct ctl_command ctl_subject_disable = {
@@ -287,7 +287,7 @@ const struct ctl_command ctl_subject_disable = {
     ONE_SUBJECT(CTL_WRITES_DATABASE),
     .run = disable,
     .summary = "stop verifying a subject",
-    .help = "Everything of it is kept; `subject enable` undoes this.",
+    .help = "Nothing is deleted; `subject enable` undoes this.",
     .example = "surfacectl --db faces.db subject disable alice"};
 
 const struct ctl_command ctl_subject_enable = {
@@ -295,7 +295,7 @@ const struct ctl_command ctl_subject_enable = {
     ONE_SUBJECT(CTL_WRITES_DATABASE),
     .run = enable,
     .summary = "verify a disabled subject again",
-    .help = "At once, also by a running daemon.",
+    .help = "A running daemon follows at once.",
     .example = "surfacectl --db faces.db subject enable alice"};
 
 const struct ctl_command ctl_subject_hold = {
@@ -304,8 +304,8 @@ const struct ctl_command ctl_subject_hold = {
     .run = hold,
     .summary = "protect a subject from being erased",
     .help =
-        "Until `subject release` nobody can delete the subject or a template of it, even after\n"
-        "its expiry.",
+        "The subject and its templates cannot be deleted until `subject release`, even after its\n"
+        "expiry.",
     .example = "surfacectl --db faces.db subject hold alice"};
 
 const struct ctl_command ctl_subject_release = {
@@ -313,18 +313,18 @@ const struct ctl_command ctl_subject_release = {
     ONE_SUBJECT(CTL_WRITES_DATABASE),
     .run = release,
     .summary = "end a subject's hold",
-    .help = "It can be erased again; this erases nothing.",
+    .help = "The subject can be erased again; this command erases nothing.",
     .example = "surfacectl --db faces.db subject release alice"};
 
 const struct ctl_command ctl_subject_attempts_list = {
     .name = "attempts list",
     .database = CTL_READS_DATABASE,
     .run = list_attempts,
-    .summary = "list the subjects that failed to be verified",
+    .summary = "list subjects with failed verifications",
     .help =
-        "After some failed verifications in a row the daemon locks a token out of a subject for\n"
-        "a while, and after failures for many subjects in an hour out of all others.  The list\n"
-        "says by which token how many there were, and when the last one was.",
+        "After some failures in a row the daemon locks a token out of a subject for a while, and\n"
+        "after failures on many subjects in an hour out of all others. The list shows the number\n"
+        "of failures by each token and the time of the last.",
     .example = "surfacectl --db faces.db attempts list"};
 
 const struct ctl_command ctl_subject_attempts_reset = {
@@ -333,6 +333,5 @@ const struct ctl_command ctl_subject_attempts_reset = {
     .run = reset_attempts,
     .summary = "end a subject's lock-out",
     .help =
-        "Its failed verifications by any token are forgotten; the daemon accepts the next one\n"
-        "at once.",
+        "Its failed verifications by every token are forgotten; the next one is accepted at once.",
     .example = "surfacectl --db faces.db attempts reset alice"};

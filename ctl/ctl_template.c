@@ -277,8 +277,8 @@ const struct ctl_command ctl_template_list = {
     .run = list,
     .summary = "list the templates",
     .help =
-        "Of one subject, oldest first, or of all subjects.  Those that another engine or model\n"
-        "made are marked (template reencode).",
+        "Of one subject, oldest first, or of all subjects. Templates made by another engine or\n"
+        "model are marked (see template reencode).",
     .example = "surfacectl --db faces.db template list alice"};
 
 const struct ctl_command ctl_template_show = {
@@ -289,7 +289,7 @@ const struct ctl_command ctl_template_show = {
     .shared = CTL_MODEL,
     .run = show,
     .summary = "describe a template",
-    .help = "Its subject, its age, the engine that made it, and its quality.",
+    .help = "Its subject, time, engine and quality.",
     .example = "surfacectl --db faces.db template show 0123456789abcdef0123456789abcdef"};
 
 const struct ctl_command ctl_template_export = {
@@ -301,8 +301,8 @@ const struct ctl_command ctl_template_export = {
     .run = export_template,
     .summary = "write a template's points and triangles",
     .help =
-        "To the file --out (PLY, millimetres; -: standard output).  It is biometric data: only\n"
-        "its owner can read it.  An event records the export.",
+        "To the file --out (PLY, millimetres; -: standard output). It is biometric data: only its\n"
+        "owner can read it. The audit log records the export.",
     .example =
         "surfacectl --db faces.db template export 0123456789abcdef0123456789abcdef -o a.ply"};
 
@@ -314,12 +314,12 @@ const struct ctl_command ctl_template_reencode = {
     .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN,
     .exits = {"every one of these templates is of this engine"},
     .run = reencode_them,
-    .summary = "encode templates of another engine again",
+    .summary = "re-encode templates of another engine",
     .help =
-        "Every template, or each of these, that another engine or model made is computed again\n"
-        "from its stored points, by this engine and --model.  It keeps its id, label, time and\n"
-        "digest.  Until then whoever loads it does the same, which costs some milliseconds and\n"
-        "gives the same decisions.  A running daemon is not disturbed; if this is stopped and\n"
-        "started again, it goes on where it was.  A template whose points are no face to this\n"
-        "engine stays as it is and is listed: delete it, and enroll another scan.",
+        "Every template, or each ID, that another engine or model made is computed again from its\n"
+        "stored points with this engine and --model. Id, label, time and digest stay. Until then\n"
+        "the template is re-encoded each time it is loaded, which takes some milliseconds and\n"
+        "gives the same decisions. A running daemon goes on serving; an interrupted run continues\n"
+        "when it is started again. A template whose points this engine does not accept as a face\n"
+        "is listed and not changed: delete it and enroll another scan.",
     .example = "surfacectl --db faces.db template reencode --dry-run"};

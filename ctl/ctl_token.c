@@ -53,7 +53,7 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     if (c->json)
         return;
     rows_scopes_write(t->scopes, list);
-    (void)fprintf(stderr, "token %s (%s) for %s, good %s%s; it is shown this once:\n",
+    (void)fprintf(stderr, "token %s (%s) for %s, good %s%s; it is not shown again:\n",
                   t->id, t->name, list, t->expires[0] != '\0' ? "until " : "for ever",
                   t->expires);
     (void)printf("%s\n", secret);
@@ -127,7 +127,7 @@ static enum status rotate(struct ctl *c)
         return st;
     out_secret(c, &t, secret);
     if (!c->json && t.expired)
-        (void)fprintf(stderr, "it has expired; give --expires too\n");
+        (void)fprintf(stderr, "the token has expired; give --expires too\n");
     return ST_OK;
 }
 
@@ -198,18 +198,18 @@ const struct ctl_command ctl_token_create = {
     .run = create,
     .summary = "make a Bearer token for the daemon",
     .help =
-        "The token is printed once, on standard output; only a hash of it is stored.  It may do\n"
-        "what --scope says, for a year, unless --expires says otherwise.",
+        "The token is printed once, on standard output; only its hash is stored. It has the\n"
+        "scopes of --scope and ends after a year, unless --expires is given.",
     .example =
         "surfacectl --db faces.db token create front-door --scope verify --expires 90d"};
 
-const struct ctl_command ctl_token_list = {
-    .name = "token list",
-    .database = CTL_READS_DATABASE,
-    .run = list,
-    .summary = "list the tokens",
-    .help = "What each may do, until when, and when it was last used.",
-    .example = "surfacectl --db faces.db token list"};
+const struct ctl_command ctl_token_list = {.name = "token list",
+                                           .database = CTL_READS_DATABASE,
+                                           .run = list,
+                                           .summary = "list the tokens",
+                                           .help = "Scopes, end and last use of each.",
+                                           .example =
+                                               "surfacectl --db faces.db token list"};
 
 const struct ctl_command ctl_token_rotate = {
     .name = "token rotate",
@@ -222,7 +222,7 @@ const struct ctl_command ctl_token_rotate = {
         "how long the old secret stays valid: 1d, 12h, 30m (not at all)")},
     .run = rotate,
     .summary = "replace a token's secret",
-    .help = "The new secret is printed once.  A running daemon accepts it at once.",
+    .help = "The new secret is printed once. A running daemon accepts it at once.",
     .example = "surfacectl --db faces.db token rotate front-door --grace 1h"};
 
 const struct ctl_command ctl_token_revoke = {
@@ -231,6 +231,6 @@ const struct ctl_command ctl_token_revoke = {
     .takes = {1, 1},
     .database = CTL_WRITES_DATABASE,
     .run = revoke,
-    .summary = "make a token invalid for good",
+    .summary = "revoke a token",
     .help = "A running daemon refuses it at once.",
     .example = "surfacectl --db faces.db token revoke front-door"};

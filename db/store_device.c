@@ -36,7 +36,7 @@ enum status store_device_add(struct store *s, const char *actor, const char *nam
     if ((st = need_name(name, e)) != ST_OK)
         return st;
     if (crypto_core_ed25519_is_valid_point(public) != 1)
-        return errinfo_set(e, ST_EINVAL, "it is no public key of Ed25519");
+        return errinfo_set(e, ST_EINVAL, "not a public key of Ed25519");
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     store_rules_random(out->id, STORE_ID_LEN / 2);

@@ -126,7 +126,7 @@ static bool judge(struct request *r, const struct capture *c, enum store_capture
             {ERRMAP_CAPTURE_INVALID,
              "the device has not signed this body, target, nonce and liveness"},
         [STORE_CAPTURE_FOREIGN] = {ERRMAP_CAPTURE_INVALID,
-                                   "the nonce is none of POST /v1/challenge"},
+                                   "the nonce is not from POST /v1/challenge"},
         [STORE_CAPTURE_STALE] = {ERRMAP_CAPTURE_STALE,
                                  "a nonce is good for 2 minutes: ask for another"},
         [STORE_CAPTURE_REPLAYED] = {ERRMAP_CAPTURE_REPLAYED,

@@ -27,7 +27,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EDENIED] = {403, "forbidden", "Not permitted"},
     [ST_EREFUSED] = {503, "database_refused", "The database is refused"},
     [ST_EFULL] = {409, "too_many_templates",
-                  "The subject has as many templates as it may have"},
+                  "The subject has the greatest number of templates"},
     [ST_EHELD] = {409, "on_hold", "The subject is on hold"},
     [ST_EBUSY] = {503, "busy", "Busy for now"},
     [ST_EIO] = {503, "storage", "The storage cannot be used for now"},

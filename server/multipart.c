@@ -166,7 +166,7 @@ static enum status take_header(struct reader *r, const char *line, char *name,
     size_t n;
 
     if (len == 0 || line[len] != ':')
-        return wrong(r, "what should be a header is none");
+        return wrong(r, "a header is malformed");
     value += strspn(value, BLANK);
     if (is(line, len, "Content-Type"))
         (void)snprintf(f->type, sizeof f->type, "%s", value);

@@ -15,7 +15,8 @@ static enum status does_not_fit(const struct face_result *r, bool with_first,
 {
     if (r->decision == FACE_INCONCLUSIVE)
         return errinfo_set(
-            e, ST_EMISMATCH, "the sample has too little in common with %s to tell" ANYWAY,
+            e, ST_EMISMATCH,
+            "the sample has too little in common with %s for a decision" ANYWAY,
             with_first ? "the first that was taken"
                        : "the subject's oldest template, and with each that was enrolled "
                          "with scope manage,");

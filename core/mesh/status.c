@@ -27,7 +27,7 @@ const char *status_message(enum status st)
         [ST_EDENIED] = "not permitted",
         [ST_EREFUSED] = "not the database that it should be",
         [ST_EHELD] = "on hold",
-        [ST_EFULL] = "as many templates as a subject may have",
+        [ST_EFULL] = "the subject has the greatest number of templates",
         [ST_EBUSY] = "busy",
         [ST_EIO] = "input or output failed",
         [ST_EDB] = "the database failed",

@@ -194,7 +194,7 @@ enum status admin_archive_open(FILE *from, const struct crypt_file *k,
     h = a->header;
     if (fread(a->header, 1, HEADER, from) != HEADER || memcmp(h, MAGIC, 8) != 0)
         st = ferror(from) ? damaged(a, "", e)
-                          : errinfo_set(e, ST_ECORRUPT, "it is no archive of surfacectl");
+                          : errinfo_set(e, ST_ECORRUPT, "not an archive of surfacectl");
     else if (bytes_number(h + AT_VERSION, 2) != VERSION)
         st = errinfo_set(e, ST_EVERSION,
                          "the archive is of version %u, this program knows %d",

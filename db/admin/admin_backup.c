@@ -80,7 +80,7 @@ static enum status replaceable(const char *path, const char *db, struct errinfo 
     return st == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_EEXISTS,
-                             "%.160s is there and no backup: it is not overwritten",
+                             "%.160s exists and is not a backup: it is not overwritten",
                              path);
 }
 
