@@ -6,7 +6,7 @@
 
 /* Each is at the end of the file whose name its own begins with. */
 extern const struct ctl_command ctl_init, ctl_enroll, ctl_verify, ctl_verify_compare,
-    ctl_explain, ctl_scan, ctl_asymmetry, ctl_simplify, ctl_fill, ctl_evaluate, ctl_train,
+    ctl_explain, ctl_scan,
     ctl_subject_list, ctl_subject_show, ctl_subject_set, ctl_subject_rename,
     ctl_subject_disable, ctl_subject_enable, ctl_subject_hold, ctl_subject_release,
     ctl_erase, ctl_erase_purge, ctl_template_list, ctl_template_show, ctl_template_export,
@@ -22,7 +22,7 @@ extern const struct ctl_command ctl_init, ctl_enroll, ctl_verify, ctl_verify_com
 /* clang-format off */
 const struct ctl_command *const ctl_table[] = {
     &ctl_init, &ctl_enroll, &ctl_verify, &ctl_verify_compare,
-    &ctl_explain, &ctl_scan, &ctl_asymmetry, &ctl_simplify, &ctl_fill, &ctl_evaluate, &ctl_train,
+    &ctl_explain, &ctl_scan,
     &ctl_subject_list, &ctl_subject_show, &ctl_subject_set, &ctl_subject_rename,
     &ctl_subject_disable, &ctl_subject_enable, &ctl_subject_hold, &ctl_subject_release,
     &ctl_erase, &ctl_erase_purge,

@@ -50,11 +50,11 @@ circles() {
 }
 
 # alone FOLDER: its files without a header of their name: a program's main file, and those
-# that each hold one command of surfacectl and are declared by the table of commands
+# that each hold one command and are declared by the table of commands, or one form of a report
 alone() {
     for source in "$1"/*.c; do
         case $source in
-        */main.c | */*_main.c | ctl/ctl_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | lab/lab_* | lab/report_*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done

@@ -94,9 +94,9 @@ diff "$place/declared" "$place/exported" ||
     { echo "the library does not export what its header declares"; exit 1; }
 [ "$(find "$place/usr/include" -type f)" = "$place/usr/include/surface.h" ] ||
     { echo "more than one header is installed"; exit 1; }
-for file in usr/bin/surfacectl usr/sbin/surfaced usr/lib/libsurface.a \
+for file in usr/bin/surfacectl usr/bin/surfacelab usr/sbin/surfaced usr/lib/libsurface.a \
     usr/lib/pkgconfig/surface.pc usr/share/man/man8/surfaced.8 \
-    usr/share/man/man1/surfacectl.1 usr/share/man/man5/surfaced.conf.5 etc/surfaced.conf \
+    usr/share/man/man1/surfacectl.1 usr/share/man/man1/surfacelab.1 usr/share/man/man5/surfaced.conf.5 etc/surfaced.conf \
     usr/lib/systemd/system/surfaced.service usr/lib/systemd/system/surfaced.socket \
     usr/lib/sysusers.d/surfaced.conf; do
     [ -s "$place/$file" ] || { echo "not installed: $file"; exit 1; }

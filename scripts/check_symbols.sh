@@ -35,7 +35,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
         if (source == "tests/lib/work")
             return "work_.*|__sanitizer_cov_trace_pc" # which the compiler calls
-        if (source ~ /^(server|ctl)\/main$|^(sim|tests|studies)\/.*_main$/)
+        if (source ~ /^(server|ctl|lab)\/main$|^(sim|tests|studies)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz\//)
             return "main|LLVMFuzzer.*"

@@ -100,7 +100,7 @@ expect 0 "list revoked" "$ctl" token list --json
 has out '"revoked":.*true'
 expect 66 "revoke another" "$ctl" token revoke 00000000000000000000000000000000
 
-for c in init enroll verify compare explain evaluate "subject list" check calibrate stats \
+for c in init enroll verify compare explain "subject list" check calibrate stats \
     token attempts; do
     # shellcheck disable=SC2086 # words
     expect 0 "help of $c" "$ctl" $c --help

@@ -1,0 +1,6 @@
+#include "lab.h"
+
+enum status lab_study(struct lab *c)
+{
+    return lab_usage(c, "not yet");
+}
