@@ -30,7 +30,7 @@ FACE         := core/face core/measure core/mesh
 CORE         := core/find $(FACE)
 DB           := db db/rows db/log db/crypt
 ROOMS        := core/mesh core/measure core/face core/find core base scan \
-                db/sql db/crypt db/log db/rows db db/admin service server ctl sim lab
+                db/sql db/crypt db/log db/rows db db/admin service server ctl sim lab/study lab
 SEES_core/mesh    :=
 SEES_core/measure := core/mesh
 SEES_core/face    := core/measure core/mesh
@@ -48,7 +48,8 @@ SEES_service  := $(DB) scan base $(CORE)
 SEES_server   := service $(DB) scan base $(CORE)
 SEES_ctl      := service db/admin $(DB) scan base $(CORE)
 SEES_sim      := scan base $(CORE)
-SEES_lab      := sim scan base $(CORE)
+SEES_lab/study := sim scan base $(CORE)
+SEES_lab      := lab/study sim scan base $(CORE)
 # What a room is linked with besides, for those that see the room and not this.
 LINKS_db/log := db/sql
 
@@ -128,7 +129,6 @@ $(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
 $(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin)
-$(BUILD)/studies/%.o:   FLAGS := -Istudies -Itests/lib -Isim $(call flags,scan)
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -209,12 +209,6 @@ $(TOOL_BIN): $(BUILD)/%: $(BUILD)/sim/%_main.o $(call archs,sim)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,sim)
 
-# The program of scripts/studies.
-$(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call arch,sim) \
-    $(call archs,scan)
-	$(call say,LD)
-	$(Q)$(link) $(call needs,scan)
-
 # ---- tests
 
 testarchs = $(if $(filter work,$(1)),$(call arch,counted),$(call archs,$(1)))
@@ -249,7 +243,7 @@ $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/bench/%.o \
 	$(Q)$(link) $(call needs,bench)
 
 # Programs that the black-box tests run.
-AIDS := $(AID_BIN) $(SHIM_BIN) $(BUILD)/study
+AIDS := $(AID_BIN) $(SHIM_BIN)
 
 ## tests: everything that the tests need
 .PHONY: tests
@@ -335,7 +329,7 @@ lint: all
 ## format: lay out every source file by .clang-format
 .PHONY: format
 format:
-	clang-format -i $(wildcard $(ROOMS:%=%/*.[ch]) tests/*/*.[ch] studies/*.[ch])
+	clang-format -i $(wildcard $(ROOMS:%=%/*.[ch]) tests/*/*.[ch])
 
 # ---- install
 
@@ -388,4 +382,4 @@ help:
 
 .DELETE_ON_ERROR:
 .SECONDARY:
--include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(CORE:%=$(BUILD)/counted/%/*.d) $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)
+-include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(CORE:%=$(BUILD)/counted/%/*.d) $(BUILD)/tests/*/*.d)

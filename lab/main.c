@@ -11,6 +11,7 @@
 #include "lab.h"
 #include "model.h"
 #include "modelfile.h"
+#include "nodump.h"
 
 enum { /* a bit for each command */
        ASYMMETRY = 1,
@@ -359,6 +360,7 @@ int main(int argc, char **argv)
     char *text;
     int code = LAB_USAGE;
 
+    nodump_begin();
     if (read_line(argc, argv, &c, &k)) {
         if (c.version)
             (void)printf("surfacelab (%s)\n", FACE_ENGINE);

@@ -237,6 +237,7 @@ awk -v OFMT=%.9g '{ print $1 / 1000, $2 / 1000, $3 / 1000 }
 printf '%s\n' 'subject,file,yaw,pitch,roll,tx,ty,tz' p1,scans/p1_enroll.ply,0,0,0,0,0,0 \
     p1,metres.xyz,20,10,70,0,0,0 p3,scans/p3_enroll.ply,0,0,0,0,0,0 >turned.csv
 expect 0 "turned and in metres" "$lab" evaluate turned.csv --out turned
+# shellcheck disable=SC2016 # variables of awk
 ok "its pose was found" awk -F, '$7 == "mated" && !($20 < 1) { exit 1 }' turned/scores.csv
 
 printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/nothing.ply,p1\n' >bad.csv

@@ -10,7 +10,7 @@
 
 #include "face.h"
 #include "facegen.h"
-#include "lab.h"
+#include "study.h"
 #include "people.h"
 #include "study.h"
 
@@ -41,7 +41,7 @@ static void compare(struct crowd *c, struct face_work *w)
 {
     const size_t n = c->people * c->scans;
 
-    c->score = lab_alloc(n * n, sizeof *c->score);
+    c->score = study_alloc(n * n, sizeof *c->score);
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < n; k++) {
             const size_t a = i / c->scans, b = k / c->scans;
@@ -52,7 +52,7 @@ static void compare(struct crowd *c, struct face_work *w)
                 c->face[i].surface.mesh.nv == 0 || c->face[k].surface.mesh.nv == 0 ||
                 (a != b && (c->relative[a] == b || c->relative[b] == a)))
                 continue;
-            lab_must(face_compare(&c->face[k], &c->face[i], (double)NAN, NULL, w, &r));
+            study_must(face_compare(&c->face[k], &c->face[i], (double)NAN, NULL, w, &r));
             *score_of(c, i, k) = (float)r.score;
         }
 }
@@ -91,7 +91,7 @@ static void gather(const struct crowd *c, int n, struct scores *s)
     const size_t all = c->people * c->scans;
 
     for (int m = 0; m < 2; m++) {
-        s->best[m] = lab_alloc(all * all, sizeof *s->best[m]);
+        s->best[m] = study_alloc(all * all, sizeof *s->best[m]);
         s->n[m] = 0;
     }
     for (size_t i = 0; i < all; i++)
@@ -136,16 +136,16 @@ static void write_at(FILE *f, const struct crowd *c, const struct scores *s, int
     double low, high;
 
     fprintf(f, "%s,%d", c->name, n);
-    lab_field(f, 2, threshold);
+    study_field(f, 2, threshold);
     fprintf(f, ",%zu,%zu", s->n[0], s->n[1]);
     for (int k = 0; k < 3; k++) {
         const double t = threshold + k * log(n);
         const size_t matched = at_least(s->best[0], s->n[0], t);
 
-        lab_field(f, 4, percent(matched, s->n[0]));
-        lab_share(matched, s->n[0], &low, &high);
-        lab_field(f, 4, 100 * high);
-        lab_field(f, 2, percent(s->n[1] - at_least(s->best[1], s->n[1], t), s->n[1]));
+        study_field(f, 4, percent(matched, s->n[0]));
+        study_share(matched, s->n[0], &low, &high);
+        study_field(f, 4, 100 * high);
+        study_field(f, 2, percent(s->n[1] - at_least(s->best[1], s->n[1], t), s->n[1]));
     }
     (void)fputc('\n', f);
 }
@@ -192,15 +192,15 @@ static void end_crowd(struct crowd *c)
 
 /* ---- people */
 
-static void made_up(const struct lab *lab, struct face_work *w, struct crowd *c)
+static void made_up(const struct study *study, struct face_work *w, struct crowd *c)
 {
-    struct dvec3 *pts = lab_alloc(PEOPLE_POINTS, sizeof *pts);
+    struct dvec3 *pts = study_alloc(PEOPLE_POINTS, sizeof *pts);
 
     *c = (struct crowd){.name = "made up",
-                        .people = lab->reduced ? 5 : MADE_UP,
+                        .people = study->reduced ? 5 : MADE_UP,
                         .scans = TEMPLATES + PROBES};
-    c->face = lab_alloc(c->people * c->scans, sizeof *c->face);
-    c->relative = lab_alloc(c->people, sizeof *c->relative);
+    c->face = study_alloc(c->people * c->scans, sizeof *c->face);
+    c->relative = study_alloc(c->people, sizeof *c->relative);
     for (size_t k = 0; k < c->scans; k++)
         *(k < TEMPLATES ? &c->template[k] : &c->probe[k]) = true;
     for (size_t i = 0; i < c->people * c->scans; i++) {
@@ -209,28 +209,28 @@ static void made_up(const struct lab *lab, struct face_work *w, struct crowd *c)
 
         c->relative[i / c->scans] = i / c->scans;
         facegen_default(&scan);
-        scan.subject = lab->seed + i / c->scans;
+        scan.subject = study->seed + i / c->scans;
         scan.scan = k;
         scan.noise = k < TEMPLATES ? 0.15 : 0.3;
         scan.warp = 0.4;
         scan.smile = (double)(k % 5) / 4;
         facegen_pose(&scan, k < TEMPLATES ? 3 : 8, 10);
-        lab_must(face_build(pts, facegen_sample(&scan, pts), w, &c->face[i], NULL));
+        study_must(face_build(pts, facegen_sample(&scan, pts), w, &c->face[i], NULL));
     }
     free(pts);
 }
 
-static void scanned(const struct lab *lab, struct face_work *w, struct crowd *c)
+static void scanned(const struct study *study, struct face_work *w, struct crowd *c)
 {
     static const char *const kind[] = {"enroll", "p1", "p2", "p3", "p3b", "p4"};
-    const size_t most = lab->reduced ? 5 : SCANNED;
-    struct person *p = lab_alloc(most, sizeof *p);
+    const size_t most = study->reduced ? 5 : SCANNED;
+    struct person *p = study_alloc(most, sizeof *p);
 
     *c = (struct crowd){.name = "scans", .scans = sizeof kind / sizeof *kind};
-    c->people = people_scanned(lab->faces, "p1", most, w, p);
-    c->face = lab_alloc(c->people * c->scans, sizeof *c->face);
-    c->relative = lab_alloc(c->people, sizeof *c->relative);
-    (void)people_relatives(lab->faces, p, c->people, c->relative);
+    c->people = people_scanned(study->faces, "p1", most, w, p);
+    c->face = study_alloc(c->people * c->scans, sizeof *c->face);
+    c->relative = study_alloc(c->people, sizeof *c->relative);
+    (void)people_relatives(study->faces, p, c->people, c->relative);
     for (size_t k = 0; k < c->scans; k++)
         c->probe[k] = c->template[k] = true;
     for (size_t i = 0; i < c->people * c->scans; i++) {
@@ -240,7 +240,7 @@ static void scanned(const struct lab *lab, struct face_work *w, struct crowd *c)
 
         (void)snprintf(name, sizeof name, "%s_%s.ply", p[i / c->scans].name,
                        kind[i % c->scans]);
-        pts = people_points(lab->faces, name, &n);
+        pts = people_points(study->faces, name, &n);
         if (pts != NULL)
             (void)face_build(pts, n, w, &c->face[i], NULL); /* refused: empty */
         free(pts);
@@ -249,29 +249,29 @@ static void scanned(const struct lab *lab, struct face_work *w, struct crowd *c)
     free(p);
 }
 
-void several_run(const struct lab *lab)
+void several_run(const struct study *study)
 {
     static const char columns[] =
         "people,templates,threshold,non-mated,mated,as it is: FMR %,below %,FNMR %,"
         "less ln n: FMR %,below %,FNMR %,less 2 ln n: FMR %,below %,FNMR %\n";
     struct face_work *w = face_work_new(NULL);
-    FILE *f = lab_open(lab, "several.csv"), *curve = lab_open(lab, "curve.csv");
+    FILE *f = study_open(study, "several.csv"), *curve = study_open(study, "curve.csv");
     const double own = model_default.calibration.threshold;
     struct crowd c;
 
     fputs(columns, f);
     fputs(columns, curve);
-    made_up(lab, w, &c);
+    made_up(study, w, &c);
     compare(&c, w);
     write_crowd(&c, own, f, curve);
     end_crowd(&c);
-    if (lab->faces != NULL) {
-        scanned(lab, w, &c);
+    if (study->faces != NULL) {
+        scanned(study, w, &c);
         compare(&c, w);
         write_crowd(&c, own, f, curve);
         end_crowd(&c);
     }
-    lab_close(f);
-    lab_close(curve);
+    study_close(f);
+    study_close(curve);
     face_work_free(w);
 }

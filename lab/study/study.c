@@ -1,4 +1,4 @@
-#include "lab.h"
+#include "study.h"
 
 #include <errno.h>
 #include <math.h>
@@ -7,9 +7,10 @@
 
 #include "delaunay.h"
 #include "mst.h"
+#include "rates.h"
 #include "interpolate.h"
 
-void lab_must(enum status st)
+void study_must(enum status st)
 {
     if (st == ST_OK)
         return;
@@ -17,21 +18,21 @@ void lab_must(enum status st)
     exit(1);
 }
 
-void *lab_alloc(size_t n, size_t size)
+void *study_alloc(size_t n, size_t size)
 {
     void *p = calloc(n > 0 ? n : 1, size);
 
     if (p == NULL)
-        lab_must(ST_ENOMEM);
+        study_must(ST_ENOMEM);
     return p;
 }
 
-FILE *lab_open(const struct lab *lab, const char *name)
+FILE *study_open(const struct study *study, const char *name)
 {
     char path[4096];
     FILE *f;
 
-    (void)snprintf(path, sizeof path, "%s/%s", lab->dir, name);
+    (void)snprintf(path, sizeof path, "%s/%s", study->dir, name);
     f = fopen(path, "w");
     if (f == NULL) {
         fprintf(stderr, "study: %s: %s\n", path, strerror(errno));
@@ -40,15 +41,15 @@ FILE *lab_open(const struct lab *lab, const char *name)
     return f;
 }
 
-void lab_close(FILE *f)
+void study_close(FILE *f)
 {
     const int bad = ferror(f);
 
     if (fclose(f) != 0 || bad)
-        lab_must(ST_EIO);
+        study_must(ST_EIO);
 }
 
-void lab_field(FILE *f, int places, double x)
+void study_field(FILE *f, int places, double x)
 {
     if (isnan(x))
         (void)fputc(',', f);
@@ -71,15 +72,27 @@ static double quantile(const double *v, size_t n, double share)
     return v[i] + (at - (double)i) * (v[j] - v[i]);
 }
 
-struct lab_spread lab_spread(double *v, size_t n)
+double study_real(struct study_random *r)
+{
+    return (double)(rates_random(&r->state) >> 11) * 0x1p-53;
+}
+
+int32_t study_int(struct study_random *r, int32_t lo, int32_t hi)
+{
+    const uint64_t span = (uint64_t)((int64_t)hi - lo) + 1;
+
+    return (int32_t)(lo + (int64_t)(rates_random(&r->state) % span));
+}
+
+struct study_spread study_spread(double *v, size_t n)
 {
     double sum = 0;
 
     qsort(v, n, sizeof *v, by_value);
     for (size_t i = 0; i < n; i++)
         sum += v[i];
-    return (struct lab_spread){sum / (double)n, quantile(v, n, 0.5), quantile(v, n, 0.05),
-                               quantile(v, n, 0.95)};
+    return (struct study_spread){sum / (double)n, quantile(v, n, 0.5),
+                                 quantile(v, n, 0.05), quantile(v, n, 0.95)};
 }
 
 /* The 97.5 % point of Student's t with k degrees of freedom: the table to 10, then an
@@ -107,7 +120,7 @@ static double at_most(size_t k, size_t n, double share)
     return sum;
 }
 
-void lab_share(size_t k, size_t n, double *low, double *high)
+void study_share(size_t k, size_t n, double *low, double *high)
 {
     *low = 0;
     *high = 1;
@@ -119,7 +132,7 @@ void lab_share(size_t k, size_t n, double *low, double *high)
     }
 }
 
-struct lab_fit lab_fit(const double *x, const double *y, size_t n)
+struct study_fit study_fit(const double *x, const double *y, size_t n)
 {
     double mx = 0, my = 0, xx = 0, xy = 0, yy = 0, rest, slope;
 
@@ -136,8 +149,8 @@ struct lab_fit lab_fit(const double *x, const double *y, size_t n)
     }
     slope = xy / xx;
     rest = yy - slope * xy > 0 ? yy - slope * xy : 0;
-    return (struct lab_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx),
-                            exp(my - slope * mx), yy > 0 ? 1 - rest / yy : 1};
+    return (struct study_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx),
+                              exp(my - slope * mx), yy > 0 ? 1 - rest / yy : 1};
 }
 
 static double square(double x)
@@ -145,7 +158,7 @@ static double square(double x)
     return x * x;
 }
 
-double lab_function(unsigned f, double x, double y)
+double study_function(unsigned f, double x, double y)
 {
     const double r2 = square(x - 0.5) + square(y - 0.5);
 
@@ -168,34 +181,35 @@ double lab_function(unsigned f, double x, double y)
     }
 }
 
-const char *lab_function_name(unsigned f)
+const char *study_function_name(unsigned f)
 {
-    static const char *const name[LAB_FUNCTIONS] = {
+    static const char *const name[STUDY_FUNCTIONS] = {
         "F1 exponential", "F2 cliff", "F3 saddle", "F4 gentle", "F5 steep", "F6 sphere"};
 
     return name[f];
 }
 
-struct ivec3 lab_lattice(unsigned f, double x, double y)
+struct ivec3 study_lattice(unsigned f, double x, double y)
 {
-    return (struct ivec3){(int32_t)lround(x * LAB_UNIT), (int32_t)lround(y * LAB_UNIT),
-                          (int32_t)lround(lab_function(f, x, y) * LAB_UNIT)};
+    return (struct ivec3){(int32_t)lround(x * STUDY_UNIT),
+                          (int32_t)lround(y * STUDY_UNIT),
+                          (int32_t)lround(study_function(f, x, y) * STUDY_UNIT)};
 }
 
-enum status lab_triangulate(struct lab_surface *s, const struct ivec3 *pts, size_t n)
+enum status study_triangulate(struct study_surface *s, const struct ivec3 *pts, size_t n)
 {
     const enum status st = surface_prepare(pts, n, false, &s->scratch, &s->surface);
 
     if (st == ST_EDEGENERATE)
         return st;
-    lab_must(st);
+    study_must(st);
     s->last.he = s->surface.mesh.out[0];
     while (mesh_is_ghost(&s->surface.mesh, s->last.he / 3))
         s->last.he = mesh_turn(&s->surface.mesh, s->last.he);
     return ST_OK;
 }
 
-void lab_surface_free(struct lab_surface *s)
+void study_surface_free(struct study_surface *s)
 {
     surface_free(&s->surface);
     scratch_free(&s->scratch);
@@ -225,7 +239,7 @@ static double beyond_hull(const struct mesh *m, struct ivec2 q)
     return height;
 }
 
-double lab_height(struct lab_surface *s, struct ivec2 q, bool *inside)
+double study_height(struct study_surface *s, struct ivec2 q, bool *inside)
 {
     /* Every walk starts at a corner of the triangle where the last one ended. */
     const struct ivec2 from = s->surface.mesh.xy[s->surface.mesh.org[s->last.he]];
@@ -236,7 +250,7 @@ double lab_height(struct lab_surface *s, struct ivec2 q, bool *inside)
                    : beyond_hull(&s->surface.mesh, q);
 }
 
-void lab_edges(const struct mesh *m, double per, const char *tag, FILE *f)
+void study_edges(const struct mesh *m, double per, const char *tag, FILE *f)
 {
     for (uint32_t h = 0; h < 3 * m->nt; h++) {
         const uint32_t u = m->org[h], v = mesh_dest(m, h);
@@ -247,7 +261,7 @@ void lab_edges(const struct mesh *m, double per, const char *tag, FILE *f)
     }
 }
 
-void lab_triangles(const struct mesh *m, double per, FILE *f)
+void study_triangles(const struct mesh *m, double per, FILE *f)
 {
     static const int corner[4] = {0, 1, 2, 2};
 

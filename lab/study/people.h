@@ -1,7 +1,7 @@
 /* people.h -- the people whom the studies verify: a template of each, and the points of a
  * further scan, turned and moved. */
-#ifndef STUDIES_PEOPLE_H
-#define STUDIES_PEOPLE_H
+#ifndef STUDY_PEOPLE_H
+#define STUDY_PEOPLE_H
 #include <stddef.h>
 #include <stdint.h>
 #include "face.h"

@@ -3,19 +3,18 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-#include "brute.h"
-#include "clouds.h"
 #include "delaunay.h"
 #include "disparity.h"
 #include "holes.h"
-#include "lab.h"
+#include "facegen.h"
 #include "merge.h"
 #include "mesh_link.h"
 #include "mst.h"
 #include "study.h"
 #include "interpolate.h"
-#include "timing.h"
+#include "lattice.h"
 
 enum stage { TRIANGULATE, TREE, LOAD, LOCATE, INTERPOLATE, MERGE, MEASURE, STAGES };
 
@@ -29,7 +28,7 @@ static const char *const stage_name[STAGES] = {
 struct pair {
     struct ivec3 *pts[2];
     size_t n[2];
-    struct lab_surface side[2];
+    struct study_surface side[2];
     struct location *loc[2];
     double *other[2];
     struct mesh general, stored;
@@ -44,11 +43,11 @@ static void pair_room(struct pair *p)
     const size_t n[2] = {p->n[0], p->n[1]};
 
     for (int i = 0; i < 2; i++) {
-        p->loc[i] = lab_alloc(n[i], sizeof *p->loc[i]);
-        p->other[i] = lab_alloc(n[i], sizeof *p->other[i]);
+        p->loc[i] = study_alloc(n[i], sizeof *p->loc[i]);
+        p->other[i] = study_alloc(n[i], sizeof *p->other[i]);
     }
-    p->b_vertex = lab_alloc(n[1], sizeof *p->b_vertex);
-    p->vertex = lab_alloc(n[0] + n[1], sizeof *p->vertex);
+    p->b_vertex = study_alloc(n[1], sizeof *p->b_vertex);
+    p->vertex = study_alloc(n[0] + n[1], sizeof *p->vertex);
 }
 
 static void pair_free(struct pair *p)
@@ -57,7 +56,7 @@ static void pair_free(struct pair *p)
         free(p->pts[i]);
         free(p->loc[i]);
         free(p->other[i]);
-        lab_surface_free(&p->side[i]);
+        study_surface_free(&p->side[i]);
     }
     free(p->b_vertex);
     free(p->vertex);
@@ -66,25 +65,78 @@ static void pair_free(struct pair *p)
     scratch_free(&p->scratch);
 }
 
+/* ---- times */
+
+#define SAMPLES 1000 /* of a stage, at most */
+
+struct timing {
+    double ms[SAMPLES];
+    size_t n;
+};
+
+/* Processor time of this thread: waiting does not count. */
+static double now_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
 static double lap(struct timing *t, double since)
 {
-    const double now = timing_now_ms();
+    if (t->n < SAMPLES)
+        t->ms[t->n++] = now_ms() - since;
+    return now_ms();
+}
 
-    if (t != NULL)
-        timing_add(t, now - since);
-    return timing_now_ms();
+/* ---- the paper's stages */
+
+/* The points of made-up face k / 2, as scan k. */
+static size_t make_cloud(uint64_t k, size_t n, struct ivec3 *out)
+{
+    struct dvec3 *mm = study_alloc(n, sizeof *mm);
+    struct facegen_scan s;
+
+    facegen_default(&s);
+    s.subject = k / 2;
+    s.scan = k;
+    s.points = (uint32_t)n;
+    n = facegen_sample(&s, mm);
+    study_must(lattice_from_mm(mm, n, LATTICE_PER_MM, out, NULL));
+    free(mm);
+    return n;
+}
+
+/* A mesh's arrays as a stored template has them, for mesh_link(). */
+static void strip(struct mesh *m)
+{
+    uint32_t *list = study_alloc(m->nt, sizeof *list), n = 0;
+
+    for (uint32_t h = 0; h < 3 * m->nt; h++)
+        if (mesh_listed(m, h)) {
+            list[n++] = h;
+            list[n++] = m->twin[h];
+        }
+    for (uint32_t t = 0; t < m->nt; t++) {
+        *(m->org[3 * t + 2] == m->nv ? &m->twin[3 * t] : &m->org[3 * t]) = UINT32_MAX;
+        m->org[3 * t + 1] = list[t];
+        m->twin[3 * t + 1] = m->twin[3 * t + 2] = UINT32_MAX;
+    }
+    memset(m->out, 0xff, (m->nv + 1) * sizeof *m->out);
+    free(list);
 }
 
 /* build(p, i, row): a side's triangulation and tree. */
 static void build(struct pair *p, int i, struct timing row[STAGES])
 {
-    double t = timing_now_ms();
+    double t = now_ms();
 
-    lab_must(delaunay_build(p->pts[i], p->n[i], &p->scratch, &p->side[i].surface.mesh));
+    study_must(delaunay_build(p->pts[i], p->n[i], &p->scratch, &p->side[i].surface.mesh));
     t = lap(&row[TRIANGULATE], t);
-    lab_must(mst_build(&p->side[i].surface.mesh, &p->scratch));
+    study_must(mst_build(&p->side[i].surface.mesh, &p->scratch));
     (void)lap(&row[TREE], t);
-    lab_must(surface_derive(&p->side[i].surface, &p->scratch));
+    study_must(surface_derive(&p->side[i].surface, &p->scratch));
 }
 
 /* pass(p, row): the paper's stages once, each timed for both sides together but the first
@@ -96,10 +148,10 @@ static void pass(struct pair *p, struct timing row[STAGES])
 
     for (int i = 0; i < 2; i++)
         build(p, i, row);
-    lab_must(mesh_copy(&p->stored, a, 0));
-    brute_code(&p->stored);
-    t = timing_now_ms();
-    lab_must(mesh_link(&p->stored, &p->scratch));
+    study_must(mesh_copy(&p->stored, a, 0));
+    strip(&p->stored);
+    t = now_ms();
+    study_must(mesh_link(&p->stored, &p->scratch));
     t = lap(&row[LOAD], t);
     locate_mesh(a, b, p->loc[1]);
     locate_mesh(b, a, p->loc[0]);
@@ -111,7 +163,7 @@ static void pass(struct pair *p, struct timing row[STAGES])
     disparity_gaps(&p->side[1].surface, &p->side[0].surface, p->loc[1], true,
                    p->other[1]);
     t = lap(&row[INTERPOLATE], t);
-    lab_must(merge_build(a, b, p->loc[1], &p->scratch, &p->general, p->b_vertex));
+    study_must(merge_build(a, b, p->loc[1], &p->scratch, &p->general, p->b_vertex));
     t = lap(&row[MERGE], t);
     disparity_measure(&p->general, p->b_vertex,
                       &(struct disparity_side){&p->side[0].surface, p->other[0]},
@@ -120,31 +172,24 @@ static void pass(struct pair *p, struct timing row[STAGES])
     (void)lap(&row[MEASURE], t);
 }
 
-static void rows_free(struct timing row[STAGES])
-{
-    for (int s = 0; s < STAGES; s++)
-        timing_free(&row[s]);
-}
-
 /* ---- tables 1 and the stored template */
 
-static void table1(const struct lab *lab)
+static void table1(const struct study *study)
 {
     enum { PAIRS = 24 };
-    const int pairs = lab->reduced ? 3 : PAIRS, rounds = lab->reduced ? 2 : 9;
+    const int pairs = study->reduced ? 3 : PAIRS, rounds = study->reduced ? 2 : 9;
     static const double paper[STAGES] = {124, 203, NAN, 15, 1, 31, 31};
     /* Of both clouds' cost, what is left with one of them stored. */
     static const double left[STAGES] = {0.5, 0.5, 1, 1, 1, 1, 1};
-    struct pair *p = lab_alloc(PAIRS, sizeof *p);
-    struct timing row[STAGES] = {{0}};
+    struct pair *p = study_alloc(PAIRS, sizeof *p);
+    struct timing *row = study_alloc(STAGES, sizeof *row);
     double sum[4] = {0, 0, 0, 0};
-    FILE *f = lab_open(lab, "table1.csv");
+    FILE *f = study_open(study, "table1.csv");
 
     for (int k = 0; k < pairs; k++) {
         for (int i = 0; i < 2; i++) {
-            p[k].pts[i] = lab_alloc(3000, sizeof *p[k].pts[i]);
-            p[k].n[i] =
-                clouds_make(CLOUDS_FACE, (uint64_t)(2 * k + i), 3000, p[k].pts[i]);
+            p[k].pts[i] = study_alloc(3000, sizeof *p[k].pts[i]);
+            p[k].n[i] = make_cloud((uint64_t)(2 * k + i), 3000, p[k].pts[i]);
         }
         pair_room(&p[k]);
         pass(&p[k], row);
@@ -158,7 +203,8 @@ static void table1(const struct lab *lab)
         f, "stage,paper: both from points ms,one stored by the paper ms,both from points "
            "ms,one stored ms,stored / both\n");
     for (int s = 0; s < STAGES; s++) {
-        const double ms = timing_median(&row[s]) * (left[s] < 1 ? 2 : 1);
+        const double ms =
+            study_spread(row[s].ms, row[s].n).median * (left[s] < 1 ? 2 : 1);
         const double both = s == LOAD ? 0 : ms, one = ms * left[s];
         const double p_both = s == LOAD ? 0 : paper[s], p_one = p_both * left[s];
 
@@ -171,29 +217,29 @@ static void table1(const struct lab *lab)
     }
     fprintf(f, "sum,%.0f,%.0f,%.3f,%.3f,%.2f\n", sum[0], sum[1], sum[2], sum[3],
             sum[3] / sum[2]);
-    lab_close(f);
+    study_close(f);
     for (int k = 0; k < pairs; k++)
         pair_free(&p[k]);
     free(p);
-    rows_free(row);
+    free(row);
 }
 
 /* ---- growth: the first n points of two large clouds in random order */
 
 #define SIZES 13
 
-static void measure(const struct lab *lab, const struct ivec3 *const all[2], size_t n,
+static void measure(const struct study *study, const struct ivec3 *const all[2], size_t n,
                     double ms[STAGES], struct disparity *out, uint32_t *cells)
 {
-    const size_t rounds = lab->reduced ? 1
-                          : n > 300000 ? 5
-                          : n > 30000  ? 9
-                                       : 600000 / n + 3;
-    struct timing row[STAGES] = {{0}};
+    const size_t rounds = study->reduced ? 1
+                          : n > 300000   ? 5
+                          : n > 30000    ? 9
+                                         : 600000 / n + 3;
+    struct timing *row = study_alloc(STAGES, sizeof *row);
     struct pair p = {.n = {n, n}};
 
     for (int i = 0; i < 2; i++) {
-        p.pts[i] = lab_alloc(n, sizeof *p.pts[i]);
+        p.pts[i] = study_alloc(n, sizeof *p.pts[i]);
         memcpy(p.pts[i], all[i], n * sizeof *p.pts[i]);
     }
     pair_room(&p);
@@ -203,14 +249,15 @@ static void measure(const struct lab *lab, const struct ivec3 *const all[2], siz
     for (size_t r = 0; r < (rounds < 60 ? rounds : 60); r++)
         pass(&p, row);
     for (int s = 0; s < STAGES; s++)
-        ms[s] = timing_median(&row[s]);
+        ms[s] = study_spread(row[s].ms, row[s].n).median;
     *out = p.out;
     *cells = p.general.nt;
     pair_free(&p);
-    rows_free(row);
+    free(row);
 }
 
-static void papers(const struct lab *lab, const struct ivec3 *const all[2], size_t most)
+static void papers(const struct study *study, const struct ivec3 *const all[2],
+                   size_t most)
 {
     static const struct {
         int table;
@@ -229,7 +276,7 @@ static void papers(const struct lab *lab, const struct ivec3 *const all[2], size
     static const char *const what[] = {"spanning tree of one mesh",
                                        "location of one mesh in the other",
                                        "interpolation of both"};
-    FILE *f = lab_open(lab, "tables.csv"), *fit = lab_open(lab, "tables-fit.csv");
+    FILE *f = study_open(study, "tables.csv"), *fit = study_open(study, "tables-fit.csv");
     double n[8], printed[8], ours[8];
     size_t k = 0;
 
@@ -244,7 +291,7 @@ static void papers(const struct lab *lab, const struct ivec3 *const all[2], size
         const double points = (double)row[i].n;
 
         if (row[i].n <= most) {
-            measure(lab, all, row[i].n, ms, &d, &cells);
+            measure(study, all, row[i].n, ms, &d, &cells);
             /* The paper locates one mesh in the other; the pass does it both ways. */
             ours[k] = ms[row[i].s] / (row[i].s == LOCATE ? 2 : 1);
             n[k] = points;
@@ -256,7 +303,8 @@ static void papers(const struct lab *lab, const struct ivec3 *const all[2], size
         }
         if (i + 1 == sizeof row / sizeof row[0] || row[i + 1].table != row[i].table) {
             if (k >= 3) {
-                const struct lab_fit a = lab_fit(n, printed, k), b = lab_fit(n, ours, k);
+                const struct study_fit a = study_fit(n, printed, k),
+                                       b = study_fit(n, ours, k);
 
                 fprintf(fit, "%d,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f\n", row[i].table,
                         what[row[i].table - 2], a.slope, a.slope - a.half,
@@ -265,11 +313,12 @@ static void papers(const struct lab *lab, const struct ivec3 *const all[2], size
             k = 0;
         }
     }
-    lab_close(f);
-    lab_close(fit);
+    study_close(f);
+    study_close(fit);
 }
 
-static void growth(const struct lab *lab, const struct ivec3 *const all[2], size_t most)
+static void growth(const struct study *study, const struct ivec3 *const all[2],
+                   size_t most)
 {
     static const size_t size[SIZES] = {1000,   2000,   5000,   10000,  20000,
                                        50000,  100000, 150000, 200000, 300000,
@@ -278,7 +327,7 @@ static void growth(const struct lab *lab, const struct ivec3 *const all[2], size
                                               "1",           "1", "1"};
     double n[SIZES], ms[SIZES][STAGES], y[SIZES], cells[SIZES];
     size_t sizes = 0;
-    FILE *f = lab_open(lab, "growth.csv"), *fit = lab_open(lab, "growth-fit.csv");
+    FILE *f = study_open(study, "growth.csv"), *fit = study_open(study, "growth-fit.csv");
 
     fprintf(f, "points in each");
     for (int s = 0; s < STAGES; s++)
@@ -288,7 +337,7 @@ static void growth(const struct lab *lab, const struct ivec3 *const all[2], size
         struct disparity d;
         uint32_t nt;
 
-        measure(lab, all, size[sizes], ms[sizes], &d, &nt);
+        measure(study, all, size[sizes], ms[sizes], &d, &nt);
         n[sizes] = (double)size[sizes];
         cells[sizes] = nt;
         fprintf(f, "%zu", size[sizes]);
@@ -300,38 +349,38 @@ static void growth(const struct lab *lab, const struct ivec3 *const all[2], size
                  "95 %% from,to,ns a point at the largest\n");
     for (int s = 0; s <= STAGES; s++) {
         size_t large = 0;
-        struct lab_fit e, l;
+        struct study_fit e, l;
 
         for (size_t i = 0; i < sizes; i++)
             y[i] = s < STAGES ? ms[i][s] : cells[i];
         while (large + 3 < sizes && size[large] < 50000)
             large++;
-        e = lab_fit(n, y, sizes);
-        l = lab_fit(n + large, y + large, sizes - large);
+        e = study_fit(n, y, sizes);
+        l = study_fit(n + large, y + large, sizes - large);
         fprintf(fit, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f",
                 s < STAGES ? stage_name[s] : "triangles of the general triangulation",
                 s < STAGES ? claim[s] : "1", e.slope, e.slope - e.half, e.slope + e.half,
                 l.slope, l.slope - l.half, l.slope + l.half);
-        lab_field(fit, 0, s < STAGES ? 1e6 * y[sizes - 1] / n[sizes - 1] : (double)NAN);
+        study_field(fit, 0, s < STAGES ? 1e6 * y[sizes - 1] / n[sizes - 1] : (double)NAN);
         fprintf(fit, "\n");
     }
-    lab_close(f);
-    lab_close(fit);
+    study_close(f);
+    study_close(fit);
 }
 
-void cost_run(const struct lab *lab)
+void cost_run(const struct study *study)
 {
-    const size_t most = lab->reduced ? 10000 : 1000000;
+    const size_t most = study->reduced ? 10000 : 1000000;
     struct ivec3 *all[2];
 
-    table1(lab);
+    table1(study);
     for (int i = 0; i < 2; i++) {
-        all[i] = lab_alloc(most, sizeof *all[i]);
-        if (clouds_make(CLOUDS_FACE, (uint64_t)i, most, all[i]) < most)
-            lab_must(ST_ETOOFEW);
+        all[i] = study_alloc(most, sizeof *all[i]);
+        if (make_cloud((uint64_t)i, most, all[i]) < most)
+            study_must(ST_ETOOFEW);
     }
-    papers(lab, (const struct ivec3 *const *)all, most);
-    growth(lab, (const struct ivec3 *const *)all, most);
+    papers(study, (const struct ivec3 *const *)all, most);
+    growth(study, (const struct ivec3 *const *)all, most);
     free(all[0]);
     free(all[1]);
 }

@@ -11,8 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "brute.h"
-#include "lab.h"
+#include "study.h"
 #include "study.h"
 
 #define POINTS 36
@@ -32,12 +31,12 @@ static const int percent[SHARES + 1] = {0, 15, 30, 45, 60, 75};
 static const int removed[SHARES + 1] = {0, 5, 11, 16, 22, 27};
 
 /* Tables 2 and 3 as printed: rows A to E, columns F1 to F6. */
-static const double total_printed[SHARES][LAB_FUNCTIONS] = {
+static const double total_printed[SHARES][STUDY_FUNCTIONS] = {
     {7752.31, 0.39, 1.43, 4.37, 1.65, 0},      {1881.36, 0.68, 1.17, 5.73, 3.56, 54.41},
     {1711.97, 1.43, 1.92, 9.07, 4.89, 32.93},  {1217.92, 1.84, 2.28, 10.82, 6.22, 109.64},
     {306.96, 2.74, 3.95, 15.09, 6.70, 117.14},
 };
-static const double mean_printed[SHARES][LAB_FUNCTIONS] = {
+static const double mean_printed[SHARES][STUDY_FUNCTIONS] = {
     {250.18, 0.01, 0.05, 0.14, 0.05, 0},    {75.18, 0.02, 0.04, 0.23, 0.14, 2.17},
     {85.47, 0.07, 0.10, 0.46, 0.24, 1.65},  {51.01, 0.13, 0.16, 0.78, 0.45, 7.83},
     {33.41, 0.31, 0.44, 1.68, 0.74, 13.02},
@@ -56,13 +55,13 @@ enum error {
 
 /* The surfaces one function leaves, and the grid's values. */
 struct work {
-    struct lab_surface part;
+    struct study_surface part;
     double truth[GRID * GRID], all[GRID * GRID];
 };
 
 static struct ivec2 grid_at(int i)
 {
-    const double step = LAB_UNIT / (GRID - 1);
+    const double step = STUDY_UNIT / (GRID - 1);
 
     /* Row by row, there and back, so that each point lies beside the last. */
     return (struct ivec2){
@@ -71,21 +70,22 @@ static struct ivec2 grid_at(int i)
 }
 
 /* order: the points, those to be removed first. */
-static enum status triangulate(struct lab_surface *s, unsigned f, const int *order, int k)
+static enum status triangulate(struct study_surface *s, unsigned f, const int *order,
+                               int k)
 {
     struct ivec3 pts[POINTS];
 
     for (int i = k; i < POINTS; i++)
-        pts[i - k] = lab_lattice(f, point[order[i]][0], point[order[i]][1]);
-    return lab_triangulate(s, pts, (size_t)(POINTS - k));
+        pts[i - k] = study_lattice(f, point[order[i]][0], point[order[i]][1]);
+    return study_triangulate(s, pts, (size_t)(POINTS - k));
 }
 
-static void shuffle(int *order, struct brute_rng *r)
+static void shuffle(int *order, struct study_random *r)
 {
     for (int i = 0; i < POINTS; i++)
         order[i] = i;
     for (int i = POINTS; i-- > 1;) {
-        const int j = brute_int(r, 0, i), t = order[i];
+        const int j = study_int(r, 0, i), t = order[i];
 
         order[i] = order[j];
         order[j] = t;
@@ -93,7 +93,7 @@ static void shuffle(int *order, struct brute_rng *r)
 }
 
 /* An order whose last nine points, and so any more of them, are not all on one line. */
-static void draw(struct lab_surface *s, int *order, struct brute_rng *r)
+static void draw(struct study_surface *s, int *order, struct study_random *r)
 {
     do
         shuffle(order, r);
@@ -107,12 +107,12 @@ static void prepare(struct work *w, unsigned f)
                                      24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35};
     bool inside;
 
-    lab_must(triangulate(&w->part, f, none, 0));
+    study_must(triangulate(&w->part, f, none, 0));
     for (int i = 0; i < GRID * GRID; i++) {
         const struct ivec2 q = grid_at(i);
 
-        w->truth[i] = lab_function(f, q.x / LAB_UNIT, q.y / LAB_UNIT);
-        w->all[i] = lab_height(&w->part, q, &inside) / LAB_UNIT;
+        w->truth[i] = study_function(f, q.x / STUDY_UNIT, q.y / STUDY_UNIT);
+        w->all[i] = study_height(&w->part, q, &inside) / STUDY_UNIT;
     }
 }
 
@@ -124,10 +124,10 @@ static void errors_at_removed(struct work *w, unsigned f, const int *order, int 
 
     e[E_TOTAL] = 0;
     for (int i = 0; i < k; i++) {
-        const struct ivec3 p = lab_lattice(f, point[order[i]][0], point[order[i]][1]);
+        const struct ivec3 p = study_lattice(f, point[order[i]][0], point[order[i]][1]);
         bool inside;
-        const double z = lab_height(&w->part, (struct ivec2){p.x, p.y}, &inside);
-        const double off = fabs(z - p.z) / LAB_UNIT;
+        const double z = study_height(&w->part, (struct ivec2){p.x, p.y}, &inside);
+        const double off = fabs(z - p.z) / STUDY_UNIT;
 
         e[E_TOTAL] += off;
         within += inside ? off : 0;
@@ -141,12 +141,12 @@ static void errors(struct work *w, unsigned f, const int *order, int k, double *
 {
     const double cells = GRID * GRID;
 
-    lab_must(triangulate(&w->part, f, order, k));
+    study_must(triangulate(&w->part, f, order, k));
     errors_at_removed(w, f, order, k, e);
     e[E_GRID] = e[E_GRID_MOST] = e[E_SURFACE] = e[E_LOST] = 0;
     for (int i = 0; i < GRID * GRID; i++) {
         bool inside;
-        const double z = lab_height(&w->part, grid_at(i), &inside) / LAB_UNIT;
+        const double z = study_height(&w->part, grid_at(i), &inside) / STUDY_UNIT;
         const double off = fabs(z - w->truth[i]);
 
         e[E_GRID] += off / cells;
@@ -160,36 +160,36 @@ static void errors(struct work *w, unsigned f, const int *order, int k, double *
 
 struct draws {
     int n;
-    double *e[LAB_FUNCTIONS][SHARES + 1][ERRORS]; /* [n] each */
+    double *e[STUDY_FUNCTIONS][SHARES + 1][ERRORS]; /* [n] each */
 };
 
-static struct lab_spread spread(const struct draws *d, unsigned f, int share,
-                                enum error which)
+static struct study_spread spread(const struct draws *d, unsigned f, int share,
+                                  enum error which)
 {
-    double *v = lab_alloc((size_t)d->n, sizeof *v);
-    struct lab_spread s = {NAN, NAN, NAN, NAN};
+    double *v = study_alloc((size_t)d->n, sizeof *v);
+    struct study_spread s = {NAN, NAN, NAN, NAN};
     size_t n = 0;
 
     for (int i = 0; i < d->n; i++)
         if (!isnan(d->e[f][share][which][i]))
             v[n++] = d->e[f][share][which][i];
     if (n > 0)
-        s = lab_spread(v, n);
+        s = study_spread(v, n);
     free(v);
     return s;
 }
 
-static void all_draws(const struct lab *lab, struct draws *d)
+static void all_draws(const struct study *study, struct draws *d)
 {
-    struct work *w = lab_alloc(1, sizeof *w);
+    struct work *w = study_alloc(1, sizeof *w);
 
-    for (unsigned f = 0; f < LAB_FUNCTIONS; f++) {
-        struct brute_rng r = {lab->seed}; /* the same draws for each function */
+    for (unsigned f = 0; f < STUDY_FUNCTIONS; f++) {
+        struct study_random r = {study->seed}; /* the same draws for each function */
 
         prepare(w, f);
         for (int s = 0; s <= SHARES; s++)
             for (int k = 0; k < ERRORS; k++)
-                d->e[f][s][k] = lab_alloc((size_t)d->n, sizeof(double));
+                d->e[f][s][k] = study_alloc((size_t)d->n, sizeof(double));
         for (int i = 0; i < d->n; i++) {
             int order[POINTS];
             double e[ERRORS];
@@ -202,7 +202,7 @@ static void all_draws(const struct lab *lab, struct draws *d)
             }
         }
     }
-    lab_surface_free(&w->part);
+    study_surface_free(&w->part);
     free(w);
 }
 
@@ -216,18 +216,18 @@ static double reached(const struct draws *d, unsigned f, int share, double total
     return 100.0 * n / d->n;
 }
 
-static void write_spread(FILE *f, struct lab_spread s)
+static void write_spread(FILE *f, struct study_spread s)
 {
-    lab_field(f, 4, s.mean);
-    lab_field(f, 4, s.median);
-    lab_field(f, 4, s.low);
-    lab_field(f, 4, s.high);
+    study_field(f, 4, s.mean);
+    study_field(f, 4, s.median);
+    study_field(f, 4, s.low);
+    study_field(f, 4, s.high);
 }
 
-static void tables(const struct lab *lab, const struct draws *d)
+static void tables(const struct study *study, const struct draws *d)
 {
-    FILE *t2 = lab_open(lab, "table2.csv"), *t3 = lab_open(lab, "table3.csv");
-    FILE *grid = lab_open(lab, "grid.csv");
+    FILE *t2 = study_open(study, "table2.csv"), *t3 = study_open(study, "table3.csv");
+    FILE *grid = study_open(study, "grid.csv");
     const char *four = "mean,median,5 %,95 %";
 
     fprintf(
@@ -242,9 +242,9 @@ static void tables(const struct lab *lab, const struct draws *d)
             "function,removed %%,%s,largest error: mean,from the surface of all 36: mean,"
             "share outside the hull\n",
             four);
-    for (unsigned f = 0; f < LAB_FUNCTIONS; f++)
+    for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
         for (int s = 0; s <= SHARES; s++) {
-            const char *name = lab_function_name(f);
+            const char *name = study_function_name(f);
 
             if (s > 0) {
                 const double total = total_printed[s - 1][f];
@@ -263,31 +263,31 @@ static void tables(const struct lab *lab, const struct draws *d)
             fprintf(grid, ",%.4f,%.4f,%.4f\n", spread(d, f, s, E_GRID_MOST).mean,
                     spread(d, f, s, E_SURFACE).mean, spread(d, f, s, E_LOST).mean);
         }
-    lab_close(t2);
-    lab_close(t3);
-    lab_close(grid);
+    study_close(t2);
+    study_close(t3);
+    study_close(grid);
 }
 
 /* ---- what the printed numbers can be
  * A surface through values of F, and F itself, both lie between F's least and greatest
  * value, so no error exceeds their difference: not one, and not a mean of any. */
-static void bounds(const struct lab *lab)
+static void bounds(const struct study *study)
 {
     enum { SIDE = 1001 };
-    FILE *out = lab_open(lab, "bounds.csv"), *all = lab_open(lab, "possible.csv");
+    FILE *out = study_open(study, "bounds.csv"), *all = study_open(study, "possible.csv");
 
     fprintf(out, "function,least value,greatest value,largest possible error,"
                  "printed means,above it,printed totals,above removed points x it,"
                  "above 36 x it\n");
     fprintf(all, "function,removed %%,printed total,most over the removed points,"
                  "most over all 36,printed mean,most possible,verdict\n");
-    for (unsigned f = 0; f < LAB_FUNCTIONS; f++) {
+    for (unsigned f = 0; f < STUDY_FUNCTIONS; f++) {
         double least = INFINITY, most = -INFINITY, range;
         int means = 0, totals = 0, totals36 = 0;
 
         for (int i = 0; i < SIDE * SIDE; i++) {
-            const double z = lab_function(f, (double)(i % SIDE) / (SIDE - 1),
-                                          (double)(i / SIDE) / (SIDE - 1));
+            const double z = study_function(f, (double)(i % SIDE) / (SIDE - 1),
+                                            (double)(i / SIDE) / (SIDE - 1));
 
             least = z < least ? z : least;
             most = z > most ? z : most;
@@ -300,7 +300,7 @@ static void bounds(const struct lab *lab)
             means += no_mean;
             totals += no_total;
             totals36 += total > POINTS * range;
-            fprintf(all, "%s,%d,%.2f,%.2f,%.2f,%.2f,%.4f,%s\n", lab_function_name(f),
+            fprintf(all, "%s,%d,%.2f,%.2f,%.2f,%.2f,%.4f,%s\n", study_function_name(f),
                     percent[s + 1], total, removed[s + 1] * range, POINTS * range, mean,
                     range,
                     no_mean && no_total ? "neither can be"
@@ -309,17 +309,17 @@ static void bounds(const struct lab *lab)
                     : total <= 0        ? "0 only with nothing removed"
                                         : "possible");
         }
-        fprintf(out, "%s,%.4f,%.4f,%.4f,%d,%d,%d,%d,%d\n", lab_function_name(f), least,
+        fprintf(out, "%s,%.4f,%.4f,%.4f,%d,%d,%d,%d,%d\n", study_function_name(f), least,
                 most, range, SHARES, means, SHARES, totals, totals36);
     }
-    lab_close(out);
-    lab_close(all);
+    study_close(out);
+    study_close(all);
 }
 
 /* F6 has no complex value on the square: its radicand at the points and corners. */
-static void radicand(const struct lab *lab)
+static void radicand(const struct study *study)
 {
-    FILE *out = lab_open(lab, "radicand.csv");
+    FILE *out = study_open(study, "radicand.csv");
     double least = INFINITY, most = -INFINITY;
 
     for (int i = 0; i < POINTS; i++) {
@@ -333,16 +333,16 @@ static void radicand(const struct lab *lab)
     fprintf(out, "greatest at the 36 points,%.4f\n", most);
     fprintf(out, "complex only where r exceeds,%.4f\n", 8.0 / 9);
     fprintf(out, "greatest r of the unit square,%.4f\n", sqrt(0.5));
-    lab_close(out);
+    study_close(out);
 }
 
 /* ---- figures 2 to 8: one draw, the first of the tables' */
-static void figures(const struct lab *lab)
+static void figures(const struct study *study)
 {
-    struct brute_rng r = {lab->seed};
-    struct lab_surface s = {0};
-    FILE *edges = lab_open(lab, "fig2-edges.csv"),
-         *pts = lab_open(lab, "fig2-points.csv");
+    struct study_random r = {study->seed};
+    struct study_surface s = {0};
+    FILE *edges = study_open(study, "fig2-edges.csv"),
+         *pts = study_open(study, "fig2-points.csv");
     int order[POINTS];
 
     draw(&s, order, &r);
@@ -350,38 +350,38 @@ static void figures(const struct lab *lab)
         char tag[8];
 
         (void)snprintf(tag, sizeof tag, "%d", percent[k]);
-        lab_must(triangulate(&s, 0, order, removed[k]));
-        lab_edges(&s.surface.mesh, LAB_UNIT, tag, edges);
+        study_must(triangulate(&s, 0, order, removed[k]));
+        study_edges(&s.surface.mesh, STUDY_UNIT, tag, edges);
         for (int i = 0; i < POINTS; i++)
             fprintf(pts, "%d,%g,%g,%d\n", percent[k], point[order[i]][0],
                     point[order[i]][1], i < removed[k]);
     }
-    for (unsigned f = 0; f < LAB_FUNCTIONS; f++)
+    for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
         for (int k = 0; k <= SHARES; k++) {
             char name[32];
             FILE *out;
 
             (void)snprintf(name, sizeof name, "fig%u-%d.dat", f + 3, percent[k]);
-            out = lab_open(lab, name);
-            lab_must(triangulate(&s, f, order, removed[k]));
-            lab_triangles(&s.surface.mesh, LAB_UNIT, out);
-            lab_close(out);
+            out = study_open(study, name);
+            study_must(triangulate(&s, f, order, removed[k]));
+            study_triangles(&s.surface.mesh, STUDY_UNIT, out);
+            study_close(out);
         }
-    lab_close(edges);
-    lab_close(pts);
-    lab_surface_free(&s);
+    study_close(edges);
+    study_close(pts);
+    study_surface_free(&s);
 }
 
-void missing_run(const struct lab *lab)
+void missing_run(const struct study *study)
 {
-    struct draws d = {.n = lab->reduced ? 40 : DRAWS};
+    struct draws d = {.n = study->reduced ? 40 : DRAWS};
 
-    figures(lab);
-    bounds(lab);
-    radicand(lab);
-    all_draws(lab, &d);
-    tables(lab, &d);
-    for (unsigned f = 0; f < LAB_FUNCTIONS; f++)
+    figures(study);
+    bounds(study);
+    radicand(study);
+    all_draws(study, &d);
+    tables(study, &d);
+    for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
         for (int s = 0; s <= SHARES; s++)
             for (int k = 0; k < ERRORS; k++)
                 free(d.e[f][s][k]);

@@ -62,7 +62,7 @@ function directive(line, study,    at) {
 }
 
 /^@study / {
-    file = "studies/" $2 ".html"
+    file = "lab/study/" $2 ".html"
     if (!there(out "/" $2 "/done"))
         next
     print "<section id=\"" $2 "\">"

@@ -7,10 +7,10 @@
 #include "face.h"
 #include "facegen.h"
 #include "holes.h"
-#include "lab.h"
+#include "study.h"
 #include "lattice.h"
 #include "measure.h"
-#include "render.h"
+#include "picture.h"
 #include "study.h"
 #include "interpolate.h"
 
@@ -61,18 +61,18 @@ static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
         s.tx = SHIFT;
         s.tz = NEARER;
     }
-    pts = lab_alloc(s.points, sizeof *pts);
-    lab_must(face_build(pts, facegen_sample(&s, pts), w, out, NULL));
+    pts = study_alloc(s.points, sizeof *pts);
+    study_must(face_build(pts, facegen_sample(&s, pts), w, out, NULL));
     free(pts);
 }
 
 /* The signed gap on a grid of 1 mm where both surfaces have something measured. */
-static void gap_map(const struct lab *lab, const char *name, const struct face *tmpl,
+static void gap_map(const struct study *study, const char *name, const struct face *tmpl,
                     const struct measure_work *m)
 {
     const struct mesh *t = &tmpl->surface.mesh, *p = &m->moved.mesh;
     struct location at = {t->out[0], 0}, on = {p->out[0], 0};
-    FILE *f = lab_open(lab, name);
+    FILE *f = study_open(study, name);
 
     while (mesh_is_ghost(t, at.he / 3))
         at.he = mesh_turn(t, at.he);
@@ -95,25 +95,25 @@ static void gap_map(const struct lab *lab, const char *name, const struct face *
         }
         fprintf(f, "\n");
     }
-    lab_close(f);
+    study_close(f);
 }
 
-static void both_faces(const struct lab *lab, const char *name, const struct mesh *a,
+static void both_faces(const struct study *study, const char *name, const struct mesh *a,
                        const struct mesh *b)
 {
-    struct render r = {
+    struct picture r = {
         .wide = 330, .high = 380, .per = 2, .z = -20, .turn = 0.6, .tilt = 0.1};
-    FILE *f = lab_open(lab, name);
+    FILE *f = study_open(study, name);
 
-    render_begin(&r);
-    render_mesh(&r, a, NULL, LATTICE_PER_MM, 1, 0, 0x70a8e8);
+    picture_begin(&r);
+    picture_mesh(&r, a, NULL, LATTICE_PER_MM, 1, 0, 0x70a8e8);
     if (b != NULL)
-        render_mesh(&r, b, NULL, LATTICE_PER_MM, 1, 0, 0xf0a840);
-    render_end(&r, f);
-    lab_close(f);
+        picture_mesh(&r, b, NULL, LATTICE_PER_MM, 1, 0, 0xf0a840);
+    picture_end(&r, f);
+    study_close(f);
 }
 
-static void figures(const struct lab *lab, struct face_work *w)
+static void figures(const struct study *study, struct face_work *w)
 {
     static const struct {
         const char *name, *what;
@@ -121,7 +121,7 @@ static void figures(const struct lab *lab, struct face_work *w)
     } row[] = {{"person", "the same person again", 1}, {"other", "another person", 2}};
     static const char *const pose_name[] = {"as scanned", "after alignment",
                                             "at the true pose"};
-    FILE *f = lab_open(lab, "alignment.csv");
+    FILE *f = study_open(study, "alignment.csv");
     struct face a = {0}, b = {0};
     struct measure_work m = {0};
 
@@ -130,33 +130,33 @@ static void figures(const struct lab *lab, struct face_work *w)
     fprintf(f, "printed in the paper,figure 10: as they were,234254,,,\n");
     fprintf(f, "printed in the paper,figure 11: after alignment,120238.8,,,\n");
     scan(1, 0, 0, false, w, &a);
-    both_faces(lab, "template.dat", &a.surface.mesh, NULL);
+    both_faces(study, "template.dat", &a.surface.mesh, NULL);
     for (int k = 0; k < 2; k++) {
         struct face_result found;
         double truth[16];
 
         scan(row[k].subject, 1, 0, true, w, &b);
-        lab_must(face_align(&a, &b, NULL, w, &found));
+        study_must(face_align(&a, &b, NULL, w, &found));
         true_pose(truth);
         for (int i = 0; i < 3; i++) {
             const double *pose[] = {identity, found.align.transform, truth};
             struct disparity d;
             char name[64];
 
-            lab_must(measure_at(&a.surface, &b.surface, pose[i], NULL, &m, &d));
+            study_must(measure_at(&a.surface, &b.surface, pose[i], NULL, &m, &d));
             fprintf(f, "%s,%s,%.1f,%.1f,%.3f,%.3f\n", row[k].what, pose_name[i],
                     d.volume_mm3, d.area_mm2, d.plain_mm, d.overlap);
             if (i == 2)
                 continue;
             (void)snprintf(name, sizeof name, "%s-%s.dat", row[k].name,
                            i == 1 ? "after" : "before");
-            both_faces(lab, name, &a.surface.mesh, &m.moved.mesh);
+            both_faces(study, name, &a.surface.mesh, &m.moved.mesh);
             (void)snprintf(name, sizeof name, "%s-%s-gap.dat", row[k].name,
                            i == 1 ? "after" : "before");
-            gap_map(lab, name, &a, &m);
+            gap_map(study, name, &a, &m);
         }
     }
-    lab_close(f);
+    study_close(f);
     face_free(&a);
     face_free(&b);
     measure_work_free(&m);
@@ -202,7 +202,7 @@ static float left(const void *arg, double x, double y, double z)
 }
 
 /* The mean weighted gap of mated comparisons, neutral and smiling, and of non-mated ones. */
-static void weights(const struct lab *lab, struct face_work *w)
+static void weights(const struct study *study, struct face_work *w)
 {
     static const struct {
         const char *name;
@@ -216,28 +216,28 @@ static void weights(const struct lab *lab, struct face_work *w)
         {"left half alone", left},
     };
     enum { KINDS = 3, U = sizeof u / sizeof u[0] };
-    const size_t people = lab->reduced ? 4 : 60;
+    const size_t people = study->reduced ? 4 : 60;
     double *mm[U][KINDS];
-    FILE *f = lab_open(lab, "weights.csv");
+    FILE *f = study_open(study, "weights.csv");
     struct face a = {0}, b = {0};
     struct measure_work m = {0};
 
     for (int i = 0; i < U; i++)
         for (int k = 0; k < KINDS; k++)
-            mm[i][k] = lab_alloc(people, sizeof(double));
+            mm[i][k] = study_alloc(people, sizeof(double));
     for (size_t s = 0; s < people; s++) {
         scan(s, 0, 0, false, w, &a);
         for (int k = 0; k < KINDS; k++) { /* neutral, smiling, non-mated */
             struct face_result found;
 
             scan(k < 2 ? s : (s + 1) % people, 1, k == 1 ? 1 : 0, true, w, &b);
-            lab_must(face_align(&a, &b, NULL, w, &found));
+            study_must(face_align(&a, &b, NULL, w, &found));
             for (int i = 0; i < U; i++) {
                 const struct disparity_weight weight = {u[i].at, NULL};
                 struct disparity d;
 
-                lab_must(measure_at(&a.surface, &b.surface, found.align.transform,
-                                    &weight, &m, &d));
+                study_must(measure_at(&a.surface, &b.surface, found.align.transform,
+                                      &weight, &m, &d));
                 mm[i][k][s] = d.weighted_mm;
             }
         }
@@ -246,14 +246,14 @@ static void weights(const struct lab *lab, struct face_work *w)
                "non-mated: mean mm,95 %% of these above,"
                "smile mean / non-mated mean\n");
     for (int i = 0; i < U; i++) {
-        const struct lab_spread n = lab_spread(mm[i][0], people);
-        const struct lab_spread s = lab_spread(mm[i][1], people);
-        const struct lab_spread o = lab_spread(mm[i][2], people);
+        const struct study_spread n = study_spread(mm[i][0], people);
+        const struct study_spread s = study_spread(mm[i][1], people);
+        const struct study_spread o = study_spread(mm[i][2], people);
 
         fprintf(f, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f\n", u[i].name, n.mean, s.mean,
                 s.high, o.mean, o.low, s.mean / o.mean);
     }
-    lab_close(f);
+    study_close(f);
     for (int i = 0; i < U; i++)
         for (int k = 0; k < KINDS; k++)
             free(mm[i][k]);
@@ -262,13 +262,13 @@ static void weights(const struct lab *lab, struct face_work *w)
     measure_work_free(&m);
 }
 
-void faces_run(const struct lab *lab)
+void faces_run(const struct study *study)
 {
     struct face_work *w = face_work_new(NULL);
 
     if (w == NULL)
-        lab_must(ST_ENOMEM);
-    figures(lab, w);
-    weights(lab, w);
+        study_must(ST_ENOMEM);
+    figures(study, w);
+    weights(study, w);
     face_work_free(w);
 }

@@ -4,25 +4,25 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "brute.h"
 #include "disparity.h"
-#include "lab.h"
-#include "render.h"
+#include "study.h"
+#include "picture.h"
 #include "study.h"
 #include "interpolate.h"
 
-static size_t scatter(struct brute_rng *r, size_t n, unsigned f, struct ivec3 *out)
+static size_t scatter(struct study_random *r, size_t n, unsigned f, struct ivec3 *out)
 {
     for (size_t i = 0; i < n; i++)
-        out[i] = lab_lattice(f, brute_real(r), brute_real(r));
+        out[i] = study_lattice(f, study_real(r), study_real(r));
     return n;
 }
 
 /* A square's corners first, so that surfaces over it have one hull. */
-static size_t scatter_square(struct brute_rng *r, size_t n, unsigned f, struct ivec3 *out)
+static size_t scatter_square(struct study_random *r, size_t n, unsigned f,
+                             struct ivec3 *out)
 {
     for (size_t i = 0; i < 4; i++)
-        out[i] = lab_lattice(f, (double)(i & 1), (double)(i >> 1));
+        out[i] = study_lattice(f, (double)(i & 1), (double)(i >> 1));
     return 4 + scatter(r, n - 4, f, out + 4);
 }
 
@@ -45,7 +45,7 @@ static void enter(void *arg, uint32_t t)
     for (uint32_t i = 0; i < 4; i++) {
         const struct ivec2 p = trail->m->xy[trail->m->org[3 * t + i % 3]];
 
-        fprintf(trail->f, "%s,%g,%g\n", trail->tag, p.x / LAB_UNIT, p.y / LAB_UNIT);
+        fprintf(trail->f, "%s,%g,%g\n", trail->tag, p.x / STUDY_UNIT, p.y / STUDY_UNIT);
     }
     fprintf(trail->f, "\n");
 }
@@ -64,7 +64,7 @@ static uint32_t nearest(const struct mesh *m, double x, double y)
     double least = INFINITY;
 
     for (uint32_t v = 0; v < m->nv; v++) {
-        const double d = hypot(m->xy[v].x - x * LAB_UNIT, m->xy[v].y - y * LAB_UNIT);
+        const double d = hypot(m->xy[v].x - x * STUDY_UNIT, m->xy[v].y - y * STUDY_UNIT);
 
         if (d < least) {
             least = d;
@@ -74,7 +74,7 @@ static uint32_t nearest(const struct mesh *m, double x, double y)
     return best;
 }
 
-static void one_walk(const struct lab *lab, const struct mesh *m, uint32_t he,
+static void one_walk(const struct study *study, const struct mesh *m, uint32_t he,
                      struct ivec2 from, struct ivec2 to, const char *name)
 {
     char file[64];
@@ -83,44 +83,44 @@ static void one_walk(const struct lab *lab, const struct mesh *m, uint32_t he,
     FILE *f;
 
     (void)snprintf(file, sizeof file, "%s-path.csv", name);
-    trail.f = lab_open(lab, file);
+    trail.f = study_open(study, file);
     (void)locate_point(m, he, from, to, &trace);
-    lab_close(trail.f);
+    study_close(trail.f);
     (void)snprintf(file, sizeof file, "%s-segment.csv", name);
-    f = lab_open(lab, file);
-    fprintf(f, "%g,%g\n%g,%g\n", from.x / LAB_UNIT, from.y / LAB_UNIT, to.x / LAB_UNIT,
-            to.y / LAB_UNIT);
-    lab_close(f);
+    f = study_open(study, file);
+    fprintf(f, "%g,%g\n%g,%g\n", from.x / STUDY_UNIT, from.y / STUDY_UNIT,
+            to.x / STUDY_UNIT, to.y / STUDY_UNIT);
+    study_close(f);
     (void)snprintf(file, sizeof file, "%s-edges.csv", name);
-    f = lab_open(lab, file);
-    lab_edges(m, LAB_UNIT, "1", f);
-    lab_close(f);
+    f = study_open(study, file);
+    study_edges(m, STUDY_UNIT, "1", f);
+    study_close(f);
 }
 
-static void walks(const struct lab *lab)
+static void walks(const struct study *study)
 {
-    struct brute_rng r = {lab->seed};
-    struct lab_surface s = {0};
+    struct study_random r = {study->seed};
+    struct study_surface s = {0};
     struct ivec3 pts[64];
     uint32_t start, through;
     struct ivec2 m, c;
 
-    lab_must(lab_triangulate(&s, pts, scatter(&r, 64, 0, pts)));
+    study_must(study_triangulate(&s, pts, scatter(&r, 64, 0, pts)));
     start = s.surface.mesh.out[nearest(&s.surface.mesh, 0.2, 0.25)];
     m = middle(&s.surface.mesh, start / 3);
-    one_walk(lab, &s.surface.mesh, start, m, (struct ivec2){8200000, 7600000}, "fig1");
+    one_walk(study, &s.surface.mesh, start, m, (struct ivec2){8200000, 7600000}, "fig1");
     through = nearest(&s.surface.mesh, 0.5, 0.5);
     c = s.surface.mesh.xy[through];
-    one_walk(lab, &s.surface.mesh, start, m, (struct ivec2){2 * c.x - m.x, 2 * c.y - m.y},
-             "fig2");
-    lab_surface_free(&s);
+    one_walk(study, &s.surface.mesh, start, m,
+             (struct ivec2){2 * c.x - m.x, 2 * c.y - m.y}, "fig2");
+    study_surface_free(&s);
 }
 
 static void tree_edges(const struct mesh *m, FILE *f)
 {
     for (uint32_t v = 1; v < m->nv; v++)
-        fprintf(f, "%g,%g,%g,%g\n", m->xy[v].x / LAB_UNIT, m->xy[v].y / LAB_UNIT,
-                m->xy[m->parent[v]].x / LAB_UNIT, m->xy[m->parent[v]].y / LAB_UNIT);
+        fprintf(f, "%g,%g,%g,%g\n", m->xy[v].x / STUDY_UNIT, m->xy[v].y / STUDY_UNIT,
+                m->xy[m->parent[v]].x / STUDY_UNIT, m->xy[m->parent[v]].y / STUDY_UNIT);
 }
 
 /* walk_tree(in, pts, trail, differ): every vertex of pts from where its parent was found, as
@@ -129,8 +129,8 @@ static void walk_tree(const struct mesh *in, const struct mesh *pts, struct trai
                       uint32_t *differ)
 {
     const struct locate_trace trace = {enter, trail};
-    struct location *loc = lab_alloc(pts->nv, sizeof *loc);
-    struct location *whole = lab_alloc(pts->nv, sizeof *whole);
+    struct location *loc = study_alloc(pts->nv, sizeof *loc);
+    struct location *whole = study_alloc(pts->nv, sizeof *whole);
 
     locate_mesh(in, pts, whole);
     loc[0] = whole[0];
@@ -149,54 +149,54 @@ static void walk_tree(const struct mesh *in, const struct mesh *pts, struct trai
     free(whole);
 }
 
-static void trees(const struct lab *lab)
+static void trees(const struct study *study)
 {
-    struct brute_rng r = {lab->seed + 1};
-    struct lab_surface a = {0}, b = {0};
+    struct study_random r = {study->seed + 1};
+    struct study_surface a = {0}, b = {0};
     struct ivec3 pts[160];
     struct trail trail = {&a.surface.mesh, NULL, "1", 0};
     uint32_t differ;
     FILE *f;
 
-    lab_must(lab_triangulate(&a, pts, scatter(&r, 160, 0, pts)));
-    lab_must(lab_triangulate(&b, pts, scatter(&r, 60, 0, pts)));
-    f = lab_open(lab, "fig3-edges.csv");
-    lab_edges(&a.surface.mesh, LAB_UNIT, "1", f);
-    lab_close(f);
-    f = lab_open(lab, "fig3-tree.csv");
+    study_must(study_triangulate(&a, pts, scatter(&r, 160, 0, pts)));
+    study_must(study_triangulate(&b, pts, scatter(&r, 60, 0, pts)));
+    f = study_open(study, "fig3-edges.csv");
+    study_edges(&a.surface.mesh, STUDY_UNIT, "1", f);
+    study_close(f);
+    f = study_open(study, "fig3-tree.csv");
     tree_edges(&a.surface.mesh, f);
-    lab_close(f);
-    f = lab_open(lab, "fig4-tree.csv");
+    study_close(f);
+    f = study_open(study, "fig4-tree.csv");
     tree_edges(&b.surface.mesh, f);
-    lab_close(f);
-    trail.f = lab_open(lab, "fig4-path.csv");
+    study_close(f);
+    trail.f = study_open(study, "fig4-path.csv");
     walk_tree(&a.surface.mesh, &b.surface.mesh, &trail, &differ);
-    lab_close(trail.f);
-    lab_surface_free(&a);
-    lab_surface_free(&b);
+    study_close(trail.f);
+    study_surface_free(&a);
+    study_surface_free(&b);
 }
 
 /* How many triangles are entered in locating N points in a mesh of N: along the tree, and
  * each from one place in the middle. */
-static void steps(const struct lab *lab)
+static void steps(const struct study *study)
 {
     static const size_t size[] = {300, 1000, 3000, 10000, 30000, 100000, 300000};
-    const size_t sizes = lab->reduced ? 4 : sizeof size / sizeof size[0];
+    const size_t sizes = study->reduced ? 4 : sizeof size / sizeof size[0];
     double n[8], along[8], single[8];
-    FILE *f = lab_open(lab, "steps.csv"), *fit = lab_open(lab, "steps-fit.csv");
+    FILE *f = study_open(study, "steps.csv"), *fit = study_open(study, "steps-fit.csv");
 
     fprintf(f, "points in each mesh,triangles entered along the tree,per point,"
                "found elsewhere than by locate_mesh(),each from the middle: per point\n");
     for (size_t i = 0; i < sizes; i++) {
-        struct brute_rng r = {lab->seed + 2};
-        struct lab_surface a = {0}, b = {0};
-        struct ivec3 *pts = lab_alloc(size[i], sizeof *pts);
+        struct study_random r = {study->seed + 2};
+        struct study_surface a = {0}, b = {0};
+        struct ivec3 *pts = study_alloc(size[i], sizeof *pts);
         struct trail trail = {NULL, NULL, "", 0}, far = {NULL, NULL, "", 0};
         const struct locate_trace trace = {enter, &far};
         uint32_t differ, he, tried = 0;
 
-        lab_must(lab_triangulate(&a, pts, scatter(&r, size[i], 0, pts)));
-        lab_must(lab_triangulate(&b, pts, scatter(&r, size[i], 0, pts)));
+        study_must(study_triangulate(&a, pts, scatter(&r, size[i], 0, pts)));
+        study_must(study_triangulate(&b, pts, scatter(&r, size[i], 0, pts)));
         walk_tree(&a.surface.mesh, &b.surface.mesh, &trail, &differ);
         he = a.surface.mesh.out[nearest(&a.surface.mesh, 0.5, 0.5)];
         for (uint32_t v = 0; v < b.surface.mesh.nv;
@@ -209,20 +209,20 @@ static void steps(const struct lab *lab)
         single[i] = (double)far.entered / tried;
         fprintf(f, "%zu,%.0f,%.3f,%u,%.2f\n", size[i], along[i], along[i] / n[i], differ,
                 single[i]);
-        lab_surface_free(&a);
-        lab_surface_free(&b);
+        study_surface_free(&a);
+        study_surface_free(&b);
         free(pts);
     }
     fprintf(fit, "triangles entered,paper: exponent,exponent,95 %% from,to\n");
     for (int k = 0; k < 2; k++) {
-        const struct lab_fit e = lab_fit(n, k ? single : along, sizes);
+        const struct study_fit e = study_fit(n, k ? single : along, sizes);
 
         fprintf(fit, "%s,%s,%.3f,%.3f,%.3f\n",
                 k ? "one point from the middle" : "a mesh along the tree",
                 k ? "0.5" : "1", e.slope, e.slope - e.half, e.slope + e.half);
     }
-    lab_close(f);
-    lab_close(fit);
+    study_close(f);
+    study_close(fit);
 }
 
 /* ---- figures 5 to 8: f2, sampled on the second mesh, on the first one's points */
@@ -232,97 +232,98 @@ static double depth(const struct mesh *m)
     double most = 0;
 
     for (uint32_t v = 0; v < m->nv; v++)
-        most = fmax(most, abs(m->z[v]) / LAB_UNIT);
+        most = fmax(most, abs(m->z[v]) / STUDY_UNIT);
     return most;
 }
 
-static void picture(const struct lab *lab, const char *name, const struct mesh *top,
+static void picture(const struct study *study, const char *name, const struct mesh *top,
                     const struct mesh *bottom)
 {
     const double up = 0.45 / fmax(depth(bottom), depth(top));
-    struct render r = {.wide = 320,
-                       .high = 346,
-                       .per = 230,
-                       .x = 0.5,
-                       .y = 0.5,
-                       .z = 0.5,
-                       .turn = 0,
-                       .tilt = 0.9};
-    FILE *f = lab_open(lab, name);
+    struct picture r = {.wide = 320,
+                        .high = 346,
+                        .per = 230,
+                        .x = 0.5,
+                        .y = 0.5,
+                        .z = 0.5,
+                        .turn = 0,
+                        .tilt = 0.9};
+    FILE *f = study_open(study, name);
 
-    render_begin(&r);
-    render_mesh(&r, bottom, NULL, LAB_UNIT, up, 0, 0xf0a030);
-    render_mesh(&r, top, NULL, LAB_UNIT, up, 0.6, 0x60a0e0);
-    render_end(&r, f);
-    lab_close(f);
+    picture_begin(&r);
+    picture_mesh(&r, bottom, NULL, STUDY_UNIT, up, 0, 0xf0a030);
+    picture_mesh(&r, top, NULL, STUDY_UNIT, up, 0.6, 0x60a0e0);
+    picture_end(&r, f);
+    study_close(f);
 }
 
-static void interpolation(const struct lab *lab)
+static void interpolation(const struct study *study)
 {
     static const struct {
         int figure;
         size_t n;
         unsigned f1, f2;
     } row[] = {{5, 1000, 3, 0}, {6, 10000, 3, 0}, {7, 10000, 5, 2}, {8, 15000, 5, 2}};
-    FILE *f = lab_open(lab, "interpolation.csv");
+    FILE *f = study_open(study, "interpolation.csv");
 
     fprintf(f, "figure,points in each mesh,above,below,mean |interpolated - function|,"
                "largest,mean distance of surfaces (2) and (3),largest\n");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
-        struct brute_rng r = {lab->seed + 3};
+        struct study_random r = {study->seed + 3};
         const size_t n = row[i].n;
-        struct ivec3 *pts = lab_alloc(n, sizeof *pts);
-        struct lab_surface a = {0}, b = {0}, c = {0};
+        struct ivec3 *pts = study_alloc(n, sizeof *pts);
+        struct study_surface a = {0}, b = {0}, c = {0};
         struct location *loc;
         double *z, mean = 0, most = 0, apart = 0, widest = 0;
         char name[32];
 
-        lab_must(lab_triangulate(&a, pts, scatter_square(&r, n, row[i].f1, pts)));
-        lab_must(lab_triangulate(&b, pts, scatter_square(&r, n, row[i].f2, pts)));
-        loc = lab_alloc(a.surface.mesh.nv, sizeof *loc);
-        z = lab_alloc(a.surface.mesh.nv, sizeof *z);
+        study_must(study_triangulate(&a, pts, scatter_square(&r, n, row[i].f1, pts)));
+        study_must(study_triangulate(&b, pts, scatter_square(&r, n, row[i].f2, pts)));
+        loc = study_alloc(a.surface.mesh.nv, sizeof *loc);
+        z = study_alloc(a.surface.mesh.nv, sizeof *z);
         locate_mesh(&b.surface.mesh, &a.surface.mesh, loc);
         interpolate_mesh(&b.surface.mesh, &a.surface.mesh, loc, z);
         for (uint32_t v = 0; v < a.surface.mesh.nv; v++) {
             const struct ivec2 p = a.surface.mesh.xy[v];
             const double off =
-                fabs(z[v] / LAB_UNIT -
-                     lab_function(row[i].f2, p.x / LAB_UNIT, p.y / LAB_UNIT));
+                fabs(z[v] / STUDY_UNIT -
+                     study_function(row[i].f2, p.x / STUDY_UNIT, p.y / STUDY_UNIT));
 
             mean += off / a.surface.mesh.nv;
             most = fmax(most, off);
             pts[v] = (struct ivec3){p.x, p.y, (int32_t)lround(z[v])};
         }
-        lab_must(lab_triangulate(&c, pts, a.surface.mesh.nv));
+        study_must(study_triangulate(&c, pts, a.surface.mesh.nv));
         for (int k = 0; k < 10000; k++) { /* on a grid of 100 x 100 */
             const struct ivec2 q = {(k % 100 * 2 + 1) * 50000, (k / 100 * 2 + 1) * 50000};
             bool inside;
             const double off =
-                fabs(lab_height(&b, q, &inside) - lab_height(&c, q, &inside)) / LAB_UNIT;
+                fabs(study_height(&b, q, &inside) - study_height(&c, q, &inside)) /
+                STUDY_UNIT;
 
             apart += off / 10000;
             widest = fmax(widest, off);
         }
         fprintf(f, "%d,%zu,%s,%s,%.2e,%.2e,%.2e,%.2e\n", row[i].figure, n,
-                lab_function_name(row[i].f1), lab_function_name(row[i].f2), mean, most,
-                apart, widest);
+                study_function_name(row[i].f1), study_function_name(row[i].f2), mean,
+                most, apart, widest);
         (void)snprintf(name, sizeof name, "fig%d-given.dat", row[i].figure);
-        picture(lab, name, &a.surface.mesh, &b.surface.mesh);
+        picture(study, name, &a.surface.mesh, &b.surface.mesh);
         (void)snprintf(name, sizeof name, "fig%d-interpolated.dat", row[i].figure);
-        picture(lab, name, &a.surface.mesh, &c.surface.mesh);
-        lab_surface_free(&a);
-        lab_surface_free(&b);
-        lab_surface_free(&c);
+        picture(study, name, &a.surface.mesh, &c.surface.mesh);
+        study_surface_free(&a);
+        study_surface_free(&b);
+        study_surface_free(&c);
         free(loc);
         free(z);
         free(pts);
     }
-    lab_close(f);
+    study_close(f);
 }
 
 /* ---- figure 9: the cases of signs over the triangle (0, 0), (1, 0), (0, 1) */
 
-static void signs(const struct lab *lab)
+static void signs(const struct study *study)
 {
     /* By hand: the mean of the corners times the area 1/2; where the surfaces cross, the
      * tip on the one side of the line of zeros counted with its sign reversed. */
@@ -336,7 +337,7 @@ static void signs(const struct lab *lab)
         {"d", "a = 0; b < 0; c > 0: two pyramids", 0, -2, 3, 13.0 / 30},
         {"e", "a > 0; b < 0; c > 0: pyramid and wedge", 1, -2, 3, 23.0 / 45},
     };
-    FILE *f = lab_open(lab, "signs.csv"), *d;
+    FILE *f = study_open(study, "signs.csv"), *d;
 
     fprintf(f, "case,signs,a,b,c,by hand,disparity_prism(),difference\n");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
@@ -346,11 +347,11 @@ static void signs(const struct lab *lab)
         fprintf(f, "%s,%s,%g,%g,%g,%.6f,%.6f,%.0e\n", row[i].name, row[i].what, row[i].a,
                 row[i].b, row[i].c, row[i].hand, v, fabs(v - row[i].hand));
         (void)snprintf(name, sizeof name, "fig9-%s.dat", row[i].name);
-        d = lab_open(lab, name);
+        d = study_open(study, name);
         fprintf(d, "0 0 0\n1 0 0\n\n0 1 0\n0 1 0\n\n\n");
         fprintf(d, "0 0 %g\n1 0 %g\n\n0 1 %g\n0 1 %g\n", row[i].a, row[i].b, row[i].c,
                 row[i].c);
-        lab_close(d);
+        study_close(d);
     }
     /* (f), the wedge alone: (e) less its pyramid, whose base is 2/3 x 2/5 of the triangle
      * and whose height is 2. */
@@ -358,14 +359,14 @@ static void signs(const struct lab *lab)
             disparity_prism(0.5, 1, -2, 3) - disparity_prism(0.5 * 4 / 15, 0, 2, 0),
             fabs(disparity_prism(0.5, 1, -2, 3) - disparity_prism(0.5 * 4 / 15, 0, 2, 0) -
                  19.0 / 45));
-    lab_close(f);
+    study_close(f);
 }
 
-void method_run(const struct lab *lab)
+void method_run(const struct study *study)
 {
-    walks(lab);
-    trees(lab);
-    steps(lab);
-    interpolation(lab);
-    signs(lab);
+    walks(study);
+    trees(study);
+    steps(study);
+    interpolation(study);
+    signs(study);
 }

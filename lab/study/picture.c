@@ -1,24 +1,24 @@
-#include "render.h"
+#include "picture.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "lab.h"
+#include "study.h"
 
-void render_begin(struct render *r)
+void picture_begin(struct picture *r)
 {
     const size_t n = (size_t)r->wide * (size_t)r->high;
 
-    r->rgb = lab_alloc(n, 3);
-    r->depth = lab_alloc(n, sizeof *r->depth);
+    r->rgb = study_alloc(n, 3);
+    r->depth = study_alloc(n, sizeof *r->depth);
     memset(r->rgb, 255, 3 * n);
     for (size_t i = 0; i < n; i++)
         r->depth[i] = -INFINITY;
 }
 
 /* To the eye's coordinates: pixels across and up, and towards it. */
-static struct dvec3 seen(const struct render *r, double x, double y, double z)
+static struct dvec3 seen(const struct picture *r, double x, double y, double z)
 {
     const double cx = x - r->x, cy = y - r->y, cz = z - r->z;
     const double ax = cos(r->turn) * cx + sin(r->turn) * cz;
@@ -29,7 +29,7 @@ static struct dvec3 seen(const struct render *r, double x, double y, double z)
                           r->per * (cos(r->tilt) * az - sin(r->tilt) * cy)};
 }
 
-static void fill(struct render *r, const struct dvec3 p[3], unsigned colour)
+static void fill(struct picture *r, const struct dvec3 p[3], unsigned colour)
 {
     const double ux = p[1].x - p[0].x, uy = p[1].y - p[0].y, uz = p[1].z - p[0].z;
     const double vx = p[2].x - p[0].x, vy = p[2].y - p[0].y, vz = p[2].z - p[0].z;
@@ -61,8 +61,8 @@ static void fill(struct render *r, const struct dvec3 p[3], unsigned colour)
         }
 }
 
-void render_mesh(struct render *r, const struct mesh *m, const uint8_t *bridge,
-                 double unit, double up, double lift, unsigned colour)
+void picture_mesh(struct picture *r, const struct mesh *m, const uint8_t *bridge,
+                  double unit, double up, double lift, unsigned colour)
 {
     for (uint32_t t = 0; t < m->nt; t++) {
         struct dvec3 p[3];
@@ -79,7 +79,7 @@ void render_mesh(struct render *r, const struct mesh *m, const uint8_t *bridge,
     }
 }
 
-void render_point(struct render *r, struct dvec3 p, int size, unsigned colour)
+void picture_point(struct picture *r, struct dvec3 p, int size, unsigned colour)
 {
     const struct dvec3 q = seen(r, p.x, p.y, p.z);
 
@@ -97,7 +97,7 @@ void render_point(struct render *r, struct dvec3 p, int size, unsigned colour)
         }
 }
 
-void render_end(struct render *r, FILE *f)
+void picture_end(struct picture *r, FILE *f)
 {
     for (int y = 0; y < r->high; y++)
         for (int x = 0; x < r->wide; x++) {

@@ -11,10 +11,9 @@
 #include <string.h>
 
 #include "align_pose.h"
-#include "brute.h"
 #include "descent.h"
 #include "face.h"
-#include "lab.h"
+#include "study.h"
 #include "measure.h"
 #include "minimal.h"
 #include "people.h"
@@ -49,7 +48,7 @@ static struct disparity measure(const struct pair *p, const double x[DIM])
     double pose[16];
 
     descent_pose(p->aligned, p->centre, x, pose);
-    lab_must(measure_at(&p->tmpl->surface, &p->probe->surface, pose, NULL, p->m, &d));
+    study_must(measure_at(&p->tmpl->surface, &p->probe->surface, pose, NULL, p->m, &d));
     return d;
 }
 
@@ -75,12 +74,12 @@ struct start {
 };
 
 /* Normally distributed, near enough: the sum of twelve. */
-static double normal(struct brute_rng *r)
+static double normal(struct study_random *r)
 {
     double sum = -6;
 
     for (int i = 0; i < 12; i++)
-        sum += brute_real(r);
+        sum += study_real(r);
     return sum;
 }
 
@@ -93,7 +92,7 @@ static int by_value(const void *a, const void *b)
 
 /* brute_force(d, own, r): the best of all starts; own: production's answer. */
 static struct start brute_force(struct descent *d, const double own[DIM],
-                                struct brute_rng *r)
+                                struct study_random *r)
 {
     struct start s[STARTS];
 
@@ -122,8 +121,8 @@ struct record {
     double turn, shift, area;  /* of the best, from the alignment; the share kept */
 };
 
-struct study {
-    const struct lab *lab;
+struct run {
+    const struct study *study;
     struct face_work *w;
     struct measure_work m;
     uint64_t pairs_done;
@@ -138,7 +137,7 @@ static void pose_fields(FILE *f, const double pose[16])
         (void)fprintf(f, ",%.9g", pose[i]);
 }
 
-static void one_pair(struct study *s, const struct person *template,
+static void one_pair(struct run *s, const struct person *template,
                      const struct person *person, const struct face *probe,
                      const char *kind, int k)
 {
@@ -146,13 +145,13 @@ static void one_pair(struct study *s, const struct person *template,
     struct record *r = &s->record[k][s->records[k]++];
     struct pair p = {.tmpl = &template->template, .probe = probe, .m = &s->m};
     struct descent d = {value, &p, 0};
-    struct brute_rng random = {s->lab->seed + s->pairs_done++};
+    struct study_random random = {s->study->seed + s->pairs_done++};
     double own[DIM] = {0}, pose[16];
     struct minimal least;
     struct disparity at;
     struct start best;
 
-    lab_must(face_minimal(p.tmpl, probe, NULL, s->w, &found, &least));
+    study_must(face_minimal(p.tmpl, probe, NULL, s->w, &found, &least));
     p.aligned = found.align.transform;
     p.centre = vec_transform(p.aligned, align_pose_centre(&probe->surface.mesh));
     at = measure(&p, own);
@@ -160,7 +159,7 @@ static void one_pair(struct study *s, const struct person *template,
     *r = (struct record){.mated = template == person,
                          .aligned = at.plain_mm,
                          .own = least.disparity.plain_mm};
-    lab_must(
+    study_must(
         measure_at(&p.tmpl->surface, &probe->surface, least.transform, NULL, &s->m, &at));
     r->kept = at.plain_mm == r->own && at.area_mm2 >= p.least_area;
     descent_between(p.aligned, p.centre, least.transform, own);
@@ -181,7 +180,7 @@ static void one_pair(struct study *s, const struct person *template,
 }
 
 /* All pairs of these people: person by person, so that the first lines are of all kinds. */
-static void all_pairs(struct study *s, struct person *const p[KINDS], size_t people,
+static void all_pairs(struct run *s, struct person *const p[KINDS], size_t people,
                       const char *const *kind, int kinds)
 {
     struct face probe = {0};
@@ -212,16 +211,16 @@ static double share_below(const double *v, size_t n, double most)
 
 /* A line for the mated or the non-mated pairs of the kinds from..to - 1; curve: and how many
  * lie below what, or NULL. */
-static void line(const struct study *s, const char *name, bool mated, int from, int to,
+static void line(const struct run *s, const char *name, bool mated, int from, int to,
                  FILE *f, FILE *curve)
 {
     enum { OWN, ALIGNED, TURN, SHIFT, AREA, COLUMNS };
     double *v[COLUMNS];
-    struct lab_spread sp[COLUMNS];
+    struct study_spread sp[COLUMNS];
     size_t n = 0, kept = 0;
 
     for (int c = 0; c < COLUMNS; c++)
-        v[c] = lab_alloc(2 * PEOPLE * KINDS, sizeof(double));
+        v[c] = study_alloc(2 * PEOPLE * KINDS, sizeof(double));
     for (int k = from; k < to; k++)
         for (size_t i = 0; i < s->records[k]; i++) {
             const struct record *r = &s->record[k][i];
@@ -236,7 +235,7 @@ static void line(const struct study *s, const char *name, bool mated, int from, 
             v[AREA][n++] = r->area;
         }
     for (int c = 0; c < COLUMNS && n > 0; c++)
-        sp[c] = lab_spread(v[c], n);
+        sp[c] = study_spread(v[c], n);
     if (n > 0)
         fprintf(
             f,
@@ -254,9 +253,10 @@ static void line(const struct study *s, const char *name, bool mated, int from, 
         free(v[c]);
 }
 
-static void summary(const struct study *s, const char *const *kind, int kinds)
+static void summary(const struct run *s, const char *const *kind, int kinds)
 {
-    FILE *f = lab_open(s->lab, "summary.csv"), *curve = lab_open(s->lab, "curve.csv");
+    FILE *f = study_open(s->study, "summary.csv"),
+         *curve = study_open(s->study, "curve.csv");
 
     fprintf(
         f,
@@ -270,41 +270,41 @@ static void summary(const struct study *s, const char *const *kind, int kinds)
             line(s, kind[k], mated, k, k + 1, f, NULL);
         line(s, kinds > 1 ? "all" : kind[0], mated, 0, kinds, f, curve);
     }
-    lab_close(curve);
-    lab_close(f);
+    study_close(curve);
+    study_close(f);
 }
 
-void minimal_run(const struct lab *lab)
+void minimal_run(const struct study *study)
 {
     static const char *const scanned[KINDS] = {"p1", "p2", "p3", "p4"};
     static const char *const made_up[1] = {"made up"};
-    struct study s = {.lab = lab, .w = face_work_new(NULL)};
-    const int kinds = lab->faces != NULL ? KINDS : 1;
+    struct run s = {.study = study, .w = face_work_new(NULL)};
+    const int kinds = study->faces != NULL ? KINDS : 1;
     struct person *p[KINDS];
     size_t people = PEOPLE;
 
     if (s.w == NULL)
-        lab_must(ST_ENOMEM);
-    if (lab->reduced || lab->faces == NULL)
-        people = lab->reduced ? 3 : 30;
+        study_must(ST_ENOMEM);
+    if (study->reduced || study->faces == NULL)
+        people = study->reduced ? 3 : 30;
     for (int k = 0; k < KINDS; k++) {
-        s.record[k] = lab_alloc(2 * PEOPLE, sizeof(struct record));
-        p[k] = lab_alloc(PEOPLE, sizeof *p[k]);
+        s.record[k] = study_alloc(2 * PEOPLE, sizeof(struct record));
+        p[k] = study_alloc(PEOPLE, sizeof *p[k]);
     }
-    if (lab->faces == NULL)
+    if (study->faces == NULL)
         people_made_up(900, people, s.w, p[0]);
-    for (int k = 0; k < KINDS && lab->faces != NULL; k++)
-        people = people_scanned(lab->faces, scanned[k], people, s.w, p[k]);
-    s.pairs = lab_open(lab, "pairs.csv");
+    for (int k = 0; k < KINDS && study->faces != NULL; k++)
+        people = people_scanned(study->faces, scanned[k], people, s.w, p[k]);
+    s.pairs = study_open(study, "pairs.csv");
     fprintf(s.pairs, "template,probe,kind,mated,alignment mm,production mm,best known mm,"
                      "production / best,alignment / best,turn degrees,shift mm,"
                      "common area kept,measures,best start");
     for (int i = 0; i < 24; i++)
         fprintf(s.pairs, ",%s %d%d", i < 12 ? "aligned" : "best", i % 12 / 4, i % 4);
     fprintf(s.pairs, "\n");
-    all_pairs(&s, p, people, lab->faces != NULL ? scanned : made_up, kinds);
-    lab_close(s.pairs);
-    summary(&s, lab->faces != NULL ? scanned : made_up, kinds);
+    all_pairs(&s, p, people, study->faces != NULL ? scanned : made_up, kinds);
+    study_close(s.pairs);
+    summary(&s, study->faces != NULL ? scanned : made_up, kinds);
     for (int k = 0; k < KINDS; k++) {
         people_free(p[k], PEOPLE);
         free(p[k]);

@@ -7,13 +7,13 @@
 
 #include "cloudfile.h"
 #include "facegen.h"
-#include "lab.h"
+#include "study.h"
 
 #define FILE_MAX ((size_t)1 << 25)
 
 void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p)
 {
-    struct dvec3 *pts = lab_alloc(PEOPLE_POINTS, sizeof *pts);
+    struct dvec3 *pts = study_alloc(PEOPLE_POINTS, sizeof *pts);
 
     for (size_t i = 0; i < n; i++) {
         struct facegen_scan scan;
@@ -21,10 +21,10 @@ void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person
         facegen_default(&scan);
         scan.subject = first + i;
         facegen_pose(&scan, 3, 4);
-        lab_must(face_build(pts, facegen_sample(&scan, pts), w, &p[i].template, NULL));
+        study_must(face_build(pts, facegen_sample(&scan, pts), w, &p[i].template, NULL));
         scan.scan = 1;
         facegen_pose(&scan, 8, 12);
-        p[i].probe = lab_alloc(PEOPLE_POINTS, sizeof *pts);
+        p[i].probe = study_alloc(PEOPLE_POINTS, sizeof *pts);
         p[i].n = facegen_sample(&scan, p[i].probe);
         (void)snprintf(p[i].name, sizeof p->name, "made up %zu", i);
     }
@@ -44,12 +44,12 @@ struct dvec3 *people_points(const char *dir, const char *name, size_t *n)
     (void)snprintf(path, sizeof path, "%s/%s", dir, name);
     if ((f = fopen(path, "rb")) == NULL)
         return NULL;
-    bytes = lab_alloc(FILE_MAX + 1, 1);
+    bytes = study_alloc(FILE_MAX + 1, 1);
     *n = fread(bytes, 1, FILE_MAX, f);
     bytes[*n] = '\0';
     if (cloudfile_read(bytes, *n, &options, &scan, NULL) == ST_OK) {
         *n = scan.n;
-        copy = lab_alloc(*n, sizeof *copy);
+        copy = study_alloc(*n, sizeof *copy);
         memcpy(copy, scan.at, *n * sizeof *copy);
         cloudpoints_free(&scan);
     }

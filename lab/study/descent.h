@@ -1,7 +1,7 @@
 /* descent.h -- minima of a function of six numbers by its values alone, no derivatives: what
  * the studies check production's minimum with.  It shares nothing with core. */
-#ifndef STUDIES_DESCENT_H
-#define STUDIES_DESCENT_H
+#ifndef STUDY_DESCENT_H
+#define STUDY_DESCENT_H
 #include "vec.h"
 
 #define DESCENT_DIM   6
