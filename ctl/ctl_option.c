@@ -55,11 +55,6 @@ static bool read_number(const char *text, double *to, double most)
     return end != text && *end == '\0' && isfinite(*to) && *to > 0 && *to <= most;
 }
 
-const char *ctl_option_mm(const char *text, void *value)
-{
-    return read_number(text, value, 999) ? NULL : "millimetres above 0";
-}
-
 const char *ctl_option_score(const char *text, void *value)
 {
     double *to = value;

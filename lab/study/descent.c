@@ -5,19 +5,19 @@
 
 #define DIM DESCENT_DIM
 
-void descent_turn(const int order[3], const double x[DIM], double r[3][3])
+/* r = the rotation of descent_pose(). */
+static void turn_of(const double x[DIM], double r[3][3])
 {
     memcpy(r, (const double[3][3]){{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 9 * sizeof(double));
     for (int k = 0; k < 3; k++) { /* round axis k: rows i and j change */
-        const int i = (k + 1) % 3, j = (k + 2) % 3, n = order != NULL ? order[k] : 0;
-        const double a = x[k] / DESCENT_LEVER + n * acos(0.0), c = cos(a), s = sin(a);
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        const double a = x[k] / DESCENT_LEVER, c = cos(a), s = sin(a);
 
         for (int m = 0; m < 3; m++) {
             const double u = r[i][m], v = r[j][m];
 
-            r[i][m] = c * u - s * v; /* a quarter turn further for each derivative */
+            r[i][m] = c * u - s * v;
             r[j][m] = s * u + c * v;
-            r[k][m] = n > 0 ? 0 : r[k][m];
         }
     }
 }
@@ -28,7 +28,7 @@ void descent_pose(const double base[16], struct dvec3 c, const double x[DIM],
     const double centre[3] = {c.x, c.y, c.z};
     double r[3][3];
 
-    descent_turn(NULL, x, r);
+    turn_of(x, r);
     memcpy(out, (const double[16]){[15] = 1}, 16 * sizeof *out);
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 4; j++)
@@ -65,7 +65,7 @@ double descent_angle(const double x[DIM])
 {
     double r[3][3];
 
-    descent_turn(NULL, x, r);
+    turn_of(x, r);
     return acos(fmin(1, (r[0][0] + r[1][1] + r[2][2] - 1) / 2)) * 180 / acos(-1.0);
 }
 

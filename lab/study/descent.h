@@ -19,10 +19,6 @@ struct descent {
 void descent_pose(const double base[16], struct dvec3 c, const double x[DESCENT_DIM],
                   double out[16]);
 
-/* descent_turn(order, x, r): r = the rotation of descent_pose(); of order k in an angle, its
- * k-th derivative for that angle (radians).  order NULL: none. */
-void descent_turn(const int order[3], const double x[DESCENT_DIM], double r[3][3]);
-
 /* descent_between(base, c, pose, x): the x with which descent_pose(base, c, x) is pose; all
  * turns below 90 degrees. */
 void descent_between(const double base[16], struct dvec3 c, const double pose[16],

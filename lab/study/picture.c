@@ -79,24 +79,6 @@ void picture_mesh(struct picture *r, const struct mesh *m, const uint8_t *bridge
     }
 }
 
-void picture_point(struct picture *r, struct dvec3 p, int size, unsigned colour)
-{
-    const struct dvec3 q = seen(r, p.x, p.y, p.z);
-
-    for (int y = (int)floor(q.y) - size / 2, j = 0; j < size; j++)
-        for (int x = (int)floor(q.x) - size / 2, i = 0; i < size; i++) {
-            const size_t at = (size_t)(y + j) * (size_t)r->wide + (size_t)(x + i);
-
-            if (x + i < 0 || y + j < 0 || x + i >= r->wide || y + j >= r->high ||
-                q.z <= r->depth[at])
-                continue;
-            r->depth[at] = (float)q.z;
-            for (int k = 0; k < 3; k++)
-                r->rgb[3 * at + (size_t)k] =
-                    (unsigned char)(colour >> (16 - 8 * k) & 255);
-        }
-}
-
 void picture_end(struct picture *r, FILE *f)
 {
     for (int y = 0; y < r->high; y++)

@@ -25,9 +25,6 @@ void picture_begin(struct picture *r);
 void picture_mesh(struct picture *r, const struct mesh *m, const uint8_t *bridge,
                   double unit, double up, double lift, unsigned colour);
 
-/* picture_point(r, p, size, colour): a square of so many pixels, facing the eye. */
-void picture_point(struct picture *r, struct dvec3 p, int size, unsigned colour);
-
 /* picture_end(r, f): lines "across up r g b", in units of length from the middle. */
 void picture_end(struct picture *r, FILE *f);
 
