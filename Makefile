@@ -1,8 +1,8 @@
 # surfaced -- see README.md.  `make help` lists the targets.
 #
 # A room is a folder of modules.  The Makefile finds the files by their names: the *.c files
-# of a room become an archive, build/libROOM.a; server/main.c and ctl/main.c hold the programs'
-# main(); sim/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
+# of a room become an archive, build/libROOM.a; server/main.c, ctl/main.c and lab/main.c hold the
+# programs' main(); sim/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
 # tests/ROOM/test_*.c are unit tests, each linked only with its room and the rooms that it sees.
 # A test that needs a linker flag has a line:  /* link: -Wl,--wrap=f */
 # Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
@@ -31,8 +31,8 @@ SOVERSION    := 0
 FACE         := core/face core/measure core/mesh
 CORE         := core/find $(FACE)
 DB           := db db/rows db/log db/crypt
-ROOMS        := core/mesh core/measure core/face core/find core base scan learn \
-                db/sql db/crypt db/log db/rows db db/admin service server ctl sim
+ROOMS        := core/mesh core/measure core/face core/find core base scan \
+                db/sql db/crypt db/log db/rows db db/admin service server ctl sim lab/study lab
 SEES_core/mesh    :=
 SEES_core/measure := core/mesh
 SEES_core/face    := core/measure core/mesh
@@ -40,7 +40,6 @@ SEES_core/find    := $(FACE)
 SEES_core     := $(CORE)
 SEES_base     := $(FACE)
 SEES_scan     := base $(CORE)
-SEES_learn    := scan base $(CORE)
 SEES_db/sql   := base core/mesh
 SEES_db/crypt := base core/mesh
 SEES_db/log   := db/sql db/crypt base core/mesh
@@ -49,8 +48,10 @@ SEES_db       := db/rows db/log db/sql db/crypt scan base $(CORE)
 SEES_db/admin := db db/rows db/log db/sql db/crypt scan base $(CORE)
 SEES_service  := $(DB) scan base $(CORE)
 SEES_server   := service $(DB) scan base $(CORE)
-SEES_ctl      := service db/admin $(DB) learn scan base $(CORE)
+SEES_ctl      := service db/admin $(DB) scan base $(CORE)
 SEES_sim      := scan base $(CORE)
+SEES_lab/study := sim scan base $(CORE)
+SEES_lab      := lab/study sim scan base $(CORE)
 # What a room is linked with besides, for those that see the room and not this.
 LINKS_db/log := db/sql
 
@@ -103,7 +104,7 @@ SHIM_BIN  := $(BUILD)/crash_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUIL
 EMBED     := json html css js
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)))
-PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(TOOL_BIN)
+PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(BUILD)/surfacelab $(TOOL_BIN)
 
 # ---- build
 
@@ -116,7 +117,7 @@ all: $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) $(PROGRAMS)
 PIC        = $(if $(filter core core/%,$(1)),-fPIC -fvisibility=hidden)
 define room
 $(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1)) $(call PIC,$(1))
-$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c,$(wildcard $(1)/*.c)))
+$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c lab/main.c,$(wildcard $(1)/*.c)))
 endef
 $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 
@@ -127,7 +128,7 @@ SEES_log   := $(call sees,db)
 SEES_rows  := $(call sees,db)
 SEES_admin := $(call sees,db/admin)
 SEES_box   := $(call sees,db/admin)
-SEES_fuzz  := server service learn $(call sees,db/admin)
+SEES_fuzz  := server service lab $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
 define testroom
@@ -135,7 +136,6 @@ $(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
 $(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin)
-$(BUILD)/studies/%.o:   FLAGS := -Istudies -Itests/lib -Isim $(call flags,scan)
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -222,15 +222,13 @@ $(BUILD)/surfacectl: $(BUILD)/ctl/main.o $(call archs,ctl)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,ctl)
 
+$(BUILD)/surfacelab: $(BUILD)/lab/main.o $(call archs,lab)
+	$(call say,LD)
+	$(Q)$(link) $(call needs,lab)
+
 $(TOOL_BIN): $(BUILD)/%: $(BUILD)/sim/%_main.o $(call archs,sim)
 	$(call say,LD)
 	$(Q)$(link) $(call needs,sim)
-
-# The program of scripts/studies.
-$(BUILD)/study: $(call obj,$(wildcard studies/*.c)) $(call arch,tests) $(call arch,sim) \
-    $(call archs,scan)
-	$(call say,LD)
-	$(Q)$(link) $(call needs,scan)
 
 # ---- tests
 
@@ -266,7 +264,7 @@ $(BENCH_BIN): $(BUILD)/%: $(BUILD)/tests/bench/%.o \
 	$(Q)$(link) $(call needs,bench)
 
 # Programs that the black-box tests run.
-AIDS := $(AID_BIN) $(SHIM_BIN) $(BUILD)/study
+AIDS := $(AID_BIN) $(SHIM_BIN)
 
 ## tests: everything that the tests need
 .PHONY: tests
@@ -274,7 +272,7 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
 # too; those that count basic blocks, which are others there; and crash, whose preloaded library would be loaded before the sanitizer's.
-LONG := ctl-evaluate ctl-train http-openapi accuracy http-hostile studies fault-client crash
+LONG := lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
@@ -357,7 +355,7 @@ lint: all
 ## format: lay out every source file by .clang-format
 .PHONY: format
 format:
-	clang-format -i $(wildcard $(ROOMS:%=%/*.[ch]) tests/*/*.[ch] studies/*.[ch])
+	clang-format -i $(wildcard $(ROOMS:%=%/*.[ch]) tests/*/*.[ch])
 
 # ---- install
 
@@ -368,7 +366,7 @@ install: all
 	    "$(DESTDIR)$(PREFIX)/include" "$(DESTDIR)$(LIBDIR)/pkgconfig" \
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d" "$(DESTDIR)$(UNITDIR)" "$(DESTDIR)/etc"
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
-	install -m 755 $(BUILD)/surfacectl "$(DESTDIR)$(PREFIX)/bin/"
+	install -m 755 $(BUILD)/surfacectl $(BUILD)/surfacelab "$(DESTDIR)$(PREFIX)/bin/"
 	install -m 644 core/libsurface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
 	install -m 644 $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) \
 	    "$(DESTDIR)$(LIBDIR)/"
@@ -415,4 +413,4 @@ help:
 
 .DELETE_ON_ERROR:
 .SECONDARY:
--include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(CORE:%=$(BUILD)/counted/%/*.d) $(BUILD)/tests/*/*.d $(BUILD)/studies/*.d)
+-include $(wildcard $(ROOMS:%=$(BUILD)/%/*.d) $(CORE:%=$(BUILD)/counted/%/*.d) $(BUILD)/tests/*/*.d)

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibrate.h"
 #include "in_force.h"
 #include "model.h"
 #include "rates.h"
@@ -80,7 +79,7 @@ static enum status too_few(struct ctl *c, size_t subjects, size_t pairs)
     return errinfo_set(&c->e, ST_ETOOFEW,
                        "a false match rate of %g takes %u subjects with templates (%zu "
                        "pairs of people, rule of 3); there are %zu (%zu pairs%s)",
-                       c->fmr, calibrate_subjects(c->fmr), rates_needed(c->fmr), subjects,
+                       c->fmr, rates_subjects(c->fmr), rates_needed(c->fmr), subjects,
                        pairs, supported);
 }
 
@@ -133,7 +132,7 @@ static enum status learn(struct ctl *c, struct result *r)
     if (st == ST_OK)
         st = find_suspects(c, r);
     if (st == ST_OK)
-        st = calibrate_learn(r->rates, c->fmr, &k->table);
+        st = rates_calibrate(r->rates, c->fmr, &k->table);
     threshold = k->table.threshold;
     if (st == ST_OK)
         st = rates_at_bootstrap(r->rates, c->fmr, RATES_REPLICATES, SEED, &k->low,

@@ -7,9 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "cloudply.h"
 #include "ctl_command.h"
-#include "lattice.h"
-#include "mesh.h"
 
 static enum status fail(struct errinfo *e, const char *name)
 {
@@ -18,7 +17,7 @@ static enum status fail(struct errinfo *e, const char *name)
     return errinfo_set(e, st, "%.120s: %s", name, strerror(errno));
 }
 
-enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e)
+static enum status open_folder(const char *path, int *dir, struct errinfo *e)
 {
     *dir = -1;
     if (mkdir(path, 0700) != 0 && errno != EEXIST)
@@ -27,8 +26,8 @@ enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e)
     return *dir >= 0 ? ST_OK : fail(e, path);
 }
 
-enum status ctl_dir_write(int dir, const char *name, bool replace, newfile_writer *write,
-                          const void *arg, struct errinfo *e)
+static enum status write_file(int dir, const char *name, bool replace,
+                              newfile_writer *write, const void *arg, struct errinfo *e)
 {
     struct newfile file = NEWFILE_NONE;
     enum status st;
@@ -38,11 +37,6 @@ enum status ctl_dir_write(int dir, const char *name, bool replace, newfile_write
         st = replace ? newfile_commit(&file, e) : newfile_keep(&file, e);
     newfile_close(&file);
     return st;
-}
-
-enum status ctl_dir_remove(int dir, const char *name, struct errinfo *e)
-{
-    return unlinkat(dir, name, 0) == 0 || errno == ENOENT ? ST_OK : fail(e, name);
 }
 
 /* ---- may it be written? */
@@ -62,7 +56,7 @@ static bool is_same(const char *path, const char *input)
     return stat(part, &out) == 0 && out.st_dev == in.st_dev && out.st_ino == in.st_ino;
 }
 
-enum status ctl_dir_not_read(struct ctl *c, const char *path, const char *input)
+static enum status not_read(struct ctl *c, const char *path, const char *input)
 {
     return input == NULL || !is_same(path, input)
                ? ST_OK
@@ -83,12 +77,12 @@ static enum status not_shared(struct ctl *c, const char *path)
     enum status st = ST_OK;
 
     for (size_t i = 0; st == ST_OK && i < sizeof given / sizeof *given; i++)
-        st = ctl_dir_not_read(c, path, given[i]);
+        st = not_read(c, path, given[i]);
     for (size_t i = 0; st == ST_OK && i < 2 * sizeof beside / sizeof *beside; i++) {
         const char *const of = i % 2 == 0 ? c->db : c->key;
 
         (void)snprintf(name, sizeof name, "%s%s", of != NULL ? of : "", beside[i / 2]);
-        st = ctl_dir_not_read(c, path, of != NULL ? name : NULL);
+        st = not_read(c, path, of != NULL ? name : NULL);
     }
     return st;
 }
@@ -96,16 +90,6 @@ static enum status not_shared(struct ctl *c, const char *path)
 static bool is_standard(const char *path)
 {
     return strcmp(path, "-") == 0;
-}
-
-enum status ctl_dir_folder(struct ctl *c, const char *usual, const char **out)
-{
-    *out = c->dir != NULL ? c->dir : usual;
-    return !is_standard(*out)
-               ? ST_OK
-               : ctl_usage(c,
-                           "%s writes several files: --out takes a folder (./- is one)",
-                           c->cmd->name);
 }
 
 enum status ctl_dir_may_write(struct ctl *c, const char *path, int nread)
@@ -119,7 +103,7 @@ enum status ctl_dir_may_write(struct ctl *c, const char *path, int nread)
                          "%s cannot write to standard output: name a file (./- is one)",
                          c->cmd->name);
     for (int i = 0; st == ST_OK && i < nread; i++)
-        st = ctl_dir_not_read(c, path, c->args[i]);
+        st = not_read(c, path, c->args[i]);
     if (st != ST_OK || (st = not_shared(c, path)) != ST_OK)
         return st;
     if ((slash != NULL && slash[1] == '\0') ||
@@ -148,25 +132,10 @@ enum status ctl_dir_may_pipe(struct ctl *c, int nread)
 
 /* ---- a file */
 
-/* A mesh as PLY, its coordinates to the last digit of the lattice. */
-static enum status write_mesh(FILE *to, const void *arg, struct errinfo *e)
+static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
 {
-    const struct mesh *m = arg;
-
     (void)e;
-    (void)fprintf(
-        to,
-        "ply\nformat ascii 1.0\ncomment mm\nelement vertex %u\n"
-        "property float x\nproperty float y\nproperty float z\n"
-        "element face %u\nproperty list uchar uint vertex_indices\nend_header\n",
-        m->nv, mesh_real(m));
-    for (uint32_t v = 0; v < m->nv; v++)
-        (void)fprintf(to, "%.3f %.3f %.3f\n", m->xy[v].x / LATTICE_PER_MM,
-                      m->xy[v].y / LATTICE_PER_MM, m->z[v] / LATTICE_PER_MM);
-    for (uint32_t t = 0; t < m->nt; t++)
-        if (!mesh_is_ghost(m, t))
-            (void)fprintf(to, "3 %u %u %u\n", m->org[3 * t], m->org[3 * t + 1],
-                          m->org[3 * t + 2]);
+    cloudply_write(to, m);
     return ST_OK;
 }
 
@@ -193,8 +162,8 @@ enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
     if ((folder = strndup(slash != NULL ? path : "./",
                           slash != NULL ? (size_t)(slash - path) + 1 : 2)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if ((st = ctl_dir_open(folder, &dir, &c->e)) == ST_OK)
-        st = ctl_dir_write(dir, name, c->force, write, arg, &c->e);
+    if ((st = open_folder(folder, &dir, &c->e)) == ST_OK)
+        st = write_file(dir, name, c->force, write, arg, &c->e);
     if (dir >= 0)
         (void)close(dir);
     free(folder);

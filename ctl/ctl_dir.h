@@ -13,42 +13,25 @@ struct mesh; /* mesh.h */
 
 /* ---- before anything is computed: may the command write there?  Failures are in c->e.
  *
- * ctl_dir_folder(c, usual, out): the folder of --out, or else the usual one.  ST_EINVAL: "-".
  * ctl_dir_may_write(c, path, nread): a file at path.  It is compared with those that the command
  * reads: its first nread arguments ("-" and what does not exist are none), and the shared
  * options' (the database and what belongs to it, keys, model, configuration).
  * ST_EEXISTS: it is one of them, by whatever name (a link, another path); or it exists, and
  * there is no --force; or it is no regular file.  ST_EINVAL: "-", or a folder.
  * ctl_dir_may_pipe(c, nread): the same of --out, which may be "-", standard output:
- * c->piped is set then; ST_EINVAL with --json.
- * ctl_dir_not_read(c, path, input): it is not this further file either, which may be NULL;
- * ST_EEXISTS. */
-enum status ctl_dir_folder(struct ctl *c, const char *usual, const char **out);
+ * c->piped is set then; ST_EINVAL with --json. */
 enum status ctl_dir_may_write(struct ctl *c, const char *path, int nread);
 enum status ctl_dir_may_pipe(struct ctl *c, int nread);
-enum status ctl_dir_not_read(struct ctl *c, const char *path, const char *input);
 
-/* ---- writing
- *
- * ctl_dir_open(path, dir, e): make the folder, unless it is there, and open it; *dir
- * is closed by the caller.  ST_EIO, ST_EDENIED. */
-enum status ctl_dir_open(const char *path, int *dir, struct errinfo *e);
+/* ---- writing */
 
-/* ctl_dir_write(dir, name, replace, write, arg, e): a file with what write(to, arg, e)
- * writes.  ST_EEXISTS: one of that name has come in the meantime, and replace is false.
- * write need not look at write errors; when it fails, or not everything could be written,
- * nothing has changed. */
-enum status ctl_dir_write(int dir, const char *name, bool replace, newfile_writer *write,
-                          const void *arg, struct errinfo *e);
-
-/* ctl_dir_file(c, path, write, arg): the same for a path, or standard output if c->piped;
- * its folder is made if it is missing.
+/* ctl_dir_file(c, path, write, arg): a file with what write(to, arg, e) writes, to standard output
+ * if c->piped; its folder is made if it is missing.  ST_EEXISTS: a file of that name has come in the
+ * meantime, and there is no --force.  write need not look at write errors; when it fails, or not
+ * everything could be written, nothing has changed.
  * ctl_dir_mesh(c, path, m): a mesh there, PLY in millimetres. */
 enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
                          const void *arg);
 enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m);
-
-/* ctl_dir_remove(dir, name, e): of a former run, where there is one. */
-enum status ctl_dir_remove(int dir, const char *name, struct errinfo *e);
 
 #endif

@@ -1,177 +1,187 @@
-/* surfacectl explain: why a comparison was decided as it was. */
+/* surfacectl explain: why a scan matches a subject or a template, or not. */
 #include <math.h>
-#include <unistd.h>
+#include <stdio.h>
+#include <stdlib.h>
 
+#include "cloudpoints.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "cloudpoints.h"
 #include "ctl_sample.h"
-#include "explain.h"
-#include "explain_cloud.h"
-#include "explain_plot.h"
-#include "explain_text.h"
+#include "describe.h"
+#include "heatmap.h"
+#include "mem.h"
 #include "verdict.h"
 
-/* A from the database: the template of a subject that decides, or the template named.
- * *none: there is neither. */
-static enum status template_stored(struct ctl *c, struct explanation *x,
-                                   struct store_template *t, bool *none)
-{
-    struct ctl_nearest best;
-    enum status st = ctl_model_open(c, STORE_WRITE);
+#define BEYOND_MM 1.0 /* the share of the gaps beyond this is reported */
 
+struct explanation {
+    struct ctl_nearest best;
+    struct store_template stored; /* of which tmpl is */
+    struct face tmpl, probe;
+    struct cloudpoints pts; /* of the probe */
+    struct face_field field;
+    size_t compared; /* points that have a gap; these are of their amounts */
+    double median_mm, most_mm, beyond;
+};
+
+static int by_value(const void *p, const void *q)
+{
+    const double x = *(const double *)p, y = *(const double *)q;
+
+    return (x > y) - (x < y);
+}
+
+/* How far the probe's points lie off the template, as measured. */
+static enum status measure_gaps(struct explanation *x)
+{
+    const double *t = x->best.nearest.result.align.transform;
+    double *v = mem_array(x->pts.n, sizeof *v);
+    size_t n = 0, beyond = 0;
+    enum status st =
+        v != NULL ? heatmap_gaps(&x->tmpl.surface, x->pts.at, x->pts.n, t, v) : ST_ENOMEM;
+
+    for (size_t i = 0; st == ST_OK && i < x->pts.n; i++)
+        if (!isnan(v[i])) {
+            v[n] = fabs(v[i]);
+            beyond += v[n++] > BEYOND_MM;
+        }
+    x->compared = n;
+    x->median_mm = x->most_mm = x->beyond = (double)NAN;
+    if (st == ST_OK && n > 0) {
+        qsort(v, n, sizeof *v, by_value);
+        x->median_mm = v[n / 2];
+        x->most_mm = v[n * 95 / 100];
+        x->beyond = (double)beyond / (double)n;
+    }
+    mem_free(v);
+    return st;
+}
+
+static enum status compare(struct ctl *c, struct explanation *x)
+{
+    struct scan_found found;
+    enum status st = ctl_sample_parse(c, c->args[1], &x->pts);
+
+    if (st != ST_OK || (st = ctl_sample_build(c, c->args[1], &x->pts, false, c->work,
+                                              &x->probe, &found)) != ST_OK)
+        return st;
+    st = ctl_face_nearest(c, c->args[0], &x->probe, &x->best);
+    if (st == ST_ENOTFOUND && ident_id_valid(c->args[0]))
+        st = ctl_face_template(c, c->args[0], &x->probe, &x->best);
+    if (st == ST_OK)
+        st = store_template_load(c->store, x->best.tmpl.id, &x->stored, c->work, &x->tmpl,
+                                 &c->e);
+    if (st == ST_OK)
+        st = store_event(c->store, "explain", c->actor, x->stored.subject, x->stored.id,
+                         verdict_decision(x->best.nearest.result.decision), &c->e);
     if (st != ST_OK)
         return st;
-    st = ctl_face_nearest(c, x->a, &x->probe, &best);
-    if (st == ST_ENOTFOUND && ident_id_valid(x->a))
-        st = ctl_face_template(c, x->a, &x->probe, &best);
-    *none = st == ST_ENOTFOUND;
-    if (st == ST_OK) {
-        x->compared = best.nearest.compared;
-        x->result = best.nearest.result;
-        x->minimal = best.minimal;
-        st = store_template_load(c->store, best.tmpl.id, t, c->work, &x->tmpl, &c->e);
-        x->subject = t->subject;
-        x->template_id = t->id;
-    }
-    if (st == ST_OK)
-        st = store_event(c->store, "explain", c->actor, t->subject, t->id,
-                         verdict_decision(x->result.decision), &c->e);
-    return st;
+    if ((st = face_field(&x->tmpl, &x->probe, c->work, &x->field)) == ST_OK)
+        st = measure_gaps(x);
+    return st == ST_OK ? st : errinfo_set(&c->e, st, "comparing: %s", status_message(st));
 }
 
-static enum status compare(struct ctl *c, struct explanation *x, struct store_template *t)
+/* Why the decision is what it is, in a sentence. */
+static const char *reason(const struct face_result *r)
 {
-    bool scan = true; /* A is one */
-    struct scan_found found;
-    struct cloudpoints p;
-    enum status st = ctl_sample_parse(c, x->b, &p);
-
-    if (st == ST_OK)
-        st = ctl_sample_build(c, x->b, &p, false, c->work, &x->probe, &found);
-    x->pts = p.at;
-    x->n = p.n;
-    p.at = NULL; /* it is x's */
-    cloudpoints_free(&p);
-    if (st == ST_OK && c->db != NULL && ident_subject_valid(x->a)) {
-        bool none = false;
-
-        st = template_stored(c, x, t, &none);
-        scan = none && access(x->a, F_OK) == 0;
-        st = scan ? ST_OK : st;
-    }
-    if (st == ST_OK && scan) {
-        st = ctl_sample_read(c, x->a, false, c->work, &x->tmpl, &found);
-        if (st == ST_OK)
-            st =
-                face_compare(&x->tmpl, &x->probe, (double)NAN, NULL, c->work, &x->result);
-        if (st == ST_OK)
-            st =
-                face_minimal(&x->tmpl, &x->probe, NULL, c->work, &x->result, &x->minimal);
-        if (st == ST_OK)
-            st = face_weigh(&x->tmpl, &x->probe, c->work, &x->minimal);
-        if (st == ST_OK)
-            st = face_regions(&x->tmpl, &x->probe, c->work, &x->result);
-    }
-    if (st == ST_OK)
-        st = explain_fields(x, c->work);
-    if (st != ST_OK && c->e.msg[0] == '\0')
-        (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
-    return st;
+    return r->decision == FACE_MATCH      ? "the score is not below the threshold"
+           : r->decision == FACE_NO_MATCH ? "the score is below the threshold"
+                                          : "the scans have too little in common, or are "
+                                            "too noisy, to tell";
 }
 
-static const struct {
-    const char *name;
-    enum status (*write)(FILE *to, const void *x, struct errinfo *e);
-    bool picture;
-} file[] = {{"explain.txt", explain_text, false},
-            {"explain.json", explain_text_json, false},
-            {"explain.ply", explain_cloud, false},
-            {"explain.png", explain_plot, true}};
-#define FILES (sizeof file / sizeof *file)
-
-static enum status may_write_all(struct ctl *c, const char *folder)
+static void print_quality(const char *who, const struct face *f)
 {
-    char path[PATH_MAX];
-    enum status st = ST_OK;
-
-    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
-        (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
-        st = ctl_dir_may_write(c, path, c->nargs);
-    }
-    return st;
+    (void)printf("%-12s %u points, quality %.2f (coverage %.2f, a point every %.2f mm, "
+                 "noise %.3f mm)",
+                 who, f->surface.mesh.nv, f->quality.score, f->quality.coverage,
+                 f->quality.density_mm, f->quality.noise_mm);
+    ctl_face_reasons(stdout, f);
 }
 
-/* Every file, or as many as there can be: without gnuplot no picture, which is no failure.
- * *picture: is it there? */
-static enum status write_all(struct ctl *c, const struct explanation *x, const char *path,
-                             bool *picture)
+static void print_text(const struct ctl *c, const struct explanation *x)
 {
-    int dir;
-    enum status st = ctl_dir_open(path, &dir, &c->e);
+    const struct face_result *r = &x->best.nearest.result;
 
-    /* What an earlier comparison left must not stand beside this one's. */
-    for (size_t i = 0; st == ST_OK && c->force && i < FILES; i++)
-        st = ctl_dir_remove(dir, file[i].name, &c->e);
-    *picture = true;
-    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
-        st = ctl_dir_write(dir, file[i].name, c->force, file[i].write, x, &c->e);
-        if (st == ST_ENOTFOUND && file[i].picture) {
-            *picture = false;
-            st = ST_OK;
-        } else if (st == ST_EINVAL) {
-            st = ST_EINTERNAL; /* the script that gnuplot refused is this program's */
-        }
-    }
-    if (dir >= 0)
-        (void)close(dir);
-    return st;
+    (void)printf("subject      %s\ntemplate     %s, with the highest score of %u\n",
+                 x->stored.subject, x->stored.id, x->best.nearest.compared);
+    (void)printf("probe        %s\n", c->args[1]);
+    (void)printf("decision     %s: %s\n", verdict_decision(r->decision), reason(r));
+    ctl_face_score(stdout, r);
+    ctl_face_minimal(stdout, &x->best.minimal);
+    (void)printf("expected     %.2f of two such scans of one person\n", r->expected);
+    (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
+    ctl_face_alignment(stdout, &r->align);
+    ctl_face_regions(stdout, r);
+    print_quality("template", &x->tmpl);
+    print_quality("probe", &x->probe);
+    (void)printf(
+        "gap          at %zu of %zu points: median %.3f mm, 95 %% below %.3f mm, "
+        "%.1f %% beyond %g mm\n",
+        x->compared, x->pts.n, x->median_mm, x->most_mm, 100 * x->beyond, BEYOND_MM);
+}
+
+static void report(struct ctl *c, const struct explanation *x)
+{
+    const struct face_result *r = &x->best.nearest.result;
+
+    json_text(c->out, "probe", c->args[1]);
+    describe_comparison(c->out, &(struct describe_comparison){
+                                    .result = r,
+                                    .minimal = &x->best.minimal,
+                                    .probe = &x->probe,
+                                    .engine = c->engine,
+                                    .subject = x->stored.subject,
+                                    .template_id = x->stored.id,
+                                    .templates_compared = x->best.nearest.compared,
+                                    .measure = true});
+    describe_quality(c->out, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
+    json_text(c->out, "reason", reason(r));
+    json_score(c->out, "expected", r->expected);
+    json_object(c->out, "gap");
+    json_number(c->out, "points", (double)x->pts.n);
+    json_number(c->out, "compared", (double)x->compared);
+    json_number(c->out, "median_mm", x->median_mm);
+    json_number(c->out, "most_mm", x->most_mm);
+    json_number(c->out, "limit_mm", BEYOND_MM);
+    json_number(c->out, "share_beyond", x->beyond);
+    json_close(c->out);
+    json_object(c->out, "cells");
+    describe_cells(c->out, &x->field);
+    json_close(c->out);
 }
 
 static enum status run(struct ctl *c)
 {
-    const char *path;
-    struct explanation x = {
-        .a = c->args[0], .b = c->args[1], .engine = c->engine, .compared = 1};
-    struct store_template t = {0};
-    bool picture = false;
-    enum status st = ctl_dir_folder(c, "explanation", &path);
+    struct explanation x = {.compared = 0};
+    const enum status st = compare(c, &x);
 
-    if (st != ST_OK || (st = may_write_all(c, path)) != ST_OK)
-        return st;
-    if ((st = compare(c, &x, &t)) == ST_OK)
-        st = write_all(c, &x, path, &picture);
     if (st == ST_OK) {
-        explain_text_out(c->out, &x);
-        json_text(c->out, "directory", path);
-        json_flag(c->out, "picture", picture);
-        if (!c->json) {
-            (void)explain_text(stdout, &x, NULL);
-            (void)printf("written to   %s\n", path);
-        }
-        if (!picture)
-            (void)fprintf(stderr, "surfacectl: no picture: %s\n", c->e.msg);
+        if (c->json)
+            report(c, &x);
+        else
+            print_text(c, &x);
+        c->code = ctl_face_exit(x.best.nearest.result.decision);
     }
-    explain_free(&x);
-    c->code = ctl_face_exit(x.result.decision);
+    face_free(&x.tmpl);
+    face_free(&x.probe);
+    cloudpoints_free(&x.pts);
     return st;
 }
 
 const struct ctl_command ctl_explain = {
     .name = "explain",
-    .args = "A B",
+    .args = "SUBJECT|TEMPLATE FILE",
     .takes = {2, 2},
-    .database = CTL_TAKES_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL | CTL_OUT | CTL_FORCE,
+    .database = CTL_WRITES_DATABASE,
+    .shared = CTL_SCANS | CTL_MODEL,
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = run,
-    .summary = "compare two scans and show where they differ",
+    .summary = "say why a scan matches a subject, or not",
     .help =
-        "B is moved onto A.  A is a subject or a template of the database, where one is named\n"
-        "and has it, or else a scan (./FILE is always a scan).\n"
-        "These files are written into the folder --out (./explanation): explain.txt and\n"
-        "explain.json, explain.ply (the points of B), and by gnuplot explain.png: the gap as\n"
-        "measured beside what decided.  They are biometric data: only their owner can read them.",
-    .example = "surfacectl explain monday.ply tuesday.ply --out why"};
+        "FILE is compared with the subject's templates, or with the template named; of the one\n"
+        "with the highest score the parts of the score by region, the qualities and the gap are\n"
+        "printed; with --json also what each cell of the face adds to the score.  The audit log\n"
+        "has an entry.  surfacelab explain compares two files.",
+    .example = "surfacectl --db faces.db explain alice probe.ply"};

@@ -39,31 +39,11 @@ static const char *read_axes(const char *text, void *value)
     return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
 }
 
-static bool is_side(double v)
-{
-    return v >= 1 && v <= CLOUDDEPTH_SIDE_MAX && v == floor(v);
-}
-
-/* Four, five or seven numbers with commas between them. */
 static const char *read_camera(const char *text, void *value)
 {
-    static const char wanted[] = "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]], pixels";
-    struct clouddepth_camera *c = value;
-    double v[7] = {0};
-    const char *const end = text + strlen(text);
-    int n = 0;
-
-    do {
-        if (n == 7 || (text = number_read(text, end, &v[n])) == NULL || !isfinite(v[n]))
-            return wanted;
-        n++;
-    } while (*text++ == ',');
-    if (text - 1 != end || n < 4 || n == 6 || !(v[0] > 0) || !(v[1] > 0) ||
-        (n > 4 && !(v[4] > 0)) || (n > 5 && !(is_side(v[5]) && is_side(v[6]))))
-        return wanted;
-    *c = (struct clouddepth_camera){v[0], v[1],           v[2],          v[3],
-                                    v[4], (uint32_t)v[5], (uint32_t)v[6]};
-    return NULL;
+    return clouddepth_camera_read(text, value)
+               ? NULL
+               : "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]], pixels";
 }
 
 static bool read_number(const char *text, double *to, double most)
@@ -72,11 +52,6 @@ static bool read_number(const char *text, double *to, double most)
 
     *to = strtod(text, &end);
     return end != text && *end == '\0' && isfinite(*to) && *to > 0 && *to <= most;
-}
-
-const char *ctl_option_mm(const char *text, void *value)
-{
-    return read_number(text, value, 999) ? NULL : "millimetres above 0";
 }
 
 const char *ctl_option_score(const char *text, void *value)

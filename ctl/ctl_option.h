@@ -77,12 +77,11 @@ struct ctl_near {
 void ctl_near(struct ctl_near *near, const char *word, const char *before,
               const char *name);
 
-/* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: millimetres above 0, a
- * score, a rate above 0 up to 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
+/* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: a score, a rate above 0 up to
+ * 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
 const char *ctl_option_flag(const char *text, void *value);
 const char *ctl_option_text(const char *text, void *value);
 const char *ctl_option_whole(const char *text, void *value);
-const char *ctl_option_mm(const char *text, void *value);
 const char *ctl_option_score(const char *text, void *value);
 const char *ctl_option_rate(const char *text, void *value);
 const char *ctl_option_duration(const char *text, void *value);

@@ -6,19 +6,16 @@
 #include "cloudpoints.h"
 #include "cloudunit.h"
 #include "describe.h"
-#include "mem.h"
 #include "trial.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_face.h"
 #include "ctl_sample.h"
-#include "scan_picture.h"
 
-static const char *picture, *face_file; /* --picture, --face */
+static const char *face_file; /* --face */
 
 struct checked {
-    struct cloudpoints raw,
-        points; /* as read (for a picture); afterwards those of the face */
+    struct cloudpoints points; /* as read; afterwards those of the face */
     struct face face;
     struct trial trial;
 };
@@ -59,65 +56,6 @@ static void print_text(const struct checked *k)
         (void)printf("note         %s\n", t->advice.note[i]);
 }
 
-/* ---- as a picture */
-
-/* used[i]: is raw point i among those of the face? */
-static void mark_used(const struct checked *k, uint8_t *used)
-{
-    const struct cloudpoints *raw = &k->raw, *face = &k->points;
-    size_t at = 0;
-
-    for (size_t i = 0; i < raw->n; i++) {
-        const size_t place = raw->index != NULL ? raw->index[i] : i;
-
-        while (at < face->n && (face->index != NULL ? face->index[at] : at) < place)
-            at++;
-        used[i] = at < face->n && (face->index != NULL ? face->index[at] : at) == place;
-    }
-}
-
-/* What was measured, of "refused: what was measured: what to do"; "" for none. */
-static void tell_reason(const struct trial *t, char *out, size_t size)
-{
-    const char *colon = strchr(t->why.msg, ':');
-    const char *text = colon != NULL ? colon + 2 : "";
-
-    (void)snprintf(out, size, "%.*s", (int)strcspn(text, ":"), text);
-}
-
-static enum status draw(struct ctl *c, const struct checked *k)
-{
-    const struct trial *t = &k->trial;
-    const bool usable = t->verification == ST_OK;
-    uint8_t *used = mem_array(k->raw.n, 1);
-    char reason[160];
-    const struct scan_picture p = {
-        .drawn = {.at = k->raw.at,
-                  .used = used,
-                  .n = k->raw.n,
-                  .found = &t->found,
-                  .face = usable ? &k->face : NULL,
-                  .mean = face_work_mean(c->work)},
-        .verdict = t->enrolment == ST_OK ? "Usable for enrolment and verification"
-                   : usable              ? "Usable for verification only"
-                                         : "Refused",
-        .reason = reason,
-        .quality = usable ? k->face.quality.score : (double)NAN,
-        .advice = &t->advice};
-    enum status st;
-
-    if (used == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    tell_reason(t, reason, sizeof reason);
-    memset(used, 0, k->raw.n);
-    if (usable)
-        mark_used(k, used);
-    if ((st = ctl_dir_file(c, picture, scan_picture, &p)) == ST_EINVAL)
-        st = ST_EINTERNAL; /* the script that gnuplot refused is this program's */
-    mem_free(used);
-    return st;
-}
-
 /* ---- the command */
 
 /* A file whose points cannot be read is refused as well; other failures are not the scan's. */
@@ -129,8 +67,6 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
         trial_unread(st, &c->e, &k->trial);
         return ST_OK;
     }
-    if (st == ST_OK && picture != NULL && cloudpoints_copy(&k->points, &k->raw) != ST_OK)
-        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && (st = trial_run("refused", &k->points,
                                        &(struct scan_options){.axes = c->scans.axes},
                                        c->work, &k->face, &k->trial)) != ST_OK)
@@ -141,7 +77,7 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
 static enum status scan_file(struct ctl *c, const char *path, bool *usable)
 {
     const double start = ctl_clock_ms();
-    struct checked k = {.raw = {.n = 0}};
+    struct checked k = {.points = {.n = 0}};
     enum status st = check(c, path, &k);
 
     *usable = st == ST_OK && k.trial.enrolment == ST_OK;
@@ -157,12 +93,9 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         if (!c->json)
             print_text(&k);
     }
-    if (st == ST_OK && picture != NULL && k.raw.n > 0)
-        st = draw(c, &k);
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
         st = ctl_dir_mesh(c, face_file, &k.face.surface.mesh);
     face_free(&k.face);
-    cloudpoints_free(&k.raw);
     cloudpoints_free(&k.points);
     return st;
 }
@@ -170,21 +103,14 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
 /* A fault that is no scan's does not stop the others either. */
 static enum status run(struct ctl *c)
 {
-    const char *const output[] = {picture, face_file};
     struct errinfo fault = {.code = ST_OK};
+    enum status may = ST_OK;
     bool usable;
 
-    if ((picture != NULL || face_file != NULL) && c->nargs > 1)
-        return ctl_usage(c, "--picture and --face take one scan");
-    if (picture != NULL && face_file != NULL && strcmp(picture, face_file) == 0)
-        return ctl_usage(c, "--picture and --face name the same file");
-    for (int i = 0; i < 2; i++) {
-        const enum status st =
-            output[i] == NULL ? ST_OK : ctl_dir_may_write(c, output[i], c->nargs);
-
-        if (st != ST_OK)
-            return st;
-    }
+    if (face_file != NULL && c->nargs > 1)
+        return ctl_usage(c, "--face is of one scan");
+    if (face_file != NULL && (may = ctl_dir_may_write(c, face_file, c->nargs)) != ST_OK)
+        return may;
     json_array(c->out, "scans");
     for (int i = 0; i < c->nargs; i++) {
         const enum status st = scan_file(c, c->args[i], &usable);
@@ -206,9 +132,7 @@ const struct ctl_command ctl_scan = {
     .args = "FILE...",
     .takes = {1, CTL_MANY},
     .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
-    .options = {CTL_OPTION("picture", "FILE", ctl_option_text, &picture,
-                           "draw what was found (PNG); of one scan"),
-                CTL_OPTION("face", "FILE", ctl_option_text, &face_file,
+    .options = {CTL_OPTION("face", "FILE", ctl_option_text, &face_file,
                            "write the face as it is compared (PLY, mm); of one scan")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,
@@ -216,8 +140,7 @@ const struct ctl_command ctl_scan = {
     .help =
         "For each FILE: format, points, unit, how the face is turned and covered, the quality,\n"
         "whether it can be enrolled and verified or why not, and what to change at the scanner.\n"
-        "Nothing is stored. --picture draws the points as delivered beside the face that was\n"
-        "found; --face writes the cropped face with its triangles, in millimetres, seen from the\n"
-        "front (x to the image's right, y up, z towards the scanner). Both files are biometric\n"
-        "data: only their owner can read them.",
-    .example = "surfacectl scan alice.glb --picture alice.png"};
+        "Nothing is stored. --face writes the cropped face with its triangles, in millimetres,\n"
+        "seen from the front (x to the image's right, y up, z towards the scanner); it is\n"
+        "biometric data: only its owner can read it.",
+    .example = "surfacectl scan alice.glb --face face.ply"};

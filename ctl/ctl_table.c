@@ -11,8 +11,8 @@
 /* Each is at the end of the file whose name its own begins with. */
 #define COMMANDS(X) \
     X(ctl_database_init) X(ctl_enroll) X(ctl_verify) X(ctl_verify_compare) \
-    X(ctl_explain) X(ctl_scan) X(ctl_asymmetry) X(ctl_simplify) X(ctl_fill) \
-    X(ctl_evaluate) X(ctl_train) X(ctl_subject_list) X(ctl_subject_show) \
+    X(ctl_explain) X(ctl_scan) \
+    X(ctl_subject_list) X(ctl_subject_show) \
     X(ctl_subject_set) X(ctl_subject_rename) X(ctl_subject_disable) \
     X(ctl_subject_enable) X(ctl_subject_hold) X(ctl_subject_release) X(ctl_erase) \
     X(ctl_erase_purge) X(ctl_template_list) X(ctl_template_show) \

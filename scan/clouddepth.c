@@ -1,9 +1,12 @@
 #include "clouddepth.h"
 
+#include <string.h>
+
 #include "cloudlist.h"
 #include "cloudtext.h"
 #include "cloudvalue.h"
 #include "errinfo.h"
+#include "number.h"
 
 static double value_mm(double scale)
 {
@@ -62,4 +65,30 @@ enum status clouddepth_values(struct cloudtext *t, const struct clouddepth_camer
         st = clouddepth_add(
             &depth, cloudvalue_load((const unsigned char *)t->p, CLOUDVALUE_U16, swap));
     return st;
+}
+
+/* ---- a camera from text */
+
+static bool is_side(double v)
+{
+    return v >= 1 && v <= CLOUDDEPTH_SIDE_MAX && v == floor(v);
+}
+
+bool clouddepth_camera_read(const char *text, struct clouddepth_camera *c)
+{
+    double v[7] = {0};
+    const char *const end = text + strlen(text);
+    int n = 0;
+
+    do {
+        if (n == 7 || (text = number_read(text, end, &v[n])) == NULL || !isfinite(v[n]))
+            return false;
+        n++;
+    } while (*text++ == ',');
+    if (text - 1 != end || n < 4 || n == 6 || !(v[0] > 0) || !(v[1] > 0) ||
+        (n > 4 && !(v[4] > 0)) || (n > 5 && !(is_side(v[5]) && is_side(v[6]))))
+        return false;
+    *c = (struct clouddepth_camera){v[0], v[1],           v[2],          v[3],
+                                    v[4], (uint32_t)v[5], (uint32_t)v[6]};
+    return true;
 }

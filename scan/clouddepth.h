@@ -55,4 +55,8 @@ enum status clouddepth_values(struct cloudtext *t, const struct clouddepth_camer
                               uint32_t width, uint32_t height, bool big,
                               struct cloudlist *list);
 
+/* clouddepth_camera_read(text, c): "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]]" as a camera; false if
+ * the text is something else. */
+bool clouddepth_camera_read(const char *text, struct clouddepth_camera *c);
+
 #endif

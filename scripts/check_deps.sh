@@ -50,11 +50,12 @@ circles() {
 }
 
 # alone FOLDER: its files without a header of their name: a program's main file, and those
-# that each hold one command of surfacectl and are declared by the table of commands
+# that each hold one command and are declared by the table of commands, or one
+# form of a report, or one study
 alone() {
     for source in "$1"/*.c; do
         case $source in
-        */main.c | */*_main.c | ctl/ctl_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | lab/lab_* | lab/report_* | lab/study/*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done
@@ -77,8 +78,6 @@ while read -r room sees; do
     [ -z "$headless" ] || complain "no header of its name: $headless"
 done <"$list.rooms"
 rm -f "$list.rooms"
-# shellcheck disable=SC2046 # rooms
-own studies studies tests/lib sim $(sees sim)
 
 libc='assert|ctype|errno|float|inttypes|limits|malloc|math|stdarg|stdatomic|stdbool|stddef|stdint|stdio|stdlib|string'
 grep -H '^# *include *<' core/*.[ch] core/*/*.[ch] | grep -Ev "<($libc)\.h>" |

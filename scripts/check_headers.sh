@@ -33,6 +33,4 @@ sees() {
 alone tests/lib sim db/admin $(sees db/admin)
 # shellcheck disable=SC2046
 alone tests/fuzz $(sees sim)
-# shellcheck disable=SC2046
-alone studies tests/lib sim $(sees sim)
 exit $bad

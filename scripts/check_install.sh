@@ -79,9 +79,9 @@ done
     echo "more than one header is installed"
     exit 1
 }
-for file in usr/bin/surfacectl usr/sbin/surfaced usr/lib/libsurface.a usr/lib/libsurface.so \
+for file in usr/bin/surfacectl usr/bin/surfacelab usr/sbin/surfaced usr/lib/libsurface.a usr/lib/libsurface.so \
     usr/lib/pkgconfig/surface.pc usr/share/man/man8/surfaced.8 \
-    usr/share/man/man1/surfacectl.1 usr/share/man/man3/surface.3 \
+    usr/share/man/man1/surfacectl.1 usr/share/man/man1/surfacelab.1 usr/share/man/man3/surface.3 \
     usr/share/bash-completion/completions/surfacectl \
     usr/share/man/man5/surfaced.conf.5 etc/surfaced.conf \
     usr/lib/systemd/system/surfaced.service usr/lib/systemd/system/surfaced.socket \

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
 sources=
 objects=
-for source in $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.c|') tests/*/*.c studies/*.c; do
+for source in $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.c|') tests/*/*.c; do
     object=$build/${source%.c}.o
     [ ! -f "$object" ] || objects="$objects $object"
     sources="$sources ${source%.c}"
@@ -35,7 +35,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
         if (source == "tests/lib/work")
             return "work_.*|__sanitizer_cov_trace_pc" # which the compiler calls
-        if (source ~ /^(server|ctl)\/main$|^(sim|tests|studies)\/.*_main$/)
+        if (source ~ /^(server|ctl|lab)\/main$|^(sim|tests)\/.*_main$/)
             return "main"
         if (source ~ /^tests\/fuzz\//)
             return "main|LLVMFuzzer.*"

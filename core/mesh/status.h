@@ -42,4 +42,8 @@ enum status {
  * values that are no code. */
 const char *status_message(enum status st);
 
+/* status_refusal(st): the word for a refusal of a scan, as in the API ("not_a_face");
+ * "malformed" for what is no scan, NULL for ST_OK. */
+const char *status_refusal(enum status st);
+
 #endif

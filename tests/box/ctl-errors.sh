@@ -37,7 +37,6 @@ refuse 64 'usage: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
 refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'axes takes auto or scanner' "$ctl" --db f.db --axes camera enroll alice good.ply
-refuse 64 'fill does not take' "$ctl" fill good.ply --axes auto --out filled.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold nan
 refuse 64 'no command token destroy' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
@@ -115,7 +114,7 @@ code usage frobnicate
 code usage --db f.db enroll alice
 code not_found --db f.db subject show nobody
 code not_found scan none.ply
-code exists simplify good.ply --tolerance 1 -o f.db.key
+code exists scan good.ply --face f.db.key
 printf '0 0 0\n1 1 1\n' >few.xyz
 code too_few_points --db f.db verify alice few.xyz
 echo nonsense >nonsense

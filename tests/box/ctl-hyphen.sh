@@ -18,7 +18,7 @@ for id in -x --json --yes -o; do
         is "$id is no id of $command: exit" "$CODE" 64
         case $command in # that have more arguments behind it
         enroll) set -- "$@" -- "$id" "$T/a.ply" ;;
-        verify | explain*) set -- "$@" -- "$id" "$T/a2.ply" ;;
+        verify | explain) set -- "$@" -- "$id" "$T/a2.ply" ;;
         rename) set -- subject rename -- "$id" "to$id" ;;
         back) set -- subject rename -- "to$id" "$id" ;;
         *) set -- "$@" -- "$id" ;;
@@ -28,7 +28,7 @@ for id in -x --json --yes -o; do
     done <<END
 0 enroll
 0 verify
-0 explain --out $T/why$id
+0 explain
 0 subject show
 0 subject set --consent C-1
 0 subject hold

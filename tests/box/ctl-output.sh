@@ -20,7 +20,7 @@ done
 printf 'file,subject\np1_0.ply,1\np1_1.ply,1\np2_0.ply,2\np2_1.ply,2\n' >scans/index.csv
 printf 'id,population\n1,x\n2,x\n' >scans/subjects.csv
 
-awk 'BEGIN { print "type,score"
+awk 'BEGIN { print "comparison,score"
     for (i = 0; i < 4000; i++) print "non-mated," (i * 7919 % 4000) / 100 - 30 }' >scores.csv
 
 # kept TITLE COMMAND...: it exits with 65, names the file and the option or the reason, and no file
@@ -40,32 +40,35 @@ sums() {
 
 # ---- a file that is there
 mkdir explanation report
-for f in o.ply explanation/explain.json report/report.md; do
+for f in o.ply explanation/explain.json report/report.json; do
     echo mine >$f
 done
 while read -r name line; do
     case $name in
     explain) file=explanation/explain.json ;;
-    evaluate) file=report/report.md ;;
+    evaluate) file=report/report.json ;;
     *) file=o.ply ;;
     esac
+    case $name in
+    simplify | fill | train | explain | evaluate) program=$lab ;;
+    *) program=$ctl ;;
+    esac
     # shellcheck disable=SC2086 # words
-    kept "$name" "$file exists: --force replaces it" "$ctl" $line
+    kept "$name" "$file exists: --force replaces it" "$program" $line
     # shellcheck disable=SC2086
     case $name in
     backup) # of another program: never
-        expect 65 "$name --force" "$ctl" $line --force
+        expect 65 "$name --force" "$program" $line --force
         is "$name: not a backup" "$(cat $file)" mine
         ;;
     *)
-        "$ctl" $line --force >out 2>err
+        "$program" $line --force >out 2>err
         ok "$name --force ($(cat err))" test $? -lt 3
         ok "$name: replaced" test "$(head -c 5 $file)" != mine
         ;;
     esac
     echo mine >$file
 done <<END
-picture scan a.ply --picture o.ply
 face scan a.ply --face o.ply
 simplify simplify a.ply --tolerance 1 -o o.ply
 fill fill a.ply -o o.ply
@@ -82,27 +85,26 @@ END
 ln -s a.ply link.ply
 ln a.ply hard.ply
 mkdir sub
-ln -sf ../a.ply explanation/explain.ply
+ln -sf ../a.ply explanation/points.csv
 cp a.ply p.ply.part
 read='is a file that this command reads'
 for name in a.ply ./a.ply sub/../a.ply "$PWD/a.ply" link.ply hard.ply; do
     kept "scan over $name" "$read" "$ctl" scan a.ply --face "$name" --force
-    kept "simplify over $name" "$read" "$ctl" simplify a.ply --tolerance 1 -o "$name" --force
+    kept "simplify over $name" "$read" "$lab" simplify a.ply --tolerance 1 -o "$name" --force
 done
 kept "a scan of the name that the new file has at first" "$read" \
-    "$ctl" simplify p.ply.part --tolerance 1 -o p.ply --force
-kept "picture over a second name" "$read" "$ctl" scan link.ply --picture a.ply --force
-kept "fill" "$read" "$ctl" fill link.ply -o a.ply --force
-kept "explain" "$read" "$ctl" explain a1.ply a.ply --force
-kept "a scan of a collection" "$read" "$ctl" train scans -o scans/p1_0.ply --force
-kept "the list of a collection" "$read" "$ctl" train scans -o scans/index.csv --force
-kept "the subjects of a collection" "$read" "$ctl" train scans/index.csv -o scans/subjects.csv --force
-kept "scores" "$read" "$ctl" train --calibrate scores.csv -o scores.csv --force
-kept "a morphable model" "$read" "$ctl" train --morphable scans -o scans/p2_0.ply --force
+    "$lab" simplify p.ply.part --tolerance 1 -o p.ply --force
+kept "fill" "$read" "$lab" fill link.ply -o a.ply --force
+kept "explain" "$read" "$lab" explain a1.ply a.ply --force
+kept "a scan of a collection" "$read" "$lab" train scans -o scans/p1_0.ply --force
+kept "the list of a collection" "$read" "$lab" train scans -o scans/index.csv --force
+kept "the subjects of a collection" "$read" "$lab" train scans/index.csv -o scans/subjects.csv --force
+kept "scores" "$read" "$lab" train --calibrate scores.csv -o scores.csv --force
+kept "a morphable model" "$read" "$lab" train --morphable scans -o scans/p2_0.ply --force
 cp "$PWD/scans/p1_0.ply" report/p1_0.ply
 ln -f report/p1_0.ply report/scores.csv
 printf 'file,subject\nreport/p1_0.ply,1\nscans/p2_0.ply,2\nscans/p2_1.ply,2\n' >list.csv
-kept "a scan of a list" "$read" "$ctl" evaluate list.csv -o report --force
+kept "a scan of a list" "$read" "$lab" evaluate list.csv -o report --force
 for name in f.db f.db.key phrase; do
     kept "export over $name" "$read" "$ctl" --db f.db export alice -o "$name" --archive-key phrase --force
 done
@@ -113,37 +115,40 @@ expect 0 "the database is whole" "$ctl" --db f.db check-database
 
 # ---- what is no file
 mkfifo pipe
-kept "a pipe" 'pipe is not a regular file' "$ctl" simplify a.ply --tolerance 1 -o pipe --force
-expect 65 "a device" "$ctl" simplify a.ply --tolerance 1 -o /dev/null --force
+kept "a pipe" 'pipe is not a regular file' "$lab" simplify a.ply --tolerance 1 -o pipe --force
+expect 65 "a device" "$lab" simplify a.ply --tolerance 1 -o /dev/null --force
 has err '/dev/null is not a regular file'
 ok "it is a device still" test -c /dev/null
-kept "a folder" 'sub is a folder' "$ctl" fill a.ply -o sub --force
-expect 64 "two results in one file" "$ctl" scan a.ply --picture x --face x
+kept "a folder" 'sub is a folder' "$lab" fill a.ply -o sub --force
 ln -s nowhere dangling
-kept "a link to nowhere" 'dangling exists' "$ctl" simplify a.ply --tolerance 1 -o dangling
+kept "a link to nowhere" 'dangling exists' "$lab" simplify a.ply --tolerance 1 -o dangling
 ok "it made nothing" test ! -e nowhere
 
 # ---- standard output
-expect 0 "simplify" "$ctl" simplify a.ply --tolerance 1 -o -
+expect 0 "simplify" "$lab" simplify a.ply --tolerance 1 -o -
 cp out piped.ply
 has err '^kept '
-expect 0 "the same as a file" "$ctl" simplify a.ply --tolerance 1 -o named.ply
+expect 0 "the same as a file" "$lab" simplify a.ply --tolerance 1 -o named.ply
 ok "to the byte" cmp -s piped.ply named.ply
-expect 0 "fill" sh -c "'$ctl' fill a.ply -o - | '$ctl' scan -"
+expect 0 "fill" sh -c "'$lab' fill a.ply -o - | '$ctl' scan -"
 expect 0 "template export" "$ctl" --db f.db template export "$id" -o -
 is "a mesh" "$(head -n 1 out)" ply
 has err 'points, '
 expect 0 "audit export" "$ctl" --db f.db audit export -o -
 ok "JSON lines alone" jq -e . out >/dev/null
-expect 64 "and --json" "$ctl" --json simplify a.ply --tolerance 1 -o -
-for line in 'scan a.ply --picture -' 'scan a.ply --face -' 'train --calibrate scores.csv -o -' \
-    '--db f.db backup -' '--db f.db export alice --archive-key phrase -o -' \
-    'explain a.ply a1.ply -o -' 'evaluate scans -o -'; do
+expect 64 "and --json" "$lab" simplify --json a.ply --tolerance 1 -o -
+for line in 'scan a.ply --face -' '--db f.db backup -' \
+    '--db f.db export alice --archive-key phrase -o -'; do
     # shellcheck disable=SC2086 # words
     expect 64 "$line" "$ctl" $line
     has err '(./- is one)'
 done
-expect 74 "a full disk" sh -c "'$ctl' simplify a.ply --tolerance 1 -o - >/dev/full"
+for line in 'train --calibrate scores.csv -o -' 'explain a.ply a1.ply -o -' 'evaluate scans -o -'; do
+    # shellcheck disable=SC2086 # words
+    expect 64 "$line" "$lab" $line
+    has err '(./- is one)'
+done
+expect 74 "a full disk" sh -c "'$lab' simplify a.ply --tolerance 1 -o - >/dev/full"
 ok "no file of that name" test ! -e - -a ! -d -
 
 # ---- the tools: what they write is the same every time, but their input is no output

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Goal: surfacectl scan says of any file what is found in it and what would be done, and what to
-# do better; nothing is stored; its picture shows it; it says what the daemon says.
+# do better; nothing is stored; it says what the daemon says.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
@@ -63,35 +63,6 @@ is "the unit taken" "$(one .scan.units)" um
 expect 1 "axes of a camera" "$ctl" scan --units in --axes scanner camera.xyz
 expect 64 "an option it does not take" "$ctl" scan a.ply --label x
 
-# ---- the picture
-if command -v gnuplot >/dev/null 2>&1; then
-    png() { head -c 8 "$1" | od -An -tx1 | tr -d ' '; }
-    expect 0 "a picture" "$ctl" scan a.ply --picture a.png
-    is "it is a PNG" "$(png a.png)" 89504e470d0a1a0a
-    is "its owner's alone" "$(stat -c %a a.png)" 600
-    expect 65 "a file that exists" "$ctl" scan a.ply --picture a.png
-    has err 'a.png exists: --force replaces it'
-    expect 0 "replaced" "$ctl" scan a.ply --picture a.png --force
-    expect 1 "a picture of what is refused" "$ctl" scan cone.xyz --picture cone.png
-    is "it is one too" "$(png cone.png)" 89504e470d0a1a0a
-    mkdir script
-    printf '#!/bin/sh\ntee "%s/script/in" | exec %s --default-settings\n' "$T" \
-        "$(command -v gnuplot)" >script/gnuplot
-    chmod +x script/gnuplot
-    what='a name with quotes'
-    cp a.ply "a\"'; system('touch pwned')
-.ply"
-    expect 0 "$what" env PATH="$T/script:$PATH" "$ctl" scan "a\"'; system('touch pwned')
-.ply" --picture a.png --force
-    ok "no name gets into the script" sh -c "! grep -aq 'system(' script/in"
-    has script/in 'Usable for enrolment and verification'
-    has script/in '3000 points, 0 without a value'
-    expect 1 "refused" env PATH="$T/script:$PATH" "$ctl" scan few.xyz --picture few.png
-    has script/in 'Refused'
-    has script/in 'move nearer to the scanner'
-else
-    echo "SKIP pictures: gnuplot is not installed"
-fi
 # ---- the face as a file
 awk '{ print $1 / 1000, $3 / 1000, -$2 / 1000 }
     END { for (i = 0; i < 6400; i++) print i % 80 / 100 - 0.4, -0.4, int(i / 80) / 100 - 0.4 }' \
@@ -121,12 +92,6 @@ expect 0 "with --force" "$ctl" scan wall.xyz --face found.ply --force
 expect 1 "of what is no face" "$ctl" scan few.xyz --face few.ply
 ok "there is none" [ ! -e few.ply ]
 expect 64 "one face of several" "$ctl" scan a.ply a.xyz --face b.ply
-
-expect 64 "one picture of several scans" "$ctl" scan a.ply a.xyz --picture a.png
-mkdir bin
-expect 66 "no gnuplot" env PATH="$T/bin" "$ctl" scan a.ply --picture none.png
-has err 'gnuplot is not installed'
-ok "no half a picture" [ ! -e none.png ]
 
 # ---- as the daemon says
 cd "$OLDPWD" || exit 1

@@ -44,8 +44,8 @@ send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 problem "by its template too" 403 subject_disabled
 ctl_exits 77 verify alice "$T/a2.ply"
 ok "surfacectl says why" grep -q 'alice is disabled' "$T/ctl.err"
-ctl_exits 77 explain alice "$T/a2.ply" --out "$T/explained"
-ctl_exits 77 explain "$id" "$T/a2.ply" --out "$T/explained"
+ctl_exits 77 explain alice "$T/a2.ply"
+ctl_exits 77 explain "$id" "$T/a2.ply"
 ctl_exits 77 enroll alice "$T/a2.ply" --force
 ok "surfacectl says why here too" grep -q 'alice is disabled' "$T/ctl.err"
 is "they are no attempts" "$("$BUILD/surfacectl" --db "$DB" attempts list)" 'no failed verifications'
@@ -166,7 +166,7 @@ if command -v bash >/dev/null 2>&1; then
             _surfacectl
             echo "${COMPREPLY[*]}"' "$T/complete" "$@")" "$f_wanted"
     }
-    completes 'scan simplify subject stats' s
+    completes 'scan subject stats' s
     completes 'list show set rename disable enable hold release erase' subject ''
     completes 'rename release' --db x subject re
     completes '--consent' subject set alice --cons

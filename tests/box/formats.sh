@@ -10,7 +10,7 @@ command -v python3 >/dev/null 2>&1 || {
 }
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/again.ply"
-"$BUILD/surfacectl" simplify "$T/again.ply" --tolerance 0.0005 -o "$T/mesh.ply" >"$T/text"
+"$BUILD/surfacelab" simplify "$T/again.ply" --tolerance 0.0005 -o "$T/mesh.ply" >"$T/text"
 mkdir "$T/in"
 python3 tests/box/formats.py "$T/mesh.ply" "$T/in" || exit 1
 start_daemon --no-auth --attempts 0

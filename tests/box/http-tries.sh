@@ -137,13 +137,8 @@ ctl token revoke "$thief_id"
 is "with the token" "$(sqlite3 "$DB" "SELECT count(*) FROM attempts WHERE token = '$thief_id'")" 0
 stop_daemon
 
-# ---- by default, who climbs by scores is told of before the study's attackers match
-mkdir "$T/climb"
-ok "study climb" "$BUILD/study" climb --reduced --out "$T/climb" >"$T/log"
-warned=$(awk -F, 'NR > 1 && $9 > 0 { print $1; exit }' "$T/climb/early.csv")
-# shellcheck disable=SC2016 # awk's own
-ok "none of the study's has matched by then" \
-    awk -F, -v n="$warned" 'NR > 1 && $1 <= n && $3 > 0 { exit 1 }' "$T/climb/early.csv"
+# ---- by default, the third failure on one subject is a warning (docs/threat-model.md)
+warned=3
 sqlite3 "$DB" "DELETE FROM attempts"
 start_daemon
 before=$(events locked_out)
@@ -153,7 +148,7 @@ for i in $(seq "$warned"); do
     verify "$climber" frank "$T/b.ply"
     decides "attempt $i" no_match
 done
-is "after as many as in the study" \
+is "then one" \
     "$(events locked_out) $(metric 'surfaced_attempt_warnings_total{kind="locked_out"}')" "$((before + 1)) 1"
 verify "$climber" frank "$T/b.ply"
 locked_out "and then it waits" too_many_attempts 25 30

@@ -126,10 +126,10 @@ start_fails() {
     ok "$f_title: does not listen" sh -c "! grep -q 'listening on' '$T/out'"
 }
 
-# in_folder: the rest of the script runs in $T, without a daemon; $ctl is surfacectl.
+# in_folder: the rest of the script runs in $T, without a daemon; $ctl is surfacectl, $lab surfacelab.
 in_folder() {
     BUILD=$(cd "$BUILD" && pwd)
-    ctl=$BUILD/surfacectl
+    ctl=$BUILD/surfacectl lab=$BUILD/surfacelab
     cd "$T" || exit 1
     unset SURFACED_DB
 }

@@ -180,7 +180,7 @@ if ! command -v python3 >/dev/null 2>&1; then
 elif dumps /bin/sleep 100; then # else the machine writes none anyway
     mkfifo "$T/fifo"
     for command in "surfaced --db $DB --listen 127.0.0.1:0" \
-        "surfacectl simplify $T/fifo --tolerance 1 -o $T/out.ply"; do
+        "surfacelab simplify $T/fifo --tolerance 1 -o $T/out.ply"; do
         # shellcheck disable=SC2086 # a command and its arguments
         ok "none is written by $command" not dumps "$BUILD"/$command
         is "which ran" "$(cat "$T/ran")" ''

@@ -1,0 +1,415 @@
+#include "rates.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "calibration.h"
+#include "mem.h"
+
+const double rates_target[RATES_TARGETS] = {0.01, 0.001, 0.0001};
+
+struct rates {
+    size_t n, ngenuine, nimpostor;
+    uint32_t nsubject;
+    struct rates_score *score;  /* falling */
+    double *genuine, *impostor; /* the same scores, apart */
+};
+
+double rates_least(size_t n)
+{
+    return n > 0 ? 3 / (double)n : (double)INFINITY;
+}
+
+bool rates_supported(double rate, size_t n)
+{
+    return rate >= rates_least(n);
+}
+
+size_t rates_needed(double rate)
+{
+    return (size_t)ceil(3 / rate - 1e-6); /* 3 / 0.0001 is not quite 30000 */
+}
+
+static int by_score(const void *a, const void *b)
+{
+    const struct rates_score *x = a, *y = b;
+
+    if (x->score != y->score)
+        return x->score > y->score ? -1 : 1;
+    if (x->template != y->template)
+        return x->template <y->template ? -1 : 1;
+    return (x->probe > y->probe) - (x->probe < y->probe);
+}
+
+enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
+                      struct rates **out)
+{
+    struct rates *r = mem_array(1, sizeof *r);
+
+    *out = NULL;
+    if (r == NULL)
+        return ST_ENOMEM;
+    *r = (struct rates){.n = n, .nsubject = nsubject};
+    r->score = mem_array(n + 1, sizeof *r->score);
+    r->genuine = mem_array(n + 1, sizeof *r->genuine);
+    r->impostor = mem_array(n + 1, sizeof *r->impostor);
+    if (r->score == NULL || r->genuine == NULL || r->impostor == NULL) {
+        rates_free(r);
+        return ST_ENOMEM;
+    }
+    for (size_t i = 0; i < n; i++) {
+        if (isnan(s[i].score) || s[i].score == (double)INFINITY ||
+            s[i].template >= nsubject || s[i].probe >= nsubject) {
+            rates_free(r);
+            return ST_EINVAL;
+        }
+        r->score[i] = s[i];
+    }
+    qsort(r->score, n, sizeof *r->score, by_score);
+    for (size_t i = 0; i < n; i++) {
+        if (r->score[i].template == r->score[i].probe)
+            r->genuine[r->ngenuine++] = r->score[i].score;
+        else
+            r->impostor[r->nimpostor++] = r->score[i].score;
+    }
+    *out = r;
+    return ST_OK;
+}
+
+void rates_free(struct rates *r)
+{
+    if (r == NULL)
+        return;
+    mem_free(r->score);
+    mem_free(r->genuine);
+    mem_free(r->impostor);
+    mem_free(r);
+}
+
+size_t rates_ngenuine(const struct rates *r)
+{
+    return r->ngenuine;
+}
+
+size_t rates_nimpostor(const struct rates *r)
+{
+    return r->nimpostor;
+}
+
+/* How many of v[0..n-1], falling, are at or above the threshold; -INFINITY never is. */
+static size_t accepted(const double *v, size_t n, double threshold)
+{
+    size_t low = 0, high = n;
+
+    while (low < high) {
+        const size_t mid = low + (high - low) / 2;
+
+        if (v[mid] >= threshold && v[mid] > -(double)INFINITY)
+            low = mid + 1;
+        else
+            high = mid;
+    }
+    return low;
+}
+
+double rates_fmr(const struct rates *r, double score)
+{
+    return (double)accepted(r->impostor, r->nimpostor, score) / (double)r->nimpostor;
+}
+
+double rates_fnmr(const struct rates *r, double score)
+{
+    return (double)(r->ngenuine - accepted(r->genuine, r->ngenuine, score)) /
+           (double)r->ngenuine;
+}
+
+double rates_at(const struct rates *r, double fmr)
+{
+    double best = (double)INFINITY;
+
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY; i++) {
+        if (!(rates_fmr(r, r->score[i].score) <= fmr))
+            break;
+        best = r->score[i].score;
+    }
+    return best;
+}
+
+/* ---- figures */
+
+/* The weights of the comparisons accepted so far, and of all. */
+struct sums {
+    double genuine, impostor, all_genuine, all_impostor;
+};
+
+static double weight(const struct rates_score *s, const uint32_t *drawn)
+{
+    if (drawn == NULL)
+        return 1;
+    return s->template == s->probe ? (double)drawn[s->template]
+                                   : (double)drawn[s->template] * (double)drawn[s->probe];
+}
+
+/* Where the rates crossed between the last threshold and this one. */
+static void cross(double fmr0, double fnmr0, double fmr1, double fnmr1, double score,
+                  struct rates_figures *out)
+{
+    const double before = fnmr0 - fmr0, after = fmr1 - fnmr1;
+    const double t = before / (before + after);
+
+    out->eer = fmr0 + t * (fmr1 - fmr0);
+    out->eer_score = score;
+}
+
+/* figures(r, drawn, threshold, out): one pass over the scores, each group of ties at once.
+ * drawn[i]: how often subject i counts; NULL: once. */
+static void figures(const struct rates *r, const uint32_t *drawn, double threshold,
+                    struct rates_figures *out)
+{
+    struct sums s = {0};
+    double fmr0 = 0, fnmr0 = 1;
+
+    *out = (struct rates_figures){NAN, NAN, {NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN};
+    for (size_t i = 0; i < r->n; i++) {
+        const double w = weight(&r->score[i], drawn);
+
+        if (r->score[i].template == r->score[i].probe)
+            s.all_genuine += w;
+        else
+            s.all_impostor += w;
+    }
+    out->fmr = s.all_impostor > 0 ? 0 : (double)NAN;
+    out->fnmr = s.all_genuine > 0 ? 1 : (double)NAN;
+    for (int k = 0; k < RATES_TARGETS && s.all_impostor > 0; k++) {
+        out->tar_score[k] = (double)INFINITY;
+        out->tar[k] = s.all_genuine > 0 ? 0 : (double)NAN;
+    }
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
+        const double score = r->score[i].score;
+        const struct sums last = s;
+        double fmr, fnmr;
+
+        for (; i < r->n && r->score[i].score == score; i++) {
+            const double w = weight(&r->score[i], drawn);
+
+            if (r->score[i].template == r->score[i].probe)
+                s.genuine += w;
+            else
+                s.impostor += w;
+        }
+        if (s.genuine + s.impostor <= last.genuine + last.impostor)
+            continue; /* nobody of these was drawn */
+        fmr = s.impostor / s.all_impostor;
+        fnmr = (s.all_genuine - s.genuine) / s.all_genuine;
+        if (score >= threshold) {
+            out->fmr = fmr;
+            out->fnmr = fnmr;
+        }
+        for (int k = 0; k < RATES_TARGETS; k++)
+            if (fmr <= rates_target[k]) {
+                out->tar[k] = 1 - fnmr;
+                out->tar_score[k] = score;
+            }
+        if (isnan(out->eer) && fmr >= fnmr)
+            cross(fmr0, fnmr0, fmr, fnmr, score, out);
+        fmr0 = fmr;
+        fnmr0 = fnmr;
+    }
+    if (isnan(out->eer) && s.all_genuine > 0 && s.all_impostor > 0)
+        out->eer = fnmr0; /* more than that never matches: they do not meet */
+}
+
+void rates_figures(const struct rates *r, double threshold, struct rates_figures *out)
+{
+    figures(r, NULL, threshold, out);
+}
+
+/* ---- bootstrap */
+
+uint64_t rates_random(uint64_t *state)
+{
+    uint64_t z = *state += UINT64_C(0x9E3779B97F4A7C15);
+
+    z = (z ^ (z >> 30)) * UINT64_C(0xBF58476D1CE4E5B9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94D049BB133111EB);
+    return z ^ (z >> 31);
+}
+
+uint32_t rates_below(uint64_t *state, uint32_t n)
+{
+    const uint64_t fair = UINT64_MAX - UINT64_MAX % n; /* a multiple of n */
+    uint64_t x;
+
+    do
+        x = rates_random(state);
+    while (x >= fair);
+    return (uint32_t)(x % n);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+/* The 2.5 and 97.5 per cent points of v[0..n-1], those that are numbers. */
+static void interval(double *v, size_t n, double *low, double *high)
+{
+    size_t m = 0;
+
+    for (size_t i = 0; i < n; i++)
+        if (!isnan(v[i]))
+            v[m++] = v[i];
+    *low = *high = NAN;
+    if (m == 0)
+        return;
+    qsort(v, m, sizeof *v, by_value);
+    *low = v[(size_t)(0.025 * (double)(m - 1) + 0.5)];
+    *high = v[(size_t)(0.975 * (double)(m - 1) + 0.5)];
+}
+
+static void draw_subjects(const struct rates *r, uint64_t *seed, uint32_t *drawn)
+{
+    memset(drawn, 0, r->nsubject * sizeof *drawn);
+    for (uint32_t k = 0; k < r->nsubject; k++)
+        drawn[rates_below(seed, r->nsubject)]++;
+}
+
+/* The figures as an array of doubles, which they are. */
+#define FIGURES (sizeof(struct rates_figures) / sizeof(double))
+
+enum status rates_bootstrap(const struct rates *r, double threshold, unsigned replicates,
+                            uint64_t seed, struct rates_figures *low,
+                            struct rates_figures *high)
+{
+    uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
+    double *all = mem_array(((size_t)replicates + 1) * FIGURES, sizeof *all);
+    double bound[2][FIGURES];
+    enum status st = ST_OK;
+
+    if (drawn == NULL || all == NULL)
+        st = ST_ENOMEM;
+    else if (replicates == 0)
+        st = ST_EINVAL;
+    for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
+        struct rates_figures f;
+        double value[FIGURES];
+
+        draw_subjects(r, &seed, drawn);
+        figures(r, drawn, threshold, &f);
+        memcpy(value, &f, sizeof value);
+        for (size_t k = 0; k < FIGURES; k++)
+            all[k * replicates + i] = value[k];
+    }
+    for (size_t k = 0; k < FIGURES && st == ST_OK; k++)
+        interval(&all[k * replicates], replicates, &bound[0][k], &bound[1][k]);
+    if (st == ST_OK) {
+        memcpy(low, bound[0], sizeof *low);
+        memcpy(high, bound[1], sizeof *high);
+    }
+    mem_free(drawn);
+    mem_free(all);
+    return st;
+}
+
+/* rates_at() of what was drawn; NaN where that are no impostors. */
+static double at_drawn(const struct rates *r, double fmr, const uint32_t *drawn)
+{
+    double all = 0, sum = 0, best = (double)INFINITY;
+
+    for (size_t i = 0; i < r->n; i++)
+        if (r->score[i].template != r->score[i].probe)
+            all += weight(&r->score[i], drawn);
+    if (!(all > 0))
+        return (double)NAN;
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
+        const double score = r->score[i].score;
+        double any = 0;
+
+        for (; i < r->n && r->score[i].score == score; i++) {
+            const double w = weight(&r->score[i], drawn);
+
+            any += w;
+            if (r->score[i].template != r->score[i].probe)
+                sum += w;
+        }
+        if (sum > fmr * all)
+            break;
+        if (any > 0)
+            best = score;
+    }
+    return best;
+}
+
+enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
+                               uint64_t seed, double *low, double *high)
+{
+    uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
+    double *at = mem_array((size_t)replicates + 1, sizeof *at);
+    enum status st = replicates > 0 ? ST_OK : ST_EINVAL;
+
+    if (drawn == NULL || at == NULL)
+        st = ST_ENOMEM;
+    for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
+        draw_subjects(r, &seed, drawn);
+        at[i] = at_drawn(r, fmr, drawn);
+    }
+    if (st == ST_OK)
+        interval(at, replicates, low, high);
+    mem_free(drawn);
+    mem_free(at);
+    return st;
+}
+
+/* ---- a calibration */
+
+#define LEAST_SUPPORT 5.0 /* comparisons that a knot rests on */
+
+/* A knot at the score, unless it would not rise above the last one. */
+static void add_knot(const struct rates *r, double score, struct calibration *c)
+{
+    const struct calibration_knot *last = &c->knot[c->n - 1];
+    const double rate = rates_fmr(r, score);
+
+    if (rate > 0 && score > last->score && rate < last->rate)
+        c->knot[c->n++] = (struct calibration_knot){score, rate};
+}
+
+enum status rates_calibrate(const struct rates *r, double fmr, struct calibration *c)
+{
+    static const double rate[] = {0.95, 0.8,   0.5,   0.2,   0.1,    0.05,   0.02,
+                                  0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001};
+    const double n = (double)rates_nimpostor(r);
+    bool placed = false;
+
+    memset(c, 0, sizeof *c);
+    if (!rates_supported(fmr, rates_nimpostor(r)))
+        return ST_ETOOFEW;
+    c->threshold = rates_at(r, fmr);
+    if (!isfinite(c->threshold) || !(rates_fmr(r, c->threshold) > 0))
+        return ST_ETOOFEW;
+    c->knot[c->n++] = (struct calibration_knot){rates_at(r, 1) - 1, 1};
+    for (size_t i = 0; i < sizeof rate / sizeof *rate; i++) {
+        const double score = rates_at(r, rate[i]);
+
+        if (!placed && score >= c->threshold) {
+            add_knot(r, c->threshold, c);
+            placed = true;
+        }
+        if (rate[i] * n >= LEAST_SUPPORT && isfinite(score))
+            add_knot(r, score, c);
+    }
+    if (!placed)
+        add_knot(r, c->threshold, c);
+    return calibration_valid(c) ? ST_OK : ST_ETOOFEW;
+}
+
+uint32_t rates_subjects(double fmr)
+{
+    const double pairs = (double)rates_needed(fmr);
+    const double least = ceil((1 + sqrt(1 + 8 * pairs)) / 2 - 1e-9); /* n (n - 1) / 2 */
+
+    return least < UINT32_MAX ? (uint32_t)least : UINT32_MAX;
+}

@@ -1,0 +1,140 @@
+/* lab.h -- what each command of surfacelab is given, and what the commands share: the command
+ * line as it was read, how files are written, errors, scans as faces. */
+#ifndef LAB_LAB_H
+#define LAB_LAB_H
+#include <limits.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include "clouddepth.h"
+#include "cloudpoints.h"
+#include "errinfo.h"
+#include "face.h"
+#include "json.h"
+#include "newfile.h"
+#include "scan.h"
+
+struct corpus;      /* corpus.h */
+struct corpus_scan; /* corpus.h */
+struct mesh;        /* mesh.h */
+struct model;       /* model.h */
+
+/* As those of surfacectl, which are of <sysexits.h>. */
+enum lab_exit {
+    LAB_FINE = 0,
+    LAB_NO = 1,
+    LAB_INCONCLUSIVE = 2,
+    LAB_USAGE = 64,
+    LAB_DATA = 65,
+    LAB_NOINPUT = 66,
+    LAB_SOFTWARE = 70,
+    LAB_OSERR = 71,
+    LAB_IOERR = 74,
+    LAB_NOPERM = 77
+};
+
+struct lab {
+    const char *command;
+    int nargs;
+    char **args;
+    /* options (main.c), those of one command behind those of several */
+    double unit_mm; /* 0: to be found */
+    enum scan_axes axes;
+    struct clouddepth_camera camera;
+    const char *model_path, *out;
+    double threshold; /* NAN: the model's */
+    uint32_t threads; /* 0: one a core */
+    bool force, json, help, version;
+    const char *pairs, *enroll_kind; /* evaluate */
+    uint32_t non_mated;
+    bool minimal, regions, matrix;
+    const char *name, *morphable, *calibrate; /* train */
+    double weight;                            /* below 0: by the number of subjects */
+    double tolerance_mm;                      /* simplify */
+    bool mean;
+    uint64_t seed; /* study */
+    bool reduced;
+    const char *faces;
+
+    const struct model *model;
+    char engine[FACE_ENGINE_MAX + 1]; /* by that model */
+    struct face_work *work;
+    struct json *report; /* NULL without --json */
+    bool piped;       /* the result goes to standard output, the text to standard error */
+    int code;         /* LAB_FINE until the command sets another */
+    struct errinfo e; /* why the command failed */
+};
+
+/* ---- the commands; each fills c->e on failure */
+
+enum status lab_asymmetry(struct lab *c);
+enum status lab_evaluate(struct lab *c);
+enum status lab_explain(struct lab *c);
+enum status lab_fill(struct lab *c);
+enum status lab_simplify(struct lab *c);
+enum status lab_study(struct lab *c);
+enum status lab_train(struct lab *c);
+
+/* ---- shared (lab.c)
+ *
+ * lab_usage(c, ...): the command line is wrong as the text says; ST_EINVAL, exit code LAB_USAGE.
+ * lab_say(c, ...): prints text, unless the result is printed as JSON.
+ * lab_grow(list, n, size): a list of n elements that this function has grown, with room for one
+ * more; NULL: out of memory, the list is unchanged.
+ * lab_decision(d): "match", "no_match", "inconclusive".
+ * lab_clock_ms(): for differences. */
+__attribute__((format(printf, 2, 3))) enum status lab_usage(struct lab *c,
+                                                            const char *fmt, ...);
+__attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const char *fmt,
+                                                   ...);
+void *lab_grow(void *list, size_t n, size_t size);
+const char *lab_decision(enum face_decision d);
+double lab_clock_ms(void);
+
+/* Files.  A file that exists is replaced only with --force, one that the command reads never.
+ * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and
+ * the model are read.  ST_EEXISTS, ST_EINVAL.
+ * lab_may_pipe(c, nread): the same of --out, which may be "-"; sets c->piped.
+ * lab_not_read(c, path, input): ST_EEXISTS if both are one file; input may be NULL.
+ * lab_write(c, path, write, arg): writes a file whole or not at all, readable by its owner
+ * alone; to standard output if c->piped.
+ * lab_write_in(c, folder, name, write, arg): a file of a folder, which is made if it is missing. */
+enum status lab_may_write(struct lab *c, const char *path, int nread);
+enum status lab_may_pipe(struct lab *c, int nread);
+enum status lab_not_read(struct lab *c, const char *path, const char *input);
+enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
+                      const void *arg);
+enum status lab_write_in(struct lab *c, const char *folder, const char *name,
+                         newfile_writer *write, const void *arg);
+
+/* ---- scans (lab_scan.c)
+ *
+ * lab_scan_parse(c, path, out): the points of a file ("-": standard input).
+ * lab_scan_build(c, path, p, enrolment, w, out, found, e): the face in points (scan_build());
+ * any thread may call it.
+ * lab_scan_read(c, path, out, found): both, for a command that compares. */
+enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
+                           struct errinfo *e);
+enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpoints *p,
+                           bool enrolment, struct face_work *w, struct face *out,
+                           struct scan_found *found, struct errinfo *e);
+enum status lab_scan_read(struct lab *c, const char *path, struct face *out,
+                          struct scan_found *found);
+
+/* lab_scan_of(c, scan, enrolment, w, out, found, code, refused, e): a scan of a collection as a
+ * face, on any thread.  A scan that is malformed or no face is no failure: *refused gives the
+ * reason, for free(), and *code (NULL is allowed) the status.  Returns ST_OK, ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
+enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
+                        bool enrolment, struct face_work *w, struct face *out,
+                        struct scan_found *found, enum status *code, char **refused,
+                        struct errinfo *e);
+
+/* lab_scan_left(j, k): adds to the JSON array that is open which files of a collection are left
+ * out, and ends it; lab_scan_print_left(k) lists them on standard error.
+ * lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;
+ * ST_EEXISTS. */
+void lab_scan_left(struct json *j, const struct corpus *k);
+void lab_scan_print_left(const struct corpus *k);
+enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char *source,
+                              const char *path);
+
+#endif

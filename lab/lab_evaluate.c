@@ -1,0 +1,332 @@
+/* surfacelab evaluate: error rates on collections of scans. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "cloudformat.h"
+#include "corpus_pairs.h"
+#include "corpus_read.h"
+#include "lab.h"
+#include "model.h"
+#include "report.h"
+
+/* A collection, and the folder that its report is written into. */
+struct set {
+    const char *source;
+    char *dir;
+    struct corpus *corpus;
+    struct trials *trials;
+};
+
+struct run {
+    struct lab *c;
+    struct set *set;
+    struct report *report; /* [n], as are they */
+    size_t n;
+    struct trials_how how;
+    const char *calibration; /* whose decides */
+    char made[32];
+};
+
+/* ---- the files */
+
+static const struct {
+    const char *file;
+    newfile_writer *write;
+} output[] = {{"scores.csv", report_csv_scores},
+              {"rates.csv", report_csv_rates},
+              {"report.json", report_json},
+              {"matrix.csv", report_csv_matrix}}; /* the last one, if it is wanted */
+#define OUTPUTS (sizeof output / sizeof *output)
+#define MATRIX  (OUTPUTS - 1)
+#define TABLE   "sets.csv" /* of several */
+
+static char *join(const char *dir, const char *file, unsigned number)
+{
+    const size_t size = strlen(dir) + strlen(file) + 16;
+    char *path = malloc(size), suffix[12] = "";
+
+    if (number > 1)
+        (void)snprintf(suffix, sizeof suffix, "-%u", number);
+    if (path != NULL)
+        (void)snprintf(path, size, "%s/%s%s", dir, file, suffix);
+    return path;
+}
+
+/* Of several sets each has a folder in --out, by the set's own name, made different. */
+static char *folder_of(const struct run *r, size_t i, const char *out)
+{
+    const char *source = r->set[i].source;
+    size_t end = strlen(source), begin;
+    char *base, *dir = NULL;
+    bool taken = true;
+
+    if (r->n == 1)
+        return strdup(out);
+    while (end > 0 && source[end - 1] == '/')
+        end--;
+    for (begin = end; begin > 0 && source[begin - 1] != '/'; begin--)
+        ;
+    base = strndup(source + begin, end - begin);
+    if (base != NULL && base[strspn(base, ".")] == '\0') { /* "", ".", ".." */
+        free(base);
+        base = strdup("set");
+    }
+    for (unsigned number = 1; base != NULL && taken; number++) {
+        free(dir);
+        if ((dir = join(out, base, number)) == NULL)
+            break;
+        taken = false;
+        for (size_t k = 0; k < i; k++)
+            taken = taken || strcmp(r->set[k].dir, dir) == 0;
+    }
+    free(base);
+    return dir;
+}
+
+/* May this file be written?  It is none of those that are read. */
+static enum status may_write(struct run *r, const char *dir, const char *file)
+{
+    struct lab *c = r->c;
+    char *path = join(dir, file, 1);
+    enum status st;
+
+    if (path == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    st = lab_may_write(c, path, c->nargs);
+    for (size_t i = 0; i < r->n && st == ST_OK; i++)
+        st = lab_scan_not_read(c, r->set[i].corpus, r->set[i].source, path);
+    free(path);
+    return st;
+}
+
+static enum status may_write_all(struct run *r, const char *out)
+{
+    enum status st = r->n > 1 ? may_write(r, out, TABLE) : ST_OK;
+
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++)
+            st = may_write(r, r->set[i].dir, output[k].file);
+    return st;
+}
+
+static enum status write_all(struct run *r, const char *out)
+{
+    const struct report_list list = {r->report, r->n};
+    struct lab *c = r->c;
+    enum status st = ST_OK;
+
+    if (r->n > 1)
+        st = lab_write_in(c, out, TABLE, report_csv_sets, &list);
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++) {
+            const char *dir = r->set[i].dir;
+            char *path = join(dir, output[k].file, 1);
+
+            if (k != MATRIX || c->matrix)
+                st = lab_write_in(c, dir, output[k].file, output[k].write, &r->report[i]);
+            else if (path != NULL)
+                (void)unlink(path); /* of a former run */
+            free(path);
+        }
+    return st;
+}
+
+/* ---- the summary */
+
+/* A share of n in per cent with its interval; if n does not support it, what it is below. */
+static void print_rate(const char *name, double rate, double low, double high, size_t n)
+{
+    (void)printf("%-12s ", name);
+    if (n == 0 || isnan(rate))
+        (void)printf("no comparisons\n");
+    else if (!rates_supported(rate, n))
+        (void)printf("below %.3g %% (%.0f of %zu)\n",
+                     100 * fmin(1, report_bound(rate, n)), round(rate * (double)n), n);
+    else
+        (void)printf("%.3g %% [%.3g to %.3g]\n", 100 * rate, 100 * low, 100 * high);
+}
+
+static void print_share(const char *name, const struct report_rate *x)
+{
+    print_rate(name, x->value, x->low, x->high, x->n);
+}
+
+static void print_set(const struct report *r)
+{
+    const struct report_group *all = &r->group[0];
+    const struct report_curve *g = &all->curve[REPORT_SCORED];
+    const size_t fewer = g->n < r->non_mated.n ? g->n : r->non_mated.n;
+
+    (void)printf("scans        %s: %u subjects, %u scans\n", r->source,
+                 r->t->corpus->nsubject, r->t->corpus->nscan);
+    (void)printf("comparisons  %zu mated, %zu non-mated, %zu of close relatives\n",
+                 all->mated.n, r->non_mated.n, r->relative.n);
+    (void)printf("threshold    %.4g, calibration %s\n", r->threshold, r->calibration);
+    print_share("FTE", &r->fte);
+    print_share("FTA", &all->fta);
+    print_rate("EER", g->f.eer, g->low.eer, g->high.eer, fewer);
+    for (int k = 0; k < RATES_TARGETS; k++)
+        if (rates_supported(rates_target[k], r->non_mated.n))
+            (void)printf("TAR          %.4g %% at FMR %g %%, threshold %.2f\n",
+                         100 * g->f.tar[k], 100 * rates_target[k], g->f.tar_score[k]);
+        else
+            (void)printf("TAR          not supported at FMR %g %%: %zu non-mated "
+                         "comparisons are needed\n",
+                         100 * rates_target[k], rates_needed(rates_target[k]));
+    print_share("FNMR", &all->fnmr);
+    print_share("FMR", &r->fmr);
+    print_share("FRR", &all->frr);
+    print_share("FAR", &r->far);
+}
+
+static void print_all(const struct run *r, const char *out)
+{
+    struct json *o = r->c->report;
+
+    if (r->n > 1)
+        json_array(o, "sets");
+    for (size_t i = 0; i < r->n; i++) {
+        if (r->n > 1)
+            json_object(o, NULL);
+        report_json_out(o, &r->report[i]);
+        if (r->n > 1)
+            json_close(o);
+        lab_scan_print_left(r->set[i].corpus);
+        if (!r->c->json) {
+            print_set(&r->report[i]);
+            (void)printf("\n");
+        }
+    }
+    if (r->n > 1)
+        json_close(o);
+    lab_say(r->c, "The report is in %s/\n", out);
+}
+
+/* ---- the command */
+
+/* A scan where a collection should be?  Tables may end like one. */
+static bool is_scan(const char *path)
+{
+    const char *ending = cloudformat_ending(path);
+    struct stat info;
+
+    return ending != NULL && strcasecmp(ending, ".csv") != 0 &&
+           strcasecmp(ending, ".txt") != 0 && stat(path, &info) == 0 &&
+           S_ISREG(info.st_mode);
+}
+
+static enum status check_usage(struct lab *c)
+{
+    static const char usage[] =
+        "surfacelab evaluate DIR|MANIFEST..., or surfacelab evaluate "
+        "--pairs LIST";
+
+    if ((c->nargs == 0) != (c->pairs != NULL))
+        return lab_usage(c, "usage: %s", usage);
+    if (c->pairs != NULL && (c->non_mated > 0 || c->enroll_kind != NULL))
+        return lab_usage(c, "--pairs is compared as listed: without --non-mated and "
+                            "--enroll-kind");
+    for (int i = 0; i < c->nargs; i++)
+        if (is_scan(c->args[i]))
+            return lab_usage(c, "%.100s is one scan; usage: %s", c->args[i], usage);
+    return ST_OK;
+}
+
+static enum status read_sets(struct run *r, const char *out)
+{
+    struct lab *c = r->c;
+    enum status st = ST_OK;
+
+    r->n = c->pairs != NULL ? 1 : (size_t)c->nargs;
+    r->set = calloc(r->n, sizeof *r->set);
+    r->report = calloc(r->n, sizeof *r->report);
+    if (r->set == NULL || r->report == NULL) {
+        r->n = 0;
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    }
+    for (size_t i = 0; i < r->n && st == ST_OK; i++) {
+        struct set *s = &r->set[i];
+
+        s->source = c->pairs != NULL ? c->pairs : c->args[i];
+        st = c->pairs != NULL ? corpus_pairs_read(c->pairs, &s->corpus, &c->e)
+                              : corpus_read(s->source, &s->corpus, &c->e);
+        if (st == ST_OK && c->enroll_kind != NULL)
+            st = corpus_enroll(s->corpus, c->enroll_kind, &c->e);
+        if (st == ST_OK && (s->dir = folder_of(r, i, out)) == NULL)
+            st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    }
+    return st;
+}
+
+static enum status evaluate(struct run *r, size_t i)
+{
+    struct lab *c = r->c;
+    struct set *s = &r->set[i];
+    enum status st = trials_run(c, s->corpus, &r->how, &s->trials);
+
+    if (st != ST_OK)
+        return st;
+    if (s->trials->n == 0)
+        return errinfo_set(
+            &c->e, ST_EINVAL,
+            "%.100s: nothing to compare: no probe has a template of its own "
+            "subject or another",
+            s->source);
+    r->report[i] = (struct report){.source = s->source,
+                                   .made = r->made,
+                                   .calibration = r->calibration,
+                                   .engine = c->engine,
+                                   .model = c->model,
+                                   .enroll_kind = c->enroll_kind};
+    if ((st = report_measure(&r->report[i], s->trials)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "the rates: %s", status_message(st));
+    return st;
+}
+
+static enum status evaluate_all(struct run *r)
+{
+    const char *out = r->c->out != NULL ? r->c->out : "evaluation";
+    const time_t now = time(NULL);
+    struct tm utc;
+    enum status st = read_sets(r, out);
+
+    if (gmtime_r(&now, &utc) != NULL)
+        (void)strftime(r->made, sizeof r->made, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    if (st == ST_OK)
+        st = may_write_all(r, out);
+    for (size_t i = 0; i < r->n && st == ST_OK; i++)
+        st = evaluate(r, i);
+    if (st == ST_OK && (st = write_all(r, out)) == ST_OK)
+        print_all(r, out);
+    for (size_t i = 0; i < r->n; i++) {
+        report_free(&r->report[i]);
+        trials_free(r->set[i].trials);
+        corpus_free(r->set[i].corpus);
+        free(r->set[i].dir);
+    }
+    free(r->report);
+    free(r->set);
+    return st;
+}
+
+enum status lab_evaluate(struct lab *c)
+{
+    struct run r = {.c = c,
+                    .calibration =
+                        isnan(c->threshold) ? "of the model" : "replaced by --threshold"};
+    const enum status st = check_usage(c);
+
+    r.how.non_mated = c->non_mated > 0 ? c->non_mated : c->matrix ? TRIALS_ALL : 0;
+    r.how.minimal = c->minimal;
+    r.how.regions = c->regions;
+    if (st == ST_OK && c->out != NULL && strcmp(c->out, "-") == 0)
+        return lab_usage(
+            c, "evaluate writes several files: --out takes a folder (./- is one)");
+    return st == ST_OK ? evaluate_all(&r) : st;
+}

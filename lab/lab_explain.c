@@ -1,0 +1,206 @@
+/* surfacelab explain: where two scans differ, and what each place adds to the score. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "heatmap.h"
+#include "lab.h"
+#include "mem.h"
+#include "minimal.h"
+
+struct explanation {
+    const char *a, *b, *engine;
+    struct face tmpl, probe;
+    struct face_result result;
+    struct minimal minimal;
+    struct face_field field;
+    struct dvec3 *pts; /* [n] of the probe, mm */
+    double *gap;       /* [n] there, as measured; NAN: nothing to compare */
+    size_t n;
+};
+
+/* ---- at a point */
+
+static struct dvec3 move(const double t[16], struct dvec3 p)
+{
+    return (struct dvec3){t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
+                          t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
+                          t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
+}
+
+/* A cell's value at a point of the canonical frame: linear between the middles of the cells that
+ * have one; NAN if none of the four has. */
+static double sample_cells(const float value[GRID_N], struct dvec3 at)
+{
+    double v = 0, sum = 0;
+
+    for (int k = 0; k < 4; k++) {
+        const uint32_t i =
+            grid_cell(at.x + (k % 2 - 0.5) * GRID_MM, at.y + (k / 2 - 0.5) * GRID_MM);
+        double share;
+
+        if (i == GRID_NONE || isnan(value[i]))
+            continue;
+        share = (1 - fabs(at.x - grid_x(i)) / GRID_MM) *
+                (1 - fabs(at.y - grid_y(i)) / GRID_MM);
+        sum += share;
+        v += share * (double)value[i];
+    }
+    return sum > 0 ? v / sum : (double)NAN;
+}
+
+/* ---- the files */
+
+static void field(FILE *to, double value)
+{
+    if (isnan(value))
+        (void)fputc(',', to);
+    else
+        (void)fprintf(to, ",%.4f", value);
+}
+
+/* points.csv: the probe's points moved onto the template, the gap there, the part. */
+static enum status write_points(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+
+    (void)e;
+    (void)fprintf(to, "x,y,z,gap_mm,part\n");
+    for (size_t i = 0; i < x->n; i++) {
+        const struct dvec3 p = move(x->result.align.transform, x->pts[i]);
+        const struct dvec3 q = align_pose_apply(&x->tmpl.frame.pose, p);
+
+        (void)fprintf(to, "%.3f,%.3f,%.3f", p.x, p.y, p.z);
+        field(to, x->gap[i]);
+        field(to, isnan(x->gap[i]) ? (double)NAN : sample_cells(x->field.part, q));
+        (void)fputc('\n', to);
+    }
+    return ST_OK;
+}
+
+/* cells.csv: the gap of each cell, each face in its own frame, and what it adds to the score. */
+static enum status write_cells(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+
+    (void)e;
+    (void)fprintf(to, "x,y,gap_mm,part\n");
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        if (isnan(x->field.gap_mm[i]) && isnan(x->field.part[i]))
+            continue;
+        (void)fprintf(to, "%.2f,%.2f", grid_x(i), grid_y(i));
+        field(to, (double)x->field.gap_mm[i]);
+        field(to, (double)x->field.part[i]);
+        (void)fputc('\n', to);
+    }
+    return ST_OK;
+}
+
+static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+    const struct disparity *d = &x->minimal.disparity;
+    struct json *j = json_new();
+    double score, threshold;
+    char *text;
+    bool ok;
+
+    face_shown(&x->result, 100, &score, &threshold);
+    json_text(j, "template", x->a);
+    json_text(j, "probe", x->b);
+    json_text(j, "engine", x->engine);
+    json_text(j, "decision", lab_decision(x->result.decision));
+    json_score(j, "score", score);
+    json_score(j, "threshold", threshold);
+    json_score(j, "expected", x->result.expected);
+    json_rate(j, "fmr_at_score", x->result.fmr_at_score);
+    json_number(j, "overlap", x->result.overlap);
+    json_number(j, "disparity_mm", d->plain_mm);
+    json_extent(j, "volume_mm3", d->volume_mm3);
+    json_extent(j, "overlap_mm2", d->area_mm2);
+    json_transform(j, "transform", x->result.align.transform);
+    json_object(j, "regions");
+    for (int i = 0; i < GRID_REGIONS; i++)
+        json_score(j, grid_region_name((enum grid_region)i), x->result.region[i]);
+    json_close(j);
+    text = json_pretty(j);
+    ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
+    free(text);
+    return ok ? ST_OK : errinfo_set(e, ST_ENOMEM, "explain.json: out of memory");
+}
+
+static const struct {
+    const char *name;
+    newfile_writer *write;
+} file[] = {{"explain.json", write_json},
+            {"points.csv", write_points},
+            {"cells.csv", write_cells}};
+#define FILES (sizeof file / sizeof *file)
+
+/* ---- the command */
+
+static enum status compare(struct lab *c, struct explanation *x)
+{
+    struct face_work *w = c->work;
+    struct scan_found found;
+    struct cloudpoints p;
+    enum status st = lab_scan_read(c, x->a, &x->tmpl, &found);
+
+    if (st != ST_OK)
+        return st;
+    st = lab_scan_parse(c, x->b, &p, &c->e);
+    if (st == ST_OK)
+        st = lab_scan_build(c, x->b, &p, false, w, &x->probe, &found, &c->e);
+    x->pts = p.at;
+    x->n = p.n;
+    p.at = NULL; /* x owns them */
+    cloudpoints_free(&p);
+    if (st != ST_OK)
+        return st;
+    if ((x->gap = mem_array(x->n, sizeof *x->gap)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if ((st = face_compare(&x->tmpl, &x->probe, (double)NAN, NULL, w, &x->result)) ==
+            ST_OK &&
+        (st = face_minimal(&x->tmpl, &x->probe, NULL, w, &x->result, &x->minimal)) ==
+            ST_OK &&
+        (st = face_regions(&x->tmpl, &x->probe, w, &x->result)) == ST_OK &&
+        (st = face_field(&x->tmpl, &x->probe, w, &x->field)) == ST_OK)
+        st = heatmap_gaps(&x->tmpl.surface, x->pts, x->n, x->result.align.transform,
+                          x->gap);
+    return st == ST_OK ? st : errinfo_set(&c->e, st, "comparing: %s", status_message(st));
+}
+
+enum status lab_explain(struct lab *c)
+{
+    const char *folder = c->out != NULL ? c->out : "explanation";
+    struct explanation x = {.a = c->args[0], .b = c->args[1], .engine = c->engine};
+    char path[PATH_MAX];
+    enum status st = ST_OK;
+
+    if (strcmp(folder, "-") == 0)
+        return lab_usage(
+            c, "explain writes several files: --out takes a folder (./- is one)");
+    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
+        (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
+        st = lab_may_write(c, path, c->nargs);
+    }
+    if (st == ST_OK)
+        st = compare(c, &x);
+    for (size_t i = 0; st == ST_OK && i < FILES; i++)
+        st = lab_write_in(c, folder, file[i].name, file[i].write, &x);
+    if (st == ST_OK) {
+        (void)printf("decision     %s, score %.2f, a match at %.2f or above\n"
+                     "disparity    %.3f mm, minimal\nwritten to   %s\n",
+                     lab_decision(x.result.decision), x.result.score, x.result.threshold,
+                     x.minimal.disparity.plain_mm, folder);
+        c->code = x.result.decision == FACE_MATCH      ? LAB_FINE
+                  : x.result.decision == FACE_NO_MATCH ? LAB_NO
+                                                       : LAB_INCONCLUSIVE;
+    }
+    mem_free(x.gap);
+    mem_free(x.pts);
+    face_free(&x.tmpl);
+    face_free(&x.probe);
+    return st;
+}

@@ -1,0 +1,57 @@
+/* population.h -- what is known of a population's faces, before it is cut down to the modes of a
+ * model (core/face/model.h): the mean face and, about it, how gaps vary within a person and between
+ * people.  It is learned from a morphable model (population_render.h), or taken from a model, and
+ * adapted to scans (population_scans.h). */
+#ifndef LAB_POPULATION_H
+#define LAB_POPULATION_H
+#include <stdint.h>
+#include "grid.h"
+#include "model.h"
+#include "spread.h"
+#include "status.h"
+
+#define POPULATION_MOTIONS 6
+
+struct population {
+    float mean
+        [GRID_N]; /* height of the mean face, mm, symmetric; NAN: the cell is not in use */
+    float normal_z[GRID_N]; /* scales heights to gaps */
+    float motion[POPULATION_MOTIONS]
+                [GRID_N]; /* gaps by the prior's motions of the mean face
+                                                 (encode.h) */
+    struct spread_cells cells;
+    struct spread change;   /* W: within a person, of one scan */
+    struct spread identity; /* B: between people */
+    struct spread shape;    /* of a face with its expression, as wide as a fit allows */
+};
+
+/* population_begin(mean, p): a population of that mean face, of which nothing else is known: all
+ * variances are 0.  The mean is made symmetric; a cell is in use where it and its mirror image
+ * have a height.
+ * Returns ST_OK; ST_EINVAL fewer than MODEL_FACE_MIN cells are in use; ST_ENOMEM.  On failure p is
+ * empty. */
+enum status population_begin(const float mean[GRID_N], struct population *p);
+
+/* population_read(m, p): the population that a model says.  As population_begin(). */
+enum status population_read(const struct model *m, struct population *p);
+
+/* population_copy(from, to): Returns ST_OK; ST_ENOMEM, to is empty. */
+enum status population_copy(const struct population *from, struct population *to);
+void population_free(struct population *p); /* it is empty again */
+
+/* population_still(p, s): what varies as if the mean face moved is removed from s. */
+void population_still(const struct population *p, struct spread *s);
+
+/* population_model(p, m): cut p down to modes: m's mean, change, identity and shape.
+ * change    the leading modes of W
+ * identity  the leading ones of B against W, noise of 1 mm and motion: those that scans show best
+ * shape     the leading ones of p->shape
+ * Each of as many modes as MODEL_MODES and the cells have room for, but POPULATION_CHANGE,
+ * POPULATION_IDENTITY and POPULATION_SHAPE at most.  p stays as it is.
+ * About 0.5 s.  Returns ST_OK; ST_EINVAL a number is not finite; ST_ENOMEM. */
+#define POPULATION_CHANGE   100
+#define POPULATION_IDENTITY 100
+#define POPULATION_SHAPE    88
+enum status population_model(const struct population *p, struct model *m);
+
+#endif

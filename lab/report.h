@@ -1,0 +1,110 @@
+/* report.h -- what an evaluation found, in the terms of ISO/IEC 19795-1, and its forms. */
+#ifndef LAB_REPORT_H
+#define LAB_REPORT_H
+#include <stdint.h>
+#include "newfile.h"
+#include "rates.h"
+#include "trials.h"
+
+struct json;  /* json.h */
+struct model; /* model.h */
+
+/* The share of n that went wrong; NaN when n is 0. */
+struct report_rate {
+    double value, low, high; /* 95 %, by a bootstrap over subjects */
+    size_t n;
+};
+
+/* How many comparisons of one sort were decided how. */
+struct report_count {
+    size_t planned; /* those besides that a refused scan made impossible */
+    size_t n, match, no_match, inconclusive;
+};
+
+/* Of which mated comparisons a rate is.  The non-mated ones are always those scored: a refusal
+ * must not pay for a threshold that is easier to reach. */
+enum report_of {
+    REPORT_SCORED, /* those that were made */
+    REPORT_ALL, /* all that were planned: what a refused scan made impossible is an error */
+    REPORT_OF
+};
+
+struct report_curve {
+    size_t n; /* mated comparisons */
+    struct rates *rates;
+    struct rates_figures f, low, high; /* at the report's threshold */
+};
+
+/* The probes of one kind, or all. */
+struct report_group {
+    const char *name;
+    uint32_t kind;          /* of the corpus, or CORPUS_NONE: all */
+    struct report_rate fta; /* failures to acquire, of the probes */
+    uint32_t ranked, first; /* probes compared with others too; own template nearest */
+    struct report_count mated;
+    struct report_rate fnmr;      /* mated comparisons that are a non-match */
+    struct report_rate unmatched; /* those that are no match: inconclusive ones too */
+    struct report_rate
+        frr; /* and those that refusals made impossible, of the planned ones:
+                               the generalised false reject rate */
+    struct report_curve
+        curve[REPORT_OF]; /* this kind's mated scores, everybody's others */
+};
+
+struct report {
+    const struct trials *t;
+    const char *source, *made; /* folder, manifest or list; when */
+    const char *calibration;   /* whose decided */
+    const char *engine;        /* face_engine() */
+    const struct model *model;
+    const char *enroll_kind; /* that was asked for, or NULL */
+    double threshold;
+    unsigned replicates; /* of the bootstrap */
+    uint64_t seed;
+    struct report_group *group; /* the first is all */
+    uint32_t ngroup;
+    uint32_t untemplated;   /* subjects without a scan of the kind that is enrolled */
+    struct report_rate fte; /* failures to enroll, of the templates */
+    struct report_count non_mated, relative;
+    struct report_rate fmr; /* non-mated comparisons that are a match */
+    struct report_rate far; /* of those planned: the generalised false accept rate */
+    double score_ms;        /* median of a comparison */
+};
+
+/* report_measure(r, t): fills r, which has source, made, calibration, engine, model and
+ * enroll_kind, from the comparisons t, which r borrows.  Released by report_free(), also on
+ * failure.  Cost: a bootstrap of all non-mated comparisons for each kind, twice.
+ * Returns ST_OK, ST_ENOMEM. */
+enum status report_measure(struct report *r, const struct trials *t);
+void report_free(struct report *r);
+
+/* report_done(r): comparisons that were made, of all types. */
+size_t report_done(const struct report *r);
+
+/* report_bound(rate, n): n independent comparisons of which this share, fewer than 3, went
+ * wrong: what the true rate is below with 95 % confidence; 3 / n without any. */
+double report_bound(double rate, size_t n);
+
+/* report_step(r, most, from, n): the step of thresholds, a round number, that leads from *from,
+ * at or below the lowest score, to the highest in *n <= most steps. */
+double report_step(const struct report *r, size_t most, double *from, size_t *n);
+
+/* ---- its forms: writers (newfile.h) of a struct report, and of lists of them.  An empty field
+ * is a number that is not known.  Return ST_OK, ST_ENOMEM, ST_EIO.
+ * report_csv_scores  every comparison, in the order of t->trial; behind them a row for each scan
+ *                    that was refused, with the code (status_refusal()) and the reason
+ * report_csv_matrix  the scores, a row for each template and a column for each probe; empty if
+ *                    nothing was compared or a scan was refused
+ * report_csv_rates   FMR and FNMR by threshold, of the comparisons made
+ * report_csv_sets    a row for each report of a struct report_list
+ * report_json        the report as report.json has it; report_json_out(o, r) the same as members
+ *                    of o's open object */
+struct report_list {
+    const struct report *report;
+    size_t n;
+};
+newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_sets;
+newfile_writer report_json;
+void report_json_out(struct json *o, const struct report *r);
+
+#endif

@@ -1,0 +1,109 @@
+/* study.h -- what the studies share: where their tables go, test functions, surfaces over
+ * scattered points, quantiles and fits.  A study is a program's part, not a library's: what
+ * cannot be done (no memory, no disk) ends the program with a message. */
+#ifndef STUDY_STUDY_H
+#define STUDY_STUDY_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include "locate.h"
+#include "mem.h"
+#include "mesh.h"
+#include "status.h"
+#include "surface.h"
+#include "vec.h"
+
+struct study {
+    const char *dir; /* where the study's files go */
+    uint64_t seed;
+    const char *faces; /* a folder of scans, or NULL */
+    bool reduced;      /* few draws, small sizes: for tests */
+};
+
+/* ---- the studies; what each writes stands in its .html (the part of the report), what came
+ * out in docs/studies.md */
+void method_run(const struct study *study); /* the disparity paper's figures 1 to 9 */
+void cost_run(const struct study *study);   /* its tables 1 to 4, growth */
+void faces_run(const struct study *study);  /* its figures 10 and 11, the weight */
+void missing_run(
+    const struct study *study); /* the missing-points paper's figures, tables */
+void several_run(const struct study *study); /* the best of several templates */
+void minimal_run(const struct study *study); /* the minimum, against brute force */
+
+void study_must(enum status st);          /* ends the program unless ST_OK */
+void *study_alloc(size_t n, size_t size); /* zeroed; free() */
+
+/* study_open(study, name): the file name in the study's folder, for writing; study_close() ends
+ * the program where it could not all be written. */
+FILE *study_open(const struct study *study, const char *name);
+void study_close(FILE *f);
+
+/* study_field(f, places, x): a comma and x with so many digits behind the point; NAN, where
+ * nothing was there to be measured, is an empty field. */
+void study_field(FILE *f, int places, double x);
+
+/* ---- numbers */
+
+/* study_real(r): uniform in [0, 1); study_int(r, lo, hi): uniform, both ends included. */
+struct study_random {
+    uint64_t state;
+};
+double study_real(struct study_random *r);
+int32_t study_int(struct study_random *r, int32_t lo, int32_t hi);
+
+struct study_spread {
+    double mean, median, low, high; /* low, high: the 5 % and 95 % quantiles */
+};
+
+/* study_spread(v, n): sorts v; quantiles between neighbours in proportion.  n >= 1. */
+struct study_spread study_spread(double *v, size_t n);
+
+/* study_share(k, n, low, high): the 95 % interval of a share of which k of n were seen (Clopper
+ * and Pearson); n 0: 0 to 1. */
+void study_share(size_t k, size_t n, double *low, double *high);
+
+/* y = c x^slope, by least squares of the logarithms; half: half the 95 % confidence
+ * interval of the slope (Student); r2: the share of the variance explained.  n >= 3. */
+struct study_fit {
+    double slope, half, c, r2;
+};
+struct study_fit study_fit(const double *x, const double *y, size_t n);
+
+/* ---- the six test functions of the missing-points paper, as it prints them */
+
+#define STUDY_FUNCTIONS 6
+#define STUDY_UNIT      1e7 /* lattice units to the side of the unit square */
+double study_function(unsigned f, double x, double y); /* f 0 to 5 for F1 to F6 */
+const char *study_function_name(unsigned f);
+
+/* study_lattice(f, x, y): the point of the function's surface over (x, y). */
+struct ivec3 study_lattice(unsigned f, double x, double y);
+
+/* ---- surfaces */
+
+struct study_surface {
+    struct surface surface; /* no spikes are looked for */
+    struct scratch scratch;
+    struct location last; /* where the last point was found */
+};
+
+/* study_triangulate(s, pts, n): all zero, or a former surface whose memory is used again.
+ * Returns ST_OK or ST_EDEGENERATE. */
+enum status study_triangulate(struct study_surface *s, const struct ivec3 *pts, size_t n);
+void study_surface_free(struct study_surface *s);
+
+/* study_height(s, q, inside): the surface's height at q, lattice units; outside the hull that
+ * of the nearest point of the hull, and *inside is false. */
+double study_height(struct study_surface *s, struct ivec2 q, bool *inside);
+
+/* ---- pictures */
+
+/* study_edges(m, per, tag, f): lines "tag,x1,y1,x2,y2", every edge once, per lattice units. */
+void study_edges(const struct mesh *m, double per, const char *tag, FILE *f);
+
+/* study_triangles(m, per, f): the triangles as gnuplot's pm3d wants them: each a surface of
+ * its own of two scans of two points. */
+void study_triangles(const struct mesh *m, double per, FILE *f);
+
+#endif

@@ -1,0 +1,54 @@
+/* train.h -- a model (core/face/model.h) from a morphable model, from scans of real people, or from
+ * both: docs/model.md, "How it is learned".
+ * Deterministic: the same files give the same model, with any compiler and any number of
+ * threads. */
+#ifndef LAB_TRAIN_H
+#define LAB_TRAIN_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "model.h"
+#include "rates.h"
+#include "status.h"
+
+struct corpus;  /* corpus.h */
+struct errinfo; /* errinfo.h */
+struct face;    /* face.h */
+
+#define TRAIN_MIN_SUBJECTS 20 /* with two scans or more */
+
+struct train {
+    const struct model *base; /* what nothing else is learned of stays as it is there */
+    const char *morphable; /* a folder (morphable.h); NULL: none, the base's population */
+    const struct corpus *corpus; /* scans; NULL: none */
+    const struct face *face; /* [corpus->nscan] built by base; of no points: not used */
+    double weight; /* of the scans, 0 to 1; below 0: by the number of subjects */
+    const char
+        *scores; /* a file that evaluate wrote, to calibrate by; NULL: the base's table */
+    unsigned threads; /* 0: one for each core */
+};
+
+/* Of scans, and only with them. */
+struct train_report {
+    uint32_t nsubject, nscan; /* used */
+    double weight;
+    size_t mated, non_mated; /* comparisons */
+    /* Of these comparisons: by the base model, and by models that have learned from the scans of
+     * other subjects alone. */
+    struct rates_figures base, own;
+    bool worse; /* own is: by EER or acceptance at FMR 1 %, and better by neither */
+};
+
+/* train_model(t, name, out, report, e)
+ * name    the model's; printable ASCII of up to MODEL_NAME_MAX characters
+ * out     rounded as its text form is
+ * report  all 0 without scans
+ * Memory: 30 KB a scan.  Cost: 50 s of one core for a morphable model; three encodings for each
+ * scan, 2 ms for each pair of scans of one subject.
+ * Returns ST_OK; ST_ETOOFEW subjects, or scores to calibrate by; ST_ECORRUPT the base has no
+ * population, or the result is no valid model; what the files' readers return (morphable.h,
+ * csv.h); ST_ENOMEM. */
+enum status train_model(const struct train *t, const char *name, struct model *out,
+                        struct train_report *report, struct errinfo *e);
+
+#endif

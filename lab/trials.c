@@ -1,0 +1,387 @@
+#include "trials.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "minimal.h"
+#include "model.h"
+#include "pool.h"
+#include "rates.h"
+
+#define SEED UINT64_C(19795) /* the standard's number */
+
+static const double pi = 3.14159265358979323846;
+
+/* ---- what is compared */
+
+static bool plan_add(struct trials *t, uint32_t template, uint32_t probe,
+                     enum corpus_pair type)
+{
+    struct trial *larger = lab_grow(t->trial, t->n, sizeof *t->trial), *x;
+
+    if (larger == NULL)
+        return false;
+    t->trial = larger;
+    x = &t->trial[t->n++];
+    *x = (struct trial){.template = template,
+                        .probe = probe,
+                        .type = type,
+                        .disparity_mm = NAN,
+                        .rotation_deg = NAN};
+    for (int i = 0; i < GRID_REGIONS; i++)
+        x->region[i] = NAN;
+    return true;
+}
+
+/* n of list[0..m-1], in their order, drawn without replacement: those are moved to the
+ * front (Knuth's algorithm S). */
+static uint32_t draw(uint32_t *list, uint32_t m, uint32_t n, uint64_t seed)
+{
+    uint32_t taken = 0;
+
+    for (uint32_t i = 0; i < m && taken < n; i++)
+        if (rates_below(&seed, m - i) < n - taken)
+            list[taken++] = list[i];
+    return taken;
+}
+
+/* The comparisons of one probe: its own template, close relatives', others'. */
+static bool plan_probe(struct trials *t, uint32_t probe, uint32_t *list)
+{
+    const struct corpus *c = t->corpus;
+    const uint32_t subject = c->scan[probe].subject;
+    uint64_t seed = SEED + ((uint64_t)probe << 32);
+    uint32_t m = 0;
+    bool ok = c->subject[subject].enrolled == CORPUS_NONE ||
+              plan_add(t, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
+
+    for (uint32_t s = 0; s < c->nsubject && ok; s++) {
+        const enum corpus_pair type = corpus_pair(c, s, subject);
+
+        if (c->subject[s].enrolled == CORPUS_NONE)
+            continue;
+        if (type == CORPUS_RELATIVE)
+            ok = plan_add(t, c->subject[s].enrolled, probe, type);
+        else if (type == CORPUS_IMPOSTOR)
+            list[m++] = c->subject[s].enrolled;
+    }
+    m = draw(list, m, t->non_mated < m ? t->non_mated : m, rates_random(&seed));
+    for (uint32_t i = 0; i < m && ok; i++)
+        ok = plan_add(t, list[i], probe, CORPUS_IMPOSTOR);
+    return ok;
+}
+
+/* How many non-mated comparisons of each probe keep the sum below the limit, or all; 0: out of
+ * memory. */
+static uint32_t share(const struct corpus *c)
+{
+    uint32_t *size = calloc(c->npopulation, sizeof *size);
+    uint32_t nprobe = 0;
+    double all = 0;
+
+    if (size == NULL)
+        return 0;
+    for (uint32_t i = 0; i < c->nsubject; i++)
+        size[c->subject[i].population] += c->subject[i].enrolled != CORPUS_NONE;
+    for (uint32_t i = 0; i < c->nscan; i++)
+        if (!c->scan[i].enrolled) {
+            const struct corpus_subject *s = &c->subject[c->scan[i].subject];
+
+            nprobe++;
+            all += size[s->population] - (s->enrolled != CORPUS_NONE);
+        }
+    free(size);
+    if (all <= TRIALS_NON_MATED)
+        return TRIALS_ALL;
+    return nprobe < TRIALS_NON_MATED ? TRIALS_NON_MATED / nprobe : 1;
+}
+
+static bool plan_listed(struct trials *t)
+{
+    const struct corpus *c = t->corpus;
+    bool ok = true;
+
+    for (size_t i = 0; i < c->nlisted && ok; i++) {
+        const uint32_t template = c->listed[i].template, probe = c->listed[i].probe;
+
+        ok = plan_add(t, template, probe,
+                      corpus_pair(c, c->scan[template].subject, c->scan[probe].subject));
+    }
+    return ok;
+}
+
+static enum status plan_all(struct trials *t)
+{
+    const struct corpus *c = t->corpus;
+    uint32_t *list = malloc(c->nsubject * sizeof *list);
+    bool ok = list != NULL && t->non_mated > 0;
+
+    if (ok && c->nlisted > 0)
+        ok = plan_listed(t);
+    for (uint32_t i = 0; i < c->nscan && ok && c->nlisted == 0; i++) {
+        if (c->scan[i].enrolled)
+            t->template[i].used = true; /* also where nothing is compared with it */
+        else
+            ok = plan_probe(t, i, list);
+    }
+    for (size_t i = 0; i < t->n; i++) {
+        t->template[t->trial[i].template].used = true;
+        t->probe[t->trial[i].probe].used = true;
+    }
+    free(list);
+    return ok ? ST_OK : ST_ENOMEM;
+}
+
+/* ---- doing it */
+
+struct sample {
+    struct face face;
+    struct scan_found found;
+};
+
+struct run {
+    struct trials *t;
+    const struct lab *c;
+    const struct trials_how *how;
+    uint32_t *templates;     /* [ntemplate] of corpus.scan */
+    uint32_t *slot;          /* [nscan] a template's place among them */
+    struct sample *template; /* [ntemplate] */
+    size_t ntemplate;
+    size_t *order; /* the comparisons by probe, as many as there are */
+    size_t *first; /* those of item i: order[first[i]] .. order[first[i + 1] - 1] */
+    size_t nprobe; /* items */
+};
+
+static enum status build(const struct run *r, uint32_t scan, bool enrolment,
+                         struct face_work *w, struct sample *out, struct errinfo *e)
+{
+    struct trials_scan *s = enrolment ? &r->t->template[scan] : &r->t->probe[scan];
+
+    return lab_scan_of(r->c, &r->t->corpus->scan[scan], enrolment, w, &out->face,
+                       &out->found, &s->st, &s->why, e);
+}
+
+static enum status enroll_item(void *arg, size_t i, struct face_work *w,
+                               struct errinfo *e)
+{
+    const struct run *r = arg;
+
+    return build(r, r->templates[i], true, w, &r->template[i], e);
+}
+
+/* rotation(s, r): Rz Rx Ry. */
+static void rotation(const struct corpus_scan *s, double r[9])
+{
+    const double y = s->pose[0] * pi / 180, x = s->pose[1] * pi / 180,
+                 z = s->pose[2] * pi / 180;
+    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z),
+                 sz = sin(z);
+    const double m[9] = {cz * cy - sz * sx * sy,
+                         -sz * cx,
+                         cz * sy + sz * sx * cy,
+                         sz * cy + cz * sx * sy,
+                         cz * cx,
+                         sz * sy - cz * sx * cy,
+                         -cx * sy,
+                         sx,
+                         cx * cy};
+
+    memcpy(r, m, sizeof m);
+}
+
+/* The pose of a scan (rotation()) in the view that its points were brought into. */
+static void viewed(const struct corpus_scan *scan, const struct scan_found *found,
+                   double r[9])
+{
+    const double *v = found->view, unit = found->unit_mm;
+    double s[9];
+
+    rotation(scan, s);
+    for (int i = 0; i < 9; i++) {
+        r[i] = 0;
+        for (int k = 0; k < 3; k++)
+            r[i] += v[4 * (i / 3) + k] / unit * s[3 * k + i % 3];
+    }
+}
+
+/* Degrees between the rotation found, probe to template, and the true one. */
+static double angle(const struct corpus_scan *template,
+                    const struct scan_found *of_template, const struct corpus_scan *probe,
+                    const struct scan_found *of_probe, const double transform[16])
+{
+    double p[9], e[9], trace = 0;
+
+    viewed(probe, of_probe, p);
+    viewed(template, of_template, e);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++)
+                trace += transform[4 * i + j] * e[3 * i + k] * p[3 * j + k];
+    trace = fmax(-1, fmin(1, (trace - 1) / 2));
+    return acos(trace) * 180 / pi;
+}
+
+static enum status compare(const struct run *r, const struct sample *sample,
+                           struct face_work *w, struct trial *x, struct errinfo *e)
+{
+    const struct corpus *c = r->t->corpus;
+    const struct corpus_scan *template = &c->scan[x->template],
+                             *probe = &c->scan[x->probe];
+    const struct sample *own = &r->template[r->slot[x->template]];
+    const bool posed = c->posed && x->type == CORPUS_GENUINE;
+    struct face_result f;
+    struct minimal least;
+    enum status st =
+        face_compare(&own->face, &sample->face, r->c->threshold, lab_clock_ms, w, &f);
+
+    if (st == ST_OK && r->how->regions)
+        st = face_regions(&own->face, &sample->face, w, &f);
+    if (st == ST_OK && r->how->minimal) /* which aligns them */
+        st = face_minimal(&own->face, &sample->face, NULL, w, &f, &least);
+    else if (st == ST_OK && posed)
+        st = face_align(&own->face, &sample->face, NULL, w, &f);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
+                           status_message(st));
+    x->done = true;
+    x->decision = f.decision;
+    x->score = f.score;
+    x->fmr_at_score = f.fmr_at_score;
+    x->overlap = (float)f.overlap;
+    for (int i = 0; i < GRID_REGIONS && r->how->regions; i++)
+        x->region[i] = (float)f.region[i];
+    if (r->how->minimal)
+        x->disparity_mm = (float)least.disparity.plain_mm;
+    if (posed)
+        x->rotation_deg =
+            (float)angle(template, &own->found, probe, &sample->found, f.align.transform);
+    x->score_ms = (float)f.score_ms;
+    return ST_OK;
+}
+
+static enum status probe_item(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+{
+    const struct run *r = arg;
+    struct trials *t = r->t;
+    const uint32_t scan = t->trial[r->order[r->first[i]]].probe;
+    struct sample sample = {.face = {.quality = {0}}};
+    enum status st = build(r, scan, false, w, &sample, e);
+
+    for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++) {
+        struct trial *x = &t->trial[r->order[k]];
+
+        if (t->probe[scan].st == ST_OK && t->template[x->template].st == ST_OK)
+            st = compare(r, &sample, w, x, e);
+    }
+    face_free(&sample.face);
+    return st;
+}
+
+/* The templates, and each probe's comparisons in their order. */
+static enum status find_items(struct run *r)
+{
+    const struct trials *t = r->t;
+    const uint32_t nscan = t->corpus->nscan;
+    size_t *at = calloc(nscan + (size_t)1, sizeof *at); /* where a probe's begin */
+    size_t begin = 0;
+
+    r->templates = malloc(nscan * sizeof *r->templates);
+    r->slot = malloc(nscan * sizeof *r->slot);
+    r->order = malloc((t->n + 1) * sizeof *r->order);
+    r->first = malloc((nscan + (size_t)1) * sizeof *r->first);
+    if (at == NULL || r->templates == NULL || r->slot == NULL || r->order == NULL ||
+        r->first == NULL) {
+        free(at);
+        return ST_ENOMEM;
+    }
+    for (size_t i = 0; i < t->n; i++)
+        at[t->trial[i].probe]++;
+    for (uint32_t i = 0; i < nscan; i++) {
+        const size_t n = at[i];
+
+        at[i] = begin;
+        if (n > 0)
+            r->first[r->nprobe++] = begin;
+        begin += n;
+        r->slot[i] = (uint32_t)r->ntemplate;
+        if (t->template[i].used)
+            r->templates[r->ntemplate++] = i;
+    }
+    r->first[r->nprobe] = t->n;
+    for (size_t i = 0; i < t->n; i++)
+        r->order[at[t->trial[i].probe]++] = i;
+    free(at);
+    r->template = calloc(r->ntemplate + 1, sizeof *r->template);
+    return r->template != NULL ? ST_OK : ST_ENOMEM;
+}
+
+static enum status run_all(struct run *r, struct errinfo *e)
+{
+    struct trials *t = r->t;
+    const double start = lab_clock_ms();
+    enum status st = find_items(r);
+
+    if (st != ST_OK)
+        return errinfo_set(e, st, "the comparisons: %s", status_message(st));
+    st = pool_run("enrolling", t->nthread, r->c->model, r->ntemplate, enroll_item, r, e);
+    t->build_s = (lab_clock_ms() - start) / 1e3;
+    if (st == ST_OK)
+        st = pool_run("comparing", t->nthread, r->c->model, r->nprobe, probe_item, r, e);
+    t->compare_s = (lab_clock_ms() - start) / 1e3 - t->build_s;
+    return st;
+}
+
+enum status trials_run(struct lab *c, const struct corpus *corpus,
+                       const struct trials_how *how, struct trials **out)
+{
+    struct trials *t = calloc(1, sizeof *t);
+    struct run r = {.t = t, .c = c, .how = how};
+    enum status st = ST_ENOMEM;
+
+    *out = NULL;
+    if (t != NULL) {
+        t->corpus = corpus;
+        t->threshold =
+            isnan(c->threshold) ? c->model->calibration.threshold : c->threshold;
+        t->seed = SEED;
+        t->nthread = pool_threads(c->threads);
+        t->non_mated = corpus->nlisted > 0  ? TRIALS_ALL
+                       : how->non_mated > 0 ? how->non_mated
+                                            : share(corpus);
+        t->template = calloc(corpus->nscan, sizeof *t->template);
+        t->probe = calloc(corpus->nscan, sizeof *t->probe);
+    }
+    if (t == NULL || t->template == NULL || t->probe == NULL || plan_all(t) != ST_OK)
+        (void)errinfo_set(&c->e, st, "the comparisons: out of memory");
+    else
+        st = run_all(&r, &c->e);
+    for (size_t i = 0; r.template != NULL && i < r.ntemplate; i++)
+        face_free(&r.template[i].face);
+    free(r.template);
+    free(r.templates);
+    free(r.slot);
+    free(r.order);
+    free(r.first);
+    if (st == ST_OK)
+        *out = t;
+    else
+        trials_free(t);
+    return st;
+}
+
+void trials_free(struct trials *t)
+{
+    if (t == NULL)
+        return;
+    for (uint32_t i = 0; i < t->corpus->nscan; i++) {
+        if (t->template != NULL)
+            free(t->template[i].why);
+        if (t->probe != NULL)
+            free(t->probe[i].why);
+    }
+    free(t->template);
+    free(t->probe);
+    free(t->trial);
+    free(t);
+}

@@ -1,0 +1,65 @@
+/* trials.h -- the comparisons of a corpus, on all cores: every probe with its own subject's
+ * template and with others', or the pairs that it lists.  What is compared is settled before
+ * anything is: the same on any number of threads. */
+#ifndef LAB_TRIALS_H
+#define LAB_TRIALS_H
+#include "corpus.h"
+#include "lab.h"
+
+/* Of a folder or manifest so many non-mated comparisons are made, at most, unless the caller
+ * says how many. */
+#define TRIALS_NON_MATED 200000
+#define TRIALS_ALL       UINT32_MAX
+
+struct trial {
+    uint32_t template, probe; /* of corpus.scan */
+    enum corpus_pair type;    /* mated, non-mated or relative */
+    bool done;                /* false: one of both scans was refused */
+    enum face_decision decision;
+    double score, fmr_at_score;          /* as in face_result, as are these */
+    float overlap, region[GRID_REGIONS]; /* region: NAN, not asked for */
+    float disparity_mm;                  /* the minimal disparity; NAN: not asked for */
+    float rotation_deg; /* between the rotation found and the true one; NAN: not known */
+    float score_ms;
+};
+
+/* A scan as a template or as a probe. */
+struct trials_scan {
+    bool used; /* in this role; else the rest is 0 */
+    enum status
+        st;    /* why no face could be made of it: a failure to enroll or to acquire */
+    char *why; /* in words; NULL where st is ST_OK */
+};
+
+struct trials {
+    const struct corpus *corpus;
+    struct trial *trial; /* by probe, its own template first; or as listed */
+    size_t n;
+    struct trials_scan *template, *probe; /* [corpus->nscan] */
+    double threshold;                     /* the model's, or the one given */
+    uint64_t seed;                        /* of the sampling */
+    uint32_t non_mated; /* of each probe, at most; TRIALS_ALL; of a list TRIALS_ALL */
+    uint32_t nthread;
+    double build_s,
+        compare_s; /* by the clock on the wall: enrolment; all of the probes */
+};
+
+struct trials_how {
+    uint32_t non_mated; /* of each probe; TRIALS_ALL; 0: all, but TRIALS_NON_MATED in
+                           all.  Nothing where the corpus lists its pairs */
+    bool minimal;       /* the minimal disparity too */
+    bool regions;       /* each region's part of the score too */
+};
+
+/* trials_run(c, corpus, how, out): progress goes to standard error, when that is a
+ * terminal.
+ * out  new object, released by trials_free(); NULL on error; borrows corpus
+ * A scan that is malformed or no face is refused and listed, no error.  Non-mated pairs
+ * are drawn without replacement, for each probe on its own.
+ * Memory: a face of each template, and one of a probe for each thread.
+ * Returns ST_OK; ST_ENOMEM, ST_EIO, ST_ENOTFOUND with c->e filled. */
+enum status trials_run(struct lab *c, const struct corpus *corpus,
+                       const struct trials_how *how, struct trials **out);
+void trials_free(struct trials *t); /* NULL is allowed */
+
+#endif

@@ -1,0 +1,61 @@
+/* csv.h -- tables in text files as spreadsheets write them (RFC 4180): a heading, then rows;
+ * and lists without a heading.  Fields are separated by commas and may be quoted ("a, b",
+ * "say ""yes"""); lines end with LF or CR LF; a byte order mark and empty lines are skipped.
+ * Any bytes are safe. */
+#ifndef SCAN_CSV_H
+#define SCAN_CSV_H
+#include <stdbool.h>
+#include <stddef.h>
+#include "errinfo.h"
+
+#define CSV_MAX_FILE    ((size_t)64 << 20) /* bytes */
+#define CSV_MAX_LINE    65536              /* bytes in a row */
+#define CSV_MAX_COLUMNS 256
+
+struct csv;
+
+/* csv_open(path, out, e): read a file and its heading.
+ * out  new object, released by csv_close(); NULL on error
+ * Returns ST_OK; ST_ENOTFOUND; ST_EIO; ST_EINVAL malformed (a NUL byte, an open quotation,
+ * text after a closing quotation mark), no heading, a column named twice; ST_ELIMIT;
+ * ST_ENOMEM.  Messages name the file and the line. */
+enum status csv_open(const char *path, struct csv **out, struct errinfo *e);
+/* csv_open_list(path, out, e): the same of a table without a heading.  Its fields are separated
+ * by commas or, where its first row has none, by spaces and tabs; lines that begin with # are
+ * skipped. */
+enum status csv_open_list(const char *path, struct csv **out, struct errinfo *e);
+/* csv_read(bytes, len, name, list, out, e): either of them in memory (copied), called name. */
+enum status csv_read(const void *bytes, size_t len, const char *name, bool list,
+                     struct csv **out, struct errinfo *e);
+void csv_close(struct csv *t); /* NULL is allowed */
+
+/* csv_column(t, name): the column of that name, in any mixture of small and capital
+ * letters, or -1. */
+int csv_column(const struct csv *t, const char *name);
+
+/* csv_need(t, name, column, e): the same, but a missing column is ST_EINVAL, said in e. */
+enum status csv_need(const struct csv *t, const char *name, int *column,
+                     struct errinfo *e);
+
+/* csv_next(t, more, e): go to the next row; *more is false after the last.
+ * Returns ST_OK; ST_EINVAL malformed, or not as many fields as the heading has; ST_ELIMIT. */
+enum status csv_next(struct csv *t, bool *more, struct errinfo *e);
+
+/* csv_fields(t), csv_line(t): the number of fields of the current row; the line where it
+ * begins, from 1. */
+int csv_fields(const struct csv *t);
+unsigned csv_line(const struct csv *t);
+
+/* csv_field(t, column): the field of the current row, without blanks round it; "" where
+ * column is -1 or the row has no such field.  Valid until the next csv_next(). */
+const char *csv_field(const struct csv *t, int column);
+
+/* csv_bad(t, column, e, what): returns ST_EINVAL, with a message that names the file, the
+ * line and the column, and says what. */
+enum status csv_bad(const struct csv *t, int column, struct errinfo *e, const char *what);
+
+/* csv_number(t, column, out, e): the field as a number; ST_EINVAL where it is not a finite
+ * number. */
+enum status csv_number(const struct csv *t, int column, double *out, struct errinfo *e);
+
+#endif
