@@ -7,6 +7,7 @@
 
 #include "cloudformat.h"
 #include "describe.h"
+#include "enrolment.h"
 #include "utf8.h"
 #include "ctl_command.h"
 #include "ctl_enroll_folder.h"
@@ -106,6 +107,7 @@ static enum status enroll(struct ctl *c, struct burst *b)
                                 .n = b->n,
                                 .manager = true,
                                 .force = force};
+    struct templates_context with = ctl_face_context(c, c->work);
     struct enrolment_outcome out;
     enum status st;
 
@@ -119,7 +121,7 @@ static enum status enroll(struct ctl *c, struct burst *b)
         else
             b->each[i].why = c->e;
     }
-    st = ctl_face_enroll(c, &x, c->work, b->each, &out);
+    st = enrolment_add(&with, &x, b->each, &out, &c->e);
     return out.none ? ST_OK : st;
 }
 

@@ -13,6 +13,7 @@
 #include "ctl_corpus.h"
 #include "ctl_model.h"
 #include "ctl_face.h"
+#include "enrolment.h"
 #include "ctl_sample.h"
 
 enum result { UNDONE, ENROLLED, PRESENT, FAILED };
@@ -103,6 +104,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     struct outcome *o = &w->outcome[i];
     struct enrolment_result one = {.created = false};
     struct enrolment_outcome out;
+    struct templates_context with = ctl_face_context(c, work);
     bool there = false, stored = false;
     char where[104];
     enum status st;
@@ -115,7 +117,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         st = is_there(c, x.subject, f, &there);
     }
     if (st == ST_OK && !there)
-        st = ctl_face_enroll(c, &x, work, &one, &out);
+        st = enrolment_add(&with, &x, &one, &out, &c->e);
     if (st == ST_OK) {
         o->result = one.created ? ENROLLED : PRESENT;
         return ST_OK;

@@ -7,12 +7,12 @@
 #include "ctl_face.h"
 #include "ctl_model.h"
 #include "cloudpoints.h"
+#include "describe.h"
 #include "ctl_sample.h"
 #include "explain.h"
 #include "explain_cloud.h"
 #include "explain_plot.h"
 #include "explain_text.h"
-#include "verdict.h"
 
 /* A from the database: the template of a subject that decides, or the template named.
  * *none: there is neither. */
@@ -24,9 +24,10 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
 
     if (st != ST_OK)
         return st;
-    st = ctl_face_nearest(c, x->a, &x->probe, &best);
+    st = ctl_face_nearest(c, &(struct templates_of){.subject = x->a}, &x->probe, &best);
     if (st == ST_ENOTFOUND && ident_id_valid(x->a))
-        st = ctl_face_template(c, x->a, &x->probe, &best);
+        st = ctl_face_nearest(c, &(struct templates_of){.template_id = x->a}, &x->probe,
+                              &best);
     *none = st == ST_ENOTFOUND;
     if (st == ST_OK) {
         x->compared = best.nearest.compared;
@@ -38,7 +39,7 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
     }
     if (st == ST_OK)
         st = store_event(c->store, "explain", c->actor, t->subject, t->id,
-                         verdict_decision(x->result.decision), &c->e);
+                         describe_decision(x->result.decision), &c->e);
     return st;
 }
 

@@ -7,7 +7,7 @@
 #include "cloudunit.h"
 #include "describe.h"
 #include "mem.h"
-#include "trial.h"
+#include "dry_run.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_face.h"
@@ -20,7 +20,7 @@ struct checked {
     struct cloudpoints raw,
         points; /* as read (for a picture); afterwards those of the face */
     struct face face;
-    struct trial trial;
+    struct dry_run trial;
 };
 
 /* ---- as text */
@@ -43,7 +43,7 @@ static void print_found(const struct scan_found *f)
 
 static void print_text(const struct checked *k)
 {
-    const struct trial *t = &k->trial;
+    const struct dry_run *t = &k->trial;
 
     if (t->found.points_read > 0)
         print_found(&t->found);
@@ -75,7 +75,7 @@ static void mark_used(const struct checked *k, uint8_t *used)
 }
 
 /* What was measured, of "refused: what was measured: what to do"; "" for none. */
-static void tell_reason(const struct trial *t, char *out, size_t size)
+static void tell_reason(const struct dry_run *t, char *out, size_t size)
 {
     const char *colon = strchr(t->why.msg, ':');
     const char *text = colon != NULL ? colon + 2 : "";
@@ -85,7 +85,7 @@ static void tell_reason(const struct trial *t, char *out, size_t size)
 
 static enum status draw(struct ctl *c, const struct checked *k)
 {
-    const struct trial *t = &k->trial;
+    const struct dry_run *t = &k->trial;
     const bool usable = t->verification == ST_OK;
     uint8_t *used = mem_array(k->raw.n, 1);
     char reason[160];
@@ -123,13 +123,13 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
 {
     enum status st = ctl_sample_parse(c, path, &k->points);
 
-    if (st == ST_EINVAL || st == ST_EVERSION || trial_is_refusal(st)) {
-        trial_unread(st, &c->e, &k->trial);
+    if (st == ST_EINVAL || st == ST_EVERSION || dry_run_is_refusal(st)) {
+        dry_run_unread(st, &c->e, &k->trial);
         return ST_OK;
     }
     if (st == ST_OK && picture != NULL && cloudpoints_copy(&k->points, &k->raw) != ST_OK)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && (st = trial_run("refused", &k->points,
+    if (st == ST_OK && (st = dry_run_run("refused", &k->points,
                                        &(struct scan_options){.axes = c->scans.axes},
                                        c->work, &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
@@ -147,7 +147,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         ctl_say(c, "scan         %s\n", path);
         json_object(c->out, NULL);
         json_text(c->out, "file", path);
-        describe_trial(c->out, &k.trial, &k.face,
+        describe_dry_run(c->out, &k.trial, &k.face,
                        &(struct describe_times){.parse = NAN,
                                                 .prepare = NAN,
                                                 .total = ctl_clock_ms() - start});

@@ -5,7 +5,6 @@
 #include "describe.h"
 #include "ctl_face.h"
 #include "ctl.h"
-#include "verdict.h"
 
 /* Why the decision is what it is, in a sentence. */
 static const char *reason(const struct face_result *r)
@@ -21,7 +20,7 @@ static void print_result(FILE *to, const struct explanation *x)
 {
     const struct face_result *r = &x->result;
 
-    (void)fprintf(to, "decision     %s: %s\n", verdict_decision(r->decision), reason(r));
+    (void)fprintf(to, "decision     %s: %s\n", describe_decision(r->decision), reason(r));
     ctl_face_score(to, r);
     ctl_face_minimal(to, &x->minimal);
     (void)fprintf(to, "expected     %.2f of two such scans of one person\n", r->expected);

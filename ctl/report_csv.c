@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "report.h"
-#include "trial.h"
-#include "verdict.h"
+#include "dry_run.h"
+#include "describe.h"
 
 #define THRESHOLDS 2000
 
@@ -85,10 +85,10 @@ static void write_trial(FILE *to, const struct ctl_trials *t, const struct ctl_t
         st = t->template[x->template].st;
         st = st != ST_OK ? st : t->probe[x->probe].st;
         write_none(to);
-        (void)fprintf(to, ",%s,\n", trial_code(st));
+        (void)fprintf(to, ",%s,\n", dry_run_code(st));
         return;
     }
-    (void)fputs(verdict_decision(x->decision), to);
+    (void)fputs(describe_decision(x->decision), to);
     fixed(to, 6, x->score);
     fixed(to, 6, t->threshold);
     digits(to, 4, x->fmr_at_score);
@@ -111,7 +111,7 @@ static void write_refused(FILE *to, const struct ctl_trials *t, bool template)
         write_sides(to, c, template ? &c->scan[i] : NULL, template ? NULL : &c->scan[i]);
         (void)fprintf(to, "failure_to_%s,", template ? "enroll" : "acquire");
         write_none(to);
-        (void)fprintf(to, ",%s,", trial_code(scan[i].st));
+        (void)fprintf(to, ",%s,", dry_run_code(scan[i].st));
         text(to, scan[i].why);
         (void)fputc('\n', to);
     }

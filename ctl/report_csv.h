@@ -10,7 +10,7 @@ struct report; /* report.h */
 /* Writers (ctl_dir.h); r is a struct report.  An empty field is a number that is not known.
  * Return ST_OK, ST_ENOMEM.
  * scores  every comparison, in the order of t->trial; behind them a row for each scan that
- *         was refused, with the code (trial_code()) and the reason
+ *         was refused, with the code (dry_run_code()) and the reason
  * matrix  the scores, a row for each template and a column for each probe; empty where nothing
  *         was compared or a scan was refused
  * rates   false match rate and false non-match rate by threshold, of the comparisons made */

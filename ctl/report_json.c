@@ -5,7 +5,7 @@
 
 #include "model.h"
 #include "model_digest.h"
-#include "trial.h"
+#include "dry_run.h"
 #include "ctl_corpus.h"
 #include "ctl.h"
 #include "report.h"
@@ -118,7 +118,7 @@ static void refused_as(const struct report *r, const struct ctl_trials_scan *sca
             json_text(o, "subject", c->subject[c->scan[i].subject].id);
             json_text(o, "kind", c->kind[c->scan[i].kind]);
             json_text(o, "as", as);
-            json_text(o, "code", trial_code(scan[i].st));
+            json_text(o, "code", dry_run_code(scan[i].st));
             json_text(o, "reason", scan[i].why);
             json_close(o);
         }

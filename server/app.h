@@ -5,8 +5,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include "store_attempts.h"
 
-struct attempts; /* attempts.h */
 struct cache;    /* cache.h */
 struct erasures; /* erasures.h */
 struct guard;    /* guard.h */
@@ -25,7 +25,7 @@ struct app {
     struct model *model; /* NULL: model_default */
     struct cache *cache;
     struct metrics *metrics;
-    struct attempts *attempts;
+    struct store_limits limits; /* of failed verifications */
     struct intake *intake;
     struct throttle *throttle;
     struct queue *queue;

@@ -88,9 +88,6 @@ void body_check(struct request *r, bool has_length, uint64_t length)
 
 static bool decompress(struct request *r)
 {
-    const bool kept = r->max_points > 0;
-    const size_t limit =
-        kept && r->app->max_body > QUOTA_SMALL ? QUOTA_SMALL : r->app->max_body;
     struct errinfo e = {0};
     unsigned char *body;
     size_t len;
@@ -98,9 +95,7 @@ static bool decompress(struct request *r)
 
     if (r->coding == INFLATE_NONE || r->len == 0)
         return true;
-    st = inflate_body(r->coding, r->body, r->len, limit, &body, &len, &e);
-    if ((r->larger = st == ST_ESIZE && limit < r->app->max_body))
-        return false;
+    st = inflate_body(r->coding, r->body, r->len, r->app->max_body, &body, &len, &e);
     mem_free(r->body); /* its bytes stay counted until there is a response */
     r->body = body;
     r->len = len;
@@ -117,7 +112,7 @@ static bool decompress(struct request *r)
 
 /* The one file of a form, as if it alone were the body.  Its media type is whatever the system of a
  * browser has for the ending of the name: one that is none of a scan says nothing.  Several stay as
- * they are, for a worker that takes large bodies, as they take longer. */
+ * they are. */
 static bool take_files(struct request *r)
 {
     struct multipart_file f[MULTIPART_FILES_MAX];
@@ -131,7 +126,7 @@ static bool take_files(struct request *r)
         return false;
     }
     if (n > 1)
-        return !(r->larger = r->max_points > 0);
+        return true;
     r->coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
     r->media = request_media(f->type, &r->format);
     if (r->media != REQUEST_JSON)

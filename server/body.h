@@ -24,7 +24,7 @@ void body_refuse_any(struct request *r);
 /* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
  * form (multipart.h) its one file becomes the body, with its media type and coding; a form with
  * several, where r->route takes them, stays the body, and r->media REQUEST_FORM.  On a worker: it
- * computes.  False: r->response is set: damaged, too large, empty; or r->larger. */
+ * computes.  False: r->response is set: damaged, too large, empty. */
 bool body_unpack(struct request *r);
 
 #endif

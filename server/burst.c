@@ -16,7 +16,7 @@
 #include "render.h"
 #include "request.h"
 #include "sample.h"
-#include "trial.h"
+#include "dry_run.h"
 
 _Static_assert((int)MULTIPART_FILES_MAX == (int)ENROLMENT_SAMPLES, "the same limit");
 
@@ -103,7 +103,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
     if (st == ST_OK) {
         b->sample[i] =
             (struct store_sample){.face = &b->face[i], .read = b->found[i].digest};
-    } else if (trial_is_refusal(st) || st == ST_EINVAL) {
+    } else if (dry_run_is_refusal(st) || st == ST_EINVAL) {
         b->each[i].why = *e;
         b->each[i].why.code = st;
         return ST_OK;

@@ -7,16 +7,16 @@
 #include "metrics.h"
 #include "render.h"
 #include "request.h"
-#include "trial.h"
+#include "dry_run.h"
 #include "worker.h"
 
-static void respond(struct request *r, const struct worker *w, const struct trial *t,
+static void respond(struct request *r, const struct worker *w, const struct dry_run *t,
                     const struct describe_times *times)
 {
     metrics_check(r->app->metrics, t->enrolment == ST_OK      ? METRICS_ENROLLABLE
                                    : t->verification == ST_OK ? METRICS_USABLE
                                                               : METRICS_UNUSABLE);
-    request_respond(r, 200, render_trial(t, &w->probe, times));
+    request_respond(r, 200, render_dry_run(t, &w->probe, times));
 }
 
 void check_handle(struct request *r, struct worker *w)
@@ -24,7 +24,7 @@ void check_handle(struct request *r, struct worker *w)
     const struct scan_options o = {.stop = &r->gone};
     struct describe_times times = {0};
     struct cloudpoints c;
-    struct trial t = {0};
+    struct dry_run t = {0};
     const double start = logger_clock_ms();
     double parsed;
     enum status st = cloud_take(r, &c, &t.why);
@@ -34,12 +34,12 @@ void check_handle(struct request *r, struct worker *w)
     parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
     if (st == ST_OK) {
-        st = trial_run("points", &c, &o, w->compare.work, &w->probe, &t);
+        st = dry_run_run("points", &c, &o, w->compare.work, &w->probe, &t);
         request_stage(r, REQUEST_PREPARE, times.prepare = logger_clock_ms() - parsed);
-    } else if (trial_is_refusal(st)) {
+    } else if (dry_run_is_refusal(st)) {
         const struct errinfo e = t.why;
 
-        trial_unread(st, &e, &t);
+        dry_run_unread(st, &e, &t);
         st = ST_OK;
     }
     if (request_gone(r)) {

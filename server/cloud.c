@@ -1,7 +1,5 @@
 #include "cloud.h"
 
-#include <math.h>
-
 #include "app.h"
 #include "cloudfile.h"
 #include "errinfo.h"
@@ -9,30 +7,23 @@
 #include "mem.h"
 #include "params.h"
 #include "parse.h"
-#include "quota.h"
 #include "request.h"
 #include "sample.h"
 
 bool cloud_options(struct request *r, struct cloudfile_options *o, bool *as_scanned)
 {
     *as_scanned = false;
-    *o = (struct cloudfile_options){
-        .format = r->format,
-        .max_points = r->max_points > 0 ? r->max_points : FACE_MAX_POINTS,
-        .max_bytes = r->max_points > 0 && r->app->max_body > QUOTA_SMALL
-                         ? QUOTA_SMALL
-                         : r->app->max_body,
-        .camera = CLOUDDEPTH_NO_CAMERA};
+    *o = (struct cloudfile_options){.format = r->format,
+                                    .max_points = FACE_MAX_POINTS,
+                                    .max_bytes = r->app->max_body,
+                                    .camera = CLOUDDEPTH_NO_CAMERA};
     return params_units(r, &o->unit_mm) && params_axes(r, as_scanned) &&
            params_camera(r, &o->camera);
 }
 
-/* After the reading: the body is not needed any more, unless another worker takes over. */
-static enum status settle(struct request *r, enum status st, struct errinfo *e)
+/* After the reading: the body is not needed any more. */
+static enum status done(struct request *r, enum status st, struct errinfo *e)
 {
-    r->larger = (st == ST_ELIMIT || st == ST_ESIZE) && r->max_points > 0;
-    if (r->larger)
-        return errinfo_set(e, ST_EBUSY, "for another worker");
     mem_free(r->body);
     r->body = NULL;
     r->len = 0;
@@ -60,7 +51,7 @@ enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinf
         return ST_EINVAL;
     st = cloudfile_read(r->body, r->len, &o, out, e);
     out->as_scanned = out->as_scanned || as_scanned;
-    return settle(r, st, e);
+    return done(r, st, e);
 }
 
 enum status cloud_read(struct request *r, struct cloudpoints *out)
@@ -84,7 +75,7 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
     st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
     a->as_scanned = a->as_scanned || as_scanned;
     b->as_scanned = b->as_scanned || as_scanned;
-    return fail(r, settle(r, st, &e), &e);
+    return fail(r, done(r, st, &e), &e);
 }
 
 enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
@@ -99,19 +90,4 @@ enum status cloud_build(struct request *r, struct cloudpoints *c, const char *na
         return ST_EBUSY;
     st = sample_build(name, c, &o, w, out, found, &e);
     return request_gone(r) ? ST_EBUSY : fail(r, st, &e);
-}
-
-void cloud_spread(const struct cloudpoints *c, double *value)
-{
-    size_t to = c->read;
-
-    if (c->index == NULL)
-        return;
-    for (size_t i = c->n; i-- > 0;) { /* from the end: index[i] >= i */
-        while (--to > c->index[i])
-            value[to] = NAN;
-        value[to] = value[i];
-    }
-    while (to > 0)
-        value[--to] = NAN;
 }

@@ -36,8 +36,4 @@ enum status cloud_build(struct request *r, struct cloudpoints *c, const char *na
                         bool enrolment, struct face_work *w, struct face *out,
                         struct scan_found *found);
 
-/* cloud_spread(c, value): value, with room for c->read, has one for each point of c; after
- * it one for each point that was sent, NaN for those that were dropped. */
-void cloud_spread(const struct cloudpoints *c, double *value);
-
 #endif

@@ -1,153 +1,191 @@
 #include "compare.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 #include "app.h"
+#include "auth.h"
 #include "capture.h"
 #include "cloud.h"
-#include "describe.h"
-#include "errinfo.h"
 #include "errmap.h"
 #include "event.h"
-#include "heatmap.h"
 #include "logger.h"
-#include "mem.h"
-#include "minimal.h"
 #include "metrics.h"
 #include "params.h"
+#include "render.h"
 #include "request.h"
-#include "scan.h"
-#include "store.h"
-#include "verdict.h"
 #include "verify.h"
 #include "worker.h"
 
+/* ---- refusals */
+
+static void refuse_attempt(struct request *r, const struct templates_refusal *why)
+{
+    switch (why->why) {
+    case STORE_WAIT_OWN:
+        request_problem(
+            r, ERRMAP_ATTEMPTS,
+            "the subject's last %u verifications failed: it is locked out for now",
+            why->now.failures);
+        break;
+    case STORE_WAIT_OTHERS:
+        request_problem(r, ERRMAP_ATTEMPTS,
+                        "the subject's last %u verifications by others failed: it is "
+                        "locked out for a minute at most",
+                        why->now.others);
+        break;
+    default:
+        request_problem(r, ERRMAP_SUBJECTS,
+                        "this token has tried %u other subjects without a match within "
+                        "an hour",
+                        why->now.tried);
+    }
+    r->response.retry_after = (unsigned)((why->wait_ms + 999) / 1000);
+    metrics_attempts(r->app->metrics, (enum metrics_failed)(why->why - STORE_WAIT_OWN));
+}
+
+void compare_refuse(struct request *r, const struct templates_refusal *why,
+                    const struct errinfo *e)
+{
+    if (why->why != STORE_WAIT_NONE)
+        refuse_attempt(r, why);
+    else if (why->admit != TEMPLATES_ADMITTED)
+        request_problem(
+            r, why->admit == TEMPLATES_DISABLED ? ERRMAP_DISABLED : ERRMAP_EXPIRED, "%s",
+            e->msg);
+    else
+        request_fail(r, e);
+}
+
+static void warn(const struct request *r, const char *what)
+{
+    struct logger_line l;
+
+    logger_begin(&l, "warn", what);
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "token", r->actor);
+    logger_end(&l);
+}
+
+void compare_warn(const struct request *r, bool locked_out, bool many_subjects)
+{
+    if (locked_out) {
+        metrics_warning(r->app->metrics, METRICS_LOCKED_OUT);
+        warn(r, "a subject is locked out: verifications failed");
+    }
+    if (many_subjects) {
+        metrics_warning(r->app->metrics, METRICS_MANY_SUBJECTS);
+        warn(r, "a token has tried many subjects without a match");
+    }
+}
+
+/* ---- requests */
+
+static void count_stages(struct request *r, const struct verification *v)
+{
+    const struct describe_times *t = &v->times;
+
+    if (t->parse > 0)
+        request_stage(r, REQUEST_PARSE, t->parse);
+    if (t->prepare > 0)
+        request_stage(r, REQUEST_PREPARE, t->prepare);
+    if (v->best.compared == 0)
+        return;
+    request_stage(r, REQUEST_SCORE, t->score);
+    if (v->request->detail != VERIFY_DECISION) {
+        request_stage(r, REQUEST_ALIGN, t->align);
+        request_stage(r, REQUEST_MINIMAL, t->minimal);
+    }
+}
+
 /* There is no subject to protect: where the event is lost the response stands. */
-static void tell(struct request *r, enum face_decision decision)
+static void record_comparison(struct request *r, enum face_decision decision)
 {
     char outcome[CAPTURE_OUTCOME];
 
-    metrics_decision(r->app->metrics, decision);
-    event_add(r, "compare", capture_outcome(r, verdict_decision(decision), outcome));
+    event_add(r, "compare", capture_outcome(r, describe_decision(decision), outcome));
 }
 
-/* One comparison of two clouds, of which a is the template. */
-struct comparison {
-    struct request *r;
-    struct worker *w;
-    enum params_detail detail;
-    struct cloudpoints a, b;
-    struct scan_found found_a, found_b;
-    double parse_ms, prepare_ms;
-    struct face_result result;
-    struct minimal least; /* not for PARAMS_DECISION */
-    double *gap; /* the heatmap of b's points, by mem_free(); NULL: not asked for */
-    struct face_field field; /* with it */
-};
-
-/* Both faces.  False: r->response says why not. */
-static bool build(struct comparison *c)
+/* Where the token gets no more than decisions (neither detail nor manage), the measures are
+ * rounded: many exact scores would rebuild a face. */
+static void respond(struct request *r, struct worker *w, struct verification *v)
 {
-    const double start = logger_clock_ms();
-    struct face_work *work = c->w->compare.work;
-    struct errinfo e = {0};
-    double parsed;
+    struct describe_comparison c = verify_describe(v, store_made_by(r->app->store));
+    double *mm = &v->least.disparity.plain_mm;
 
-    if (cloud_read_two(c->r, &c->a, &c->b) != ST_OK)
-        return false;
-    parsed = logger_clock_ms();
-    request_stage(c->r, REQUEST_PARSE, c->parse_ms = parsed - start);
-    if (cloud_build(c->r, &c->a, "a.points", false, work, &c->w->other, &c->found_a) !=
-            ST_OK ||
-        cloud_build(c->r, &c->b, "b.points", false, work, &c->w->probe, &c->found_b) !=
-            ST_OK)
-        return false;
-    if (admission_calibrate(&c->w->compare, &e) != ST_OK) {
-        request_fail(c->r, &e);
-        return false;
+    v->times.total = logger_clock_ms() - r->start_ms;
+    if (!auth_exact(r)) {
+        face_round(&v->best.result, w->compare.work);
+        *mm = round(*mm * 1e3) / 1e3;
     }
-    request_stage(c->r, REQUEST_PREPARE, c->prepare_ms = logger_clock_ms() - parsed);
-    return true;
+    request_respond(r, 200, render_comparison(&c));
+    r->response.minimal = c.minimal == NULL && r->response.http == 200;
 }
 
-static enum status heatmap(struct comparison *c)
+static void run(struct request *r, struct worker *w, struct verify_request *ask,
+                double parse_ms)
 {
+    struct verification v;
+    struct errinfo e = {0};
     enum status st;
 
-    c->gap = mem_array(c->b.read, sizeof *c->gap);
-    if (c->gap == NULL)
-        return ST_ENOMEM;
-    st = heatmap_gaps(&c->w->other.surface, c->b.at, c->b.n, c->result.align.transform,
-                      c->gap);
-    if (st != ST_OK)
-        return st;
-    cloud_spread(&c->b, c->gap);
-    return face_field(&c->w->other, &c->w->probe, c->w->compare.work, &c->field);
+    ask->captured = r->capture.captured;
+    ask->stop = &r->gone;
+    ask->probe.face = &w->probe;
+    st = verify_run(&w->compare, ask, &v, &e);
+    v.times.parse += parse_ms;
+    count_stages(r, &v);
+    worker_passed_over(&v.templates);
+    compare_warn(r, v.recorded.locked_out, v.recorded.many_subjects);
+    if (v.decided || (st == ST_OK && ask->other != NULL))
+        metrics_decision(r->app->metrics, v.best.result.decision);
+    if (st == ST_OK && ask->other != NULL)
+        record_comparison(r, v.best.result.decision);
+    if (st == ST_OK)
+        respond(r, w, &v);
+    else if (!request_gone(r))
+        compare_refuse(r, &v.refusal, &e);
+    verify_free(&v);
 }
 
-static bool compare(struct comparison *c)
+/* One of subject and template_id is NULL. */
+static void verify(struct request *r, struct worker *w, const char *subject,
+                   const char *template_id)
 {
-    const struct face *a = &c->w->other, *b = &c->w->probe;
-    struct face_work *work = c->w->compare.work;
-    enum status st = face_compare(a, b, (double)NAN, logger_clock_ms, work, &c->result);
+    struct verify_request ask = {.of = {.subject = subject,
+                                        .template_id = template_id,
+                                        .token = r->actor,
+                                        .limits = &r->app->limits},
+                                 .probe = {.name = "points"}};
 
-    if (st == ST_OK && c->detail != PARAMS_DECISION) {
-        st = face_minimal(a, b, logger_clock_ms, work, &c->result, &c->least);
-        request_stage(c->r, REQUEST_ALIGN, c->result.align_ms);
-        request_stage(c->r, REQUEST_MINIMAL, c->least.ms);
-    }
-    if (st == ST_OK && c->detail >= PARAMS_MEASURE)
-        st = face_weigh(a, b, work, &c->least);
-    if (st == ST_OK && c->detail >= PARAMS_MEASURE)
-        st = face_regions(a, b, work, &c->result);
-    if (st == ST_OK && c->detail == PARAMS_HEATMAP)
-        st = heatmap(c);
-    if (st != ST_OK) {
-        request_problem(c->r, st, "comparing: %s", status_message(st));
-        return false;
-    }
-    request_stage(c->r, REQUEST_SCORE, c->result.score_ms);
-    return true;
-}
-
-static void respond(struct comparison *c)
-{
-    const struct describe_times times = {.parse = c->parse_ms,
-                                         .prepare = c->prepare_ms,
-                                         .align = c->result.align_ms,
-                                         .score = c->result.score_ms,
-                                         .minimal = c->least.ms,
-                                         .total = logger_clock_ms() - c->r->start_ms};
-
-    verify_round(c->r, c->w, &c->result, &c->least);
-    verify_respond(c->r, &(struct describe_comparison){
-                             .result = &c->result,
-                             .minimal = c->detail == PARAMS_DECISION ? NULL : &c->least,
-                             .probe = &c->w->probe,
-                             .scan = &c->found_b,
-                             .other = &c->found_a,
-                             .engine = store_made_by(c->r->app->store),
-                             .templates_compared = 1,
-                             .times = &times,
-                             .measure = c->detail != PARAMS_BRIEF,
-                             .gap_mm = c->gap,
-                             .field = c->gap != NULL ? &c->field : NULL,
-                             .n = c->b.read,
-                         });
-}
-
-void compare_handle(struct request *r, struct worker *w)
-{
-    struct comparison c = {.r = r, .w = w};
-
-    if (!params_detail(r, &c.detail) || !capture_admit(r))
+    if (!params_detail(r, &ask.detail) ||
+        !cloud_options(r, &ask.probe.how, &ask.probe.as_scanned) || !capture_admit(r))
         return;
-    if (build(&c) && compare(&c)) {
-        tell(r, c.result.decision);
-        respond(&c);
-    }
-    mem_free(c.gap);
-    cloudpoints_free(&c.a);
-    cloudpoints_free(&c.b);
+    ask.probe.bytes = r->body;
+    ask.probe.len = r->len;
+    r->body = NULL;
+    r->len = 0;
+    run(r, w, &ask, 0);
+}
+
+void compare_subject(struct request *r, struct worker *w)
+{
+    verify(r, w, r->subject, NULL);
+}
+
+void compare_template(struct request *r, struct worker *w)
+{
+    verify(r, w, NULL, r->template_id);
+}
+
+void compare_scans(struct request *r, struct worker *w)
+{
+    struct verify_scan a = {.name = "a.points", .face = &w->other};
+    struct verify_request ask = {.other = &a, .probe = {.name = "b.points"}};
+    double start;
+
+    if (!params_detail(r, &ask.detail) || !capture_admit(r))
+        return;
+    start = logger_clock_ms();
+    if (cloud_read_two(r, &a.points, &ask.probe.points) == ST_OK)
+        run(r, w, &ask, logger_clock_ms() - start);
 }

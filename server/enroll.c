@@ -4,11 +4,11 @@
 #include <string.h>
 
 #include "app.h"
-#include "attempts.h"
 #include "auth.h"
 #include "burst.h"
 #include "capture.h"
 #include "cloud.h"
+#include "compare.h"
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -20,15 +20,7 @@
 #include "params.h"
 #include "request.h"
 #include "scan.h"
-#include "verify.h"
 #include "worker.h"
-
-static bool may(void *arg, const struct store_attempts *now)
-{
-    struct request *r = arg;
-
-    return attempts_admit(r->app->attempts, r, now);
-}
 
 /* What the request asks for, beside the samples. */
 struct asked {
@@ -60,7 +52,6 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                    const struct store_sample *sample, size_t n,
                    struct enrolment_result *each, struct enrolment_outcome *out)
 {
-    struct store_settle limits = {.actor = r->actor};
     struct enrolment x = {.actor = r->actor,
                           .subject = r->subject,
                           .label = ask->label,
@@ -69,32 +60,24 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                           .captured = r->capture.captured,
                           .manager = auth_has(r, STORE_SCOPE_MANAGE),
                           .force = ask->force,
-                          .may = attempts_limited(r->app->attempts) ? may : NULL,
-                          .arg = r};
+                          .limits = r->app->limits.failures > 0 ? &r->app->limits : NULL};
     struct errinfo e = {0};
     unsigned added = 0;
     enum status st;
 
     if (!intake_admit(r, (unsigned)n))
         return false;
-    attempts_watch(r->app->attempts, &limits);
-    x.warn_failures = limits.warn_failures;
-    x.warn_tried = limits.warn_tried;
     st = enrolment_add(&w->compare, &x, each, out, &e);
     for (size_t i = 0; i < n; i++)
         added += each[i].created;
     intake_give(r->app->intake, r->actor, (unsigned)n - added);
-    attempts_warn(r, &(struct store_settled){.locked_out = out->locked_out,
-                                             .many_subjects = out->many_subjects});
-
+    compare_warn(r, out->locked_out, out->many_subjects);
     if (out->nearest.compared > 0)
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
     if (st == ST_OK || out->none)
         tally(r, each, n, out->none);
-    if (out->locked || !verify_admitted(r, out->admit, &e)) /* r->response is set */
-        return false;
     if (st != ST_OK)
-        request_fail(r, &e);
+        compare_refuse(r, &out->refusal, &e);
     return st == ST_OK;
 }
 

@@ -217,16 +217,9 @@ void http_run(struct worker *w, struct request *r)
     if (x->state == ADMITTED) {
         auth_check(r);
     } else {
-        const bool kept = w->kept && !atomic_load(&x->http->app->stopping);
-
-        r->max_points = kept ? WORKER_SMALL_POINTS : 0;
-        w->large = w->large || !kept;
+        w->large = w->large || upload_is_large(&x->upload);
         handle(w, r);
-        if (r->larger) {
-            request_again(r);
-            queue_up(x, QUEUE_LARGE);
-            return;
-        }
+        w->large = w->large || r->len > QUOTA_SMALL;
     }
     refusal_tell(r->app);
     MHD_resume_connection(x->conn);

@@ -7,7 +7,6 @@
 #include <sodium.h>
 
 #include "app.h"
-#include "attempts.h"
 #include "cache.h"
 #include "in_force.h"
 #include "erasures.h"
@@ -71,12 +70,12 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->cache = cache_new((size_t)o->cache_mb << 20);
     app->routes = routes_table(&app->nroutes);
     app->metrics = metrics_new(app->routes, app->nroutes);
-    app->attempts = attempts_new(o->attempts, o->attempt_wait, o->attempt_subjects);
+    app->limits =
+        (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
     app->throttle = throttle_new(o->rate_limit_tokens);
     app->intake = intake_new(o->enrollments, o->db, o->disk_reserve);
-    if (app->cache == NULL || app->metrics == NULL || app->attempts == NULL ||
-        app->throttle == NULL || app->intake == NULL ||
-        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+    if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||
+        app->intake == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -97,7 +96,6 @@ static void stop(struct app *app, struct http *http)
     erasures_stop(app->erasures);
     cache_free(app->cache);
     metrics_free(app->metrics);
-    attempts_free(app->attempts);
     throttle_free(app->throttle);
     intake_free(app->intake);
     store_close(app->store);

@@ -34,7 +34,7 @@ enum metrics_enrollment {
 
 void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome);
 
-/* metrics_refused(m, st): of several files that were sent one was refused, by trial_is_refusal();
+/* metrics_refused(m, st): of several files that were sent one was refused, by dry_run_is_refusal();
  * any other status is not counted. */
 void metrics_refused(struct metrics *m, enum status st);
 

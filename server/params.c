@@ -106,19 +106,19 @@ bool params_camera(struct request *r, struct clouddepth_camera *c)
     return false;
 }
 
-bool params_detail(struct request *r, enum params_detail *out)
+bool params_detail(struct request *r, enum verify_detail *out)
 {
     char buf[64];
     bool there;
 
     if (get(r, "detail", buf, sizeof buf, &there)) {
-        *out = r->minimal ? PARAMS_DECISION : PARAMS_BRIEF;
+        *out = r->minimal ? VERIFY_DECISION : VERIFY_BRIEF;
         if (!there)
             return true;
-        *out = strcmp(buf, "heatmap") == 0   ? PARAMS_HEATMAP
-               : strcmp(buf, "measure") == 0 ? PARAMS_MEASURE
-                                             : PARAMS_BRIEF;
-        if (*out != PARAMS_BRIEF)
+        *out = strcmp(buf, "heatmap") == 0   ? VERIFY_HEATMAP
+               : strcmp(buf, "measure") == 0 ? VERIFY_MEASURE
+                                             : VERIFY_BRIEF;
+        if (*out != VERIFY_BRIEF)
             return auth_may(r, STORE_SCOPE_DETAIL);
     }
     request_problem(r, ERRMAP_PARAMETER, "detail is measure or heatmap, not '%s'", buf);

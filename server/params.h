@@ -5,6 +5,7 @@
 #define SERVER_PARAMS_H
 #include <stdbool.h>
 #include <stddef.h>
+#include "verify.h"
 
 struct clouddepth_camera; /* clouddepth.h */
 struct request;
@@ -16,20 +17,13 @@ bool params_flag(struct request *r, const char *name, bool *out); /* true, false
 bool params_units(struct request *r, double *mm);
 bool params_axes(struct request *r, bool *as_scanned);
 
-enum params_detail {                  /* what the response to a comparison contains */
-                     PARAMS_DECISION, /* the decision and the ids alone */
-                     PARAMS_BRIEF,    /* nothing from which a template could be rebuilt */
-                     PARAMS_MEASURE,  /* the measure, the pose and the regions */
-                     PARAMS_HEATMAP   /* and the gap at each point */
-};
-
 /* params_camera(r, c): fx, fy (above 0), cx, cy and depth_scale (above 0), of a depth image,
  * and width and height, both or none, of one that has nothing but its values. */
 bool params_camera(struct request *r, struct clouddepth_camera *c);
 
 /* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail; without
- * it PARAMS_DECISION for a client that prefers the minimum (headers.h), else PARAMS_BRIEF. */
-bool params_detail(struct request *r, enum params_detail *out);
+ * it VERIFY_DECISION for a client that prefers the minimum (headers.h), else VERIFY_BRIEF. */
+bool params_detail(struct request *r, enum verify_detail *out);
 
 /* params_count(r, name, max, out): an integer from 1 to max. */
 bool params_count(struct request *r, const char *name, size_t max, size_t *out);

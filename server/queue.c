@@ -1,6 +1,7 @@
 #include "queue.h"
 
 #include <errno.h>
+#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
@@ -13,47 +14,47 @@
 #define IDLE_MS 200
 #define BUSY_MS 500.0
 
-/* For so long after a sender was served, another that has a request running leaves it the last free
- * worker: longer than a client needs between the response and its next request.  So a request keeps
- * a worker free for little more than this. */
-#define ABOUT_MS 200.0
+#define FIRST_MS 10.0 /* what a request of an unknown sender is taken to cost */
+#define HEAVY_MS 50.0 /* a sender whose requests take longer is a heavy one */
+#define FORGET   0.8  /* of what one request cost, when a cheaper one follows */
+#define KNOWN    64   /* senders that are remembered beside those that have requests */
 
-/* A thread and what it works with. */
+struct sender {
+    uint64_t id;
+    double time_ms; /* its virtual time: what its requests have taken, or will */
+    double cost_ms; /* of its last requests */
+    double seen_ms;
+    unsigned waiting, running;
+};
+
+struct waiting {
+    struct request *r;
+    struct sender *sender;
+    enum queue_kind kind;
+    uint64_t serial;
+};
+
+/* A thread, what it works with, and what it runs. */
 struct server {
     struct queue *queue;
     struct worker worker;
     pthread_t thread;
-    bool kept; /* for what is not large */
     bool used; /* since it was wiped */
-    bool runs; /* what is more than a token to check, of this sender */
-    uint64_t sender;
     double wiped_ms;
-};
-
-/* Start-time fair queueing: a request's turn is the one after its sender's last that waits, or
- * after the last that was served. */
-struct waiting {
-    struct request *r;
-    enum queue_kind kind;
-    uint64_t sender, turn, serial;
-};
-
-/* When a sender was last served. */
-struct served {
-    uint64_t sender;
-    double ms;
+    struct sender *sender; /* of what runs; NULL: nothing, or a token is checked */
+    bool heavy;
+    double begin_ms, charged_ms;
 };
 
 struct queue {
     void (*run)(struct worker *w, struct request *r);
     pthread_mutex_t lock;
-    pthread_cond_t wake, wake_kept;
+    pthread_cond_t wake;
     struct waiting *waits; /* [limit], in no order */
-    unsigned waiting, limit, running;
-    uint64_t turn; /* of the last that was served */
+    struct sender *senders;
+    unsigned waiting, limit, running, heavy, nsenders;
+    double time_ms; /* the virtual time of the sender that was last served */
     uint64_t serial, served;
-    struct served latest, other; /* other: the latest of another sender than latest's */
-    bool kept_waits;             /* the kept worker waits for wake_kept */
     bool closed;
     unsigned workers, started;
     struct server *servers;
@@ -61,59 +62,57 @@ struct queue {
 
 /* ---- what waits; the lock is held */
 
+/* There is always one without requests: more are remembered than can have some. */
+static struct sender *find_sender(struct queue *q, uint64_t id)
+{
+    struct sender *oldest = NULL;
+
+    for (struct sender *s = q->senders; s < q->senders + q->nsenders; s++) {
+        if (s->seen_ms > 0 && s->id == id)
+            return s;
+        if (s->waiting + s->running == 0 &&
+            (oldest == NULL || s->seen_ms < oldest->seen_ms))
+            oldest = s;
+    }
+    *oldest = (struct sender){.id = id, .cost_ms = FIRST_MS};
+    return oldest;
+}
+
+static bool is_heavy(const struct waiting *w)
+{
+    return w->kind == QUEUE_LARGE ||
+           (w->kind == QUEUE_SMALL && w->sender->cost_ms > HEAVY_MS);
+}
+
 static bool before(const struct waiting *a, const struct waiting *b)
 {
     if ((a->kind == QUEUE_TOKEN) != (b->kind == QUEUE_TOKEN))
         return a->kind == QUEUE_TOKEN;
-    return a->turn != b->turn ? a->turn < b->turn : a->serial < b->serial;
+    if (a->kind != QUEUE_TOKEN && a->sender->time_ms != b->sender->time_ms)
+        return a->sender->time_ms < b->sender->time_ms;
+    return a->serial < b->serial;
 }
 
-static void note_served(struct queue *q, uint64_t sender)
+/* What a worker takes now; NULL: nothing. */
+static struct waiting *first(struct queue *q)
 {
-    if (q->latest.sender != sender)
-        q->other = q->latest;
-    q->latest = (struct served){sender, logger_clock_ms()};
-}
-
-static bool was_about(const struct queue *q, uint64_t sender)
-{
-    const struct served *s = q->latest.sender != sender ? &q->latest : &q->other;
-
-    return logger_clock_ms() - s->ms < ABOUT_MS;
-}
-
-/* Whether the last free worker is to be left to others than w's sender. */
-static bool is_left(const struct queue *q, const struct waiting *w)
-{
-    bool has_one = false, others = false;
-
-    if (w->kind == QUEUE_TOKEN || q->closed || q->running + 1 < q->workers)
-        return false;
-    for (const struct server *s = q->servers; s < q->servers + q->workers; s++) {
-        has_one = has_one || (s->runs && s->sender == w->sender);
-        others = others || (s->runs && s->sender != w->sender);
-    }
-    return has_one && (others || was_about(q, w->sender));
-}
-
-/* What a worker takes now; kept: the kept one. */
-static struct waiting *first(struct queue *q, bool kept)
-{
+    const bool room = q->heavy + 1 < q->workers || q->heavy == 0;
     struct waiting *best = NULL;
 
     for (struct waiting *w = q->waits; w < q->waits + q->waiting; w++)
-        if ((!kept || w->kind != QUEUE_LARGE) && (best == NULL || before(w, best)) &&
-            !is_left(q, w))
+        if ((room || !is_heavy(w)) && (best == NULL || before(w, best)))
             best = w;
     return best;
 }
 
+/* The newest of the sender that has most waiting. */
 static struct waiting *last(struct queue *q)
 {
     struct waiting *worst = NULL;
 
     for (struct waiting *w = q->waits; w < q->waits + q->waiting; w++)
-        if (worst == NULL || before(worst, w))
+        if (worst == NULL || w->sender->waiting > worst->sender->waiting ||
+            (w->sender == worst->sender && w->serial > worst->serial))
             worst = w;
     return worst;
 }
@@ -122,94 +121,86 @@ static struct request *remove_one(struct queue *q, struct waiting *w)
 {
     struct request *r = w->r;
 
+    w->sender->waiting--;
     *w = q->waits[--q->waiting];
     return r;
 }
 
-static uint64_t turn_of(const struct queue *q, uint64_t sender)
+/* ---- workers; the lock is held but where it says so */
+
+/* Until there may be something to take; false: nothing came for IDLE_MS, and s was used. */
+static bool wait_for_more(struct queue *q, const struct server *s)
 {
-    uint64_t turn = q->turn;
-
-    for (const struct waiting *w = q->waits; w < q->waits + q->waiting; w++)
-        if (w->sender == sender && w->turn > turn)
-            turn = w->turn;
-    return turn + 1;
-}
-
-/* Who waits, for what it can take; the kept worker first: it can take fewer than the others.  For
- * what is left to others, who waits looks again in IDLE_MS. */
-static void wake(struct queue *q)
-{
-    if (q->kept_waits && first(q, true) != NULL) {
-        (void)pthread_cond_signal(&q->wake_kept);
-    } else if (first(q, false) != NULL) {
-        (void)pthread_cond_signal(&q->wake);
-    } else if (q->waiting > 0) {
-        (void)pthread_cond_signal(&q->wake_kept);
-        (void)pthread_cond_signal(&q->wake);
-    }
-}
-
-/* ---- workers */
-
-/* Until there may be something to take; false: nothing came for IDLE_MS, and s was used, or what
- * waits may no longer be left to others. */
-static bool wait_for_more(struct queue *q, struct server *s)
-{
-    pthread_cond_t *wake_up = s->kept ? &q->wake_kept : &q->wake;
     struct timespec t;
-    int got = 0;
 
-    q->kept_waits = q->kept_waits || s->kept;
-    if (s->used || q->waiting > 0) {
-        (void)clock_gettime(CLOCK_MONOTONIC, &t);
-        t.tv_nsec += IDLE_MS * 1000000L;
-        t.tv_sec += t.tv_nsec / 1000000000L;
-        t.tv_nsec %= 1000000000L;
-        got = pthread_cond_timedwait(wake_up, &q->lock, &t);
-    } else {
-        (void)pthread_cond_wait(wake_up, &q->lock);
-    }
-    if (s->kept)
-        q->kept_waits = false;
-    return got != ETIMEDOUT;
+    if (!s->used)
+        return pthread_cond_wait(&q->wake, &q->lock) == 0;
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    t.tv_nsec += IDLE_MS * 1000000L;
+    t.tv_sec += t.tv_nsec / 1000000000L;
+    t.tv_nsec %= 1000000000L;
+    return pthread_cond_timedwait(&q->wake, &q->lock, &t) != ETIMEDOUT;
 }
 
-/* The next request; NULL when the queue is closed and empty, or s is to be wiped first. */
-static struct request *take(struct queue *q, struct server *s, bool was_running)
+/* The sender pays what its requests have cost so far, and later the difference. */
+static struct request *begin(struct queue *q, struct server *s, struct waiting *w)
+{
+    q->running++;
+    s->sender = NULL;
+    if (w->kind != QUEUE_TOKEN) {
+        s->sender = w->sender;
+        s->heavy = is_heavy(w);
+        s->begin_ms = logger_clock_ms();
+        s->charged_ms = w->sender->cost_ms;
+        q->time_ms = fmax(q->time_ms, w->sender->time_ms);
+        w->sender->time_ms += s->charged_ms;
+        w->sender->running++;
+        q->heavy += s->heavy;
+    }
+    return remove_one(q, w);
+}
+
+static void end(struct queue *q, struct server *s)
+{
+    struct sender *of = s->sender;
+
+    q->running--;
+    q->served++;
+    if (of == NULL)
+        return;
+    of->seen_ms = logger_clock_ms();
+    const double ms = of->seen_ms - s->begin_ms;
+
+    of->running--;
+    of->time_ms += ms - s->charged_ms;
+    of->cost_ms = fmax(ms, FORGET * of->cost_ms);
+    q->heavy -= s->heavy;
+}
+
+/* The next request; NULL when s is to be wiped first, or *ended: the queue is closed and empty.
+ * Without the lock. */
+static struct request *take(struct queue *q, struct server *s, bool was_running,
+                            bool *ended)
 {
     struct request *r = NULL;
     struct waiting *w;
 
     (void)pthread_mutex_lock(&q->lock);
-    q->running -= was_running;
-    q->served += was_running;
-    if (s->runs)
-        note_served(q, s->sender);
-    s->runs = false;
-    while ((w = first(q, s->kept)) == NULL && !q->closed && wait_for_more(q, s))
+    if (was_running)
+        end(q, s);
+    while ((w = first(q)) == NULL && !(q->closed && q->waiting == 0) &&
+           wait_for_more(q, s))
         ;
-    if ((w = first(q, s->kept)) != NULL) {
-        if (w->kind != QUEUE_TOKEN && w->turn > q->turn)
-            q->turn = w->turn;
-        s->runs = w->kind != QUEUE_TOKEN;
-        s->sender = w->sender;
-        r = remove_one(q, w);
-        q->running++;
-    }
-    wake(q); /* for what s could not take, or what could not be taken while it ran */
+    if (w != NULL)
+        r = begin(q, s, w);
+    else
+        *ended = q->closed && q->waiting == 0;
+    if (first(q) != NULL)
+        (void)pthread_cond_signal(&q->wake);
+    if (q->closed && q->waiting == 0)
+        (void)pthread_cond_broadcast(&q->wake);
     (void)pthread_mutex_unlock(&q->lock);
     return r;
-}
-
-static bool is_closed(struct queue *q)
-{
-    bool closed;
-
-    (void)pthread_mutex_lock(&q->lock);
-    closed = q->closed;
-    (void)pthread_mutex_unlock(&q->lock);
-    return closed;
 }
 
 static void wipe(struct server *s)
@@ -222,40 +213,29 @@ static void wipe(struct server *s)
 static void *serve(void *arg)
 {
     struct server *s = arg;
-    bool ran = false;
+    bool ran = false, ended = false;
 
-    for (;;) {
-        struct request *r = take(s->queue, s, ran);
+    while (!ended) {
+        struct request *r = take(s->queue, s, ran, &ended);
 
         if ((ran = r != NULL)) {
             s->queue->run(&s->worker, r);
             s->used = true;
-        } else if (!s->used && is_closed(s->queue)) {
-            return NULL;
         }
         if (s->used && (!ran || logger_clock_ms() - s->wiped_ms > BUSY_MS))
             wipe(s);
     }
+    return NULL;
 }
 
 /* ---- start and stop */
-
-static void make_conditions(struct queue *q)
-{
-    pthread_condattr_t attr;
-
-    (void)pthread_condattr_init(&attr);
-    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&q->wake, &attr);
-    (void)pthread_cond_init(&q->wake_kept, &attr);
-    (void)pthread_condattr_destroy(&attr);
-}
 
 enum status queue_start(struct app *app, unsigned workers, unsigned limit,
                         void (*run)(struct worker *w, struct request *r),
                         struct queue **out)
 {
     struct queue *q = calloc(1, sizeof *q);
+    pthread_condattr_t attr;
 
     *out = NULL;
     if (q == NULL)
@@ -263,18 +243,22 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
     q->run = run;
     q->limit = limit;
     q->workers = workers;
+    q->nsenders = limit + workers + KNOWN;
     (void)pthread_mutex_init(&q->lock, NULL);
-    make_conditions(q);
+    (void)pthread_condattr_init(&attr);
+    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
+    (void)pthread_cond_init(&q->wake, &attr);
+    (void)pthread_condattr_destroy(&attr);
     q->waits = calloc(limit, sizeof *q->waits);
+    q->senders = calloc(q->nsenders, sizeof *q->senders);
     q->servers = calloc(workers, sizeof *q->servers);
-    if (q->waits == NULL || q->servers == NULL)
+    if (q->waits == NULL || q->senders == NULL || q->servers == NULL)
         goto fail;
     for (unsigned i = 0; i < workers; i++) {
         struct server *s = &q->servers[i];
 
         s->queue = q;
-        s->kept = i == 0 && workers > 1;
-        if (worker_open(&s->worker, app, s->kept) != ST_OK)
+        if (worker_open(&s->worker, app) != ST_OK)
             goto fail;
         if (pthread_create(&s->thread, NULL, serve, s) != 0) {
             worker_close(&s->worker);
@@ -293,21 +277,25 @@ fail:
 struct request *queue_push(struct queue *q, struct request *r, enum queue_kind kind,
                            uint64_t sender)
 {
-    struct waiting w = {.r = r, .kind = kind, .sender = sender}, *worst;
     struct request *out = NULL;
+    struct waiting *worst;
+    struct sender *of;
 
     (void)pthread_mutex_lock(&q->lock);
-    w.turn = turn_of(q, sender);
-    w.serial = ++q->serial;
+    of = find_sender(q, sender);
     if (q->closed) {
         out = r;
     } else if (q->waiting == q->limit) {
         worst = last(q);
-        out = before(&w, worst) ? remove_one(q, worst) : r;
+        out = worst->sender->waiting > of->waiting + 1 ? remove_one(q, worst) : r;
     }
     if (out != r) {
-        q->waits[q->waiting++] = w;
-        wake(q);
+        of->seen_ms = logger_clock_ms();
+        if (of->waiting + of->running == 0) /* what it did not use is lost */
+            of->time_ms = fmax(of->time_ms, q->time_ms);
+        of->waiting++;
+        q->waits[q->waiting++] = (struct waiting){r, of, kind, ++q->serial};
+        (void)pthread_cond_signal(&q->wake);
     }
     (void)pthread_mutex_unlock(&q->lock);
     return out;
@@ -330,7 +318,6 @@ void queue_stop(struct queue *q)
     (void)pthread_mutex_lock(&q->lock);
     q->closed = true;
     (void)pthread_cond_broadcast(&q->wake);
-    (void)pthread_cond_broadcast(&q->wake_kept);
     (void)pthread_mutex_unlock(&q->lock);
     for (unsigned i = 0; i < q->started; i++) {
         (void)pthread_join(q->servers[i].thread, NULL);
@@ -344,9 +331,9 @@ void queue_free(struct queue *q)
     if (q == NULL)
         return;
     (void)pthread_cond_destroy(&q->wake);
-    (void)pthread_cond_destroy(&q->wake_kept);
     (void)pthread_mutex_destroy(&q->lock);
     free(q->waits);
+    free(q->senders);
     free(q->servers);
     free(q);
 }

@@ -1,9 +1,8 @@
 /* queue.h -- a bounded queue of requests, and the workers that serve it.
- * Those who send many take turns with those who send few: each sender's requests are served in
- * order, and of all senders' first ones the one that has waited for the fewest others of its
- * own.  Where there are two or more workers, one of them takes no large requests, and a sender that
- * has a request running leaves the last free one to others while they are about: while one of them
- * has a request running, and for some 200 ms after it. */
+ * Time is shared fairly over senders, whatever each request takes: of all that wait, the sender is
+ * served next that has had the least of the workers' time (start-time fair queueing; Goyal, Vin and
+ * Cheng 1996).  A request that runs is not interrupted: so of two or more workers one takes no
+ * heavy requests, that is, large ones and those of a sender whose last ones took long. */
 #ifndef SERVER_QUEUE_H
 #define SERVER_QUEUE_H
 #include <stdbool.h>
@@ -30,9 +29,9 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
                         struct queue **out);
 
 /* queue_push(q, r, kind, sender): returns NULL; or the request for which there is no place: r, or,
- * where the queue is full, one whose sender has more waiting than r's, and which r replaces;
+ * where the queue is full, the last one of the sender that has most waiting, and more than r's;
  * it is no longer the queue's.  A queue that is closed takes none.
- * sender: any number that is the same for those who share turns.  O(waiting). */
+ * sender: any number that is the same for those who share turns.  O(limit). */
 struct request *queue_push(struct queue *q, struct request *r, enum queue_kind kind,
                            uint64_t sender);
 

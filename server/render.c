@@ -25,12 +25,12 @@ char *render_asymmetry(const struct asymmetry *a, const struct face *f,
     return json_compact(j);
 }
 
-char *render_trial(const struct trial *t, const struct face *f,
-                   const struct describe_times *times)
+char *render_dry_run(const struct dry_run *t, const struct face *f,
+                     const struct describe_times *times)
 {
     struct json *j = json_new();
 
-    describe_trial(j, t, f, times);
+    describe_dry_run(j, t, f, times);
     return json_compact(j);
 }
 

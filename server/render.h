@@ -15,7 +15,7 @@ struct face;
 struct frame;
 struct json;
 struct scan_found;
-struct trial;
+struct dry_run;
 
 /* render_problem(m, detail, request_id): RFC 9457.
  * render_problem_begin(...): the same, for further members (base/json.h). */
@@ -29,8 +29,8 @@ char *render_asymmetry(const struct asymmetry *a, const struct face *f,
                        const struct scan_found *scan, const char *engine,
                        const struct describe_times *times);
 
-char *render_trial(const struct trial *t, const struct face *f,
-                   const struct describe_times *times);
+char *render_dry_run(const struct dry_run *t, const struct face *f,
+                     const struct describe_times *times);
 
 /* render_enrolled(t, frame, scan, how): a template with what was found in the scan that it was sent
  * as, and its frame, for the reasons of its quality; how: as in describe_template(). */

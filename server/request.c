@@ -262,15 +262,6 @@ bool request_gone(struct request *r)
     return true;
 }
 
-void request_again(struct request *r)
-{
-    mem_free(r->response.body);
-    r->response = (struct response){0};
-    r->larger = false;
-    r->failed = ST_OK;
-    r->fault[0] = '\0';
-}
-
 void request_free(struct request *r)
 {
     free(r->target);

@@ -103,10 +103,8 @@ struct request {
     enum inflate_coding coding;                /* of the body as it is now */
     unsigned char *body;                       /* heap; body[len] is 0 */
     size_t len;
-    size_t max_points; /* 0: FACE_MAX_POINTS; else it is on the worker for small bodies */
-    bool larger;       /* it is no small body: to be handled again, by another worker */
-    atomic_bool gone;  /* the client has gone: what is done for it may be given up */
-    double start_ms;   /* logger_clock_ms() at the request line */
+    atomic_bool gone; /* the client has gone: what is done for it may be given up */
+    double start_ms;  /* logger_clock_ms() at the request line */
     double stage_ms[REQUEST_STAGES];
     unsigned stages; /* a bit for each that it has been through */
     struct response response;
@@ -180,9 +178,6 @@ void request_fail(struct request *r, const struct errinfo *e);
 
 /* request_gone(r): the client has gone, and r->response says so to the log. */
 bool request_gone(struct request *r);
-
-/* request_again(r): r is to be handled again, by another worker: it has no response. */
-void request_again(struct request *r);
 
 /* request_free(r): what r points to. */
 void request_free(struct request *r);

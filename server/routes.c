@@ -11,7 +11,6 @@
 #include "store.h"
 #include "subjects.h"
 #include "symmetry.h"
-#include "verify.h"
 #include "version.h"
 
 #define TEMPLATE "/v1/templates/{template_id}"
@@ -42,12 +41,12 @@ static const struct route table[] = {
     {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", version_handle, true},
     {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL, CLOUD ", label, force",
      enroll_handle, false},
-    {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, verify_subject,
+    {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_subject,
      false},
-    {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, verify_template,
+    {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_template,
      false},
     {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, axes, detail",
-     compare_handle, false},
+     compare_scans, false},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
      false},
     {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, check_handle, false},

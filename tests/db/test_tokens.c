@@ -292,13 +292,13 @@ static void test_attempts(void **state)
     size_t n;
 
     (void)state;
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_ENOTFOUND);
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e), ST_ENOTFOUND);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_ENOTFOUND);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e), ST_ENOTFOUND);
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
     add_alice(s);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     for (unsigned i = 1; i <= 5; i++) {
-        assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+        assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
         assert_int_equal(tempdb_attempts(s, "alice").failures, i);
     }
     assert_true(tempdb_attempts(s, "alice").age_ms < 60000);
@@ -311,9 +311,9 @@ static void test_attempts(void **state)
     assert_int_equal(list[0].failures, 5);
     assert_true(list[0].at[0] == '2');
     free(list);
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e), ST_OK);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     assert_int_equal(store_attempts_reset(s, "test", "alice", &e), ST_OK);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     assert_int_equal(
@@ -321,9 +321,9 @@ static void test_attempts(void **state)
                       "AND actor = 'test'"),
         1);
     /* The count has a limit, and goes with the subject. */
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     tempdb_sql("UPDATE attempts SET failures = 1000000");
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 1000000);
     assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 0);
@@ -331,35 +331,42 @@ static void test_attempts(void **state)
     store_close(s);
 }
 
-static struct store_settled settle(struct store *s, const char *token,
-                                   const char *subject, enum store_settle_as as)
+static struct store_recorded record(struct store *s, const char *token,
+                                    const char *subject, enum store_record_as as)
 {
     struct store_subject one;
-    struct store_settled out = {.may = false};
-    struct store_settle what = {.subject = &one,
+    static const struct store_limits limits = {.failures = 3, .wait_s = 0, .subjects = 6};
+    struct store_recorded out;
+    struct store_record what = {.subject = &one,
                                 .as = as,
                                 .actor = token,
                                 .kind = "verify",
                                 .template_id = "",
                                 .outcome = "settled",
-                                .warn_failures = 3,
-                                .warn_tried = 2};
+                                .limits = &limits};
 
     assert_int_equal(store_subject_get(s, subject, &one, &e), ST_OK);
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     return out;
 }
 
 static struct store_attempts attempts(struct store *s, const char *token,
                                       const char *subject)
 {
-    struct store_admission a;
+    struct store_snapshot a;
+    struct store_attempts is;
 
     assert_int_equal(
-        store_admit(s, &(struct store_admit){.subject = subject, .token = token}, &a, &e),
+        store_snapshot_end(
+            &a,
+            store_snapshot_begin(
+                s, &(struct store_snapshot_of){.subject = subject, .token = token}, &a,
+                &e),
+            &e),
         ST_OK);
-    free(a.t);
-    return a.attempts;
+    is = a.attempts;
+    store_snapshot_free(&a);
+    return is;
 }
 
 /* Each token has its own count, sees those of others, and of the subjects that it tried. */
@@ -368,7 +375,7 @@ static void test_by_token(void **state)
     static const char *const who[] = {"bob", "carol", "dave"};
     struct store *s = tempdb_fresh();
     struct store_attempts a;
-    struct store_settled out;
+    struct store_recorded out;
 
     (void)state;
     add_alice(s);
@@ -379,7 +386,7 @@ static void test_by_token(void **state)
         assert_int_equal(store_subject_add(s, "test", &one, &e), ST_OK);
     }
     for (uint32_t i = 1; i <= 4; i++) {
-        out = settle(s, "thief", "alice", STORE_SETTLE_FAILED);
+        out = record(s, "thief", "alice", STORE_RECORD_FAILED);
         assert_int_equal(out.locked_out, i >= 3);
         assert_false(out.many_subjects);
     }
@@ -394,12 +401,12 @@ static void test_by_token(void **state)
     assert_int_equal(attempts(s, "thief", "bob").tried, 1);
     assert_int_equal(attempts(s, "door", "bob").tried, 0);
     /* A match ends what its own token did, and no more. */
-    (void)settle(s, "door", "alice", STORE_SETTLE_PASSED);
+    (void)record(s, "door", "alice", STORE_RECORD_PASSED);
     assert_int_equal(attempts(s, "thief", "alice").failures, 4);
     /* The second subject is many here; it is told once. */
-    assert_true(settle(s, "thief", "bob", STORE_SETTLE_FAILED).many_subjects);
-    assert_false(settle(s, "thief", "bob", STORE_SETTLE_FAILED).many_subjects);
-    assert_false(settle(s, "thief", "carol", STORE_SETTLE_FAILED).many_subjects);
+    assert_true(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
+    assert_false(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
+    assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
     assert_int_equal(attempts(s, "thief", "dave").tried, 3);
     assert_int_equal(attempts(s, "thief", "carol").tried, 2);
     assert_int_equal(
@@ -411,8 +418,8 @@ static void test_by_token(void **state)
                       "kind = 'many_subjects' AND outcome = '2 subjects'"),
         1);
     /* A match is free, and frees. */
-    (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
-    (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
+    (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
+    (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
     assert_int_equal(attempts(s, "thief", "dave").tried, 2);
     /* An hour later the subjects count no more, nor for other tokens, and only for the warning of
      * a day; a month later the row is gone, when the token fails again. */
@@ -420,20 +427,20 @@ static void test_by_token(void **state)
     assert_int_equal(attempts(s, "thief", "dave").tried, 0);
     assert_int_equal(attempts(s, "thief", "dave").tried_warn, 2);
     assert_int_equal(attempts(s, "door", "alice").others, 0);
-    assert_false(settle(s, "thief", "carol", STORE_SETTLE_FAILED).many_subjects);
-    assert_true(settle(s, "thief", "dave", STORE_SETTLE_FAILED).many_subjects);
-    (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
-    (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
+    assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
+    assert_true(record(s, "thief", "dave", STORE_RECORD_FAILED).many_subjects);
+    (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
+    (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
     assert_int_equal(attempts(s, "thief", "dave").tried_warn, 0);
     assert_int_equal(attempts(s, "thief", "alice").failures, 4);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 28 * 86400000");
-    (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
+    (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 3);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
-    (void)settle(s, "door", "dave", STORE_SETTLE_FAILED);
+    (void)record(s, "door", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 4);
-    (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
+    (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 2);
     assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
     store_close(s);
@@ -451,8 +458,8 @@ static void test_revoked_attempts(void **state)
     assert_int_equal(
         store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 60, secret, &t, &e),
         ST_OK);
-    (void)settle(s, t.id, "alice", STORE_SETTLE_FAILED);
-    (void)settle(s, "thief", "alice", STORE_SETTLE_FAILED);
+    (void)record(s, t.id, "alice", STORE_RECORD_FAILED);
+    (void)record(s, "thief", "alice", STORE_RECORD_FAILED);
     assert_int_equal(store_token_revoke(s, "test", t.id, &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM attempts"), 1);
     assert_int_equal(attempts(s, "thief", "alice").failures, 1);
@@ -469,7 +476,7 @@ static void test_clock_back(void **state)
 
     (void)state;
     add_alice(s);
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     tempdb_sql("UPDATE attempts SET at_ms = 253402300799999");
     a = tempdb_attempts(s, "alice");
     assert_int_equal(a.failures, 1);
@@ -485,7 +492,7 @@ static void *fail_often(void *arg)
     struct errinfo why;
 
     for (int i = 0; i < 50; i++)
-        if (tempdb_settle(arg, "alice", STORE_SETTLE_FAILED, &why) != ST_OK)
+        if (tempdb_record(arg, "alice", STORE_RECORD_FAILED, &why) != ST_OK)
             return arg;
     return NULL;
 }

@@ -102,12 +102,12 @@ static enum status reencode(struct store *s)
 
 static enum status settle_failed(struct store *s)
 {
-    return tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e);
+    return tempdb_record(s, "alice", STORE_RECORD_FAILED, &e);
 }
 
 static enum status settle_passed(struct store *s)
 {
-    return tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e);
+    return tempdb_record(s, "alice", STORE_RECORD_PASSED, &e);
 }
 
 static enum status reset(struct store *s)

@@ -1,23 +1,24 @@
-/* link: -Wl,--wrap=store_template_load */
-/* Which template of a subject decides, in whatever order they come; those that are gone or of
- * another engine are left out; what fails ends it; every model is given back.  The minimal
- * disparity is of the one that decides. */
+/* Which template of a subject decides, in whatever order they come; those of another engine are
+ * left out; the minimal disparity is of the one that decides.  What is read before: one
+ * transaction, and none of it for who is refused; every face is given back to the cache; the
+ * calibration in force decides. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
 
+#include "cache.h"
 #include "clouds.h"
 #include "errinfo.h"
 #include "measure.h"
 #include "minimal.h"
 #include "model.h"
-#include "nearest.h"
 #include "tempdb.h"
+#include "templates.h"
 
 #define POINTS 1500
 
@@ -32,53 +33,7 @@ enum { /* of another subject; two of the probe's subject; the middle of that fac
 static struct face model[MODELS], probe, part; /* part: of a third subject */
 static struct face swapped;                    /* the probe, left and right swapped */
 static struct store *store;
-static enum status
-    fails[MODELS]; /* what loading it returns, instead of a model in memory */
-static int held, passed_over;
 static struct errinfo e;
-
-/* The id of model m is its number. */
-static const struct face *find(void *arg, const char *id)
-{
-    const int m = id[0] - '0';
-
-    assert_ptr_equal(arg, &held);
-    if (fails[m] != ST_OK)
-        return NULL;
-    held++;
-    return &model[m];
-}
-
-enum status __wrap_store_template_load(struct store *s, const char *id,
-                                       struct store_template *t, struct face_work *w,
-                                       struct face *f, struct errinfo *err);
-
-enum status __wrap_store_template_load(struct store *s, const char *id,
-                                       struct store_template *t, struct face_work *w,
-                                       struct face *f, struct errinfo *err)
-{
-    const int m = id[0] - '0';
-
-    (void)s;
-    (void)t;
-    (void)w;
-    (void)f;
-    return errinfo_set(err, fails[m], "model %d", m);
-}
-
-static void release(void *arg, const struct face *f)
-{
-    (void)arg;
-    assert_true(f >= model && f < model + MODELS);
-    held--;
-}
-
-static void pass_over(void *arg, const struct errinfo *err)
-{
-    (void)arg;
-    assert_int_equal(err->code, ST_EVERSION);
-    passed_over++;
-}
 
 static double clock_ms(void)
 {
@@ -126,38 +81,33 @@ static int tear_down(void **state)
     return tempdb_end_faces(state);
 }
 
-static int reset(void **state)
+static struct templates_context context(void)
 {
-    (void)state;
-    memset(fails, 0, sizeof fails);
-    passed_over = 0;
-    return 0;
+    return (struct templates_context){
+        .store = store, .work = tempdb_work, .clock_ms = clock_ms};
 }
 
-static struct admission_context context(void)
+/* ids: the models to compare with, a digit each; '-': of another engine. */
+static struct templates of(struct templates_context *c, const char *ids,
+                           struct store_template *rows)
 {
-    return (struct admission_context){.store = store,
-                                      .work = tempdb_work,
-                                      .clock_ms = clock_ms,
-                                      .find = find,
-                                      .release = release,
-                                      .pass_over = pass_over,
-                                      .arg = &held};
+    struct templates t = {.context = c, .of = {.t = rows, .n = strlen(ids)}};
+
+    *c = context();
+    for (size_t i = 0; i < t.of.n; i++)
+        t.face[i] = ids[i] == '-' ? NULL : &model[ids[i] - '0'];
+    return t;
 }
 
-/* ids: the models to compare with, a digit each.  Returns what decided, -1 on failure. */
+/* Returns what decided, -1 on failure. */
 static int decide(const char *ids, const struct face *p, enum status *st,
                   struct nearest *out)
 {
-    struct admission_context c = context();
-    struct store_template t[MODELS] = {0};
-    const size_t n = strlen(ids);
-    const struct admission a = {.of = {.t = t, .n = n}};
+    struct store_template rows[STORE_TEMPLATES_MAX] = {0};
+    struct templates_context c;
+    const struct templates t = of(&c, ids, rows);
 
-    for (size_t i = 0; i < n; i++)
-        (void)snprintf(t[i].id, sizeof t[i].id, "%c", ids[i]);
-    *st = nearest_find(&c, &a, p, out, &e);
-    assert_int_equal(held, 0);
+    *st = templates_nearest(&t, false, p, out, &e);
     return *st == ST_OK ? ids[out->index] - '0' : -1;
 }
 
@@ -318,50 +268,29 @@ static void test_left_out(void **state)
     enum status st;
 
     (void)state;
-    fails[SAME] = ST_ENOTFOUND;
-    assert_int_equal(decide("10", &probe, &st, &out), OTHER);
+    assert_int_equal(decide("-0", &probe, &st, &out), OTHER);
     assert_int_equal(out.compared, 1);
-    assert_int_equal(passed_over, 0);
-    fails[SAME] = ST_EVERSION;
-    assert_int_equal(decide("01", &probe, &st, &out), OTHER);
-    assert_int_equal(passed_over, 1);
-    assert_int_equal(decide("1", &probe, &st, &out), -1);
+    assert_int_equal(decide("-", &probe, &st, &out), -1);
     assert_int_equal(st, ST_EVERSION);
-    fails[OTHER] = ST_ENOTFOUND;
-    assert_int_equal(decide("0", &probe, &st, &out), -1);
-    assert_int_equal(st, ST_ENOTFOUND);
     assert_int_equal(decide("", &probe, &st, &out), -1);
     assert_int_equal(st, ST_ENOTFOUND);
-}
-
-static void test_failure(void **state)
-{
-    struct nearest out;
-    enum status st;
-
-    (void)state;
-    fails[OTHER] = ST_ECORRUPT;
-    assert_int_equal(decide("10", &probe, &st, &out), -1);
-    assert_int_equal(st, ST_ECORRUPT);
-    assert_string_equal(e.msg, "model 0");
 }
 
 /* Of the template that decides, and not above the measure at the alignment's pose. */
 static void test_minimal(void **state)
 {
-    struct admission_context c = context();
-    struct store_template t[2] = {{.id = "0"}, {.id = "1"}};
-    const struct admission a = {.of = {.t = t, .n = 2}};
+    struct store_template rows[2] = {0};
+    struct templates_context c;
+    const struct templates t = of(&c, "01", rows);
     struct measure_work w = {0};
     struct nearest best, again;
     struct minimal m, same;
     struct disparity aligned;
 
     (void)state;
-    assert_int_equal(nearest_find(&c, &a, &probe, &best, &e), ST_OK);
+    assert_int_equal(templates_nearest(&t, false, &probe, &best, &e), ST_OK);
     assert_int_equal(best.index, 1);
-    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, false, &m, &e), ST_OK);
-    assert_int_equal(held, 0);
+    assert_int_equal(templates_minimal(&t, &probe, &best, false, &m, &e), ST_OK);
     assert_true(m.ms >= 1);
     assert_int_equal(
         face_minimal(&model[SAME], &probe, NULL, tempdb_work, &again.result, &same),
@@ -374,28 +303,139 @@ static void test_minimal(void **state)
     assert_true(m.disparity.plain_mm <= aligned.plain_mm);
     assert_true(m.disparity.area_mm2 >= 0.95 * aligned.area_mm2);
     assert_true(m.disparity.weighted_mm == m.disparity.plain_mm);
-    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, true, &m, &e), ST_OK);
+    assert_int_equal(templates_minimal(&t, &probe, &best, true, &m, &e), ST_OK);
     assert_true(m.disparity.plain_mm == same.disparity.plain_mm);
     assert_true(m.disparity.weighted_mm > 0);
     assert_true(m.disparity.weighted_mm != m.disparity.plain_mm);
-    fails[SAME] = ST_ECORRUPT;
-    assert_int_equal(nearest_minimal(&c, &a, &probe, &best, true, &m, &e), ST_ECORRUPT);
-    assert_int_equal(held, 0);
     measure_work_free(&w);
+}
+
+/* ---- what is read before */
+
+static struct store_template t[2]; /* of alice */
+
+static void enroll_alice(void)
+{
+    store_close(store);
+    store = tempdb_fresh();
+    for (int i = 0; i < 2; i++)
+        tempdb_enroll(store, "alice", "", &tempdb_face[i], &t[i]);
+}
+
+static enum status read(struct templates_context *c, const char *subject,
+                        struct templates *out)
+{
+    return templates_read(c, &(struct templates_of){.subject = subject}, out, &e);
+}
+
+static void test_read(void **state)
+{
+    struct templates_context c = context();
+    struct templates a;
+    struct cache_state seen;
+
+    (void)state;
+    enroll_alice();
+    c.store = store;
+    for (int cached = 0; cached < 2; cached++) {
+        c.cache = cached == 1 ? cache_new(1 << 24) : NULL;
+        for (int again = 0; again < 2; again++) {
+            assert_int_equal(read(&c, "alice", &a), ST_OK);
+            assert_int_equal(a.of.n, 2);
+            for (size_t i = 0; i < 2; i++)
+                assert_int_equal(a.face[i]->surface.mesh.nv, t[i].points);
+            templates_free(&a);
+            assert_null(a.of.t);
+            templates_free(&a);
+        }
+    }
+    cache_look(c.cache, &seen);
+    assert_true(seen.hits == 2 && seen.misses == 2 && seen.entries == 2);
+
+    const struct templates_of one = {.template_id = t[1].id};
+
+    assert_int_equal(templates_read(&c, &one, &a, &e), ST_OK);
+    assert_int_equal(a.of.n, 1);
+    assert_string_equal(a.of.subject.id, "alice");
+    templates_free(&a);
+    cache_free(c.cache); /* which would find a face that is still held */
+}
+
+/* No face is read for who is refused. */
+static void test_refused(void **state)
+{
+    static const bool yes = true;
+    const struct store_limits limits = {.failures = 1, .wait_s = 30};
+    struct templates_context c = context();
+    struct templates a;
+    struct templates_of ask = {.subject = "alice", .token = "test", .limits = &limits};
+
+    (void)state;
+    enroll_alice();
+    c.store = store;
+    assert_int_equal(read(&c, "nobody", &a), ST_ENOTFOUND);
+    assert_int_equal(a.refusal.admit, TEMPLATES_ADMITTED);
+    templates_free(&a);
+    assert_int_equal(tempdb_record(store, "alice", STORE_RECORD_FAILED, &e), ST_OK);
+    assert_int_equal(templates_read(&c, &ask, &a, &e), ST_EDENIED);
+    assert_int_equal(a.refusal.why, STORE_WAIT_OWN);
+    assert_in_range(a.refusal.wait_ms, 1, 30000);
+    assert_int_equal(a.refusal.now.failures, 1);
+    assert_null(a.face[0]);
+    templates_free(&a);
+    assert_int_equal(store_subject_set(store, "test", "alice",
+                                       &(struct store_subject_change){.disabled = &yes},
+                                       &e),
+                     ST_OK);
+    assert_int_equal(templates_read(&c, &ask, &a, &e), ST_EDENIED);
+    assert_int_equal(a.refusal.admit, TEMPLATES_DISABLED);
+    assert_non_null(strstr(e.msg, "alice is disabled"));
+    assert_null(a.face[0]);
+    templates_free(&a);
+}
+
+/* A calibration that comes into force decides the next comparison. */
+static void test_calibration(void **state)
+{
+    struct store_calibration k = {
+        .fmr = 0.5,
+        .low = 99,
+        .high = 99,
+        .table = {.threshold = 99, .n = 2, .knot = {{-100, 1}, {99, 0.5}}}};
+    struct templates_context c = context();
+    struct templates a;
+    struct nearest out;
+    const struct {
+        bool add, shipped;
+        double threshold;
+    } step[] = {{false, false, store_model(store)->calibration.threshold},
+                {true, false, k.table.threshold},
+                {true, true, store_model(store)->calibration.threshold}};
+
+    (void)state;
+    enroll_alice();
+    c.store = store;
+    for (size_t i = 0; i < sizeof step / sizeof *step; i++) {
+        k.shipped = step[i].shipped;
+        if (step[i].add && store_calibration_add(store, "test", &k, &e) != ST_OK)
+            fail_msg("%s", e.msg);
+        assert_int_equal(read(&c, "alice", &a), ST_OK);
+        assert_int_equal(c.calibration, i);
+        assert_int_equal(templates_nearest(&a, false, &tempdb_face[1], &out, &e), ST_OK);
+        assert_true(out.result.threshold == step[i].threshold);
+        templates_free(&a);
+    }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_highest, reset),
-        cmocka_unit_test_setup(test_lowered, reset),
-        cmocka_unit_test_setup(test_inconclusive, reset),
-        cmocka_unit_test_setup(test_conclusive_first, reset),
-        cmocka_unit_test_setup(test_mirrored, reset),
-        cmocka_unit_test_setup(test_hardly_mirrored, reset),
-        cmocka_unit_test_setup(test_left_out, reset),
-        cmocka_unit_test_setup(test_failure, reset),
-        cmocka_unit_test_setup(test_minimal, reset),
+        cmocka_unit_test(test_highest),      cmocka_unit_test(test_lowered),
+        cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_conclusive_first),
+        cmocka_unit_test(test_mirrored),     cmocka_unit_test(test_hardly_mirrored),
+        cmocka_unit_test(test_left_out),     cmocka_unit_test(test_minimal),
+        cmocka_unit_test(test_read),         cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_calibration),
     };
 
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "cloud.h"
+#include "verify.h"
 
 #define READ 7
 
@@ -19,7 +19,7 @@ static void check(uint32_t *index, size_t n, const double wanted[READ])
 
     for (size_t i = 0; i < READ; i++)
         value[i] = i < n ? (double)i + 1 : 99;
-    cloud_spread(&c, value);
+    verify_spread(&c, value);
     for (size_t i = 0; i < READ; i++)
         if (wanted[i] == 0)
             assert_true(isnan(value[i]));

@@ -37,47 +37,6 @@ static void assert_transactions(unsigned read, unsigned written)
     reads = writes = 0;
 }
 
-/* The caller: which models it wants, and which it was given. */
-struct caller {
-    const struct store *store;
-    unsigned listed, used;
-    const char *has; /* a template that is in its cache */
-    bool end;        /* when all is listed */
-    enum status fail;
-    char got[4][STORE_ID_LEN + 1];
-};
-
-static enum status listed(void *arg, const struct store_admission *a, struct errinfo *why)
-{
-    struct caller *c = arg;
-
-    assert_true(a->n > 0);
-    assert_int_equal(c->used, 0); /* before any model is read */
-    c->listed++;
-    return c->end ? errinfo_set(why, ST_EHELD, "no more") : ST_OK;
-}
-
-static bool wanted(void *arg, const struct store_template *t)
-{
-    const struct caller *c = arg;
-
-    return c->has == NULL || strcmp(c->has, t->id) != 0;
-}
-
-static enum status use(void *arg, const struct store_template *t, const void *model,
-                       size_t len, struct errinfo *why)
-{
-    struct caller *c = arg;
-    struct face f = {0};
-
-    assert_int_equal(store_template_decode(c->store, t, model, len, tempdb_work, &f, why),
-                     ST_OK);
-    assert_int_equal(f.surface.mesh.nv, t->points);
-    face_free(&f);
-    memcpy(c->got[c->used++], t->id, sizeof t->id);
-    return c->fail != ST_OK ? errinfo_set(why, c->fail, "not this one") : ST_OK;
-}
-
 static struct store_template t[3]; /* two of alice, one of bob */
 
 static struct store *make(void)
@@ -91,17 +50,20 @@ static struct store *make(void)
     return s;
 }
 
-static void test_admit(void **state)
+static enum status read(struct store *s, const struct store_snapshot_of *what,
+                        struct store_snapshot *out)
+{
+    return store_snapshot_end(out, store_snapshot_begin(s, what, out, &e), &e);
+}
+
+static void test_snapshot(void **state)
 {
     struct store *s = make();
-    struct caller c = {.store = s};
-    struct store_admit what = {
-        .subject = "alice", .listed = listed, .wanted = wanted, .use = use, .arg = &c};
-    struct store_admission a;
+    struct store_snapshot_of what = {.subject = "alice"};
+    struct store_snapshot a;
 
     (void)state;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
-    assert_transactions(1, 0);
+    assert_int_equal(store_snapshot_begin(s, &what, &a, &e), ST_OK);
     assert_string_equal(a.subject.id, "alice");
     assert_int_equal(a.subject.templates, 2);
     assert_false(a.subject.expired || a.subject.disabled);
@@ -109,67 +71,37 @@ static void test_admit(void **state)
     assert_int_equal(a.attempts.failures, 0);
     assert_int_equal(a.calibration, 0);
     assert_int_equal(a.n, 2);
-    assert_memory_equal(&a.t[0], &t[0], sizeof t[0]);
-    assert_memory_equal(&a.t[1], &t[1], sizeof t[1]);
-    assert_int_equal(c.listed, 1);
-    assert_int_equal(c.used, 2);
-    assert_string_equal(c.got[0], t[0].id);
-    assert_string_equal(c.got[1], t[1].id);
-    free(a.t);
+    for (size_t i = 0; i < 2; i++) {
+        struct face f = {0};
 
-    c = (struct caller){.store = s, .has = t[0].id};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
-    assert_int_equal(c.used, 1);
-    assert_string_equal(c.got[0], t[1].id);
-    free(a.t);
+        assert_memory_equal(&a.t[i], &t[i], sizeof t[i]);
+        assert_int_equal(store_snapshot_face(&a, i, tempdb_work, &f, &e), ST_OK);
+        assert_int_equal(f.surface.mesh.nv, t[i].points);
+        face_free(&f);
+    }
+    assert_int_equal(store_snapshot_end(&a, ST_OK, &e), ST_OK);
+    assert_transactions(1, 0);
+    store_snapshot_free(&a);
 
     /* One template, and its subject. */
-    c = (struct caller){.store = s};
-    what.subject = NULL;
-    what.template_id = t[2].id;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    what = (struct store_snapshot_of){.template_id = t[2].id};
+    assert_int_equal(read(s, &what, &a), ST_OK);
     assert_string_equal(a.subject.id, "bob");
     assert_int_equal(a.n, 1);
     assert_memory_equal(&a.t[0], &t[2], sizeof t[2]);
-    assert_int_equal(c.used, 1);
-    free(a.t);
+    store_snapshot_free(&a);
 
-    /* Without callbacks: the lists alone. */
-    what = (struct store_admit){.subject = "bob"};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
-    assert_int_equal(a.n, 1);
-    free(a.t);
-    store_close(s);
-}
-
-/* A callback's status ends the read, and nothing is left to be freed. */
-static void test_ended(void **state)
-{
-    struct store *s = make();
-    struct caller c = {.store = s, .end = true};
-    struct store_admit what = {
-        .subject = "alice", .listed = listed, .wanted = wanted, .use = use, .arg = &c};
-    struct store_admission a;
-
-    (void)state;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
-    assert_string_equal(e.msg, "no more");
-    assert_null(a.t);
-    assert_int_equal(c.used, 0);
-    c = (struct caller){.store = s, .fail = ST_EVERSION};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EVERSION);
-    assert_null(a.t);
-    assert_int_equal(c.used, 1);
-    what.subject = "nobody";
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    /* None. */
+    what = (struct store_snapshot_of){.subject = "nobody"};
+    assert_int_equal(read(s, &what, &a), ST_ENOTFOUND);
+    store_snapshot_free(&a);
     what.subject = "no body";
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EINVAL);
-    what.subject = NULL;
-    what.template_id = "00000000000000000000000000000000";
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    assert_int_equal(read(s, &what, &a), ST_EINVAL);
+    store_snapshot_free(&a);
     assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
-    what.template_id = t[2].id;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ENOTFOUND);
+    what = (struct store_snapshot_of){.template_id = t[2].id};
+    assert_int_equal(read(s, &what, &a), ST_ENOTFOUND);
+    store_snapshot_free(&a);
     store_close(s);
 }
 
@@ -177,17 +109,17 @@ static void test_state(void **state)
 {
     const struct store_subject_change over = {.expires = "2020-01-01"};
     struct store *s = make();
-    struct store_admit what = {.subject = "alice", .token = "test"};
-    struct store_admission a;
+    struct store_snapshot_of what = {.subject = "alice", .token = "test"};
+    struct store_snapshot a;
     struct store_calibration k = {
         .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
 
     (void)state;
     assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
-    assert_int_equal(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
     reads = writes = 0;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_int_equal(read(s, &what, &a), ST_OK);
     assert_transactions(1, 0);
     assert_true(a.subject.expired);
     assert_int_equal(a.attempts.failures, 1);
@@ -195,47 +127,38 @@ static void test_state(void **state)
     assert_int_equal(a.calibration, 1);
     assert_int_equal(a.k.version, 1);
     assert_true(a.k.fmr == k.fmr);
-    free(a.t);
+    store_snapshot_free(&a);
     /* A caller that has this calibration does not get it again. */
     what.calibration = 1;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_int_equal(read(s, &what, &a), ST_OK);
     assert_int_equal(a.calibration, 1);
     assert_int_equal(a.k.version, 0);
-    free(a.t);
+    store_snapshot_free(&a);
     /* The clock was set back: the last failure is now, for good. */
     tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
     reads = writes = 0;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    assert_int_equal(read(s, &what, &a), ST_OK);
     assert_transactions(1, 1);
     assert_int_equal(a.attempts.age_ms, 0);
-    free(a.t);
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_OK);
+    store_snapshot_free(&a);
+    assert_int_equal(read(s, &what, &a), ST_OK);
     assert_transactions(1, 0);
-    free(a.t);
+    store_snapshot_free(&a);
     /* Also where the caller ends the reading: its lock-out would never end. */
     tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
-    what.listed = listed;
-    what.arg = &(struct caller){.end = true};
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
-    assert_string_equal(e.msg, "no more");
-    assert_null(a.t);
+    assert_int_equal(store_snapshot_begin(s, &what, &a, &e), ST_OK);
+    assert_int_equal(store_snapshot_end(&a, ST_EHELD, &e), ST_EHELD);
+    store_snapshot_free(&a);
     assert_transactions(1, 1);
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_EHELD);
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    store_snapshot_free(&a);
     assert_transactions(1, 0);
-    what.listed = NULL;
     /* By a damaged calibration nobody may decide. */
     tempdb_sql("UPDATE calibrations SET threshold = threshold + 1");
     what.calibration = 0;
-    assert_int_equal(store_admit(s, &what, &a, &e), ST_ECORRUPT);
+    assert_int_equal(read(s, &what, &a), ST_ECORRUPT);
+    store_snapshot_free(&a);
     store_close(s);
-}
-
-static bool few(void *arg, const struct store_attempts *now)
-{
-    unsigned *failures = arg;
-
-    *failures = now->failures;
-    return now->failures < 2;
 }
 
 static struct store_audit_entry last_event(struct store *s)
@@ -253,20 +176,19 @@ static struct store_audit_entry last_event(struct store *s)
     return one;
 }
 
-static void test_settle(void **state)
+static void test_record(void **state)
 {
     struct store *s = make();
     struct store_subject alice;
-    unsigned failures = 9;
-    struct store_settle what = {.subject = &alice,
-                                .as = STORE_SETTLE_FAILED,
+    const struct store_limits limits = {.failures = 2, .wait_s = 30};
+    struct store_record what = {.subject = &alice,
+                                .as = STORE_RECORD_FAILED,
                                 .actor = "test",
                                 .kind = "verify",
                                 .template_id = t[0].id,
                                 .outcome = "no_match",
-                                .may = few,
-                                .arg = &failures};
-    struct store_settled out;
+                                .limits = &limits};
+    struct store_recorded out;
     uint64_t seq;
 
     (void)state;
@@ -274,37 +196,39 @@ static void test_settle(void **state)
     assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
     reads = writes = 0;
     for (unsigned i = 0; i < 2; i++) {
-        assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+        assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
         assert_transactions(0, 1);
-        assert_true(out.may);
-        assert_int_equal(failures, i);
+        assert_int_equal(out.why, STORE_WAIT_NONE);
+        assert_int_equal(out.now.failures, i);
+        assert_int_equal(out.locked_out, i == 1);
     }
-    assert_string_equal(last_event(s).entry.outcome, "no_match");
+    assert_string_equal(last_event(s).entry.outcome, "2 failures");
     assert_string_equal(last_event(s).subject, "alice");
     assert_string_equal(last_event(s).entry.actor, "test");
     seq = last_event(s).entry.seq;
     assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
                      1);
     /* No more: and nothing is written. */
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
-    assert_false(out.may);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    assert_int_equal(out.why, STORE_WAIT_OWN);
+    assert_in_range(out.wait_ms, 1, 30000);
     assert_int_equal(last_event(s).entry.seq, seq);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
-    what.may = NULL;
-    what.as = STORE_SETTLE_UNCOUNTED;
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    what.limits = NULL;
+    what.as = STORE_RECORD_UNCOUNTED;
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
     assert_int_equal(last_event(s).entry.seq, seq + 1);
-    what.as = STORE_SETTLE_PASSED;
+    what.as = STORE_RECORD_PASSED;
     what.outcome = "match";
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     assert_string_equal(last_event(s).entry.outcome, "match");
     assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
     /* A subject that was seen just now is not written again. */
     assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
     tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
                      0);
     store_close(s);
@@ -315,23 +239,23 @@ static void test_no_event(void **state)
 {
     struct store *s = make();
     struct store_subject bob;
-    struct store_settle what = {.subject = &bob,
-                                .as = STORE_SETTLE_FAILED,
+    struct store_record what = {.subject = &bob,
+                                .as = STORE_RECORD_FAILED,
                                 .actor = "test",
                                 .kind = "verify",
                                 .template_id = "",
                                 .outcome = "no_match"};
-    struct store_settled out;
+    struct store_recorded out;
 
     (void)state;
     assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     tempdb_sql("UPDATE access_log SET mac = zeroblob(32)");
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_ECORRUPT);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_ECORRUPT);
     assert_int_equal(tempdb_attempts(s, "bob").failures, 1);
     tempdb_sql("DELETE FROM access_log");
     assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_ENOTFOUND);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_ENOTFOUND);
     store_close(s);
 }
 
@@ -342,9 +266,9 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
 {
     struct store_subject one;
     struct store_probe probe = {.read = read};
-    struct store_settled out = {.may = false};
-    const struct store_settle what = {.subject = &one,
-                                      .as = STORE_SETTLE_PASSED,
+    struct store_recorded out;
+    const struct store_record what = {.subject = &one,
+                                      .as = STORE_RECORD_PASSED,
                                       .actor = "test",
                                       .kind = "verify",
                                       .template_id = "",
@@ -355,8 +279,7 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
     (void)snprintf(probe.used, sizeof probe.used, "%s", used);
     assert_int_equal(store_subject_get(s, who, &one, &e), ST_OK);
     before = tempdb_attempts(s, who).failures;
-    assert_int_equal(store_settle(s, &what, &out, &e), ST_OK);
-    assert_true(out.may);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     assert_string_equal(last_event(s).entry.outcome, out.replayed ? "replayed" : "match");
     assert_int_equal(tempdb_attempts(s, who).failures, out.replayed ? before + 1 : 0);
     return out.replayed;
@@ -405,9 +328,9 @@ static void test_replayed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_admit),    cmocka_unit_test(test_ended),
-        cmocka_unit_test(test_state),    cmocka_unit_test(test_settle),
-        cmocka_unit_test(test_no_event), cmocka_unit_test(test_replayed),
+        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_state),
+        cmocka_unit_test(test_record),   cmocka_unit_test(test_no_event),
+        cmocka_unit_test(test_replayed),
     };
 
     return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);

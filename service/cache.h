@@ -2,9 +2,10 @@
  * The model of a template never changes and its id is never used again (store.h), so an entry
  * cannot be out of date, even if the template is re-encoded.  The caller must ask the store
  * first whether the template still exists: a deleted template must never match, whichever
- * process deleted it. */
-#ifndef SERVER_CACHE_H
-#define SERVER_CACHE_H
+ * process deleted it.  A cache of NULL has nothing and keeps nothing: a face that cache_keep() takes
+ * over is then its caller's alone. */
+#ifndef SERVICE_CACHE_H
+#define SERVICE_CACHE_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -12,7 +12,7 @@
 #include "cloudpoints.h"
 #include "face.h"
 #include "mem.h"
-#include "trial.h"
+#include "dry_run.h"
 
 /* What each run is to return, by whether it is an enrolment's. */
 static enum status outcome[2];
@@ -44,7 +44,7 @@ enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *
     return outcome[o->enrolment];
 }
 
-static struct trial t;
+static struct dry_run t;
 
 static int set_up(void **state)
 {
@@ -74,8 +74,8 @@ static enum status run(enum status enrolment, enum status verification)
     outcome[true] = enrolment;
     outcome[false] = verification;
     runs = 0;
-    st = trial_run("points", &c, &(struct scan_options){.axes = SCAN_AXES_AUTO}, NULL,
-                   &face, &t);
+    st = dry_run_run("points", &c, &(struct scan_options){.axes = SCAN_AXES_AUTO}, NULL,
+                     &face, &t);
     cloudpoints_free(&c);
     return st;
 }
@@ -188,7 +188,7 @@ static void test_unread(void **state)
     const struct errinfo e = {.code = ST_ELIMIT, .msg = "more points than the limit"};
 
     (void)state;
-    trial_unread(ST_ELIMIT, &e, &t);
+    dry_run_unread(ST_ELIMIT, &e, &t);
     assert_int_equal(t.enrolment, ST_ELIMIT);
     assert_int_equal(t.verification, ST_ELIMIT);
     assert_string_equal(t.why.msg, e.msg);
@@ -199,7 +199,7 @@ static void test_unread(void **state)
 
         for (size_t i = 0; i < sizeof refusal / sizeof *refusal; i++)
             is = is || (int)refusal[i] == st;
-        assert_int_equal(trial_is_refusal((enum status)st), is);
+        assert_int_equal(dry_run_is_refusal((enum status)st), is);
     }
 }
 

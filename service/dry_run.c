@@ -1,16 +1,16 @@
-#include "trial.h"
+#include "dry_run.h"
 
 #include "cloudpoints.h"
 #include "face.h"
 #include "sample.h"
 #include "scan_search.h"
 
-bool trial_is_refusal(enum status st)
+bool dry_run_is_refusal(enum status st)
 {
     return st >= ST_ELIMIT && st <= ST_EQUALITY;
 }
 
-const char *trial_code(enum status st)
+const char *dry_run_code(enum status st)
 {
     static const char *const code[ST_COUNT] = {
         [ST_ELIMIT] = "too_many_points", [ST_ETOOFEW] = "too_few_points",
@@ -25,7 +25,7 @@ const char *trial_code(enum status st)
 
 static enum status run(const char *name, struct cloudpoints *c,
                        const struct scan_options *o, struct face_work *w,
-                       struct face *face, struct trial *out)
+                       struct face *face, struct dry_run *out)
 {
     const enum status st = sample_build(name, c, o, w, face, &out->found, &out->why);
 
@@ -37,11 +37,11 @@ static enum status run(const char *name, struct cloudpoints *c,
  * which stays where this succeeds. */
 static void run_loosely(const char *name, struct cloudpoints *c,
                         const struct scan_options *strict, struct face_work *w,
-                        struct face *face, struct trial *out)
+                        struct face *face, struct dry_run *out)
 {
     const struct scan_options o = {
         .axes = strict->axes, .search = strict->search, .stop = strict->stop};
-    struct trial loose = {.verification = ST_OK};
+    struct dry_run loose = {.verification = ST_OK};
 
     out->verification = run(name, c, &o, w, face, &loose);
     if (out->verification != ST_OK) {
@@ -51,35 +51,35 @@ static void run_loosely(const char *name, struct cloudpoints *c,
     out->found = loose.found;
 }
 
-enum status trial_run(const char *name, struct cloudpoints *c,
-                      const struct scan_options *by, struct face_work *w,
-                      struct face *face, struct trial *out)
+enum status dry_run_run(const char *name, struct cloudpoints *c,
+                        const struct scan_options *by, struct face_work *w,
+                        struct face *face, struct dry_run *out)
 {
     struct scan_search search = {.done = false};
     const struct scan_options o = {
         .axes = by->axes, .enrolment = true, .search = &search, .stop = by->stop};
     struct cloudpoints again;
 
-    *out = (struct trial){0};
+    *out = (struct dry_run){0};
     if (cloudpoints_copy(c, &again) != ST_OK)
         return errinfo_set(&out->why, ST_ENOMEM, "no memory for a copy of the points");
     out->enrolment = out->verification = run(name, c, &o, w, face, out);
-    if (trial_is_refusal(out->enrolment)) {
+    if (dry_run_is_refusal(out->enrolment)) {
         cloudpoints_free(c);
         *c = again;
         run_loosely(name, c, &o, w, face, out);
     } else {
         cloudpoints_free(&again);
     }
-    return out->verification == ST_OK || trial_is_refusal(out->verification)
+    return out->verification == ST_OK || dry_run_is_refusal(out->verification)
                ? ST_OK
                : out->verification;
 }
 
-void trial_unread(enum status st, const struct errinfo *e, struct trial *out)
+void dry_run_unread(enum status st, const struct errinfo *e, struct dry_run *out)
 {
     const struct face none = {.quality = {0}};
 
-    *out = (struct trial){.enrolment = st, .verification = st, .why = *e};
+    *out = (struct dry_run){.enrolment = st, .verification = st, .why = *e};
     advice_give(st, &out->found, &none, &out->advice);
 }
