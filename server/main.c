@@ -1,4 +1,5 @@
 /* surfaced -- the daemon: options, start, wait for a signal, stop. */
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,10 +18,11 @@
 #include "http.h"
 #include "intake.h"
 #include "logger.h"
+#include "mem.h"
 #include "metrics.h"
+#include "nodump.h"
 #include "modelfile.h"
 #include "options.h"
-#include "process.h"
 #include "queue.h"
 #include "routes.h"
 #include "service.h"
@@ -228,6 +230,21 @@ static bool check_files(const struct options *o)
     return true;
 }
 
+/* An ordinary request allocates no block of MEM_MAPPED; and what it frees is kept, up to so much
+ * in each arena, instead of being asked for again. */
+#define KEPT_FREE (8 << 20)
+
+/* Nothing is dumped (nodump.h); what is freed is overwritten, also by libraries, as qsort() and
+ * GnuTLS do not, in blocks of more than 1 KB (core/mesh/mem.h does it for all of its own); blocks
+ * that only large requests need go back to the system when they are freed. */
+static void prepare_memory(void)
+{
+    nodump_begin();
+    (void)mallopt(M_PERTURB, 1);
+    (void)mallopt(M_MMAP_THRESHOLD, (int)MEM_MAPPED);
+    (void)mallopt(M_TRIM_THRESHOLD, KEPT_FREE);
+}
+
 int main(int argc, char **argv)
 {
     struct app app = {0};
@@ -255,7 +272,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "surfaced: no source of random numbers\n");
         goto out;
     }
-    process_begin();
+    prepare_memory();
     logger_use((enum logger_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;

@@ -6,6 +6,7 @@
 #include "cloudjson.h"
 #include "errinfo.h"
 #include "json.h"
+#include "request.h"
 
 /* ---- clouds */
 
@@ -104,7 +105,7 @@ enum status parse_newcomer(const char *text, size_t len, struct store_subject *o
     memset(out, 0, sizeof *out);
     (void)take_text(doc, "subject", out->id, sizeof out->id, &st, e);
     if (st == ST_OK && !ident_subject_valid(out->id))
-        st = errinfo_set(e, ST_EINVAL, "%s", PARSE_SUBJECT_ID);
+        st = errinfo_set(e, ST_EINVAL, "%s", REQUEST_SUBJECT_ID);
     (void)take_text(doc, "consent", out->reference, sizeof out->reference, &st, e);
     (void)take_text(doc, "purpose", out->purpose, sizeof out->purpose, &st, e);
     (void)take_text(doc, "expires_at", out->expires, sizeof out->expires, &st, e);

@@ -13,7 +13,6 @@
 #include "json.h"
 #include "logger.h"
 #include "mem.h"
-#include "render.h"
 #include "request.h"
 #include "sample.h"
 #include "dry_run.h"
@@ -179,7 +178,7 @@ void burst_refuse(struct request *r, const struct burst *b)
     (void)snprintf(detail, sizeof detail, "none of the %zu files was taken; %.80s: %s",
                    b->n, b->file[0].name, why->msg);
     request_refuse(r, why->code,
-                   list(render_problem_begin(errmap_get(why->code), detail, r->id), b));
+                   list(errmap_problem(errmap_get(why->code), detail, r->id), b));
 }
 
 void burst_free(struct burst *b)

@@ -18,10 +18,6 @@ enum status parse_clouds(const char *text, size_t len, const struct cloudfile_op
 
 #define PARSE_TEXT_MAX 256
 
-/* What ident_subject_valid() takes, for a problem's detail. */
-#define PARSE_SUBJECT_ID                                                                 \
-    "a subject id is 1 to 128 characters of A-Z a-z 0-9 . _ - @ :, and not . or .."
-
 struct parse_change {
     struct store_subject_change what; /* points into the rest, which is not to be moved */
     char consent[PARSE_TEXT_MAX], purpose[PARSE_TEXT_MAX], expires[PARSE_TEXT_MAX];

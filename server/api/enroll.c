@@ -13,8 +13,8 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "intake.h"
-#include "event.h"
-#include "render.h"
+#include "json.h"
+#include "describe.h"
 #include "logger.h"
 #include "metrics.h"
 #include "params.h"
@@ -105,6 +105,7 @@ static void enroll_one(struct request *r, struct worker *w)
     struct scan_found found;
     struct cloudpoints c;
     struct asked ask;
+    struct json *j;
     double start = logger_clock_ms(), parsed;
     enum status st;
 
@@ -120,8 +121,10 @@ static void enroll_one(struct request *r, struct worker *w)
                 &(struct store_sample){.face = &w->probe, .read = found.digest}, 1, &x,
                 &out))
         return;
-    request_written(r, x.created ? 201 : 200,
-                    render_enrolled(&x.tmpl, &w->probe.frame, &found, auth_exact(r)));
+    j = json_new();
+    describe_template(j, &x.tmpl, &w->probe.frame, auth_exact(r));
+    describe_scan(j, "scan", &found);
+    request_written(r, x.created ? 201 : 200, json_compact(j));
     if (r->response.http < 300)
         request_template(r, x.tmpl.id);
 }

@@ -8,9 +8,9 @@
 #include "app.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "event.h"
+#include "access.h"
 #include "metrics.h"
-#include "render.h"
+#include "json.h"
 #include "request.h"
 
 #define BLANKS " \t"
@@ -112,7 +112,7 @@ static void record(struct request *r, unsigned problem)
 {
     char outcome[CAPTURE_OUTCOME];
 
-    event_add(r, "capture", capture_outcome(r, errmap_get(problem)->code, outcome));
+    access_event(r, "capture", capture_outcome(r, errmap_get(problem)->code, outcome));
 }
 
 static bool judge(struct request *r, const struct capture *c, enum store_captured is)
@@ -208,10 +208,15 @@ void capture_challenge(struct request *r, struct worker *w)
 {
     char nonce[STORE_NONCE_TEXT + 1], expires[32];
     struct errinfo e = {0};
+    struct json *j;
 
     (void)w;
-    if (store_capture_nonce(r->app->store, nonce, expires, &e) == ST_OK)
-        request_respond(r, 200, render_challenge(nonce, expires));
-    else
+    if (store_capture_nonce(r->app->store, nonce, expires, &e) != ST_OK) {
         request_fail(r, &e);
+        return;
+    }
+    j = json_new();
+    json_text(j, "nonce", nonce);
+    json_text(j, "expires_at", expires);
+    request_respond(r, 200, json_compact(j));
 }

@@ -14,7 +14,6 @@
 #include "address.h"
 #include "app.h"
 #include "auth.h"
-#include "backlog.h"
 #include "body.h"
 #include "capture.h"
 #include "errinfo.h"
@@ -33,7 +32,6 @@
 #include "refusal.h"
 #include "request.h"
 #include "route.h"
-#include "service.h"
 #include "throttle.h"
 #include "tls.h"
 #include "upload.h"
@@ -46,10 +44,8 @@
 /* Connections that are being closed still count with libmicrohttpd. */
 #define CONNECTIONS_CLOSING 64
 #define PER_ADDRESS         64
-/* On a stop: time to accept the backlog, and for a client that got a response just before to
- * send its next request. */
-#define BACKLOG_MS 1000.0
-#define QUIET_MS   100.0
+/* On a stop: time for a client that got a response just before to send its next request. */
+#define QUIET_MS 100.0
 /* Large bodies and responses together take at most so many times the limit of one body, and a
  * token's or an address's so many. */
 #define LARGE_AT_ONCE 8
@@ -562,8 +558,6 @@ void http_quiesce(struct http *h, double ms)
 
     atomic_store(&h->app->stopping, true);
     if (h->socket.fd >= 0) {
-        if (!h->socket.shared)
-            backlog_empty(h->socket.fd, BACKLOG_MS);
         (void)MHD_quiesce_daemon(h->daemon);
         listen_close(&h->socket);
     }

@@ -1,7 +1,6 @@
 #include "routes.h"
 
 #include "capture.h"
-#include "check.h"
 #include "compare.h"
 #include "docs.h"
 #include "enroll.h"
@@ -10,8 +9,7 @@
 #include "route.h"
 #include "store.h"
 #include "subjects.h"
-#include "symmetry.h"
-#include "version.h"
+#include "scans.h"
 
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
@@ -38,7 +36,7 @@ static const struct route table[] = {
     {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", docs_page, true},
     {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", docs_style, true},
     {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", docs_script, true},
-    {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", version_handle, true},
+    {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", health_version, true},
     {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL, CLOUD ", label, force",
      enroll_handle, false},
     {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_subject,
@@ -49,8 +47,8 @@ static const struct route table[] = {
      compare_scans, false},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
      false},
-    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, check_handle, false},
-    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, symmetry_handle, false},
+    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, scans_check, false},
+    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
      false},
     {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, false},

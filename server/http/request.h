@@ -22,6 +22,10 @@ struct route; /* route.h */
 #define REQUEST_ID_MAX    64
 #define REQUEST_TOKEN_MAX 128
 
+/* What ident_subject_valid() takes, for a problem's detail. */
+#define REQUEST_SUBJECT_ID                                                               \
+    "a subject id is 1 to 128 characters of A-Z a-z 0-9 . _ - @ :, and not . or .."
+
 enum request_method {
     REQUEST_GET,
     REQUEST_POST,

@@ -1,13 +1,15 @@
 #include "health.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "app.h"
 #include "in_force.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "render.h"
+#include "json.h"
 #include "request.h"
+#include "store.h"
 
 /* The part of the reason that is public; the log has all of it. */
 static const char *reason(enum status st)
@@ -27,10 +29,18 @@ static const char *reason(enum status st)
     }
 }
 
+static void respond(struct request *r, const char *name, const char *value)
+{
+    struct json *j = json_new();
+
+    json_text(j, name, value);
+    request_respond(r, 200, json_compact(j));
+}
+
 void health_live(struct request *r, struct worker *w)
 {
     (void)w;
-    request_respond(r, 200, render_state("ok"));
+    respond(r, "status", "ok");
 }
 
 void health_ready(struct request *r, struct worker *w)
@@ -43,10 +53,21 @@ void health_ready(struct request *r, struct worker *w)
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
                in_force_get(r->app->store, &k, &e) == ST_OK) {
-        request_respond(r, 200, render_state("ready"));
+        respond(r, "status", "ready");
     } else {
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));
         r->failed = e.code;
         (void)snprintf(r->fault, sizeof r->fault, "%s", e.msg);
     }
+}
+
+void health_version(struct request *r, struct worker *w)
+{
+    /* "surfaced/VERSION measure/N model/HHHHHHHH" */
+    const char *from = strchr(store_made_by(r->app->store), '/') + 1;
+    char version[32] = "";
+
+    (void)w;
+    memcpy(version, from, strcspn(from, " "));
+    respond(r, "version", version);
 }

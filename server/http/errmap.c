@@ -1,6 +1,10 @@
 #include "errmap.h"
 
+#include <stdio.h>
+
 #include <stddef.h>
+
+#include "json.h"
 
 static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EINVAL] = {400, "malformed", "The request is malformed"},
@@ -73,4 +77,20 @@ const struct errmap *errmap_get(unsigned kind)
     if (kind >= ERRMAP_COUNT || map[kind].code == NULL)
         kind = ST_EINTERNAL;
     return &map[kind];
+}
+
+struct json *errmap_problem(const struct errmap *m, const char *detail,
+                            const char *request_id)
+{
+    struct json *j = json_new();
+    char type[96];
+
+    (void)snprintf(type, sizeof type, "urn:surfaced:problem:%s", m->code);
+    json_text(j, "type", type);
+    json_text(j, "title", m->title);
+    json_number(j, "status", m->http);
+    json_text(j, "detail", detail);
+    json_text(j, "code", m->code);
+    json_text(j, "request_id", request_id);
+    return j;
 }

@@ -4,6 +4,8 @@
 #define SERVER_ERRMAP_H
 #include "status.h"
 
+struct json; /* json.h */
+
 /* Outcomes that only HTTP knows, numbered after those of status.h. */
 enum errmap_kind {
     ERRMAP_ROUTE = ST_COUNT, /* no such path */
@@ -46,5 +48,9 @@ struct errmap {
 /* errmap_get(kind): kind is an enum status but ST_OK, or an enum errmap_kind; any other
  * value gives the entry of ST_EINTERNAL.  Never NULL. */
 const struct errmap *errmap_get(unsigned kind);
+
+/* errmap_problem(m, detail, request_id): the problem document, for further members (json.h). */
+struct json *errmap_problem(const struct errmap *m, const char *detail,
+                            const char *request_id);
 
 #endif

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "errmap.h"
-#include "parse.h"
 #include "request.h"
 
 /* The end of the segment that begins at s. */
@@ -93,7 +92,7 @@ void route_read_id(struct request *r)
     if (strstr(r->route->pattern, "{subject}") != NULL) {
         st = request_decode(param, len, false, r->subject, sizeof r->subject);
         if (st != ST_OK || !ident_subject_valid(r->subject))
-            request_problem(r, ERRMAP_PARAMETER, "%s", PARSE_SUBJECT_ID);
+            request_problem(r, ERRMAP_PARAMETER, "%s", REQUEST_SUBJECT_ID);
     } else {
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
         if (st != ST_OK || !ident_id_valid(r->template_id))

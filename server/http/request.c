@@ -11,7 +11,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "mem.h"
-#include "render.h"
+#include "json.h"
 #include "utf8.h"
 
 enum request_method request_method(const char *name)
@@ -245,7 +245,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
                                          : "Please try again later.";
     }
     make_plain(detail);
-    request_refuse(r, kind, render_problem(m, told, r->id));
+    request_refuse(r, kind, json_compact(errmap_problem(m, told, r->id)));
 }
 
 void request_fail(struct request *r, const struct errinfo *e)

@@ -3,10 +3,14 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "app.h"
+#include "errinfo.h"
 #include "errmap.h"
 #include "logger.h"
+#include "metrics.h"
 #include "request.h"
 #include "route.h"
+#include "store.h"
 
 /* What somebody has to look into.  Strangers may ask as often as they like whether the daemon is
  * ready; that a database is refused was told once (refusal.h), and of overload there is a line a
@@ -57,4 +61,26 @@ void access_log(const struct request *r, int http, double ms)
     logger_end(&l);
     if (http != 0 && r->response.problem == ERRMAP_OVERLOAD)
         warn_of_overload(r);
+}
+
+static void lost(struct request *r, const char *kind, const struct errinfo *e)
+{
+    struct logger_line l;
+
+    metrics_lost_event(r->app->metrics);
+    metrics_database_error(r->app->metrics, e->code);
+    logger_begin(&l, "error", "event lost");
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "event", kind);
+    logger_text(&l, "fault", e->msg);
+    logger_end(&l);
+}
+
+void access_event(struct request *r, const char *kind, const char *outcome)
+{
+    struct errinfo e = {0};
+
+    if (store_event(r->app->store, kind, r->actor, r->subject, r->template_id, outcome,
+                    &e) != ST_OK)
+        lost(r, kind, &e);
 }

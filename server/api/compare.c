@@ -7,11 +7,11 @@
 #include "capture.h"
 #include "cloud.h"
 #include "errmap.h"
-#include "event.h"
+#include "json.h"
+#include "access.h"
 #include "logger.h"
 #include "metrics.h"
 #include "params.h"
-#include "render.h"
 #include "request.h"
 #include "verify.h"
 #include "worker.h"
@@ -102,7 +102,7 @@ static void record_comparison(struct request *r, enum face_decision decision)
 {
     char outcome[CAPTURE_OUTCOME];
 
-    event_add(r, "compare", capture_outcome(r, describe_decision(decision), outcome));
+    access_event(r, "compare", capture_outcome(r, describe_decision(decision), outcome));
 }
 
 /* Where the token gets no more than decisions (neither detail nor manage), the measures are
@@ -110,6 +110,7 @@ static void record_comparison(struct request *r, enum face_decision decision)
 static void respond(struct request *r, struct worker *w, struct verification *v)
 {
     struct describe_comparison c = verify_describe(v, store_made_by(r->app->store));
+    struct json *j;
     double *mm = &v->least.disparity.plain_mm;
 
     v->times.total = logger_clock_ms() - r->start_ms;
@@ -117,7 +118,9 @@ static void respond(struct request *r, struct worker *w, struct verification *v)
         face_round(&v->best.result, w->compare.work);
         *mm = round(*mm * 1e3) / 1e3;
     }
-    request_respond(r, 200, render_comparison(&c));
+    j = json_new();
+    describe_comparison(j, &c);
+    request_respond(r, 200, json_compact(j));
     r->response.minimal = c.minimal == NULL && r->response.http == 200;
 }
 

@@ -1,5 +1,8 @@
 #include "listen.h"
 
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <systemd/sd-daemon.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <string.h>
@@ -9,7 +12,6 @@
 #include "address.h"
 #include "errinfo.h"
 #include "options.h"
-#include "service.h"
 
 #define BACKLOG   1024
 #define UNIX_MODE 0660
@@ -86,11 +88,35 @@ enum status listen_adopt(int fd, struct listen_socket *out, struct errinfo *e)
 
 /* The one that was passed, or one at the address of the options.  They have been checked
  * to go together; where a socket was passed, its address is known only now. */
+/* The one listening stream socket that a service manager passed, made non-blocking and
+ * close-on-exec.  *fd is -1 when none was.  ST_EINVAL: more than one, or something else. */
+static enum status passed_socket(int *fd, struct errinfo *e)
+{
+    const int n = sd_listen_fds(1), first = SD_LISTEN_FDS_START;
+    int flags;
+
+    *fd = -1;
+    if (n == 0)
+        return ST_OK;
+    if (n < 0)
+        return errinfo_set(e, ST_EINVAL, "sockets that were passed: %s", strerror(-n));
+    if (n > 1)
+        return errinfo_set(e, ST_EINVAL, "%d sockets were passed; one is served", n);
+    if (sd_is_socket(first, AF_UNSPEC, SOCK_STREAM, 1) <= 0)
+        return errinfo_set(e, ST_EINVAL, "what was passed is no listening stream socket");
+    if ((flags = fcntl(first, F_GETFL)) < 0 ||
+        fcntl(first, F_SETFL, flags | O_NONBLOCK) != 0)
+        return errinfo_set(e, ST_EINVAL, "the socket that was passed: %s",
+                           strerror(errno));
+    *fd = first;
+    return ST_OK;
+}
+
 enum status listen_start(const struct options *o, struct listen_socket *s,
                          struct errinfo *e)
 {
     int fd;
-    enum status st = service_socket(&fd, e);
+    enum status st = passed_socket(&fd, e);
 
     if (st != ST_OK || fd < 0)
         return st != ST_OK ? st : listen_open(&o->listen, o->listen_len, s, e);
