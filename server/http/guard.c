@@ -1,6 +1,7 @@
 #define _GNU_SOURCE /* POLLRDHUP */
 #include "guard.h"
 
+#include <errno.h>
 #include <math.h>
 #include <netinet/in.h>
 #include <poll.h>
@@ -11,13 +12,17 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "errinfo.h"
 #include "logger.h"
 
-/* File descriptors for other things: the database's, those being drained, libmicrohttpd's. */
+/* File descriptors for other things: the database's, those that linger, libmicrohttpd's. */
 #define OTHER_FILES 256
 #define TICK_MS     200
+#define LINGER_MAX  64
+#define LINGER_MS   2000.0
+#define LINGER_TICK 20
 #define HALF_MS     2000.0 /* that work goes on for a client that closed its side */
 #define REPORT_MS   10000.0
 #define SETTLED_MS  1000.0 /* how long a connection is safe from others of its address */
@@ -53,6 +58,9 @@ struct guard {
     uint64_t reported; /* of refused and late */
     double report_ms;
     bool stopping;
+    int linger[LINGER_MAX]; /* sockets that are read from and shut down for writing, */
+    double linger_ms[LINGER_MAX]; /* until then */
+    unsigned lingering;
 };
 
 /* ---- origins */
@@ -327,6 +335,44 @@ static void sweep(struct guard *l)
     }
 }
 
+/* ---- lingering close */
+
+void guard_linger(struct guard *l, int fd)
+{
+    (void)shutdown(fd, SHUT_WR);
+    (void)pthread_mutex_lock(&l->lock);
+    if (l->lingering < LINGER_MAX) {
+        l->linger_ms[l->lingering] = logger_clock_ms() + LINGER_MS;
+        l->linger[l->lingering++] = fd;
+        fd = -1;
+    }
+    (void)pthread_cond_signal(&l->wake);
+    (void)pthread_mutex_unlock(&l->lock);
+    if (fd >= 0)
+        (void)close(fd);
+}
+
+/* Discards what has come; closes those whose client has closed, and those whose time is over. */
+static void drain(struct guard *l)
+{
+    static char waste[65536]; /* of this thread alone */
+
+    for (unsigned i = l->lingering; i-- > 0;) {
+        ssize_t n = 0;
+
+        for (int k = 0;
+             k < 16 && (n = recv(l->linger[i], waste, sizeof waste, MSG_DONTWAIT)) > 0;
+             k++)
+            continue;
+        if ((n > 0 || (n < 0 && errno == EAGAIN)) &&
+            logger_clock_ms() < l->linger_ms[i] && !l->stopping)
+            continue;
+        (void)close(l->linger[i]);
+        l->linger[i] = l->linger[--l->lingering];
+        l->linger_ms[i] = l->linger_ms[l->lingering];
+    }
+}
+
 static void *run(void *arg)
 {
     struct guard *l = arg;
@@ -334,12 +380,12 @@ static void *run(void *arg)
 
     (void)pthread_mutex_lock(&l->lock);
     while (!l->stopping) {
-        if (l->peers == NULL) {
+        if (l->peers == NULL && l->lingering == 0) {
             (void)pthread_cond_wait(&l->wake, &l->lock);
             continue;
         }
         (void)clock_gettime(CLOCK_MONOTONIC, &t);
-        t.tv_nsec += TICK_MS * 1000000L;
+        t.tv_nsec += (l->lingering > 0 ? LINGER_TICK : TICK_MS) * 1000000L;
         if (t.tv_nsec >= 1000000000L) {
             t.tv_nsec -= 1000000000L;
             t.tv_sec++;
@@ -347,7 +393,9 @@ static void *run(void *arg)
         (void)pthread_cond_timedwait(&l->wake, &l->lock, &t);
         sweep(l);
         report(l);
+        drain(l);
     }
+    drain(l);
     (void)pthread_mutex_unlock(&l->lock);
     return NULL;
 }

@@ -79,6 +79,12 @@ void guard_more(struct guard *l, struct guard_peer *p, size_t bytes);
 void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg),
                 void *arg);
 
+/* guard_linger(l, fd): fd, non-blocking, is the guard's from now on: closed when its client has
+ * closed it, or in 2 s; with too many of them at once (RFC 9112 section 9.6).  A socket that is
+ * closed with unread bytes in it is reset, and a client that is still sending may lose the response
+ * that it has not read yet. */
+void guard_linger(struct guard *l, int fd);
+
 void guard_look(struct guard *l, struct guard_state *out);
 
 void guard_stop(struct guard *l); /* when no connection is left; NULL is allowed */

@@ -18,7 +18,6 @@
 #include "capture.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "drain.h"
 #include "guard.h"
 #include "headers.h"
 #include "listen.h"
@@ -73,13 +72,12 @@ struct exchange {
     bool unframed;    /* nobody knows where the next request begins */
     bool body_sent;   /* the client sends a body, or says so */
     double queued_ms; /* logger_clock_ms() when it was last handed to the workers */
-    int drain_fd;     /* responded to before the body was read; -1: not */
+    int linger_fd;     /* responded to before the body was read; -1: not */
 };
 
 struct http {
     struct app *app;
     struct MHD_Daemon *daemon;
-    struct drain *drain;
     struct listen_socket socket;
     struct peer_host host;
     unsigned connections;
@@ -118,7 +116,7 @@ static const struct sockaddr *client_address(const struct exchange *x)
 }
 
 /* Respond before the body is read.  A client that still sends it, or is about to, may lose
- * the response unless the socket is kept open past libmicrohttpd (drain.h).  If there is no
+ * the response unless the socket is kept open past libmicrohttpd (guard_linger()).  If there is no
  * body, the response waits for the next call, so that the connection can be used again. */
 static enum MHD_Result send_early(struct exchange *x)
 {
@@ -126,7 +124,7 @@ static enum MHD_Result send_early(struct exchange *x)
         x->state = WORKING;
         return MHD_YES;
     }
-    x->drain_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
+    x->linger_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
     return send_response(x);
 }
 
@@ -135,7 +133,7 @@ static enum MHD_Result send_early(struct exchange *x)
 static enum MHD_Result send_amid(struct exchange *x)
 {
     if (peer_respond_amid(x->peer, &x->r.response, x->r.id)) {
-        x->drain_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
+        x->linger_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
         x->state = RESPONDED;
     }
     return MHD_NO;
@@ -150,8 +148,8 @@ static void finish(struct exchange *x)
 
     metrics_request(h->app->metrics, &x->r, http, ms);
     access_log(&x->r, http, ms);
-    if (x->drain_fd >= 0)
-        drain_adopt(h->drain, x->drain_fd);
+    if (x->linger_fd >= 0)
+        guard_linger(h->host.guard, x->linger_fd);
     peer_begin(x->peer, GUARD_IDLE);
     upload_end(&x->upload);
     request_free(&x->r);
@@ -163,7 +161,7 @@ static void finish(struct exchange *x)
 static void on_refusal(void *arg, struct peer *p, void *current, unsigned status)
 {
     struct http *h = arg;
-    struct exchange none = {.http = h, .peer = p, .drain_fd = -1};
+    struct exchange none = {.http = h, .peer = p, .linger_fd = -1};
     struct exchange *x = current != NULL ? current : &none;
 
     if (x == &none) { /* not even a request line was read */
@@ -409,7 +407,7 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
     x->http = h;
     x->conn = conn;
     x->peer = p;
-    x->drain_fd = -1;
+    x->linger_fd = -1;
     x->r.app = h->app;
     address_host(client_address(x), x->r.client);
     x->r.start_ms = logger_clock_ms();
@@ -533,9 +531,6 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
     h->host.arg = h;
     if (peer_init(e) != ST_OK)
         return e->code;
-    h->drain = drain_start();
-    if (h->drain == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
     h->daemon = MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME |
             (h->host.tls != NULL ? MHD_USE_TLS : 0),
@@ -576,7 +571,6 @@ void http_stop(struct http *h)
         return;
     if (h->daemon != NULL)
         MHD_stop_daemon(h->daemon);
-    drain_stop(h->drain);
     listen_close(&h->socket);
     guard_stop(h->host.guard);
     tls_close(h->host.tls);

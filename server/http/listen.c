@@ -79,7 +79,7 @@ enum status listen_open(const struct sockaddr_storage *ss, socklen_t len,
 
 enum status listen_adopt(int fd, struct listen_socket *out, struct errinfo *e)
 {
-    *out = (struct listen_socket){.fd = fd, .len = sizeof out->ss, .shared = true};
+    *out = (struct listen_socket){.fd = fd, .len = sizeof out->ss};
     if (getsockname(fd, (struct sockaddr *)&out->ss, &out->len) == 0)
         return ST_OK;
     listen_close(out);

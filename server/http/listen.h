@@ -13,7 +13,6 @@ struct listen_socket {
     int fd;                     /* -1: none */
     struct sockaddr_storage ss; /* with the port that was got */
     socklen_t len;
-    bool shared;  /* it was passed: who did so has it too */
     dev_t device; /* of a Unix socket's file, so that no other's is removed */
     ino_t inode;
 };
