@@ -1,12 +1,12 @@
-/* quota.h -- how many bytes of requests and responses the daemon holds: in all, for each token
- * and for each address, so that whoever sends much and slowly, or does not read, keeps nobody
+/* quota.h -- how many bytes of requests and responses the daemon holds: in all, and for each
+ * sender (request_sender()), so that whoever sends much and slowly, or does not read, keeps nobody
  * else out.  What is small has room of its own that what is large cannot take.  In memory alone;
  * on the I/O thread only. */
 #ifndef SERVER_QUOTA_H
 #define SERVER_QUOTA_H
 #include <stdbool.h>
 #include <stddef.h>
-#include "throttle.h"
+#include <stdint.h>
 
 struct quota;
 
@@ -17,19 +17,18 @@ enum quota_size { QUOTA_IS_SMALL, QUOTA_IS_LARGE, QUOTA_SIZES };
 
 struct quota_limits {
     size_t all[QUOTA_SIZES]; /* bytes */
-    size_t one[QUOTA_SIZES]; /* of them a token, or an address */
+    size_t one[QUOTA_SIZES]; /* of them a sender */
 };
 
 /* quota_new(limits): NULL: out of memory. */
 struct quota *quota_new(const struct quota_limits *limits);
 void quota_free(struct quota *q); /* NULL is allowed */
 
-/* What one request holds; all zero but q, token and address is nothing. */
+/* What one request holds; all zero but q and sender is nothing.  The sender stays while it holds
+ * something. */
 struct quota_share {
     struct quota *q;
-    const char *token;            /* its id, borrowed; "": none */
-    const unsigned char *address; /* THROTTLE_ADDRESS bytes, borrowed */
-    struct quota_holder *holder[2];
+    uint64_t sender;
     enum quota_size size;
     size_t bytes;
 };

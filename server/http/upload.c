@@ -13,8 +13,7 @@
 
 void upload_begin(struct upload *u, struct request *r, struct quota *q)
 {
-    *u = (struct upload){.r = r,
-                         .share = {.q = q, .token = r->actor, .address = r->address}};
+    *u = (struct upload){.r = r, .share = {.q = q}};
 }
 
 /* The heat map of 46 KB of a compressed scan has 6 MB. */
@@ -32,8 +31,9 @@ bool upload_is_large(const struct upload *u)
            (u->length != UPLOAD_LENGTH_UNKNOWN && u->length >= QUOTA_SMALL);
 }
 
-bool upload_has_room(const struct upload *u)
+bool upload_has_room(struct upload *u)
 {
+    u->share.sender = request_sender(u->r); /* its token is known by now */
     return u->length == UPLOAD_LENGTH_UNKNOWN ||
            quota_fits(&u->share, upload_is_large(u) ? QUOTA_IS_LARGE : QUOTA_IS_SMALL,
                       (size_t)u->length + 1);
@@ -92,6 +92,8 @@ void upload_respond(struct upload *u)
     mem_free(u->r->body);
     u->r->body = NULL;
     u->cap = 0;
+    if (u->share.bytes == 0)
+        u->share.sender = request_sender(u->r);
     (void)quota_owe(&u->share, QUOTA_IS_LARGE, len > SMALL_RESPONSE ? len : 0);
 }
 

@@ -27,8 +27,8 @@ void upload_begin(struct upload *u, struct request *r, struct quota *q);
  * response that may be. */
 bool upload_is_large(const struct upload *u);
 
-/* upload_has_room(u): there would be room now for all that is announced. */
-bool upload_has_room(const struct upload *u);
+/* upload_has_room(u): there would be room now for all that is announced; before upload_add(). */
+bool upload_has_room(struct upload *u);
 
 /* upload_add(u, data, n): n more bytes.  Returns ST_OK; ST_ESIZE: longer than a body may be;
  * ST_EBUSY: there is no room for it now. */
