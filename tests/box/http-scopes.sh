@@ -166,10 +166,6 @@ while read -r verb route needs; do
     esac
 done <"$T/matrix"
 is "alice was not held" "$(sqlite3 "$DB" 'SELECT count(*) FROM subjects')" 1
-for route in / /v1 /v1/ /v2/subjects /v1/subjects/alice/surface /v1/subjects/ /console2; do
-    req GET "$route"
-    problem "no such path: $route" 404 no_such_route
-done
 
 # ---- a stranger
 AUTH=
