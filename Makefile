@@ -32,7 +32,8 @@ FACE         := core/face core/measure core/mesh
 CORE         := core/find $(FACE)
 DB           := db db/rows db/log db/crypt
 ROOMS        := core/mesh core/measure core/face core/find core base scan \
-                db/sql db/crypt db/log db/rows db db/admin service server ctl sim lab/study lab
+                db/sql db/crypt db/log db/rows db db/admin service server/http server/api server \
+                ctl sim lab/study lab
 SEES_core/mesh    :=
 SEES_core/measure := core/mesh
 SEES_core/face    := core/measure core/mesh
@@ -47,7 +48,9 @@ SEES_db/rows  := db/log db/sql db/crypt base $(FACE)
 SEES_db       := db/rows db/log db/sql db/crypt scan base $(CORE)
 SEES_db/admin := db db/rows db/log db/sql db/crypt scan base $(CORE)
 SEES_service  := $(DB) scan base $(CORE)
-SEES_server   := service $(DB) scan base $(CORE)
+SEES_server/http := service $(DB) scan base $(CORE)
+SEES_server/api := server/http service $(DB) scan base $(CORE)
+SEES_server   := server/api server/http service $(DB) scan base $(CORE)
 SEES_ctl      := service db/admin $(DB) scan base $(CORE)
 SEES_sim      := scan base $(CORE)
 SEES_lab/study := sim scan base $(CORE)
@@ -61,7 +64,7 @@ NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_scan   := -lspng
 NEEDS_db/sql := -lsqlite3 -lpthread
 NEEDS_db/crypt := -lsodium
-NEEDS_server := -lmicrohttpd -lgnutls -lsystemd
+NEEDS_server/http := -lmicrohttpd -lgnutls -lsystemd
 
 sees  = $(filter $(ROOMS),$(1) $(SEES_$(1)))
 links = $(foreach r,$(call sees,$(1)),$r $(filter-out $(call sees,$(1)),$(LINKS_$r)))
@@ -128,7 +131,7 @@ SEES_log   := $(call sees,db)
 SEES_rows  := $(call sees,db)
 SEES_admin := $(call sees,db/admin)
 SEES_box   := $(call sees,db/admin)
-SEES_fuzz  := server service lab $(call sees,db/admin)
+SEES_fuzz  := server/api server/http service lab $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
 define testroom

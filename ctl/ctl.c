@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "store.h"
-#include "trial.h"
+#include "dry_run.h"
 
 enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 {
@@ -57,7 +57,7 @@ const char *ctl_error_code(const struct ctl *c)
 
     return c->code == EXIT_USAGE     ? "usage"
            : word[c->e.code] != NULL ? word[c->e.code]
-                                     : trial_code(c->e.code);
+                                     : dry_run_code(c->e.code);
 }
 
 const char *ctl_actor(void)

@@ -8,9 +8,12 @@
 #include <sys/stat.h>
 
 #include "cloudformat.h"
-#include "digest.h"
 #include "corpus.h"
 #include "corpus_read.h"
+#include "describe.h"
+#include "digest.h"
+#include "enrolment.h"
+#include "utf8.h"
 #include "ctl_command.h"
 #include "ctl_corpus.h"
 #include "ctl_face.h"
@@ -112,6 +115,7 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
                                 .n = b->n,
                                 .manager = true,
                                 .force = force};
+    struct templates_context with = ctl_face_context(c, c->work);
     struct enrolment_outcome out;
     enum status st;
 
@@ -125,7 +129,7 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
         else
             b->each[i].why = c->e;
     }
-    st = ctl_face_enroll(c, &x, c->work, b->each, &out);
+    st = enrolment_add(&with, &x, b->each, &out, &c->e);
     return out.none ? ST_OK : st;
 }
 
@@ -270,6 +274,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         .n = 1,
         .manager = true,
         .force = force};
+    struct templates_context with = ctl_face_context(c, work);
     struct outcome *o = &w->outcome[i];
     struct enrolment_result one = {.created = false};
     struct enrolment_outcome out;
@@ -285,7 +290,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         st = is_there(c, x.subject, f, &there);
     }
     if (st == ST_OK && !there)
-        st = ctl_face_enroll(c, &x, work, &one, &out);
+        st = enrolment_add(&with, &x, &one, &out, &c->e);
     if (st == ST_OK) {
         o->result = one.created ? ENROLLED : PRESENT;
         return ST_OK;

@@ -11,7 +11,6 @@
 #include "describe.h"
 #include "heatmap.h"
 #include "mem.h"
-#include "verdict.h"
 
 #define BEYOND_MM 1.0 /* the share of the gaps beyond this is reported */
 
@@ -66,15 +65,17 @@ static enum status compare(struct ctl *c, struct explanation *x)
     if (st != ST_OK || (st = ctl_sample_build(c, c->args[1], &x->pts, false, c->work,
                                               &x->probe, &found)) != ST_OK)
         return st;
-    st = ctl_face_nearest(c, c->args[0], &x->probe, &x->best);
+    st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, &x->probe,
+                          &x->best);
     if (st == ST_ENOTFOUND && ident_id_valid(c->args[0]))
-        st = ctl_face_template(c, c->args[0], &x->probe, &x->best);
+        st = ctl_face_nearest(c, &(struct templates_of){.template_id = c->args[0]},
+                              &x->probe, &x->best);
     if (st == ST_OK)
         st = store_template_load(c->store, x->best.tmpl.id, &x->stored, c->work, &x->tmpl,
                                  &c->e);
     if (st == ST_OK)
         st = store_event(c->store, "explain", c->actor, x->stored.subject, x->stored.id,
-                         verdict_decision(x->best.nearest.result.decision), &c->e);
+                         describe_decision(x->best.nearest.result.decision), &c->e);
     if (st != ST_OK)
         return st;
     if ((st = face_field(&x->tmpl, &x->probe, c->work, &x->field)) == ST_OK)
@@ -107,7 +108,7 @@ static void print_text(const struct ctl *c, const struct explanation *x)
     (void)printf("subject      %s\ntemplate     %s, with the highest score of %u\n",
                  x->stored.subject, x->stored.id, x->best.nearest.compared);
     (void)printf("probe        %s\n", c->args[1]);
-    (void)printf("decision     %s: %s\n", verdict_decision(r->decision), reason(r));
+    (void)printf("decision     %s: %s\n", describe_decision(r->decision), reason(r));
     ctl_face_score(stdout, r);
     ctl_face_minimal(stdout, &x->best.minimal);
     (void)printf("expected     %.2f of two such scans of one person\n", r->expected);

@@ -23,56 +23,34 @@ int ctl_face_exit(enum face_decision d)
     return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
 }
 
-static void pass_over(void *arg, const struct errinfo *e)
+struct templates_context ctl_face_context(struct ctl *c, struct face_work *w)
 {
-    (void)arg;
-    (void)fprintf(stderr, "surfacectl: passed over: %s\n", e->msg);
+    return (struct templates_context){
+        .store = c->store, .work = w, .clock_ms = ctl_clock_ms};
 }
 
-static struct admission_context context(struct store *s, struct face_work *w)
+void ctl_face_passed_over(const struct templates *t)
 {
-    return (struct admission_context){
-        .store = s, .work = w, .clock_ms = ctl_clock_ms, .pass_over = pass_over};
+    if (t->passed_over.code != ST_OK)
+        (void)fprintf(stderr, "surfacectl: passed over: %s\n", t->passed_over.msg);
 }
 
-static enum status nearest(struct ctl *c, const struct admission_request *ask,
-                           const struct face *probe, struct ctl_nearest *best)
+enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
+                             const struct face *probe, struct ctl_nearest *best)
 {
-    struct admission_context with = context(c->store, c->work);
-    struct admission a;
-    enum status st = admission_read(&with, ask, &a, &c->e);
+    struct templates_context with = ctl_face_context(c, c->work);
+    struct templates t;
+    enum status st = templates_read(&with, which, &t, &c->e);
 
     if (st == ST_OK)
-        st = nearest_find(&with, &a, probe, &best->nearest, &c->e);
+        st = templates_nearest(&t, false, probe, &best->nearest, &c->e);
     if (st == ST_OK)
-        st = nearest_minimal(&with, &a, probe, &best->nearest, true, &best->minimal,
-                             &c->e);
-    if (st == ST_OK) {
-        best->subject = a.of.subject;
-        best->tmpl = a.of.t[best->nearest.index];
-    }
-    admission_free(&with, &a);
+        st = templates_minimal(&t, probe, &best->nearest, true, &best->minimal, &c->e);
+    if (st == ST_OK)
+        best->tmpl = t.of.t[best->nearest.index];
+    ctl_face_passed_over(&t);
+    templates_free(&t);
     return st;
-}
-
-enum status ctl_face_nearest(struct ctl *c, const char *subject, const struct face *probe,
-                             struct ctl_nearest *best)
-{
-    return nearest(c, &(struct admission_request){.subject = subject}, probe, best);
-}
-
-enum status ctl_face_template(struct ctl *c, const char *id, const struct face *probe,
-                              struct ctl_nearest *best)
-{
-    return nearest(c, &(struct admission_request){.template_id = id}, probe, best);
-}
-
-enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, struct face_work *w,
-                            struct enrolment_result *each, struct enrolment_outcome *out)
-{
-    struct admission_context with = context(c->store, w);
-
-    return enrolment_add(&with, x, each, out, &c->e);
 }
 
 void ctl_face_regions(FILE *to, const struct face_result *r)

@@ -2,31 +2,28 @@
 #ifndef CTL_FACE_H
 #define CTL_FACE_H
 #include <stdio.h>
-#include "enrolment.h"
 #include "face.h"
 #include "minimal.h"
-#include "nearest.h"
 #include "store.h"
+#include "templates.h"
 
 struct ctl; /* ctl.h */
 
-/* ctl_face_nearest(c, subject, probe, best): the probe compared with a subject's
- * templates, by the database's calibration (nearest_find()).  ST_EDENIED: the subject may
- * not be verified.  ctl_face_template(): with one template of it. */
+/* ctl_face_context(c, w): c's database, and w.
+ * ctl_face_passed_over(t): the template of another engine that was left out, to standard error. */
+struct templates_context ctl_face_context(struct ctl *c, struct face_work *w);
+void ctl_face_passed_over(const struct templates *t);
+
+/* ctl_face_nearest(c, which, probe, best): the probe compared with a subject's templates, or one
+ * of them, by the database's calibration (templates_nearest()).  ST_EDENIED: the subject may not
+ * be verified. */
 struct ctl_nearest {
     struct nearest nearest;
     struct minimal minimal;     /* against the template that decides, weighed */
     struct store_template tmpl; /* that decides */
-    struct store_subject subject;
 };
-enum status ctl_face_nearest(struct ctl *c, const char *subject, const struct face *probe,
-                             struct ctl_nearest *best);
-enum status ctl_face_template(struct ctl *c, const char *id, const struct face *probe,
-                              struct ctl_nearest *best);
-
-/* ctl_face_enroll(c, x, w, each, out): enrolment_add(). */
-enum status ctl_face_enroll(struct ctl *c, const struct enrolment *x, struct face_work *w,
-                            struct enrolment_result *each, struct enrolment_outcome *out);
+enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
+                             const struct face *probe, struct ctl_nearest *best);
 
 /* ctl_face_subject(c, id, where): is the id one?  where begins what c->e says; ST_EINVAL. */
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);

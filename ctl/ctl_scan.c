@@ -6,7 +6,7 @@
 #include "cloudpoints.h"
 #include "cloudunit.h"
 #include "describe.h"
-#include "trial.h"
+#include "dry_run.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_face.h"
@@ -17,7 +17,7 @@ static const char *face_file; /* --face */
 struct checked {
     struct cloudpoints points; /* as read; afterwards those of the face */
     struct face face;
-    struct trial trial;
+    struct dry_run trial;
 };
 
 /* ---- as text */
@@ -40,7 +40,7 @@ static void print_found(const struct scan_found *f)
 
 static void print_text(const struct checked *k)
 {
-    const struct trial *t = &k->trial;
+    const struct dry_run *t = &k->trial;
 
     if (t->found.points_read > 0)
         print_found(&t->found);
@@ -63,11 +63,11 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
 {
     enum status st = ctl_sample_parse(c, path, &k->points);
 
-    if (st == ST_EINVAL || st == ST_EVERSION || trial_is_refusal(st)) {
-        trial_unread(st, &c->e, &k->trial);
+    if (st == ST_EINVAL || st == ST_EVERSION || dry_run_is_refusal(st)) {
+        dry_run_unread(st, &c->e, &k->trial);
         return ST_OK;
     }
-    if (st == ST_OK && (st = trial_run("refused", &k->points,
+    if (st == ST_OK && (st = dry_run_run("refused", &k->points,
                                        &(struct scan_options){.axes = c->scans.axes},
                                        c->work, &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
@@ -85,7 +85,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         ctl_say(c, "scan         %s\n", path);
         json_object(c->out, NULL);
         json_text(c->out, "file", path);
-        describe_trial(c->out, &k.trial, &k.face,
+        describe_dry_run(c->out, &k.trial, &k.face,
                        &(struct describe_times){.parse = NAN,
                                                 .prepare = NAN,
                                                 .total = ctl_clock_ms() - start});

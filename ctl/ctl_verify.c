@@ -2,11 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "describe.h"
-#include "minimal.h"
-#include "replay.h"
-#include "scan.h"
-#include "verdict.h"
+#include "verify.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_sample.h"
@@ -18,7 +14,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     describe_comparison(c->out, x);
     if (c->json)
         return;
-    (void)printf("decision     %s\n", verdict_decision(r->decision));
+    (void)printf("decision     %s\n", describe_decision(r->decision));
     ctl_face_score(stdout, r);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(stdout, &r->align);
@@ -32,96 +28,60 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 }
 
 /* Whoever has the database is not locked out of it: attempts are not counted. */
-static enum status settle(struct ctl *c, const struct ctl_nearest *best,
-                          const struct scan_found *found, const struct face *f)
+static enum status run(struct ctl *c, const char *probe, struct verify_request *r,
+                       struct verification *v)
 {
-    struct store_probe probe = {0};
-    struct store_settled out = {.may = false};
-    const enum face_decision decision = best->nearest.result.decision;
-    const struct store_settle what = {.subject = &best->subject,
-                                      .as = STORE_SETTLE_UNCOUNTED,
-                                      .actor = c->actor,
-                                      .kind = "verify",
-                                      .template_id = best->tmpl.id,
-                                      .outcome = verdict_decision(decision),
-                                      .probe = decision == FACE_MATCH ? &probe : NULL};
-    enum status st = replay_probe(&best->tmpl, found, f, &probe, &c->e);
+    const double start = ctl_clock_ms();
+    struct templates_context with = ctl_face_context(c, c->work);
+    struct describe_comparison x;
+    struct face face = {0};
+    enum status st = ctl_sample_parse(c, probe, &r->probe.points);
 
+    *v = (struct verification){.request = r, .templates = {.context = &with}};
+    r->probe.name = probe;
+    r->probe.axes = c->scans.axes;
+    r->probe.face = &face;
+    r->detail = VERIFY_MEASURE;
     if (st == ST_OK)
-        st = store_settle(c->store, &what, &out, &c->e);
-    return st == ST_OK && out.replayed ? replay_refuse(&c->e) : st;
+        st = verify_run(&with, r, v, &c->e);
+    ctl_face_passed_over(&v->templates);
+    if (st == ST_OK) {
+        v->times.parse = NAN;
+        v->times.total = ctl_clock_ms() - start;
+        x = verify_describe(v, c->engine);
+        c->code = ctl_face_exit(v->best.result.decision);
+        print_result(c, &x);
+    }
+    if (st == ST_OK && r->other == NULL) {
+        const struct store_template *t = &v->templates.of.t[v->best.index];
+
+        ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n", t->id,
+                v->best.compared, r->of.subject, t->created);
+    }
+    verify_free(v);
+    face_free(&face);
+    return st;
 }
 
 static enum status verify(struct ctl *c)
 {
-    const char *subject = c->args[0];
-    const double start = ctl_clock_ms();
-    struct scan_found found;
-    struct face probe = {0};
-    struct ctl_nearest best;
-    enum status st = ctl_sample_read(c, c->args[1], false, c->work, &probe, &found);
+    struct verify_request r = {.of = {.subject = c->args[0], .token = c->actor}};
+    struct verification v;
 
-    if (st == ST_OK)
-        st = ctl_face_nearest(c, subject, &probe, &best);
-    if (st == ST_OK)
-        st = settle(c, &best, &found, &probe);
-    if (st == ST_OK)
-        st = nearest_judge(&best.nearest, &c->e);
-    if (st == ST_OK) {
-        c->code = ctl_face_exit(best.nearest.result.decision);
-        print_result(
-            c, &(struct describe_comparison){
-                   .result = &best.nearest.result,
-                   .minimal = &best.minimal,
-                   .probe = &probe,
-                   .scan = &found,
-                   .engine = c->engine,
-                   .subject = subject,
-                   .template_id = best.tmpl.id,
-                   .templates_compared = best.nearest.compared,
-                   .measure = true,
-                   .times = &(struct describe_times){
-                       NAN, NAN, best.nearest.score_ms, best.nearest.result.align_ms,
-                       best.minimal.ms, ctl_clock_ms() - start}});
-        ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n",
-                best.tmpl.id, best.nearest.compared, subject, best.tmpl.created);
-    }
-    face_free(&probe);
-    return st;
+    return run(c, c->args[1], &r, &v);
 }
 
 static enum status compare(struct ctl *c)
 {
-    const double start = ctl_clock_ms();
-    struct scan_found found[2];
-    struct face a = {0}, b = {0};
-    struct face_result r = {0};
-    struct minimal least = {0};
-    enum status st;
+    struct face face = {0};
+    struct verify_scan a = {.name = c->args[0], .axes = c->scans.axes, .face = &face};
+    struct verify_request r = {.other = &a};
+    struct verification v;
+    enum status st = ctl_sample_parse(c, c->args[0], &a.points);
 
-    if ((st = ctl_sample_read(c, c->args[0], false, c->work, &a, &found[0])) == ST_OK &&
-        (st = ctl_sample_read(c, c->args[1], false, c->work, &b, &found[1])) == ST_OK &&
-        ((st = face_compare(&a, &b, (double)NAN, ctl_clock_ms, c->work, &r)) != ST_OK ||
-         (st = face_minimal(&a, &b, ctl_clock_ms, c->work, &r, &least)) != ST_OK ||
-         (st = face_weigh(&a, &b, c->work, &least)) != ST_OK ||
-         (st = face_regions(&a, &b, c->work, &r)) != ST_OK))
-        (void)errinfo_set(&c->e, st, "comparing: %s", status_message(st));
     if (st == ST_OK)
-        print_result(
-            c, &(struct describe_comparison){
-                   .result = &r,
-                   .minimal = &least,
-                   .probe = &b,
-                   .scan = &found[1],
-                   .other = &found[0],
-                   .engine = c->engine,
-                   .templates_compared = 1,
-                   .measure = true,
-                   .times = &(struct describe_times){NAN, NAN, r.score_ms, r.align_ms,
-                                                     least.ms, ctl_clock_ms() - start}});
-    face_free(&a);
-    face_free(&b);
-    c->code = ctl_face_exit(r.decision);
+        st = run(c, c->args[1], &r, &v);
+    face_free(&face);
     return st;
 }
 

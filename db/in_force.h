@@ -19,7 +19,7 @@ struct store;     /* store.h */
  * ST_ECORRUPT: the newest is damaged; nothing may be decided then. */
 enum status in_force_get(struct store *s, struct store_calibration *k, struct errinfo *e);
 
-/* in_force_use(s, k, w): w decides by k from now on, the newest as store_admit() gave it:
+/* in_force_use(s, k, w): w decides by k from now on, the newest as store_snapshot_begin() gave it:
  * zeros where there is none. */
 void in_force_use(const struct store *s, struct store_calibration k, struct face_work *w);
 

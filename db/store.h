@@ -10,7 +10,6 @@
  * than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
 #ifndef DB_STORE_H
 #define DB_STORE_H
-#include "store_admit.h"
 #include "store_attempts.h"
 #include "store_audit.h"
 #include "store_calibration.h"
@@ -18,9 +17,9 @@
 #include "store_device.h"
 #include "store_erase.h"
 #include "store_open.h"
-#include "store_settle.h"
 #include "store_subject.h"
 #include "store_template.h"
 #include "store_token.h"
+#include "store_verification.h"
 
 #endif

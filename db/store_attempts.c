@@ -2,6 +2,8 @@
 
 #include <sodium.h>
 
+#include "lockout.h"
+#include "options.h"
 #include "rows_attempts.h"
 #include "rows_subject.h"
 #include "store_rules.h"
@@ -45,4 +47,36 @@ enum status store_attempts_list(struct store *s, struct store_attempts **out, si
         (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, rows_attempts_list(&t, now, out, n, e), e);
+}
+
+/* What is left of a lock-out of at most most_s after this number of failures. */
+static int64_t left_ms(const struct store_limits *l, uint32_t failures, int64_t age_ms,
+                       unsigned most_s)
+{
+    const int64_t wait_ms = lockout_ms(l->failures, l->wait_s, most_s, failures);
+
+    return age_ms < wait_ms ? wait_ms - age_ms : 0;
+}
+
+int64_t store_attempts_wait_ms(const struct store_limits *l,
+                               const struct store_attempts *now, enum store_wait *why)
+{
+    int64_t wait[] = {[STORE_WAIT_NONE] = 0,
+                      [STORE_WAIT_OWN] = 0,
+                      [STORE_WAIT_OTHERS] = 0,
+                      [STORE_WAIT_SUBJECTS] = 0};
+
+    *why = STORE_WAIT_NONE;
+    if (l == NULL || l->failures == 0)
+        return 0;
+    wait[STORE_WAIT_OWN] = left_ms(l, now->failures, now->age_ms, OPTIONS_WAIT_MAX);
+    wait[STORE_WAIT_OTHERS] =
+        left_ms(l, now->others, now->others_age_ms, STORE_WAIT_OTHERS_S);
+    if (l->subjects > 0 && now->token[0] != '\0' && now->tried >= l->subjects &&
+        now->tried_age_ms < STORE_TRIED_MS)
+        wait[STORE_WAIT_SUBJECTS] = STORE_TRIED_MS - now->tried_age_ms;
+    for (enum store_wait i = STORE_WAIT_OWN; i <= STORE_WAIT_SUBJECTS; i++)
+        if (wait[i] > wait[*why])
+            *why = i;
+    return wait[*why];
 }

@@ -4,8 +4,8 @@
 #include "store_open.h"
 
 /* store_attempts_reset(s, actor, subject, e): none any more by any token, as actor asks; a change
- * with it.  ST_ENOTFOUND: no such subject.  They are read by store_admit(), counted by
- * store_settle(). */
+ * with it.  ST_ENOTFOUND: no such subject.  They are read by store_snapshot_begin(), counted by
+ * store_record_verification(). */
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e);
 
@@ -13,5 +13,30 @@ enum status store_attempts_reset(struct store *s, const char *actor, const char 
  * the subjects' creation; a new array released by free(). */
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
                                 struct errinfo *e);
+
+/* Limits for who tries faces until one matches: failed verifications in a row lock a token out of
+ * a subject; those of other tokens shut the subject for everybody for STORE_WAIT_OTHERS_S at a
+ * time, so that nobody can keep others out by failing; and a token may try only so many subjects
+ * in vain in an hour. */
+struct store_limits {
+    unsigned failures; /* in a row; 0: no limit at all */
+    unsigned wait_s;   /* of the first lock-out; it doubles, up to OPTIONS_WAIT_MAX */
+    unsigned
+        subjects; /* without a match in STORE_TRIED_MS; 0: any number; only of a token */
+};
+
+#define STORE_WAIT_OTHERS_S 60
+
+enum store_wait { /* the order of enum metrics_failed */
+                  STORE_WAIT_NONE,
+                  STORE_WAIT_OWN,
+                  STORE_WAIT_OTHERS,
+                  STORE_WAIT_SUBJECTS
+};
+
+/* store_attempts_wait_ms(l, now, why): what is left of the longest wait, and what it is for; 0: the
+ * subject may be verified.  l: NULL for no limit. */
+int64_t store_attempts_wait_ms(const struct store_limits *l,
+                               const struct store_attempts *now, enum store_wait *why);
 
 #endif

@@ -1,6 +1,6 @@
 /* store_template.h -- templates: enrolled, read, deleted.  A template's points never change,
  * what is loaded is always what this engine makes of them, and its id is never used again, so a
- * face may be cached by id as long as store_admit(), store_template_list() or
+ * face may be cached by id as long as store_snapshot_begin(), store_template_list() or
  * store_template_get() still name it. */
 #ifndef DB_STORE_TEMPLATE_H
 #define DB_STORE_TEMPLATE_H
@@ -45,8 +45,8 @@ bool store_template_outdated(const struct store *s, const struct store_template 
  * one *f is made of its points (face_rebuild()), for some milliseconds more, and is what it would
  * be after store_reencode(); *t is as it is stored.  ST_EVERSION: this engine cannot make a face
  * of them; nothing should be compared with it then.
- * store_template_decode(s, t, face, len, w, f, e): the same of a face that store_admit()
- * gives. */
+ * store_template_decode(s, t, face, len, w, f, e): the same of a face's
+ * bytes. */
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
                                 struct face_work *w, struct face *f, struct errinfo *e);
 enum status store_template_decode(const struct store *s, const struct store_template *t,

@@ -31,7 +31,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "surface_.*" # named after the header as it is installed
         if (source == "core/mesh/mem")
             return "(mem|scratch)_.*"
-        if (source == "server/peer")
+        if (source == "server/http/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
         if (source == "tests/lib/work")
             return "work_.*|__sanitizer_cov_trace_pc" # which the compiler calls

@@ -1,4 +1,5 @@
 /* surfaced -- the daemon: options, start, wait for a signal, stop. */
+#include <malloc.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -7,7 +8,6 @@
 #include <sodium.h>
 
 #include "app.h"
-#include "attempts.h"
 #include "cache.h"
 #include "in_force.h"
 #include "erasures.h"
@@ -18,10 +18,11 @@
 #include "http.h"
 #include "intake.h"
 #include "logger.h"
+#include "mem.h"
 #include "metrics.h"
+#include "nodump.h"
 #include "modelfile.h"
 #include "options.h"
-#include "process.h"
 #include "queue.h"
 #include "routes.h"
 #include "service.h"
@@ -71,12 +72,12 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->cache = cache_new((size_t)o->cache_mb << 20);
     app->routes = routes_table(&app->nroutes);
     app->metrics = metrics_new(app->routes, app->nroutes);
-    app->attempts = attempts_new(o->attempts, o->attempt_wait, o->attempt_subjects);
+    app->limits =
+        (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
     app->throttle = throttle_new(o->rate_limit_tokens);
     app->intake = intake_new(o->enrollments, o->db, o->disk_reserve);
-    if (app->cache == NULL || app->metrics == NULL || app->attempts == NULL ||
-        app->throttle == NULL || app->intake == NULL ||
-        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+    if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||
+        app->intake == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -97,7 +98,6 @@ static void stop(struct app *app, struct http *http)
     erasures_stop(app->erasures);
     cache_free(app->cache);
     metrics_free(app->metrics);
-    attempts_free(app->attempts);
     throttle_free(app->throttle);
     intake_free(app->intake);
     store_close(app->store);
@@ -230,6 +230,21 @@ static bool check_files(const struct options *o)
     return true;
 }
 
+/* An ordinary request allocates no block of MEM_MAPPED; and what it frees is kept, up to so much
+ * in each arena, instead of being asked for again. */
+#define KEPT_FREE (8 << 20)
+
+/* Nothing is dumped (nodump.h); what is freed is overwritten, also by libraries, as qsort() and
+ * GnuTLS do not, in blocks of more than 1 KB (core/mesh/mem.h does it for all of its own); blocks
+ * that only large requests need go back to the system when they are freed. */
+static void prepare_memory(void)
+{
+    nodump_begin();
+    (void)mallopt(M_PERTURB, 1);
+    (void)mallopt(M_MMAP_THRESHOLD, (int)MEM_MAPPED);
+    (void)mallopt(M_TRIM_THRESHOLD, KEPT_FREE);
+}
+
 int main(int argc, char **argv)
 {
     struct app app = {0};
@@ -257,7 +272,7 @@ int main(int argc, char **argv)
         (void)fprintf(stderr, "surfaced: no source of random numbers\n");
         goto out;
     }
-    process_begin();
+    prepare_memory();
     logger_use((enum logger_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;

@@ -22,28 +22,6 @@ static void waited_for(sigset_t *set)
     (void)sigaddset(set, SIGHUP);
 }
 
-enum status service_socket(int *fd, struct errinfo *e)
-{
-    const int n = sd_listen_fds(1), first = SD_LISTEN_FDS_START;
-    int flags;
-
-    *fd = -1;
-    if (n == 0)
-        return ST_OK;
-    if (n < 0)
-        return errinfo_set(e, ST_EINVAL, "sockets that were passed: %s", strerror(-n));
-    if (n > 1)
-        return errinfo_set(e, ST_EINVAL, "%d sockets were passed; one is served", n);
-    if (sd_is_socket(first, AF_UNSPEC, SOCK_STREAM, 1) <= 0)
-        return errinfo_set(e, ST_EINVAL, "what was passed is no listening stream socket");
-    if ((flags = fcntl(first, F_GETFL)) < 0 ||
-        fcntl(first, F_SETFL, flags | O_NONBLOCK) != 0)
-        return errinfo_set(e, ST_EINVAL, "the socket that was passed: %s",
-                           strerror(errno));
-    *fd = first;
-    return ST_OK;
-}
-
 void service_begin(void)
 {
     sigset_t set;

@@ -16,11 +16,6 @@ struct service_hooks {
     void *arg;
 };
 
-/* service_socket(fd, e): the one listening stream socket that was passed, made non-blocking
- * and close-on-exec; the caller's.  *fd is -1 when none was.  ST_EINVAL: more than one, or
- * something else. */
-enum status service_socket(int *fd, struct errinfo *e);
-
 /* service_begin(): block the signals that service_wait() waits for, in this thread and those
  * that it will start, and ignore those that are errors of write(). */
 void service_begin(void);

@@ -13,8 +13,7 @@
 #include "scan.h"
 #include "store.h"
 #include "minimal.h"
-#include "trial.h"
-#include "verdict.h"
+#include "dry_run.h"
 
 /* null for "" */
 static void text_or_null(struct json *j, const char *key, const char *value)
@@ -211,12 +210,21 @@ static void scans(struct json *j, const struct describe_comparison *c)
     }
 }
 
+const char *describe_decision(enum face_decision d)
+{
+    static const char *const name[] = {[FACE_MATCH] = "match",
+                                       [FACE_NO_MATCH] = "no_match",
+                                       [FACE_INCONCLUSIVE] = "inconclusive"};
+
+    return name[d];
+}
+
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct face_result *r = c->result;
     double score, threshold;
 
-    json_text(j, "decision", verdict_decision(r->decision));
+    json_text(j, "decision", describe_decision(r->decision));
     if (c->minimal == NULL) {
         ids(j, c);
         return;
@@ -273,14 +281,14 @@ void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct 
     times(j, t, false);
 }
 
-void describe_trial(struct json *j, const struct trial *t, const struct face *face,
-                    const struct describe_times *times)
+void describe_dry_run(struct json *j, const struct dry_run *t, const struct face *face,
+                      const struct describe_times *times)
 {
     const bool usable = t->verification == ST_OK, read = t->found.points_read > 0;
 
     json_flag(j, "usable", usable);
     json_flag(j, "enrollable", t->enrolment == ST_OK);
-    json_text(j, "code", trial_code(t->why.code));
+    json_text(j, "code", dry_run_code(t->why.code));
     text_or_null(j, "detail", t->why.msg);
     json_array(j, "advice");
     for (size_t i = 0; i < t->advice.n; i++)

@@ -6,12 +6,10 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "face.h"
 
 struct asymmetry;        /* asymmetry.h */
 struct enrolment_result; /* enrolment.h */
-struct face;             /* face.h */
-struct face_field;       /* face.h */
-struct face_result;      /* face.h */
 struct frame;            /* frame.h */
 struct json;             /* json.h */
 struct minimal;          /* minimal.h */
@@ -19,7 +17,7 @@ struct quality;          /* quality.h */
 struct scan_found;       /* scan.h */
 struct store_subject;    /* store.h */
 struct store_template;   /* store.h */
-struct trial;            /* trial.h */
+struct dry_run;          /* dry_run.h */
 
 /* describe_quality(j, key, q, frame): an object; frame: of the scan, for the reasons; NULL: it
  * is not at hand. */
@@ -69,6 +67,9 @@ struct describe_comparison {
     const struct describe_times *times; /* NULL: left out */
 };
 
+/* describe_decision(d): "match", "no_match", "inconclusive". */
+const char *describe_decision(enum face_decision d);
+
 void describe_comparison(struct json *j, const struct describe_comparison *c);
 
 /* describe_cells(j, f): what each cell added to the score, by rows from the lower left, and where
@@ -79,9 +80,9 @@ void describe_cells(struct json *j, const struct face_field *f);
 void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
                         const char *engine, const struct describe_times *times);
 
-/* describe_trial(j, t, face, times): of a scan, after trial_run().  Of times only parse,
+/* describe_dry_run(j, t, face, times): of a scan, after dry_run_run().  Of times only parse,
  * prepare and total are used. */
-void describe_trial(struct json *j, const struct trial *t, const struct face *face,
-                    const struct describe_times *times);
+void describe_dry_run(struct json *j, const struct dry_run *t, const struct face *face,
+                      const struct describe_times *times);
 
 #endif

@@ -4,8 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "trial.h"
-#include "verdict.h"
+#include "describe.h"
+#include "dry_run.h"
+#include "in_force.h"
 
 #define ANYWAY "; to enroll it anyway use force (scope manage)"
 
@@ -29,67 +30,14 @@ static enum status does_not_fit(const struct face_result *r, bool with_first,
 
 static enum status mismatch(const struct nearest *n, struct errinfo *e)
 {
-    if (nearest_judge(n, e) != ST_OK)
+    if (templates_judge(n, e) != ST_OK)
         return e->code = ST_EMISMATCH;
     return does_not_fit(&n->result, false, e);
 }
 
-/* What asks may(). */
-struct asking {
-    const struct enrolment *x;
-    struct enrolment_outcome *out;
-};
-
-static bool may(void *arg, const struct store_attempts *now)
-{
-    const struct asking *a = arg;
-
-    a->out->locked = a->x->may != NULL && !a->x->may(a->x->arg, now);
-    return !a->out->locked;
-}
-
-/* Without a template there is nothing to try. */
-static enum status admitted(void *arg, const struct store_admission *a, struct errinfo *e)
-{
-    return a->n == 0 || may(arg, &a->attempts)
-               ? ST_OK
-               : errinfo_set(e, ST_EDENIED, "the subject is locked out");
-}
-
-/* Not told before it is counted and recorded: there would be no limit. */
-static enum status settle(struct admission_context *c, const struct admission *a,
-                          struct asking *ask, struct errinfo *e)
-{
-    const struct enrolment *x = ask->x;
-    const struct nearest *n = &ask->out->nearest;
-    char outcome[STORE_NAME_MAX + 1];
-    struct store_settled out = {.may = false};
-    const struct store_settle what = {.subject = &a->of.subject,
-                                      .as = x->may != NULL ? STORE_SETTLE_FAILED
-                                                           : STORE_SETTLE_UNCOUNTED,
-                                      .actor = x->actor,
-                                      .kind = "enroll_mismatch",
-                                      .template_id = a->of.t[n->index].id,
-                                      .outcome = outcome,
-                                      .may = may,
-                                      .arg = ask,
-                                      .warn_failures = x->warn_failures,
-                                      .warn_tried = x->warn_tried};
-    enum status st;
-
-    (void)snprintf(outcome, sizeof outcome, "%s%s", verdict_decision(n->result.decision),
-                   x->captured != NULL ? x->captured : "");
-    st = store_settle(c->store, &what, &out, e);
-    ask->out->locked_out |= out.locked_out;
-    ask->out->many_subjects |= out.many_subjects;
-    if (st == ST_OK && !out.may)
-        return errinfo_set(e, ST_EDENIED, "the subject is locked out");
-    return st == ST_OK ? mismatch(n, e) : st;
-}
-
 /* One enrolment under way. */
 struct enrolling {
-    struct admission_context *c;
+    struct templates_context *c;
     const struct enrolment *x;
     struct enrolment_result *each;
     struct enrolment_outcome *out;
@@ -98,43 +46,71 @@ struct enrolling {
     double first_score[ENROLMENT_SAMPLES];
 };
 
-/* *a with n = 0: the subject is not there, or has no template.  A subject that is not there yet is
- * made with its first template. */
-static enum status read_templates(struct enrolling *g, struct asking *ask,
-                                  struct admission *a, struct errinfo *e)
+/* Not reported before it is counted and recorded: there would be no limit. */
+static enum status record(struct enrolling *g, const struct templates *a,
+                          struct errinfo *e)
 {
-    const struct admission_request what = {.subject = g->x->subject,
-                                           .token = g->x->actor,
-                                           .admitted = ask != NULL ? admitted : NULL,
-                                           .arg = ask};
-    const enum status st = admission_read(g->c, &what, a, e);
+    const struct enrolment *x = g->x;
+    const struct nearest *n = &g->out->nearest;
+    char outcome[STORE_NAME_MAX + 1];
+    struct store_recorded out;
+    const struct store_record what = {.subject = &a->of.subject,
+                                      .as = x->limits != NULL ? STORE_RECORD_FAILED
+                                                              : STORE_RECORD_UNCOUNTED,
+                                      .actor = x->actor,
+                                      .kind = "enroll_mismatch",
+                                      .template_id = a->of.t[n->index].id,
+                                      .outcome = outcome,
+                                      .limits = x->limits};
+    enum status st;
 
-    g->out->admit = a->admit;
+    (void)snprintf(outcome, sizeof outcome, "%s%s", describe_decision(n->result.decision),
+                   x->captured != NULL ? x->captured : "");
+    if ((st = store_record_verification(g->c->store, &what, &out, e)) != ST_OK)
+        return st;
+    g->out->locked_out |= out.locked_out;
+    g->out->many_subjects |= out.many_subjects;
+    if (out.why == STORE_WAIT_NONE)
+        return mismatch(n, e);
+    g->out->refusal = (struct templates_refusal){
+        .why = out.why, .wait_ms = out.wait_ms, .now = out.now};
+    return errinfo_set(e, ST_EDENIED, "the subject is locked out");
+}
+
+/* *a with n = 0: the subject is not there, or has no template.  A subject that is not there yet is
+ * made with its first template.  limits: NULL where nothing is tried. */
+static enum status read_templates(struct enrolling *g, const struct store_limits *limits,
+                                  struct templates *a, struct errinfo *e)
+{
+    const struct templates_of what = {
+        .subject = g->x->subject, .token = g->x->actor, .limits = limits};
+    const enum status st = templates_read(g->c, &what, a, e);
+
+    g->out->refusal = a->refusal;
     return st == ST_ENOTFOUND ? ST_OK : st;
 }
 
 /* The sample against what it has to fit.  out->compared is 0 where there is nothing, and where it is
  * enrolled by force and there is nothing of this engine. */
-static enum status hold_against(struct enrolling *g, const struct admission *a, size_t i,
+static enum status hold_against(struct enrolling *g, const struct templates *a, size_t i,
                                 struct nearest *out, struct errinfo *e)
 {
     enum status st = ST_OK;
 
     *out = (struct nearest){0};
     if (a->of.n > 0)
-        st = nearest_fit(g->c, a, g->x->sample[i].face, out, e);
-    if (st == ST_ENOTFOUND || (st == ST_EVERSION && g->x->force))
-        st = ST_OK; /* of the templates by now */
+        st = templates_nearest(a, true, g->x->sample[i].face, out, e);
+    if (st == ST_EVERSION && g->x->force)
+        st = ST_OK;
     g->first_score[i] = out->first_score;
     return st;
 }
 
 static enum status check_fit(struct enrolling *g, size_t i, struct errinfo *e)
 {
-    struct asking ask = {g->x, g->out};
     struct nearest *n = &g->out->nearest;
-    struct admission a;
-    enum status st = read_templates(g, g->x->force ? NULL : &ask, &a, e);
+    struct templates a;
+    enum status st = read_templates(g, g->x->force ? NULL : g->x->limits, &a, e);
 
     g->newest[0] = '\0';
     if (st == ST_OK && a.of.n > 0)
@@ -143,8 +119,8 @@ static enum status check_fit(struct enrolling *g, size_t i, struct errinfo *e)
         st = hold_against(g, &a, i, n, e);
     if (st == ST_OK && !g->x->force && n->compared > 0 &&
         n->result.decision != FACE_MATCH)
-        st = settle(g->c, &a, &ask, e);
-    admission_free(g->c, &a);
+        st = record(g, &a, e);
+    templates_free(&a);
     return st;
 }
 
@@ -185,7 +161,7 @@ static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest
 
 /* That it does not fit is not counted as a failed attempt: who sends a scan that matches learns
  * nothing of the subject by others that he could not find out from that scan. */
-static enum status fit_other(struct enrolling *g, const struct admission *a, size_t i,
+static enum status fit_other(struct enrolling *g, const struct templates *a, size_t i,
                              struct errinfo *e)
 {
     const bool none = a->of.n == 0;
@@ -204,16 +180,16 @@ static enum status fit_other(struct enrolling *g, const struct admission *a, siz
 
 static enum status fit_others(struct enrolling *g, struct errinfo *e)
 {
-    struct admission a = {0};
+    struct templates a = {.context = g->c};
     enum status st = ST_OK;
 
     if (g->first + 1 < g->x->n && (st = read_templates(g, NULL, &a, e)) == ST_OK &&
         a.of.n == 0)
-        st = admission_calibrate(g->c, e);
+        st = in_force_follow(g->c->store, g->c->work, &g->c->calibration, e);
     for (size_t i = g->first + 1; st == ST_OK && i < g->x->n; i++)
         if (g->x->sample[i].face != NULL)
             st = fit_other(g, &a, i, e);
-    admission_free(g->c, &a);
+    templates_free(&a);
     return st;
 }
 
@@ -246,7 +222,7 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
     return st;
 }
 
-enum status enrolment_add(struct admission_context *c, const struct enrolment *x,
+enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
                           struct enrolment_result *each, struct enrolment_outcome *out,
                           struct errinfo *e)
 {
@@ -264,5 +240,5 @@ enum status enrolment_add(struct admission_context *c, const struct enrolment *x
 
 const char *enrolment_code(enum status st)
 {
-    return st == ST_EMISMATCH ? "sample_mismatch" : trial_code(st);
+    return st == ST_EMISMATCH ? "sample_mismatch" : dry_run_code(st);
 }

@@ -5,14 +5,13 @@
  * Several at once, of one sitting, are held against the same; where the subject has no template
  * yet, or they come with scope manage, against the first of them that may become one.  All that fit
  * are stored in one transaction. */
-#ifndef VERIFY_ENROLMENT_H
-#define VERIFY_ENROLMENT_H
+#ifndef SERVICE_ENROLMENT_H
+#define SERVICE_ENROLMENT_H
 #include <stdbool.h>
-#include "admit.h"
 #include "errinfo.h"
-#include "nearest.h"
 #include "status.h"
 #include "store.h"
+#include "templates.h"
 
 #define ENROLMENT_SAMPLES 20 /* at once */
 
@@ -23,12 +22,10 @@ struct enrolment {
     const char *captured;                /* as in store_enroll() */
     bool manager;                        /* as in struct store_template */
     bool force;                          /* they need not fit */
-    /* A sample that does not fit the subject's templates is a failed attempt on the subject:
-     * may(arg, now) is asked before the comparison and again before its result is told; NULL:
+    /* A sample that does not fit the subject's templates is a failed attempt on the subject,
+     * which is asked for before the comparison and again before its result is reported.  NULL:
      * whoever enrols has the database, is not locked out, and the attempt is not counted. */
-    bool (*may)(void *arg, const struct store_attempts *now);
-    void *arg;
-    unsigned warn_failures, warn_tried; /* as in store_settle() */
+    const struct store_limits *limits;
 };
 
 struct enrolment_result {       /* of a sample */
@@ -38,12 +35,11 @@ struct enrolment_result {       /* of a sample */
 };
 
 struct enrolment_outcome {
-    enum admit admit;               /* may samples of the subject be enrolled? */
+    struct templates_refusal refusal;
     struct nearest nearest;         /* the last comparison with the subject's templates;
                                        compared is 0 where there was nothing to fit */
     bool none;                      /* each sample was refused */
-    bool locked;                    /* may() said no */
-    bool locked_out, many_subjects; /* as in struct store_settled */
+    bool locked_out, many_subjects; /* as in struct store_recorded */
 };
 
 /* enrolment_add(c, x, each, out, e): the samples are compared with what the subject has at that
@@ -53,16 +49,16 @@ struct enrolment_outcome {
  * Returns ST_OK, also where some are refused; where all are, out->none and the first one's reason:
  * ST_EMISMATCH: it does not fit.
  * Each that does not fit, up to the first that does, is recorded like a failed verification
- * (store_settle()), as enroll_mismatch.  Those behind it are not: who has a scan that fits learns
+ * (store_record_verification()), as enroll_mismatch.  Those behind it are not: who has a scan that fits learns
  * nothing of the subject by comparing others with it.
- * On failure nothing is stored.  ST_EDENIED: out->admit says that the subject is disabled or has
- * expired, or out->locked; or as nearest_find(), store_settle(), store_enroll(). */
-enum status enrolment_add(struct admission_context *c, const struct enrolment *x,
+ * On failure nothing is stored.  ST_EDENIED: out->refusal says why; or as templates_nearest(),
+ * store_record_verification(), store_enroll(). */
+enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
                           struct enrolment_result *each, struct enrolment_outcome *out,
                           struct errinfo *e);
 
 /* enrolment_code(st): the word for why a sample was not taken: "sample_mismatch", or as
- * trial_code(). */
+ * dry_run_code(). */
 const char *enrolment_code(enum status st);
 
 #endif

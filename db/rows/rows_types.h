@@ -46,7 +46,7 @@ struct store_subject {
     char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
     bool hold;        /* neither it nor a template of it can be deleted */
     bool disabled;    /* not to be verified or identified */
-    /* as of when it was read; set by store_subject_get() and store_admit() */
+    /* as of when it was read; set by store_subject_get() and store_snapshot_begin() */
     bool expired;
     uint32_t templates;
 };

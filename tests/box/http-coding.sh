@@ -220,18 +220,4 @@ stop_daemon
 start_daemon
 enroll "$T/a.ply"
 is "also after a restart" "$STATUS $(get .template_id)" "200 $first"
-
-# Many at once: one template.
-scan 3 0 "$T/c.ply"
-clients=
-for i in 1 2 3 4 5 6 7 8; do
-    curl -sS -m 60 -o "$T/c$i" -w '%{http_code}\n' -H "Authorization: Bearer $AUTH" -H "$PLY" \
-        --data-binary "@$T/c.ply" "$URL/v1/subjects/together/templates" >"$T/s$i" &
-    clients="$clients $!"
-done
-# shellcheck disable=SC2086 # a list
-wait $clients
-is "one of eight is new" "$(sort "$T"/s? | uniq -c | tr -s ' ' | tr '\n' ';')" ' 7 200; 1 201;'
-req GET /v1/subjects/together
-is "one template" "$(get '.templates | length')" 1
 finish

@@ -6,21 +6,21 @@ cd "$(dirname "$0")/../.." || exit 1
 HOLD=''
 
 # hold N FORMAT [OPTION...]: opens N connections that send printf's FORMAT and stay open; the
-# output of the program hold is in $T/held.
+# output of the program hold.py is in $T/held.
 hold() {
     h_n=$1
     # shellcheck disable=SC2059 # with \r\n in it
     printf "$2" >"$T/text"
     shift 2
     : >"$T/held"
-    "$BUILD/hold" "${URL#http://}" "$h_n" "$@" <"$T/text" >"$T/held" 2>&1 &
+    python3 tests/box/hold.py "${URL#http://}" "$h_n" "$@" <"$T/text" >"$T/held" 2>&1 &
     HOLD=$!
 }
 let_go() {
     kill "$HOLD" 2>/dev/null
     wait "$HOLD" 2>/dev/null
 }
-# held TITLE LINE: the program hold prints LINE soon.
+# held TITLE LINE: the program hold.py prints LINE soon.
 held() {
     ok "$1" soon grep -qx "$2" "$T/held"
 }

@@ -91,15 +91,6 @@ send POST /v1/subjects/alice/verify "$MERGE" "$T/a.ply"
 problem "a patch as a scan" 415 unsupported_media_type
 shows '["C-1",null,null,false,false]'
 
-# ---- scopes
-for AUTH in $enroll $delete $read; do
-    change alice '{"hold": true}'
-    problem "another scope" 403 insufficient_scope
-done
-AUTH=$manage
-req DELETE /v1/subjects/alice
-problem "the scope manage cannot erase" 403 insufficient_scope
-
 # ---- before the first scan
 AUTH=$enroll
 req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "expires_at": "2031-01-31"}'

@@ -6,7 +6,6 @@
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 REQUESTS=${1:-600} SEED=${2:-33}
-[ -x "$BUILD/http_fuzz" ] || make -s BUILD="$BUILD" "$BUILD/http_fuzz" || exit 1
 
 # record NAME METHOD TARGET [HEADER...] <BODY: writes the bytes of a request to $T/req.NAME.
 # With a Transfer-Encoding the body is sent in chunks.
@@ -78,7 +77,7 @@ corpus() {
 fuzz() {
     clients=
     for i in 0 1 2 3; do
-        "$BUILD/http_fuzz" "${URL##*:}" "$REQUESTS" $(($2 + i)) "$T"/req.* >"$T/fuzz.$i" 2>&1 &
+        python3 tests/box/http_fuzz.py "${URL##*:}" "$REQUESTS" $(($2 + i)) "$T"/req.* >"$T/fuzz.$i" 2>&1 &
         clients="$clients $!"
     done
     for client in $clients; do

@@ -137,16 +137,8 @@ verify alice "$T/a1.ply"
 decides "a new subject of that name" match
 
 # ---- parallel attempts
-i=0
-: >"$T/urls"
-while [ $i -lt 24 ]; do
-    printf 'next\nurl = "%s/v1/subjects/alice/verify"\nheader = "%s"\ndata-binary = "@%s"\nwrite-out = "%%{http_code}\\n"\noutput = "%s"\n' \
-        "$URL" "$PLY" "$T/b.ply" "$T/many.$i" >>"$T/urls"
-    i=$((i + 1))
-done
-sed -i 1d "$T/urls"
-curl -sS -m 120 --parallel --parallel-max 24 -K "$T/urls" >"$T/codes" 2>"$T/curl"
-is "24 attempts at once" "$(sort "$T/codes" | uniq -c | tr -s ' ' | tr '\n' ';')" ' 3 200; 21 429;'
+at_once 24 POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/b.ply"
+is "24 attempts at once" "$TALLY" "200x3 429x21"
 is "only 3 are decided" "$(failures alice)" 3
 stop_daemon
 

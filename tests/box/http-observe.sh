@@ -184,17 +184,13 @@ while [ $i -lt 10 ]; do
     ctl enroll "s$i" "$T/a.ply"
     send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply" # now it is in the cache
     [ "$STATUS" = 200 ] || lost=$((lost + 1))
-    clients=
     for n in 1 2 3; do
-        curl -sS -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/p.ply" \
-            "$URL/v1/subjects/s$i/verify" >"$T/s.$n" &
-        clients="$clients $!"
+        beside "$n" POST "/v1/subjects/s$i/verify" -H "$PLY" --data-binary "@$T/p.ply"
     done
     ctl --yes subject erase "s$i"
     send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply"
     [ "$STATUS" = 404 ] || lost=$((lost + 1))
-    # shellcheck disable=SC2086 # a list
-    wait $clients
+    all_sent
     grep -Evq '^(200|404)$' "$T/s.1" "$T/s.2" "$T/s.3" && lost=$((lost + 1))
     i=$((i + 1))
 done

@@ -109,7 +109,7 @@ is "it is OpenAPI 3.1" $? 0
 # No request can cause the code forbidden.
 is "its codes are the daemon's" \
     "$(jq -r '.components.schemas.Problem.properties.code.enum[]' "$T/api" | sort)" \
-    "$(sed -n 's/.*{[0-9]*, "\([a-z_]*\)",.*/\1/p' server/errmap.c |
+    "$(sed -n 's/.*{[0-9]*, "\([a-z_]*\)",.*/\1/p' server/http/errmap.c |
         grep -vx forbidden | sort -u)"
 is "operation ids that occur twice" "$(jq -r '.paths[][] | .operationId? // empty' "$T/api" |
     sort | uniq -d)" ""

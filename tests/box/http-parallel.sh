@@ -10,18 +10,9 @@ scan 2 0 "$T/b.ply"
 scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
 scan 1 3 "$T/probe.ply" --points 120000 --noise 0.05
 
-# parallel N PATH FILE: N clients send FILE at once; waits for all.  Statuses, bodies and headers
-# are in $T/s.*, $T/o.* and $T/h.*.
+# parallel N PATH FILE: N clients send FILE at once.
 parallel() {
-    clients=
-    rm -f "$T"/[soh].*
-    for i in $(seq "$1"); do
-        curl -sS -m 60 -o "$T/o.$i" -D "$T/h.$i" -w '%{http_code}\n' -H "$PLY" \
-            --data-binary "@$3" "$URL$2" >"$T/s.$i" 2>/dev/null &
-        clients="$clients $!"
-    done
-    # shellcheck disable=SC2086 # a list
-    wait $clients
+    at_once "$1" POST "$2" -H "$PLY" --data-binary "@$3"
 }
 
 # count STATUS: the number of these among the last parallel requests.
@@ -42,21 +33,16 @@ req GET /v1/subjects/alice
 is "one template is left" "$(get '.templates | length')" 1
 
 # Two faces at once as the first sample of a new subject: one is enrolled.
-clients=
 rm -f "$T"/s.*
 for f in a b; do
-    curl -sS -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/$f.ply" \
-        "$URL/v1/subjects/new/templates" >"$T/s.$f" &
-    clients="$clients $!"
+    beside "$f" POST /v1/subjects/new/templates -H "$PLY" --data-binary "@$T/$f.ply"
 done
-# shellcheck disable=SC2086 # a list
-wait $clients
-is "two faces as one subject" "$(cat "$T/s.a" "$T/s.b" | sort | tr '\n' ' ')" "201 409 "
+all_sent
+is "two faces as one subject" "$TALLY" "201x1 409x1"
 
 # Six faces, three samples each, at once as samples of a new subject: whichever is first, only
 # its samples are enrolled.
 rm -f "$T"/s.*
-clients=
 for who in 11 12 13 14 15 16; do
     for n in 0 1 2; do
         scan $who $n "$T/m.$who.$n" --points 1500
@@ -64,16 +50,13 @@ for who in 11 12 13 14 15 16; do
 done
 for n in 0 1 2; do
     for who in 11 12 13 14 15 16; do
-        curl -sS -o "$T/o.$who.$n" -w "$who %{http_code}\n" -H "$PLY" \
-            --data-binary "@$T/m.$who.$n" \
-            "$URL/v1/subjects/mixed/templates?label=$who" >"$T/s.$who.$n" &
-        clients="$clients $!"
+        beside "$who.$n" POST "/v1/subjects/mixed/templates?label=$who" -H "$PLY" \
+            --data-binary "@$T/m.$who.$n"
     done
 done
-# shellcheck disable=SC2086 # a list
-wait $clients
-is "18 samples of six faces at once: the three of one face" "$(cat "$T"/s.* |
-    awk '{ n[$2]++ } $2 == 201 { who[$1] = 1 } END { print n[201], n[409], length(who) }')" "3 15 1"
+all_sent
+is "18 samples of six faces at once: three of them" "$TALLY" "201x3 409x15"
+is "and of one face" "$(grep -l 201 "$T"/s.* | sed 's/.*s\.\(..\).*/\1/' | uniq | wc -l)" 1
 
 # Deleting and enrolling while others verify gives nothing but 200 and 404.
 rm -f "$T"/w.*
@@ -111,12 +94,9 @@ stop_daemon
 
 # ---- a stop while requests run
 start_daemon --no-auth --workers 1
-clients=
 rm -f "$T"/s.*
 for i in 1 2 3 4; do
-    curl -sS -m 60 -o /dev/null -w '%{http_code}\n' -H "$PLY" --data-binary "@$T/probe.ply" \
-        "$URL/v1/subjects/x/verify" >"$T/s.$i" 2>/dev/null &
-    clients="$clients $!"
+    beside "$i" POST /v1/subjects/x/verify -H "$PLY" --data-binary "@$T/probe.ply"
 done
 tries=0
 while [ "$tries" -lt 100 ]; do # until the requests are running or queued
@@ -126,8 +106,7 @@ while [ "$tries" -lt 100 ]; do # until the requests are running or queued
     tries=$((tries + 1))
 done
 stop_daemon
-# shellcheck disable=SC2086 # a list
-wait $clients
+all_sent
 ok "running requests are finished ($(cat "$T"/s.* | tr '\n' ' '))" test "$(count 200)" -ge 3
 ok "the stop is logged" grep -q 'msg="stopped"' "$LOG"
 req GET /healthz

@@ -68,24 +68,18 @@ send POST /v1/asymmetry 'Content-Type: text/plain' "$T/a.xyz"
 same "asymmetry"
 
 # Many requests at once, each several times.
-mkdir "$T/many"
-clients=
 for round in 1 2 3; do
     for s in $subjects; do
-        p=$((s % 6 + 1))
-        curl -sS -m 60 -o "$T/many/$round-$s-$s" -H "$PLY" --data-binary "@$T/p$s.ply" \
-            "$URL/v1/subjects/s$s/verify?detail=heatmap" &
-        clients="$clients $!"
-        curl -sS -m 60 -o "$T/many/$round-$s-$p" -H "$PLY" --data-binary "@$T/p$p.ply" \
-            "$URL/v1/subjects/s$s/verify?detail=heatmap" &
-        clients="$clients $!"
+        for p in $s $((s % 6 + 1)); do
+            beside "$round-$s-$p" POST "/v1/subjects/s$s/verify?detail=heatmap" -H "$PLY" \
+                --data-binary "@$T/p$p.ply"
+        done
     done
 done
-# shellcheck disable=SC2086 # a list
-wait $clients
+all_sent
 differ=0
-for f in "$T"/many/*; do
-    name=$(basename "$f")
+for f in "$T"/o.*; do
+    name=${f##*/o.}
     without_times "$f" | cmp -s - "$T/one/verify${name#*-}" || differ=$((differ + 1))
 done
 is "responses that differ, of 36 at once" "$differ" 0

@@ -148,21 +148,8 @@ req GET /v1/check
 is "no GET" "$STATUS $(field Allow)" '405 POST'
 is "nothing was stored or logged" "$(logged)" "$before"
 
-# ---- its scopes: any of these three
-for scope in verify enroll identify; do
-    AUTH=$(new_token "$scope" --scope "$scope")
-    send POST /v1/check "$PLY" "$T/a.ply"
-    is "check with the scope $scope" "$STATUS" 200
-done
-AUTH=$(new_token others --scope read,delete,manage,detail)
-send POST /v1/check "$PLY" "$T/a.ply"
-problem "check without them" 403 insufficient_scope 'enroll,verify,identify'
-is "the challenge names them" "$(field WWW-Authenticate)" \
-    'Bearer realm="surfaced", error="insufficient_scope", scope="enroll verify identify"'
-AUTH=$(new_token two)
-
 # ---- counted
-is "checked, good" "$(metric 'surfaced_checks_total{outcome="enrollable"}')" 4
+is "checked, good" "$(metric 'surfaced_checks_total{outcome="enrollable"}')" 1
 is "checked, bad" "$(metric 'surfaced_checks_total{outcome="unusable"}')" 5
 is "refused" "$(metric "surfaced_scans_refused_total{code=\"$code\"}")" 1
 is "refused" "$(metric 'surfaced_scans_refused_total{code="units_suspicious"}')" 1

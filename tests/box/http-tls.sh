@@ -226,7 +226,7 @@ is "the file stays" "$(cat "$s")" mine
 refuse "too long a path" 64 'not an address' --listen "unix:/$(printf '%0110d' 0)"
 
 # ---- a socket that was passed
-UNDER="$BUILD/manager $T/notes --socket" start_daemon --no-auth
+UNDER="python3 tests/box/manager.py $T/notes --socket" start_daemon --no-auth
 req GET /healthz
 is "a socket that was passed ($URL)" "$STATUS" 200
 stop_daemon

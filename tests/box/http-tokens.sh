@@ -75,46 +75,8 @@ all=$AUTH
 req GET /v1/subjects
 is "the newest secret" "$STATUS" 200
 
-# ---- scopes
-# may SCOPES: a token of SCOPES may send the requests of these scopes and no others.
-may() {
-    ctl token create --scope "$1" "for $1"
-    is "a token for $1" "$? $(jq -rc .scopes "$T/ctl")" "0 $(jq -nc --arg s "$1" '$s | split(",")')"
-    AUTH=$(jq -r .token "$T/ctl")
-    for try in 'enroll POST subjects/alice/templates' 'verify POST subjects/alice/verify' \
-        "verify POST templates/$template/verify" 'verify POST compare' \
-        'read GET subjects' 'read GET subjects/alice' "read GET templates/$template" \
-        'read HEAD subjects' 'delete DELETE subjects/nobody' \
-        'delete DELETE templates/00000000000000000000000000000000'; do
-        scope=${try%% *} path=/v1/${try##* }
-        method=${try#* }
-        method=${method% *}
-        case $path in
-        */compare) send POST "$path" "$JSON" "$T/two.json" ;;
-        */templates) send POST "$path" "$PLY" "$T/a.ply" ;;
-        */verify) send POST "$path" "$PLY" "$T/a1.ply" ;;
-        *) req "$method" "$path" ;;
-        esac
-        case ",$1,$method" in
-        *,"$scope",*) ok "$1 may $method $path: $STATUS" matches "$STATUS" '^(20[01]|404)$' ;;
-        *,HEAD) is "$1 may not $method $path" "$STATUS" 403 ;;
-        *)
-            problem "$1 may not $method $path" 403 insufficient_scope "scope $scope"
-            is "the response names the scope" "$(field WWW-Authenticate)" \
-                "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$scope\""
-            ;;
-        esac
-    done
-}
-template=$(sqlite3 "$DB" 'SELECT id FROM templates')
-"$BUILD/facegen" --subject 1 --points 1000 --format json >"$T/c.json"
-jq '{a: ., b: .}' "$T/c.json" >"$T/two.json"
-may enroll
-may verify
-may identify
-may read
-may delete
-may enroll,verify
+# ---- scopes (http-scopes.sh)
+AUTH=$(new_token narrow --scope enroll,verify)
 # The scope is checked before the id, the type and the size.
 send POST /v1/subjects/a%20b/templates 'Content-Type: x/y' "$T/a.ply"
 is "a good scope, a malformed id" "$STATUS" 400

@@ -216,7 +216,36 @@ req() {
         ${AUTH:+-H "Authorization: Bearer $AUTH"} "$@" "$URL$path" 2>"$T/curl")
 }
 
-# send METHOD PATH TYPE FILE [CURL-OPTION...]: the same with FILE as the body.
+# beside NAME METHOD PATH [CURL-OPTION...]: sends a request without waiting for the response: its
+# status will be in $T/s.NAME, its body and headers in $T/o.NAME and $T/h.NAME.
+beside() {
+    b_name=$1 b_method=$2 b_path=$3
+    shift 3
+    curl -sS -m 60 -X "$b_method" -o "$T/o.$b_name" -D "$T/h.$b_name" -w '%{http_code}\n' \
+        ${AUTH:+-H "Authorization: Bearer $AUTH"} "$@" "$URL$b_path" >"$T/s.$b_name" 2>/dev/null &
+    clients="${clients:-} $!"
+}
+
+# all_sent: waits for those; sets TALLY to how many had each status: "200x3 429x21".
+all_sent() {
+    # shellcheck disable=SC2086 # a list
+    wait $clients
+    clients=''
+    TALLY=$(cat "$T"/s.* | sort | uniq -c | awk '{ print $2 "x" $1 }' | paste -sd ' ')
+}
+
+# at_once N METHOD PATH [CURL-OPTION...]: the same request N times at once.
+at_once() {
+    a_n=$1
+    shift
+    rm -f "$T"/[soh].*
+    for a_i in $(seq "$a_n"); do
+        beside "$a_i" "$@"
+    done
+    all_sent
+}
+
+# send METHOD PATH TYPE FILE [CURL-OPTION...]: req with FILE as the body.
 send() {
     method=$1 path=$2 type=$3 file=$4
     shift 4

@@ -16,7 +16,7 @@ kinds() {
 }
 
 # ---- without a watchdog
-UNDER="$BUILD/manager $NOTES" start_daemon
+UNDER="python3 tests/box/manager.py $NOTES" start_daemon
 notified "ready, and where" "^READY=1 STATUS=listening on $URL\$"
 kill -HUP "$PID"
 notified "reloading, and when" '^RELOADING=1 MONOTONIC_USEC=[0-9]+$'
@@ -28,7 +28,7 @@ is "all notifications in order" "$(kinds)" "READY RELOADING READY STOPPING "
 
 # ---- with a watchdog
 rm -f "$NOTES"
-UNDER="$BUILD/manager $NOTES --watchdog 300000" start_daemon
+UNDER="python3 tests/box/manager.py $NOTES --watchdog 300000" start_daemon
 for n in 1 2 3; do
     notified "keep-alive $n" '^WATCHDOG=1$'
     : >"$NOTES"
@@ -42,7 +42,7 @@ notified "stopping" '^STOPPING=1$'
 
 # ---- a failed start sends no notification
 rm -f "$NOTES"
-timeout 20 "$BUILD/manager" "$NOTES" "$BUILD/surfaced" --db /proc/x --listen 127.0.0.1:0 \
+timeout 20 python3 tests/box/manager.py "$NOTES" "$BUILD/surfaced" --db /proc/x --listen 127.0.0.1:0 \
     2>"$T/err"
 is "no database" $? 1
 ok "nothing was notified" test ! -s "$NOTES"

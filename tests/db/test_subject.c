@@ -195,14 +195,14 @@ static void test_hold(void **state)
 
 static void see(struct store *s, const struct store_subject *one)
 {
-    const struct store_settle what = {.subject = one,
+    const struct store_record what = {.subject = one,
                                       .actor = "",
                                       .kind = "verify",
                                       .template_id = "",
                                       .outcome = "match"};
-    struct store_settled out = {0};
+    struct store_recorded out = {0};
 
-    must(store_settle(s, &what, &out, &e));
+    must(store_record_verification(s, &what, &out, &e));
 }
 
 static void test_seen(void **state)

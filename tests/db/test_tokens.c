@@ -245,13 +245,13 @@ static void test_attempts(void **state)
     size_t n;
 
     (void)state;
-    fails(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e), ST_ENOTFOUND);
-    fails(tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e), ST_ENOTFOUND);
+    fails(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_ENOTFOUND);
+    fails(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e), ST_ENOTFOUND);
     fails(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
     add_alice(s);
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     for (unsigned i = 1; i <= 5; i++) {
-        must(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e));
+        must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
         assert_int_equal(tempdb_attempts(s, "alice").failures, i);
     }
     assert_true(tempdb_attempts(s, "alice").age_ms < 60000);
@@ -264,18 +264,18 @@ static void test_attempts(void **state)
     assert_int_equal(list[0].failures, 5);
     assert_true(list[0].at[0] == '2');
     free(list);
-    must(tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e));
+    must(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e));
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
-    must(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e));
+    must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
     must(store_attempts_reset(s, "test", "alice", &e));
     assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
     assert_int_equal(tempdb_count("change_log WHERE kind = 'reset_attempts' "
                                   "AND actor = 'test'"),
                      1);
     /* The count has a limit, and goes with the subject. */
-    must(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e));
+    must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
     tempdb_sql("UPDATE attempts SET failures = 1000000");
-    must(tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e));
+    must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
     assert_int_equal(tempdb_attempts(s, "alice").failures, 1000000);
     must(tempdb_erase(s, "test", "alice", &e));
     assert_int_equal(tempdb_count("attempts"), 0);
@@ -283,34 +283,39 @@ static void test_attempts(void **state)
     store_close(s);
 }
 
-static struct store_settled settle(struct store *s, const char *token,
-                                   const char *subject, enum store_settle_as as)
+static struct store_recorded record(struct store *s, const char *token,
+                                    const char *subject, enum store_record_as as)
 {
     struct store_subject one;
-    struct store_settled out = {.may = false};
-    struct store_settle what = {.subject = &one,
+    static const struct store_limits limits = {.failures = 3, .wait_s = 0, .subjects = 6};
+    struct store_recorded out;
+    struct store_record what = {.subject = &one,
                                 .as = as,
                                 .actor = token,
                                 .kind = "verify",
                                 .template_id = "",
                                 .outcome = "settled",
-                                .warn_failures = 3,
-                                .warn_tried = 2};
+                                .limits = &limits};
 
     must(store_subject_get(s, subject, &one, &e));
-    must(store_settle(s, &what, &out, &e));
+    must(store_record_verification(s, &what, &out, &e));
     return out;
 }
 
 static struct store_attempts attempts(struct store *s, const char *token,
                                       const char *subject)
 {
-    struct store_admission a;
+    struct store_snapshot a;
+    struct store_attempts is;
 
-    must(store_admit(s, &(struct store_admit){.subject = subject, .token = token}, &a,
-                     &e));
-    free(a.t);
-    return a.attempts;
+    must(store_snapshot_end(
+        &a,
+        store_snapshot_begin(
+            s, &(struct store_snapshot_of){.subject = subject, .token = token}, &a, &e),
+        &e));
+    is = a.attempts;
+    store_snapshot_free(&a);
+    return is;
 }
 
 /* Each token has its own count, sees those of others, and of the subjects that it tried. */
@@ -319,7 +324,7 @@ static void test_by_token(void **state)
     static const char *const who[] = {"bob", "carol", "dave"};
     struct store *s = tempdb_fresh();
     struct store_attempts a;
-    struct store_settled out;
+    struct store_recorded out;
 
     (void)state;
     add_alice(s);
@@ -330,7 +335,7 @@ static void test_by_token(void **state)
         must(store_subject_add(s, "test", &one, &e));
     }
     for (uint32_t i = 1; i <= 4; i++) {
-        out = settle(s, "thief", "alice", STORE_SETTLE_FAILED);
+        out = record(s, "thief", "alice", STORE_RECORD_FAILED);
         assert_int_equal(out.locked_out, i >= 3);
         assert_false(out.many_subjects);
     }
@@ -345,12 +350,12 @@ static void test_by_token(void **state)
     assert_int_equal(attempts(s, "thief", "bob").tried, 1);
     assert_int_equal(attempts(s, "door", "bob").tried, 0);
     /* A match ends what its own token did, and no more. */
-    (void)settle(s, "door", "alice", STORE_SETTLE_PASSED);
+    (void)record(s, "door", "alice", STORE_RECORD_PASSED);
     assert_int_equal(attempts(s, "thief", "alice").failures, 4);
     /* The second subject is many here; it is told once. */
-    assert_true(settle(s, "thief", "bob", STORE_SETTLE_FAILED).many_subjects);
-    assert_false(settle(s, "thief", "bob", STORE_SETTLE_FAILED).many_subjects);
-    assert_false(settle(s, "thief", "carol", STORE_SETTLE_FAILED).many_subjects);
+    assert_true(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
+    assert_false(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
+    assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
     assert_int_equal(attempts(s, "thief", "dave").tried, 3);
     assert_int_equal(attempts(s, "thief", "carol").tried, 2);
     assert_int_equal(tempdb_count("access_log WHERE actor = 'thief' AND "
@@ -360,8 +365,8 @@ static void test_by_token(void **state)
                                   "kind = 'many_subjects' AND outcome = '2 subjects'"),
                      1);
     /* A match is free, and frees. */
-    (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
-    (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
+    (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
+    (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
     assert_int_equal(attempts(s, "thief", "dave").tried, 2);
     /* An hour later the subjects count no more, nor for other tokens, and only for the warning of
      * a day; a month later the row is gone, when the token fails again. */
@@ -369,20 +374,20 @@ static void test_by_token(void **state)
     assert_int_equal(attempts(s, "thief", "dave").tried, 0);
     assert_int_equal(attempts(s, "thief", "dave").tried_warn, 2);
     assert_int_equal(attempts(s, "door", "alice").others, 0);
-    assert_false(settle(s, "thief", "carol", STORE_SETTLE_FAILED).many_subjects);
-    assert_true(settle(s, "thief", "dave", STORE_SETTLE_FAILED).many_subjects);
-    (void)settle(s, "thief", "carol", STORE_SETTLE_PASSED);
-    (void)settle(s, "thief", "dave", STORE_SETTLE_PASSED);
+    assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
+    assert_true(record(s, "thief", "dave", STORE_RECORD_FAILED).many_subjects);
+    (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
+    (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
     assert_int_equal(attempts(s, "thief", "dave").tried_warn, 0);
     assert_int_equal(attempts(s, "thief", "alice").failures, 4);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 28 * 86400000");
-    (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
+    (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_count("attempts"), 3);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
-    (void)settle(s, "door", "dave", STORE_SETTLE_FAILED);
+    (void)record(s, "door", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_count("attempts"), 4);
-    (void)settle(s, "thief", "dave", STORE_SETTLE_FAILED);
+    (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_count("attempts"), 2);
     must(store_verify(s, NULL, NULL, &e));
     store_close(s);
@@ -398,8 +403,8 @@ static void test_revoked_attempts(void **state)
     (void)state;
     add_alice(s);
     must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 60, secret, &t, &e));
-    (void)settle(s, t.id, "alice", STORE_SETTLE_FAILED);
-    (void)settle(s, "thief", "alice", STORE_SETTLE_FAILED);
+    (void)record(s, t.id, "alice", STORE_RECORD_FAILED);
+    (void)record(s, "thief", "alice", STORE_RECORD_FAILED);
     must(store_token_revoke(s, "test", t.id, &e));
     assert_int_equal(tempdb_count("attempts"), 1);
     assert_int_equal(attempts(s, "thief", "alice").failures, 1);

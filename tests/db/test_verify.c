@@ -46,9 +46,9 @@ static enum status write_subject(struct store *s, int sort)
     case 5:
         return store_attempts_reset(s, "test", "alice", &e);
     case 6:
-        return tempdb_settle(s, "alice", STORE_SETTLE_PASSED, &e);
+        return tempdb_record(s, "alice", STORE_RECORD_PASSED, &e);
     default:
-        return tempdb_settle(s, "alice", STORE_SETTLE_FAILED, &e);
+        return tempdb_record(s, "alice", STORE_RECORD_FAILED, &e);
     }
 }
 

@@ -102,7 +102,7 @@ static void fill(struct store *s)
         .table = {.threshold = THRESHOLD, .n = 2, .knot = {{-50, 1}, {THRESHOLD, 0.001}}},
     };
     const struct store_subject_change disable = {.disabled = &(bool){true}};
-    struct store_settled settled = {.may = false};
+    struct store_recorded settled;
     struct store_subject bob;
     struct log_entry mark;
     struct store_token t;
@@ -119,14 +119,14 @@ static void fill(struct store *s)
                           &tmpl[i], &created, &e) == ST_OK);
     MUST(store_subject_set(s, "test", "carol", &disable, &e) == ST_OK);
     MUST(store_subject_get(s, "bob", &bob, &e) == ST_OK);
-    MUST(store_settle(s,
-                      &(struct store_settle){.subject = &bob,
-                                             .as = STORE_SETTLE_FAILED,
-                                             .actor = "test",
-                                             .kind = "verify",
-                                             .template_id = "",
-                                             .outcome = "no_match"},
-                      &settled, &e) == ST_OK);
+    MUST(store_record_verification(s,
+                                   &(struct store_record){.subject = &bob,
+                                                          .as = STORE_RECORD_FAILED,
+                                                          .actor = "test",
+                                                          .kind = "verify",
+                                                          .template_id = "",
+                                                          .outcome = "no_match"},
+                                   &settled, &e) == ST_OK);
     MUST(store_calibration_add(s, "test", &k, &e) == ST_OK);
     MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e) ==
          ST_OK);

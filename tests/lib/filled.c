@@ -78,7 +78,7 @@ struct store *filled_fresh(struct filled *f)
         &(struct store_subject_change){.hold = &yes, .expires = "2080-01-01"}, &e));
     must(store_subject_set(s, "test", "carol",
                            &(struct store_subject_change){.disabled = &yes}, &e));
-    must(tempdb_settle(s, "bob", STORE_SETTLE_FAILED, &e));
+    must(tempdb_record(s, "bob", STORE_RECORD_FAILED, &e));
     add_devices(s);
     add_tokens(s, f);
     must(store_calibration_add(s, "test", &k, &e));

@@ -216,33 +216,39 @@ void tempdb_expire(struct store *s, const char *subject)
         (void)nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }
 
-enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
+enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e)
 {
     struct store_subject one;
-    struct store_settled out;
+    struct store_recorded out;
     const enum status st = store_subject_get(s, subject, &one, e);
 
     if (st != ST_OK)
         return st;
-    return store_settle(s,
-                        &(struct store_settle){.subject = &one,
-                                               .as = as,
-                                               .actor = "test",
-                                               .kind = "verify",
-                                               .template_id = "",
-                                               .outcome = "settled"},
-                        &out, e);
+    return store_record_verification(s,
+                                     &(struct store_record){.subject = &one,
+                                                            .as = as,
+                                                            .actor = "test",
+                                                            .kind = "verify",
+                                                            .template_id = "",
+                                                            .outcome = "settled"},
+                                     &out, e);
 }
 
 struct store_attempts tempdb_attempts(struct store *s, const char *subject)
 {
-    struct store_admission a;
+    struct store_snapshot a;
+    struct store_attempts is;
     struct errinfo e = {0};
 
-    if (store_admit(s, &(struct store_admit){.subject = subject, .token = "test"}, &a,
-                    &e) != ST_OK)
+    if (store_snapshot_end(
+            &a,
+            store_snapshot_begin(
+                s, &(struct store_snapshot_of){.subject = subject, .token = "test"}, &a,
+                &e),
+            &e) != ST_OK)
         fail_msg("%s", e.msg);
-    free(a.t);
-    return a.attempts;
+    is = a.attempts;
+    store_snapshot_free(&a);
+    return is;
 }

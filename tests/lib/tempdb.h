@@ -49,8 +49,8 @@ void tempdb_mislead(const char *index, const char *rows);
  * yet.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_expire(s, subject): its end is set to the next moment, and has passed.
- * tempdb_settle(s, subject, as, e): store_settle() of a verification by "test".
- * tempdb_attempts(s, subject): those that store_admit() gives. */
+ * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
+ * tempdb_attempts(s, subject): those of a store_snapshot_begin(). */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
@@ -59,7 +59,7 @@ void tempdb_enroll(struct store *s, const char *subject, const char *label,
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
 void tempdb_expire(struct store *s, const char *subject);
-enum status tempdb_settle(struct store *s, const char *subject, enum store_settle_as as,
+enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e);
 struct store_attempts tempdb_attempts(struct store *s, const char *subject);
 

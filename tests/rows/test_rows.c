@@ -163,7 +163,7 @@ static void step(struct store *s, struct brute_rng *rng)
         calibrate(s, 1 + brute_real(rng));
         break;
     default: /* what is not in it */
-        (void)tempdb_settle(s, id, STORE_SETTLE_FAILED, &e);
+        (void)tempdb_record(s, id, STORE_RECORD_FAILED, &e);
     }
     free(list);
     free(tokens);

@@ -13,7 +13,6 @@
 #include <cmocka.h>
 #include <sodium.h>
 
-#include "attempts.h"
 #include "intake.h"
 #include "options.h"
 #include "store.h"
@@ -190,63 +189,57 @@ static void test_attempts(void **state)
         {6, 0, 240},    {14, 0, 61440},      {15, 0, OPTIONS_WAIT_MAX},
         {16, 0, 86400}, {1000000, 0, 86400}, {1000000, 86400, 0},
     };
-    struct attempts *a = attempts_new(3, 30, 5);
-    enum attempts_reason why;
+    struct store_limits a = {3, 30, 5};
+    enum store_wait why;
 
     (void)state;
-    assert_non_null(a);
     for (size_t i = 0; i < sizeof want / sizeof *want; i++) {
         const struct store_attempts own = {.failures = want[i].failures,
                                            .age_ms = want[i].age_s * 1000};
 
-        assert_int_equal(attempts_wait_ms(a, &own, &why), want[i].wait_s * 1000);
-        assert_int_equal(why, want[i].wait_s > 0 ? ATTEMPTS_OWN : ATTEMPTS_MAY);
+        assert_int_equal(store_attempts_wait_ms(&a, &own, &why), want[i].wait_s * 1000);
+        assert_int_equal(why, want[i].wait_s > 0 ? STORE_WAIT_OWN : STORE_WAIT_NONE);
     }
-    attempts_free(a);
-    assert_non_null(a = attempts_new(0, 30, 5));
-    assert_int_equal(attempts_wait_ms(a,
-                                      &(struct store_attempts){.token = "a",
-                                                               .failures = 1000,
-                                                               .others = 1000,
-                                                               .tried = 1000},
-                                      &why),
+    a.failures = 0;
+    assert_int_equal(store_attempts_wait_ms(&a,
+                                            &(struct store_attempts){.token = "a",
+                                                                     .failures = 1000,
+                                                                     .others = 1000,
+                                                                     .tried = 1000},
+                                            &why),
                      0);
-    attempts_free(a);
-    attempts_free(NULL);
 }
 
 /* Those of other tokens, and of other subjects. */
 static void test_others(void **state)
 {
-    struct attempts *a = attempts_new(3, 30, 5);
+    struct store_limits a = {3, 30, 5};
     struct store_attempts now = {.token = "a", .others = 2};
-    enum attempts_reason why;
+    enum store_wait why;
 
     (void)state;
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
     now.others = 3;
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 30000);
-    assert_int_equal(why, ATTEMPTS_OTHERS);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 30000);
+    assert_int_equal(why, STORE_WAIT_OTHERS);
     now.others = 1000; /* nobody keeps others out for longer */
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 60000);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 60000);
     now.others_age_ms = 59999;
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 1);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 1);
     now.failures = 4; /* the longest counts */
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 60000);
-    assert_int_equal(why, ATTEMPTS_OWN);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 60000);
+    assert_int_equal(why, STORE_WAIT_OWN);
     now = (struct store_attempts){.token = "a", .tried = 4};
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
     now.tried = 5;
     now.tried_age_ms = 1000;
-    assert_int_equal(attempts_wait_ms(a, &now, &why), STORE_TRIED_MS - 1000);
-    assert_int_equal(why, ATTEMPTS_SUBJECTS);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), STORE_TRIED_MS - 1000);
+    assert_int_equal(why, STORE_WAIT_SUBJECTS);
     now.token[0] = '\0'; /* without tokens it is everybody */
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
-    attempts_free(a);
-    a = attempts_new(3, 30, 0);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
+    a.subjects = 0;
     now = (struct store_attempts){.token = "a", .tried = 100000};
-    assert_int_equal(attempts_wait_ms(a, &now, &why), 0);
-    attempts_free(a);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
 }
 
 /* ---- what is added */

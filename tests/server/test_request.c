@@ -11,7 +11,7 @@
 #include "errmap.h"
 #include "openapi_json.h"
 #include "request.h"
-#include "trial.h"
+#include "dry_run.h"
 #include "route.h"
 #include "routes.h"
 
@@ -195,8 +195,8 @@ static void test_errmap(void **state)
             assert_string_not_equal(m->code, "internal");
     }
     for (unsigned st = 1; st < ST_COUNT; st++) /* of a scan: the command's word too */
-        if (trial_is_refusal(st))
-            assert_string_equal(errmap_get(st)->code, trial_code(st));
+        if (dry_run_is_refusal(st))
+            assert_string_equal(errmap_get(st)->code, dry_run_code(st));
     assert_string_equal(errmap_get(ST_OK)->code, "internal");
     assert_string_equal(errmap_get(ERRMAP_COUNT)->code, "internal");
     assert_string_equal(errmap_get(UINT32_MAX)->code, "internal");

@@ -1,3 +1,4 @@
+/* link: -Wl,--wrap=store_enroll */
 /* A sample becomes a template if it matches the subject's oldest template or one that was enrolled
  * with scope manage, if it is forced, or if it is the first; of several the others likewise, or where
  * the first is what they have to fit, if they match that one; but not of a disabled or expired
@@ -17,37 +18,31 @@
 #define POINTS 1500
 
 static struct store *store;
-#define MODELS 5
-static struct face model[MODELS]; /* [models], held */
-static int models;
 static struct face again;    /* another scan of tempdb_face[0]'s person */
 static struct face cheek;    /* a part of that */
 static struct face other[2]; /* other scans of tempdb_face[1]'s person */
 static struct errinfo e;
-static const struct face *rival; /* enrolled by release(); NULL: nothing */
+static const struct face *rival; /* enrolled before the next store_enroll(); NULL: none */
 
-static const struct face *keep(void *arg, uint64_t mark, const struct store_template *t,
-                               struct face *f)
+enum status __real_store_enroll(struct store *s, const struct store_enroll *what,
+                                struct store_template *t, bool *created,
+                                struct errinfo *err);
+enum status __wrap_store_enroll(struct store *s, const struct store_enroll *what,
+                                struct store_template *t, bool *created,
+                                struct errinfo *err);
+
+/* A concurrent enrolment between comparing and storing, once. */
+enum status __wrap_store_enroll(struct store *s, const struct store_enroll *what,
+                                struct store_template *t, bool *created,
+                                struct errinfo *err)
 {
-    (void)arg;
-    (void)t;
-    assert_int_equal(mark, 0);
-    assert_true(models < MODELS);
-    model[models] = *f;
-    return &model[models++];
-}
+    const struct face *f = rival;
+    struct store_template its;
 
-/* Enrols `rival` once: a concurrent enrolment between comparing and storing. */
-static void release(void *arg, const struct face *f)
-{
-    struct store_template t;
-
-    (void)arg;
-    (void)f;
-    face_free(&model[--models]);
-    if (rival != NULL)
-        tempdb_enroll(store, "alice", "", rival, &t);
     rival = NULL;
+    if (f != NULL)
+        tempdb_enroll(s, "alice", "", f, &its);
+    return __real_store_enroll(s, what, t, created, err);
 }
 
 static struct enrolment_result each[ENROLMENT_SAMPLES];
@@ -56,8 +51,7 @@ static bool manager;
 static enum status add_all(const struct face *const f[], size_t n, bool force,
                            struct enrolment_outcome *out)
 {
-    struct admission_context c = {
-        .store = store, .work = tempdb_work, .keep = keep, .release = release};
+    struct templates_context c = {.store = store, .work = tempdb_work};
     struct store_sample sample[ENROLMENT_SAMPLES] = {{.face = NULL}};
     const struct enrolment x = {.actor = "test",
                                 .subject = "alice",
@@ -257,7 +251,7 @@ static void test_admitted(void **state)
                      ST_OK);
     for (int force = 0; force < 2; force++) {
         assert_int_equal(add(&again, force == 1, &out), ST_EDENIED);
-        assert_int_equal(out.admit, ADMIT_DISABLED);
+        assert_int_equal(out.refusal.admit, TEMPLATES_DISABLED);
         assert_non_null(strstr(e.msg, "alice is disabled"));
     }
     assert_int_equal(store_subject_set(store, "test", "alice",
@@ -266,13 +260,13 @@ static void test_admitted(void **state)
                      ST_OK);
     tempdb_expire(store, "alice");
     assert_int_equal(add(&again, false, &out), ST_EDENIED);
-    assert_int_equal(out.admit, ADMIT_EXPIRED);
+    assert_int_equal(out.refusal.admit, TEMPLATES_EXPIRED);
     assert_non_null(strstr(e.msg, "alice expired at 20"));
     assert_int_equal(store_subject_set(store, "test", "alice",
                                        &(struct store_subject_change){.expires = ""}, &e),
                      ST_OK);
     assert_int_equal(add(&again, false, &out), ST_OK);
-    assert_int_equal(out.admit, ADMIT_YES);
+    assert_int_equal(out.refusal.admit, TEMPLATES_ADMITTED);
 }
 
 /* Several at once: each that matches the first becomes a template. */
@@ -371,33 +365,25 @@ static void test_refused(void **state)
     assert_taken("-s-s-");
 }
 
-static bool twice(void *arg, const struct store_attempts *now)
-{
-    (void)now;
-    return --*(int *)arg >= 0;
-}
-
 /* Locked out on the way: nothing is enrolled. */
 static void test_locked(void **state)
 {
     struct store_sample sample[] = {{.face = &tempdb_face[1]}, {.face = &again}};
-    struct admission_context c = {
-        .store = store, .work = tempdb_work, .keep = keep, .release = release};
-    int left = 2; /* before and after the first comparison */
+    struct templates_context c = {.store = store, .work = tempdb_work};
+    const struct store_limits limits = {.failures = 1, .wait_s = 30};
     const struct enrolment x = {.actor = "test",
                                 .subject = "alice",
                                 .label = "",
                                 .sample = sample,
                                 .n = 2,
-                                .may = twice,
-                                .arg = &left};
+                                .limits = &limits};
     struct enrolment_outcome out;
 
     (void)state;
     memset(each, 0, sizeof each);
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(enrolment_add(&c, &x, each, &out, &e), ST_EDENIED);
-    assert_true(out.locked);
+    assert_int_equal(out.refusal.why, STORE_WAIT_OWN);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
 }
 

@@ -1,0 +1,267 @@
+#include "store_verification.h"
+
+#include <inttypes.h>
+#include <sodium.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rows_attempts.h"
+#include "rows_calibration.h"
+#include "rows_template.h"
+#include "store_rules.h"
+#include "store_template.h"
+#include "store_txn.h"
+
+/* ---- what it reads */
+
+struct store_reading {
+    struct store *store;
+    struct log_txn t;
+    struct rows_subject of;
+    struct rows_template *row; /* [n] of the snapshot */
+    char token[STORE_NAME_MAX + 1];
+    int64_t now;
+    bool begun, future;
+};
+
+/* The subject and those of its templates that are asked for. */
+static enum status read_templates(const struct store_snapshot_of *what,
+                                  struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    enum status st;
+
+    if (what->subject != NULL) {
+        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK ||
+            (st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
+            return st;
+    } else {
+        if ((r->row = malloc(sizeof *r->row)) == NULL)
+            return errinfo_set(e, ST_ENOMEM, "out of memory");
+        if ((st = rows_template_get(&r->t, what->template_id, r->row, &r->of, e)) !=
+            ST_OK)
+            return st;
+        out->n = 1;
+    }
+    if (out->n > STORE_TEMPLATES_MAX)
+        return errinfo_set(e, ST_ECORRUPT, "subject %s has %zu templates, more than %d",
+                           r->of.one.id, out->n, STORE_TEMPLATES_MAX);
+    if ((out->t = malloc((out->n + 1) * sizeof *out->t)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    for (size_t i = 0; i < out->n; i++)
+        out->t[i] = r->row[i].one;
+    return ST_OK;
+}
+
+static enum status read_all(const struct store_snapshot_of *what,
+                            struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    struct store_calibration k;
+    enum status st = read_templates(what, out, e);
+
+    if (st != ST_OK)
+        return st;
+    out->subject = r->of.one;
+    out->subject.expired = store_rules_past(out->subject.expires, r->now);
+    if ((st = rows_attempts_get(&r->t, &out->subject, r->token, r->now, &out->attempts,
+                                &r->future, e)) != ST_OK)
+        return st;
+    if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
+        return st == ST_ENOTFOUND ? ST_OK : st;
+    out->calibration = k.version;
+    if (k.version != what->calibration)
+        out->k = k;
+    return ST_OK;
+}
+
+enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
+                                 struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r;
+    enum status st;
+
+    *out = (struct store_snapshot){.n = 0};
+    if ((st = what->subject != NULL
+                  ? ident_subject(what->subject, e)
+                  : ident_id(what->template_id, "template", e)) != ST_OK)
+        return st;
+    if ((r = out->reading = calloc(1, sizeof *r)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    r->store = s;
+    (void)snprintf(r->token, sizeof r->token, "%s",
+                   what->token != NULL ? what->token : "");
+    if ((st = store_rules_now(&r->now, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &r->t, e)) != ST_OK)
+        return st;
+    r->begun = true;
+    return read_all(what, out, e);
+}
+
+enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
+                                struct face_work *w, struct face *f, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    unsigned char *face = NULL;
+    size_t len = 0;
+    enum status st = rows_template_face(&r->t, &r->row[i], &r->of, &face, &len, e);
+
+    if (st == ST_OK)
+        st = store_template_decode(r->store, &out->t[i], face, len, w, f, e);
+    rows_template_wipe(face, len);
+    return st;
+}
+
+static enum status move_future(const struct store_reading *r,
+                               const struct store_subject *one, struct errinfo *e)
+{
+    struct log_txn t;
+    const enum status st = store_begin(r->store, SQL_LAZY, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    return store_end(r->store, &t, rows_attempts_not_after(&t, one, r->token, r->now, e),
+                     e);
+}
+
+enum status store_snapshot_end(struct store_snapshot *out, enum status st,
+                               struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    struct errinfo why = {0};
+    enum status moved;
+
+    if (r == NULL)
+        return st;
+    if (r->begun)
+        st = store_end(r->store, &r->t, st, e);
+    /* also where the reading was refused: a lock-out must end some day */
+    if (r->future && (moved = move_future(r, &out->subject, &why)) != ST_OK &&
+        st == ST_OK)
+        st = errinfo_set(e, moved, "%s", why.msg);
+    free(r->row);
+    sodium_memzero(r, sizeof *r);
+    free(r);
+    out->reading = NULL;
+    return st;
+}
+
+void store_snapshot_free(struct store_snapshot *out)
+{
+    free(out->t);
+    *out = (struct store_snapshot){.n = 0};
+}
+
+/* ---- what it writes */
+
+/* A match by a scan that is no new one is no match. */
+static enum status look_back(struct log_txn *t, struct store_record *what,
+                             struct store_recorded *out, struct errinfo *e)
+{
+    char id[STORE_ID_LEN + 1] = "";
+    struct rows_subject of;
+    enum status st;
+
+    if (what->probe == NULL)
+        return ST_OK;
+    if ((st = rows_subject_get(t, what->subject->uid, &of, e)) == ST_OK)
+        st = rows_template_same(t, &of, what->probe->used, what->probe->read, id, e);
+    sodium_memzero(of.key, sizeof of.key);
+    if (st != ST_OK || id[0] == '\0')
+        return st;
+    out->replayed = true;
+    what->outcome = "replayed";
+    if (what->as == STORE_RECORD_PASSED)
+        what->as = STORE_RECORD_FAILED;
+    return ST_OK;
+}
+
+static enum status count_attempt(struct log_txn *t, const struct store_record *what,
+                                 const struct store_attempts *was, int64_t now,
+                                 struct errinfo *e)
+{
+    if (what->as == STORE_RECORD_FAILED)
+        return rows_attempts_fail(t, what->subject, what->actor, now, e);
+    if (what->as == STORE_RECORD_PASSED && was->failures > 0)
+        return rows_attempts_match(t, what->subject, what->actor, e);
+    return ST_OK;
+}
+
+/* Each lock-out is recorded, and each third of the subjects that a token may try. */
+static void judge(const struct store_record *what, struct store_recorded *out)
+{
+    const struct store_limits *l = what->limits;
+    const struct store_attempts *was = &out->now;
+    const uint32_t before =
+        was->tried_warn + (was->failures > 0 && was->age_ms < STORE_TRIED_WARN_MS);
+    const uint32_t after = was->tried_warn + 1;
+    const uint32_t third =
+        l == NULL || what->actor[0] == '\0' ? 0 : (l->subjects + 2) / 3;
+
+    if (what->as != STORE_RECORD_FAILED || l == NULL || l->failures == 0)
+        return;
+    out->locked_out = was->failures + 1 >= l->failures;
+    out->many_subjects = third > 0 && after > before && after / third > before / third;
+}
+
+static enum status add_events(struct log_txn *t, const struct store_record *what,
+                              const struct log_act *by, const struct store_recorded *out,
+                              struct errinfo *e)
+{
+    const unsigned char *uid = what->subject->uid;
+    char outcome[LOG_TEXT + 1];
+    enum status st =
+        log_access(t, by, what->kind, uid, what->template_id, what->outcome, e);
+
+    if (st == ST_OK && out->locked_out) {
+        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " failures",
+                       out->now.failures + 1);
+        st = log_access(t, by, "locked_out", uid, "", outcome, e);
+    }
+    if (st == ST_OK && out->many_subjects) {
+        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " subjects",
+                       out->now.tried_warn + 1);
+        st = log_access(t, by, "many_subjects", uid, "", outcome, e);
+    }
+    return st;
+}
+
+static enum status write_all(struct log_txn *t, const struct store_record *asked,
+                             const struct log_act *by, struct store_recorded *out,
+                             struct errinfo *e)
+{
+    struct store_record what = *asked;
+    bool future;
+    enum status st =
+        rows_attempts_get(t, what.subject, what.actor, by->ms, &out->now, &future, e);
+
+    if (st != ST_OK)
+        return st;
+    out->wait_ms = store_attempts_wait_ms(what.limits, &out->now, &out->why);
+    if (out->why != STORE_WAIT_NONE)
+        return ST_OK;
+    if ((st = look_back(t, &what, out, e)) != ST_OK)
+        return st;
+    judge(&what, out);
+    if ((st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
+        (st = add_events(t, &what, by, out, e)) != ST_OK ||
+        store_rules_recent(what.subject->seen, by->ms))
+        return st;
+    return rows_subject_seen(t, what.subject->uid, by->at, e);
+}
+
+enum status store_record_verification(struct store *s, const struct store_record *what,
+                                      struct store_recorded *out, struct errinfo *e)
+{
+    struct log_act by;
+    struct log_txn t;
+    enum status st;
+
+    *out = (struct store_recorded){.why = STORE_WAIT_NONE};
+    if ((st = store_act_begin(s, what->actor,
+                              what->as == STORE_RECORD_FAILED ? SQL_WRITE : SQL_LAZY, &by,
+                              &t, e)) != ST_OK)
+        return st;
+    return store_end(s, &t, write_all(&t, what, &by, out, e), e);
+}

@@ -1,0 +1,189 @@
+#include "burst.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "app.h"
+#include "cloud.h"
+#include "cloudfile.h"
+#include "describe.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "inflate.h"
+#include "json.h"
+#include "logger.h"
+#include "mem.h"
+#include "request.h"
+#include "sample.h"
+#include "dry_run.h"
+
+_Static_assert((int)MULTIPART_FILES_MAX == (int)ENROLMENT_SAMPLES, "the same limit");
+
+struct reading {
+    struct request *r;
+    struct face_work *w;
+    struct cloudfile_options o; /* max_points, max_bytes: what is left of them */
+    bool as_scanned;
+};
+
+/* len bytes, of which the last is followed by one that may be written. */
+static enum status parse(struct reading *g, unsigned char *bytes, size_t len,
+                         struct cloudpoints *out, struct errinfo *e)
+{
+    const unsigned char behind = bytes[len];
+    enum status st;
+
+    bytes[len] = 0;
+    st = cloudfile_read(bytes, len, &g->o, out, e);
+    bytes[len] = behind;
+    out->as_scanned = out->as_scanned || g->as_scanned;
+    g->o.max_points -= out->read;
+    return st == ST_EVERSION ? ST_EINVAL : st; /* as of a file that is sent alone */
+}
+
+static enum status inflate(struct reading *g, enum inflate_coding coding,
+                           const struct multipart_file *f, struct cloudpoints *out,
+                           struct errinfo *e)
+{
+    unsigned char *bytes;
+    size_t len;
+    enum status st =
+        inflate_body(coding, f->data, f->len, g->o.max_bytes, &bytes, &len, e);
+
+    g->o.max_bytes -= len;
+    if (st == ST_OK)
+        st = parse(g, bytes, len, out, e);
+    mem_free(bytes);
+    return st;
+}
+
+static enum status read_file(struct reading *g, const struct multipart_file *f,
+                             struct cloudpoints *out, struct errinfo *e)
+{
+    static const unsigned char gzip[2] = {0x1f, 0x8b};
+    enum inflate_coding coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
+
+    if (coding == INFLATE_OTHER)
+        return errinfo_set(e, ST_EINVAL,
+                           "Content-Encoding may be gzip or zstd, one of them and once");
+    if (f->len == 0)
+        return errinfo_set(e, ST_EINVAL, "the file is empty");
+    if (coding == INFLATE_NONE && f->len > 2 && memcmp(f->data, gzip, 2) == 0)
+        coding = INFLATE_GZIP;
+    (void)request_media(f->type, &g->o.format);
+    if (coding != INFLATE_NONE)
+        return inflate(g, coding, f, out, e);
+    return parse(g, g->r->body + (f->data - g->r->body), f->len, out, e);
+}
+
+/* ST_OK also where the file is refused. */
+static enum status take_file(struct reading *g, struct burst *b, size_t i,
+                             struct errinfo *e)
+{
+    const struct scan_options o = {.enrolment = true, .stop = &g->r->gone};
+    const double start = logger_clock_ms();
+    struct cloudpoints c = {0};
+    double parsed;
+    enum status st = read_file(g, &b->file[i], &c, e);
+
+    request_stage(g->r, REQUEST_PARSE, (parsed = logger_clock_ms()) - start);
+    if (st == ST_ELIMIT)
+        return errinfo_set(e, st, "the files together have more than %d points",
+                           FACE_MAX_POINTS);
+    if (st == ST_ESIZE)
+        return errinfo_set(e, st,
+                           "the limit is %zu bytes of all files together when unpacked",
+                           g->r->app->max_body);
+    if (st == ST_OK) {
+        st = sample_build("points", &c, &o, g->w, &b->face[i], &b->found[i], e);
+        request_stage(g->r, REQUEST_PREPARE, logger_clock_ms() - parsed);
+    }
+    cloudpoints_free(&c);
+    if (st == ST_OK) {
+        b->sample[i] =
+            (struct store_sample){.face = &b->face[i], .read = b->found[i].digest};
+    } else if (dry_run_is_refusal(st) || st == ST_EINVAL) {
+        b->each[i].why = *e;
+        b->each[i].why.code = st;
+        return ST_OK;
+    }
+    return st;
+}
+
+struct burst *burst_read(struct request *r, struct face_work *w)
+{
+    struct reading g = {.r = r, .w = w};
+    struct burst *b = mem_array(1, sizeof *b);
+    struct errinfo e = {0};
+    enum status st;
+
+    if (b == NULL) {
+        request_problem(r, ST_ENOMEM, "no memory for the files");
+        return NULL;
+    }
+    memset(b, 0, sizeof *b);
+    if (!cloud_options(r, &g.o, &g.as_scanned)) {
+        burst_free(b);
+        return NULL;
+    }
+    st = multipart_read(r->body, r->len, r->boundary, MULTIPART_FILES_MAX, b->file, &b->n,
+                        &e);
+    for (size_t i = 0; st == ST_OK && i < b->n && !request_gone(r); i++)
+        st = take_file(&g, b, i, &e);
+    if (request_gone(r) || st != ST_OK) {
+        if (st != ST_OK && !request_gone(r))
+            request_fail(r, &e);
+        burst_free(b);
+        return NULL;
+    }
+    return b;
+}
+
+/* Ends j. */
+static char *list(struct json *j, const struct burst *b)
+{
+    json_array(j, "templates");
+    for (size_t i = 0; i < b->n; i++) {
+        json_object(j, NULL);
+        describe_enrolled(j, b->file[i].name, &b->each[i], &b->found[i],
+                          &b->face[i].frame);
+        json_close(j);
+    }
+    return json_compact(j);
+}
+
+/* Whole, whatever the client prefers: else it would not know which files were refused. */
+void burst_respond(struct request *r, const struct burst *b)
+{
+    const char *first = NULL;
+    struct json *j = json_new();
+    bool created = false;
+
+    for (size_t i = b->n; i-- > 0;)
+        if (b->each[i].why.code == ST_OK) {
+            first = b->each[i].tmpl.id;
+            created = created || b->each[i].created;
+        }
+    json_text(j, "subject", r->subject);
+    request_respond(r, created ? 201 : 200, list(j, b));
+    if (first != NULL && r->response.http < 300)
+        request_template(r, first);
+}
+
+void burst_refuse(struct request *r, const struct burst *b)
+{
+    const struct errinfo *why = &b->each[0].why;
+    char detail[sizeof why->msg + 128];
+
+    (void)snprintf(detail, sizeof detail, "none of the %zu files was taken; %.80s: %s",
+                   b->n, b->file[0].name, why->msg);
+    request_refuse(r, why->code,
+                   list(errmap_problem(errmap_get(why->code), detail, r->id), b));
+}
+
+void burst_free(struct burst *b)
+{
+    for (size_t i = 0; b != NULL && i < b->n; i++)
+        face_free(&b->face[i]);
+    mem_free(b);
+}

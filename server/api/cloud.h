@@ -1,0 +1,39 @@
+/* cloud.h -- from the body of a request to a face model. */
+#ifndef SERVER_CLOUD_H
+#define SERVER_CLOUD_H
+#include <stdbool.h>
+#include "cloudpoints.h"
+#include "status.h"
+
+struct cloudfile_options; /* cloudfile.h */
+struct errinfo;
+struct face;
+struct face_work;
+struct request;
+struct scan_found; /* scan.h */
+
+/* cloud_options(r, o, as_scanned): how r's clouds are to be read, by its parameters and limits;
+ * as_scanned: axes=scanner.  False: r->response says what is wrong with them. */
+bool cloud_options(struct request *r, struct cloudfile_options *o, bool *as_scanned);
+
+/* cloud_read(r, out): the body as JSON or as a scanner's file; a unit of the file's own wins
+ * over ?units=, and axes over ?axes=auto.  The body is released.
+ * out: by cloudpoints_free().  Returns ST_OK, or another status with r->response set. */
+enum status cloud_read(struct request *r, struct cloudpoints *out);
+
+/* cloud_take(r, out, e): the same, but r->response is set for a parameter alone; *e tells
+ * everything else. */
+enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e);
+
+/* cloud_read_two(r, a, b): the body {"a": cloud, "b": cloud}, the same. */
+enum status cloud_read_two(struct request *r, struct cloudpoints *a,
+                           struct cloudpoints *b);
+
+/* cloud_build(r, c, name, enrolment, w, out, found): the model; c then has the points used, in mm
+ * (scan.h).  name is "points", "a.points" or "b.points".
+ * Returns ST_OK, or another status with r->response set. */
+enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
+                        bool enrolment, struct face_work *w, struct face *out,
+                        struct scan_found *found);
+
+#endif

@@ -1,0 +1,194 @@
+#include "compare.h"
+
+#include <math.h>
+
+#include "app.h"
+#include "auth.h"
+#include "capture.h"
+#include "cloud.h"
+#include "errmap.h"
+#include "json.h"
+#include "access.h"
+#include "logger.h"
+#include "metrics.h"
+#include "params.h"
+#include "request.h"
+#include "verify.h"
+#include "worker.h"
+
+/* ---- refusals */
+
+static void refuse_attempt(struct request *r, const struct templates_refusal *why)
+{
+    switch (why->why) {
+    case STORE_WAIT_OWN:
+        request_problem(
+            r, ERRMAP_ATTEMPTS,
+            "the subject's last %u verifications failed: it is locked out for now",
+            why->now.failures);
+        break;
+    case STORE_WAIT_OTHERS:
+        request_problem(r, ERRMAP_ATTEMPTS,
+                        "the subject's last %u verifications by others failed: it is "
+                        "locked out for a minute at most",
+                        why->now.others);
+        break;
+    default:
+        request_problem(r, ERRMAP_SUBJECTS,
+                        "this token has tried %u other subjects without a match within "
+                        "an hour",
+                        why->now.tried);
+    }
+    r->response.retry_after = (unsigned)((why->wait_ms + 999) / 1000);
+    metrics_attempts(r->app->metrics, (enum metrics_failed)(why->why - STORE_WAIT_OWN));
+}
+
+void compare_refuse(struct request *r, const struct templates_refusal *why,
+                    const struct errinfo *e)
+{
+    if (why->why != STORE_WAIT_NONE)
+        refuse_attempt(r, why);
+    else if (why->admit != TEMPLATES_ADMITTED)
+        request_problem(
+            r, why->admit == TEMPLATES_DISABLED ? ERRMAP_DISABLED : ERRMAP_EXPIRED, "%s",
+            e->msg);
+    else
+        request_fail(r, e);
+}
+
+static void warn(const struct request *r, const char *what)
+{
+    struct logger_line l;
+
+    logger_begin(&l, "warn", what);
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "token", r->actor);
+    logger_end(&l);
+}
+
+void compare_warn(const struct request *r, bool locked_out, bool many_subjects)
+{
+    if (locked_out) {
+        metrics_warning(r->app->metrics, METRICS_LOCKED_OUT);
+        warn(r, "a subject is locked out: verifications failed");
+    }
+    if (many_subjects) {
+        metrics_warning(r->app->metrics, METRICS_MANY_SUBJECTS);
+        warn(r, "a token has tried many subjects without a match");
+    }
+}
+
+/* ---- requests */
+
+static void count_stages(struct request *r, const struct verification *v)
+{
+    const struct describe_times *t = &v->times;
+
+    if (t->parse > 0)
+        request_stage(r, REQUEST_PARSE, t->parse);
+    if (t->prepare > 0)
+        request_stage(r, REQUEST_PREPARE, t->prepare);
+    if (v->best.compared == 0)
+        return;
+    request_stage(r, REQUEST_SCORE, t->score);
+    if (v->request->detail != VERIFY_DECISION) {
+        request_stage(r, REQUEST_ALIGN, t->align);
+        request_stage(r, REQUEST_MINIMAL, t->minimal);
+    }
+}
+
+/* There is no subject to protect: where the event is lost the response stands. */
+static void record_comparison(struct request *r, enum face_decision decision)
+{
+    char outcome[CAPTURE_OUTCOME];
+
+    access_event(r, "compare", capture_outcome(r, describe_decision(decision), outcome));
+}
+
+/* Where the token gets no more than decisions (neither detail nor manage), the measures are
+ * rounded: many exact scores would rebuild a face. */
+static void respond(struct request *r, struct worker *w, struct verification *v)
+{
+    struct describe_comparison c = verify_describe(v, store_made_by(r->app->store));
+    struct json *j;
+    double *mm = &v->least.disparity.plain_mm;
+
+    v->times.total = logger_clock_ms() - r->start_ms;
+    if (!auth_exact(r)) {
+        face_round(&v->best.result, w->compare.work);
+        *mm = round(*mm * 1e3) / 1e3;
+    }
+    j = json_new();
+    describe_comparison(j, &c);
+    request_respond(r, 200, json_compact(j));
+    r->response.minimal = c.minimal == NULL && r->response.http == 200;
+}
+
+static void run(struct request *r, struct worker *w, struct verify_request *ask,
+                double parse_ms)
+{
+    struct verification v;
+    struct errinfo e = {0};
+    enum status st;
+
+    ask->captured = r->capture.captured;
+    ask->stop = &r->gone;
+    ask->probe.face = &w->probe;
+    st = verify_run(&w->compare, ask, &v, &e);
+    v.times.parse += parse_ms;
+    count_stages(r, &v);
+    worker_passed_over(&v.templates);
+    compare_warn(r, v.recorded.locked_out, v.recorded.many_subjects);
+    if (v.decided || (st == ST_OK && ask->other != NULL))
+        metrics_decision(r->app->metrics, v.best.result.decision);
+    if (st == ST_OK && ask->other != NULL)
+        record_comparison(r, v.best.result.decision);
+    if (st == ST_OK)
+        respond(r, w, &v);
+    else if (!request_gone(r))
+        compare_refuse(r, &v.refusal, &e);
+    verify_free(&v);
+}
+
+/* One of subject and template_id is NULL. */
+static void verify(struct request *r, struct worker *w, const char *subject,
+                   const char *template_id)
+{
+    struct verify_request ask = {.of = {.subject = subject,
+                                        .template_id = template_id,
+                                        .token = r->actor,
+                                        .limits = &r->app->limits},
+                                 .probe = {.name = "points"}};
+
+    if (!params_detail(r, &ask.detail) ||
+        !cloud_options(r, &ask.probe.how, &ask.probe.as_scanned) || !capture_admit(r))
+        return;
+    ask.probe.bytes = r->body;
+    ask.probe.len = r->len;
+    r->body = NULL;
+    r->len = 0;
+    run(r, w, &ask, 0);
+}
+
+void compare_subject(struct request *r, struct worker *w)
+{
+    verify(r, w, r->subject, NULL);
+}
+
+void compare_template(struct request *r, struct worker *w)
+{
+    verify(r, w, NULL, r->template_id);
+}
+
+void compare_scans(struct request *r, struct worker *w)
+{
+    struct verify_scan a = {.name = "a.points", .face = &w->other};
+    struct verify_request ask = {.other = &a, .probe = {.name = "b.points"}};
+    double start;
+
+    if (!params_detail(r, &ask.detail) || !capture_admit(r))
+        return;
+    start = logger_clock_ms();
+    if (cloud_read_two(r, &a.points, &ask.probe.points) == ST_OK)
+        run(r, w, &ask, logger_clock_ms() - start);
+}

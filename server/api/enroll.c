@@ -1,0 +1,155 @@
+#include "enroll.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "app.h"
+#include "auth.h"
+#include "burst.h"
+#include "capture.h"
+#include "cloud.h"
+#include "compare.h"
+#include "enrolment.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "intake.h"
+#include "json.h"
+#include "describe.h"
+#include "logger.h"
+#include "metrics.h"
+#include "params.h"
+#include "request.h"
+#include "scan.h"
+#include "worker.h"
+
+/* What the request asks for, beside the samples. */
+struct asked {
+    char label[STORE_LABEL_MAX + 1];
+    bool force;
+};
+
+static void tally(struct request *r, const struct enrolment_result *each, size_t n,
+                  bool none)
+{
+    struct metrics *m = r->app->metrics;
+
+    for (size_t i = 0; i < n; i++) {
+        const enum status why = each[i].why.code;
+
+        if (why == ST_OK)
+            metrics_enrollment(m, each[i].created ? METRICS_ENROLLED : METRICS_KNOWN);
+        else if (why == ST_EMISMATCH)
+            metrics_enrollment(m, METRICS_MISMATCH);
+        else if (i > 0 ||
+                 !none) /* else it is the response's problem, and counts as that */
+            metrics_refused(m, why);
+    }
+}
+
+/* enrolment_add(): true where one of the samples is a template now.  False: r->response says why
+ * not. */
+static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
+                   const struct store_sample *sample, size_t n,
+                   struct enrolment_result *each, struct enrolment_outcome *out)
+{
+    struct enrolment x = {.actor = r->actor,
+                          .subject = r->subject,
+                          .label = ask->label,
+                          .sample = sample,
+                          .n = n,
+                          .captured = r->capture.captured,
+                          .manager = auth_has(r, STORE_SCOPE_MANAGE),
+                          .force = ask->force,
+                          .limits = r->app->limits.failures > 0 ? &r->app->limits : NULL};
+    struct errinfo e = {0};
+    unsigned added = 0;
+    enum status st;
+
+    if (!intake_admit(r, (unsigned)n))
+        return false;
+    st = enrolment_add(&w->compare, &x, each, out, &e);
+    for (size_t i = 0; i < n; i++)
+        added += each[i].created;
+    intake_give(r->app->intake, r->actor, (unsigned)n - added);
+    compare_warn(r, out->locked_out, out->many_subjects);
+    if (out->nearest.compared > 0)
+        request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
+    if (st == ST_OK || out->none)
+        tally(r, each, n, out->none);
+    if (st != ST_OK)
+        compare_refuse(r, &out->refusal, &e);
+    return st == ST_OK;
+}
+
+/* False: r->response says what is wrong with them, or that the request may not be made. */
+static bool read_parameters(struct request *r, struct asked *ask)
+{
+    const enum status st = request_query(r, "label", ask->label, sizeof ask->label);
+
+    ask->force = false;
+    if (st != ST_OK && st != ST_ENOTFOUND) {
+        request_problem(r, ERRMAP_PARAMETER, "label is malformed or longer than %d bytes",
+                        STORE_LABEL_MAX);
+        return false;
+    }
+    return params_flag(r, "force", &ask->force) &&
+           (!ask->force || auth_may(r, STORE_SCOPE_MANAGE)) && capture_admit(r);
+}
+
+/* ---- one file */
+
+static void enroll_one(struct request *r, struct worker *w)
+{
+    struct enrolment_result x = {.created = false};
+    struct enrolment_outcome out;
+    struct scan_found found;
+    struct cloudpoints c;
+    struct asked ask;
+    struct json *j;
+    double start = logger_clock_ms(), parsed;
+    enum status st;
+
+    if (!read_parameters(r, &ask) || cloud_read(r, &c) != ST_OK)
+        return;
+    parsed = logger_clock_ms();
+    request_stage(r, REQUEST_PARSE, parsed - start);
+    st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe, &found);
+    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - parsed);
+    cloudpoints_free(&c);
+    if (st != ST_OK ||
+        !enroll(r, w, &ask,
+                &(struct store_sample){.face = &w->probe, .read = found.digest}, 1, &x,
+                &out))
+        return;
+    j = json_new();
+    describe_template(j, &x.tmpl, &w->probe.frame, auth_exact(r));
+    describe_scan(j, "scan", &found);
+    request_written(r, x.created ? 201 : 200, json_compact(j));
+    if (r->response.http < 300)
+        request_template(r, x.tmpl.id);
+}
+
+/* ---- several */
+
+static void enroll_several(struct request *r, struct worker *w)
+{
+    struct enrolment_outcome out;
+    struct asked ask;
+    struct burst *b;
+
+    if (!read_parameters(r, &ask) || (b = burst_read(r, w->compare.work)) == NULL)
+        return;
+    if (enroll(r, w, &ask, b->sample, b->n, b->each, &out))
+        burst_respond(r, b);
+    else if (out.none)
+        burst_refuse(r, b);
+    burst_free(b);
+}
+
+void enroll_handle(struct request *r, struct worker *w)
+{
+    if (r->media == REQUEST_FORM)
+        enroll_several(r, w);
+    else
+        enroll_one(r, w);
+}

@@ -1,0 +1,114 @@
+#include "parse.h"
+
+#include <string.h>
+
+#include "cloudfile.h"
+#include "cloudjson.h"
+#include "errinfo.h"
+#include "json.h"
+#include "request.h"
+
+/* ---- clouds */
+
+enum status parse_clouds(const char *text, size_t len, const struct cloudfile_options *o,
+                         struct cloudpoints *a, struct cloudpoints *b, struct errinfo *e)
+{
+    static const char *const known[] = {"a", "b", NULL};
+    struct json_value *doc;
+    enum status st = cloudjson_document(text, len, o->max_points, 2, &doc, e);
+
+    *a = *b = (struct cloudpoints){0};
+    if (st == ST_OK)
+        st = json_expect(doc, "the body", known, e);
+    if (st == ST_OK)
+        st = cloudfile_read_json(json_member(doc, "a"), "a", "a.", o, a, e);
+    if (st == ST_OK)
+        st = cloudfile_read_json(json_member(doc, "b"), "b", "b.", o, b, e);
+    if (st != ST_OK)
+        cloudpoints_free(a);
+    json_free(doc);
+    return st;
+}
+
+/* ---- subjects */
+
+/* The body as an object of these members. */
+static enum status read_object(const char *text, size_t len, const char *const known[],
+                               struct json_value **out, struct errinfo *e)
+{
+    enum status st = json_read(text, len, 2 * JSON_MEMBERS, out, e);
+
+    if (st == ST_ELIMIT) /* of values: not the limit of points that this code tells */
+        return errinfo_set(e, ST_EINVAL, "the body has more than %d values",
+                           2 * JSON_MEMBERS);
+    return st == ST_OK ? json_expect(*out, "the body", known, e) : st;
+}
+
+/* The text of a member, of up to size - 1 bytes, "" for null; NULL: there is no such
+ * member, or *st says what is wrong. */
+static const char *take_text(const struct json_value *object, const char *key, char *out,
+                             size_t size, enum status *st, struct errinfo *e)
+{
+    const struct json_value *v = json_member(object, key);
+
+    if (*st != ST_OK || v == NULL)
+        return NULL;
+    out[0] = '\0';
+    if (json_is_null(v) || json_copy_text(v, out, size))
+        return out;
+    *st = json_get_text(v) == NULL
+              ? errinfo_set(e, ST_EINVAL, "%s is neither a text nor null", key)
+              : errinfo_set(e, ST_EINVAL, "%s is longer than %zu bytes", key, size - 1);
+    return NULL;
+}
+
+static const bool *take_flag(const struct json_value *object, const char *key, bool *out,
+                             enum status *st, struct errinfo *e)
+{
+    const struct json_value *v = json_member(object, key);
+
+    if (*st != ST_OK || v == NULL)
+        return NULL;
+    if (json_get_flag(v, out))
+        return out;
+    *st = errinfo_set(e, ST_EINVAL, "%s is neither true nor false", key);
+    return NULL;
+}
+
+enum status parse_change(const char *text, size_t len, struct parse_change *out,
+                         struct errinfo *e)
+{
+    static const char *const known[] = {"consent", "purpose",  "expires_at",
+                                        "hold",    "disabled", NULL};
+    struct store_subject_change *what = &out->what;
+    struct json_value *doc;
+    enum status st = read_object(text, len, known, &doc, e);
+
+    memset(out, 0, sizeof *out);
+    what->reference = take_text(doc, "consent", out->consent, PARSE_TEXT_MAX, &st, e);
+    what->purpose = take_text(doc, "purpose", out->purpose, PARSE_TEXT_MAX, &st, e);
+    what->expires = take_text(doc, "expires_at", out->expires, PARSE_TEXT_MAX, &st, e);
+    what->hold = take_flag(doc, "hold", &out->hold, &st, e);
+    what->disabled = take_flag(doc, "disabled", &out->disabled, &st, e);
+    json_free(doc);
+    return st;
+}
+
+enum status parse_newcomer(const char *text, size_t len, struct store_subject *out,
+                           struct errinfo *e)
+{
+    static const char *const known[] = {"subject", "consent", "purpose", "expires_at",
+                                        NULL};
+    struct json_value *doc;
+    enum status st = read_object(text, len, known, &doc, e);
+
+    memset(out, 0, sizeof *out);
+    (void)take_text(doc, "subject", out->id, sizeof out->id, &st, e);
+    if (st == ST_OK && !ident_subject_valid(out->id))
+        st = errinfo_set(e, ST_EINVAL, "%s", REQUEST_SUBJECT_ID);
+    (void)take_text(doc, "consent", out->reference, sizeof out->reference, &st, e);
+    (void)take_text(doc, "purpose", out->purpose, sizeof out->purpose, &st, e);
+    (void)take_text(doc, "expires_at", out->expires, sizeof out->expires, &st, e);
+    json_free(doc);
+    return st;
+}

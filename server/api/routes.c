@@ -1,0 +1,67 @@
+#include "routes.h"
+
+#include "capture.h"
+#include "compare.h"
+#include "docs.h"
+#include "enroll.h"
+#include "health.h"
+#include "metrics.h"
+#include "route.h"
+#include "store.h"
+#include "subjects.h"
+#include "scans.h"
+
+#define TEMPLATE "/v1/templates/{template_id}"
+#define SUBJECT  "/v1/subjects/{subject}"
+
+/* The query parameters of a cloud, and of a comparison with one. */
+#define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
+#define COMPARING CLOUD ", detail"
+
+enum { /* who may: those whose token has the scope */
+       ANYBODY = 0,
+       ENROLL = STORE_SCOPE_ENROLL,
+       VERIFY = STORE_SCOPE_VERIFY,
+       CHECK = ENROLL | VERIFY | STORE_SCOPE_IDENTIFY, /* any of them */
+       READ = STORE_SCOPE_READ,
+       DELETE = STORE_SCOPE_DELETE,
+       MANAGE = STORE_SCOPE_MANAGE
+};
+
+static const struct route table[] = {
+    {REQUEST_GET, "/healthz", ROUTE_NO_BODY, ANYBODY, "", health_live, true},
+    {REQUEST_GET, "/readyz", ROUTE_NO_BODY, ANYBODY, "", health_ready, false},
+    {REQUEST_GET, "/metrics", ROUTE_NO_BODY, ANYBODY, "", metrics_handle, true},
+    {REQUEST_GET, "/openapi.json", ROUTE_NO_BODY, ANYBODY, "", docs_openapi, true},
+    {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", docs_page, true},
+    {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", docs_style, true},
+    {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", docs_script, true},
+    {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", health_version, true},
+    {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL, CLOUD ", label, force",
+     enroll_handle, false},
+    {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_subject,
+     false},
+    {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_template,
+     false},
+    {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, axes, detail",
+     compare_scans, false},
+    {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
+     false},
+    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, scans_check, false},
+    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
+    {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
+     false},
+    {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, false},
+    {REQUEST_GET, SUBJECT, ROUTE_NO_BODY, READ, "", subjects_show, false},
+    {REQUEST_PATCH, SUBJECT, ROUTE_MERGE, MANAGE, "", subjects_change, false},
+    {REQUEST_DELETE, SUBJECT, ROUTE_NO_BODY, DELETE, "", subjects_delete, false},
+    {REQUEST_GET, TEMPLATE, ROUTE_NO_BODY, READ, "", subjects_template, false},
+    {REQUEST_DELETE, TEMPLATE, ROUTE_NO_BODY, DELETE, "", subjects_template_delete,
+     false},
+};
+
+const struct route *routes_table(size_t *n)
+{
+    *n = sizeof table / sizeof *table;
+    return table;
+}

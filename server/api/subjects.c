@@ -1,0 +1,229 @@
+#include "subjects.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "app.h"
+#include "auth.h"
+#include "cache.h"
+#include "errinfo.h"
+#include "describe.h"
+#include "errmap.h"
+#include "intake.h"
+#include "json.h"
+#include "parse.h"
+#include "params.h"
+#include "request.h"
+
+#define PAGE_DEFAULT 100
+#define PAGE_MAX     1000
+
+#define SUBJECTS_CURSOR 24 /* digits of a key */
+
+/* ---- as JSON */
+
+static char *write_template(const struct store_template *t, bool how)
+{
+    struct json *j = json_new();
+
+    describe_template(j, t, NULL, how);
+    return json_compact(j);
+}
+
+static char *write_subject(const struct store_subject *s, const struct store_template *t,
+                           size_t n, bool how)
+{
+    struct json *j = json_new();
+
+    describe_subject(j, s);
+    json_array(j, "templates");
+    for (size_t i = 0; i < n; i++) {
+        json_object(j, NULL);
+        describe_template(j, &t[i], NULL, how);
+        json_close(j);
+    }
+    return json_compact(j);
+}
+
+static char *write_subjects(const struct store_subject *s, size_t n, bool more)
+{
+    struct json *j = json_new();
+    char cursor[24] = "";
+
+    json_array(j, "subjects");
+    for (size_t i = 0; i < n; i++) {
+        json_object(j, NULL);
+        json_text(j, "subject", s[i].id);
+        json_text(j, "created", s[i].created);
+        json_number(j, "templates", s[i].templates);
+        json_close(j);
+    }
+    json_close(j);
+    if (more && n > 0)
+        (void)snprintf(cursor, sizeof cursor, "%lld", (long long)s[n - 1].key);
+    json_text(j, "next_cursor", cursor[0] != '\0' ? cursor : NULL);
+    return json_compact(j);
+}
+
+static char *write_erased(const struct store_receipt *r)
+{
+    struct json *j = json_new();
+
+    json_text(j, "subject", r->subject);
+    json_number(j, "templates_removed", r->templates);
+    json_array(j, "template_ids");
+    for (uint32_t i = 0; i < r->templates; i++)
+        json_text(j, NULL, r->template_id[i]);
+    json_close(j);
+    json_text(j, "subject_uid", r->uid);
+    json_text(j, "erased_at", r->at);
+    json_text(j, "digest", r->digest);
+    json_object(j, "audit");
+    json_number(j, "seq", (double)r->seq);
+    json_text(j, "hash", r->hash);
+    json_close(j);
+    json_text(j, "signature", r->signature);
+    json_text(j, "public_key", r->public_key);
+    return json_compact(j);
+}
+
+/* ---- requests */
+
+/* The key of the page's last subject; none at all is the first page. */
+static enum status read_cursor(const char *text, int64_t *after)
+{
+    if (strspn(text, "0123456789") != strlen(text))
+        return ST_EINVAL;
+    errno = 0;
+    *after = text[0] == '\0' ? 0 : strtoll(text, NULL, 10);
+    return errno == 0 ? ST_OK : ST_EINVAL;
+}
+
+void subjects_list(struct request *r, struct worker *w)
+{
+    char cursor[SUBJECTS_CURSOR];
+    struct store_subject *s = NULL;
+    struct errinfo e = {0};
+    size_t n = 0, limit = PAGE_DEFAULT;
+    int64_t after = 0;
+    enum status st = request_query(r, "cursor", cursor, sizeof cursor);
+
+    (void)w;
+    if (st == ST_OK)
+        st = read_cursor(cursor, &after);
+    if (st != ST_OK && st != ST_ENOTFOUND) {
+        request_problem(r, ERRMAP_PARAMETER, "cursor is not the next_cursor of a page");
+        return;
+    }
+    if (!params_count(r, "limit", PAGE_MAX, &limit))
+        return;
+    /* One more than asked for tells whether another page follows. */
+    if (store_subject_list(r->app->store, after, limit + 1, &s, &n, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        request_respond(r, 200, write_subjects(s, n > limit ? limit : n, n > limit));
+    free(s);
+}
+
+/* 200 with the subject as it is now; respond: request_respond() or request_written(). */
+static void show(struct request *r, void (*respond)(struct request *, int, char *))
+{
+    struct store_subject s;
+    struct store_template *t = NULL;
+    struct errinfo e = {0};
+    size_t n = 0;
+
+    if (store_subject_get(r->app->store, r->subject, &s, &e) != ST_OK ||
+        store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        respond(r, 200, write_subject(&s, t, n, auth_exact(r)));
+    free(t);
+}
+
+void subjects_show(struct request *r, struct worker *w)
+{
+    (void)w;
+    show(r, request_respond);
+}
+
+void subjects_add(struct request *r, struct worker *w)
+{
+    struct store_subject s;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (parse_newcomer((const char *)r->body, r->len, &s, &e) != ST_OK) {
+        request_fail(r, &e);
+        return;
+    }
+    if (!intake_admit(r, 1))
+        return;
+    if (store_subject_add(r->app->store, r->actor, &s, &e) != ST_OK) {
+        intake_give(r->app->intake, r->actor, 1);
+        request_fail(r, &e);
+        return;
+    }
+    request_written(r, 201, write_subject(&s, NULL, 0, false));
+    if (r->response.http == 201)
+        (void)snprintf(r->response.location, sizeof r->response.location,
+                       "/v1/subjects/%s", s.id);
+}
+
+void subjects_change(struct request *r, struct worker *w)
+{
+    struct parse_change to;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (parse_change((const char *)r->body, r->len, &to, &e) != ST_OK ||
+        store_subject_set(r->app->store, r->actor, r->subject, &to.what, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        show(r, request_written);
+}
+
+void subjects_delete(struct request *r, struct worker *w)
+{
+    struct store_receipt receipt;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_subject_erase(r->app->store, r->actor, r->subject, &receipt, &e) != ST_OK) {
+        request_fail(r, &e);
+        goto out;
+    }
+    for (uint32_t i = 0; i < receipt.templates; i++)
+        cache_forget(r->app->cache, receipt.template_id[i]);
+    request_written(r, 200, write_erased(&receipt));
+out:
+    store_receipt_free(&receipt);
+}
+
+void subjects_template(struct request *r, struct worker *w)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
+        request_fail(r, &e);
+    else
+        request_respond(r, 200, write_template(&t, auth_exact(r)));
+}
+
+void subjects_template_delete(struct request *r, struct worker *w)
+{
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_template_delete(r->app->store, r->actor, r->template_id, &e) != ST_OK) {
+        request_fail(r, &e);
+        return;
+    }
+    cache_forget(r->app->cache, r->template_id);
+    r->response.http = 204;
+    r->response.minimal = r->minimal;
+}

@@ -1,0 +1,86 @@
+#include "access.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "app.h"
+#include "errinfo.h"
+#include "errmap.h"
+#include "logger.h"
+#include "metrics.h"
+#include "request.h"
+#include "route.h"
+#include "store.h"
+
+/* What somebody has to look into.  Strangers may ask as often as they like whether the daemon is
+ * ready; that a database is refused was told once (refusal.h), and of overload there is a line a
+ * minute. */
+static bool is_error(const struct request *r)
+{
+    return r->fault[0] != '\0' && r->response.problem != ERRMAP_OVERLOAD &&
+           r->response.problem != ERRMAP_NOT_READY && r->response.problem != ST_EREFUSED;
+}
+
+static void warn_of_overload(const struct request *r)
+{
+    static struct logger_seldom overload;
+    const uint64_t n = logger_seldom(&overload, logger_clock_ms());
+    struct logger_line l;
+
+    if (n == 0)
+        return;
+    logger_begin(&l, "warn", "requests refused: overloaded");
+    logger_count(&l, "requests", n);
+    logger_text(&l, "last", r->fault);
+    logger_end(&l);
+}
+
+void access_log(const struct request *r, int http, double ms)
+{
+    struct logger_line l;
+    char key[32];
+
+    logger_begin(&l, is_error(r) ? "error" : "info", "request");
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "method", route_method(r->route));
+    logger_text(&l, "route", route_pattern(r->route));
+    logger_count(&l, "status", (uint64_t)http);
+    logger_real(&l, "ms", ms, 3);
+    for (enum request_stage i = 0; i < REQUEST_STAGES; i++) {
+        if ((r->stages >> i & 1) == 0)
+            continue;
+        (void)snprintf(key, sizeof key, "%s_ms", request_stage_name(i));
+        logger_real(&l, key, r->stage_ms[i], 3);
+    }
+    if (r->client[0] != '\0')
+        logger_text(&l, "client", r->client);
+    if (r->actor[0] != '\0')
+        logger_text(&l, "token", r->actor);
+    if (r->fault[0] != '\0')
+        logger_text(&l, "fault", r->fault);
+    logger_end(&l);
+    if (http != 0 && r->response.problem == ERRMAP_OVERLOAD)
+        warn_of_overload(r);
+}
+
+static void lost(struct request *r, const char *kind, const struct errinfo *e)
+{
+    struct logger_line l;
+
+    metrics_lost_event(r->app->metrics);
+    metrics_database_error(r->app->metrics, e->code);
+    logger_begin(&l, "error", "event lost");
+    logger_text(&l, "request_id", r->id);
+    logger_text(&l, "event", kind);
+    logger_text(&l, "fault", e->msg);
+    logger_end(&l);
+}
+
+void access_event(struct request *r, const char *kind, const char *outcome)
+{
+    struct errinfo e = {0};
+
+    if (store_event(r->app->store, kind, r->actor, r->subject, r->template_id, outcome,
+                    &e) != ST_OK)
+        lost(r, kind, &e);
+}

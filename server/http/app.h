@@ -1,0 +1,45 @@
+/* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
+ * released after the last; nothing but the atomic members changes in between. */
+#ifndef SERVER_APP_H
+#define SERVER_APP_H
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include "store_attempts.h"
+
+struct cache;    /* cache.h */
+struct erasures; /* erasures.h */
+struct guard;    /* guard.h */
+struct intake;   /* intake.h */
+struct metrics;  /* metrics.h */
+struct model;    /* model.h */
+struct queue;    /* queue.h */
+struct quota;    /* quota.h */
+struct route;    /* route.h */
+struct store;    /* store.h */
+struct throttle; /* throttle.h */
+struct upkeep;   /* upkeep.h */
+
+struct app {
+    struct store *store; /* its calibration and engine are by the model */
+    struct model *model; /* NULL: model_default */
+    struct cache *cache;
+    struct metrics *metrics;
+    struct store_limits limits; /* of failed verifications */
+    struct intake *intake;
+    struct throttle *throttle;
+    struct queue *queue;
+    struct upkeep *upkeep;
+    struct erasures *erasures;
+    struct guard *guard;        /* of the connections; http.c's */
+    struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
+    const struct route *routes; /* [nroutes] */
+    size_t nroutes;
+    bool no_auth;
+    bool signed_captures; /* nothing else is taken (capture.h) */
+    size_t max_body;      /* bytes */
+    atomic_bool stopping;
+    atomic_flag refusal_told, anchor_told;
+};
+
+#endif

@@ -1,0 +1,30 @@
+/* body.h -- checks whether a route accepts a body, decompresses it, and takes the file out of a
+ * form. */
+#ifndef SERVER_BODY_H
+#define SERVER_BODY_H
+#include <stdbool.h>
+#include <stdint.h>
+
+struct request;
+
+/* body_check(r, has_length, length): sets r->response if r->route does not accept a body of this
+ * length (upload.h) and of r's media type and coding.  has_length: the headers give a length or
+ * announce chunks. */
+void body_check(struct request *r, bool has_length, uint64_t length);
+
+/* body_refuse_size(r): the response to a body over the limit. */
+void body_refuse_size(struct request *r);
+
+/* body_refuse_room(r): the response to one that there is no room for now. */
+void body_refuse_room(struct request *r);
+
+/* body_refuse_any(r): the response to a body where r->route has none. */
+void body_refuse_any(struct request *r);
+
+/* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
+ * form (multipart.h) its one file becomes the body, with its media type and coding; a form with
+ * several, where r->route takes them, stays the body, and r->media REQUEST_FORM.  On a worker: it
+ * computes.  False: r->response is set: damaged, too large, empty. */
+bool body_unpack(struct request *r);
+
+#endif

@@ -1,0 +1,489 @@
+#include "metrics.h"
+
+#include <inttypes.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <dirent.h>
+#include <unistd.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "app.h"
+#include "cache.h"
+#include "errmap.h"
+#include "guard.h"
+#include "intake.h"
+#include "quota.h"
+#include "queue.h"
+#include "request.h"
+#include "route.h"
+
+#define NSTATUS  600
+#define NBUCKETS 14
+
+/* Upper bounds of the histograms' buckets, seconds. */
+static const double bound[NBUCKETS] = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
+                                       0.1,    0.25,  0.5,    1,     2.5,  5,     10};
+
+typedef atomic_uint_fast64_t counter;
+
+struct histogram {
+    counter bucket[NBUCKETS + 1]; /* not cumulative */
+    counter ns;
+};
+
+/* What can be wrong with a scan: ST_ELIMIT to ST_EQUALITY. */
+#define NREFUSALS (ST_EQUALITY - ST_ELIMIT + 1)
+
+enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
+
+/* A capture that was taken, then those that were refused. */
+#define NCAPTURES (2 + ERRMAP_LIVENESS - ERRMAP_CAPTURE_REQUIRED)
+
+/* Enrolments that were refused for the token's budget, or for want of room. */
+#define NINTAKE (1 + ERRMAP_STORAGE_FULL - ERRMAP_ENROLLMENTS)
+
+struct metrics {
+    time_t start;
+    struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
+    counter decision[FACE_INCONCLUSIVE + 1];
+    counter enrollment[METRICS_MISMATCH + 1];
+    counter check[METRICS_UNUSABLE + 1];
+    counter attempts[METRICS_OF_SUBJECTS + 1];
+    counter warning[METRICS_MANY_SUBJECTS + 1];
+    counter refused[NREFUSALS];
+    counter capture[NCAPTURES];
+    counter intake[NINTAKE];
+    counter database[NDATABASE];
+    counter lost_events, wrong_tokens, replayed;
+    counter rows_verified;          /* since 1970, s */
+    counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
+    const struct route *routes;
+    size_t nroutes;
+    struct by_route {
+        counter status[NSTATUS];
+        struct histogram duration;
+    } route[]; /* [nroutes + 1], the last for requests without one */
+};
+
+struct metrics *metrics_new(const struct route *routes, size_t nroutes)
+{
+    struct metrics *m = calloc(1, sizeof *m + (nroutes + 1) * sizeof *m->route);
+
+    if (m != NULL) {
+        m->start = time(NULL);
+        m->routes = routes;
+        m->nroutes = nroutes;
+    }
+    return m;
+}
+
+void metrics_free(struct metrics *m)
+{
+    free(m);
+}
+
+/* ---- counting */
+
+static void count(counter *c, uint_fast64_t n)
+{
+    (void)atomic_fetch_add_explicit(c, n, memory_order_relaxed);
+}
+
+static void observe(struct histogram *h, double ms)
+{
+    size_t b = 0;
+
+    while (b < NBUCKETS && ms > bound[b] * 1e3)
+        b++;
+    count(&h->bucket[b], 1);
+    count(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
+}
+
+void metrics_refused(struct metrics *m, enum status st)
+{
+    if (st >= ST_ELIMIT && st <= ST_EQUALITY)
+        count(&m->refused[st - ST_ELIMIT], 1);
+}
+
+void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
+{
+    struct by_route *by =
+        &m->route[r->route == NULL ? m->nroutes : (size_t)(r->route - m->routes)];
+
+    count(&by->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
+    observe(&by->duration, ms);
+    for (size_t i = 0; i < REQUEST_STAGES; i++)
+        if ((r->stages >> i & 1) != 0)
+            observe(&m->stage[i], r->stage_ms[i]);
+    if ((r->stages >> REQUEST_PREPARE & 1) != 0) /* it was about a face */
+        observe(&m->stage[REQUEST_STAGES], ms);
+    if (r->response.bad_token)
+        count(&m->wrong_tokens, 1);
+    metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
+                                                      : ST_OK);
+    if (r->response.problem >= ERRMAP_ENROLLMENTS &&
+        r->response.problem <= ERRMAP_STORAGE_FULL)
+        count(&m->intake[r->response.problem - ERRMAP_ENROLLMENTS], 1);
+    if (r->response.problem == ST_EREPLAYED)
+        count(&m->replayed, 1);
+    metrics_database_error(m, r->failed);
+}
+
+void metrics_decision(struct metrics *m, enum face_decision d)
+{
+    count(&m->decision[d], 1);
+}
+
+void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome)
+{
+    count(&m->enrollment[outcome], 1);
+}
+
+void metrics_check(struct metrics *m, enum metrics_check outcome)
+{
+    count(&m->check[outcome], 1);
+}
+
+void metrics_capture(struct metrics *m, unsigned problem)
+{
+    count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
+}
+
+void metrics_attempts(struct metrics *m, enum metrics_failed which)
+{
+    count(&m->attempts[which], 1);
+}
+
+void metrics_warning(struct metrics *m, enum metrics_warning kind)
+{
+    count(&m->warning[kind], 1);
+}
+
+void metrics_database_error(struct metrics *m, enum status st)
+{
+    if (st == ST_EBUSY)
+        count(&m->database[BUSY], 1);
+    else if (st == ST_EIO)
+        count(&m->database[IO], 1);
+    else if (st == ST_ECORRUPT)
+        count(&m->database[CORRUPT], 1);
+    else if (st == ST_EVERSION)
+        count(&m->database[VERSION], 1);
+    else if (st == ST_EDB)
+        count(&m->database[OTHER], 1);
+}
+
+void metrics_rows_verified(struct metrics *m)
+{
+    atomic_store(&m->rows_verified, (uint64_t)time(NULL));
+}
+
+void metrics_lost_event(struct metrics *m)
+{
+    count(&m->lost_events, 1);
+}
+
+void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s)
+{
+    const int64_t now = time(NULL);
+
+    atomic_store(&m->tokens_soon, soon);
+    atomic_store(&m->token_end,
+                 left_s > INT64_MAX - now ? 0 : (uint_fast64_t)(now + left_s));
+}
+
+/* ---- exposition */
+
+static uint64_t value(const counter *c)
+{
+    return atomic_load_explicit(c, memory_order_relaxed);
+}
+
+static void head(FILE *f, const char *name, const char *type, const char *help)
+{
+    fprintf(f, "# HELP %s %s\n# TYPE %s %s\n", name, help, name, type);
+}
+
+static void print_one(FILE *f, const char *name, const char *type, uint64_t v,
+                      const char *help)
+{
+    head(f, name, type, help);
+    fprintf(f, "%s %" PRIu64 "\n", name, v);
+}
+
+/* One counter for each value of a label. */
+static void print_by(FILE *f, const char *name, const char *label,
+                     const char *const values[], const counter *c, size_t n,
+                     const char *help)
+{
+    head(f, name, "counter", help);
+    for (size_t i = 0; i < n; i++)
+        fprintf(f, "%s{%s=\"%s\"} %" PRIu64 "\n", name, label, values[i], value(&c[i]));
+}
+
+/* labels: "a=\"b\",c=\"d\""; nothing is printed of a histogram without observations. */
+static void print_histogram(FILE *f, const char *name, const char *labels,
+                            const struct histogram *h)
+{
+    uint64_t n[NBUCKETS + 1], sum = 0;
+
+    for (size_t b = 0; b <= NBUCKETS; b++)
+        n[b] = sum += value(&h->bucket[b]);
+    if (sum == 0)
+        return;
+    for (size_t b = 0; b < NBUCKETS; b++)
+        fprintf(f, "%s_bucket{%s,le=\"%g\"} %" PRIu64 "\n", name, labels, bound[b], n[b]);
+    fprintf(f, "%s_bucket{%s,le=\"+Inf\"} %" PRIu64 "\n", name, labels, sum);
+    fprintf(f, "%s_sum{%s} %.9f\n", name, labels, (double)value(&h->ns) / 1e9);
+    fprintf(f, "%s_count{%s} %" PRIu64 "\n", name, labels, sum);
+}
+
+/* NULL: what is counted without a route. */
+static const struct route *route_at(const struct metrics *m, size_t i)
+{
+    return i < m->nroutes ? &m->routes[i] : NULL;
+}
+
+static void print_requests(FILE *f, const struct metrics *m)
+{
+    char labels[128];
+
+    head(f, "surfaced_http_requests_total", "counter",
+         "Requests by route and status; status 0: the client went away.");
+    for (size_t i = 0; i <= m->nroutes; i++)
+        for (int s = 0; s < NSTATUS; s++)
+            if (value(&m->route[i].status[s]) > 0)
+                fprintf(f,
+                        "surfaced_http_requests_total{route=\"%s\",method=\"%s\","
+                        "status=\"%d\"} %" PRIu64 "\n",
+                        route_pattern(route_at(m, i)), route_method(route_at(m, i)), s,
+                        value(&m->route[i].status[s]));
+    head(f, "surfaced_http_request_duration_seconds", "histogram",
+         "From the request line to the end of the response.");
+    for (size_t i = 0; i <= m->nroutes; i++) {
+        (void)snprintf(labels, sizeof labels, "route=\"%s\",method=\"%s\"",
+                       route_pattern(route_at(m, i)), route_method(route_at(m, i)));
+        print_histogram(f, "surfaced_http_request_duration_seconds", labels,
+                        &m->route[i].duration);
+    }
+    head(f, "surfaced_stage_duration_seconds", "histogram",
+         "Time of requests by stage; queue: waiting for a worker; total: all "
+         "of a request with a face, sending and receiving too.");
+    for (size_t i = 0; i <= REQUEST_STAGES; i++) {
+        (void)snprintf(labels, sizeof labels, "stage=\"%s\"",
+                       i == REQUEST_STAGES ? "total"
+                                           : request_stage_name((enum request_stage)i));
+        print_histogram(f, "surfaced_stage_duration_seconds", labels, &m->stage[i]);
+    }
+}
+
+static void print_outcomes(FILE *f, const struct metrics *m)
+{
+    static const char *const decision[] = {"match", "no_match", "inconclusive"};
+    static const char *const enrollment[] = {"created", "known", "mismatch"};
+    static const char *const check[] = {"enrollable", "usable", "unusable"};
+    static const char *const attempts[] = {"token", "others", "subjects"};
+    static const char *const warning[] = {"locked_out", "many_subjects"};
+    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"}, *intake[NINTAKE];
+    static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
+
+    print_by(f, "surfaced_decisions_total", "decision", decision, m->decision, 3,
+             "Verifications and comparisons by decision.");
+    print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
+             "Enrolments; known: the subject had this very scan; mismatch: refused.");
+    for (unsigned i = 0; i < NINTAKE; i++)
+        intake[i] = errmap_get(ERRMAP_ENROLLMENTS + i)->code;
+    print_by(f, "surfaced_enrollments_refused_total", "code", intake, m->intake, NINTAKE,
+             "Enrolments refused: the token's were too many, or the disk is too full.");
+    for (unsigned i = 0; i < NREFUSALS; i++)
+        refused[i] = errmap_get(ST_ELIMIT + i)->code;
+    print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,
+             "Scans that could not be used, by the code of the response.");
+    print_by(f, "surfaced_checks_total", "outcome", check, m->check, 3,
+             "Scans that were only checked; usable: for verification alone.");
+    for (unsigned i = 1; i < NCAPTURES; i++)
+        capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
+    print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
+             "Signed captures: taken, or refused with this code.");
+    print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts, 3,
+             "Verifications refused (429) for those that failed before: of the token for "
+             "the subject, of other tokens, of the token for many subjects.");
+    print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning, 2,
+             "Lock-outs that began; tokens that tried many subjects without a match.");
+    print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
+             NDATABASE, "Requests that failed because of the database.");
+    print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),
+              "Events that could not be written to the database.");
+    print_one(f, "surfaced_replayed_total", "counter", value(&m->replayed),
+              "Probes refused because they were no new scans (replayed).");
+    print_one(f, "surfaced_wrong_tokens_total", "counter", value(&m->wrong_tokens),
+              "Requests with a token that is not valid.");
+}
+
+static void print_tokens(FILE *f, const struct metrics *m)
+{
+    const uint64_t now = (uint64_t)time(NULL), end = value(&m->token_end);
+
+    print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
+              "Tokens that end within 30 days.");
+    if (end > 0)
+        print_one(f, "surfaced_token_first_end_seconds", "gauge",
+                  end > now ? end - now : 0, "Until the first token ends.");
+}
+
+/* By the system's clock, which may be set back. */
+static void print_verified(FILE *f, const struct metrics *m)
+{
+    const uint64_t now = (uint64_t)time(NULL), at = value(&m->rows_verified);
+
+    print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,
+              "Since the database's rows were last verified against its change log.");
+}
+
+static void print_gauges(FILE *f, const struct app *app)
+{
+    struct queue_state q;
+    struct cache_state c;
+
+    queue_look(app->queue, &q);
+    cache_look(app->cache, &c);
+    print_one(f, "surfaced_queue_depth", "gauge", q.waiting,
+              "Requests that wait for a worker.");
+    print_one(f, "surfaced_workers_busy", "gauge", q.running, "Worker threads at work.");
+    print_one(f, "surfaced_cache_hits_total", "counter", c.hits,
+              "Templates found decoded.");
+    print_one(f, "surfaced_cache_misses_total", "counter", c.misses,
+              "Templates read and decoded.");
+    print_one(f, "surfaced_templates_reencoded_total", "counter", c.reencoded,
+              "Of these, made by another engine, and so re-encoded in memory: surfacectl "
+              "template reencode stores the result.");
+    print_one(
+        f, "surfaced_storage_full", "gauge", intake_full(app->intake, NULL),
+        "1: less than the reserve is free on the disk, and enrolments are refused.");
+    print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
+              "Decoded templates dropped for want of room.");
+}
+
+static void print_connections(FILE *f, const struct app *app)
+{
+    struct guard_state g;
+
+    guard_look(app->guard, &g);
+    const struct {
+        const char *reason;
+        uint64_t n;
+    } closed[] = {
+        {"too_many", g.refused_total},
+        {"crowded_out", g.crowded_out},
+        {"too_many_of_one_address", g.refused_address},
+        {"idle", g.late[GUARD_IDLE]},
+        {"slow_headers", g.late[GUARD_REQUEST] + g.late[GUARD_HEADERS]},
+        {"slow_body", g.late[GUARD_BODY]},
+        {"slow_reader", g.late[GUARD_RESPONSE]},
+        {"client_gone", g.gone},
+    };
+
+    print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");
+    head(f, "surfaced_held_bytes", "gauge",
+         "Bodies and responses in memory, by the room that they are in.");
+    for (int i = 0; i < QUOTA_SIZES; i++)
+        fprintf(f, "surfaced_held_bytes{size=\"%s\"} %zu\n",
+                i == QUOTA_IS_LARGE ? "large" : "small", quota_held(app->quota, i));
+    head(f, "surfaced_connections_closed_total", "counter",
+         "Connections closed by a limit, of their number or of time.");
+    for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)
+        fprintf(f, "surfaced_connections_closed_total{reason=\"%s\"} %" PRIu64 "\n",
+                closed[i].reason, closed[i].n);
+}
+
+/* Under the names that every exporter has for these. */
+/* What cannot be read is 0.  Some 100 us. */
+struct process_state {
+    double cpu_seconds;
+    uint64_t resident_bytes, virtual_bytes;
+    uint64_t open_fds;
+};
+
+static uint64_t count_fds(void)
+{
+    DIR *d = opendir("/proc/self/fd");
+    uint64_t n = 0;
+
+    if (d == NULL)
+        return 0;
+    while (readdir(d) != NULL)
+        n++;
+    (void)closedir(d);
+    return n - 3; /* ".", ".." and the folder's own */
+}
+
+static void look_at_memory(struct process_state *out)
+{
+    FILE *f = fopen("/proc/self/statm", "re");
+    uint64_t all, resident, page = (uint64_t)sysconf(_SC_PAGESIZE);
+
+    if (f == NULL)
+        return;
+    if (fscanf(f, "%" SCNu64 " %" SCNu64, &all, &resident) == 2) {
+        out->virtual_bytes = all * page;
+        out->resident_bytes = resident * page;
+    }
+    (void)fclose(f);
+}
+
+static void look_at_process(struct process_state *out)
+{
+    struct timespec cpu;
+
+    *out = (struct process_state){.open_fds = count_fds()};
+    look_at_memory(out);
+    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu) == 0)
+        out->cpu_seconds = (double)cpu.tv_sec + (double)cpu.tv_nsec * 1e-9;
+}
+
+static void print_process(FILE *f, const struct app *app)
+{
+    struct process_state p;
+
+    look_at_process(&p);
+    print_one(f, "process_start_time_seconds", "gauge", (uint64_t)app->metrics->start,
+              "Start of the process, seconds since 1970.");
+    head(f, "process_cpu_seconds_total", "counter", "Processor time used.");
+    fprintf(f, "process_cpu_seconds_total %.3f\n", p.cpu_seconds);
+    print_one(f, "process_resident_memory_bytes", "gauge", p.resident_bytes,
+              "Resident memory.");
+    print_one(f, "process_virtual_memory_bytes", "gauge", p.virtual_bytes,
+              "Virtual memory.");
+    print_one(f, "process_open_fds", "gauge", p.open_fds, "Open file descriptors.");
+}
+
+static char *text(const struct app *app)
+{
+    char *out = NULL;
+    size_t len;
+    FILE *f = open_memstream(&out, &len);
+    bool failed;
+
+    if (f == NULL)
+        return NULL;
+    print_requests(f, app->metrics);
+    print_outcomes(f, app->metrics);
+    print_verified(f, app->metrics);
+    print_tokens(f, app->metrics);
+    print_gauges(f, app);
+    print_connections(f, app);
+    print_process(f, app);
+    failed = ferror(f) != 0;
+    if (fclose(f) != 0 || failed) {
+        free(out);
+        return NULL;
+    }
+    return out;
+}
+
+void metrics_handle(struct request *r, struct worker *w)
+{
+    (void)w;
+    request_text(r, "text/plain; version=0.0.4; charset=utf-8", text(r->app));
+}

@@ -1,0 +1,50 @@
+#include "worker.h"
+
+#include <malloc.h>
+#include <sodium.h>
+
+#include "app.h"
+#include "logger.h"
+
+/* Deeper than that no thread that computes has its stack. */
+#define STACK ((size_t)256 << 10)
+
+enum status worker_open(struct worker *w, struct app *app)
+{
+    *w = (struct worker){.app = app,
+                         .compare = {.store = app->store,
+                                     .work = face_work_new(app->model),
+                                     .cache = app->cache,
+                                     .clock_ms = logger_clock_ms}};
+    return w->compare.work != NULL ? ST_OK : ST_ENOMEM;
+}
+
+void worker_passed_over(const struct templates *t)
+{
+    struct logger_line l;
+
+    if (t->passed_over.code == ST_OK)
+        return;
+    logger_begin(&l, "warn", "template passed over");
+    logger_text(&l, "fault", t->passed_over.msg);
+    logger_end(&l);
+}
+
+void worker_wipe(struct worker *w)
+{
+    face_work_wipe(w->compare.work);
+    face_free(&w->probe);
+    face_free(&w->other);
+    sodium_stackzero(STACK);
+    if (w->large)
+        (void)malloc_trim(0);
+    w->large = false;
+}
+
+void worker_close(struct worker *w)
+{
+    face_free(&w->probe);
+    face_free(&w->other);
+    face_work_free(w->compare.work);
+    *w = (struct worker){0};
+}

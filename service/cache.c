@@ -1,0 +1,236 @@
+#include "cache.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define NBUCKETS 4096
+
+/* A model: in a bucket's list and in that of all by last use, newest first.  refs counts its
+ * holders, and the cache itself while it is in the lists. */
+struct entry {
+    struct face face; /* first: cache_release() gets a pointer to it */
+    char id[STORE_ID_LEN + 1];
+    unsigned refs;
+    size_t bytes;
+    struct entry *chain; /* next in the bucket */
+    struct entry *newer, *older;
+};
+
+struct cache {
+    pthread_mutex_t lock;
+    struct entry *bucket[NBUCKETS];
+    struct entry *newest, *oldest;
+    uint64_t forgets; /* calls of cache_forget() */
+    struct cache_state state;
+};
+
+/* Ids are 128 random bits in hex: their first digits are hash enough. */
+static size_t bucket_of(const char *id)
+{
+    char digits[9] = {0};
+
+    memcpy(digits, id, 8);
+    return strtoul(digits, NULL, 16) % NBUCKETS;
+}
+
+static struct entry *find(struct cache *c, const char *id)
+{
+    struct entry *x = c->bucket[bucket_of(id)];
+
+    while (x != NULL && strcmp(x->id, id) != 0)
+        x = x->chain;
+    return x;
+}
+
+static void link_newest(struct cache *c, struct entry *x)
+{
+    x->newer = NULL;
+    x->older = c->newest;
+    if (c->newest != NULL)
+        c->newest->newer = x;
+    else
+        c->oldest = x;
+    c->newest = x;
+}
+
+static void unlink_age(struct cache *c, struct entry *x)
+{
+    if (x->newer != NULL)
+        x->newer->older = x->older;
+    else
+        c->newest = x->older;
+    if (x->older != NULL)
+        x->older->newer = x->newer;
+    else
+        c->oldest = x->newer;
+}
+
+/* One reference less; the lock is held. */
+static void unref(struct entry *x)
+{
+    if (--x->refs == 0) {
+        face_free(&x->face);
+        free(x);
+    }
+}
+
+static void drop(struct cache *c, struct entry *x)
+{
+    struct entry **link = &c->bucket[bucket_of(x->id)];
+
+    while (*link != x)
+        link = &(*link)->chain;
+    *link = x->chain;
+    unlink_age(c, x);
+    c->state.bytes -= x->bytes;
+    c->state.entries--;
+    unref(x);
+}
+
+static size_t face_bytes(const struct face *f)
+{
+    return sizeof(struct entry) + (size_t)f->surface.mesh.cap * 68 +
+           f->surface.mesh.nv * sizeof *f->surface.spacing +
+           f->surface.mesh.nt * sizeof *f->surface.bridge;
+}
+
+struct cache *cache_new(size_t limit)
+{
+    struct cache *c = calloc(1, sizeof *c);
+
+    if (c == NULL)
+        return NULL;
+    (void)pthread_mutex_init(&c->lock, NULL);
+    c->state.limit = limit;
+    return c;
+}
+
+void cache_free(struct cache *c)
+{
+    if (c == NULL)
+        return;
+    while (c->oldest != NULL)
+        drop(c, c->oldest);
+    (void)pthread_mutex_destroy(&c->lock);
+    free(c);
+}
+
+/* Keep x, which its holder alone has so far, unless another worker has loaded the same
+ * meanwhile or it does not fit; the lock is held. */
+static void take_in(struct cache *c, struct entry *x)
+{
+    if (find(c, x->id) != NULL || x->bytes > c->state.limit)
+        return;
+    x->refs++;
+    x->chain = c->bucket[bucket_of(x->id)];
+    c->bucket[bucket_of(x->id)] = x;
+    link_newest(c, x);
+    c->state.bytes += x->bytes;
+    c->state.entries++;
+    while (c->state.bytes > c->state.limit) {
+        drop(c, c->oldest);
+        c->state.evictions++;
+    }
+}
+
+const struct face *cache_find(struct cache *c, const char *id)
+{
+    struct entry *x;
+
+    if (c == NULL)
+        return NULL;
+    (void)pthread_mutex_lock(&c->lock);
+    x = find(c, id);
+    if (x != NULL) {
+        x->refs++;
+        c->state.hits++;
+        unlink_age(c, x);
+        link_newest(c, x);
+    } else {
+        c->state.misses++;
+    }
+    (void)pthread_mutex_unlock(&c->lock);
+    return x != NULL ? &x->face : NULL;
+}
+
+uint64_t cache_mark(struct cache *c)
+{
+    uint64_t mark;
+
+    if (c == NULL)
+        return 0;
+    (void)pthread_mutex_lock(&c->lock);
+    mark = c->forgets;
+    (void)pthread_mutex_unlock(&c->lock);
+    return mark;
+}
+
+const struct face *cache_keep(struct cache *c, uint64_t mark, const char *id,
+                              bool reencoded, struct face *f)
+{
+    struct entry *x = calloc(1, sizeof *x);
+
+    if (x == NULL)
+        return NULL;
+    x->face = *f;
+    *f = (struct face){0};
+    (void)snprintf(x->id, sizeof x->id, "%s", id);
+    x->refs = 1;
+    x->bytes = face_bytes(&x->face);
+    if (c == NULL)
+        return &x->face;
+    (void)pthread_mutex_lock(&c->lock);
+    c->state.reencoded += reencoded;
+    if (mark == c->forgets)
+        take_in(c, x);
+    (void)pthread_mutex_unlock(&c->lock);
+    return &x->face;
+}
+
+void cache_release(struct cache *c, const struct face *f)
+{
+    struct entry *x = (struct entry *)(uintptr_t)f; /* its first member, never const */
+
+    if (f == NULL)
+        return;
+    if (c != NULL)
+        (void)pthread_mutex_lock(&c->lock);
+    unref(x);
+    if (c != NULL)
+        (void)pthread_mutex_unlock(&c->lock);
+}
+
+void cache_forget(struct cache *c, const char *id)
+{
+    struct entry *x;
+
+    (void)pthread_mutex_lock(&c->lock);
+    c->forgets++;
+    x = find(c, id);
+    if (x != NULL)
+        drop(c, x);
+    (void)pthread_mutex_unlock(&c->lock);
+}
+
+char (*cache_list(struct cache *c, size_t *n))[STORE_ID_LEN + 1]
+{
+    char(*ids)[STORE_ID_LEN + 1];
+
+    *n = 0;
+    (void)pthread_mutex_lock(&c->lock);
+    c->forgets++;
+    ids = calloc(c->state.entries + 1, sizeof *ids);
+    for (const struct entry *x = c->newest; ids != NULL && x != NULL; x = x->older)
+        memcpy(ids[(*n)++], x->id, sizeof *ids);
+    (void)pthread_mutex_unlock(&c->lock);
+    return ids;
+}
+
+void cache_look(struct cache *c, struct cache_state *out)
+{
+    (void)pthread_mutex_lock(&c->lock);
+    *out = c->state;
+    (void)pthread_mutex_unlock(&c->lock);
+}

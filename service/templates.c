@@ -1,0 +1,207 @@
+#include "templates.h"
+
+#include <math.h>
+
+#include "cache.h"
+#include "in_force.h"
+#include "minimal.h"
+
+/* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
+ * far above the threshold.  Of 40 made-up people the 13 whose mirrored scans do not match gain 20
+ * to 65, to 26 or more; of 120 strangers the mirror image of one matches, with 10.3, where the
+ * scan does not. */
+#define DECISION_MIRRORED 10.0
+
+/* ---- reading */
+
+enum templates_admit templates_admit(const struct store_subject *one, struct errinfo *e)
+{
+    if (one->disabled) {
+        (void)errinfo_set(e, ST_EDENIED, "subject %s is disabled: enable it first",
+                          one->id);
+        return TEMPLATES_DISABLED;
+    }
+    if (one->expired) {
+        (void)errinfo_set(e, ST_EDENIED,
+                          "subject %s expired at %s: set a later expiry first", one->id,
+                          one->expires);
+        return TEMPLATES_EXPIRED;
+    }
+    return TEMPLATES_ADMITTED;
+}
+
+static enum status admit(const struct store_limits *limits, struct templates *t,
+                         struct errinfo *e)
+{
+    struct templates_refusal *why = &t->refusal;
+
+    why->admit = templates_admit(&t->of.subject, e);
+    if (why->admit != TEMPLATES_ADMITTED)
+        return ST_EDENIED;
+    if (t->of.n > 0)
+        why->wait_ms = store_attempts_wait_ms(limits, &t->of.attempts, &why->why);
+    why->now = t->of.attempts;
+    return why->wait_ms == 0 ? ST_OK
+                             : errinfo_set(e, ST_EDENIED, "the subject is locked out");
+}
+
+/* From the cache, or decoded.  since: cache_mark() before the transaction. */
+static enum status take_face(struct templates *t, size_t i, uint64_t since,
+                             struct errinfo *e)
+{
+    const struct templates_context *c = t->context;
+    const struct store_template *one = &t->of.t[i];
+    struct face f = {0};
+    enum status st;
+
+    if ((t->face[i] = cache_find(c->cache, one->id)) != NULL)
+        return ST_OK;
+    st = store_snapshot_face(&t->of, i, c->work, &f, e);
+    if (st == ST_OK) {
+        t->face[i] = cache_keep(c->cache, since, one->id,
+                                store_template_outdated(c->store, one), &f);
+        if (t->face[i] == NULL)
+            st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    }
+    face_free(&f);
+    if (st != ST_EVERSION)
+        return st;
+    t->passed_over = *e;
+    return ST_OK;
+}
+
+enum status templates_read(struct templates_context *c, const struct templates_of *ask,
+                           struct templates *out, struct errinfo *e)
+{
+    const struct store_snapshot_of what = {.subject = ask->subject,
+                                           .template_id = ask->template_id,
+                                           .token = ask->token,
+                                           .calibration = c->calibration};
+    const uint64_t since = cache_mark(c->cache);
+    enum status st;
+
+    *out = (struct templates){.context = c};
+    st = store_snapshot_begin(c->store, &what, &out->of, e);
+    if (st == ST_OK)
+        st = admit(ask->limits, out, e);
+    for (size_t i = 0; st == ST_OK && i < out->of.n; i++)
+        st = take_face(out, i, since, e);
+    st = store_snapshot_end(&out->of, st, e);
+    if (st == ST_OK && out->of.calibration != c->calibration) {
+        in_force_use(c->store, out->of.k, c->work);
+        c->calibration = out->of.calibration;
+    }
+    return st;
+}
+
+void templates_free(struct templates *t)
+{
+    for (size_t i = 0; i < t->of.n && i < STORE_TEMPLATES_MAX; i++)
+        cache_release(t->context->cache, t->face[i]);
+    store_snapshot_free(&t->of);
+    *t = (struct templates){.context = t->context};
+}
+
+/* ---- comparing */
+
+static bool better(const struct face_result *a, const struct face_result *b)
+{
+    static const int rank[] = {
+        [FACE_MATCH] = 2, [FACE_NO_MATCH] = 1, [FACE_INCONCLUSIVE] = 0};
+
+    if (rank[a->decision] != rank[b->decision])
+        return rank[a->decision] > rank[b->decision];
+    return a->score > b->score;
+}
+
+/* One comparison more, with the template that decides; none for a scan in its place. */
+static enum status find_mirrored(const struct templates *t, const struct face *probe,
+                                 struct nearest *of, struct errinfo *e)
+{
+    struct face_work *w = t->context->work;
+    struct face_result swapped;
+    enum status st;
+
+    if (of->result.decision != FACE_NO_MATCH || t->of.t == NULL)
+        return ST_OK;
+    if ((st = face_compare_mirrored(t->face[of->index], probe, w, &swapped)) != ST_OK)
+        return errinfo_set(e, st, "the mirror image: %s", status_message(st));
+    face_best_of(&swapped, of->compared, w);
+    of->mirrored =
+        swapped.score > fmax(of->result.score, swapped.threshold) + DECISION_MIRRORED;
+    return ST_OK;
+}
+
+/* Of the results [n], template[k] being the k-th one's; each lowered, then the best. */
+static void choose(struct face_result *r, const size_t *template, uint32_t n,
+                   const struct face_work *w, struct nearest *out)
+{
+    out->first_score = r[0].score;
+    out->compared = n;
+    for (uint32_t k = 0; k < n; k++) {
+        face_best_of(&r[k], n, w);
+        if (k == 0 || better(&r[k], &out->result)) {
+            out->result = r[k];
+            out->index = template[k];
+        }
+        out->score_ms += r[k].score_ms;
+    }
+}
+
+enum status templates_nearest(const struct templates *t, bool fit,
+                              const struct face *probe, struct nearest *out,
+                              struct errinfo *e)
+{
+    const struct templates_context *c = t->context;
+    struct face_result result[STORE_TEMPLATES_MAX];
+    size_t template[STORE_TEMPLATES_MAX];
+    uint32_t n = 0;
+
+    *out = (struct nearest){0};
+    for (size_t i = 0; i < t->of.n; i++) {
+        enum status st;
+
+        if (t->face[i] == NULL || (fit && n > 0 && !t->of.t[i].manager))
+            continue;
+        st = face_compare(t->face[i], probe, (double)NAN, c->clock_ms, c->work,
+                          &result[n]);
+        if (st != ST_OK)
+            return errinfo_set(e, st, "template %s: %s", t->of.t[i].id,
+                               status_message(st));
+        template[n++] = i;
+    }
+    if (n > 0) {
+        choose(result, template, n, c->work, out);
+        return find_mirrored(t, probe, out, e);
+    }
+    if (t->of.n > 0)
+        return errinfo_set(e, ST_EVERSION,
+                           "no template of the subject is of this engine, or can be "
+                           "re-encoded by it");
+    return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
+}
+
+enum status templates_judge(const struct nearest *n, struct errinfo *e)
+{
+    if (!n->mirrored)
+        return ST_OK;
+    return errinfo_set(
+        e, ST_EMIRRORED,
+        "the scan does not match, but its mirror image does: left and right "
+        "are swapped; switch mirroring off where it was made");
+}
+
+enum status templates_minimal(const struct templates *t, const struct face *probe,
+                              struct nearest *of, bool weigh, struct minimal *out,
+                              struct errinfo *e)
+{
+    const struct templates_context *c = t->context;
+    const struct face *face = t->face[of->index];
+    enum status st = face_minimal(face, probe, c->clock_ms, c->work, &of->result, out);
+
+    if (st == ST_OK && weigh)
+        st = face_weigh(face, probe, c->work, out);
+    if (st == ST_OK && weigh)
+        st = face_regions(face, probe, c->work, &of->result);
+    return st == ST_OK ? st : errinfo_set(e, st, "comparing: %s", status_message(st));
+}

@@ -1,0 +1,101 @@
+/* templates.h -- the templates that a probe is compared with: may the subject be verified or
+ * enrolled now, what are its templates, and which of them decides?  All is read, with the faces,
+ * in one transaction of the store, so that no template is compared that was deleted before it.
+ * Fusion: the comparison with the highest score decides, so that one matching template suffices;
+ * an inconclusive one only where there is no other.  Each is lowered by the logarithm of their
+ * number (face_best_of()), so that a stranger is accepted no more often than by one.
+ * A non-match is also compared as its mirror image: a scanner that swaps left and right. */
+#ifndef SERVICE_TEMPLATES_H
+#define SERVICE_TEMPLATES_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include "errinfo.h"
+#include "face.h"
+#include "status.h"
+#include "store.h"
+
+struct cache;   /* cache.h */
+struct minimal; /* minimal.h */
+
+/* What compares.  One thread at a time. */
+struct templates_context {
+    struct store *store;
+    struct face_work *work;
+    struct cache *cache;      /* of decoded faces; NULL: none */
+    int64_t calibration;      /* the version that work decides by; 0 for a new work */
+    double (*clock_ms)(void); /* as in face_compare(); may be NULL */
+};
+
+struct templates_of {
+    const char *subject;               /* or NULL and */
+    const char *template_id;           /* this one alone */
+    const char *token;                 /* whose attempts; NULL: "" */
+    const struct store_limits *limits; /* NULL: none */
+};
+
+enum templates_admit { TEMPLATES_ADMITTED, TEMPLATES_DISABLED, TEMPLATES_EXPIRED };
+
+struct templates_refusal { /* of ST_EDENIED; all 0: it was not */
+    enum templates_admit admit;
+    enum store_wait why; /* not STORE_WAIT_NONE: locked out, */
+    int64_t wait_ms;     /* for so long, */
+    struct store_attempts now;
+};
+
+struct templates {
+    struct templates_context *context;
+    struct store_snapshot of;
+    struct templates_refusal refusal;
+    const struct face
+        *face[STORE_TEMPLATES_MAX]; /* NULL: of another engine, which this one
+                                                     cannot re-encode */
+    struct errinfo passed_over;     /* the last of those; ST_OK: none */
+};
+
+/* templates_admit(one, e): may the subject be verified, and may samples of it be enrolled?  Who
+ * is disabled or has expired may not, until somebody who manages subjects says otherwise; then *e
+ * is set: ST_EDENIED, with what to do. */
+enum templates_admit templates_admit(const struct store_subject *one, struct errinfo *e);
+
+/* templates_read(c, ask, out, e): what is there now; c->work decides by the calibration in force
+ * then.  Returns ST_OK; ST_EDENIED: out->refusal says why; or as store_snapshot_begin(),
+ * store_snapshot_face().  A subject without a template is admitted, whatever the limits.
+ * templates_free(t): also after a failure; t is empty again. */
+enum status templates_read(struct templates_context *c, const struct templates_of *ask,
+                           struct templates *out, struct errinfo *e);
+void templates_free(struct templates *t);
+
+struct nearest {
+    struct face_result result;
+    size_t index;       /* which of the templates */
+    uint32_t compared;  /* how many there were */
+    double first_score; /* against the oldest of them, not lowered */
+    bool mirrored;      /* no match, but its mirror image is one: templates_judge() */
+    double score_ms;    /* over all of them */
+};
+
+/* templates_nearest(t, fit, probe, out, e): the probe compared with the templates, but those of
+ * another engine.
+ * fit    with those alone that a further sample must fit: the oldest, and those that were enrolled
+ *        with scope manage.  Each of the others was itself enrolled because it matched one of
+ *        these; if samples were held against them too, a row of samples, each like the one before,
+ *        would lead from the subject to anybody.
+ * Returns ST_OK; ST_ENOTFOUND: there is none; ST_EVERSION: none but of another engine; ST_ENOMEM. */
+enum status templates_nearest(const struct templates *t, bool fit,
+                              const struct face *probe, struct nearest *out,
+                              struct errinfo *e);
+
+/* templates_judge(n, e): ST_EMIRRORED, and *e for the user, where the scan must be made again
+ * with left and right in their places; else ST_OK.  It is as good a sign as a match: to be
+ * reported after a failed attempt was counted, as no match. */
+enum status templates_judge(const struct nearest *n, struct errinfo *e);
+
+/* templates_minimal(t, probe, of, weigh, out, e): the minimal disparity against the template that
+ * decides; of->result gets the alignment; weigh: by the weight of each place too (face_weigh()),
+ * and of->result gets its regions.  Returns as face_minimal(). */
+enum status templates_minimal(const struct templates *t, const struct face *probe,
+                              struct nearest *of, bool weigh, struct minimal *out,
+                              struct errinfo *e);
+
+#endif

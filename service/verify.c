@@ -1,0 +1,248 @@
+#include "verify.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "digest.h"
+#include "heatmap.h"
+#include "in_force.h"
+#include "mem.h"
+#include "sample.h"
+
+static double now(const struct templates_context *c)
+{
+    return c->clock_ms != NULL ? c->clock_ms() : 0;
+}
+
+static enum status not_stopped(const struct verify_request *r, struct errinfo *e)
+{
+    return r->stop != NULL && atomic_load_explicit(r->stop, memory_order_relaxed)
+               ? errinfo_set(e, ST_EBUSY, "nobody waits for the result")
+               : ST_OK;
+}
+
+static enum status read_templates(struct templates_context *c, struct verification *v,
+                                  struct errinfo *e)
+{
+    const enum status st = templates_read(c, &v->request->of, &v->templates, e);
+
+    v->refusal = v->templates.refusal;
+    return st == ST_OK && v->templates.of.n == 0
+               ? errinfo_set(e, ST_ENOTFOUND, "the subject has no template")
+               : st;
+}
+
+static enum status read_points(struct templates_context *c, struct verification *v,
+                               struct verify_scan *s, struct errinfo *e)
+{
+    const double start = now(c);
+    enum status st = not_stopped(v->request, e);
+
+    if (st == ST_OK && s->bytes != NULL) {
+        st = cloudfile_read(s->bytes, s->len, &s->how, &s->points, e);
+        if (st == ST_EVERSION) /* another format, or a variant of one */
+            st = e->code = ST_EINVAL;
+    }
+    mem_free(s->bytes); /* not needed any more, and may be large */
+    s->bytes = NULL;
+    if (st == ST_OK)
+        v->times.parse += now(c) - start;
+    return st;
+}
+
+static enum status build_face(struct templates_context *c, struct verification *v,
+                              struct verify_scan *s, struct errinfo *e)
+{
+    const struct scan_options o = {.axes = s->axes, .stop = v->request->stop};
+    const double start = now(c);
+    enum status st = not_stopped(v->request, e);
+
+    s->points.as_scanned = s->points.as_scanned || s->as_scanned;
+    if (st == ST_OK)
+        st = sample_build(s->name, &s->points, &o, c->work, s->face, &s->found, e);
+    v->times.prepare += now(c) - start;
+    return st;
+}
+
+static enum status build_other(struct templates_context *c, struct verification *v,
+                               struct errinfo *e)
+{
+    struct verify_scan *other = v->request->other;
+    enum status st = read_points(c, v, other, e);
+
+    if (st == ST_OK)
+        st = build_face(c, v, other, e);
+    if (st == ST_OK && c->store != NULL)
+        st = in_force_follow(c->store, c->work, &c->calibration, e);
+    v->templates =
+        (struct templates){.context = c, .of = {.n = 1}, .face = {other->face}};
+    return st;
+}
+
+static enum status minimal(struct verification *v, struct errinfo *e)
+{
+    const struct verify_request *r = v->request;
+    const enum status st = not_stopped(r, e);
+
+    if (st != ST_OK || r->detail == VERIFY_DECISION)
+        return st;
+    return templates_minimal(&v->templates, r->probe.face, &v->best,
+                             r->detail >= VERIFY_MEASURE, &v->least, e);
+}
+
+static enum status heatmap(struct templates_context *c, struct verification *v,
+                           struct errinfo *e)
+{
+    const struct face *face = v->templates.face[v->best.index];
+    const struct verify_scan *s = &v->request->probe;
+    enum status st = ST_ENOMEM;
+
+    if (v->request->detail != VERIFY_HEATMAP)
+        return ST_OK;
+    if ((v->gap = mem_array(s->points.read, sizeof *v->gap)) != NULL)
+        st = heatmap_gaps(&face->surface, s->points.at, s->points.n,
+                          v->best.result.align.transform, v->gap);
+    if (st == ST_OK)
+        st = face_field(face, s->face, c->work, &v->field);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "no memory for the heatmap");
+    verify_spread(&s->points, v->gap);
+    return ST_OK;
+}
+
+/* The codec's digest takes time, and points of another number are no template's. */
+static enum status digest_probe(const struct verification *v, struct store_probe *out,
+                                struct errinfo *e)
+{
+    const struct verify_scan *s = &v->request->probe;
+    const struct mesh *m = &s->face->surface.mesh;
+
+    *out = (struct store_probe){.read = s->found.digest};
+    if (m->nv == v->templates.of.t[v->best.index].points &&
+        digest_points(m, out->used) != ST_OK)
+        return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
+    return ST_OK;
+}
+
+static enum status record(struct templates_context *c, struct verification *v,
+                          struct errinfo *e)
+{
+    const struct verify_request *r = v->request;
+    const enum face_decision decision = v->best.result.decision;
+    const struct store_limits *limits = r->of.limits;
+    char outcome[STORE_NAME_MAX + 1];
+    struct store_probe probe;
+    const struct store_record what = {
+        .subject = &v->templates.of.subject,
+        .as = limits == NULL || limits->failures == 0 ? STORE_RECORD_UNCOUNTED
+              : decision == FACE_MATCH                ? STORE_RECORD_PASSED
+                                                      : STORE_RECORD_FAILED,
+        .actor = r->of.token,
+        .kind = "verify",
+        .template_id = r->other != NULL ? "" : v->templates.of.t[v->best.index].id,
+        .outcome = outcome,
+        .probe = decision == FACE_MATCH ? &probe : NULL,
+        .limits = limits};
+    enum status st = not_stopped(r, e);
+
+    if (st != ST_OK || r->other != NULL)
+        return st;
+    (void)snprintf(outcome, sizeof outcome, "%s%s", describe_decision(decision),
+                   r->captured != NULL ? r->captured : "");
+    if ((st = digest_probe(v, &probe, e)) != ST_OK ||
+        (st = store_record_verification(c->store, &what, &v->recorded, e)) != ST_OK)
+        return st;
+    v->refusal.why = v->recorded.why;
+    v->refusal.wait_ms = v->recorded.wait_ms;
+    v->refusal.now = v->recorded.now;
+    if (v->recorded.why != STORE_WAIT_NONE)
+        return errinfo_set(e, ST_EDENIED, "the subject is locked out");
+    if (v->recorded.replayed)
+        return errinfo_set(
+            e, ST_EREPLAYED,
+            "the scan is not a new one: a template of the subject was made of these "
+            "points; scan again");
+    v->decided = true;
+    return ST_OK;
+}
+
+enum status verify_run(struct templates_context *c, struct verify_request *r,
+                       struct verification *v, struct errinfo *e)
+{
+    enum status st;
+
+    *v = (struct verification){.request = r, .templates = {.context = c}};
+    st = r->other != NULL ? build_other(c, v, e) : read_templates(c, v, e);
+    if (st == ST_OK)
+        st = read_points(c, v, &r->probe, e);
+    if (st == ST_OK)
+        st = build_face(c, v, &r->probe, e);
+    if (st == ST_OK)
+        st = templates_nearest(&v->templates, false, r->probe.face, &v->best, e);
+    if (st == ST_OK)
+        st = minimal(v, e);
+    if (st == ST_OK)
+        st = heatmap(c, v, e);
+    if (st == ST_OK)
+        st = record(c, v, e);
+    if (st == ST_OK)
+        st = templates_judge(&v->best, e);
+    v->times.score = v->best.score_ms;
+    v->times.align = v->best.result.align_ms;
+    v->times.minimal = v->least.ms;
+    return st;
+}
+
+void verify_free(struct verification *v)
+{
+    struct verify_request *r = v->request;
+
+    if (r->other != NULL) {
+        v->templates.of.n = 0; /* the face is its caller's */
+        mem_free(r->other->bytes);
+        cloudpoints_free(&r->other->points);
+    }
+    templates_free(&v->templates);
+    mem_free(r->probe.bytes);
+    cloudpoints_free(&r->probe.points);
+    mem_free(v->gap);
+    v->gap = NULL;
+}
+
+struct describe_comparison verify_describe(const struct verification *v,
+                                           const char *engine)
+{
+    const struct verify_request *r = v->request;
+    const bool stored = r->other == NULL;
+
+    return (struct describe_comparison){
+        .result = &v->best.result,
+        .minimal = r->detail == VERIFY_DECISION ? NULL : &v->least,
+        .probe = r->probe.face,
+        .scan = &r->probe.found,
+        .other = stored ? NULL : &r->other->found,
+        .engine = engine,
+        .subject = stored ? v->templates.of.subject.id : NULL,
+        .template_id = stored ? v->templates.of.t[v->best.index].id : NULL,
+        .templates_compared = v->best.compared,
+        .times = &v->times,
+        .measure = r->detail >= VERIFY_MEASURE,
+        .gap_mm = v->gap,
+        .field = v->gap != NULL ? &v->field : NULL,
+        .n = r->probe.points.read};
+}
+
+void verify_spread(const struct cloudpoints *c, double *value)
+{
+    size_t to = c->read;
+
+    if (c->index == NULL)
+        return;
+    for (size_t i = c->n; i-- > 0;) { /* from the end: index[i] >= i */
+        while (--to > c->index[i])
+            value[to] = NAN;
+        value[to] = value[i];
+    }
+    while (to > 0)
+        value[--to] = NAN;
+}

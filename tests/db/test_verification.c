@@ -1,0 +1,337 @@
+/* What a verification reads and writes, in one transaction each. */
+/* link: -Wl,--wrap=sql_begin */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+#include "errinfo.h"
+#include "model.h"
+#include "sql.h"
+#include "tempdb.h"
+
+static struct errinfo e;
+static unsigned reads, writes;
+
+enum status __real_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *why);
+enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *why);
+
+enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *why)
+{
+    reads += how == SQL_READ;
+    writes += how != SQL_READ;
+    return __real_sql_begin(d, how, t, why);
+}
+
+static void assert_transactions(unsigned read, unsigned written)
+{
+    assert_int_equal(reads, read);
+    assert_int_equal(writes, written);
+    reads = writes = 0;
+}
+
+static struct store_template t[3]; /* two of alice, one of bob */
+
+static struct store *make(void)
+{
+    struct store *s = tempdb_fresh();
+
+    tempdb_enroll(s, "alice", "left", &tempdb_face[0], &t[0]);
+    tempdb_enroll(s, "alice", "right", &tempdb_face[1], &t[1]);
+    tempdb_enroll(s, "bob", "", &tempdb_face[2], &t[2]);
+    reads = writes = 0;
+    return s;
+}
+
+static enum status read(struct store *s, const struct store_snapshot_of *what,
+                        struct store_snapshot *out)
+{
+    return store_snapshot_end(out, store_snapshot_begin(s, what, out, &e), &e);
+}
+
+static void test_snapshot(void **state)
+{
+    struct store *s = make();
+    struct store_snapshot_of what = {.subject = "alice"};
+    struct store_snapshot a;
+
+    (void)state;
+    assert_int_equal(store_snapshot_begin(s, &what, &a, &e), ST_OK);
+    assert_string_equal(a.subject.id, "alice");
+    assert_int_equal(a.subject.templates, 2);
+    assert_false(a.subject.expired || a.subject.disabled);
+    assert_string_equal(a.attempts.subject, "alice");
+    assert_int_equal(a.attempts.failures, 0);
+    assert_int_equal(a.calibration, 0);
+    assert_int_equal(a.n, 2);
+    for (size_t i = 0; i < 2; i++) {
+        struct face f = {0};
+
+        assert_memory_equal(&a.t[i], &t[i], sizeof t[i]);
+        assert_int_equal(store_snapshot_face(&a, i, tempdb_work, &f, &e), ST_OK);
+        assert_int_equal(f.surface.mesh.nv, t[i].points);
+        face_free(&f);
+    }
+    assert_int_equal(store_snapshot_end(&a, ST_OK, &e), ST_OK);
+    assert_transactions(1, 0);
+    store_snapshot_free(&a);
+
+    /* One template, and its subject. */
+    what = (struct store_snapshot_of){.template_id = t[2].id};
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    assert_string_equal(a.subject.id, "bob");
+    assert_int_equal(a.n, 1);
+    assert_memory_equal(&a.t[0], &t[2], sizeof t[2]);
+    store_snapshot_free(&a);
+
+    /* None. */
+    what = (struct store_snapshot_of){.subject = "nobody"};
+    assert_int_equal(read(s, &what, &a), ST_ENOTFOUND);
+    store_snapshot_free(&a);
+    what.subject = "no body";
+    assert_int_equal(read(s, &what, &a), ST_EINVAL);
+    store_snapshot_free(&a);
+    assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
+    what = (struct store_snapshot_of){.template_id = t[2].id};
+    assert_int_equal(read(s, &what, &a), ST_ENOTFOUND);
+    store_snapshot_free(&a);
+    store_close(s);
+}
+
+static void test_state(void **state)
+{
+    const struct store_subject_change over = {.expires = "2020-01-01"};
+    struct store *s = make();
+    struct store_snapshot_of what = {.subject = "alice", .token = "test"};
+    struct store_snapshot a;
+    struct store_calibration k = {
+        .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
+
+    (void)state;
+    assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
+    assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
+    assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
+    reads = writes = 0;
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    assert_transactions(1, 0);
+    assert_true(a.subject.expired);
+    assert_int_equal(a.attempts.failures, 1);
+    assert_in_range(a.attempts.age_ms, 0, 60000);
+    assert_int_equal(a.calibration, 1);
+    assert_int_equal(a.k.version, 1);
+    assert_true(a.k.fmr == k.fmr);
+    store_snapshot_free(&a);
+    /* A caller that has this calibration does not get it again. */
+    what.calibration = 1;
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    assert_int_equal(a.calibration, 1);
+    assert_int_equal(a.k.version, 0);
+    store_snapshot_free(&a);
+    /* The clock was set back: the last failure is now, for good. */
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
+    reads = writes = 0;
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    assert_transactions(1, 1);
+    assert_int_equal(a.attempts.age_ms, 0);
+    store_snapshot_free(&a);
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    assert_transactions(1, 0);
+    store_snapshot_free(&a);
+    /* Also where the caller ends the reading: its lock-out would never end. */
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms + 1000000000");
+    assert_int_equal(store_snapshot_begin(s, &what, &a, &e), ST_OK);
+    assert_int_equal(store_snapshot_end(&a, ST_EHELD, &e), ST_EHELD);
+    store_snapshot_free(&a);
+    assert_transactions(1, 1);
+    assert_int_equal(read(s, &what, &a), ST_OK);
+    store_snapshot_free(&a);
+    assert_transactions(1, 0);
+    /* By a damaged calibration nobody may decide. */
+    tempdb_sql("UPDATE calibrations SET threshold = threshold + 1");
+    what.calibration = 0;
+    assert_int_equal(read(s, &what, &a), ST_ECORRUPT);
+    store_snapshot_free(&a);
+    store_close(s);
+}
+
+static struct store_audit_entry last_event(struct store *s)
+{
+    static const enum log_name accesses = LOG_ACCESSES;
+    const struct store_audit_filter last = {
+        .log = &accesses, .wanted = {.newest = true, .limit = 1}, .names = true};
+    struct store_audit_entry *list, one;
+    size_t n;
+
+    assert_int_equal(store_audit_list(s, &last, &list, &n, &e), ST_OK);
+    assert_int_equal(n, 1);
+    one = list[0];
+    free(list);
+    return one;
+}
+
+static void test_record(void **state)
+{
+    struct store *s = make();
+    struct store_subject alice;
+    const struct store_limits limits = {.failures = 2, .wait_s = 30};
+    struct store_record what = {.subject = &alice,
+                                .as = STORE_RECORD_FAILED,
+                                .actor = "test",
+                                .kind = "verify",
+                                .template_id = t[0].id,
+                                .outcome = "no_match",
+                                .limits = &limits};
+    struct store_recorded out;
+    uint64_t seq;
+
+    (void)state;
+    tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
+    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    reads = writes = 0;
+    for (unsigned i = 0; i < 2; i++) {
+        assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+        assert_transactions(0, 1);
+        assert_int_equal(out.why, STORE_WAIT_NONE);
+        assert_int_equal(out.now.failures, i);
+        assert_int_equal(out.locked_out, i == 1);
+    }
+    assert_string_equal(last_event(s).entry.outcome, "2 failures");
+    assert_string_equal(last_event(s).subject, "alice");
+    assert_string_equal(last_event(s).entry.actor, "test");
+    seq = last_event(s).entry.seq;
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
+                     1);
+    /* No more: and nothing is written. */
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    assert_int_equal(out.why, STORE_WAIT_OWN);
+    assert_in_range(out.wait_ms, 1, 30000);
+    assert_int_equal(last_event(s).entry.seq, seq);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
+    what.limits = NULL;
+    what.as = STORE_RECORD_UNCOUNTED;
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 2);
+    assert_int_equal(last_event(s).entry.seq, seq + 1);
+    what.as = STORE_RECORD_PASSED;
+    what.outcome = "match";
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
+    assert_string_equal(last_event(s).entry.outcome, "match");
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
+    /* A subject that was seen just now is not written again. */
+    assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
+    tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM subjects WHERE seen > '2026'"),
+                     0);
+    store_close(s);
+}
+
+/* Without an entry in the access log nothing is counted, and nothing is answered. */
+static void test_no_event(void **state)
+{
+    struct store *s = make();
+    struct store_subject bob;
+    struct store_record what = {.subject = &bob,
+                                .as = STORE_RECORD_FAILED,
+                                .actor = "test",
+                                .kind = "verify",
+                                .template_id = "",
+                                .outcome = "no_match"};
+    struct store_recorded out;
+
+    (void)state;
+    assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    tempdb_sql("UPDATE access_log SET mac = zeroblob(32)");
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_ECORRUPT);
+    assert_int_equal(tempdb_attempts(s, "bob").failures, 1);
+    tempdb_sql("DELETE FROM access_log");
+    assert_int_equal(tempdb_erase(s, "test", "bob", &e), ST_OK);
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_ENOTFOUND);
+    store_close(s);
+}
+
+static char digest[2][65]; /* of points as they were read */
+
+/* A match by a probe: is it a new scan? */
+static bool replayed(struct store *s, const char *who, const char *read, const char *used)
+{
+    struct store_subject one;
+    struct store_probe probe = {.read = read};
+    struct store_recorded out;
+    const struct store_record what = {.subject = &one,
+                                      .as = STORE_RECORD_PASSED,
+                                      .actor = "test",
+                                      .kind = "verify",
+                                      .template_id = "",
+                                      .outcome = "match",
+                                      .probe = &probe};
+    uint32_t before;
+
+    (void)snprintf(probe.used, sizeof probe.used, "%s", used);
+    assert_int_equal(store_subject_get(s, who, &one, &e), ST_OK);
+    before = tempdb_attempts(s, who).failures;
+    assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
+    assert_string_equal(last_event(s).entry.outcome, out.replayed ? "replayed" : "match");
+    assert_int_equal(tempdb_attempts(s, who).failures, out.replayed ? before + 1 : 0);
+    return out.replayed;
+}
+
+static void test_replayed(void **state)
+{
+    struct store *s = make();
+    struct store_template carol;
+    bool created;
+
+    (void)state;
+    for (int i = 0; i < 2; i++)
+        memset(digest[i], 'a' + i, 64);
+    assert_int_equal(
+        store_enroll(s,
+                     &(struct store_enroll){
+                         .actor = "test",
+                         .subject = "carol",
+                         .label = "",
+                         .sample = &(struct store_sample){.face = &tempdb_face[2],
+                                                          .read = digest[0]},
+                         .n = 1},
+                     &carol, &created, &e),
+        ST_OK);
+    /* The cloud of a template, as it was used and as it was read; of this subject alone. */
+    assert_true(replayed(s, "alice", digest[1], t[0].digest));
+    assert_true(replayed(s, "alice", digest[1], t[1].digest));
+    assert_false(replayed(s, "alice", digest[1], t[2].digest));
+    assert_true(replayed(s, "carol", digest[0], ""));
+    assert_false(replayed(s, "bob", digest[0], ""));
+    /* A probe is not remembered. */
+    assert_false(replayed(s, "alice", digest[1], ""));
+    assert_false(replayed(s, "alice", digest[1], ""));
+    /* It ends with the template, and with the subject. */
+    assert_int_equal(store_template_delete(s, "test", carol.id, &e), ST_OK);
+    assert_false(replayed(s, "carol", digest[0], carol.digest));
+    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_OK);
+    assert_int_equal(tempdb_erase(s, "test", "alice", &e), ST_OK);
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t[0]);
+    assert_true(replayed(s, "alice", digest[1], t[0].digest));
+    assert_false(replayed(s, "alice", digest[1], t[1].digest));
+    store_close(s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_state),
+        cmocka_unit_test(test_record),   cmocka_unit_test(test_no_event),
+        cmocka_unit_test(test_replayed),
+    };
+
+    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
+}
