@@ -9,7 +9,7 @@
 PRAGMA application_id = 0x53524644; -- "SRFD"
 PRAGMA user_version = 1;
 
--- Where the master key comes from, and what it encrypts: struct vault_root of db/crypt/vault.h.
+-- Where the master key comes from, and what it encrypts: struct crypt_root of db/crypt/crypt.h.
 CREATE TABLE root (
     root_key  INTEGER PRIMARY KEY CHECK (root_key = 1),
     kind      INTEGER NOT NULL CHECK (kind IN (0, 1, 2)), -- in this row, a file, a passphrase

@@ -79,9 +79,8 @@ static enum status read_last(struct log_txn *t, enum log_name log, struct log_en
         }
     }
     if (log == LOG_ACCESSES) /* it has the one that the last change found */
-        good = good && last->seq >= t->accesses.seq &&
-               (last->seq > t->accesses.seq ||
-                memcmp(last->hash, t->accesses.hash, LOG_HASH) == 0);
+        good = good && (last->seq > t->accesses.seq ||
+                        memcmp(last->hash, t->accesses.hash, LOG_HASH) == 0);
     else
         good = good && last->seq != 0;
     st = sql_done(r, st, e);

@@ -122,7 +122,7 @@ enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
                                  struct errinfo *e)
 {
     const struct calibration *c = &k->table;
-    struct row row;
+    struct row row = {.revision = 0};
     unsigned char *to = row.knots.bytes;
     enum status st;
 

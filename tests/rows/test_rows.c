@@ -232,6 +232,22 @@ static void mislead(const char *index, const char *rows)
     tempdb_mislead(name, rows);
 }
 
+/* Her templates are hidden: the next sample is not her first one. */
+static void test_first_sample(void **state)
+{
+    struct store *s = tempdb_fresh();
+    struct store_template t;
+    bool created;
+
+    (void)state;
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
+    tempdb_sql("DELETE FROM faces; DELETE FROM templates");
+    assert_int_equal(
+        tempdb_store(s, "test", "alice", "", &tempdb_face[1], &t, &created, &e),
+        ST_ECORRUPT);
+    assert_found(s);
+}
+
 static void count(void *arg, const char *line)
 {
     char *text = arg;
@@ -322,6 +338,7 @@ static void test_misled(void **state)
     const struct store_subject_change disable = {.disabled = &yes};
     struct store *s = tempdb_fresh();
     const struct store_token first = token(s, "first"), second = token(s, "second");
+    struct store_subject one;
     struct store_token got;
     char other[65];
 
@@ -335,6 +352,7 @@ static void test_misled(void **state)
     ASSERT_NOTHING(store_token_rotate(s, "test", second.id, 0, 0, other, &got, &e));
     tempdb_sql("DROP TABLE twin; DROP TABLE more");
     mislead("subjects_2", "SELECT 3 - subject_key, lookup FROM subjects");
+    ASSERT_NOTHING(store_subject_get(s, "alice", &one, &e));
     ASSERT_NOTHING(store_subject_rename(s, "test", "alice", "carol", &e));
     ASSERT_NOTHING(tempdb_erase(s, "test", "bob", &e));
     tempdb_sql("DROP TABLE twin; DROP TABLE more");
@@ -384,9 +402,10 @@ static void test_planted(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sum),    cmocka_unit_test(test_format),
-        cmocka_unit_test(test_named),  cmocka_unit_test(test_doubled),
-        cmocka_unit_test(test_misled), cmocka_unit_test(test_planted),
+        cmocka_unit_test(test_first_sample), cmocka_unit_test(test_sum),
+        cmocka_unit_test(test_format),       cmocka_unit_test(test_named),
+        cmocka_unit_test(test_doubled),      cmocka_unit_test(test_misled),
+        cmocka_unit_test(test_planted),
     };
 
     return cmocka_run_group_tests_name("rows", tests, tempdb_begin_faces,
