@@ -1,6 +1,7 @@
 #include "crash.h"
 
 #include <dirent.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -112,49 +113,27 @@ static void each(const char *dir, use_file *use, void *arg)
     (void)closedir(d);
 }
 
-static void remove_file(void *arg, const char *path, const char *name)
+/* Runs "FORMAT", in which the %s are folders. */
+__attribute__((format(printf, 1, 2))) static void shell(const char *format, ...)
 {
-    (void)arg;
-    (void)name;
-    if (unlink(path) != 0)
-        CANNOT(path);
-}
+    char text[3 * CRASH_PATH];
+    va_list args;
 
-static void clear(const char *dir)
-{
-    if (access(dir, F_OK) == 0)
-        each(dir, remove_file, NULL);
-    else if (mkdir(dir, 0700) != 0)
-        CANNOT(dir);
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (system(text) != 0)
+        CANNOT(text);
 }
 
 void crash_remove(const char *dir)
 {
-    if (access(dir, F_OK) != 0)
-        return;
-    clear(dir);
-    if (rmdir(dir) != 0)
-        CANNOT(dir);
-}
-
-static void copy_file(void *arg, const char *path, const char *name)
-{
-    struct bytes b = {0};
-    char to[CRASH_PATH];
-
-    crash_join(to, arg, name);
-    read_file(path, &b);
-    write_file(to, &b);
-    free(b.at);
+    shell("rm -rf '%s'", dir);
 }
 
 void crash_copy(const char *from, const char *to)
 {
-    char dir[CRASH_PATH];
-
-    clear(to);
-    (void)snprintf(dir, sizeof dir, "%s", to);
-    each(from, copy_file, dir);
+    shell("rm -rf '%s' && cp -rp '%s' '%s'", to, from, to);
 }
 
 /* ---- the log */
@@ -379,7 +358,7 @@ void crash_log_state(const struct crash_log *l, size_t n, bool some,
         else if (!is_name(c) && some)
             apply(f, l, c, rng);
     }
-    clear(dir);
+    shell("rm -rf '%s' && mkdir -m 700 '%s'", dir, dir);
     for (size_t i = 0; i < f->names; i++) {
         crash_join(path, dir, f->name[i].text);
         write_file(path, &f->file[f->name[i].file]);
