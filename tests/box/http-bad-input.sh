@@ -38,9 +38,9 @@ bad "an object for a point" 400 malformed 'points\[0\]' '{"points": [{"x":1,"y":
 bad "points twice" 400 malformed 'earlier' '{"points": [], "points": []}'
 bad "another key twice" 400 malformed 'earlier' '{"x": 1, "points": [], "x": 2}'
 bad "no points" 400 malformed 'points is missing' '{"units": "mm"}'
-bad "a misspelt member" 400 malformed 'the body has points, units and axes, not pts' '{"pts": []}'
-bad "another member" 400 malformed 'not threshold' '{"points": [], "threshold": -1e9}'
-bad "a long one, truncated between characters" 400 malformed 'not xü*' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
+bad "a misspelt member" 400 malformed 'the body: unknown member "pts"; allowed: points, units and axes' '{"pts": []}'
+bad "another member" 400 malformed 'unknown member "threshold"' '{"points": [], "threshold": -1e9}'
+bad "a long one, truncated between characters" 400 malformed 'unknown member "xü*"' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
 bad "points an object" 400 malformed 'points is not an array' '{"points": {}}'
 bad "an array" 400 malformed 'not an object' '[[1,2,3]]'
 bad "a number" 400 malformed 'not an object' '17'

@@ -110,7 +110,7 @@ for one in subjects/alice "templates/$id"; do
 done
 jq -c '. + {threshold: -1e9}' "$T/a2.json" >"$T/own.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/own.json"
-problem "as a member" 400 malformed 'the body has points, units and axes, not threshold'
+problem "as a member" 400 malformed 'the body: unknown member "threshold"; allowed: points, units and axes'
 is "no verification was logged" \
     "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify'")" "$logged"
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"

@@ -111,7 +111,7 @@ static void test_json(void **state)
     f.len = 0;
     scanfile_text(&f, "{\"asset\": {\"version\": \"2.0\"}}");
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL,
-                 "the body has points, units and axes, not asset");
+                 "the body: unknown member \"asset\"; allowed: points, units and axes");
     f.len = 0;
     scanfile_text(&f, "{\"points\": [[1,2,1e999]]}");
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_ENOTFINITE, "points[0]");
