@@ -31,7 +31,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
-/* Whoever has the database is not locked out of it: attempts are not counted. */
+/* Anyone who has the database is not locked out of it: attempts are not counted. */
 static enum status settle(struct ctl *c, const struct ctl_nearest *best,
                           const struct scan_found *found, const struct face *f)
 {
