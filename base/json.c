@@ -442,7 +442,8 @@ static enum status unknown_member(const char *key, const char *where,
                               : known[i + 1] == NULL ? " and "
                                                      : ", ",
                               known[i]);
-    return errinfo_set(e, ST_EINVAL, "%s has %s, not %.*s", where, list, (int)shown, key);
+    return errinfo_set(e, ST_EINVAL, "%s: unknown member \"%.*s\"; allowed: %s", where,
+                       (int)shown, key, list);
 }
 
 enum status json_expect(const struct json_value *v, const char *where,

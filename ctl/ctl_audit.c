@@ -217,7 +217,7 @@ static enum status put_log(FILE *to, const struct export *x, enum log_name log,
     return st;
 }
 
-/* The log as it is, sound or not: whoever verifies the file finds what is wrong. */
+/* The log as it is, sound or not: anyone who verifies the file finds what is wrong. */
 static enum status put_logs(FILE *to, const void *arg, struct errinfo *e)
 {
     const struct export *x = arg;

@@ -139,7 +139,7 @@ static void tell_rekeyed(struct ctl *c, const struct admin_rekey *to, const char
         ctl_say(c, "%s: encrypted with the passphrase now\n", c->db);
     else
         ctl_say(c,
-                "%s: whoever has the file can read it now; from now on it takes "
+                "%s: anyone who has the file can read it now; from now on it takes "
                 "--plaintext-database.\n",
                 c->db);
 }

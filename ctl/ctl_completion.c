@@ -5,54 +5,50 @@
 #include "ctl_command.h"
 #include "ctl_table.h"
 
-/* Every shared option once, and every command's own. */
-typedef void visitor(const struct ctl_option *o);
+enum kind { FLAG, FILES, CHOICES, WORD }; /* what follows an option */
 
-static void each_option(visitor *visit)
+static enum kind kind_of(const struct ctl_option *o)
+{
+    if (o->arg == NULL)
+        return FLAG;
+    if (strstr(o->arg, "FILE") != NULL || strstr(o->arg, "DIR") != NULL ||
+        strcmp(o->arg, "PATH") == 0 || strcmp(o->arg, "MANIFEST") == 0)
+        return FILES;
+    return strchr(o->arg, '|') != NULL ? CHOICES : WORD;
+}
+
+/* The options of that kind, every shared one once, and every command's own. */
+static void print_kind(enum kind kind)
 {
     const struct ctl_option *o;
     unsigned seen = 0;
 
     for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
-        const unsigned shared = ctl_table_options(*k);
+        const unsigned shared = ctl_table_options(*k) & ~seen;
 
-        for (size_t i = 0; (o = ctl_option_at(shared & ~seen, (*k)->options, i)) != NULL;
-             i++)
-            visit(o);
+        for (size_t i = 0; (o = ctl_option_at(shared, (*k)->options, i)) != NULL; i++) {
+            if (kind_of(o) != kind)
+                continue;
+            (void)printf("|--%s", o->name);
+            if (o->letter != 0)
+                (void)printf("|-%c", o->letter);
+        }
         seen |= shared;
     }
 }
 
-static bool takes_path(const struct ctl_option *o)
+static void print_choices(void)
 {
-    return strstr(o->arg, "FILE") != NULL || strstr(o->arg, "DIR") != NULL ||
-           strcmp(o->arg, "PATH") == 0 || strcmp(o->arg, "MANIFEST") == 0;
-}
+    const struct ctl_option *o;
 
-static void print_path(const struct ctl_option *o)
-{
-    if (o->arg != NULL && takes_path(o)) {
-        (void)printf("|--%s", o->name);
-        if (o->letter != 0)
-            (void)printf("|-%c", o->letter);
+    for (size_t i = 0; (o = ctl_option_at(~0U, NULL, i)) != NULL; i++) {
+        if (kind_of(o) != CHOICES)
+            continue;
+        (void)printf("    --%s)\n        words='", o->name);
+        for (const char *p = o->arg; *p != '\0'; p++)
+            (void)putchar(*p == '|' ? ' ' : *p);
+        (void)printf("' ;;\n");
     }
-}
-
-static void print_word(const struct ctl_option *o)
-{
-    if (o->arg != NULL && !takes_path(o))
-        (void)printf("|--%s", o->name);
-}
-
-/* The values of options that have but a few: "mm|cm|m". */
-static void print_choices(const struct ctl_option *o)
-{
-    if (o->arg == NULL || takes_path(o) || strchr(o->arg, '|') == NULL)
-        return;
-    (void)printf("    --%s)\n        words='", o->name);
-    for (const char *p = o->arg; *p != '\0'; p++)
-        (void)putchar(*p == '|' ? ' ' : *p);
-    (void)printf("' ;;\n");
 }
 
 /* The verbs of each group, for its name alone; the group's first command stands for it. */
@@ -110,8 +106,9 @@ static void print_function(void)
         "    while [ \"$i\" -lt \"$COMP_CWORD\" ]; do\n"
         "        case ${COMP_WORDS[i]} in\n"
         "        ''");
-    each_option(print_path);
-    each_option(print_word);
+    print_kind(FILES);
+    print_kind(CHOICES);
+    print_kind(WORD);
     (void)printf(") i=$((i + 1)) ;;\n"
                  "        -*) ;;\n"
                  "        *) name=\"$name${name:+ }${COMP_WORDS[i]}\" ;;\n"
@@ -120,13 +117,13 @@ static void print_function(void)
                  "    done\n"
                  "    case $prev in\n"
                  "    ''");
-    each_option(print_path);
+    print_kind(FILES);
     (void)printf(")\n"
                  "        COMPREPLY=($(compgen -f -- \"$cur\"))\n"
                  "        return ;;\n");
-    each_option(print_choices);
+    print_choices();
     (void)printf("    ''");
-    each_option(print_word);
+    print_kind(WORD);
     (void)printf(") return ;;\n"
                  "    esac\n"
                  "    if [ -z \"$words\" ] && [[ $cur == -* ]]; then\n"

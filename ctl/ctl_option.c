@@ -147,7 +147,7 @@ static const struct ctl_option shared_options[] = {
            "records the newest state of the database, on another disk or host;\n"
            "or none; or set SURFACED_ANCHOR"),
     SHARED("plaintext-database", NULL, ctl_option_flag, plaintext, 0,
-           "the database has no key: anyone who has the file can read it; or set\n"
+           "the database has no key: anyone with the file can read it; or set\n"
            "SURFACED_PLAINTEXT_DATABASE=1"),
     SHARED("units", "auto|mm|cm|m|in|um", read_units, scans.unit_mm, 0,
            "the unit of the scans' coordinates (auto: it is found); what a\n"

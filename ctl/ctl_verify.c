@@ -27,7 +27,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
-/* Whoever has the database is not locked out of it: attempts are not counted. */
+/* Anyone who has the database is not locked out of it: attempts are not counted. */
 static enum status run(struct ctl *c, const char *probe, struct verify_request *r,
                        struct verification *v)
 {

@@ -268,7 +268,7 @@ TEST(test_expect)
     assert_int_equal(read_text("{\"a\":1,\"b\":{\"c\":1}}", 100), ST_OK);
     assert_int_equal(json_expect(doc, "it", two, &e), ST_OK);
     assert_int_equal(json_expect(json_member(doc, "b"), "it", two, &e), ST_EINVAL);
-    assert_string_equal(e.msg, "it has a and b, not c");
+    assert_string_equal(e.msg, "it: unknown member \"c\"; allowed: a and b");
     assert_int_equal(json_expect(json_member(doc, "a"), "it", two, &e), ST_EINVAL);
     assert_string_equal(e.msg, "it is not an object");
     assert_int_equal(json_expect(NULL, "it", two, &e), ST_EINVAL);
@@ -276,7 +276,8 @@ TEST(test_expect)
     strcat(key, "\xc3\xa4\":1}"); /* the 64th byte is the first of a character */
     assert_int_equal(read_text(key, 100), ST_OK);
     assert_int_equal(json_expect(doc, "it", three, &e), ST_EINVAL);
-    assert_int_equal(strlen(e.msg), strlen("it has a, b and c, not ") + 63);
+    assert_int_equal(strlen(e.msg),
+                     strlen("it: unknown member \"\"; allowed: a, b and c") + 63);
 }
 
 TEST(test_read_memory)

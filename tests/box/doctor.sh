@@ -128,7 +128,7 @@ doctor
 finds "plaintext, and not said so" trouble key 'plaintext'
 export SURFACED_PLAINTEXT_DATABASE=1
 doctor
-finds "plaintext" note key 'plaintext'
+finds "plaintext" note key 'has no key'
 sqlite3 "$DB" "UPDATE templates SET points = points - 1"
 doctor
 finds "damaged" trouble state 'not as it was written'

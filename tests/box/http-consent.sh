@@ -80,7 +80,7 @@ for body in '' '[]' 'null' '{' '{"hold": 1}' '{"disabled": null}' '{"consent": 1
     problem "rejected: $body" 400 malformed
 done
 change alice '{"on_hold": true}'
-ok "the detail names the member" matches "$(get .detail)" 'not on_hold$'
+ok "the detail names the member" matches "$(get .detail)" 'unknown member "on_hold"'
 change nobody '{"hold": true}'
 problem "an unknown subject" 404 not_found
 change a%20b '{"hold": true}'

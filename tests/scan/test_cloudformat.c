@@ -90,7 +90,7 @@ TEST(test_json)
         "\xEF\xBB\xBF \n{\"units\":\"in\",\"points\":[[1,2,3],[4e0,5.0,6]]}\n"};
     static const struct scanfile_case bad[] = {
         {"{\"asset\": {\"version\": \"2.0\"}}", ST_EINVAL,
-         "the body has points, units and axes, not asset"},
+         "the body: unknown member \"asset\"; allowed: points, units and axes"},
         {"{\"points\": [[1,2,1e999]]}", ST_ENOTFINITE, "points[0]"},
         {"{\"points\": [[1,2,3]], \"units\": \"ell\"}", ST_EINVAL,
          "units is not auto, mm, cm, m, in or um"},
