@@ -1,5 +1,6 @@
 /* Alignment: the search finds known poses, from any start, despite holes and spikes; its
- * result does not depend on the start; surfaces with nothing in common are reported; failed
+ * result does not depend on the start; a face of which a part has changed is registered by the
+ * rest, and where the cheapest coarse pose is wrong its rival is found; surfaces with nothing in common are reported; failed
  * allocations.  The faces are facegen's. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include "align.h"
@@ -7,6 +8,7 @@
 #include "align_pose.h"
 #include "align_solve.h"
 #include "brute.h"
+#include "clouds.h"
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
@@ -187,6 +189,11 @@ TEST(test_finds_pose)
         enroll(subject, &a);
         facegen_default(&s);
         s.warp = 0;
+        if (subject % 2 != 0) { /* a third of the face is missing, points lie far off */
+            s.holes = 0.35;
+            s.spikes = 0.012;
+            s.noise = 0.3;
+        }
         s.yaw = 60 * brute_real(&rng) - 30;
         s.pitch = 40 * brute_real(&rng) - 20;
         s.roll = 40 * brute_real(&rng) - 20;
@@ -197,16 +204,18 @@ TEST(test_finds_pose)
         align(&a, &b, &r);
         rotation(s.yaw, s.pitch, s.roll, true_r);
         error = off_by(r.transform, true_r);
-        sum += error;
-        assert_true(error < 1.5);
         printf("%d: %.2f degrees\n", (int)subject, error);
+        assert_true(error < (subject % 2 == 0 ? 0.3 : 0.6));
+        if (subject % 2 != 0)
+            continue;
+        sum += error;
         assert_int_not_equal(r.stop, ALIGN_APART);
         assert_true(r.turn_deg > 0 && r.turn_deg < 2 && r.shift_mm > 0 && r.shift_mm < 2);
         assert_true(r.within > 0.5 && r.cost_mm < 1);
         assert_true(r.starts >= 1 && r.evaluations > r.starts);
     }
-    printf("mean rotation error %.2f degrees\n", sum / 12);
-    assert_true(sum / 12 < 0.5);
+    printf("without holes, mean %.2f degrees\n", sum / 6);
+    assert_true(sum / 6 < 0.1);
     face_free(&a);
     face_free(&b);
 }
@@ -295,6 +304,100 @@ TEST(test_given_start)
         assert_true(fabs(r.transform[i] - again.transform[i]) <
                     (i % 4 == 3 ? 0.05 : 1e-3));
     align_work_free(&w);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* ---- a part that has changed, and a rival */
+
+/* A scan with holes, and a share of the smooth error that facegen_default() gives. */
+static size_t scan_of(uint64_t subject, uint64_t number, uint32_t points_wanted,
+                      double holes, double warp)
+{
+    struct facegen_scan s;
+
+    facegen_default(&s);
+    s.points = points_wanted;
+    s.holes = holes;
+    s.warp = warp;
+    return sample(&s, subject, number, points);
+}
+
+/* How far the pose found leaves the upper face from where it belongs, mm; moved: where the
+ * probe was moved to. */
+static double error(const struct face *tmpl, const struct face *probe,
+                    const double moved[16])
+{
+    static const double at[4][3] = {
+        {-40, 40, -15}, {40, 40, -15}, {0, 70, -5}, {0, 0, 0}};
+    struct align_work w = {0};
+    struct align_result r;
+    double worst = 0;
+
+    assert_int_equal(
+        align_search(&tmpl->surface, &probe->surface, &(struct align_how){0}, &w, &r),
+        ST_OK);
+    align_work_free(&w);
+    for (int k = 0; k < 4; k++) {
+        const struct dvec3 here = {at[k][0], at[k][1], at[k][2]};
+        const struct dvec3 d =
+            vec_sub(vec_transform(r.transform, vec_transform(moved, here)), here);
+
+        worst = fmax(worst, sqrt(vec_dot(d, d)));
+    }
+    return worst;
+}
+
+/* All below the mouth lies 12 mm farther out: a quarter of the face.  Gaps beyond 2.5 mm
+ * count nothing (ALIGN_TUKEY_MM), and the pose is right to 0.2 mm, unless the coarse stage ends
+ * too far away (once in these); with all gaps counted all are wrong by 3 mm. */
+TEST(test_change)
+{
+    struct face a = {0}, b = {0};
+    int right = 0;
+
+    for (uint64_t subject = 0; subject < 8; subject++) {
+        double moved[16];
+        size_t n = scan_of(subject, 0, MAX_POINTS, 0, 0);
+
+        build(points, n, &a);
+        n = scan_of(subject, 1, MAX_POINTS, 0, 0);
+        for (size_t i = 0; i < n; i++) {
+            const double d = fmin(fmax((-35 - points[i].y) / 10, 0), 1);
+
+            points[i].z += 12 * d * d * (3 - 2 * d);
+        }
+        clouds_move(points, n, subject + 100, 5, 5, moved);
+        build(points, n, &b);
+        right += error(&a, &b, moved) < 0.5;
+    }
+    assert_in_range(right, 7, 8);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* One half of a face, with holes, turned by 30 degrees: for these subjects, of 1,100 tried, the
+ * cheapest coarse pose is wrong by 30 to 100 mm, and its rival (ALIGN_RIVAL) is right. */
+TEST(test_rival)
+{
+    static const uint64_t subject[] = {98, 355, 903, 1041};
+    struct face a = {0}, b = {0};
+    int right = 0;
+
+    for (int k = 0; k < 4; k++) {
+        size_t n = scan_of(subject[k], 0, 800, 0.3, 0.15), half = 0;
+        double moved[16];
+
+        build(points, n, &a);
+        n = scan_of(subject[k], 1, 800, 0.3, 0.15);
+        clouds_move(points, n, subject[k] + 100, 30, 20, moved);
+        for (size_t i = 0; i < n; i++)
+            if (points[i].x > 0)
+                points[half++] = points[i];
+        build(points, half, &b);
+        right += error(&a, &b, moved) < 4;
+    }
+    assert_in_range(right, 3, 4);
     face_free(&a);
     face_free(&b);
 }

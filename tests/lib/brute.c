@@ -180,15 +180,6 @@ size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
     return kept;
 }
 
-const char *brute_shape_name(enum brute_shape shape)
-{
-    static const char *const name[BRUTE_SHAPES] = {"random",  "small",     "lattice",
-                                                   "circle",  "hull line", "clusters",
-                                                   "columns", "extreme"};
-
-    return name[shape];
-}
-
 /* ---- triangulation by definition */
 
 /* Directed edges and the half-edge that has them: a table by open addressing. */
@@ -481,7 +472,9 @@ bool brute_same(const struct mesh *a, const struct mesh *b)
 
 /* ---- spanning tree */
 
-bool brute_edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
+/* Whether edge ab comes before edge cd: it is shorter or, with equal lengths, lexicographically
+ * first by its first end point, then by the other. */
+static bool edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d)
 {
     const int64_t abx = b.x - a.x, aby = b.y - a.y, cdx = d.x - c.x, cdy = d.y - c.y;
     const int64_t ab = abx * abx + aby * aby, cd = cdx * cdx + cdy * cdy;
@@ -514,9 +507,8 @@ void brute_prim(const struct mesh *m, uint32_t *parent)
 
             if (u == m->nv || v == m->nv || !in[u] || in[v])
                 continue;
-            if (best == UINT32_MAX ||
-                brute_edge_less(m->xy[u], m->xy[v], m->xy[m->org[best]],
-                                m->xy[mesh_dest(m, best)]))
+            if (best == UINT32_MAX || edge_less(m->xy[u], m->xy[v], m->xy[m->org[best]],
+                                                m->xy[mesh_dest(m, best)]))
                 best = h;
         }
         assert(best != UINT32_MAX);

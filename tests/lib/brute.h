@@ -41,7 +41,6 @@ enum brute_shape {
  * noise.  Returns the number of points.  n is 3 or more. */
 size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
                     struct ivec3 *out);
-const char *brute_shape_name(enum brute_shape shape);
 
 /* brute_delaunay(pts, n, out): the triangulation by definition: each directed edge forms a
  * triangle with the point on its left whose circle is empty, found by searching all points.
@@ -66,13 +65,9 @@ void brute_code(struct mesh *m);
 bool brute_same(const struct mesh *a, const struct mesh *b);
 
 /* brute_prim(m, parent): the minimum spanning tree by Prim's rule, with edges in the order of
- * brute_edge_less(); parent[] is indexed by vertex of m, and the root is the lexicographically
+ * their lengths, then of their points; parent[] is indexed by vertex of m, and the root is the lexicographically
  * first point.  O(nv^2). */
 void brute_prim(const struct mesh *m, uint32_t *parent);
-
-/* brute_edge_less(a, b, c, d): whether edge ab comes before edge cd: it is shorter or, with
- * equal lengths, lexicographically first by its first end point, then by the other. */
-bool brute_edge_less(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d);
 
 /* brute_locate(m, q): a correct location of q by searching all triangles. */
 struct location brute_locate(const struct mesh *m, struct ivec2 q);
