@@ -11,7 +11,7 @@
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
+#include "readfile.h"
 
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */
 #define TEMPLATES_MAX 100000
@@ -71,7 +71,7 @@ static enum status read_receipt(struct review *v)
     struct json_value *doc = NULL;
     unsigned char *text;
     size_t len;
-    enum status st = ctl_sample_file(v->c->args[0], FILE_MAX, &text, &len, &v->c->e);
+    enum status st = readfile_all(v->c->args[0], FILE_MAX, &text, &len, &v->c->e);
 
     if (st == ST_OK && (json_read((char *)text, len, TEMPLATES_MAX + JSON_MEMBERS, &doc,
                                   NULL) != ST_OK ||
