@@ -7,6 +7,7 @@
 #include "cloudfile.h"
 #include "corpus.h"
 #include "lab.h"
+#include "outfile.h"
 #include "readfile.h"
 
 #define MAX_FILE ((size_t)256 << 20)
@@ -107,14 +108,14 @@ enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char 
                     : slash != NULL ? (int)(slash - source)
                                     : 0;
     char name[PATH_MAX];
-    enum status st = lab_not_read(c, path, source);
+    enum status st = outfile_not_read(path, source, &c->e);
 
     for (uint32_t i = 0; st == ST_OK && i < k->nscan; i++)
-        st = lab_not_read(c, path, k->scan[i].path);
+        st = outfile_not_read(path, k->scan[i].path, &c->e);
     for (size_t i = 0; st == ST_OK && i < sizeof table / sizeof *table; i++) {
         (void)snprintf(name, sizeof name, "%.*s%s%s", len, source,
                        folder || slash != NULL ? "/" : "", table[i]);
-        st = lab_not_read(c, path, name);
+        st = outfile_not_read(path, name, &c->e);
     }
     return st;
 }
