@@ -3,7 +3,7 @@
  *   ctl, ctl_dir               errors, exit codes, output; files that are written
  *   ctl_option, ctl_command    what an option and a command are
  *   ctl_key, ctl_model, ctl_config  the database, opened by its key and for a model
- *   ctl_each, ctl_pairs        every subject; of two subjects the nearest templates
+ *   ctl_each                   every subject
  *   ctl_sample, ctl_face       a scan as a face, compared, enrolled
  *   ctl_cross                  many comparisons
  *   the other files            a command each, or a few of one group
