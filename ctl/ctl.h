@@ -4,8 +4,8 @@
  *   ctl_option, ctl_command    what an option and a command are
  *   ctl_model, ctl_config      the database, opened by its key and for a model; each subject
  *   ctl_pairs                  of two subjects the nearest templates
- *   ctl_sample, ctl_face, ctl_corpus  a scan as a face, compared, enrolled; many scans
- *   ctl_trials, ctl_cross      many comparisons
+ *   ctl_sample, ctl_face       a scan as a face, compared, enrolled; many scans
+ *   ctl_cross                  many comparisons
  *   the other files            a command each, or a few of one group
  *   ctl_table, main            the list of the commands, their help texts, the command line */
 #ifndef CTL_H

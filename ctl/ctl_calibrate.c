@@ -12,13 +12,11 @@
 #include "ctl_command.h"
 #include "ctl_cross.h"
 #include "ctl_model.h"
-#include "ctl_pairs.h"
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
 #define LEAST_LIMIT  20000.0 /* at least this many non-mated comparisons, or */
 #define ERRORS_LIMIT 60.0    /* those that give this many errors at the wanted rate */
-#define SUSPECTS     20      /* shown as text; all as JSON */
 
 static bool wants_list, wants_reset; /* --list, --reset */
 static const char *mated;            /* --mated */
@@ -30,8 +28,7 @@ struct result {
     size_t pairs; /* of subjects that were compared, at least */
     double fnmr, fnmr_low, fnmr_high;
     double shipped_fmr, shipped_fnmr; /* here, at the shipped threshold */
-    struct ctl_pair *suspect;
-    size_t nsuspect;
+    size_t suspects;                  /* comparisons */
 };
 
 /* ---- two ids, one face? */
@@ -43,28 +40,15 @@ static const struct calibration_knot *suspicious(const struct ctl *c)
     return &c->model->calibration.knot[c->model->calibration.n - 1];
 }
 
-/* Pairs of subjects that are too alike, each once, the most alike first. */
-static enum status find_suspects(const struct ctl *c, struct result *r)
+/* Comparisons of two subjects with such a score. */
+static size_t count_suspects(const struct ctl *c, const struct ctl_cross *p)
 {
-    const struct ctl_cross *p = &r->cross;
     size_t n = 0;
 
-    if ((r->suspect = malloc((p->nscore + 1) * sizeof *r->suspect)) == NULL)
-        return ST_ENOMEM;
-    for (size_t i = 0; i < p->nscore; i++) {
-        const struct rates_score *s = &p->score[i];
-
-        if (s->template == s->probe || s->score < suspicious(c)->score)
-            continue;
-        r->suspect[n++] = s->template <s->probe ? (struct ctl_pair){.x = s->template,
-                                                                    .y = s->probe,
-                                                                    .score = s->score}
-                                                : (struct ctl_pair){.x = s->probe,
-                                                                    .y = s->template,
-                                                                    .score = s->score};
-    }
-    r->nsuspect = ctl_pairs_sort(r->suspect, n);
-    return ST_OK;
+    for (size_t i = 0; i < p->nscore; i++)
+        n += p->score[i].template != p->score[i].probe &&
+             p->score[i].score >= suspicious(c)->score;
+    return n;
 }
 
 /* ---- the work */
@@ -129,8 +113,7 @@ static enum status learn(struct ctl *c, struct result *r)
     enum status st =
         rates_new(r->cross.score, r->cross.nscore, r->cross.nsubject, &r->rates);
 
-    if (st == ST_OK)
-        st = find_suspects(c, r);
+    r->suspects = count_suspects(c, &r->cross);
     if (st == ST_OK)
         st = rates_calibrate(r->rates, c->fmr, &k->table);
     threshold = k->table.threshold;
@@ -184,7 +167,6 @@ static void out_calibration(struct json *o, const struct store_calibration *k)
 
 static void out_result(struct ctl *c, const struct result *r)
 {
-    const struct ctl_cross_subject *who = r->cross.subject;
     struct json *o = c->out;
 
     out_calibration(o, &r->k);
@@ -205,33 +187,18 @@ static void out_result(struct ctl *c, const struct result *r)
     }
     json_number(o, "scans_outside", (double)r->cross.outside);
     json_number(o, "scans_refused", (double)r->cross.refused);
-    json_array(o, "suspicious");
-    for (size_t i = 0; i < r->nsuspect; i++) {
-        json_object(o, NULL);
-        json_text(o, "a", who[r->suspect[i].x].id);
-        json_text(o, "b", who[r->suspect[i].y].id);
-        json_score(o, "score", r->suspect[i].score);
-        json_close(o);
-    }
-    json_close(o);
+    json_number(o, "suspicious", (double)r->suspects);
 }
 
 static void print_suspects(const struct ctl *c, const struct result *r)
 {
-    const struct ctl_cross_subject *who = r->cross.subject;
-
-    if (r->nsuspect == 0)
-        return;
-    (void)printf(
-        "\nAs alike as one person's scans: a score of %.2f or more, the false match rate of "
-        "which the\nshipped table has as %g.  One person under two ids, or relatives?  They "
-        "are counted as\ndifferent people:\n",
-        suspicious(c)->score, suspicious(c)->rate);
-    for (size_t i = 0; i < r->nsuspect && i < SUSPECTS; i++)
-        (void)printf("  %7.2f  %s  %s\n", r->suspect[i].score, who[r->suspect[i].x].id,
-                     who[r->suspect[i].y].id);
-    if (r->nsuspect > SUSPECTS)
-        (void)printf("  and %zu pairs more (--json has all)\n", r->nsuspect - SUSPECTS);
+    if (r->suspects > 0)
+        (void)printf(
+            "suspicious   %zu comparisons of two subjects score %.2f or more, as "
+            "one person's scans do (false\n"
+            "             match rate %g).  They are counted as different people: "
+            "surfacectl dedup lists them\n",
+            r->suspects, suspicious(c)->score, suspicious(c)->rate);
 }
 
 static void print_result(const struct ctl *c, const struct result *r)
@@ -327,7 +294,6 @@ static enum status calibrate(struct ctl *c)
             print_result(c, &r);
         st = store_it(c, &r.k);
     }
-    free(r.suspect);
     rates_free(r.rates);
     ctl_cross_free(&r.cross);
     return st;

@@ -7,7 +7,6 @@
 
 #include "digest.h"
 #include "ctl.h"
-#include "ctl_corpus.h"
 #include "ctl_model.h"
 #include "ctl_sample.h"
 #include "corpus.h"
@@ -369,8 +368,8 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
     if (st == ST_OK)
         keep_scores(p, &s);
     json_array(c->out, "left_out");
-    ctl_corpus_left(c->out, corpus);
-    ctl_corpus_tell(corpus);
+    ctl_sample_left(c->out, corpus);
+    ctl_sample_print_left(corpus);
 out:
     free(subject);
     free(s.fate);

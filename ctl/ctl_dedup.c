@@ -12,7 +12,6 @@
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
-#include "ctl_pairs.h"
 
 #define TRIALS 16 /* comparisons that the time is estimated by */
 #define NOBODY UINT32_MAX
@@ -23,6 +22,13 @@ struct entry { /* a template */
     char id[STORE_ID_LEN + 1];
     char digest[65];
     uint32_t owner; /* of subject[] */
+};
+
+/* A comparison of two subjects' templates. */
+struct pair {
+    uint32_t x, y; /* two subjects, in their order */
+    uint32_t a, b; /* a template of each */
+    double score;
 };
 
 struct dedup {
@@ -38,8 +44,8 @@ struct dedup {
     double pairs;      /* of templates that are to be compared */
     double estimate_s; /* that it takes, where the threads have a core each */
 
-    pthread_mutex_t lock;   /* of what follows */
-    struct ctl_pair *found; /* [nfound]; when done, of each two subjects the nearest */
+    pthread_mutex_t lock; /* of what follows */
+    struct pair *found;   /* [nfound]; when done, of each two subjects the nearest */
     size_t nfound;
     uint64_t compared, inconclusive;
 };
@@ -153,7 +159,7 @@ static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double score)
         return ST_ENOMEM;
     d->found = larger;
     d->found[d->nfound++] =
-        (struct ctl_pair){d->entry[a].owner, d->entry[b].owner, a, b, score};
+        (struct pair){d->entry[a].owner, d->entry[b].owner, a, b, score};
     return ST_OK;
 }
 
@@ -284,7 +290,7 @@ static void tell_costs(const struct dedup *d)
                   chance, d->threshold);
 }
 
-static void tell_pair(const struct dedup *d, const struct ctl_pair *p)
+static void tell_pair(const struct dedup *d, const struct pair *p)
 {
     const struct entry *a = &d->entry[p->a], *b = &d->entry[p->b];
     const double fmr = calibration_fmr(&d->calibration.table, p->score);
@@ -325,6 +331,43 @@ static void tell_found(const struct dedup *d)
                 d->pairs - (double)d->compared);
 }
 
+static int by_subjects(const void *p, const void *q)
+{
+    const struct pair *v = p, *w = q;
+
+    if (v->x != w->x)
+        return v->x < w->x ? -1 : 1;
+    if (v->y != w->y)
+        return v->y < w->y ? -1 : 1;
+    if (v->score != w->score)
+        return v->score > w->score ? -1 : 1;
+    return v->a != w->a ? (v->a > w->a) - (v->a < w->a) : (v->b > w->b) - (v->b < w->b);
+}
+
+static int by_score(const void *p, const void *q)
+{
+    const struct pair *v = p, *w = q;
+
+    return v->score != w->score ? (v->score < w->score) - (v->score > w->score)
+                                : by_subjects(p, q);
+}
+
+/* Keeps the highest score of each two subjects, the highest of all first: the same list in
+ * whatever order they came.  Returns how many are left. */
+static size_t sort_pairs(struct pair *pair, size_t n)
+{
+    size_t kept = 0;
+
+    if (n == 0)
+        return 0;
+    qsort(pair, n, sizeof *pair, by_subjects);
+    for (size_t i = 0; i < n; i++)
+        if (kept == 0 || pair[kept - 1].x != pair[i].x || pair[kept - 1].y != pair[i].y)
+            pair[kept++] = pair[i];
+    qsort(pair, kept, sizeof *pair, by_score);
+    return kept;
+}
+
 /* ---- the command */
 
 static enum status dedup(struct dedup *d)
@@ -350,7 +393,7 @@ static enum status dedup(struct dedup *d)
         st = pool_run("compare", c->threads, c->model, d->n, do_row, d, &c->e);
     if (st != ST_OK)
         return st;
-    d->nfound = ctl_pairs_sort(d->found, d->nfound);
+    d->nfound = sort_pairs(d->found, d->nfound);
     tell_found(d);
     return ST_OK;
 }

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_sample.h"
+#include "readfile.h"
 
 #define FILE_MAX 4096
 
@@ -59,7 +59,7 @@ static enum status read_key(struct ctl *c, const char *text, unsigned char key[C
          len == CRYPT_KEY && text[2 * CRYPT_KEY] == '\0') ||
         decode(text, strlen(text), key, CRYPT_KEY))
         return ST_OK;
-    if ((st = ctl_sample_file(text, FILE_MAX, &file, &len, &c->e)) == ST_OK)
+    if ((st = readfile_all(text, FILE_MAX, &file, &len, &c->e)) == ST_OK)
         sound = decode_pem((const char *)file, key);
     free(file);
     if (st != ST_OK && st != ST_ESIZE)

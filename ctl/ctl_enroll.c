@@ -15,7 +15,6 @@
 #include "enrolment.h"
 #include "utf8.h"
 #include "ctl_command.h"
-#include "ctl_corpus.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
 #include "ctl_sample.h"
@@ -373,8 +372,8 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
             tell_failed(c, w->corpus, w->scan[k], o);
         }
     }
-    ctl_corpus_left(c->out, w->corpus);
-    ctl_corpus_tell(w->corpus);
+    ctl_sample_left(c->out, w->corpus);
+    ctl_sample_print_left(w->corpus);
     json_number(c->out, "scans", n);
     json_number(c->out, "enrolled", count[ENROLLED]);
     json_number(c->out, "present", count[PRESENT]);

@@ -10,7 +10,7 @@
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
+#include "readfile.h"
 #include "json.h"
 #include "store_audit.h"
 #include "store_erase.h"
@@ -224,7 +224,7 @@ static enum status read_receipt(struct review *v)
     struct json_value *doc = NULL;
     unsigned char *text;
     size_t len;
-    enum status st = ctl_sample_file(v->c->args[0], FILE_MAX, &text, &len, &v->c->e);
+    enum status st = readfile_all(v->c->args[0], FILE_MAX, &text, &len, &v->c->e);
 
     if (st == ST_OK && (json_read((char *)text, len, TEMPLATES_MAX + JSON_MEMBERS, &doc,
                                   NULL) != ST_OK ||

@@ -1,60 +1,14 @@
-#include <errno.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
 #include "cloudfile.h"
+#include "corpus.h"
+#include "readfile.h"
 #include "sample.h"
 #include "ctl.h"
 #include "ctl_sample.h"
 
 #define MAX_FILE ((size_t)256 << 20)
-
-enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes,
-                            size_t *len, struct errinfo *e)
-{
-    const bool standard = strcmp(path, "-") == 0;
-    FILE *in = standard ? stdin : fopen(path, "rb");
-    char is[32], may[32];
-    struct stat info;
-    unsigned char *larger;
-    size_t room = 1 << 16, n;
-    enum status st = ST_OK;
-
-    *len = 0;
-    *bytes = NULL;
-    if (in == NULL)
-        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%s: %s", path,
-                           strerror(errno));
-    if (fstat(fileno(in), &info) == 0 && S_ISREG(info.st_mode) &&
-        (uintmax_t)info.st_size > most)
-        st = errinfo_set(e, ST_ESIZE, "%s: %s, and at most %s are read", path,
-                         ctl_bytes((uint64_t)info.st_size, is), ctl_bytes(most, may));
-    while (st == ST_OK) {
-        if (*bytes == NULL || *len + 1 == room) {
-            room *= 2;
-            if ((larger = realloc(*bytes, room)) == NULL) {
-                st = errinfo_set(e, ST_ENOMEM, "%s: out of memory", path);
-                break;
-            }
-            *bytes = larger;
-        }
-        *len += n = fread(*bytes + *len, 1, room - 1 - *len, in);
-        (*bytes)[*len] = '\0';
-        if (*len > most)
-            st = errinfo_set(e, ST_ESIZE, "%s: at most %s are read", path,
-                             ctl_bytes(most, may));
-        if (n == 0)
-            break;
-    }
-    if (st == ST_OK && ferror(in))
-        st = errinfo_set(e, ST_EIO, "%s: %s", path, strerror(errno));
-    if (!standard)
-        (void)fclose(in);
-    return st;
-}
 
 enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints *out)
 {
@@ -65,7 +19,7 @@ enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints
     struct errinfo why = {.msg = "out of memory"};
     unsigned char *bytes;
     size_t len;
-    enum status st = ctl_sample_file(path, MAX_FILE, &bytes, &len, &c->e);
+    enum status st = readfile_all(path, MAX_FILE, &bytes, &len, &c->e);
 
     *out = (struct cloudpoints){0};
     if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
@@ -109,4 +63,23 @@ void ctl_sample_warnings(FILE *to, const char *label, const struct scan_found *f
         }
     if (f->warnings != 0)
         (void)fprintf(to, "\n");
+}
+
+/* ---- of a collection */
+
+void ctl_sample_print_left(const struct corpus *k)
+{
+    for (uint32_t i = 0; i < k->nleft; i++)
+        (void)fprintf(stderr, "surfacectl: %s: %s\n", k->left[i].file, k->left[i].why);
+}
+
+void ctl_sample_left(struct json *j, const struct corpus *k)
+{
+    for (uint32_t i = 0; i < k->nleft; i++) {
+        json_object(j, NULL);
+        json_text(j, "file", k->left[i].file);
+        json_text(j, "reason", k->left[i].why);
+        json_close(j);
+    }
+    json_close(j);
 }

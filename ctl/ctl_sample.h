@@ -8,10 +8,12 @@
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
+struct corpus;      /* corpus.h */
 struct ctl;         /* ctl.h */
 struct errinfo;     /* errinfo.h */
 struct face;        /* face.h */
 struct face_work;   /* face.h */
+struct json;        /* json.h */
 
 /* ctl_sample_read(c, path, enrolment, w, out, found): the face in a file ("-": standard input), read as
  * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
@@ -29,10 +31,9 @@ enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints
  * the label; nothing without any. */
 void ctl_sample_warnings(FILE *to, const char *label, const struct scan_found *f);
 
-/* ctl_sample_file(path, most, bytes, len, e): all of a file of up to that many bytes ("-":
- * standard input), with a zero byte behind it; *bytes is released by free(), also on
- * failure. */
-enum status ctl_sample_file(const char *path, size_t most, unsigned char **bytes,
-                            size_t *len, struct errinfo *e);
+/* What of a collection is left out: ctl_sample_print_left(k) lists it on standard error,
+ * ctl_sample_left(j, k) adds it to the JSON array that is open, and ends that. */
+void ctl_sample_print_left(const struct corpus *k);
+void ctl_sample_left(struct json *j, const struct corpus *k);
 
 #endif

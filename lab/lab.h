@@ -90,21 +90,15 @@ void *lab_grow(void *list, size_t n, size_t size);
 const char *lab_decision(enum face_decision d);
 double lab_clock_ms(void);
 
-/* Files.  A file that exists is replaced only with --force, one that the command reads never.
- * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and
- * the model are read.  ST_EEXISTS, ST_EINVAL.
+/* Files, by the rules of outfile.h.
+ * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and the
+ * model are read.
  * lab_may_pipe(c, nread): the same of --out, which may be "-"; sets c->piped.
- * lab_not_read(c, path, input): ST_EEXISTS if both are one file; input may be NULL.
- * lab_write(c, path, write, arg): writes a file whole or not at all, readable by its owner
- * alone; to standard output if c->piped.
- * lab_write_in(c, folder, name, write, arg): a file of a folder, which is made if it is missing. */
+ * lab_write(c, path, write, arg): writes the file, or to standard output if c->piped. */
 enum status lab_may_write(struct lab *c, const char *path, int nread);
 enum status lab_may_pipe(struct lab *c, int nread);
-enum status lab_not_read(struct lab *c, const char *path, const char *input);
 enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
                       const void *arg);
-enum status lab_write_in(struct lab *c, const char *folder, const char *name,
-                         newfile_writer *write, const void *arg);
 
 /* ---- scans (lab_scan.c)
  *

@@ -115,6 +115,23 @@ static enum status may_write_all(struct run *r, const char *out)
     return st;
 }
 
+/* A file of a folder; write NULL: none is left of a former run. */
+static enum status write_in(struct lab *c, const char *dir, const char *file,
+                            newfile_writer *write, const void *arg)
+{
+    char *path = join(dir, file, 1);
+    enum status st = ST_OK;
+
+    if (path == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (write != NULL)
+        st = lab_write(c, path, write, arg);
+    else
+        (void)unlink(path);
+    free(path);
+    return st;
+}
+
 static enum status write_all(struct run *r, const char *out)
 {
     const struct report_list list = {r->report, r->n};
@@ -122,18 +139,12 @@ static enum status write_all(struct run *r, const char *out)
     enum status st = ST_OK;
 
     if (r->n > 1)
-        st = lab_write_in(c, out, TABLE, report_csv_sets, &list);
+        st = write_in(c, out, TABLE, report_csv_sets, &list);
     for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++) {
-            const char *dir = r->set[i].dir;
-            char *path = join(dir, output[k].file, 1);
-
-            if (k != MATRIX || c->matrix)
-                st = lab_write_in(c, dir, output[k].file, output[k].write, &r->report[i]);
-            else if (path != NULL)
-                (void)unlink(path); /* of a former run */
-            free(path);
-        }
+        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++)
+            st = write_in(c, r->set[i].dir, output[k].file,
+                          k != MATRIX || c->matrix ? output[k].write : NULL,
+                          &r->report[i]);
     return st;
 }
 

@@ -187,8 +187,10 @@ enum status lab_explain(struct lab *c)
     }
     if (st == ST_OK)
         st = compare(c, &x);
-    for (size_t i = 0; st == ST_OK && i < FILES; i++)
-        st = lab_write_in(c, folder, file[i].name, file[i].write, &x);
+    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
+        (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
+        st = lab_write(c, path, file[i].write, &x);
+    }
     if (st == ST_OK) {
         (void)printf("decision     %s, score %.2f, a match at %.2f or above\n"
                      "disparity    %.3f mm, minimal\nwritten to   %s\n",

@@ -1,5 +1,4 @@
 /* Scans as faces, alone and of a collection. */
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,48 +7,10 @@
 #include "cloudfile.h"
 #include "corpus.h"
 #include "lab.h"
+#include "outfile.h"
+#include "readfile.h"
 
 #define MAX_FILE ((size_t)256 << 20)
-
-/* All of a file, with a zero byte behind it, for free(), also on failure. */
-static enum status read_file(const char *path, unsigned char **bytes, size_t *len,
-                             struct errinfo *e)
-{
-    const bool standard = strcmp(path, "-") == 0;
-    FILE *in = standard ? stdin : fopen(path, "rb");
-    size_t room = 1 << 16, n = 1;
-    struct stat info;
-    enum status st = ST_OK;
-
-    *len = 0;
-    *bytes = NULL;
-    if (in == NULL)
-        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%.160s: %s", path,
-                           strerror(errno));
-    if (fstat(fileno(in), &info) == 0 && S_ISREG(info.st_mode) &&
-        (uintmax_t)info.st_size > MAX_FILE)
-        *len = MAX_FILE + 1;
-    while (st == ST_OK && n > 0 && *len <= MAX_FILE) {
-        if (*bytes == NULL || *len + 1 == room) {
-            unsigned char *larger = realloc(*bytes, room *= 2);
-
-            if (larger == NULL) {
-                st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
-                break;
-            }
-            *bytes = larger;
-        }
-        *len += n = fread(*bytes + *len, 1, room - 1 - *len, in);
-        (*bytes)[*len] = '\0';
-    }
-    if (st == ST_OK && ferror(in))
-        st = errinfo_set(e, ST_EIO, "%.160s: %s", path, strerror(errno));
-    if (st == ST_OK && *len > MAX_FILE)
-        st = errinfo_set(e, ST_ESIZE, "%.160s: more than 256 MiB", path);
-    if (!standard)
-        (void)fclose(in);
-    return st;
-}
 
 enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
                            struct errinfo *e)
@@ -61,7 +22,7 @@ enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpo
     struct errinfo why = {.msg = "out of memory"};
     unsigned char *bytes;
     size_t len;
-    enum status st = read_file(path, &bytes, &len, e);
+    enum status st = readfile_all(path, MAX_FILE, &bytes, &len, e);
 
     *out = (struct cloudpoints){0};
     if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
@@ -147,14 +108,14 @@ enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char 
                     : slash != NULL ? (int)(slash - source)
                                     : 0;
     char name[PATH_MAX];
-    enum status st = lab_not_read(c, path, source);
+    enum status st = outfile_not_read(path, source, &c->e);
 
     for (uint32_t i = 0; st == ST_OK && i < k->nscan; i++)
-        st = lab_not_read(c, path, k->scan[i].path);
+        st = outfile_not_read(path, k->scan[i].path, &c->e);
     for (size_t i = 0; st == ST_OK && i < sizeof table / sizeof *table; i++) {
         (void)snprintf(name, sizeof name, "%.*s%s%s", len, source,
                        folder || slash != NULL ? "/" : "", table[i]);
-        st = lab_not_read(c, path, name);
+        st = outfile_not_read(path, name, &c->e);
     }
     return st;
 }

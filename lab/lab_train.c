@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "lab.h"
+#include "outfile.h"
 #include "corpus.h"
 #include "corpus_read.h"
 #include "model.h"
@@ -147,7 +148,7 @@ static enum status not_a_shape(struct lab *c)
 
     while (dir != NULL && st == ST_OK && (entry = readdir(dir)) != NULL) {
         (void)snprintf(path, sizeof path, "%s/%s", c->morphable, entry->d_name);
-        st = lab_not_read(c, c->out, path);
+        st = outfile_not_read(c->out, path, &c->e);
     }
     if (dir != NULL)
         (void)closedir(dir);
@@ -159,7 +160,7 @@ static enum status may_write(struct lab *c)
     enum status st = lab_may_write(c, c->out, c->nargs);
 
     if (st == ST_OK)
-        st = lab_not_read(c, c->out, c->calibrate);
+        st = outfile_not_read(c->out, c->calibrate, &c->e);
     return st == ST_OK && c->morphable != NULL ? not_a_shape(c) : st;
 }
 

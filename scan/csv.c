@@ -1,14 +1,13 @@
 #include "csv.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
 #include "number.h"
+#include "readfile.h"
 
 struct csv {
     char *path, *text, *at, *end;
@@ -21,31 +20,11 @@ struct csv {
 
 static enum status read_file(struct csv *t, size_t *size, struct errinfo *e)
 {
-    FILE *f = fopen(t->path, "rb");
-    size_t room = 1 << 16, len = 0, n;
-    char *larger;
+    unsigned char *bytes;
+    const enum status st = readfile_all(t->path, CSV_MAX_FILE, &bytes, size, e);
 
-    if (f == NULL)
-        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO, "%.160s: %s",
-                           t->path, strerror(errno));
-    do {
-        room *= 2;
-        if ((larger = realloc(t->text, room)) == NULL) {
-            (void)fclose(f);
-            return errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", t->path);
-        }
-        t->text = larger;
-        len += n = fread(t->text + len, 1, room - len - 1, f);
-    } while (n != 0 && len <= CSV_MAX_FILE);
-    n = (size_t)ferror(f);
-    (void)fclose(f);
-    if (n != 0)
-        return errinfo_set(e, ST_EIO, "%.160s: cannot be read", t->path);
-    if (len > CSV_MAX_FILE)
-        return errinfo_set(e, ST_ELIMIT, "%.160s: larger than %zu MB", t->path,
-                           CSV_MAX_FILE >> 20);
-    *size = len;
-    return ST_OK;
+    t->text = (char *)bytes;
+    return st;
 }
 
 static enum status bad_row(const struct csv *t, struct errinfo *e, const char *what)

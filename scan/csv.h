@@ -17,8 +17,8 @@ struct csv;
 /* csv_open(path, out, e): read a file and its heading.
  * out  new object, released by csv_close(); NULL on error
  * Returns ST_OK; ST_ENOTFOUND; ST_EIO; ST_EINVAL malformed (a NUL byte, an open quotation,
- * text after a closing quotation mark), no heading, a column named twice; ST_ELIMIT;
- * ST_ENOMEM.  Messages name the file and the line. */
+ * text after a closing quotation mark), no heading, a column named twice; ST_ESIZE;
+ * ST_ELIMIT; ST_ENOMEM.  Messages name the file and the line. */
 enum status csv_open(const char *path, struct csv **out, struct errinfo *e);
 /* csv_open_list(path, out, e): the same of a table without a heading.  Its fields are separated
  * by commas or, where its first row has none, by spaces and tabs; lines that begin with # are

@@ -48,7 +48,7 @@ ok "the rates fall from 1 as the scores rise" jq -e '[.table[].rate] as $r
     | [.table[].score] as $s | ($r | reverse) == ($r | unique) and $s == ($s | unique)
     and $r[0] == 1' "$T/ctl" >/dev/null
 is "nobody is refused of two" "$(said .fnmr)" 0
-is "nobody is suspicious" "$(said '.suspicious | length')" 0
+is "nobody is suspicious" "$(said .suspicious)" 0
 cp "$T/ctl" "$T/first"
 ctl calibrate --fmr 0.05 --dry-run --threads 3
 ok "the same again" cmp "$T/ctl" "$T/first"
@@ -131,10 +131,9 @@ is "all is well" "$CODE" 0
 scan 7 3 "$T/twin.ply" --points 1500 --pose 3
 ctl enroll s7b "$T/twin.ply"
 ctl calibrate --fmr 0.05 --dry-run
-is "two ids of one person are found" "$(said '.suspicious | map([.a, .b] | join(" ")) | join(",")')" \
-    "s7 s7b"
+ok "two ids of one person are counted" test "$(said .suspicious)" -ge 1
 "$BUILD/surfacectl" calibrate --fmr 0.05 --dry-run >"$T/text"
-ok "as text too" grep -q 's7  s7b' "$T/text"
+ok "as text too" grep -q 'surfacectl dedup lists them' "$T/text"
 
 # ---- altered by somebody else: nobody decides (store-attacks.sh has more)
 stop_daemon

@@ -123,7 +123,7 @@ code malformed --db f.db enroll bob nonsense
 # ---- a file that is too large is not read first
 truncate -s 3G large.ply
 begin=$(date +%s%N)
-refuse 65 'large.ply: 3.2 GB, and at most 268.4 MB are read' "$ctl" compare good.ply large.ply
+refuse 65 'large.ply: 3221.2 MB or more, and at most 268.4 MB are read' "$ctl" compare good.ply large.ply
 ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
 
 # ---- one of something, and no minus zero

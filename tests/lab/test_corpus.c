@@ -137,6 +137,10 @@ static void test_left_out(void **state)
 
 static void test_bad_folder(void **state)
 {
+    static const char *const bad[][2] = {{"_x.ply", "not named SUBJECT_KIND"},
+                                         {"x_.ply", "not named SUBJECT_KIND"},
+                                         {"a\nb_1.ply", "control character"},
+                                         {"a\xC0\xAF_1.ply", "not UTF-8"}};
     struct corpus *c;
 
     (void)state;
@@ -146,18 +150,11 @@ static void test_bad_folder(void **state)
     put("noname.ply", "");
     refuse(ST_EINVAL, "no scans; noname.ply: not named SUBJECT_KIND.ply");
     refuse(ST_EINVAL, "; and 1 more");
-    (void)clean(NULL);
-    put("_x.ply", "");
-    refuse(ST_EINVAL, "not named SUBJECT_KIND");
-    (void)clean(NULL);
-    put("x_.ply", "");
-    refuse(ST_EINVAL, "not named SUBJECT_KIND");
-    (void)clean(NULL);
-    put("a\nb_1.ply", "");
-    refuse(ST_EINVAL, "control character");
-    (void)clean(NULL);
-    put("a\xC0\xAF_1.ply", "");
-    refuse(ST_EINVAL, "not UTF-8");
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        (void)clean(NULL);
+        put(bad[i][0], "");
+        refuse(ST_EINVAL, bad[i][1]);
+    }
     assert_int_equal(corpus_read("/nowhere", &c, &e), ST_ENOTFOUND);
 }
 
@@ -215,35 +212,38 @@ static void test_families(void **state)
 
 static void test_bad_tables(void **state)
 {
+    static const struct {
+        const char *index, *subjects; /* NULL: as before */
+        enum status st;
+        const char *words;
+    } row[] = {
+        {"name,id\n1,a\n", NULL, ST_EINVAL, "no column is named file"},
+        {"file,kind\n1,a\n", NULL, ST_EINVAL, "no column is named subject"},
+        {"file,id\n", NULL, ST_EINVAL, "no scans"},
+        {"file,id\n1,\n", NULL, ST_EINVAL, "line 2, column id: empty"},
+        {"file,id\n1,a\x01\n", NULL, ST_EINVAL, "line 2, column id: a control"},
+        {"file,id\n1,a\n2,a\n", NULL, ST_ENOTFOUND, "line 3, column file: No such file"},
+        {"file,id\n.,a\n", NULL, ST_ENOTFOUND, "not a file"},
+        {"file,id\n1,a\n1,b\n", NULL, ST_EINVAL, "1 is listed twice"},
+        {"file,id,yaw\n1,a,0\n", NULL, ST_EINVAL, "no column is named pitch"},
+        {"file,id,yaw,pitch,roll,tx,ty,tz\n1,a,0,0,zero,0,0,0\n", NULL, ST_EINVAL,
+         "line 2, column roll: not a number"},
+        {"file,id,population\n1,a,x\n", "id,population\na,y\n", ST_EINVAL,
+         "subjects.csv, line 2, column population: a subject is in two"},
+        {NULL, "name\na\n", ST_EINVAL, "no column is named id"},
+        {NULL, "id,relative_of\na,a\n", ST_EINVAL,
+         "line 2, column relative_of: a subject is its own relative"},
+    };
+
     (void)state;
     put("1", "");
-    put("index.csv", "name,id\n1,a\n");
-    refuse(ST_EINVAL, "no column is named file");
-    put("index.csv", "file,kind\n1,a\n");
-    refuse(ST_EINVAL, "no column is named subject");
-    put("index.csv", "file,id\n");
-    refuse(ST_EINVAL, "no scans");
-    put("index.csv", "file,id\n1,\n");
-    refuse(ST_EINVAL, "line 2, column id: empty");
-    put("index.csv", "file,id\n1,a\x01\n");
-    refuse(ST_EINVAL, "line 2, column id: a control");
-    put("index.csv", "file,id\n1,a\n2,a\n");
-    refuse(ST_ENOTFOUND, "line 3, column file: No such file");
-    put("index.csv", "file,id\n.,a\n");
-    refuse(ST_ENOTFOUND, "not a file");
-    put("index.csv", "file,id\n1,a\n1,b\n");
-    refuse(ST_EINVAL, "1 is listed twice");
-    put("index.csv", "file,id,yaw\n1,a,0\n");
-    refuse(ST_EINVAL, "no column is named pitch");
-    put("index.csv", "file,id,yaw,pitch,roll,tx,ty,tz\n1,a,0,0,zero,0,0,0\n");
-    refuse(ST_EINVAL, "line 2, column roll: not a number");
-    put("index.csv", "file,id,population\n1,a,x\n");
-    put("subjects.csv", "id,population\na,y\n");
-    refuse(ST_EINVAL, "subjects.csv, line 2, column population: a subject is in two");
-    put("subjects.csv", "name\na\n");
-    refuse(ST_EINVAL, "no column is named id");
-    put("subjects.csv", "id,relative_of\na,a\n");
-    refuse(ST_EINVAL, "line 2, column relative_of: a subject is its own relative");
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        if (row[i].index != NULL)
+            put("index.csv", row[i].index);
+        if (row[i].subjects != NULL)
+            put("subjects.csv", row[i].subjects);
+        refuse(row[i].st, row[i].words);
+    }
 }
 
 static void test_enroll_kind(void **state)

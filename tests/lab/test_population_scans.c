@@ -114,25 +114,6 @@ static void test_whole(void **state)
     assert_true(fabs(variance(&p.shape, false) - 4) < 0.8);
 }
 
-/* With a weight of a quarter, three quarters are as before. */
-static void test_quarter(void **state)
-{
-    double before[3];
-
-    (void)state;
-    population_still(&was, &was.change);
-    population_still(&was, &was.identity);
-    population_still(&was, &was.shape);
-    before[0] = variance(&was.change, true);
-    before[1] = variance(&was.identity, false);
-    before[2] = variance(&was.shape, false);
-    make(0);
-    assert_int_equal(population_scans_blend(&p, scan, SUBJECTS * SCANS, 0.25), ST_OK);
-    assert_true(fabs(variance(&p.change, true) - (0.75 * before[0] + 0.25)) < 0.05);
-    assert_true(fabs(variance(&p.identity, false) - (0.75 * before[1] + 1)) < 0.2);
-    assert_true(fabs(variance(&p.shape, false) - (0.75 * before[2] + 1)) < 0.2);
-}
-
 /* No weight, or no scans: as before. */
 static void test_none(void **state)
 {
@@ -210,24 +191,14 @@ static void test_gaps(void **state)
         assert_true(isnan(gap[c]));
 }
 
-static void test_share(void **state)
-{
-    (void)state;
-    assert_true(population_scans_share(0) <= 0);
-    assert_true(fabs(population_scans_share(200) - 0.5) < 1e-12);
-    assert_true(population_scans_share(UINT32_MAX) > 0.99);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_whole, begin, end),
-        cmocka_unit_test_setup_teardown(test_quarter, begin, end),
         cmocka_unit_test_setup_teardown(test_none, begin, end),
         cmocka_unit_test_setup_teardown(test_holes, begin, end),
         cmocka_unit_test_setup_teardown(test_single, begin, end),
         cmocka_unit_test_setup_teardown(test_gaps, begin, end),
-        cmocka_unit_test(test_share),
     };
     int failed;
 

@@ -1,0 +1,87 @@
+#include "outfile.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "errinfo.h"
+
+/* Is the input the file at path, or at "path.part", which the new one is written as first
+ * (newfile.h)? */
+static bool is_same(const char *path, const char *input)
+{
+    char part[PATH_MAX];
+    struct stat in, out;
+
+    if (stat(input, &in) != 0 || S_ISDIR(in.st_mode))
+        return false;
+    if (stat(path, &out) == 0 && out.st_dev == in.st_dev && out.st_ino == in.st_ino)
+        return true;
+    (void)snprintf(part, sizeof part, "%s.part", path);
+    return stat(part, &out) == 0 && out.st_dev == in.st_dev && out.st_ino == in.st_ino;
+}
+
+enum status outfile_not_read(const char *path, const char *input, struct errinfo *e)
+{
+    return input == NULL || !is_same(path, input)
+               ? ST_OK
+               : errinfo_set(e, ST_EEXISTS,
+                             "%.160s is a file that this command reads: it is never "
+                             "replaced; choose another name",
+                             path);
+}
+
+enum status outfile_may(const char *path, bool force, struct errinfo *e)
+{
+    const char *const slash = strrchr(path, '/');
+    struct stat named, there;
+
+    if ((slash != NULL && slash[1] == '\0') ||
+        (stat(path, &there) == 0 && S_ISDIR(there.st_mode)))
+        return errinfo_set(e, ST_EINVAL, "%.160s is a folder, not a file", path);
+    if (lstat(path, &named) != 0)
+        return ST_OK; /* or the writing says why not */
+    if (stat(path, &there) == 0 && !S_ISREG(there.st_mode))
+        return errinfo_set(e, ST_EEXISTS,
+                           "%.160s is not a regular file: it is not replaced", path);
+    return force ? ST_OK
+                 : errinfo_set(e, ST_EEXISTS, "%.160s exists: --force replaces it", path);
+}
+
+static enum status fail(struct errinfo *e, const char *name)
+{
+    const enum status st = errno == EACCES || errno == EPERM ? ST_EDENIED : ST_EIO;
+
+    return errinfo_set(e, st, "%.120s: %s", name, strerror(errno));
+}
+
+enum status outfile_write(const char *path, bool force, newfile_writer *write,
+                          const void *arg, struct errinfo *e)
+{
+    const char *const slash = path != NULL ? strrchr(path, '/') : NULL;
+    struct newfile file = NEWFILE_NONE;
+    char folder[PATH_MAX] = ".";
+    enum status st;
+    int dir;
+
+    if (path == NULL) {
+        st = write(stdout, arg, e);
+        return st == ST_OK && fflush(stdout) != 0 ? fail(e, "standard output") : st;
+    }
+    if (slash != NULL)
+        (void)snprintf(folder, sizeof folder, "%.*s", (int)(slash - path) + 1, path);
+    if (mkdir(folder, 0700) != 0 && errno != EEXIST)
+        return fail(e, folder);
+    if ((dir = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0)
+        return fail(e, folder);
+    st = newfile_open_at(dir, slash != NULL ? slash + 1 : path, &file, e);
+    if (st == ST_OK && (st = newfile_fill(&file, write, arg, e)) == ST_OK)
+        st = force ? newfile_commit(&file, e) : newfile_keep(&file, e);
+    newfile_close(&file);
+    (void)close(dir);
+    return st;
+}
