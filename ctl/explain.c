@@ -112,7 +112,7 @@ enum status explain_at(const struct explanation *x, struct dvec3 *pts, size_t n,
                                 t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
         value[EXPLAIN_CELL][i] = value[EXPLAIN_PART][i] = NAN;
         if (!isnan(value[EXPLAIN_GAP][i])) {
-            const struct dvec3 q = align_pose_apply(&x->tmpl.frame.pose, pts[i]);
+            const struct dvec3 q = pose_apply(&x->tmpl.frame.pose, pts[i]);
 
             value[EXPLAIN_CELL][i] = sample_cells(x->field.gap_mm, q);
             value[EXPLAIN_PART][i] = sample_cells(x->field.part, q);

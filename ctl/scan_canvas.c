@@ -233,9 +233,9 @@ static void place(const struct drawing *d, const struct face *f, struct dvec3 *n
 
     for (uint32_t v = 0; v < m->nv; v++) {
         const struct dvec3 p =
-            align_pose_apply(&f->frame.pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
-                                                            m->xy[v].y / LATTICE_PER_MM,
-                                                            m->z[v] / LATTICE_PER_MM});
+            pose_apply(&f->frame.pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM,
+                                                      m->xy[v].y / LATTICE_PER_MM,
+                                                      m->z[v] / LATTICE_PER_MM});
 
         corner[v] = (struct corner){p.x, p.y, p.z, 1};
         normal[v] = (struct dvec3){0, 0, 0};
@@ -288,7 +288,7 @@ static struct dvec3 canonical(const struct scan_drawn *d, size_t i)
 {
     const struct dvec3 p = vec_transform(d->found->view, d->at[i]);
 
-    return d->face != NULL ? align_pose_apply(&d->face->frame.pose, p) : p;
+    return d->face != NULL ? pose_apply(&d->face->frame.pose, p) : p;
 }
 
 /* The holes of the surface on the mean face, by what stands there. */

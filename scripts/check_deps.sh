@@ -50,11 +50,11 @@ circles() {
 }
 
 # alone FOLDER: its files without a header of their name: a program's main file, and those
-# that each hold one command of surfacectl and are declared by the table of commands
+# that each hold a command of surfacectl or the reader of a format and that one header declares
 alone() {
     for source in "$1"/*.c; do
         case $source in
-        */main.c | */*_main.c | ctl/ctl_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | scan/read_*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done

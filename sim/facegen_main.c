@@ -18,7 +18,7 @@ static const char usage[] =
     "  --pose D       yaw, pitch and roll at random within +-D degrees\n"
     "  --shift MM     and moved at random within +-MM along each axis\n"
     "  --yaw D  --pitch D  --roll D  --tx MM  --ty MM  --tz MM\n"
-    "                 instead of --pose and --shift: told one by one (0)\n"
+    "                 instead of --pose and --shift: one by one (0)\n"
     "  --noise MM     white noise (0.12)\n"
     "  --warp MM      smooth depth error, root mean square (0.15)\n"
     "  --holes S      share of the points cut out in blobs, 0 to 0.9 (0)\n"

@@ -22,7 +22,7 @@ static const char usage[] =
     "                 glasses, mask, scarf, hand, fringe, beard, cap\n"
     "  --seed N       of all that is drawn (0)\n"
     "  --other FILE   the second head of `two` (IN)\n"
-    "  --yaw D  --pitch D  --roll D   turned by so many degrees (drawn)\n"
+    "  --yaw D  --pitch D  --roll D   turned by D degrees (drawn)\n"
     "  --points N     of a view\n"
     "  --cover COVER  one of the kinds of the second line, on another kind\n"
     "  --axes A       agreed, down, z-up, any\n"

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "descent.h"
 #include "face.h"

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "cloudpoints.h"
 #include "face.h"
@@ -170,7 +170,7 @@ static void take_stranger(struct climb *c, const struct person *s)
     lab_must(face_build(s->probe, s->n, c->work, &own, NULL));
     c->n = s->n < POINTS ? s->n : POINTS;
     for (size_t i = 0; i < c->n; i++)
-        c->base[i] = align_pose_apply(&own.frame.pose, s->probe[i]);
+        c->base[i] = pose_apply(&own.frame.pose, s->probe[i]);
     face_free(&own);
 }
 

@@ -9,7 +9,6 @@
 
 #include "codec.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 #include "rows_calibration.h"
 #include "rows_template.h"

@@ -14,8 +14,8 @@
 
 #include "align.h"
 #include "align_field.h"
-#include "align_pose.h"
-#include "align_solve.h"
+#include "pose.h"
+#include "solve.h"
 #include "brute.h"
 #include "cells.h"
 #include "face.h"
@@ -98,7 +98,7 @@ static void enroll(uint64_t subject, struct face *f)
 static enum status search(const struct face *a, const struct face *b,
                           struct align_work *w, struct align_result *r)
 {
-    const struct align_pose first = align_pose_after(&a->frame.pose, &b->frame.pose);
+    const struct pose first = pose_after(&a->frame.pose, &b->frame.pose);
     const struct align_weight u = {mean.rigid, a->frame.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
 
@@ -135,7 +135,7 @@ static void test_solve(void **state)
 
     (void)state;
     for (int round = 0; round < 50; round++) {
-        struct align_normal a;
+        struct solve_normal a;
         double want[6], x[6];
 
         memset(&a, 0, sizeof a);
@@ -148,9 +148,9 @@ static void test_solve(void **state)
                 j[i] = brute_real(&rng) - 0.5;
                 r -= j[i] * want[i];
             }
-            align_solve_add(&a, j, r, 0.1 + brute_real(&rng));
+            solve_add(&a, j, r, 0.1 + brute_real(&rng));
         }
-        assert_true(align_solve(&a, 0, x));
+        assert_true(solve_equations(&a, 0, x));
         for (int i = 0; i < 6; i++)
             assert_true(fabs(x[i] - want[i]) < 1e-9);
     }
@@ -160,7 +160,7 @@ static void test_solve(void **state)
  * unknowns stay 0, the others are found. */
 static void test_solve_plane(void **state)
 {
-    struct align_normal a;
+    struct solve_normal a;
     double x[6];
 
     (void)state;
@@ -169,29 +169,29 @@ static void test_solve_plane(void **state)
         for (int k = -5; k <= 5; k++) {
             const double j[6] = {k, -i, 0, 0, 0, 1};
 
-            align_solve_add(&a, j, -2.0 - 0.01 * k, 1);
+            solve_add(&a, j, -2.0 - 0.01 * k, 1);
         }
-    assert_true(align_solve(&a, 1e-6, x));
+    assert_true(solve_equations(&a, 1e-6, x));
     assert_true(fabs(x[0] - 0.01) < 1e-4 && fabs(x[1]) < 1e-4 && fabs(x[5] - 2) < 1e-4);
     assert_true(x[2] == 0 && x[3] == 0 && x[4] == 0);
     memset(&a, 0, sizeof a);
-    assert_false(align_solve(&a, 1e-6, x));
+    assert_false(solve_equations(&a, 1e-6, x));
 }
 
 static void test_pose(void **state)
 {
-    struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 2, 3}}, back;
+    struct pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {1, 2, 3}}, back;
     const struct dvec3 centre = {5, -7, -80};
     double m[16];
 
     (void)state;
     for (int i = 0; i < 1000; i++) {
         const double x[6] = {0.2, -0.1, 0.05, 1, 2, -3};
-        const struct dvec3 before = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
+        const struct dvec3 before = pose_apply(&pose, (struct dvec3){9, 9, 9});
         struct dvec3 after;
 
-        align_pose_move(&pose, centre, x);
-        after = align_pose_apply(&pose, (struct dvec3){9, 9, 9});
+        pose_move(&pose, centre, x);
+        after = pose_apply(&pose, (struct dvec3){9, 9, 9});
         /* the centre moves along; the point keeps its distance to it */
         assert_true(fabs(hypot(hypot(before.x - 5, before.y + 7), before.z + 80) -
                          hypot(hypot(after.x - 6, after.y + 5), after.z + 83)) < 1e-6);
@@ -204,8 +204,8 @@ static void test_pose(void **state)
                 d += pose.r[3 * i + l] * pose.r[3 * k + l];
             assert_true(fabs(d - (i == k)) < 1e-14);
         }
-    align_pose_to_matrix(&pose, m);
-    align_pose_from_matrix(m, &back);
+    pose_to_matrix(&pose, m);
+    pose_from_matrix(m, &back);
     assert_memory_equal(&pose, &back, sizeof pose);
 }
 
@@ -213,7 +213,7 @@ static void test_pose(void **state)
  * the hull there is none. */
 static void test_field(void **state)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct face f = {0};
     struct brute_rng rng = {seed + 4};
     struct align_field field;
@@ -229,12 +229,12 @@ static void test_field(void **state)
                                 brute_int(&rng, -150000, 150000)};
         const struct location loc = brute_locate(&f.surface.mesh, q);
         struct align_corners c;
-        struct align_sum sum;
+        struct solve_sum sum;
         bool found;
 
         p.p = (struct dvec3){q.x / 1000.0, q.y / 1000.0, -30};
         found = align_field_find(&field, &p, p.p, &c);
-        align_field_sum(&field, &p, 1, 1, &still, p.p, ALIGN_LOSS_L1, &sum);
+        align_field_sum(&field, &p, 1, 1, &still, p.p, SOLVE_LOSS_L1, &sum);
         if (loc.where == LOCATE_OUTSIDE) {
             assert_false(found);
             assert_true(sum.within == 0 && sum.cost == 3);
@@ -366,14 +366,14 @@ static void test_start_does_not_matter(void **state)
         facegen_default(&s);
         n = sample(&s, who < 3 ? subject : subject + 7, 5, points);
         for (size_t i = 0; i < sizeof poses / sizeof *poses; i++) {
-            struct align_pose p;
+            struct pose p;
             struct align_result r;
             double off;
 
             rotation(poses[i][0], poses[i][1], poses[i][2], p.r);
             memcpy(p.t, poses[i] + 3, sizeof p.t);
             for (size_t k = 0; k < n; k++)
-                turned[k] = align_pose_apply(&p, points[k]);
+                turned[k] = pose_apply(&p, points[k]);
             build(turned, n, &b);
             align(&a, &b, &r);
             for (size_t k = 0; i == 0 && k < n; k++)
@@ -428,13 +428,13 @@ static void test_mirror_and_translation(void **state)
 static void gap_at(const struct face *a, const struct face *b, const double transform[16],
                    struct cells *out)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct align_pose back = align_pose_after(&a->frame.pose, &still);
-    struct align_pose pose;
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct pose back = pose_after(&a->frame.pose, &still);
+    struct pose pose;
     float z[2][GRID_N];
 
-    align_pose_from_matrix(transform, &pose);
-    pose = align_pose_after(&back, &pose);
+    pose_from_matrix(transform, &pose);
+    pose = pose_after(&back, &pose);
     assert_int_equal(heights_of(&a->surface, &a->frame.pose, &scratch, z[0]), ST_OK);
     assert_int_equal(heights_of(&b->surface, &pose, &scratch, z[1]), ST_OK);
     toy_cells(&model_default, z[0], z[1], out);
@@ -475,7 +475,7 @@ static void test_given_start(void **state)
     struct face a = {0}, b = {0};
     struct align_work w = {0};
     struct align_result r, again;
-    struct align_pose end;
+    struct pose end;
     struct facegen_scan s;
 
     (void)state;
@@ -487,7 +487,7 @@ static void test_given_start(void **state)
     assert_int_equal(align_search(&a.surface, &b.surface, &(struct align_how){0}, &w, &r),
                      ST_OK);
     assert_true(r.turn_deg == (double)INFINITY); /* no model of the change was given */
-    align_pose_from_matrix(r.transform, &end);
+    pose_from_matrix(r.transform, &end);
     assert_int_equal(align_search(&a.surface, &b.surface,
                                   &(struct align_how){.start = &end}, &w, &again),
                      ST_OK);

@@ -16,7 +16,7 @@
 
 #define ROOM 20000
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct surface tmpl;
 static struct align_point pts[ROOM];
 static uint32_t n;
@@ -55,7 +55,7 @@ static void make(const struct plane *p, double mm)
         }
 }
 
-static void sample(const struct align_pose *pose, const struct align_pose *frame)
+static void sample(const struct pose *pose, const struct pose *frame)
 {
     struct align_field field;
 
@@ -96,16 +96,16 @@ static void test_plane(void **state)
 /* The gap does not depend on the frame; what the points have been moved by, the pose undoes. */
 static void test_poses(void **state)
 {
-    struct align_pose frame, pose, back;
+    struct pose frame, pose, back;
     uint32_t seen = 0;
 
     (void)state;
     make(&slope, 1.5);
     toy_pose(9, -7, 20, (struct dvec3){3, -4, 12}, &frame);
     toy_pose(20, 10, -15, (struct dvec3){30, 40, -500}, &pose);
-    back = align_pose_after(&pose, &still);
+    back = pose_after(&pose, &still);
     for (uint32_t i = 0; i < n; i++)
-        pts[i].p = align_pose_apply(&back, pts[i].p);
+        pts[i].p = pose_apply(&back, pts[i].p);
     sample(&pose, &frame);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (cells_cover(&cells, i) < 1.0f)
@@ -120,7 +120,7 @@ static void test_poses(void **state)
 static void test_left_out(void **state)
 {
     const struct plane cliff = {5, 0, 0}, level = {0, 0, 0};
-    struct align_pose away = still;
+    struct pose away = still;
 
     (void)state;
     for (int k = 0; k < 4; k++) {

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "dense.h"
 #include "encode.h"

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "cells.h"
 #include "fail_alloc.h"

@@ -20,14 +20,14 @@
 
 #define ROOM 70000
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct scratch scratch;
 static struct surface surface;
 static struct dvec3 pts[ROOM];
 static size_t n;
 static float z[GRID_N];
 
-static void heights(const struct align_pose *pose)
+static void heights(const struct pose *pose)
 {
     assert_int_equal(heights_of(&surface, pose, &scratch, z), ST_OK);
 }
@@ -166,7 +166,7 @@ static double ramp(double x, double y)
 /* Seen at 77 degrees, and at 79. */
 static void test_steep(void **state)
 {
-    struct align_pose pose = still;
+    struct pose pose = still;
 
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -188,7 +188,7 @@ static void test_steep(void **state)
 /* From behind nothing is seen. */
 static void test_behind(void **state)
 {
-    const struct align_pose turned = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 0}};
+    const struct pose turned = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 0}};
     struct heights h;
 
     (void)state;
@@ -255,7 +255,7 @@ static void test_off_grid(void **state)
     for (uint32_t i = 0; i < GRID_N; i++)
         close_to(i, -20, 1e-5);
     for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
-        struct align_pose pose = still;
+        struct pose pose = still;
 
         sheet(flat, -40, 40, -54, 66, 2);
         toy_surface(pts, n, &surface);
@@ -272,7 +272,7 @@ static void test_off_grid(void **state)
 /* What is beside the grid may be moved onto it. */
 static void test_beside(void **state)
 {
-    struct align_pose pose = still;
+    struct pose pose = still;
     struct heights h;
 
     (void)state;
@@ -306,7 +306,7 @@ static void face(void)
 static void test_moved(void **state)
 {
     const struct dvec3 by = {3, -5, 700};
-    struct align_pose pose = still;
+    struct pose pose = still;
     float want[GRID_N];
     uint32_t same = 0, all = 0;
 
@@ -337,7 +337,7 @@ static void test_moved(void **state)
 /* Samples are taken at one pose, and seen from another near it. */
 static void test_samples(void **state)
 {
-    struct align_pose near;
+    struct pose near;
     struct heights h;
     float direct[GRID_N];
     double squares = 0, cells = 0, area = 0;

@@ -11,7 +11,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
@@ -90,15 +90,14 @@ static struct minimal find(const double transform[16])
 /* transform, then the turn by x[0..2] / LEVER about the middle of the probe, and the shift. */
 static void moved(const double transform[16], const double x[6], double out[16])
 {
-    struct align_pose pose;
+    struct pose pose;
     double y[6];
 
-    align_pose_from_matrix(transform, &pose);
+    pose_from_matrix(transform, &pose);
     for (int k = 0; k < 6; k++)
         y[k] = k < 3 ? x[k] / LEVER : x[k];
-    align_pose_move(&pose,
-                    align_pose_apply(&pose, align_pose_centre(&probe.surface.mesh)), y);
-    align_pose_to_matrix(&pose, out);
+    pose_move(&pose, pose_apply(&pose, pose_centre(&probe.surface.mesh)), y);
+    pose_to_matrix(&pose, out);
 }
 
 /* ---- against descent by values alone */
@@ -258,7 +257,7 @@ static void test_again(void **state)
 static void distance(const double aligned[16], const struct minimal *m, double *turn,
                      double *shift)
 {
-    const struct dvec3 c = align_pose_centre(&probe.surface.mesh);
+    const struct dvec3 c = pose_centre(&probe.surface.mesh);
     const struct dvec3 d =
         vec_sub(vec_transform(m->transform, c), vec_transform(aligned, c));
     double trace = 0;
@@ -393,7 +392,7 @@ static void test_places(void **state)
     static const double a[3] = {0, 0.2, -0.1}, b[3] = {4, 0.4, 0.25};
     struct minimal_pair p = {.tmpl = {.surface = &tmpl.surface},
                              .probe = {.surface = &probe.surface}};
-    struct align_pose pose;
+    struct pose pose;
     struct disparity d;
     double transform[16];
     float *gap, *by[5];
@@ -409,7 +408,7 @@ static void test_places(void **state)
 
     /* Each triangle weighs twice its area at each corner. */
     toy_pose(25, -9, 15, (struct dvec3){2, -3, 1}, &pose);
-    align_pose_to_matrix(&pose, transform);
+    pose_to_matrix(&pose, transform);
     d = at(transform);
     close_to(minimal_places_all(&p, &pose) / (2 * 6 * d.area_mm2), 1, 0.02);
     n = p.places.n;
@@ -421,11 +420,11 @@ static void test_places(void **state)
         memcpy(by[k], p.places.by[k], n * sizeof **by);
     }
     for (int k = 0; k < 6; k++) {
-        struct align_pose turned = pose;
+        struct pose turned = pose;
         double x[6] = {0};
 
         x[k] = k < 3 ? 1e-3 : 0.1;
-        align_pose_move(&turned, p.centre, x);
+        pose_move(&turned, p.centre, x);
         assert_true(minimal_places_all(&p, &turned) > 0);
         for (uint32_t i = 0; i < n; i++) {
             const double rate = k < 5 ? (double)by[k][i] : 1;
@@ -455,7 +454,7 @@ static void test_holes(void **state)
                              .probe = {.surface = &probe.surface}};
     struct face_result r;
     struct facegen_scan s;
-    struct align_pose pose;
+    struct pose pose;
     void *block;
 
     (void)state;
@@ -468,7 +467,7 @@ static void test_holes(void **state)
     assert_int_equal(face_align(&tmpl, &probe, NULL, work, &r), ST_OK);
     block = aligned_alloc(64, minimal_places_layout(&p, NULL));
     (void)minimal_places_layout(&p, block);
-    align_pose_from_matrix(r.align.transform, &pose);
+    pose_from_matrix(r.align.transform, &pose);
     minimal_places_begin(&p);
     close_to(minimal_places_all(&p, &pose) / (2 * 6 * at(r.align.transform).area_mm2), 1,
              0.04);

@@ -14,7 +14,6 @@
 #include "fail_alloc.h"
 #include "mem.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 #include "predicates.h"
 

@@ -12,7 +12,6 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "numbered.h"
 
 #define MOST 1000

@@ -9,7 +9,6 @@
 #include <cmocka.h>
 
 #include "brute.h"
-#include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
 

@@ -123,12 +123,12 @@ static void test_json(void **state)
     scanfile_text(&f,
                   "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}");
     scanfile_good(&f, CLOUDFORMAT_ANY, &p);
-    assert_true(p.unit_mm == 0 && p.as_scanned);
+    assert_true(p.unit_mm == 0 && p.axes_given);
     cloudpoints_free(&p);
     f.len = 0;
     scanfile_text(&f, "{\"points\": [[1,2,3]], \"axes\": \"auto\"}");
     scanfile_good(&f, CLOUDFORMAT_ANY, &p);
-    assert_true(p.unit_mm == 0 && !p.as_scanned);
+    assert_true(p.unit_mm == 0 && !p.axes_given);
     cloudpoints_free(&p);
     for (int i = 0; i < 2; i++) {
         f.len = 0;

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "cloudglb.h"
+#include "read.h"
 #include "scanfile.h"
 
 /* The binary chunk: at 0 four vertices of a square as floats, 16 bytes each; at 64 the

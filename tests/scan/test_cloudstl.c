@@ -10,7 +10,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "cloudstl.h"
+#include "read.h"
 #include "scanfile.h"
 
 /* A triangle with a corner without a value, and a square of two. */

@@ -9,7 +9,6 @@
 #include <cmocka.h>
 
 #include "object.h"
-#include "relief.h"
 #include "solid.h"
 
 #define N 600
@@ -19,7 +18,7 @@ static struct dvec3 a[N], b[N];
 static void test_every_kind(void **state)
 {
     (void)state;
-    for (uint32_t k = 0; k < object_kinds(); k++)
+    for (uint32_t k = 0; k < OBJECT_KINDS; k++)
         for (uint64_t seed = 0; seed < 2; seed++) {
             const size_t n = object_scan(k, seed, N, a);
             double least = 1e9, most = -1e9;
@@ -66,29 +65,11 @@ static void test_solid(void **state)
     assert_in_range(deep, N / 40, N / 10);
 }
 
-static void test_relief(void **state)
-{
-    const double noise = 0;
-    struct relief f;
-    struct draw r = {2};
-    size_t n;
-
-    (void)state;
-    for (uint64_t seed = 0; seed < 20; seed++) {
-        relief_draw(seed, &f);
-        n = relief_sample(&f, N, noise, &r, a);
-        assert_in_range(n, N / 2, N);
-        for (size_t i = 0; i < n; i++)
-            assert_true(a[i].z == relief_height(&f, a[i].x, a[i].y));
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_kind),
         cmocka_unit_test(test_solid),
-        cmocka_unit_test(test_relief),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

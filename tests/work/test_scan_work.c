@@ -16,7 +16,6 @@
 #include "facegen.h"
 #include "mem.h"
 #include "scan.h"
-#include "scan_search.h"
 #include "work.h"
 
 #define MOST   13

@@ -1,4 +1,4 @@
-#include "cloudabs.h"
+#include "read.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -97,7 +97,7 @@ static enum status read_pixel(struct cloudtext from[LISTS], struct cloudlist *li
     return st == ST_OK ? cloudlist_add(list, (struct dvec3){v[0], v[1], v[2]}) : st;
 }
 
-bool cloudabs_is(const struct cloudtext *t)
+bool read_abs_is(const struct cloudtext *t)
 {
     struct cloudtext at = *t;
     uint64_t rows;
@@ -105,8 +105,10 @@ bool cloudabs_is(const struct cloudtext *t)
     return take_size(&at, "rows", &rows);
 }
 
-enum status cloudabs_parse(struct cloudtext *t, struct cloudlist *list)
+enum status read_abs_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
 {
+    (void)o;
     struct cloudtext from[LISTS];
     uint64_t width, height;
     enum status st = cloudtext_plain(t);

@@ -1,15 +1,171 @@
-#include "cloudglb.h"
+#include "read.h"
 
+#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloudaccessor.h"
 #include "cloudlist.h"
 #include "cloudtext.h"
+#include "cloudvalue.h"
 #include "errinfo.h"
 #include "json.h"
 #include "mem.h"
+#include "status.h"
+
+#define GLB_VALUES 100000 /* of JSON; 80 bytes each */
+
+/* Arrays of numbers in the binary chunk of a GLB file, as its JSON
+ * describes them (glTF 2.0, section 3.6). */
+
+/* The values of an array of the document. */
+struct accessor_items {
+    const struct json_value **at; /* by mem_free() */
+    size_t n;
+};
+
+struct accessor_file {
+    struct accessor_items accessors, views, buffers;
+    const unsigned char *bin;
+    size_t len;
+    struct errinfo *e;
+};
+
+struct accessor {
+    const unsigned char *at;
+    size_t n, stride;
+    enum cloudvalue type;
+    double scale; /* of a value */
+};
+
+/* accessor_items(document, name, out, e): of its member, an array of objects; none: no
+ * items.  Returns ST_OK, ST_EINVAL, ST_ENOMEM. */
+static enum status accessor_items(const struct json_value *document, const char *name,
+                                  struct accessor_items *out, struct errinfo *e)
+{
+    const struct json_value *array = json_member(document, name);
+    size_t n = 0;
+
+    *out = (struct accessor_items){0};
+    if (array == NULL)
+        return ST_OK;
+    if (!json_is_array(array))
+        return errinfo_set(e, ST_EINVAL, "GLB: %s is not an array", name);
+    if ((out->at = mem_array(json_count(array), sizeof *out->at)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "no memory for the GLB file");
+    for (const struct json_value *v = json_first(array); v != NULL; v = json_next(v))
+        out->at[n++] = v;
+    out->n = n;
+    return ST_OK;
+}
+
+/* A member that is a count, or, if it is not there, otherwise.  False: something else. */
+static bool count_or(const struct json_value *object, const char *name,
+                     uint64_t otherwise, uint64_t *out)
+{
+    const struct json_value *v = json_member(object, name);
+
+    *out = otherwise;
+    return v == NULL || json_get_count(v, out);
+}
+
+/* Where a view of the chunk is, and how long. */
+static enum status open_view(const struct accessor_file *f, uint64_t index,
+                             uint64_t *offset, uint64_t *len, uint64_t *stride)
+{
+    const struct json_value *view;
+    uint64_t buffer;
+
+    if (index >= f->views.n)
+        return errinfo_set(f->e, ST_EINVAL, "GLB: there is no bufferView %llu",
+                           (unsigned long long)index);
+    view = f->views.at[index];
+    if (!count_or(view, "buffer", UINT64_MAX, &buffer) ||
+        !count_or(view, "byteOffset", 0, offset) ||
+        !count_or(view, "byteLength", UINT64_MAX, len) ||
+        !count_or(view, "byteStride", 0, stride) || buffer >= f->buffers.n)
+        return errinfo_set(f->e, ST_EINVAL, "GLB: bufferView %llu is malformed",
+                           (unsigned long long)index);
+    if (buffer != 0 || json_member(f->buffers.at[0], "uri") != NULL)
+        return errinfo_set(f->e, ST_EVERSION,
+                           "GLB: buffer %llu is not in the file, and nothing is opened: "
+                           "export with all buffers in the GLB",
+                           (unsigned long long)buffer);
+    if (*offset > f->len || *len > f->len - *offset)
+        return errinfo_set(f->e, ST_EINVAL,
+                           "GLB: bufferView %llu is beyond the %zu bytes of data",
+                           (unsigned long long)index, f->len);
+    return ST_OK;
+}
+
+static bool set_type(uint64_t component, bool normalized, struct accessor *out)
+{
+    static const struct {
+        uint64_t component;
+        enum cloudvalue type;
+        double most;
+    } known[] = {{5120, CLOUDVALUE_I8, 127},    {5121, CLOUDVALUE_U8, 255},
+                 {5122, CLOUDVALUE_I16, 32767}, {5123, CLOUDVALUE_U16, 65535},
+                 {5125, CLOUDVALUE_U32, 1},     {5126, CLOUDVALUE_F32, 1}};
+
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (known[i].component != component)
+            continue;
+        out->type = known[i].type;
+        out->scale = normalized ? 1 / known[i].most : 1;
+        return true;
+    }
+    return false;
+}
+
+/* accessor_open(f, index, type, out): an accessor of the type "VEC3" or "SCALAR", all of
+ * which is in the chunk.
+ * Returns ST_OK; ST_EINVAL; ST_EVERSION: sparse, or its data is elsewhere. */
+static enum status accessor_open(const struct accessor_file *f, uint64_t index,
+                                 const char *type, struct accessor *out)
+{
+    const struct json_value *a = index < f->accessors.n ? f->accessors.at[index] : NULL;
+    const char *is = json_get_text(json_member(a, "type"));
+    uint64_t component, n, from, view, offset, len, stride, size;
+    bool normalized = false;
+    enum status st;
+
+    (void)json_get_flag(json_member(a, "normalized"), &normalized);
+    if (is == NULL || strcmp(is, type) != 0 ||
+        !count_or(a, "componentType", 0, &component) || !count_or(a, "count", 0, &n) ||
+        !count_or(a, "byteOffset", 0, &from) ||
+        !count_or(a, "bufferView", UINT64_MAX, &view) ||
+        !set_type(component, normalized, out))
+        return errinfo_set(f->e, ST_EINVAL, "GLB: accessor %llu is not a %s of numbers",
+                           (unsigned long long)index, type);
+    if (json_member(a, "sparse") != NULL || view == UINT64_MAX)
+        return errinfo_set(f->e, ST_EVERSION,
+                           "GLB: accessor %llu is sparse, which is not read: export "
+                           "without it",
+                           (unsigned long long)index);
+    if ((st = open_view(f, view, &offset, &len, &stride)) != ST_OK)
+        return st;
+    size = cloudvalue_size[out->type] * (strcmp(type, "VEC3") == 0 ? 3U : 1U);
+    if (stride == 0)
+        stride = size;
+    if (from > len || stride < size || stride > f->len || n > f->len ||
+        (n > 0 && (len - from < size || (len - from - size) / stride < n - 1)))
+        return errinfo_set(f->e, ST_EINVAL, "GLB: accessor %llu is beyond its bufferView",
+                           (unsigned long long)index);
+    out->at = f->bin + offset + from;
+    out->n = (size_t)n;
+    out->stride = (size_t)stride;
+    return ST_OK;
+}
+
+/* accessor_get(a, i, k): component k of its element i. */
+static double accessor_get(const struct accessor *a, size_t i, size_t k)
+{
+    return a->scale *
+           cloudvalue_load(a->at + i * a->stride + k * cloudvalue_size[a->type], a->type,
+                           cloudvalue_swap(false));
+}
 
 #define CHUNK_JSON 0x4E4F534AU
 #define CHUNK_BIN  0x004E4942U
@@ -24,8 +180,8 @@ struct pending {
 
 struct scene {
     struct json_value *doc;
-    struct cloudaccessor_file file;
-    struct cloudaccessor_items nodes, meshes;
+    struct accessor_file file;
+    struct accessor_items nodes, meshes;
     struct pending *stack; /* [nodes.n] */
     unsigned char *seen;   /* [nodes.n] */
     size_t depth;
@@ -68,7 +224,7 @@ static enum status read_document(struct scene *s, const char *text, size_t len)
     copy[len] = '\0';
     while (len > 0 && copy[len - 1] == '\0')
         len--; /* some pad with it, though the format has blanks for that */
-    st = json_read(copy, len, CLOUDGLB_VALUES, &s->doc, &e);
+    st = json_read(copy, len, GLB_VALUES, &s->doc, &e);
     mem_free(copy);
     return st == ST_OK ? ST_OK : errinfo_set(s->e, st, "GLB: %.200s", e.msg);
 }
@@ -80,7 +236,7 @@ static enum status open_file(struct cloudtext *t, struct scene *s)
     enum status st;
 
     t->line = 0;
-    if (!cloudglb_is(t) || t->end - t->p < 12)
+    if (!read_glb_is(t) || t->end - t->p < 12)
         return cloudtext_fail(t, ST_EINVAL, "a GLB file begins with glTF, and 12 bytes");
     if (word_at(t->p + 4) != 2)
         return cloudtext_fail(t, ST_EVERSION, "glTF of version %lu, not 2",
@@ -117,16 +273,16 @@ static enum status check_extensions(const struct scene *s)
 
 static enum status open_scene(struct scene *s)
 {
-    struct cloudaccessor_file *f = &s->file;
+    struct accessor_file *f = &s->file;
     enum status st;
 
     f->e = s->e;
     if ((st = check_extensions(s)) != ST_OK ||
-        (st = cloudaccessor_items(s->doc, "accessors", &f->accessors, s->e)) != ST_OK ||
-        (st = cloudaccessor_items(s->doc, "bufferViews", &f->views, s->e)) != ST_OK ||
-        (st = cloudaccessor_items(s->doc, "buffers", &f->buffers, s->e)) != ST_OK ||
-        (st = cloudaccessor_items(s->doc, "meshes", &s->meshes, s->e)) != ST_OK ||
-        (st = cloudaccessor_items(s->doc, "nodes", &s->nodes, s->e)) != ST_OK)
+        (st = accessor_items(s->doc, "accessors", &f->accessors, s->e)) != ST_OK ||
+        (st = accessor_items(s->doc, "bufferViews", &f->views, s->e)) != ST_OK ||
+        (st = accessor_items(s->doc, "buffers", &f->buffers, s->e)) != ST_OK ||
+        (st = accessor_items(s->doc, "meshes", &s->meshes, s->e)) != ST_OK ||
+        (st = accessor_items(s->doc, "nodes", &s->nodes, s->e)) != ST_OK)
         return st;
     s->stack = mem_array(s->nodes.n, sizeof *s->stack);
     s->seen = mem_array(s->nodes.n, 1);
@@ -226,14 +382,14 @@ static enum status spend(struct scene *s, uint64_t n)
     return ST_OK;
 }
 
-static enum status add_vertices(struct scene *s, const struct cloudaccessor *a,
+static enum status add_vertices(struct scene *s, const struct accessor *a,
                                 const double m[16])
 {
     enum status st = spend(s, a->n);
 
     for (size_t i = 0; i < a->n && st == ST_OK; i++) {
-        const struct dvec3 p = {cloudaccessor_get(a, i, 0), cloudaccessor_get(a, i, 1),
-                                cloudaccessor_get(a, i, 2)};
+        const struct dvec3 p = {accessor_get(a, i, 0), accessor_get(a, i, 1),
+                                accessor_get(a, i, 2)};
 
         st = cloudlist_add(s->list, vec_transform(m, p));
     }
@@ -245,13 +401,13 @@ static enum status add_faces(struct scene *s, const struct json_value *primitive
                              uint64_t base, size_t n, bool mirrored)
 {
     const struct json_value *indices = json_member(primitive, "indices");
-    struct cloudaccessor a = {.n = n};
+    struct accessor a = {.n = n};
     uint64_t which;
     enum status st = ST_OK;
 
     if (indices != NULL)
         st = json_get_count(indices, &which)
-                 ? cloudaccessor_open(&s->file, which, "SCALAR", &a)
+                 ? accessor_open(&s->file, which, "SCALAR", &a)
                  : errinfo_set(s->e, ST_EINVAL,
                                "GLB: the indices of a primitive are no "
                                "accessor");
@@ -262,7 +418,7 @@ static enum status add_faces(struct scene *s, const struct json_value *primitive
 
         for (size_t k = 0; k < 3; k++) {
             const size_t at = i + (mirrored ? 2 - k : k);
-            const double v = indices != NULL ? cloudaccessor_get(&a, at, 0) : (double)at;
+            const double v = indices != NULL ? accessor_get(&a, at, 0) : (double)at;
 
             if (!(v >= 0 && v < (double)n))
                 return errinfo_set(s->e, ST_EINVAL,
@@ -280,7 +436,7 @@ static enum status read_mesh(struct scene *s, uint64_t index, const double m[16]
 {
     const struct json_value *p;
     uint64_t base = 0, last = UINT64_MAX, position, mode;
-    struct cloudaccessor a = {.n = 0};
+    struct accessor a = {.n = 0};
     enum status st = ST_OK;
 
     if (index >= s->meshes.n)
@@ -296,7 +452,7 @@ static enum status read_mesh(struct scene *s, uint64_t index, const double m[16]
         if (position != last) {
             base = s->list->out.read;
             last = position;
-            st = cloudaccessor_open(&s->file, position, "VEC3", &a);
+            st = accessor_open(&s->file, position, "VEC3", &a);
             if (st == ST_OK)
                 st = add_vertices(s, &a, m);
         }
@@ -364,13 +520,15 @@ static const struct json_value *nodes_of_scene(const struct scene *s)
     return json_member(v, "nodes");
 }
 
-bool cloudglb_is(const struct cloudtext *t)
+bool read_glb_is(const struct cloudtext *t)
 {
     return t->end - t->p >= 4 && memcmp(t->p, "glTF", 4) == 0;
 }
 
-enum status cloudglb_parse(struct cloudtext *t, struct cloudlist *list)
+enum status read_glb_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
 {
+    (void)o;
     static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct scene s = {.list = list, .e = list->e};
     enum status st = open_file(t, &s);

@@ -1,13 +1,16 @@
-#include "cloudnpy.h"
+#include "read.h"
 
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
 #include "clouddepth.h"
+#include "cloudfile.h"
 #include "cloudlist.h"
 #include "cloudtext.h"
 #include "cloudvalue.h"
+
+#define NPY_VALUES 16 /* that a point may have; with more it is the row of an image */
 
 #define MAGIC "\x93NUMPY"
 
@@ -91,7 +94,7 @@ static enum status read_header(struct cloudtext *t, struct array *a)
     size_t size, len;
     enum status st = ST_OK;
 
-    if (!cloudnpy_is(t))
+    if (!read_npy_is(t))
         return cloudtext_fail(t, ST_EINVAL, "an NPY file begins with \\x93NUMPY");
     size = t->p[6] == 1 ? 10 : 12;
     if (t->p[6] < 1 || t->p[6] > 3)
@@ -142,7 +145,7 @@ static enum status check_size(struct cloudtext *t, struct array *a)
 
 static bool is_point(uint64_t values)
 {
-    return values >= 3 && values <= CLOUDNPY_VALUES;
+    return values >= 3 && values <= NPY_VALUES;
 }
 
 /* Rows and columns of points, or of values. */
@@ -161,7 +164,7 @@ static enum status arrange(struct cloudtext *t, struct array *a)
             a->shape[2] = was.shape[!flat];
             a->step[2] = was.step[!flat];
         }
-        if (points || flat || a->shape[1] > CLOUDNPY_VALUES)
+        if (points || flat || a->shape[1] > NPY_VALUES)
             return ST_OK;
     }
     if (a->dims == 3 && is_point(a->shape[2]))
@@ -206,12 +209,12 @@ static enum status read_values(struct cloudtext *t, const struct array *a,
     return st;
 }
 
-bool cloudnpy_is(const struct cloudtext *t)
+bool read_npy_is(const struct cloudtext *t)
 {
     return t->end - t->p >= 8 && memcmp(t->p, MAGIC, sizeof MAGIC - 1) == 0;
 }
 
-enum status cloudnpy_parse(struct cloudtext *t, const struct clouddepth_camera *camera,
+enum status read_npy_parse(struct cloudtext *t, const struct cloudfile_options *o,
                            struct cloudlist *list)
 {
     struct array a = {.type = CLOUDVALUE_NONE};
@@ -221,5 +224,5 @@ enum status cloudnpy_parse(struct cloudtext *t, const struct clouddepth_camera *
     if ((st = read_header(t, &a)) != ST_OK || (st = check_size(t, &a)) != ST_OK ||
         (st = arrange(t, &a)) != ST_OK)
         return st;
-    return read_values(t, &a, camera, list);
+    return read_values(t, &a, &o->camera, list);
 }

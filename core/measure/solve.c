@@ -1,4 +1,4 @@
-#include "align_solve.h"
+#include "solve.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -25,7 +25,7 @@ static bool cholesky(double m[6][6])
     return true;
 }
 
-bool align_solve(const struct align_normal *a, double damping, double x[6])
+bool solve_equations(const struct solve_normal *a, double damping, double x[6])
 {
     double m[6][6];
     double mean[2] = {0.0, 0.0};

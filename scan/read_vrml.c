@@ -1,4 +1,4 @@
-#include "cloudvrml.h"
+#include "read.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -7,6 +7,9 @@
 
 #include "cloudlist.h"
 #include "cloudtext.h"
+
+#define VRML_DEPTH 64 /* of nodes and lists in each other */
+#define VRML_NAMES 64 /* of nodes with points */
 
 enum kind { OTHER, SEPARATOR, TRANSFORM, COORDINATE, FACES, HINTS, REFUSED, LIST };
 
@@ -50,9 +53,9 @@ struct reading {
     bool old;   /* VRML 1.0 */
     bool faces; /* they can be read, up to now */
     unsigned places;
-    struct frame frame[CLOUDVRML_DEPTH]; /* the first one is the file */
+    struct frame frame[VRML_DEPTH]; /* the first one is the file */
     int depth;
-    struct named named[CLOUDVRML_NAMES];
+    struct named named[VRML_NAMES];
     int names;
 };
 
@@ -315,9 +318,9 @@ static enum status begin(struct reading *r, enum kind kind, struct word name)
     const struct frame *above = &r->frame[r->depth];
     struct frame *f = &r->frame[r->depth + 1];
 
-    if (++r->depth == CLOUDVRML_DEPTH)
+    if (++r->depth == VRML_DEPTH)
         return cloudtext_fail(r->t, ST_EVERSION, "more than %d nodes in each other",
-                              CLOUDVRML_DEPTH - 1);
+                              VRML_DEPTH - 1);
     *f = (struct frame){.kind = kind,
                         .s = above->s,
                         .name = name,
@@ -341,9 +344,9 @@ static enum status add_name(struct reading *r, const struct frame *f)
 {
     if (f->name.len == 0 || f->read == r->list->out.read)
         return ST_OK;
-    if (r->names == CLOUDVRML_NAMES)
+    if (r->names == VRML_NAMES)
         return cloudtext_fail(r->t, ST_EVERSION,
-                              "more than %d names of nodes with points", CLOUDVRML_NAMES);
+                              "more than %d names of nodes with points", VRML_NAMES);
     r->named[r->names++] = (struct named){f->name, f->s, f->kind == COORDINATE};
     return ST_OK;
 }
@@ -452,20 +455,22 @@ static enum status read_nodes(struct reading *r)
     return st;
 }
 
-bool cloudvrml_is(const struct cloudtext *t)
+bool read_vrml_is(const struct cloudtext *t)
 {
     return t->end - t->p >= 5 && memcmp(t->p, "#VRML", 5) == 0;
 }
 
-enum status cloudvrml_parse(struct cloudtext *t, struct cloudlist *list)
+enum status read_vrml_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                            struct cloudlist *list)
 {
+    (void)o;
     static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct reading r = {.t = t, .list = list, .faces = true};
     enum status st = cloudtext_plain(t);
 
     if (st != ST_OK)
         return st;
-    if (!cloudvrml_is(t))
+    if (!read_vrml_is(t))
         return fail(&r, "a VRML file begins with #VRML");
     if (t->end - t->p < 9 ||
         (memcmp(t->p, "#VRML V1.", 9) != 0 && memcmp(t->p, "#VRML V2.", 9) != 0))

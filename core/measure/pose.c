@@ -1,4 +1,4 @@
-#include "align_pose.h"
+#include "pose.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -56,7 +56,7 @@ static void orthonormal(double r[9])
 }
 
 /* turn_about(a, c, q, shift): follow a by the rotation q about c, then by shift. */
-static void turn_about(struct align_pose *a, struct dvec3 c, const double q[4],
+static void turn_about(struct pose *a, struct dvec3 c, const double q[4],
                        const double shift[3])
 {
     const double from[3] = {c.x, c.y, c.z};
@@ -75,12 +75,12 @@ static void turn_about(struct align_pose *a, struct dvec3 c, const double q[4],
     memcpy(a->t, t, sizeof t);
 }
 
-void align_pose_move(struct align_pose *a, struct dvec3 c, const double x[6])
+void pose_move(struct pose *a, struct dvec3 c, const double x[6])
 {
     turn_about(a, c, (const double[4]){1.0, 0.5 * x[0], 0.5 * x[1], 0.5 * x[2]}, x + 3);
 }
 
-void align_pose_tilt(struct align_pose *a, struct dvec3 c, double yaw, double pitch)
+void pose_tilt(struct pose *a, struct dvec3 c, double yaw, double pitch)
 {
     static const double still[3] = {0.0, 0.0, 0.0};
 
@@ -88,7 +88,7 @@ void align_pose_tilt(struct align_pose *a, struct dvec3 c, double yaw, double pi
     turn_about(a, c, (const double[4]){1.0, pitch, 0.0, 0.0}, still);
 }
 
-void align_pose_to_matrix(const struct align_pose *a, double m[16])
+void pose_to_matrix(const struct pose *a, double m[16])
 {
     for (size_t i = 0; i < 3; i++) {
         memcpy(m + 4 * i, a->r + 3 * i, 3 * sizeof *m);
@@ -97,7 +97,7 @@ void align_pose_to_matrix(const struct align_pose *a, double m[16])
     memcpy(m + 12, (const double[4]){0.0, 0.0, 0.0, 1.0}, 4 * sizeof *m);
 }
 
-void align_pose_from_matrix(const double m[16], struct align_pose *a)
+void pose_from_matrix(const double m[16], struct pose *a)
 {
     for (size_t i = 0; i < 3; i++) {
         memcpy(a->r + 3 * i, m + 4 * i, 3 * sizeof *m);
@@ -105,9 +105,9 @@ void align_pose_from_matrix(const double m[16], struct align_pose *a)
     }
 }
 
-struct align_pose align_pose_after(const struct align_pose *a, const struct align_pose *b)
+struct pose pose_after(const struct pose *a, const struct pose *b)
 {
-    struct align_pose out;
+    struct pose out;
 
     for (size_t i = 0; i < 3; i++) {
         for (size_t k = 0; k < 3; k++)
@@ -119,9 +119,9 @@ struct align_pose align_pose_after(const struct align_pose *a, const struct alig
     return out;
 }
 
-struct align_pose align_pose_scale(const struct align_pose *a, double by)
+struct pose pose_scale(const struct pose *a, double by)
 {
-    struct align_pose out;
+    struct pose out;
 
     for (size_t i = 0; i < 9; i++)
         out.r[i] = by * a->r[i];
@@ -130,15 +130,15 @@ struct align_pose align_pose_scale(const struct align_pose *a, double by)
     return out;
 }
 
-struct align_pose align_pose_unscaled(const struct align_pose *a)
+struct pose pose_unscaled(const struct pose *a)
 {
     const double *r = a->r;
     const double size = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
 
-    return fabs(size - 1) < 1e-6 ? *a : align_pose_scale(a, 1 / size);
+    return fabs(size - 1) < 1e-6 ? *a : pose_scale(a, 1 / size);
 }
 
-struct dvec3 align_pose_origin(const struct align_pose *a)
+struct dvec3 pose_origin(const struct pose *a)
 {
     const double *r = a->r, *t = a->t;
 
@@ -147,7 +147,7 @@ struct dvec3 align_pose_origin(const struct align_pose *a)
                           -(r[2] * t[0] + r[5] * t[1] + r[8] * t[2])};
 }
 
-bool align_pose_rigid(const struct align_pose *a)
+bool pose_rigid(const struct pose *a)
 {
     const double *r = a->r;
     const struct dvec3 x = {r[0], r[1], r[2]}, y = {r[3], r[4], r[5]};
@@ -216,7 +216,7 @@ static void principal(double a[3][3], struct dvec3 axis[3])
 
 /* protrusion(p, f): how far p sticks out along f->axis[2], less the more it lies to the
  * side: a chin or a forehead turned forward is no nose. */
-static double protrusion(struct dvec3 p, const struct align_axes *f)
+static double protrusion(struct dvec3 p, const struct pose_axes *f)
 {
     const struct dvec3 d = vec_sub(p, f->centre);
     const double out = vec_dot(d, f->axis[2]);
@@ -227,7 +227,7 @@ static double protrusion(struct dvec3 p, const struct align_axes *f)
 /* nose_of(m, step, f): the mean of the POSE_NOSE_SHARE of every step-th point that protrude
  * most. */
 static struct dvec3 nose_of(const struct mesh *m, uint32_t step,
-                            const struct align_axes *f)
+                            const struct pose_axes *f)
 {
     double h[2 * POSE_AXES_POINTS] = {0}, lo = INFINITY, hi = -INFINITY, scale;
     uint32_t count[POSE_NOSE_BINS] = {0}, n = 0, above = 0;
@@ -253,7 +253,7 @@ static struct dvec3 nose_of(const struct mesh *m, uint32_t step,
     return (struct dvec3){sum.x / above, sum.y / above, sum.z / above};
 }
 
-struct dvec3 align_pose_centre(const struct mesh *m)
+struct dvec3 pose_centre(const struct mesh *m)
 {
     int64_t x = 0, y = 0, z = 0;
     const double unit = 1.0 / (LATTICE_PER_MM * m->nv);
@@ -266,14 +266,14 @@ struct dvec3 align_pose_centre(const struct mesh *m)
     return (struct dvec3){(double)x * unit, (double)y * unit, (double)z * unit};
 }
 
-void align_pose_axes(const struct surface *s, struct align_axes *f)
+void pose_find_axes(const struct surface *s, struct pose_axes *f)
 {
     const struct mesh *m = &s->mesh;
     const uint32_t step = m->nv > POSE_AXES_POINTS ? m->nv / POSE_AXES_POINTS : 1;
     struct dvec3 axis[3];
     double c[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
 
-    f->centre = align_pose_centre(m);
+    f->centre = pose_centre(m);
     for (uint32_t v = 0; v < m->nv; v += step) {
         const struct dvec3 d = vec_sub(vertex_mm(m, v), f->centre);
 

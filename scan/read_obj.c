@@ -1,11 +1,11 @@
-#include "cloudobj.h"
+#include "read.h"
 
 #include <string.h>
 
 #include "cloudlist.h"
 #include "cloudtext.h"
 
-bool cloudobj_is(const struct cloudtext *t)
+bool read_obj_is(const struct cloudtext *t)
 {
     static const char *const words[] = {"v", "vn", "vt", "vp",     "o",
                                         "g", "s",  "f",  "mtllib", "usemtl"};
@@ -98,8 +98,10 @@ static enum status line(struct cloudtext *t, struct cloudlist *list, const char 
     return cloudtext_fail(t, ST_EINVAL, "not a line of an OBJ file");
 }
 
-enum status cloudobj_parse(struct cloudtext *t, struct cloudlist *list)
+enum status read_obj_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
 {
+    (void)o;
     bool faces = true;
 
     t->continued = true;

@@ -1,36 +1,36 @@
-/* align_solve.h -- robust sums of residuals: weighted normal equations in six unknowns, solved by
+/* solve.h -- robust sums of residuals: weighted normal equations in six unknowns, solved by
  * Cholesky. */
-#ifndef CORE_ALIGN_SOLVE_H
-#define CORE_ALIGN_SOLVE_H
+#ifndef CORE_SOLVE_H
+#define CORE_SOLVE_H
 #include <stdbool.h>
 
-/* Gauss-Newton: the longest step, and damping that keeps what nothing tells where it is.  By
+/* Gauss-Newton: the longest step, and damping that keeps what nothing determines where it is.  By
  * hand. */
-#define ALIGN_MAX_TURN_RAD 0.25
-#define ALIGN_MAX_SHIFT_MM 25.0
-#define ALIGN_DAMPING      1e-4
+#define SOLVE_MAX_TURN_RAD 0.25
+#define SOLVE_MAX_SHIFT_MM 25.0
+#define SOLVE_DAMPING      1e-4
 
 /* The sum of w J J^T (upper triangle, row by row) and of w r J over the residuals. */
-struct align_normal {
+struct solve_normal {
     double h[21], g[6];
 };
 
 /* Residuals of an alignment, and their robust sum. */
-enum align_loss {
-    ALIGN_LOSS_L1,   /* |r|, r the gap at right angles to the template's triangle */
-    ALIGN_LOSS_TUKEY /* u times Tukey's biweight of r at ALIGN_TUKEY_MM */
+enum solve_loss {
+    SOLVE_LOSS_L1,   /* |r|, r the gap at right angles to the template's triangle */
+    SOLVE_LOSS_TUKEY /* u times Tukey's biweight of r at ALIGN_TUKEY_MM */
 };
 
-struct align_sum {
-    struct align_normal normal;
+struct solve_sum {
+    struct solve_normal normal;
     double cost;   /* mm.  L1: mean of |r|, capped; a point without a gap costs
                       ALIGN_NO_GAP_MM.  Tukey: weighted mean of the loss over the points
                       that have a gap */
     double within; /* share of the points that have a gap, 0..1 */
 };
 
-static inline void align_solve_add(struct align_normal *a, const double j[6], double r,
-                                   double w)
+static inline void solve_add(struct solve_normal *a, const double j[6], double r,
+                             double w)
 {
     double wj[6];
     double *h = a->h;
@@ -44,11 +44,11 @@ static inline void align_solve_add(struct align_normal *a, const double j[6], do
     }
 }
 
-/* align_solve(a, damping, x): x minimises sum w (r + J x)^2.
+/* solve_equations(a, damping, x): x minimises sum w (r + J x)^2.
  * damping  every diagonal element is multiplied by 1 + damping, and grows by damping times
  *          the mean of its kind (the first three unknowns, or the last three), so that
  *          unknowns which the residuals do not determine stay near 0
  * Returns false, with x zero, when the matrix is singular all the same. */
-bool align_solve(const struct align_normal *a, double damping, double x[6]);
+bool solve_equations(const struct solve_normal *a, double damping, double x[6]);
 
 #endif

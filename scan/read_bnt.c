@@ -1,4 +1,4 @@
-#include "cloudbnt.h"
+#include "read.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -35,15 +35,17 @@ static uint64_t count_of(const struct cloudtext *t, size_t *head)
     return (double)(BLOCKS * n) == value_at(t, *head - 4, CLOUDVALUE_U32) ? n : 0;
 }
 
-bool cloudbnt_is(const struct cloudtext *t)
+bool read_bnt_is(const struct cloudtext *t)
 {
     size_t head;
 
     return count_of(t, &head) > 0;
 }
 
-enum status cloudbnt_parse(struct cloudtext *t, struct cloudlist *list)
+enum status read_bnt_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
 {
+    (void)o;
     size_t head;
     const uint64_t n = count_of(t, &head), left = (uint64_t)(t->end - t->p);
     double zmin;

@@ -1,10 +1,11 @@
-#include "cloudpng.h"
+#include "read.h"
 
+#include <spng.h>
 #include <stdint.h>
 #include <string.h>
-#include <spng.h>
 
 #include "clouddepth.h"
+#include "cloudfile.h"
 #include "cloudlist.h"
 #include "cloudtext.h"
 #include "errinfo.h"
@@ -13,7 +14,7 @@
 #define CHUNK_MAX  (1U << 20) /* bytes of what a file says beside its pixels */
 #define PNG_LENGTH 8          /* of the signature */
 
-bool cloudpng_is(const struct cloudtext *t)
+bool read_png_is(const struct cloudtext *t)
 {
     return t->end - t->p >= PNG_LENGTH &&
            memcmp(t->p, "\x89PNG\r\n\x1A\n", PNG_LENGTH) == 0;
@@ -69,8 +70,8 @@ static enum status decode(spng_ctx *png, const struct clouddepth_camera *camera,
     return st;
 }
 
-enum status cloudpng_parse(struct cloudtext *t, const struct clouddepth_camera *camera,
-                           size_t max_bytes, struct cloudlist *list)
+enum status read_png_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
 {
     spng_ctx *png = spng_ctx_new(0);
     enum status st;
@@ -81,7 +82,8 @@ enum status cloudpng_parse(struct cloudtext *t, const struct clouddepth_camera *
     code = spng_set_chunk_limits(png, CHUNK_MAX, CHUNK_MAX);
     if (code == SPNG_OK)
         code = spng_set_png_buffer(png, t->p, (size_t)(t->end - t->p));
-    st = code == SPNG_OK ? decode(png, camera, max_bytes, list) : png_failed(list, code);
+    st = code == SPNG_OK ? decode(png, &o->camera, o->max_bytes, list)
+                         : png_failed(list, code);
     spng_ctx_free(png);
     return st;
 }

@@ -1,12 +1,14 @@
-#include "cloudpgm.h"
+#include "read.h"
 
 #include <stdint.h>
 #include <string.h>
 
 #include "clouddepth.h"
+#include "cloudfile.h"
+#include "cloudlist.h"
 #include "cloudtext.h"
 
-bool cloudpgm_is(const struct cloudtext *t)
+bool read_pgm_is(const struct cloudtext *t)
 {
     return t->end - t->p >= 3 && t->p[0] == 'P' && (t->p[1] == '2' || t->p[1] == '5') &&
            memchr(" \t\r\n#", t->p[2], 5) != NULL;
@@ -45,14 +47,14 @@ static enum status read_text(struct cloudtext *t, const struct clouddepth_camera
     return st;
 }
 
-enum status cloudpgm_parse(struct cloudtext *t, const struct clouddepth_camera *camera,
+enum status read_pgm_parse(struct cloudtext *t, const struct cloudfile_options *o,
                            struct cloudlist *list)
 {
-    const bool text = cloudpgm_is(t) && t->p[1] == '2';
+    const bool text = read_pgm_is(t) && t->p[1] == '2';
     uint64_t head[3]; /* width, height, the largest value */
     enum status st;
 
-    if (!cloudpgm_is(t))
+    if (!read_pgm_is(t))
         return cloudtext_fail(t, ST_EINVAL, "a PGM file begins with P5 or P2");
     t->p += 2;
     for (int i = 0; i < 3; i++)
@@ -62,7 +64,8 @@ enum status cloudpgm_parse(struct cloudtext *t, const struct clouddepth_camera *
         return cloudtext_fail(t, ST_EVERSION,
                               "a PGM picture of 8 bits: a depth image has 16 bits");
     if (text)
-        return read_text(t, camera, head, list);
+        return read_text(t, &o->camera, head, list);
     t->p += t->p < t->end; /* one blank or line end, and then whatever is there */
-    return clouddepth_values(t, camera, (uint32_t)head[0], (uint32_t)head[1], true, list);
+    return clouddepth_values(t, &o->camera, (uint32_t)head[0], (uint32_t)head[1], true,
+                             list);
 }

@@ -1,23 +1,26 @@
-#include "cloudpcd.h"
+#include "read.h"
 
 #include <stdint.h>
 #include <string.h>
 
+#include "cloudfile.h"
 #include "cloudlist.h"
 #include "cloudlzf.h"
 #include "cloudtext.h"
 #include "cloudvalue.h"
 #include "mem.h"
 
+#define PCD_FIELDS 64
+
 enum encoding { ASCII, BINARY, COMPRESSED };
 
 struct header {
     struct cloudtext *t;
     unsigned n, sizes, types, counts; /* fields: named, and so on */
-    unsigned char size[CLOUDPCD_FIELDS];
-    char type[CLOUDPCD_FIELDS];
-    uint32_t count[CLOUDPCD_FIELDS]; /* values in the field */
-    int field[6];                    /* of x, y, z, normal_x, normal_y, normal_z; or -1 */
+    unsigned char size[PCD_FIELDS];
+    char type[PCD_FIELDS];
+    uint32_t count[PCD_FIELDS]; /* values in the field */
+    int field[6];               /* of x, y, z, normal_x, normal_y, normal_z; or -1 */
     uint64_t width, height, points;
     bool has_width, has_height, has_points, has_data;
     enum encoding encoding;
@@ -42,9 +45,8 @@ static enum status read_fields(struct header *h)
     const char *word;
 
     while ((word = cloudtext_word(h->t, &len), len) != 0) {
-        if (h->n == CLOUDPCD_FIELDS)
-            return cloudtext_fail(h->t, ST_EVERSION, "more than %d fields",
-                                  CLOUDPCD_FIELDS);
+        if (h->n == PCD_FIELDS)
+            return cloudtext_fail(h->t, ST_EVERSION, "more than %d fields", PCD_FIELDS);
         for (int i = 0; i < 6; i++) {
             if (!cloudtext_is(word, len, names[i]))
                 continue;
@@ -63,7 +65,7 @@ static enum status read_types(struct header *h)
     const char *word;
 
     while ((word = cloudtext_word(h->t, &len), len) != 0) {
-        if (len != 1 || memchr("IUF", *word, 3) == NULL || h->types == CLOUDPCD_FIELDS)
+        if (len != 1 || memchr("IUF", *word, 3) == NULL || h->types == PCD_FIELDS)
             return cloudtext_fail(h->t, ST_EINVAL, "a TYPE is I, U or F, for each field");
         h->type[h->types++] = *word;
     }
@@ -79,7 +81,7 @@ static enum status read_numbers(struct header *h, bool sizes)
 
     while ((word = cloudtext_word(h->t, &len), len) != 0) {
         if (!cloudtext_count(word, len, &value) || value == 0 ||
-            value > (sizes ? 8 : 65535) || *n == CLOUDPCD_FIELDS)
+            value > (sizes ? 8 : 65535) || *n == PCD_FIELDS)
             return cloudtext_fail(h->t, ST_EINVAL, "not a %s for each field",
                                   sizes ? "SIZE" : "COUNT");
         if (sizes)
@@ -360,7 +362,7 @@ static enum status read_text(const struct header *h, const struct layout *l,
     return st;
 }
 
-bool cloudpcd_is(const struct cloudtext *t)
+bool read_pcd_is(const struct cloudtext *t)
 {
     struct cloudtext at = *t;
     size_t len;
@@ -372,13 +374,14 @@ bool cloudpcd_is(const struct cloudtext *t)
     return cloudtext_is(word, len, "VERSION") || cloudtext_is(word, len, "FIELDS");
 }
 
-enum status cloudpcd_parse(struct cloudtext *t, size_t max_bytes, struct cloudlist *list)
+enum status read_pcd_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
 {
     struct header h = {.t = t, .field = {-1, -1, -1, -1, -1, -1}};
     struct layout l;
     enum status st;
 
-    for (unsigned i = 0; i < CLOUDPCD_FIELDS; i++)
+    for (unsigned i = 0; i < PCD_FIELDS; i++)
         h.count[i] = 1;
     if ((st = read_header(&h)) != ST_OK || (st = lay_out(&h, &l)) != ST_OK)
         return st;
@@ -392,7 +395,7 @@ enum status cloudpcd_parse(struct cloudtext *t, size_t max_bytes, struct cloudli
     case BINARY:
         return read_binary(&h, &l, list);
     case COMPRESSED:
-        return read_compressed(&h, &l, max_bytes, list);
+        return read_compressed(&h, &l, o->max_bytes, list);
     default:
         return read_text(&h, &l, list);
     }
