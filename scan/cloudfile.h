@@ -42,7 +42,7 @@ struct cloudfile_options {
  *       triangles' order; all data in the file, not compressed.  The format's unit is the metre,
  *       which not every program keeps to: it is not taken for granted.
  * VRML  1.0 and 2.0: the points of the coordinate nodes, moved by the transforms; normals by
- *       the faces; what would choose or repeat points is refused by name.  read.h.
+ *       the faces; what would choose or repeat points is refused by name.  See read.h.
  * BNT   the Bosphorus database's: points with the z of its header have no value.
  * ABS   FRGC's: points whose flag is 0 have no value.
  * NPY   an array of points, or of distances: read.h.

@@ -86,10 +86,10 @@ static void smear(struct draw *r, const double *depth, double *out)
         }
 }
 
-/* headcamera_see(s, o, out): the scene s, moved o->distance away from the camera, which is
+/* see_by_camera(s, o, out): the scene s, moved o->distance away from the camera, which is
  * the origin and looks along -z; a wall behind. */
-static void headcamera_see(struct head *s, const struct headscan_options *o,
-                           struct headscan *out)
+static void see_by_camera(struct head *s, const struct headscan_options *o,
+                          struct headscan *out)
 {
     struct draw r = draw_stream(o->seed, 0, 4);
     double *clean = head_alloc((size_t)W * H, sizeof *clean);
@@ -406,7 +406,7 @@ void headscan_render(const struct head *h, const struct head *other,
 
     *out = (struct headscan){0};
     if (o->view == HEADSCAN_CAMERA) {
-        headcamera_see(&s, o, out);
+        see_by_camera(&s, o, out);
     } else if (o->view == HEADSCAN_ROUND) {
         see_round(&s, out);
         add_errors(o, out);

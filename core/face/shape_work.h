@@ -64,7 +64,7 @@ struct shape_fit {
     double residual_mm;
     uint32_t skin, cover, apart; /* cells of each kind */
     double worth;   /* by which fits to the same points are chosen (shape.h) */
-    uint32_t sure;  /* cells in front of the face as no expression is (shape_cover.h) */
+    uint32_t sure;  /* cells in front of the face as no expression is */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
@@ -72,7 +72,7 @@ struct shape_fit {
     double eyes;
     /* the likeness of the forehead to the fitted one; -1, as for the eyes */
     double forehead;
-    double detail; /* fine relief, as a multiple of the mean face's (shape_detail.h) */
+    double detail; /* fine relief, as a multiple of the mean face's (shape_detail()) */
     /* ln of the relief (frame.h) of the skin over what is not explained, both root
      * mean squares: how much more than a rest there is to the face */
     double likeness;
@@ -80,12 +80,12 @@ struct shape_fit {
 
 /* Ready to fit, and a worker's reusable memory.  One thread at a time. */
 struct shape_work {
-    uint32_t cells;          /* of the mean face */
-    float mean[GRID_N];      /* mm; NAN: the cell is not used */
-    float normal[GRID_N][3]; /* of the mean face; normal[i][2] scales heights to gaps */
-    float scale[GRID_N];     /* each cell's rest over the mean of all */
-    float over_rest[GRID_N]; /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
-    float fine[GRID_N]; /* the mean face's fine relief (shape_detail.h), mm; 0: none */
+    uint32_t cells;           /* of the mean face */
+    float mean[GRID_N];       /* mm; NAN: the cell is not used */
+    float normal[GRID_N][3];  /* of the mean face; normal[i][2] scales heights to gaps */
+    float scale[GRID_N];      /* each cell's rest over the mean of all */
+    float over_rest[GRID_N];  /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
+    float fine[GRID_N];       /* the mean face's fine relief, mm; 0: none */
     struct model_basis basis; /* the modes and the rest as gaps at right angles to it */
     struct fit_basis fit;     /* that, prepared */
     const struct model_basis *modes; /* of height, the model's */

@@ -50,7 +50,7 @@ struct scan_options {
     enum scan_axes axes;
     bool enrolment;             /* the strict gate */
     struct scan_search *search; /* kept from the first call to the second for the same
-                                   points (scan_search.h); NULL: not kept */
+                                   points; NULL: not kept */
     /* another thread sets it where nobody wants the model any more; NULL: none does */
     const atomic_bool *stop;
 };

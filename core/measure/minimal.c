@@ -38,7 +38,7 @@ struct search {
     struct minimal_pair pair;
     const double *transform; /* the alignment, */
     struct pose aligned;
-    double x[6]; /* and the motion from there that was found (minimal_solve.h) */
+    double x[6]; /* and the motion from there that was found */
     struct measure_work *w;
 };
 
