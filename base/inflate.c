@@ -18,7 +18,7 @@
 #define GZIP_WINDOW     (15 + 16) /* 32 KB, the gzip format alone */
 
 /* What has been unpacked.  size grows by doubling up to limit + 1: the byte beyond the
- * limit tells "just as long" from "longer", and holds the final 0. */
+ * limit separates "just as long" from "longer", and holds the final 0. */
 struct sink {
     unsigned char *data;
     size_t len, size, limit;

@@ -12,7 +12,7 @@
 #include "mem.h"
 #include "utf8.h"
 
-/* The library reports a lack of memory as malformed text: this tells them apart. */
+/* The library reports a lack of memory as malformed text: this separates the two. */
 static _Thread_local bool starved;
 
 static void *take_memory(size_t size)

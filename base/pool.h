@@ -15,7 +15,7 @@ typedef enum status pool_item(void *arg, size_t i, struct face_work *w,
                               struct errinfo *e);
 
 /* pool_run(what, threads, m, n, item, arg, e): work on items 0..n-1, in about that
- * order, on so many threads (0: one a core).
+ * order, on this many threads (0: one a core).
  * what  for the progress
  * m     that the threads' face_work is made for; NULL: model_default
  * Stops at the first failure, and returns it. */

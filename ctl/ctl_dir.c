@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cloudply.h"
+#include "cloudwrite.h"
 #include "ctl_command.h"
 #include "outfile.h"
 
@@ -64,7 +64,7 @@ enum status ctl_dir_may_pipe(struct ctl *c, int nread)
 static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
 {
     (void)e;
-    cloudply_write(to, m);
+    cloudwrite_ply(to, m);
     return ST_OK;
 }
 

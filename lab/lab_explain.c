@@ -69,7 +69,7 @@ static enum status write_points(FILE *to, const void *arg, struct errinfo *e)
     (void)fprintf(to, "x,y,z,gap_mm,part\n");
     for (size_t i = 0; i < x->n; i++) {
         const struct dvec3 p = move(x->result.align.transform, x->pts[i]);
-        const struct dvec3 q = align_pose_apply(&x->tmpl.frame.pose, p);
+        const struct dvec3 q = pose_apply(&x->tmpl.frame.pose, p);
 
         (void)fprintf(to, "%.3f,%.3f,%.3f", p.x, p.y, p.z);
         field(to, x->gap[i]);

@@ -35,7 +35,7 @@ enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpo
                            bool enrolment, struct face_work *w, struct face *out,
                            struct scan_found *found, struct errinfo *e)
 {
-    const struct scan_options o = {.axes = p->as_scanned ? SCAN_AXES_SCANNER : c->axes,
+    const struct scan_options o = {.axes = p->axes_given ? SCAN_AXES_SCANNER : c->axes,
                                    .enrolment = enrolment};
     const size_t n = p->n;
     enum status st;

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "cloudply.h"
+#include "cloudwrite.h"
 #include "lab.h"
 #include "lattice.h"
 #include "mem.h"
@@ -31,7 +31,7 @@ static void print_simplified(struct lab *c, const struct face *f,
 static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
 {
     (void)e;
-    cloudply_write(to, m);
+    cloudwrite_ply(to, m);
     return ST_OK;
 }
 

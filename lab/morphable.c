@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "objmesh.h"
 #include "rates.h"
 
@@ -162,14 +162,14 @@ struct placing {
     uint32_t nv;    /* in the file */
     uint32_t *kept; /* [model's nv] rising: those that a triangle has */
     double unit_mm;
-    struct align_pose pose; /* mm -> canonical frame */
+    struct pose pose; /* mm -> canonical frame */
 };
 
-static struct dvec3 place(const struct align_pose *pose, double unit_mm, const float *at)
+static struct dvec3 place(const struct pose *pose, double unit_mm, const float *at)
 {
-    return align_pose_apply(pose, (struct dvec3){unit_mm * (double)at[0],
-                                                 unit_mm * (double)at[1],
-                                                 unit_mm * (double)at[2]});
+    return pose_apply(pose,
+                      (struct dvec3){unit_mm * (double)at[0], unit_mm * (double)at[1],
+                                     unit_mm * (double)at[2]});
 }
 
 /* The vertices that triangles have, in order; the triangles get their new numbers. */
@@ -244,7 +244,7 @@ static void place_roughly(const struct objmesh *mesh, struct morphable *m,
 {
     const float *best = NULL;
 
-    p->pose = (struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    p->pose = (struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     move_neutral(mesh, p, m);
     for (const float *at = m->neutral; at < m->neutral + 3 * (size_t)m->nv; at += 3)
         if (fabs((double)at[0]) < MIDDLE_MM && (best == NULL || at[2] > best[2]))
@@ -272,7 +272,7 @@ static double middle(const float h[GRID_N], double y)
 
 /* Append the motion that makes the heights upright and brings their nose tip to the origin; false:
  * they have no nose, or reach less far than they must. */
-static bool upright(const float h[GRID_N], struct align_pose *pose)
+static bool upright(const float h[GRID_N], struct pose *pose)
 {
     const double first = GRID_BOTTOM + GRID_MM / 2; /* the lowest row's middle */
     double best = -INFINITY, at = 0, a, b, c, top, bottom;
@@ -292,8 +292,8 @@ static bool upright(const float h[GRID_N], struct align_pose *pose)
     at += GRID_MM * 0.5 * (a - c) / (a + c - 2 * b);
     pose->t[1] -= at;
     pose->t[2] -= b;
-    align_pose_move(pose, (struct dvec3){0, 0, 0},
-                    (const double[6]){-(top - bottom) / (2 * UPRIGHT_MM), 0, 0, 0, 0, 0});
+    pose_move(pose, (struct dvec3){0, 0, 0},
+              (const double[6]){-(top - bottom) / (2 * UPRIGHT_MM), 0, 0, 0, 0, 0});
     return true;
 }
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "corpus.h"
 #include "csv.h"
 #include "errinfo.h"

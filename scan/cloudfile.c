@@ -2,26 +2,15 @@
 
 #include <string.h>
 
-#include "cloudabs.h"
-#include "cloudbnt.h"
 #include "clouddepth.h"
-#include "cloudglb.h"
-#include "cloudjson.h"
 #include "cloudlist.h"
-#include "cloudnpy.h"
-#include "cloudobj.h"
-#include "cloudpcd.h"
-#include "cloudpgm.h"
-#include "cloudply.h"
-#include "cloudpng.h"
-#include "cloudstl.h"
 #include "cloudtext.h"
-#include "cloudvrml.h"
-#include "cloudxyz.h"
+#include "cloudunit.h"
 #include "errinfo.h"
 #include "inflate.h"
 #include "json.h"
 #include "mem.h"
+#include "read.h"
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -45,22 +34,34 @@ static bool find_line(struct cloudtext *t)
     return false;
 }
 
+/* The formats that a file's first bytes show. */
+static const struct {
+    enum cloudformat format;
+    bool (*is)(const struct cloudtext *t);
+    enum status (*parse)(struct cloudtext *t, const struct cloudfile_options *o,
+                         struct cloudlist *list);
+} reader[] = {
+    {CLOUDFORMAT_PLY, read_ply_is, read_ply_parse},
+    {CLOUDFORMAT_GLB, read_glb_is, read_glb_parse},
+    {CLOUDFORMAT_PNG, read_png_is, read_png_parse},
+    {CLOUDFORMAT_PGM, read_pgm_is, read_pgm_parse},
+    {CLOUDFORMAT_NPY, read_npy_is, read_npy_parse},
+    {CLOUDFORMAT_VRML, read_vrml_is, read_vrml_parse},
+    {CLOUDFORMAT_PCD, read_pcd_is, read_pcd_parse},
+    {CLOUDFORMAT_ABS, read_abs_is, read_abs_parse},
+    {CLOUDFORMAT_BNT, read_bnt_is, read_bnt_parse},
+    {CLOUDFORMAT_STL, read_stl_is, read_stl_parse},
+};
+#define READERS (sizeof reader / sizeof *reader)
+
 /* By what it begins with. */
 static enum status recognise(const struct cloudtext *text, enum cloudformat *format)
 {
-    static const struct {
-        enum cloudformat format;
-        bool (*is)(const struct cloudtext *t);
-    } known[] = {{CLOUDFORMAT_PLY, cloudply_is}, {CLOUDFORMAT_GLB, cloudglb_is},
-                 {CLOUDFORMAT_PNG, cloudpng_is}, {CLOUDFORMAT_PGM, cloudpgm_is},
-                 {CLOUDFORMAT_NPY, cloudnpy_is}, {CLOUDFORMAT_VRML, cloudvrml_is},
-                 {CLOUDFORMAT_PCD, cloudpcd_is}, {CLOUDFORMAT_ABS, cloudabs_is},
-                 {CLOUDFORMAT_BNT, cloudbnt_is}, {CLOUDFORMAT_STL, cloudstl_is}};
     struct cloudtext t = *text;
 
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        if (known[i].is(&t)) {
-            *format = known[i].format;
+    for (size_t i = 0; i < READERS; i++) {
+        if (reader[i].is(&t)) {
+            *format = reader[i].format;
             return ST_OK;
         }
     }
@@ -69,9 +70,9 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
         return nothing(&t);
     if (*t.p == '{' || *t.p == '[')
         *format = CLOUDFORMAT_JSON;
-    else if (cloudobj_is(&t))
+    else if (read_obj_is(&t))
         *format = CLOUDFORMAT_OBJ;
-    else if (cloudxyz_is(&t))
+    else if (read_xyz_is(&t))
         *format = CLOUDFORMAT_XYZ;
     else
         return errinfo_set(t.e, ST_EVERSION,
@@ -79,15 +80,89 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
     return ST_OK;
 }
 
-static enum status text_parse(struct cloudtext *t, struct cloudlist *list)
+static enum status text_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                              struct cloudlist *list)
 {
     enum status st;
 
     skip_bom(t);
     if ((st = cloudtext_plain(t)) == ST_OK)
-        st = list->out.format == CLOUDFORMAT_OBJ ? cloudobj_parse(t, list)
-                                                 : cloudxyz_parse(t, list);
+        st = list->out.format == CLOUDFORMAT_OBJ ? read_obj_parse(t, o, list)
+                                                 : read_xyz_parse(t, o, list);
     return st == ST_OK && list->out.read == 0 ? nothing(t) : st;
+}
+
+static enum status take_units(const struct json_value *units, const char *prefix,
+                              struct cloudlist *list)
+{
+    const char *name = json_get_text(units);
+
+    if (units == NULL)
+        return ST_OK;
+    if (name == NULL || !cloudunit_or_auto(name, &list->out.unit_mm))
+        return errinfo_set(list->e, ST_EINVAL, "%sunits is not auto, " CLOUDUNIT_NAMES,
+                           prefix);
+    return ST_OK;
+}
+
+static enum status take_axes(const struct json_value *axes, const char *prefix,
+                             struct cloudlist *list)
+{
+    const char *name = json_get_text(axes);
+
+    if (axes == NULL)
+        return ST_OK;
+    list->out.axes_given = name != NULL && strcmp(name, "scanner") == 0;
+    if (name == NULL || (!list->out.axes_given && strcmp(name, "auto") != 0))
+        return errinfo_set(list->e, ST_EINVAL, "%saxes is neither auto nor scanner",
+                           prefix);
+    return ST_OK;
+}
+
+static enum status take_points(const struct json_value *points, const char *prefix,
+                               struct cloudlist *list)
+{
+    const size_t n = json_count(points);
+    struct dvec3 *at;
+    size_t got;
+    enum status st;
+
+    if (n > list->max)
+        return errinfo_set(list->e, ST_ELIMIT,
+                           "%spoints has %zu points; the limit is %zu", prefix, n,
+                           list->max);
+    if ((at = mem_array(n, sizeof *at)) == NULL)
+        return errinfo_set(list->e, ST_ENOMEM, "no memory for %zu points", n);
+    if ((st = json_get_points(points, at, &got)) != ST_OK)
+        (void)errinfo_set(list->e, st, "%spoints[%zu] is not three finite numbers",
+                          prefix, got);
+    else
+        st = cloudlist_room(list, n);
+    for (size_t i = 0; i < n && st == ST_OK; i++)
+        st = cloudlist_add(list, at[i]);
+    mem_free(at);
+    return st;
+}
+
+/* Its points, its unit and its axes, and no other members; the message is in list->e. */
+static enum status take_cloud(const struct json_value *object, const char *name,
+                              const char *prefix, struct cloudlist *list)
+{
+    static const char *const known[] = {"points", "units", "axes", NULL};
+    const struct json_value *points = json_member(object, "points");
+    enum status st = json_expect(object, name, known, list->e);
+
+    if (st == ST_OK)
+        st = take_units(json_member(object, "units"), prefix, list);
+    if (st == ST_OK)
+        st = take_axes(json_member(object, "axes"), prefix, list);
+    if (st != ST_OK)
+        return st;
+    if (points == NULL)
+        return errinfo_set(list->e, ST_EINVAL, "%spoints is missing", prefix);
+    if (!json_is_array(points))
+        return errinfo_set(list->e, ST_EINVAL, "%spoints is not an array", prefix);
+    return take_points(points, prefix, list);
 }
 
 static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
@@ -96,9 +171,10 @@ static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
     enum status st;
 
     skip_bom(t);
-    st = cloudjson_document(t->p, (size_t)(t->end - t->p), list->max, 1, &doc, list->e);
+    st = cloudfile_read_document(t->p, (size_t)(t->end - t->p), list->max, 1, &doc,
+                                 list->e);
     if (st == ST_OK)
-        st = cloudjson_take(doc, "the body", "", list);
+        st = take_cloud(doc, "the body", "", list);
     json_free(doc);
     return st;
 }
@@ -106,35 +182,15 @@ static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
 static enum status parse_as(struct cloudtext *t, const struct cloudfile_options *o,
                             struct cloudlist *list)
 {
-    switch ((enum cloudformat)list->out.format) {
-    case CLOUDFORMAT_PLY:
-        return cloudply_parse(t, list);
-    case CLOUDFORMAT_STL:
-        return cloudstl_parse(t, list);
-    case CLOUDFORMAT_GLB:
-        return cloudglb_parse(t, list);
-    case CLOUDFORMAT_PCD:
-        return cloudpcd_parse(t, o->max_bytes, list);
-    case CLOUDFORMAT_VRML:
-        return cloudvrml_parse(t, list);
-    case CLOUDFORMAT_BNT:
-        return cloudbnt_parse(t, list);
-    case CLOUDFORMAT_ABS:
-        return cloudabs_parse(t, list);
-    case CLOUDFORMAT_NPY:
-        return cloudnpy_parse(t, &o->camera, list);
-    case CLOUDFORMAT_PNG:
-        return cloudpng_parse(t, &o->camera, o->max_bytes, list);
-    case CLOUDFORMAT_PGM:
-        return cloudpgm_parse(t, &o->camera, list);
-    case CLOUDFORMAT_RAW:
+    const enum cloudformat format = (enum cloudformat)list->out.format;
+
+    for (size_t i = 0; i < READERS; i++)
+        if (reader[i].format == format)
+            return reader[i].parse(t, o, list);
+    if (format == CLOUDFORMAT_RAW)
         return clouddepth_values(t, &o->camera, o->camera.width, o->camera.height, false,
                                  list);
-    case CLOUDFORMAT_JSON:
-        return json_parse(t, list);
-    default:
-        return text_parse(t, list);
-    }
+    return format == CLOUDFORMAT_JSON ? json_parse(t, list) : text_parse(t, o, list);
 }
 
 /* What is malformed as what it was declared to be may be something else.  Nearly every text
@@ -154,7 +210,7 @@ static enum status blame(struct cloudtext *whole, enum cloudformat declared)
 /* What begins with numbers may begin like anything. */
 static const char *foreign(const struct cloudtext *t, enum cloudformat declared)
 {
-    return declared == CLOUDFORMAT_RAW || cloudbnt_is(t)
+    return declared == CLOUDFORMAT_RAW || read_bnt_is(t)
                ? NULL
                : cloudformat_foreign((const unsigned char *)t->p,
                                      (size_t)(t->end - t->p));
@@ -238,5 +294,19 @@ enum status cloudfile_read_json(const struct json_value *object, const char *nam
         .out = {.format = CLOUDFORMAT_JSON}, .max = o->max_points, .e = e};
 
     *out = (struct cloudpoints){0};
-    return finish(&list, cloudjson_take(object, name, prefix, &list), o, out);
+    return finish(&list, take_cloud(object, name, prefix, &list), o, out);
+}
+
+enum status cloudfile_read_document(const char *text, size_t len, size_t max_points,
+                                    size_t clouds, struct json_value **out,
+                                    struct errinfo *e)
+{
+    /* Four values a point, and a few for other members. */
+    const enum status st =
+        json_read_points(text, len, clouds * (4 * max_points + 64), out, e);
+
+    return st == ST_ELIMIT
+               ? errinfo_set(e, ST_ELIMIT, "more values than %zu points can have",
+                             clouds * max_points)
+               : st;
 }

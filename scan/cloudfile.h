@@ -10,6 +10,7 @@
 
 struct errinfo;    /* errinfo.h */
 struct json_value; /* json.h */
+struct cloudlist;  /* cloudlist.h */
 
 struct cloudfile_options {
     /* as declared; CLOUDFORMAT_ANY: CLOUDFORMAT_RAW if the camera has a width, else
@@ -41,21 +42,21 @@ struct cloudfile_options {
  *       triangles' order; all data in the file, not compressed.  The format's unit is the metre,
  *       which not every program keeps to: it is not taken for granted.
  * VRML  1.0 and 2.0: the points of the coordinate nodes, moved by the transforms; normals by
- *       the faces; what would choose or repeat points is refused by name.  cloudvrml.h.
+ *       the faces; what would choose or repeat points is refused by name.  See read.h.
  * BNT   the Bosphorus database's: points with the z of its header have no value.
  * ABS   FRGC's: points whose flag is 0 have no value.
- * NPY   an array of points, or of distances: cloudnpy.h.
+ * NPY   an array of points, or of distances: read.h.
  * PNG, PGM, RAW  depth images: clouddepth.h.
  * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
  *       would be a decimal comma); lines that begin with # or // are comments, and the first
- *       other line may be a heading: cloudheading.h.  PTS: a first line with a count, or one
+ *       other line may be a heading: read_xyz.c.  PTS: a first line with a count, or one
  *       before each part.
  * JSON  {"points": [[x,y,z], ...], "units": "mm", "axes": "auto"}
  * Numbers do not depend on the locale and are correctly rounded.  Points without a value are
  * dropped (cloudpoints.h).
  * Cost O(n log n) for n bytes, unpacked.  Memory, whatever a header claims: 52 bytes a point
  * that is kept and has a normal, and twice that while it grows; what is unpacked, up to
- * max_bytes; of STL 8 bytes a vertex; and what cloudjson.h and cloudglb.h say.
+ * max_bytes; of STL 8 bytes a vertex; and what cloudfile_read_document() says.
  * Returns ST_OK; ST_EINVAL malformed or truncated; ST_ENOTFINITE no point has a value, or a
  * number of JSON is too large; ST_ELIMIT more than max_points; ST_ESIZE more than max_bytes;
  * ST_EVERSION a format, or a variant of one, that is not read; ST_ENOMEM. */
@@ -64,9 +65,20 @@ enum status cloudfile_read(const void *bytes, size_t len,
                            struct errinfo *e);
 
 /* cloudfile_read_json(object, name, prefix, o, out, e): a cloud that is a part of a JSON
- * document; name and prefix as in cloudjson.h. */
+ * document; name: what messages call the object, "the body"; prefix: "" or "a.", before the names of
+ * its members.  Other members than points, units and axes are ST_EINVAL. */
 enum status cloudfile_read_json(const struct json_value *object, const char *name,
                                 const char *prefix, const struct cloudfile_options *o,
                                 struct cloudpoints *out, struct errinfo *e);
+
+/* cloudfile_read_document(text, len, max_points, clouds, out, e): a document with room for
+ * this many clouds; text[len] is 0; *out is released by json_free().  Strict: one document and
+ * nothing behind it, valid UTF-8, no key twice.
+ * Memory: at most 75 bytes a point, and 80 a value behind one that is not a point; refused
+ * before that when there are more values than the points can need.
+ * Returns ST_OK; ST_EINVAL; ST_ELIMIT; ST_ENOMEM. */
+enum status cloudfile_read_document(const char *text, size_t len, size_t max_points,
+                                    size_t clouds, struct json_value **out,
+                                    struct errinfo *e);
 
 #endif

@@ -1,5 +1,4 @@
-/* LibLZF's format: a control byte below 32 is followed by so many bytes and one more, as they
- * are; another one says in its upper three bits how many bytes to repeat (7: a byte with more
+/* LibLZF's format: a control byte below 32 n is followed by n + 1 literal bytes; another control byte says in its upper three bits how many bytes to repeat (7: a byte with more
  * of the length follows), in its lower five and the next byte from how far back. */
 #include "cloudlzf.h"
 

@@ -3,7 +3,7 @@
 #include "cloudpoints.h"
 #include "face.h"
 #include "sample.h"
-#include "scan_search.h"
+#include "scan.h"
 
 bool dry_run_is_refusal(enum status st)
 {

@@ -53,7 +53,7 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
 {
     const char *comma = "";
 
-    if (f->occluded > SCAN_OCCLUDED_MOST) { /* less is a warning, and not the reason */
+    if (f->occluded > GATE_OCCLUDED_MOST) { /* less is a warning, and not the reason */
         append(e, "too much of the face is covered");
         comma = ", ";
     }
@@ -213,7 +213,7 @@ enum status sample_build(const char *name, struct cloudpoints *c,
                          const struct scan_options *o, struct face_work *w,
                          struct face *out, struct scan_found *found, struct errinfo *e)
 {
-    const struct scan_options by = {.axes = c->as_scanned ? SCAN_AXES_SCANNER : o->axes,
+    const struct scan_options by = {.axes = c->axes_given ? SCAN_AXES_SCANNER : o->axes,
                                     .enrolment = o->enrolment,
                                     .search = o->search,
                                     .stop = o->stop};

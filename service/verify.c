@@ -57,7 +57,7 @@ static enum status build_face(struct templates_context *c, struct verification *
     const double start = now(c);
     enum status st = not_stopped(v->request, e);
 
-    s->points.as_scanned = s->points.as_scanned || s->as_scanned;
+    s->points.axes_given = s->points.axes_given || s->axes_given;
     if (st == ST_OK)
         st = sample_build(s->name, &s->points, &o, c->work, s->face, &s->found, e);
     v->times.prepare += now(c) - start;

@@ -23,7 +23,7 @@ struct verify_scan {
     struct cloudpoints points; /* taken */
     size_t len;
     struct cloudfile_options how; /* to read bytes */
-    bool as_scanned;              /* or the file says so */
+    bool axes_given;              /* or the file says so */
     enum scan_axes axes;          /* where it does not */
     struct face *face;            /* receives it */
     struct scan_found found;      /* receives what was found */

@@ -25,13 +25,12 @@ static const char usage[] =
     "  --spikes S     share of the points thrown 4 to 40 mm off, 0 to 0.5 (0)\n"
     "  --smile S      0 to 1 (0)\n"
     "  --symmetry S   share of the face's asymmetry taken away, -2 to 1 (0)\n"
-    "  --format F     ply (binary), ply-ascii, obj, xyz, json; else by FILE's ending\n"
+    "  --format F     ply (binary), xyz, json; else by FILE's ending\n"
     "  -o FILE        where to (-: standard output); a file that exists is replaced\n"
     "  --count N      of N subjects, from --subject on; % in FILE is each one's number\n";
 
-enum format { PLY, PLY_ASCII, OBJ, XYZ, JSON, FORMATS };
-static const char *const format_names[FORMATS] = {"ply", "ply-ascii", "obj", "xyz",
-                                                  "json"};
+enum format { PLY, XYZ, JSON, FORMATS };
+static const char *const format_names[FORMATS] = {"ply", "xyz", "json"};
 
 struct options {
     struct facegen_scan scan;
@@ -126,14 +125,12 @@ static void put_float(FILE *out, double value)
 
 static void write_points(FILE *out, int format, const struct dvec3 *p, size_t n)
 {
-    if (format == PLY || format == PLY_ASCII)
-        (void)fprintf(
-            out,
-            "ply\nformat %s 1.0\ncomment a made-up face\nelement vertex %zu\n"
-            "property float x\nproperty float y\nproperty float z\nend_header\n",
-            format == PLY ? "binary_little_endian" : "ascii", n);
-    else if (format == OBJ)
-        (void)fputs("# a made-up face\n", out);
+    if (format == PLY)
+        (void)fprintf(out,
+                      "ply\nformat binary_little_endian 1.0\ncomment a made-up face\n"
+                      "element vertex %zu\nproperty float x\nproperty float y\n"
+                      "property float z\nend_header\n",
+                      n);
     else if (format == JSON)
         (void)fputs("{\"units\": \"mm\", \"points\": [", out);
     for (size_t i = 0; i < n; i++) {
@@ -145,8 +142,7 @@ static void write_points(FILE *out, int format, const struct dvec3 *p, size_t n)
             (void)fprintf(out, "%s[%.4f,%.4f,%.4f]", i != 0 ? ",\n" : "\n", p[i].x,
                           p[i].y, p[i].z);
         } else {
-            (void)fprintf(out, "%s%.4f %.4f %.4f\n", format == OBJ ? "v " : "", p[i].x,
-                          p[i].y, p[i].z);
+            (void)fprintf(out, "%.4f %.4f %.4f\n", p[i].x, p[i].y, p[i].z);
         }
     }
     if (format == JSON)

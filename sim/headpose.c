@@ -131,13 +131,13 @@ struct search {
 };
 
 /* frame_likeness_heights() of the surface's points, moved by pose. */
-static double likeness(const struct search *s, const struct align_pose *pose)
+static double likeness(const struct search *s, const struct pose *pose)
 {
     double z[GRID_N] = {0}, n[GRID_N] = {0};
     const struct mesh *m = &s->surface.mesh;
 
     for (uint32_t v = 0; v < m->nv; v++) {
-        const struct dvec3 q = align_pose_apply(
+        const struct dvec3 q = pose_apply(
             pose, (struct dvec3){m->xy[v].x / LATTICE_PER_MM, m->xy[v].y / LATTICE_PER_MM,
                                  m->z[v] / LATTICE_PER_MM});
         const uint32_t i = grid_cell(q.x, q.y);
@@ -163,7 +163,7 @@ static double try(struct search *s, double to[16])
         frame_find(s->mean, &s->surface, &s->align, &f) != ST_OK ||
         !((like = likeness(s, &f.pose)) > 0))
         return -INFINITY;
-    align_pose_to_matrix(&f.pose, m);
+    pose_to_matrix(&f.pose, m);
     for (int i = 0; i < 16; i++)
         all[i] = m[i / 4 * 4] * to[i % 4] + m[i / 4 * 4 + 1] * to[4 + i % 4] +
                  m[i / 4 * 4 + 2] * to[8 + i % 4] + m[i / 4 * 4 + 3] * to[12 + i % 4];
@@ -188,7 +188,7 @@ static bool find_in_crop(const struct dvec3 *p, size_t n, struct face_work *w,
     const bool ok = face_build(p, n, w, &f, NULL) == ST_OK;
 
     if (ok)
-        align_pose_to_matrix(&f.frame.pose, to);
+        pose_to_matrix(&f.frame.pose, to);
     face_free(&f);
     return ok;
 }

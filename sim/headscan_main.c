@@ -35,8 +35,8 @@ static const char usage[] =
 
 struct command {
     unsigned kind;
-    double seed, yaw, pitch, roll, points, unit_mm; /* NAN: drawn */
-    int axes, cover;                                /* -1: the kind's */
+    double seed, yaw, unit_mm; /* NAN: drawn */
+    int axes;                  /* -1: the kind's */
     bool mirrored;
     const char *in, *other, *out;
 };
@@ -84,30 +84,18 @@ static bool read_kind(const char *word, unsigned *kind)
 
 static bool read_option(struct command *c, const char *name, const char *value)
 {
-    static const char *const numbers[] = {"--seed", "--yaw",    "--pitch",
-                                          "--roll", "--points", NULL};
     static const char *const axes[] = {"agreed", "down", "z-up", "any", NULL};
-    double *const number[] = {&c->seed, &c->yaw, &c->pitch, &c->roll, &c->points};
-    const int k = find(numbers, name);
-    unsigned kind;
 
-    if (k >= 0)
-        return read_number(value, number[k]);
+    if (strcmp(name, "--seed") == 0)
+        return read_number(value, &c->seed);
+    if (strcmp(name, "--yaw") == 0)
+        return read_number(value, &c->yaw);
     if (strcmp(name, "--kind") == 0)
         return read_kind(value, &c->kind);
     if (strcmp(name, "--unit") == 0)
         return read_unit(value, &c->unit_mm);
     if (strcmp(name, "--axes") == 0)
         return (c->axes = find(axes, value)) >= 0;
-    if (strcmp(name, "--cover") == 0) {
-        struct headscan_options o;
-
-        if (!read_kind(value, &kind))
-            return false;
-        headscan_kind(kind, 0, false, &o);
-        c->cover = (int)o.cover;
-        return o.cover != HEADCOVER_NONE;
-    }
     if (strcmp(name, "--other") == 0)
         c->other = value;
     else if (strcmp(name, "-o") == 0)
@@ -119,14 +107,8 @@ static bool read_option(struct command *c, const char *name, const char *value)
 
 static bool read_command(int argc, char **argv, struct command *c)
 {
-    *c = (struct command){.kind = HEADSCAN_KINDS,
-                          .yaw = (double)NAN,
-                          .pitch = (double)NAN,
-                          .roll = (double)NAN,
-                          .points = (double)NAN,
-                          .unit_mm = (double)NAN,
-                          .axes = -1,
-                          .cover = -1};
+    *c = (struct command){
+        .kind = HEADSCAN_KINDS, .yaw = (double)NAN, .unit_mm = (double)NAN, .axes = -1};
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--mirrored") == 0)
             c->mirrored = true;
@@ -265,12 +247,8 @@ static void options_of(const struct command *c, bool crop, struct headscan_optio
 {
     headscan_kind(c->kind, (uint64_t)c->seed, crop, o);
     o->yaw = isnan(c->yaw) ? o->yaw : c->yaw;
-    o->pitch = isnan(c->pitch) ? o->pitch : c->pitch;
-    o->roll = isnan(c->roll) ? o->roll : c->roll;
-    o->points = isnan(c->points) ? o->points : (size_t)c->points;
     o->unit_mm = isnan(c->unit_mm) ? o->unit_mm : c->unit_mm;
     o->axes = c->axes < 0 ? o->axes : (enum headscan_axes)c->axes;
-    o->cover = c->cover < 0 ? o->cover : (enum headcover)c->cover;
     o->mirrored = c->mirrored;
 }
 

@@ -6,16 +6,25 @@
 #include <stdint.h>
 #include "vec.h"
 
-/* object_kinds(): how many kinds there are. */
-uint32_t object_kinds(void);
-
-/* object_name(kind): "cone", "bottle", ...; static. */
-const char *object_name(uint32_t kind);
+enum object {
+    OBJECT_CONE, /* from its point */
+    OBJECT_BOTTLE,
+    OBJECT_TEAPOT,
+    OBJECT_VASE,
+    OBJECT_FIST,
+    OBJECT_FOOT,
+    OBJECT_HEAD, /* from behind */
+    OBJECT_COW,
+    OBJECT_EGG, /* with a ridge */
+    OBJECT_TWO_FACES,
+    OBJECT_SIDES_SWAPPED, /* a face */
+    OBJECT_KINDS
+};
 
 /* object_scan(kind, seed, points, out): the points, mm, that a scanner looking along -z sees
  * of a thing of this kind, of the size of a hand to that of a head with neck, turned by a few
  * degrees, with a scanner's noise.  out has room for `points`.  Returns how many: most or
- * all of them, of what is cut out of a face (bands) fewer. */
+ * all of them. */
 size_t object_scan(uint32_t kind, uint64_t seed, uint32_t points, struct dvec3 *out);
 
 #endif

@@ -6,8 +6,8 @@
 
 #include "align_field.h"
 #include "align_grid.h"
-#include "align_pose.h"
-#include "align_solve.h"
+#include "pose.h"
+#include "solve.h"
 #include "cells.h"
 #include "fit.h"
 #include "lattice.h"
@@ -45,7 +45,7 @@
 /* Else the second best is followed too, if it costs less than this times the best. */
 #define ALIGN_RIVAL 1.4
 
-/* The last step, which tells motion from change: over this many points, at most twice as
+/* The last step, which separates motion from change: over this many points, at most twice as
  * many (with half as many the median rotation error grows by 5 %, and a second step does not
  * make it less), and the prior on the motion (1 / mm^2), which is next to none.  By hand. */
 #define ALIGN_LAST_POINTS 3000
@@ -79,7 +79,7 @@ struct search {
 
 /* A pose with what it costs. */
 struct candidate {
-    struct align_pose pose;
+    struct pose pose;
     double cost, within;
 };
 
@@ -96,22 +96,21 @@ static uint32_t stride_for(uint32_t n, uint32_t points)
 
 /* step(s, sum, pose): one Gauss-Newton step.  Returns its length in mm (rotations at
  * POSE_LEVER_MM), or 0 where the normal equations are singular. */
-static double step(const struct search *s, const struct align_sum *sum,
-                   struct align_pose *pose)
+static double step(const struct search *s, const struct solve_sum *sum, struct pose *pose)
 {
     double x[6], turn, shift, scale = s->stretch;
 
-    if (!align_solve(&sum->normal, ALIGN_DAMPING, x))
+    if (!solve_equations(&sum->normal, SOLVE_DAMPING, x))
         return 0.0;
     turn = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
     shift = sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]);
-    if (turn * scale > ALIGN_MAX_TURN_RAD)
-        scale = ALIGN_MAX_TURN_RAD / turn;
-    if (shift * scale > ALIGN_MAX_SHIFT_MM)
-        scale = ALIGN_MAX_SHIFT_MM / shift;
+    if (turn * scale > SOLVE_MAX_TURN_RAD)
+        scale = SOLVE_MAX_TURN_RAD / turn;
+    if (shift * scale > SOLVE_MAX_SHIFT_MM)
+        scale = SOLVE_MAX_SHIFT_MM / shift;
     for (int i = 0; i < 6; i++)
         x[i] *= scale;
-    align_pose_move(pose, s->centre, x);
+    pose_move(pose, s->centre, x);
     return scale * (turn * POSE_LEVER_MM + shift);
 }
 
@@ -119,15 +118,15 @@ static double step(const struct search *s, const struct align_sum *sum,
  * is shorter than enough (mm).  *c becomes the cheapest pose met; with Tukey's loss, where
  * no other pose is compared with it, the one after a short step, which is not summed again.
  * Returns true if a short step ended it. */
-static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int limit,
+static bool descend(struct search *s, uint32_t stride, enum solve_loss loss, int limit,
                     double enough, struct candidate *c)
 {
-    struct align_pose pose = c->pose;
+    struct pose pose = c->pose;
     bool ended = false;
 
     c->cost = INFINITY;
     for (int i = 0; i <= limit; i++) {
-        struct align_sum sum;
+        struct solve_sum sum;
 
         if (s->how->grid != NULL)
             align_grid_sum(s->how->grid, s->pts, s->n, stride, &pose, s->centre, loss,
@@ -141,7 +140,7 @@ static bool descend(struct search *s, uint32_t stride, enum align_loss loss, int
         if (ended || i == limit)
             break;
         ended = step(s, &sum, &pose) < enough;
-        if (ended && loss == ALIGN_LOSS_TUKEY) {
+        if (ended && loss == SOLVE_LOSS_TUKEY) {
             c->pose = pose;
             break;
         }
@@ -207,8 +206,8 @@ static void share(const struct surface *probe, uint32_t step, struct align_point
 
 /* between(to, from, by_nose, pose): the pose that moves the axes `from` onto `to`, centre to
  * centre or nose to nose. */
-static void between(const struct align_axes *to, const struct align_axes *from,
-                    bool by_nose, struct align_pose *pose)
+static void between(const struct pose_axes *to, const struct pose_axes *from,
+                    bool by_nose, struct pose *pose)
 {
     const struct dvec3 *a = to->axis, *b = from->axis;
     const struct dvec3 p = by_nose ? from->nose : from->centre;
@@ -226,7 +225,7 @@ static void between(const struct align_axes *to, const struct align_axes *from,
                 pose->r[3 * i + j] += to_k[i] * from_k[j];
     }
     memset(pose->t, 0, sizeof pose->t);
-    moved = align_pose_apply(pose, p);
+    moved = pose_apply(pose, p);
     pose->t[0] = q.x - moved.x;
     pose->t[1] = q.y - moved.y;
     pose->t[2] = q.z - moved.z;
@@ -248,12 +247,12 @@ static const struct start starts[] = {
     {true, false, -AS_IS, 0.0}, {true, false, 0.0, AS_IS}, {true, false, 0.0, -AS_IS},
 };
 
-static void start_pose(const struct start *st, const struct align_axes *tmpl,
-                       const struct align_axes *probe, struct align_pose *pose)
+static void start_pose(const struct start *st, const struct pose_axes *tmpl,
+                       const struct pose_axes *probe, struct pose *pose)
 {
     static const struct dvec3 scanner[3] = {
         {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
-    struct align_axes a = *tmpl, b = *probe;
+    struct pose_axes a = *tmpl, b = *probe;
     struct dvec3 back = st->by_nose ? tmpl->nose : tmpl->centre;
 
     if (st->as_is) {
@@ -262,13 +261,12 @@ static void start_pose(const struct start *st, const struct align_axes *tmpl,
     }
     between(&a, &b, st->by_nose, pose);
     back.z -= POSE_LEVER_MM;
-    align_pose_tilt(pose, back, st->yaw, st->pitch);
+    pose_tilt(pose, back, st->yaw, st->pitch);
 }
 
 /* same(s, a, b): do both poses put the surface in the same place?  Three points of the
  * template are moved by the inverse of a and then by b. */
-static bool same(const struct search *s, const struct align_pose *a,
-                 const struct align_pose *b)
+static bool same(const struct search *s, const struct pose *a, const struct pose *b)
 {
     static const double offset[3][3] = {
         {50, 0, POSE_LEVER_MM}, {-50, 0, POSE_LEVER_MM}, {0, 70, POSE_LEVER_MM}};
@@ -281,7 +279,7 @@ static bool same(const struct search *s, const struct align_pose *a,
         const struct dvec3 p = {r[0] * q.x + r[3] * q.y + r[6] * q.z,
                                 r[1] * q.x + r[4] * q.y + r[7] * q.z,
                                 r[2] * q.x + r[5] * q.y + r[8] * q.z};
-        const struct dvec3 m = align_pose_apply(b, p);
+        const struct dvec3 m = pose_apply(b, p);
         const double dx = m.x - a->t[0] - q.x, dy = m.y - a->t[1] - q.y;
         const double dz = m.z - a->t[2] - q.z;
 
@@ -297,7 +295,7 @@ static void try_as_it_lies(struct search *s, uint32_t stride, struct candidate b
 {
     struct candidate c = {.pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}};
 
-    (void)descend(s, stride, ALIGN_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
+    (void)descend(s, stride, SOLVE_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
     s->out->starts++;
     if (c.cost * ALIGN_RIVAL < best[0].cost) {
         best[1] = best[0];
@@ -311,10 +309,10 @@ static void choose(struct search *s, const struct surface *tmpl,
                    const struct surface *probe, struct candidate best[2])
 {
     const uint32_t stride = stride_for(s->n, ALIGN_COARSE_POINTS);
-    const struct align_pose *given = s->how->start;
-    const struct align_axes *to = s->how->axes;
-    struct align_axes made, from; /* when they are needed */
-    uint32_t agreed = 0;          /* starts that led to best[0] */
+    const struct pose *given = s->how->start;
+    const struct pose_axes *to = s->how->axes;
+    struct pose_axes made, from; /* when they are needed */
+    uint32_t agreed = 0;         /* starts that led to best[0] */
     bool framed = false;
 
     best[0].cost = best[1].cost = INFINITY;
@@ -324,17 +322,17 @@ static void choose(struct search *s, const struct surface *tmpl,
 
         if (i > 0 && !framed) {
             if (to == NULL) {
-                align_pose_axes(tmpl, &made);
+                pose_find_axes(tmpl, &made);
                 to = &made;
             }
-            align_pose_axes(probe, &from);
+            pose_find_axes(probe, &from);
             framed = true;
         }
         if (i == 0)
             c.pose = *given;
         else
             start_pose(&starts[i - 1], to, &from, &c.pose);
-        (void)descend(s, stride, ALIGN_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
+        (void)descend(s, stride, SOLVE_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
         s->out->starts++;
         again = best[0].cost < INFINITY && same(s, &best[0].pose, &c.pose);
         agreed = again ? agreed + (agreed < AGREED) : c.cost < best[0].cost ? 1 : agreed;
@@ -353,9 +351,9 @@ static void choose(struct search *s, const struct surface *tmpl,
 }
 
 /* settle(s, w, pose): the last step, which separates motion from change. */
-static enum status settle(struct search *s, struct align_work *w, struct align_pose *pose)
+static enum status settle(struct search *s, struct align_work *w, struct pose *pose)
 {
-    const struct align_pose *frame = &s->how->u->frame;
+    const struct pose *frame = &s->how->u->frame;
     const double *r = frame->r;
     const double back[3] = {-frame->t[0], -frame->t[1], -POSE_LEVER_MM - frame->t[2]};
     const struct dvec3 lever = {r[0] * back[0] + r[3] * back[1] + r[6] * back[2],
@@ -377,7 +375,7 @@ static enum status settle(struct search *s, struct align_work *w, struct align_p
         x[k] = r[k - b] * fit.x[b] + r[k - b + 3] * fit.x[b + 1] +
                r[k - b + 6] * fit.x[b + 2];
     }
-    align_pose_move(pose, lever, x);
+    pose_move(pose, lever, x);
     s->out->turn_deg = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) * VEC_DEGREES;
     s->out->shift_mm = sqrt(d[3] * d[3] + d[4] * d[4] + d[5] * d[5]);
     return ST_OK;
@@ -419,16 +417,15 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
         align_field_make(tmpl, how->u, &search.field);
         share(probe, step, search.pts);
     }
-    search.centre =
-        how->axes != NULL ? how->axes->centre : align_pose_centre(&tmpl->mesh);
+    search.centre = how->axes != NULL ? how->axes->centre : pose_centre(&tmpl->mesh);
     search.centre.z -= POSE_LEVER_MM;
 
     choose(&search, tmpl, probe, best);
     rival = best[0].cost >= ALIGN_GOOD_MM && best[1].cost < ALIGN_RIVAL * best[0].cost;
-    (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), ALIGN_LOSS_L1,
+    (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), SOLVE_LOSS_L1,
                   ALIGN_STAGE_STEPS, ALIGN_MIDDLE_MM, &best[0]);
     if (rival)
-        (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), ALIGN_LOSS_L1,
+        (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), SOLVE_LOSS_L1,
                       ALIGN_STAGE_STEPS, ALIGN_MIDDLE_MM, &best[1]);
     if (rival && best[1].cost < best[0].cost) {
         const struct candidate swap = best[0];
@@ -440,7 +437,7 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
     out->rival_mm = best[1].cost;
     out->within = best[0].within;
     out->stop =
-        descend(&search, stride_for(search.n, ALIGN_TUKEY_POINTS), ALIGN_LOSS_TUKEY,
+        descend(&search, stride_for(search.n, ALIGN_TUKEY_POINTS), SOLVE_LOSS_TUKEY,
                 ALIGN_STAGE_STEPS, ALIGN_TUKEY_STEP_MM, &best[0])
             ? ALIGN_CONVERGED
             : ALIGN_STEPS;
@@ -448,6 +445,6 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
         out->stop = ALIGN_APART;
     else if (how->u != NULL && how->motion != NULL && how->motion->b->n > 0)
         st = settle(&search, w, &best[0].pose);
-    align_pose_to_matrix(&best[0].pose, out->transform);
+    pose_to_matrix(&best[0].pose, out->transform);
     return st;
 }

@@ -19,9 +19,9 @@
 /* Share of the probe's points over the template below which both are apart. */
 #define ALIGN_APART_WITHIN 0.2
 
-struct align_axes;   /* align_pose.h */
+struct pose_axes;    /* pose.h */
 struct align_grid;   /* align_grid.h */
-struct align_pose;   /* align_pose.h */
+struct pose;         /* pose.h */
 struct align_weight; /* align_field.h */
 struct fit_basis;    /* fit.h */
 struct surface;      /* surface.h */
@@ -47,13 +47,13 @@ struct align_result {
 
 /* How to search; every member may be NULL. */
 struct align_how {
-    const struct align_pose *start; /* tried first: probe -> template */
-    const struct align_weight *u;   /* large where the template keeps its shape */
+    const struct pose *start;     /* tried first: probe -> template */
+    const struct align_weight *u; /* large where the template keeps its shape */
     /* for (3), which is skipped without it or without u */
     const struct fit_basis *motion;
     /* A template that is a grid, and its axes; both or neither: */
     const struct align_grid *grid;
-    const struct align_axes *axes;
+    const struct pose_axes *axes;
 };
 
 /* One worker's memory; all zero is an empty one. */

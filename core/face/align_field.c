@@ -100,7 +100,7 @@ static inline align_lanes place(const struct batch *b, int axis)
 static inline align_lanes weights(const struct align_weight *w, struct dvec3 c,
                                   const struct align_under *s)
 {
-    const struct dvec3 t = align_pose_apply(&w->frame, c);
+    const struct dvec3 t = pose_apply(&w->frame, c);
     const double *r = w->frame.r;
     const align_lanes x =
         s->x * (float)r[0] + s->y * (float)r[1] + s->z * (float)r[2] + (float)t.x;
@@ -117,7 +117,7 @@ static inline align_lanes weights(const struct align_weight *w, struct dvec3 c,
 }
 
 static inline void add_batch(struct batch *b, const struct align_weight *u,
-                             struct dvec3 c, enum align_loss loss,
+                             struct dvec3 c, enum solve_loss loss,
                              struct align_lanes_sums *sums)
 {
     static const align_masks index = {0, 1, 2, 3};
@@ -142,14 +142,14 @@ static inline void add_batch(struct batch *b, const struct align_weight *u,
     s.y = place(b, 1);
     s.z = place(b, 2);
     s.weight =
-        u != NULL && loss == ALIGN_LOSS_TUKEY ? weights(u, c, &s) : align_lanes_all(1.0f);
+        u != NULL && loss == SOLVE_LOSS_TUKEY ? weights(u, c, &s) : align_lanes_all(1.0f);
     align_lanes_add(sums, &s, loss);
     b->n = 0;
 }
 
 void align_field_sum(struct align_field *f, struct align_point *pts, uint32_t n,
-                     uint32_t stride, const struct align_pose *pose, struct dvec3 c,
-                     enum align_loss loss, struct align_sum *sum)
+                     uint32_t stride, const struct pose *pose, struct dvec3 c,
+                     enum solve_loss loss, struct solve_sum *sum)
 {
     uint32_t last = f->first, total = 0;
     struct align_lanes_sums sums = {0};
@@ -162,7 +162,7 @@ void align_field_sum(struct align_field *f, struct align_point *pts, uint32_t n,
     memset(batch.q, 0, sizeof batch.q);
     for (uint32_t i = 0; i < n; i += stride, total++) {
         struct align_point *p = &pts[i];
-        const struct dvec3 q = align_pose_apply(pose, p->p);
+        const struct dvec3 q = pose_apply(pose, p->p);
         float *at = batch.q[batch.n];
         bool found;
 

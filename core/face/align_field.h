@@ -8,16 +8,16 @@
 #define CORE_ALIGN_FIELD_H
 #include <stdbool.h>
 #include <stdint.h>
-#include "align_pose.h"
-#include "align_solve.h"
+#include "pose.h"
+#include "solve.h"
 #include "vec.h"
 
 struct surface; /* surface.h */
 
 /* The weight u(x, y) of places on the template. */
 struct align_weight {
-    const float *u;          /* [GRID_N] by cells of the canonical frame (grid.h) */
-    struct align_pose frame; /* template -> canonical frame */
+    const float *u;    /* [GRID_N] by cells of the canonical frame (grid.h) */
+    struct pose frame; /* template -> canonical frame */
 };
 
 struct align_field {
@@ -60,7 +60,7 @@ bool align_field_find(struct align_field *f, struct align_point *p, struct dvec3
  * stride, ... below n, moved by pose; updates where each one is.  Rotations in the normal
  * equations are about c (template, mm).  In single precision: accurate to 0.0001 mm. */
 void align_field_sum(struct align_field *f, struct align_point *pts, uint32_t n,
-                     uint32_t stride, const struct align_pose *pose, struct dvec3 c,
-                     enum align_loss loss, struct align_sum *sum);
+                     uint32_t stride, const struct pose *pose, struct dvec3 c,
+                     enum solve_loss loss, struct solve_sum *sum);
 
 #endif

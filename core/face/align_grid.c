@@ -82,9 +82,9 @@ struct motion {
     lanes r[9], t[3];
 };
 
-static void motion_of(const struct align_pose *pose, struct dvec3 from, struct motion *m)
+static void motion_of(const struct pose *pose, struct dvec3 from, struct motion *m)
 {
-    const struct dvec3 t = align_pose_apply(pose, from);
+    const struct dvec3 t = pose_apply(pose, from);
 
     m->from = from;
     for (int i = 0; i < 9; i++)
@@ -147,7 +147,7 @@ static inline void find(const struct align_grid *g, lanes x, lanes y, struct und
 }
 
 static inline void add(struct align_lanes_sums *to, const lanes q[3],
-                       const struct under *s, struct dvec3 c, enum align_loss loss)
+                       const struct under *s, struct dvec3 c, enum solve_loss loss)
 {
     const struct align_under under = {
         .there = s->there,
@@ -163,8 +163,8 @@ static inline void add(struct align_lanes_sums *to, const lanes q[3],
 }
 
 void align_grid_sum(const struct align_grid *g, const struct align_point *pts, uint32_t n,
-                    uint32_t stride, const struct align_pose *pose, struct dvec3 c,
-                    enum align_loss loss, struct align_sum *sum)
+                    uint32_t stride, const struct pose *pose, struct dvec3 c,
+                    enum solve_loss loss, struct solve_sum *sum)
 {
     const uint32_t count = n / stride + (n % stride != 0);
     struct align_lanes_sums all_of = {0};

@@ -30,7 +30,7 @@ uint32_t align_grid_make(const float z[GRID_N], const float u[GRID_N],
 /* align_grid_sum(g, ...): align_field_sum() of the gaps to g.  Points are taken four at a time
  * in single precision, relative to the first one: accurate to 0.0001 mm. */
 void align_grid_sum(const struct align_grid *g, const struct align_point *pts, uint32_t n,
-                    uint32_t stride, const struct align_pose *pose, struct dvec3 c,
-                    enum align_loss loss, struct align_sum *sum);
+                    uint32_t stride, const struct pose *pose, struct dvec3 c,
+                    enum solve_loss loss, struct solve_sum *sum);
 
 #endif

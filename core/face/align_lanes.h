@@ -5,7 +5,7 @@
 #define CORE_ALIGN_LANES_H
 #include <math.h>
 #include <stdint.h>
-#include "align_solve.h"
+#include "solve.h"
 
 /* Residuals, mm.  |r| is rounded off below SOFT, so that L1's weight 1 / |r| stays finite;
  * beyond TUKEY a residual counts nothing: it belongs to another expression, to hair or to a
@@ -69,14 +69,14 @@ struct align_pull {
 };
 
 static inline struct align_pull align_lanes_pull(const struct align_under *s,
-                                                 enum align_loss loss)
+                                                 enum solve_loss loss)
 {
     const align_lanes a = (align_lanes)((align_masks)s->gap & INT32_MAX);
     const align_lanes one = align_lanes_all(1.0f);
     const align_lanes u = align_lanes_only(s->there, s->weight);
     align_lanes v;
 
-    if (loss == ALIGN_LOSS_L1)
+    if (loss == SOLVE_LOSS_L1)
         return (struct align_pull){
             align_lanes_only(
                 s->there,
@@ -91,7 +91,7 @@ static inline struct align_pull align_lanes_pull(const struct align_under *s,
 }
 
 static inline void align_lanes_add(struct align_lanes_sums *to,
-                                   const struct align_under *s, enum align_loss loss)
+                                   const struct align_under *s, enum solve_loss loss)
 {
     const align_lanes *n = s->normal;
     const struct align_pull pull = align_lanes_pull(s, loss);
@@ -117,7 +117,7 @@ static inline void align_lanes_add(struct align_lanes_sums *to,
 
 /* align_lanes_finish(sums, count, loss, out): of count points, with or without a gap. */
 static inline void align_lanes_finish(const struct align_lanes_sums *sums, uint32_t count,
-                                      enum align_loss loss, struct align_sum *out)
+                                      enum solve_loss loss, struct solve_sum *out)
 {
     const align_masks w = sums->within;
     const double within = w[0] + w[1] + w[2] + w[3];
@@ -129,7 +129,7 @@ static inline void align_lanes_finish(const struct align_lanes_sums *sums, uint3
         out->normal.g[i] = align_lanes_total(sums->g[i]);
     out->within = count > 0 ? within / count : 0;
     out->cost = align_lanes_total(sums->cost);
-    if (loss == ALIGN_LOSS_L1) {
+    if (loss == SOLVE_LOSS_L1) {
         out->cost += ALIGN_NO_GAP_MM * (count - within);
         share = count;
     }

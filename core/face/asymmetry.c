@@ -6,8 +6,8 @@
 
 #include "align.h"
 #include "align_field.h"
-#include "align_pose.h"
-#include "align_solve.h"
+#include "pose.h"
+#include "solve.h"
 #include "lattice.h"
 #include "measure.h"
 #include "surface.h"
@@ -66,10 +66,10 @@ static struct dvec3 onto(const struct plane *p, struct dvec3 q)
 }
 
 /* The reflection in the plane, as the pose that it is but for its handedness. */
-static struct align_pose mirror(const struct plane *p)
+static struct pose mirror(const struct plane *p)
 {
     const double n[3] = {p->normal.x, p->normal.y, p->normal.z};
-    struct align_pose out;
+    struct pose out;
 
     for (size_t i = 0; i < 3; i++) {
         for (size_t k = 0; k < 3; k++)
@@ -127,21 +127,21 @@ static void load(const struct surface *s, uint32_t *block, struct search *out)
 }
 
 /* The robust sum over all blocks but one. */
-static struct align_sum sum_at(struct search *s, const struct plane *p, uint32_t without)
+static struct solve_sum sum_at(struct search *s, const struct plane *p, uint32_t without)
 {
-    const struct align_pose pose = mirror(p);
+    const struct pose pose = mirror(p);
     const struct dvec3 c = onto(p, s->middle);
-    struct align_sum all = {0};
+    struct solve_sum all = {0};
     double points = 0;
 
     for (uint32_t b = 0; b < BLOCKS; b++) {
         const uint32_t n = s->begin[b + 1] - s->begin[b];
-        struct align_sum sum;
+        struct solve_sum sum;
 
         if (b == without || n == 0)
             continue;
         align_field_sum(&s->field, s->pts + s->begin[b], n, s->stride, &pose, c,
-                        ALIGN_LOSS_L1, &sum);
+                        SOLVE_LOSS_L1, &sum);
         for (int i = 0; i < 21; i++)
             all.normal.h[i] += sum.normal.h[i];
         for (int i = 0; i < 6; i++)
@@ -158,11 +158,11 @@ static struct align_sum sum_at(struct search *s, const struct plane *p, uint32_t
 
 /* The normal equations of a pose, in the three motions of the mirror image that a plane
  * has: two turns, in the places 0 and 1, and a shift, in the place 3. */
-static struct align_normal reduce(const struct align_normal *a, const double to[3][6])
+static struct solve_normal reduce(const struct solve_normal *a, const double to[3][6])
 {
     static const int place[3] = {0, 1, 3};
     static const int at[3][3] = {{0, 1, 3}, {1, 6, 8}, {3, 8, 15}}; /* in h */
-    struct align_normal out = {.h = {[11] = 1, [18] = 1, [20] = 1}};
+    struct solve_normal out = {.h = {[11] = 1, [18] = 1, [20] = 1}};
     double full[6][6];
     const double *h = a->h;
 
@@ -181,7 +181,7 @@ static struct align_normal reduce(const struct align_normal *a, const double to[
 }
 
 /* One Gauss-Newton step.  Returns its length in mm, or 0 where it is undetermined. */
-static double step(const struct search *s, const struct align_sum *sum, struct plane *p)
+static double step(const struct search *s, const struct solve_sum *sum, struct plane *p)
 {
     const struct dvec3 n = p->normal, c = onto(p, s->middle);
     const struct dvec3 a = unit(vec_cross((struct dvec3){0, 0, 1}, n)),
@@ -189,10 +189,10 @@ static double step(const struct search *s, const struct align_sum *sum, struct p
     const double to[3][6] = {{2 * a.x, 2 * a.y, 2 * a.z, 0, 0, 0},
                              {2 * b.x, 2 * b.y, 2 * b.z, 0, 0, 0},
                              {0, 0, 0, 2 * n.x, 2 * n.y, 2 * n.z}};
-    const struct align_normal normal = reduce(&sum->normal, to);
+    const struct solve_normal normal = reduce(&sum->normal, to);
     double x[6], turn, scale = 1;
 
-    if (!align_solve(&normal, ASYMMETRY_DAMPING, x))
+    if (!solve_equations(&normal, ASYMMETRY_DAMPING, x))
         return 0;
     turn = sqrt(x[0] * x[0] + x[1] * x[1]);
     if (turn > ASYMMETRY_MAX_TURN_RAD)
@@ -214,7 +214,7 @@ static bool descend(struct search *s, uint32_t without, struct plane *p, double 
     bool ended = false;
 
     for (int i = 0; i <= ASYMMETRY_STEPS; i++) {
-        const struct align_sum sum = sum_at(s, &at, without);
+        const struct solve_sum sum = sum_at(s, &at, without);
 
         if (sum.cost < cost) {
             cost = sum.cost;
@@ -259,15 +259,14 @@ static void jackknife(struct search *s, const struct plane *best, struct asymmet
 }
 
 /* The motion that brings the plane to x = 0 by the smallest turn, after pose. */
-static void straighten(const struct plane *p, struct dvec3 middle,
-                       struct align_pose *pose)
+static void straighten(const struct plane *p, struct dvec3 middle, struct pose *pose)
 {
     const struct dvec3 c = onto(p, middle), n = p->normal;
     /* The quaternion (1, x / 2) of the turn from n to the x axis. */
     const double half = 2 / (1 + n.x);
     const double x[6] = {0, half * n.z, -half * n.y, -c.x, 0, 0};
 
-    align_pose_move(pose, c, x);
+    pose_move(pose, c, x);
 }
 
 /* search(s, w, last, out): the plane in s, which is upright. */
@@ -296,18 +295,18 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
 }
 
 /* The plane x = 0 of the frame, in the surface's own coordinates. */
-static struct plane plane_of(const struct align_pose *frame)
+static struct plane plane_of(const struct pose *frame)
 {
     /* x of r p + t is 0. */
     return (struct plane){{frame->r[0], frame->r[1], frame->r[2]}, -frame->t[0]};
 }
 
-static void tell(const struct align_pose *start, const struct align_pose *frame,
+static void tell(const struct pose *start, const struct pose *frame,
                  const struct surface *s, struct asymmetry *out)
 {
     const struct plane from = plane_of(start), to = plane_of(frame);
     const struct dvec3 turn = vec_cross(from.normal, to.normal);
-    const struct dvec3 c = onto(&from, align_pose_centre(&s->mesh));
+    const struct dvec3 c = onto(&from, pose_centre(&s->mesh));
 
     out->normal[0] = to.normal.x;
     out->normal[1] = to.normal.y;
@@ -323,12 +322,12 @@ bool asymmetry_conclusive(const struct asymmetry *a)
     return a->stop != ALIGN_APART && a->final.overlap >= ASYMMETRY_MIN_OVERLAP;
 }
 
-enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
+enum status asymmetry_find(const struct surface *s, const struct pose *start,
                            const struct disparity_weight *u, struct measure_work *m,
                            struct surface *upright, struct asymmetry *out)
 {
     static const double flip[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct align_pose frame = *start;
+    struct pose frame = *start;
     double transform[16];
     enum status st = ST_OK;
 
@@ -339,7 +338,7 @@ enum status asymmetry_find(const struct surface *s, const struct align_pose *sta
         struct plane p = {{1, 0, 0}, 0};
         struct dvec3 middle;
 
-        align_pose_to_matrix(&frame, transform);
+        pose_to_matrix(&frame, transform);
         st = surface_move(s, transform, &m->points, &m->scratch, upright);
         if (st != ST_OK)
             break;

@@ -17,7 +17,7 @@
 #include "disparity.h"
 #include "status.h"
 
-struct align_pose;   /* align_pose.h */
+struct pose;         /* pose.h */
 struct surface;      /* surface.h */
 struct measure_work; /* measure.h */
 
@@ -50,7 +50,7 @@ bool asymmetry_conclusive(const struct asymmetry *a);
  * With ALIGN_APART, or where a pose leaves the lattice, both disparities may be all zero.
  * Cost  six triangulations, two general triangulations, and up to some 100 robust sums
  *       over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
-enum status asymmetry_find(const struct surface *s, const struct align_pose *start,
+enum status asymmetry_find(const struct surface *s, const struct pose *start,
                            const struct disparity_weight *u, struct measure_work *m,
                            struct surface *upright, struct asymmetry *out);
 

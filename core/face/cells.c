@@ -73,8 +73,7 @@ static void means(const struct sums *sums, struct cells *c)
 }
 
 void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n,
-                  const struct align_pose *pose, const struct align_pose *frame,
-                  struct cells *out)
+                  const struct pose *pose, const struct pose *frame, struct cells *out)
 {
     const double *r = frame->r, *t = frame->t;
     const lane4 x = {(float)r[0], (float)r[3], (float)r[6], 0};
@@ -87,7 +86,7 @@ void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n
 
     memset(sums, 0, sizeof sums);
     for (uint32_t i = 0; i < n; i++) {
-        const struct dvec3 q = align_pose_apply(pose, pts[i].p);
+        const struct dvec3 q = pose_apply(pose, pts[i].p);
         struct align_corners k;
         lane4 a, b, c, normal, at;
         const float area = pts[i].area;

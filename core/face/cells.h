@@ -4,7 +4,7 @@
  * times the cosine of the slope), so that it does not depend on the template's pose. */
 #ifndef CORE_CELLS_H
 #define CORE_CELLS_H
-#include "align_pose.h"
+#include "pose.h"
 #include "grid.h"
 #include "status.h"
 
@@ -37,7 +37,6 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
  * its canonical frame.  Places more than 75 degrees off the frame's z (CELLS_STEEP), and triangles
  * that bridge missing points of the template, are left out.  O(n). */
 void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n,
-                  const struct align_pose *pose, const struct align_pose *frame,
-                  struct cells *out);
+                  const struct pose *pose, const struct pose *frame, struct cells *out);
 
 #endif

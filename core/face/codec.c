@@ -140,7 +140,7 @@ size_t codec_size(const struct face *f)
     return size_of(f->surface.mesh.nv, f->encoding.n);
 }
 
-static void put_frame(unsigned char *p, const struct align_pose *a)
+static void put_frame(unsigned char *p, const struct pose *a)
 {
     for (size_t i = 0; i < 12; i++) {
         uint64_t bits;
@@ -151,10 +151,10 @@ static void put_frame(unsigned char *p, const struct align_pose *a)
 }
 
 /* False: no similarity, beyond the lattice, or of no head's size. */
-static bool get_frame(const unsigned char *p, struct align_pose *a)
+static bool get_frame(const unsigned char *p, struct pose *a)
 {
     const double *r = a->r;
-    struct align_pose rigid;
+    struct pose rigid;
     double scale;
 
     for (size_t i = 0; i < 12; i++) {
@@ -163,8 +163,8 @@ static bool get_frame(const unsigned char *p, struct align_pose *a)
         memcpy(i < 9 ? &a->r[i] : &a->t[i - 9], &bits, sizeof bits);
     }
     scale = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
-    rigid = align_pose_unscaled(a);
-    return scale > 0.25 && scale < 4 && align_pose_rigid(&rigid);
+    rigid = pose_unscaled(a);
+    return scale > 0.25 && scale < 4 && pose_rigid(&rigid);
 }
 
 static unsigned char *put_float(unsigned char *p, float v)

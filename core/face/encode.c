@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "shape_map.h"
 
 /* mm: farther from the mean face there is none.  Of real people's scans whose face had been

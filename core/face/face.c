@@ -30,7 +30,7 @@ struct face_work {
     struct frame_mean mean;  /* the model's */
     struct fit_basis change; /* the model's, for alignment */
     struct encode_basis encode;
-    float weight[GRID_N]; /* how well each place tells people apart (face_weigh()) */
+    float weight[GRID_N]; /* how well each place separates people (face_weigh()) */
     struct shape_work shape;
     struct calibration calibration;
 };
@@ -70,22 +70,21 @@ enum { STARTS = 3 };
 
 /* The weights as a weight of the papers' measure: of places (lattice units) on a surface. */
 struct places {
-    const float *weight;     /* [GRID_N] */
-    struct align_pose frame; /* surface -> canonical frame */
+    const float *weight; /* [GRID_N] */
+    struct pose frame;   /* surface -> canonical frame */
 };
 
 static float weight_at(const void *arg, double x, double y, double z)
 {
     const struct places *p = arg;
     const double mm = 1 / LATTICE_PER_MM;
-    const struct dvec3 q =
-        align_pose_apply(&p->frame, (struct dvec3){mm * x, mm * y, mm * z});
+    const struct dvec3 q = pose_apply(&p->frame, (struct dvec3){mm * x, mm * y, mm * z});
     const uint32_t i = grid_cell(q.x, q.y);
 
     return i == GRID_NONE ? 0 : p->weight[i];
 }
 
-/* How well each place tells people apart: the variance of identity over that of all. */
+/* How well each place separates people: the variance of identity over that of all. */
 static void weigh_places(const struct model *m, float weight[GRID_N])
 {
     double sum = 0;
@@ -209,10 +208,10 @@ static double worth(const struct face_work *w, const struct shape_fit *fit)
 /* shape_place() as if the head were so large, from the start; *fit becomes what is plainly a face and
  * worth more. */
 static enum status place_size(struct face *f, struct face_work *w,
-                              const struct align_pose *start, double size,
+                              const struct pose *start, double size,
                               struct shape_fit *fit)
 {
-    const struct align_pose shrunk = align_pose_scale(start, 1 / size);
+    const struct pose shrunk = pose_scale(start, 1 / size);
     struct shape_fit one;
     const enum status st = shape_place(&w->shape, &f->surface, &shrunk, &one);
 
@@ -224,8 +223,8 @@ static enum status place_size(struct face *f, struct face_work *w,
 }
 
 /* What shape_place() is worth at the size; 0: it is no face. */
-static enum status worth_at(struct face *f, struct face_work *w,
-                            const struct align_pose *start, double size, double *out)
+static enum status worth_at(struct face *f, struct face_work *w, const struct pose *start,
+                            double size, double *out)
 {
     struct shape_fit fit = {.worth = 0};
     const enum status st = place_size(f, w, start, size, &fit);
@@ -237,7 +236,7 @@ static enum status worth_at(struct face *f, struct face_work *w,
 /* The fit at the size where the worth is greatest, by the parabola through three. */
 static enum status refine_size(struct face *f, struct face_work *w, struct shape_fit *fit)
 {
-    const struct align_pose start = align_pose_scale(&fit->pose, fit->size);
+    const struct pose start = pose_scale(&fit->pose, fit->size);
     const double size = fit->size;
     double less, more, bend, way;
     enum status st = worth_at(f, w, &start, size * (1 - FACE_SIZE_STEP), &less);
@@ -254,13 +253,12 @@ static enum status refine_size(struct face *f, struct face_work *w, struct shape
 /* What is hardly a face as large as the model's may be a child's; from where it is, or, where it is
  * none, from each start.  The first two sizes say whether the others are worth a look. */
 static enum status place_sizes(struct face *f, struct face_work *w,
-                               const struct align_pose start[STARTS],
-                               struct shape_fit *fit)
+                               const struct pose start[STARTS], struct shape_fit *fit)
 {
     static const double size[] = SHAPE_SIZES;
-    const struct align_pose own[1] = {fit->pose};
+    const struct pose own[1] = {fit->pose};
     const bool lost = support(w, fit) < FACE_SURE;
-    const struct align_pose *from = lost ? start : own;
+    const struct pose *from = lost ? start : own;
     const size_t n = lost ? STARTS : 1;
     struct shape_fit best = *fit;
     enum status st = ST_OK;
@@ -277,17 +275,16 @@ static enum status place_sizes(struct face *f, struct face_work *w,
 }
 
 /* Where the k-th start is. */
-static enum status start_at(struct face *f, struct face_work *w, int k,
-                            struct align_pose *out)
+static enum status start_at(struct face *f, struct face_work *w, int k, struct pose *out)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct dvec3 from = align_pose_centre(&f->surface.mesh);
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct dvec3 from = pose_centre(&f->surface.mesh);
     const struct dvec3 way = vec_sub(w->mean.axes.centre, from);
     enum status st;
 
     *out = still;
     if (k == 1)
-        *out = (struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {way.x, way.y, way.z}};
+        *out = (struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {way.x, way.y, way.z}};
     if (k < 2)
         return ST_OK;
     exchange(w);
@@ -300,7 +297,7 @@ static enum status start_at(struct face *f, struct face_work *w, int k,
 /* The frame and the encoding; with the builders' block to take heights in. */
 static enum status place(struct face *f, struct face_work *w)
 {
-    struct align_pose start[STARTS];
+    struct pose start[STARTS];
     struct shape_fit fit = {.worth = -INFINITY}, one;
     enum status st = ST_OK;
 
@@ -416,9 +413,9 @@ enum status face_align(const struct face *tmpl, const struct face *probe,
                        struct face_result *r)
 {
     const double begin = clock_ms != NULL ? clock_ms() : 0;
-    const struct align_pose a = align_pose_unscaled(&tmpl->frame.pose);
-    const struct align_pose b = align_pose_unscaled(&probe->frame.pose);
-    const struct align_pose first = align_pose_after(&a, &b);
+    const struct pose a = pose_unscaled(&tmpl->frame.pose);
+    const struct pose b = pose_unscaled(&probe->frame.pose);
+    const struct pose first = pose_after(&a, &b);
     const struct align_weight u = {w->mean.rigid, tmpl->frame.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &w->change};
     enum status st;
@@ -614,9 +611,9 @@ enum status face_regions(const struct face *tmpl, const struct face *probe,
 enum status face_asymmetry(const struct face *f, struct face_work *w,
                            struct asymmetry *out)
 {
-    static const struct align_pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct places u = {w->weight, upright};
-    const struct align_pose pose = align_pose_unscaled(&f->frame.pose);
+    const struct pose pose = pose_unscaled(&f->frame.pose);
 
     return asymmetry_find(&f->surface, &pose, &(struct disparity_weight){weight_at, &u},
                           &w->measure, &w->upright, out);

@@ -143,7 +143,7 @@ void face_shown(const struct face_result *r, double steps, double *score,
 
 /* face_round(r, w): score and threshold as face_shown() in steps of 0.1, the overlap to 0.01,
  * and fmr_at_score that of the rounded score, by w's calibration (that of the comparison):
- * for who may be told the decision, and should not learn a face from many scores.  The
+ * for clients that may know the decision, and should not learn a face from many scores.  The
  * decision stays, and the rounded numbers agree with it: a score below the threshold stays
  * below, by 0.1 or more.  */
 void face_round(struct face_result *r, const struct face_work *w);

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "cells.h"
 #include "normal.h"
 

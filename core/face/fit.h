@@ -42,7 +42,7 @@ struct fit {
 struct fit_basis {
     const struct model_basis *b;
     double prior; /* strength of |a|^2; 1: as the modes' variance says */
-    /* The first so many are fitted, a multiple of NORMAL_LANES or all; the others are 0. */
+    /* The first n are fitted, a multiple of NORMAL_LANES or all; the others are 0. */
     uint32_t modes;
     bool used[GRID_N]; /* cells that are fitted; all others are as not covered */
     float gram[MODEL_MODES][MODEL_MODES]; /* upper triangle, in tiles */

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "align_solve.h"
+#include "solve.h"
 #include "lattice.h"
 #include "model.h"
 #include "model_digest.h"
@@ -46,7 +46,7 @@ enum status frame_mean_make(const struct model *m, struct frame_mean *out)
                                             (int32_t)(grid_y(i) * LATTICE_PER_MM)};
         z[points.mesh.nv++] = (int32_t)lrint((double)m->mean[i] * LATTICE_PER_MM);
     }
-    align_pose_axes(&points, &out->axes);
+    pose_find_axes(&points, &out->axes);
     return ST_OK;
 }
 
@@ -59,7 +59,7 @@ enum status frame_find(const struct frame_mean *mean, const struct surface *face
 
     if (st != ST_OK)
         return st;
-    align_pose_from_matrix(found.transform, &out->pose);
+    pose_from_matrix(found.transform, &out->pose);
     out->mean_id = mean->mean_id;
     out->cost_mm = found.cost_mm;
     out->within = found.within;
@@ -127,7 +127,7 @@ static void add_row(struct relief *to, uint32_t j, const double *z, const double
 }
 
 /* The normal equations of the best quadric, of the terms 1, x, y, x^2, xy, y^2. */
-static void quadric(const struct relief *r, double at[3][3], struct align_normal *out)
+static void quadric(const struct relief *r, double at[3][3], struct solve_normal *out)
 {
     static const int a[6] = {0, 1, 0, 2, 1, 0}, b[6] = {0, 0, 1, 0, 1, 2};
     double *h = out->h;
@@ -143,15 +143,15 @@ double frame_likeness_heights(const struct frame_mean *mean, const double z[GRID
                               const double n[GRID_N])
 {
     struct relief r = {0};
-    struct align_normal a, b; /* of the face, and of the mean face */
+    struct solve_normal a, b; /* of the face, and of the mean face */
     double x[6], y[6];
 
     for (uint32_t j = 0; j < GRID_NY; j++)
         add_row(&r, j, &z[j * GRID_NX], &n[j * GRID_NX], &mean->height[j * GRID_NX]);
     quadric(&r, r.z, &a);
     quadric(&r, r.h, &b);
-    if (r.common[0][0] < FRAME_LIKENESS_CELLS || !align_solve(&a, 0, x) ||
-        !align_solve(&b, 0, y))
+    if (r.common[0][0] < FRAME_LIKENESS_CELLS || !solve_equations(&a, 0, x) ||
+        !solve_equations(&b, 0, y))
         return (double)NAN;
     /* x = -H^-1 g gives the products of the reliefs without another pass over the cells. */
     for (int k = 0; k < 6; k++) {

@@ -6,7 +6,7 @@
 #define CORE_FRAME_H
 #include "align.h"
 #include "align_grid.h"
-#include "align_pose.h"
+#include "pose.h"
 #include "grid.h"
 #include "surface.h"
 
@@ -18,7 +18,7 @@ struct model; /* model.h */
 /* The mean face as a surface to align others to. */
 struct frame_mean {
     struct align_grid grid; /* with rigid as weight */
-    struct align_axes axes;
+    struct pose_axes axes;
     float rigid[GRID_N];  /* for registrations: where a face keeps its shape, 0..1 */
     float height[GRID_N]; /* mm; NAN off the face */
     uint32_t mean_id;     /* model_mean_id() */
@@ -29,8 +29,7 @@ struct frame_mean {
 enum status frame_mean_make(const struct model *m, struct frame_mean *out);
 
 struct frame {
-    struct align_pose
-        pose;         /* face -> canonical; shrinks a head that is not of adults' size */
+    struct pose pose; /* face -> canonical; shrinks a head that is not of adults' size */
     uint32_t mean_id; /* of the mean face it was found by; 0: not found yet */
     double cost_mm;   /* mean distance from the mean face there (capped, L1) */
     double within;    /* share of the face's points over the mean face */

@@ -27,15 +27,15 @@ struct corner {
     float x, y, z;
 };
 
-static void place(const struct mesh *m, const struct align_pose *pose, struct corner *at)
+static void place(const struct mesh *m, const struct pose *pose, struct corner *at)
 {
-    struct align_pose mm = *pose; /* of lattice units */
+    struct pose mm = *pose; /* of lattice units */
 
     for (int i = 0; i < 9; i++)
         mm.r[i] /= LATTICE_PER_MM;
     for (uint32_t v = 0; v < m->nv; v++) {
         const struct dvec3 q =
-            align_pose_apply(&mm, (struct dvec3){m->xy[v].x, m->xy[v].y, m->z[v]});
+            pose_apply(&mm, (struct dvec3){m->xy[v].x, m->xy[v].y, m->z[v]});
 
         at[v] = (struct corner){(float)q.x, (float)q.y, (float)q.z};
     }
@@ -104,7 +104,7 @@ static void add_parts(struct list *l, const struct corner *a, const struct corne
         }
 }
 
-enum status heights_take(const struct surface *f, const struct align_pose *pose,
+enum status heights_take(const struct surface *f, const struct pose *pose,
                          struct scratch *s, struct heights *out)
 {
     const struct mesh *m = &f->mesh;
@@ -147,7 +147,7 @@ enum status heights_take(const struct surface *f, const struct align_pose *pose,
     return ST_OK;
 }
 
-void heights_at(const struct heights *h, const struct align_pose *pose, float out[GRID_N])
+void heights_at(const struct heights *h, const struct pose *pose, float out[GRID_N])
 {
     const double *d = pose->r, *t = pose->t;
     const float over = (float)(1 / GRID_MM);
@@ -178,10 +178,10 @@ void heights_at(const struct heights *h, const struct align_pose *pose, float ou
                      : (float)NAN;
 }
 
-enum status heights_of(const struct surface *f, const struct align_pose *pose,
+enum status heights_of(const struct surface *f, const struct pose *pose,
                        struct scratch *s, float out[GRID_N])
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct heights h;
     const enum status st = heights_take(f, pose, s, &h);
 

@@ -4,7 +4,7 @@
 #ifndef CORE_HEIGHTS_H
 #define CORE_HEIGHTS_H
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "grid.h"
 #include "mem.h"
 #include "status.h"
@@ -22,17 +22,16 @@ struct heights {
  * most.  Left out are triangles that bridge missing points, those seen at more than 78 degrees or
  * from behind, and those more than HEIGHTS_AROUND_MM beside the grid.  In s until its next use.
  * O(nv).  Returns ST_OK, ST_ENOMEM. */
-enum status heights_take(const struct surface *f, const struct align_pose *pose,
+enum status heights_take(const struct surface *f, const struct pose *pose,
                          struct scratch *s, struct heights *out);
 
 /* heights_at(h, pose, out): the mean height of each cell, mm, of the samples moved by pose, a
  * small motion, weighted by their area; NAN where less than HEIGHTS_COVERED of the cell is
  * covered.  In floats, in the samples' order.  O(n). */
-void heights_at(const struct heights *h, const struct align_pose *pose,
-                float out[GRID_N]);
+void heights_at(const struct heights *h, const struct pose *pose, float out[GRID_N]);
 
 /* heights_of(f, pose, s, out): both: the heights of f at pose.  Returns ST_OK, ST_ENOMEM. */
-enum status heights_of(const struct surface *f, const struct align_pose *pose,
+enum status heights_of(const struct surface *f, const struct pose *pose,
                        struct scratch *s, float out[GRID_N]);
 
 #endif

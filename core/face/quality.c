@@ -13,7 +13,7 @@
 #include "select.h"
 #include "surface.h"
 
-/* Of so many points the largest extent leaves out one at either end of each axis: a few
+/* One in this many points is left out at either end of each axis for the largest extent: a few
  * stray points do not matter. */
 #define QUALITY_STRAY_IN 100
 
@@ -25,7 +25,7 @@
  * 100 have less than 0.51. */
 #define QUALITY_NOISE_MAX_MM 3.0
 
-/* Noise is taken from each so manieth point: enough for a median, a quarter of the time. */
+/* Noise is estimated from every n-th point: enough for a median, a quarter of the time. */
 #define QUALITY_NOISE_STRIDE 4
 
 /* The median of |x| of a normal distribution is its deviation over this. */
@@ -176,7 +176,7 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
 
 /* Is the face turned away from the scanner?  The frame's pose maps the scanner's axes to the
  * face's. */
-static bool turned(const struct align_pose *p)
+static bool turned(const struct pose *p)
 {
     const double *r = p->r, pitch = atan2(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));
 

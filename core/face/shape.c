@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "cells.h"
 #include "heights.h"
 #include "shape_cells.h"
@@ -12,7 +12,7 @@
 /* The passes of a fit: {limit in mm, prior (fit.h)}; the first SHAPE_PART_PASSES see a part of
  * the face alone.  Neighbouring cells are alike, so that the prior is stronger than 1: with a
  * third of it the worst of 20 faces with glasses has no more support than the best of 200 things
- * that are no faces; with twice as much 88 % of the cells of masks are told instead of 96. */
+ * that are no faces; with twice as much 88 % of the cells of masks are recognised instead of 96. */
 /* clang-format off */
 #define SHAPE_PASSES { {12, 100, 88}, {12, 100, 88}, {8, 50, 88}, {8, 50, 88}, {5, 20, 88}, {5, 20, 88}, {3, 10, 88}, {3, 10, 88} }
 #define SHAPE_ROUGH { {25, 100, 8}, {18, 100, 16} }
@@ -50,7 +50,7 @@
 struct shape_pass {
     float limit_mm; /* beyond which a cell counts nothing */
     double prior;   /* fit.h */
-    uint32_t modes; /* at most so many */
+    uint32_t modes; /* at most */
 };
 
 /* Parts of the face that something may cover, to start from the others. */
@@ -148,7 +148,7 @@ static double worth_of(const struct shape_work *w, const float *over, const doub
 }
 
 /* What a cover explains, in cells: skin is never so far in front of what the rest of the face says.
- * It tells a face of which a part is covered from one that is bent to pass through the cover, and
+ * It separates a face of which a part is covered from one that is bent to pass through the cover, and
  * says nothing where the pose is not known. */
 static double covered(const struct shape_work *w, const struct shape_fit *f)
 {
@@ -164,9 +164,9 @@ static double covered(const struct shape_work *w, const struct shape_fit *f)
 }
 
 /* First b, then a. */
-static struct align_pose follow(const struct align_pose *a, const struct align_pose *b)
+static struct pose follow(const struct pose *a, const struct pose *b)
 {
-    struct align_pose out;
+    struct pose out;
 
     for (int i = 0; i < 3; i++) {
         out.t[i] = a->t[i];
@@ -186,8 +186,8 @@ struct target {
 };
 
 /* How far the target, moved by pose, is in front of the surface height. */
-static void look(const struct target *t, const struct align_pose *pose,
-                 const float *height, float *over)
+static void look(const struct target *t, const struct pose *pose, const float *height,
+                 float *over)
 {
     if (t->samples == NULL) {
         shape_map_make(t->points, pose, height, over);
@@ -206,7 +206,7 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
                             const struct shape_pass *pass, uint32_t passes, bool rate,
                             struct shape_fit *out)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
     float over[GRID_N];
     struct cells cells;
@@ -228,7 +228,7 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
             return st;
         memcpy(out->a, fit.a, sizeof out->a);
         bend(w, out->a, w->fit.modes, out->height);
-        align_pose_move(&out->pose, centre, fit.x);
+        pose_move(&out->pose, centre, fit.x);
         look(t, &out->pose, out->height, over);
     }
     out->worth = worth_of(w, over, out->a);
@@ -238,7 +238,7 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
 }
 
 enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                       const struct align_pose *start, bool close, struct shape_fit *out)
+                       const struct pose *start, bool close, struct shape_fit *out)
 {
     static const struct shape_pass rough[] = SHAPE_ROUGH, fine[] = SHAPE_SEEK;
     struct shape_points p;
@@ -254,7 +254,7 @@ enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
 
 /* The fit from a start, which begins with a part. */
 static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                             const struct align_pose *start, enum part part,
+                             const struct pose *start, enum part part,
                              struct shape_fit *out)
 {
     static const struct shape_pass pass[] = SHAPE_PASSES;
@@ -290,7 +290,7 @@ static bool good(const struct shape_fit *f)
 
 /* The fits that begin with a part, at *out's size; *out becomes one that explains more. */
 static enum status fit_parts(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                             const struct align_pose *start, struct shape_fit *out)
+                             const struct pose *start, struct shape_fit *out)
 {
     double least = explained(w, out) + SHAPE_GAIN;
     const double size = out->size;
@@ -310,17 +310,17 @@ static enum status fit_parts(struct shape_work *w, const struct dvec3 *pts, size
 
 /* The fits to heads of other sizes; *out becomes one that explains more. */
 static enum status fit_sizes(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                             const struct align_pose *of_one, struct shape_fit *out)
+                             const struct pose *of_one, struct shape_fit *out)
 {
     static const double size[] = SHAPE_SIZES;
     double least = share(w, out) + SHAPE_SIZE_GAIN;
     struct shape_fit best, one;
-    struct align_pose start;
+    struct pose start;
     enum status st = ST_OK;
 
     best.size = 1;
     for (size_t k = 0; st == ST_OK && k < sizeof size / sizeof *size; k++) {
-        start = align_pose_scale(of_one, 1 / size[k]);
+        start = pose_scale(of_one, 1 / size[k]);
         st = fit_start(w, pts, n, &start, WHOLE, &one);
         if (st != ST_OK || !(share(w, &one) > least))
             continue;
@@ -335,7 +335,7 @@ static enum status fit_sizes(struct shape_work *w, const struct dvec3 *pts, size
 }
 
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                      const struct align_pose *start, uint32_t nstart, bool hard,
+                      const struct pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out)
 {
     struct shape_fit one;
@@ -360,7 +360,7 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
 }
 
 enum status shape_place(struct shape_work *w, const struct surface *f,
-                        const struct align_pose *start, struct shape_fit *out)
+                        const struct pose *start, struct shape_fit *out)
 {
     static const struct shape_pass pass[] = SHAPE_PLACE;
     struct heights samples;

@@ -16,7 +16,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "shape_work.h"
 #include "status.h"
 
@@ -39,24 +39,24 @@ struct surface; /* surface.h */
  *       skin, or as a cover in front of what the rest of the face says
  * out->pose is a similarity then: rotation and shift in mm, both over out->size.
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
- * the face: of these every so manieth is taken.
+ * the face: every n-th of these is taken.
  * Cost  O(n) for each start, and one fit; if hard up to 16 more: each about
  * 1 ms with 3,000 points and 2 with SHAPE_POINTS.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                      const struct align_pose *start, uint32_t nstart, bool hard,
+                      const struct pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out);
 
 /* shape_seek(w, pts, n, start, close, out): quickly, by few modes.  From a start that is right to
  * about 25 mm and 20 degrees roughly: out's pose, a, height and worth alone; or closely from what
  * that has found. */
 enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
-                       const struct align_pose *start, bool close, struct shape_fit *out);
+                       const struct pose *start, bool close, struct shape_fit *out);
 
 /* shape_place(w, f, start, out): the fit to a surface of a face alone, from a starting pose, as
  * shape_fit(), not hard: the canonical frame of a face.  About 0.8 ms.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_place(struct shape_work *w, const struct surface *f,
-                        const struct align_pose *start, struct shape_fit *out);
+                        const struct pose *start, struct shape_fit *out);
 
 #endif

@@ -7,7 +7,7 @@
 struct shape_fit;  /* shape_work.h */
 struct shape_work; /* shape_work.h */
 
-/* shape_cells_rate(w, over, fit): fit's cells (covers: shape_cover.h) and their counts, support,
+/* shape_cells_rate(w, over, fit): fit's cells and their counts, support,
  * eyes, forehead, detail and likeness.
  * over  how far the points lie in front of fit->height, mm; NAN: no points */
 void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],

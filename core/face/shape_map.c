@@ -35,7 +35,7 @@ static bool is_near(struct dvec3 q, const float deep[GRID_N])
            (q.z > (double)deep[cell]) & (q.z < SHAPE_AROUND_MM);
 }
 
-/* Keep every so manieth. */
+/* Keep every n-th. */
 static void thin(struct shape_points *p)
 {
     const uint32_t step = p->n / SHAPE_POINTS + 1, n = p->n / step;
@@ -48,9 +48,9 @@ static void thin(struct shape_points *p)
     p->n = n;
 }
 
-enum status shape_map_points(const struct dvec3 *pts, size_t n,
-                             const struct align_pose *pose, const float height[GRID_N],
-                             struct scratch *s, struct shape_points *out)
+enum status shape_map_points(const struct dvec3 *pts, size_t n, const struct pose *pose,
+                             const float height[GRID_N], struct scratch *s,
+                             struct shape_points *out)
 {
     const size_t room = mem_round((n + LANES) * sizeof(float));
     float deep[GRID_N];
@@ -67,7 +67,7 @@ enum status shape_map_points(const struct dvec3 *pts, size_t n,
     out->n = 0;
     deepest(height, deep);
     for (size_t i = 0; i < n; i++) {
-        const struct dvec3 q = align_pose_apply(pose, pts[i]);
+        const struct dvec3 q = pose_apply(pose, pts[i]);
 
         /* written always, counted when near: no branch */
         out->x[out->n] = (float)q.x;
@@ -108,8 +108,7 @@ void shape_map_slope(const float h[GRID_N], uint32_t i, float *zx, float *zy)
 }
 
 /* Each point's cell, and how far it is in front of the surface there. */
-static void place(struct shape_points *p, const struct align_pose *pose,
-                  const struct planes *s)
+static void place(struct shape_points *p, const struct pose *pose, const struct planes *s)
 {
     float r[9], t[3];
 
@@ -148,7 +147,7 @@ static void place(struct shape_points *p, const struct align_pose *pose,
     }
 }
 
-void shape_map_make(struct shape_points *p, const struct align_pose *pose,
+void shape_map_make(struct shape_points *p, const struct pose *pose,
                     const float height[GRID_N], float out[GRID_N])
 {
     struct planes s;

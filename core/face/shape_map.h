@@ -4,7 +4,7 @@
 #define CORE_SHAPE_MAP_H
 #include <stddef.h>
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "grid.h"
 #include "mem.h"
 #include "status.h"
@@ -31,11 +31,11 @@ struct shape_points {
 
 /* shape_map_points(pts, n, pose, height, s, out): those of the points, moved by pose, that lie
  * within SHAPE_AROUND_MM of the grid, not more than that before the nose, nor more than
- * SHAPE_DEEP_MM behind the surface there or beside it; of more than SHAPE_POINTS every so
- * manieth.  In s until its next use.  Returns ST_OK, ST_ENOMEM. */
-enum status shape_map_points(const struct dvec3 *pts, size_t n,
-                             const struct align_pose *pose, const float height[GRID_N],
-                             struct scratch *s, struct shape_points *out);
+ * SHAPE_DEEP_MM behind the surface there or beside it; of more than SHAPE_POINTS every
+ * n-th.  In s until its next use.  Returns ST_OK, ST_ENOMEM. */
+enum status shape_map_points(const struct dvec3 *pts, size_t n, const struct pose *pose,
+                             const float height[GRID_N], struct scratch *s,
+                             struct shape_points *out);
 
 /* shape_map_slope(h, i, zx, zy): the slope of h at the middle of cell i, from the cells beside
  * it that have a height. */
@@ -47,7 +47,7 @@ void shape_map_slope(const float h[GRID_N], uint32_t i, float *zx, float *zy);
  * is a plane, its slope taken from the cells beside.  Points more than SHAPE_BEHIND_MM behind
  * are left out: they are seen through a gap.
  * height  mm; NAN: no surface */
-void shape_map_make(struct shape_points *p, const struct align_pose *pose,
+void shape_map_make(struct shape_points *p, const struct pose *pose,
                     const float height[GRID_N], float out[GRID_N]);
 
 /* shape_map_fill(height, over): cells of the surface without points take the mean of those beside

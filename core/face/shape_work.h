@@ -2,11 +2,35 @@
 #ifndef CORE_SHAPE_WORK_H
 #define CORE_SHAPE_WORK_H
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "fit.h"
 #include "grid.h"
 #include "mem.h"
 #include "model.h"
+
+/* How much of a face's fine relief a surface has: the wings of the nose, the
+ * corners of the eyes, the lips, the edges of the brow.  A few smooth humps and hollows in the
+ * right places have none of it, while faces share it whatever they were scanned or made with. */
+
+/* Cells: fine relief is what is left once the mean over a square that reaches so far to each
+ * side, 20 mm wide, is subtracted.  Squares of 12 and of 28 mm separated faces from surfaces sought
+ * against the gate as well or a little less well. */
+#define SHAPE_FINE 2
+
+/* shape_detail_prepare(mean, fine): the fine relief of the mean face, mm; 0 where it has none, as
+ * at its rim.
+ * mean  mm; NAN: not used */
+void shape_detail_prepare(const float mean[GRID_N], float fine[GRID_N]);
+
+/* shape_detail(fine, weight, over): the fine relief of a surface that lies over[] mm in front of
+ * the mean face (NAN: not seen there), as a multiple of the mean face's: both multiplied and
+ * summed over what is seen, over the sum of the mean face's squared, weighed.  1 for the mean
+ * face itself, 0 where nothing is seen of it.  Noise changes it little, as it is no square of
+ * what is measured.  The fine relief is what is left once the mean over a square of
+ * 2 SHAPE_FINE + 1 cells is subtracted; here of over[], whose slope at the rim of what is seen
+ * is small.  O(cells). */
+double shape_detail(const float fine[GRID_N], const float weight[GRID_N],
+                    const float over[GRID_N]);
 
 /* Likeness: what is not explained counts up to REST mm; more where faces hardly differ, though
  * not below a rest of LEAST, and as it is at one of TYPICAL.  Both mean squares (mm^2) are
@@ -29,18 +53,18 @@ enum shape_cell {
 };
 
 struct shape_fit {
-    struct align_pose pose; /* points -> canonical frame, mm, shrunk by size */
-    double size;            /* of the head, over the mean face's */
-    double a[MODEL_MODES];  /* coefficients of the modes */
-    float height[GRID_N];   /* of the fitted face, mm; NAN off it */
-    float z[GRID_N];        /* of the points; NAN: none */
-    uint8_t cell[GRID_N];   /* enum shape_cell */
+    struct pose pose;      /* points -> canonical frame, mm, shrunk by size */
+    double size;           /* of the head, over the mean face's */
+    double a[MODEL_MODES]; /* coefficients of the modes */
+    float height[GRID_N];  /* of the fitted face, mm; NAN off it */
+    float z[GRID_N];       /* of the points; NAN: none */
+    uint8_t cell[GRID_N];  /* enum shape_cell */
     /* root mean square of what the fit leaves of the cells with points, each up to
      * SHAPE_RESIDUAL_MM */
     double residual_mm;
     uint32_t skin, cover, apart; /* cells of each kind */
     double worth;   /* by which fits to the same points are chosen (shape.h) */
-    uint32_t sure;  /* cells in front of the face as no expression is (shape_cover.h) */
+    uint32_t sure;  /* cells in front of the face as no expression is */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
@@ -48,7 +72,7 @@ struct shape_fit {
     double eyes;
     /* the likeness of the forehead to the fitted one; -1, as for the eyes */
     double forehead;
-    double detail; /* fine relief, as a multiple of the mean face's (shape_detail.h) */
+    double detail; /* fine relief, as a multiple of the mean face's (shape_detail()) */
     /* ln of the relief (frame.h) of the skin over what is not explained, both root
      * mean squares: how much more than a rest there is to the face */
     double likeness;
@@ -56,12 +80,12 @@ struct shape_fit {
 
 /* Ready to fit, and a worker's reusable memory.  One thread at a time. */
 struct shape_work {
-    uint32_t cells;          /* of the mean face */
-    float mean[GRID_N];      /* mm; NAN: the cell is not used */
-    float normal[GRID_N][3]; /* of the mean face; normal[i][2] scales heights to gaps */
-    float scale[GRID_N];     /* each cell's rest over the mean of all */
-    float over_rest[GRID_N]; /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
-    float fine[GRID_N]; /* the mean face's fine relief (shape_detail.h), mm; 0: none */
+    uint32_t cells;           /* of the mean face */
+    float mean[GRID_N];       /* mm; NAN: the cell is not used */
+    float normal[GRID_N][3];  /* of the mean face; normal[i][2] scales heights to gaps */
+    float scale[GRID_N];      /* each cell's rest over the mean of all */
+    float over_rest[GRID_N];  /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
+    float fine[GRID_N];       /* the mean face's fine relief, mm; 0: none */
     struct model_basis basis; /* the modes and the rest as gaps at right angles to it */
     struct fit_basis fit;     /* that, prepared */
     const struct model_basis *modes; /* of height, the model's */

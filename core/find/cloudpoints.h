@@ -27,7 +27,7 @@ struct cloudpoints {
         usual_mm; /* the unit of such files, which not every program keeps to; 0: none */
     double unit_mm; /* millimetres per unit; 0: neither the caller nor the file says */
     /* either says: x to the image's right, y up, z towards the scanner */
-    bool as_scanned;
+    bool axes_given;
     uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
 };
 

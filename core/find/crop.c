@@ -201,29 +201,28 @@ static struct thin_point *prepare(struct cloudpoints *c)
     return p;
 }
 
-static struct thin_point seen_from(const struct align_pose *view, struct dvec3 p,
-                                   size_t i)
+static struct thin_point seen_from(const struct pose *view, struct dvec3 p, size_t i)
 {
-    const struct dvec3 q = align_pose_apply(view, p);
+    const struct dvec3 q = pose_apply(view, p);
 
     return (struct thin_point){(float)q.x, (float)q.y, (float)q.z, (uint32_t)i, 0};
 }
 
 /* c becomes these of its points, moved by view and each to the mean of those that it stands
  * for. */
-static void take(struct cloudpoints *c, const struct align_pose *view,
+static void take(struct cloudpoints *c, const struct pose *view,
                  const struct thin_point *p, size_t n)
 {
-    struct align_pose turn = *view;
+    struct pose turn = *view;
 
     memset(turn.t, 0, sizeof turn.t);
     for (size_t k = 0; k < n; k++) { /* p[k].index >= k */
         const uint32_t i = p[k].index;
 
-        c->at[k] = align_pose_apply(view, c->at[i]);
+        c->at[k] = pose_apply(view, c->at[i]);
         c->at[k].z += (double)p[k].off;
         if (c->normal != NULL)
-            c->normal[k] = align_pose_apply(&turn, c->normal[i]);
+            c->normal[k] = pose_apply(&turn, c->normal[i]);
         c->index[k] = c->index[i];
     }
     c->n = n;
@@ -231,7 +230,7 @@ static void take(struct cloudpoints *c, const struct align_pose *view,
 
 /* The points of the face and its rim, their z that over the face; and the number of those where
  * something covers it. */
-static size_t take_face(const struct cloudpoints *c, const struct align_pose *view,
+static size_t take_face(const struct cloudpoints *c, const struct pose *view,
                         const struct room *r, struct thin_point *p, size_t *other)
 {
     size_t n = 0;
@@ -282,7 +281,7 @@ enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t m
 
 enum status crop_thin(struct cloudpoints *c, size_t most)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct thin_point *p = prepare(c);
     size_t n = c->n;
     enum status st;

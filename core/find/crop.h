@@ -4,7 +4,7 @@
 #define FIND_CROP_H
 #include <stddef.h>
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "status.h"
 
 /* mm: a point kept by thinning becomes the mean, over the face, of the points in its place that
@@ -17,9 +17,9 @@ struct shape_fit;   /* shape.h */
 
 /* Where the face is. */
 struct crop_view {
-    struct align_pose pose; /* points -> canonical frame; may shrink (shape.h) */
-    const float *height;    /* [GRID_N] of the face there, mm; NAN off it */
-    const uint8_t *cell;    /* [GRID_N] enum shape_cell */
+    struct pose pose;    /* points -> canonical frame; may shrink (shape.h) */
+    const float *height; /* [GRID_N] of the face there, mm; NAN off it */
+    const uint8_t *cell; /* [GRID_N] enum shape_cell */
 };
 
 /* What became of the points. */
@@ -30,8 +30,8 @@ struct crop_count {
     size_t kept; /* of face, after thinning */
 };
 
-/* crop_face(c, v, most, out): c, in mm, becomes the points of the face, at most so many.
- * c  c->at and c->normal are then in the canonical frame, the order as before; c->index tells
+/* crop_face(c, v, most, out): c, in mm, becomes the points of the face, at most `most`.
+ * c  c->at and c->normal are then in the canonical frame, the order as before; c->index says
  *    each point's place among those read.  On failure c is unchanged
  * Left out are, in this order: what is farther from the face's outline than CROP_RIM cells, or
  * before or behind the face there; what points before it hide from the front; what is
@@ -42,7 +42,7 @@ struct crop_count {
 enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t most,
                       struct crop_count *out);
 
-/* crop_thin(c, most): at most so many of c's points, spread evenly over the view from the
+/* crop_thin(c, most): at most `most` of c's points, spread evenly over the view from the
  * front, where they are; else as crop_face(). */
 enum status crop_thin(struct cloudpoints *c, size_t most);
 

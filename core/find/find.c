@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "face.h"
-#include "find_grid.h"
 #include "find_view.h"
 #include "mem.h"
 #include "shape.h"
@@ -22,7 +21,7 @@
 #define FIND_SMALL      1.25
 #define FIND_SMALL_COST 80.0
 
-/* Where no face is plain, other poses than the best are told if they are worth this share of it. */
+/* Where no face is plain, other poses than the best are reported if they are worth this share of it. */
 #define FIND_RIVAL 0.75
 
 /* mm: where the nose is in a face that was fitted the wrong way up. */
@@ -127,7 +126,7 @@ static bool near(struct dvec3 a, struct dvec3 b, double mm)
 /* Less than FIND_SAME_MM and FIND_SAME_TRACE apart? */
 static bool same(const struct found *a, const struct found *b)
 {
-    const struct align_pose d = align_pose_after(&a->pose.pose, &b->pose.pose);
+    const struct pose d = pose_after(&a->pose.pose, &b->pose.pose);
 
     return a->pose.unit_mm == b->pose.unit_mm && near(a->nose, b->nose, FIND_SAME_MM) &&
            d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
@@ -171,9 +170,9 @@ static bool taken(const struct finder *f, const struct found *one)
 }
 
 /* A pose of points as one of the same points, each less by so much. */
-static struct align_pose less(const struct align_pose *pose, double by, struct dvec3 way)
+static struct pose less(const struct pose *pose, double by, struct dvec3 way)
 {
-    struct align_pose out = *pose;
+    struct pose out = *pose;
 
     for (int i = 0; i < 3; i++)
         out.t[i] += by * (out.r[3 * i] * way.x + out.r[3 * i + 1] * way.y +
@@ -184,19 +183,19 @@ static struct align_pose less(const struct align_pose *pose, double by, struct d
 /* A pose of g's cubes, of a head that seems f->size as large as it is, as one of the points in mm,
  * and back. */
 static struct found found_at(const struct finder *f, const struct find_grid *g,
-                             double unit_mm, const struct align_pose *pose, double worth)
+                             double unit_mm, const struct pose *pose, double worth)
 {
-    struct align_pose p = less(pose, -1, g->corner);
+    struct pose p = less(pose, -1, g->corner);
 
     for (int i = 0; i < 3; i++)
         p.t[i] /= f->size;
-    return (struct found){{unit_mm, p, worth}, align_pose_origin(&p)};
+    return (struct found){{unit_mm, p, worth}, pose_origin(&p)};
 }
 
-static struct align_pose in_grid(const struct finder *f, const struct find_grid *g,
-                                 const struct align_pose *pose)
+static struct pose in_grid(const struct finder *f, const struct find_grid *g,
+                           const struct pose *pose)
 {
-    struct align_pose p = *pose;
+    struct pose p = *pose;
 
     for (int i = 0; i < 3; i++)
         p.t[i] *= f->size;
@@ -210,7 +209,7 @@ static double worth_of(const struct shape_fit *fit)
 }
 
 static enum status fit_roughly(struct finder *f, const struct find_grid *g,
-                               double unit_mm, const struct align_pose *start,
+                               double unit_mm, const struct pose *start,
                                struct found *out)
 {
     struct shape_fit fit;
@@ -224,7 +223,7 @@ static enum status fit_roughly(struct finder *f, const struct find_grid *g,
 static enum status fit_closely(struct finder *f, const struct find_grid *g,
                                const struct found *rough)
 {
-    const struct align_pose start = in_grid(f, g, &rough->pose.pose);
+    const struct pose start = in_grid(f, g, &rough->pose.pose);
     struct shape_fit fit;
     const enum status st = shape_seek(f->shape, g->at, g->n, &start, true, &fit);
 
@@ -270,7 +269,7 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
  * between its brows. */
 static enum status turn_over(struct finder *f, const struct find_grid *g, double unit_mm)
 {
-    struct align_pose over = f->best.at[0].pose.pose;
+    struct pose over = f->best.at[0].pose.pose;
     struct found one;
     enum status st;
 
@@ -395,7 +394,7 @@ static enum status search_all(struct finder *f)
     return st;
 }
 
-/* ---- what is told */
+/* ---- what is reported */
 
 /* Is best[i] plainly a face, and another one than those before it? */
 static bool another(const struct finder *f, uint32_t i)
@@ -413,7 +412,7 @@ static bool nearness(const struct found *f, double side, double *near)
     const double *r = f->pose.pose.r;
 
     *near = side * f->nose.z;
-    return r[0] + side * (r[4] + r[8]) >= SCAN_AXES_TRACE;
+    return r[0] + side * (r[4] + r[8]) >= FIND_AXES_TRACE;
 }
 
 /* Is a nearer than b, where both are seen along the same axes? */

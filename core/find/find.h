@@ -14,13 +14,13 @@
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "status.h"
 #include "vec.h"
 
-/* A view is told against a scanner's axes that it is within 75 degrees of: the trace of the
+/* A view is reported relative to a scanner's axes that it is within 75 degrees of: the trace of the
  * rotation, 1 + 2 cos 75. */
-#define SCAN_AXES_TRACE 1.5176
+#define FIND_AXES_TRACE 1.5176
 
 /* The worth of a fit (shape.h), and of eyes that are as the mean face's: what is plainly a face, as
  * neither the smooth back of a head is nor one the wrong way up; what is one if it is within 45
@@ -37,8 +37,8 @@ struct face_work; /* face.h */
 #define FIND_POSES 4
 
 struct find_pose {
-    double unit_mm;         /* millimetres per unit of the points */
-    struct align_pose pose; /* points times unit_mm -> canonical frame */
+    double unit_mm;   /* millimetres per unit of the points */
+    struct pose pose; /* points times unit_mm -> canonical frame */
     double
         worth; /* of the quick fit (shape.h), and of its eyes: FIND_PLAIN and more are a face;
                      the best of what is none has less, as may a face that is covered or half
@@ -62,7 +62,7 @@ struct find {
  * unit_mm  millimetres per unit; 0: to be found among um, mm, cm, inch and m
  * w        for its model and its memory
  * stop     when another thread sets it, the search ends; NULL: none does
- * Each pose is right to a few degrees and millimetres: a start for shape_fit(), which tells
+ * Each pose is right to a few degrees and millimetres: a start for shape_fit(), which says
  * whether it is a face at all.
  * Cost: linear in n: the search ends with what it has where that is spent; memory 40 MB at most
  * for 300,000 points, allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all;

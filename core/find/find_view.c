@@ -4,12 +4,146 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "find_grid.h"
 #include "frame.h"
 #include "mem.h"
 
+#define DIGIT_BITS 11
+#define DIGITS     (1u << DIGIT_BITS)
+#define ALONG      (UINT64_C(2) * FIND_REACH_MM / FIND_GRID_MM + 1)
+
+_Static_assert(ALONG *ALONG *ALONG < UINT32_MAX, "numbers of cubes have 32 bits");
+
+struct entry {
+    uint32_t cube, point; /* numbers */
+};
+
+static struct dvec3 scaled(struct dvec3 p, double s)
+{
+    return (struct dvec3){p.x * s, p.y * s, p.z * s};
+}
+
+/* Also false of what is no number. */
+static bool in_reach(struct dvec3 p, struct dvec3 middle)
+{
+    return fabs(p.x - middle.x) <= FIND_REACH_MM &&
+           fabs(p.y - middle.y) <= FIND_REACH_MM && fabs(p.z - middle.z) <= FIND_REACH_MM;
+}
+
+/* The box of the points in reach; how many there are. */
+static size_t bound(const struct dvec3 *pts, size_t n, double unit_mm,
+                    struct dvec3 middle, struct find_grid *g)
+{
+    struct dvec3 lo = {INFINITY, INFINITY, INFINITY};
+    struct dvec3 hi = {-INFINITY, -INFINITY, -INFINITY};
+    size_t in = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        const struct dvec3 p = scaled(pts[i], unit_mm);
+
+        if (!in_reach(p, middle))
+            continue;
+        in++;
+        lo = (struct dvec3){p.x < lo.x ? p.x : lo.x, p.y < lo.y ? p.y : lo.y,
+                            p.z < lo.z ? p.z : lo.z};
+        hi = (struct dvec3){p.x > hi.x ? p.x : hi.x, p.y > hi.y ? p.y : hi.y,
+                            p.z > hi.z ? p.z : hi.z};
+    }
+    if (in > 0) {
+        g->corner = lo;
+        g->size[0] = hi.x - lo.x;
+        g->size[1] = hi.y - lo.y;
+        g->size[2] = hi.z - lo.z;
+    }
+    return in;
+}
+
+static uint32_t along(double mm)
+{
+    return (uint32_t)(mm * (1.0 / FIND_GRID_MM));
+}
+
+static void number_all(const struct dvec3 *pts, size_t n, double unit_mm,
+                       struct dvec3 middle, const struct find_grid *g, struct entry *out)
+{
+    const uint32_t nx = along(g->size[0]) + 1, ny = along(g->size[1]) + 1;
+
+    for (size_t i = 0; i < n; i++) {
+        const struct dvec3 p = scaled(pts[i], unit_mm), q = vec_sub(p, g->corner);
+
+        if (in_reach(p, middle))
+            *out++ = (struct entry){(along(q.z) * ny + along(q.y)) * nx + along(q.x),
+                                    (uint32_t)i};
+    }
+}
+
+/* Sort a by cube, points of one in their order; b is as long.  Returns the sorted one. */
+static struct entry *sort(struct entry *a, struct entry *b, size_t n)
+{
+    uint32_t last = 0;
+
+    for (size_t i = 0; i < n; i++)
+        last = a[i].cube > last ? a[i].cube : last;
+    for (int shift = 0; shift < 32 && last >> shift != 0; shift += DIGIT_BITS) {
+        struct entry *const swap = a;
+        size_t at[DIGITS] = {0}, sum = 0;
+
+        for (size_t i = 0; i < n; i++)
+            at[a[i].cube >> shift & (DIGITS - 1)]++;
+        for (size_t d = 0; d < DIGITS; d++) {
+            const size_t here = at[d];
+
+            at[d] = sum;
+            sum += here;
+        }
+        for (size_t i = 0; i < n; i++)
+            b[at[a[i].cube >> shift & (DIGITS - 1)]++] = a[i];
+        a = b;
+        b = swap;
+    }
+    return a;
+}
+
+static void take_means(const struct dvec3 *pts, double unit_mm, const struct entry *e,
+                       size_t n, struct find_grid *g)
+{
+    for (size_t i = 0, end; i < n; i = end) {
+        struct dvec3 sum = {0, 0, 0};
+
+        for (end = i; end < n && e[end].cube == e[i].cube; end++)
+            sum =
+                vec_along(sum, 1, vec_sub(scaled(pts[e[end].point], unit_mm), g->corner));
+        g->at[g->n++] = scaled(sum, 1 / (double)(end - i));
+    }
+}
+
+enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
+                           struct dvec3 middle, struct find_grid *g)
+{
+    struct entry *block, *e;
+    size_t in, cubes = 0;
+
+    *g = (struct find_grid){.n = 0};
+    in = bound(pts, n, unit_mm, middle, g);
+    if ((block = mem_array(2 * in, sizeof *block)) == NULL)
+        return ST_ENOMEM;
+    number_all(pts, n, unit_mm, middle, g, block);
+    e = sort(block, block + in, in);
+    for (size_t i = 0; i < in; i++)
+        cubes += i == 0 || e[i].cube != e[i - 1].cube;
+    if ((g->at = mem_array(cubes, sizeof *g->at)) != NULL)
+        take_means(pts, unit_mm, e, in, g);
+    mem_free(block);
+    return g->at != NULL ? ST_OK : ST_ENOMEM;
+}
+
+void find_grid_free(struct find_grid *g)
+{
+    mem_free(g->at);
+    *g = (struct find_grid){.n = 0};
+}
+
 /* A view (find_view.h), mm: its cells; a nose stands out by OUT, as no ball of a head's size does,
- * from a ring about it, of which so many of 16 places must be SEEN; what lies farther than NEAR
+ * from a ring about it, of which RING_SEEN of 16 places must be seen; what lies farther than NEAR
  * before or behind the nose is something else.  The samples of the mean face: without what hair, a
  * collar or the view hides.  So great a share of them must be SEEN; gaps count up to CAP; the plane
  * may be so STEEP. */
@@ -83,10 +217,10 @@ void find_view_prepare(const struct frame_mean *mean, struct find_view_face *out
 
 struct map {
     int nx, ny;
-    float left, bottom;   /* mm, of the first cell's corner */
-    struct align_pose to; /* from the cloud to the view: a rotation */
-    float *z, *out;       /* the room's */
-    uint32_t *cell, n;    /* those that have a height */
+    float left, bottom; /* mm, of the first cell's corner */
+    struct pose to;     /* from the cloud to the view: a rotation */
+    float *z, *out;     /* the room's */
+    uint32_t *cell, n;  /* those that have a height */
     int32_t at[FIND_VIEW_SAMPLES]
               [ROLLS]; /* where each sample lies, in cells from the nose */
 };
@@ -122,7 +256,7 @@ void find_view_close(struct find_view_room *r)
 }
 
 /* The rotation to a view along an axis. */
-static struct align_pose seen_from(struct dvec3 z)
+static struct pose seen_from(struct dvec3 z)
 {
     const struct dvec3 up =
         z.x == 0 && z.z == 0 ? (struct dvec3){0, 0, 1} : (struct dvec3){0, 1, 0};
@@ -133,7 +267,7 @@ static struct align_pose seen_from(struct dvec3 z)
     z = (struct dvec3){l * z.x, l * z.y, l * z.z};
     x = (struct dvec3){k * x.x, k * x.y, k * x.z};
     y = vec_cross(z, x);
-    return (struct align_pose){{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}, {0, 0, 0}};
+    return (struct pose){{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}, {0, 0, 0}};
 }
 
 /* The box of the cloud in the view. */
@@ -232,7 +366,7 @@ static void make_map(const struct find_view_face *f, const struct find_grid *g,
 
     lay_out(g, m);
     for (uint32_t v = 0; v < g->n; v++) {
-        const struct dvec3 p = align_pose_apply(&m->to, g->at[v]);
+        const struct dvec3 p = pose_apply(&m->to, g->at[v]);
         const int at = (int)(((float)p.y - m->bottom) * per) * m->nx +
                        (int)(((float)p.x - m->left) * per);
 
@@ -371,12 +505,12 @@ static void lay(const struct find_view_face *f, const struct map *m, int at,
 
 /* The view turned by the roll, then tilted until the plane is level; the nose at the cell goes to
  * the mean face's tip. */
-static struct align_pose pose_of(const struct find_view_face *f, const struct map *m,
-                                 int at, int roll, const struct laid *l)
+static struct pose pose_of(const struct find_view_face *f, const struct map *m, int at,
+                           int roll, const struct laid *l)
 {
     const double *a = m->to.r;
     double c, s, b[9], n[3], tilt[9], along;
-    struct align_pose out;
+    struct pose out;
     struct dvec3 tip = {(double)m->left + (at % m->nx + 0.5) * FIND_CELL_MM,
                         (double)m->bottom + (at / m->nx + 0.5) * FIND_CELL_MM,
                         (double)(m->z[at] + l->z[roll])};
@@ -407,7 +541,7 @@ static struct align_pose pose_of(const struct find_view_face *f, const struct ma
                          a[1] * tip.x + a[4] * tip.y + a[7] * tip.z,
                          a[2] * tip.x + a[5] * tip.y + a[8] * tip.z};
     memset(out.t, 0, sizeof out.t);
-    tip = vec_sub(f->tip, align_pose_apply(&out, tip));
+    tip = vec_sub(f->tip, pose_apply(&out, tip));
     out.t[0] = tip.x;
     out.t[1] = tip.y;
     out.t[2] = tip.z;

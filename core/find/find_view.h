@@ -2,9 +2,44 @@
  * mean face lies there, at every roll.  Internal to find.h. */
 #ifndef FIND_FIND_VIEW_H
 #define FIND_FIND_VIEW_H
+#include <stddef.h>
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "status.h"
+#include "vec.h"
+
+struct frame_mean; /* frame.h */
+
+/* A cloud as the means of its points over small cubes. */
+
+/* The largest side, mm, of what may be a head with shoulders, and of a room; leaving out one
+ * point in STRAY_IN at either end, or, where that finds nothing, one in STRAYS_IN.  The
+ * smallest crops are 130 mm, busts 500.  Nothing farther than REACH from the median is looked
+ * at. */
+#define FIND_HEAD_MIN_MM 110
+#define FIND_ROOM_MIN_MM 900
+#define FIND_ROOM_MAX_MM 6000
+#define FIND_STRAY_IN    100
+#define FIND_STRAYS_IN   10
+#define FIND_REACH_MM    4000
+
+#define FIND_GRID_MM 5
+
+struct find_grid {
+    struct dvec3 corner; /* mm, of the box of all */
+    double size[3];      /* mm, of that box */
+    struct dvec3 *at;    /* [n] the mean of the points in a cube, mm from the corner */
+    uint32_t n;          /* cubes that have points */
+};
+
+/* find_grid_make(pts, n, unit_mm, middle, g): the points within FIND_REACH_MM of middle (mm) on
+ * each axis, in units of unit_mm; the others are left out, as is what is no number.
+ * Linear in n, whatever the points.  Returns ST_OK, ST_ENOMEM: g is empty then.  None in reach: g
+ * has no cubes.
+ * find_grid_free(g): also of an empty one. */
+enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
+                           struct dvec3 middle, struct find_grid *g);
+void find_grid_free(struct find_grid *g);
 
 /* Starts that are kept; of these followed roughly at most, and of what that finds to the end: of
  * those along a scanner's axes, and of the others.  What is worth SURE roughly is followed at
@@ -16,9 +51,9 @@
 #define FIND_FITS_OTHERS  8
 #define FIND_SURE         400.0
 
-/* The search ends with what it has once it has spent what so many noses cost, some 4 us each, and
- * one for each so many points.  A view costs one for so many cubes and for so many cells that are
- * seen; a fit costs FIT and one for so many cubes. */
+/* The search ends with what it has once it has spent what SPENT noses cost, some 4 us each, and
+ * one more for PER points each.  A view costs one for CUBES cubes and one for CELLS cells that
+ * are seen; a fit costs FIT and one for CUBES cubes. */
 #define FIND_SPENT       5000
 #define FIND_SPENT_SMALL 2000
 #define FIND_SPENT_PER   12
@@ -26,9 +61,6 @@
 #define FIND_SPENT_CELLS 96
 #define FIND_SPENT_FIT   25
 #define FIND_SPENT_FAR   1000
-
-struct find_grid;  /* find_grid.h */
-struct frame_mean; /* frame.h */
 
 #define FIND_VIEW_SAMPLES 96
 #define FIND_VIEW_ROLLS   16
@@ -48,8 +80,8 @@ struct find_view_face {
 void find_view_prepare(const struct frame_mean *mean, struct find_view_face *out);
 
 struct find_start {
-    float cost;             /* mm^2: of what is left of the gap once it is levelled */
-    struct align_pose pose; /* cloud, mm from its corner -> canonical frame */
+    float cost;       /* mm^2: of what is left of the gap once it is levelled */
+    struct pose pose; /* cloud, mm from its corner -> canonical frame */
 };
 
 /* The best, by rising cost. */

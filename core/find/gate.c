@@ -11,7 +11,7 @@
 #define GATE_SEEN     0.475
 #define GATE_EVIDENCE 12.5
 
-/* mm: a scan of which more is left tells people apart too badly to be compared with for years. */
+/* mm: a scan of which more is left separates people too badly to be compared with for years. */
 #define GATE_RESIDUAL_MM 1.4
 
 /* Of a probe that shows nothing like a face nothing can be compared.  Of real people's scans whose
@@ -50,12 +50,12 @@ enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,
     f->evidence_wanted = enrolment ? GATE_EVIDENCE : -INFINITY;
     f->residual_most = enrolment ? GATE_RESIDUAL_MM : INFINITY;
     rate(w, fit, f);
-    /* What cannot be told is NAN, for which comparisons are false. */
+    /* What is unknown is NAN, for which comparisons are false. */
     if (!enrolment)
         return f->support >= f->support_wanted && f->likeness >= GATE_LIKENESS_PROBE
                    ? ST_OK
                    : ST_ENOTFACE;
-    if (fit->cover > SCAN_OCCLUDED_MOST * w->cells && f->support >= GATE_SUPPORT)
+    if (fit->cover > GATE_OCCLUDED_MOST * w->cells && f->support >= GATE_SUPPORT)
         return ST_EQUALITY; /* a face, as a probe may be, but covered */
     if (!(f->support >= f->support_wanted && f->evidence >= f->evidence_wanted))
         return ST_ENOTFACE;

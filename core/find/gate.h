@@ -7,9 +7,9 @@
 #include <stdbool.h>
 #include "status.h"
 
-/* Share of the face that may be covered at enrolment; and from which it is told, as is the
+/* Share of the face that may be covered at enrolment; and from which it is reported, as is the
  * share of points elsewhere. */
-#define SCAN_OCCLUDED_MOST  0.25
+#define GATE_OCCLUDED_MOST  0.25
 #define SCAN_OCCLUDED_SOME  0.05
 #define SCAN_ELSEWHERE_SOME 0.05
 

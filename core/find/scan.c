@@ -12,7 +12,6 @@
 #include "mem.h"
 #include "mirror.h"
 #include "quality.h"
-#include "scan_search.h"
 #include "shape.h"
 #include "sight.h"
 #include "vec.h"
@@ -35,7 +34,7 @@
  * profiles from 35 degrees on 0.73 at most is, of frontal scans 0.93 and more. */
 #define SCAN_FAR_SIDE 0.8
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* One call. */
 struct scan {
@@ -46,8 +45,8 @@ struct scan {
     struct face *out;
     size_t *bad;
     struct scan_found *found;
-    struct shape_fit fit;   /* the latest */
-    struct align_pose view; /* its pose, in mm */
+    struct shape_fit fit; /* the latest */
+    struct pose view;     /* its pose, in mm */
 };
 
 /* ---- what is found */
@@ -92,9 +91,9 @@ static void warn(struct scan *s, enum scan_warning k, bool when)
 }
 
 /* From the file's unit to mm by the pose. */
-static void tell_view(struct scan_found *f, const struct align_pose *pose)
+static void tell_view(struct scan_found *f, const struct pose *pose)
 {
-    align_pose_to_matrix(pose, f->view);
+    pose_to_matrix(pose, f->view);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
             f->view[4 * i + k] *= f->unit_mm;
@@ -116,16 +115,16 @@ static double turn_of(const double r[9], double side, struct scan_found *f)
  * there, as those of a frontal scan are. */
 static void tell_turn(struct scan *s, bool frontal)
 {
-    const struct align_pose *pose = &s->view;
+    const struct pose *pose = &s->view;
     struct scan_found *f = s->found;
     const double camera = turn_of(pose->r, -1, f);
     struct scan_found seen = *f;
     const double agreed = turn_of(pose->r, 1, &seen);
-    const struct dvec3 nose = align_pose_origin(pose);
+    const struct dvec3 nose = pose_origin(pose);
 
     if (agreed > camera)
         *f = seen;
-    if (fmax(agreed, camera) < SCAN_AXES_TRACE ||
+    if (fmax(agreed, camera) < FIND_AXES_TRACE ||
         !(frontal || sight_single(s->c->at, s->c->n, nose, agreed > camera ? 1 : -1)))
         f->yaw_deg = f->pitch_deg = f->roll_deg = (double)NAN;
     warn(s, SCAN_TURNED,
@@ -134,8 +133,8 @@ static void tell_turn(struct scan *s, bool frontal)
              fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG);
 }
 
-/* What the fit tells, where the points are seen by view. */
-static void tell_fit(struct scan *s, const struct align_pose *view)
+/* What the fit shows, where the points are seen by view. */
+static void tell_fit(struct scan *s, const struct pose *view)
 {
     struct scan_found *f = s->found;
 
@@ -150,7 +149,7 @@ static void tell_fit(struct scan *s, const struct align_pose *view)
 static enum status judge_face(struct scan *s)
 {
     s->found->occluded = (double)s->fit.cover / s->shape->cells;
-    s->view = align_pose_scale(&s->fit.pose, s->fit.size);
+    s->view = pose_scale(&s->fit.pose, s->fit.size);
     return gate_judge(s->shape, &s->fit, s->o->enrolment, &s->found->gate);
 }
 
@@ -212,14 +211,14 @@ static bool plain(const struct scan *s)
 /* Is the model's nose where the fit's is?  A neck may have led it astray. */
 static bool same_place(const struct scan *s)
 {
-    const struct align_pose a = align_pose_unscaled(&s->out->frame.pose);
-    const struct align_pose b = align_pose_unscaled(&s->fit.pose);
-    const struct dvec3 way = vec_sub(align_pose_origin(&a), align_pose_origin(&b));
+    const struct pose a = pose_unscaled(&s->out->frame.pose);
+    const struct pose b = pose_unscaled(&s->fit.pose);
+    const struct dvec3 way = vec_sub(pose_origin(&a), pose_origin(&b));
 
     return vec_dot(way, way) < SCAN_SAME_MM * SCAN_SAME_MM;
 }
 
-/* Is a point where none can be, which tells more than that there is no face? */
+/* Is a point where none can be, which says more than that there is no face? */
 static bool beyond(const struct scan *s)
 {
     const double most = LATTICE_MAX / LATTICE_PER_MM;
@@ -289,7 +288,7 @@ static enum status model_of_all(struct scan *s, struct scan_search *k)
 
 static enum status fit_all(struct scan *s, struct scan_search *k)
 {
-    const struct align_pose pose = align_pose_unscaled(&s->out->frame.pose);
+    const struct pose pose = pose_unscaled(&s->out->frame.pose);
 
     if (!k->fitted)
         k->st_fitted =
@@ -333,7 +332,7 @@ static enum status build_agreed(struct scan *s, struct scan_search *k)
 static enum status search(struct scan *s, struct scan_search *k)
 {
     const struct find_pose *pose = k->find.pose;
-    struct align_pose start[FIND_POSES];
+    struct pose start[FIND_POSES];
     uint32_t n = 0;
 
     if (!k->done)
@@ -404,7 +403,7 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     begin(&s);
     s.shape = face_work_shape(w);
     st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s, k) : build_found(&s, k);
-    mem_free(c->normal); /* they have told what they could */
+    mem_free(c->normal); /* no longer needed */
     c->normal = NULL;
     if (st == ST_OK)
         found->points_used = c->n;

@@ -6,18 +6,39 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "face.h"
+#include "find.h"
 #include "gate.h"
+#include "shape.h"
 #include "status.h"
-
-/* Scans of so many points are not thinned; those of more, to so many points of the face, if it
- * has more: what is measured by 4 mm cells hardly changes with density (docs/accuracy.md). */
-#define SCAN_FULL   10000
-#define SCAN_ENOUGH 7000
 
 struct cloudpoints; /* cloudpoints.h */
 struct face;        /* face.h */
 struct face_work;   /* face.h */
-struct scan_search; /* scan_search.h */
+
+/* What the search for the face found, and what the points are as they are, so that
+ * a second call of scan_build() for the same points, by the other gate, need not compute it again.
+ * Between the two calls nobody changes the face that they have as out. */
+
+struct scan_search {
+    bool done;
+    enum status st;       /* of the search */
+    struct find find;     /* where st is ST_OK, as is the fit */
+    struct shape_fit fit; /* to the points in find's unit */
+
+    bool as_is;                 /* a model was made of the points as they are */
+    enum status st_as_is;       /* of that */
+    size_t bad;                 /* as of face_build() */
+    struct face model;          /* its memory is out's */
+    bool fitted;                /* they were fitted, too */
+    enum status st_fitted;      /* of that */
+    struct shape_fit fit_as_is; /* where st_fitted is ST_OK */
+};
+
+/* Scans of FULL points are not thinned; those of more, to ENOUGH points of the face, if it
+ * has more: what is measured by 4 mm cells hardly changes with density (docs/accuracy.md). */
+#define SCAN_FULL   10000
+#define SCAN_ENOUGH 7000
 
 enum scan_axes {
     SCAN_AXES_AUTO,   /* the face is found, whatever its pose */
@@ -29,7 +50,7 @@ struct scan_options {
     enum scan_axes axes;
     bool enrolment;             /* the strict gate */
     struct scan_search *search; /* kept from the first call to the second for the same
-                                   points (scan_search.h); NULL: not kept */
+                                   points; NULL: not kept */
     /* another thread sets it where nobody wants the model any more; NULL: none does */
     const atomic_bool *stop;
 };
@@ -51,12 +72,12 @@ struct scan_found {
     size_t points_read, points_dropped; /* dropped: without a value */
     size_t points_used;
     double unit_mm;   /* that was taken; 0: none */
-    bool unit_found;  /* it was not told */
+    bool unit_found;  /* it was not given */
     double extent[3]; /* of the points, in the unit given */
     double view[16];  /* from the file's unit and axes to the frontal view in mm */
     bool found; /* the face was taken out of what it lay in; else it lies as agreed */
     /* the face's front, seen from the scanner: positive to the image's right; NAN:
-     * where the scanner was cannot be told */
+     * where the scanner was is unknown */
     double yaw_deg;
     double pitch_deg, roll_deg; /* likewise; positive upwards, and anticlockwise */
     double occluded; /* share of the mean face's cells that something covers, 0..1 */
@@ -70,7 +91,7 @@ struct scan_found {
 
 /* scan_build(c, o, w, out, found): the model of the face in c.
  * c      as cloudfile_read() left it, c->unit_mm 0: to be found.  Afterwards the points of the
- *        face alone, in the frontal view and mm; index as before tells their places among those
+ *        face alone, in the frontal view and mm; index as before has their places among those
  *        read.  On failure unspecified, but still to be freed
  * out    as in face_build()
  * bad    as in face_build(), of the points before; may be NULL

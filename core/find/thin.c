@@ -25,7 +25,7 @@ struct squares {
 };
 
 /* In squares, so far right of the first that it is positive.  Beyond a million nothing need be
- * told apart. */
+ * separated. */
 static inline double along(float mm, double per_mm)
 {
     const double v = (double)mm * per_mm;

@@ -12,7 +12,7 @@ struct thin_point {
     float off; /* mm along z from it to the mean of the points that it stands for */
 };
 
-/* thin_points(p, n, most, near_mm): keeps at most so many of the n points, one of each square of
+/* thin_points(p, n, most, near_mm): keeps at most `most` of the n points, one of each square of
  * the view: the one nearest the middle.  The size of the squares is searched for: of many points
  * 95 % or more of those that may be are kept, of hardly more than that 85 %.  Their order stays.
  * With most points or fewer all are kept.  A point kept stands for those of its square within

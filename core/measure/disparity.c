@@ -53,7 +53,7 @@ static inline double choose(bool holds, double yes, double no)
  * the triangle, in area the share w^2 / ((w + |mid|) (below + above)), over which |gap|
  * falls from w to 0: a pyramid.  The signed sum takes the tip from the wedge (f) beyond
  * the line, so the tip is added twice.  In a good fit very many triangles are cut, at random:
- * the sign cases are told apart without branches. */
+ * the sign cases are separated without branches. */
 static inline double mean3(double a, double b, double c)
 {
     const double lo = least(least(a, b), c), hi = most(most(a, b), c);
@@ -101,7 +101,8 @@ double disparity_prism_weighted(double area, const double gap[3], const double u
 }
 
 /* struct disparity_vertex's gap, at a vertex that lies at loc in the other mesh. */
-static inline double told(double gap, const struct surface *other, struct location loc)
+static inline double reported(double gap, const struct surface *other,
+                              struct location loc)
 {
     if (loc.where == LOCATE_OUTSIDE)
         return NAN;
@@ -116,7 +117,7 @@ void disparity_gaps(const struct surface *own, const struct surface *other,
     const double sign = above ? 1 : -1;
 
     for (uint32_t v = 0; v < own->mesh.nv; v++)
-        gap[v] = told(sign * (own->mesh.z[v] - gap[v]), other, loc[v]);
+        gap[v] = reported(sign * (own->mesh.z[v] - gap[v]), other, loc[v]);
 }
 
 /* u at a's heights. */

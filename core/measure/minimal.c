@@ -6,7 +6,6 @@
 
 #include "measure.h"
 #include "minimal_places.h"
-#include "minimal_solve.h"
 
 /* tan(MINIMAL_TURN_DEG / 2). */
 #define MINIMAL_TAN_HALF_TURN 0.08748866352592400
@@ -38,8 +37,8 @@
 struct search {
     struct minimal_pair pair;
     const double *transform; /* the alignment, */
-    struct align_pose aligned;
-    double x[6]; /* and the motion from there that was found (minimal_solve.h) */
+    struct pose aligned;
+    double x[6]; /* and the motion from there that was found */
     struct measure_work *w;
 };
 
@@ -49,11 +48,11 @@ struct estimate {
     double area; /* common to both */
 };
 
-static struct align_pose pose_at(const struct search *s, const double x[6])
+static struct pose pose_at(const struct search *s, const double x[6])
 {
-    struct align_pose pose = s->aligned;
+    struct pose pose = s->aligned;
 
-    align_pose_move(&pose, s->pair.centre, x);
+    pose_move(&pose, s->pair.centre, x);
     return pose;
 }
 
@@ -77,7 +76,7 @@ static void move(struct search *s, const double y[6])
 
 static struct estimate estimate(struct search *s)
 {
-    const struct align_pose pose = pose_at(s, s->x);
+    const struct pose pose = pose_at(s, s->x);
     const double area = minimal_places_few(&s->pair, &pose);
 
     return (struct estimate){minimal_mean(&s->pair.places), area};
@@ -100,7 +99,7 @@ static double descend(struct search *s)
     }
     step = INFINITY;
     for (int i = 0; i < MINIMAL_LOOKS && step > MINIMAL_NEAR_MM; i++) {
-        const struct align_pose pose = pose_at(s, s->x);
+        const struct pose pose = pose_at(s, s->x);
 
         if (!(minimal_places_all(&s->pair, &pose) > 0) ||
             !(minimal_mean(p) > MINIMAL_LEVEL_MM))
@@ -127,13 +126,13 @@ static enum status measure(const struct search *s, const double transform[16],
 static enum status measure_along(const struct search *s, double share,
                                  struct minimal *out)
 {
-    struct align_pose pose;
+    struct pose pose;
     double x[6], transform[16];
 
     for (int k = 0; k < 6; k++)
         x[k] = share * s->x[k];
     pose = pose_at(s, x);
-    align_pose_to_matrix(&pose, transform);
+    pose_to_matrix(&pose, transform);
     return measure(s, transform, out);
 }
 
@@ -181,8 +180,8 @@ enum status minimal_find(const struct surface *tmpl, const struct surface *probe
     if (block == NULL)
         return ST_ENOMEM;
     (void)minimal_places_layout(&s.pair, block);
-    align_pose_from_matrix(transform, &s.aligned);
-    s.pair.centre = align_pose_apply(&s.aligned, align_pose_centre(&probe->mesh));
+    pose_from_matrix(transform, &s.aligned);
+    s.pair.centre = pose_apply(&s.aligned, pose_centre(&probe->mesh));
     minimal_places_begin(&s.pair);
     return settle(&s, descend(&s), out);
 }

@@ -23,7 +23,7 @@ struct simplify_limit {
     double disparity; /* the mean gap not above this; INFINITY: any.  If finite, the next
                          point removed is the one that adds least to the volume; else the
                          one that leaves the least largest gap */
-    uint32_t least;   /* keep at least so many points */
+    uint32_t least;   /* points kept at least */
 };
 
 struct simplify_result {

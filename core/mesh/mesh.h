@@ -83,4 +83,13 @@ void mesh_free(struct mesh *m); /* m is empty again; NULL is allowed */
  * Returns ST_OK, ST_ELIMIT, ST_ENOMEM (dst is as before). */
 enum status mesh_copy(struct mesh *dst, const struct mesh *src, uint32_t extra);
 
+/* Is a mesh the Delaunay triangulation of its points? */
+
+/* mesh_check(m): all of mesh_link()'s conditions on a mesh with twins, and the empty
+ * circle across every inner edge (so: the Delaunay triangulation).  For tests and for
+ * surfacectl check.  If tree is true, parent[] must be a spanning tree of mesh edges (its
+ * minimality: mst_check()).  O(nv).
+ * Returns ST_OK or ST_ECORRUPT. */
+enum status mesh_check(const struct mesh *m, bool tree);
+
 #endif

@@ -97,7 +97,7 @@ static uint32_t longest_tie(const struct ivec2 *xy, const uint32_t v[3],
 
 /* The first clean-up: the longest side of a triangle is in no minimum spanning tree, for
  * the other two join its ends.  Returns how many edges of the graph are left, fewer than
- * 2 nv, a half-edge of each in kept[].  dead[h] tells that the triangle of h drops h. */
+ * 2 nv, a half-edge of each in kept[].  dead[h]: the triangle of h drops h. */
 static uint32_t thin_out(const struct mesh *m, uint8_t *dead, uint32_t *kept)
 {
     const struct ivec2 *const xy = m->xy;

@@ -24,7 +24,7 @@ static inline bool lex_less(struct ivec2 a, struct ivec2 b)
     return a.x != b.x ? a.x < b.x : a.y < b.y;
 }
 
-/* incircle_det(a, b, c, d): the determinant whose sign tells where d lies relative to the
+/* incircle_det(a, b, c, d): the determinant whose sign says where d lies relative to the
  * circle through the counter-clockwise triangle abc: > 0 inside, 0 on it, < 0 outside. */
 static inline predicates_i128 incircle_det(struct ivec2 a, struct ivec2 b, struct ivec2 c,
                                            struct ivec2 d)

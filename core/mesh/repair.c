@@ -14,8 +14,8 @@
 #include "mesh.h"
 #include "predicates.h"
 
-/* repair_mesh() gives up beyond so many steps and flips a point, where more than every so
- * manieth point has to be taken out, where one of these has more neighbours, or where, on
+/* repair_mesh() gives up beyond FLIPS steps and flips a point, where more than every
+ * GONE-th point has to be taken out, where one of these has more neighbours, or where, on
  * average, taking one out changes more triangles: then a triangulation from scratch costs no
  * more.  Of a face turned by 10 degrees 3 points in 1,000 have to be taken out, and it needs
  * 0.2 flips a point. */

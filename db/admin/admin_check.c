@@ -10,7 +10,6 @@
 #include "codec.h"
 #include "digest.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 #include "rows_calibration.h"
 #include "rows_template.h"

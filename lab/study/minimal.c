@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "align_pose.h"
+#include "pose.h"
 #include "descent.h"
 #include "face.h"
 #include "study.h"
@@ -153,7 +153,7 @@ static void one_pair(struct run *s, const struct person *template,
 
     study_must(face_minimal(p.tmpl, probe, NULL, s->w, &found, &least));
     p.aligned = found.align.transform;
-    p.centre = vec_transform(p.aligned, align_pose_centre(&probe->surface.mesh));
+    p.centre = vec_transform(p.aligned, pose_centre(&probe->surface.mesh));
     at = measure(&p, own);
     p.least_area = AREA_KEPT * at.area_mm2;
     *r = (struct record){.mated = template == person,

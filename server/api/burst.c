@@ -23,7 +23,7 @@ struct reading {
     struct request *r;
     struct face_work *w;
     struct cloudfile_options o; /* max_points, max_bytes: what is left of them */
-    bool as_scanned;
+    bool axes_given;
 };
 
 /* len bytes, of which the last is followed by one that may be written. */
@@ -36,7 +36,7 @@ static enum status parse(struct reading *g, unsigned char *bytes, size_t len,
     bytes[len] = 0;
     st = cloudfile_read(bytes, len, &g->o, out, e);
     bytes[len] = behind;
-    out->as_scanned = out->as_scanned || g->as_scanned;
+    out->axes_given = out->axes_given || g->axes_given;
     g->o.max_points -= out->read;
     return st == ST_EVERSION ? ST_EINVAL : st; /* as of a file that is sent alone */
 }
@@ -122,7 +122,7 @@ struct burst *burst_read(struct request *r, struct face_work *w)
         return NULL;
     }
     memset(b, 0, sizeof *b);
-    if (!cloud_options(r, &g.o, &g.as_scanned)) {
+    if (!cloud_options(r, &g.o, &g.axes_given)) {
         burst_free(b);
         return NULL;
     }

@@ -10,14 +10,14 @@
 #include "request.h"
 #include "sample.h"
 
-bool cloud_options(struct request *r, struct cloudfile_options *o, bool *as_scanned)
+bool cloud_options(struct request *r, struct cloudfile_options *o, bool *axes_given)
 {
-    *as_scanned = false;
+    *axes_given = false;
     *o = (struct cloudfile_options){.format = r->format,
                                     .max_points = FACE_MAX_POINTS,
                                     .max_bytes = r->app->max_body,
                                     .camera = CLOUDDEPTH_NO_CAMERA};
-    return params_units(r, &o->unit_mm) && params_axes(r, as_scanned) &&
+    return params_units(r, &o->unit_mm) && params_axes(r, axes_given) &&
            params_camera(r, &o->camera);
 }
 
@@ -43,14 +43,14 @@ static enum status fail(struct request *r, enum status st, const struct errinfo 
 enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e)
 {
     struct cloudfile_options o;
-    bool as_scanned;
+    bool axes_given;
     enum status st;
 
     *out = (struct cloudpoints){0};
-    if (request_gone(r) || !cloud_options(r, &o, &as_scanned))
+    if (request_gone(r) || !cloud_options(r, &o, &axes_given))
         return ST_EINVAL;
     st = cloudfile_read(r->body, r->len, &o, out, e);
-    out->as_scanned = out->as_scanned || as_scanned;
+    out->axes_given = out->axes_given || axes_given;
     return done(r, st, e);
 }
 
@@ -66,15 +66,15 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
 {
     struct cloudfile_options o;
     struct errinfo e = {0};
-    bool as_scanned;
+    bool axes_given;
     enum status st;
 
     *a = *b = (struct cloudpoints){0};
-    if (request_gone(r) || !cloud_options(r, &o, &as_scanned))
+    if (request_gone(r) || !cloud_options(r, &o, &axes_given))
         return ST_EINVAL;
     st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
-    a->as_scanned = a->as_scanned || as_scanned;
-    b->as_scanned = b->as_scanned || as_scanned;
+    a->axes_given = a->axes_given || axes_given;
+    b->axes_given = b->axes_given || axes_given;
     return fail(r, done(r, st, &e), &e);
 }
 

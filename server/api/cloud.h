@@ -12,9 +12,9 @@ struct face_work;
 struct request;
 struct scan_found; /* scan.h */
 
-/* cloud_options(r, o, as_scanned): how r's clouds are to be read, by its parameters and limits;
- * as_scanned: axes=scanner.  False: r->response says what is wrong with them. */
-bool cloud_options(struct request *r, struct cloudfile_options *o, bool *as_scanned);
+/* cloud_options(r, o, axes_given): how r's clouds are to be read, by its parameters and limits;
+ * axes_given: axes=scanner.  False: r->response says what is wrong with them. */
+bool cloud_options(struct request *r, struct cloudfile_options *o, bool *axes_given);
 
 /* cloud_read(r, out): the body as JSON or as a scanner's file; a unit of the file's own wins
  * over ?units=, and axes over ?axes=auto.  The body is released.

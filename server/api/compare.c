@@ -161,7 +161,7 @@ static void verify(struct request *r, struct worker *w, const char *subject,
                                  .probe = {.name = "points"}};
 
     if (!params_detail(r, &ask.detail) ||
-        !cloud_options(r, &ask.probe.how, &ask.probe.as_scanned) || !capture_admit(r))
+        !cloud_options(r, &ask.probe.how, &ask.probe.axes_given) || !capture_admit(r))
         return;
     ask.probe.bytes = r->body;
     ask.probe.len = r->len;

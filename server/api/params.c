@@ -52,7 +52,7 @@ bool params_units(struct request *r, double *mm)
     return false;
 }
 
-bool params_axes(struct request *r, bool *as_scanned)
+bool params_axes(struct request *r, bool *axes_given)
 {
     char buf[8];
     bool there;
@@ -60,8 +60,8 @@ bool params_axes(struct request *r, bool *as_scanned)
     if (get(r, "axes", buf, sizeof buf, &there)) {
         if (!there)
             return true;
-        *as_scanned = strcmp(buf, "scanner") == 0;
-        if (*as_scanned || strcmp(buf, "auto") == 0)
+        *axes_given = strcmp(buf, "scanner") == 0;
+        if (*axes_given || strcmp(buf, "auto") == 0)
             return true;
     }
     request_problem(r, ERRMAP_PARAMETER, "axes is neither auto nor scanner");

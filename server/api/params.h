@@ -13,9 +13,9 @@ struct request;
 bool params_flag(struct request *r, const char *name, bool *out); /* true, false */
 
 /* params_units(r, mm): units=auto|mm|cm|m|in|um as millimetres per unit, 0 for auto.
- * params_axes(r, as_scanned): axes=auto|scanner. */
+ * params_axes(r, axes_given): axes=auto|scanner. */
 bool params_units(struct request *r, double *mm);
-bool params_axes(struct request *r, bool *as_scanned);
+bool params_axes(struct request *r, bool *axes_given);
 
 /* params_camera(r, c): fx, fy (above 0), cx, cy and depth_scale (above 0), of a depth image,
  * and width and height, both or none, of one that has nothing but its values. */

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "cloudfile.h"
-#include "cloudjson.h"
 #include "errinfo.h"
 #include "json.h"
 #include "request.h"
@@ -15,7 +14,7 @@ enum status parse_clouds(const char *text, size_t len, const struct cloudfile_op
 {
     static const char *const known[] = {"a", "b", NULL};
     struct json_value *doc;
-    enum status st = cloudjson_document(text, len, o->max_points, 2, &doc, e);
+    enum status st = cloudfile_read_document(text, len, o->max_points, 2, &doc, e);
 
     *a = *b = (struct cloudpoints){0};
     if (st == ST_OK)

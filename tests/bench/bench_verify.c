@@ -8,7 +8,7 @@
 
 #include "align.h"
 #include "align_field.h"
-#include "align_pose.h"
+#include "pose.h"
 #include "clouds.h"
 #include "cloudpoints.h"
 #include "codec.h"
@@ -129,8 +129,7 @@ static double pose_error(const struct pair *p, const double *t)
 static void find_pose(const struct face *tmpl, const struct face *probe,
                       struct align_result *out)
 {
-    const struct align_pose first =
-        align_pose_after(&tmpl->frame.pose, &probe->frame.pose);
+    const struct pose first = pose_after(&tmpl->frame.pose, &probe->frame.pose);
     const struct align_weight u = {mean.rigid, tmpl->frame.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
 

@@ -5,8 +5,8 @@
 /* link: -Wl,--wrap=aligned_alloc */
 #include "align.h"
 #include "align_field.h"
-#include "align_pose.h"
-#include "align_solve.h"
+#include "pose.h"
+#include "solve.h"
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
@@ -75,7 +75,7 @@ static void enroll(uint64_t subject, struct face *f)
 static enum status search(const struct face *a, const struct face *b,
                           struct align_work *w, struct align_result *r)
 {
-    const struct align_pose first = align_pose_after(&a->frame.pose, &b->frame.pose);
+    const struct pose first = pose_after(&a->frame.pose, &b->frame.pose);
     const struct align_weight u = {mean.rigid, a->frame.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
 
@@ -110,7 +110,7 @@ static double off_by(const double m[16], const double r[9])
  * unknowns stay 0, the others are found. */
 TEST(test_solve_plane)
 {
-    struct align_normal a;
+    struct solve_normal a;
     double x[6];
 
     memset(&a, 0, sizeof a);
@@ -118,20 +118,20 @@ TEST(test_solve_plane)
         for (int k = -5; k <= 5; k++) {
             const double j[6] = {k, -i, 0, 0, 0, 1};
 
-            align_solve_add(&a, j, -2.0 - 0.01 * k, 1);
+            solve_add(&a, j, -2.0 - 0.01 * k, 1);
         }
-    assert_true(align_solve(&a, 1e-6, x));
+    assert_true(solve_equations(&a, 1e-6, x));
     assert_true(fabs(x[0] - 0.01) < 1e-4 && fabs(x[1]) < 1e-4 && fabs(x[5] - 2) < 1e-4);
     assert_true(x[2] == 0 && x[3] == 0 && x[4] == 0);
     memset(&a, 0, sizeof a);
-    assert_false(align_solve(&a, 1e-6, x));
+    assert_false(solve_equations(&a, 1e-6, x));
 }
 
 /* Single points at random places: the gap is that found by searching all triangles; outside
  * the hull there is none. */
 TEST(test_field)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct face f = {0};
     struct brute_rng rng = {seed + 4};
     struct align_field field;
@@ -146,12 +146,12 @@ TEST(test_field)
                                 brute_int(&rng, -150000, 150000)};
         const struct location loc = brute_locate(&f.surface.mesh, q);
         struct align_corners c;
-        struct align_sum sum;
+        struct solve_sum sum;
         bool found;
 
         p.p = (struct dvec3){q.x / 1000.0, q.y / 1000.0, -30};
         found = align_field_find(&field, &p, p.p, &c);
-        align_field_sum(&field, &p, 1, 1, &still, p.p, ALIGN_LOSS_L1, &sum);
+        align_field_sum(&field, &p, 1, 1, &still, p.p, SOLVE_LOSS_L1, &sum);
         if (loc.where == LOCATE_OUTSIDE) {
             assert_false(found);
             assert_true(sum.within == 0 && sum.cost == 3);
@@ -256,14 +256,14 @@ TEST(test_start_does_not_matter)
         facegen_default(&s);
         n = sample(&s, who < 3 ? subject : subject + 7, 5, points);
         for (size_t i = 0; i < sizeof poses / sizeof *poses; i++) {
-            struct align_pose p;
+            struct pose p;
             struct align_result r;
             double off;
 
             rotation(poses[i][0], poses[i][1], poses[i][2], p.r);
             memcpy(p.t, poses[i] + 3, sizeof p.t);
             for (size_t k = 0; k < n; k++)
-                turned[k] = align_pose_apply(&p, points[k]);
+                turned[k] = pose_apply(&p, points[k]);
             build(turned, n, &b);
             align(&a, &b, &r);
             for (size_t k = 0; i == 0 && k < n; k++)
@@ -283,7 +283,7 @@ TEST(test_given_start)
     struct face a = {0}, b = {0};
     struct align_work w = {0};
     struct align_result r, again;
-    struct align_pose end;
+    struct pose end;
     struct facegen_scan s;
 
     enroll(63, &a);
@@ -294,7 +294,7 @@ TEST(test_given_start)
     assert_int_equal(align_search(&a.surface, &b.surface, &(struct align_how){0}, &w, &r),
                      ST_OK);
     assert_true(r.turn_deg == (double)INFINITY); /* no model of the change was given */
-    align_pose_from_matrix(r.transform, &end);
+    pose_from_matrix(r.transform, &end);
     assert_int_equal(align_search(&a.surface, &b.surface,
                                   &(struct align_how){.start = &end}, &w, &again),
                      ST_OK);

@@ -60,14 +60,14 @@ static bool under(double x, double y, double *z, double *zx, double *zy, double 
 }
 
 static void slow_sum(const struct align_point *pts, uint32_t n, uint32_t stride,
-                     const struct align_pose *pose, struct dvec3 c, enum align_loss loss,
-                     struct align_sum *sum)
+                     const struct pose *pose, struct dvec3 c, enum solve_loss loss,
+                     struct solve_sum *sum)
 {
     double total = 0, within = 0, share = 0;
 
     memset(sum, 0, sizeof *sum);
     for (uint32_t i = 0; i < n; i += stride, total++) {
-        const struct dvec3 q = align_pose_apply(pose, pts[i].p), d = vec_sub(q, c);
+        const struct dvec3 q = pose_apply(pose, pts[i].p), d = vec_sub(q, c);
         double z, zx, zy, flat, u, r, s, w;
 
         if (!under(q.x, q.y, &z, &zx, &zy, &flat, &u))
@@ -75,18 +75,18 @@ static void slow_sum(const struct align_point *pts, uint32_t n, uint32_t stride,
         within++;
         r = (q.z - z) * flat;
         s = 1 - fmin(1, r * r / ALIGN_TUKEY_MM / ALIGN_TUKEY_MM);
-        w = loss == ALIGN_LOSS_L1 ? 1 / fmax(fabs(r), ALIGN_SOFT_MM) : u * s * s;
-        sum->cost += loss == ALIGN_LOSS_L1 ? fmin(fabs(r), ALIGN_CAP_MM)
+        w = loss == SOLVE_LOSS_L1 ? 1 / fmax(fabs(r), ALIGN_SOFT_MM) : u * s * s;
+        sum->cost += loss == SOLVE_LOSS_L1 ? fmin(fabs(r), ALIGN_CAP_MM)
                                            : u * ALIGN_TUKEY_MM * (1 - s * s * s);
         share += u;
-        align_solve_add(
-            &sum->normal,
-            (const double[6]){flat * (d.y + d.z * zy), flat * (-d.z * zx - d.x),
-                              flat * (d.y * zx - d.x * zy), -zx * flat, -zy * flat, flat},
-            r, w);
+        solve_add(&sum->normal,
+                  (const double[6]){flat * (d.y + d.z * zy), flat * (-d.z * zx - d.x),
+                                    flat * (d.y * zx - d.x * zy), -zx * flat, -zy * flat,
+                                    flat},
+                  r, w);
     }
     sum->within = within / total;
-    if (loss == ALIGN_LOSS_L1)
+    if (loss == SOLVE_LOSS_L1)
         sum->cost = (sum->cost + ALIGN_NO_GAP_MM * (total - within)) / total;
     else
         sum->cost = share > 0 ? sum->cost / share : (double)INFINITY;
@@ -101,10 +101,10 @@ static void near(double a, double b, double scale)
 }
 
 static void compare(const struct align_point *pts, uint32_t n, uint32_t stride,
-                    const struct align_pose *pose, enum align_loss loss)
+                    const struct pose *pose, enum solve_loss loss)
 {
     const struct dvec3 c = {1, 2, -70};
-    struct align_sum fast, slow;
+    struct solve_sum fast, slow;
     const double *h = slow.normal.h;
     double size[6];
 
@@ -129,7 +129,7 @@ TEST(test_sum)
     for (int round = 0; round < 50; round++) {
         /* The points may lie far from the origin: the pose brings them back. */
         const struct dvec3 far = {round % 5 * 2000.0, round % 3 * -3000.0, 5000.0};
-        struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-far.x, -far.y, -far.z}};
+        struct pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-far.x, -far.y, -far.z}};
         const double x[6] = {0.2 * brute_real(&rng), 0.2, -0.1, 3, 2, 1};
 
         for (uint32_t i = 0; i < POINTS; i++) {
@@ -140,10 +140,10 @@ TEST(test_sum)
                                       far.z + 30 - 0.008 * px * px - 0.005 * py * py +
                                           20 * brute_real(&rng) - 10};
         }
-        align_pose_move(&pose, (struct dvec3){0, 0, -80}, x);
+        pose_move(&pose, (struct dvec3){0, 0, -80}, x);
         for (uint32_t stride = 1; stride < 9; stride += 1 + stride / 3) {
-            compare(pts, POINTS - (uint32_t)round % 7, stride, &pose, ALIGN_LOSS_L1);
-            compare(pts, POINTS - (uint32_t)round % 7, stride, &pose, ALIGN_LOSS_TUKEY);
+            compare(pts, POINTS - (uint32_t)round % 7, stride, &pose, SOLVE_LOSS_L1);
+            compare(pts, POINTS - (uint32_t)round % 7, stride, &pose, SOLVE_LOSS_TUKEY);
         }
     }
 }
@@ -154,15 +154,15 @@ TEST(test_apart)
 {
     static float z[GRID_N];
     static struct align_grid whole;
-    const struct align_pose off = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {90000, -90000, 0}};
+    const struct pose off = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {90000, -90000, 0}};
     const struct align_point p[2] = {{{0, 0, 0}, 0, 0}, {{1e5, -1e5, 1e5}, 0, 0}};
     const struct dvec3 c = {0, 0, 0};
-    struct align_sum sum;
+    struct solve_sum sum;
 
     (void)align_grid_make(z, weight, &whole);
-    align_grid_sum(&whole, p, 2, 1, &off, c, ALIGN_LOSS_L1, &sum);
+    align_grid_sum(&whole, p, 2, 1, &off, c, SOLVE_LOSS_L1, &sum);
     assert_true(sum.within == 0 && sum.cost == ALIGN_NO_GAP_MM && sum.normal.h[0] == 0);
-    align_grid_sum(&whole, p, 2, 1, &off, c, ALIGN_LOSS_TUKEY, &sum);
+    align_grid_sum(&whole, p, 2, 1, &off, c, SOLVE_LOSS_TUKEY, &sum);
     assert_true(sum.within == 0 && isinf(sum.cost) && sum.normal.h[20] == 0);
 }
 

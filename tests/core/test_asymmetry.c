@@ -2,7 +2,7 @@
  * the generator put in, and the plane is found; a face and its mirror image have the same
  * value; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include "align_pose.h"
+#include "pose.h"
 #include "asymmetry.h"
 #include "face.h"
 #include "facegen.h"
@@ -30,7 +30,7 @@ static struct surface made;
 
 static struct asymmetry find(const struct dvec3 *p, uint32_t n)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct measure_work m = {0};
     struct surface upright = {0};
     struct asymmetry out;
@@ -101,14 +101,14 @@ TEST(test_tilted)
 
     for (size_t k = 0; k < sizeof turns / sizeof *turns; k++) {
         static struct dvec3 moved[POINTS];
-        struct align_pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        struct pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
         const double x[6] = {turns[k][0], turns[k][1], turns[k][2], turns[k][3], 3, -2};
         struct asymmetry a;
         double cosine;
 
-        align_pose_move(&pose, (struct dvec3){0, 0, 0}, x);
+        pose_move(&pose, (struct dvec3){0, 0, 0}, x);
         for (uint32_t i = 0; i < n; i++)
-            moved[i] = align_pose_apply(&pose, points[i]);
+            moved[i] = pose_apply(&pose, points[i]);
         a = find(moved, n);
         cosine =
             a.normal[0] * pose.r[0] + a.normal[1] * pose.r[3] + a.normal[2] * pose.r[6];

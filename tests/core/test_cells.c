@@ -8,7 +8,7 @@
 
 #define ROOM 20000
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct surface tmpl;
 static struct align_point pts[ROOM];
 static uint32_t n;
@@ -47,7 +47,7 @@ static void make(const struct plane *p, double mm)
         }
 }
 
-static void sample(const struct align_pose *pose, const struct align_pose *frame)
+static void sample(const struct pose *pose, const struct pose *frame)
 {
     struct align_field field;
 
@@ -87,15 +87,15 @@ TEST(test_plane)
 /* The gap does not depend on the frame; what the points have been moved by, the pose undoes. */
 TEST(test_poses)
 {
-    struct align_pose frame, pose, back;
+    struct pose frame, pose, back;
     uint32_t seen = 0;
 
     make(&slope, 1.5);
     toy_pose(9, -7, 20, (struct dvec3){3, -4, 12}, &frame);
     toy_pose(20, 10, -15, (struct dvec3){30, 40, -500}, &pose);
-    back = align_pose_after(&pose, &still);
+    back = pose_after(&pose, &still);
     for (uint32_t i = 0; i < n; i++)
-        pts[i].p = align_pose_apply(&back, pts[i].p);
+        pts[i].p = pose_apply(&back, pts[i].p);
     sample(&pose, &frame);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (cells_cover(&cells, i) < 1.0f)
@@ -110,7 +110,7 @@ TEST(test_poses)
 TEST(test_left_out)
 {
     const struct plane cliff = {5, 0, 0}, level = {0, 0, 0};
-    struct align_pose away = still;
+    struct pose away = still;
 
     for (int k = 0; k < 4; k++) {
         make(k == 0 ? &cliff : &level, 1);

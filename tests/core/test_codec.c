@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=aligned_alloc */
 /* A face model as bytes and back; damaged bytes are refused. */
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "clouds.h"
 #include "codec.h"
@@ -76,7 +76,7 @@ static void assert_same(const struct mesh *a, const struct mesh *b)
 static void round_trip(const struct face *f)
 {
     struct face g = {0}, h = {0};
-    struct align_pose rigid;
+    struct pose rigid;
     size_t len;
     unsigned char *buf = encode(f, &len), *odd = malloc(len + 1), *again;
 
@@ -86,8 +86,8 @@ static void round_trip(const struct face *f)
     memcpy(odd + 1, buf, len); /* at an odd address */
     assert_int_equal(codec_decode(odd + 1, len, work, &g), ST_OK);
     assert_same(&f->surface.mesh, &g.surface.mesh);
-    rigid = align_pose_unscaled(&g.frame.pose);
-    assert_true(align_pose_rigid(&rigid) && g.frame.mean_id != 0);
+    rigid = pose_unscaled(&g.frame.pose);
+    assert_true(pose_rigid(&rigid) && g.frame.mean_id != 0);
     free(buf);
     buf = encode(&g, &len);
     assert_int_equal(codec_decode(buf, len, work, &h), ST_OK);
@@ -293,7 +293,7 @@ static unsigned char *encoded_face(struct face *f, size_t *len)
     return encode(f, len);
 }
 
-static void check_close(const struct align_pose *a, const struct align_pose *b)
+static void check_close(const struct pose *a, const struct pose *b)
 {
     for (int i = 0; i < 9; i++)
         assert_true(fabs(a->r[i] - b->r[i]) < 0.01);

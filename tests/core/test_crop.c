@@ -19,13 +19,13 @@
 static struct brute_rng rng;
 static uint8_t cell[GRID_N];
 static struct crop_view view;
-static struct align_pose pose; /* of the scan: canonical frame -> points */
+static struct pose pose; /* of the scan: canonical frame -> points */
 static struct dvec3 pts[ROOM];
 static size_t n;
 
 BEFORE_EACH(set_up)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
     rng.state = brute_seed("crop");
     memset(cell, SHAPE_EMPTY, sizeof cell);
@@ -33,7 +33,7 @@ BEFORE_EACH(set_up)
         if (!isnan(model_default.mean[i]))
             cell[i] = SHAPE_SKIN;
     toy_pose(140, 30, 70, (struct dvec3){300, -50, 900}, &pose);
-    view.pose = align_pose_after(&pose, &still);
+    view.pose = pose_after(&pose, &still);
     view.height = model_default.mean;
     view.cell = cell;
     n = 0;
@@ -58,8 +58,7 @@ static void add_face(size_t count, double before, double noise)
 
         if (isnan(z))
             continue;
-        pts[n++] =
-            align_pose_apply(&pose, (struct dvec3){x, y, z + before + noise * normal()});
+        pts[n++] = pose_apply(&pose, (struct dvec3){x, y, z + before + noise * normal()});
         k++;
     }
 }
@@ -68,10 +67,10 @@ static void add_face(size_t count, double before, double noise)
 static void add_box(size_t count, struct dvec3 lo, struct dvec3 hi)
 {
     for (size_t k = 0; k < count; k++)
-        pts[n++] = align_pose_apply(
-            &pose, (struct dvec3){lo.x + (hi.x - lo.x) * brute_real(&rng),
-                                  lo.y + (hi.y - lo.y) * brute_real(&rng),
-                                  lo.z + (hi.z - lo.z) * brute_real(&rng)});
+        pts[n++] =
+            pose_apply(&pose, (struct dvec3){lo.x + (hi.x - lo.x) * brute_real(&rng),
+                                             lo.y + (hi.y - lo.y) * brute_real(&rng),
+                                             lo.z + (hi.z - lo.z) * brute_real(&rng)});
 }
 
 static void take(struct cloudpoints *c)
@@ -104,7 +103,7 @@ static void crop(struct cloudpoints *c, size_t most, struct crop_count *count)
     assert_int_equal(crop_face(c, &view, most, count), ST_OK);
     assert_int_equal(count->kept, c->n);
     for (size_t i = 0; i < c->n; i++) { /* in the frame, and ascending */
-        const struct dvec3 q = align_pose_apply(&view.pose, pts[c->index[i]]);
+        const struct dvec3 q = pose_apply(&view.pose, pts[c->index[i]]);
 
         assert_place(c->at[i], q, count->kept < count->face);
         assert_true(i == 0 || c->index[i] > c->index[i - 1]);
@@ -166,11 +165,11 @@ TEST(test_cover)
             cell[i] = grid_x(i) < 0 ? SHAPE_COVER : SHAPE_APART;
     add_face(POINTS, 0, 0.15);
     for (size_t i = 0; i < n; i++)
-        under += align_pose_apply(&view.pose, pts[i]).y < -18;
+        under += pose_apply(&view.pose, pts[i]).y < -18;
     first = n;
     add_face(POINTS, 12, 0.15); /* of what covers it, and beside it of something else */
     for (size_t i = first; i < n; i++)
-        over += align_pose_apply(&view.pose, pts[i]).y < -18;
+        over += pose_apply(&view.pose, pts[i]).y < -18;
     crop(&c, ROOM, &count);
     for (size_t i = 0; i < c.n; i++)
         assert_true(c.at[i].y >= -18);
@@ -247,7 +246,7 @@ TEST(test_members)
     assert_int_equal(crop_face(&c, &view, 5000, &count), ST_OK);
     assert_in_range(c.n, 4500, 5000);
     for (size_t i = 0; i < c.n; i++) {
-        const struct dvec3 q = align_pose_apply(&view.pose, pts[(c.index[i] - 1) / 3]);
+        const struct dvec3 q = pose_apply(&view.pose, pts[(c.index[i] - 1) / 3]);
 
         assert_place(c.at[i], q, true);
         assert_true(fabs(c.normal[i].z - 1) < 1e-9 && fabs(c.normal[i].x) < 1e-9);
@@ -300,7 +299,7 @@ static void seen(struct cloudpoints *c, double side)
     c->normal = mem_array(n, sizeof *c->normal);
     assert_non_null(c->normal);
     for (size_t i = 0; i < n; i++) {
-        c->at[i] = align_pose_apply(&view.pose, pts[i]);
+        c->at[i] = pose_apply(&view.pose, pts[i]);
         c->normal[i] = (struct dvec3){0.1, 0.3, side * 0.9};
     }
 }

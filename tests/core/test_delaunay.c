@@ -5,7 +5,7 @@
 #include "fail_alloc.h"
 #include "lattice.h"
 #include "mem.h"
-#include "mesh_check.h"
+#include "mesh.h"
 #include "predicates.h"
 #include "unit.h"
 

@@ -1,7 +1,7 @@
 /* Encodings against the definition in encode.h: the covariance of all but the identity is built
  * cell by cell and inverted; missing and outlying cells, noise, hostile heights. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "dense.h"
 #include "encode.h"

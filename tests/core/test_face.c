@@ -5,7 +5,7 @@
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
-#include "mesh_check.h"
+#include "mesh.h"
 #include "mst.h"
 #include "unit.h"
 

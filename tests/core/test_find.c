@@ -18,33 +18,32 @@ BEFORE_ALL(open_work)
 
 /* ---- motions */
 
-static struct align_pose any_pose(struct brute_rng *r)
+static struct pose any_pose(struct brute_rng *r)
 {
-    struct align_pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    struct pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
     for (int k = 0; k < 4; k++) /* tangents of half angles */
-        align_pose_tilt(&p, (struct dvec3){0, 0, 0}, 6 * brute_real(r) - 3,
-                        6 * brute_real(r) - 3);
+        pose_tilt(&p, (struct dvec3){0, 0, 0}, 6 * brute_real(r) - 3,
+                  6 * brute_real(r) - 3);
     for (int i = 0; i < 3; i++)
         p.t[i] = 2000 * brute_real(r) - 1000;
     return p;
 }
 
-static void move_all(struct dvec3 *pts, size_t n, const struct align_pose *p,
-                     double unit_mm)
+static void move_all(struct dvec3 *pts, size_t n, const struct pose *p, double unit_mm)
 {
     for (size_t i = 0; i < n; i++) {
-        const struct dvec3 q = align_pose_apply(p, pts[i]);
+        const struct dvec3 q = pose_apply(p, pts[i]);
 
         pts[i] = (struct dvec3){q.x / unit_mm, q.y / unit_mm, q.z / unit_mm};
     }
 }
 
 /* First b, then a. */
-static struct align_pose after(const struct align_pose *a, const struct align_pose *b)
+static struct pose after(const struct pose *a, const struct pose *b)
 {
-    const struct dvec3 t = align_pose_apply(a, (struct dvec3){b->t[0], b->t[1], b->t[2]});
-    struct align_pose out = {.t = {t.x, t.y, t.z}};
+    const struct dvec3 t = pose_apply(a, (struct dvec3){b->t[0], b->t[1], b->t[2]});
+    struct pose out = {.t = {t.x, t.y, t.z}};
 
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
@@ -54,10 +53,9 @@ static struct align_pose after(const struct align_pose *a, const struct align_po
 }
 
 /* How far b's points lie from a's: the angle, degrees, and the nose, mm. */
-static void apart(const struct align_pose *a, const struct align_pose *b, double *deg,
-                  double *mm)
+static void apart(const struct pose *a, const struct pose *b, double *deg, double *mm)
 {
-    const struct dvec3 at = align_pose_apply(a, align_pose_origin(b));
+    const struct dvec3 at = pose_apply(a, pose_origin(b));
     double trace = 0;
 
     for (int i = 0; i < 9; i++)
@@ -66,8 +64,8 @@ static void apart(const struct align_pose *a, const struct align_pose *b, double
     *mm = sqrt(vec_dot(at, at));
 }
 
-static void assert_near(const struct align_pose *a, const struct align_pose *b,
-                        double most_deg, double most_mm)
+static void assert_near(const struct pose *a, const struct pose *b, double most_deg,
+                        double most_mm)
 {
     double deg, mm;
 
@@ -80,16 +78,16 @@ static void assert_near(const struct align_pose *a, const struct align_pose *b,
 static unsigned tried, missed;
 
 /* Is one of the poses found, each after by, near to a?  The fit that follows takes the right one. */
-static void look_among(const struct align_pose *a, const struct find *f,
-                       const struct align_pose *by, double most_deg, double most_mm)
+static void look_among(const struct pose *a, const struct find *f, const struct pose *by,
+                       double most_deg, double most_mm)
 {
     bool near = false;
 
     for (uint32_t i = 0; i < f->n; i++) {
-        const struct align_pose there = after(&f->pose[i].pose, by);
+        const struct pose there = after(&f->pose[i].pose, by);
         double deg, mm;
 
-        assert_true(align_pose_rigid(&f->pose[i].pose));
+        assert_true(pose_rigid(&f->pose[i].pose));
         if (i > 0) { /* the best first, and none twice */
             assert_true(f->pose[i].worth <= f->pose[i - 1].worth);
             apart(&f->pose[i].pose, &f->pose[i - 1].pose, &deg, &mm);
@@ -125,7 +123,7 @@ static void drop_empty(struct headscan *s)
 
 /* A made-up head by the options; in *pose where it is found, in its own axes. */
 static void render(uint64_t subject, const struct headscan_options *o,
-                   struct headscan *out, struct align_pose *pose)
+                   struct headscan *out, struct pose *pose)
 {
     struct head h = {0}, other = {0};
     struct find f;
@@ -143,20 +141,20 @@ static void render(uint64_t subject, const struct headscan_options *o,
 }
 
 /* The motion from the head to the scan, of agreed axes or a camera's. */
-static struct align_pose motion_of(const struct headscan_options *o)
+static struct pose motion_of(const struct headscan_options *o)
 {
     const struct dvec3 centre = {0, 0, -90};
     const double down = o->axes == HEADSCAN_DOWN ? -1 : 1;
-    const struct align_pose axes = {.r = {1, 0, 0, 0, down, 0, 0, 0, down}};
+    const struct pose axes = {.r = {1, 0, 0, 0, down, 0, 0, 0, down}};
     const double half = tan(o->roll / VEC_DEGREES / 2);
-    const struct align_pose roll = {
-        .r = {(1 - half * half) / (1 + half * half), -2 * half / (1 + half * half), 0,
-              2 * half / (1 + half * half), (1 - half * half) / (1 + half * half), 0, 0,
-              0, 1}};
-    struct align_pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const struct pose roll = {.r = {(1 - half * half) / (1 + half * half),
+                                    -2 * half / (1 + half * half), 0,
+                                    2 * half / (1 + half * half),
+                                    (1 - half * half) / (1 + half * half), 0, 0, 0, 1}};
+    struct pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
 
-    align_pose_tilt(&p, centre, tan(o->yaw / VEC_DEGREES / 2),
-                    tan(-o->pitch / VEC_DEGREES / 2));
+    pose_tilt(&p, centre, tan(o->yaw / VEC_DEGREES / 2),
+              tan(-o->pitch / VEC_DEGREES / 2));
     p = after(&roll, &p);
     p.t[2] -= o->distance;
     return after(&axes, &p);
@@ -183,13 +181,13 @@ static size_t crop(uint64_t subject, struct dvec3 *out)
 /* ---- tests */
 
 /* Turned, moved and in another unit the face is found at the same place. */
-static void check_any(const struct dvec3 *pts, size_t n, const struct align_pose *still,
+static void check_any(const struct dvec3 *pts, size_t n, const struct pose *still,
                       struct brute_rng *r)
 {
     static const double units[] = {0.001, 1, 10, 25.4, 1000};
 
     for (size_t u = 0; u < sizeof units / sizeof *units; u++) {
-        const struct align_pose by = any_pose(r);
+        const struct pose by = any_pose(r);
         struct dvec3 *moved = copy(pts, n);
         struct find f;
 
@@ -238,7 +236,7 @@ TEST(test_kinds)
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         for (uint64_t subject = 1; subject <= 3; subject++) {
             struct headscan_options o;
-            struct align_pose still, by;
+            struct pose still, by;
             struct headscan s;
             struct find f;
 
@@ -257,16 +255,16 @@ TEST(test_kinds)
 
 static double nose_at(const struct find *f)
 {
-    return align_pose_origin(&f->pose[0].pose).x;
+    return pose_origin(&f->pose[0].pose).x;
 }
 
 /* Seen from the front, along the agreed axes or a camera's, first comes the nearer one, though
  * fewer points show it; in other axes nobody knows which one that is. */
 TEST(test_nearest)
 {
-    static const struct align_pose axes[] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
-                                             {{1, 0, 0, 0, -1, 0, 0, 0, -1}, {0, 0, 0}},
-                                             {{1, 0, 0, 0, 0, -1, 0, 1, 0}, {0, 0, 0}}};
+    static const struct pose axes[] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
+                                       {{1, 0, 0, 0, -1, 0, 0, 0, -1}, {0, 0, 0}},
+                                       {{1, 0, 0, 0, 0, -1, 0, 1, 0}, {0, 0, 0}}};
     struct head a = {0}, b = {0};
     struct dvec3 *pts;
 
@@ -279,9 +277,9 @@ TEST(test_nearest)
         size_t n = 0;
 
         for (size_t i = 0; i < a.n; i++)
-            pts[n++] = align_pose_apply(&axes[k], a.at[i]);
+            pts[n++] = pose_apply(&axes[k], a.at[i]);
         for (size_t i = 0; i < b.n; i += 2)
-            pts[n++] = align_pose_apply(
+            pts[n++] = pose_apply(
                 &axes[k], (struct dvec3){b.at[i].x + 330, b.at[i].y, b.at[i].z + 50});
         assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
         assert_int_equal(f.faces, 2);
@@ -318,7 +316,7 @@ TEST(test_unit)
 {
     static struct dvec3 pts[3000];
     const size_t n = crop(8, pts);
-    const struct align_pose still = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const struct pose still = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
     struct find f;
 
     move_all(pts, n, &still, 10);
@@ -361,7 +359,7 @@ static enum status find_in(void *arg)
 TEST(test_memory)
 {
     struct headscan_options o;
-    struct align_pose still;
+    struct pose still;
     struct headscan s;
 
     headscan_kind(kind_of("depth"), 1, false, &o);

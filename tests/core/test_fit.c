@@ -1,7 +1,7 @@
 /* Splitting a gap into motion, change and rest: compared with a dense solver; known motions
  * and changes are found, despite outliers; too few cells; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "cells.h"
 #include "dense.h"

@@ -22,14 +22,14 @@ static double toy(const void *arg, double x, double y)
 }
 
 /* How far apart two motions carry points of a face, at most, mm. */
-static double apart(const struct align_pose *a, const struct align_pose *b,
-                    const struct dvec3 *pts, size_t n)
+static double apart(const struct pose *a, const struct pose *b, const struct dvec3 *pts,
+                    size_t n)
 {
     double most = 0;
 
     for (size_t i = 0; i < n; i++) {
-        const struct dvec3 p = align_pose_apply(a, pts[i]);
-        const struct dvec3 q = align_pose_apply(b, pts[i]);
+        const struct dvec3 p = pose_apply(a, pts[i]);
+        const struct dvec3 q = pose_apply(b, pts[i]);
 
         most = fmax(most, hypot(hypot(p.x - q.x, p.y - q.y), p.z - q.z));
     }
@@ -37,12 +37,12 @@ static double apart(const struct align_pose *a, const struct align_pose *b,
 }
 
 /* a, then b */
-static struct align_pose then(const struct align_pose *a, const struct align_pose *b)
+static struct pose then(const struct pose *a, const struct pose *b)
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct align_pose back = align_pose_after(b, &still);
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    const struct pose back = pose_after(b, &still);
 
-    return align_pose_after(&back, a);
+    return pose_after(&back, a);
 }
 
 /* The frame of the toy face, scanned in any pose, is the inverse of that pose. */
@@ -53,8 +53,8 @@ TEST(test_toy)
     struct brute_rng rng = {brute_seed("frame")};
 
     for (int k = 0; k < 5; k++) {
-        struct align_pose pose, both;
-        const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+        struct pose pose, both;
+        const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
         struct frame frame;
 
         toy_pose(6 * k, -4 * k, 3 * k, (struct dvec3){30 * k, -20 * k, 100 * k}, &pose);
@@ -66,7 +66,7 @@ TEST(test_toy)
         assert_true(apart(&both, &still, corners, 5) < 1);
         assert_int_equal(frame.mean_id, mean.mean_id);
         assert_true(frame.cost_mm < 0.5 && frame.within > 0.8);
-        assert_true(align_pose_rigid(&frame.pose));
+        assert_true(pose_rigid(&frame.pose));
     }
 }
 

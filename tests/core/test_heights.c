@@ -11,14 +11,14 @@
 
 #define ROOM 70000
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct scratch scratch;
 static struct surface surface;
 static struct dvec3 pts[ROOM];
 static size_t n;
 static float z[GRID_N];
 
-static void heights(const struct align_pose *pose)
+static void heights(const struct pose *pose)
 {
     assert_int_equal(heights_of(&surface, pose, &scratch, z), ST_OK);
 }
@@ -154,7 +154,7 @@ static double ramp(double x, double y)
 /* Seen at 77 degrees, and at 79. */
 TEST(test_steep)
 {
-    struct align_pose pose = still;
+    struct pose pose = still;
 
     for (int k = 0; k < 2; k++) {
         const double a = (k == 0 ? 32 : 34) * 3.14159265358979 / 180;
@@ -175,7 +175,7 @@ TEST(test_steep)
 /* From behind nothing is seen. */
 TEST(test_behind)
 {
-    const struct align_pose turned = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 0}};
+    const struct pose turned = {{-1, 0, 0, 0, 1, 0, 0, 0, -1}, {0, 0, 0}};
     struct heights h;
 
     sheet(flat, -40, 40, -54, 66, 2);
@@ -238,7 +238,7 @@ TEST(test_off_grid)
     for (uint32_t i = 0; i < GRID_N; i++)
         close_to(i, -20, 1e-5);
     for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
-        struct align_pose pose = still;
+        struct pose pose = still;
 
         sheet(flat, -40, 40, -54, 66, 2);
         toy_surface(pts, n, &surface);
@@ -255,7 +255,7 @@ TEST(test_off_grid)
 /* What is beside the grid may be moved onto it. */
 TEST(test_beside)
 {
-    struct align_pose pose = still;
+    struct pose pose = still;
     struct heights h;
 
     sheet(flat, 68, 100, -54, 66, 2);
@@ -287,7 +287,7 @@ static void face(void)
 /* Samples are taken at one pose, and seen from another near it. */
 TEST(test_samples)
 {
-    struct align_pose near;
+    struct pose near;
     struct heights h;
     float direct[GRID_N];
     double squares = 0, cells = 0, area = 0;

@@ -8,7 +8,7 @@
 #include "locate.h"
 #include "mem.h"
 #include "merge.h"
-#include "mesh_check.h"
+#include "mesh.h"
 #include "mesh_link.h"
 #include "mst.h"
 #include "predicates.h"

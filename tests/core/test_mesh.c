@@ -7,7 +7,6 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mesh_link.h"
 #include "mst.h"
 #include "predicates.h"

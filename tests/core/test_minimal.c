@@ -1,7 +1,7 @@
 /* The minimal disparity: against descent by values alone over the measure itself; cases by
  * hand; its limits; gaps and their derivatives; failed allocations. */
 /* link: -Wl,--wrap=aligned_alloc */
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
@@ -73,15 +73,14 @@ static struct minimal find(const double transform[16])
 /* transform, then the turn by x[0..2] / LEVER about the middle of the probe, and the shift. */
 static void moved(const double transform[16], const double x[6], double out[16])
 {
-    struct align_pose pose;
+    struct pose pose;
     double y[6];
 
-    align_pose_from_matrix(transform, &pose);
+    pose_from_matrix(transform, &pose);
     for (int k = 0; k < 6; k++)
         y[k] = k < 3 ? x[k] / LEVER : x[k];
-    align_pose_move(&pose,
-                    align_pose_apply(&pose, align_pose_centre(&probe.surface.mesh)), y);
-    align_pose_to_matrix(&pose, out);
+    pose_move(&pose, pose_apply(&pose, pose_centre(&probe.surface.mesh)), y);
+    pose_to_matrix(&pose, out);
 }
 
 /* ---- against descent by values alone */
@@ -222,7 +221,7 @@ TEST(test_alignment)
 static void distance(const double aligned[16], const struct minimal *m, double *turn,
                      double *shift)
 {
-    const struct dvec3 c = align_pose_centre(&probe.surface.mesh);
+    const struct dvec3 c = pose_centre(&probe.surface.mesh);
     const struct dvec3 d =
         vec_sub(vec_transform(m->transform, c), vec_transform(aligned, c));
     double trace = 0;

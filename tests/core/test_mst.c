@@ -5,7 +5,6 @@
 #include "fail_alloc.h"
 #include "mem.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 #include "predicates.h"
 #include "unit.h"

@@ -4,7 +4,6 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "numbered.h"
 #include "unit.h"
 

@@ -9,7 +9,6 @@
 #include "headscan.h"
 #include "mem.h"
 #include "scan.h"
-#include "scan_search.h"
 #include "toy.h"
 #include "unit.h"
 
@@ -42,11 +41,11 @@ static void sample(uint64_t subject, uint64_t scan, uint32_t points)
 /* Turns all points, and then gives them in units of so many mm. */
 static void turn(double yaw, double pitch, double roll, double unit_mm)
 {
-    struct align_pose p;
+    struct pose p;
 
     toy_pose(yaw, pitch, roll, (struct dvec3){120, -40, 700}, &p);
     for (size_t i = 0; i < n; i++) {
-        const struct dvec3 q = align_pose_apply(&p, pts[i]);
+        const struct dvec3 q = pose_apply(&p, pts[i]);
 
         pts[i] = (struct dvec3){q.x / unit_mm, q.y / unit_mm, q.z / unit_mm};
     }

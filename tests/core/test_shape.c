@@ -11,7 +11,7 @@
 #define POINTS 4000
 #define ROOM   40000
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct model model;
 static struct shape_work work;
 static struct dvec3 pts[ROOM];
@@ -43,19 +43,19 @@ static void make_face(struct brute_rng *rng)
     scan(face, POINTS, rng);
 }
 
-static void move(const struct align_pose *p)
+static void move(const struct pose *p)
 {
     for (size_t i = 0; i < n; i++)
-        pts[i] = align_pose_apply(p, pts[i]);
+        pts[i] = pose_apply(p, pts[i]);
 }
 
 static void check(const struct shape_fit *f)
 {
-    const struct align_pose rigid = align_pose_unscaled(&f->pose);
+    const struct pose rigid = pose_unscaled(&f->pose);
     uint32_t of[4] = {0, 0, 0, 0};
 
     assert_true(isfinite(f->support) && f->support <= 1 && isfinite(f->likeness));
-    assert_true(align_pose_rigid(&rigid));
+    assert_true(pose_rigid(&rigid));
     for (uint32_t k = 0; k < MODEL_MODES; k++)
         assert_true(isfinite(f->a[k]) && (k < model.shape.n || f->a[k] == 0.0));
     for (uint32_t i = 0; i < GRID_N; i++) {
@@ -69,7 +69,7 @@ static void check(const struct shape_fit *f)
     assert_int_equal(f->apart, of[SHAPE_APART]);
 }
 
-static void fit(const struct align_pose *start, bool hard, struct shape_fit *out)
+static void fit(const struct pose *start, bool hard, struct shape_fit *out)
 {
     assert_int_equal(shape_fit(&work, pts, n, start, 1, hard, out), ST_OK);
     check(out);
@@ -86,9 +86,9 @@ static double off(const struct shape_fit *f)
     return most;
 }
 
-static struct align_pose any_pose(double deg, double mm, struct brute_rng *rng)
+static struct pose any_pose(double deg, double mm, struct brute_rng *rng)
 {
-    struct align_pose pose;
+    struct pose pose;
 
     toy_pose(
         2 * deg * brute_real(rng) - deg, 2 * deg * brute_real(rng) - deg,
@@ -102,7 +102,7 @@ static struct align_pose any_pose(double deg, double mm, struct brute_rng *rng)
 static void check_pose(const struct shape_fit *f)
 {
     for (size_t i = 0; i < n; i += 97) {
-        const struct dvec3 q = align_pose_apply(&f->pose, pts[i]);
+        const struct dvec3 q = pose_apply(&f->pose, pts[i]);
         double miss = INFINITY;
 
         if (grid_cell(q.x, q.y) != GRID_NONE && fabs(q.x) < 61)
@@ -117,9 +117,8 @@ TEST(test_recovered)
     struct shape_fit f, g;
 
     for (int round = 0; round < 20; round++) {
-        const struct align_pose pose = any_pose(8, 8, &rng),
-                                turn = any_pose(90, 90, &rng);
-        const struct align_pose start = align_pose_after(&turn, &still);
+        const struct pose pose = any_pose(8, 8, &rng), turn = any_pose(90, 90, &rng);
+        const struct pose start = pose_after(&turn, &still);
 
         make_face(&rng);
         fit(&still, false, &g);
@@ -192,7 +191,7 @@ TEST(test_slab)
     struct shape_fit f;
 
     for (int round = 0; round < 10; round++) {
-        const struct align_pose pose = any_pose(5, 5, &rng);
+        const struct pose pose = any_pose(5, 5, &rng);
 
         make_face(&rng);
         cover(mouth[0], mouth[1], mouth[2], mouth[3], 12);
@@ -297,7 +296,7 @@ TEST(test_nothing)
         fit(&still, true, &f);
         assert_true(f.support < 0.1);
         fit(&still, false, &f);
-        move(&(struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {4000, 0, 0}});
+        move(&(struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {4000, 0, 0}});
         fit(&still, true, &f);
         assert_int_equal(f.skin + f.cover + f.apart, 0);
         assert_true(f.support == 0.0);
@@ -329,7 +328,7 @@ TEST(test_invariant)
 {
     struct brute_rng rng = {brute_seed("invariant")};
     static struct shape_fit f, g;
-    struct align_pose pose, start;
+    struct pose pose, start;
 
     make_face(&rng);
     cover(-28, 28, -52, -14, 12);
@@ -351,7 +350,7 @@ TEST(test_invariant)
 
     toy_pose(70, -30, 130, (struct dvec3){400, -900, 1200}, &pose);
     move(&pose);
-    start = align_pose_after(&pose, &still);
+    start = pose_after(&pose, &still);
     fit(&start, true, &g);
     assert_true(most_apart(&f, &g) < 0.01);
     assert_true(fabs(f.support - g.support) < 0.01);
@@ -361,7 +360,7 @@ TEST(test_invariant)
 TEST(test_starts)
 {
     struct brute_rng rng = {brute_seed("starts")};
-    struct align_pose start[3];
+    struct pose start[3];
     struct shape_fit f, g;
 
     make_face(&rng);
@@ -455,7 +454,7 @@ TEST(test_sizes)
     struct shape_fit f;
 
     for (size_t k = 0; k < sizeof by / sizeof *by; k++) {
-        const struct align_pose pose = any_pose(5, 5, &rng);
+        const struct pose pose = any_pose(5, 5, &rng);
 
         make_face(&rng);
         for (size_t i = 0; i < n; i++)

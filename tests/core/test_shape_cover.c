@@ -7,7 +7,7 @@
 
 #define POINTS 4000
 
-static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct shape_work work;
 static struct dvec3 pts[POINTS];
 static struct brute_rng rng;

@@ -1,6 +1,5 @@
 /* How much of a face's fine relief a surface has, against the definition, and what changes it. */
 #include "brute.h"
-#include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
 #include "unit.h"

@@ -11,7 +11,6 @@
 #include "mem.h"
 #include "merge.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 #include "simplify.h"
 #include "star.h"

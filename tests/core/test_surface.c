@@ -5,7 +5,6 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 #include "surface.h"
 #include "unit.h"

@@ -14,7 +14,6 @@
 #include "mem.h"
 #include "merge.h"
 #include "mesh.h"
-#include "mesh_check.h"
 #include "mst.h"
 
 #define MAX_POINTS 120

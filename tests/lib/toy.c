@@ -157,7 +157,7 @@ void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out)
     scratch_free(&scratch);
 }
 
-void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_pose *pose,
+void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct pose *pose,
               struct brute_rng *rng, struct surface *out)
 {
     const double step = sqrt(3.14159265358979 * 55 * 70 / n);
@@ -174,23 +174,22 @@ void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_po
                 continue;
             pts[count] = (struct dvec3){u, v, z(arg, u, v)};
             if (pose != NULL)
-                pts[count] = align_pose_apply(pose, pts[count]);
+                pts[count] = pose_apply(pose, pts[count]);
             count++;
         }
     toy_surface(pts, count, out);
     mem_free(pts);
 }
 
-void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift,
-              struct align_pose *p)
+void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift, struct pose *p)
 {
     const double half = 3.14159265358979323846 / 360;
     const struct dvec3 centre = {0, 0, -80};
     const double turn[6] = {0, 0, 2 * tan(roll * half), shift.x, shift.y, shift.z};
 
-    *p = (struct align_pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    align_pose_tilt(p, centre, tan(yaw * half), tan(pitch * half));
-    align_pose_move(p, centre, turn);
+    *p = (struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    pose_tilt(p, centre, tan(yaw * half), tan(pitch * half));
+    pose_move(p, centre, turn);
 }
 
 double toy_at(const float h[GRID_N], double x, double y)

@@ -4,7 +4,7 @@
 #define TESTS_TOY_H
 #include <stddef.h>
 #include <stdint.h>
-#include "align_pose.h"
+#include "pose.h"
 #include "brute.h"
 #include "cells.h"
 #include "model.h"
@@ -29,7 +29,7 @@ typedef double toy_heights(const void *arg, double x, double y);
 
 /* toy_scan(z, arg, n, pose, rng, out): the surface of about n points of z, spread roughly
  * evenly over an oval of half axes 55 and 70 mm and moved by pose (NULL: not moved). */
-void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct align_pose *pose,
+void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct pose *pose,
               struct brute_rng *rng, struct surface *out);
 
 /* toy_surface(pts, n, out): the surface of points in mm, without a search for spikes.  out: as
@@ -38,8 +38,7 @@ void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out);
 
 /* toy_pose(yaw, pitch, roll, shift, p): the turn (degrees) about the point 80 mm behind the
  * origin, then the shift (mm). */
-void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift,
-              struct align_pose *p);
+void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift, struct pose *p);
 
 /* toy_at(h, x, y): between the middles of the cells with heights h, bilinear; NAN off them. */
 double toy_at(const float h[GRID_N], double x, double y);

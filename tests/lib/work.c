@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "align.h"
-#include "align_pose.h"
+#include "pose.h"
 #include "asymmetry.h"
 #include "heatmap.h"
 #include "lattice.h"
@@ -65,7 +65,7 @@ static double since(uint64_t *from, size_t n)
 void work_count(const struct dvec3 *a, const struct dvec3 *b, size_t n,
                 double blocks[WORK_STEPS])
 {
-    static const struct align_pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct align_how how = {0};
     double *gap = malloc(n * sizeof *gap);
     struct surface s[2], upright = {0};

@@ -113,10 +113,10 @@ TEST(test_json)
     scanfile_refused(bad, sizeof bad / sizeof *bad);
     scanfile_good_text(
         "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}", &p);
-    assert_true(p.unit_mm == 0 && p.as_scanned);
+    assert_true(p.unit_mm == 0 && p.axes_given);
     cloudpoints_free(&p);
     scanfile_good_text("{\"points\": [[1,2,3]], \"axes\": \"auto\"}", &p);
-    assert_true(p.unit_mm == 0 && !p.as_scanned);
+    assert_true(p.unit_mm == 0 && !p.axes_given);
     cloudpoints_free(&p);
 }
 

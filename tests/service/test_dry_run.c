@@ -62,7 +62,7 @@ static enum status run(enum status enrolment, enum status verification)
                             .index = mem_array(3, sizeof *c.index),
                             .n = 3,
                             .read = 5,
-                            .as_scanned = true};
+                            .axes_given = true};
     struct face face = {.quality = {.density_mm = 9}};
     enum status st;
 

@@ -1,7 +1,6 @@
 /* Things that are no faces: every kind gives a scan of a sensible size, the same seed gives the
  * same one, and solids are where their parts are. */
 #include "object.h"
-#include "relief.h"
 #include "solid.h"
 #include "unit.h"
 
@@ -11,7 +10,7 @@ static struct dvec3 a[N], b[N];
 
 TEST(test_every_kind)
 {
-    for (uint32_t k = 0; k < object_kinds(); k++)
+    for (uint32_t k = 0; k < OBJECT_KINDS; k++)
         for (uint64_t seed = 0; seed < 2; seed++) {
             const size_t n = object_scan(k, seed, N, a);
             double least = 1e9, most = -1e9;
@@ -55,20 +54,4 @@ TEST(test_solid)
         }
     }
     assert_in_range(deep, N / 40, N / 10);
-}
-
-TEST(test_relief)
-{
-    const double noise = 0;
-    struct relief f;
-    struct draw r = {2};
-    size_t n;
-
-    for (uint64_t seed = 0; seed < 20; seed++) {
-        relief_draw(seed, &f);
-        n = relief_sample(&f, N, noise, &r, a);
-        assert_in_range(n, N / 2, N);
-        for (size_t i = 0; i < n; i++)
-            assert_true(a[i].z == relief_height(&f, a[i].x, a[i].y));
-    }
 }

@@ -7,7 +7,7 @@
 #include "facegen.h"
 #include "mem.h"
 #include "scan.h"
-#include "scan_search.h"
+#include "scan.h"
 #include "unit.h"
 #include "work.h"
 

@@ -1,0 +1,71 @@
+/* read.h -- the readers of the formats behind cloudfile.h, each in read_FORMAT.c.
+ * read_FORMAT_is(t): does a file of this format begin here?  Of BNT a header whose numbers
+ * agree, of STL the word "solid" or a binary file of just the length that its count says, of
+ * ABS a line like "480 rows"; of OBJ and XYZ the first line that is no comment is at t.
+ * read_FORMAT_parse(t, o, list): add the points to list; t stands at the first byte of the file,
+ * of OBJ and XYZ behind a byte order mark.  Returns as cloudfile_read(), which says what is
+ * read of each format; besides that
+ * PLY   ST_EVERSION also for a header of more than 16 elements or 256 properties
+ * PCD   ST_EVERSION also for more than 64 fields
+ * GLB   skins, morph targets and cameras are ignored
+ * VRML  Coordinate (2.0) and Coordinate3 (1.0), moved by the Transforms above them (1.0: before
+ *       them); normals by the IndexedFaceSets that can be read; other nodes are ignored.
+ *       ST_EVERSION also for what might move, repeat or choose points in another way (Inline,
+ *       LOD, MatrixTransform, PROTO, Switch, USE of points in another place), and for too many
+ *       nested nodes or names
+ * BNT   the rows of its grid go from the bottom up, unlike an image's: the cloud is not called
+ *       organised, so that it does not seem to be a mirror image (mirror.h)
+ * ABS   an organised cloud; ST_EVERSION also for other lists than flag, X, Y and Z
+ * NPY   floats or integers, in C or Fortran order, by the shape, C being 3 to 16, of which the
+ *       first three are x, y and z: (N, C) and (3, N) are points, (H, W, C) an organised cloud,
+ *       (H, W) a depth image (of floats without a scale the unit is unknown).  ST_EVERSION also
+ *       for other types and shapes
+ * PNG, PGM  of 16 bits, grey; ST_EVERSION: no camera is given, or other pixels */
+#ifndef SCAN_READ_H
+#define SCAN_READ_H
+#include <stdbool.h>
+#include "status.h"
+
+struct cloudfile_options; /* cloudfile.h */
+struct cloudlist;         /* cloudlist.h */
+struct cloudtext;         /* cloudtext.h */
+
+bool read_abs_is(const struct cloudtext *t);
+bool read_bnt_is(const struct cloudtext *t);
+bool read_glb_is(const struct cloudtext *t);
+bool read_npy_is(const struct cloudtext *t);
+bool read_obj_is(const struct cloudtext *t);
+bool read_pcd_is(const struct cloudtext *t);
+bool read_pgm_is(const struct cloudtext *t);
+bool read_ply_is(const struct cloudtext *t);
+bool read_png_is(const struct cloudtext *t);
+bool read_stl_is(const struct cloudtext *t);
+bool read_vrml_is(const struct cloudtext *t);
+bool read_xyz_is(const struct cloudtext *t);
+
+enum status read_abs_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_bnt_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_glb_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_npy_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_obj_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_pcd_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_pgm_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_ply_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_png_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_stl_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+enum status read_vrml_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                            struct cloudlist *list);
+enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list);
+
+#endif
