@@ -122,7 +122,7 @@ SEES_log   := $(call sees,db)
 SEES_rows  := $(call sees,db)
 SEES_admin := $(call sees,db/admin)
 SEES_box   := $(call sees,db/admin)
-SEES_fuzz  := server/http service learn $(call sees,db/admin)
+SEES_fuzz  := server/api server/http service learn $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
 define testroom

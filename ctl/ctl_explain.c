@@ -7,7 +7,6 @@
 #include "ctl_face.h"
 #include "ctl_model.h"
 #include "cloudpoints.h"
-#include "describe.h"
 #include "ctl_sample.h"
 #include "explain.h"
 #include "explain_cloud.h"
@@ -39,7 +38,7 @@ static enum status template_stored(struct ctl *c, struct explanation *x,
     }
     if (st == ST_OK)
         st = store_event(c->store, "explain", c->actor, t->subject, t->id,
-                         describe_decision(x->result.decision), &c->e);
+                         templates_decision(x->result.decision), &c->e);
     return st;
 }
 

@@ -130,8 +130,8 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
     if (st == ST_OK && picture != NULL && cloudpoints_copy(&k->points, &k->raw) != ST_OK)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && (st = dry_run_run("refused", &k->points,
-                                       &(struct scan_options){.axes = c->scans.axes},
-                                       c->work, &k->face, &k->trial)) != ST_OK)
+                                         &(struct scan_options){.axes = c->scans.axes},
+                                         c->work, &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
     return st;
 }
@@ -148,9 +148,9 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         json_object(c->out, NULL);
         json_text(c->out, "file", path);
         describe_dry_run(c->out, &k.trial, &k.face,
-                       &(struct describe_times){.parse = NAN,
-                                                .prepare = NAN,
-                                                .total = ctl_clock_ms() - start});
+                         &(struct describe_times){.parse = NAN,
+                                                  .prepare = NAN,
+                                                  .total = ctl_clock_ms() - start});
         json_close(c->out);
         if (!c->json)
             print_text(&k);

@@ -20,7 +20,8 @@ static void print_result(FILE *to, const struct explanation *x)
 {
     const struct face_result *r = &x->result;
 
-    (void)fprintf(to, "decision     %s: %s\n", describe_decision(r->decision), reason(r));
+    (void)fprintf(to, "decision     %s: %s\n", templates_decision(r->decision),
+                  reason(r));
     ctl_face_score(to, r);
     ctl_face_minimal(to, &x->minimal);
     (void)fprintf(to, "expected     %.2f of two such scans of one person\n", r->expected);

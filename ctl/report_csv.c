@@ -7,6 +7,7 @@
 #include "report.h"
 #include "dry_run.h"
 #include "describe.h"
+#include "templates.h"
 
 #define THRESHOLDS 2000
 
@@ -88,7 +89,7 @@ static void write_trial(FILE *to, const struct ctl_trials *t, const struct ctl_t
         (void)fprintf(to, ",%s,\n", dry_run_code(st));
         return;
     }
-    (void)fputs(describe_decision(x->decision), to);
+    (void)fputs(templates_decision(x->decision), to);
     fixed(to, 6, x->score);
     fixed(to, 6, t->threshold);
     digits(to, 4, x->fmr_at_score);

@@ -72,7 +72,7 @@ struct exchange {
     bool unframed;    /* nobody knows where the next request begins */
     bool body_sent;   /* the client sends a body, or says so */
     double queued_ms; /* logger_clock_ms() when it was last handed to the workers */
-    int linger_fd;     /* responded to before the body was read; -1: not */
+    int linger_fd;    /* responded to before the body was read; -1: not */
 };
 
 struct http {
