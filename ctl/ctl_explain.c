@@ -75,7 +75,7 @@ static enum status compare(struct ctl *c, struct explanation *x)
                                  &c->e);
     if (st == ST_OK)
         st = store_event(c->store, "explain", c->actor, x->stored.subject, x->stored.id,
-                         describe_decision(x->best.nearest.result.decision), &c->e);
+                         templates_decision(x->best.nearest.result.decision), &c->e);
     if (st != ST_OK)
         return st;
     if ((st = face_field(&x->tmpl, &x->probe, c->work, &x->field)) == ST_OK)
@@ -108,7 +108,7 @@ static void print_text(const struct ctl *c, const struct explanation *x)
     (void)printf("subject      %s\ntemplate     %s, with the highest score of %u\n",
                  x->stored.subject, x->stored.id, x->best.nearest.compared);
     (void)printf("probe        %s\n", c->args[1]);
-    (void)printf("decision     %s: %s\n", describe_decision(r->decision), reason(r));
+    (void)printf("decision     %s: %s\n", templates_decision(r->decision), reason(r));
     ctl_face_score(stdout, r);
     ctl_face_minimal(stdout, &x->best.minimal);
     (void)printf("expected     %.2f of two such scans of one person\n", r->expected);

@@ -14,7 +14,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     describe_comparison(c->out, x);
     if (c->json)
         return;
-    (void)printf("decision     %s\n", describe_decision(r->decision));
+    (void)printf("decision     %s\n", templates_decision(r->decision));
     ctl_face_score(stdout, r);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(stdout, &r->align);

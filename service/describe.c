@@ -14,6 +14,7 @@
 #include "store.h"
 #include "minimal.h"
 #include "dry_run.h"
+#include "templates.h"
 
 /* null for "" */
 static void text_or_null(struct json *j, const char *key, const char *value)
@@ -210,21 +211,12 @@ static void scans(struct json *j, const struct describe_comparison *c)
     }
 }
 
-const char *describe_decision(enum face_decision d)
-{
-    static const char *const name[] = {[FACE_MATCH] = "match",
-                                       [FACE_NO_MATCH] = "no_match",
-                                       [FACE_INCONCLUSIVE] = "inconclusive"};
-
-    return name[d];
-}
-
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct face_result *r = c->result;
     double score, threshold;
 
-    json_text(j, "decision", describe_decision(r->decision));
+    json_text(j, "decision", templates_decision(r->decision));
     if (c->minimal == NULL) {
         ids(j, c);
         return;

@@ -6,10 +6,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "face.h"
 
 struct asymmetry;        /* asymmetry.h */
 struct enrolment_result; /* enrolment.h */
+struct face;             /* face.h */
+struct face_field;       /* face.h */
+struct face_result;      /* face.h */
 struct frame;            /* frame.h */
 struct json;             /* json.h */
 struct minimal;          /* minimal.h */
@@ -66,9 +68,6 @@ struct describe_comparison {
     const struct face_field *field;     /* NULL: not asked for */
     const struct describe_times *times; /* NULL: left out */
 };
-
-/* describe_decision(d): "match", "no_match", "inconclusive". */
-const char *describe_decision(enum face_decision d);
 
 void describe_comparison(struct json *j, const struct describe_comparison *c);
 

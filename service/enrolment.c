@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "describe.h"
 #include "dry_run.h"
 #include "in_force.h"
 
@@ -64,7 +63,8 @@ static enum status record(struct enrolling *g, const struct templates *a,
                                       .limits = x->limits};
     enum status st;
 
-    (void)snprintf(outcome, sizeof outcome, "%s%s", describe_decision(n->result.decision),
+    (void)snprintf(outcome, sizeof outcome, "%s%s",
+                   templates_decision(n->result.decision),
                    x->captured != NULL ? x->captured : "");
     if ((st = store_record_verification(g->c->store, &what, &out, e)) != ST_OK)
         return st;

@@ -104,6 +104,15 @@ void templates_free(struct templates *t)
 
 /* ---- comparing */
 
+const char *templates_decision(enum face_decision d)
+{
+    static const char *const name[] = {[FACE_MATCH] = "match",
+                                       [FACE_NO_MATCH] = "no_match",
+                                       [FACE_INCONCLUSIVE] = "inconclusive"};
+
+    return name[d];
+}
+
 static bool better(const struct face_result *a, const struct face_result *b)
 {
     static const int rank[] = {

@@ -86,6 +86,9 @@ enum status templates_nearest(const struct templates *t, bool fit,
                               const struct face *probe, struct nearest *out,
                               struct errinfo *e);
 
+/* templates_decision(d): "match", "no_match", "inconclusive". */
+const char *templates_decision(enum face_decision d);
+
 /* templates_judge(n, e): ST_EMIRRORED, and *e for the user, where the scan must be made again
  * with left and right in their places; else ST_OK.  It is as good a sign as a match: to be
  * reported after a failed attempt was counted, as no match. */

@@ -147,7 +147,7 @@ static enum status record(struct templates_context *c, struct verification *v,
 
     if (st != ST_OK || r->other != NULL)
         return st;
-    (void)snprintf(outcome, sizeof outcome, "%s%s", describe_decision(decision),
+    (void)snprintf(outcome, sizeof outcome, "%s%s", templates_decision(decision),
                    r->captured != NULL ? r->captured : "");
     if ((st = digest_probe(v, &probe, e)) != ST_OK ||
         (st = store_record_verification(c->store, &what, &v->recorded, e)) != ST_OK)

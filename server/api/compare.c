@@ -102,7 +102,7 @@ static void record_comparison(struct request *r, enum face_decision decision)
 {
     char outcome[CAPTURE_OUTCOME];
 
-    access_event(r, "compare", capture_outcome(r, describe_decision(decision), outcome));
+    access_event(r, "compare", capture_outcome(r, templates_decision(decision), outcome));
 }
 
 /* Where the token gets no more than decisions (neither detail nor manage), the measures are

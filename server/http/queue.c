@@ -21,8 +21,9 @@
 
 struct sender {
     uint64_t id;
-    double time_ms; /* its virtual time: what its requests have taken, or will */
-    double cost_ms; /* of its last requests */
+    double
+        time_ms; /* its virtual time: the processor's that its requests took, or will */
+    double cost_ms; /* of its last requests, likewise */
     double seen_ms;
     unsigned waiting, running;
 };
@@ -59,6 +60,15 @@ struct queue {
     unsigned workers, started;
     struct server *servers;
 };
+
+/* The processor time of this thread: what else the machine does makes no sender a heavy one. */
+static double cpu_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
 
 /* ---- what waits; the lock is held */
 
@@ -150,7 +160,7 @@ static struct request *begin(struct queue *q, struct server *s, struct waiting *
     if (w->kind != QUEUE_TOKEN) {
         s->sender = w->sender;
         s->heavy = is_heavy(w);
-        s->begin_ms = logger_clock_ms();
+        s->begin_ms = cpu_ms();
         s->charged_ms = w->sender->cost_ms;
         q->time_ms = fmax(q->time_ms, w->sender->time_ms);
         w->sender->time_ms += s->charged_ms;
@@ -168,9 +178,9 @@ static void end(struct queue *q, struct server *s)
     q->served++;
     if (of == NULL)
         return;
-    of->seen_ms = logger_clock_ms();
-    const double ms = of->seen_ms - s->begin_ms;
+    const double ms = cpu_ms() - s->begin_ms;
 
+    of->seen_ms = logger_clock_ms();
     of->running--;
     of->time_ms += ms - s->charged_ms;
     of->cost_ms = fmax(ms, FORGET * of->cost_ms);

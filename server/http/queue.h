@@ -1,6 +1,6 @@
 /* queue.h -- a bounded queue of requests, and the workers that serve it.
  * Time is shared fairly over senders, whatever each request takes: of all that wait, the sender is
- * served next that has had the least of the workers' time (start-time fair queueing; Goyal, Vin and
+ * served next that has had the least of the processor's time (start-time fair queueing; Goyal, Vin and
  * Cheng 1996).  A request that runs is not interrupted: so of two or more workers one takes no
  * heavy requests, that is, large ones and those of a sender whose last ones took long. */
 #ifndef SERVER_QUEUE_H
