@@ -61,11 +61,6 @@ alone() {
     done
 }
 
-# sees ROOM: the rooms that it sees
-sees() {
-    make -s layers | sed -n "s|^$1 ||p"
-}
-
 rooms=''
 make -s layers >"$list.rooms"
 while read -r room sees; do

@@ -325,7 +325,7 @@ static void growth(const struct study *study, const struct ivec3 *const all[2],
                                        500000, 700000, 1000000};
     static const char *const claim[STAGES] = {"1 (N log N)", "1", "-", "1",
                                               "1",           "1", "1"};
-    double n[SIZES], ms[SIZES][STAGES], y[SIZES], cells[SIZES];
+    double n[SIZES], ms[SIZES][STAGES], y[SIZES], cells[SIZES] = {0};
     size_t sizes = 0;
     FILE *f = study_open(study, "growth.csv"), *fit = study_open(study, "growth-fit.csv");
 

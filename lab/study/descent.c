@@ -187,7 +187,7 @@ double descent_simplex(struct descent *d, double x[DIM], double step, double lea
                        unsigned most)
 {
     const unsigned start = d->calls;
-    struct simplex s;
+    struct simplex s = {.f = {0}};
 
     for (int i = 0; i <= DIM; i++) {
         memcpy(s.x[i], x, sizeof s.x[i]);

@@ -266,9 +266,11 @@ void faces_run(const struct study *study)
 {
     struct face_work *w = face_work_new(NULL);
 
-    if (w == NULL)
+    if (w == NULL) {
         study_must(ST_ENOMEM);
-    figures(study, w);
-    weights(study, w);
+    } else {
+        figures(study, w);
+        weights(study, w);
+    }
     face_work_free(w);
 }
