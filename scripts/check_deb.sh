@@ -118,6 +118,10 @@ for file in surfaced.db surfaced.db.key; do
 done
 ok "the unit does not say --create" no run grep -rq '^ExecStart.*create' /lib/systemd/system/surfaced.service
 ok "surfacectl runs" run surfacectl --version
+for file in doc/surfaced/examples/grafana-dashboard.json doc/surfaced/examples/signed-capture \
+    bash-completion/completions/surfacectl; do
+    ok "it has $file" run test -s /usr/share/$file
+done
 ok "the settings are valid" run runuser -u surfaced -- surfaced --check-config
 ok "the service is enabled" run systemctl is-enabled surfaced.service
 ok "the socket is not enabled" no run systemctl is-enabled surfaced.socket
