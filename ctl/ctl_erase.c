@@ -3,26 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "describe.h"
 #include "ctl_command.h"
-
-static void out_receipt(struct json *o, const struct store_receipt *r)
-{
-    json_text(o, "subject", r->subject);
-    json_number(o, "templates_removed", r->templates);
-    json_array(o, "template_ids");
-    for (uint32_t i = 0; i < r->templates; i++)
-        json_text(o, NULL, r->template_id[i]);
-    json_close(o);
-    json_text(o, "subject_uid", r->uid);
-    json_text(o, "erased_at", r->at);
-    json_text(o, "digest", r->digest);
-    json_object(o, "audit");
-    json_number(o, "seq", (double)r->seq);
-    json_text(o, "hash", r->hash);
-    json_close(o);
-    json_text(o, "signature", r->signature);
-    json_text(o, "public_key", r->public_key);
-}
 
 /* What --dry-run prints of a deletion: the number of templates that would be deleted; it
  * fails where a hold forbids that.  what: "deletes ...". */
@@ -54,7 +36,7 @@ static enum status erase(struct ctl *c)
     if ((st = ctl_confirm(c, what, one.id)) != ST_OK)
         return st;
     if ((st = store_subject_erase(c->store, c->actor, one.id, &r, &c->e)) == ST_OK) {
-        out_receipt(c->out, &r);
+        describe_receipt(c->out, &r);
         ctl_say(c,
                 "deleted subject %s with %u template%s, at %s\n"
                 "  receipt   %s\n"

@@ -120,6 +120,10 @@ for file in surfaced.db surfaced.db.key; do
 done
 ok "the unit does not say --create" no run grep -rq '^ExecStart.*create' /lib/systemd/system/surfaced.service
 ok "surfacectl runs" run surfacectl --version
+for file in doc/surfaced/examples/grafana-dashboard.json doc/surfaced/examples/signed-capture \
+    bash-completion/completions/surfacectl; do
+    ok "it has $file" run test -s /usr/share/$file
+done
 ok "the settings are valid" run runuser -u surfaced -- surfaced --check-config
 ok "the service is enabled" run systemctl is-enabled surfaced.service
 ok "the socket is not enabled" no run systemctl is-enabled surfaced.socket
@@ -165,17 +169,21 @@ ok "the daemon verifies again" in_time probe
 echo "== lost, and put back"
 run systemctl stop surfaced.service
 ok "the database is good after a crash and a stop" surfacectl check-database
+anchor=/var/lib/surfaced/anchor # on a disk of its own, were this no test
+run sh -c "echo 'anchor = $anchor' >>/etc/surfaced.conf"
+ok "an anchor is made" surfacectl --anchor $anchor accept-state --yes
 run mv $db /var/lib/surfaced/away
 ok "the service does not start without its database" no run systemctl start surfaced.service
 ok "and makes none" no run test -e $db
 run sh -c "cp /var/lib/surfaced/away $db; chown surfaced: $db; chmod 600 $db"
-surfacectl token create later >"$log" 2>&1
+surfacectl --anchor $anchor token create later --scope verify >"$log" 2>&1
 run mv /var/lib/surfaced/away $db
 ok "nor with an older one" no run systemctl start surfaced.service
-ok "unless it is accepted" surfacectl accept-state --yes
+ok "unless it is accepted" surfacectl --anchor $anchor accept-state --yes
 run systemctl reset-failed surfaced.service
 ok "then it starts" run systemctl start surfaced.service
 ok "the daemon verifies once more" in_time probe
+run sed -i '/^anchor/d' /etc/surfaced.conf
 
 echo "== upgraded"
 run sh -c 'echo "queue = 77" >>/etc/surfaced.conf'

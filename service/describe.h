@@ -17,6 +17,7 @@ struct json;             /* json.h */
 struct minimal;          /* minimal.h */
 struct quality;          /* quality.h */
 struct scan_found;       /* scan.h */
+struct store_receipt;    /* store.h */
 struct store_subject;    /* store.h */
 struct store_template;   /* store.h */
 struct dry_run;          /* dry_run.h */
@@ -32,6 +33,9 @@ void describe_scan(struct json *j, const char *key, const struct scan_found *f);
 
 /* describe_subject(j, s): everything but its templates. */
 void describe_subject(struct json *j, const struct store_subject *s);
+
+/* describe_receipt(j, r): of an erasure, in full. */
+void describe_receipt(struct json *j, const struct store_receipt *r);
 
 /* describe_template(j, t, frame, how): frame as above.  how: also by whom and how far from the first
  * it was enrolled, for those alone who may know scores. */

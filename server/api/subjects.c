@@ -71,21 +71,7 @@ static char *write_erased(const struct store_receipt *r)
 {
     struct json *j = json_new();
 
-    json_text(j, "subject", r->subject);
-    json_number(j, "templates_removed", r->templates);
-    json_array(j, "template_ids");
-    for (uint32_t i = 0; i < r->templates; i++)
-        json_text(j, NULL, r->template_id[i]);
-    json_close(j);
-    json_text(j, "subject_uid", r->uid);
-    json_text(j, "erased_at", r->at);
-    json_text(j, "digest", r->digest);
-    json_object(j, "audit");
-    json_number(j, "seq", (double)r->seq);
-    json_text(j, "hash", r->hash);
-    json_close(j);
-    json_text(j, "signature", r->signature);
-    json_text(j, "public_key", r->public_key);
+    describe_receipt(j, r);
     return json_compact(j);
 }
 

@@ -40,8 +40,6 @@ id=$(get .template_id)
 ctl_exits 0 subject disable alice
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "disabled" 403 subject_disabled
-send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
-problem "by its template too" 403 subject_disabled
 ctl_exits 77 verify alice "$T/a2.ply"
 ok "surfacectl says why" grep -q 'alice is disabled' "$T/ctl.err"
 ctl_exits 77 explain alice "$T/a2.ply"
@@ -77,8 +75,6 @@ ok "seen by the daemon" test "$(said .last_seen)" != 2026-01-01T00:00:00.000Z
 ctl_exits 0 subject hold alice
 req DELETE /v1/subjects/alice
 problem "on hold" 409 on_hold
-req DELETE "/v1/templates/$id"
-problem "its template too" 409 on_hold
 ctl_exits 77 subject erase alice --yes
 ctl_exits 77 subject erase alice --dry-run
 ctl_exits 77 template delete "$id" --dry-run
