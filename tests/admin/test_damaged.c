@@ -1,7 +1,4 @@
 /* Databases that are damaged, foreign, newer or read-only, or without their key. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <sodium.h>
@@ -12,6 +9,7 @@
 #include "store.h"
 #include "tempdb.h"
 #include "tempdb_check.h"
+#include "unit.h"
 
 #define NOBODY 65534
 
@@ -39,12 +37,11 @@ static void assert_refused(const char *name, enum store_mode mode, enum status w
     assert_non_null(strstr(e.msg, says));
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     struct store *s;
     char name[128];
 
-    (void)state;
     tempdb_remove();
     assert_refused(tempdb_path, STORE_WRITE, ST_ENOTFOUND, tempdb_path);
     assert_refused(tempdb_path, STORE_READ, ST_ENOTFOUND, tempdb_path);
@@ -75,13 +72,12 @@ static void test_refused(void **state)
 }
 
 /* Another key, or none, opens nothing and changes nothing. */
-static void test_keys(void **state)
+TEST(test_keys)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     char key[128], away[128];
 
-    (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     store_close(s);
     (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
@@ -99,7 +95,7 @@ static void test_keys(void **state)
 }
 
 /* Paths that we may not write.  Root may write anywhere: then as another user. */
-static void test_unwritable(void **state)
+TEST(test_unwritable)
 {
     struct store *s = tempdb_fresh();
     struct store_subject *list;
@@ -107,7 +103,6 @@ static void test_unwritable(void **state)
     char name[128];
     size_t n;
 
-    (void)state;
     store_close(s);
     if (root) {
         assert_int_equal(chown(tempdb_dir, NOBODY, NOBODY), 0);
@@ -137,12 +132,11 @@ static void test_unwritable(void **state)
 }
 
 /* A version that comes while we have the database open. */
-static void test_ready(void **state)
+TEST(test_ready)
 {
     struct store *s = tempdb_fresh();
     char aside[128];
 
-    (void)state;
     tempdb_sql("PRAGMA user_version = 2");
     fails(store_ready(s, &e), ST_EVERSION);
     tempdb_sql("PRAGMA user_version = 1");
@@ -217,7 +211,7 @@ static struct store *written(void)
     return s;
 }
 
-static void test_damaged_rows(void **state)
+TEST(test_damaged_rows)
 {
     static const struct {
         const char *table;
@@ -261,7 +255,6 @@ static void test_damaged_rows(void **state)
           "mac = zeroblob(32)"}},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++)
         for (size_t k = 0; k < 14 && damage[i].set[k] != NULL; k++) {
             struct store *s = written();
@@ -280,14 +273,13 @@ static void test_damaged_rows(void **state)
 }
 
 /* More than one thread checks: each template is read once, also one of an odd key. */
-static void test_check_shares(void **state)
+TEST(test_check_shares)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     struct admin_check found;
     char subject[16];
 
-    (void)state;
     for (int i = 0; i < 200; i++) {
         (void)snprintf(subject, sizeof subject, "s%d", i);
         tempdb_enroll(s, subject, "", &tempdb_face[0], &t);
@@ -307,14 +299,12 @@ static void test_check_shares(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refused),      cmocka_unit_test(test_keys),
-        cmocka_unit_test(test_unwritable),   cmocka_unit_test(test_ready),
-        cmocka_unit_test(test_damaged_rows), cmocka_unit_test(test_check_shares),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("damaged", tests, tempdb_begin_faces,
-                                       tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

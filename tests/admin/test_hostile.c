@@ -2,9 +2,6 @@
  * returns the truth or an error: never another face, subject, token or threshold, never a crash.
  * Many changes at once, and rows: tests/fuzz/fuzz_database.c and tests/box/store-attacks.sh. */
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,6 +11,7 @@
 #include "facegen.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define POINTS    110
 #define THRESHOLD 8.4321
@@ -179,11 +177,10 @@ static void try_file(struct tally *t)
 
 /* ---- the tests */
 
-static void test_as_written(void **state)
+TEST(test_as_written)
 {
     struct tally t = {0};
 
-    (void)state;
     try_file(&t);
     assert_int_equal(t.whole, 1);
 }
@@ -209,12 +206,11 @@ static void flip(size_t first, struct tally *t)
     (void)unlink(path);
 }
 
-static void test_every_byte(void **state)
+TEST(test_every_byte)
 {
     pid_t child[PROCESSES];
     int status;
 
-    (void)state;
     for (size_t i = 0; i < PROCESSES; i++) {
         assert_true((child[i] = fork()) >= 0);
         if (child[i] == 0) {
@@ -233,20 +229,19 @@ static void test_every_byte(void **state)
     }
 }
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
     static struct dvec3 pts[POINTS];
     struct facegen_scan scan;
     struct store *s;
 
-    assert_int_equal(tempdb_begin(state), 0);
+    assert_int_equal(tempdb_begin(NULL), 0);
     (void)snprintf(path, sizeof path, "%s", tempdb_path);
     (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
     facegen_default(&scan);
     scan.points = POINTS;
-    if ((work = face_work_new(NULL)) == NULL ||
-        face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) != ST_OK)
-        return 1;
+    assert_false((work = face_work_new(NULL)) == NULL ||
+                 face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) != ST_OK);
     s = tempdb_fresh();
     fill(s);
     store_close(s);
@@ -255,24 +250,13 @@ static int set_up(void **state)
                "PRAGMA journal_mode=WAL");
     read_file();
     print_message("%zu bytes\n", size);
-    return 0;
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
     free(file);
     face_free(&face);
     face_free(&loaded);
     face_work_free(work);
-    return tempdb_end(state);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_as_written),
-        cmocka_unit_test(test_every_byte),
-    };
-
-    return cmocka_run_group_tests_name("hostile", tests, set_up, tear_down);
+    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -1,8 +1,5 @@
 /* Every secret made anew: all that a store tells stays, the logs go on, and nothing of the old keys
  * is left or good for anything.  What is not as it was written is not rekeyed. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "expect.h"
@@ -13,6 +10,7 @@
 #include "store_txn.h"
 #include "tempdb.h"
 #include "tempdb_check.h"
+#include "unit.h"
 
 static struct errinfo e;
 static const struct store_key usual = {.make = CRYPT_FILE};
@@ -106,7 +104,7 @@ static void assert_old_rows_refused(void)
     }
 }
 
-static void test_same(void **state)
+TEST(test_same)
 {
     static char before[FILLED_TEXT], after[FILLED_TEXT], hashes[FILLED_TEXT],
         more[FILLED_TEXT];
@@ -118,7 +116,6 @@ static void test_same(void **state)
     struct store_token t;
     struct log_end end;
 
-    (void)state;
     filled_look(s, before);
     filled_hashes(hashes);
     was = keys_of(s);
@@ -160,11 +157,10 @@ static void test_same(void **state)
 }
 
 /* The old database and its key are gone, unless they are kept. */
-static void test_files(void **state)
+TEST(test_files)
 {
     struct filled f;
 
-    (void)state;
     store_close(filled_fresh(&f));
     must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "me",
                      &e));
@@ -179,7 +175,7 @@ static void test_files(void **state)
 }
 
 /* Nothing that was not verified gets a new MAC; and all is as it was. */
-static void test_refused(void **state)
+TEST(test_refused)
 {
     static const char *const damage[] = {
         "UPDATE tokens SET revoked = NULL",
@@ -192,7 +188,6 @@ static void test_refused(void **state)
     };
     struct filled f;
 
-    (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
         enum status st;
 
@@ -209,12 +204,11 @@ static void test_refused(void **state)
 }
 
 /* A rekey that was killed has left a key. */
-static void test_interrupted(void **state)
+TEST(test_interrupted)
 {
     struct filled f;
     char next[80];
 
-    (void)state;
     store_close(filled_fresh(&f));
     (void)snprintf(next, sizeof next, "%s.key.new", tempdb_path);
     must(crypt_file_make(next, &e)); /* of nothing */
@@ -236,15 +230,12 @@ static void test_interrupted(void **state)
     store_close(tempdb_open(STORE_READ));
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same),
-        cmocka_unit_test(test_files),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_interrupted),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("rekey", tests, tempdb_begin_faces,
-                                       tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

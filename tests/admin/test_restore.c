@@ -1,9 +1,6 @@
 /* A backup in the place of the database: of what was there only a log that verifies and goes on from
  * the backup's is believed, and only erasures, revocations and removals.  And a state that is
  * accepted as it is. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "expect.h"
@@ -15,6 +12,7 @@
 #include "store_txn.h"
 #include "tempdb.h"
 #include "tempdb_check.h"
+#include "unit.h"
 
 static struct errinfo e;
 static const struct store_key usual = {.make = CRYPT_FILE};
@@ -86,7 +84,7 @@ static void assert_restored(void)
                      1);
 }
 
-static void test_restore(void **state)
+TEST(test_restore)
 {
     struct store *s = gone_on();
     struct admin_restored r;
@@ -94,7 +92,6 @@ static void test_restore(void **state)
     struct store *b;
     bool has;
 
-    (void)state;
     store_close(s);
     must(restore(true, &r));
     assert_true(access(aside, F_OK) != 0);
@@ -121,7 +118,7 @@ static void test_restore(void **state)
 }
 
 /* Rows of the database that is there are not asked: with its log as it was, they change nothing. */
-static void test_poisoned_rows(void **state)
+TEST(test_poisoned_rows)
 {
     static const char *const damage[] = {
         "UPDATE tokens SET revoked = NULL",
@@ -131,7 +128,6 @@ static void test_poisoned_rows(void **state)
         "DELETE FROM templates",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
         struct admin_restored r;
 
@@ -145,7 +141,7 @@ static void test_poisoned_rows(void **state)
 }
 
 /* A log that is not as it was written proves nothing: no erasure comes from it. */
-static void test_poisoned_log(void **state)
+TEST(test_poisoned_log)
 {
     static const char *const damage[] = {
         ("INSERT INTO change_log SELECT seq + 1, at, 'delete_subject', actor, (SELECT uid FROM "
@@ -161,7 +157,6 @@ static void test_poisoned_log(void **state)
         "UPDATE root SET secrets = zeroblob(136)",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
         struct admin_restored r;
         enum status st;
@@ -177,7 +172,7 @@ static void test_poisoned_log(void **state)
 }
 
 /* A backup that is not as it was written, or is of another database. */
-static void test_bad_backup(void **state)
+TEST(test_bad_backup)
 {
     static const char *const damage[] = {
         "UPDATE b.tokens SET revoked = NULL",
@@ -189,7 +184,6 @@ static void test_bad_backup(void **state)
     struct store *s;
     char sql[300];
 
-    (void)state;
     for (size_t i = 0; i < sizeof damage / sizeof *damage; i++) {
         store_close(gone_on());
         (void)snprintf(sql, sizeof sql, "ATTACH '%s' AS b; %s", backup, damage[i]);
@@ -209,14 +203,13 @@ static void test_bad_backup(void **state)
 }
 
 /* Nothing is there: by the key's file alone; and a backup that is newer than what is there. */
-static void test_missing(void **state)
+TEST(test_missing)
 {
     struct store *s = filled_fresh(&have);
     static char before[FILLED_TEXT], after[FILLED_TEXT];
     struct admin_restored r;
     char old[80];
 
-    (void)state;
     filled_look(s, before);
     make_backup(s);
     store_close(s);
@@ -239,7 +232,7 @@ static void test_missing(void **state)
 }
 
 /* The database was rekeyed since: the backup has another key, and the result the database's. */
-static void test_other_key(void **state)
+TEST(test_other_key)
 {
     static char before[FILLED_TEXT], after[FILLED_TEXT];
     struct store *s = filled_fresh(&have);
@@ -247,7 +240,6 @@ static void test_other_key(void **state)
     struct crypt_file *k;
     char old[100];
 
-    (void)state;
     filled_look(s, before);
     make_backup(s);
     store_close(s);
@@ -270,14 +262,13 @@ static void test_other_key(void **state)
 }
 
 /* The same beside the database that was rekeyed: its log goes on from the backup's. */
-static void test_rekeyed(void **state)
+TEST(test_rekeyed)
 {
     struct store *s = filled_fresh(&have);
     struct admin_restored r;
     struct store_subject one;
     char old[100];
 
-    (void)state;
     make_backup(s);
     store_close(s);
     must(admin_rekey(tempdb_path, &usual,
@@ -315,7 +306,7 @@ static enum status accept(bool dry, struct admin_accepted *out)
     return admin_accept(tempdb_path, &usual, "me", dry, note, NULL, out, &e);
 }
 
-static void test_accept(void **state)
+TEST(test_accept)
 {
     static const struct {
         const char *sql, *index, *rows;
@@ -339,7 +330,6 @@ static void test_accept(void **state)
          NULL, 1, 2, 2, 3, 2, true},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct admin_accepted a;
         struct store *s = filled_fresh(&have);
@@ -369,11 +359,10 @@ static void test_accept(void **state)
 }
 
 /* Two rows of one id; a log without an end.  An older state: tests/box/anchor.sh. */
-static void test_not_accepted(void **state)
+TEST(test_not_accepted)
 {
     struct admin_accepted a;
 
-    (void)state;
     store_close(filled_fresh(&have));
     tempdb_sql(
         "CREATE TABLE twin AS SELECT * FROM tokens; DROP TABLE tokens;"
@@ -383,25 +372,17 @@ static void test_not_accepted(void **state)
     assert_int_equal(accept(false, &a), ST_ECORRUPT);
 }
 
-static int begin(void **state)
+BEFORE_ALL(begin)
 {
-    const int done = tempdb_begin_faces(state);
+    const int done = tempdb_begin_faces(NULL);
 
     (void)snprintf(backup, sizeof backup, "%s-backup", tempdb_path);
     (void)snprintf(aside, sizeof aside, "%s.before-restore", tempdb_path);
     (void)snprintf(key_path, sizeof key_path, "%s.key", tempdb_path);
-    return done;
+    assert_int_equal(done, 0);
 }
 
-int main(void)
+AFTER_ALL(tempdb_end_faces_hook)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_restore),      cmocka_unit_test(test_poisoned_rows),
-        cmocka_unit_test(test_poisoned_log), cmocka_unit_test(test_bad_backup),
-        cmocka_unit_test(test_missing),      cmocka_unit_test(test_other_key),
-        cmocka_unit_test(test_rekeyed),      cmocka_unit_test(test_accept),
-        cmocka_unit_test(test_not_accepted),
-    };
-
-    return cmocka_run_group_tests_name("restore", tests, begin, tempdb_end_faces);
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

@@ -1,15 +1,7 @@
 /* Error rates: by hand, by brute force, and their confidence intervals. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "calibration.h"
 #include "rates.h"
+#include "unit.h"
 
 #define INF ((double)INFINITY)
 
@@ -45,11 +37,10 @@ static struct rates_figures figures(const double *g, const double *i, double thr
 #define LIST(...) ((const double[]){__VA_ARGS__, (double)NAN})
 #define NOTHING   ((const double[]){(double)NAN})
 
-static void test_by_hand(void **state)
+TEST(test_by_hand)
 {
     struct rates_figures f;
 
-    (void)state;
     f = figures(LIST(-1, -2, -3), LIST(-4, -5), -3.5); /* apart */
     assert_true(f.eer == 0 && f.eer_score == -3);
     assert_true(f.tar[0] == 1 && f.tar_score[0] == -3 && f.fmr == 0 && f.fnmr == 0);
@@ -69,24 +60,22 @@ static void test_by_hand(void **state)
     assert_true(f.eer == 0 && f.tar[2] == 1);
 }
 
-static void test_inconclusive(void **state)
+TEST(test_inconclusive)
 {
     struct rates_figures f = figures(LIST(2, -INF, -INF, -INF), LIST(1, -INF), -INF);
 
-    (void)state;
     assert_true(f.fmr == 0.5 && f.fnmr == 0.75); /* inconclusive never matches */
     assert_true(f.eer == 0.75);                  /* FMR and FNMR do not cross */
     f = figures(LIST(-INF), LIST(-INF), -INF);
     assert_true(f.fmr == 0 && f.fnmr == 1 && f.tar_score[0] == INF && f.eer == 1);
 }
 
-static void test_nothing(void **state)
+TEST(test_nothing)
 {
     struct rates_figures f = figures(NOTHING, NOTHING, 1);
     struct rates_score nan = {(double)NAN, 0, 0}, most = {INF, 0, 0}, far = {1, 0, 2};
     struct rates *r;
 
-    (void)state;
     assert_true(isnan(f.eer) && isnan(f.fmr) && isnan(f.fnmr) && isnan(f.tar[0]));
     f = figures(LIST(1, 2), NOTHING, 2); /* one subject: no non-mated scores */
     assert_true(isnan(f.eer) && isnan(f.fmr) && f.fnmr == 0.5 && isnan(f.tar[0]));
@@ -99,11 +88,10 @@ static void test_nothing(void **state)
 }
 
 /* Random scores with many ties, against the definitions. */
-static void test_brute_force(void **state)
+TEST(test_brute_force)
 {
     uint64_t seed = 1;
 
-    (void)state;
     for (int round = 0; round < 300; round++) {
         struct rates_score s[120];
         const size_t n = 2 + rates_below(&seed, 118);
@@ -165,9 +153,8 @@ static void test_brute_force(void **state)
     }
 }
 
-static void test_rule_of_3(void **state)
+TEST(test_rule_of_3)
 {
-    (void)state;
     assert_true(rates_least(0) == INF && rates_least(300) == 0.01);
     assert_true(rates_supported(0.01, 300) && !rates_supported(0.01, 299));
     assert_int_equal(rates_needed(0.01), 300);
@@ -178,14 +165,13 @@ static void test_rule_of_3(void **state)
     assert_false(rates_supported(0, 1000000));
 }
 
-static void test_no_replicates(void **state)
+TEST(test_no_replicates)
 {
     const struct rates_score one = {1, 0, 0};
     struct rates *r = rates(&one, 1, 1);
     struct rates_figures low, high;
     double at[2];
 
-    (void)state;
     assert_int_equal(rates_bootstrap(r, 0, 0, 7, &low, &high), ST_EINVAL);
     assert_int_equal(rates_at_bootstrap(r, 0.5, 0, 7, &at[0], &at[1]), ST_EINVAL);
     rates_free(r);
@@ -239,13 +225,12 @@ static void points(double *v, size_t n, double *low, double *high)
     *high = m > 0 ? v[(size_t)(0.975 * (double)(m - 1) + 0.5)] : (double)NAN;
 }
 
-static void test_bootstrap_brute_force(void **state)
+TEST(test_bootstrap_brute_force)
 {
     enum { REPLICATES = 60, SUBJECTS = 7 };
     static double figure[FIGURES][REPLICATES];
     uint64_t seed = 11;
 
-    (void)state;
     for (unsigned round = 0; round < 40; round++) {
         struct rates_score s[90];
         const size_t n = 10 + rates_below(&seed, 80);
@@ -297,12 +282,11 @@ static void test_bootstrap_brute_force(void **state)
     }
 }
 
-static void test_random(void **state)
+TEST(test_random)
 {
     uint64_t seed = 5;
     int count[7] = {0};
 
-    (void)state;
     for (int i = 0; i < 70000; i++)
         count[rates_below(&seed, 7)]++;
     for (int i = 0; i < 7; i++)
@@ -338,12 +322,11 @@ static struct rates *scores(uint32_t subjects, double inconclusive)
     return r;
 }
 
-static void test_learned(void **state)
+TEST(test_learned)
 {
     static const double wanted[] = {0.001, 0.0013, 0.01, 0.1, 0.5};
     struct rates *r = scores(SUBJECTS, 0);
 
-    (void)state;
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         struct calibration d;
         bool knot = false;
@@ -366,12 +349,11 @@ static void test_learned(void **state)
     rates_free(r);
 }
 
-static void test_learned_from_little(void **state)
+TEST(test_learned_from_little)
 {
     struct calibration d;
     struct rates *r = scores(12, 0);
 
-    (void)state;
     assert_int_equal(rates_calibrate(r, 0.001, &d), ST_ETOOFEW); /* 132 comparisons */
     assert_int_equal(rates_calibrate(r, 0.05, &d), ST_OK);
     assert_true(calibration_valid(&d));
@@ -388,9 +370,8 @@ static void test_learned_from_little(void **state)
     rates_free(r);
 }
 
-static void test_subjects(void **state)
+TEST(test_subjects)
 {
-    (void)state;
     assert_int_equal(rates_subjects(0.001), 78);
     assert_int_equal(rates_subjects(0.0001), 246);
     assert_int_equal(rates_subjects(1), 3);
@@ -400,23 +381,4 @@ static void test_subjects(void **state)
         assert_true(n * (n - 1) / 2 >= 3 / rate - 1e-5);
         assert_true((n - 1) * (n - 2) / 2 < 3 / rate);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_by_hand),
-        cmocka_unit_test(test_inconclusive),
-        cmocka_unit_test(test_nothing),
-        cmocka_unit_test(test_brute_force),
-        cmocka_unit_test(test_rule_of_3),
-        cmocka_unit_test(test_no_replicates),
-        cmocka_unit_test(test_bootstrap_brute_force),
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_learned),
-        cmocka_unit_test(test_learned_from_little),
-        cmocka_unit_test(test_subjects),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

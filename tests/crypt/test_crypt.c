@@ -1,22 +1,13 @@
 /* Keys and what they encrypt: only the right key decrypts, only the bytes that were
  * encrypted, only in their place. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <sodium.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "errinfo.h"
 #include "crypt_file.h"
 #include "crypt.h"
+#include "unit.h"
 
 static char dir[64], path[96];
 static struct errinfo e;
@@ -30,7 +21,7 @@ static void make(struct crypt_root *root, struct crypt **v)
 }
 
 /* Each bit of the key, of the associated data and of the encrypted bytes counts. */
-static void test_encrypted(void **state)
+TEST(test_encrypted)
 {
     const char text[] = "the volume between two surfaces";
     unsigned char about[] = "row 7, column 3", key[CRYPT_KEY], out[sizeof text];
@@ -40,7 +31,6 @@ static void test_encrypted(void **state)
         size_t n;
     } part[] = {{key, sizeof key}, {about, sizeof about}, {in, sizeof in}};
 
-    (void)state;
     randombytes_buf(key, sizeof key);
     crypt_encrypt(key, about, sizeof about, text, sizeof text, in);
     assert_true(crypt_decrypt(key, about, sizeof about, in, sizeof in, out));
@@ -57,14 +47,13 @@ static void test_encrypted(void **state)
         assert_false(crypt_decrypt(key, about, sizeof about, in, n, out));
 }
 
-static void test_root(void **state)
+TEST(test_root)
 {
     struct crypt_root root, bad;
     struct crypt *v, *again;
     unsigned char uid[16] = "somebody", key[CRYPT_KEY] = "their key", got[CRYPT_KEY];
     unsigned char wrapped[CRYPT_WRAPPED], a[CRYPT_HASH], b[CRYPT_HASH];
 
-    (void)state;
     make(&root, &v);
     crypt_wrap(v, label, uid, key, wrapped);
     crypt_lookup(v, "subject", "alice", 5, a);
@@ -103,13 +92,12 @@ static void test_root(void **state)
 }
 
 /* A passphrase; two databases of one passphrase have nothing in common. */
-static void test_passphrase(void **state)
+TEST(test_passphrase)
 {
     struct crypt_root root, next;
     struct crypt *v, *w, *again;
     unsigned char a[CRYPT_HASH], b[CRYPT_HASH], sign[CRYPT_SIGN], public[CRYPT_KEY];
 
-    (void)state;
     assert_int_equal(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &root, &v, &e),
                      ST_OK);
     assert_int_equal(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &next, &w, &e),
@@ -152,7 +140,7 @@ static enum status read_key(const char *text, size_t n, mode_t mode,
     return crypt_file_read(path, k, &e);
 }
 
-static void test_keyfile(void **state)
+TEST(test_keyfile)
 {
     static char line[CRYPT_SECRET_MAX + 2];
     static const struct {
@@ -176,7 +164,6 @@ static void test_keyfile(void **state)
     struct crypt_file *k;
     struct stat sb;
 
-    (void)state;
     assert_int_equal(crypt_file_read(path, &k, &e), ST_ENOTFOUND);
     assert_int_equal(crypt_file_make(path, &e), ST_OK);
     assert_int_equal(stat(path, &sb), 0);
@@ -208,30 +195,14 @@ static void test_keyfile(void **state)
     (void)unlink(path);
 }
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
-    (void)state;
     (void)snprintf(dir, sizeof dir, "/tmp/test_crypt.XXXXXX");
-    if (mkdtemp(dir) == NULL || sodium_init() < 0)
-        return 1;
+    assert_false(mkdtemp(dir) == NULL || sodium_init() < 0);
     (void)snprintf(path, sizeof path, "%s/key", dir);
-    return 0;
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
-    (void)state;
-    return rmdir(dir);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_encrypted),
-        cmocka_unit_test(test_root),
-        cmocka_unit_test(test_passphrase),
-        cmocka_unit_test(test_keyfile),
-    };
-
-    return cmocka_run_group_tests_name("crypt", tests, set_up, tear_down);
+    assert_int_equal(rmdir(dir), 0);
 }

@@ -1,21 +1,13 @@
 /* An export of the audit log, verified with the public key alone: only where its last change is
  * signed by the key given, whatever key the file names. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <sodium.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "crypt.h"
 #include "ctl_review.h"
 #include "fixed_keys.h"
 #include "log_entry.h"
+#include "unit.h"
 
 #define CHANGES  5
 #define ACCESSES 4
@@ -120,9 +112,8 @@ static struct log_walk review(const char *key)
     return w;
 }
 
-static void test_signed(void **state)
+TEST(test_signed)
 {
-    (void)state;
     make();
     write_file(CHANGES, ACCESSES, hex_key);
     assert_int_equal(review(hex_key).checkpoints, 2);
@@ -156,9 +147,8 @@ static void test_signed(void **state)
 }
 
 /* All made anew by somebody, under a key of their own: the finding that a file's own key is no key. */
-static void test_made_anew(void **state)
+TEST(test_made_anew)
 {
-    (void)state;
     make();
     (void)snprintf(change[0].actor, sizeof change[0].actor, "mallory");
     for (int i = 0; i < CHANGES; i++)
@@ -171,7 +161,7 @@ static void test_made_anew(void **state)
     assert_non_null(strstr(said, "entries from 1 on are not signed by the key given"));
 }
 
-static void test_malformed(void **state)
+TEST(test_malformed)
 {
     static const char *const line[] = {
         "nonsense\n", "{}\n", "{\"log\":\"changes\"}\n",
@@ -180,7 +170,6 @@ static void test_malformed(void **state)
     struct ctl c = {.nargs = 1, .args = (char *[]){path}, .public_key = hex_key};
     struct log_walk w;
 
-    (void)state;
     for (size_t i = 0; i < sizeof line / sizeof *line; i++) {
         FILE *f;
 
@@ -201,39 +190,24 @@ static void test_malformed(void **state)
     assert_int_equal(ctl_review_file(&c, note, &w), ST_ENOTFOUND);
 }
 
-static int begin(void **state)
+BEFORE_ALL(begin)
 {
     static const unsigned char master[CRYPT_KEY] = "another";
     unsigned char public[CRYPT_KEY];
     struct crypt_root root;
     const int fd = mkstemp(path);
 
-    (void)state;
-    if (fd < 0 || close(fd) != 0 || (keys = fixed_keys()) == NULL ||
-        crypt_make(CRYPT_FILE, master, sizeof master, &root, &others, NULL) != ST_OK)
-        return 1;
+    assert_false(fd < 0 || close(fd) != 0 || (keys = fixed_keys()) == NULL ||
+                 crypt_make(CRYPT_FILE, master, sizeof master, &root, &others, NULL) !=
+                     ST_OK);
     crypt_public(keys, public);
     (void)sodium_bin2hex(hex_key, sizeof hex_key, public, CRYPT_KEY);
     (void)sodium_bin2hex(hex_other, sizeof hex_other, root.public, CRYPT_KEY);
-    return 0;
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
-    (void)state;
     (void)unlink(path);
     crypt_free(keys);
     crypt_free(others);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_signed),
-        cmocka_unit_test(test_made_anew),
-        cmocka_unit_test(test_malformed),
-    };
-
-    return cmocka_run_group_tests_name("review", tests, begin, end);
 }

@@ -1,14 +1,12 @@
 /* link: -Wl,--wrap=clock_gettime */
 /* The audit log of a store: lists, trims, signed entries, receipts; what another program changes in
  * its rows is found, with its place. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "expect.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define ACCESSES 11
 
@@ -84,7 +82,7 @@ static struct store *written(int old)
 }
 
 /* Of the file: what a walk says of each sort of change is in tests/log/test_log_walk.c. */
-static void test_tampered(void **state)
+TEST(test_tampered)
 {
     static const struct {
         const char *sql;
@@ -110,7 +108,6 @@ static void test_tampered(void **state)
         {"DELETE FROM subjects", LOG_CHANGES, 4, "the rows are not those of the last"},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct store *s = written(0);
         struct found f = verify(s);
@@ -128,13 +125,12 @@ static void test_tampered(void **state)
 }
 
 /* The oldest accesses are cut off; the chain goes on from there, and every other loss is found. */
-static void test_trim(void **state)
+TEST(test_trim)
 {
     struct store *s = written(0);
     struct found f;
     uint64_t cut;
 
-    (void)state;
     fails(store_audit_trim(s, "test", 0, false, &cut, &e), ST_EINVAL);
     must(store_audit_trim(s, "test", 30, false, &cut, &e));
     assert_int_equal(cut, 0); /* none is as old, and nothing is said */
@@ -166,7 +162,7 @@ static void test_trim(void **state)
     }
 }
 
-static void test_signed(void **state)
+TEST(test_signed)
 {
     unsigned char public[CRYPT_KEY], other[CRYPT_KEY] = {0};
     struct store *s = tempdb_fresh();
@@ -174,7 +170,6 @@ static void test_signed(void **state)
     struct log_end at;
     bool has;
 
-    (void)state;
     event(s, "verify", "");
     must(store_audit_sign(s, "test", LOG_EXPORT, &one, &e));
     must(store_audit_public(s, public, &e));
@@ -217,7 +212,7 @@ static void assert_kinds(struct store *s, const struct store_audit_filter *filte
     assert_string_equal(kinds, wanted);
 }
 
-static void test_list(void **state)
+TEST(test_list)
 {
     static const enum log_name accesses = LOG_ACCESSES, changes = LOG_CHANGES;
     struct store *s = tempdb_fresh();
@@ -225,7 +220,6 @@ static void test_list(void **state)
     unsigned char uid[STORE_UID];
     size_t n;
 
-    (void)state;
     add(s, "alice");
     event(s, "verify", "alice");
     event(s, "compare", "bob"); /* no subject */
@@ -276,7 +270,7 @@ static void test_list(void **state)
     store_close(s);
 }
 
-static void test_receipt(void **state)
+TEST(test_receipt)
 {
     static const enum log_name changes = LOG_CHANGES;
     struct store *s = tempdb_fresh();
@@ -285,7 +279,6 @@ static void test_receipt(void **state)
     unsigned char public[CRYPT_KEY];
     char hex[2 * CRYPT_KEY + 1] = "";
 
-    (void)state;
     fails(store_subject_erase(s, "test", "alice", &r, &e), ST_ENOTFOUND);
     store_receipt_free(&r);
     add(s, "alice");
@@ -326,13 +319,12 @@ static void test_receipt(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tampered), cmocka_unit_test(test_trim),
-        cmocka_unit_test(test_signed),   cmocka_unit_test(test_list),
-        cmocka_unit_test(test_receipt),
-    };
+    assert_int_equal(tempdb_begin(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("audit", tests, tempdb_begin, tempdb_end);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -1,12 +1,11 @@
 /* Devices and what they sign: names and keys, nonces that are good once. */
 #include <pthread.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sodium.h>
 
 #include "expect.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 
@@ -52,7 +51,7 @@ static void make_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1])
     assert_int_equal(strlen(nonce), STORE_NONCE_TEXT);
 }
 
-static void test_names(void **state)
+TEST(test_names)
 {
     static const char *const bad[] = {"", "a b", "a;b", "a=b",
                                       "123456789012345678901234567890123"};
@@ -61,7 +60,6 @@ static void test_names(void **state)
     struct store_device d, *list;
     size_t n;
 
-    (void)state;
     add(s, "12345678901234567890123456789012");
     add(s, "door-1");
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
@@ -82,13 +80,12 @@ static void test_names(void **state)
     store_close(s);
 }
 
-static void test_nonces(void **state)
+TEST(test_nonces)
 {
     char nonce[STORE_NONCE_TEXT + 1], other[STORE_NONCE_TEXT + 1];
     struct store *s = tempdb_fresh();
     struct store_capture c;
 
-    (void)state;
     add(s, "door-1");
     make_nonce(s, nonce);
     make_nonce(s, other);
@@ -139,14 +136,13 @@ static void *run(void *arg)
 }
 
 /* Many at once: one of them has the nonce. */
-static void test_at_once(void **state)
+TEST(test_at_once)
 {
     struct taker t[THREADS];
     char nonce[STORE_NONCE_TEXT + 1];
     struct store *s = tempdb_fresh();
     int taken = 0;
 
-    (void)state;
     add(s, "door-1");
     make_nonce(s, nonce);
     for (int i = 0; i < THREADS; i++) {
@@ -163,13 +159,12 @@ static void test_at_once(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_names),
-        cmocka_unit_test(test_nonces),
-        cmocka_unit_test(test_at_once),
-    };
+    assert_int_equal(tempdb_begin(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("devices", tests, tempdb_begin, tempdb_end);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -1,14 +1,9 @@
 /* The digest of a face's points: SHA-256 as db/FORMAT.md says, whatever the points' numbers. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "delaunay.h"
 #include "digest.h"
 #include "mem.h"
 #include "mesh.h"
+#include "unit.h"
 
 #define POINTS 5
 
@@ -25,7 +20,7 @@ static void digest(const struct ivec3 *pts, char hex[65])
 
 /* Every rotation of the points' order gives the digest that another program gave; a point moved
  * by 1 um gives another. */
-static void test_digest(void **state)
+TEST(test_digest)
 {
     struct ivec3 pts[2 * POINTS] = {{-50000, -50000, -1000},
                                     {0, 0, 20000},
@@ -34,7 +29,6 @@ static void test_digest(void **state)
                                     {50000, 50000, -1000}};
     char hex[65];
 
-    (void)state;
     for (int i = 0; i < POINTS; i++)
         pts[POINTS + i] = pts[i];
     for (int i = 0; i < POINTS; i++) {
@@ -46,11 +40,4 @@ static void test_digest(void **state)
     digest(pts, hex);
     assert_string_not_equal(
         hex, "ef674ca9982193727655fe151dd2bbaca52513ce1a012f83e30e4ea818c36d60");
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_digest)};
-
-    return cmocka_run_group_tests_name("digest", tests, NULL, NULL);
 }

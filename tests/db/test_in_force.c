@@ -1,9 +1,4 @@
 /* Calibrations: stored, followed by a worker at once, refused when damaged. */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "expect.h"
 #include "in_force.h"
 #include "face.h"
@@ -12,6 +7,7 @@
 #include "model_digest.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 
@@ -35,13 +31,12 @@ static void add(struct store *s, struct store_calibration *k)
     must(store_calibration_add(s, "test", k, &e));
 }
 
-static void test_kept(void **state)
+TEST(test_kept)
 {
     struct store *s = tempdb_fresh();
     struct store_calibration a = example(0.6), b = example(0.7), got, *list;
     size_t n;
 
-    (void)state;
     fails(store_calibration_get(s, &got, &e), ST_ENOTFOUND);
     must(store_calibration_list(s, &list, &n, &e));
     assert_int_equal(n, 0);
@@ -69,12 +64,11 @@ static void test_kept(void **state)
     assert_int_equal(tempdb_count("change_log WHERE kind = 'calibrate'"), 2);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     struct store *s = tempdb_fresh();
     struct store_calibration k;
 
-    (void)state;
     for (int i = 0; i < 7; i++) {
         double *const of[] = {&k.fmr,
                               &k.fmr,
@@ -109,14 +103,13 @@ static struct face_result compare(void)
     return r;
 }
 
-static void test_followed(void **state)
+TEST(test_followed)
 {
     struct store *s = tempdb_fresh();
     struct store_calibration k = example(-700), in;
     int64_t version = 0;
     struct face_result r;
 
-    (void)state;
     must(in_force_get(s, &in, &e));
     assert_true(in.shipped && in.version == 0);
     must(in_force_follow(s, tempdb_work, &version, &e));
@@ -167,14 +160,13 @@ static void test_followed(void **state)
 
 /* A calibration holds for the model that it was made with; else the model's own
  * decides. */
-static void test_other_model(void **state)
+TEST(test_other_model)
 {
     struct model *m = malloc(sizeof *m);
     struct store_calibration k = example(0.6), in;
     struct store *s = tempdb_fresh();
     char ours[FACE_ENGINE_MAX + 1];
 
-    (void)state;
     assert_non_null(m);
     *m = model_default;
     m->name[0]++;
@@ -203,14 +195,12 @@ static void test_other_model(void **state)
     free(m);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kept),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_followed),
-        cmocka_unit_test(test_other_model),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

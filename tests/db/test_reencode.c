@@ -1,10 +1,5 @@
 /* Templates of another engine are re-encoded from their points, in memory or for good:
  * with the same bits, however often. */
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "expect.h"
 #include "codec.h"
 #include "digest.h"
@@ -14,6 +9,7 @@
 #include "model_digest.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define POINTS 1500
 #define BYTES  65536 /* more than a model of so many points */
@@ -84,13 +80,12 @@ static void make_models(void)
 /* ---- faces */
 
 /* Laying spikes flat again would change the points once more. */
-static void test_spikes(void **state)
+TEST(test_spikes)
 {
     static struct bytes first, again;
     char digest[65], same[65];
     struct face f = {0};
 
-    (void)state;
     make(1, 0.05, 1, SHIPPED, &f);
     assert_int_equal(digest_points(&f.surface.mesh, digest), ST_OK);
     assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
@@ -107,11 +102,10 @@ static void test_spikes(void **state)
 }
 
 /* A template of another engine, marked as this one's. */
-static void test_engines(void **state)
+TEST(test_engines)
 {
     static struct bytes theirs, ours, again;
 
-    (void)state;
     for (int i = SHIFTED; i <= HOLDS; i++) {
         struct face f = {0}, g = {0};
 
@@ -131,9 +125,8 @@ static void test_engines(void **state)
     }
 }
 
-static void test_same_engine(void **state)
+TEST(test_same_engine)
 {
-    (void)state;
     assert_true(
         face_same_engine("surfaced/1 measure/2 model/a", "x/2 measure/2 model/a"));
     assert_false(
@@ -175,7 +168,7 @@ static uint64_t count(struct store *s)
 }
 
 /* Loaded as the shipped engine makes it before and after it is stored so. */
-static void test_store(void **state)
+TEST(test_store)
 {
     static struct bytes ours, loaded;
     struct store_template was, is;
@@ -185,7 +178,6 @@ static void test_store(void **state)
     bool done;
     size_t n;
 
-    (void)state;
     for (int i = SHIFTED; i <= HOLDS; i++) {
         make(4, 0, 1, SHIPPED, &f);
         encode(&f, &ours);
@@ -226,7 +218,7 @@ static void test_store(void **state)
 }
 
 /* A template that cannot be re-encoded is never compared, and stays. */
-static void test_stays(void **state)
+TEST(test_stays)
 {
     static struct bytes before, after;
     struct store_template was, is;
@@ -234,7 +226,6 @@ static void test_stays(void **state)
     struct store *s = open_for(HOLLOW);
     bool done = true;
 
-    (void)state;
     make(2, 0, -1, HOLLOW, &f);
     tempdb_enroll(s, "x", "left", &f, &was);
     load(s, was.id, HOLLOW, &before);
@@ -260,26 +251,15 @@ static void test_stays(void **state)
     face_free(&f);
 }
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
     make_models();
-    return tempdb_begin(state);
+    assert_int_equal(tempdb_begin(NULL), 0);
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
     for (int i = 0; i < ENGINES; i++)
         face_work_free(work[i]);
-    return tempdb_end(state);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spikes),      cmocka_unit_test(test_engines),
-        cmocka_unit_test(test_same_engine), cmocka_unit_test(test_store),
-        cmocka_unit_test(test_stays),
-    };
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    assert_int_equal(tempdb_end(NULL), 0);
 }

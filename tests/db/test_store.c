@@ -1,8 +1,5 @@
 /* The store: templates, subjects and events. */
 #include <pthread.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sqlite3.h>
 
@@ -10,10 +7,11 @@
 #include "face.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 
-static void test_templates(void **state)
+TEST(test_templates)
 {
     struct store *s = tempdb_fresh();
     struct store_template a, b, got, *list;
@@ -23,7 +21,6 @@ static void test_templates(void **state)
     bool created = true;
     size_t n;
 
-    (void)state;
     assert_int_equal(stat(tempdb_path, &sb), 0);
     assert_int_equal(sb.st_mode & 0777, 0600);
     must(store_ready(s, &e));
@@ -92,14 +89,13 @@ static enum status after(struct store *s, const char *subject, int face,
 }
 
 /* An enrolment that was decided on templates that have changed since. */
-static void test_enroll_after(void **state)
+TEST(test_enroll_after)
 {
     struct store *s = tempdb_fresh();
     struct store_template a, b, t;
     struct store_subject who;
     bool created;
 
-    (void)state;
     assert_int_equal(after(s, "alice", 0, "", &a, &created), ST_OK);
     assert_int_equal(after(s, "alice", 1, "", &t, &created), ST_EEXISTS);
     assert_false(created);
@@ -120,7 +116,7 @@ static void test_enroll_after(void **state)
 }
 
 /* Several samples at once: each a template, but for what is there already; all of them or none. */
-static void test_enroll_several(void **state)
+TEST(test_enroll_several)
 {
     struct store *s = tempdb_fresh();
     char read[65] = "";
@@ -140,7 +136,6 @@ static void test_enroll_several(void **state)
     bool created[5];
     size_t n;
 
-    (void)state;
     memset(read, 'a', 64);
     bad.surface.mesh.nt = 0;
     sample[4].face = &bad;
@@ -172,7 +167,7 @@ static void test_enroll_several(void **state)
     assert_int_equal(tempdb_count("change_log WHERE kind = 'enroll'"), 3);
 }
 
-static void test_subjects(void **state)
+TEST(test_subjects)
 {
     struct store *s = tempdb_fresh();
     struct store_template t, gone, *list;
@@ -183,7 +178,6 @@ static void test_subjects(void **state)
     int seen = 0;
     size_t n;
 
-    (void)state;
     for (int i = 0; i < 25; i++) {
         (void)snprintf(name, sizeof name, "s%02d", (i * 7) % 25);
         tempdb_enroll(s, name, "", &tempdb_face[i % TEMPDB_FACES], &t);
@@ -211,13 +205,12 @@ static void test_subjects(void **state)
     store_close(s);
 }
 
-static void test_events(void **state)
+TEST(test_events)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_stats stats;
 
-    (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     must(store_event(s, "verify", "test", "alice", t.id, "match", &e));
     must(store_event(s, "compare", "", "", "", "no_match", &e));
@@ -239,7 +232,7 @@ static void test_events(void **state)
                      1);
 }
 
-static void test_bad_arguments(void **state)
+TEST(test_bad_arguments)
 {
     static const char *const subject[] = {"",         "a b", "a/b", "../a", "a\n",
                                           "\xc3\xa4", "a;b", ".",   ".."};
@@ -250,7 +243,6 @@ static void test_bad_arguments(void **state)
     char longest[STORE_SUBJECT_MAX + 2], text[STORE_LABEL_MAX + 2];
     bool created;
 
-    (void)state;
     for (size_t i = 0; i < sizeof subject / sizeof *subject; i++) {
         assert_false(ident_subject_valid(subject[i]));
         fails(tempdb_store(s, "", subject[i], "", &tempdb_face[0], &t, &created, &e),
@@ -318,13 +310,12 @@ static bool in_files(const void *needle, size_t len)
 }
 
 /* Nothing of a deleted model is left in the files. */
-static void test_erased(void **state)
+TEST(test_erased)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     unsigned char key[72], model[64];
 
-    (void)state;
     tempdb_enroll(s, "keep", "", &tempdb_face[0], &t);
     tempdb_enroll(s, "gone", "", &tempdb_face[1], &t);
     blob("SELECT key FROM subjects ORDER BY subject_key DESC LIMIT 1", key, sizeof key);
@@ -368,15 +359,14 @@ static void erase_while_read(bool by_another)
     store_close(s);
 }
 
-static void test_erased_while_read(void **state)
+TEST(test_erased_while_read)
 {
-    (void)state;
     erase_while_read(false);
     erase_while_read(true);
 }
 
 /* What is stored of a subject cannot be read with the file alone. */
-static void test_encrypted(void **state)
+TEST(test_encrypted)
 {
     struct store *s = tempdb_fresh();
     struct store_subject who = {
@@ -384,7 +374,6 @@ static void test_encrypted(void **state)
     struct store_template t;
     bool created;
 
-    (void)state;
     must(store_subject_add(s, "test", &who, &e));
     fails(store_subject_add(s, "test", &who, &e), ST_EEXISTS);
     must(tempdb_store(s, "test", "mary-jane", "left camera", &tempdb_face[1], &t,
@@ -452,13 +441,12 @@ static void *writer(void *arg)
     return (void *)bad;
 }
 
-static void test_threads(void **state)
+TEST(test_threads)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     pthread_t thread[5];
 
-    (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     for (int i = 0; i < 5; i++)
         assert_int_equal(pthread_create(&thread[i], NULL, i == 0 ? writer : reader, s),
@@ -474,21 +462,12 @@ static void test_threads(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_templates),
-        cmocka_unit_test(test_enroll_after),
-        cmocka_unit_test(test_enroll_several),
-        cmocka_unit_test(test_subjects),
-        cmocka_unit_test(test_events),
-        cmocka_unit_test(test_bad_arguments),
-        cmocka_unit_test(test_erased),
-        cmocka_unit_test(test_encrypted),
-        cmocka_unit_test(test_erased_while_read),
-        cmocka_unit_test(test_threads),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("store", tests, tempdb_begin_faces,
-                                       tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

@@ -1,13 +1,10 @@
 /* What is stored of a subject, and how it changes: set, renamed, held, disabled, seen,
  * due; each change is one transaction with its event. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "expect.h"
 #include "face.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 
@@ -49,14 +46,13 @@ static enum status hold(struct store *s, const char *subject, bool held)
                              &(struct store_subject_change){.hold = &held}, &e);
 }
 
-static void test_set(void **state)
+TEST(test_set)
 {
     struct store *s = tempdb_fresh();
     struct store_template t, got;
     struct store_subject one;
     char longer[STORE_NOTE_MAX + 2];
 
-    (void)state;
     enroll(s, "alice", &t);
     assert_int_equal(set(s, "alice", "C-17", "the door", "2031-01-02T03:04:05.678Z"),
                      ST_OK);
@@ -89,7 +85,7 @@ static void test_set(void **state)
 }
 
 /* All of a change or nothing, with an event for each part. */
-static void test_together(void **state)
+TEST(test_together)
 {
     const bool yes = true, no = false;
     struct store_subject_change what = {.reference = "C-1",
@@ -100,7 +96,6 @@ static void test_together(void **state)
     struct store_template t;
     struct store_subject one;
 
-    (void)state;
     enroll(s, "alice", &t);
     assert_false(get(s, "alice").expired);
     must(store_subject_set(s, "me", "alice", &what, &e));
@@ -130,14 +125,13 @@ static void test_together(void **state)
     store_close(s);
 }
 
-static void test_rename(void **state)
+TEST(test_rename)
 {
     struct store *s = tempdb_fresh();
     struct store_template t, *list;
     struct store_subject one;
     size_t n;
 
-    (void)state;
     enroll(s, "alice", &t);
     enroll(s, "bob", &t);
     assert_int_equal(set(s, "alice", "C-17", NULL, NULL), ST_OK);
@@ -165,13 +159,12 @@ static void test_rename(void **state)
     store_close(s);
 }
 
-static void test_hold(void **state)
+TEST(test_hold)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
 
-    (void)state;
     enroll(s, "alice", &t);
     assert_int_equal(hold(s, "alice", true), ST_OK);
     assert_int_equal(hold(s, "alice", true), ST_OK);
@@ -205,14 +198,13 @@ static void see(struct store *s, const struct store_subject *one)
     must(store_record_verification(s, &what, &out, &e));
 }
 
-static void test_seen(void **state)
+TEST(test_seen)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     struct store_subject one;
     bool created;
 
-    (void)state;
     enroll(s, "alice", &t);
     one = get(s, "alice");
     assert_string_equal(one.seen, t.created);
@@ -238,7 +230,7 @@ static void test_seen(void **state)
     store_close(s);
 }
 
-static void test_due(void **state)
+TEST(test_due)
 {
     static const struct {
         const char *id, *expires;
@@ -251,7 +243,6 @@ static void test_due(void **state)
     struct store_subject *due, one;
     size_t n;
 
-    (void)state;
     must(store_subject_due(s, &due, &n, &e));
     assert_int_equal(n, 0);
     free(due);
@@ -281,14 +272,13 @@ static void test_due(void **state)
     store_close(s);
 }
 
-static void test_vacuum(void **state)
+TEST(test_vacuum)
 {
     struct store *s = tempdb_fresh(), *reader = NULL;
     struct store_stats before, after;
     struct store_template t;
     char id[32];
 
-    (void)state;
     for (int i = 0; i < 20; i++) {
         (void)snprintf(id, sizeof id, "s%d", i);
         enroll(s, id, &t);
@@ -309,14 +299,12 @@ static void test_vacuum(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_set),    cmocka_unit_test(test_together),
-        cmocka_unit_test(test_rename), cmocka_unit_test(test_hold),
-        cmocka_unit_test(test_seen),   cmocka_unit_test(test_due),
-        cmocka_unit_test(test_vacuum),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

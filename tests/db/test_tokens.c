@@ -1,7 +1,4 @@
 /* Tokens and failed attempts: scopes, expiry, rotation, revocation, forged rows. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <sqlite3.h>
 
@@ -9,6 +6,7 @@
 #include "forge.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 
@@ -38,7 +36,7 @@ static enum status check(struct store *s, const char *secret)
 
 /* ---- tokens */
 
-static void test_scopes(void **state)
+TEST(test_scopes)
 {
     static const char *const bad[] = {
         "",    ",",     "enroll,",     ",read", "read,,read", "Read",
@@ -46,7 +44,6 @@ static void test_scopes(void **state)
     char text[STORE_SCOPES_MAX];
     unsigned scopes;
 
-    (void)state;
     for (unsigned i = 1; i <= STORE_SCOPE_ALL; i++) {
         rows_scopes_write(i, text);
         assert_true(rows_scopes_read(text, &scopes));
@@ -59,14 +56,13 @@ static void test_scopes(void **state)
         assert_false(rows_scopes_read(bad[i], &scopes));
 }
 
-static void test_tokens(void **state)
+TEST(test_tokens)
 {
     struct store *s = tempdb_fresh(), *other;
     struct store_token t, u, got, *list;
     char secret[65], second[65];
     size_t n;
 
-    (void)state;
     create(s, "gate 1", STORE_SCOPE_VERIFY | STORE_SCOPE_READ, 0, secret, &t);
     create(s, "gate 2", STORE_SCOPE_ALL, 3600, second, &u);
     assert_string_not_equal(secret, second);
@@ -105,14 +101,13 @@ static void test_tokens(void **state)
     assert_int_equal(tempdb_count("change_log WHERE kind = 'revoke_token'"), 1);
 }
 
-static void test_expires(void **state)
+TEST(test_expires)
 {
     struct store *s = tempdb_fresh();
     struct store_token t, *list;
     char secret[65];
     size_t n;
 
-    (void)state;
     create(s, "day", STORE_SCOPE_ALL, 86400, secret, &t);
     assert_int_equal(
         tempdb_number("SELECT round((julianday(expires) - julianday(created)) * 1000) "
@@ -139,13 +134,12 @@ static void test_expires(void **state)
     store_close(s);
 }
 
-static void test_rotated(void **state)
+TEST(test_rotated)
 {
     struct store *s = tempdb_fresh();
     struct store_token t, got;
     char first[65], second[65], third[65];
 
-    (void)state;
     create(s, "gate", STORE_SCOPE_VERIFY, 3600, first, &t);
     /* At once. */
     must(store_token_rotate(s, "test", t.id, 0, -1, second, &got, &e));
@@ -182,7 +176,7 @@ static void test_rotated(void **state)
 }
 
 /* Last use: noted once a minute, and never waited for. */
-static void test_used(void **state)
+TEST(test_used)
 {
     struct store *s = tempdb_fresh();
     struct store_token t, got;
@@ -190,7 +184,6 @@ static void test_used(void **state)
     sqlite3 *db;
     struct timespec before, after;
 
-    (void)state;
     create(s, "gate", STORE_SCOPE_ALL, 0, secret, &t);
     assert_string_equal(t.used, "");
     must(store_token_check(s, secret, &got, &e));
@@ -238,13 +231,12 @@ static void add_alice(struct store *s)
     must(store_subject_add(s, "test", &alice, &e));
 }
 
-static void test_attempts(void **state)
+TEST(test_attempts)
 {
     struct store *s = tempdb_fresh();
     struct store_attempts *list;
     size_t n;
 
-    (void)state;
     fails(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_ENOTFOUND);
     fails(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e), ST_ENOTFOUND);
     fails(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
@@ -319,14 +311,13 @@ static struct store_attempts attempts(struct store *s, const char *token,
 }
 
 /* Each token has its own count, sees those of others, and of the subjects that it tried. */
-static void test_by_token(void **state)
+TEST(test_by_token)
 {
     static const char *const who[] = {"bob", "carol", "dave"};
     struct store *s = tempdb_fresh();
     struct store_attempts a;
     struct store_recorded out;
 
-    (void)state;
     add_alice(s);
     for (size_t i = 0; i < 3; i++) {
         struct store_subject one = {.created = ""};
@@ -394,13 +385,12 @@ static void test_by_token(void **state)
 }
 
 /* With the token goes what it failed at. */
-static void test_revoked_attempts(void **state)
+TEST(test_revoked_attempts)
 {
     struct store *s = tempdb_fresh();
     struct store_token t;
     char secret[65];
 
-    (void)state;
     add_alice(s);
     must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 60, secret, &t, &e));
     (void)record(s, t.id, "alice", STORE_RECORD_FAILED);
@@ -413,14 +403,12 @@ static void test_revoked_attempts(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_scopes),   cmocka_unit_test(test_tokens),
-        cmocka_unit_test(test_expires),  cmocka_unit_test(test_rotated),
-        cmocka_unit_test(test_used),     cmocka_unit_test(test_attempts),
-        cmocka_unit_test(test_by_token), cmocka_unit_test(test_revoked_attempts),
-    };
+    assert_int_equal(tempdb_begin(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("tokens", tests, tempdb_begin, tempdb_end);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -1,18 +1,10 @@
 /* What a verification reads and writes, in one transaction each. */
 /* link: -Wl,--wrap=sql_begin */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "errinfo.h"
 #include "model.h"
 #include "sql.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 static unsigned reads, writes;
@@ -56,13 +48,12 @@ static enum status read(struct store *s, const struct store_snapshot_of *what,
     return store_snapshot_end(out, store_snapshot_begin(s, what, out, &e), &e);
 }
 
-static void test_snapshot(void **state)
+TEST(test_snapshot)
 {
     struct store *s = make();
     struct store_snapshot_of what = {.subject = "alice"};
     struct store_snapshot a;
 
-    (void)state;
     assert_int_equal(store_snapshot_begin(s, &what, &a, &e), ST_OK);
     assert_string_equal(a.subject.id, "alice");
     assert_int_equal(a.subject.templates, 2);
@@ -105,7 +96,7 @@ static void test_snapshot(void **state)
     store_close(s);
 }
 
-static void test_state(void **state)
+TEST(test_state)
 {
     const struct store_subject_change over = {.expires = "2020-01-01"};
     struct store *s = make();
@@ -114,7 +105,6 @@ static void test_state(void **state)
     struct store_calibration k = {
         .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
 
-    (void)state;
     assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
     assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
@@ -176,7 +166,7 @@ static struct store_audit_entry last_event(struct store *s)
     return one;
 }
 
-static void test_record(void **state)
+TEST(test_record)
 {
     struct store *s = make();
     struct store_subject alice;
@@ -191,7 +181,6 @@ static void test_record(void **state)
     struct store_recorded out;
     uint64_t seq;
 
-    (void)state;
     tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
     assert_int_equal(store_subject_get(s, "alice", &alice, &e), ST_OK);
     reads = writes = 0;
@@ -235,7 +224,7 @@ static void test_record(void **state)
 }
 
 /* Without an entry in the access log nothing is counted, and nothing is answered. */
-static void test_no_event(void **state)
+TEST(test_no_event)
 {
     struct store *s = make();
     struct store_subject bob;
@@ -247,7 +236,6 @@ static void test_no_event(void **state)
                                 .outcome = "no_match"};
     struct store_recorded out;
 
-    (void)state;
     assert_int_equal(store_subject_get(s, "bob", &bob, &e), ST_OK);
     assert_int_equal(store_record_verification(s, &what, &out, &e), ST_OK);
     tempdb_sql("UPDATE access_log SET mac = zeroblob(32)");
@@ -285,13 +273,12 @@ static bool replayed(struct store *s, const char *who, const char *read, const c
     return out.replayed;
 }
 
-static void test_replayed(void **state)
+TEST(test_replayed)
 {
     struct store *s = make();
     struct store_template carol;
     bool created;
 
-    (void)state;
     for (int i = 0; i < 2; i++)
         memset(digest[i], 'a' + i, 64);
     assert_int_equal(
@@ -325,13 +312,12 @@ static void test_replayed(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_snapshot), cmocka_unit_test(test_state),
-        cmocka_unit_test(test_record),   cmocka_unit_test(test_no_event),
-        cmocka_unit_test(test_replayed),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests(tests, tempdb_begin_faces, tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

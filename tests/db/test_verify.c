@@ -3,14 +3,12 @@
  * rows, and one that differs refuses it, whatever write it is; the file stays as it is.  And what
  * fails halfway has not happened. */
 #include <sodium.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "expect.h"
 #include "sql.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 static char secret[65];
@@ -140,7 +138,7 @@ static unsigned char *read_file(size_t *n)
     return bytes;
 }
 
-static void test_first_write(void **state)
+TEST(test_first_write)
 {
     const size_t n = WRITES;
     struct store_template *list;
@@ -149,7 +147,6 @@ static void test_first_write(void **state)
     size_t nbefore, nafter, templates;
     struct store *s = written();
 
-    (void)state;
     store_close(s);
     s = tempdb_open(STORE_WRITE); /* as written: all but what is not there succeeds */
     for (size_t i = 0; i < n; i++)
@@ -201,11 +198,10 @@ enum status __wrap_sql_run(struct sql_txn *t, const char *text,
     return __real_sql_run(t, text, value, n, why);
 }
 
-static void test_failed(void **state)
+TEST(test_failed)
 {
     unsigned failed = 0;
 
-    (void)state;
     for (size_t i = 0; i < WRITES; i++) {
         struct store *s = written(), *other = tempdb_open(STORE_READ);
         const int64_t changes = tempdb_number("SELECT count(*) FROM change_log"),
@@ -248,12 +244,11 @@ static void note(void *arg, const char *line)
 }
 
 /* It says what is wrong, and a store that only reads can verify too. */
-static void test_verify(void **state)
+TEST(test_verify)
 {
     struct lines l = {0};
     struct store *s = written();
 
-    (void)state;
     must(store_verify(s, note, &l, &e));
     assert_int_equal(l.n, 0);
     store_close(s);
@@ -279,14 +274,12 @@ static void test_verify(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_first_write),
-        cmocka_unit_test(test_failed),
-        cmocka_unit_test(test_verify),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("verify", tests, tempdb_begin_faces,
-                                       tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

@@ -1,18 +1,11 @@
 /* The scans of a corpus, their subjects and kinds: by file names and by a manifest. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "corpus.h"
 #include "corpus_read.h"
 #include "corpus_pairs.h"
+#include "unit.h"
 
 static struct errinfo e;
 static char dir[32], made[256][128];
@@ -31,12 +24,10 @@ static void put(const char *name, const char *text)
     (void)snprintf(made[nmade++], sizeof made[0], "%s", path);
 }
 
-static int clean(void **state)
+AFTER_EACH(clean)
 {
-    (void)state;
     while (nmade > 0)
         (void)unlink(made[--nmade]);
-    return 0;
 }
 
 static struct corpus *corpus(void)
@@ -63,11 +54,10 @@ static const char *kind(const struct corpus *c, uint32_t scan)
     return c->kind[c->scan[scan].kind];
 }
 
-static void test_folder(void **state)
+TEST(test_folder)
 {
     struct corpus *c;
 
-    (void)state;
     put("bob_2.ply.gz", "");
     put("bob_1.XYZ", "");
     put("alice_late_one.stl", "");
@@ -94,7 +84,7 @@ static void test_folder(void **state)
 }
 
 /* What is no scan is left out and reported; the others are used. */
-static void test_left_out(void **state)
+TEST(test_left_out)
 {
     static const struct {
         const char *name, *why;
@@ -110,7 +100,6 @@ static void test_left_out(void **state)
     struct corpus *c;
     char link[64], folder[64];
 
-    (void)state;
     (void)snprintf(link, sizeof link, "%s/z_1.ply", dir);
     (void)snprintf(folder, sizeof folder, "%s/more", dir);
     for (int i = 0; i < 6; i++)
@@ -135,7 +124,7 @@ static void test_left_out(void **state)
     corpus_free(c);
 }
 
-static void test_bad_folder(void **state)
+TEST(test_bad_folder)
 {
     static const char *const bad[][2] = {{"_x.ply", "not named SUBJECT_KIND"},
                                          {"x_.ply", "not named SUBJECT_KIND"},
@@ -143,7 +132,6 @@ static void test_bad_folder(void **state)
                                          {"a\xC0\xAF_1.ply", "not UTF-8"}};
     struct corpus *c;
 
-    (void)state;
     refuse(ST_EINVAL, "no scans");
     put("list.xls", "");
     refuse(ST_EINVAL, "no scans; list.xls: no scan by");
@@ -151,19 +139,18 @@ static void test_bad_folder(void **state)
     refuse(ST_EINVAL, "no scans; noname.ply: not named SUBJECT_KIND.ply");
     refuse(ST_EINVAL, "; and 1 more");
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        (void)clean(NULL);
+        clean();
         put(bad[i][0], "");
         refuse(ST_EINVAL, bad[i][1]);
     }
     assert_int_equal(corpus_read("/nowhere", &c, &e), ST_ENOTFOUND);
 }
 
-static void test_manifest(void **state)
+TEST(test_manifest)
 {
     struct corpus *c;
     char path[64];
 
-    (void)state;
     put("1", "");
     put("2", "");
     put("3", "");
@@ -187,11 +174,10 @@ static void test_manifest(void **state)
     }
 }
 
-static void test_families(void **state)
+TEST(test_families)
 {
     struct corpus *c;
 
-    (void)state;
     put("a_1.ply", "");
     put("b_1.ply", "");
     put("c_1.ply", "");
@@ -210,7 +196,7 @@ static void test_families(void **state)
     corpus_free(c);
 }
 
-static void test_bad_tables(void **state)
+TEST(test_bad_tables)
 {
     static const struct {
         const char *index, *subjects; /* NULL: as before */
@@ -235,7 +221,6 @@ static void test_bad_tables(void **state)
          "line 2, column relative_of: a subject is its own relative"},
     };
 
-    (void)state;
     put("1", "");
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         if (row[i].index != NULL)
@@ -246,11 +231,10 @@ static void test_bad_tables(void **state)
     }
 }
 
-static void test_enroll_kind(void **state)
+TEST(test_enroll_kind)
 {
     struct corpus *c;
 
-    (void)state;
     put("a_enroll.ply", "");
     put("a_smile.ply", "");
     put("b_enroll.ply", "");
@@ -311,11 +295,10 @@ static void is_pair(const struct corpus *c, size_t i, const char *template,
     assert_int_equal(corpus_pair(c, t->subject, p->subject), type);
 }
 
-static void test_pairs_by_name(void **state)
+TEST(test_pairs_by_name)
 {
     struct corpus *c;
 
-    (void)state;
     put("b_1.ply", "");
     put("a_1.ply", "");
     put("a_late_one.ply", "");
@@ -335,11 +318,10 @@ static void test_pairs_by_name(void **state)
 }
 
 /* With labels the names say nothing: people are what mated pairs connect. */
-static void test_pairs_by_label(void **state)
+TEST(test_pairs_by_label)
 {
     struct corpus *c;
 
-    (void)state;
     for (char name[] = "1"; name[0] <= '6'; name[0]++)
         put(name, "");
     c = pairs(
@@ -359,14 +341,13 @@ static void test_pairs_by_label(void **state)
 }
 
 /* Random labels of a known partition: the people are the connected scans. */
-static void test_pairs_people(void **state)
+TEST(test_pairs_people)
 {
     static char text[1 << 14];
     struct corpus *c;
     unsigned x = 1;
     size_t n = 0;
 
-    (void)state;
     for (int i = 0; i < 60; i++) {
         char name[16];
 
@@ -391,11 +372,10 @@ static void test_pairs_people(void **state)
     corpus_free(c);
 }
 
-static void test_bad_pairs(void **state)
+TEST(test_bad_pairs)
 {
     struct corpus *c;
 
-    (void)state;
     put("a_1.ply", "");
     put("a_2.ply", "");
     put("b", "");
@@ -418,14 +398,13 @@ static void test_bad_pairs(void **state)
 }
 
 /* More subjects than the tables' first capacity. */
-static void test_many(void **state)
+TEST(test_many)
 {
     const size_t room = 1 << 20;
     char *text = malloc(room);
     struct corpus *c;
     size_t n;
 
-    (void)state;
     assert_non_null(text);
     for (int i = 0; i < 200; i++) {
         char name[16];
@@ -454,28 +433,13 @@ static void test_many(void **state)
     free(text);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(test_folder, clean),
-        cmocka_unit_test_teardown(test_left_out, clean),
-        cmocka_unit_test_teardown(test_bad_folder, clean),
-        cmocka_unit_test_teardown(test_manifest, clean),
-        cmocka_unit_test_teardown(test_families, clean),
-        cmocka_unit_test_teardown(test_bad_tables, clean),
-        cmocka_unit_test_teardown(test_enroll_kind, clean),
-        cmocka_unit_test_teardown(test_pairs_by_name, clean),
-        cmocka_unit_test_teardown(test_pairs_by_label, clean),
-        cmocka_unit_test_teardown(test_pairs_people, clean),
-        cmocka_unit_test_teardown(test_bad_pairs, clean),
-        cmocka_unit_test_teardown(test_many, clean),
-    };
-    int failed;
-
     (void)snprintf(dir, sizeof dir, "/tmp/test_corpus.XXXXXX");
-    if (mkdtemp(dir) == NULL)
-        return 1;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    assert_false(mkdtemp(dir) == NULL);
+}
+
+AFTER_ALL(tear_down)
+{
     (void)rmdir(dir);
-    return failed;
 }

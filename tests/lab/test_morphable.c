@@ -1,20 +1,12 @@
 /* A morphable model's folder: read, brought to the canonical frame, and made into random people;
  * and folders that are none. */
 #include <errno.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "morphable.h"
 #include "sculpt.h"
 #include "toy.h"
+#include "unit.h"
 
 static char dir[] = "/tmp/test_morphable.XXXXXX";
 static struct errinfo e;
@@ -38,11 +30,10 @@ static struct morphable *model(double unit_mm, double pitch)
     return m;
 }
 
-static void test_read(void **state)
+TEST(test_read)
 {
     struct morphable *m = model(10, 0);
 
-    (void)state;
     assert_int_equal(m->nv, SCULPT_NX * SCULPT_NY); /* those of the lash are not used */
     assert_int_equal(m->nt, 2 * (SCULPT_NX - 1) * (SCULPT_NY - 1));
     assert_int_equal(m->nidentity, SCULPT_IDENTITIES);
@@ -59,12 +50,11 @@ static void test_read(void **state)
 
 /* Whatever the unit and the tilt, the nose tip is at the origin, and forehead and chin are
  * equally far back. */
-static void test_place(void **state)
+TEST(test_place)
 {
     static const double unit[] = {1, 10, 1000}, pitch[] = {-0.12, 0, 0.2};
     float first[GRID_N], h[GRID_N];
 
-    (void)state;
     for (int u = 0; u < 3; u++)
         for (int p = 0; p < 3; p++) {
             struct morphable *m = model(unit[u], pitch[p]);
@@ -98,11 +88,10 @@ static void refused(const char *change, enum status want, const char *words)
         fail_msg("'%s' lacks '%s'", e.msg, words);
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     struct morphable *m;
 
-    (void)state;
     refused("rm neutral.obj", ST_EINVAL, "0 files of a neutral face");
     refused("cp neutral.obj other_Neutral.OBJ", ST_EINVAL, "2 files of a neutral face");
     refused("rm identity*", ST_EINVAL, "0 modes of identity");
@@ -133,11 +122,10 @@ static void test_refused(void **state)
 }
 
 /* Other files do not matter. */
-static void test_others(void **state)
+TEST(test_others)
 {
     struct morphable *m = model(10, 0);
 
-    (void)state;
     morphable_free(m);
     run("echo x > readme.txt; echo x > PupilDilate.obj; echo x > .jaw.obj; mkdir obj");
     assert_int_equal(morphable_read(dir, &m, &e), ST_OK);
@@ -146,18 +134,12 @@ static void test_others(void **state)
     run("rmdir obj; rm -f .jaw.obj *");
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_read),
-        cmocka_unit_test(test_place),
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_others),
-    };
-    int failed;
+    assert_false(mkdtemp(dir) == NULL);
+}
 
-    if (mkdtemp(dir) == NULL)
-        return 1;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
-    return rmdir(dir) == 0 ? failed : 1;
+AFTER_ALL(tear_down)
+{
+    assert_int_equal(rmdir(dir), 0);
 }

@@ -1,16 +1,9 @@
 /* OBJ files of a morphable model, and what is none. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "objmesh.h"
+#include "unit.h"
 
 static char path[] = "/tmp/test_objmesh.XXXXXX";
 static struct objmesh m;
@@ -54,11 +47,10 @@ static void bad(const char *text, size_t len, enum status want, const char *word
     assert_null(m.corner);
 }
 
-static void test_good(void **state)
+TEST(test_good)
 {
     static const uint32_t want[3][3] = {{0, 1, 2}, {0, 2, 3}, {3, 1, 0}};
 
-    (void)state;
     good(
         "# a comment\n\nmtllib x.mtl\r\no thing\nv 1 2.5 -3e1\n v\t0 0 0 1 1 1\r\nv 4 5 6\n"
         "v 7 8 9\nvt 0 0\nvn 0 0 1\ns off\nf 1 2/1 3//1 4/1/1\ng part\nf 4 2 1",
@@ -74,13 +66,12 @@ static void test_good(void **state)
 }
 
 /* Triangles of some materials; the vertices are all there. */
-static void test_materials(void **state)
+TEST(test_materials)
 {
     static const char text[] =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl skin\nf 2 3 1\n"
         "usemtl lash\nf 9 9 9\nusemtl skin\nf 3 2 1\nusemtl\nf 1 1 1\n";
 
-    (void)state;
     good(text, skin);
     assert_int_equal(m.nv, 3);
     assert_int_equal(m.nt, 2);
@@ -93,7 +84,7 @@ static void test_materials(void **state)
     objmesh_free(&m);
 }
 
-static void test_bad(void **state)
+TEST(test_bad)
 {
     static const struct {
         const char *text;
@@ -120,19 +111,17 @@ static void test_bad(void **state)
         {"v 1 2 3\nf a b c\n", ST_EINVAL, "line 2"},
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
         bad(list[i].text, strlen(list[i].text), list[i].st, list[i].words);
     bad("v 1 2 3\0\nv 4 5 6\n", 17, ST_EINVAL, "line 1");
 }
 
 /* A long line without an end, and more vertices or triangles than are read. */
-static void test_large(void **state)
+TEST(test_large)
 {
     const size_t n = OBJMESH_MAX + 1;
     char *text = malloc(8 * n + 40), *at = text;
 
-    (void)state;
     assert_non_null(text);
     for (size_t i = 0; i < n; i++, at += 8)
         memcpy(at, "v 1 2 3\n", 8);
@@ -145,9 +134,8 @@ static void test_large(void **state)
     free(text);
 }
 
-static void test_no_file(void **state)
+TEST(test_no_file)
 {
-    (void)state;
     assert_int_equal(objmesh_read("/nowhere/x.obj", all, &m, &e), ST_ENOTFOUND);
     assert_non_null(strstr(e.msg, "/nowhere/x.obj"));
     assert_int_equal(objmesh_read("/tmp", all, &m, &e), ST_EINVAL);
@@ -158,16 +146,9 @@ static void test_no_file(void **state)
     assert_int_equal(unlink(path), 0);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_good),    cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_bad),     cmocka_unit_test(test_large),
-        cmocka_unit_test(test_no_file),
-    };
     const int fd = mkstemp(path);
 
-    if (fd < 0 || close(fd) != 0)
-        return 1;
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    assert_false(fd < 0 || close(fd) != 0);
 }

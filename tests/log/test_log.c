@@ -2,18 +2,11 @@
  * computed from db/FORMAT.md and by each field; and a walk along both, which reports what was
  * changed, removed, moved, doubled or cut off where it begins, with the database's keys and, of an
  * export, with the public key alone. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <sodium.h>
-#include <stdio.h>
-#include <string.h>
 
 #include "fixed_keys.h"
 #include "log_walk.h"
+#include "unit.h"
 
 static struct crypt *keys;
 static unsigned char public[CRYPT_KEY];
@@ -49,11 +42,10 @@ static void assert_hex(const void *bytes, size_t n, const char *wanted)
     assert_string_equal(sodium_bin2hex(hex, sizeof hex, bytes, n), wanted);
 }
 
-static void test_golden(void **state)
+TEST(test_golden)
 {
     struct log_entry change = example(LOG_CHANGES), access = example(LOG_ACCESSES);
 
-    (void)state;
     assert_hex(change.hash, LOG_HASH,
                "e42b80e59c7d3b9403241f49ec8e56ff522ad15ead77a35c1a75580d8c2be8fd");
     assert_hex(access.hash, LOG_HASH,
@@ -67,7 +59,7 @@ static void test_golden(void **state)
 }
 
 /* Every byte of an entry counts, and a text's end: no two entries have the same hash. */
-static void test_hash(void **state)
+TEST(test_hash)
 {
     const struct log_entry was = example(LOG_CHANGES);
     const struct {
@@ -88,7 +80,6 @@ static void test_hash(void **state)
     struct log_entry entry;
     unsigned char hash[LOG_HASH];
 
-    (void)state;
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         for (size_t k = 0; k < field[i].n; k++) {
             entry = was;
@@ -113,7 +104,7 @@ static void test_hash(void **state)
     assert_memory_equal(hash, was.hash, sizeof hash);
 }
 
-static void test_signature(void **state)
+TEST(test_signature)
 {
     static const struct {
         size_t at;
@@ -129,7 +120,6 @@ static void test_signature(void **state)
     unsigned char other[CRYPT_KEY], secret[crypto_sign_SECRETKEYBYTES];
     struct log_entry entry = example(LOG_CHANGES);
 
-    (void)state;
     (void)crypto_sign_seed_keypair(other, secret, (const unsigned char[32]){1});
     assert_false(log_signed(public, &entry));
     log_sign(keys, &entry);
@@ -142,12 +132,11 @@ static void test_signature(void **state)
     }
 }
 
-static void test_trimmed(void **state)
+TEST(test_trimmed)
 {
     struct log_entry entry = {.log = LOG_CHANGES, .kind = LOG_TRIM, .outcome = "120"};
     struct log_end to;
 
-    (void)state;
     memset(entry.object, 'a', 2 * LOG_HASH);
     assert_true(log_trimmed(&entry, &to));
     assert_int_equal(to.seq, 120);
@@ -162,12 +151,11 @@ static void test_trimmed(void **state)
     assert_false(log_trimmed(&entry, &to));
 }
 
-static void test_act(void **state)
+TEST(test_act)
 {
     struct log_act by;
     char longest[LOG_TEXT + 2];
 
-    (void)state;
     memset(longest, 'x', sizeof longest);
     longest[LOG_TEXT + 1] = '\0';
     assert_int_equal(log_act(&by, longest, NULL), ST_EINVAL);
@@ -305,12 +293,11 @@ static void assert_found(const struct logs *l, bool with_keys, enum log_name log
                  line);
 }
 
-static void test_as_written(void **state)
+TEST(test_as_written)
 {
     struct logs l;
     struct found f;
 
-    (void)state;
     written(&l);
     for (int with_keys = 0; with_keys < 2; with_keys++) {
         f = walk(&l, with_keys != 0);
@@ -360,11 +347,10 @@ static void tamper(const struct logs *was, enum log_name log, size_t at, bool k)
     assert_found(&l, k, log, seq, at + 2 == was->n[log] ? "missing" : "are missing");
 }
 
-static void test_tampered(void **state)
+TEST(test_tampered)
 {
     struct logs was;
 
-    (void)state;
     written(&was);
     for (int i = 0; i < 2 * LOGS; i++)
         for (size_t at = 0; at < was.n[i / 2]; at++)
@@ -372,12 +358,11 @@ static void test_tampered(void **state)
 }
 
 /* The ends: by the last change of the accesses, and by nothing of the changes but an anchor. */
-static void test_cut_off(void **state)
+TEST(test_cut_off)
 {
     struct logs l, was;
     struct found f;
 
-    (void)state;
     written(&was);
     l = was;
     l.n[LOG_ACCESSES] -= 2;
@@ -396,13 +381,12 @@ static void test_cut_off(void **state)
 }
 
 /* Entries replaced and added with hashes that fit, without the keys. */
-static void test_forged(void **state)
+TEST(test_forged)
 {
     unsigned char mine[CRYPT_KEY], secret[crypto_sign_SECRETKEYBYTES];
     struct log_entry more;
     struct logs l, was;
 
-    (void)state;
     (void)crypto_sign_keypair(mine, secret);
     written(&was);
     l = was;
@@ -439,12 +423,11 @@ static void test_forged(void **state)
     assert_int_equal(walk(&l, true).w.problems, 0); /* with the key it goes on */
 }
 
-static void test_damaged(void **state)
+TEST(test_damaged)
 {
     struct found f = {.lines = ""};
     struct logs l;
 
-    (void)state;
     written(&l);
     log_walk_begin(&f.w, keys, public, note, &f);
     log_walk_step(&f.w, &l.entry[LOG_CHANGES][0]);
@@ -458,32 +441,14 @@ static void test_damaged(void **state)
     assert_int_equal(f.w.first, 2);
 }
 
-static int begin(void **state)
+BEFORE_ALL(begin)
 {
-    (void)state;
     memset(start, 7, sizeof start);
-    if ((keys = fixed_keys()) == NULL)
-        return 1;
+    assert_false((keys = fixed_keys()) == NULL);
     crypt_public(keys, public);
-    return 0;
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
-    (void)state;
     crypt_free(keys);
-    return 0;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_golden),    cmocka_unit_test(test_hash),
-        cmocka_unit_test(test_signature), cmocka_unit_test(test_trimmed),
-        cmocka_unit_test(test_act),       cmocka_unit_test(test_as_written),
-        cmocka_unit_test(test_tampered),  cmocka_unit_test(test_cut_off),
-        cmocka_unit_test(test_forged),    cmocka_unit_test(test_damaged),
-    };
-
-    return cmocka_run_group_tests_name("log", tests, begin, end);
 }

@@ -1,15 +1,6 @@
 /* The anchor: what was said last is found, whatever a write or a loss of power leaves of what is
  * said next; it never goes back by itself.  What the store makes of it: tests/box/anchor.sh. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +8,7 @@
 #include "fixed_keys.h"
 #include "log_anchor.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define STEP 512
 #define LINE                                                                             \
@@ -69,7 +61,7 @@ static void write_file(const char *bytes, size_t n)
     assert_int_equal(close(fd), 0);
 }
 
-static void test_order(void **state)
+TEST(test_order)
 {
     static const char line[] =
         "surface anchor 2 5 "
@@ -83,7 +75,6 @@ static void test_order(void **state)
     struct log_end a;
     struct stat sb;
 
-    (void)state;
     tempdb_remove();
     assert_int_equal(log_anchor_read(path, keys, &a, &e), ST_ENOTFOUND);
     say(3, false);
@@ -107,11 +98,10 @@ static void test_order(void **state)
 }
 
 /* A write that ends anywhere, or leaves a wrong byte in its place: what was before, or after. */
-static void test_torn(void **state)
+TEST(test_torn)
 {
     static char before[2 * STEP], after[2 * STEP], torn[2 * STEP];
 
-    (void)state;
     tempdb_remove();
     say(1, false);
     say(2, false);
@@ -143,25 +133,15 @@ static void test_torn(void **state)
     }
 }
 
-static int begin(void **state)
+BEFORE_ALL(begin)
 {
-    (void)tempdb_begin(state);
+    (void)tempdb_begin(NULL);
     (void)snprintf(path, sizeof path, "%s/anchor", tempdb_dir);
-    return (keys = fixed_keys()) != NULL ? 0 : 1;
+    assert_int_equal((keys = fixed_keys()) != NULL ? 0 : 1, 0);
 }
 
-static int end(void **state)
+AFTER_ALL(end)
 {
     crypt_free(keys);
-    return tempdb_end(state);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_order),
-        cmocka_unit_test(test_torn),
-    };
-
-    return cmocka_run_group_tests_name("anchor", tests, begin, end);
+    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -1,19 +1,12 @@
 /* What a transaction sees of the logs: an open store refuses for good what is older than it has
  * seen or another branch, and takes what others add; no store takes an end that is not authentic. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "errinfo.h"
 #include "store_txn.h"
 #include "tempdb.h"
+#include "unit.h"
 
 static struct errinfo e;
 
@@ -78,13 +71,12 @@ static void assert_refused(struct store *s, const char *why)
 }
 
 /* Another handle, and another process. */
-static void test_follow(void **state)
+TEST(test_follow)
 {
     struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
     pid_t child;
     int status;
 
-    (void)state;
     assert_int_equal(last(s), 1);
     for (int i = 0; i < 3; i++) {
         add(other, (char[]){'a', (char)('0' + i), '\0'});
@@ -110,11 +102,10 @@ static void test_follow(void **state)
 }
 
 /* All of the older state, which verifies: who has seen more refuses it, however it goes on. */
-static void test_older(void **state)
+TEST(test_older)
 {
     struct store *s = tempdb_fresh(), *late, *other;
 
-    (void)state;
     add(s, "alice");
     keep("old");
     add(s, "bob");
@@ -134,12 +125,11 @@ static void test_older(void **state)
 }
 
 /* An older file under the name, and a new one. */
-static void test_moved(void **state)
+TEST(test_moved)
 {
     struct store *s = tempdb_fresh();
     char old[64];
 
-    (void)state;
     add(s, "alice");
     keep("old");
     (void)snprintf(old, sizeof old, "%.40s-old", tempdb_path);
@@ -149,7 +139,7 @@ static void test_moved(void **state)
 }
 
 /* Between what was seen and the end: each entry follows the one before. */
-static void test_between(void **state)
+TEST(test_between)
 {
     static const char *const sql[] = {
         "UPDATE change_log SET outcome = 'x' WHERE seq = 3",
@@ -159,7 +149,6 @@ static void test_between(void **state)
         "UPDATE change_log SET access_seq = 1 WHERE seq = 3",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
         struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
 
@@ -175,7 +164,7 @@ static void test_between(void **state)
 }
 
 /* The last entry: each column of it, and its being there. */
-static void test_end(void **state)
+TEST(test_end)
 {
     static const char *const sql[] = {
         "UPDATE change_log SET at = '2020-01-01T00:00:00.000Z' WHERE seq = 3",
@@ -196,7 +185,6 @@ static void test_end(void **state)
         "DELETE FROM change_log",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
         const struct store_key key = {.make = CRYPT_FILE};
         struct store *s = tempdb_fresh(), *other;
@@ -222,7 +210,7 @@ static void test_end(void **state)
 }
 
 /* Accesses follow the last one, whose MAC is verified, and the one that the last change found. */
-static void test_accesses(void **state)
+TEST(test_accesses)
 {
     static const char *const sql[] = {
         "UPDATE access_log SET mac = zeroblob(32) WHERE seq = 3",
@@ -231,7 +219,6 @@ static void test_accesses(void **state)
         "DELETE FROM access_log",
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
         struct store *s = tempdb_fresh();
         struct store_subject bob = {.id = "bob"};
@@ -250,7 +237,7 @@ static void test_accesses(void **state)
 }
 
 /* Rows are not changed without an entry, and an entry's digest is that of the rows. */
-static void test_unlogged(void **state)
+TEST(test_unlogged)
 {
     struct store *s = tempdb_fresh();
     unsigned char mac[CRYPT_HASH] = {1}, sum[LOG_DIGEST];
@@ -258,7 +245,6 @@ static void test_unlogged(void **state)
     struct log_txn t;
     bool same;
 
-    (void)state;
     assert_int_equal(store_act_begin(s, "test", SQL_WRITE, &by, &t, &e), ST_OK);
     assert_int_equal(log_txn_count(&t, NULL, mac, &e), ST_OK);
     assert_int_equal(store_end(s, &t, ST_OK, &e), ST_EINTERNAL);
@@ -280,14 +266,12 @@ static void test_unlogged(void **state)
     store_close(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_follow),   cmocka_unit_test(test_older),
-        cmocka_unit_test(test_moved),    cmocka_unit_test(test_between),
-        cmocka_unit_test(test_end),      cmocka_unit_test(test_accesses),
-        cmocka_unit_test(test_unlogged),
-    };
+    assert_int_equal(tempdb_begin(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("log_txn", tests, tempdb_begin, tempdb_end);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end(NULL), 0);
 }

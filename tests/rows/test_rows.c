@@ -1,16 +1,7 @@
 /* Rows and their digest: the sum over all rows, whatever was added, changed and removed.  What a
  * file says that somebody else has written is a difference, which no later write takes away, and gets
  * no MAC: a change is of one row or of none.  More attacks: tests/box/attack_store.py. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <sodium.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "brute.h"
 #include "forge.h"
@@ -18,6 +9,7 @@
 #include "store.h"
 #include "store_txn.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define SUBJECTS 3
 #define ROUNDS   120
@@ -169,13 +161,12 @@ static void step(struct store *s, struct brute_rng *rng)
     free(tokens);
 }
 
-static void test_sum(void **state)
+TEST(test_sum)
 {
     struct brute_rng rng = {brute_seed("digest")};
     struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
     unsigned char sum[LOG_DIGEST];
 
-    (void)state;
     for (int i = 0; i < ROUNDS; i++) {
         step(brute_rand(&rng) % 2 != 0 ? s : other, &rng);
         assert_sum(s, sum);
@@ -186,14 +177,13 @@ static void test_sum(void **state)
 }
 
 /* The MACs as db/FORMAT.md has them. */
-static void test_format(void **state)
+TEST(test_format)
 {
     static const bool yes = true;
     struct store *s = tempdb_fresh();
     struct store_token token, got;
     struct store_template t;
 
-    (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     must(store_subject_set(
         s, "test", "alice",
@@ -233,13 +223,12 @@ static void mislead(const char *index, const char *rows)
 }
 
 /* Her templates are hidden: the next sample is not her first one. */
-static void test_first_sample(void **state)
+TEST(test_first_sample)
 {
     struct store *s = tempdb_fresh();
     struct store_template t;
     bool created;
 
-    (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     tempdb_sql("DELETE FROM faces; DELETE FROM templates");
     assert_int_equal(
@@ -256,7 +245,7 @@ static void count(void *arg, const char *line)
 }
 
 /* Each row that is not authentic is named, and can be removed. */
-static void test_named(void **state)
+TEST(test_named)
 {
     struct store *s = tempdb_fresh();
     struct store_template of;
@@ -266,7 +255,6 @@ static void test_named(void **state)
     uint64_t n;
     bool same;
 
-    (void)state;
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &of);
     (void)token(s, "door");
     device(s, "door-1");
@@ -309,14 +297,13 @@ static void test_named(void **state)
     "UPDATE " table " SET " key " = rowid"
 
 /* A row that is there twice is not half changed: neither an update nor a removal is taken for done. */
-static void test_doubled(void **state)
+TEST(test_doubled)
 {
     struct store *s = tempdb_fresh();
     struct store_token t = token(s, "gate"), got, *list;
     char other[65];
     size_t n;
 
-    (void)state;
     device(s, "door-1");
     tempdb_sql(DOUBLE("tokens", "token_key") ";" DOUBLE("devices", "device_key"));
     ASSERT_NOTHING(store_token_revoke(s, "test", t.id, &e));
@@ -332,7 +319,7 @@ static void test_doubled(void **state)
 
 /* An index leads to another row, which would get the rights or the end; or the row is read by
  * another index than it is written by. */
-static void test_misled(void **state)
+TEST(test_misled)
 {
     static const bool yes = true;
     const struct store_subject_change disable = {.disabled = &yes};
@@ -342,7 +329,6 @@ static void test_misled(void **state)
     struct store_token got;
     char other[65];
 
-    (void)state;
     add(s, "alice");
     add(s, "bob");
     device(s, "door-1");
@@ -369,13 +355,12 @@ static void test_misled(void **state)
 }
 
 /* A row that was planted gets no MAC, whatever is written beside it. */
-static void test_planted(void **state)
+TEST(test_planted)
 {
     struct store *s = tempdb_fresh();
     struct store_calibration k = calibration(0.5), got;
     struct store_token t = token(s, "gate");
 
-    (void)state;
     must(store_calibration_add(s, "test", &k, &e));
     tempdb_sql(
         "INSERT INTO calibrations SELECT 2, revision, created, actor, engine, shipped,"
@@ -399,15 +384,12 @@ static void test_planted(void **state)
     assert_found(s);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_first_sample), cmocka_unit_test(test_sum),
-        cmocka_unit_test(test_format),       cmocka_unit_test(test_named),
-        cmocka_unit_test(test_doubled),      cmocka_unit_test(test_misled),
-        cmocka_unit_test(test_planted),
-    };
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("rows", tests, tempdb_begin_faces,
-                                       tempdb_end_faces);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

@@ -1,13 +1,6 @@
 /* Tokens that will end within a month: each is told of at the start and then once a day, however
  * often they are looked at. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "app.h"
 #include "errinfo.h"
@@ -15,6 +8,7 @@
 #include "metrics.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define DAY_MS (86400.0 * 1e3)
 
@@ -52,12 +46,11 @@ static void create(const char *name, int64_t life_s)
                      ST_OK);
 }
 
-static void test_daily(void **state)
+TEST(test_daily)
 {
     struct expiry x = {0};
     int named;
 
-    (void)state;
     app.store = tempdb_fresh();
     app.metrics = metrics_new(NULL, 0);
     assert_non_null(app.metrics);
@@ -80,11 +73,12 @@ static void test_daily(void **state)
     store_close(app.store);
 }
 
-int main(void)
+BEFORE_ALL(begin)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_daily),
-    };
+    assert_int_equal(tempdb_begin(NULL), 0);
+}
 
-    return cmocka_run_group_tests_name("expiry", tests, tempdb_begin, tempdb_end);
+AFTER_ALL(end)
+{
+    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -2,20 +2,14 @@
  * shut down, and that clients are noticed which go while the daemon works for them. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "errinfo.h"
 #include "guard.h"
+#include "unit.h"
 
 static struct guard *g;
 
@@ -51,12 +45,11 @@ static struct guard_peer *open_from(const char *text)
     return p;
 }
 
-static void test_in_all(void **state)
+TEST(test_in_all)
 {
     struct guard_peer *p[3];
     struct guard_state s;
 
-    (void)state;
     start(3, 0, false);
     for (int i = 0; i < 3; i++) {
         assert_true(guard_admit(g, from("192.0.2.1")));
@@ -78,7 +71,7 @@ static void test_in_all(void **state)
     guard_stop(g);
 }
 
-static void test_by_address(void **state)
+TEST(test_by_address)
 {
     /* the address of two open connections, and whether a third may connect */
     static const struct {
@@ -100,7 +93,6 @@ static void test_by_address(void **state)
         {NULL, NULL, true, true}, /* a Unix socket has no address */
     };
 
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct guard_peer *a, *b;
 
@@ -136,7 +128,7 @@ static void keep_up(struct guard_peer *p, int other)
     assert_true(has_ended(other));
 }
 
-static void test_late(void **state)
+TEST(test_late)
 {
     static const enum guard_step steps[] = {GUARD_REQUEST, GUARD_HEADERS, GUARD_BODY,
                                             GUARD_RESPONSE, GUARD_IDLE};
@@ -144,7 +136,6 @@ static void test_late(void **state)
     struct guard_peer *late, *work, *patient;
     int a[2], b[2], c[2];
 
-    (void)state;
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
         start(100, 0, false);
         assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, a), 0);
@@ -185,7 +176,7 @@ static void count_gone(void *arg)
     (void)atomic_fetch_add(n, 1);
 }
 
-static void test_gone(void **state)
+TEST(test_gone)
 {
     const struct timespec pause = {0, 20 * 1000 * 1000};
     struct guard_peer *p[5];
@@ -193,7 +184,6 @@ static void test_gone(void **state)
     atomic_uint gone[5];
     int fd[5][2];
 
-    (void)state;
     assert_int_equal(
         guard_start(&(struct guard_rules){100, 0, false, 100}, &g, &(struct errinfo){0}),
         ST_OK);
@@ -236,7 +226,7 @@ static void test_gone(void **state)
 
 /* Of connections without a whole request the one that is so for the longest time makes room; one
  * that has just come does not, nor one that is being served. */
-static void test_crowded(void **state)
+TEST(test_crowded)
 {
     const struct timespec while_ = {1, 100 * 1000 * 1000};
     const struct guard_rules rules = {3, 0, false, 100};
@@ -245,7 +235,6 @@ static void test_crowded(void **state)
     struct errinfo e = {0};
     int fd[3][2];
 
-    (void)state;
     assert_int_equal(guard_start(&rules, &g, &e), ST_OK);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
@@ -299,13 +288,12 @@ static void close_all(struct guard_peer *p[], int fd[][2], int n)
 
 /* Who makes room is of the address that has most, and does so once; one that is closed already
  * has made it. */
-static void test_crowd(void **state)
+TEST(test_crowd)
 {
     struct guard_peer *p[4];
     struct guard_state s;
     int fd[4][2];
 
-    (void)state;
     start(3, 0, false);
     for (int i = 0; i < 3; i++)
         p[i] = connect_from(i == 0 ? "192.0.2.1" : "192.0.2.2", fd[i]);
@@ -333,14 +321,13 @@ static void test_crowd(void **state)
 }
 
 /* The headers of the first request are part of it; between requests there is more time. */
-static void test_steps(void **state)
+TEST(test_steps)
 {
     const struct timespec pause = {0, 20 * 1000 * 1000};
     struct guard_peer *p[2];
     struct guard_state s;
     int fd[2][2];
 
-    (void)state;
     start(100, 0, false);
     p[0] = connect_from("192.0.2.1", fd[0]);
     p[1] = connect_from("192.0.2.1", fd[1]);
@@ -366,14 +353,13 @@ static void note_when(void *arg)
 
 /* A client that only says that it has sent all is let wait for 2 s; one that is gone is not, and is
  * nobody's concern once the work is done. */
-static void test_half(void **state)
+TEST(test_half)
 {
     const struct timespec pause = {0, 20 * 1000 * 1000};
     struct guard_peer *p[3];
     atomic_long when[3], begin = 0;
     int fd[3][2];
 
-    (void)state;
     assert_int_equal(
         guard_start(&(struct guard_rules){100, 0, false, 100}, &g, &(struct errinfo){0}),
         ST_OK);
@@ -395,16 +381,4 @@ static void test_half(void **state)
     assert_true(atomic_load(&when[0]) - atomic_load(&when[1]) >= 100);
     assert_int_equal(atomic_load(&when[2]), 0);
     close_all(p, fd, 3);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_in_all),  cmocka_unit_test(test_by_address),
-        cmocka_unit_test(test_late),    cmocka_unit_test(test_gone),
-        cmocka_unit_test(test_crowded), cmocka_unit_test(test_crowd),
-        cmocka_unit_test(test_steps),   cmocka_unit_test(test_half),
-    };
-
-    return cmocka_run_group_tests_name("guard", tests, NULL, NULL);
 }

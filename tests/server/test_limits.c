@@ -1,22 +1,16 @@
 /* Rate limit and lock-out: failed authentication by address, with a clock of the test's own,
  * a subject's failed verifications by their number and age, and what a token adds. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <pthread.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/un.h>
-#include <cmocka.h>
 #include <sodium.h>
 
 #include "intake.h"
 #include "options.h"
 #include "store.h"
 #include "throttle.h"
+#include "unit.h"
 
 #define S 1000.0 /* ms */
 
@@ -44,12 +38,11 @@ static bool same(const char *a, const char *b)
     return memcmp(x, y, sizeof x) == 0;
 }
 
-static void test_address(void **state)
+TEST(test_address)
 {
     const struct sockaddr_un un = {.sun_family = AF_UNIX};
     unsigned char a[THROTTLE_ADDRESS], b[THROTTLE_ADDRESS];
 
-    (void)state;
     assert_true(same("192.0.2.1", "192.0.2.1"));
     assert_false(same("192.0.2.1", "192.0.2.2"));
     assert_true(same("192.0.2.1", "::ffff:192.0.2.1"));
@@ -62,13 +55,12 @@ static void test_address(void **state)
     assert_memory_equal(a, b, sizeof a);
 }
 
-static void test_wrong(void **state)
+TEST(test_wrong)
 {
     struct throttle *t = throttle_new(10);
     unsigned char a[THROTTLE_ADDRESS], b[THROTTLE_ADDRESS];
     double now = 5 * S;
 
-    (void)state;
     assert_non_null(t);
     address("192.0.2.1", a);
     address("192.0.2.2", b);
@@ -92,12 +84,11 @@ static void test_wrong(void **state)
     throttle_free(NULL);
 }
 
-static void test_good(void **state)
+TEST(test_good)
 {
     struct throttle *t = throttle_new(1);
     unsigned char a[THROTTLE_ADDRESS], b[THROTTLE_ADDRESS];
 
-    (void)state;
     assert_non_null(t);
     address("192.0.2.1", a);
     address("192.0.2.2", b);
@@ -112,12 +103,11 @@ static void test_good(void **state)
     throttle_free(t);
 }
 
-static void test_off(void **state)
+TEST(test_off)
 {
     struct throttle *t = throttle_new(0);
     unsigned char a[THROTTLE_ADDRESS];
 
-    (void)state;
     assert_non_null(t);
     address("192.0.2.1", a);
     for (int i = 0; i < 1000; i++)
@@ -127,12 +117,11 @@ static void test_off(void **state)
 }
 
 /* More addresses than the table has room for: the one with the most failures stays. */
-static void test_room(void **state)
+TEST(test_room)
 {
     struct throttle *t = throttle_new(10);
     unsigned char a[THROTTLE_ADDRESS], other[THROTTLE_ADDRESS] = {0};
 
-    (void)state;
     assert_non_null(t);
     address("192.0.2.1", a);
     for (int i = 0; i < 20; i++)
@@ -158,13 +147,12 @@ static void *send_wrong(void *arg)
     return NULL;
 }
 
-static void test_threads(void **state)
+TEST(test_threads)
 {
     struct throttle *t = throttle_new(60);
     unsigned char a[THROTTLE_ADDRESS];
     pthread_t thread[4];
 
-    (void)state;
     assert_non_null(t);
     for (int i = 0; i < 4; i++)
         assert_int_equal(pthread_create(&thread[i], NULL, send_wrong, t), 0);
@@ -177,7 +165,7 @@ static void test_threads(void **state)
 
 /* ---- attempts */
 
-static void test_attempts(void **state)
+TEST(test_attempts)
 {
     static const struct {
         uint32_t failures;
@@ -192,7 +180,6 @@ static void test_attempts(void **state)
     struct store_limits a = {3, 30, 5};
     enum store_wait why;
 
-    (void)state;
     for (size_t i = 0; i < sizeof want / sizeof *want; i++) {
         const struct store_attempts own = {.failures = want[i].failures,
                                            .age_ms = want[i].age_s * 1000};
@@ -211,13 +198,12 @@ static void test_attempts(void **state)
 }
 
 /* Those of other tokens, and of other subjects. */
-static void test_others(void **state)
+TEST(test_others)
 {
     struct store_limits a = {3, 30, 5};
     struct store_attempts now = {.token = "a", .others = 2};
     enum store_wait why;
 
-    (void)state;
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
     now.others = 3;
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 30000);
@@ -244,13 +230,12 @@ static void test_others(void **state)
 
 /* ---- what is added */
 
-static void test_intake(void **state)
+TEST(test_intake)
 {
     struct intake *x = intake_new(10, "/", 0);
     char name[16];
     double now = 5 * S;
 
-    (void)state;
     assert_non_null(x);
     assert_int_equal(intake_take(x, "a", 4, now), 0);
     intake_give(x, "a", 3);
@@ -285,17 +270,7 @@ static void test_intake(void **state)
     intake_free(NULL);
 }
 
-int main(void)
+BEFORE_ALL(set_up)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_address), cmocka_unit_test(test_wrong),
-        cmocka_unit_test(test_good),    cmocka_unit_test(test_off),
-        cmocka_unit_test(test_intake),  cmocka_unit_test(test_room),
-        cmocka_unit_test(test_threads), cmocka_unit_test(test_attempts),
-        cmocka_unit_test(test_others),
-    };
-
-    if (sodium_init() < 0)
-        return 1;
-    return cmocka_run_group_tests_name("limits", tests, NULL, NULL);
+    assert_false(sodium_init() < 0);
 }

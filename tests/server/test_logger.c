@@ -1,14 +1,8 @@
 /* Log lines: no value can break the line or add fields. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "logger.h"
+#include "unit.h"
 
 static char line[2 * LOG_LINE_MAX];
 static int saved, out[2];
@@ -57,9 +51,8 @@ static const char *logged(const char *value)
 
 #define REST " n=18446744073709551615 ms=0.333"
 
-static void test_logfmt(void **state)
+TEST(test_logfmt)
 {
-    (void)state;
     logger_use(LOGGER_LOGFMT);
     assert_string_equal(logged("a-b/c"), "level=info msg=\"m\" key=a-b/c" REST);
     assert_string_equal(logged(""), "level=info msg=\"m\" key=\"\"" REST);
@@ -75,9 +68,8 @@ static void test_logfmt(void **state)
 
 #define JREST ",\"n\":18446744073709551615,\"ms\":0.333}"
 
-static void test_json(void **state)
+TEST(test_json)
 {
-    (void)state;
     logger_use(LOGGER_JSON);
     assert_string_equal(logged("a-b"),
                         "level\":\"info\",\"msg\":\"m\",\"key\":\"a-b\"" JREST);
@@ -89,7 +81,7 @@ static void test_json(void **state)
 }
 
 /* Valid UTF-8 stays; each other byte is replaced. */
-static void test_utf8(void **state)
+TEST(test_utf8)
 {
     static const struct {
         const char *in, *want;
@@ -105,7 +97,6 @@ static void test_utf8(void **state)
     };
     char want[128];
 
-    (void)state;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         (void)snprintf(want, sizeof want, "level=info msg=\"m\" key=\"%s\"" REST,
                        known[i].want);
@@ -114,13 +105,12 @@ static void test_utf8(void **state)
 }
 
 /* A long value is truncated; a field that does not fit at all is omitted. */
-static void test_long(void **state)
+TEST(test_long)
 {
     static char value[LOG_LINE_MAX + 1];
     struct logger_line l;
     const char *p;
 
-    (void)state;
     memset(value, '"', LOG_LINE_MAX);
     for (enum logger_format f = LOGGER_LOGFMT; f <= LOGGER_JSON; f++) {
         logger_use(f);
@@ -140,34 +130,21 @@ static void test_long(void **state)
     logger_use(LOGGER_LOGFMT);
 }
 
-static void test_line(void **state)
+TEST(test_line)
 {
-    (void)state;
     catch_stderr();
     logger_line("warn", "%s is %d", "it", 3);
     assert_string_equal(caught("level"), "level=warn msg=\"it is 3\"");
 }
 
 /* The first is told at once, the others together a minute later. */
-static void test_seldom(void **state)
+TEST(test_seldom)
 {
     struct logger_seldom s = {0};
 
-    (void)state;
     assert_int_equal(logger_seldom(&s, 1.0), 1);
     for (int i = 0; i < 99; i++)
         assert_int_equal(logger_seldom(&s, LOG_SELDOM_MS), 0);
     assert_int_equal(logger_seldom(&s, LOG_SELDOM_MS + 1.0), 100);
     assert_int_equal(logger_seldom(&s, LOG_SELDOM_MS + 2.0), 0);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_logfmt), cmocka_unit_test(test_json),
-        cmocka_unit_test(test_utf8),   cmocka_unit_test(test_long),
-        cmocka_unit_test(test_line),   cmocka_unit_test(test_seldom),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

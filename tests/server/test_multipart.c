@@ -1,16 +1,8 @@
 /* The files of a form are found as browsers and curl send them, wherever line ends and dashes
  * stand in them; what is malformed, or other parts than are wanted, is refused with a reason. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "errinfo.h"
 #include "multipart.h"
+#include "unit.h"
 
 #define HEAD     "Content-Disposition: form-data; name=\"file\"; filename=\"a.ply\"\r\n"
 #define PART(x)  "--b\r\n" HEAD "\r\n" x "\r\n"
@@ -58,7 +50,7 @@ static void assert_refused(const char *body, const char *why)
         fail_msg("'%s' lacks '%s'", e.msg, why);
 }
 
-static void test_boundary(void **state)
+TEST(test_boundary)
 {
     static const struct {
         const char *type, *boundary;
@@ -86,7 +78,6 @@ static void test_boundary(void **state)
     };
     char out[MULTIPART_BOUNDARY_MAX + 1];
 
-    (void)state;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         assert_int_equal(multipart_boundary(known[i].type, out),
                          known[i].boundary[0] != '\0');
@@ -94,7 +85,7 @@ static void test_boundary(void **state)
     }
 }
 
-static void test_file(void **state)
+TEST(test_file)
 {
     static const char *const data[] = {"ply",     "",         "\r\n",       "\r\n\r\n",
                                        "\r",      "--b",      "--b--",      "\r\n--",
@@ -102,7 +93,6 @@ static void test_file(void **state)
                                        "\n--b\n", "\r\r\n",   "ends with\r"};
     char body[400];
 
-    (void)state;
     for (size_t i = 0; i < sizeof data / sizeof *data; i++) {
         (void)snprintf(body, sizeof body, "%s%s%s", "--b\r\n" HEAD "\r\n", data[i],
                        "\r\n--b--\r\n");
@@ -128,11 +118,10 @@ static void test_file(void **state)
     assert_string_equal(f.coding, "gzip");
 }
 
-static void test_refused(void **state)
+TEST(test_refused)
 {
     const char whole[] = BODY("x");
 
-    (void)state;
     assert_refused("", "does not begin with the boundary");
     assert_refused("\r\n" BODY("x"), "byte 0: the body does not begin");
     assert_refused("--c\r\n" HEAD "\r\nx\r\n--c--", "does not begin");
@@ -156,11 +145,10 @@ static void test_refused(void **state)
         assert_int_equal(take(whole, len, "b"), ST_EINVAL);
 }
 
-static void test_parts(void **state)
+TEST(test_parts)
 {
     char many[9000] = "", part[1200];
 
-    (void)state;
     assert_refused(PART("x") PART("y") "--b--",
                    "the form has the parts file, file: send one");
     assert_refused(FIELD("units") PART("x") "--b--",
@@ -183,11 +171,10 @@ static void test_parts(void **state)
 }
 
 /* Several files, each with its name. */
-static void test_several(void **state)
+TEST(test_several)
 {
     char many[3000] = "";
 
-    (void)state;
     most = MULTIPART_FILES_MAX;
     assert_taken(FIELD("units") "--b--", strlen(FIELD("units") "--b--"), "1", 1);
     assert_string_equal(f.name, "");
@@ -215,15 +202,4 @@ static void test_several(void **state)
     assert_non_null(strstr(e.msg, "send 1 to 20 files"));
     assert_refused("--b--", "no parts: send 1 to 20");
     most = 1;
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_boundary), cmocka_unit_test(test_file),
-        cmocka_unit_test(test_refused),  cmocka_unit_test(test_parts),
-        cmocka_unit_test(test_several),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,19 +2,13 @@
  * who have most waiting, one worker stays free of heavy requests, and what waits can be dropped. */
 #include <pthread.h>
 #include <semaphore.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
 #include <time.h>
-#include <cmocka.h>
 
 #include "app.h"
 #include "queue.h"
 #include "request.h"
+#include "unit.h"
 #include "worker.h"
 
 #define MOST 64
@@ -111,7 +105,7 @@ static void finish(struct queue *q)
     (void)sem_destroy(&gate);
 }
 
-static void test_turns(void **state)
+TEST(test_turns)
 {
     static const struct {
         unsigned long sender;
@@ -122,7 +116,6 @@ static void test_turns(void **state)
     struct queue *q = start(1, MOST);
     int turns = 0;
 
-    (void)state;
     for (int i = 0; i < 7; i++)
         assert_null(queue_push(q, &request[1 + i], pushed[i].kind, pushed[i].sender));
     finish(q);
@@ -133,12 +126,11 @@ static void test_turns(void **state)
 }
 
 /* Who takes much time waits longer: one slow request against several quick ones. */
-static void test_time(void **state)
+TEST(test_time)
 {
     struct queue *q = start(1, MOST);
     int slow = 0;
 
-    (void)state;
     for (int i = 1; i <= 3; i++) {
         slow_ms[i] = 30;
         assert_null(queue_push(q, &request[i], QUEUE_SMALL, 1));
@@ -154,11 +146,10 @@ static void test_time(void **state)
 }
 
 /* A full queue refuses the newest of the sender that has most waiting. */
-static void test_full(void **state)
+TEST(test_full)
 {
     struct queue *q = start(1, 4);
 
-    (void)state;
     for (int i = 1; i <= 4; i++)
         assert_null(queue_push(q, &request[i], QUEUE_SMALL, 1));
     assert_ptr_equal(queue_push(q, &request[5], QUEUE_SMALL, 1), &request[5]);
@@ -171,12 +162,11 @@ static void test_full(void **state)
 }
 
 /* Large requests, and those of a sender whose last ones took long, leave a worker to others. */
-static void test_heavy(void **state)
+TEST(test_heavy)
 {
     struct queue *q = start(2, MOST);
     struct queue_state s;
 
-    (void)state;
     slow_ms[2] = 80;
     assert_null(
         queue_push(q, &request[2], QUEUE_SMALL, 1)); /* of which this is learned */
@@ -198,12 +188,11 @@ static void test_heavy(void **state)
     finish(q);
 }
 
-static void test_drop(void **state)
+TEST(test_drop)
 {
     struct queue *q = start(1, MOST);
     static const int wanted[] = {0, 1, 3};
 
-    (void)state;
     for (int i = 1; i <= 3; i++)
         assert_null(queue_push(q, &request[i], QUEUE_SMALL, 1));
     assert_true(queue_drop(q, &request[2]));
@@ -215,11 +204,10 @@ static void test_drop(void **state)
 }
 
 /* More senders than are remembered. */
-static void test_many_senders(void **state)
+TEST(test_many_senders)
 {
     struct queue *q = start(1, 2);
 
-    (void)state;
     atomic_store(&held, 1);
     let(1);
     for (int i = 0; i < 300; i++) {
@@ -228,15 +216,4 @@ static void test_many_senders(void **state)
         atomic_store(&runs, 1);
     }
     finish(q);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_turns), cmocka_unit_test(test_time),
-        cmocka_unit_test(test_full),  cmocka_unit_test(test_heavy),
-        cmocka_unit_test(test_drop),  cmocka_unit_test(test_many_senders),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

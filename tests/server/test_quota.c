@@ -1,12 +1,8 @@
 /* How much a sender and all together may have the daemon hold. */
 #include <malloc.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
 
 #include "quota.h"
+#include "unit.h"
 
 static const struct quota_limits limits = {.all = {100, 1000}, .one = {50, 300}};
 
@@ -15,12 +11,11 @@ static struct quota_share share(struct quota *q, uint64_t sender)
     return (struct quota_share){.q = q, .sender = sender};
 }
 
-static void test_one(void **state)
+TEST(test_one)
 {
     struct quota *q = quota_new(&limits);
     struct quota_share a = share(q, 1), b = share(q, 2), same = share(q, 1);
 
-    (void)state;
     assert_true(quota_hold(&a, QUOTA_IS_LARGE, 200));
     assert_false(quota_hold(&a, QUOTA_IS_LARGE, 301));
     assert_false(quota_fits(&a, QUOTA_IS_LARGE, 301));
@@ -44,13 +39,12 @@ static void test_one(void **state)
     quota_free(q);
 }
 
-static void test_all(void **state)
+TEST(test_all)
 {
     struct quota *q = quota_new(&limits);
     struct quota_share s[40];
     unsigned held = 0;
 
-    (void)state;
     for (unsigned char i = 0; i < 40; i++) {
         s[i] = share(q, 1 + 1024 * (uint64_t)i); /* all in one bucket */
         held += quota_hold(&s[i], QUOTA_IS_LARGE, 250);
@@ -66,12 +60,11 @@ static void test_all(void **state)
 }
 
 /* What is held without asking keeps out what asks. */
-static void test_owed(void **state)
+TEST(test_owed)
 {
     struct quota *q = quota_new(&limits);
     struct quota_share a = share(q, 1), b = share(q, 1);
 
-    (void)state;
     assert_true(quota_owe(&a, QUOTA_IS_LARGE, 5000));
     assert_false(quota_hold(&b, QUOTA_IS_LARGE, 1));
     assert_true(quota_hold(&b, QUOTA_IS_SMALL, 1));
@@ -83,12 +76,11 @@ static void test_owed(void **state)
 }
 
 /* What a share has already does not count against what it asks for, but only of the same size. */
-static void test_instead(void **state)
+TEST(test_instead)
 {
     struct quota *q = quota_new(&limits);
     struct quota_share s[4];
 
-    (void)state;
     for (unsigned char i = 0; i < 4; i++) {
         s[i] = share(q, i);
         assert_true(quota_hold(&s[i], QUOTA_IS_LARGE, i < 3 ? 250 : 200));
@@ -110,12 +102,11 @@ static void test_instead(void **state)
 }
 
 /* Nothing stays of a sender that holds nothing. */
-static void test_given_back(void **state)
+TEST(test_given_back)
 {
     struct quota *q = quota_new(&limits);
     size_t before = 0;
 
-    (void)state;
     for (unsigned i = 0; i < 3000; i++) {
         struct quota_share s = share(q, i);
 
@@ -131,15 +122,4 @@ static void test_given_back(void **state)
     assert_in_range(mallinfo2().uordblks, 0,
                     before + 4096); /* 2,000 holders have 100 KB */
     quota_free(q);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one),        cmocka_unit_test(test_all),
-        cmocka_unit_test(test_owed),       cmocka_unit_test(test_instead),
-        cmocka_unit_test(test_given_back),
-    };
-
-    return cmocka_run_group_tests_name("quota", tests, NULL, NULL);
 }

@@ -1,19 +1,12 @@
 /* Requests without HTTP: percent-encoding, query parameters, media types, ids, the routes,
  * and the map from outcomes to HTTP. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "errmap.h"
 #include "openapi_json.h"
 #include "request.h"
 #include "dry_run.h"
 #include "route.h"
 #include "routes.h"
+#include "unit.h"
 
 static void check_decode(const char *in, enum status st, const char *want)
 {
@@ -24,11 +17,10 @@ static void check_decode(const char *in, enum status st, const char *want)
         assert_string_equal(out, want);
 }
 
-static void test_decode(void **state)
+TEST(test_decode)
 {
     char out[8];
 
-    (void)state;
     check_decode("", ST_OK, "");
     check_decode("abc", ST_OK, "abc");
     check_decode("a+b", ST_OK, "a b");
@@ -59,9 +51,8 @@ static void check_query(const char *target, const char *name, enum status st,
     assert_string_equal(out, want);
 }
 
-static void test_query(void **state)
+TEST(test_query)
 {
-    (void)state;
     check_query("/p", "a", ST_ENOTFOUND, "");
     check_query("/p?", "a", ST_ENOTFOUND, "");
     check_query("/p?a", "a", ST_OK, "");
@@ -85,9 +76,8 @@ static void check_media(const char *type, enum request_media want,
     assert_int_equal(got, format);
 }
 
-static void test_media(void **state)
+TEST(test_media)
 {
-    (void)state;
     check_media(NULL, REQUEST_NO_MEDIA, CLOUDFORMAT_ANY);
     check_media("", REQUEST_OTHER_MEDIA, CLOUDFORMAT_ANY);
     check_media("application/json", REQUEST_JSON, CLOUDFORMAT_JSON);
@@ -134,11 +124,10 @@ static void check_route(enum request_method m, const char *target, const char *p
     request_free(&(struct request){.response.body = r.response.body});
 }
 
-static void test_routes(void **state)
+TEST(test_routes)
 {
     const char *const id = "/v1/templates/0123456789abcdef0123456789abcdef";
 
-    (void)state;
     check_route(REQUEST_GET, "/healthz", "/healthz", 0);
     check_route(REQUEST_GET, "/healthz?x=/y", "/healthz", 0);
     check_route(REQUEST_GET, "/healthz/", NULL, 404);
@@ -159,12 +148,11 @@ static void test_routes(void **state)
     check_route(REQUEST_DELETE, "/v1/templates/0123", "/v1/templates/{template_id}", 404);
 }
 
-static void test_id(void **state)
+TEST(test_id)
 {
     struct request r = {0};
     char longest[REQUEST_ID_MAX + 2];
 
-    (void)state;
     request_set_id(&r, "Abc-1_2.z", 1);
     assert_string_equal(r.id, "Abc-1_2.z");
     memset(longest, 'x', sizeof longest);
@@ -182,9 +170,8 @@ static void test_id(void **state)
 }
 
 /* Every outcome has an entry, and every code consists of lower-case letters and '_'. */
-static void test_errmap(void **state)
+TEST(test_errmap)
 {
-    (void)state;
     for (unsigned k = 1; k < ERRMAP_COUNT; k++) {
         const struct errmap *m = errmap_get(k);
 
@@ -203,12 +190,11 @@ static void test_errmap(void **state)
 }
 
 /* Every route but the parts of the page /docs is an operation of the API's description. */
-static void test_described(void **state)
+TEST(test_described)
 {
     size_t n, described = 0, wanted = 0;
     const struct route *table = routes_table(&n);
 
-    (void)state;
     for (const char *at = openapi_json; (at = strstr(at, "\"operationId\": ")) != NULL;
          at++)
         described++;
@@ -223,16 +209,4 @@ static void test_described(void **state)
             fail_msg("server/openapi.json lacks %s", table[i].pattern);
     }
     assert_int_equal(described, wanted);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_decode),    cmocka_unit_test(test_query),
-        cmocka_unit_test(test_media),     cmocka_unit_test(test_routes),
-        cmocka_unit_test(test_id),        cmocka_unit_test(test_errmap),
-        cmocka_unit_test(test_described),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,20 +1,12 @@
 /* The advice on what was found says what to change, with the measured value; every kind of it
  * fits in a line, and describe_scan() has what the HTTP interface promises. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "advice.h"
 #include "cloudformat.h"
 #include "describe.h"
 #include "face.h"
 #include "json.h"
 #include "scan.h"
+#include "unit.h"
 
 static struct advice a;
 static struct face face; /* quality and frame alone */
@@ -48,19 +40,17 @@ static void give(enum status st, struct scan_found f)
         assert_true(strlen(a.line[i]) < ADVICE_MAX - 1); /* not truncated */
 }
 
-static void test_none(void **state)
+TEST(test_none)
 {
-    (void)state;
     good();
     give(ST_OK, plain);
     assert_int_equal(a.n, 0);
 }
 
-static void test_turned(void **state)
+TEST(test_turned)
 {
     struct scan_found f = plain;
 
-    (void)state;
     good();
     f.warnings = 1U << SCAN_TURNED;
     f.yaw_deg = 38.2;
@@ -89,11 +79,10 @@ static void test_turned(void **state)
     assert_int_equal(a.n, 0);
 }
 
-static void test_found(void **state)
+TEST(test_found)
 {
     struct scan_found f = plain;
 
-    (void)state;
     good();
     f.warnings = 1U << SCAN_BEHIND | 1U << SCAN_OCCLUDED | 1U << SCAN_SEVERAL |
                  1U << SCAN_MIRRORED;
@@ -125,11 +114,10 @@ static void test_found(void **state)
     assert_int_equal(a.n, 0);
 }
 
-static void test_quality(void **state)
+TEST(test_quality)
 {
     struct scan_found part = plain;
 
-    (void)state;
     good();
     face.quality.noise_mm = 1.24;
     face.quality.density_mm = 4;
@@ -161,11 +149,10 @@ static void test_quality(void **state)
 }
 
 /* What is nearly a face may be one that is covered; of what is none nothing is known. */
-static void test_support(void **state)
+TEST(test_support)
 {
     struct scan_found f = plain;
 
-    (void)state;
     good();
     f.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_BEHIND;
     f.occluded = 0.56;
@@ -183,11 +170,10 @@ static void test_support(void **state)
 }
 
 /* What the model explains too little of is a matter of the sensor, not of the person. */
-static void test_noisy(void **state)
+TEST(test_noisy)
 {
     struct scan_found f = plain;
 
-    (void)state;
     good();
     f.gate.residual_mm = 1.8;
     f.gate.residual_most = 1.4;
@@ -199,11 +185,10 @@ static void test_noisy(void **state)
 }
 
 /* Each refusal of a scan has its advice, and so does everything at once. */
-static void test_refusals(void **state)
+TEST(test_refusals)
 {
     struct scan_found f = plain;
 
-    (void)state;
     good();
     for (int st = ST_ETOOFEW; st <= ST_EQUALITY; st++) {
         give((enum status)st, plain);
@@ -216,13 +201,12 @@ static void test_refusals(void **state)
     assert_int_equal(a.n, ADVICE_LINES);
 }
 
-static void test_describe(void **state)
+TEST(test_describe)
 {
     struct scan_found f = plain;
     struct json *j = json_new();
     char *text;
 
-    (void)state;
     f.format = CLOUDFORMAT_GLB;
     f.points_read = 60000;
     f.points_dropped = 12;
@@ -250,16 +234,4 @@ static void test_describe(void **state)
     assert_non_null(strstr(text, "\"units\":null,\"view\":null,\"yaw_deg\":null,"
                                  "\"occluded\":0,\"warnings\":[]"));
     free(text);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_none),     cmocka_unit_test(test_turned),
-        cmocka_unit_test(test_found),    cmocka_unit_test(test_quality),
-        cmocka_unit_test(test_support),  cmocka_unit_test(test_noisy),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_describe),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,21 +1,14 @@
 /* The template cache: its bound, who goes first, models that are dropped while they are
  * held or read, many threads at once, and templates that come and go meanwhile. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 
 #include "cache.h"
 #include "errinfo.h"
 #include "facegen.h"
 #include "store.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define FACES   5
 #define POINTS  600
@@ -29,12 +22,12 @@ static struct store_template tmpl[FACES];
 static struct face_work *work;
 static struct errinfo e;
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
     static struct dvec3 pts[POINTS];
     struct facegen_scan s;
 
-    assert_int_equal(tempdb_begin(state), 0);
+    assert_int_equal(tempdb_begin(NULL), 0);
     store = tempdb_fresh();
     work = face_work_new(NULL);
     assert_non_null(work);
@@ -46,16 +39,15 @@ static int set_up(void **state)
                          ST_OK);
         tempdb_enroll(store, "x", "", &faces[i], &tmpl[i]);
     }
-    return 0;
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
     for (size_t i = 0; i < FACES; i++)
         face_free(&faces[i]);
     face_work_free(work);
     store_close(store);
-    return tempdb_end(state);
+    assert_int_equal(tempdb_end(NULL), 0);
 }
 
 /* As a worker does it: found, or read and kept; NULL: it is not in the store. */
@@ -90,13 +82,12 @@ static void use(struct cache *c, size_t i)
     cache_release(c, hold(c, i));
 }
 
-static void test_hit(void **state)
+TEST(test_hit)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
     const struct face *a, *b;
 
-    (void)state;
     assert_non_null(c);
     a = hold(c, 0);
     b = hold(c, 0);
@@ -113,13 +104,12 @@ static void test_hit(void **state)
 }
 
 /* The least recently used model is evicted, and the limit is never exceeded. */
-static void test_bound(void **state)
+TEST(test_bound)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
     size_t one;
 
-    (void)state;
     use(c, 0);
     cache_look(c, &s);
     one = s.bytes;
@@ -149,12 +139,11 @@ static void test_bound(void **state)
 }
 
 /* Without room every hold loads, and nothing is kept. */
-static void test_off(void **state)
+TEST(test_off)
 {
     struct cache *c = cache_new(0);
     struct cache_state s;
 
-    (void)state;
     use(c, 0);
     use(c, 0);
     cache_look(c, &s);
@@ -166,13 +155,12 @@ static void test_off(void **state)
 }
 
 /* A model that is dropped while it is held stays valid until it is released. */
-static void test_dropped_while_held(void **state)
+TEST(test_dropped_while_held)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
     const struct face *a = hold(c, 0), *b;
 
-    (void)state;
     cache_forget(c, tmpl[0].id);
     cache_forget(c, tmpl[0].id);
     cache_forget(c, tmpl[1].id); /* was never loaded */
@@ -205,12 +193,11 @@ static struct face load(size_t i)
 
 /* Deleted while a worker was reading it: the worker may use it, but it does not stay.  Nor
  * does another, which may be read again. */
-static void test_forgotten_while_loaded(void **state)
+TEST(test_forgotten_while_loaded)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
 
-    (void)state;
     for (size_t i = 0; i < 2; i++) {
         const uint64_t mark = cache_mark(c);
         struct face f = load(i);
@@ -232,14 +219,13 @@ static void test_forgotten_while_loaded(void **state)
 }
 
 /* Two read the same at once: both have it, one of them is kept. */
-static void test_loaded_twice(void **state)
+TEST(test_loaded_twice)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct face a = load(0), b = load(0);
     const struct face *first, *second;
     struct cache_state s;
 
-    (void)state;
     assert_null(cache_find(c, tmpl[0].id));
     assert_null(cache_find(c, tmpl[0].id));
     first = cache_keep(c, cache_mark(c), tmpl[0].id, false, &a);
@@ -282,13 +268,12 @@ static void *hammer(void *arg)
     return (void *)bad;
 }
 
-static void test_threads(void **state)
+TEST(test_threads)
 {
     struct cache *c = cache_new((size_t)POINTS * 75 * 3);
     pthread_t t[THREADS];
     void *bad;
 
-    (void)state;
     for (size_t i = 0; i < THREADS; i++)
         assert_int_equal(pthread_create(&t[i], NULL, hammer, c), 0);
     for (size_t i = 0; i < THREADS; i++) {
@@ -384,40 +369,21 @@ static void run_going(struct store *beside)
 
 /* If this process deletes the templates, the cache keeps none of them, even of those that were
  * being loaded. */
-static void test_gone(void **state)
+TEST(test_gone)
 {
     struct cache_state s;
 
-    (void)state;
     run_going(NULL);
     cache_look(going.cache, &s);
     assert_int_equal(s.entries, 0);
     cache_free(going.cache);
 }
 
-static void test_gone_beside(void **state)
+TEST(test_gone_beside)
 {
     struct store *beside = tempdb_open(STORE_WRITE);
 
-    (void)state;
     run_going(beside);
     cache_free(going.cache);
     store_close(beside);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hit),
-        cmocka_unit_test(test_bound),
-        cmocka_unit_test(test_off),
-        cmocka_unit_test(test_dropped_while_held),
-        cmocka_unit_test(test_forgotten_while_loaded),
-        cmocka_unit_test(test_loaded_twice),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_gone),
-        cmocka_unit_test(test_gone_beside),
-    };
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

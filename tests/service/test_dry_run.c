@@ -2,17 +2,11 @@
 /* A trial says what an enrolment and a verification would do: a scan that only a verification
  * takes keeps the enrolment's reason and advice, and the second run has the points as they
  * were. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cloudpoints.h"
 #include "face.h"
 #include "mem.h"
 #include "dry_run.h"
+#include "unit.h"
 
 /* What each run is to return, by whether it is an enrolment's. */
 static enum status outcome[2];
@@ -46,14 +40,12 @@ enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *
 
 static struct dry_run t;
 
-static int set_up(void **state)
+BEFORE_EACH(set_up)
 {
-    (void)state;
     told = (struct scan_found){.unit_mm = 1,
                                .extent = {410, 440, 120.5},
                                .faces = 2,
                                .warnings = 1U << SCAN_SEVERAL};
-    return 0;
 }
 
 static enum status run(enum status enrolment, enum status verification)
@@ -80,9 +72,8 @@ static enum status run(enum status enrolment, enum status verification)
     return st;
 }
 
-static void test_both(void **state)
+TEST(test_both)
 {
-    (void)state;
     assert_int_equal(run(ST_OK, ST_EINTERNAL), ST_OK);
     assert_int_equal(runs, 1);
     assert_int_equal(t.enrolment, ST_OK);
@@ -93,9 +84,8 @@ static void test_both(void **state)
                                           "there, the nearest was taken");
 }
 
-static void test_verification_alone(void **state)
+TEST(test_verification_alone)
 {
-    (void)state;
     assert_int_equal(run(ST_ESEVERAL, ST_OK), ST_OK);
     assert_int_equal(runs, 2);
     assert_int_equal(t.enrolment, ST_ESEVERAL);
@@ -108,9 +98,8 @@ static void test_verification_alone(void **state)
     assert_int_equal(t.found.points_read, 5);
 }
 
-static void test_neither(void **state)
+TEST(test_neither)
 {
-    (void)state;
     assert_int_equal(run(ST_ESEVERAL, ST_ENOTFACE), ST_OK);
     assert_int_equal(runs, 2);
     assert_int_equal(t.enrolment, ST_ESEVERAL);
@@ -119,9 +108,8 @@ static void test_neither(void **state)
     assert_non_null(strstr(t.advice.line[0], "send one face"));
 }
 
-static void test_failure(void **state)
+TEST(test_failure)
 {
-    (void)state;
     assert_int_equal(run(ST_ENOMEM, ST_OK), ST_ENOMEM);
     assert_int_equal(runs, 1);
     assert_int_equal(t.why.code, ST_ENOMEM);
@@ -130,7 +118,7 @@ static void test_failure(void **state)
 }
 
 /* Each refusal says what was measured, and ends with the advice. */
-static void test_texts(void **state)
+TEST(test_texts)
 {
     static const struct {
         enum status st;
@@ -153,7 +141,6 @@ static void test_texts(void **state)
          "hair and hands away: 31 % of the face is covered"},
     };
 
-    (void)state;
     told.gate.support = 0.21;
     told.gate.support_wanted = 0.33;
     told.faces = 1;
@@ -166,9 +153,8 @@ static void test_texts(void **state)
 }
 
 /* What covers less than an enrolment may have is no reason for a refusal, but advice. */
-static void test_covered_a_little(void **state)
+TEST(test_covered_a_little)
 {
-    (void)state;
     told.occluded = 0.06;
     told.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_TURNED;
     told.yaw_deg = 46;
@@ -180,14 +166,13 @@ static void test_covered_a_little(void **state)
         "scanner: 46° to the left now, up to 30° for enrolment");
 }
 
-static void test_unread(void **state)
+TEST(test_unread)
 {
     static const enum status refusal[] = {
         ST_ELIMIT,  ST_ETOOFEW,  ST_ENOTFINITE, ST_ERANGE,   ST_EDEGENERATE, ST_EUNITS,
         ST_ENOFACE, ST_ESEVERAL, ST_EMIRRORED,  ST_ENOTFACE, ST_EQUALITY};
     const struct errinfo e = {.code = ST_ELIMIT, .msg = "more points than the limit"};
 
-    (void)state;
     dry_run_unread(ST_ELIMIT, &e, &t);
     assert_int_equal(t.enrolment, ST_ELIMIT);
     assert_int_equal(t.verification, ST_ELIMIT);
@@ -201,19 +186,4 @@ static void test_unread(void **state)
             is = is || (int)refusal[i] == st;
         assert_int_equal(dry_run_is_refusal((enum status)st), is);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_both, set_up),
-        cmocka_unit_test_setup(test_verification_alone, set_up),
-        cmocka_unit_test_setup(test_neither, set_up),
-        cmocka_unit_test_setup(test_failure, set_up),
-        cmocka_unit_test_setup(test_texts, set_up),
-        cmocka_unit_test_setup(test_covered_a_little, set_up),
-        cmocka_unit_test(test_unread),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

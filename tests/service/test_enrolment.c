@@ -3,17 +3,11 @@
  * with scope manage, if it is forced, or if it is the first; of several the others likewise, or where
  * the first is what they have to fit, if they match that one; but not of a disabled or expired
  * subject. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "clouds.h"
 #include "enrolment.h"
 #include "errinfo.h"
 #include "tempdb.h"
+#include "unit.h"
 
 #define POINTS 1500
 
@@ -89,12 +83,12 @@ static void assert_taken(const char *what)
     }
 }
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
     static struct dvec3 pts[POINTS];
     size_t n, part = 0;
 
-    assert_int_equal(tempdb_begin_faces(state), 0);
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
     n = clouds_scan(1, 1, POINTS, pts);
     assert_int_equal(face_build(pts, n, tempdb_work, &again, NULL), ST_OK);
     for (size_t i = 0; i < n; i++)
@@ -105,37 +99,31 @@ static int set_up(void **state)
         n = clouds_scan(2, i + 1, POINTS, pts);
         assert_int_equal(face_build(pts, n, tempdb_work, &other[i], NULL), ST_OK);
     }
-    return 0;
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
     face_free(&again);
     face_free(&cheek);
     face_free(&other[0]);
     face_free(&other[1]);
-    return tempdb_end_faces(state);
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }
 
-static int fresh(void **state)
+BEFORE_EACH(fresh)
 {
-    (void)state;
     store = tempdb_fresh();
-    return 0;
 }
 
-static int closed(void **state)
+AFTER_EACH(closed)
 {
-    (void)state;
     store_close(store);
-    return 0;
 }
 
-static void test_fit(void **state)
+TEST(test_fit)
 {
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_true(each[0].created);
     assert_int_equal(out.nearest.compared, 0);
@@ -154,13 +142,12 @@ static void test_fit(void **state)
 }
 
 /* A further sample is held against the oldest template, and those that a manager enrolled. */
-static void test_basis(void **state)
+TEST(test_basis)
 {
     struct enrolment_outcome out;
     struct store_template t;
     double first;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_false(each[0].tmpl.manager);
     assert_true(each[0].tmpl.first_score == 0);
@@ -190,12 +177,11 @@ static void test_basis(void **state)
 
 /* Several, of which the first fits: the others are held against the same templates, not against
  * that one, unless a manager enrolls them. */
-static void test_several_basis(void **state)
+TEST(test_several_basis)
 {
     const struct face *const burst[] = {&other[0], &again, &other[1]};
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
     assert_int_equal(add_all(burst, 3, false, &out), ST_OK);
@@ -210,11 +196,10 @@ static void test_several_basis(void **state)
 }
 
 /* A sample that has too little in common with the others to tell. */
-static void test_inconclusive(void **state)
+TEST(test_inconclusive)
 {
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(add(&cheek, false, &out), ST_EMISMATCH);
     assert_int_equal(out.nearest.result.decision, FACE_INCONCLUSIVE);
@@ -225,11 +210,10 @@ static void test_inconclusive(void **state)
 }
 
 /* A template that is enrolled between comparing and storing is compared with too. */
-static void test_meanwhile(void **state)
+TEST(test_meanwhile)
 {
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     rival = &tempdb_face[1];
     assert_int_equal(add(&again, false, &out), ST_OK);
@@ -238,12 +222,11 @@ static void test_meanwhile(void **state)
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 3);
 }
 
-static void test_admitted(void **state)
+TEST(test_admitted)
 {
     static const bool yes = true, no = false;
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(store_subject_set(store, "test", "alice",
                                        &(struct store_subject_change){.disabled = &yes},
@@ -270,13 +253,12 @@ static void test_admitted(void **state)
 }
 
 /* Several at once: each that matches the first becomes a template. */
-static void test_several(void **state)
+TEST(test_several)
 {
     const struct face *const burst[] = {&tempdb_face[0], &tempdb_face[1], &again,
                                         &tempdb_face[0], &cheek,          &again};
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add_all(burst, 6, false, &out), ST_OK);
     assert_taken("1.1s.s");
     assert_non_null(strstr(each[1].why.msg, "does not match the first"));
@@ -299,13 +281,12 @@ static void test_several(void **state)
 
 /* Those before the first that fits are tried as if each had come alone; none fits: the first
  * one's reason. */
-static void test_first(void **state)
+TEST(test_first)
 {
     const struct face *const burst[] = {&tempdb_face[1], &cheek, &again, &tempdb_face[1],
                                         &tempdb_face[0]};
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(add_all(burst, 2, false, &out), ST_EMISMATCH);
     assert_taken("..");
@@ -327,12 +308,11 @@ static void test_first(void **state)
 
 /* Another enrolment in between: what stands for the burst is compared again, and the burst is
  * stored whole. */
-static void test_several_meanwhile(void **state)
+TEST(test_several_meanwhile)
 {
     const struct face *const burst[] = {&tempdb_face[2], &again, &tempdb_face[0]};
     struct enrolment_outcome out;
 
-    (void)state;
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     rival = &tempdb_face[1];
     assert_int_equal(add_all(burst, 3, false, &out), ST_OK);
@@ -342,12 +322,11 @@ static void test_several_meanwhile(void **state)
 }
 
 /* Those that are no faces are passed over, wherever they stand. */
-static void test_refused(void **state)
+TEST(test_refused)
 {
     const struct face *const burst[] = {NULL, &tempdb_face[0], NULL, &again, NULL};
     struct enrolment_outcome out;
 
-    (void)state;
     for (int force = 0; force < 2; force++) {
         assert_int_equal(add_all(burst, 1, force == 1, &out), ST_EQUALITY);
         assert_true(out.none);
@@ -366,7 +345,7 @@ static void test_refused(void **state)
 }
 
 /* Locked out on the way: nothing is enrolled. */
-static void test_locked(void **state)
+TEST(test_locked)
 {
     struct store_sample sample[] = {{.face = &tempdb_face[1]}, {.face = &again}};
     struct templates_context c = {.store = store, .work = tempdb_work};
@@ -379,7 +358,6 @@ static void test_locked(void **state)
                                 .limits = &limits};
     struct enrolment_outcome out;
 
-    (void)state;
     memset(each, 0, sizeof each);
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(enrolment_add(&c, &x, each, &out, &e), ST_EDENIED);
@@ -388,13 +366,12 @@ static void test_locked(void **state)
 }
 
 /* What cannot be stored whole is not stored at all. */
-static void test_all_or_none(void **state)
+TEST(test_all_or_none)
 {
     struct face bad = again; /* fits, but the database refuses it */
     const struct face *burst[] = {&tempdb_face[0], &bad};
     struct enrolment_outcome out;
 
-    (void)state;
     bad.surface.mesh.nt = 0;
     assert_int_equal(add_all(burst, 2, false, &out), ST_EDB);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 0);
@@ -404,32 +381,10 @@ static void test_all_or_none(void **state)
     assert_taken("11");
 }
 
-static void test_code(void **state)
+TEST(test_code)
 {
-    (void)state;
     assert_string_equal(enrolment_code(ST_EMISMATCH), "sample_mismatch");
     assert_string_equal(enrolment_code(ST_EQUALITY), "low_quality");
     assert_string_equal(enrolment_code(ST_EINVAL), "malformed");
     assert_null(enrolment_code(ST_OK));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_fit, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_basis, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_several_basis, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_inconclusive, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_meanwhile, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_admitted, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_several, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_first, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_several_meanwhile, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_refused, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_locked, fresh, closed),
-        cmocka_unit_test_setup_teardown(test_all_or_none, fresh, closed),
-        cmocka_unit_test(test_code),
-    };
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

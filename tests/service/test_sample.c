@@ -1,19 +1,12 @@
 /* The message of every failure to build a face has the measured value and a hint, and is not
  * truncated. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "clouds.h"
 #include "errinfo.h"
 #include "face.h"
 #include "cloudpoints.h"
 #include "mem.h"
 #include "sample.h"
+#include "unit.h"
 
 #define POINTS 1500
 
@@ -23,19 +16,16 @@ static struct face_work *work;
 static struct face f;
 static struct errinfo e;
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
-    (void)state;
     work = face_work_new(NULL);
-    return work == NULL;
+    assert_non_null(work);
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
-    (void)state;
     face_free(&f);
     face_work_free(work);
-    return 0;
 }
 
 /* A scan in units of unit_mm. */
@@ -74,7 +64,7 @@ static void assert_refused(enum status st, double given_mm, const char *text)
     assert_true(strlen(e.msg) < sizeof e.msg - 1); /* not truncated */
 }
 
-static void test_units(void **state)
+TEST(test_units)
 {
     static const struct {
         double real_mm, given_mm;
@@ -84,7 +74,6 @@ static void test_units(void **state)
                  {1, 10, "mm: is it millimetres?"},
                  {100000, 1, "mm: is it one face, and the unit right?"}};
 
-    (void)state;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         take(known[i].real_mm);
         if (known[i].real_mm > 50000) { /* else too small for a triangulation */
@@ -103,9 +92,8 @@ static void test_units(void **state)
     assert_non_null(strstr(e.msg, "the extent is 0.19 x 0.24 x "));
 }
 
-static void test_points(void **state)
+TEST(test_points)
 {
-    (void)state;
     take(1);
     assert_int_equal(build(1), ST_OK);
     pts[16].y = NAN;
@@ -121,9 +109,8 @@ static void test_points(void **state)
     assert_refused(ST_EDEGENERATE, 1, "on one line");
 }
 
-static void test_surface(void **state)
+TEST(test_surface)
 {
-    (void)state;
     take(1);
     for (size_t i = 0; i < n; i++)
         pts[i].z = 0;
@@ -133,15 +120,4 @@ static void test_surface(void **state)
         pts[i].z += (double)(i * 7919 % 41) - 20;
     assert_refused(ST_EQUALITY, 1, "scan again");
     assert_non_null(strstr(e.msg, "noise "));
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_units),
-        cmocka_unit_test(test_points),
-        cmocka_unit_test(test_surface),
-    };
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

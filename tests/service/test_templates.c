@@ -2,15 +2,6 @@
  * left out; the minimal disparity is of the one that decides.  What is read before: one
  * transaction, and none of it for who is refused; every face is given back to the cache; the
  * calibration in force decides. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "cache.h"
 #include "clouds.h"
 #include "errinfo.h"
@@ -19,6 +10,7 @@
 #include "model.h"
 #include "tempdb.h"
 #include "templates.h"
+#include "unit.h"
 
 #define POINTS 1500
 
@@ -56,9 +48,9 @@ static void make(uint64_t subject, uint64_t scan, double x, double y, double sid
     assert_int_equal(face_build(pts, n, tempdb_work, f, NULL), ST_OK);
 }
 
-static int set_up(void **state)
+BEFORE_ALL(set_up)
 {
-    assert_int_equal(tempdb_begin_faces(state), 0);
+    assert_int_equal(tempdb_begin_faces(NULL), 0);
     store = tempdb_fresh();
     make(1, 0, 200, 200, 1, &probe);
     make(1, 0, 200, 200, -1, &swapped);
@@ -67,10 +59,9 @@ static int set_up(void **state)
     make(1, 2, 200, 200, 1, &model[AGAIN]);
     make(1, 3, 16, 40, 1, &model[MIDDLE]);
     make(5, 4, 22, 60, 1, &part);
-    return 0;
 }
 
-static int tear_down(void **state)
+AFTER_ALL(tear_down)
 {
     for (int m = 0; m < MODELS; m++)
         face_free(&model[m]);
@@ -78,7 +69,7 @@ static int tear_down(void **state)
     face_free(&part);
     face_free(&swapped);
     store_close(store);
-    return tempdb_end_faces(state);
+    assert_int_equal(tempdb_end_faces(NULL), 0);
 }
 
 static struct templates_context context(void)
@@ -123,12 +114,11 @@ static void assert_decides(const char *ids, const struct face *p, int m,
     assert_true(out.score_ms >= (double)out.compared);
 }
 
-static void test_highest(void **state)
+TEST(test_highest)
 {
     struct nearest out;
     enum status st;
 
-    (void)state;
     assert_decides("0", &probe, OTHER, FACE_NO_MATCH);
     assert_decides("01", &probe, SAME, FACE_MATCH);
     assert_decides("10", &probe, SAME, FACE_MATCH);
@@ -142,13 +132,12 @@ static void test_highest(void **state)
 }
 
 /* Of n comparisons the best is lowered by ln n, and so are its decision and rate. */
-static void test_lowered(void **state)
+TEST(test_lowered)
 {
     struct nearest out;
     struct calibration d = model_default.calibration;
     enum status st;
 
-    (void)state;
     assert_int_equal(decide("1", &probe, &st, &out), SAME);
     const struct face_result one = out.result;
     assert_true(out.first_score == one.score);
@@ -170,14 +159,13 @@ static void test_lowered(void **state)
 }
 
 /* If all comparisons are inconclusive, the highest score is returned. */
-static void test_inconclusive(void **state)
+TEST(test_inconclusive)
 {
     struct nearest out;
     double most = -INFINITY;
     enum status st;
     int highest = -1;
 
-    (void)state;
     for (int m = 0; m < MIDDLE; m++) {
         const char id[] = {(char)('0' + m), '\0'};
 
@@ -193,13 +181,12 @@ static void test_inconclusive(void **state)
 }
 
 /* A conclusive comparison goes before inconclusive ones of a higher score. */
-static void test_conclusive_first(void **state)
+TEST(test_conclusive_first)
 {
     struct nearest out;
     enum status st;
     double score;
 
-    (void)state;
     assert_decides("3", &probe, MIDDLE, FACE_INCONCLUSIVE);
     assert_int_equal(decide("3", &probe, &st, &out), MIDDLE);
     score = out.result.score;
@@ -212,12 +199,11 @@ static void test_conclusive_first(void **state)
 
 /* A scan with left and right swapped is told from a stranger's: only where it is no match, by
  * one comparison more, and only where its mirror image is one. */
-static void test_mirrored(void **state)
+TEST(test_mirrored)
 {
     struct nearest out;
     enum status st;
 
-    (void)state;
     assert_int_equal(decide("01", &swapped, &st, &out), SAME);
     assert_int_equal(out.result.decision, FACE_NO_MATCH);
     assert_true(out.mirrored);
@@ -235,14 +221,13 @@ static void test_mirrored(void **state)
 
 /* Of a stranger, whose mirror image scores about the same, no threshold makes a mirrored scan: it
  * would be as good a sign as a match. */
-static void test_hardly_mirrored(void **state)
+TEST(test_hardly_mirrored)
 {
     struct calibration d = model_default.calibration;
     struct face stranger = {0}, image = {0};
     struct nearest out, back;
     enum status st;
 
-    (void)state;
     for (uint64_t k = 3; k < 12; k++) {
         make(k, 0, 200, 200, 1, &stranger);
         make(k, 0, 200, 200, -1, &image);
@@ -262,12 +247,11 @@ static void test_hardly_mirrored(void **state)
     face_free(&image);
 }
 
-static void test_left_out(void **state)
+TEST(test_left_out)
 {
     struct nearest out;
     enum status st;
 
-    (void)state;
     assert_int_equal(decide("-0", &probe, &st, &out), OTHER);
     assert_int_equal(out.compared, 1);
     assert_int_equal(decide("-", &probe, &st, &out), -1);
@@ -277,7 +261,7 @@ static void test_left_out(void **state)
 }
 
 /* Of the template that decides, and not above the measure at the alignment's pose. */
-static void test_minimal(void **state)
+TEST(test_minimal)
 {
     struct store_template rows[2] = {0};
     struct templates_context c;
@@ -287,7 +271,6 @@ static void test_minimal(void **state)
     struct minimal m, same;
     struct disparity aligned;
 
-    (void)state;
     assert_int_equal(templates_nearest(&t, false, &probe, &best, &e), ST_OK);
     assert_int_equal(best.index, 1);
     assert_int_equal(templates_minimal(&t, &probe, &best, false, &m, &e), ST_OK);
@@ -328,13 +311,12 @@ static enum status read(struct templates_context *c, const char *subject,
     return templates_read(c, &(struct templates_of){.subject = subject}, out, &e);
 }
 
-static void test_read(void **state)
+TEST(test_read)
 {
     struct templates_context c = context();
     struct templates a;
     struct cache_state seen;
 
-    (void)state;
     enroll_alice();
     c.store = store;
     for (int cached = 0; cached < 2; cached++) {
@@ -362,7 +344,7 @@ static void test_read(void **state)
 }
 
 /* No face is read for who is refused. */
-static void test_refused(void **state)
+TEST(test_refused)
 {
     static const bool yes = true;
     const struct store_limits limits = {.failures = 1, .wait_s = 30};
@@ -370,7 +352,6 @@ static void test_refused(void **state)
     struct templates a;
     struct templates_of ask = {.subject = "alice", .token = "test", .limits = &limits};
 
-    (void)state;
     enroll_alice();
     c.store = store;
     assert_int_equal(read(&c, "nobody", &a), ST_ENOTFOUND);
@@ -395,7 +376,7 @@ static void test_refused(void **state)
 }
 
 /* A calibration that comes into force decides the next comparison. */
-static void test_calibration(void **state)
+TEST(test_calibration)
 {
     struct store_calibration k = {
         .fmr = 0.5,
@@ -412,7 +393,6 @@ static void test_calibration(void **state)
                 {true, false, k.table.threshold},
                 {true, true, store_model(store)->calibration.threshold}};
 
-    (void)state;
     enroll_alice();
     c.store = store;
     for (size_t i = 0; i < sizeof step / sizeof *step; i++) {
@@ -425,18 +405,4 @@ static void test_calibration(void **state)
         assert_true(out.result.threshold == step[i].threshold);
         templates_free(&a);
     }
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_highest),      cmocka_unit_test(test_lowered),
-        cmocka_unit_test(test_inconclusive), cmocka_unit_test(test_conclusive_first),
-        cmocka_unit_test(test_mirrored),     cmocka_unit_test(test_hardly_mirrored),
-        cmocka_unit_test(test_left_out),     cmocka_unit_test(test_minimal),
-        cmocka_unit_test(test_read),         cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_calibration),
-    };
-
-    return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,12 +1,6 @@
 /* The heat map has a value for each point that was sent, in their order: null for those that
  * were dropped when they were read, or not used. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
+#include "unit.h"
 #include "verify.h"
 
 #define READ 7
@@ -27,12 +21,11 @@ static void check(uint32_t *index, size_t n, const double wanted[READ])
             assert_true(value[i] == wanted[i]);
 }
 
-static void test_spread(void **state)
+TEST(test_spread)
 {
     uint32_t first[] = {0, 1, 2}, last[] = {4, 5, 6}, some[] = {1, 3, 6},
              all[] = {0, 1, 2, 3, 4, 5, 6};
 
-    (void)state;
     check(NULL, READ, (const double[]){1, 2, 3, 4, 5, 6, 7});
     check(all, READ, (const double[]){1, 2, 3, 4, 5, 6, 7});
     check(first, 3, (const double[]){1, 2, 3, 0, 0, 0, 0});
@@ -40,11 +33,4 @@ static void test_spread(void **state)
     check(some, 3, (const double[]){0, 1, 0, 2, 0, 0, 3});
     check(some, 1, (const double[]){0, 1, 0, 0, 0, 0, 0});
     check(some, 0, (const double[]){0, 0, 0, 0, 0, 0, 0});
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_spread)};
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }
