@@ -158,30 +158,24 @@ static void finish(struct exchange *x)
 
 static void explain(struct request *r, unsigned status)
 {
-    switch (status) {
-    case 414:
-        request_problem(r, ERRMAP_TARGET, "the path and query have at most some 11 KB");
-        break;
-    case 431:
-        request_problem(r, ERRMAP_HEADERS, "the headers have at most some 11 KB in all");
-        break;
-    case 505:
-        request_problem(r, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0");
-        break;
-    case 413: /* it may be a stranger, who is not told the limit */
-        request_problem(r, ST_ESIZE,
-                        "Content-Length or a chunk's size has too many digits");
-        break;
-    case 400:
-        request_problem(r, ST_EINVAL,
-                        "a header, Content-Length or a chunk is not as HTTP has it");
-        break;
-    case 500: /* its buffer is full, and we cannot take anything of it */
-        request_problem(r, ST_EINVAL, "a chunk's size and extension are too long");
-        break;
-    default:
-        request_problem(r, ST_EINTERNAL, "libmicrohttpd gave up with %u", status);
-    }
+    static const struct {
+        unsigned status, kind;
+        const char *why;
+    } known[] = {
+        {414, ERRMAP_TARGET, "the path and query have at most some 11 KB"},
+        {431, ERRMAP_HEADERS, "the headers have at most some 11 KB in all"},
+        {505, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0"},
+        /* it may be a stranger, who does not learn the limit */
+        {413, ST_ESIZE, "Content-Length or a chunk's size has too many digits"},
+        {400, ST_EINVAL, "a header, Content-Length or a chunk is not as HTTP has it"},
+        /* its buffer is full, and we cannot take anything of it */
+        {500, ST_EINVAL, "a chunk's size and extension are too long"},
+        {0, ST_EINTERNAL, "libmicrohttpd gave up"}};
+    size_t i = 0;
+
+    while (known[i].status != 0 && known[i].status != status)
+        i++;
+    request_problem(r, known[i].kind, "%s", known[i].why);
 }
 
 /* See peer_host. */
