@@ -131,7 +131,7 @@ static enum status record(struct templates_context *c, struct verification *v,
     const enum face_decision decision = v->best.result.decision;
     const struct store_limits *limits = r->of.limits;
     char outcome[STORE_NAME_MAX + 1];
-    struct store_probe probe;
+    struct store_probe probe = {.read = NULL};
     const struct store_record what = {
         .subject = &v->templates.of.subject,
         .as = limits == NULL || limits->failures == 0 ? STORE_RECORD_UNCOUNTED

@@ -22,7 +22,6 @@
 #include "headers.h"
 #include "listen.h"
 #include "logger.h"
-#include "malformed.h"
 #include "metrics.h"
 #include "options.h"
 #include "peer.h"
@@ -157,6 +156,28 @@ static void finish(struct exchange *x)
 
 /* ---- requests that libmicrohttpd refuses by itself */
 
+static void explain(struct request *r, unsigned status)
+{
+    static const struct {
+        unsigned status, kind;
+        const char *why;
+    } known[] = {
+        {414, ERRMAP_TARGET, "the path and query have at most some 11 KB"},
+        {431, ERRMAP_HEADERS, "the headers have at most some 11 KB in all"},
+        {505, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0"},
+        /* it may be a stranger, who does not learn the limit */
+        {413, ST_ESIZE, "Content-Length or a chunk's size has too many digits"},
+        {400, ST_EINVAL, "a header, Content-Length or a chunk is not as HTTP has it"},
+        /* its buffer is full, and we cannot take anything of it */
+        {500, ST_EINVAL, "a chunk's size and extension are too long"},
+        {0, ST_EINTERNAL, "libmicrohttpd gave up"}};
+    size_t i = 0;
+
+    while (known[i].status != 0 && known[i].status != status)
+        i++;
+    request_problem(r, known[i].kind, "%s", known[i].why);
+}
+
 /* See peer_host. */
 static void on_refusal(void *arg, struct peer *p, void *current, unsigned status)
 {
@@ -170,7 +191,7 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
     }
     if (x->r.id[0] == '\0')
         request_set_id(&x->r, NULL, ++h->serial);
-    malformed_explain(&x->r, status);
+    explain(&x->r, status);
     (void)send_amid(x);
     if (x == &none)
         finish(x);

@@ -75,13 +75,13 @@ static double cpu_ms(void)
 /* There is always one without requests: more are remembered than can have some. */
 static struct sender *find_sender(struct queue *q, uint64_t id)
 {
-    struct sender *oldest = NULL;
+    struct sender *oldest = q->senders;
 
     for (struct sender *s = q->senders; s < q->senders + q->nsenders; s++) {
         if (s->seen_ms > 0 && s->id == id)
             return s;
         if (s->waiting + s->running == 0 &&
-            (oldest == NULL || s->seen_ms < oldest->seen_ms))
+            (oldest->waiting + oldest->running > 0 || s->seen_ms < oldest->seen_ms))
             oldest = s;
     }
     *oldest = (struct sender){.id = id, .cost_ms = FIRST_MS};

@@ -108,6 +108,27 @@ TEST(test_by_address)
     }
 }
 
+/* A connection with a socket pair in fd. */
+static struct guard_peer *connect_from(const char *text, int fd[2])
+{
+    struct guard_peer *p;
+
+    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd), 0);
+    p = guard_open(g, fd[0], from(text));
+    assert_non_null(p);
+    return p;
+}
+
+static void close_all(struct guard_peer *p[], int fd[][2], int n)
+{
+    for (int i = 0; i < n; i++) {
+        guard_close(g, p[i]);
+        (void)close(fd[i][0]);
+        (void)close(fd[i][1]);
+    }
+    guard_stop(g);
+}
+
 /* Has the other side read the end of the connection? */
 static bool has_ended(int fd)
 {
@@ -257,33 +278,7 @@ TEST(test_crowded)
     guard_begin(g, p[0], GUARD_IDLE); /* two of one address, one of another */
     assert_true(guard_admit(g, from("192.0.2.2")));
     assert_true(has_ended(fd[1][1])); /* it was idle before p[0] */
-    for (int i = 0; i < 3; i++) {
-        guard_close(g, p[i]);
-        (void)close(fd[i][0]);
-        (void)close(fd[i][1]);
-    }
-    guard_stop(g);
-}
-
-/* A connection with a socket pair in fd. */
-static struct guard_peer *connect_from(const char *text, int fd[2])
-{
-    struct guard_peer *p;
-
-    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd), 0);
-    p = guard_open(g, fd[0], from(text));
-    assert_non_null(p);
-    return p;
-}
-
-static void close_all(struct guard_peer *p[], int fd[][2], int n)
-{
-    for (int i = 0; i < n; i++) {
-        guard_close(g, p[i]);
-        (void)close(fd[i][0]);
-        (void)close(fd[i][1]);
-    }
-    guard_stop(g);
+    close_all(p, fd, 3);
 }
 
 /* Who makes room is of the address that has most, and does so once; one that is closed already
