@@ -6,8 +6,8 @@ cd "$(dirname "$0")/../.." || exit 1
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 8 --shift 10
 scan 1 1 "$T/a2.json" --pose 8 --shift 10
-scan 1 1 "$T/a2.obj" --pose 8 --shift 10
 scan 1 1 "$T/a2.xyz" --pose 8 --shift 10
+sed 's/^/v /' "$T/a2.xyz" >"$T/a2.obj"
 scan 2 0 "$T/b.ply" --pose 8 --shift 10
 start_daemon --no-auth
 

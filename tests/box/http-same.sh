@@ -64,7 +64,7 @@ send POST '/v1/compare?detail=measure' "$JSON" "$T/ab.json"
 "$BUILD/surfacectl" --json compare "$T/a.json" "$T/a.json" >"$T/ctl"
 same "compare"
 send POST /v1/asymmetry 'Content-Type: text/plain' "$T/a.xyz"
-"$BUILD/surfacectl" --json asymmetry "$T/a.xyz" >"$T/ctl"
+"$BUILD/surfacelab" asymmetry --json "$T/a.xyz" >"$T/ctl"
 same "asymmetry"
 
 # Many requests at once, each several times.

@@ -157,7 +157,7 @@ client door-1 door-1 "$VERIFY" "$T/a1.ply"
 refused "removed while the daemon runs" capture_invalid 'no such device'
 ctl_exits 0 device add door-1 d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a
 send POST "$VERIFY?units=mm" "$JSON" "$T/vector" -H "Capture-Signature: $vector"
-problem "the test vector" 403 capture_invalid 'none of POST /v1/challenge'
+problem "the test vector" 403 capture_invalid 'the nonce is not from POST /v1/challenge'
 client door-1 door-1 "$VERIFY" "$T/a1.ply"
 refused "the old key under a name that is another's now" capture_invalid 'has not signed'
 

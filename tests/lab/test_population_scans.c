@@ -191,6 +191,24 @@ static void test_gaps(void **state)
         assert_true(isnan(gap[c]));
 }
 
+/* A model of half a face has no population. */
+static void test_too_little(void **state)
+{
+    struct population none;
+    struct model *m = malloc(sizeof *m);
+
+    (void)state;
+    assert_non_null(m);
+    *m = toy;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (grid_x(i) > 0)
+            m->mean[i] = (float)NAN;
+    assert_int_equal(population_read(m, &none), ST_EINVAL);
+    assert_null(none.change.block[0]);
+    population_free(&none);
+    free(m);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -199,6 +217,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_holes, begin, end),
         cmocka_unit_test_setup_teardown(test_single, begin, end),
         cmocka_unit_test_setup_teardown(test_gaps, begin, end),
+        cmocka_unit_test(test_too_little),
     };
     int failed;
 
