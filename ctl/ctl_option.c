@@ -160,7 +160,7 @@ static const struct ctl_option shared_options[] = {
            "a value is not a millimetre, and \",WIDTH,HEIGHT\" of files that have\n"
            "the values alone (see the manual)"),
     SHARED("model", "FILE", ctl_option_text, model_path, 0,
-           "a model that surfacectl train wrote; or set SURFACED_MODEL"),
+           "a model that surfacelab train wrote; or set SURFACED_MODEL"),
     SHARED("threshold", "SCORE", ctl_option_score, threshold, 0,
            "count by this threshold instead of the calibration's"),
     SHARED("fmr", "RATE", ctl_option_rate, fmr, 0,

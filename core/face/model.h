@@ -1,6 +1,6 @@
 /* model.h -- the model: what is known of faces in general.  A comparison depends on it and on
  * the two faces, nothing else.
- * One model is shipped (core/face/default.model, compiled in as model_default); `surfacectl train`
+ * One model is shipped (core/face/default.model, compiled in as model_default); `surfacelab train`
  * learns another.  How it is learned: docs/model.md. */
 #ifndef CORE_MODEL_H
 #define CORE_MODEL_H

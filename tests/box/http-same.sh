@@ -63,9 +63,6 @@ jq '{a: ., b: .}' "$T/a.json" >"$T/ab.json"
 send POST '/v1/compare?detail=measure' "$JSON" "$T/ab.json"
 "$BUILD/surfacectl" --json compare "$T/a.json" "$T/a.json" >"$T/ctl"
 same "compare"
-send POST /v1/asymmetry 'Content-Type: text/plain' "$T/a.xyz"
-"$BUILD/surfacelab" asymmetry --json "$T/a.xyz" >"$T/ctl"
-same "asymmetry"
 
 # Many requests at once, each several times.
 for round in 1 2 3; do

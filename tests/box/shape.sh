@@ -1,14 +1,14 @@
 #!/bin/sh
-# Goal: a face's asymmetry over HTTP and by surfacectl: both give the same figures, which follow
+# Goal: a face's asymmetry over HTTP and by surfacelab: both give the same figures, which follow
 # the asymmetry of the generated face; half a face is inconclusive, and other input an error.
-# surfacectl simplify keeps within its tolerance and writes a scan.
+# surfacelab simplify keeps within its tolerance and writes a scan.
 # shellcheck disable=SC2016 # the variables are jq's
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-# asymmetry FILE [OPTION...]: runs surfacectl asymmetry; sets CODE, the JSON is in $T/body.
+# asymmetry FILE [OPTION...]: runs surfacelab asymmetry; sets CODE, the JSON is in $T/body.
 asymmetry() {
-    "$BUILD/surfacectl" asymmetry --json "$@" >"$T/body" 2>"$T/err"
+    "$BUILD/surfacelab" asymmetry --json "$@" >"$T/body" 2>"$T/err"
     CODE=$?
 }
 
@@ -35,17 +35,18 @@ body "the plane is where the head was turned to" '.scan.view as $v | .plane |
 body "by the learned weight" '.weighted_mm > 0 and .weighted_mm < 0.3 and
     .weighted_mm != .plain_mm'
 body "volume over area" '.volume_mm3 / .overlap_mm2 / .plain_mm - 1 | fabs < 1e-3'
-without_times "$T/body" >"$T/even.http"
+figures='[.conclusive, .plain_mm, .weighted_mm, .first_mm, .volume_mm3, .overlap_mm2, .plane.normal]'
+get "$figures" >"$T/even.http"
 asymmetry "$T/even.xyz"
-is "surfacectl's exit" "$CODE" 0
-is "surfacectl's figures" "$(without_times "$T/body")" "$(cat "$T/even.http")"
+is "surfacelab's exit" "$CODE" 0
+is "surfacelab's figures" "$(get "$figures")" "$(cat "$T/even.http")"
 
 asymmetry "$T/odd.xyz"
 odd=$(get .plain_mm)
 body "an asymmetric face" '.plain_mm > 0.6 and .plain_mm < 2'
 send POST /v1/asymmetry "$JSON" "$T/odder.json"
 body "twice the asymmetry: about two times ${odd} mm" ".plain_mm / $odd | . > 1.5 and . < 2.1"
-"$BUILD/surfacectl" asymmetry "$T/odd.xyz" >"$T/text"
+"$BUILD/surfacelab" asymmetry "$T/odd.xyz" >"$T/text"
 is "as text" "$? $(grep -cE '^(asymmetry|weighted|first|common|plane|scan) ' "$T/text")" "0 6"
 
 asymmetry "$T/half.xyz"
@@ -57,7 +58,7 @@ is "half a face" "$STATUS $(get .conclusive)" "200 false"
 
 # simplify FILE OPTION...: to $T/small.ply; sets CODE, the JSON is in $T/body.
 simplify() {
-    "$BUILD/surfacectl" simplify --json "$@" --force --out "$T/small.ply" >"$T/body" 2>"$T/err"
+    "$BUILD/surfacelab" simplify --json "$@" --force --out "$T/small.ply" >"$T/body" 2>"$T/err"
     CODE=$?
 }
 
@@ -80,18 +81,18 @@ is "by the mean" "$CODE" 0
 body "within it" ".plain_mm <= $mean and .kept < $kept"
 "$BUILD/surfacectl" compare "$T/a.ply" "$T/small.ply" >"$T/text"
 is "it still matches" $? 0
-"$BUILD/surfacectl" simplify "$T/a.ply" -o "$T/dir/b.ply" --tolerance 1 >"$T/text"
+"$BUILD/surfacelab" simplify "$T/a.ply" -o "$T/dir/b.ply" --tolerance 1 >"$T/text"
 is "as text" "$? $(grep -cE '^(kept|error|disparity|file) ' "$T/text")" "0 4"
 ok "a missing folder is made" test -s "$T/dir/b.ply"
 simplify "$T/a.ply"
 is "no tolerance: exit" "$CODE" 64
 simplify "$T/a.ply" --tolerance -1
 is "a negative one: exit" "$CODE" 64
-"$BUILD/surfacectl" simplify "$T/a.ply" --tolerance 1 >"$T/text" 2>&1
+"$BUILD/surfacelab" simplify "$T/a.ply" --tolerance 1 >"$T/text" 2>&1
 is "no --out: exit" $? 64
-"$BUILD/surfacectl" simplify "$T/a.ply" --tolerance 1 --out "$T/dir/" >"$T/text" 2>&1
+"$BUILD/surfacelab" simplify "$T/a.ply" --tolerance 1 --out "$T/dir/" >"$T/text" 2>&1
 is "to a folder: exit" $? 65
-"$BUILD/surfacectl" asymmetry "$T/a.ply" --tolerance 1 >"$T/text" 2>&1
+"$BUILD/surfacelab" asymmetry "$T/a.ply" --tolerance 1 >"$T/text" 2>&1
 is "an option of another command: exit" $? 64
 
 printf '0 0 0\n1 1 1\n' >"$T/few.xyz"

@@ -98,14 +98,13 @@ TEST(test_snapshot)
 
 TEST(test_state)
 {
-    const struct store_subject_change over = {.expires = "2020-01-01"};
     struct store *s = make();
     struct store_snapshot_of what = {.subject = "alice", .token = "test"};
     struct store_snapshot a;
     struct store_calibration k = {
         .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
 
-    assert_int_equal(store_subject_set(s, "test", "alice", &over, &e), ST_OK);
+    tempdb_expire(s, "alice");
     assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);
     assert_int_equal(store_calibration_add(s, "test", &k, &e), ST_OK);
     reads = writes = 0;

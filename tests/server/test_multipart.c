@@ -137,8 +137,8 @@ TEST(test_refused)
         "not form-data with a name");
     assert_refused("--b\r\nContent-Transfer-Encoding: base64\r\n" HEAD "\r\nx\r\n--b--",
                    "not binary");
-    assert_refused("--b\r\nnothing\r\n" HEAD "\r\nx\r\n--b--", "is none");
-    assert_refused("--b\r\n: x\r\n" HEAD "\r\nx\r\n--b--", "is none");
+    assert_refused("--b\r\nnothing\r\n" HEAD "\r\nx\r\n--b--", "is malformed");
+    assert_refused("--b\r\n: x\r\n" HEAD "\r\nx\r\n--b--", "is malformed");
     assert_refused("--b\n" HEAD "\r\nx\r\n--b--", "does not begin");
     assert_refused("--b\r\nContent-Disposition: form-data; name=\"x\"\n\nx\r\n--b--", "");
     for (size_t len = 0; len < sizeof whole - 3; len++) /* but for the last end of line */
