@@ -45,6 +45,11 @@ if [ "${1:-}" = --one ]; then
     run_one "$2"
     exit 0
 fi
+twice=$(printf '%s\n' "$@" | sed 's|.*/||; s|\.sh$||' | sort | uniq -d)
+if [ -n "$twice" ]; then
+    echo "two tests have one name, and so one log: $twice"
+    exit 1
+fi
 mkdir -p "$BUILD/log"
 rm -f "$BUILD"/log/*.counts "$BUILD/log/statements"
 if [ -f "$BUILD/record_shim.so" ]; then # for scripts/check_statements.sh

@@ -2,7 +2,6 @@
  * result does not depend on the start; a face of which a part has changed is registered by the
  * rest, and where the cheapest coarse pose is wrong its rival is found; surfaces with nothing in common are reported; failed
  * allocations.  The faces are facegen's. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "align.h"
 #include "align_field.h"
 #include "pose.h"
@@ -11,7 +10,6 @@
 #include "clouds.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "fit.h"
 #include "frame.h"
 #include "interpolate.h"
@@ -427,32 +425,6 @@ TEST(test_apart)
     align_work_free(&align);
     measure_work_free(&w);
     face_free(&a);
-}
-
-static struct face pair[2];
-
-static enum status search_pair(void *arg)
-{
-    struct align_work w = {0};
-    const enum status st = search(&pair[0], &pair[1], &w, arg);
-
-    align_work_free(&w);
-    assert_true(w.field.block == NULL && w.fit.block == NULL);
-    return st;
-}
-
-TEST(test_memory)
-{
-    struct facegen_scan s;
-    struct align_result r;
-
-    facegen_default(&s);
-    enroll(80, &pair[0]);
-    build(points, sample(&s, 80, 4, points), &pair[1]);
-    assert_true(fail_alloc_walk(search_pair, &r) > 1);
-    measure_work_free(NULL);
-    face_free(&pair[0]);
-    face_free(&pair[1]);
 }
 
 BEFORE_ALL(set_up)

@@ -1,10 +1,8 @@
 /* The crop keeps the face that is seen from the front: of two layers the first, nothing that
  * covers it or lies elsewhere, and the same points whatever their order. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
 #include "cloudpoints.h"
 #include "crop.h"
-#include "fail_alloc.h"
 #include "grid.h"
 #include "mem.h"
 #include "mirror.h"
@@ -266,27 +264,6 @@ TEST(test_none)
     add_box(500, (struct dvec3){200, 0, 0}, (struct dvec3){300, 1, 1});
     crop(&c, 100, &count);
     assert_int_equal(c.n, 0);
-    cloudpoints_free(&c);
-}
-
-TEST(test_memory)
-{
-    enum status st = ST_ENOMEM;
-    struct crop_count count;
-    struct cloudpoints c;
-
-    add_face(POINTS, 0, 0.15);
-    take(&c);
-    for (unsigned long k = 1; st != ST_OK; k++) {
-        fail_alloc_at(k);
-        st = crop_face(&c, &view, 5000, &count);
-        if (st != ST_OK) {
-            assert_int_equal(st, ST_ENOMEM);
-            assert_int_equal(c.n, n);
-            assert_memory_equal(c.at, pts, n * sizeof *pts);
-        }
-    }
-    fail_alloc_at(0);
     cloudpoints_free(&c);
 }
 

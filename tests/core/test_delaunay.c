@@ -185,18 +185,6 @@ TEST(test_duplicates)
         }
 }
 
-TEST(test_mean_height)
-{
-    struct ivec3 pts[] = {{0, 0, -1}, {0, 0, -2}, {5, 0, 1}, {5, 0, 2},
-                          {0, 5, -7}, {0, 5, -7}, {5, 0, 2}, {9, 9, LATTICE_MAX}};
-    const struct ivec3 want[] = {{0, 0, -2}, {0, 5, -7}, {5, 0, 1}, {9, 9, LATTICE_MAX}};
-    struct mesh m = {0};
-
-    assert_int_equal(delaunay_build(pts, 8, &scratch, &m), ST_OK);
-    check_points(&m, want, 4);
-    mesh_free(&m);
-}
-
 /* The meshes must agree byte for byte, except for a shift. */
 static void check_same_bytes(const struct mesh *a, const struct mesh *b, int32_t dx,
                              int32_t dy)

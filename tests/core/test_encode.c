@@ -1,11 +1,9 @@
 /* Encodings against the definition in encode.h: the covariance of all but the identity is built
  * cell by cell and inverted; missing and outlying cells, noise, hostile heights. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "pose.h"
 #include "brute.h"
 #include "dense.h"
 #include "encode.h"
-#include "fail_alloc.h"
 #include "shape_map.h"
 #include "toy.h"
 #include "unit.h"
@@ -454,36 +452,6 @@ TEST(test_part_of_cell)
         checked++;
     }
     assert_true(checked > 10);
-}
-
-/* ---- memory */
-
-TEST(test_determinism_and_memory)
-{
-    struct scratch fresh = {0};
-    double part[2][GRID_N] = {{0}}, slope[MODEL_MODES];
-
-    for (uint32_t k = 0; k < MODEL_MODES; k++)
-        slope[k] = 1;
-    (void)draw(noise_of(0.3), 0.6);
-    encode(0.3);
-    (void)draw(noise_of(0.3), 0.1);
-    for (uint32_t i = 0; i < GRID_N; i += 40)
-        z[i] += 6.0f;
-    encode(0.3);
-    fail_alloc_at(1);
-    assert_int_equal(encode_heights(&basis, z, 0.3, &fresh, &again), ST_ENOMEM);
-    assert_int_equal(again.n, 0);
-    fail_alloc_at(1);
-    assert_int_equal(encode_parts(&basis, z, 0.3, slope, &fresh, part[0]), ST_ENOMEM);
-    fail_alloc_at(0);
-    assert_int_equal(encode_heights(&basis, z, 0.3, &fresh, &again), ST_OK);
-    assert_memory_equal(&got, &again, sizeof got);
-    assert_int_equal(encode_parts(&basis, z, 0.3, slope, &fresh, part[0]), ST_OK);
-    assert_int_equal(encode_parts(&basis, z, 0.3, slope, &scratch, part[1]), ST_OK);
-    assert_memory_equal(part[0], part[1], sizeof part[0]);
-    assert_int_equal(fail_alloc_count(), 1);
-    scratch_free(&fresh);
 }
 
 BEFORE_ALL(set_up)

@@ -149,110 +149,46 @@ static void refused(const struct cloud *c, enum status want)
     face_free(&f);
 }
 
-TEST(test_too_few)
-{
-    static struct cloud c;
-
-    scan(1, 2, POINTS, &c);
-    for (c.n = 0; c.n < FACE_MIN_POINTS; c.n += 33)
-        refused(&c, ST_ETOOFEW);
-    c.n = FACE_MIN_POINTS - 1;
-    refused(&c, ST_ETOOFEW);
-    scan(1, 2, POINTS, &c);
-    for (size_t i = 60; i < c.n; i++) /* many points, but at 60 places */
-        c.pts[i] = c.pts[i % 60];
-    refused(&c, ST_ETOOFEW);
-}
-
-TEST(test_not_finite)
-{
-    static const double wrong[] = {(double)NAN, (double)INFINITY, -(double)INFINITY,
-                                   1e300};
-    static struct cloud c;
-
-    for (int k = 0; k < 4; k++)
-        for (int axis = 0; axis < 3; axis++) {
-            struct face f = {0};
-            size_t bad = 0;
-
-            scan(2, 3, POINTS, &c);
-            *(axis == 0   ? &c.pts[777].x
-              : axis == 1 ? &c.pts[777].y
-                          : &c.pts[777].z) = wrong[k];
-            assert_int_equal(face_build(c.pts, c.n, work, &f, &bad),
-                             k < 3 ? ST_ENOTFINITE : ST_ERANGE);
-            assert_int_equal(bad, 777);
-            assert_int_equal(face_build(c.pts, c.n, work, &f, NULL),
-                             k < 3 ? ST_ENOTFINITE : ST_ERANGE);
-            face_free(&f);
-        }
-}
-
-TEST(test_limit)
-{
-    struct face f = {0};
-
-    /* rejected before any point is read */
-    assert_int_equal(face_build(cloud.pts, (size_t)MESH_MAX_POINTS + 1, work, &f, NULL),
-                     ST_ELIMIT);
-    assert_int_equal(face_build(cloud.pts, SIZE_MAX, work, &f, NULL), ST_ELIMIT);
-    face_free(&f);
-}
-
-TEST(test_degenerate)
-{
-    static struct cloud c;
-
-    c.n = 500;
-    for (size_t i = 0; i < c.n; i++)
-        c.pts[i] = (struct dvec3){0.25 * (double)i, 0.5 * (double)i, sin((double)i)};
-    refused(&c, ST_EDEGENERATE);
-    for (size_t i = 0; i < c.n; i++)
-        c.pts[i] = (struct dvec3){1, 2, 3};
-    refused(&c, ST_EDEGENERATE);
-}
-
-TEST(test_units)
+/* The k-th cloud that is no face, and why; false: there is none. */
+static bool no_face(int k, struct cloud *c, enum status *want)
 {
     static const double scale[] = {0.25, 5.5, 0.001, 0.1, 10};
-    static struct cloud c;
+    struct brute_rng r = {brute_seed("no face")};
 
-    /* faces of 40 and 900 mm; metres, centimetres and 1/10 mm given as mm */
-    for (size_t k = 0; k < sizeof scale / sizeof scale[0]; k++) {
-        scan(3, 4, POINTS, &c);
-        for (size_t i = 0; i < c.n; i++) {
-            c.pts[i].x *= scale[k];
-            c.pts[i].y *= scale[k];
-            c.pts[i].z *= scale[k];
-        }
-        refused(&c, ST_EUNITS);
+    scan(4, 5, POINTS, c);
+    if (k < 5) /* few points */
+        c->n = k < 4 ? (size_t)k * 33 : FACE_MIN_POINTS - 1;
+    *want = k < 6    ? ST_ETOOFEW
+            : k < 8  ? ST_EDEGENERATE
+            : k < 13 ? ST_EUNITS
+            : k < 19 ? ST_ENOTFACE
+                     : ST_EQUALITY;
+    for (size_t i = 0; i < c->n; i++) {
+        const double t = (double)i, noise = brute_real(&r) - 0.5;
+        struct dvec3 *p = &c->pts[i];
+
+        if (k == 5) /* many points, but at 60 places */
+            *p = c->pts[i % 60];
+        else if (k == 6 || k == 7) /* a line; one place */
+            *p = k == 6 ? (struct dvec3){t / 4, t / 2, sin(t)} : (struct dvec3){1, 2, 3};
+        else if (k >= 8 && k < 13) /* faces of 40 and 900 mm; m, cm, 1/10 mm as mm */
+            *p = (struct dvec3){p->x * scale[k - 8], p->y * scale[k - 8],
+                                p->z * scale[k - 8]};
+        else if (k >= 13 && k < 19) /* planes, level or tilted, smooth or not */
+            p->z = k % 3 * 0.3 * p->x - k % 2 * 0.4 * p->y + (k > 15) * noise;
+        else if (k == 19)
+            p->z += 30 * noise;
     }
+    return k < 20;
 }
 
-/* Surfaces that are not faces: planes, level or tilted, with and without noise. */
-TEST(test_not_face)
+TEST(test_refused)
 {
     static struct cloud c;
-    struct brute_rng r = {brute_seed("planes")};
+    enum status want;
 
-    for (int k = 0; k < 6; k++) {
-        scan(4, 5, POINTS, &c);
-        for (size_t i = 0; i < c.n; i++)
-            c.pts[i].z = (k % 3) * 0.3 * c.pts[i].x - (k % 2) * 0.4 * c.pts[i].y +
-                         (k > 2) * (brute_real(&r) - 0.5);
-        refused(&c, ST_ENOTFACE);
-    }
-}
-
-TEST(test_noise)
-{
-    static struct cloud c;
-    struct brute_rng r = {brute_seed("noise")};
-
-    scan(4, 6, POINTS, &c);
-    for (size_t i = 0; i < c.n; i++)
-        c.pts[i].z += 30 * (brute_real(&r) - 0.5);
-    refused(&c, ST_EQUALITY);
+    for (int k = 0; no_face(k, &c, &want); k++)
+        refused(&c, want);
 }
 
 TEST(test_permutation)

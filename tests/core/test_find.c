@@ -1,10 +1,8 @@
 /* Finding a face: made-up heads in any pose, unit and surroundings; several in one cloud; what
- * is none; memory that runs out. */
-/* link: -Wl,--wrap=aligned_alloc */
+ * is none. */
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "find.h"
 #include "headscan.h"
 #include "unit.h"
@@ -311,24 +309,6 @@ TEST(test_strays)
     assert_near(&f.pose[0].pose, &with.pose[0].pose, 2, 2);
 }
 
-/* A unit that is given is the one; by a wrong one nothing is plainly a face. */
-TEST(test_unit)
-{
-    static struct dvec3 pts[3000];
-    const size_t n = crop(8, pts);
-    const struct pose still = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
-    struct find f;
-
-    move_all(pts, n, &still, 10);
-    assert_int_equal(find_face(pts, n, 10, work, NULL, &f), ST_OK);
-    assert_true(f.pose[0].unit_mm == 10 && f.pose[0].worth >= FIND_PLAIN);
-    assert_int_equal(find_face(pts, n, 25.4, work, NULL, &f), ST_OK);
-    for (uint32_t i = 0; i < f.n; i++)
-        assert_true(f.pose[i].unit_mm == 25.4 && f.pose[i].worth < FIND_PLAIN);
-    assert_int_equal(find_face(pts, n, 1000, work, NULL, &f), ST_ENOFACE);
-    assert_int_equal(f.n, 0);
-}
-
 TEST(test_nothing)
 {
     static struct dvec3 pts[2000];
@@ -344,26 +324,4 @@ TEST(test_nothing)
     assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE);
     assert_int_equal(f.n, 0);
     assert_int_equal(f.faces, 0);
-}
-
-static enum status find_in(void *arg)
-{
-    const struct headscan *s = arg;
-    struct find f;
-    const enum status st = find_face(s->at, s->n, 0, work, NULL, &f);
-
-    assert_true(st == ST_OK || f.n == 0);
-    return st;
-}
-
-TEST(test_memory)
-{
-    struct headscan_options o;
-    struct pose still;
-    struct headscan s;
-
-    headscan_kind(kind_of("depth"), 1, false, &o);
-    render(1, &o, &s, &still);
-    assert_true(fail_alloc_walk(find_in, &s) > 3);
-    headscan_free(&s);
 }

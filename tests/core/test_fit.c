@@ -1,11 +1,9 @@
 /* Splitting a gap into motion, change and rest: compared with a dense solver; known motions
- * and changes are found, despite outliers; too few cells; failed allocations. */
-/* link: -Wl,--wrap=aligned_alloc */
+ * and changes are found, despite outliers; too few cells. */
 #include "pose.h"
 #include "brute.h"
 #include "cells.h"
 #include "dense.h"
-#include "fail_alloc.h"
 #include "fit.h"
 #include "toy.h"
 #include "unit.h"
@@ -17,7 +15,7 @@ static struct model_basis nothing_changes; /* the model's rest, without modes */
 static struct fit_basis moved, changed;    /* that, and the model's change, prepared */
 static struct scratch scratch;
 static struct cells cells;
-static struct fit fit, again;
+static struct fit fit;
 static uint64_t seed;
 
 /* All cells of the mean face are covered, without a gap. */
@@ -212,33 +210,6 @@ TEST(test_few)
     memset(&cells, 0, sizeof cells);
     assert_int_equal(fit_solve(&changed, &cells, 1, 2, &scratch, &fit), ST_OK);
     assert_int_equal(fit.cells, 0);
-}
-
-/* The same input gives the same bytes, also in memory that was used before; a failed
- * allocation leaves the memory usable. */
-TEST(test_determinism_and_memory)
-{
-    struct scratch fresh = {0};
-    struct brute_rng rng = {seed + 2};
-
-    no_gap(&cells);
-    add_known(&cells, change, motion);
-    noisy(&rng, 0.5);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &fit), ST_OK);
-    assert_int_equal(fit_solve(&moved, &cells, 1, 1, &scratch, &again), ST_OK);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &scratch, &again), ST_OK);
-    assert_memory_equal(fit.a, again.a, sizeof fit.a);
-    assert_memory_equal(fit.x, again.x, sizeof fit.x);
-    assert_memory_equal(fit.rest, again.rest, sizeof fit.rest);
-    fail_alloc_at(1);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_ENOMEM);
-    fail_alloc_at(0);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_OK);
-    assert_int_equal(fail_alloc_count(), 1);
-    assert_memory_equal(fit.rest, again.rest, sizeof fit.rest);
-    assert_int_equal(fit_solve(&changed, &cells, 4, 2, &fresh, &again), ST_OK);
-    assert_int_equal(fail_alloc_count(), 1); /* used again */
-    scratch_free(&fresh);
 }
 
 BEFORE_ALL(set_up)

@@ -1,8 +1,6 @@
 /* The canonical frame: it moves with the face, the mean face's own frame is the identity, and
  * a map of heights in it is the mean face again. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
-#include "fail_alloc.h"
 #include "frame.h"
 #include "model_digest.h"
 #include "toy.h"
@@ -119,26 +117,6 @@ TEST(test_mean)
     for (uint32_t i = 3 * GRID_NX; i < 4 * GRID_NX; i++)
         bad.mean[i] = 0.0f; /* all on a line */
     assert_int_equal(frame_mean_make(&bad, &m), ST_EDEGENERATE);
-}
-
-static enum status find_fresh(void *out)
-{
-    struct align_work fresh = {0};
-    const enum status st = frame_find(&mean, &surface, &fresh, out);
-
-    align_work_free(&fresh);
-    return st;
-}
-
-TEST(test_memory)
-{
-    struct brute_rng rng = {8};
-    struct frame want, got;
-
-    toy_scan(toy, NULL, 2000, NULL, &rng, &surface);
-    assert_int_equal(frame_find(&mean, &surface, &work, &want), ST_OK);
-    assert_true(fail_alloc_walk(find_fresh, &got) > 0);
-    assert_memory_equal(&want.pose, &got.pose, sizeof want.pose);
 }
 
 BEFORE_ALL(set_up)

@@ -1,10 +1,8 @@
 /* Heights of cells: by hand where the mean is known exactly, holes and steep places left out, the
  * same whether the surface moves or the pose. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "heights.h"
 #include "toy.h"
 #include "unit.h"
@@ -318,30 +316,3 @@ TEST(test_samples)
 }
 
 /* ---- memory */
-
-TEST(test_memory)
-{
-    struct scratch fresh = {0};
-    enum status st = ST_ENOMEM;
-    unsigned long k;
-    float want[GRID_N];
-
-    face();
-    heights(&still);
-    memcpy(want, z, sizeof z);
-    for (k = 1; st != ST_OK; k++) {
-        scratch_free(&fresh);
-        fail_alloc_at(k);
-        st = heights_of(&surface, &still, &fresh, z);
-        fail_alloc_at(0);
-        assert_true(st == ST_OK || st == ST_ENOMEM);
-        if (st != ST_OK)
-            assert_int_equal(heights_of(&surface, &still, &fresh, z), ST_OK);
-        assert_memory_equal(z, want, sizeof z);
-    }
-    assert_int_equal(k, 4);
-    fail_alloc_at(0);
-    assert_int_equal(heights_of(&surface, &still, &fresh, z), ST_OK);
-    assert_int_equal(fail_alloc_count(), 0);
-    scratch_free(&fresh);
-}

@@ -1,8 +1,6 @@
-/* link: -Wl,--wrap=aligned_alloc */
 /* Local spacing and the triangles that only bridge missing points. */
 #include "brute.h"
 #include "delaunay.h"
-#include "fail_alloc.h"
 #include "holes.h"
 #include "mem.h"
 #include "mesh.h"
@@ -180,19 +178,4 @@ TEST(test_random)
                                                m.org[3 * t + 1], m.org[3 * t + 2]));
     mesh_free(&m);
     mesh_free(&twice);
-}
-
-TEST(test_no_memory)
-{
-    struct scratch none = {0};
-    struct mesh m = {0};
-
-    (void)make(&m, grid(5, 100, 9, 9));
-    fail_alloc_at(1);
-    assert_int_equal(holes_spacing(&m, &none, spacing), ST_ENOMEM);
-    assert_int_equal(holes_spacing(&m, &none, spacing), ST_OK);
-    fail_alloc_at(0);
-    scratch_free(&none);
-    mesh_free(&m);
-    scratch_free(&scratch);
 }

@@ -382,25 +382,6 @@ TEST(test_limits)
     mesh_free(&d);
 }
 
-/* Triangles behind gates chosen at random: any order in which each has its gate will do. */
-TEST(test_any_order)
-{
-    struct brute_rng r = {brute_seed("order")};
-    struct mesh m = {0}, d = {0};
-
-    for (int round = 0; round < 20; round++) {
-        build(brute_points((enum brute_shape)(round % BRUTE_SHAPES), 300, &r, pts), &m);
-        brute_order(&m, &r);
-        strip(&m, &d);
-        assert_int_equal(mesh_link(&d, &scratch), ST_OK);
-        assert_int_equal(mesh_check(&d, true), ST_OK);
-        assert_memory_equal(m.org, d.org, 3 * (size_t)m.nt * sizeof *m.org);
-        assert_memory_equal(m.twin, d.twin, 3 * (size_t)m.nt * sizeof *m.twin);
-    }
-    mesh_free(&m);
-    mesh_free(&d);
-}
-
 TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("memory")};

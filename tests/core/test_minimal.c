@@ -1,11 +1,9 @@
 /* The minimal disparity: against descent by values alone over the measure itself; cases by
- * hand; its limits; gaps and their derivatives; failed allocations. */
-/* link: -Wl,--wrap=aligned_alloc */
+ * hand; its limits; gaps and their derivatives. */
 #include "pose.h"
 #include "brute.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "measure.h"
 #include "minimal.h"
 #include "toy.h"
@@ -342,27 +340,6 @@ TEST(test_overturned)
         moved(aligned, x, t);
         assert_true(find(t).disparity.plain_mm <= at(t).plain_mm);
     }
-}
-
-static struct minimal found;
-
-static enum status find_fresh(void *transform)
-{
-    struct measure_work fresh = {0};
-    const enum status st =
-        minimal_find(&tmpl.surface, &probe.surface, transform, &fresh, &found);
-
-    measure_work_free(&fresh);
-    return st;
-}
-
-TEST(test_memory)
-{
-    double aligned[16];
-
-    memcpy(aligned, pair(4, true, POINTS, -INFINITY), sizeof aligned);
-    assert_true(fail_alloc_walk(find_fresh, aligned) > 3);
-    assert_true(found.disparity.plain_mm == find(aligned).disparity.plain_mm);
 }
 
 BEFORE_ALL(start)

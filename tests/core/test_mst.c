@@ -1,8 +1,6 @@
-/* link: -Wl,--wrap=aligned_alloc */
 /* The spanning tree in stages, against Prim's rule on the whole graph. */
 #include "brute.h"
 #include "delaunay.h"
-#include "fail_alloc.h"
 #include "mem.h"
 #include "mesh.h"
 #include "mst.h"
@@ -176,28 +174,4 @@ TEST(test_deep_and_large)
     mesh_free(&m);
     scratch_free(&s);
     free(many);
-}
-
-TEST(test_no_memory)
-{
-    struct brute_rng r = {brute_seed("mst") + 4};
-    struct scratch s = {0};
-    struct mesh m = {0}, before = {0};
-    const size_t n = brute_points(BRUTE_SMALL, 200, &r, pts);
-
-    brute_delaunay(pts, n, &m);
-    memset(m.parent, 0, n * sizeof *m.parent);
-    assert_int_equal(mesh_copy(&before, &m, 0), ST_OK);
-    fail_alloc_at(1);
-    assert_int_equal(mst_build(&m, &s), ST_ENOMEM);
-    fail_alloc_at(0);
-    assert_memory_equal(m.xy, before.xy, n * sizeof *m.xy);
-    assert_memory_equal(m.org, before.org, 3 * m.nt * sizeof *m.org);
-    assert_memory_equal(m.out, before.out, (n + 1) * sizeof *m.out);
-    assert_memory_equal(m.parent, before.parent, n * sizeof *m.parent);
-    assert_int_equal(mst_build(&m, &s), ST_OK);
-    check_tree(&m, &before);
-    mesh_free(&m);
-    mesh_free(&before);
-    scratch_free(&s);
 }

@@ -1,4 +1,4 @@
-/* quality.h: the defects of a scan; and how much of a face's shape explains it (face.h). */
+/* The defects of a scan. */
 #include "face.h"
 #include "quality.h"
 #include "unit.h"
@@ -60,5 +60,3 @@ TEST(test_words)
             assert_string_not_equal(quality_reason_name((enum quality_reason)i),
                                     quality_reason_name((enum quality_reason)k));
 }
-
-enum part { UPSIDE_DOWN, WHOLE, LEFT, RIGHT, UPPER, LOWER, PARTS };

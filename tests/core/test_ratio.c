@@ -1,11 +1,9 @@
 /* The score against Gaussian densities computed by definition; its mean, its slopes, its
  * logarithm; what is no encoding never matches. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include <float.h>
 
 #include "brute.h"
 #include "dense.h"
-#include "fail_alloc.h"
 #include "ratio.h"
 #include "unit.h"
 
@@ -321,26 +319,6 @@ TEST(test_hostile)
 }
 
 /* ---- memory */
-
-TEST(test_memory)
-{
-    struct scratch fresh = {0};
-    double first, again, expected[2];
-    struct ratio_probe *r;
-
-    draw_a(40, 3, &tmpl);
-    draw_a(40, 3, &probe);
-    draw_pair(1);
-    first = score(&tmpl, &probe, 0.3, &expected[0]);
-    fail_alloc_at(1);
-    assert_null(ratio_probe(&probe, 0.3, &fresh));
-    fail_alloc_at(0);
-    assert_non_null(r = ratio_probe(&probe, 0.3, &fresh));
-    again = ratio_score(r, &tmpl, &expected[1]);
-    assert_memory_equal(&first, &again, sizeof first);
-    assert_memory_equal(&expected[0], &expected[1], sizeof *expected);
-    scratch_free(&fresh);
-}
 
 /* One probe against many: each score as by itself. */
 TEST(test_many)

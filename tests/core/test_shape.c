@@ -1,8 +1,6 @@
 /* A face made of the modes is found again, with its pose; what covers it is told; what is no
  * face has little support. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
-#include "fail_alloc.h"
 #include "shape.h"
 #include "shape_map.h"
 #include "toy.h"
@@ -464,26 +462,6 @@ TEST(test_sizes)
         assert_true(fabs(f.size - want[k]) < 1e-9);
         assert_true(f.support > 0.8 && f.cover == 0);
     }
-}
-
-static enum status fit_fresh(void *out)
-{
-    static struct shape_work w;
-    enum status st;
-
-    shape_work_prepare(&model, &w);
-    st = shape_fit(&w, pts, n, &still, 1, true, out);
-    shape_work_free(&w);
-    return st;
-}
-
-TEST(test_no_memory)
-{
-    struct brute_rng rng = {7};
-    struct shape_fit f;
-
-    make_face(&rng);
-    assert_int_equal(fail_alloc_walk(fit_fresh, &f), 2); /* the points, fit_solve()'s */
 }
 
 BEFORE_ALL(set_up)

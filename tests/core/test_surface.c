@@ -1,4 +1,4 @@
-/* One surface from points: prepared, moved, used again; failed allocations. */
+/* One surface from points: prepared, moved, used again. */
 /* link: -Wl,--wrap=aligned_alloc */
 #include "fail_alloc.h"
 #include "holes.h"
@@ -190,28 +190,4 @@ TEST(test_nothing_left)
     assert_int_equal(moved.mesh.nv, 0);
     surface_free(&s);
     surface_free(&moved);
-}
-
-static enum status prepare_and_move(void *p)
-{
-    struct scratch a = {0}, b = {0};
-    struct surface s = {0}, moved = {0};
-    enum status st = surface_prepare(p, N, true, &a, &s);
-
-    if (st == ST_OK)
-        st = surface_move(&s, still, &b, &a, &moved);
-    assert_true(st == ST_OK || moved.mesh.nv == 0);
-    surface_free(&s);
-    surface_free(&moved);
-    scratch_free(&a);
-    scratch_free(&b);
-    return st;
-}
-
-TEST(test_memory)
-{
-    struct ivec3 p[N];
-
-    bowl(p);
-    assert_true(fail_alloc_walk(prepare_and_move, p) > 5);
 }

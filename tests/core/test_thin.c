@@ -69,21 +69,6 @@ TEST(test_grids)
     }
 }
 
-TEST(test_random)
-{
-    static const size_t count[] = {MOST + 1, MOST + 50, 12000, 30000, 100000, 300000};
-    struct brute_rng rng = {brute_seed("thin")};
-
-    for (size_t k = 0; k < sizeof count / sizeof *count; k++) {
-        size_t kept;
-
-        anywhere(count[k], &rng);
-        kept = n;
-        assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
-        assert_in_range(kept, MOST * (count[k] < 2 * MOST ? 85 : 94) / 100, MOST);
-    }
-}
-
 /* Of 30 points a square the mean is five times as near the surface as each of them; what is far
  * from the point kept has no part in it. */
 TEST(test_mean)
@@ -173,25 +158,4 @@ TEST(test_limits)
     kept = n;
     assert_int_equal(thin_points(pts, &kept, MOST, NEAR), ST_OK);
     assert_in_range(kept, 1000, MOST);
-}
-
-TEST(test_memory)
-{
-    struct brute_rng rng = {brute_seed("memory")};
-    enum status st = ST_ENOMEM;
-    size_t kept;
-
-    anywhere(20000, &rng);
-    memcpy(other, pts, n * sizeof *pts);
-    for (unsigned long k = 1; st != ST_OK; k++) {
-        kept = n;
-        fail_alloc_at(k);
-        st = thin_points(pts, &kept, MOST, NEAR);
-        if (st != ST_OK) {
-            assert_int_equal(st, ST_ENOMEM);
-            assert_int_equal(kept, n);
-            assert_memory_equal(pts, other, n * sizeof *pts);
-        }
-    }
-    fail_alloc_at(0);
 }

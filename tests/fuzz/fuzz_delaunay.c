@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "brute.h"
 #include "delaunay.h"
 #include "lattice.h"
 #include "locate.h"
@@ -32,32 +33,6 @@ static int32_t coordinate(unsigned mode, const uint8_t *p)
     }
 }
 
-/* Whether both have the same triangles on the same points: vertices may be numbered
- * differently, so each half-edge of a is searched in b. */
-static int same_triangles(const struct mesh *a, const struct mesh *b)
-{
-    if (a->nv != b->nv || a->nt != b->nt)
-        return 0;
-    for (uint32_t t = 0; t < a->nt; t++) {
-        const uint32_t *v = &a->org[3 * t];
-        int found = 0;
-
-        if (mesh_is_ghost(a, t))
-            continue;
-        for (uint32_t h = 0; h < 3 * b->nt && !found; h++) {
-            const uint32_t w[3] = {b->org[h], b->org[mesh_next(h)], b->org[mesh_prev(h)]};
-
-            found = 1;
-            for (int i = 0; i < 3 && found; i++)
-                found = w[i] < b->nv && a->xy[v[i]].x == b->xy[w[i]].x &&
-                        a->xy[v[i]].y == b->xy[w[i]].y;
-        }
-        if (!found)
-            return 0;
-    }
-    return 1;
-}
-
 static void merge_halves(const struct ivec3 *pts, size_t n, const struct mesh *whole,
                          struct scratch *s)
 {
@@ -71,7 +46,7 @@ static void merge_halves(const struct ivec3 *pts, size_t n, const struct mesh *w
         locate_mesh(&a, &b, loc);
         require(merge_build(&a, &b, loc, s, &both, vertex) == ST_OK);
         require(mesh_check(&both, false) == ST_OK);
-        require(same_triangles(whole, &both));
+        require(brute_same(whole, &both));
     }
     mesh_free(&a);
     mesh_free(&b);

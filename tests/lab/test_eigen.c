@@ -1,15 +1,7 @@
 /* Eigenvalues and eigenvectors: of matrices where they are known, and what holds of all. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "eigen.h"
 #include "rates.h"
+#include "unit.h"
 
 #define MOST 80
 
@@ -56,11 +48,10 @@ static void fill(uint32_t n, uint64_t *random, double by)
             a[i * n + k] = a[k * n + i] = by * random_number(random);
 }
 
-static void test_random(void **state)
+TEST(test_random)
 {
     uint64_t random = 5;
 
-    (void)state;
     for (uint32_t n = 1; n <= 40; n++) {
         fill(n, &random, 1);
         check(n, 1e-13);
@@ -74,11 +65,10 @@ static void test_random(void **state)
 }
 
 /* Most eigenvalues are 0 but for rounding, as those of a covariance of few samples. */
-static void test_low_rank(void **state)
+TEST(test_low_rank)
 {
     uint64_t random = 9;
 
-    (void)state;
     for (uint32_t rank = 1; rank < 6; rank++) {
         memset(a, 0, sizeof a);
         for (uint32_t k = 0; k < rank; k++) {
@@ -95,9 +85,8 @@ static void test_low_rank(void **state)
     }
 }
 
-static void test_not_finite(void **state)
+TEST(test_not_finite)
 {
-    (void)state;
     for (int i = 0; i < 2; i++) {
         memset(a, 0, sizeof a);
         a[5] = i == 0 ? (double)NAN : (double)INFINITY;
@@ -105,13 +94,12 @@ static void test_not_finite(void **state)
     }
 }
 
-static void test_cholesky(void **state)
+TEST(test_cholesky)
 {
     uint64_t random = 3;
     double m[] = {4, 99, 2, 5}, bad[] = {1, 0, 2, 1}, nan[] = {(double)NAN};
     double low[10 * 10] = {0}, product[10 * 10] = {0};
 
-    (void)state;
     assert_true(eigen_cholesky(m, 2));
     assert_true(m[0] >= 2 && m[0] <= 2 && m[1] >= 99 && m[2] >= 1 && m[2] <= 1 &&
                 m[3] >= 2 && m[3] <= 2);
@@ -129,16 +117,4 @@ static void test_cholesky(void **state)
     for (int i = 0; i < 10; i++)
         for (int k = 0; k <= i; k++)
             assert_true(fabs(product[i * 10 + k] - low[i * 10 + k]) < 1e-12);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_low_rank),
-        cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_cholesky),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

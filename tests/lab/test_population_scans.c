@@ -1,37 +1,27 @@
 /* A population adapted to scans whose gaps are made up by a known rule. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
-
 #include "population_scans.h"
 #include "rates.h"
 #include "toy.h"
+#include "unit.h"
 
 #define SUBJECTS 60
 #define SCANS    4
 
 static struct model toy;
 static struct population p, was;
-static struct population_scan *scan; /* [SUBJECTS * SCANS] */
+static struct population_scan scan[SUBJECTS * SCANS];
 
-static int begin(void **state)
+BEFORE_EACH(begin)
 {
-    (void)state;
-    return population_read(&toy, &p) == ST_OK && population_read(&toy, &was) == ST_OK ? 0
-                                                                                      : 1;
+    toy_model(&toy);
+    assert_int_equal(population_read(&toy, &p), ST_OK);
+    assert_int_equal(population_read(&toy, &was), ST_OK);
 }
 
-static int end(void **state)
+AFTER_EACH(end)
 {
-    (void)state;
     population_free(&p);
     population_free(&was);
-    return 0;
 }
 
 /* Variance 1. */
@@ -101,9 +91,8 @@ static bool same(const struct spread *a, const struct spread *b, double within)
 
 /* With all of the weight the scans' own variances are found: what differs within a person is
  * change, what between people identity.  (Motion takes a little of both.) */
-static void test_whole(void **state)
+TEST(test_whole)
 {
-    (void)state;
     make(0);
     assert_int_equal(population_scans_blend(&p, scan, SUBJECTS * SCANS, 1), ST_OK);
     assert_true(fabs(variance(&p.change, true) - 1) < 0.15);
@@ -115,9 +104,8 @@ static void test_whole(void **state)
 }
 
 /* No weight, or no scans: as before. */
-static void test_none(void **state)
+TEST(test_none)
 {
-    (void)state;
     make(0);
     assert_int_equal(population_scans_blend(&p, scan, SUBJECTS * SCANS, 0), ST_OK);
     assert_int_equal(population_scans_blend(&p, scan, 0, 0.5), ST_OK);
@@ -127,17 +115,16 @@ static void test_none(void **state)
 
 /* Cells that no scan shows stay as they were, but for motion; with their mirror images the
  * scans' are known. */
-static void test_holes(void **state)
+TEST(test_holes)
 {
     uint32_t holes = 0;
 
-    (void)state;
     population_still(&was, &was.change);
     make(200); /* all */
     assert_int_equal(population_scans_blend(&p, scan, SUBJECTS * SCANS, 1), ST_OK);
     assert_true(same(&p.change, &was.change, 1e-12));
-    end(NULL);
-    begin(NULL);
+    end();
+    begin();
     make(15); /* on one side: what the other side shows stands for both */
     assert_int_equal(population_scans_blend(&p, scan, SUBJECTS * SCANS, 1), ST_OK);
     for (uint32_t i = 0; i < p.cells.n; i++) {
@@ -152,9 +139,8 @@ static void test_holes(void **state)
 }
 
 /* One scan of each: nothing is learned of change, and it is not taken for identity. */
-static void test_single(void **state)
+TEST(test_single)
 {
-    (void)state;
     make(0);
     for (uint32_t i = 0; i < SUBJECTS; i++)
         scan[i] = scan[i * SCANS];
@@ -166,11 +152,10 @@ static void test_single(void **state)
 }
 
 /* Gaps: motion is removed, what is far away is unknown, and so are scans of too little. */
-static void test_gaps(void **state)
+TEST(test_gaps)
 {
     float z[GRID_N], gap[GRID_N];
 
-    (void)state;
     for (uint32_t c = 0; c < GRID_N; c++) {
         z[c] = p.mean[c];
         for (uint32_t k = 0; k < POPULATION_MOTIONS && !isnan(z[c]); k++)
@@ -192,12 +177,11 @@ static void test_gaps(void **state)
 }
 
 /* A model of half a face has no population. */
-static void test_too_little(void **state)
+TEST(test_too_little)
 {
     struct population none;
     struct model *m = malloc(sizeof *m);
 
-    (void)state;
     assert_non_null(m);
     *m = toy;
     for (uint32_t i = 0; i < GRID_N; i++)
@@ -207,24 +191,4 @@ static void test_too_little(void **state)
     assert_null(none.change.block[0]);
     population_free(&none);
     free(m);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_whole, begin, end),
-        cmocka_unit_test_setup_teardown(test_none, begin, end),
-        cmocka_unit_test_setup_teardown(test_holes, begin, end),
-        cmocka_unit_test_setup_teardown(test_single, begin, end),
-        cmocka_unit_test_setup_teardown(test_gaps, begin, end),
-        cmocka_unit_test(test_too_little),
-    };
-    int failed;
-
-    toy_model(&toy);
-    if ((scan = calloc(SUBJECTS * SCANS, sizeof *scan)) == NULL)
-        return 1;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
-    free(scan);
-    return failed;
 }

@@ -73,30 +73,16 @@ static const char *const encodings[] = {"ascii", "binary_little_endian",
 /* One value as encoded; integers are two's complement of the type's size. */
 static void put_value(struct scanfile *b, int encoding, size_t type, double value)
 {
-    unsigned char bytes[8];
-    uint64_t bits;
-    float f = (float)value;
-    uint32_t fbits;
+    const unsigned size = types[type].size;
+    char text[40];
 
-    if (encoding == ASCII) {
-        char text[40];
-
-        (void)snprintf(text, sizeof text, "%.17g ", value);
+    (void)snprintf(text, sizeof text, "%.17g ", value);
+    if (encoding == ASCII)
         scanfile_text(b, text);
-        return;
-    }
-    memcpy(&bits, &value, sizeof bits);
-    memcpy(&fbits, &f, sizeof fbits);
-    if (!types[type].real)
-        bits = (uint64_t)(int64_t)value;
-    else if (types[type].size == 4)
-        bits = fbits;
-    for (unsigned i = 0; i < types[type].size; i++) {
-        unsigned at = encoding == LITTLE ? i : types[type].size - 1 - i;
-
-        bytes[at] = (unsigned char)(bits >> (8 * i));
-    }
-    scanfile_put(b, bytes, types[type].size);
+    else if (types[type].real)
+        scanfile_real(b, value, size, encoding == BIG);
+    else
+        scanfile_whole(b, (uint64_t)(int64_t)value, size, encoding == BIG);
 }
 
 static void end_row(struct scanfile *b, int encoding, const char *eol)

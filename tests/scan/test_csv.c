@@ -1,15 +1,8 @@
 /* Tables as spreadsheets write them, and malformed ones. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-#include <cmocka.h>
 
 #include "csv.h"
+#include "unit.h"
 
 static char path[] = "/tmp/test_csv.XXXXXX";
 static struct errinfo e;
@@ -70,11 +63,10 @@ static void end(struct csv *t)
     csv_close(t);
 }
 
-static void test_plain(void **state)
+TEST(test_plain)
 {
     struct csv *t = table("File,id\na.ply,7\n\n b.ply ,\t8 \n,\n");
 
-    (void)state;
     assert_int_equal(csv_column(t, "file"), 0);
     assert_int_equal(csv_column(t, "ID"), 1);
     assert_int_equal(csv_column(t, "kind"), -1);
@@ -85,12 +77,11 @@ static void test_plain(void **state)
     end(t);
 }
 
-static void test_spreadsheet(void **state)
+TEST(test_spreadsheet)
 {
     struct csv *t = table("\xEF\xBB\xBF\"file\",id\r\n\"a, b\" ,\"say \"\"yes\"\"\"\r\n"
                           "\"two\nlines\",\"\"\r\nx\ry,z");
 
-    (void)state;
     assert_int_equal(csv_column(t, "file"), 0);
     row(t, "a, b", "say \"yes\"");
     row(t, "two\nlines", "");
@@ -98,11 +89,10 @@ static void test_spreadsheet(void **state)
     end(t);
 }
 
-static void test_lines(void **state)
+TEST(test_lines)
 {
     struct csv *t = table("a,b\n\"1\n2\",x\n3,y\n");
 
-    (void)state;
     row(t, "1\n2", "x");
     row(t, "3", "y");
     assert_int_equal(csv_bad(t, 1, &e, "odd"), ST_EINVAL);
@@ -110,13 +100,12 @@ static void test_lines(void **state)
     end(t);
 }
 
-static void test_numbers(void **state)
+TEST(test_numbers)
 {
     struct csv *t = table("a,b\n1.5e1,x\n,1e999\n3 4,\n");
     double x;
     bool more;
 
-    (void)state;
     assert_int_equal(csv_next(t, &more, &e), ST_OK);
     assert_int_equal(csv_number(t, 0, &x, &e), ST_OK);
     assert_true(x == 15);
@@ -132,12 +121,11 @@ static void test_numbers(void **state)
 
 #define REFUSE(text, st, words) refuse(text, sizeof text - 1, st, words)
 
-static void test_hostile(void **state)
+TEST(test_hostile)
 {
     const size_t size = CSV_MAX_LINE + 100;
     char *text = malloc(size);
 
-    (void)state;
     REFUSE("", ST_EINVAL, "empty");
     REFUSE("\r\n\n", ST_EINVAL, "empty");
     REFUSE("a,b\n1\n", ST_EINVAL, "line 2: 1 fields, the heading has 2");
@@ -160,11 +148,10 @@ static void test_hostile(void **state)
     free(text);
 }
 
-static void test_absent(void **state)
+TEST(test_absent)
 {
     struct csv *t;
 
-    (void)state;
     assert_int_equal(csv_open("/nowhere/x.csv", &t, &e), ST_ENOTFOUND);
     assert_null(t);
     assert_int_equal(csv_open("/", &t, &e), ST_EIO);
@@ -182,13 +169,12 @@ static struct csv *list(const char *text)
 }
 
 /* Without a heading: what separates is what the first row has. */
-static void test_list(void **state)
+TEST(test_list)
 {
     struct csv *t =
         list("# with, commas\n\n  a.ply \t b.ply  \r\nc,1 d 0 x\n #\n\"e f\"\tg");
     bool more;
 
-    (void)state;
     row(t, "a.ply", "b.ply");
     assert_int_equal(csv_line(t), 3);
     assert_int_equal(csv_fields(t), 2);
@@ -214,21 +200,15 @@ static void test_list(void **state)
     end(list("# nothing\n \n"));
 }
 
-int main(void)
+BEFORE_ALL(create)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_list),        cmocka_unit_test(test_plain),
-        cmocka_unit_test(test_spreadsheet), cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_numbers),     cmocka_unit_test(test_hostile),
-        cmocka_unit_test(test_absent),
-    };
     const int fd = mkstemp(path);
-    int failed;
 
-    if (fd < 0)
-        return 1;
-    failed = cmocka_run_group_tests(tests, NULL, NULL);
+    assert_true(fd >= 0);
     (void)close(fd);
+}
+
+AFTER_ALL(remove_table)
+{
     (void)unlink(path);
-    return failed;
 }
