@@ -293,7 +293,9 @@ release_db
 # shellcheck disable=SC2086 # a list
 wait $clients
 
-# ---- a damaged database
+# ---- a damaged database, before the daemon looks through it (a minute after its start)
+stop_daemon
+start_daemon --workers 1 --queue 1 --max-body $LIMIT
 sqlite3 "$DB" 'UPDATE tokens SET name = name || 1'
 each 500 '.responses["500"]' -d x
 

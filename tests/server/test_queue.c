@@ -50,7 +50,8 @@ static void run(struct worker *w, struct request *r)
 {
     (void)w;
     (void)pthread_mutex_lock(&lock);
-    order[atomic_fetch_add(&runs, 1)] = (int)(r - request);
+    order[atomic_load(&runs)] = (int)(r - request);
+    (void)atomic_fetch_add(&runs, 1); /* who has seen it reads what is before it */
     (void)pthread_mutex_unlock(&lock);
     while (r - request < atomic_load(&held) && sem_wait(&gate) != 0)
         ;
