@@ -2,7 +2,7 @@
  * newest. */
 #ifndef DB_ADMIN_RESTORE_H
 #define DB_ADMIN_RESTORE_H
-#include "admin_backup.h"
+#include "admin_check.h"
 
 struct admin_restored {
     struct admin_copied
@@ -20,12 +20,12 @@ struct admin_restored {
  * of the database, which is kept as PATH.before-restore; or with dry nothing but *out.  Of the
  * database that is there only what its change log proves, where that is verified and goes on from
  * the backup's: who was erased since is erased again, and tokens that were revoked or rotated since
- * are revoked: the backup has their old secrets.  key: of the database afterwards; from_key: NULL
- * where that opens the backup too, else its file.  A database that is missing is made.
+ * are revoked: the backup has their old secrets.  key: of the database afterwards, with its path;
+ * from_key: NULL where that opens the backup too, else its file.  A database that is missing is made.
  * ST_EBUSY: another process has the database open; ST_EMISMATCH: neither log goes on from the
  * other; ST_EDENIED: the backup has another key; ST_EREFUSED: the log of the database that is there
- * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as store_open() and
- * admin_verify(). */
+ * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as
+ * admin_open(). */
 enum status admin_restore(const char *path, const char *from, const struct store_key *key,
                           const char *from_key, const char *actor, bool dry,
                           struct admin_restored *out, struct errinfo *e);

@@ -13,7 +13,8 @@
 #include "unit.h"
 
 static struct errinfo e;
-static const struct store_key usual = {.make = CRYPT_FILE};
+static char key_path[80];
+static const struct store_key usual = {.path = key_path, .make = CRYPT_FILE};
 
 static bool is_there(const char *suffix)
 {
@@ -233,6 +234,7 @@ TEST(test_interrupted)
 BEFORE_ALL(begin)
 {
     assert_int_equal(tempdb_begin_faces(NULL), 0);
+    (void)snprintf(key_path, sizeof key_path, "%s.key", tempdb_path);
 }
 
 AFTER_ALL(end)

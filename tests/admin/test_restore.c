@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "expect.h"
+#include "admin_backup.h"
 #include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"
@@ -15,8 +16,8 @@
 #include "unit.h"
 
 static struct errinfo e;
-static const struct store_key usual = {.make = CRYPT_FILE};
 static char backup[80], aside[80], key_path[80];
+static const struct store_key usual = {.path = key_path, .make = CRYPT_FILE};
 static struct filled have;
 
 static void make_backup(struct store *s)
