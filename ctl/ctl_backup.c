@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "admin_backup.h"
 #include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"

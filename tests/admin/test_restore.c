@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include "expect.h"
-#include "admin_backup.h"
 #include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"

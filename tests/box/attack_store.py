@@ -33,7 +33,7 @@ def connect(path):
 
 
 class Rows:
-    """All that the first section does: run() statements on the database, and rows of the older one."""
+    """Statements on the database, and rows of the older one."""
 
     def __init__(self, path, old):
         self.path, self.old_path = path, old
@@ -189,6 +189,13 @@ class Schema:
         self.t.now = connect(self.t.path)
         self.t.now.execute('PRAGMA writable_schema = ON')
 
+    def expires(self, of):
+        """The index of the ends is of something else, under an unchanged schema."""
+        was = self.sql('subjects_expires')
+        self.t.run('DROP INDEX subjects_expires')
+        self.t.run('CREATE INDEX subjects_expires ON subjects ' + of)
+        self.sql('subjects_expires', was)
+
     def index(self, table, name, columns, where):
         """The index of a UNIQUE column with the entries that `where` leaves, under an unchanged schema."""
         was = self.sql(table)
@@ -224,19 +231,11 @@ def index_hides_template(t):
 
 @attack('pages', 'found')
 def index_hides_expiry(t):
-    s = Schema(t)
-    was = s.sql('subjects_expires')
-    t.run('DROP INDEX subjects_expires')
-    t.run('CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL AND hold = 0')
-    s.sql('subjects_expires', was)
+    Schema(t).expires('(expires) WHERE expires IS NOT NULL AND hold = 0')
 
 @attack('pages', 'found')
 def index_doubles(t):
-    s = Schema(t)
-    was = s.sql('subjects_expires')
-    t.run('DROP INDEX subjects_expires')
-    t.run('CREATE INDEX subjects_expires ON subjects (created)')
-    s.sql('subjects_expires', was)
+    Schema(t).expires('(created)')
 
 @attack('pages', 'found')
 def second_of_an_id(t):
@@ -420,26 +419,23 @@ def endless_index(t):
     p.put(p.root[name], page)
     p.write()
 
+def older_tokens(t, p):
+    """A page of the older file."""
+    n = connect(t.old_path).execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
+    with open(t.old_path, 'rb') as f:
+        return f.read()[(n - 1) * p.size:n * p.size]
+
 @attack('pages', 'found')
 def leaf_older(t):
-    """One page of the older file."""
-    old = connect(t.old_path)
-    n = old.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
     p = Pages(t)
-    with open(t.old_path, 'rb') as f:
-        f.seek((n - 1) * p.size)
-        p.put(p.root['tokens'], f.read(p.size))
+    p.put(p.root['tokens'], older_tokens(t, p))
     p.write()
 
 @attack('pages', 'found')
 def hot_journal(t):
     """SQLite puts the page back by itself."""
-    old = connect(t.old_path)
-    n = old.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
     p = Pages(t)
-    with open(t.old_path, 'rb') as f:
-        f.seek((n - 1) * p.size)
-        page = f.read(p.size)
+    page = older_tokens(t, p)
     nonce = 7
     check = (nonce + sum(page[i] for i in range(p.size - 200, 0, -200))) & 0xffffffff
     head = bytes.fromhex('d9d505f920a163d7') + struct.pack('>IIIII', 1, nonce, len(p.data) // p.size, 512, p.size)
