@@ -118,45 +118,20 @@ enum status admin_copy_subject(void *to, struct log_txn *from,
 
 /* ---- the other rows */
 
-static enum status copy_tokens(struct log_txn *from, struct log_txn *to,
-                               struct errinfo *e)
+/* Rows of which no more than the MAC depends on a key. */
+static enum status copy_table(struct log_txn *from, struct log_txn *to,
+                              const struct rows_table *table, struct errinfo *e)
 {
-    struct rows_token *list = NULL;
-    size_t n;
-    enum status st = rows_token_list(from, &list, &n, e);
+    void *row = malloc(table->size);
+    struct sql_rows *r = NULL;
+    enum status st = row != NULL ? sql_query(from->sql, table->all, NULL, 0, &r, e)
+                                 : errinfo_set(e, ST_ENOMEM, "out of memory");
 
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        if ((st = rows_token_add(to, &list[i], e)) == ST_OK &&
-            list[i].token.used[0] != '\0')
-            st = rows_token_used(to, list[i].token.id, list[i].token.used, e);
-    free(list);
-    return st;
-}
-
-static enum status copy_devices(struct log_txn *from, struct log_txn *to,
-                                struct errinfo *e)
-{
-    struct rows_device *list = NULL;
-    size_t n;
-    enum status st = rows_device_list(from, &list, &n, e);
-
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        st = rows_device_add(to, &list[i].one, e);
-    free(list);
-    return st;
-}
-
-static enum status copy_calibrations(struct log_txn *from, struct log_txn *to,
-                                     struct errinfo *e)
-{
-    struct store_calibration *list = NULL;
-    size_t n;
-    enum status st = rows_calibration_list(from, &list, &n, e);
-
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        st = rows_calibration_add(to, &list[i], e);
-    free(list);
-    return st;
+    while (st == ST_OK && sql_next(r))
+        if ((st = rows_table_read(from, table, r, 0, row, e)) == ST_OK)
+            st = rows_table_insert(to, table, row, e);
+    free(row);
+    return sql_done(r, st, e);
 }
 
 /* Rows that are not authenticated, as they are: of n columns, of which add takes each. */
@@ -184,9 +159,11 @@ enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
     if ((st = copy_log(from, to, LOG_CHANGES, e)) != ST_OK ||
         (st = copy_log(from, to, LOG_ACCESSES, e)) != ST_OK ||
         (st = admin_each(from, admin_copy_subject, to, e)) != ST_OK ||
-        (st = copy_tokens(from, to, e)) != ST_OK ||
-        (st = copy_devices(from, to, e)) != ST_OK ||
-        (st = copy_calibrations(from, to, e)) != ST_OK ||
+        (st = copy_table(from, to, &rows_tokens, e)) != ST_OK ||
+        (st = copy_plain(from, to, "SELECT used, id FROM tokens WHERE used IS NOT NULL",
+                         "UPDATE tokens SET used = $1 WHERE id = $2", 2, e)) != ST_OK ||
+        (st = copy_table(from, to, &rows_devices, e)) != ST_OK ||
+        (st = copy_table(from, to, &rows_calibrations, e)) != ST_OK ||
         (st = copy_plain(from, to,
                          "SELECT s.uid, a.token, a.failures, a.at_ms "
                          "FROM attempts a JOIN subjects s USING (subject_key)",
