@@ -225,8 +225,9 @@ static enum status open_archive(const char *path, const struct crypt_file *k,
     st = admin_open(path, &key, model, out, &found, &why);
     if (st == ST_ENOTFOUND)
         return errinfo_set(e, ST_ECORRUPT, "%.160s is empty", path);
-    if (st == ST_EINVAL)
-        return errinfo_set(e, ST_EDENIED, "the archive needs a key, not a passphrase");
+    if (st == ST_EDENIED || st == ST_EINVAL)
+        return errinfo_set(e, ST_EDENIED,
+                           "%.160s is not encrypted with this key or passphrase", path);
     return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
 }
 
