@@ -1,5 +1,6 @@
 #include "hostile.h"
 
+#include <sodium.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,6 +22,7 @@ static struct face face[HOSTILE_TEMPLATES + 1], loaded;
 static struct store_template tmpl[HOSTILE_TEMPLATES];
 static size_t templates;
 static char secret[65], revoked[65];
+static unsigned char public[CRYPT_KEY]; /* of the device */
 static struct face_work *work;
 
 void hostile_broken(const char *what, const char *file, int line)
@@ -44,6 +46,7 @@ static void fill(struct store *s)
     const struct store_subject_change disable = {.disabled = &(bool){true}};
     struct store_recorded settled;
     struct store_subject bob;
+    struct store_device device;
     struct log_entry mark;
     struct store_token t;
     bool created;
@@ -70,6 +73,7 @@ static void fill(struct store *s)
                                        &settled, &hostile_e) == ST_OK);
     }
     MUST(store_calibration_add(s, "test", &k, &hostile_e) == ST_OK);
+    MUST(store_device_add(s, "test", "door", public, &device, &hostile_e) == ST_OK);
     MUST(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t,
                             &hostile_e) == ST_OK);
     MUST(store_token_revoke(s, "test", t.id, &hostile_e) == ST_OK);
@@ -82,8 +86,8 @@ unsigned char *hostile_make(const char *path, const struct store_key *key, size_
                             size_t *size)
 {
     static struct dvec3 pts[POINTS];
+    unsigned char own[crypto_sign_SECRETKEYBYTES], *bytes;
     struct facegen_scan scan;
-    unsigned char *bytes;
     struct store *s;
     struct stat sb;
     sqlite3 *db;
@@ -91,6 +95,7 @@ unsigned char *hostile_make(const char *path, const struct store_key *key, size_
 
     templates = n;
     MUST((work = face_work_new(NULL)) != NULL);
+    (void)crypto_sign_keypair(public, own);
     facegen_default(&scan);
     scan.points = POINTS;
     for (size_t i = 0; i < sizeof face / sizeof *face; i++) {
@@ -180,8 +185,10 @@ static unsigned ask_subject(struct store *s, const char *subject)
 unsigned hostile_ask(struct store *s)
 {
     struct store_calibration k;
+    struct store_device *devices;
     struct store_token t;
     unsigned answers = 0;
+    size_t n;
 
     if (store_token_check(s, secret, &t, &hostile_e) == ST_OK) {
         MUST(t.scopes == STORE_SCOPE_VERIFY && t.expires[0] == '\0');
@@ -192,6 +199,13 @@ unsigned hostile_ask(struct store *s)
         MUST(!k.shipped && k.table.threshold == THRESHOLD);
         answers++;
     }
+    if (store_device_list(s, &devices, &n, &hostile_e) == ST_OK) {
+        for (size_t i = 0; i < n; i++)
+            MUST(strcmp(devices[i].name, "door") == 0 &&
+                 memcmp(devices[i].public, public, sizeof public) == 0);
+        free(devices);
+        answers += n == 1;
+    }
     for (size_t i = 0; i < sizeof people / sizeof *people; i++)
         answers += ask_subject(s, people[i]);
     return answers;
@@ -199,7 +213,7 @@ unsigned hostile_ask(struct store *s)
 
 unsigned hostile_reads(void)
 {
-    unsigned n = 2;
+    unsigned n = 3;
 
     for (size_t i = 0; i < sizeof people / sizeof *people; i++)
         n += enrolled(people[i]) > 0 ? 2 : 0;
