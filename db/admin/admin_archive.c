@@ -41,7 +41,7 @@ static enum status export_subjects(void *arg, struct log_txn *from, struct log_t
                                    struct errinfo *e)
 {
     struct exporting *x = arg;
-    struct rows_subject of = {.revision = 0};
+    struct rows_subject of = {.revision = 0}, twice;
     enum status st = ST_OK;
 
     x->to = to;
@@ -51,9 +51,11 @@ static enum status export_subjects(void *arg, struct log_txn *from, struct log_t
     for (size_t i = 0; i < x->n && st == ST_OK; i++)
         st = rows_subject_find(from, x->subjects[i], &of, e);
     for (size_t i = 0; i < x->n && st == ST_OK; i++)
-        if ((st = rows_subject_find(from, x->subjects[i], &of, e)) == ST_OK)
+        if ((st = rows_subject_find(from, x->subjects[i], &of, e)) == ST_OK &&
+            (st = rows_subject_get(to, of.one.uid, &twice, e)) == ST_ENOTFOUND)
             st = export_subject(x, from, &of, e);
     sodium_memzero(&of, sizeof of);
+    sodium_memzero(&twice, sizeof twice);
     return st;
 }
 
