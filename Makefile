@@ -256,7 +256,7 @@ endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testlink,$r)))
 
 # Preloaded into a finished program, so never built with a sanitizer.
-$(SHIM_BIN): $(BUILD)/%.so: tests/box/%.c tests/lib/crash_op.h Makefile
+$(SHIM_BIN): $(BUILD)/%.so: tests/box/%.c Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
 	$(Q)$(CC) $(filter-out $(EXTRA) -fPIE,$(CFLAGS)) -fPIC -shared -Itests/lib -o $@ $<

@@ -74,16 +74,6 @@ bool bytes_get_number(struct bytes *b, size_t n, uint64_t *out)
     return true;
 }
 
-bool bytes_get_real(struct bytes *b, double max, double *out)
-{
-    unsigned char in[8];
-
-    if (!bytes_get(b, in, sizeof in))
-        return false;
-    *out = bytes_real(in);
-    return *out >= 0 && *out <= max; /* NaN is neither */
-}
-
 bool bytes_get_finite(struct bytes *b, double *out)
 {
     unsigned char in[8];
@@ -92,17 +82,4 @@ bool bytes_get_finite(struct bytes *b, double *out)
         return false;
     *out = bytes_real(in);
     return isfinite(*out);
-}
-
-bool bytes_get_text(struct bytes *b, char *to, size_t size)
-{
-    uint64_t n;
-
-    to[0] = '\0';
-    if (!bytes_get_number(b, 2, &n) || n >= size || (uint64_t)(b->end - b->at) < n ||
-        memchr(b->at, '\0', (size_t)n) != NULL)
-        return false;
-    (void)bytes_get(b, to, (size_t)n);
-    to[n] = '\0';
-    return true;
 }

@@ -29,13 +29,6 @@ struct bytes {
 bool bytes_get(struct bytes *b, void *to, size_t n);
 bool bytes_get_number(struct bytes *b, size_t n, uint64_t *out);
 
-/* bytes_get_real(b, max, out): 0 to max.
- * bytes_get_finite(b, out): any number that is finite. */
-bool bytes_get_real(struct bytes *b, double max, double *out);
-bool bytes_get_finite(struct bytes *b, double *out);
-
-/* bytes_get_text(b, to, size): a text of less than size bytes without NUL; "" on
- * failure. */
-bool bytes_get_text(struct bytes *b, char *to, size_t size);
+bool bytes_get_finite(struct bytes *b, double *out); /* any number that is finite */
 
 #endif

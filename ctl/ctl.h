@@ -83,6 +83,7 @@ struct ctl {
     const struct model *model;        /* that model_path names */
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */
     struct options *settings;         /* of the daemon, once read; by ctl_config_free() */
+    char usual_key[PATH_MAX];         /* the database's path and ".key" */
     struct crypt_file *asked;         /* a passphrase, once asked for; to be freed */
     struct store *store;              /* the database, once opened (ctl_model.h) */
     struct face_work *work;           /* where the command takes scans (CTL_UNITS) */

@@ -1,38 +1,19 @@
 /* export and import: subjects between databases. */
-#include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
-#include <string.h>
 
+#include "admin_archive.h"
 #include "crypt_file.h"
-#include "admin_export.h"
-#include "admin_import.h"
 #include "ctl_command.h"
 #include "ctl_dir.h"
 #include "ctl_model.h"
 
 static bool all; /* --all */
 
-/* admin_export() replaces no file: with --force the new archive takes the name of the old one
- * when it is complete. */
-static enum status replace_archive(struct ctl *c, const struct crypt_file *k,
-                                   struct admin_exported *x)
-{
-    char aside[PATH_MAX];
-    enum status st;
-
-    (void)snprintf(aside, sizeof aside, "%s.new", c->dir);
-    st = admin_export(c->store, c->actor, c->args, (size_t)c->nargs, aside, k, x, &c->e);
-    if (st == ST_OK && rename(aside, c->dir) != 0)
-        st = errinfo_set(&c->e, ST_EIO, "%.160s: %s", c->dir, strerror(errno));
-    return st;
-}
-
 static enum status export_subjects(struct ctl *c)
 {
     char size[32];
-    struct admin_exported x;
+    struct admin_copied x;
     struct crypt_file *k = NULL;
     enum status st;
 
@@ -42,9 +23,8 @@ static enum status export_subjects(struct ctl *c)
     if ((st = ctl_dir_may_write(c, c->dir, 0)) == ST_OK &&
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_model_archive_key(c, true, &k)) == ST_OK)
-        st = c->force ? replace_archive(c, k, &x)
-                      : admin_export(c->store, c->actor, c->args, (size_t)c->nargs,
-                                     c->dir, k, &x, &c->e);
+        st = admin_export(c->store, c->actor, c->args, (size_t)c->nargs, c->dir, k,
+                          c->force, &x, &c->e);
     crypt_file_free(k);
     if (st != ST_OK)
         return st;

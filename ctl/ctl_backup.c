@@ -1,10 +1,8 @@
 /* The database copied, put back, copied under another key. */
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
 #include <unistd.h>
 
-#include "admin_backup.h"
 #include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"
@@ -159,7 +157,6 @@ static enum status confirm_loss(struct ctl *c)
 
 static enum status rekey(struct ctl *c)
 {
-    char usual[PATH_MAX];
     struct admin_rekey to;
     struct crypt_file *owned = NULL;
     struct store_key key;
@@ -171,10 +168,8 @@ static enum status rekey(struct ctl *c)
     c->passphrase = passphrase;
     if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK &&
         (st = confirm_loss(c)) == ST_OK &&
-        (st = admin_rekey(c->db, &key, &to, c->actor, &c->e)) == ST_OK) {
-        (void)snprintf(usual, sizeof usual, "%s.key", c->db);
-        tell_rekeyed(c, &to, c->key != NULL ? c->key : usual);
-    }
+        (st = admin_rekey(c->db, &key, &to, c->actor, &c->e)) == ST_OK)
+        tell_rekeyed(c, &to, key.path);
     crypt_file_free(owned);
     return st;
 }

@@ -86,8 +86,9 @@ enum status ctl_model_key(struct ctl *c, const char *db, struct store_key *key)
 
     if (c->plaintext && c->key != NULL)
         return ctl_usage(c, "--plaintext-database contradicts --key");
+    (void)snprintf(c->usual_key, sizeof c->usual_key, "%s.key", db);
     *key = (struct store_key){
-        .path = c->key,
+        .path = c->key != NULL ? c->key : c->usual_key,
         .make = CRYPT_FILE,
         .plaintext = c->plaintext,
         .anchor = c->anchor != NULL && strcmp(c->anchor, "none") != 0 ? c->anchor : NULL,

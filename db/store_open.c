@@ -83,14 +83,13 @@ static enum status make_by_phrase(const struct opening *o, const struct crypt_fi
 {
     const enum status st = o->key->weak ? ST_OK : crypt_file_strong(k, e);
 
-    return st == ST_OK ? crypt_make(CRYPT_PASSPHRASE, k->text, k->len, r, out, e) : st;
+    return st == ST_OK ? crypt_file_root(k, "", CRYPT_PASSPHRASE, r, out, e) : st;
 }
 
 /* The keys of a new database, by a key's file that is there, or is made. */
 static enum status make_root(struct opening *o, struct crypt_root *r, struct crypt **out,
                              struct errinfo *e)
 {
-    unsigned char key[CRYPT_KEY];
     struct crypt_file *k = NULL;
     enum status st;
 
@@ -112,9 +111,8 @@ static enum status make_root(struct opening *o, struct crypt_root *r, struct cry
     }
     if (st == ST_OK && o->key->make == CRYPT_PASSPHRASE)
         st = make_by_phrase(o, k, r, out, e);
-    else if (st == ST_OK && (st = crypt_file_key(k, o->key_path, key, e)) == ST_OK)
-        st = crypt_make(CRYPT_FILE, key, sizeof key, r, out, e);
-    sodium_memzero(key, sizeof key);
+    else if (st == ST_OK)
+        st = crypt_file_root(k, o->key_path, CRYPT_FILE, r, out, e);
     crypt_file_free(k);
     return st;
 }

@@ -2,248 +2,257 @@
 
 #include <errno.h>
 #include <sodium.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
-#include "bytes.h"
-#include "errinfo.h"
+#include "admin_copy.h"
 #include "crypt_file.h"
+#include "log_row.h"
+#include "store_rules.h"
+#include "store_txn.h"
 
-#define MAGIC   "SURFARCH"
-#define VERSION 1
-#define HEADER  (36 + crypto_secretstream_xchacha20poly1305_HEADERBYTES)
-#define OVER    crypto_secretstream_xchacha20poly1305_ABYTES
-#define KEY     crypto_secretstream_xchacha20poly1305_KEYBYTES
+/* ---- export */
 
-#define BY_KEY        1
-#define BY_PASSPHRASE 2
-#define PASSES        3 /* of Argon2id, as for a database's passphrase */
-#define MIB           128
-#define MAX_PASSES    16 /* of an archive that may come from anyone */
-#define MAX_MIB       1024
-
-enum {
-    AT_VERSION = 8,
-    AT_KIND = 10,
-    AT_PASSES = 12,
-    AT_MIB = 16,
-    AT_SALT = 20,
-    AT_STREAM = 36
+struct exporting {
+    struct store *s;
+    struct log_act by;
+    char *const *subjects;
+    size_t n; /* 0: all */
+    struct log_txn *to;
 };
 
-struct admin_archive {
-    crypto_secretstream_xchacha20poly1305_state state;
-    FILE *file;
-    unsigned char header[HEADER];
-    bool begun, ended;
-    unsigned char *record, *encrypted; /* room bytes each, and OVER more */
-    size_t room, used;
-};
-
-/* The stream's key: of no other archive, also where the file's key is the same. */
-static enum status derive(const struct admin_archive *a, const struct crypt_file *k,
-                          unsigned char out[KEY], struct errinfo *e)
+/* It is on record before the archive has its name. */
+static enum status export_subject(void *arg, struct log_txn *from,
+                                  const struct rows_subject *of, struct errinfo *e)
 {
-    const unsigned char *h = a->header;
-    const unsigned mib = (unsigned)bytes_number(h + AT_MIB, 4);
-    unsigned char key[CRYPT_KEY];
+    struct exporting *x = arg;
+    struct log_txn t;
     enum status st;
 
-    if (h[AT_KIND] == BY_PASSPHRASE) {
-        if (crypto_pwhash(out, KEY, k->text, k->len, h + AT_SALT,
-                          bytes_number(h + AT_PASSES, 4), (size_t)mib << 20,
-                          crypto_pwhash_ALG_ARGON2ID13) != 0)
-            return errinfo_set(e, ST_ENOMEM, "no memory for the passphrase: %u MB", mib);
-        return ST_OK;
+    if ((st = admin_copy_subject(x->to, from, of, e)) != ST_OK ||
+        (st = store_begin(x->s, SQL_LAZY, &t, e)) != ST_OK)
+        return st;
+    return store_end(x->s, &t,
+                     log_access(&t, &x->by, "export", of->one.uid, "", "exported", e), e);
+}
+
+static enum status export_subjects(void *arg, struct log_txn *from, struct log_txn *to,
+                                   struct errinfo *e)
+{
+    struct exporting *x = arg;
+    struct rows_subject of = {.revision = 0}, twice;
+    enum status st = ST_OK;
+
+    x->to = to;
+    if (x->n == 0)
+        return admin_each(from, export_subject, x, e);
+    /* First, so that the events do not tell of an export that came to nothing. */
+    for (size_t i = 0; i < x->n && st == ST_OK; i++)
+        st = rows_subject_find(from, x->subjects[i], &of, e);
+    for (size_t i = 0; i < x->n && st == ST_OK; i++)
+        if ((st = rows_subject_find(from, x->subjects[i], &of, e)) == ST_OK &&
+            (st = rows_subject_get(to, of.one.uid, &twice, e)) == ST_ENOTFOUND)
+            st = export_subject(x, from, &of, e);
+    sodium_memzero(&of, sizeof of);
+    sodium_memzero(&twice, sizeof twice);
+    return st;
+}
+
+enum status admin_export(struct store *s, const char *actor, char *const *subjects,
+                         size_t n, const char *path, const struct crypt_file *k,
+                         bool replace, struct admin_copied *out, struct errinfo *e)
+{
+    struct exporting x = {.s = s, .subjects = subjects, .n = n};
+    unsigned char digits[CRYPT_KEY];
+    const enum crypt_kind kind =
+        crypt_file_key(k, "", digits, NULL) == ST_OK ? CRYPT_FILE : CRYPT_PASSPHRASE;
+    const struct store_key key = {.given = k};
+    struct newfile file = NEWFILE_NONE;
+    struct crypt *crypt = NULL;
+    struct crypt_root root;
+    struct log_act nobody; /* the archive does not say who made it */
+    struct admin_copy c = {.root = &root,
+                           .key = &key,
+                           .fill = export_subjects,
+                           .arg = &x,
+                           .by = &nobody,
+                           .kind = "create_archive",
+                           .outcome = "exported"};
+    enum status st;
+
+    sodium_memzero(digits, sizeof digits);
+    if (!replace && access(path, F_OK) == 0)
+        return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
+    if ((st = log_act(&x.by, actor, e)) == ST_OK &&
+        (st = log_act(&nobody, "", e)) == ST_OK &&
+        (st = crypt_file_root(k, path, kind, &root, &crypt, e)) == ST_OK) {
+        c.crypt = crypt;
+        if ((st = admin_copy(s, path, &c, &file, e)) == ST_OK)
+            st = replace ? newfile_commit(&file, e) : newfile_keep(&file, e);
     }
-    if ((st = crypt_file_key(k, "the archive's key", key, e)) != ST_OK)
-        return errinfo_set(e, ST_EDENIED, "the archive needs a key, not a passphrase");
-    (void)crypto_generichash(out, KEY, h, AT_STREAM, key, sizeof key);
-    sodium_memzero(key, sizeof key);
-    return ST_OK;
+    newfile_close(&file);
+    crypt_free(crypt);
+    *out = c.found;
+    return st;
 }
 
-static struct admin_archive *new_archive(FILE *file, struct errinfo *e)
-{
-    struct admin_archive *a = sodium_init() < 0 ? NULL : calloc(1, sizeof *a);
+/* ---- import */
 
-    if (a == NULL)
-        (void)errinfo_set(e, ST_ENOMEM, "out of memory");
-    else
-        a->file = file;
-    return a;
+struct importing {
+    struct log_txn *to;
+    struct log_act by;
+    const char *made_by;
+    struct admin_imported *out;
+    struct rows_subject as;   /* the last subject, as it is here */
+    size_t templates;         /* that it has */
+    bool left_out;            /* it was erased here */
+    struct log_entry *erased; /* [nerased], the changes that say who was */
+    size_t nerased;
+};
+
+static bool was_erased(const struct importing *m, const unsigned char uid[STORE_UID])
+{
+    for (size_t i = 0; i < m->nerased; i++)
+        if (memcmp(m->erased[i].uid, uid, STORE_UID) == 0)
+            return true;
+    return false;
 }
 
-void admin_archive_close(struct admin_archive *a)
+/* The subject of this uid, under whatever id.  ST_ENOTFOUND: there is none. */
+static enum status find_subject(struct importing *m, const struct store_subject *s,
+                                struct errinfo *e)
 {
-    if (a == NULL)
-        return;
-    if (a->record != NULL)
-        sodium_memzero(a->record, a->used);
-    free(a->record);
-    free(a->encrypted);
-    sodium_memzero(a, sizeof *a);
-    free(a);
+    struct rows_template *list = NULL;
+    struct rows_subject other;
+    enum status st;
+
+    m->templates = 0;
+    if ((st = rows_subject_get(m->to, s->uid, &m->as, e)) == ST_OK) {
+        st = rows_template_list(m->to, &m->as, &list, &m->templates, e);
+        free(list);
+        return st;
+    }
+    if (st != ST_ENOTFOUND)
+        return st;
+    st = rows_subject_find(m->to, s->id, &other, e);
+    sodium_memzero(&other, sizeof other);
+    if (st != ST_OK)
+        return st;
+    return errinfo_set(
+        e, ST_EEXISTS,
+        "subject %s of the archive was enrolled elsewhere, and the %s that is "
+        "enrolled here need not be the same person: rename or erase that one "
+        "first; nothing was imported",
+        s->id, s->id);
 }
 
-static enum status need_room(struct admin_archive *a, size_t n, struct errinfo *e)
+static enum status import_template(void *arg, struct rows_template *row, const void *face,
+                                   size_t len, struct errinfo *e)
 {
-    unsigned char *p;
+    struct importing *m = arg;
+    const struct store_template *t = &row->one;
+    struct rows_template there;
+    struct rows_subject other;
+    char id[STORE_ID_LEN + 1];
+    enum status st;
 
-    if (a->encrypted != NULL && n <= a->room)
+    m->out->templates++;
+    m->out->outdated += !face_same_engine(t->engine, m->made_by);
+    if (m->left_out)
         return ST_OK;
-    if (a->record != NULL)
-        sodium_memzero(a->record, a->used);
-    a->used = 0;
-    free(a->record);
-    a->room = 0;
-    if ((a->record = malloc(n + 1)) == NULL ||
-        (p = realloc(a->encrypted, n + OVER)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    a->encrypted = p;
-    a->room = n;
-    return ST_OK;
+    if ((st = rows_template_same(m->to, &m->as, t->digest, row->read, id, e)) != ST_OK ||
+        id[0] != '\0')
+        return st; /* it is left as it is */
+    st = rows_template_get(m->to, t->id, &there, &other, e);
+    sodium_memzero(&other, sizeof other);
+    if (st == ST_OK || st == ST_ECORRUPT)
+        return errinfo_set(e, ST_EEXISTS,
+                           "there is another template with the id %s already", t->id);
+    if (st != ST_ENOTFOUND ||
+        (st = store_rules_room(m->as.one.id, m->templates, e)) != ST_OK ||
+        (st = rows_template_add(m->to, &m->as, row, face, len, e)) != ST_OK)
+        return st;
+    m->templates++;
+    m->out->new_templates++;
+    return log_change(m->to, &m->by, "import", m->as.one.uid, t->id, "created", e);
 }
 
-/* ---- writing */
-
-static enum status put_bytes(struct admin_archive *a, const void *data, size_t n,
-                             struct errinfo *e)
+static enum status import_subject(void *arg, struct log_txn *from,
+                                  const struct rows_subject *of, struct errinfo *e)
 {
-    if (fwrite(data, 1, n, a->file) == n)
-        return ST_OK;
-    return errinfo_set(e, ST_EIO, "cannot write the archive: %s", strerror(errno));
+    struct importing *m = arg;
+    enum status st = ST_OK;
+
+    m->out->subjects++;
+    m->left_out = was_erased(m, of->one.uid);
+    m->out->erased += m->left_out;
+    if (!m->left_out && (st = find_subject(m, &of->one, e)) == ST_ENOTFOUND &&
+        (st = rows_subject_add(m->to, &of->one, &m->as, e)) == ST_OK) {
+        m->out->new_subjects++;
+        st = log_change(m->to, &m->by, "import", of->one.uid, "", "created", e);
+    }
+    return st == ST_OK ? admin_each_template(from, of, import_template, m, e) : st;
 }
 
-enum status admin_archive_create(FILE *to, const struct crypt_file *k,
-                                 struct admin_archive **out, struct errinfo *e)
+static enum status import_all(struct importing *m, struct store *archive,
+                              struct errinfo *e)
 {
-    unsigned char key[KEY];
-    struct admin_archive *a;
+    const struct log_filter erased = {.kind = "delete_subject"};
+    struct log_txn from;
+    enum status st =
+        log_list(m->to->sql, LOG_CHANGES, &erased, &m->erased, &m->nerased, e);
+
+    if (st == ST_OK && (st = store_begin(archive, SQL_READ, &from, e)) == ST_OK)
+        st = store_end(archive, &from, admin_each(&from, import_subject, m, e), e);
+    free(m->erased);
+    sodium_memzero(&m->as, sizeof m->as);
+    return st;
+}
+
+/* All of it is verified before anything is written: that takes the time, and no writer waits. */
+static enum status open_archive(const char *path, const struct crypt_file *k,
+                                const struct model *model, struct store **out,
+                                struct errinfo *e)
+{
+    const struct store_key key = {.given = k};
+    struct admin_copied found;
+    struct errinfo why;
     enum status st;
 
     *out = NULL;
-    if ((a = new_archive(to, e)) == NULL)
-        return ST_ENOMEM;
-    memcpy(a->header, MAGIC, 8);
-    bytes_set(a->header + AT_VERSION, VERSION, 2);
-    a->header[AT_KIND] = BY_KEY;
-    if (crypt_file_key(k, "", key, NULL) != ST_OK) {
-        a->header[AT_KIND] = BY_PASSPHRASE;
-        bytes_set(a->header + AT_PASSES, PASSES, 4);
-        bytes_set(a->header + AT_MIB, MIB, 4);
-    }
-    randombytes_buf(a->header + AT_SALT, crypto_pwhash_SALTBYTES);
-    if ((st = derive(a, k, key, e)) == ST_OK) {
-        (void)crypto_secretstream_xchacha20poly1305_init_push(&a->state,
-                                                              a->header + AT_STREAM, key);
-        st = put_bytes(a, a->header, HEADER, e);
-    }
-    sodium_memzero(key, sizeof key);
-    if (st == ST_OK)
-        *out = a;
-    else
-        admin_archive_close(a);
-    return st;
+    if (access(path, R_OK) != 0)
+        return errinfo_set(e, errno == ENOENT ? ST_ENOTFOUND : ST_EIO,
+                           "cannot read %.160s: %s", path, strerror(errno));
+    st = admin_open(path, &key, model, out, &found, &why);
+    if (st == ST_ENOTFOUND)
+        return errinfo_set(e, ST_ECORRUPT, "%.160s is empty", path);
+    if (st == ST_EDENIED || st == ST_EINVAL)
+        return errinfo_set(e, ST_EDENIED,
+                           "%.160s is not encrypted with this key or passphrase", path);
+    return st == ST_OK ? st : errinfo_set(e, st, "%s", why.msg);
 }
 
-enum status admin_archive_write(struct admin_archive *a, const void *data, size_t n,
-                                bool last, struct errinfo *e)
+enum status admin_import(struct store *s, const char *actor, const char *path,
+                         const struct crypt_file *k, bool dry, struct admin_imported *out,
+                         struct errinfo *e)
 {
-    const unsigned char tag = last ? crypto_secretstream_xchacha20poly1305_TAG_FINAL : 0;
-    unsigned char length[4];
+    struct importing m = {.made_by = s->made_by, .out = out};
+    struct store *archive;
+    struct log_txn t;
     enum status st;
 
-    if (n > ADMIN_ARCHIVE_RECORD_MAX)
-        return errinfo_set(e, ST_ELIMIT, "a record of %zu bytes is too long", n);
-    if ((st = need_room(a, n, e)) != ST_OK)
+    memset(out, 0, sizeof *out);
+    if ((st = open_archive(path, k, s->model, &archive, e)) != ST_OK)
         return st;
-    bytes_set(length, n, 4);
-    /* The first record authenticates the header, the others follow on it. */
-    (void)crypto_secretstream_xchacha20poly1305_push(&a->state, a->encrypted, NULL, data,
-                                                     n, a->begun ? NULL : a->header,
-                                                     a->begun ? 0 : HEADER, tag);
-    a->begun = true;
-    if ((st = put_bytes(a, length, sizeof length, e)) == ST_OK)
-        st = put_bytes(a, a->encrypted, n + OVER, e);
+    m.to = &t;
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &m.by, &t, e)) == ST_OK) {
+        st = import_all(&m, archive, e);
+        if (st == ST_OK && dry)
+            (void)store_end(s, &t, ST_EDENIED, NULL); /* rolled back */
+        else
+            st = store_end(s, &t, st, e);
+    }
+    store_close(archive);
     return st;
-}
-
-/* ---- reading */
-
-static enum status damaged(const struct admin_archive *a, const char *what,
-                           struct errinfo *e)
-{
-    if (ferror(a->file))
-        return errinfo_set(e, ST_EIO, "cannot read the archive: %s", strerror(errno));
-    return errinfo_set(e, ST_ECORRUPT, "the archive is damaged: %s", what);
-}
-
-enum status admin_archive_open(FILE *from, const struct crypt_file *k,
-                               struct admin_archive **out, struct errinfo *e)
-{
-    unsigned char key[KEY];
-    struct admin_archive *a;
-    const unsigned char *h;
-    enum status st;
-
-    *out = NULL;
-    if ((a = new_archive(from, e)) == NULL)
-        return ST_ENOMEM;
-    h = a->header;
-    if (fread(a->header, 1, HEADER, from) != HEADER || memcmp(h, MAGIC, 8) != 0)
-        st = ferror(from) ? damaged(a, "", e)
-                          : errinfo_set(e, ST_ECORRUPT, "not an archive of surfacectl");
-    else if (bytes_number(h + AT_VERSION, 2) != VERSION)
-        st = errinfo_set(e, ST_EVERSION,
-                         "the archive is of version %u, this program knows %d",
-                         (unsigned)bytes_number(h + AT_VERSION, 2), VERSION);
-    else if ((h[AT_KIND] != BY_KEY && h[AT_KIND] != BY_PASSPHRASE) || h[AT_KIND + 1] != 0)
-        st = damaged(a, "its header", e);
-    else if (h[AT_KIND] == BY_PASSPHRASE &&
-             (bytes_number(h + AT_PASSES, 4) < 1 ||
-              bytes_number(h + AT_PASSES, 4) > MAX_PASSES ||
-              bytes_number(h + AT_MIB, 4) < 1 || bytes_number(h + AT_MIB, 4) > MAX_MIB))
-        st = damaged(a, "its header", e);
-    else if ((st = derive(a, k, key, e)) == ST_OK &&
-             crypto_secretstream_xchacha20poly1305_init_pull(&a->state, h + AT_STREAM,
-                                                             key) != 0)
-        st = damaged(a, "its header", e);
-    sodium_memzero(key, sizeof key);
-    if (st == ST_OK)
-        *out = a;
-    else
-        admin_archive_close(a);
-    return st;
-}
-
-enum status admin_archive_read(struct admin_archive *a, const unsigned char **data,
-                               size_t *n, bool *last, struct errinfo *e)
-{
-    unsigned char length[4], tag = 0;
-    enum status st;
-
-    if (a->ended || fread(length, 1, sizeof length, a->file) != sizeof length)
-        return damaged(a, "it ends too early", e);
-    *n = bytes_number(length, 4);
-    if (*n > ADMIN_ARCHIVE_RECORD_MAX)
-        return damaged(a, "a record's length", e);
-    if ((st = need_room(a, *n, e)) != ST_OK)
-        return st;
-    if (fread(a->encrypted, 1, *n + OVER, a->file) != *n + OVER)
-        return damaged(a, "it ends too early", e);
-    a->used = *n;
-    if (crypto_secretstream_xchacha20poly1305_pull(
-            &a->state, a->record, NULL, &tag, a->encrypted, *n + OVER,
-            a->begun ? NULL : a->header, a->begun ? 0 : HEADER) != 0)
-        return a->begun ? damaged(a, "a record is not what was written", e)
-                        : errinfo_set(e, ST_EDENIED,
-                                      "not the archive's key, or it was tampered with");
-    a->begun = true;
-    a->ended = *last = tag == crypto_secretstream_xchacha20poly1305_TAG_FINAL;
-    if ((!*last && tag != 0) || (*last && fgetc(a->file) != EOF))
-        return damaged(a, "it does not end where it should", e);
-    *data = a->record;
-    return ST_OK;
 }

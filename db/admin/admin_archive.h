@@ -1,38 +1,35 @@
-/* admin_archive.h -- a file of encrypted records, one after the other: libsodium's secretstream
- * (XChaCha20-Poly1305), so that none can be changed, left out, moved or cut off.  What the
- * records say is store_archive.h's.  Layout: db/FORMAT.md. */
+/* admin_archive.h -- subjects and their templates moved between stores, in an archive: a store file
+ * under a key of its own that has nothing but them. */
 #ifndef DB_ADMIN_ARCHIVE_H
 #define DB_ADMIN_ARCHIVE_H
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdio.h>
-#include "status.h"
+#include "admin_check.h"
 
-#define ADMIN_ARCHIVE_RECORD_MAX                                                         \
-    (96U << 20) /* bytes: a model of 2^21 points takes 84 MB */
+/* admin_export(s, actor, subjects, n, path, k, replace, out, e): subjects and their templates, of n
+ * ids or all where n is 0, into a new archive, verified; an event of each.  k: 64 hexadecimal digits
+ * are its key, anything else is a passphrase.  Whole or not at all.  ST_EEXISTS: there is a file of
+ * that name, and it is not to be replaced; ST_ENOTFOUND: no such subject. */
+enum status admin_export(struct store *s, const char *actor, char *const *subjects,
+                         size_t n, const char *path, const struct crypt_file *k,
+                         bool replace, struct admin_copied *out, struct errinfo *e);
 
-struct admin_archive;
-struct errinfo;
-struct crypt_file; /* keyfile.h */
+struct admin_imported {
+    uint64_t subjects, templates;         /* of the archive */
+    uint64_t new_subjects, new_templates; /* the others are there already */
+    uint64_t erased;   /* were erased here: left out, with their templates */
+    uint64_t outdated; /* of the templates: of another engine */
+};
 
-/* admin_archive_create(to, k, out, e): k: 64 hexadecimal digits are the key, anything else is a
- * passphrase, for Argon2id.  to is borrowed.  ST_EIO, ST_ENOMEM.
- * admin_archive_write(a, data, n, last, e): a record; nothing follows the last. */
-enum status admin_archive_create(FILE *to, const struct crypt_file *k,
-                                 struct admin_archive **out, struct errinfo *e);
-enum status admin_archive_write(struct admin_archive *a, const void *data, size_t n,
-                                bool last, struct errinfo *e);
-
-/* admin_archive_open(from, k, out, e): ST_ECORRUPT: no archive; ST_EVERSION: of a newer version;
- * ST_EDENIED: it needs the other sort of key.
- * admin_archive_read(a, data, n, last, e): the next record, which is the archive's until the next
- * call.  ST_EDENIED: the first one is not encrypted with this key; ST_ECORRUPT: one is damaged,
- * or the file ends before the last or goes on after it; ST_EIO, ST_ENOMEM. */
-enum status admin_archive_open(FILE *from, const struct crypt_file *k,
-                               struct admin_archive **out, struct errinfo *e);
-enum status admin_archive_read(struct admin_archive *a, const unsigned char **data,
-                               size_t *n, bool *last, struct errinfo *e);
-
-void admin_archive_close(struct admin_archive *a); /* wiped; NULL is allowed */
+/* admin_import(s, actor, path, k, dry, out, e): an archive as a whole, or nothing of it;
+ * what is there already is left as it is, also a subject that has another id here by now.  Left
+ * out are subjects that were erased here, under whatever id.  All of it is verified and decoded
+ * first; with dry nothing else is done.  Templates of another engine are taken as they are, and
+ * outdated.
+ * ST_EDENIED: not its key; ST_ECORRUPT: no archive, or it is damaged; ST_EVERSION: of a newer
+ * version; ST_EEXISTS: a template's id is another's here, or a subject's id is another person's:
+ * whom an id means here is not for an archive to say; ST_EFULL: a subject would have more than
+ * STORE_TEMPLATES_MAX. */
+enum status admin_import(struct store *s, const char *actor, const char *path,
+                         const struct crypt_file *k, bool dry, struct admin_imported *out,
+                         struct errinfo *e);
 
 #endif

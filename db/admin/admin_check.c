@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "codec.h"
@@ -201,4 +202,77 @@ enum status admin_check(struct store *s, bool decode, store_report *report, void
         out->events = walk.entries;
     (void)pthread_mutex_destroy(&c.lock);
     return st;
+}
+
+/* ---- verified or refused */
+
+static void keep_first(void *arg, const char *line)
+{
+    struct errinfo *first = arg;
+
+    if (first->code == ST_OK)
+        (void)errinfo_set(first, ST_ECORRUPT, "%s", line);
+}
+
+enum status admin_verify(struct store *s, bool decode, struct admin_copied *found,
+                         struct errinfo *e)
+{
+    struct errinfo first = {ST_OK, ""};
+    struct store_stats stats;
+    struct admin_check check;
+    enum status st;
+
+    memset(found, 0, sizeof *found);
+    if ((st = admin_check(s, decode, keep_first, &first, &check, e)) != ST_OK)
+        return st;
+    if (first.code != ST_OK)
+        return errinfo_set(e, ST_ECORRUPT, "%s", first.msg);
+    if ((st = store_stats(s, &stats, e)) == ST_OK)
+        *found = (struct admin_copied){stats.subjects, stats.templates, stats.events,
+                                       stats.file_bytes};
+    return st;
+}
+
+/* SQLite takes what is missing of the last page for zeros, which is not noticed where they were
+ * zeros, and does not look at what comes after the last page. */
+static enum status is_whole(struct store *s, struct errinfo *e)
+{
+    struct log_txn t;
+    struct stat sb;
+    uint64_t bytes = 0;
+    enum status st = store_begin(s, SQL_READ, &t, e);
+
+    if (st != ST_OK ||
+        (st = store_end(s, &t, sql_file_bytes(t.sql, &bytes, e), e)) != ST_OK ||
+        sql_file_has_wal(s->path))
+        return st;
+    if (stat(s->path, &sb) != 0 || (uint64_t)sb.st_size != bytes)
+        return errinfo_set(e, ST_ECORRUPT,
+                           "it is cut short, or has something after its end: it should "
+                           "have %" PRIu64 " bytes",
+                           bytes);
+    return ST_OK;
+}
+
+enum status admin_open(const char *path, const struct store_key *key,
+                       const struct model *model, struct store **out,
+                       struct admin_copied *found, struct errinfo *e)
+{
+    struct store_key by = *key;
+    struct errinfo why = {ST_OK, ""};
+    struct store *s;
+    enum status st;
+
+    *out = NULL;
+    by.anchor = NULL;
+    if ((st = store_open(path, STORE_READ, &by, &s, e)) != ST_OK)
+        return st;
+    store_use_model(s, model);
+    if ((st = is_whole(s, &why)) == ST_OK &&
+        (st = admin_verify(s, model != NULL, found, &why)) == ST_OK) {
+        *out = s;
+        return ST_OK;
+    }
+    store_close(s);
+    return errinfo_set(e, st, "%.160s is of no use: %s", path, why.msg);
 }

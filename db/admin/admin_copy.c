@@ -11,11 +11,9 @@
 
 #include "errinfo.h"
 #include "log_row.h"
-#include "newfile.h"
 #include "rows_calibration.h"
 #include "rows_device.h"
 #include "rows_root.h"
-#include "rows_template.h"
 #include "rows_token.h"
 #include "sql_file.h"
 #include "sql_read.h"
@@ -52,98 +50,88 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
     return sql_done(r, st, e);
 }
 
-/* ---- the rows */
+/* ---- subjects */
 
-static enum status copy_templates(struct log_txn *from, struct log_txn *to,
-                                  const struct rows_subject *of, struct rows_subject *as,
-                                  struct errinfo *e)
+enum status admin_each(struct log_txn *t, admin_use *use, void *arg, struct errinfo *e)
+{
+    struct store_subject *page = NULL;
+    struct rows_subject of = {.revision = 0};
+    int64_t after = 0;
+    size_t n;
+    enum status st;
+
+    while ((st = rows_subject_list(t, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
+        for (size_t i = 0; i < n && st == ST_OK; i++)
+            if ((st = rows_subject_get(t, page[i].uid, &of, e)) == ST_OK)
+                st = use(arg, t, &of, e);
+        after = page[n - 1].key;
+        free(page);
+        if (st != ST_OK)
+            break;
+    }
+    sodium_memzero(&of, sizeof of);
+    return st;
+}
+
+enum status admin_each_template(struct log_txn *t, const struct rows_subject *of,
+                                admin_use_template *use, void *arg, struct errinfo *e)
 {
     struct rows_template *list = NULL;
     size_t n, len;
-    enum status st = rows_template_list(from, of, &list, &n, e);
+    enum status st = rows_template_list(t, of, &list, &n, e);
 
     for (size_t i = 0; i < n && st == ST_OK; i++) {
         unsigned char *face;
 
-        if ((st = rows_template_face(from, &list[i], of, &face, &len, e)) == ST_OK)
-            st = rows_template_add(to, as, &list[i], face, len, e);
+        if ((st = rows_template_face(t, &list[i], of, &face, &len, e)) == ST_OK)
+            st = use(arg, &list[i], face, len, e);
         rows_template_wipe(face, len);
     }
     free(list);
     return st;
 }
 
-static enum status copy_subject(struct log_txn *from, struct log_txn *to,
-                                const unsigned char uid[STORE_UID], struct errinfo *e)
-{
-    struct rows_subject of, as = {.revision = 0};
-    enum status st = rows_subject_get(from, uid, &of, e);
+struct copying {
+    struct log_txn *to;
+    struct rows_subject as; /* in the copy */
+};
 
-    if (st == ST_OK && (st = rows_subject_add(to, &of.one, &as, e)) == ST_OK)
-        st = copy_templates(from, to, &of, &as, e);
-    sodium_memzero(&of, sizeof of);
-    sodium_memzero(&as, sizeof as);
+static enum status copy_template(void *arg, struct rows_template *row, const void *face,
+                                 size_t len, struct errinfo *e)
+{
+    struct copying *c = arg;
+
+    return rows_template_add(c->to, &c->as, row, face, len, e);
+}
+
+enum status admin_copy_subject(void *to, struct log_txn *from,
+                               const struct rows_subject *of, struct errinfo *e)
+{
+    struct copying c = {.to = to};
+    enum status st = rows_subject_add(to, &of->one, &c.as, e);
+
+    if (st == ST_OK)
+        st = admin_each_template(from, of, copy_template, &c, e);
+    sodium_memzero(&c.as, sizeof c.as);
     return st;
 }
 
-static enum status copy_subjects(struct log_txn *from, struct log_txn *to,
-                                 struct errinfo *e)
+/* ---- the other rows */
+
+/* Rows of which no more than the MAC depends on a key. */
+static enum status copy_table(struct log_txn *from, struct log_txn *to,
+                              const struct rows_table *table, struct errinfo *e)
 {
-    struct store_subject *page = NULL;
-    int64_t after = 0;
-    size_t n;
-    enum status st;
+    void *row = malloc(table->size);
+    struct sql_rows *r = NULL;
+    enum status st = row != NULL ? sql_query(from->sql, table->all, NULL, 0, &r, e)
+                                 : errinfo_set(e, ST_ENOMEM, "out of memory");
 
-    while ((st = rows_subject_list(from, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
-        for (size_t i = 0; i < n && st == ST_OK; i++)
-            st = copy_subject(from, to, page[i].uid, e);
-        after = page[n - 1].key;
-        free(page);
-        if (st != ST_OK)
-            break;
-    }
-    return st;
-}
-
-static enum status copy_tokens(struct log_txn *from, struct log_txn *to,
-                               struct errinfo *e)
-{
-    struct rows_token *list = NULL;
-    size_t n;
-    enum status st = rows_token_list(from, &list, &n, e);
-
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        if ((st = rows_token_add(to, &list[i], e)) == ST_OK &&
-            list[i].token.used[0] != '\0')
-            st = rows_token_used(to, list[i].token.id, list[i].token.used, e);
-    free(list);
-    return st;
-}
-
-static enum status copy_devices(struct log_txn *from, struct log_txn *to,
-                                struct errinfo *e)
-{
-    struct rows_device *list = NULL;
-    size_t n;
-    enum status st = rows_device_list(from, &list, &n, e);
-
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        st = rows_device_add(to, &list[i].one, e);
-    free(list);
-    return st;
-}
-
-static enum status copy_calibrations(struct log_txn *from, struct log_txn *to,
-                                     struct errinfo *e)
-{
-    struct store_calibration *list = NULL;
-    size_t n;
-    enum status st = rows_calibration_list(from, &list, &n, e);
-
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        st = rows_calibration_add(to, &list[i], e);
-    free(list);
-    return st;
+    while (st == ST_OK && sql_next(r))
+        if ((st = rows_table_read(from, table, r, 0, row, e)) == ST_OK)
+            st = rows_table_insert(to, table, row, e);
+    free(row);
+    return sql_done(r, st, e);
 }
 
 /* Rows that are not authenticated, as they are: of n columns, of which add takes each. */
@@ -162,68 +150,80 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
     return sql_done(r, st, e);
 }
 
-static enum status copy_all(struct log_txn *from, struct log_txn *to,
-                            const struct admin_copy *what, struct errinfo *e)
+enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
+                           struct errinfo *e)
 {
     enum status st;
 
-    if ((st = sql_create(to->sql, e)) != ST_OK ||
-        (st = rows_root_write(to->sql, what->root, e)) != ST_OK ||
-        (st = copy_log(from, to, LOG_CHANGES, e)) != ST_OK ||
+    (void)arg;
+    if ((st = copy_log(from, to, LOG_CHANGES, e)) != ST_OK ||
         (st = copy_log(from, to, LOG_ACCESSES, e)) != ST_OK ||
-        (st = copy_subjects(from, to, e)) != ST_OK ||
-        (st = copy_tokens(from, to, e)) != ST_OK ||
-        (st = copy_devices(from, to, e)) != ST_OK ||
-        (st = copy_calibrations(from, to, e)) != ST_OK ||
+        (st = admin_each(from, admin_copy_subject, to, e)) != ST_OK ||
+        (st = copy_table(from, to, &rows_tokens, e)) != ST_OK ||
+        (st = copy_plain(from, to, "SELECT used, id FROM tokens WHERE used IS NOT NULL",
+                         "UPDATE tokens SET used = $1 WHERE id = $2", 2, e)) != ST_OK ||
+        (st = copy_table(from, to, &rows_devices, e)) != ST_OK ||
+        (st = copy_table(from, to, &rows_calibrations, e)) != ST_OK ||
         (st = copy_plain(from, to,
                          "SELECT s.uid, a.token, a.failures, a.at_ms "
                          "FROM attempts a JOIN subjects s USING (subject_key)",
                          "INSERT INTO attempts (subject_key, token, failures, at_ms) "
                          "VALUES ((SELECT subject_key FROM subjects WHERE uid = $1), $2, "
                          "$3, $4)",
-                         4, e)) != ST_OK ||
-        (st = copy_plain(from, to, "SELECT until_ms, nonce FROM nonces",
-                         "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e)) !=
-            ST_OK ||
-        (what->amend != NULL && (st = what->amend(what->arg, to, e)) != ST_OK))
+                         4, e)) != ST_OK)
         return st;
-    return log_change(to, what->by, what->kind, NULL, "", what->outcome, e);
+    return copy_plain(from, to, "SELECT until_ms, nonce FROM nonces",
+                      "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e);
 }
 
-/* As one file without a WAL. */
-static enum status fold(const char *path, struct errinfo *e)
+/* ---- the copy */
+
+static enum status write_copy(struct log_txn *from, struct log_txn *to,
+                              const struct admin_copy *c, struct errinfo *e)
 {
-    struct sql *d;
-    enum status st = sql_open(path, SQL_OPEN_ALONE, &d, e);
+    enum status st;
 
-    if (st != ST_OK)
+    if ((st = sql_create(to->sql, e)) != ST_OK ||
+        (st = rows_root_write(to->sql, c->root, e)) != ST_OK ||
+        (st = c->fill(c->arg, from, to, e)) != ST_OK)
         return st;
-    st = sql_file_fold(d, e);
-    sql_close(d);
-    return st;
+    return log_change(to, c->by, c->kind, NULL, "", c->outcome, e);
 }
 
-enum status admin_copy(struct store *from, const char *path,
-                       const struct admin_copy *what, struct log_end *end,
-                       struct errinfo *e)
+static enum status fill_file(struct store *from, const char *part, struct admin_copy *c,
+                             struct errinfo *e)
 {
     struct log seen;
-    struct log_txn source, to = {.log = &seen, .crypt = what->crypt, .how = SQL_SCHEMA};
+    struct log_txn source, to = {.log = &seen, .crypt = c->crypt, .how = SQL_COPY};
     struct sql *d = NULL;
     enum status st;
 
     log_init(&seen);
     log_txn_create(&to);
-    if ((st = sql_open(path, SQL_OPEN_WRITE, &d, e)) == ST_OK &&
+    if ((st = sql_open(part, SQL_OPEN_WRITE, &d, e)) == ST_OK &&
         (st = store_begin(from, SQL_READ, &source, e)) == ST_OK) {
-        if ((st = sql_begin(d, SQL_SCHEMA, &to.sql, e)) == ST_OK)
-            st = sql_end(to.sql, copy_all(&source, &to, what, e), e);
+        if ((st = sql_begin(d, SQL_COPY, &to.sql, e)) == ST_OK)
+            st = sql_end(to.sql, write_copy(&source, &to, c, e), e);
         st = store_end(from, &source, st, e);
     }
     sql_close(d);
     log_free(&seen);
-    *end = to.changes;
-    return st == ST_OK ? fold(path, e) : st;
+    c->end = to.changes;
+    return st;
+}
+
+enum status admin_copy(struct store *from, const char *path, struct admin_copy *c,
+                       struct newfile *n, struct errinfo *e)
+{
+    struct store *copy;
+    enum status st;
+
+    *n = (struct newfile)NEWFILE_NONE;
+    if ((st = newfile_open(path, n, e)) == ST_OK &&
+        (st = fill_file(from, n->part, c, e)) == ST_OK &&
+        (st = admin_open(n->part, c->key, NULL, &copy, &c->found, e)) == ST_OK)
+        store_close(copy);
+    return st;
 }
 
 /* ---- the swap */
@@ -250,20 +250,18 @@ static enum status clear_name(const char *path, const char *aside, struct errinf
 }
 
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,
-                       const char *aside, struct errinfo *e)
+                       const char *suffix, struct errinfo *e)
 {
-    enum status st = ST_OK;
+    char *aside = admin_name(path, suffix);
+    enum status st = aside != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "out of memory");
 
-    if (held != NULL) {
-        if ((st = clear_name(path, aside, e)) != ST_OK ||
-            (st = sql_file_fold(held->sql, e)) != ST_OK)
-            return st;
-        if (link(path, aside) != 0)
-            return errinfo_set(e, ST_EIO, "cannot call %.150s %.150s: %s", path, aside,
-                               strerror(errno));
-    }
-    if ((st = newfile_commit(n, e)) != ST_OK && held != NULL)
+    if (st == ST_OK && held != NULL && (st = clear_name(path, aside, e)) == ST_OK &&
+        (st = sql_file_fold(held->sql, e)) == ST_OK && link(path, aside) != 0)
+        st = errinfo_set(e, ST_EIO, "cannot call %.150s %.150s: %s", path, aside,
+                         strerror(errno));
+    if (st == ST_OK && (st = newfile_commit(n, e)) != ST_OK && held != NULL)
         (void)unlink(aside);
+    free(aside);
     return st;
 }
 

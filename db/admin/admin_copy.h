@@ -1,40 +1,59 @@
-/* admin_copy.h -- the one way by which a store is copied as a whole: rows and logs under the keys
- * of the copy.  Restoring and a new key are thin over it. */
+/* admin_copy.h -- the one way by which a store is copied: rows, and logs, under the keys of the
+ * copy.  Restoring, a new key and archives are thin over it. */
 #ifndef DB_ADMIN_COPY_H
 #define DB_ADMIN_COPY_H
+#include "admin_check.h"
 #include "log_txn.h"
-#include "store_open.h"
+#include "newfile.h"
+#include "rows_template.h"
 
-struct newfile; /* newfile.h */
-struct sql;     /* sql.h */
+/* admin_each(t, use, arg, e): every subject, in the order of creation, until use() fails.
+ * admin_each_template(t, of, use, arg, e): the subject's, oldest first, with their faces.
+ * Memory is that of a page of subjects and of one face. */
+typedef enum status admin_use(void *arg, struct log_txn *t, const struct rows_subject *of,
+                              struct errinfo *e);
+typedef enum status admin_use_template(void *arg, struct rows_template *row,
+                                       const void *face, size_t len, struct errinfo *e);
+enum status admin_each(struct log_txn *t, admin_use *use, void *arg, struct errinfo *e);
+enum status admin_each_template(struct log_txn *t, const struct rows_subject *of,
+                                admin_use_template *use, void *arg, struct errinfo *e);
+
+/* What a copy is made of, from one moment of a store. */
+typedef enum status admin_fill(void *arg, struct log_txn *from, struct log_txn *to,
+                               struct errinfo *e);
 
 struct admin_copy {
     const struct crypt_root *root; /* of the copy, and what it opens */
     const struct crypt *crypt;
+    const struct store_key *key; /* by which the copy is opened, to be verified */
+    admin_fill *fill;            /* admin_copy_all(), or more, or less */
+    void *arg;                   /* of fill() */
     const struct log_act *by;
-    const char *kind, *outcome; /* of the copy's last change */
-    /* What the copy has not, or has besides, before that change; NULL: nothing. */
-    enum status (*amend)(void *arg, struct log_txn *to, struct errinfo *e);
-    void *arg;
+    const char *kind, *outcome; /* of the copy's last change, which comes after fill() */
+    struct log_end end;         /* set: of the copy's change log */
+    struct admin_copied found;  /* set: what is in the copy */
 };
 
-/* admin_copy(from, path, what, end, e): every subject, template, token, device, calibration,
- * attempt and nonce, and both logs, of one moment, into an empty file: one file without a WAL, not
- * yet on the disk.  Subjects have new keys in it.  The logs have the same hashes, so that the copy
- * goes on from where `from` ends.  *end: of its change log.  `from` was verified by the caller.
- * O(bytes); one transaction, so that it takes twice the room for the time. */
-enum status admin_copy(struct store *from, const char *path,
-                       const struct admin_copy *what, struct log_end *end,
-                       struct errinfo *e);
+/* admin_copy(from, path, c, n, e): a copy as n->part, which has yet to get the name `path`: one file
+ * without a WAL, verified whole.  `from` was verified by the caller.  O(bytes); one transaction.
+ * After it newfile_close(n) follows, also on failure.
+ * admin_copy_all(arg, from, to, e): every subject, template, token, device, calibration, attempt and
+ * nonce, and both logs.  Subjects have new keys in the copy.  The logs have the same hashes, so that
+ * the copy goes on from where `from` ends.
+ * admin_copy_subject(to, from, of, e): with its templates; to is the log_txn of the copy. */
+enum status admin_copy(struct store *from, const char *path, struct admin_copy *c,
+                       struct newfile *n, struct errinfo *e);
+admin_fill admin_copy_all;
+admin_use admin_copy_subject;
 
-/* admin_swap(path, held, n, aside, e): the file n->part gets the name `path`, in the place of the
+/* admin_swap(path, held, n, suffix, e): the file n->part gets the name `path`, in the place of the
  * database that is open alone there, which is closed then; NULL: there is none.  What was there is
- * called `aside` from then on.  ST_EEXISTS: there is another file of that name.
+ * called path and suffix from then on.  ST_EEXISTS: there is another file of that name.
  * admin_discard(path, e): the bytes of a database that is not needed any more are overwritten, and
  * the file removed.
  * admin_name(path, suffix): a new text, released by free(); NULL: no memory. */
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,
-                       const char *aside, struct errinfo *e);
+                       const char *suffix, struct errinfo *e);
 enum status admin_discard(const char *path, struct errinfo *e);
 char *admin_name(const char *path, const char *suffix);
 

@@ -1,23 +1,21 @@
 #include "admin_rekey.h"
 
 #include <errno.h>
-#include <sodium.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include "admin_backup.h"
 #include "admin_copy.h"
 #include "crypt_file.h"
 #include "log_anchor.h"
-#include "newfile.h"
 #include "store_txn.h"
+
+#define ASIDE ".before-rekey"
 
 struct rekeying {
     const char *path;
     const struct store_key *key;
     const struct admin_rekey *to;
-    char *key_path, *key_new, *key_old, *aside;
+    char *key_new, *key_old, *aside;
     struct crypt_root root;
     struct crypt *crypt;
     bool made; /* key_new, by this call */
@@ -30,13 +28,9 @@ static bool is_there(const char *path)
 
 static bool name_files(struct rekeying *x)
 {
-    x->key_path =
-        x->key->path != NULL ? strdup(x->key->path) : admin_name(x->path, ".key");
-    if (x->key_path == NULL)
-        return false;
-    x->key_new = admin_name(x->key_path, ".new");
-    x->key_old = admin_name(x->key_path, ".old");
-    x->aside = admin_name(x->path, ".before-rekey");
+    x->key_new = admin_name(x->key->path, ".new");
+    x->key_old = admin_name(x->key->path, ".old");
+    x->aside = admin_name(x->path, ASIDE);
     return x->key_new != NULL && x->key_old != NULL && x->aside != NULL;
 }
 
@@ -62,7 +56,7 @@ static enum status settle_key(struct rekeying *x, struct errinfo *e)
                    : errinfo_set(e, ST_EIO, "cannot remove %.160s: %s", x->key_new,
                                  strerror(errno));
     store_close(s);
-    return crypt_file_move(x->key_new, x->key_path, e);
+    return crypt_file_move(x->key_new, x->key->path, e);
 }
 
 static enum status need_room(const struct rekeying *x, struct errinfo *e)
@@ -83,7 +77,6 @@ static enum status make_keys(struct rekeying *x, struct errinfo *e)
 {
     const struct crypt_file *k = x->to->given;
     struct crypt_file *read = NULL;
-    unsigned char key[CRYPT_KEY];
     enum status st = ST_OK;
 
     if (in_file(x->to)) {
@@ -93,24 +86,12 @@ static enum status make_keys(struct rekeying *x, struct errinfo *e)
         if (st == ST_OK && (st = crypt_file_read(x->key_new, &read, e)) == ST_OK)
             k = read; /* as it will be read */
     }
-    if (st == ST_OK && x->to->kind == CRYPT_FILE) {
-        if ((st = crypt_file_key(k, x->key_new, key, e)) == ST_OK)
-            st = crypt_make(CRYPT_FILE, key, sizeof key, &x->root, &x->crypt, e);
-    } else if (st == ST_OK) {
-        st = crypt_make(x->to->kind, k != NULL ? k->text : NULL, k != NULL ? k->len : 0,
-                        &x->root, &x->crypt, e);
-    }
-    sodium_memzero(key, sizeof key);
+    if (st == ST_OK && x->to->kind == CRYPT_PLAINTEXT)
+        st = crypt_make(CRYPT_PLAINTEXT, NULL, 0, &x->root, &x->crypt, e);
+    else if (st == ST_OK)
+        st = crypt_file_root(k, x->key_new, x->to->kind, &x->root, &x->crypt, e);
     crypt_file_free(read);
     return st;
-}
-
-/* How the copy is opened, before the keys are in their places. */
-static struct store_key new_key(const struct rekeying *x)
-{
-    return (struct store_key){.path = x->key_new,
-                              .given = in_file(x->to) ? NULL : x->to->given,
-                              .plaintext = x->to->kind == CRYPT_PLAINTEXT};
 }
 
 static enum status copy_and_swap(struct rekeying *x, struct store *s,
@@ -118,21 +99,24 @@ static enum status copy_and_swap(struct rekeying *x, struct store *s,
                                  struct errinfo *e)
 {
     static const char *const word[] = {"plaintext", "file", "passphrase"};
-    const struct admin_copy what = {.root = &x->root,
-                                    .crypt = x->crypt,
-                                    .by = by,
-                                    .kind = "rekey",
-                                    .outcome = word[x->to->kind]};
-    const struct store_key opens = new_key(x);
+    /* How the copy is opened, before the keys are in their places. */
+    const struct store_key opens = {.path = x->key_new,
+                                    .given = in_file(x->to) ? NULL : x->to->given,
+                                    .plaintext = x->to->kind == CRYPT_PLAINTEXT};
+    struct admin_copy c = {.root = &x->root,
+                           .crypt = x->crypt,
+                           .key = &opens,
+                           .fill = admin_copy_all,
+                           .by = by,
+                           .kind = "rekey",
+                           .outcome = word[x->to->kind]};
     struct newfile n = NEWFILE_NONE;
-    struct admin_copied found;
     enum status st;
 
-    if ((st = newfile_open(x->path, &n, e)) == ST_OK &&
-        (st = admin_copy(s, n.part, &what, end, e)) == ST_OK &&
-        (st = admin_verify(n.part, &opens, &found, e)) == ST_OK)
-        st = admin_swap(x->path, s, &n, x->aside, e);
+    if ((st = admin_copy(s, x->path, &c, &n, e)) == ST_OK)
+        st = admin_swap(x->path, s, &n, ASIDE, e);
     newfile_close(&n);
+    *end = c.end;
     return st;
 }
 
@@ -142,10 +126,10 @@ static enum status place_key(const struct rekeying *x, bool fits, struct errinfo
     enum status st = ST_OK;
 
     if (fits && x->to->keep)
-        st = crypt_file_move(x->key_path, x->key_old, e);
+        st = crypt_file_move(x->key->path, x->key_old, e);
     else if (fits)
-        st = admin_discard(x->key_path, e);
-    return st == ST_OK && x->made ? crypt_file_move(x->key_new, x->key_path, e) : st;
+        st = admin_discard(x->key->path, e);
+    return st == ST_OK && x->made ? crypt_file_move(x->key_new, x->key->path, e) : st;
 }
 
 static enum status finish(struct rekeying *x, bool fits, const struct log_end *end,
@@ -176,7 +160,7 @@ static enum status rekey(struct rekeying *x, const char *actor, struct errinfo *
         (st = store_open(x->path, STORE_ALONE, x->key, &s, e)) != ST_OK)
         return st;
     fits = x->key->given == NULL && !x->key->plaintext;
-    if ((st = admin_verify_store(s, &found, e)) == ST_OK &&
+    if ((st = admin_verify(s, false, &found, e)) == ST_OK &&
         (st = make_keys(x, e)) == ST_OK)
         st = copy_and_swap(x, s, &by, &end, e);
     store_close(s);
@@ -203,12 +187,11 @@ enum status admin_rekey(const char *path, const struct store_key *key,
         return st;
     if (!name_files(&x))
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && (st = crypt_file_lock(x.key_path, &lock, e)) == ST_OK)
+    if (st == ST_OK && (st = crypt_file_lock(key->path, &lock, e)) == ST_OK)
         st = rekey(&x, actor, e);
     if (lock >= 0)
         (void)close(lock);
     crypt_free(x.crypt);
-    free(x.key_path);
     free(x.key_new);
     free(x.key_old);
     free(x.aside);

@@ -16,7 +16,8 @@ struct admin_rekey {
 /* admin_rekey(path, key, to, actor, e): a copy under new keys takes the database's place; the old
  * one and its key are overwritten and removed, unless to->keep.  The change log goes on, with a
  * change of kind "rekey".  Killed, it has not happened, or the database is under the new key, which
- * is then in KEY.new and found there; and the old database may be left as PATH.before-rekey.
+ * is then in KEY.new and found there; and the old database may be left as PATH.before-rekey.  key: with
+ * its path.
  * ST_EBUSY: another process has the database open; ST_EEXISTS: there is a PATH.before-rekey or
  * KEY.old; ST_EREFUSED: it is not as it was written; as store_open(). */
 enum status admin_rekey(const char *path, const struct store_key *key,

@@ -13,30 +13,79 @@
 #include "crypt_file.h"
 #include "log_anchor.h"
 #include "log_row.h"
-#include "newfile.h"
 #include "rows_device.h"
 #include "rows_digest.h"
 #include "rows_root.h"
-#include "rows_template.h"
 #include "rows_token.h"
 #include "sql_file.h"
+#include "store_audit.h"
 #include "store_erase.h"
 #include "store_txn.h"
 
-#define PAGE 1000
+/* ---- a backup */
+
+/* What is there may be replaced if it is a database of this program, and not this one; nor
+ * one with a WAL, which SQLite would take for the backup's. */
+static enum status replaceable(const char *path, const char *db, struct errinfo *e)
+{
+    struct sql *d = NULL;
+    struct stat there;
+    enum status st;
+
+    if (stat(path, &there) != 0)
+        return ST_OK;
+    if (sql_file_same(path, db))
+        return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", path);
+    if (sql_file_has_wal(path))
+        return errinfo_set(e, ST_EEXISTS,
+                           "%.160s is a database in use, or was when its program was "
+                           "killed: it has a %.160s-wal",
+                           path, path);
+    st = S_ISREG(there.st_mode) ? sql_open(path, SQL_OPEN_LOOK, &d, NULL) : ST_EINVAL;
+    sql_close(d);
+    return st == ST_OK
+               ? ST_OK
+               : errinfo_set(e, ST_EEXISTS,
+                             "%.160s exists and is not a backup: it is not overwritten",
+                             path);
+}
+
+enum status admin_backup(struct store *s, const char *path, const struct store_key *key,
+                         struct admin_copied *out, struct errinfo *e)
+{
+    struct newfile n = NEWFILE_NONE;
+    struct store *copy;
+    struct log_txn t;
+    enum status st;
+
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    if ((st = replaceable(path, s->path, e)) == ST_OK &&
+        (st = newfile_open(path, &n, e)) == ST_OK)
+        st = sql_file_copy(t.sql, n.part, e);
+    st = store_end(s, &t, st, e);
+    if (st == ST_OK && (st = admin_open(n.part, key, NULL, &copy, out, e)) == ST_OK) {
+        store_close(copy);
+        st = newfile_commit(&n, e);
+    }
+    newfile_close(&n);
+    return st;
+}
+
+/* ---- restoring */
 
 struct restoring {
     const char *path, *from, *from_key;
     const struct store_key *key;
     struct store *held; /* the database that is there; NULL: there is none */
     struct store *backup;
-    bool same_key;           /* the backup is opened by the database's key */
     struct log_end end;      /* of the backup's change log */
     struct log_entry *since; /* [n], changes of the database that is there after that */
     size_t n;
     struct log_act by;
-    struct crypt_root root; /* of the restored database */
-    struct crypt *made;     /* its keys, where neither store has them */
+    struct crypt_root root;    /* of the restored database, */
+    const struct crypt *crypt; /* its keys, */
+    struct crypt *made;        /* and these, where neither store has them */
     struct admin_restored *out;
 };
 
@@ -100,67 +149,27 @@ static enum status open_held(struct restoring *r, bool dry, struct errinfo *e)
 
 /* ---- the backup */
 
-/* SQLite takes what is missing of the last page for zeros, which is not noticed where they
- * were zeros. */
-static enum status is_whole(struct sql_txn *t, const char *from, struct errinfo *e)
-{
-    struct stat sb;
-    uint64_t bytes = 0;
-    const enum status st = sql_file_bytes(t, &bytes, e);
-
-    if (st != ST_OK || sql_file_has_wal(from))
-        return st;
-    if (stat(from, &sb) != 0 || (uint64_t)sb.st_size < bytes)
-        return errinfo_set(e, ST_ECORRUPT,
-                           "%.160s is cut short: it should have %llu bytes", from,
-                           (unsigned long long)bytes);
-    return ST_OK;
-}
-
 static enum status open_backup(struct restoring *r, struct errinfo *e)
 {
     struct store_key by = *r->key;
     enum crypt_kind kind;
-    char *usual = NULL;
-    struct log_txn t;
     enum status st;
 
-    by.anchor = NULL;
     if (r->from_key != NULL) {
         by.path = r->from_key;
         by.given = NULL;
-    } else if (by.path == NULL) {
-        if ((usual = admin_name(r->path, ".key")) == NULL)
-            return errinfo_set(e, ST_ENOMEM, "out of memory");
-        by.path = usual;
     }
-    st = store_open(r->from, STORE_READ, &by, &r->backup, e);
-    free(usual);
+    st = admin_open(r->from, &by, NULL, &r->backup, &r->out->backup, e);
     if (st == ST_EDENIED && r->from_key == NULL && !by.plaintext &&
         store_kind(r->from, &kind, NULL) == ST_OK && kind != CRYPT_PLAINTEXT)
         return errinfo_set(e, st,
                            "the backup %.150s was made under another key than the "
                            "database's: give that key by --backup-key FILE",
                            r->from);
-    if (st != ST_OK || (st = store_begin(r->backup, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    r->same_key = r->from_key == NULL;
-    r->end = t.changes;
-    if ((st = store_end(r->backup, &t, is_whole(t.sql, r->from, e), e)) != ST_OK)
-        return st;
-    return admin_verify_store(r->backup, &r->out->backup, e);
+    return st == ST_OK ? store_last_change(r->backup, &r->end, e) : st;
 }
 
 /* ---- what must not be undone by going back in time */
-
-static enum status has_change(struct store *s, const struct log_end *at, bool *has,
-                              struct errinfo *e)
-{
-    struct log_txn t;
-    const enum status st = store_begin(s, SQL_READ, &t, e);
-
-    return st == ST_OK ? store_end(s, &t, log_has(&t, at, has, e), e) : st;
-}
 
 static enum status relate(struct restoring *r, struct errinfo *e)
 {
@@ -186,7 +195,7 @@ static enum status relate(struct restoring *r, struct errinfo *e)
     r->out->had_templates = stats.templates;
     if (goes_on)
         return ST_OK;
-    if ((st = has_change(r->backup, &end, &older, e)) != ST_OK || older)
+    if ((st = store_audit_has(r->backup, &end, &older, e)) != ST_OK || older)
         return st; /* the backup has all that it has, and more */
     return errinfo_set(
         e, ST_EMISMATCH,
@@ -263,10 +272,12 @@ static enum status count_lost(struct restoring *r, struct log_txn *to, struct er
     return store_end(r->held, &t, sql_done(rows, st, e), e);
 }
 
-static enum status amend(void *arg, struct log_txn *to, struct errinfo *e)
+/* All of the backup, and what was erased, revoked or removed since is so again. */
+static enum status fill(void *arg, struct log_txn *from, struct log_txn *to,
+                        struct errinfo *e)
 {
     struct restoring *r = arg;
-    enum status st = ST_OK;
+    enum status st = admin_copy_all(NULL, from, to, e);
 
     for (size_t i = 0; i < r->n && st == ST_OK; i++) {
         const struct log_entry *c = &r->since[i];
@@ -292,72 +303,42 @@ static enum status read_root(struct store *s, struct crypt_root *root, struct er
     return st == ST_OK ? store_end(s, &t, rows_root_read(t.sql, root, e), e) : st;
 }
 
-/* New keys under the master key that the database is to have, where no database has it. */
-static enum status make_keys(struct restoring *r, struct errinfo *e)
+/* The configured key opens the result: its keys are those of the store that it opens, or new ones
+ * under it, where no store has it. */
+static enum status choose_keys(struct restoring *r, struct errinfo *e)
 {
-    char *path =
-        r->key->path != NULL ? strdup(r->key->path) : admin_name(r->path, ".key");
+    struct store *const of = r->from_key == NULL ? r->backup : r->held;
     struct crypt_file *k = NULL;
-    unsigned char key[CRYPT_KEY];
     enum status st;
 
-    if (path == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = crypt_file_read(path, &k, e)) == ST_OK &&
-        (st = crypt_file_key(k, path, key, e)) == ST_OK)
-        st = crypt_make(CRYPT_FILE, key, sizeof key, &r->root, &r->made, e);
-    sodium_memzero(key, sizeof key);
+    r->crypt = of != NULL ? of->crypt : NULL;
+    if (of != NULL)
+        return read_root(of, &r->root, e);
+    if ((st = crypt_file_read(r->key->path, &k, e)) == ST_OK)
+        st = crypt_file_root(k, r->key->path, CRYPT_FILE, &r->root, &r->made, e);
+    r->crypt = r->made;
     crypt_file_free(k);
-    free(path);
     return st;
-}
-
-/* The configured key opens the result. */
-static enum status choose_keys(struct restoring *r, const struct crypt **c,
-                               struct errinfo *e)
-{
-    struct store *const of = r->same_key ? r->backup : r->held;
-    enum status st;
-
-    if (of == NULL) {
-        st = make_keys(r, e);
-        *c = r->made;
-        return st;
-    }
-    *c = of->crypt;
-    return read_root(of, &r->root, e);
 }
 
 static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo *e)
 {
-    struct admin_copy what = {.root = &r->root,
-                              .by = &r->by,
-                              .kind = "restore",
-                              .outcome = "restored",
-                              .amend = amend,
-                              .arg = r};
-    struct store_key opens = *r->key;
-    char *aside = admin_name(r->path, ".before-restore");
-    char *usual = admin_name(r->path, ".key");
+    struct admin_copy c = {.root = &r->root,
+                           .crypt = r->crypt,
+                           .key = r->key,
+                           .fill = fill,
+                           .arg = r,
+                           .by = &r->by,
+                           .kind = "restore",
+                           .outcome = "restored"};
     struct newfile n = NEWFILE_NONE;
-    struct admin_copied found;
-    struct log_end end;
     enum status st;
 
-    if (opens.path == NULL)
-        opens.path = usual;
-    if (aside == NULL || usual == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    else if ((st = choose_keys(r, &what.crypt, e)) == ST_OK &&
-             (st = newfile_open(r->path, &n, e)) == ST_OK &&
-             (st = admin_copy(r->backup, n.part, &what, &end, e)) == ST_OK &&
-             (st = admin_verify(n.part, &opens, &found, e)) == ST_OK && !dry &&
-             (st = admin_swap(r->path, r->held, &n, aside, e)) == ST_OK &&
-             r->key->anchor != NULL)
-        st = log_anchor_write(r->key->anchor, what.crypt, &end, true, e);
+    if ((st = admin_copy(r->backup, r->path, &c, &n, e)) == ST_OK && !dry &&
+        (st = admin_swap(r->path, r->held, &n, ".before-restore", e)) == ST_OK &&
+        r->key->anchor != NULL)
+        st = log_anchor_write(r->key->anchor, r->crypt, &c.end, true, e);
     newfile_close(&n);
-    free(aside);
-    free(usual);
     return st;
 }
 
@@ -374,7 +355,7 @@ enum status admin_restore(const char *path, const char *from, const struct store
         return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
     if ((st = log_act(&r.by, actor, e)) == ST_OK &&
         (st = open_held(&r, dry, e)) == ST_OK && (st = open_backup(&r, e)) == ST_OK &&
-        (st = relate(&r, e)) == ST_OK)
+        (st = relate(&r, e)) == ST_OK && (st = choose_keys(&r, e)) == ST_OK)
         st = copy_and_place(&r, dry, e);
     store_close(r.backup);
     store_close(r.held);
@@ -386,24 +367,14 @@ enum status admin_restore(const char *path, const char *from, const struct store
 /* ---- as it is */
 
 /* Each subject's templates are those that there are. */
-static enum status accept_templates(struct log_txn *t, struct errinfo *e)
+static enum status accept_templates(void *arg, struct log_txn *t,
+                                    const struct rows_subject *of, struct errinfo *e)
 {
-    struct store_subject *page = NULL;
-    struct rows_subject of;
-    int64_t after = 0;
-    size_t n;
-    enum status st;
+    struct rows_subject one = *of;
+    const enum status st = rows_template_accept(t, &one, e);
 
-    while ((st = rows_subject_list(t, after, PAGE, &page, &n, e)) == ST_OK && n > 0) {
-        for (size_t i = 0; i < n && st == ST_OK; i++)
-            if ((st = rows_subject_get(t, page[i].uid, &of, e)) == ST_OK)
-                st = rows_template_accept(t, &of, e);
-        after = page[n - 1].key;
-        free(page);
-        if (st != ST_OK)
-            break;
-    }
-    sodium_memzero(&of, sizeof of);
+    (void)arg;
+    sodium_memzero(&one, sizeof one);
     return st;
 }
 
@@ -432,7 +403,7 @@ static enum status accept_rows(struct log_txn *t, const struct log_act *by,
     if (!same)
         report(arg, rows_digest_problem);
     log_txn_accept(t, sum);
-    if ((st = accept_templates(t, e)) != ST_OK)
+    if ((st = admin_each(t, accept_templates, NULL, e)) != ST_OK)
         return st;
     (void)snprintf(outcome, sizeof outcome, "%s, %" PRIu64 " rows removed",
                    same ? "rows as written" : "rows differed", out->removed);

@@ -1,8 +1,16 @@
-/* admin_restore.h -- a backup in the place of the database; and a database as it is, taken for the
- * newest. */
+/* admin_restore.h -- a backup, which may be made beside a daemon; a backup in the place of the
+ * database; and a database as it is, taken for the newest. */
 #ifndef DB_ADMIN_RESTORE_H
 #define DB_ADMIN_RESTORE_H
-#include "admin_backup.h"
+#include "admin_check.h"
+
+/* admin_backup(s, path, key, out, e): a copy of one moment while others write, whole or not
+ * at all and readable by its owner alone.  Before it gets its name it is verified: pages, rows, both
+ * logs, every template decrypted.  An older backup of that name is replaced; another file is not
+ * (ST_EEXISTS).  key: as the store was opened by, with its path.  Of the database's other errors
+ * ST_ECORRUPT: what is damaged in it. */
+enum status admin_backup(struct store *s, const char *path, const struct store_key *key,
+                         struct admin_copied *out, struct errinfo *e);
 
 struct admin_restored {
     struct admin_copied
@@ -20,12 +28,12 @@ struct admin_restored {
  * of the database, which is kept as PATH.before-restore; or with dry nothing but *out.  Of the
  * database that is there only what its change log proves, where that is verified and goes on from
  * the backup's: who was erased since is erased again, and tokens that were revoked or rotated since
- * are revoked: the backup has their old secrets.  key: of the database afterwards; from_key: NULL
- * where that opens the backup too, else its file.  A database that is missing is made.
+ * are revoked: the backup has their old secrets.  key: of the database afterwards, with its path;
+ * from_key: NULL where that opens the backup too, else its file.  A database that is missing is made.
  * ST_EBUSY: another process has the database open; ST_EMISMATCH: neither log goes on from the
  * other; ST_EDENIED: the backup has another key; ST_EREFUSED: the log of the database that is there
- * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as store_open() and
- * admin_verify(). */
+ * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as
+ * admin_open(). */
 enum status admin_restore(const char *path, const char *from, const struct store_key *key,
                           const char *from_key, const char *actor, bool dry,
                           struct admin_restored *out, struct errinfo *e);

@@ -192,3 +192,19 @@ enum status crypt_file_open(const struct crypt_file *k, const char *path,
     sodium_memzero(key, sizeof key);
     return st == ST_OK ? st : errinfo_set(e, st, "%.100s: %.120s", path, why.msg);
 }
+
+enum status crypt_file_root(const struct crypt_file *k, const char *path,
+                            enum crypt_kind kind, struct crypt_root *root,
+                            struct crypt **out, struct errinfo *e)
+{
+    unsigned char key[CRYPT_KEY];
+    enum status st;
+
+    *out = NULL;
+    if (kind != CRYPT_FILE)
+        return crypt_make(kind, k->text, k->len, root, out, e);
+    if ((st = crypt_file_key(k, path, key, e)) == ST_OK)
+        st = crypt_make(CRYPT_FILE, key, sizeof key, root, out, e);
+    sodium_memzero(key, sizeof key);
+    return st;
+}

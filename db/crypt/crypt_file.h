@@ -45,6 +45,12 @@ enum status crypt_file_open(const struct crypt_file *k, const char *path,
                             const struct crypt_root *root, struct crypt **out,
                             struct errinfo *e);
 
+/* crypt_file_root(k, path, kind, root, out, e): new secrets under what the file says, as
+ * crypt_make(). */
+enum status crypt_file_root(const struct crypt_file *k, const char *path,
+                            enum crypt_kind kind, struct crypt_root *root,
+                            struct crypt **out, struct errinfo *e);
+
 /* crypt_file_key(k, path, key, e): the 32 bytes; ST_EINVAL: not 64 hexadecimal digits. */
 enum status crypt_file_key(const struct crypt_file *k, const char *path,
                            unsigned char key[CRYPT_KEY], struct errinfo *e);

@@ -41,11 +41,13 @@ int sql_version(const struct sql *d);
 int sql_newest(void);
 
 enum sql_begin {
-    SQL_READ,  /* all that is read is of one moment */
-    SQL_WRITE, /* durable when it is committed */
-    SQL_LAZY,  /* the same, but a power failure may take it back; a crash does not */
-    SQL_TRY,   /* lazy, and ST_EBUSY at once where it would have to wait */
-    SQL_SCHEMA /* a SQL_WRITE that may make tables */
+    SQL_READ,   /* all that is read is of one moment */
+    SQL_WRITE,  /* durable when it is committed */
+    SQL_LAZY,   /* the same, but a power failure may take it back; a crash does not */
+    SQL_TRY,    /* lazy, and ST_EBUSY at once where it would have to wait */
+    SQL_SCHEMA, /* a SQL_WRITE that may make tables */
+    SQL_COPY /* the same, in a file that counts when it gets its name: nothing is on the disk
+                   yet, and no other file is beside it */
 };
 
 /* sql_begin(d, how, t, e): ST_EDENIED: opened for reading.  After ST_OK sql_end() follows.

@@ -128,6 +128,9 @@ static const struct {
     [SQL_TRY] = {"PRAGMA synchronous=NORMAL", "BEGIN IMMEDIATE"},
     [SQL_SCHEMA] = {"PRAGMA page_size=16384; " USE_WAL "; PRAGMA synchronous=FULL",
                     "BEGIN EXCLUSIVE"},
+    [SQL_COPY] = {"PRAGMA page_size=16384; PRAGMA journal_mode=MEMORY; "
+                  "PRAGMA secure_delete=ON; PRAGMA synchronous=OFF",
+                  "BEGIN EXCLUSIVE"},
 };
 
 static void release(struct sql_txn *t)
@@ -151,7 +154,7 @@ enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
     if (st != ST_OK)
         return st;
     (*t)->writes = how != SQL_READ;
-    (*t)->makes = how == SQL_SCHEMA;
+    (*t)->makes = how == SQL_SCHEMA || how == SQL_COPY;
     st = sql_sqlite_conn_exec(*t, transaction[how].configure, "cannot configure", e);
     if (st != ST_OK || (st = step(*t, transaction[how].begin, e)) != ST_OK)
         release(*t);

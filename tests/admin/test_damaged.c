@@ -1,10 +1,9 @@
-/* Databases that are damaged, foreign, newer or read-only, or without their key. */
+/* Databases that are damaged, foreign, newer or read-only, or without their key.  Rows that somebody
+ * has changed: test_hostile.c and tests/box/store-attacks.sh. */
 #include <sys/stat.h>
 #include <unistd.h>
-#include <sodium.h>
 
 #include "expect.h"
-#include "face.h"
 #include "crypt_file.h"
 #include "store.h"
 #include "tempdb.h"
@@ -148,128 +147,6 @@ TEST(test_ready)
     fails(store_ready(s, &e), ST_EREFUSED); /* until it is opened again */
     store_close(s);
     store_close(tempdb_open(STORE_WRITE));
-}
-
-/* ---- rows: an error where one is used, and found by a check */
-
-static struct store_template front;
-static char secret[65];
-
-static enum status load(struct store *s)
-{
-    struct store_template got;
-    struct face f = {0};
-    const enum status st = store_template_load(s, front.id, &got, tempdb_work, &f, &e);
-
-    face_free(&f);
-    return st;
-}
-
-static enum status find_token(struct store *s)
-{
-    struct store_token t, *list;
-    size_t n;
-
-    fails(store_token_list(s, &list, &n, &e), ST_ECORRUPT);
-    return store_token_check(s, secret, &t, &e);
-}
-
-static enum status find_calibration(struct store *s)
-{
-    struct store_calibration k, *list;
-    size_t n;
-
-    fails(store_calibration_list(s, &list, &n, &e), ST_ECORRUPT);
-    return store_calibration_get(s, &k, &e);
-}
-
-static enum status find_device(struct store *s)
-{
-    struct store_device *list;
-    size_t n;
-
-    return store_device_list(s, &list, &n, &e);
-}
-
-/* One of each. */
-static struct store *written(void)
-{
-    struct store_calibration k = {.fmr = 0.001,
-                                  .low = -701,
-                                  .high = -699,
-                                  .table = {-700, 2, {{-900, 1}, {-700, 0.001}}}};
-    unsigned char public[CRYPT_KEY], own[crypto_sign_SECRETKEYBYTES];
-    struct store *s = tempdb_fresh();
-    struct store_device d;
-    struct store_token t;
-
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &front);
-    must(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 60, secret, &t, &e));
-    (void)crypto_sign_keypair(public, own);
-    must(store_device_add(s, "test", "door-1", public, &d, &e));
-    must(store_calibration_add(s, "test", &k, &e));
-    return s;
-}
-
-TEST(test_damaged_rows)
-{
-    static const struct {
-        const char *table;
-        enum status (*use)(struct store *s);
-        const char *set[14];
-    } damage[] = {
-        {"faces",
-         load,
-         {"face = zeroblob(41)", "face = substr(face, 1, 1000)",
-          "face = CAST(substr(face, 1, 5000) || x'5555555555555555' || substr(face, 5009) "
-          "AS BLOB)",
-          "template_key = 9"}},
-        {"templates",
-         load,
-         {"points = points + 1", "points = -7", "revision = 2", "about = zeroblob(100)",
-          "about = substr(about, 1, 60)", "engine = 'another'",
-          "created = '2026-01-01T00:00:00.000Z'",
-          "engine = CAST(zeroblob(1000) AS TEXT)"}},
-        {"subjects",
-         load,
-         {"key = zeroblob(72)", "uid = zeroblob(16)", "about = zeroblob(100)",
-          "created = '2026-01-01T00:00:00.000Z'", "hold = 1",
-          "expires = '2026-01-01T00:00:00.000Z'"}},
-        {"tokens",
-         find_token,
-         {"scopes = 'everything'", "scopes = ''",
-          "scopes = 'enroll,verify,identify,read,delete'",
-          "expires = CAST(zeroblob(100) AS TEXT)", "expires = '2126-01-01T00:00:00.000Z'",
-          "expires = NULL", "id = 'x'", "id = '0123456789abcdef0123456789abcdef'",
-          "old_hash = zeroblob(32), old_until = expires", "mac = zeroblob(32)"}},
-        {"devices",
-         find_device,
-         {"name = 'door-3'", "id = '0123456789abcdef0123456789abcdef'",
-          "public = zeroblob(32)", "mac = zeroblob(32)"}},
-        {"calibrations",
-         find_calibration,
-         {"knots = zeroblob(32)", "knots = x'00'", "knots = zeroblob(16 * 33)",
-          "threshold = 9e999", "threshold = threshold + 1", "fmr = 1", "impostors = -1",
-          "engine = CAST(zeroblob(100) AS TEXT)", "calibration_key = -5",
-          "calibration_key = 5", "shipped = 1", "actor = 'nobody'",
-          "mac = zeroblob(32)"}},
-    };
-
-    for (size_t i = 0; i < sizeof damage / sizeof *damage; i++)
-        for (size_t k = 0; k < 14 && damage[i].set[k] != NULL; k++) {
-            struct store *s = written();
-            char sql[200];
-
-            (void)snprintf(sql, sizeof sql, "PRAGMA foreign_keys = OFF; UPDATE %s SET %s",
-                           damage[i].table, damage[i].set[k]);
-            print_message("%s\n", sql);
-            tempdb_sql(sql);
-            assert_int_equal(damage[i].use(s), ST_ECORRUPT);
-            assert_true(tempdb_check(s).problems > 0);
-            assert_int_equal(store_verify(s, NULL, NULL, &e),
-                             strcmp(damage[i].table, "faces") == 0 ? ST_OK : ST_EREFUSED);
-            store_close(s);
-        }
 }
 
 /* More than one thread checks: each template is read once, also one of an odd key. */

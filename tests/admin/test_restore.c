@@ -15,8 +15,8 @@
 #include "unit.h"
 
 static struct errinfo e;
-static const struct store_key usual = {.make = CRYPT_FILE};
 static char backup[80], aside[80], key_path[80];
+static const struct store_key usual = {.path = key_path, .make = CRYPT_FILE};
 static struct filled have;
 
 static void make_backup(struct store *s)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: subjects move to another database with all that is stored of them, in an archive
-# that is encrypted and authenticated; an import is one transaction, and a second one adds
-# nothing.
+# Goal: subjects move to another database with all that is stored of them, in an archive: a
+# database file under a key of its own.  Any change of it is refused or changes nothing; an import is
+# one transaction, and a second one adds nothing; neither needs more memory for more subjects.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
@@ -49,10 +49,10 @@ on_exits 64 "$DB" export -o "$T/a" # whom is asked
 on_exits 64 "$DB" export alice --all -o "$T/a" # some or all
 on_exits 66 "$DB" export alice nobody -o "$T/a" --archive-key "$T/akey" # nobody of that name
 ok "then there is no archive" test ! -e "$T/a" -a ! -e "$T/a.part"
-on "$DB" export alice bob -o "$T/a" --archive-key "$T/akey"
+on "$DB" export alice bob alice -o "$T/a" --archive-key "$T/akey"
 is "two are out" "$CODE $(said '.subjects, .templates' | tr '\n' ' ')" "0 2 2 "
 is "for the owner alone" "$(stat -c %a "$T/a")" 600
-ok "it holds no plaintext" sh -c "! grep -aq 'alice\|left camera\|SURF[^A]' '$T/a'"
+ok "it holds no plaintext" sh -c "! grep -aq 'alice\|left camera\|SURF\|surfacectl' '$T/a'"
 on_exits 65 "$DB" export alice -o "$T/a" --archive-key "$T/akey" # an archive is not overwritten
 on "$DB" export --all -o "$T/all" --archive-key "$T/phrase"
 is "all, by a passphrase" "$CODE $(said .subjects)" "0 3"
@@ -61,7 +61,10 @@ is "who was exported is in the events" "$(sqlite3 "$DB" "SELECT count(*) FROM ac
 
 # ---- import
 on_exits 77 "$TO" import "$T/a" --archive-key "$T/phrase" # not by a passphrase
+contains "it is said" "$T/ctl.err" 'not encrypted with this key'
 on_exits 77 "$TO" import "$T/all" --archive-key "$T/akey" # nor by another
+"$BUILD/surfacectl" --db "$T/plaintext" --plaintext-database init >"$T/out"
+on_exits 77 "$TO" import "$T/plaintext" --archive-key "$T/akey" # which anyone can make
 on "$TO" import "$T/a" --archive-key "$T/akey" --dry-run
 is "what would come" "$CODE $(said '.subjects_new, .templates_new, .imported' |
     tr '\n' ' ')" "0 2 2 false "
@@ -135,10 +138,15 @@ on "$TO" subject list
 is "nobody came" "$(said '[.subjects[].subject] | join(" ")')" bob
 
 # ---- a damaged archive
+# nobody TITLE: the database is as it was made.
+nobody() {
+    on "$TO" stats
+    is "nobody came of $1" "$(said '.subjects, .templates' | tr '\n' ' ')" "0 0 "
+}
 rm -f "$TO"*
 on "$TO" init
 size=$(stat -c %s "$T/a")
-for cut in 0 8 60 64 $((size / 2)) $((size - 1)); do
+for cut in 0 8 60 4096 $((size / 2)) $((size - 1)); do
     head -c "$cut" "$T/a" >"$T/bad"
     on "$TO" import "$T/bad" --archive-key "$T/akey"
     ok "cut to $cut bytes: exit $CODE" test "$CODE" = 65 -o "$CODE" = 77
@@ -147,7 +155,72 @@ cat "$T/a" "$T/a" >"$T/bad"
 on_exits 65 "$TO" import "$T/bad" --archive-key "$T/akey" # something after its end
 on_exits 65 "$TO" import "$T/s1.ply" --archive-key "$T/akey" # no archive at all
 on_exits 66 "$TO" import "$T/nowhere" --archive-key "$T/akey" # no file
-on "$TO" stats
-is "nobody came of all that" "$(said '.subjects, .templates' | tr '\n' ' ')" "0 0 "
-on_exits 0 "$TO" check-database # and all is well
+for change in 'UPDATE subjects SET hold = 1' 'UPDATE templates SET engine = 1' \
+    'DELETE FROM templates WHERE template_key = 1' 'DELETE FROM subjects WHERE subject_key = 1' \
+    'UPDATE faces SET face = (SELECT face FROM faces ORDER BY 1 LIMIT 1)' \
+    'DELETE FROM change_log' 'UPDATE root SET secrets = zeroblob(136)' 'PRAGMA user_version = 9'; do
+    cp "$T/a" "$T/bad"
+    sqlite3 "$T/bad" "$change"
+    on "$TO" import "$T/bad" --archive-key "$T/akey"
+    ok "$change: exit $CODE" test "$CODE" = 65 -o "$CODE" = 77
+done
+nobody "all that"
+# Bytes that SQLite does not use say nothing: then all of it comes, as it was.
+cp "$TO" "$T/empty"
+everything "$DB" | jq -c 'select(.subject != "carol")' >"$T/wanted"
+refused=0 whole=0
+for at in $(python3 -c "import random; random.seed(1)
+print(18, *random.sample(range(100, $size), 24))"); do # 18: as if it had a WAL
+    cp "$T/a" "$T/bad"
+    python3 - "$T/bad" "$at" <<'END'
+import sys
+with open(sys.argv[1], 'r+b') as f:
+    f.seek(int(sys.argv[2]))
+    b = f.read(1)[0]
+    f.seek(-1, 1)
+    f.write(bytes([b ^ 3]))
+END
+    cp "$T/empty" "$TO"
+    on "$TO" import "$T/bad" --archive-key "$T/akey"
+    case $CODE in
+    0)
+        whole=$((whole + 1))
+        everything "$TO" | jq -c . >"$T/came"
+        ok "byte $at: as it was" cmp "$T/wanted" "$T/came"
+        ;;
+    65 | 77)
+        refused=$((refused + 1))
+        nobody "byte $at"
+        ;;
+    *) ok "byte $at: exit $CODE" false ;;
+    esac
+done
+ok "refused: $refused, the same: $whole" test "$refused" -ge 4
+is "no other file is left" "$(files "$T" | tr ' ' '\n' | grep -E '^(a|all|bad)([-.]|$)' | paste -sd ' ')" "a all bad"
+
+# ---- as much memory for 100 subjects as for 10
+# peak ARGUMENT...: KB that surfacectl needs at most.
+peak() {
+    python3 -c 'import resource, subprocess, sys
+code = subprocess.call(sys.argv[1:], stdout=subprocess.DEVNULL)
+print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss if code == 0 else "failed")' \
+        "$BUILD/surfacectl" --archive-key "$T/akey" --db "$@"
+}
+mkdir "$T/scans"
+for s in $(seq 100); do
+    scan "$s" 0 "$T/scans/m${s}_1.ply"
+done
+on_exits 0 "$T/many" init
+on_exits 0 "$T/many" enroll "$T/scans"
+# shellcheck disable=SC2046 # ids
+few="$(peak "$T/many" export $(seq -f 'm%g' 10) -o "$T/few.archive")"
+many=$(peak "$T/many" export --all -o "$T/many.archive")
+ok "exported: $few KB, $many KB" test "$many" -lt $((few + 3000))
+on_exits 0 "$T/here" init
+few=$(peak "$T/here" import "$T/few.archive")
+many=$(peak "$T/here" import "$T/many.archive")
+ok "of $(($(stat -c %s "$T/many.archive") / 1024)) KB, imported: $few KB, $many KB" \
+    test "$many" -lt $((few + 3000))
+on "$T/here" stats
+is "all are in" "$(said .subjects)" 100
 finish

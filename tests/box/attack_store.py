@@ -33,7 +33,7 @@ def connect(path):
 
 
 class Rows:
-    """All that the first section does: run() statements on the database, and rows of the older one."""
+    """Statements on the database, and rows of the older one."""
 
     def __init__(self, path, old):
         self.path, self.old_path = path, old
@@ -48,14 +48,13 @@ class Rows:
             self.run(sql)
         self.run('COMMIT')
 
-    def put(self, table, where, *values, **change):
+    def put(self, table, where):
         """The older rows, instead of those with the same first column or besides."""
-        names = [d[0] for d in self.old.execute('SELECT * FROM %s LIMIT 0' % table).description]
-        for row in self.old.execute('SELECT * FROM %s WHERE %s' % (table, where), values).fetchall():
-            row = dict(zip(names, row), **change)
-            self.run('DELETE FROM %s WHERE %s = ?' % (table, names[0]), row[names[0]])
-            self.run('INSERT INTO %s (%s) VALUES (%s)' % (
-                table, ', '.join(names), ', '.join('?' * len(names))), *row.values())
+        rows = self.old.execute('SELECT * FROM %s WHERE %s' % (table, where))
+        key = rows.description[0][0]
+        for row in rows.fetchall():
+            self.run('DELETE FROM %s WHERE %s = ?' % (table, key), row[0])
+            self.run('INSERT INTO %s VALUES (%s)' % (table, ', '.join('?' * len(row))), *row)
 
 
 UID = '(SELECT uid FROM subjects WHERE subject_key = %d)'
@@ -63,218 +62,105 @@ ALICE, BOB = UID % 1, UID % 2  # bob is disabled, carol (3) erased, dave (4) on 
 LAST = '(SELECT max(seq) FROM change_log)'
 
 
-# ---- rows: plain SQL
+# ---- rows: plain SQL.  A text is a statement; a pair is Rows.put().
 
-@attack('rows', 'found')
-def token_not_revoked(t):
-    t.run('UPDATE tokens SET revoked = NULL')
+OF_ALICE = 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE
+ALL_OF_ALICE = [('templates', 'uid = ' + ALICE), ('faces', OF_ALICE)]
+EXCHANGED = 'CREATE TEMP TABLE was AS SELECT * FROM subjects'
 
-@attack('rows', 'found')
-def token_older(t):
-    t.put('tokens', "name = 'lost'")
+FOUND = {
+    'token_not_revoked': ['UPDATE tokens SET revoked = NULL'],
+    'token_older': [('tokens', "name = 'lost'")],
+    'token_rotated_back': [('tokens', "name = 'stolen'")],
+    'token_more_scopes': ["UPDATE tokens SET scopes = 'enroll,verify,read,delete,manage' WHERE name = 'door'"],
+    'token_made': ["INSERT INTO tokens (id, revision, name, hash, created, scopes, mac) SELECT "
+                   "'0123456789abcdef0123456789abcdef', 1, name, randomblob(32), created, scopes, mac "
+                   'FROM tokens LIMIT 1'],
+    'token_secret_of_another': ["CREATE TEMP TABLE was AS SELECT hash FROM tokens WHERE name = 'door'",
+                                "UPDATE tokens SET hash = zeroblob(32) WHERE name = 'door'",
+                                "UPDATE tokens SET hash = (SELECT hash FROM was) WHERE name = 'x'"],
+    'token_removed': ["DELETE FROM tokens WHERE name = 'lost'"],
+    'subject_enabled': [('subjects', 'subject_key = 2')],
+    'subject_enabled_by_bit': ['UPDATE subjects SET disabled = 0'],
+    'subject_no_hold': ['UPDATE subjects SET hold = 0'],
+    'subject_erased_back': [('subjects', 'subject_key = 3'), ('templates', 'uid = ' + UID % 3),
+                            ('faces', OF_ALICE.replace(ALICE, UID % 3))],
+    'subject_removed': ['DELETE FROM faces WHERE ' + OF_ALICE, 'DELETE FROM templates WHERE uid = ' + ALICE,
+                        'DELETE FROM subjects WHERE subject_key = 1'],
+    # A list begins with key 1: rekey would leave her out.
+    'subject_out_of_the_lists': ['UPDATE subjects SET subject_key = -1 WHERE subject_key = 1'],
+    'subjects_exchange_ids': [
+        EXCHANGED, 'UPDATE subjects SET lookup = randomblob(32) WHERE subject_key IN (1, 2)',
+        'UPDATE subjects SET lookup = (SELECT lookup FROM was WHERE was.subject_key = 3 - subjects.subject_key) '
+        'WHERE subject_key IN (1, 2)'],
+    'subjects_exchange_all_but_uid': [
+        EXCHANGED, 'UPDATE subjects SET (key, about, mac) = (SELECT key, about, mac FROM was '
+        'WHERE was.subject_key = 3 - subjects.subject_key) WHERE subject_key IN (1, 2)'],
+    # Her row and her templates fit together: only the digest of all knows.
+    'subject_older_with_all_of_hers': [('subjects', 'subject_key = 1'), 'DELETE FROM templates WHERE uid = ' + ALICE,
+                                       *ALL_OF_ALICE],
+    'template_deleted_back': ALL_OF_ALICE,
+    'template_removed': ['DELETE FROM faces WHERE template_key = 1', 'DELETE FROM templates WHERE template_key = 1'],
+    'template_given_to_another': ['UPDATE templates SET uid = %s WHERE uid = %s' % (BOB, ALICE)],
+    'template_doubled': ["INSERT INTO templates SELECT 99, '0123456789abcdef0123456789abcdef', revision, uid, "
+                         'zeroblob(32), read, created, engine, points, triangles, about, mac FROM templates LIMIT 1'],
+    'template_out_of_the_lists': ['UPDATE faces SET template_key = -1 WHERE template_key = 1',
+                                  'UPDATE templates SET template_key = -1 WHERE template_key = 1'],
+    'template_other_engine': ["UPDATE templates SET engine = 'surfaced/0 measure/0 model/0'"],
+    'macs_exchanged': [EXCHANGED, 'UPDATE subjects SET mac = (SELECT mac FROM was WHERE was.subject_key = '
+                       '5 - subjects.subject_key) WHERE subject_key IN (1, 4)'],
+    'device_removed_back': [('devices', "name = 'gone'")],
+    'device_key': ["UPDATE devices SET public = zeroblob(32) WHERE name = 'front'"],
+    'device_removed': ["DELETE FROM devices WHERE name = 'front'"],
+    'calibration_removed': ['DELETE FROM calibrations WHERE calibration_key = '
+                            '(SELECT max(calibration_key) FROM calibrations)'],
+    'calibration_threshold': ['UPDATE calibrations SET threshold = -900, low = -900'],
+    'calibration_older_in_force': ['CREATE TEMP TABLE was AS SELECT * FROM calibrations WHERE calibration_key = 1',
+                                   'UPDATE was SET calibration_key = 77', 'INSERT INTO calibrations SELECT * FROM was'],
+    'log_cut': ['DELETE FROM change_log WHERE seq = ' + LAST],
+    'log_older_with_tokens': ['DELETE FROM change_log', ('change_log', '1 = 1'), 'DELETE FROM tokens',
+                              ('tokens', '1 = 1')],
+    'log_digest_of_another': ['UPDATE change_log SET digest = (SELECT digest FROM change_log WHERE seq = 2) '
+                              'WHERE seq = ' + LAST],
+    'log_older_entry_last': ['UPDATE change_log SET seq = 9999 WHERE seq = 3'],
+    'log_forged': ["INSERT INTO change_log SELECT seq + 1, at, 'enable_subject', actor, uid, object, outcome, digest, "
+                   'access_seq, access_hash, zeroblob(32), mac, signature FROM change_log WHERE seq = ' + LAST],
+}
+WALK = {
+    'log_changed': ["UPDATE change_log SET actor = 'somebody' WHERE seq = 3"],
+    'log_entry_removed': ['DELETE FROM change_log WHERE seq = 3'],
+    'log_last_changed': ["UPDATE change_log SET outcome = 'x' WHERE seq = " + LAST],
+    'access_changed': ["UPDATE access_log SET outcome = 'no_match' WHERE seq = 1"],
+    'access_forged': ["INSERT INTO access_log SELECT seq + 1, at, kind, actor, uid, object, 'match', zeroblob(32), "
+                      'mac, NULL FROM access_log ORDER BY seq DESC LIMIT 1'],
+    'access_cut': ['DELETE FROM access_log'],
+    'faces_exchanged': ['CREATE TEMP TABLE was AS SELECT * FROM faces WHERE template_key IN (1, 2)',
+                        'UPDATE faces SET face = (SELECT face FROM was WHERE was.template_key = '
+                        '3 - faces.template_key) WHERE template_key IN (1, 2)'],
+    'faces_removed': ['DELETE FROM faces'],
+}
+HARMLESS = {
+    # Another one is not the oldest for that (http-drift.sh).
+    'templates_exchange_keys': ['UPDATE %s SET template_key = %d WHERE template_key = %d' % (table, b, a)
+                                for table in ('faces', 'templates') for a, b in ((1, 99), (2, 1), (99, 2))],
+    # What docs/threat-model.md says: attempts, nonces, last seen, last used.
+    'not_protected': ['DELETE FROM attempts', 'DELETE FROM nonces', 'UPDATE subjects SET seen = NULL',
+                      "UPDATE tokens SET used = '2031-01-01T00:00:00.000Z'"],
+}
 
-@attack('rows', 'found')
-def token_rotated_back(t):
-    t.put('tokens', "name = 'stolen'")
 
-@attack('rows', 'found')
-def token_more_scopes(t):
-    t.run("UPDATE tokens SET scopes = 'enroll,verify,read,delete,manage' WHERE name = 'door'")
+def steps(todo):
+    def f(t):
+        for one in todo:
+            if isinstance(one, str):
+                t.run(one)
+            else:
+                t.put(*one)
+    return f
 
-@attack('rows', 'found')
-def token_made(t):
-    t.run("INSERT INTO tokens (id, revision, name, hash, created, scopes, mac) SELECT "
-          "'0123456789abcdef0123456789abcdef', 1, name, ?, created, scopes, mac FROM tokens LIMIT 1", b'h' * 32)
 
-@attack('rows', 'found')
-def token_secret_of_another(t):
-    door = t.run("SELECT hash FROM tokens WHERE name = 'door'")[0][0]
-    t.run("UPDATE tokens SET hash = zeroblob(32) WHERE name = 'door'")
-    t.run("UPDATE tokens SET hash = ? WHERE name = 'x'", door)
-
-@attack('rows', 'found')
-def token_removed(t):
-    t.run("DELETE FROM tokens WHERE name = 'lost'")
-
-@attack('rows', 'found')
-def subject_enabled(t):
-    t.put('subjects', 'subject_key = 2')
-
-@attack('rows', 'found')
-def subject_enabled_by_bit(t):
-    t.run('UPDATE subjects SET disabled = 0')
-
-@attack('rows', 'found')
-def subject_no_hold(t):
-    t.run('UPDATE subjects SET hold = 0')
-
-@attack('rows', 'found')
-def subject_erased_back(t):
-    t.put('subjects', 'subject_key = 3')
-    t.put('templates', 'uid = ' + UID % 3)
-    t.put('faces', 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % (UID % 3))
-
-@attack('rows', 'found')
-def subject_removed(t):
-    t.script('DELETE FROM faces WHERE template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE,
-             'DELETE FROM templates WHERE uid = ' + ALICE, 'DELETE FROM subjects WHERE subject_key = 1')
-
-@attack('rows', 'found')
-def subject_out_of_the_lists(t):
-    """A list begins with key 1: rekey would leave her out."""
-    t.run('UPDATE subjects SET subject_key = -1 WHERE subject_key = 1')
-
-@attack('rows', 'found')
-def subjects_exchange_ids(t):
-    a, b = [t.run('SELECT lookup FROM subjects WHERE subject_key = %d' % k)[0][0] for k in (1, 2)]
-    t.run('UPDATE subjects SET lookup = ? WHERE subject_key = 1', b'x' * 32)
-    t.run('UPDATE subjects SET lookup = ? WHERE subject_key = 2', a)
-    t.run('UPDATE subjects SET lookup = ? WHERE subject_key = 1', b)
-
-@attack('rows', 'found')
-def subjects_exchange_all_but_uid(t):
-    a, b = [t.run('SELECT key, about, mac FROM subjects WHERE subject_key = %d' % k)[0] for k in (1, 2)]
-    t.run('UPDATE subjects SET key = ?, about = ?, mac = ? WHERE subject_key = 1', *b)
-    t.run('UPDATE subjects SET key = ?, about = ?, mac = ? WHERE subject_key = 2', *a)
-
-@attack('rows', 'found')
-def subject_older_with_all_of_hers(t):
-    """Her row and her templates fit together: only the digest of all knows."""
-    t.put('subjects', 'subject_key = 1')
-    t.run('DELETE FROM templates WHERE uid = ' + ALICE)
-    t.put('templates', 'uid = ' + ALICE)
-    t.put('faces', 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE)
-
-@attack('rows', 'found')
-def template_deleted_back(t):
-    t.put('templates', 'template_key NOT IN (SELECT 0) AND uid = ' + ALICE)
-    t.put('faces', 'template_key IN (SELECT template_key FROM templates WHERE uid = %s)' % ALICE)
-
-@attack('rows', 'found')
-def template_removed(t):
-    t.script('DELETE FROM faces WHERE template_key = 1', 'DELETE FROM templates WHERE template_key = 1')
-
-@attack('rows', 'found')
-def template_given_to_another(t):
-    t.run('UPDATE templates SET uid = %s WHERE uid = %s' % (BOB, ALICE))
-
-@attack('rows', 'found')
-def template_doubled(t):
-    t.run("INSERT INTO templates SELECT 99, '0123456789abcdef0123456789abcdef', revision, uid, zeroblob(32), "
-          'read, created, engine, points, triangles, about, mac FROM templates LIMIT 1')
-
-@attack('rows', 'found')
-def template_out_of_the_lists(t):
-    t.script('UPDATE faces SET template_key = -1 WHERE template_key = 1',
-             'UPDATE templates SET template_key = -1 WHERE template_key = 1')
-
-@attack('rows', 'found')
-def template_other_engine(t):
-    t.run("UPDATE templates SET engine = 'surfaced/0 measure/0 model/0'")
-
-@attack('rows', 'found')
-def macs_exchanged(t):
-    a, b = [t.run('SELECT mac FROM subjects WHERE subject_key = %d' % k)[0][0] for k in (1, 4)]
-    t.run('UPDATE subjects SET mac = ? WHERE subject_key = 1', b)
-    t.run('UPDATE subjects SET mac = ? WHERE subject_key = 4', a)
-
-@attack('rows', 'found')
-def device_removed_back(t):
-    t.put('devices', "name = 'gone'")
-
-@attack('rows', 'found')
-def device_key(t):
-    t.run("UPDATE devices SET public = zeroblob(32) WHERE name = 'front'")
-
-@attack('rows', 'found')
-def device_removed(t):
-    t.run("DELETE FROM devices WHERE name = 'front'")
-
-@attack('rows', 'found')
-def calibration_removed(t):
-    t.run('DELETE FROM calibrations WHERE calibration_key = (SELECT max(calibration_key) FROM calibrations)')
-
-@attack('rows', 'found')
-def calibration_threshold(t):
-    t.run('UPDATE calibrations SET threshold = -900, low = -900')
-
-@attack('rows', 'found')
-def calibration_older_in_force(t):
-    t.put('calibrations', '1 = 1', calibration_key=77)
-
-@attack('rows', 'found')
-def log_cut(t):
-    t.run('DELETE FROM change_log WHERE seq = ' + LAST)
-
-@attack('rows', 'found')
-def log_older_with_tokens(t):
-    t.run('DELETE FROM change_log')
-    t.put('change_log', '1 = 1')
-    t.run('DELETE FROM tokens')
-    t.put('tokens', '1 = 1')
-
-@attack('rows', 'found')
-def log_digest_of_another(t):
-    t.run('UPDATE change_log SET digest = (SELECT digest FROM change_log WHERE seq = 2) WHERE seq = ' + LAST)
-
-@attack('rows', 'found')
-def log_older_entry_last(t):
-    t.run('UPDATE change_log SET seq = 9999 WHERE seq = 3')
-
-@attack('rows', 'found')
-def log_forged(t):
-    t.run("INSERT INTO change_log SELECT seq + 1, at, 'enable_subject', actor, uid, object, outcome, digest, "
-          'access_seq, access_hash, zeroblob(32), mac, signature FROM change_log WHERE seq = ' + LAST)
-
-@attack('rows', 'walk')
-def log_changed(t):
-    t.run("UPDATE change_log SET actor = 'somebody' WHERE seq = 3")
-
-@attack('rows', 'walk')
-def log_entry_removed(t):
-    t.run('DELETE FROM change_log WHERE seq = 3')
-
-@attack('rows', 'walk')
-def log_last_changed(t):
-    t.run("UPDATE change_log SET outcome = 'x' WHERE seq = " + LAST)
-
-@attack('rows', 'walk')
-def access_changed(t):
-    t.run("UPDATE access_log SET outcome = 'no_match' WHERE seq = 1")
-
-@attack('rows', 'walk')
-def access_forged(t):
-    t.run("INSERT INTO access_log SELECT seq + 1, at, kind, actor, uid, object, 'match', zeroblob(32), mac, NULL "
-          'FROM access_log ORDER BY seq DESC LIMIT 1')
-
-@attack('rows', 'walk')
-def access_cut(t):
-    t.run('DELETE FROM access_log')
-
-@attack('rows', 'walk')
-def faces_exchanged(t):
-    a, b = [t.run('SELECT face FROM faces JOIN templates USING (template_key) WHERE uid = %s LIMIT 1' % u)[0][0]
-            for u in (ALICE, BOB)]
-    for face, uid in ((b, ALICE), (a, BOB)):
-        t.run('UPDATE faces SET face = ? WHERE template_key = (SELECT template_key FROM templates WHERE uid = %s '
-              'LIMIT 1)' % uid, face)
-
-@attack('rows', 'walk')
-def faces_removed(t):
-    t.run('DELETE FROM faces')
-
-@attack('rows', 'harmless')
-def templates_exchange_keys(t):
-    """Another one is not the oldest for that (http-drift.sh)."""
-    for table in 'faces', 'templates':
-        for a, b in ((1, 99), (2, 1), (99, 2)):
-            t.run('UPDATE %s SET template_key = ? WHERE template_key = ?' % table, b, a)
-
-@attack('rows', 'harmless')
-def not_protected(t):
-    """What docs/threat-model.md says: attempts, nonces, last seen, last used."""
-    t.script('DELETE FROM attempts', 'DELETE FROM nonces', 'UPDATE subjects SET seen = NULL',
-             "UPDATE tokens SET used = '2031-01-01T00:00:00.000Z'")
+for what, table in ('found', FOUND), ('walk', WALK), ('harmless', HARMLESS):
+    ATTACKS.update({name: ('rows', what, steps(todo)) for name, todo in table.items()})
 
 
 # ---- pages: SQLite's schema, b-trees and files
@@ -302,6 +188,13 @@ class Schema:
         self.t.now.close()
         self.t.now = connect(self.t.path)
         self.t.now.execute('PRAGMA writable_schema = ON')
+
+    def expires(self, of):
+        """The index of the ends is of something else, under an unchanged schema."""
+        was = self.sql('subjects_expires')
+        self.t.run('DROP INDEX subjects_expires')
+        self.t.run('CREATE INDEX subjects_expires ON subjects ' + of)
+        self.sql('subjects_expires', was)
 
     def index(self, table, name, columns, where):
         """The index of a UNIQUE column with the entries that `where` leaves, under an unchanged schema."""
@@ -338,19 +231,11 @@ def index_hides_template(t):
 
 @attack('pages', 'found')
 def index_hides_expiry(t):
-    s = Schema(t)
-    was = s.sql('subjects_expires')
-    t.run('DROP INDEX subjects_expires')
-    t.run('CREATE INDEX subjects_expires ON subjects (expires) WHERE expires IS NOT NULL AND hold = 0')
-    s.sql('subjects_expires', was)
+    Schema(t).expires('(expires) WHERE expires IS NOT NULL AND hold = 0')
 
 @attack('pages', 'found')
 def index_doubles(t):
-    s = Schema(t)
-    was = s.sql('subjects_expires')
-    t.run('DROP INDEX subjects_expires')
-    t.run('CREATE INDEX subjects_expires ON subjects (created)')
-    s.sql('subjects_expires', was)
+    Schema(t).expires('(created)')
 
 @attack('pages', 'found')
 def second_of_an_id(t):
@@ -534,26 +419,23 @@ def endless_index(t):
     p.put(p.root[name], page)
     p.write()
 
+def older_tokens(t, p):
+    """A page of the older file."""
+    n = connect(t.old_path).execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
+    with open(t.old_path, 'rb') as f:
+        return f.read()[(n - 1) * p.size:n * p.size]
+
 @attack('pages', 'found')
 def leaf_older(t):
-    """One page of the older file."""
-    old = connect(t.old_path)
-    n = old.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
     p = Pages(t)
-    with open(t.old_path, 'rb') as f:
-        f.seek((n - 1) * p.size)
-        p.put(p.root['tokens'], f.read(p.size))
+    p.put(p.root['tokens'], older_tokens(t, p))
     p.write()
 
 @attack('pages', 'found')
 def hot_journal(t):
     """SQLite puts the page back by itself."""
-    old = connect(t.old_path)
-    n = old.execute("SELECT rootpage FROM sqlite_schema WHERE name = 'tokens'").fetchone()[0]
     p = Pages(t)
-    with open(t.old_path, 'rb') as f:
-        f.seek((n - 1) * p.size)
-        page = f.read(p.size)
+    page = older_tokens(t, p)
     nonce = 7
     check = (nonce + sum(page[i] for i in range(p.size - 200, 0, -200))) & 0xffffffff
     head = bytes.fromhex('d9d505f920a163d7') + struct.pack('>IIIII', 1, nonce, len(p.data) // p.size, 512, p.size)

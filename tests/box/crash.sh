@@ -7,7 +7,10 @@
 # name.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-
+command -v python3 >/dev/null || {
+    echo "SKIP $0: python3 is not installed"
+    exit 0
+}
 trials=${CRASH_TRIALS:-6} seed=${SEED:-$(date +%s)}
 admin() {
     "$BUILD/surfacectl" --db "$@" >"$T/ctl" 2>&1 || {
@@ -53,7 +56,7 @@ crash() {
     shift 2
     [ -z "${CRASH_ONLY:-}" ] || [ "$CRASH_ONLY" = "$name" ] || return 0
     for kind in kill power; do
-        "$BUILD/crash" "$BUILD/crash_shim.so" "$base" "$T/work" "$kind" "$seed" "$trials" \
+        env -u LD_PRELOAD python3 tests/box/crash.py "$BUILD" "$base" "$T/work" "$kind" "$seed" "$trials" \
             "$BUILD/surfacectl" --db @db "$@" >"$T/said" 2>&1
         code=$?
         echo "$name, $kind: $(cat "$T/said")"
@@ -81,7 +84,7 @@ crash reencode full template reencode "$id" --model "$T/raised.model"
 # ---- the daemon
 if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
     for kind in kill power; do
-        "$BUILD/crash" "$BUILD/crash_shim.so" "$T/full" "$T/work" "$kind" "$seed" \
+        env -u LD_PRELOAD python3 tests/box/crash.py "$BUILD" "$T/full" "$T/work" "$kind" "$seed" \
             "$trials" --clients "$T/s4.ply" "$T/p4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
             --no-auth --workers 2 >"$T/said" 2>&1
         code=$?

@@ -1,5 +1,10 @@
-/* Loaded into a program (LD_PRELOAD): see crash_op.h.  It makes the system calls that the C
- * library would make; a change, its count and its line in the log are one step for all threads. */
+/* Loaded into a program (LD_PRELOAD) it writes down every change that the program makes to one folder
+ * and its files, in the order in which they are made, or kills it at one: for crash.py.  It makes the
+ * system calls that the C library would make; a change, its count and its line in the log are one step
+ * for all threads.  The log is a sequence of struct crash_op, each followed by len bytes for CRASH_WRITE.
+ * Environment: CRASH_DIR the folder (absolute, without links); CRASH_LOG where the log goes;
+ * CRASH_AT=N the program is killed (SIGKILL) as it begins its N-th change, CRASH_TORN=1: where
+ * that is a write, after the first half of it. */
 #define _GNU_SOURCE
 #undef _FORTIFY_SOURCE /* this file replaces its wrappers */
 #include <errno.h>
@@ -8,6 +13,7 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,7 +22,25 @@
 #include <sys/uio.h>
 #include <unistd.h>
 
-#include "crash_op.h"
+#define CRASH_NAME 64
+
+enum crash_kind {
+    CRASH_CREATE,   /* name, file: an empty file */
+    CRASH_WRITE,    /* file, at, len */
+    CRASH_TRUNCATE, /* file, at: its new size */
+    CRASH_SYNC,     /* file */
+    CRASH_SYNC_DIR,
+    CRASH_RENAME, /* name, to */
+    CRASH_LINK,   /* name, to */
+    CRASH_UNLINK  /* name */
+};
+
+struct crash_op {
+    uint32_t kind, len;
+    uint64_t file; /* its inode: another's after it is gone */
+    uint64_t at;
+    char name[CRASH_NAME], to[CRASH_NAME];
+};
 
 #define FDS_MAX 1024
 #define FOLDER  UINT64_MAX /* instead of an inode */

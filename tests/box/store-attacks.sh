@@ -105,6 +105,7 @@ for name in $(list rows found) $(list pages found); do
     r=$?
     ok "$name: the daemon does not start: $r" [ $r != 0 -a $r != 124 ]
     checked "$name: after all that" 1
+    ok "$name: nothing is left of the rekey" test ! -e "$DB.key.new" -a ! -e "$DB.before-rekey" -a ! -e "$DB.part"
     # the daemon is at work, and goes on writing what it is asked to
     case $name in hot_journal | wal_left) continue ;; esac # for who opens it first
     fresh

@@ -17,35 +17,15 @@
 
 #include "admin_check.h"
 #include "errinfo.h"
-#include "face.h"
-#include "facegen.h"
-#include "store.h"
+#include "hostile.h"
 
-#define POINTS    110
-#define THRESHOLD 8.4321
 #define EDITS_MAX 16
+#define MUST      HOSTILE_MUST
 
-#define MUST(what) ((what) ? (void)0 : broken(#what, __LINE__))
-
-/* alice has the first two, bob the third, carol the fourth and is disabled */
-static struct face face[5];
-static struct store_template tmpl[4];
-static const char *const owner[4] = {"alice", "alice", "bob", "carol"};
-static char secret[65], revoked[65];
 static char dir[64], path[96], key[96];
 static const struct store_key by_key = {.path = key, .make = CRYPT_FILE};
 static unsigned char *base;
 static size_t size;
-static struct face_work *work;
-static struct face loaded;
-static struct errinfo e;
-
-static void broken(const char *what, int line)
-{
-    (void)fprintf(stderr, "fuzz_database.c:%d: not %s: %s; see %s\n", line, what, e.msg,
-                  path);
-    abort();
-}
 
 /* ---- the database */
 
@@ -84,94 +64,23 @@ static void end(void)
     remove_files();
     (void)unlink(key);
     (void)rmdir(dir);
-    for (size_t i = 0; i < sizeof face / sizeof *face; i++)
-        face_free(&face[i]);
-    face_free(&loaded);
-    face_work_free(work);
+    hostile_end();
     free(base);
-}
-
-static void fill(struct store *s)
-{
-    struct store_calibration k = {
-        .fmr = 0.001,
-        .low = THRESHOLD - 1,
-        .high = THRESHOLD + 1,
-        .subjects = 80,
-        .impostors = 6320,
-        .table = {.threshold = THRESHOLD, .n = 2, .knot = {{-50, 1}, {THRESHOLD, 0.001}}},
-    };
-    const struct store_subject_change disable = {.disabled = &(bool){true}};
-    struct store_recorded settled;
-    struct store_subject bob;
-    struct log_entry mark;
-    struct store_token t;
-    bool created;
-
-    for (size_t i = 0; i < 4; i++)
-        MUST(store_enroll(s,
-                          &(struct store_enroll){
-                              .actor = "test",
-                              .subject = owner[i],
-                              .label = "",
-                              .sample = &(struct store_sample){.face = &face[i]},
-                              .n = 1},
-                          &tmpl[i], &created, &e) == ST_OK);
-    MUST(store_subject_set(s, "test", "carol", &disable, &e) == ST_OK);
-    MUST(store_subject_get(s, "bob", &bob, &e) == ST_OK);
-    MUST(store_record_verification(s,
-                                   &(struct store_record){.subject = &bob,
-                                                          .as = STORE_RECORD_FAILED,
-                                                          .actor = "test",
-                                                          .kind = "verify",
-                                                          .template_id = "",
-                                                          .outcome = "no_match"},
-                                   &settled, &e) == ST_OK);
-    MUST(store_calibration_add(s, "test", &k, &e) == ST_OK);
-    MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t, &e) ==
-         ST_OK);
-    MUST(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t, &e) ==
-         ST_OK);
-    MUST(store_token_revoke(s, "test", t.id, &e) == ST_OK);
-    MUST(store_audit_sign(s, "test", "checkpoint", &mark, &e) == ST_OK);
 }
 
 static void start(void)
 {
     static struct randombytes_implementation numbers = {
         .implementation_name = random_name, .random = random_number, .buf = random_bytes};
-    static struct dvec3 pts[POINTS];
-    struct facegen_scan scan;
-    struct store *s;
-    sqlite3 *db;
-    FILE *f;
-    struct stat sb;
 
     MUST(randombytes_set_implementation(&numbers) == 0);
     (void)snprintf(dir, sizeof dir, "%s/fuzz_database.XXXXXX",
                    access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
-    MUST(mkdtemp(dir) != NULL && (work = face_work_new(NULL)) != NULL);
+    MUST(mkdtemp(dir) != NULL);
     (void)snprintf(path, sizeof path, "%s/db", dir);
     (void)snprintf(key, sizeof key, "%s/key", dir);
     (void)atexit(end);
-    facegen_default(&scan);
-    scan.points = POINTS;
-    for (size_t i = 0; i < sizeof face / sizeof *face; i++) {
-        scan.subject = i;
-        MUST(face_build(pts, facegen_sample(&scan, pts), work, &face[i], NULL) == ST_OK);
-    }
-    MUST(store_open(path, STORE_CREATE, &by_key, &s, &e) == ST_OK);
-    fill(s);
-    store_close(s);
-    /* Small pages have few unused bytes.  Not in WAL mode: the file is edited in memory. */
-    MUST(sqlite3_open(path, &db) == SQLITE_OK &&
-         sqlite3_exec(db, "PRAGMA journal_mode=DELETE; PRAGMA page_size=512; VACUUM",
-                      NULL, NULL, NULL) == SQLITE_OK);
-    (void)sqlite3_close(db);
-    MUST((f = fopen(path, "rb")) != NULL && fstat(fileno(f), &sb) == 0);
-    size = (size_t)sb.st_size;
-    MUST((base = malloc(size)) != NULL && fread(base, 1, size, f) == size);
-    (void)fclose(f);
+    base = hostile_make(path, &by_key, HOSTILE_TEMPLATES, &size);
 }
 
 /* ---- the changes */
@@ -363,45 +272,6 @@ static void make_file(struct input *in)
 
 /* ---- the checks */
 
-static void check_template(struct store *s, const char *subject,
-                           const struct store_template *t)
-{
-    struct store_template got;
-    size_t i = 0;
-
-    MUST(strcmp(t->subject, subject) == 0);
-    while (i < 4 &&
-           (strcmp(t->digest, tmpl[i].digest) != 0 || strcmp(owner[i], subject) != 0))
-        i++;
-    MUST(i < 4);
-    MUST(memcmp(t, &tmpl[i], sizeof *t) == 0);
-    if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
-        return;
-    MUST(memcmp(&got, &tmpl[i], sizeof got) == 0);
-    MUST(loaded.surface.mesh.nv == face[i].surface.mesh.nv &&
-         loaded.surface.mesh.nt == face[i].surface.mesh.nt);
-    MUST(memcmp(loaded.surface.mesh.xy, face[i].surface.mesh.xy,
-                loaded.surface.mesh.nv * sizeof *loaded.surface.mesh.xy) == 0);
-    MUST(memcmp(loaded.surface.mesh.z, face[i].surface.mesh.z,
-                loaded.surface.mesh.nv * sizeof *loaded.surface.mesh.z) == 0);
-}
-
-static void ask_subject(struct store *s, const char *subject)
-{
-    struct store_template *list;
-    struct store_subject one;
-    size_t n;
-
-    if (store_subject_get(s, subject, &one, &e) == ST_OK)
-        MUST(strcmp(one.id, subject) == 0 &&
-             one.disabled == (strcmp(subject, "carol") == 0));
-    if (store_template_list(s, subject, &list, &n, &e) != ST_OK)
-        return;
-    for (size_t i = 0; i < n; i++)
-        check_template(s, subject, &list[i]);
-    free(list);
-}
-
 static void ask_lists(struct store *s)
 {
     static const struct store_audit_filter names = {.names = true};
@@ -413,22 +283,22 @@ static void ask_lists(struct store *s)
     struct store_stats stats;
     size_t n;
 
-    if (store_subject_list(s, 0, 10, &subjects, &n, &e) == ST_OK) {
+    if (store_subject_list(s, 0, 10, &subjects, &n, &hostile_e) == ST_OK) {
         for (size_t i = 0; i < n; i++) /* a row may be there twice: check finds it */
             MUST(strcmp(subjects[i].id, "alice") == 0 ||
                  strcmp(subjects[i].id, "bob") == 0 ||
                  strcmp(subjects[i].id, "carol") == 0);
         free(subjects);
     }
-    if (store_token_list(s, &tokens, &n, &e) == ST_OK)
+    if (store_token_list(s, &tokens, &n, &hostile_e) == ST_OK)
         free(tokens);
-    if (store_calibration_list(s, &calibrations, &n, &e) == ST_OK)
+    if (store_calibration_list(s, &calibrations, &n, &hostile_e) == ST_OK)
         free(calibrations);
-    if (store_audit_list(s, &names, &entries, &n, &e) == ST_OK)
+    if (store_audit_list(s, &names, &entries, &n, &hostile_e) == ST_OK)
         free(entries);
-    if (store_attempts_list(s, &attempts, &n, &e) == ST_OK)
+    if (store_attempts_list(s, &attempts, &n, &hostile_e) == ST_OK)
         free(attempts);
-    (void)store_stats(s, &stats, &e);
+    (void)store_stats(s, &stats, &hostile_e);
 }
 
 static void ignore(void *arg, const char *line)
@@ -439,35 +309,11 @@ static void ignore(void *arg, const char *line)
 
 static void ask(struct store *s)
 {
-    struct store_calibration k;
     struct admin_check check;
-    struct store_token t;
 
-    ask_subject(s, "alice");
-    ask_subject(s, "bob");
-    ask_subject(s, "carol");
-    if (store_token_check(s, secret, &t, &e) == ST_OK)
-        MUST(t.scopes == STORE_SCOPE_VERIFY && t.expires[0] == '\0');
-    MUST(store_token_check(s, revoked, &t, &e) != ST_OK);
-    if (store_calibration_get(s, &k, &e) == ST_OK)
-        MUST(k.table.threshold == THRESHOLD && !k.shipped);
+    (void)hostile_ask(s);
     ask_lists(s);
-    (void)admin_check(s, true, ignore, NULL, &check, &e);
-}
-
-/* Everything is there then, but faces, which are found damaged when they are loaded. */
-static void ask_verified(struct store *s)
-{
-    struct store_calibration k;
-    struct store_subject one;
-    struct store_token t;
-
-    for (size_t i = 0; i < 4; i++) {
-        MUST(store_subject_get(s, owner[i], &one, &e) == ST_OK);
-        MUST(one.templates == (i < 2 ? 2 : 1));
-    }
-    MUST(store_token_check(s, secret, &t, &e) == ST_OK);
-    MUST(store_calibration_get(s, &k, &e) == ST_OK);
+    (void)admin_check(s, true, ignore, NULL, &check, &hostile_e);
 }
 
 /* The first write succeeds where the rows verify, by another store, and is refused where not. */
@@ -478,25 +324,25 @@ static void change(struct store *s)
     struct store_template t;
     bool created, good;
 
-    good = store_open(path, STORE_READ, &by_key, &other, &e) == ST_OK &&
-           store_verify(other, NULL, NULL, &e) == ST_OK;
+    good = store_open(path, STORE_READ, &by_key, &other, &hostile_e) == ST_OK &&
+           store_verify(other, NULL, NULL, &hostile_e) == ST_OK;
     store_close(other);
-    if (store_enroll(
-            s,
-            &(struct store_enroll){.actor = "test",
-                                   .subject = "dave",
-                                   .label = "",
-                                   .sample = &(struct store_sample){.face = &face[4]},
-                                   .n = 1},
-            &t, &created, &e) == ST_OK)
+    if (store_enroll(s,
+                     &(struct store_enroll){
+                         .actor = "test",
+                         .subject = "dave",
+                         .label = "",
+                         .sample = &(struct store_sample){.face = hostile_face()},
+                         .n = 1},
+                     &t, &created, &hostile_e) == ST_OK)
         MUST(good && created && strcmp(t.subject, "dave") == 0);
-    if (store_subject_erase(s, "test", "alice", &receipt, &e) == ST_OK)
+    if (store_subject_erase(s, "test", "alice", &receipt, &hostile_e) == ST_OK)
         MUST(good && store_subject_get(s, "alice", &(struct store_subject){.hold = false},
-                                       &e) == ST_ENOTFOUND);
+                                       &hostile_e) == ST_ENOTFOUND);
     store_receipt_free(&receipt);
     if (good)
-        MUST(store_verify(s, NULL, NULL, &e) == ST_OK);
-    ask_subject(s, "bob");
+        MUST(store_verify(s, NULL, NULL, &hostile_e) == ST_OK);
+    (void)hostile_ask(s);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t len)
@@ -507,13 +353,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t len)
     if (base == NULL)
         start();
     make_file(&in);
-    if (store_open(path, STORE_READ, &by_key, &s, &e) == ST_OK) {
+    if (store_open(path, STORE_READ, &by_key, &s, &hostile_e) == ST_OK) {
         ask(s);
-        if (store_verify(s, NULL, NULL, &e) == ST_OK)
-            ask_verified(s);
+        if (store_verify(s, NULL, NULL, &hostile_e) == ST_OK)
+            MUST(hostile_ask(s) == hostile_reads());
         store_close(s);
     }
-    if (len % 4 == 0 && store_open(path, STORE_WRITE, &by_key, &s, &e) == ST_OK) {
+    if (len % 4 == 0 && store_open(path, STORE_WRITE, &by_key, &s, &hostile_e) == ST_OK) {
         change(s);
         store_close(s);
     }

@@ -112,9 +112,8 @@ static void say_templates(struct store *s, const char *subject, char *out)
     must(store_template_list(s, subject, &list, &n, &e));
     for (size_t i = 0; i < n; i++) {
         must(store_template_load(s, list[i].id, &got, tempdb_work, &f, &e));
-        say(out, " template %s %s %s %s %s %u %u %d %g %g\n", list[i].id, list[i].label,
-            list[i].created, list[i].digest, list[i].engine, f.surface.mesh.nv,
-            list[i].triangles, list[i].manager, list[i].first_score,
+        say(out, " template %s %s %s %u %d %g %g\n", list[i].id, list[i].label,
+            list[i].digest, f.surface.mesh.nv, list[i].manager, list[i].first_score,
             list[i].quality.noise_mm);
     }
     free(list);
@@ -124,56 +123,14 @@ static void say_templates(struct store *s, const char *subject, char *out)
 static void say_subjects(struct store *s, char *out)
 {
     struct store_subject *list;
-    char uid[2 * STORE_UID + 1];
     size_t n;
 
     must(store_subject_list(s, 0, 100, &list, &n, &e));
     for (size_t i = 0; i < n; i++) {
-        (void)sodium_bin2hex(uid, sizeof uid, list[i].uid, STORE_UID);
-        say(out, "subject %s %s %s %s %s %s %s %d %d %u\n", uid, list[i].id,
-            list[i].reference, list[i].purpose, list[i].created, list[i].expires,
-            list[i].seen, list[i].hold, list[i].disabled, list[i].templates);
+        say(out, "subject %s %s %s %u\n", list[i].id, list[i].reference, list[i].purpose,
+            list[i].templates);
         say_templates(s, list[i].id, out);
     }
-    free(list);
-}
-
-static void say_tokens(struct store *s, char *out)
-{
-    struct store_token *list;
-    size_t n;
-
-    must(store_token_list(s, &list, &n, &e));
-    for (size_t i = 0; i < n; i++)
-        say(out, "token %s %s %u %s %s %s %s %d\n", list[i].id, list[i].name,
-            list[i].scopes, list[i].created, list[i].expires, list[i].used,
-            list[i].old_until, list[i].revoked);
-    free(list);
-}
-
-static void say_devices(struct store *s, char *out)
-{
-    struct store_device *list;
-    char public[2 * CRYPT_KEY + 1];
-    size_t n;
-
-    must(store_device_list(s, &list, &n, &e));
-    for (size_t i = 0; i < n; i++)
-        say(out, "device %s %s %s %s\n", list[i].id, list[i].name, list[i].created,
-            sodium_bin2hex(public, sizeof public, list[i].public, CRYPT_KEY));
-    free(list);
-}
-
-static void say_calibrations(struct store *s, char *out)
-{
-    struct store_calibration *list;
-    size_t n;
-
-    must(store_calibration_list(s, &list, &n, &e));
-    for (size_t i = 0; i < n; i++)
-        say(out, "calibration %d %s %s %s %d %g %g %u\n", (int)list[i].version,
-            list[i].created, list[i].actor, list[i].engine, list[i].shipped, list[i].fmr,
-            list[i].table.threshold, list[i].table.n);
     free(list);
 }
 
@@ -192,22 +149,30 @@ static void say_query(const char *text, char *out)
     assert_int_equal(sqlite3_close(db), SQLITE_OK);
 }
 
+/* What no key encrypts; the revision and the MAC of a row are the copy's own. */
 void filled_look(struct store *s, char out[FILLED_TEXT])
 {
-    struct store_attempts *list;
-    size_t n;
+    static const char *const plain[] = {
+        "SELECT json_array(hex(uid), created, expires, seen, hold, disabled) FROM subjects",
+        "SELECT json_array(hex(uid), id, created, engine, points, triangles) "
+        "FROM templates",
+        "SELECT json_array(id, name, hex(hash), created, revoked, scopes, expires, "
+        "hex(old_hash), old_until, used) FROM tokens",
+        "SELECT json_array(id, name, created, hex(public)) FROM devices",
+        "SELECT json_array(calibration_key, created, actor, engine, shipped, fmr, low, "
+        "high, subjects, impostors, genuine, threshold, hex(knots)) FROM calibrations",
+        "SELECT json_array(hex(uid), token, failures, at_ms) FROM attempts "
+        "JOIN subjects USING (subject_key)",
+        "SELECT json_array(until_ms, hex(nonce)) FROM nonces",
+    };
+    char query[300];
 
     out[0] = '\0';
     say_subjects(s, out);
-    say_tokens(s, out);
-    say_devices(s, out);
-    say_calibrations(s, out);
-    must(store_attempts_list(s, &list, &n, &e));
-    for (size_t i = 0; i < n; i++)
-        say(out, "attempts %s %s %u %s\n", list[i].subject, list[i].token,
-            list[i].failures, list[i].at);
-    free(list);
-    say_query("SELECT 'nonce ' || until_ms || hex(nonce) FROM nonces ORDER BY 1", out);
+    for (size_t i = 0; i < sizeof plain / sizeof *plain; i++) {
+        (void)snprintf(query, sizeof query, "%s ORDER BY 1", plain[i]);
+        say_query(query, out);
+    }
 }
 
 void filled_hashes(char out[FILLED_TEXT])

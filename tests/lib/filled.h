@@ -16,7 +16,7 @@ struct filled {
  * one and a failed attempt, carol none and is disabled; tokens, two devices, two calibrations, a
  * nonce that was used, accesses.
  * filled_look(s, out): a line each of subjects, templates and their faces' digests, tokens, devices,
- * calibrations, attempts, nonces, whatever the keys are.
+ * calibrations, attempts, nonces, whatever the keys are; of the file at tempdb_path, which s has open.
  * filled_hashes(out): the hashes of both logs, of the file at tempdb_path. */
 struct store *filled_fresh(struct filled *f);
 void filled_look(struct store *s, char out[FILLED_TEXT]);

@@ -77,26 +77,23 @@ static enum status forge_table(struct log_txn *t, const struct rows_table *table
 
 static enum status forge(struct log_txn *t, const struct log_act *by, struct errinfo *e)
 {
+#define OF(noun, key)                                                                    \
+    {                                                                                    \
+        &rows_##noun, "UPDATE " #noun " SET mac = $1 WHERE " #key " = $2"                \
+    }
+    static const struct {
+        const struct rows_table *table;
+        const char *update;
+    } all[] = {OF(subjects, subject_key), OF(templates, template_key),
+               OF(tokens, token_key), OF(devices, device_key),
+               OF(calibrations, calibration_key)};
     unsigned char sum[LOG_DIGEST];
     uint64_t bad;
-    enum status st;
+    enum status st = ST_OK;
 
-    if ((st = forge_table(t, &rows_subjects,
-                          "UPDATE subjects SET mac = $1 WHERE subject_key = $2", e)) !=
-            ST_OK ||
-        (st = forge_table(t, &rows_templates,
-                          "UPDATE templates SET mac = $1 WHERE template_key = $2", e)) !=
-            ST_OK ||
-        (st = forge_table(t, &rows_tokens,
-                          "UPDATE tokens SET mac = $1 WHERE token_key = $2", e)) !=
-            ST_OK ||
-        (st = forge_table(t, &rows_devices,
-                          "UPDATE devices SET mac = $1 WHERE device_key = $2", e)) !=
-            ST_OK ||
-        (st = forge_table(t, &rows_calibrations,
-                          "UPDATE calibrations SET mac = $1 WHERE calibration_key = $2",
-                          e)) != ST_OK ||
-        (st = rows_digest(t, NULL, NULL, sum, &bad, e)) != ST_OK)
+    for (size_t i = 0; i < sizeof all / sizeof *all && st == ST_OK; i++)
+        st = forge_table(t, all[i].table, all[i].update, e);
+    if (st != ST_OK || (st = rows_digest(t, NULL, NULL, sum, &bad, e)) != ST_OK)
         return st;
     log_txn_accept(t, sum);
     return log_change(t, by, "forge", NULL, "", "", e);
