@@ -3,7 +3,6 @@
 #include <unistd.h>
 #include <sodium.h>
 
-#include "expect.h"
 #include "face.h"
 #include "crypt_file.h"
 #include "store.h"
@@ -297,14 +296,4 @@ TEST(test_check_shares)
     assert_int_equal(found.bad_templates, 4);
     assert_int_equal(found.problems, 4);
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

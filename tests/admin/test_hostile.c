@@ -6,7 +6,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "expect.h"
 #include "face.h"
 #include "facegen.h"
 #include "store.h"
@@ -235,7 +234,6 @@ BEFORE_ALL(set_up)
     struct facegen_scan scan;
     struct store *s;
 
-    assert_int_equal(tempdb_begin(NULL), 0);
     (void)snprintf(path, sizeof path, "%s", tempdb_path);
     (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
     facegen_default(&scan);
@@ -258,5 +256,4 @@ AFTER_ALL(tear_down)
     face_free(&face);
     face_free(&loaded);
     face_work_free(work);
-    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -2,7 +2,6 @@
  * is left or good for anything.  What is not as it was written is not rekeyed. */
 #include <unistd.h>
 
-#include "expect.h"
 #include "admin_rekey.h"
 #include "crypt_file.h"
 #include "filled.h"
@@ -228,14 +227,4 @@ TEST(test_interrupted)
     assert_true(is_there(".key"));
     assert_false(is_there(".key.new"));
     store_close(tempdb_open(STORE_READ));
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

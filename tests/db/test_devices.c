@@ -2,7 +2,6 @@
 #include <pthread.h>
 #include <sodium.h>
 
-#include "expect.h"
 #include "store.h"
 #include "tempdb.h"
 #include "unit.h"
@@ -157,14 +156,4 @@ TEST(test_at_once)
     }
     assert_int_equal(taken, 1);
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end(NULL), 0);
 }

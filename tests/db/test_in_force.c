@@ -1,5 +1,4 @@
 /* Calibrations: stored, followed by a worker at once, refused when damaged. */
-#include "expect.h"
 #include "in_force.h"
 #include "face.h"
 #include "forge.h"
@@ -193,14 +192,4 @@ TEST(test_other_model)
     assert_true(in.ignored);
     store_close(s);
     free(m);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

@@ -3,7 +3,6 @@
 #include <sys/stat.h>
 #include <sqlite3.h>
 
-#include "expect.h"
 #include "face.h"
 #include "store.h"
 #include "tempdb.h"
@@ -460,14 +459,4 @@ TEST(test_threads)
     must(store_verify(s, NULL, NULL, &e));
     assert_int_equal(tempdb_count("templates"), 1);
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

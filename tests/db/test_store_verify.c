@@ -4,7 +4,6 @@
  * fails halfway has not happened. */
 #include <sodium.h>
 
-#include "expect.h"
 #include "sql.h"
 #include "store.h"
 #include "tempdb.h"
@@ -272,14 +271,4 @@ TEST(test_verify)
     must(store_verify(s, NULL, NULL, &e));
     must(write_other(s, 0));
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

@@ -1,6 +1,5 @@
 /* What is stored of a subject, and how it changes: set, renamed, held, disabled, seen,
  * due; each change is one transaction with its event. */
-#include "expect.h"
 #include "face.h"
 #include "store.h"
 #include "tempdb.h"
@@ -297,14 +296,4 @@ TEST(test_vacuum)
     fails(store_vacuum(reader, &e), ST_EDENIED);
     store_close(reader);
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

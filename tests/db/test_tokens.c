@@ -2,7 +2,6 @@
 #include <time.h>
 #include <sqlite3.h>
 
-#include "expect.h"
 #include "forge.h"
 #include "store.h"
 #include "tempdb.h"
@@ -20,8 +19,7 @@ static void forge(const char *text)
 static void create(struct store *s, const char *name, unsigned scopes, int64_t life_s,
                    char secret[65], struct store_token *t)
 {
-    if (store_token_create(s, "test", name, scopes, life_s, secret, t, &e) != ST_OK)
-        fail_msg("%s", e.msg);
+    must(store_token_create(s, "test", name, scopes, life_s, secret, t, &e));
     assert_int_equal(strlen(secret), 64);
 }
 
@@ -224,13 +222,6 @@ TEST(test_used)
 
 /* ---- failed verifications */
 
-static void add_alice(struct store *s)
-{
-    struct store_subject alice = {.id = "alice"};
-
-    must(store_subject_add(s, "test", &alice, &e));
-}
-
 TEST(test_attempts)
 {
     struct store *s = tempdb_fresh();
@@ -240,16 +231,16 @@ TEST(test_attempts)
     fails(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_ENOTFOUND);
     fails(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e), ST_ENOTFOUND);
     fails(store_attempts_reset(s, "test", "alice", &e), ST_ENOTFOUND);
-    add_alice(s);
-    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
+    tempdb_add(s, "alice");
+    assert_int_equal(tempdb_attempts(s, "test", "alice").failures, 0);
     for (unsigned i = 1; i <= 5; i++) {
         must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
-        assert_int_equal(tempdb_attempts(s, "alice").failures, i);
+        assert_int_equal(tempdb_attempts(s, "test", "alice").failures, i);
     }
-    assert_true(tempdb_attempts(s, "alice").age_ms < 60000);
+    assert_true(tempdb_attempts(s, "test", "alice").age_ms < 60000);
     store_close(s); /* kept */
     s = tempdb_open(STORE_WRITE);
-    assert_int_equal(tempdb_attempts(s, "alice").failures, 5);
+    assert_int_equal(tempdb_attempts(s, "test", "alice").failures, 5);
     must(store_attempts_list(s, &list, &n, &e));
     assert_int_equal(n, 1);
     assert_string_equal(list[0].subject, "alice");
@@ -257,10 +248,10 @@ TEST(test_attempts)
     assert_true(list[0].at[0] == '2');
     free(list);
     must(tempdb_record(s, "alice", STORE_RECORD_PASSED, &e));
-    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
+    assert_int_equal(tempdb_attempts(s, "test", "alice").failures, 0);
     must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
     must(store_attempts_reset(s, "test", "alice", &e));
-    assert_int_equal(tempdb_attempts(s, "alice").failures, 0);
+    assert_int_equal(tempdb_attempts(s, "test", "alice").failures, 0);
     assert_int_equal(tempdb_count("change_log WHERE kind = 'reset_attempts' "
                                   "AND actor = 'test'"),
                      1);
@@ -268,7 +259,7 @@ TEST(test_attempts)
     must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
     tempdb_sql("UPDATE attempts SET failures = 1000000");
     must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));
-    assert_int_equal(tempdb_attempts(s, "alice").failures, 1000000);
+    assert_int_equal(tempdb_attempts(s, "test", "alice").failures, 1000000);
     must(tempdb_erase(s, "test", "alice", &e));
     assert_int_equal(tempdb_count("attempts"), 0);
     must(store_verify(s, NULL, NULL, &e));
@@ -294,22 +285,6 @@ static struct store_recorded record(struct store *s, const char *token,
     return out;
 }
 
-static struct store_attempts attempts(struct store *s, const char *token,
-                                      const char *subject)
-{
-    struct store_snapshot a;
-    struct store_attempts is;
-
-    must(store_snapshot_end(
-        &a,
-        store_snapshot_begin(
-            s, &(struct store_snapshot_of){.subject = subject, .token = token}, &a, &e),
-        &e));
-    is = a.attempts;
-    store_snapshot_free(&a);
-    return is;
-}
-
 /* Each token has its own count, sees those of others, and of the subjects that it tried. */
 TEST(test_by_token)
 {
@@ -318,37 +293,33 @@ TEST(test_by_token)
     struct store_attempts a;
     struct store_recorded out;
 
-    add_alice(s);
-    for (size_t i = 0; i < 3; i++) {
-        struct store_subject one = {.created = ""};
-
-        (void)snprintf(one.id, sizeof one.id, "%s", who[i]);
-        must(store_subject_add(s, "test", &one, &e));
-    }
+    tempdb_add(s, "alice");
+    for (size_t i = 0; i < 3; i++)
+        tempdb_add(s, who[i]);
     for (uint32_t i = 1; i <= 4; i++) {
         out = record(s, "thief", "alice", STORE_RECORD_FAILED);
         assert_int_equal(out.locked_out, i >= 3);
         assert_false(out.many_subjects);
     }
-    a = attempts(s, "thief", "alice");
+    a = tempdb_attempts(s, "thief", "alice");
     assert_int_equal(a.failures, 4);
     assert_int_equal(a.others, 0);
     assert_int_equal(a.tried, 0);
-    a = attempts(s, "door", "alice");
+    a = tempdb_attempts(s, "door", "alice");
     assert_int_equal(a.failures, 0);
     assert_int_equal(a.others, 4);
     assert_true(a.others_age_ms < 60000);
-    assert_int_equal(attempts(s, "thief", "bob").tried, 1);
-    assert_int_equal(attempts(s, "door", "bob").tried, 0);
+    assert_int_equal(tempdb_attempts(s, "thief", "bob").tried, 1);
+    assert_int_equal(tempdb_attempts(s, "door", "bob").tried, 0);
     /* A match ends what its own token did, and no more. */
     (void)record(s, "door", "alice", STORE_RECORD_PASSED);
-    assert_int_equal(attempts(s, "thief", "alice").failures, 4);
+    assert_int_equal(tempdb_attempts(s, "thief", "alice").failures, 4);
     /* The second subject is many here; it is told once. */
     assert_true(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
     assert_false(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
     assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
-    assert_int_equal(attempts(s, "thief", "dave").tried, 3);
-    assert_int_equal(attempts(s, "thief", "carol").tried, 2);
+    assert_int_equal(tempdb_attempts(s, "thief", "dave").tried, 3);
+    assert_int_equal(tempdb_attempts(s, "thief", "carol").tried, 2);
     assert_int_equal(tempdb_count("access_log WHERE actor = 'thief' AND "
                                   "kind = 'locked_out' AND outcome LIKE '_ failures'"),
                      2);
@@ -358,20 +329,20 @@ TEST(test_by_token)
     /* A match is free, and frees. */
     (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
     (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
-    assert_int_equal(attempts(s, "thief", "dave").tried, 2);
+    assert_int_equal(tempdb_attempts(s, "thief", "dave").tried, 2);
     /* An hour later the subjects count no more, nor for other tokens, and only for the warning of
      * a day; a month later the row is gone, when the token fails again. */
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 3600001");
-    assert_int_equal(attempts(s, "thief", "dave").tried, 0);
-    assert_int_equal(attempts(s, "thief", "dave").tried_warn, 2);
-    assert_int_equal(attempts(s, "door", "alice").others, 0);
+    assert_int_equal(tempdb_attempts(s, "thief", "dave").tried, 0);
+    assert_int_equal(tempdb_attempts(s, "thief", "dave").tried_warn, 2);
+    assert_int_equal(tempdb_attempts(s, "door", "alice").others, 0);
     assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
     assert_true(record(s, "thief", "dave", STORE_RECORD_FAILED).many_subjects);
     (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
     (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
-    assert_int_equal(attempts(s, "thief", "dave").tried_warn, 0);
-    assert_int_equal(attempts(s, "thief", "alice").failures, 4);
+    assert_int_equal(tempdb_attempts(s, "thief", "dave").tried_warn, 0);
+    assert_int_equal(tempdb_attempts(s, "thief", "alice").failures, 4);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 28 * 86400000");
     (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_count("attempts"), 3);
@@ -391,24 +362,14 @@ TEST(test_revoked_attempts)
     struct store_token t;
     char secret[65];
 
-    add_alice(s);
+    tempdb_add(s, "alice");
     must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 60, secret, &t, &e));
     (void)record(s, t.id, "alice", STORE_RECORD_FAILED);
     (void)record(s, "thief", "alice", STORE_RECORD_FAILED);
     must(store_token_revoke(s, "test", t.id, &e));
     assert_int_equal(tempdb_count("attempts"), 1);
-    assert_int_equal(attempts(s, "thief", "alice").failures, 1);
+    assert_int_equal(tempdb_attempts(s, "thief", "alice").failures, 1);
     must(store_attempts_reset(s, "test", "alice", &e));
     assert_int_equal(tempdb_count("attempts"), 0);
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end(NULL), 0);
 }

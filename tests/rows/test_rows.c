@@ -17,20 +17,6 @@
 static struct errinfo e;
 static char secret[65];
 
-static void must(enum status st)
-{
-    if (st != ST_OK)
-        fail_msg("%s", e.msg);
-}
-
-static void add(struct store *s, const char *id)
-{
-    struct store_subject one = {.reference = ""};
-
-    (void)snprintf(one.id, sizeof one.id, "%s", id);
-    must(store_subject_add(s, "test", &one, &e));
-}
-
 static void device(struct store *s, const char *name)
 {
     unsigned char public[32], key[crypto_sign_SECRETKEYBYTES];
@@ -208,8 +194,8 @@ static void assert_found(struct store *s)
     struct store *late = tempdb_open(STORE_WRITE);
     struct store_subject one = {.id = "eve"};
 
-    assert_int_equal(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
-    assert_int_equal(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
+    fails(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
+    fails(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
     store_close(late);
     store_close(s);
 }
@@ -231,9 +217,8 @@ TEST(test_first_sample)
 
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
     tempdb_sql("DELETE FROM faces; DELETE FROM templates");
-    assert_int_equal(
-        tempdb_store(s, "test", "alice", "", &tempdb_face[1], &t, &created, &e),
-        ST_ECORRUPT);
+    fails(tempdb_store(s, "test", "alice", "", &tempdb_face[1], &t, &created, &e),
+          ST_ECORRUPT);
     assert_found(s);
 }
 
@@ -275,7 +260,7 @@ TEST(test_named)
     assert_int_equal(n, 0);
     must(log_txn_agrees(&t, sum, &same, &e));
     assert_false(same);
-    assert_int_equal(store_end(s, &t, ST_EHELD, &e), ST_EHELD);
+    fails(store_end(s, &t, ST_EHELD, &e), ST_EHELD);
     store_close(s);
     assert_int_equal(tempdb_number("SELECT count(*) FROM subjects"), 1);
 }
@@ -329,8 +314,8 @@ TEST(test_misled)
     struct store_token got;
     char other[65];
 
-    add(s, "alice");
-    add(s, "bob");
+    tempdb_add(s, "alice");
+    tempdb_add(s, "bob");
     device(s, "door-1");
     device(s, "door-2");
     mislead("tokens_1", "SELECT 3 - token_key, id FROM tokens");
@@ -346,8 +331,8 @@ TEST(test_misled)
     ASSERT_NOTHING(store_device_remove(s, "test", "door-1", &e));
     assert_found(s);
     s = tempdb_fresh();
-    add(s, "alice");
-    add(s, "bob");
+    tempdb_add(s, "alice");
+    tempdb_add(s, "bob");
     mislead("subjects_1", "SELECT 3 - subject_key, uid FROM subjects");
     ASSERT_NOTHING(store_subject_set(s, "test", "alice", &disable, &e));
     assert_non_null(strstr(e.msg, "a change of one row changed 0"));
@@ -368,10 +353,9 @@ TEST(test_planted)
         "INSERT INTO tokens SELECT 2, '0123456789abcdef0123456789abcdef', revision, "
         "name, zeroblob(32), created, revoked, scopes, expires, old_hash, old_until, "
         "mac, used FROM tokens");
-    assert_int_equal(store_calibration_get(s, &got, &e), ST_ECORRUPT);
-    assert_int_equal(
-        store_token_revoke(s, "test", "0123456789abcdef0123456789abcdef", &e),
-        ST_ECORRUPT);
+    fails(store_calibration_get(s, &got, &e), ST_ECORRUPT);
+    fails(store_token_revoke(s, "test", "0123456789abcdef0123456789abcdef", &e),
+          ST_ECORRUPT);
     k = calibration(0.25);
     k.shipped = true;
     must(store_calibration_add(s, "test", &k, &e));
@@ -380,16 +364,6 @@ TEST(test_planted)
     must(store_calibration_get(s, &got, &e));
     assert_true(got.version == 3 && got.table.threshold == 0.25);
     tempdb_sql("DELETE FROM calibrations WHERE calibration_key = 3");
-    assert_int_equal(store_calibration_get(s, &got, &e), ST_ECORRUPT);
+    fails(store_calibration_get(s, &got, &e), ST_ECORRUPT);
     assert_found(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }
