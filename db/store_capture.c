@@ -5,7 +5,6 @@
 
 #include "bytes.h"
 #include "rows_device.h"
-#include "store_rules.h"
 #include "store_txn.h"
 #include "utc.h"
 

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "rows_device.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 bool store_device_valid(const char *name)

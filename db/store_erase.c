@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "rows_template.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 /* ---- receipts */

@@ -356,7 +356,7 @@ enum status store_verify(struct store *s, store_report *report, void *arg,
 
     if (st != ST_OK)
         return st;
-    st = store_state_verify(&t, report, arg, &why);
+    st = store_txn_verify(&t, report, arg, &why);
     (void)store_end(s, &t, st, NULL);
     if (st != ST_OK)
         return store_refuse(s, st, &why, e);
@@ -366,12 +366,12 @@ enum status store_verify(struct store *s, store_report *report, void *arg,
 
 bool store_refused(struct store *s, struct errinfo *e)
 {
-    return store_state_get(&s->refusal, e);
+    return store_fault_get(&s->refusal, e);
 }
 
 bool store_anchor_fault(struct store *s, struct errinfo *e)
 {
-    return store_state_get(&s->anchor_fault, e);
+    return store_fault_get(&s->anchor_fault, e);
 }
 
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e)

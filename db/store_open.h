@@ -1,14 +1,15 @@
 /* store_open.h -- a store: opened, made, closed. */
 #ifndef DB_STORE_OPEN_H
 #define DB_STORE_OPEN_H
+#include "errinfo.h"
 #include "rows_types.h"
-#include "status.h"
-#include "store_state.h"
 
 struct crypt_file; /* crypt_file.h */
 struct log_end;    /* log_entry.h */
 struct model;      /* model.h */
 struct store;
+
+typedef void store_report(void *arg, const char *line);
 
 enum store_mode {
     STORE_READ,   /* changes are refused with ST_EDENIED */

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "rows_subject.h"
-#include "store_rules.h"
 #include "store_txn.h"
 #include "utf8.h"
 

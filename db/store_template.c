@@ -10,7 +10,6 @@
 #include "mesh.h"
 #include "rows_template.h"
 #include "sql_read.h"
-#include "store_rules.h"
 #include "store_txn.h"
 #include "utf8.h"
 

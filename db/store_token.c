@@ -7,7 +7,6 @@
 
 #include "rows_attempts.h"
 #include "rows_token.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 #define SECRET_BYTES 32

@@ -12,7 +12,6 @@
 #include "log_row.h"
 #include "mesh.h"
 #include "admin_record.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 /* ---- reading an archive */

@@ -8,7 +8,7 @@
 
 #include "clouds.h"
 #include "errinfo.h"
-#include "store_rules.h"
+#include "store_txn.h"
 #include "unit.h"
 #include "utc.h"
 
