@@ -192,19 +192,6 @@ static bool may_make(const struct opening *o, enum store_mode mode)
            (mode == STORE_BEGIN && access(o->key_path, F_OK) != 0);
 }
 
-static enum status need_version(struct store *s, struct opening *o, enum store_mode mode,
-                                struct errinfo *e)
-{
-    const int version = sql_version(s->sql);
-
-    if (version == sql_newest())
-        return ST_OK;
-    if (version == 0)
-        return may_make(o, mode) ? make_database(s, o, e) : nothing_there(o, e);
-    return errinfo_set(e, ST_EVERSION, "%s has schema version %d, this program needs %d",
-                       s->path, version, sql_newest());
-}
-
 static enum status open_keys(struct store *s, const struct opening *o, struct errinfo *e)
 {
     struct crypt_root root;
@@ -270,8 +257,9 @@ static enum status open_all(struct store *s, struct opening *o, enum store_mode 
         return errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
     if ((st = sql_open(s->path, how, &s->sql, e)) == ST_ENOTFOUND)
         return nothing_there(o, e);
-    if (st != ST_OK || (st = need_version(s, o, mode, e)) != ST_OK ||
-        (st = open_keys(s, o, e)) != ST_OK)
+    if (st == ST_OK && sql_version(s->sql) == 0)
+        st = may_make(o, mode) ? make_database(s, o, e) : nothing_there(o, e);
+    if (st != ST_OK || (st = open_keys(s, o, e)) != ST_OK)
         return st;
     return try_it(s, mode, e);
 }
@@ -344,7 +332,7 @@ enum status store_ready(struct store *s, struct errinfo *e)
 
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, sql_file_ready(t.sql, e), e);
+    return store_end(s, &t, ST_OK, e);
 }
 
 enum status store_verify(struct store *s, store_report *report, void *arg,
@@ -413,19 +401,6 @@ enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *
     return st;
 }
 
-enum status store_look(const char *path, struct store_look *out, struct errinfo *e)
-{
-    struct sql *d;
-    const enum status st = sql_open(path, SQL_OPEN_LOOK, &d, e);
-
-    *out = (struct store_look){.newest = sql_newest()};
-    if (st != ST_OK)
-        return st;
-    out->version = sql_version(d);
-    sql_close(d);
-    return ST_OK;
-}
-
 /* ---- statistics, room */
 
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e)
@@ -437,7 +412,7 @@ enum status store_stats(struct store *s, struct store_stats *out, struct errinfo
     enum status st;
 
     memset(out, 0, sizeof *out);
-    out->schema = (uint32_t)sql_newest();
+    out->schema = (uint32_t)sql_version(s->sql);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     st = sql_query(

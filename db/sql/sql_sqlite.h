@@ -8,8 +8,7 @@
 
 struct sql {
     char *path;
-    char *reading; /* what readers open: the path, or a URI */
-    int flags;     /* with these */
+    int flags; /* of the readers' connections */
     int version;
     bool made;   /* the file is new, and nothing is in it */
     bool single; /* the writer's connection is the only one */

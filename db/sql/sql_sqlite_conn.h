@@ -9,6 +9,7 @@
  * each connection would only be memory that fills. */
 #define SQL_SQLITE_CACHE "PRAGMA cache_size=-256"
 
+#define SQL_SQLITE_VERSION 1    /* user_version in schema.sql */
 #define SQL_SQLITE_BUSY_MS 5000 /* waited for other threads and processes together */
 #define SQL_SQLITE_SLOTS   256  /* more than there are statements */
 

@@ -88,7 +88,6 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
     struct text t = {out, 0};
     char path[CRASH_PATH];
     struct errinfo e = {ST_OK, ""};
-    struct store_look look;
     struct admin_check check;
     struct store_key key = {.make = CRYPT_FILE};
     enum crypt_kind kind;
@@ -97,12 +96,11 @@ bool crash_look(const char *dir, char out[CRASH_TEXT])
 
     crash_join(path, dir, "db");
     out[0] = '\0';
-    st = store_look(path, &look, &e);
-    if (st == ST_ENOTFOUND || (st == ST_OK && look.version == 0)) {
+    if ((st = store_kind(path, &kind, &e)) == ST_ENOTFOUND) {
         say(&t, "none");
         return true;
     }
-    key.plaintext = store_kind(path, &kind, NULL) == ST_OK && kind == CRYPT_PLAINTEXT;
+    key.plaintext = st == ST_OK && kind == CRYPT_PLAINTEXT;
     if (st != ST_OK || (st = store_open(path, STORE_READ, &key, &s, &e)) != ST_OK) {
         say(&t, "cannot be opened: %s", e.msg);
         return false;
