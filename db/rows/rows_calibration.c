@@ -77,29 +77,22 @@ const struct rows_table rows_calibrations = {
     .complete = complete,
 };
 
-static enum status read_row(void *t, const struct sql_rows *r, void *out,
-                            struct errinfo *e)
-{
-    struct row row;
-    const enum status st = rows_table_read(t, &rows_calibrations, r, 0, &row, e);
-
-    memcpy(out, &row.one, sizeof row.one);
-    return st;
-}
-
 enum status rows_calibration_get(struct log_txn *t, struct store_calibration *k,
                                  struct errinfo *e)
 {
     struct sql_rows *r;
+    struct row row;
     enum status st = sql_first(t->sql,
                                "SELECT " COLUMNS " FROM calibrations "
                                "ORDER BY calibration_key DESC LIMIT 1",
                                NULL, 0, &r, e);
 
-    if (st == ST_OK)
-        st = read_row(t, r, k, e);
-    else if (st == ST_ENOTFOUND)
+    if (st == ST_OK) {
+        st = rows_table_read(t, &rows_calibrations, r, 0, &row, e);
+        *k = row.one;
+    } else if (st == ST_ENOTFOUND) {
         st = errinfo_set(e, st, "there is no calibration");
+    }
     return sql_done(r, st, e);
 }
 
@@ -140,11 +133,10 @@ enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
 enum status rows_calibration_list(struct log_txn *t, struct store_calibration **out,
                                   size_t *n, struct errinfo *e)
 {
-    void *list = NULL;
-    struct sql_rows *r;
-    enum status st = sql_query(t->sql, rows_calibrations.all, NULL, 0, &r, e);
+    void *list;
+    const enum status st =
+        rows_table_all(t, &rows_calibrations, sizeof **out, &list, n, e);
 
-    st = sql_read_list(r, st, read_row, t, sizeof **out, &list, n, e);
     *out = list;
     return st;
 }
