@@ -1,5 +1,5 @@
 /* link: -Wl,--wrap=clock_gettime */
-/* The audit log of a store: lists, trims, signed entries, receipts; what another program changes in
+/* The audit log of a store: lists and trims; what another program changes in
  * its rows is found, with its place. */
 #include <time.h>
 
@@ -152,31 +152,6 @@ TEST(test_trim)
     }
 }
 
-TEST(test_signed)
-{
-    unsigned char public[CRYPT_KEY], other[CRYPT_KEY] = {0};
-    struct store *s = tempdb_fresh();
-    struct log_entry one;
-    struct log_end at;
-    bool has;
-
-    event(s, "verify", "");
-    must(store_audit_sign(s, "test", LOG_EXPORT, &one, &e));
-    must(store_audit_public(s, public, &e));
-    assert_true(log_signed(public, &one));
-    assert_false(log_signed(other, &one));
-    assert_int_equal(one.seq, 2);
-    assert_int_equal(one.accesses.seq, 1);
-    fails(store_audit_sign(s, "a\nb", LOG_EXPORT, &one, &e), ST_EINVAL);
-    must(store_last_change(s, &at, &e));
-    must(store_audit_has(s, &at, &has, &e));
-    assert_true(has);
-    at.hash[0] ^= 1;
-    must(store_audit_has(s, &at, &has, &e));
-    assert_false(has);
-    store_close(s);
-}
-
 static size_t list(struct store *s, const struct store_audit_filter *filter,
                    struct store_audit_entry **out)
 {
@@ -252,58 +227,12 @@ TEST(test_list)
           ST_EINVAL);
     fails(store_audit_list(s, &(struct store_audit_filter){.subject = "bob"}, &a, &n, &e),
           ST_ENOTFOUND);
+    fails(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
+    fails(store_event(s, "verify", "a\nb", "", "", "", &e), ST_EINVAL);
+    fails(store_event(s, "verify", "", "no spaces", "", "", &e), ST_EINVAL);
     /* After the erasure by the uid alone. */
     must(tempdb_erase(s, "test", "alice", &e));
     assert_kinds(s, &(struct store_audit_filter){.wanted = {.uid = uid}, .names = true},
                  "add_subject verify delete_subject ");
-    store_close(s);
-}
-
-TEST(test_receipt)
-{
-    static const enum log_name changes = LOG_CHANGES;
-    struct store *s = tempdb_fresh();
-    struct store_audit_entry *a;
-    struct store_receipt r;
-    unsigned char public[CRYPT_KEY];
-    char hex[2 * CRYPT_KEY + 1] = "";
-
-    fails(store_subject_erase(s, "test", "alice", &r, &e), ST_ENOTFOUND);
-    store_receipt_free(&r);
-    tempdb_add(s, "alice");
-    must(store_subject_erase(s, "test", "alice", &r, &e));
-    assert_string_equal(r.subject, "alice");
-    assert_int_equal(r.templates, 0);
-    assert_int_equal(r.seq, 3);
-    assert_int_equal(
-        list(s, &(struct store_audit_filter){.log = &changes, .wanted = {.after = 2}},
-             &a),
-        1);
-    assert_string_equal(a->entry.kind, "delete_subject");
-    assert_string_equal(a->entry.at, r.at);
-    for (size_t i = 0; i < LOG_HASH; i++)
-        (void)snprintf(hex + 2 * i, 3, "%02x", a->entry.hash[i]);
-    assert_string_equal(hex, r.hash);
-    free(a);
-    must(store_audit_public(s, public, &e));
-    for (size_t i = 0; i < CRYPT_KEY; i++)
-        (void)snprintf(hex + 2 * i, 3, "%02x", public[i]);
-    assert_string_equal(hex, r.public_key);
-    assert_true(store_receipt_true(&r));
-    r.seq++;
-    assert_false(store_receipt_true(&r));
-    r.seq--;
-    r.at[3]++;
-    assert_false(store_receipt_true(&r));
-    r.at[3]--;
-    r.subject[0] = 'b';
-    assert_false(store_receipt_true(&r));
-    r.subject[0] = 'a';
-    r.uid[0] = r.uid[0] == '0' ? '1' : '0';
-    assert_false(store_receipt_true(&r));
-    r.uid[0] = r.uid[0] == '0' ? '1' : '0';
-    r.signature[0] = r.signature[0] == '0' ? '1' : '0';
-    assert_false(store_receipt_true(&r));
-    store_receipt_free(&r);
     store_close(s);
 }

@@ -100,30 +100,6 @@ TEST(test_spikes)
     face_free(&f);
 }
 
-/* A template of another engine, marked as this one's. */
-TEST(test_engines)
-{
-    static struct bytes theirs, ours, again;
-
-    for (int i = SHIFTED; i <= HOLDS; i++) {
-        struct face f = {0}, g = {0};
-
-        make(2, 0, 1, i, &f);
-        make(2, 0, 1, SHIPPED, &g);
-        encode(&f, &theirs);
-        encode(&g, &ours);
-        assert_int_equal(ours.n, theirs.n);
-        assert_memory_not_equal(ours.b, theirs.b, ours.n);
-        must(codec_decode(theirs.b, theirs.n, work[SHIPPED], &f));
-        assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
-        encode(&f, &again);
-        assert_same(&ours, &again);
-        assert_memory_equal(&f.quality, &g.quality, sizeof f.quality);
-        face_free(&f);
-        face_free(&g);
-    }
-}
-
 TEST(test_same_engine)
 {
     assert_true(

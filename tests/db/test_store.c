@@ -204,33 +204,6 @@ TEST(test_subjects)
     store_close(s);
 }
 
-TEST(test_events)
-{
-    struct store *s = tempdb_fresh();
-    struct store_template t;
-    struct store_stats stats;
-
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t);
-    must(store_event(s, "verify", "test", "alice", t.id, "match", &e));
-    must(store_event(s, "compare", "", "", "", "no_match", &e));
-    fails(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
-    fails(store_event(s, "verify", "a\nb", "", "", "", &e), ST_EINVAL);
-    fails(store_event(s, "verify", "", "no spaces", "", "", &e), ST_EINVAL);
-    must(tempdb_erase(s, "test", "alice", &e));
-    must(store_stats(s, &stats, &e));
-    assert_int_equal(stats.events,
-                     7); /* create_database, add_subject, enroll, verify, compare,
-                            delete_template, delete_subject */
-    assert_int_equal(stats.subjects, 0);
-    assert_int_equal(stats.templates, 0);
-    assert_true(stats.file_bytes > 0);
-    store_close(s);
-    assert_int_equal(tempdb_count("change_log WHERE length(uid) = 16"), 4);
-    assert_int_equal(tempdb_count("access_log JOIN change_log USING (uid) "
-                                  "WHERE change_log.kind = 'delete_subject'"),
-                     1);
-}
-
 TEST(test_bad_arguments)
 {
     static const char *const subject[] = {"",         "a b", "a/b", "../a", "a\n",

@@ -203,8 +203,8 @@ TEST(test_failed)
 
     for (size_t i = 0; i < WRITES; i++) {
         struct store *s = written(), *other = tempdb_open(STORE_READ);
-        const int64_t changes = tempdb_number("SELECT count(*) FROM change_log"),
-                      accesses = tempdb_number("SELECT count(*) FROM access_log");
+        const int64_t changes = tempdb_count("change_log"),
+                      accesses = tempdb_count("access_log");
         bool done = false;
 
         for (unsigned n = 1; !done; n++) {
