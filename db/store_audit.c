@@ -1,4 +1,4 @@
-#include "store_audit.h"
+#include "store.h"
 
 #include <inttypes.h>
 #include <sodium.h>

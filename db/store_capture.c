@@ -1,4 +1,4 @@
-#include "store_capture.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "store_device.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "store_erase.h"
+#include "store.h"
 
 #include <inttypes.h>
 #include <sodium.h>
@@ -42,7 +42,7 @@ static size_t signed_text(const struct store_receipt *r, char out[SIGNED_TEXT])
                             r->digest, r->seq, r->hash);
 }
 
-void store_receipt_sign(const struct crypt *c, struct store_receipt *r)
+static void sign(const struct crypt *c, struct store_receipt *r)
 {
     unsigned char public[CRYPT_KEY], signature[CRYPT_SIGN];
     char text[SIGNED_TEXT];
@@ -124,7 +124,7 @@ static void give_receipt(const struct log_txn *t, const struct log_act *by,
     (void)sodium_bin2hex(out->uid, sizeof out->uid, who->uid, sizeof who->uid);
     memcpy(out->subject, who->id, sizeof out->subject);
     memcpy(out->at, by->at, sizeof out->at);
-    store_receipt_sign(t->crypt, out);
+    sign(t->crypt, out);
 }
 
 static enum status erase_rows(struct log_txn *t, const struct log_act *by,

@@ -1,4 +1,4 @@
-#include "store_token.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <stdio.h>

@@ -5,7 +5,9 @@
 #include "log_txn.h"
 #include "store_open.h"
 
-struct model; /* model.h */
+struct model;         /* model.h */
+struct rows_subject;  /* rows_subject.h */
+struct store_receipt; /* store.h */
 
 struct store_fault { /* written once, and then read by any thread; all zero at first */
     atomic_flag begun;
@@ -50,6 +52,12 @@ void store_scrub(struct store *s);
 /* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);
+
+/* store_erase_rows(t, by, of, outcome, out, e): the subject's row and its templates' are deleted,
+ * with a change for each; out: NULL, or receives the templates' ids. */
+enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
+                             const struct rows_subject *of, const char *outcome,
+                             struct store_receipt *out, struct errinfo *e);
 
 /* ---- times, random ids, and how much there may be */
 

@@ -10,8 +10,7 @@
 #include "bytes.h"
 #include "newfile.h"
 #include "admin_record.h"
-#include "store_audit.h"
-#include "store_subject.h"
+#include "store.h"
 #include "store_txn.h"
 
 #define PAGE 1000

@@ -20,7 +20,7 @@
 #include "rows_template.h"
 #include "rows_token.h"
 #include "sql_file.h"
-#include "store_erase.h"
+#include "store.h"
 #include "store_txn.h"
 
 #define PAGE 1000

@@ -7,7 +7,7 @@
 #include "admin_restore.h"
 #include "crypt_file.h"
 #include "filled.h"
-#include "store_audit.h"
+#include "store.h"
 #include "store_txn.h"
 #include "tempdb.h"
 #include "tempdb_check.h"
