@@ -14,26 +14,13 @@
 
 /* ---- lists */
 
-/* The beginning of a time: "2026-11-21", "2026-11-21T14:30". */
-static bool since_valid(const char *since)
-{
-    static const char form[] = "dddd-dd-ddTdd:dd:dd.dddZ";
-    const size_t n = strlen(since);
-
-    if (n < 4 || n > sizeof form - 1)
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (form[i] == 'd' ? since[i] < '0' || since[i] > '9' : since[i] != form[i])
-            return false;
-    return true;
-}
-
 static enum status check_filter(const struct store_audit_filter *f, struct errinfo *e)
 {
     if (f->wanted.kind != NULL && !ident_printable(f->wanted.kind, 1, LOG_TEXT))
         return errinfo_set(e, ST_EINVAL, "a kind is 1 to %d printable characters",
                            LOG_TEXT);
-    if (f->wanted.since != NULL && !since_valid(f->wanted.since))
+    if (f->wanted.since != NULL &&
+        !ident_consists(f->wanted.since, "0123456789-T:.Z", 4, 24))
         return errinfo_set(e, ST_EINVAL,
                            "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
                            f->wanted.since);

@@ -10,21 +10,6 @@
 
 static struct errinfo e;
 
-static struct store_calibration example(double threshold)
-{
-    return (struct store_calibration){
-        .fmr = 0.001,
-        .low = threshold - 1,
-        .high = threshold + 1,
-        .subjects = 80,
-        .impostors = 6320,
-        .genuine = 7,
-        .table = {.threshold = threshold,
-                  .n = 3,
-                  .knot = {{-900, 1}, {-800, 0.25}, {threshold, 0.001}}},
-    };
-}
-
 static void add(struct store *s, struct store_calibration *k)
 {
     must(store_calibration_add(s, "test", k, &e));
@@ -33,7 +18,8 @@ static void add(struct store *s, struct store_calibration *k)
 TEST(test_kept)
 {
     struct store *s = tempdb_fresh();
-    struct store_calibration a = example(0.6), b = example(0.7), got, *list;
+    struct store_calibration a = tempdb_calibration(0.6), b = tempdb_calibration(0.7),
+                             got, *list;
     size_t n;
 
     fails(store_calibration_get(s, &got, &e), ST_ENOTFOUND);
@@ -78,14 +64,14 @@ TEST(test_refused)
                               &k.table.knot[0].rate};
         static const double bad[] = {0, (double)NAN, 9, -9, 0, 1, 0.9};
 
-        k = example(0.6);
+        k = tempdb_calibration(0.6);
         if (of[i] != NULL)
             *of[i] = bad[i];
         else
             k.table.n = 1;
         fails(store_calibration_add(s, "test", &k, &e), ST_EINVAL);
     }
-    k = example(0.6);
+    k = tempdb_calibration(0.6);
     fails(store_calibration_add(s, "no\nname", &k, &e), ST_EINVAL);
     fails(store_calibration_get(s, &k, &e), ST_ENOTFOUND);
     store_close(s);
@@ -105,7 +91,7 @@ static struct face_result compare(void)
 TEST(test_followed)
 {
     struct store *s = tempdb_fresh();
-    struct store_calibration k = example(-700), in;
+    struct store_calibration k = tempdb_calibration(-700), in;
     int64_t version = 0;
     struct face_result r;
 
@@ -162,7 +148,7 @@ TEST(test_followed)
 TEST(test_other_model)
 {
     struct model *m = malloc(sizeof *m);
-    struct store_calibration k = example(0.6), in;
+    struct store_calibration k = tempdb_calibration(0.6), in;
     struct store *s = tempdb_fresh();
     char ours[FACE_ENGINE_MAX + 1];
 

@@ -101,8 +101,7 @@ TEST(test_state)
     struct store *s = make();
     struct store_snapshot_of what = {.subject = "alice", .token = "test"};
     struct store_snapshot a;
-    struct store_calibration k = {
-        .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
+    struct store_calibration k = tempdb_calibration(1);
 
     tempdb_expire(s, "alice");
     must(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e));

@@ -208,6 +208,19 @@ void tempdb_expire(struct store *s, const char *subject)
         (void)nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
 }
 
+struct store_calibration tempdb_calibration(double threshold)
+{
+    return (struct store_calibration){
+        .fmr = 0.001,
+        .low = threshold - 1,
+        .high = threshold + 1,
+        .subjects = 80,
+        .impostors = 6320,
+        .genuine = 7,
+        .table = {threshold, 3, {{-900, 1}, {-800, 0.25}, {threshold, 0.001}}},
+    };
+}
+
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e)
 {

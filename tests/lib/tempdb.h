@@ -41,6 +41,7 @@ void tempdb_mislead(const char *index, const char *rows);
  * tempdb_add(s, subject): one without templates.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_expire(s, subject): its end is set to the next moment, and has passed.
+ * tempdb_calibration(threshold): a possible one, of 3 knots.
  * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
  * tempdb_attempts(s, token, subject): those of a store_snapshot_begin(). */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
@@ -52,6 +53,7 @@ void tempdb_enroll(struct store *s, const char *subject, const char *label,
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
 void tempdb_expire(struct store *s, const char *subject);
+struct store_calibration tempdb_calibration(double threshold);
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e);
 struct store_attempts tempdb_attempts(struct store *s, const char *token,

@@ -1,18 +1,13 @@
-/* Rows and their digest: the sum over all rows, whatever was added, changed and removed.  What a
- * file says that somebody else has written is a difference, which no later write takes away, and gets
- * no MAC: a change is of one row or of none.  More attacks: tests/box/attack_store.py. */
+/* Rows as db/FORMAT.md has them.  What a file says that somebody else has written is a difference and
+ * gets no MAC: a change is of one row or of none.  More attacks: tests/box/attack_store.py. */
 #include <sodium.h>
 
-#include "brute.h"
 #include "forge.h"
 #include "rows_digest.h"
 #include "store.h"
 #include "store_txn.h"
 #include "tempdb.h"
 #include "unit.h"
-
-#define SUBJECTS 3
-#define ROUNDS   120
 
 static struct errinfo e;
 static char secret[65];
@@ -34,133 +29,16 @@ static struct store_token token(struct store *s, const char *name)
     return t;
 }
 
-static struct store_calibration calibration(double threshold)
+static void calibrate(struct store *s)
 {
-    return (struct store_calibration){
-        .fmr = 0.001,
-        .low = threshold - 1,
-        .high = threshold + 1,
-        .table = {.threshold = threshold, .n = 2, .knot = {{-50, 1}, {threshold, 0.001}}},
-    };
-}
-
-static void calibrate(struct store *s, double threshold)
-{
-    struct store_calibration k = calibration(threshold);
+    struct store_calibration k = tempdb_calibration(2.5);
 
     must(store_calibration_add(s, "test", &k, &e));
 }
 
-/* ---- the sum */
-
 #define MACS                                                                             \
     "SELECT mac FROM subjects UNION ALL SELECT mac FROM templates UNION ALL SELECT mac " \
     "FROM tokens UNION ALL SELECT mac FROM devices UNION ALL SELECT mac FROM calibrations"
-
-/* Digits base 256, by school arithmetic; what the last change says is in t. */
-static void assert_sum(struct store *s, unsigned char sum[LOG_DIGEST])
-{
-    unsigned char one[CRYPT_HASH];
-    struct sql_rows *r;
-    struct log_txn t;
-    bool same = false;
-
-    memset(sum, 0, LOG_DIGEST);
-    must(store_begin(s, SQL_READ, &t, &e));
-    must(sql_query(t.sql, MACS, NULL, 0, &r, &e));
-    while (sql_next(r)) {
-        unsigned carry = 0;
-
-        crypt_lookup(s->crypt, "row", sql_column(r, 0).data, CRYPT_HASH, one);
-        for (int i = 0; i < LOG_DIGEST; i++) {
-            carry += (unsigned)sum[i] + one[i];
-            sum[i] = (unsigned char)carry;
-            carry >>= 8;
-        }
-    }
-    must(sql_done(r, ST_OK, &e));
-    must(log_txn_agrees(&t, sum, &same, &e));
-    assert_true(same);
-    must(store_end(s, &t, ST_OK, &e));
-}
-
-/* One random change of any sort; some are refused, as there is nothing to change. */
-static void step(struct store *s, struct brute_rng *rng)
-{
-    static const bool yes = true, no = false;
-    const struct store_subject_change change = {
-        .purpose = "a door", .disabled = brute_rand(rng) % 2 != 0 ? &yes : &no};
-    char id[16], name[16];
-    struct store_template t, *list = NULL;
-    struct store_token token, *tokens;
-    bool created;
-    size_t n, ntokens;
-
-    (void)snprintf(id, sizeof id, "s%d", (int)(brute_rand(rng) % SUBJECTS));
-    (void)snprintf(name, sizeof name, "d%d", (int)(brute_rand(rng) % SUBJECTS));
-    (void)store_template_list(s, id, &list, &n, &e);
-    must(store_token_list(s, &tokens, &ntokens, &e));
-    switch (brute_rand(rng) % 11) {
-    case 0:
-        (void)tempdb_store(s, "test", id, "",
-                           &tempdb_face[brute_rand(rng) % TEMPDB_FACES], &t, &created,
-                           &e);
-        break;
-    case 1:
-        (void)tempdb_erase(s, "test", id, &e);
-        break;
-    case 2:
-        (void)store_subject_set(s, "test", id, &change, &e);
-        break;
-    case 3:
-        (void)store_subject_rename(s, "test", id, name, &e);
-        (void)store_subject_rename(s, "test", name, id, &e);
-        break;
-    case 4:
-        if (n > 0)
-            must(store_template_delete(s, "test", list[brute_rand(rng) % n].id, &e));
-        break;
-    case 5:
-        must(
-            store_token_create(s, "test", name, STORE_SCOPE_READ, 0, secret, &token, &e));
-        break;
-    case 6:
-        if (ntokens > 0)
-            must(store_token_revoke(s, "test", tokens[brute_rand(rng) % ntokens].id, &e));
-        break;
-    case 7:
-        if (ntokens > 0)
-            (void)store_token_rotate(s, "test", tokens[brute_rand(rng) % ntokens].id, 60,
-                                     0, secret, &token, &e);
-        break;
-    case 8:
-        if (store_device_remove(s, "test", name, &e) == ST_ENOTFOUND)
-            device(s, name);
-        break;
-    case 9:
-        calibrate(s, 1 + brute_real(rng));
-        break;
-    default: /* what is not in it */
-        (void)tempdb_record(s, id, STORE_RECORD_FAILED, &e);
-    }
-    free(list);
-    free(tokens);
-}
-
-TEST(test_sum)
-{
-    struct brute_rng rng = {brute_seed("digest")};
-    struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
-    unsigned char sum[LOG_DIGEST];
-
-    for (int i = 0; i < ROUNDS; i++) {
-        step(brute_rand(&rng) % 2 != 0 ? s : other, &rng);
-        assert_sum(s, sum);
-    }
-    must(store_verify(s, NULL, NULL, &e));
-    store_close(other);
-    store_close(s);
-}
 
 /* The MACs as db/FORMAT.md has them. */
 TEST(test_format)
@@ -177,7 +55,7 @@ TEST(test_format)
     must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &token, &e));
     must(store_token_rotate(s, "test", token.id, 60, 60, secret, &got, &e));
     device(s, "door");
-    calibrate(s, 2.5);
+    calibrate(s);
     store_close(s);
     tempdb_sql("CREATE TABLE aside.was AS " MACS);
     must(forge_sql(tempdb_path, "", &e));
@@ -243,7 +121,7 @@ TEST(test_named)
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &of);
     (void)token(s, "door");
     device(s, "door-1");
-    calibrate(s, 1);
+    calibrate(s);
     tempdb_sql("UPDATE subjects SET hold = 1; UPDATE templates SET points = points + 1;"
                "UPDATE tokens SET id = 'ab' || char(10); UPDATE devices SET name = 'x';"
                "UPDATE calibrations SET mac = x'00' WHERE calibration_key = 1");
