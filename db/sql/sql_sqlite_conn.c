@@ -1,4 +1,4 @@
-#include "sql_sqlite_conn.h"
+#include "sql_sqlite.h"
 
 #include <stdlib.h>
 
