@@ -106,11 +106,11 @@ enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
     if (st == ST_OK && out != NULL)
         st = list_ids(row, n, out, e);
     for (size_t i = 0; st == ST_OK && i < n; i++)
-        if ((st = rows_template_drop(t, &row[i], e)) == ST_OK)
+        if ((st = rows_table_delete(t, &rows_templates, &row[i], e)) == ST_OK)
             st = log_change(t, by, "delete_template", of->one.uid, row[i].one.id,
                             "deleted", e);
     free(row);
-    if (st != ST_OK || (st = rows_subject_delete(t, of, e)) != ST_OK)
+    if (st != ST_OK || (st = rows_table_delete(t, &rows_subjects, of, e)) != ST_OK)
         return st;
     return log_change(t, by, "delete_subject", of->one.uid, "", outcome, e);
 }

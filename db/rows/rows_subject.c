@@ -182,9 +182,3 @@ enum status rows_subject_seen(struct log_txn *t, const unsigned char uid[STORE_U
     return SQL_RUN(t->sql, e, "UPDATE subjects SET seen = $2 WHERE uid = $1",
                    sql_blob(uid, STORE_UID), sql_text(at));
 }
-
-enum status rows_subject_delete(struct log_txn *t, const struct rows_subject *p,
-                                struct errinfo *e)
-{
-    return rows_table_delete(t, &rows_subjects, p, e);
-}

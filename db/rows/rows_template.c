@@ -394,16 +394,10 @@ enum status rows_template_write(struct log_txn *t, struct rows_subject *of,
     return recount(t, of, old.mac, row->mac, e);
 }
 
-enum status rows_template_drop(struct log_txn *t, const struct rows_template *row,
-                               struct errinfo *e)
-{
-    return rows_table_delete(t, &rows_templates, row, e);
-}
-
 enum status rows_template_delete(struct log_txn *t, struct rows_subject *of,
                                  const struct rows_template *row, struct errinfo *e)
 {
-    const enum status st = rows_template_drop(t, row, e);
+    const enum status st = rows_table_delete(t, &rows_templates, row, e);
 
     return st == ST_OK ? recount(t, of, row->mac, NULL, e) : st;
 }
