@@ -54,71 +54,62 @@ TEST(test_scopes)
         assert_false(rows_scopes_read(bad[i], &scopes));
 }
 
+/* Rights end at once, for every process: by another secret, the end of its grace, revocation, expiry.
+ * Over HTTP: tests/box/http-tokens.sh. */
 TEST(test_tokens)
 {
-    struct store *s = tempdb_fresh(), *other;
-    struct store_token t, u, got, *list;
-    char secret[65], second[65];
+    struct store *s = tempdb_fresh(), *other = tempdb_open(STORE_WRITE);
+    struct store_token t, got, *list;
+    char first[65], second[65], third[65];
     size_t n;
 
-    create(s, "gate 1", STORE_SCOPE_VERIFY | STORE_SCOPE_READ, 0, secret, &t);
-    create(s, "gate 2", STORE_SCOPE_ALL, 3600, second, &u);
-    assert_string_not_equal(secret, second);
-    must(store_token_check(s, secret, &got, &e));
-    assert_string_equal(got.id, t.id);
-    assert_int_equal(got.scopes, STORE_SCOPE_VERIFY | STORE_SCOPE_READ);
-    assert_string_equal(got.expires, "");
+    create(s, "gate 1", STORE_SCOPE_VERIFY, 3600, first, &t);
     for (size_t i = 0; i < 64; i++) { /* every character counts */
-        const char was = secret[i];
+        const char was = first[i];
 
-        secret[i] = was == '0' ? '1' : '0';
-        assert_int_equal(check(s, secret), ST_EDENIED);
-        secret[i] = was;
+        first[i] = was == '0' ? '1' : '0';
+        assert_int_equal(check(s, first), ST_EDENIED);
+        first[i] = was;
     }
-    assert_int_equal(check(s, ""), ST_EDENIED);
     assert_int_equal(check(s, "' OR 1=1 --"), ST_EDENIED);
-
-    /* Revoked by another handle: seen at once. */
-    other = tempdb_open(STORE_WRITE);
-    must(store_token_revoke(other, "test", t.id, &e));
-    assert_int_equal(check(s, secret), ST_EDENIED);
-    assert_int_equal(check(s, second), ST_OK);
-    must(store_token_revoke(other, "test", t.id, &e));
-    fails(store_token_revoke(other, "test", "0123456789abcdef0123456789abcdef", &e),
-          ST_ENOTFOUND);
-    store_close(other);
+    must(store_token_rotate(s, "test", t.id, 0, -1, second, &got, &e));
+    assert_string_equal(got.expires, t.expires);
+    assert_int_equal(check(other, first), ST_EDENIED);
+    must(store_token_rotate(s, "test", t.id, 60, 0, third, &got, &e));
+    assert_string_equal(got.expires, "");
+    assert_int_equal(check(other, first), ST_EDENIED); /* is not brought back */
+    must(store_token_check(other, second, &got, &e));
+    assert_string_equal(got.id, t.id);
+    assert_int_equal(got.scopes, STORE_SCOPE_VERIFY);
+    forge("UPDATE tokens SET old_until = '2026-01-01T00:00:00.000Z'");
+    assert_int_equal(check(other, second), ST_EDENIED);
+    assert_int_equal(check(other, third), ST_OK);
+    forge("UPDATE tokens SET old_until = '9026-01-01T00:00:00.000Z'");
+    for (int i = 0; i < 2; i++)
+        must(store_token_revoke(s, "test", t.id, &e));
+    assert_int_equal(check(other, second), ST_EDENIED);
+    assert_int_equal(check(other, third), ST_EDENIED);
+    fails(store_token_rotate(s, "test", t.id, 0, 0, first, &got, &e), ST_EDENIED);
+    assert_string_equal(first, "");
+    create(s, "gate 2", STORE_SCOPE_ALL, 86400, first, &t);
+    forge("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE revoked IS NULL");
+    assert_int_equal(check(s, first), ST_EDENIED);
     must(store_token_list(s, &list, &n, &e));
-    assert_int_equal(n, 2);
-    assert_true(list[0].revoked && !list[1].revoked && !list[1].expired);
-    assert_string_equal(list[0].name, "gate 1");
-    assert_string_equal(list[1].expires, u.expires);
+    assert_true(n == 2 && list[0].revoked && !list[0].expired && list[1].expired);
     free(list);
     must(store_verify(s, NULL, NULL, &e));
+    store_close(other);
     store_close(s);
-    assert_int_equal(tempdb_count("tokens WHERE instr(hash, x'00') >= 0"), 2);
     assert_int_equal(tempdb_count("change_log WHERE kind = 'revoke_token'"), 1);
 }
 
-TEST(test_expires)
+/* No scope, none that is known, a life that is over or never ends; no such token. */
+TEST(test_refused)
 {
     struct store *s = tempdb_fresh();
-    struct store_token t, *list;
+    struct store_token t;
     char secret[65];
-    size_t n;
 
-    create(s, "day", STORE_SCOPE_ALL, 86400, secret, &t);
-    assert_int_equal(
-        tempdb_number("SELECT round((julianday(expires) - julianday(created)) * 1000) "
-                      "FROM tokens"),
-        1000);
-    assert_int_equal(check(s, secret), ST_OK);
-    forge("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z'");
-    assert_int_equal(check(s, secret), ST_EDENIED);
-    assert_non_null(strstr(e.msg, "expired"));
-    must(store_token_list(s, &list, &n, &e));
-    assert_true(n == 1 && list[0].expired && !list[0].revoked);
-    free(list);
-    /* What cannot be: no scope, none that is known, a life that is over or never ends. */
     fails(store_token_create(s, "", "x", 0, 0, secret, &t, &e), ST_EINVAL);
     fails(store_token_create(s, "", "x", STORE_SCOPE_ALL + 1, 0, secret, &t, &e),
           ST_EINVAL);
@@ -127,50 +118,11 @@ TEST(test_expires)
           ST_EINVAL);
     fails(store_token_create(s, "", "x", 1, INT64_MAX, secret, &t, &e), ST_EINVAL);
     assert_string_equal(secret, "");
-    must(store_token_create(s, "", "x", 1, STORE_LIFE_MAX, secret, &t, &e));
+    fails(store_token_revoke(s, "", "0123456789abcdef0123456789abcdef", &e),
+          ST_ENOTFOUND);
+    create(s, "x", 1, STORE_LIFE_MAX, secret, &t);
     assert_int_equal(check(s, secret), ST_OK);
     store_close(s);
-}
-
-TEST(test_rotated)
-{
-    struct store *s = tempdb_fresh();
-    struct store_token t, got;
-    char first[65], second[65], third[65];
-
-    create(s, "gate", STORE_SCOPE_VERIFY, 3600, first, &t);
-    /* At once. */
-    must(store_token_rotate(s, "test", t.id, 0, -1, second, &got, &e));
-    assert_string_equal(got.id, t.id);
-    assert_string_equal(got.expires, t.expires);
-    assert_int_equal(got.scopes, STORE_SCOPE_VERIFY);
-    assert_int_equal(check(s, first), ST_EDENIED);
-    assert_int_equal(check(s, second), ST_OK);
-    /* With a grace: both, and what was before them is not brought back. */
-    must(store_token_rotate(s, "test", t.id, 60, 0, third, &got, &e));
-    assert_string_equal(got.expires, "");
-    assert_true(got.old_until[0] != '\0');
-    assert_int_equal(check(s, first), ST_EDENIED);
-    must(store_token_check(s, second, &got, &e));
-    assert_string_equal(got.id, t.id);
-    assert_int_equal(check(s, third), ST_OK);
-    forge("UPDATE tokens SET old_until = '2026-01-01T00:00:00.000Z'");
-    assert_int_equal(check(s, second), ST_EDENIED);
-    assert_int_equal(check(s, third), ST_OK);
-    /* Revoked: neither, and no way back. */
-    forge("UPDATE tokens SET old_until = '9026-01-01T00:00:00.000Z'");
-    assert_int_equal(check(s, second), ST_OK);
-    must(store_token_revoke(s, "test", t.id, &e));
-    assert_int_equal(check(s, second), ST_EDENIED);
-    assert_int_equal(check(s, third), ST_EDENIED);
-    fails(store_token_rotate(s, "test", t.id, 0, 0, first, &got, &e), ST_EDENIED);
-    assert_string_equal(first, "");
-    fails(store_token_rotate(s, "test", "0123456789abcdef0123456789abcdef", 0, 0, first,
-                             &got, &e),
-          ST_ENOTFOUND);
-    must(store_verify(s, NULL, NULL, &e));
-    store_close(s);
-    assert_int_equal(tempdb_count("change_log WHERE kind = 'rotate_token'"), 2);
 }
 
 /* Last use: noted once a minute, and never waited for. */

@@ -294,3 +294,54 @@ TEST(test_replayed)
     assert_false(replayed(s, "alice", digest[1], t[1].digest));
     store_close(s);
 }
+
+static struct store_subject get(struct store *s, const char *subject)
+{
+    struct store_subject one;
+
+    must(store_subject_get(s, subject, &one, &e));
+    return one;
+}
+
+static void see(struct store *s, const struct store_subject *one)
+{
+    const struct store_record what = {.subject = one,
+                                      .actor = "",
+                                      .kind = "verify",
+                                      .template_id = "",
+                                      .outcome = "match"};
+    struct store_recorded out = {0};
+
+    must(store_record_verification(s, &what, &out, &e));
+}
+
+TEST(test_seen)
+{
+    struct store *s = tempdb_fresh();
+    struct store_subject one;
+    bool created;
+
+    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t[0]);
+    one = get(s, "alice");
+    assert_string_equal(one.seen, t[0].created);
+    tempdb_sql("UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'");
+    one = get(s, "alice");
+    see(s, &one);
+    assert_true(strcmp(get(s, "alice").seen, t[0].created) >= 0);
+    /* Once a minute; but a time that is still to come is a mistake. */
+    one = get(s, "alice");
+    tempdb_sql("UPDATE subjects SET seen = NULL");
+    see(s, &one);
+    assert_string_equal(get(s, "alice").seen, "");
+    tempdb_sql("UPDATE subjects SET seen = '9026-01-01T00:00:00.000Z'");
+    one = get(s, "alice");
+    see(s, &one);
+    assert_true(get(s, "alice").seen[0] == '2');
+    /* Enrolling the same scan again counts as seen too. */
+    tempdb_sql("UPDATE subjects SET seen = NULL");
+    must(tempdb_store(s, "", "alice", "", &tempdb_face[0], &t[0], &created, &e));
+    assert_false(created);
+    assert_true(get(s, "alice").seen[0] == '2');
+    assert_int_equal(tempdb_count("change_log WHERE kind = 'enroll'"), 1);
+    store_close(s);
+}
