@@ -1,6 +1,6 @@
 /* link: -Wl,--wrap=clock_gettime */
-/* The audit log of a store: lists and trims; what another program changes in
- * its rows is found, with its place. */
+/* The audit log of a store: trimmed; what another program changes in its rows is found, with its
+ * place.  Lists, signed entries and receipts: tests/box/audit.sh. */
 #include <time.h>
 
 #include "store.h"
@@ -26,9 +26,9 @@ int __wrap_clock_gettime(clockid_t clock, struct timespec *ts)
     return done;
 }
 
-static void event(struct store *s, const char *kind, const char *subject)
+static void event(struct store *s)
 {
-    must(store_event(s, kind, "door", subject, "", "match", &e));
+    must(store_event(s, "verify", "door", "", "", "match", &e));
 }
 
 struct found {
@@ -61,7 +61,7 @@ static struct store *written(int old)
 
     for (int i = 1; i <= ACCESSES; i++) {
         long_ago = i <= old;
-        event(s, "verify", "");
+        event(s);
         if (i == 6)
             tempdb_add(s, "alice");
         if (i == 4 || i == 8)
@@ -121,6 +121,9 @@ TEST(test_trim)
     struct found f;
     uint64_t cut;
 
+    fails(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
+    fails(store_event(s, "verify", "a\nb", "", "", "", &e), ST_EINVAL);
+    fails(store_event(s, "verify", "", "no spaces", "", "", &e), ST_EINVAL);
     fails(store_audit_trim(s, "test", 0, false, &cut, &e), ST_EINVAL);
     must(store_audit_trim(s, "test", 30, false, &cut, &e));
     assert_int_equal(cut, 0); /* none is as old, and nothing is said */
@@ -137,7 +140,7 @@ TEST(test_trim)
         }
         assert_int_equal(tempdb_number("SELECT min(seq) FROM access_log"), gone + 1);
         assert_string_equal(verify(s).lines, "");
-        event(s, "verify", "");
+        event(s);
         tempdb_add(s, "bob");
         f = verify(s);
         assert_string_equal(f.lines, "");
@@ -150,89 +153,4 @@ TEST(test_trim)
         assert_int_equal(f.w.first, gone + 1);
         store_close(s);
     }
-}
-
-static size_t list(struct store *s, const struct store_audit_filter *filter,
-                   struct store_audit_entry **out)
-{
-    size_t n;
-
-    must(store_audit_list(s, filter, out, &n, &e));
-    return n;
-}
-
-/* The kinds of the entries, in the order of the list. */
-static void assert_kinds(struct store *s, const struct store_audit_filter *filter,
-                         const char *wanted)
-{
-    struct store_audit_entry *a;
-    const size_t n = list(s, filter, &a);
-    char kinds[200] = "";
-
-    for (size_t i = 0; i < n; i++)
-        (void)snprintf(kinds + strlen(kinds), sizeof kinds - strlen(kinds), "%s ",
-                       a[i].entry.kind);
-    free(a);
-    assert_string_equal(kinds, wanted);
-}
-
-TEST(test_list)
-{
-    static const enum log_name accesses = LOG_ACCESSES, changes = LOG_CHANGES;
-    struct store *s = tempdb_fresh();
-    struct store_audit_entry *a;
-    unsigned char uid[STORE_UID];
-    size_t n;
-
-    tempdb_add(s, "alice");
-    event(s, "verify", "alice");
-    event(s, "compare", "bob"); /* no subject */
-    tempdb_add(s, "carol");
-    event(s, "identify", "");
-    assert_kinds(s, &(struct store_audit_filter){.names = false},
-                 "create_database add_subject verify compare add_subject identify ");
-    assert_int_equal(list(s, &(struct store_audit_filter){.names = true}, &a), 6);
-    assert_string_equal(a[1].subject, "alice");
-    assert_string_equal(a[1].entry.actor, "test");
-    assert_string_equal(a[2].subject, "alice");
-    assert_memory_equal(a[1].entry.uid, a[2].entry.uid, STORE_UID);
-    memcpy(uid, a[1].entry.uid, sizeof uid);
-    assert_string_equal(a[3].subject, "");
-    assert_string_equal(a[4].subject, "carol");
-    assert_int_equal(a[4].entry.accesses.seq, 2);
-    free(a);
-    assert_kinds(s,
-                 &(struct store_audit_filter){.log = &accesses, .wanted = {.after = 1}},
-                 "compare identify ");
-    assert_kinds(s,
-                 &(struct store_audit_filter){.log = &changes,
-                                              .wanted = {.newest = true, .limit = 2}},
-                 "add_subject add_subject ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.newest = true, .limit = 2}},
-                 "add_subject identify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.limit = 3}},
-                 "create_database add_subject verify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.kind = "verify"}},
-                 "verify ");
-    assert_kinds(s, &(struct store_audit_filter){.subject = "alice"},
-                 "add_subject verify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.since = "2020"}},
-                 "create_database add_subject verify compare add_subject identify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.since = "9000-01"}}, "");
-    fails(store_audit_list(s,
-                           &(struct store_audit_filter){.wanted = {.since = "tuesday"}},
-                           &a, &n, &e),
-          ST_EINVAL);
-    fails(store_audit_list(s, &(struct store_audit_filter){.subject = "a b"}, &a, &n, &e),
-          ST_EINVAL);
-    fails(store_audit_list(s, &(struct store_audit_filter){.subject = "bob"}, &a, &n, &e),
-          ST_ENOTFOUND);
-    fails(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
-    fails(store_event(s, "verify", "a\nb", "", "", "", &e), ST_EINVAL);
-    fails(store_event(s, "verify", "", "no spaces", "", "", &e), ST_EINVAL);
-    /* After the erasure by the uid alone. */
-    must(tempdb_erase(s, "test", "alice", &e));
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.uid = uid}, .names = true},
-                 "add_subject verify delete_subject ");
-    store_close(s);
 }
