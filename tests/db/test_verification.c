@@ -1,4 +1,5 @@
-/* What a verification reads and writes, in one transaction each. */
+/* What a verification reads and writes, in one transaction each.  What is no new scan:
+ * tests/box/http-replay.sh. */
 /* link: -Wl,--wrap=sql_begin */
 #include "errinfo.h"
 #include "model.h"
@@ -226,72 +227,6 @@ TEST(test_no_event)
     tempdb_sql("DELETE FROM access_log");
     must(tempdb_erase(s, "test", "bob", &e));
     fails(store_record_verification(s, &what, &out, &e), ST_ENOTFOUND);
-    store_close(s);
-}
-
-static char digest[2][65]; /* of points as they were read */
-
-/* A match by a probe: is it a new scan? */
-static bool replayed(struct store *s, const char *who, const char *read, const char *used)
-{
-    struct store_subject one;
-    struct store_probe probe = {.read = read};
-    struct store_recorded out;
-    const struct store_record what = {.subject = &one,
-                                      .as = STORE_RECORD_PASSED,
-                                      .actor = "test",
-                                      .kind = "verify",
-                                      .template_id = "",
-                                      .outcome = "match",
-                                      .probe = &probe};
-    uint32_t before;
-
-    (void)snprintf(probe.used, sizeof probe.used, "%s", used);
-    must(store_subject_get(s, who, &one, &e));
-    before = tempdb_attempts(s, "test", who).failures;
-    must(store_record_verification(s, &what, &out, &e));
-    assert_string_equal(last_event(s).entry.outcome, out.replayed ? "replayed" : "match");
-    assert_int_equal(tempdb_attempts(s, "test", who).failures,
-                     out.replayed ? before + 1 : 0);
-    return out.replayed;
-}
-
-TEST(test_replayed)
-{
-    struct store *s = make();
-    struct store_template carol;
-    bool created;
-
-    for (int i = 0; i < 2; i++)
-        memset(digest[i], 'a' + i, 64);
-    assert_int_equal(
-        store_enroll(s,
-                     &(struct store_enroll){
-                         .actor = "test",
-                         .subject = "carol",
-                         .label = "",
-                         .sample = &(struct store_sample){.face = &tempdb_face[2],
-                                                          .read = digest[0]},
-                         .n = 1},
-                     &carol, &created, &e),
-        ST_OK);
-    /* The cloud of a template, as it was used and as it was read; of this subject alone. */
-    assert_true(replayed(s, "alice", digest[1], t[0].digest));
-    assert_true(replayed(s, "alice", digest[1], t[1].digest));
-    assert_false(replayed(s, "alice", digest[1], t[2].digest));
-    assert_true(replayed(s, "carol", digest[0], ""));
-    assert_false(replayed(s, "bob", digest[0], ""));
-    /* A probe is not remembered. */
-    assert_false(replayed(s, "alice", digest[1], ""));
-    assert_false(replayed(s, "alice", digest[1], ""));
-    /* It ends with the template, and with the subject. */
-    must(store_template_delete(s, "test", carol.id, &e));
-    assert_false(replayed(s, "carol", digest[0], carol.digest));
-    must(store_verify(s, NULL, NULL, &e));
-    must(tempdb_erase(s, "test", "alice", &e));
-    tempdb_enroll(s, "alice", "", &tempdb_face[0], &t[0]);
-    assert_true(replayed(s, "alice", digest[1], t[0].digest));
-    assert_false(replayed(s, "alice", digest[1], t[1].digest));
     store_close(s);
 }
 
