@@ -96,30 +96,19 @@ enum status rows_calibration_get(struct log_txn *t, struct store_calibration *k,
     return sql_done(r, st, e);
 }
 
-static enum status next_version(struct log_txn *t, int64_t *version, struct errinfo *e)
-{
-    struct sql_rows *r;
-    enum status st =
-        sql_first(t->sql, "SELECT coalesce(max(calibration_key), 0) FROM calibrations",
-                  NULL, 0, &r, e);
-
-    *version = 0;
-    if (st == ST_OK && sql_column(r, 0).i < INT64_MAX)
-        *version = sql_column(r, 0).i + 1;
-    else if (st == ST_OK)
-        st = errinfo_set(e, ST_ECORRUPT, "calibrations: their numbers are used up");
-    return sql_done(r, st, e);
-}
-
 enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
                                  struct errinfo *e)
 {
     const struct calibration *c = &k->table;
     struct row row = {.revision = 0};
     unsigned char *to = row.knots.bytes;
-    enum status st;
+    enum status st = ST_OK;
 
-    if (k->version == 0 && (st = next_version(t, &k->version, e)) != ST_OK)
+    if (k->version == 0) {
+        st = rows_calibration_get(t, &row.one, e);
+        k->version = st == ST_OK ? row.one.version + 1 : 1;
+    }
+    if (st != ST_OK && st != ST_ENOTFOUND)
         return st;
     row.one = *k;
     for (uint32_t i = 0; i < c->n; i++) {

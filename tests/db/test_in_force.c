@@ -67,9 +67,12 @@ TEST(test_followed)
         assert_int_equal(r.decision, FACE_MATCH);
         assert_true(r.threshold == -700);
         assert_true(r.fmr_at_score == calibration_fmr(&k.table, r.score));
-        add(s, &k);
-        tempdb_sql("UPDATE calibrations SET threshold = threshold + 1");
+        tempdb_sql(
+            "INSERT INTO calibrations SELECT calibration_key + 1, revision, created, "
+            "actor, engine, shipped, fmr, threshold, low, high, subjects, impostors, "
+            "genuine, knots, mac FROM calibrations ORDER BY 1 DESC LIMIT 1");
         fails(in_force_follow(s, tempdb_work, &version, &e), ST_ECORRUPT);
+        fails(store_calibration_add(s, "test", &k, &e), ST_ECORRUPT);
     }
     store_close(s);
 }
