@@ -9,8 +9,6 @@ struct log_end;    /* log_entry.h */
 struct model;      /* model.h */
 struct store;
 
-typedef void store_report(void *arg, const char *line);
-
 enum store_mode {
     STORE_READ,   /* changes are refused with ST_EDENIED */
     STORE_WRITE,  /* the database must be there */

@@ -239,7 +239,9 @@ static enum status get(struct store *s, const char *id, struct store_template *t
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,
                                struct errinfo *e)
 {
-    return get(s, id, t, NULL, NULL, e);
+    size_t none;
+
+    return get(s, id, t, NULL, &none, e);
 }
 
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,

@@ -2,8 +2,9 @@
 #ifndef DB_STORE_TXN_H
 #define DB_STORE_TXN_H
 #include <stdatomic.h>
+#include "errinfo.h"
 #include "log_txn.h"
-#include "store_open.h"
+#include "rows_types.h"
 
 struct model;         /* model.h */
 struct rows_subject;  /* rows_subject.h */
