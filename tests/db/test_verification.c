@@ -2,7 +2,6 @@
  * tests/box/http-replay.sh. */
 /* link: -Wl,--wrap=sql_begin */
 #include "errinfo.h"
-#include "model.h"
 #include "sql.h"
 #include "tempdb.h"
 #include "unit.h"
