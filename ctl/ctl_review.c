@@ -12,8 +12,7 @@
 #include "ctl_model.h"
 #include "readfile.h"
 #include "json.h"
-#include "store_audit.h"
-#include "store_erase.h"
+#include "store.h"
 
 #define LINE          4096      /* bytes of a line of an export, at most */
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */

@@ -4,7 +4,7 @@
 
 #include "face.h"
 #include "model.h"
-#include "store_calibration.h"
+#include "store.h"
 #include "store_open.h"
 
 /* Was it made for the measure and the model that s is used with? */

@@ -6,7 +6,6 @@
 #include "options.h"
 #include "rows_attempts.h"
 #include "rows_subject.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 static enum status reset(struct log_txn *t, const struct log_act *by, const char *subject,

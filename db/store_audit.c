@@ -1,4 +1,4 @@
-#include "store_audit.h"
+#include "store.h"
 
 #include <inttypes.h>
 #include <sodium.h>
@@ -14,26 +14,13 @@
 
 /* ---- lists */
 
-/* The beginning of a time: "2026-11-21", "2026-11-21T14:30". */
-static bool since_valid(const char *since)
-{
-    static const char form[] = "dddd-dd-ddTdd:dd:dd.dddZ";
-    const size_t n = strlen(since);
-
-    if (n < 4 || n > sizeof form - 1)
-        return false;
-    for (size_t i = 0; i < n; i++)
-        if (form[i] == 'd' ? since[i] < '0' || since[i] > '9' : since[i] != form[i])
-            return false;
-    return true;
-}
-
 static enum status check_filter(const struct store_audit_filter *f, struct errinfo *e)
 {
     if (f->wanted.kind != NULL && !ident_printable(f->wanted.kind, 1, LOG_TEXT))
         return errinfo_set(e, ST_EINVAL, "a kind is 1 to %d printable characters",
                            LOG_TEXT);
-    if (f->wanted.since != NULL && !since_valid(f->wanted.since))
+    if (f->wanted.since != NULL &&
+        !ident_consists(f->wanted.since, "0123456789-T:.Z", 4, 24))
         return errinfo_set(e, ST_EINVAL,
                            "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
                            f->wanted.since);
@@ -55,52 +42,32 @@ static enum status find_name(struct log_txn *t, struct store_audit_entry *a,
     return st == ST_ENOTFOUND || st == ST_ECORRUPT ? ST_OK : st;
 }
 
-struct logs {
-    struct log_entry *entry[LOGS];
-    size_t n[LOGS];
-};
-
 /* Both in the order of their writing: a change says how many accesses came before it. */
-static enum log_name next_log(const struct logs *l, const size_t at[LOGS])
+static void merge(struct log_entry *const entry[LOGS], const size_t n[LOGS], size_t skip,
+                  struct store_audit_entry *out)
 {
-    if (at[LOG_CHANGES] == l->n[LOG_CHANGES])
-        return LOG_ACCESSES;
-    if (at[LOG_ACCESSES] == l->n[LOG_ACCESSES])
-        return LOG_CHANGES;
-    return l->entry[LOG_ACCESSES][at[LOG_ACCESSES]].seq <=
-                   l->entry[LOG_CHANGES][at[LOG_CHANGES]].accesses.seq
-               ? LOG_ACCESSES
-               : LOG_CHANGES;
-}
+    size_t at[LOGS] = {0};
 
-static enum status merge(const struct logs *l, const struct log_filter *f,
-                         struct store_audit_entry **out, size_t *n, struct errinfo *e)
-{
-    const size_t all = l->n[LOG_CHANGES] + l->n[LOG_ACCESSES];
-    size_t at[LOGS] = {0}, skip;
+    for (size_t i = 0; i < n[LOG_CHANGES] + n[LOG_ACCESSES]; i++) {
+        const struct log_entry *change = entry[LOG_CHANGES] + at[LOG_CHANGES];
+        const struct log_entry *access = entry[LOG_ACCESSES] + at[LOG_ACCESSES];
+        const bool is_access =
+            at[LOG_ACCESSES] < n[LOG_ACCESSES] &&
+            (at[LOG_CHANGES] == n[LOG_CHANGES] || access->seq <= change->accesses.seq);
 
-    *n = f->limit != 0 && f->limit < all ? (size_t)f->limit : all;
-    skip = f->newest ? all - *n : 0;
-    if (*n == 0)
-        return ST_OK;
-    if ((*out = calloc(*n, sizeof **out)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    for (size_t i = 0; i < skip + *n; i++) {
-        const enum log_name log = next_log(l, at);
-
+        at[is_access ? LOG_ACCESSES : LOG_CHANGES]++;
         if (i >= skip)
-            (*out)[i - skip].entry = l->entry[log][at[log]];
-        at[log]++;
+            (out++)->entry = is_access ? *access : *change;
     }
-    return ST_OK;
 }
 
 static enum status list(struct log_txn *t, const struct store_audit_filter *filter,
                         struct store_audit_entry **out, size_t *n, struct errinfo *e)
 {
     struct log_filter wanted = filter->wanted;
+    struct log_entry *entry[LOGS] = {NULL};
     struct rows_subject of;
-    struct logs l = {{0}, {0}};
+    size_t of_log[LOGS] = {0};
     enum status st = ST_OK;
 
     if (filter->subject != NULL) {
@@ -111,11 +78,18 @@ static enum status list(struct log_txn *t, const struct store_audit_filter *filt
     }
     for (int i = 0; i < LOGS && st == ST_OK; i++)
         if (filter->log == NULL || *filter->log == (enum log_name)i)
-            st = log_list(t->sql, (enum log_name)i, &wanted, &l.entry[i], &l.n[i], e);
-    if (st == ST_OK)
-        st = merge(&l, &wanted, out, n, e);
+            st = log_list(t->sql, (enum log_name)i, &wanted, &entry[i], &of_log[i], e);
+    *n = of_log[LOG_CHANGES] + of_log[LOG_ACCESSES];
+    if (st == ST_OK && *n > 0 && (*out = calloc(*n, sizeof **out)) == NULL)
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st == ST_OK && *n > 0) {
+        const size_t all = *n;
+
+        *n = wanted.limit != 0 && wanted.limit < all ? (size_t)wanted.limit : all;
+        merge(entry, of_log, wanted.newest ? all - *n : 0, *out);
+    }
     for (int i = 0; i < LOGS; i++)
-        free(l.entry[i]);
+        free(entry[i]);
     for (size_t i = 0; st == ST_OK && filter->names && i < *n; i++)
         st = find_name(t, &(*out)[i], e);
     return st;

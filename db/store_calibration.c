@@ -1,4 +1,4 @@
-#include "store_calibration.h"
+#include "store.h"
 
 #include <inttypes.h>
 #include <stdio.h>

@@ -1,11 +1,10 @@
-#include "store_capture.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <string.h>
 
 #include "bytes.h"
 #include "rows_device.h"
-#include "store_rules.h"
 #include "store_txn.h"
 #include "utc.h"
 

@@ -1,4 +1,4 @@
-#include "store_device.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <stdio.h>
@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "rows_device.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 bool store_device_valid(const char *name)
@@ -51,22 +50,17 @@ enum status store_device_add(struct store *s, const char *actor, const char *nam
 enum status store_device_list(struct store *s, struct store_device **out, size_t *n,
                               struct errinfo *e)
 {
-    struct rows_device *row = NULL;
+    void *list = NULL;
     struct log_txn t;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK ||
-        (st = store_end(s, &t, rows_device_list(&t, &row, n, e), e)) != ST_OK)
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    if (*n > 0 && (*out = malloc(*n * sizeof **out)) == NULL) {
-        *n = 0;
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    }
-    for (size_t i = 0; i < *n; i++)
-        (*out)[i] = row[i].one;
-    free(row);
+    st =
+        store_end(s, &t, rows_table_all(&t, &rows_devices, sizeof **out, &list, n, e), e);
+    *out = list;
     return st;
 }
 

@@ -1,4 +1,4 @@
-#include "store_erase.h"
+#include "store.h"
 
 #include <inttypes.h>
 #include <sodium.h>
@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "rows_template.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 /* ---- receipts */
@@ -43,7 +42,7 @@ static size_t signed_text(const struct store_receipt *r, char out[SIGNED_TEXT])
                             r->digest, r->seq, r->hash);
 }
 
-void store_receipt_sign(const struct crypt *c, struct store_receipt *r)
+static void sign(const struct crypt *c, struct store_receipt *r)
 {
     unsigned char public[CRYPT_KEY], signature[CRYPT_SIGN];
     char text[SIGNED_TEXT];
@@ -107,11 +106,11 @@ enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
     if (st == ST_OK && out != NULL)
         st = list_ids(row, n, out, e);
     for (size_t i = 0; st == ST_OK && i < n; i++)
-        if ((st = rows_template_drop(t, &row[i], e)) == ST_OK)
+        if ((st = rows_table_delete(t, &rows_templates, &row[i], e)) == ST_OK)
             st = log_change(t, by, "delete_template", of->one.uid, row[i].one.id,
                             "deleted", e);
     free(row);
-    if (st != ST_OK || (st = rows_subject_delete(t, of, e)) != ST_OK)
+    if (st != ST_OK || (st = rows_table_delete(t, &rows_subjects, of, e)) != ST_OK)
         return st;
     return log_change(t, by, "delete_subject", of->one.uid, "", outcome, e);
 }
@@ -125,7 +124,7 @@ static void give_receipt(const struct log_txn *t, const struct log_act *by,
     (void)sodium_bin2hex(out->uid, sizeof out->uid, who->uid, sizeof who->uid);
     memcpy(out->subject, who->id, sizeof out->subject);
     memcpy(out->at, by->at, sizeof out->at);
-    store_receipt_sign(t->crypt, out);
+    sign(t->crypt, out);
 }
 
 static enum status erase_rows(struct log_txn *t, const struct log_act *by,

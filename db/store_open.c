@@ -190,19 +190,6 @@ static bool may_make(const struct opening *o, enum store_mode mode)
            (mode == STORE_BEGIN && access(o->key_path, F_OK) != 0);
 }
 
-static enum status need_version(struct store *s, struct opening *o, enum store_mode mode,
-                                struct errinfo *e)
-{
-    const int version = sql_version(s->sql);
-
-    if (version == sql_newest())
-        return ST_OK;
-    if (version == 0)
-        return may_make(o, mode) ? make_database(s, o, e) : nothing_there(o, e);
-    return errinfo_set(e, ST_EVERSION, "%s has schema version %d, this program needs %d",
-                       s->path, version, sql_newest());
-}
-
 static enum status open_keys(struct store *s, const struct opening *o, struct errinfo *e)
 {
     struct crypt_root root;
@@ -268,8 +255,9 @@ static enum status open_all(struct store *s, struct opening *o, enum store_mode 
         return errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
     if ((st = sql_open(s->path, how, &s->sql, e)) == ST_ENOTFOUND)
         return nothing_there(o, e);
-    if (st != ST_OK || (st = need_version(s, o, mode, e)) != ST_OK ||
-        (st = open_keys(s, o, e)) != ST_OK)
+    if (st == ST_OK && sql_version(s->sql) == 0)
+        st = may_make(o, mode) ? make_database(s, o, e) : nothing_there(o, e);
+    if (st != ST_OK || (st = open_keys(s, o, e)) != ST_OK)
         return st;
     return try_it(s, mode, e);
 }
@@ -342,7 +330,7 @@ enum status store_ready(struct store *s, struct errinfo *e)
 
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, sql_file_ready(t.sql, e), e);
+    return store_end(s, &t, ST_OK, e);
 }
 
 enum status store_verify(struct store *s, store_report *report, void *arg,
@@ -354,7 +342,7 @@ enum status store_verify(struct store *s, store_report *report, void *arg,
 
     if (st != ST_OK)
         return st;
-    st = store_state_verify(&t, report, arg, &why);
+    st = store_txn_verify(&t, report, arg, &why);
     (void)store_end(s, &t, st, NULL);
     if (st != ST_OK)
         return store_refuse(s, st, &why, e);
@@ -364,12 +352,12 @@ enum status store_verify(struct store *s, store_report *report, void *arg,
 
 bool store_refused(struct store *s, struct errinfo *e)
 {
-    return store_state_get(&s->refusal, e);
+    return store_fault_get(&s->refusal, e);
 }
 
 bool store_anchor_fault(struct store *s, struct errinfo *e)
 {
-    return store_state_get(&s->anchor_fault, e);
+    return store_fault_get(&s->anchor_fault, e);
 }
 
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e)
@@ -411,19 +399,6 @@ enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *
     return st;
 }
 
-enum status store_look(const char *path, struct store_look *out, struct errinfo *e)
-{
-    struct sql *d;
-    const enum status st = sql_open(path, SQL_OPEN_LOOK, &d, e);
-
-    *out = (struct store_look){.newest = sql_newest()};
-    if (st != ST_OK)
-        return st;
-    out->version = sql_version(d);
-    sql_close(d);
-    return ST_OK;
-}
-
 /* ---- statistics, room */
 
 enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e)
@@ -435,7 +410,7 @@ enum status store_stats(struct store *s, struct store_stats *out, struct errinfo
     enum status st;
 
     memset(out, 0, sizeof *out);
-    out->schema = (uint32_t)sql_newest();
+    out->schema = (uint32_t)sql_version(s->sql);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     st = sql_query(

@@ -1,9 +1,8 @@
 /* store_open.h -- a store: opened, made, closed. */
 #ifndef DB_STORE_OPEN_H
 #define DB_STORE_OPEN_H
+#include "errinfo.h"
 #include "rows_types.h"
-#include "status.h"
-#include "store_state.h"
 
 struct crypt_file; /* crypt_file.h */
 struct log_end;    /* log_entry.h */
@@ -44,12 +43,8 @@ enum status store_open(const char *path, enum store_mode mode,
 void store_close(struct store *s); /* NULL is allowed */
 
 /* store_kind(path, kind, e): how the database's master key is kept, which takes no key.
- * store_look(path, out, e): of which version a database is, which takes no key. */
-struct store_look {
-    int version, newest; /* of the schema, 0: it is empty; what this program makes */
-};
+ * ST_ENOTFOUND, also where it is empty; ST_EVERSION. */
 enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e);
-enum status store_look(const char *path, struct store_look *out, struct errinfo *e);
 
 /* store_in_use(path, pid): has another process the database open?  *pid: one that has, 0 where
  * that is not known.  Not while this process has it open. */
@@ -63,7 +58,7 @@ void store_use_model(struct store *s, const struct model *m);
 const struct model *store_model(const struct store *s);
 const char *store_made_by(const struct store *s);
 
-/* store_ready(s, e): can the database be reached, and is its schema this program's?
+/* store_ready(s, e): can the database be reached?
  * store_verify(s, report, arg, e): all rows with a MAC against the digest of the last change, and
  * the indexes by which they are found.  ST_EREFUSED: a difference; report() (or NULL) is called
  * once a problem.  1 s for 100,000 templates, memory constant.  It is done by itself before the

@@ -1,11 +1,10 @@
-#include "store_subject.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "rows_subject.h"
-#include "store_rules.h"
 #include "store_txn.h"
 #include "utf8.h"
 
@@ -138,108 +137,83 @@ enum status store_subject_add(struct store *s, const char *actor,
 
 /* ---- changes */
 
-struct edit { /* what is NULL stays as it is */
-    const char *id, *reference, *purpose, *expires;
-    const bool *hold, *disabled;
-    struct {
-        const char *kind, *outcome;
-    } event[3];
-    int events; /* 1.. */
-};
-
-static void add_event(struct edit *what, const char *kind, const char *outcome)
-{
-    what->event[what->events].kind = kind;
-    what->event[what->events++].outcome = outcome;
-}
-
 static void copy(char *to, size_t size, const char *from)
 {
     if (from != NULL)
         (void)snprintf(to, size, "%s", from);
 }
 
-static void apply(struct store_subject *one, const struct edit *edit)
+/* end: what->expires as it is stored. */
+static enum status set_row(struct log_txn *t, const struct log_act *by,
+                           const char *subject, const struct store_subject_change *what,
+                           const char *end, struct errinfo *e)
 {
-    copy(one->id, sizeof one->id, edit->id);
-    copy(one->reference, sizeof one->reference, edit->reference);
-    copy(one->purpose, sizeof one->purpose, edit->purpose);
-    copy(one->expires, sizeof one->expires, edit->expires);
-    if (edit->hold != NULL)
-        one->hold = *edit->hold;
-    if (edit->disabled != NULL)
-        one->disabled = *edit->disabled;
-}
-
-static enum status edit_row(struct log_txn *t, const struct log_act *by,
-                            const char *subject, const struct edit *edit,
-                            struct errinfo *e)
-{
+    const bool text = what->reference != NULL || what->purpose != NULL || end != NULL;
+    const bool hold = what->hold != NULL && *what->hold;
+    const bool disabled = what->disabled != NULL && *what->disabled;
+    const struct {
+        bool wanted;
+        const char *kind, *outcome;
+    } event[] = {
+        {text, "set_subject", "set"},
+        {what->hold != NULL, hold ? "hold_subject" : "release_subject",
+         hold ? "held" : "released"},
+        {what->disabled != NULL, disabled ? "disable_subject" : "enable_subject",
+         disabled ? "disabled" : "enabled"},
+    };
     struct rows_subject p;
-    enum status st;
+    enum status st = rows_subject_find(t, subject, &p, e);
 
-    if ((st = rows_subject_find(t, subject, &p, e)) != ST_OK ||
-        (edit->id != NULL && (st = need_free(t, edit->id, e)) != ST_OK))
-        goto out;
-    apply(&p.one, edit);
-    st = rows_subject_write(t, &p, e);
-    for (int i = 0; st == ST_OK && i < edit->events; i++)
-        st = log_change(t, by, edit->event[i].kind, p.one.uid, "", edit->event[i].outcome,
-                        e);
-out:
+    copy(p.one.reference, sizeof p.one.reference, what->reference);
+    copy(p.one.purpose, sizeof p.one.purpose, what->purpose);
+    copy(p.one.expires, sizeof p.one.expires, end);
+    p.one.hold = what->hold != NULL ? hold : p.one.hold;
+    p.one.disabled = what->disabled != NULL ? disabled : p.one.disabled;
+    if (st == ST_OK && (text || what->hold != NULL || what->disabled != NULL))
+        st = rows_subject_write(t, &p, e);
+    for (size_t i = 0; st == ST_OK && i < sizeof event / sizeof *event; i++)
+        if (event[i].wanted)
+            st = log_change(t, by, event[i].kind, p.one.uid, "", event[i].outcome, e);
     sodium_memzero(&p, sizeof p);
     return st;
-}
-
-static enum status change(struct store *s, const char *actor, const char *subject,
-                          const struct edit *what, struct errinfo *e)
-{
-    struct log_act by;
-    struct log_txn t;
-    enum status st;
-
-    if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
-        return st;
-    return store_end(s, &t, edit_row(&t, &by, subject, what, e), e);
 }
 
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
                               const struct store_subject_change *what, struct errinfo *e)
 {
-    struct edit to = {.reference = what->reference,
-                      .purpose = what->purpose,
-                      .hold = what->hold,
-                      .disabled = what->disabled};
-    struct store_subject as_it_is;
     char end[UTC_TEXT];
+    struct log_act by;
+    struct log_txn t;
     enum status st;
 
     if ((st = need_note(what->reference, e)) != ST_OK ||
         (st = need_note(what->purpose, e)) != ST_OK ||
-        (st = read_end(what->expires, end, e)) != ST_OK)
+        (st = read_end(what->expires, end, e)) != ST_OK ||
+        (st = ident_subject(subject, e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
-    if (what->expires != NULL)
-        to.expires = end;
-    if (what->reference != NULL || what->purpose != NULL || what->expires != NULL)
-        add_event(&to, "set_subject", "set");
-    if (what->hold != NULL)
-        add_event(&to, *what->hold ? "hold_subject" : "release_subject",
-                  *what->hold ? "held" : "released");
-    if (what->disabled != NULL)
-        add_event(&to, *what->disabled ? "disable_subject" : "enable_subject",
-                  *what->disabled ? "disabled" : "enabled");
-    if (to.events == 0)
-        return store_subject_get(s, subject, &as_it_is, e);
-    return change(s, actor, subject, &to, e);
+    st = set_row(&t, &by, subject, what, what->expires != NULL ? end : NULL, e);
+    return store_end(s, &t, st, e);
 }
 
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e)
 {
-    struct edit what = {.id = to};
-    const enum status st = ident_subject(to, e);
+    struct rows_subject p = {.revision = 0};
+    struct log_act by;
+    struct log_txn t;
+    enum status st;
 
-    add_event(&what, "rename_subject", "renamed");
-    return st != ST_OK ? st : change(s, actor, subject, &what, e);
+    if ((st = ident_subject(to, e)) != ST_OK ||
+        (st = ident_subject(subject, e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        return st;
+    if ((st = rows_subject_find(&t, subject, &p, e)) == ST_OK &&
+        (st = need_free(&t, to, e)) == ST_OK) {
+        copy(p.one.id, sizeof p.one.id, to);
+        if ((st = rows_subject_write(&t, &p, e)) == ST_OK)
+            st = log_change(&t, &by, "rename_subject", p.one.uid, "", "renamed", e);
+    }
+    sodium_memzero(&p, sizeof p);
+    return store_end(s, &t, st, e);
 }

@@ -10,7 +10,6 @@
 #include "mesh.h"
 #include "rows_template.h"
 #include "sql_read.h"
-#include "store_rules.h"
 #include "store_txn.h"
 #include "utf8.h"
 
@@ -215,8 +214,9 @@ enum status store_template_decode(const struct store *s, const struct store_temp
     return ST_OK;
 }
 
-enum status store_template_get(struct store *s, const char *id, struct store_template *t,
-                               struct errinfo *e)
+/* With its face, where that is wanted. */
+static enum status get(struct store *s, const char *id, struct store_template *t,
+                       unsigned char **face, size_t *len, struct errinfo *e)
 {
     struct rows_template row;
     struct rows_subject of;
@@ -227,28 +227,21 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
     if ((st = ident_id(id, "template", e)) != ST_OK ||
         (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
-    if ((st = rows_template_get(&x, id, &row, &of, e)) == ST_OK)
+    if ((st = rows_template_get(&x, id, &row, &of, e)) == ST_OK) {
         *t = row.one;
+        if (face != NULL)
+            st = rows_template_face(&x, &row, &of, face, len, e);
+    }
     sodium_memzero(&of, sizeof of);
     return store_end(s, &x, st, e);
 }
 
-static enum status load(struct store *s, const char *id, struct store_template *t,
-                        unsigned char **face, size_t *len, struct errinfo *e)
+enum status store_template_get(struct store *s, const char *id, struct store_template *t,
+                               struct errinfo *e)
 {
-    struct rows_template row;
-    struct rows_subject of;
-    struct log_txn x;
-    enum status st = store_begin(s, SQL_READ, &x, e);
+    size_t none;
 
-    if (st != ST_OK)
-        return st;
-    if ((st = rows_template_get(&x, id, &row, &of, e)) == ST_OK) {
-        *t = row.one;
-        st = rows_template_face(&x, &row, &of, face, len, e);
-    }
-    sodium_memzero(&of, sizeof of);
-    return store_end(s, &x, st, e);
+    return get(s, id, t, NULL, &none, e);
 }
 
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
@@ -256,12 +249,9 @@ enum status store_template_load(struct store *s, const char *id, struct store_te
 {
     unsigned char *face = NULL;
     size_t len = 0;
-    enum status st;
+    enum status st = get(s, id, t, &face, &len, e);
 
-    memset(t, 0, sizeof *t);
-    if ((st = ident_id(id, "template", e)) != ST_OK)
-        return st;
-    if ((st = load(s, id, t, &face, &len, e)) == ST_OK)
+    if (st == ST_OK)
         st = store_template_decode(s, t, face, len, w, f, e);
     rows_template_wipe(face, len);
     return st;

@@ -1,4 +1,4 @@
-#include "store_token.h"
+#include "store.h"
 
 #include <sodium.h>
 #include <stdio.h>
@@ -7,7 +7,6 @@
 
 #include "rows_attempts.h"
 #include "rows_token.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 #define SECRET_BYTES 32
@@ -161,7 +160,7 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e)
 {
-    struct rows_token *row = NULL;
+    void *list = NULL;
     struct log_txn x;
     int64_t ms;
     enum status st;
@@ -170,17 +169,13 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
     *n = 0;
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
         (st = store_begin(s, SQL_READ, &x, e)) != ST_OK ||
-        (st = store_end(s, &x, rows_token_list(&x, &row, n, e), e)) != ST_OK)
+        (st =
+             store_end(s, &x, rows_table_all(&x, &rows_tokens, sizeof **out, &list, n, e),
+                       e)) != ST_OK)
         return st;
-    if (*n > 0 && (*out = malloc(*n * sizeof **out)) == NULL) {
-        *n = 0;
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    }
-    for (size_t i = 0; i < *n; i++) {
-        (*out)[i] = row[i].token;
-        (*out)[i].expired = store_rules_past(row[i].token.expires, ms);
-    }
-    free(row);
+    *out = list;
+    for (size_t i = 0; i < *n; i++)
+        (*out)[i].expired = store_rules_past((*out)[i].expires, ms);
     return st;
 }
 

@@ -1,7 +1,78 @@
 #include "store_txn.h"
 
+#include <sodium.h>
+
 #include "log_anchor.h"
+#include "rows_digest.h"
 #include "sql_file.h"
+#include "utc.h"
+
+/* ---- is the database as it was written? */
+
+static void set_fault(struct store_fault *f, const struct errinfo *why)
+{
+    if (!atomic_flag_test_and_set(&f->begun)) {
+        f->why = *why;
+        atomic_store(&f->stands, true);
+    }
+}
+
+bool store_fault_get(struct store_fault *f, struct errinfo *e)
+{
+    if (!atomic_load(&f->stands))
+        return false;
+    if (e != NULL)
+        *e = f->why;
+    return true;
+}
+
+static void count(void *arg, const char *line)
+{
+    struct errinfo *first = arg;
+
+    if (first->code == ST_OK)
+        (void)errinfo_set(first, ST_EREFUSED, "%s", line);
+}
+
+/* Is it worth another try?  Whoever writes the file can keep the rows from being read: a table of
+ * another name, a row that is too large. */
+static bool may_pass(enum status st)
+{
+    return st == ST_EBUSY || st == ST_EIO || st == ST_ENOMEM;
+}
+
+enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
+                             struct errinfo *e)
+{
+    static const char advice[] =
+        "restore a backup (surfacectl restore), or see surfacectl check-database";
+    struct errinfo first = {ST_OK, ""}, why;
+    store_report *const tell = report != NULL ? report : count;
+    void *const to = report != NULL ? arg : &first;
+    unsigned char sum[LOG_DIGEST];
+    uint64_t bad, lost, twice = 0;
+    bool same = false;
+    enum status st;
+
+    sql_file_forget(t->sql);
+    if ((st = rows_digest(t, tell, to, sum, &bad, &why)) != ST_OK ||
+        (st = sql_file_check_indexes(t->sql, tell, to, &lost, &why)) != ST_OK ||
+        (lost == 0 && (st = rows_digest_twice(t, tell, to, &twice, &why)) != ST_OK) ||
+        (st = log_txn_agrees(t, sum, &same, &why)) != ST_OK) {
+        if (may_pass(st))
+            return errinfo_set(e, st, "%s", why.msg);
+        tell(to, why.msg);
+        return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
+    }
+    if (!same)
+        tell(to, rows_digest_problem);
+    if (bad == 0 && lost == 0 && twice == 0 && same)
+        return ST_OK;
+    return errinfo_set(e, ST_EREFUSED, "the database is not as it was written%s%s: %s",
+                       first.msg[0] != '\0' ? ": " : "", first.msg, advice);
+}
+
+/* ---- transactions */
 
 #define SCRUB_MS 200 /* that an erasure waits for readers */
 
@@ -10,7 +81,7 @@ enum status store_refuse(struct store *s, enum status st, const struct errinfo *
                          struct errinfo *e)
 {
     if (st == ST_EREFUSED && s->open)
-        store_state_set(&s->refusal, why);
+        set_fault(&s->refusal, why);
     return errinfo_set(e, st, "%s", why->msg);
 }
 
@@ -26,7 +97,7 @@ static enum status check(struct store *s, struct log_txn *t, const struct log_en
         return st;
     if (t->how == SQL_TRY)
         return errinfo_set(e, ST_EBUSY, "the rows are not verified yet");
-    if ((st = store_state_verify(t, NULL, NULL, e)) == ST_OK)
+    if ((st = store_txn_verify(t, NULL, NULL, e)) == ST_OK)
         atomic_store(&s->verified, true);
     return st;
 }
@@ -39,7 +110,7 @@ enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
     enum status st;
 
     *t = (struct log_txn){.log = &s->log, .crypt = s->crypt, .how = how};
-    if (store_state_get(&s->refusal, &why))
+    if (store_fault_get(&s->refusal, &why))
         return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
     if ((st = sql_begin(s->sql, how, &t->sql, e)) != ST_OK)
         return st;
@@ -76,11 +147,57 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
     log_txn_committed(t);
     if (changed && s->anchor != NULL &&
         log_anchor_write(s->anchor, s->crypt, &t->changes, false, &why) != ST_OK)
-        store_state_set(&s->anchor_fault, &why);
+        set_fault(&s->anchor_fault, &why);
     return ST_OK;
 }
 
 void store_scrub(struct store *s)
 {
     sql_file_scrub(s->sql, SCRUB_MS);
+}
+
+/* ---- what the nouns share */
+
+#define RANDOM_MAX 32
+#define RECENT_MS  60000
+
+void store_rules_random(char *out, size_t bytes)
+{
+    unsigned char raw[RANDOM_MAX];
+
+    randombytes_buf(raw, bytes);
+    (void)sodium_bin2hex(out, 2 * bytes + 1, raw, bytes);
+    sodium_memzero(raw, sizeof raw);
+}
+
+enum status store_rules_now(int64_t *ms, struct errinfo *e)
+{
+    if (!utc_now(ms))
+        return errinfo_set(e, ST_EINTERNAL, "the system's clock cannot be read");
+    return ST_OK;
+}
+
+bool store_rules_past(const char *at, int64_t ms)
+{
+    int64_t then;
+
+    return at[0] != '\0' && (!utc_read(at, &then) || then <= ms);
+}
+
+bool store_rules_recent(const char *at, int64_t ms)
+{
+    int64_t then;
+
+    return utc_read(at, &then) && then <= ms && ms - then < RECENT_MS;
+}
+
+enum status store_rules_room(const char *subject, size_t templates, struct errinfo *e)
+{
+    if (templates < STORE_TEMPLATES_MAX)
+        return ST_OK;
+    return errinfo_set(
+        e, ST_EFULL,
+        "subject %s would have more than %d templates: delete some of them "
+        "first, or add fewer",
+        subject, STORE_TEMPLATES_MAX);
 }

@@ -2,11 +2,19 @@
 #ifndef DB_STORE_TXN_H
 #define DB_STORE_TXN_H
 #include <stdatomic.h>
+#include "errinfo.h"
 #include "log_txn.h"
 #include "rows_types.h"
-#include "store_state.h"
 
-struct model; /* model.h */
+struct model;         /* model.h */
+struct rows_subject;  /* rows_subject.h */
+struct store_receipt; /* store.h */
+
+struct store_fault { /* written once, and then read by any thread; all zero at first */
+    atomic_flag begun;
+    atomic_bool stands; /* why is written */
+    struct errinfo why;
+};
 
 struct store {
     struct sql *sql;
@@ -26,6 +34,10 @@ struct store {
  * store_end(s, t, st, e): as sql_end().
  * store_refuse(s, st, why, e): st, for why; where it is ST_EREFUSED, every other transaction fails
  * with it from now on.
+ * store_fault_get(f, e): does one stand?  e: why.
+ * store_txn_verify(t, report, arg, e): all rows with a MAC against the digest of the last change, and
+ * the indexes by which they are found.  ST_EREFUSED: a difference; report() (or NULL) is called once
+ * a problem.
  * store_scrub(s): deleted bytes leave the file and its WAL, after an erasure. */
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
@@ -33,10 +45,38 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
                       struct errinfo *e);
 enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
                          struct errinfo *e);
+bool store_fault_get(struct store_fault *f, struct errinfo *e);
+enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
+                             struct errinfo *e);
 void store_scrub(struct store *s);
 
 /* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);
+
+/* store_erase_rows(t, by, of, outcome, out, e): the subject's row and its templates' are deleted,
+ * with a change for each; out: NULL, or receives the templates' ids. */
+enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
+                             const struct rows_subject *of, const char *outcome,
+                             struct store_receipt *out, struct errinfo *e);
+
+/* ---- times, random ids, and how much there may be */
+
+/* 2 * bytes random hexadecimal digits and a NUL; at most 32 bytes. */
+void store_rules_random(char *out, size_t bytes);
+
+/* store_rules_now(ms, e): utc_now(), or ST_EINTERNAL. */
+enum status store_rules_now(int64_t *ms, struct errinfo *e);
+
+/* store_rules_past(at, ms): has the time come?  "": never; what is no time: yes. */
+bool store_rules_past(const char *at, int64_t ms);
+
+/* store_rules_recent(at, ms): is `at` a time in the minute before ms?  One in the future is
+ * from before the clock was set back, and is not recent. */
+bool store_rules_recent(const char *at, int64_t ms);
+
+/* store_rules_room(subject, templates, e): may a template be added to so many of the subject?
+ * ST_EFULL. */
+enum status store_rules_room(const char *subject, size_t templates, struct errinfo *e);
 
 #endif

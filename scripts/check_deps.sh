@@ -51,11 +51,11 @@ circles() {
 
 # alone FOLDER: its files without a header of their name: a program's main file, and those
 # that each hold one command and are declared by the table of commands, or one
-# form of a report, one study, or the reader of one format
+# form of a report, one study, one noun of the store, or the reader of one format
 alone() {
     for source in "$1"/*.c; do
         case $source in
-        */main.c | */*_main.c | ctl/ctl_* | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_sqlite_* | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done

@@ -9,7 +9,6 @@
 #include "admin_copy.h"
 #include "crypt_file.h"
 #include "log_row.h"
-#include "store_rules.h"
 #include "store_txn.h"
 
 /* ---- export */

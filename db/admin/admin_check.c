@@ -15,7 +15,7 @@
 #include "rows_calibration.h"
 #include "rows_template.h"
 #include "sql_file.h"
-#include "store_audit.h"
+#include "store.h"
 #include "store_txn.h"
 
 #define THREADS 16

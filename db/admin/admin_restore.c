@@ -18,8 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
-#include "store_audit.h"
-#include "store_erase.h"
+#include "store.h"
 #include "store_txn.h"
 
 /* ---- a backup */

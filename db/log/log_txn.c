@@ -263,31 +263,26 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST])
 
 /* ---- entries */
 
-struct what {
-    const struct log_act *by;
-    const char *kind;
-    const unsigned char *uid;
-    const char *object, *outcome;
-};
-
 /* The entry after `end`, which becomes the end. */
 static enum status append(struct log_txn *t, struct log_entry *entry,
-                          const struct what *w, struct log_end *end, struct errinfo *e)
+                          const struct log_act *by, const char *kind,
+                          const unsigned char *uid, const char *object,
+                          const char *outcome, struct log_end *end, struct errinfo *e)
 {
     enum status st;
 
     entry->seq = end->seq + 1;
-    memcpy(entry->at, w->by->at, sizeof entry->at);
-    (void)snprintf(entry->kind, sizeof entry->kind, "%s", w->kind);
-    (void)snprintf(entry->actor, sizeof entry->actor, "%s", w->by->actor);
-    if (w->uid != NULL)
-        memcpy(entry->uid, w->uid, sizeof entry->uid);
-    (void)snprintf(entry->object, sizeof entry->object, "%s", w->object);
-    (void)snprintf(entry->outcome, sizeof entry->outcome, "%s", w->outcome);
+    memcpy(entry->at, by->at, sizeof entry->at);
+    (void)snprintf(entry->kind, sizeof entry->kind, "%s", kind);
+    (void)snprintf(entry->actor, sizeof entry->actor, "%s", by->actor);
+    if (uid != NULL)
+        memcpy(entry->uid, uid, sizeof entry->uid);
+    (void)snprintf(entry->object, sizeof entry->object, "%s", object);
+    (void)snprintf(entry->outcome, sizeof entry->outcome, "%s", outcome);
     log_hash(end->hash, entry, entry->hash);
     log_mac(t->crypt, entry->hash, entry->mac);
     if (entry->log == LOG_CHANGES &&
-        (strcmp(w->kind, LOG_CHECKPOINT) == 0 || strcmp(w->kind, LOG_EXPORT) == 0))
+        (strcmp(kind, LOG_CHECKPOINT) == 0 || strcmp(kind, LOG_EXPORT) == 0))
         log_sign(t->crypt, entry);
     if ((st = log_row_add(t->sql, entry, e)) == ST_OK)
         set_end(end, entry);
@@ -298,7 +293,6 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    const struct what w = {by, kind, uid, object, outcome};
     struct log_entry entry = {.log = LOG_CHANGES}, last;
     unsigned char name[16];
     enum status st = need_digest(t, e);
@@ -308,7 +302,7 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
     set_end(&entry.accesses, &last);
     name_of(t->changes.seq + 1, name);
     crypt_wrap(t->crypt, label, name, t->digest, entry.digest);
-    if ((st = append(t, &entry, &w, &t->changes, e)) != ST_OK)
+    if ((st = append(t, &entry, by, kind, uid, object, outcome, &t->changes, e)) != ST_OK)
         return st;
     t->accesses = entry.accesses;
     t->unlogged = false;
@@ -319,11 +313,10 @@ enum status log_access(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    const struct what w = {by, kind, uid, object, outcome};
     struct log_entry entry = {.log = LOG_ACCESSES}, last;
     const enum status st = read_last(t, LOG_ACCESSES, &last, e);
     struct log_end end;
 
     set_end(&end, &last);
-    return st == ST_OK ? append(t, &entry, &w, &end, e) : st;
+    return st == ST_OK ? append(t, &entry, by, kind, uid, object, outcome, &end, e) : st;
 }

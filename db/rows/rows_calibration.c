@@ -77,44 +77,22 @@ const struct rows_table rows_calibrations = {
     .complete = complete,
 };
 
-static enum status read_row(void *t, const struct sql_rows *r, void *out,
-                            struct errinfo *e)
-{
-    struct row row;
-    const enum status st = rows_table_read(t, &rows_calibrations, r, 0, &row, e);
-
-    memcpy(out, &row.one, sizeof row.one);
-    return st;
-}
-
 enum status rows_calibration_get(struct log_txn *t, struct store_calibration *k,
                                  struct errinfo *e)
 {
     struct sql_rows *r;
+    struct row row;
     enum status st = sql_first(t->sql,
                                "SELECT " COLUMNS " FROM calibrations "
                                "ORDER BY calibration_key DESC LIMIT 1",
                                NULL, 0, &r, e);
 
-    if (st == ST_OK)
-        st = read_row(t, r, k, e);
-    else if (st == ST_ENOTFOUND)
+    if (st == ST_OK) {
+        st = rows_table_read(t, &rows_calibrations, r, 0, &row, e);
+        *k = row.one;
+    } else if (st == ST_ENOTFOUND) {
         st = errinfo_set(e, st, "there is no calibration");
-    return sql_done(r, st, e);
-}
-
-static enum status next_version(struct log_txn *t, int64_t *version, struct errinfo *e)
-{
-    struct sql_rows *r;
-    enum status st =
-        sql_first(t->sql, "SELECT coalesce(max(calibration_key), 0) FROM calibrations",
-                  NULL, 0, &r, e);
-
-    *version = 0;
-    if (st == ST_OK && sql_column(r, 0).i < INT64_MAX)
-        *version = sql_column(r, 0).i + 1;
-    else if (st == ST_OK)
-        st = errinfo_set(e, ST_ECORRUPT, "calibrations: their numbers are used up");
+    }
     return sql_done(r, st, e);
 }
 
@@ -124,9 +102,13 @@ enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
     const struct calibration *c = &k->table;
     struct row row = {.revision = 0};
     unsigned char *to = row.knots.bytes;
-    enum status st;
+    enum status st = ST_OK;
 
-    if (k->version == 0 && (st = next_version(t, &k->version, e)) != ST_OK)
+    if (k->version == 0) {
+        st = rows_calibration_get(t, &row.one, e);
+        k->version = st == ST_OK ? row.one.version + 1 : 1;
+    }
+    if (st != ST_OK && st != ST_ENOTFOUND)
         return st;
     row.one = *k;
     for (uint32_t i = 0; i < c->n; i++) {
@@ -140,11 +122,10 @@ enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
 enum status rows_calibration_list(struct log_txn *t, struct store_calibration **out,
                                   size_t *n, struct errinfo *e)
 {
-    void *list = NULL;
-    struct sql_rows *r;
-    enum status st = sql_query(t->sql, rows_calibrations.all, NULL, 0, &r, e);
+    void *list;
+    const enum status st =
+        rows_table_all(t, &rows_calibrations, sizeof **out, &list, n, e);
 
-    st = sql_read_list(r, st, read_row, t, sizeof **out, &list, n, e);
     *out = list;
     return st;
 }

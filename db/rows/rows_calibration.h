@@ -6,7 +6,8 @@
 
 extern const struct rows_table rows_calibrations;
 
-/* rows_calibration_add(t, k, e): append *k, complete; where its version is 0, the next one.
+/* rows_calibration_add(t, k, e): append *k, complete; where its version is 0, the one
+ * after the newest, which must be authentic.
  * rows_calibration_get(t, k, e): the newest; ST_ENOTFOUND where there never was one.
  * rows_calibration_list(t, out, n, e): all, oldest first; released by free(). */
 enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,

@@ -22,6 +22,7 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
 
 const struct rows_table rows_devices = {
     .name = "devices",
+    .noun = "device ",
     .all = "SELECT " COLUMNS " FROM devices ORDER BY device_key",
     .insert = "INSERT INTO devices (id, revision, name, public, created, mac) "
               "VALUES ($1, $2, $3, $4, $5, $6)",
@@ -38,18 +39,16 @@ const struct rows_table rows_devices = {
 enum status rows_device_find(struct log_txn *t, const char *name, struct rows_device *out,
                              struct errinfo *e)
 {
-    const enum status st = rows_table_find(
-        t, &rows_devices, "SELECT " COLUMNS " FROM devices WHERE name = $1", COL_NAME,
-        sql_text(name), out, e);
-
-    return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no device %.64s", name) : st;
+    return rows_table_find(t, &rows_devices,
+                           "SELECT " COLUMNS " FROM devices WHERE name = $1", COL_NAME,
+                           sql_text(name), name, out, e);
 }
 
 enum status rows_device_list(struct log_txn *t, struct rows_device **out, size_t *n,
                              struct errinfo *e)
 {
     void *list;
-    const enum status st = rows_table_list(t, &rows_devices, &list, n, e);
+    const enum status st = rows_table_all(t, &rows_devices, sizeof **out, &list, n, e);
 
     *out = list;
     return st;

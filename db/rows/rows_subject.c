@@ -63,6 +63,7 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
 
 const struct rows_table rows_subjects = {
     .name = "subjects",
+    .noun = "subject ",
     .all = "SELECT uid, " REST ", subject_key FROM subjects ORDER BY subject_key",
     .insert = "INSERT INTO subjects (uid, " REST ") VALUES ($1, " REST_VALUES ")",
     .update = "UPDATE subjects SET (" REST ") = (" REST_VALUES ") "
@@ -91,47 +92,29 @@ enum status rows_subject_find(struct log_txn *t, const char *subject,
                               struct rows_subject *out, struct errinfo *e)
 {
     unsigned char lookup[CRYPT_HASH];
-    enum status st;
 
     set_lookup(t, subject, lookup);
-    st = rows_table_find(t, &rows_subjects,
-                         "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.lookup = $1",
-                         COL_LOOKUP, sql_blob(lookup, sizeof lookup), out, e);
-    return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no subject %s", subject)
-                              : st;
+    return rows_table_find(t, &rows_subjects,
+                           "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.lookup = $1",
+                           COL_LOOKUP, sql_blob(lookup, sizeof lookup), subject, out, e);
 }
 
 enum status rows_subject_get(struct log_txn *t, const unsigned char uid[STORE_UID],
                              struct rows_subject *out, struct errinfo *e)
 {
-    const enum status st = rows_table_find(
-        t, &rows_subjects, "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.uid = $1",
-        COL_UID, sql_blob(uid, STORE_UID), out, e);
-
-    return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no such subject") : st;
-}
-
-static enum status list_row(void *t, const struct sql_rows *r, void *out,
-                            struct errinfo *e)
-{
-    struct rows_subject p;
-    const enum status st = rows_table_read(t, &rows_subjects, r, 0, &p, e);
-
-    if (st == ST_OK)
-        memcpy(out, &p.one, sizeof p.one);
-    sodium_memzero(&p, sizeof p);
-    return st;
+    return rows_table_find(t, &rows_subjects,
+                           "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.uid = $1",
+                           COL_UID, sql_blob(uid, STORE_UID), "of this uid", out, e);
 }
 
 static enum status list(struct log_txn *t, const char *text, const struct sql_value *v,
                         size_t nv, struct store_subject **out, size_t *n,
                         struct errinfo *e)
 {
-    void *rows = NULL;
-    struct sql_rows *r;
-    enum status st = sql_query(t->sql, text, v, nv, &r, e);
+    void *rows;
+    const enum status st =
+        rows_table_list(t, &rows_subjects, text, v, nv, sizeof **out, &rows, n, e);
 
-    st = sql_read_list(r, st, list_row, t, sizeof **out, &rows, n, e);
     *out = rows;
     return st;
 }
@@ -198,10 +181,4 @@ enum status rows_subject_seen(struct log_txn *t, const unsigned char uid[STORE_U
 {
     return SQL_RUN(t->sql, e, "UPDATE subjects SET seen = $2 WHERE uid = $1",
                    sql_blob(uid, STORE_UID), sql_text(at));
-}
-
-enum status rows_subject_delete(struct log_txn *t, const struct rows_subject *p,
-                                struct errinfo *e)
-{
-    return rows_table_delete(t, &rows_subjects, p, e);
 }

@@ -44,14 +44,12 @@ enum status rows_subject_due(struct log_txn *t, const char *now,
  * rows_subject_write(t, p, e): what p->one says by now, but uid, created, seen and the key;
  * and p->templates and p->added.
  * rows_subject_seen(t, uid, at, e): it was seen, which is not authenticated.
- * rows_subject_delete(t, p, e): with its attempts; it has no templates any more. */
+ * rows_table_delete() deletes it with its attempts, when it has no templates any more. */
 enum status rows_subject_add(struct log_txn *t, const struct store_subject *one,
                              struct rows_subject *out, struct errinfo *e);
 enum status rows_subject_write(struct log_txn *t, struct rows_subject *p,
                                struct errinfo *e);
 enum status rows_subject_seen(struct log_txn *t, const unsigned char uid[STORE_UID],
                               const char *at, struct errinfo *e);
-enum status rows_subject_delete(struct log_txn *t, const struct rows_subject *p,
-                                struct errinfo *e);
 
 #endif

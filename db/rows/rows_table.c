@@ -134,8 +134,8 @@ static bool is_value(const struct sql_value *a, const struct sql_value *b)
 }
 
 enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
-                            const char *text, int by, struct sql_value value, void *row,
-                            struct errinfo *e)
+                            const char *text, int by, struct sql_value value,
+                            const char *id, void *row, struct errinfo *e)
 {
     struct sql_rows *r;
     enum status st = sql_first(t->sql, text, &value, 1, &r, e);
@@ -151,30 +151,45 @@ enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
                              table->name);
         }
     }
+    if (st == ST_ENOTFOUND)
+        st = errinfo_set(e, st, "there is no %s%s", table->noun, id);
     return sql_done(r, st, e);
 }
 
 struct listing {
     const struct log_txn *t;
     const struct rows_table *table;
+    size_t size;
 };
 
 static enum status list_row(void *arg, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
+    _Alignas(max_align_t) unsigned char row[ROWS_SIZE];
     const struct listing *l = arg;
+    const enum status st = rows_table_read(l->t, l->table, r, 0, row, e);
 
-    return rows_table_read(l->t, l->table, r, 0, out, e);
+    memcpy(out, row, l->size);
+    sodium_memzero(row, l->table->size);
+    return st;
 }
 
 enum status rows_table_list(struct log_txn *t, const struct rows_table *table,
-                            void **list, size_t *n, struct errinfo *e)
+                            const char *text, const struct sql_value *value, size_t nv,
+                            size_t size, void **list, size_t *n, struct errinfo *e)
 {
-    struct listing l = {t, table};
+    struct listing l = {t, table, size};
     struct sql_rows *r;
-    const enum status st = sql_query(t->sql, table->all, NULL, 0, &r, e);
+    const enum status st = sql_query(t->sql, text, value, nv, &r, e);
 
-    return sql_read_list(r, st, list_row, &l, table->size, list, n, e);
+    assert(size <= table->size && table->size <= ROWS_SIZE);
+    return sql_read_list(r, st, list_row, &l, size, list, n, e);
+}
+
+enum status rows_table_all(struct log_txn *t, const struct rows_table *table, size_t size,
+                           void **list, size_t *n, struct errinfo *e)
+{
+    return rows_table_list(t, table, table->all, NULL, 0, size, list, n, e);
 }
 
 /* ---- changes */

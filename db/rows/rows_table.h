@@ -8,10 +8,11 @@
 #include "log_txn.h"
 #include "sql_read.h"
 
-#define ROWS_COLUMNS 20 /* that a table has before the MAC, at most */
+#define ROWS_COLUMNS 20   /* that a table has before the MAC, at most */
+#define ROWS_SIZE    4096 /* bytes of a row's struct, at most */
 
 struct rows_table {
-    const char *name;
+    const char *name, *noun; /* noun: before an id, where there is no such row */
     const char
         *all; /* a query of all rows: the columns of the fields, the MAC, the row's key */
     const char *insert,
@@ -42,16 +43,20 @@ enum status rows_table_read(const struct log_txn *t, const struct rows_table *ta
 enum status rows_table_damaged(const struct rows_table *table, const struct sql_rows *r,
                                int col, struct errinfo *e);
 
-/* rows_table_find(t, table, text, by, value, row, e): the row of a query for one value, of which the
- * column `by` is that (-1: it is not compared): an index is not authenticated and may lead to another
- * row.  ST_ENOTFOUND without a text; ST_ECORRUPT.
- * rows_table_list(t, table, list, n, e): all of them; *list, a pointer to structs, is released by
- * free(). */
+/* rows_table_find(t, table, text, by, value, id, row, e): the row of a query for one value, of which
+ * the column `by` is that (-1: it is not compared): an index is not authenticated and may lead to
+ * another row.  ST_ENOTFOUND: there is none, and the text names the id; ST_ECORRUPT.
+ * rows_table_list(t, table, text, value, nv, size, list, n, e): the rows of a query; *list, an array of
+ * the first `size` bytes of each row's struct, is released by free().
+ * rows_table_all(t, table, size, list, n, e): of the query `all`. */
 enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
-                            const char *text, int by, struct sql_value value, void *row,
-                            struct errinfo *e);
+                            const char *text, int by, struct sql_value value,
+                            const char *id, void *row, struct errinfo *e);
 enum status rows_table_list(struct log_txn *t, const struct rows_table *table,
-                            void **list, size_t *n, struct errinfo *e);
+                            const char *text, const struct sql_value *value, size_t nv,
+                            size_t size, void **list, size_t *n, struct errinfo *e);
+enum status rows_table_all(struct log_txn *t, const struct rows_table *table, size_t size,
+                           void **list, size_t *n, struct errinfo *e);
 
 /* rows_table_insert(t, table, row, e): of revision 1.  rows_table_update(t, table, row, e): of the
  * next one, in the place of the row that has its MAC.  Both set revision and MAC in *row.

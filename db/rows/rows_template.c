@@ -60,6 +60,7 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
 
 const struct rows_table rows_templates = {
     .name = "templates",
+    .noun = "template ",
     .all = "SELECT " COLUMNS " FROM templates t ORDER BY t.template_key",
     .insert = "INSERT INTO templates (id, revision, uid, used, read, created, engine, "
               "points, triangles, about, mac) "
@@ -143,12 +144,11 @@ enum status rows_template_get(struct log_txn *t, const char *id,
 {
     enum status st = rows_table_find(
         t, &rows_templates, "SELECT " COLUMNS " FROM templates t WHERE t.id = $1", COL_ID,
-        sql_text(id), out, e);
+        sql_text(id), id, out, e);
 
     memset(of, 0, sizeof *of);
     if (st != ST_OK)
-        return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no template %s", id)
-                                  : st;
+        return st;
     if ((st = rows_subject_get(t, out->uid, of, e)) == ST_ENOTFOUND)
         return errinfo_set(e, ST_ECORRUPT, "template %s: its subject is missing", id);
     return st == ST_OK ? describe(of, out, e) : st;
@@ -394,16 +394,10 @@ enum status rows_template_write(struct log_txn *t, struct rows_subject *of,
     return recount(t, of, old.mac, row->mac, e);
 }
 
-enum status rows_template_drop(struct log_txn *t, const struct rows_template *row,
-                               struct errinfo *e)
-{
-    return rows_table_delete(t, &rows_templates, row, e);
-}
-
 enum status rows_template_delete(struct log_txn *t, struct rows_subject *of,
                                  const struct rows_template *row, struct errinfo *e)
 {
-    const enum status st = rows_template_drop(t, row, e);
+    const enum status st = rows_table_delete(t, &rows_templates, row, e);
 
     return st == ST_OK ? recount(t, of, row->mac, NULL, e) : st;
 }

@@ -53,7 +53,7 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
  * rows_template_write(t, of, row, face, len, e): what row->one says by now, and another face.
  * rows_template_delete(t, of, row, e): and its face.
  * Each writes the subject's row, *of, too.
- * rows_template_drop(t, row, e): the same, of a subject that is deleted itself.
+ * Of a subject that is deleted itself: rows_table_delete().
  * rows_template_accept(t, of, e): those that there are are all. */
 enum status rows_template_add(struct log_txn *t, struct rows_subject *of,
                               struct rows_template *row, const void *face, size_t len,
@@ -63,8 +63,6 @@ enum status rows_template_write(struct log_txn *t, struct rows_subject *of,
                                 struct errinfo *e);
 enum status rows_template_delete(struct log_txn *t, struct rows_subject *of,
                                  const struct rows_template *row, struct errinfo *e);
-enum status rows_template_drop(struct log_txn *t, const struct rows_template *row,
-                               struct errinfo *e);
 enum status rows_template_accept(struct log_txn *t, struct rows_subject *of,
                                  struct errinfo *e);
 

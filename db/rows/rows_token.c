@@ -42,6 +42,7 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
 
 const struct rows_table rows_tokens = {
     .name = "tokens",
+    .noun = "token ",
     .all = "SELECT " COLUMNS " FROM tokens ORDER BY token_key",
     .insert = "INSERT INTO tokens (id, " REST ") VALUES ($1, " REST_VALUES ")",
     .update =
@@ -58,30 +59,25 @@ const struct rows_table rows_tokens = {
 enum status rows_token_get(struct log_txn *t, const char *id, struct rows_token *out,
                            struct errinfo *e)
 {
-    const enum status st =
-        rows_table_find(t, &rows_tokens, "SELECT " COLUMNS " FROM tokens WHERE id = $1",
-                        COL_ID, sql_text(id), out, e);
-
-    return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no token %s", id) : st;
+    return rows_table_find(t, &rows_tokens,
+                           "SELECT " COLUMNS " FROM tokens WHERE id = $1", COL_ID,
+                           sql_text(id), id, out, e);
 }
 
 enum status rows_token_find(struct log_txn *t, const unsigned char hash[ROWS_TOKEN_HASH],
                             struct rows_token *out, struct errinfo *e)
 {
-    const enum status st =
-        rows_table_find(t, &rows_tokens,
-                        "SELECT " COLUMNS " FROM tokens WHERE hash = $1 UNION ALL "
-                        "SELECT " COLUMNS " FROM tokens WHERE old_hash = $1",
-                        -1, sql_blob(hash, ROWS_TOKEN_HASH), out, e);
-
-    return st == ST_ENOTFOUND ? errinfo_set(e, st, "there is no such token") : st;
+    return rows_table_find(t, &rows_tokens,
+                           "SELECT " COLUMNS " FROM tokens WHERE hash = $1 UNION ALL "
+                           "SELECT " COLUMNS " FROM tokens WHERE old_hash = $1",
+                           -1, sql_blob(hash, ROWS_TOKEN_HASH), "of this secret", out, e);
 }
 
 enum status rows_token_list(struct log_txn *t, struct rows_token **out, size_t *n,
                             struct errinfo *e)
 {
     void *list;
-    const enum status st = rows_table_list(t, &rows_tokens, &list, n, e);
+    const enum status st = rows_table_all(t, &rows_tokens, sizeof **out, &list, n, e);
 
     *out = list;
     return st;

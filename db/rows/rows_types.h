@@ -88,6 +88,9 @@ struct store_token {
     bool expired; /* as of when it was read */
 };
 
+/* Called once a problem, with a line of text. */
+typedef void store_report(void *arg, const char *line);
+
 #define STORE_DEVICE_MAX 32 /* of its name, A-Z a-z 0-9 . _ - @ : */
 
 struct store_device { /* a scanner that signs what it captures */

@@ -28,17 +28,16 @@ enum sql_open {
 };
 
 /* sql_open(path, how, out, e): ST_ENOTFOUND: there is none; ST_ECORRUPT: another program's;
- * ST_EVERSION: of a newer version than sql_newest(); ST_EBUSY: SQL_OPEN_ALONE, and another
+ * ST_EVERSION: of a newer version than this program's; ST_EBUSY: SQL_OPEN_ALONE, and another
  * process has it open.
  * sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
  * removed unless a SQL_SCHEMA transaction was committed.
  * sql_version(d): of its schema when it was opened, or since sql_create(); 0: it holds
- * nothing.  sql_newest(): of the schema that sql_create() makes. */
+ * nothing. */
 enum status sql_open(const char *path, enum sql_open how, struct sql **out,
                      struct errinfo *e);
 void sql_close(struct sql *d);
 int sql_version(const struct sql *d);
-int sql_newest(void);
 
 enum sql_begin {
     SQL_READ,   /* all that is read is of one moment */

@@ -78,19 +78,6 @@ enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
     return ST_OK;
 }
 
-enum status sql_file_ready(struct sql_txn *t, struct errinfo *e)
-{
-    int64_t version;
-    const enum status st = sql_sqlite_conn_int(t, "PRAGMA user_version", &version, e);
-
-    if (st != ST_OK)
-        return st;
-    if (version != sql_newest())
-        return errinfo_set(e, ST_EVERSION, "the database has schema version %lld, not %d",
-                           (long long)version, sql_newest());
-    return sql_file_in_place(t, e);
-}
-
 /* ---- checking */
 
 void sql_file_forget(struct sql_txn *t)

@@ -20,11 +20,9 @@ bool sql_file_has_wal(const char *path);
 bool sql_file_same(const char *a, const char *b);
 
 /* sql_file_bytes(t, bytes, e): the size of the database, without its WAL.
- * sql_file_in_place(t, e): ST_EREFUSED: the file was moved, removed or replaced.
- * sql_file_ready(t, e): the same, or ST_EVERSION. */
+ * sql_file_in_place(t, e): ST_EREFUSED: the file was moved, removed or replaced. */
 enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e);
-enum status sql_file_ready(struct sql_txn *t, struct errinfo *e);
 
 /* sql_file_forget(t): what t reads from here on is read from the file, not from memory: a page that
  * was changed behind SQLite's back is seen. */

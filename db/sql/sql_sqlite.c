@@ -15,7 +15,7 @@
 
 static enum status open_query(struct sql *d, struct sql_txn **c, struct errinfo *e)
 {
-    enum status st = sql_sqlite_conn_open(d->reading, d->flags, false, c, e);
+    enum status st = sql_sqlite_conn_open(d->path, d->flags, false, c, e);
 
     if (st != ST_OK)
         return st;
@@ -188,7 +188,7 @@ enum status sql_create(struct sql_txn *t, struct errinfo *e)
         sql_sqlite_conn_exec(t, schema_sql, "cannot create the tables", e);
 
     if (st == ST_OK)
-        t->of->version = sql_newest();
+        t->of->version = SQL_SQLITE_VERSION;
     return st;
 }
 
@@ -227,51 +227,6 @@ static enum status check_file(struct sql *d, enum sql_open how, struct errinfo *
     return ST_OK;
 }
 
-/* A path as a URI's: "//" at its beginning would be a host. */
-static void put_uri(char *to, const char *path)
-{
-    static const char hex[] = "0123456789ABCDEF";
-
-    while (path[0] == '/' && path[1] == '/')
-        path++;
-    memcpy(to, "file:", 5);
-    to += 5;
-    for (const char *p = path; *p != '\0'; p++) {
-        if (*p == '%' || *p == '?' || *p == '#') {
-            *to++ = '%';
-            *to++ = hex[(unsigned char)*p >> 4];
-            *to++ = hex[*p & 15];
-        } else {
-            *to++ = *p;
-        }
-    }
-    memcpy(to, "?immutable=1", sizeof "?immutable=1");
-}
-
-/* How readers open the database.  The last to close it brings in its WAL and removes it,
- * and has to be able to write for that; query_only keeps it from changing anything else.
- * A process that may not write the file must not make a WAL for it either, which those that
- * may could then not write: where there is none, the file is read as one that never changes. */
-static bool choose_reading(struct sql *d, enum sql_open how)
-{
-    const size_t n = strlen(d->path);
-    bool frozen;
-
-    if ((d->reading = malloc(3 * n + sizeof "file:?immutable=1-wal")) == NULL)
-        return false;
-    (void)snprintf(d->reading, n + sizeof "-wal", "%s-wal", d->path);
-    frozen = how == SQL_OPEN_READ && access(d->reading, F_OK) != 0;
-    memcpy(d->reading, d->path, n + 1);
-    d->flags = SQLITE_OPEN_READONLY;
-    if (how == SQL_OPEN_READ && faccessat(AT_FDCWD, d->path, W_OK, AT_EACCESS) == 0) {
-        d->flags = SQLITE_OPEN_READWRITE;
-    } else if (frozen) {
-        d->flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
-        put_uri(d->reading, d->path);
-    }
-    return true;
-}
-
 static enum status new_database(const char *path, enum sql_open how, struct sql **out,
                                 struct errinfo *e)
 {
@@ -281,15 +236,15 @@ static enum status new_database(const char *path, enum sql_open how, struct sql 
     *out = d;
     if (d == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
+    d->flags = SQLITE_OPEN_READONLY;
     d->single = how == SQL_OPEN_LOOK || how == SQL_OPEN_ALONE;
     (void)pthread_mutex_init(&d->lock, NULL);
     (void)pthread_condattr_init(&monotonic);
     (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&d->write_free, &monotonic);
     (void)pthread_condattr_destroy(&monotonic);
-    if ((d->path = strdup(path)) == NULL || !choose_reading(d, how))
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    return ST_OK;
+    return (d->path = strdup(path)) != NULL ? ST_OK
+                                            : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
 
 /* What another program began and was killed amid is taken back first, where it may be. */
@@ -307,11 +262,16 @@ static enum status open_writer(struct sql *d, enum sql_open how, struct errinfo 
                : st;
 }
 
+/* The last to close the database brings in its WAL and removes it, and has to be able to write for
+ * that; query_only keeps it from changing anything else. */
 static enum status open_reader(struct sql *d, struct errinfo *e)
 {
     struct sql_txn *c;
-    enum status st = take(d, &c, e);
+    enum status st;
 
+    if (faccessat(AT_FDCWD, d->path, W_OK, AT_EACCESS) == 0)
+        d->flags = SQLITE_OPEN_READWRITE;
+    st = take(d, &c, e);
     if (st != ST_OK)
         return st;
     st = sql_sqlite_conn_version(c, &d->version, e);
@@ -351,7 +311,6 @@ void sql_close(struct sql *d)
         (void)unlink(d->path); /* nothing was ever in it */
     (void)pthread_cond_destroy(&d->write_free);
     (void)pthread_mutex_destroy(&d->lock);
-    free(d->reading);
     free(d->path);
     free(d);
 }

@@ -1,15 +1,61 @@
 /* sql_sqlite.h -- the SQLite driver of sql.h, for its own files: one connection writes, under a lock;
- * readers have a connection each while they read, and in WAL mode neither waits for the other. */
+ * readers have a connection each while they read, and in WAL mode neither waits for the other.  Each
+ * connection is hardened against the file that it reads; its statements are prepared once. */
 #ifndef DB_SQL_SQLITE_H
 #define DB_SQL_SQLITE_H
 #include <pthread.h>
+#include <sqlite3.h>
 #include <stdatomic.h>
-#include "sql_sqlite_conn.h"
+#include "sql.h"
+
+/* A small cache of pages: a template is read once and then kept decoded elsewhere; the usual 2 MB of
+ * each connection would only be memory that fills. */
+#define SQL_SQLITE_CACHE "PRAGMA cache_size=-256"
+
+#define SQL_SQLITE_VERSION 1    /* user_version in schema.sql */
+#define SQL_SQLITE_BUSY_MS 5000 /* waited for other threads and processes together */
+#define SQL_SQLITE_SLOTS   256  /* more than there are statements */
+
+struct sql_rows {
+    const char *text; /* NULL: no statement is in this slot */
+    sqlite3_stmt *stmt;
+    struct sql_txn *conn;
+    int rc; /* of the last step */
+    bool open;
+};
+
+struct sql_txn { /* of a connection, which has one at a time */
+    sqlite3 *db;
+    struct sql *of;
+    struct sql_txn *next; /* in the list of those at rest */
+    bool writes, makes;   /* the transaction */
+    uint64_t changed;
+    struct sql_rows slot[SQL_SQLITE_SLOTS];
+};
+
+/* sql_sqlite_conn_open(path, flags, alone, out, e): as SQL_OPEN_ALONE, or not.
+ * sql_sqlite_conn_close(c): NULL is allowed. */
+enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
+                                 struct sql_txn **out, struct errinfo *e);
+void sql_sqlite_conn_close(struct sql_txn *c);
+
+/* sql_sqlite_conn_fail(c, what, e): the status and text of its last error.
+ * sql_sqlite_conn_exec(c, sql, what, e): statements that are the driver's own.
+ * sql_sqlite_conn_int(c, sql, out, e): the same with one that gives a number. */
+enum status sql_sqlite_conn_fail(const struct sql_txn *c, const char *what,
+                                 struct errinfo *e);
+enum status sql_sqlite_conn_exec(struct sql_txn *c, const char *sql, const char *what,
+                                 struct errinfo *e);
+enum status sql_sqlite_conn_int(struct sql_txn *c, const char *sql, int64_t *out,
+                                struct errinfo *e);
+
+/* sql_sqlite_conn_version(c, version, e): 0: it holds nothing; else 1 to the newest.
+ * ST_ECORRUPT: another program's; ST_EVERSION: a newer one. */
+enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct errinfo *e);
 
 struct sql {
     char *path;
-    char *reading; /* what readers open: the path, or a URI */
-    int flags;     /* with these */
+    int flags; /* of the readers' connections */
     int version;
     bool made;   /* the file is new, and nothing is in it */
     bool single; /* the writer's connection is the only one */

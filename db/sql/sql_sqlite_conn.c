@@ -1,11 +1,10 @@
-#include "sql_sqlite_conn.h"
+#include "sql_sqlite.h"
 
 #include <stdlib.h>
 
 #include "errinfo.h"
 
 #define APPLICATION 0x53524644  /* application_id in schema.sql */
-#define VERSION     1           /* user_version in schema.sql */
 #define MAX_BYTES   (256 << 20) /* no row is larger: 2^21 points are 84 MB */
 
 /* ---- errors */
@@ -168,21 +167,16 @@ enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct erri
         return ST_OK;
     if (application != APPLICATION)
         return errinfo_set(e, ST_ECORRUPT, "%s is the database of another program", path);
-    if (user > VERSION)
+    if (user > SQL_SQLITE_VERSION)
         return errinfo_set(e, ST_EVERSION,
                            "%s has schema version %lld, this program knows up to %d: "
                            "use a newer program",
-                           path, (long long)user, VERSION);
+                           path, (long long)user, SQL_SQLITE_VERSION);
     if (user < 1)
         return errinfo_set(e, ST_ECORRUPT, "%s has the impossible schema version %lld",
                            path, (long long)user);
     *version = (int)user;
     return ST_OK;
-}
-
-int sql_newest(void)
-{
-    return VERSION;
 }
 
 /* ---- statements */

@@ -15,8 +15,6 @@
 static const char *reason(enum status st)
 {
     switch (st) {
-    case ST_EVERSION:
-        return "the database has another schema than this program's";
     case ST_EBUSY:
         return "the database is locked by another process";
     case ST_EREFUSED:

@@ -1,5 +1,5 @@
 /* capture.h -- signed captures: what a scanner has captured, for what, and what its liveness
- * check said, signed by the scanner's own key (store_device.h), so that neither a client nor its
+ * check said, signed by the scanner's own key (store.h), so that neither a client nor its
  * token can put another scan in the place of what a scanner saw.
  *
  *   Capture-Signature: device=NAME; nonce=NONCE; liveness=pass|fail|none; sig=BASE64

@@ -3,7 +3,6 @@
  * tests/box/store-attacks.sh. */
 #include <unistd.h>
 
-#include "expect.h"
 #include "admin_rekey.h"
 #include "crypt_file.h"
 #include "filled.h"
@@ -205,11 +204,5 @@ TEST(test_interrupted)
 
 BEFORE_ALL(begin)
 {
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
     (void)snprintf(key_path, sizeof key_path, "%s.key", tempdb_path);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

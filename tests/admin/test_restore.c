@@ -3,12 +3,11 @@
  * accepted as it is. */
 #include <unistd.h>
 
-#include "expect.h"
 #include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"
 #include "filled.h"
-#include "store_audit.h"
+#include "store.h"
 #include "store_txn.h"
 #include "tempdb.h"
 #include "tempdb_check.h"
@@ -374,15 +373,7 @@ TEST(test_not_accepted)
 
 BEFORE_ALL(begin)
 {
-    const int done = tempdb_begin_faces(NULL);
-
     (void)snprintf(backup, sizeof backup, "%s-backup", tempdb_path);
     (void)snprintf(aside, sizeof aside, "%s.before-restore", tempdb_path);
     (void)snprintf(key_path, sizeof key_path, "%s.key", tempdb_path);
-    assert_int_equal(done, 0);
-}
-
-AFTER_ALL(tempdb_end_faces_hook)
-{
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }

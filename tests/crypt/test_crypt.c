@@ -17,7 +17,7 @@ static const char label[16] = "a subject's key";
 
 static void make(struct crypt_root *root, struct crypt **v)
 {
-    assert_int_equal(crypt_make(CRYPT_FILE, master, sizeof master, root, v, &e), ST_OK);
+    must(crypt_make(CRYPT_FILE, master, sizeof master, root, v, &e));
 }
 
 /* Each bit of the key, of the associated data and of the encrypted bytes counts. */
@@ -57,7 +57,7 @@ TEST(test_root)
     make(&root, &v);
     crypt_wrap(v, label, uid, key, wrapped);
     crypt_lookup(v, "subject", "alice", 5, a);
-    assert_int_equal(crypt_open(&root, master, sizeof master, &again, &e), ST_OK);
+    must(crypt_open(&root, master, sizeof master, &again, &e));
     assert_true(crypt_unwrap(again, label, uid, wrapped, got));
     assert_memory_equal(got, key, sizeof key);
     crypt_lookup(again, "subject", "alice", 5, b);
@@ -71,9 +71,9 @@ TEST(test_root)
 
     got[0] = (unsigned char)(master[0] ^ 1);
     memcpy(got + 1, master + 1, sizeof master - 1);
-    assert_int_equal(crypt_open(&root, got, sizeof got, &again, &e), ST_EDENIED);
+    fails(crypt_open(&root, got, sizeof got, &again, &e), ST_EDENIED);
     assert_null(again);
-    assert_int_equal(crypt_open(&root, master, 31, &again, &e), ST_EINVAL);
+    fails(crypt_open(&root, master, 31, &again, &e), ST_EINVAL);
     /* Nothing of the root can be changed: not even to one that needs no key.  It has no padding. */
     for (size_t i = 0; i < sizeof root; i++) {
         enum status st;
@@ -87,7 +87,7 @@ TEST(test_root)
     bad = root;
     bad.kind = CRYPT_PLAINTEXT;
     memcpy(bad.plaintext, master, sizeof master);
-    assert_int_equal(crypt_open(&bad, NULL, 0, &again, &e), ST_EDENIED);
+    fails(crypt_open(&bad, NULL, 0, &again, &e), ST_EDENIED);
     crypt_free(v);
 }
 
@@ -98,10 +98,8 @@ TEST(test_passphrase)
     struct crypt *v, *w, *again;
     unsigned char a[CRYPT_HASH], b[CRYPT_HASH], sign[CRYPT_SIGN], public[CRYPT_KEY];
 
-    assert_int_equal(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &root, &v, &e),
-                     ST_OK);
-    assert_int_equal(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &next, &w, &e),
-                     ST_OK);
+    must(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &root, &v, &e));
+    must(crypt_make(CRYPT_PASSPHRASE, "open sesame", 11, &next, &w, &e));
     crypt_lookup(v, "subject", "alice", 5, a);
     crypt_lookup(w, "subject", "alice", 5, b);
     assert_memory_not_equal(a, b, sizeof a);
@@ -115,15 +113,15 @@ TEST(test_passphrase)
     assert_true(crypt_verify(public, "here", 4, sign));
     assert_false(crypt_verify(public, "herf", 4, sign));
     assert_false(crypt_verify(next.public, "here", 4, sign));
-    assert_int_equal(crypt_open(&root, "open sesame", 11, &again, &e), ST_OK);
+    must(crypt_open(&root, "open sesame", 11, &again, &e));
     crypt_mac(again, "here", 4, b);
     crypt_mac(v, "here", 4, a);
     assert_memory_equal(a, b, sizeof a);
     crypt_free(again);
-    assert_int_equal(crypt_open(&root, "open Sesame", 11, &again, &e), ST_EDENIED);
-    assert_int_equal(crypt_open(&root, "", 0, &again, &e), ST_EINVAL);
+    fails(crypt_open(&root, "open Sesame", 11, &again, &e), ST_EDENIED);
+    fails(crypt_open(&root, "", 0, &again, &e), ST_EINVAL);
     root.mib = 1 << 20; /* a hostile root does not eat the memory */
-    assert_int_equal(crypt_open(&root, "open sesame", 11, &again, &e), ST_ECORRUPT);
+    fails(crypt_open(&root, "open sesame", 11, &again, &e), ST_ECORRUPT);
     crypt_free(v);
 }
 
@@ -164,34 +162,34 @@ TEST(test_keyfile)
     struct crypt_file *k;
     struct stat sb;
 
-    assert_int_equal(crypt_file_read(path, &k, &e), ST_ENOTFOUND);
-    assert_int_equal(crypt_file_make(path, &e), ST_OK);
+    fails(crypt_file_read(path, &k, &e), ST_ENOTFOUND);
+    must(crypt_file_make(path, &e));
     assert_int_equal(stat(path, &sb), 0);
     assert_int_equal(sb.st_mode & 0777, 0600);
-    assert_int_equal(crypt_file_read(path, &k, &e), ST_OK);
-    assert_int_equal(crypt_file_key(k, path, key, &e), ST_OK);
+    must(crypt_file_read(path, &k, &e));
+    must(crypt_file_key(k, path, key, &e));
     crypt_file_free(k);
-    assert_int_equal(crypt_file_make(path, &e), ST_EEXISTS); /* it is never overwritten */
-    assert_int_equal(crypt_file_make("/nowhere/at/all", &e), ST_EIO);
+    fails(crypt_file_make(path, &e), ST_EEXISTS); /* it is never overwritten */
+    fails(crypt_file_make("/nowhere/at/all", &e), ST_EIO);
     memset(line, 'x', sizeof line);
     for (size_t i = 0; i < sizeof file / sizeof *file; i++) {
         assert_int_equal(read_key(file[i].text, file[i].n, file[i].mode, &k), file[i].st);
         if (k != NULL) {
             assert_int_equal(k->len, file[i].n);
-            assert_int_equal(crypt_file_key(k, path, key, &e), ST_EINVAL);
+            fails(crypt_file_key(k, path, key, &e), ST_EINVAL);
         }
         crypt_file_free(k);
     }
     if (geteuid() == 0) { /* another user's */
         assert_int_equal(chown(path, 65534, 65534), 0);
-        assert_int_equal(crypt_file_read(path, &k, &e), ST_EDENIED);
+        fails(crypt_file_read(path, &k, &e), ST_EDENIED);
         assert_non_null(strstr(e.msg, "belongs to user 65534"));
         /* root's, for a group: as credentials are */
         assert_int_equal(chown(path, 0, 65534) + chmod(path, 0440), 0);
-        assert_int_equal(crypt_file_read(path, &k, &e), ST_OK);
+        must(crypt_file_read(path, &k, &e));
         crypt_file_free(k);
     }
-    assert_int_equal(crypt_file_read(dir, &k, &e), ST_EIO);
+    fails(crypt_file_read(dir, &k, &e), ST_EIO);
     (void)unlink(path);
 }
 

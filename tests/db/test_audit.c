@@ -1,9 +1,8 @@
 /* link: -Wl,--wrap=clock_gettime */
-/* The audit log of a store: lists, trims, signed entries, receipts; what another program changes in
- * its rows is found, with its place. */
+/* The audit log of a store: trimmed; what another program changes in its rows is found, with its
+ * place.  Lists, signed entries and receipts: tests/box/audit.sh. */
 #include <time.h>
 
-#include "expect.h"
 #include "store.h"
 #include "tempdb.h"
 #include "unit.h"
@@ -27,18 +26,9 @@ int __wrap_clock_gettime(clockid_t clock, struct timespec *ts)
     return done;
 }
 
-static void event(struct store *s, const char *kind, const char *subject)
+static void event(struct store *s)
 {
-    if (store_event(s, kind, "door", subject, "", "match", &e) != ST_OK)
-        fail_msg("%s", e.msg);
-}
-
-static void add(struct store *s, const char *id)
-{
-    struct store_subject one = {.reference = ""};
-
-    (void)snprintf(one.id, sizeof one.id, "%s", id);
-    must(store_subject_add(s, "token-1", &one, &e));
+    must(store_event(s, "verify", "door", "", "", "match", &e));
 }
 
 struct found {
@@ -71,9 +61,9 @@ static struct store *written(int old)
 
     for (int i = 1; i <= ACCESSES; i++) {
         long_ago = i <= old;
-        event(s, "verify", "");
+        event(s);
         if (i == 6)
-            add(s, "alice");
+            tempdb_add(s, "alice");
         if (i == 4 || i == 8)
             must(store_audit_sign(s, "t", LOG_CHECKPOINT, &signed_one, &e));
     }
@@ -131,6 +121,9 @@ TEST(test_trim)
     struct found f;
     uint64_t cut;
 
+    fails(store_event(s, "", "", "", "", "", &e), ST_EINVAL);
+    fails(store_event(s, "verify", "a\nb", "", "", "", &e), ST_EINVAL);
+    fails(store_event(s, "verify", "", "no spaces", "", "", &e), ST_EINVAL);
     fails(store_audit_trim(s, "test", 0, false, &cut, &e), ST_EINVAL);
     must(store_audit_trim(s, "test", 30, false, &cut, &e));
     assert_int_equal(cut, 0); /* none is as old, and nothing is said */
@@ -147,8 +140,8 @@ TEST(test_trim)
         }
         assert_int_equal(tempdb_number("SELECT min(seq) FROM access_log"), gone + 1);
         assert_string_equal(verify(s).lines, "");
-        event(s, "verify", "");
-        add(s, "bob");
+        event(s);
+        tempdb_add(s, "bob");
         f = verify(s);
         assert_string_equal(f.lines, "");
         assert_int_equal(f.w.entries, ACCESSES - gone + 1 + 4 + 2);
@@ -160,171 +153,4 @@ TEST(test_trim)
         assert_int_equal(f.w.first, gone + 1);
         store_close(s);
     }
-}
-
-TEST(test_signed)
-{
-    unsigned char public[CRYPT_KEY], other[CRYPT_KEY] = {0};
-    struct store *s = tempdb_fresh();
-    struct log_entry one;
-    struct log_end at;
-    bool has;
-
-    event(s, "verify", "");
-    must(store_audit_sign(s, "test", LOG_EXPORT, &one, &e));
-    must(store_audit_public(s, public, &e));
-    assert_true(log_signed(public, &one));
-    assert_false(log_signed(other, &one));
-    assert_int_equal(one.seq, 2);
-    assert_int_equal(one.accesses.seq, 1);
-    fails(store_audit_sign(s, "a\nb", LOG_EXPORT, &one, &e), ST_EINVAL);
-    must(store_last_change(s, &at, &e));
-    must(store_audit_has(s, &at, &has, &e));
-    assert_true(has);
-    at.hash[0] ^= 1;
-    must(store_audit_has(s, &at, &has, &e));
-    assert_false(has);
-    store_close(s);
-}
-
-static size_t list(struct store *s, const struct store_audit_filter *filter,
-                   struct store_audit_entry **out)
-{
-    size_t n;
-
-    if (store_audit_list(s, filter, out, &n, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return n;
-}
-
-/* The kinds of the entries, in the order of the list. */
-static void assert_kinds(struct store *s, const struct store_audit_filter *filter,
-                         const char *wanted)
-{
-    struct store_audit_entry *a;
-    const size_t n = list(s, filter, &a);
-    char kinds[200] = "";
-
-    for (size_t i = 0; i < n; i++)
-        (void)snprintf(kinds + strlen(kinds), sizeof kinds - strlen(kinds), "%s ",
-                       a[i].entry.kind);
-    free(a);
-    assert_string_equal(kinds, wanted);
-}
-
-TEST(test_list)
-{
-    static const enum log_name accesses = LOG_ACCESSES, changes = LOG_CHANGES;
-    struct store *s = tempdb_fresh();
-    struct store_audit_entry *a;
-    unsigned char uid[STORE_UID];
-    size_t n;
-
-    add(s, "alice");
-    event(s, "verify", "alice");
-    event(s, "compare", "bob"); /* no subject */
-    add(s, "carol");
-    event(s, "identify", "");
-    assert_kinds(s, &(struct store_audit_filter){.names = false},
-                 "create_database add_subject verify compare add_subject identify ");
-    assert_int_equal(list(s, &(struct store_audit_filter){.names = true}, &a), 6);
-    assert_string_equal(a[1].subject, "alice");
-    assert_string_equal(a[1].entry.actor, "token-1");
-    assert_string_equal(a[2].subject, "alice");
-    assert_memory_equal(a[1].entry.uid, a[2].entry.uid, STORE_UID);
-    memcpy(uid, a[1].entry.uid, sizeof uid);
-    assert_string_equal(a[3].subject, "");
-    assert_string_equal(a[4].subject, "carol");
-    assert_int_equal(a[4].entry.accesses.seq, 2);
-    free(a);
-    assert_kinds(s,
-                 &(struct store_audit_filter){.log = &accesses, .wanted = {.after = 1}},
-                 "compare identify ");
-    assert_kinds(s,
-                 &(struct store_audit_filter){.log = &changes,
-                                              .wanted = {.newest = true, .limit = 2}},
-                 "add_subject add_subject ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.newest = true, .limit = 2}},
-                 "add_subject identify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.limit = 3}},
-                 "create_database add_subject verify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.kind = "verify"}},
-                 "verify ");
-    assert_kinds(s, &(struct store_audit_filter){.subject = "alice"},
-                 "add_subject verify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.since = "2020"}},
-                 "create_database add_subject verify compare add_subject identify ");
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.since = "9000-01"}}, "");
-    fails(store_audit_list(s,
-                           &(struct store_audit_filter){.wanted = {.since = "tuesday"}},
-                           &a, &n, &e),
-          ST_EINVAL);
-    fails(store_audit_list(s, &(struct store_audit_filter){.subject = "a b"}, &a, &n, &e),
-          ST_EINVAL);
-    fails(store_audit_list(s, &(struct store_audit_filter){.subject = "bob"}, &a, &n, &e),
-          ST_ENOTFOUND);
-    /* After the erasure by the uid alone. */
-    must(tempdb_erase(s, "test", "alice", &e));
-    assert_kinds(s, &(struct store_audit_filter){.wanted = {.uid = uid}, .names = true},
-                 "add_subject verify delete_subject ");
-    store_close(s);
-}
-
-TEST(test_receipt)
-{
-    static const enum log_name changes = LOG_CHANGES;
-    struct store *s = tempdb_fresh();
-    struct store_audit_entry *a;
-    struct store_receipt r;
-    unsigned char public[CRYPT_KEY];
-    char hex[2 * CRYPT_KEY + 1] = "";
-
-    fails(store_subject_erase(s, "test", "alice", &r, &e), ST_ENOTFOUND);
-    store_receipt_free(&r);
-    add(s, "alice");
-    must(store_subject_erase(s, "test", "alice", &r, &e));
-    assert_string_equal(r.subject, "alice");
-    assert_int_equal(r.templates, 0);
-    assert_int_equal(r.seq, 3);
-    assert_int_equal(
-        list(s, &(struct store_audit_filter){.log = &changes, .wanted = {.after = 2}},
-             &a),
-        1);
-    assert_string_equal(a->entry.kind, "delete_subject");
-    assert_string_equal(a->entry.at, r.at);
-    for (size_t i = 0; i < LOG_HASH; i++)
-        (void)snprintf(hex + 2 * i, 3, "%02x", a->entry.hash[i]);
-    assert_string_equal(hex, r.hash);
-    free(a);
-    must(store_audit_public(s, public, &e));
-    for (size_t i = 0; i < CRYPT_KEY; i++)
-        (void)snprintf(hex + 2 * i, 3, "%02x", public[i]);
-    assert_string_equal(hex, r.public_key);
-    assert_true(store_receipt_true(&r));
-    r.seq++;
-    assert_false(store_receipt_true(&r));
-    r.seq--;
-    r.at[3]++;
-    assert_false(store_receipt_true(&r));
-    r.at[3]--;
-    r.subject[0] = 'b';
-    assert_false(store_receipt_true(&r));
-    r.subject[0] = 'a';
-    r.uid[0] = r.uid[0] == '0' ? '1' : '0';
-    assert_false(store_receipt_true(&r));
-    r.uid[0] = r.uid[0] == '0' ? '1' : '0';
-    r.signature[0] = r.signature[0] == '0' ? '1' : '0';
-    assert_false(store_receipt_true(&r));
-    store_receipt_free(&r);
-    store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end(NULL), 0);
 }

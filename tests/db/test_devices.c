@@ -1,8 +1,7 @@
-/* Devices and what they sign: names and keys, nonces that are good once. */
+/* What devices sign: nonces that are good once.  Names and keys: tests/box/http-signed.sh. */
 #include <pthread.h>
 #include <sodium.h>
 
-#include "expect.h"
 #include "store.h"
 #include "tempdb.h"
 #include "unit.h"
@@ -49,35 +48,6 @@ static void make_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1])
 
     must(store_capture_nonce(s, nonce, expires, &e));
     assert_int_equal(strlen(nonce), STORE_NONCE_TEXT);
-}
-
-TEST(test_names)
-{
-    static const char *const bad[] = {"", "a b", "a;b", "a=b",
-                                      "123456789012345678901234567890123"};
-    static const unsigned char none[CRYPT_KEY], one[CRYPT_KEY] = {1}; /* of small order */
-    struct store *s = tempdb_fresh();
-    struct store_device d, *list;
-    size_t n;
-
-    add(s, "12345678901234567890123456789012");
-    add(s, "door-1");
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        fails(store_device_add(s, "", bad[i], pair.public, &d, &e), ST_EINVAL);
-        fails(store_device_remove(s, "", bad[i], &e), ST_EINVAL);
-    }
-    fails(store_device_add(s, "", "x", none, &d, &e), ST_EINVAL);
-    fails(store_device_add(s, "", "x", one, &d, &e), ST_EINVAL);
-    fails(store_device_add(s, "", "door-1", pair.public, &d, &e), ST_EEXISTS);
-    must(store_device_list(s, &list, &n, &e));
-    assert_int_equal(n, 2);
-    assert_string_equal(list[1].name, "door-1");
-    assert_memory_equal(list[1].public, pair.public, sizeof pair.public);
-    free(list);
-    must(store_device_remove(s, "", "door-1", &e));
-    fails(store_device_remove(s, "", "door-1", &e), ST_ENOTFOUND);
-    add(s, "door-1");
-    store_close(s);
 }
 
 TEST(test_nonces)
@@ -157,14 +127,4 @@ TEST(test_at_once)
     }
     assert_int_equal(taken, 1);
     store_close(s);
-}
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -1,21 +1,15 @@
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "tempdb.h"
+
 #include <dirent.h>
 #include <errno.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
-#include <cmocka.h>
 #include <sqlite3.h>
 
 #include "clouds.h"
 #include "errinfo.h"
-#include "store_rules.h"
-#include "tempdb.h"
+#include "store_txn.h"
+#include "unit.h"
 #include "utc.h"
 
 #define POINTS 1500
@@ -23,15 +17,6 @@
 char tempdb_dir[32], tempdb_path[40];
 struct face tempdb_face[TEMPDB_FACES];
 struct face_work *tempdb_work;
-
-int tempdb_begin(void **state)
-{
-    (void)state;
-    (void)snprintf(tempdb_dir, sizeof tempdb_dir, "/tmp/surfaced-test.XXXXXX");
-    assert_non_null(mkdtemp(tempdb_dir));
-    (void)snprintf(tempdb_path, sizeof tempdb_path, "%s/db", tempdb_dir);
-    return 0;
-}
 
 static bool emptied(void)
 {
@@ -54,35 +39,37 @@ void tempdb_remove(void)
     assert_true(emptied());
 }
 
-int tempdb_end(void **state)
-{
-    (void)state;
-    if (emptied() && rmdir(tempdb_dir) == 0)
-        return 0;
-    print_error("%s is left behind\n", tempdb_dir);
-    exit(EXIT_FAILURE);
-}
-
-int tempdb_begin_faces(void **state)
+static void begin(void)
 {
     static struct dvec3 pts[POINTS];
 
-    tempdb_work = face_work_new(NULL);
-    assert_non_null(tempdb_work);
+    (void)snprintf(tempdb_dir, sizeof tempdb_dir, "/tmp/surfaced-test.XXXXXX");
+    assert_non_null(mkdtemp(tempdb_dir));
+    (void)snprintf(tempdb_path, sizeof tempdb_path, "%s/db", tempdb_dir);
+    assert_non_null(tempdb_work = face_work_new(NULL));
     for (uint64_t i = 0; i < TEMPDB_FACES; i++) {
         const size_t n = clouds_scan(i + 1, 0, POINTS, pts);
 
         assert_int_equal(face_build(pts, n, tempdb_work, &tempdb_face[i], NULL), ST_OK);
     }
-    return tempdb_begin(state);
 }
 
-int tempdb_end_faces(void **state)
+/* cmocka does not count a tear-down that fails. */
+static void end(void)
 {
     for (size_t i = 0; i < TEMPDB_FACES; i++)
         face_free(&tempdb_face[i]);
     face_work_free(tempdb_work);
-    return tempdb_end(state);
+    if (!emptied() || rmdir(tempdb_dir) != 0) {
+        print_error("%s is left behind\n", tempdb_dir);
+        exit(EXIT_FAILURE);
+    }
+}
+
+__attribute__((constructor(101))) static void fixture(void)
+{
+    unit_add_hook(UNIT_BEFORE_ALL, begin);
+    unit_add_hook(UNIT_AFTER_ALL, end);
 }
 
 struct store *tempdb_open(enum store_mode mode)
@@ -90,8 +77,7 @@ struct store *tempdb_open(enum store_mode mode)
     struct store *s = NULL;
     struct errinfo e;
 
-    if (store_open(tempdb_path, mode, NULL, &s, &e) != ST_OK)
-        fail_msg("%s", e.msg);
+    must(store_open(tempdb_path, mode, NULL, &s, &e));
     return s;
 }
 
@@ -179,14 +165,22 @@ enum status tempdb_store(struct store *s, const char *actor, const char *subject
     return store_enroll(s, &what, t, created, e);
 }
 
+void tempdb_add(struct store *s, const char *subject)
+{
+    struct store_subject one = {.reference = ""};
+    struct errinfo e;
+
+    (void)snprintf(one.id, sizeof one.id, "%s", subject);
+    must(store_subject_add(s, "test", &one, &e));
+}
+
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t)
 {
     struct errinfo e;
     bool created;
 
-    if (tempdb_store(s, "test", subject, label, f, t, &created, &e) != ST_OK)
-        fail_msg("%s", e.msg);
+    must(tempdb_store(s, "test", subject, label, f, t, &created, &e));
     assert_true(created);
 }
 
@@ -208,12 +202,23 @@ void tempdb_expire(struct store *s, const char *subject)
 
     assert_true(utc_now(&ms));
     utc_print(ms + 50, end);
-    assert_int_equal(store_subject_set(s, "test", subject,
-                                       &(struct store_subject_change){.expires = end},
-                                       &e),
-                     ST_OK);
+    must(store_subject_set(s, "test", subject,
+                           &(struct store_subject_change){.expires = end}, &e));
     while (utc_now(&ms) && store_rules_past(end, ms) == 0)
         (void)nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+}
+
+struct store_calibration tempdb_calibration(double threshold)
+{
+    return (struct store_calibration){
+        .fmr = 0.001,
+        .low = threshold - 1,
+        .high = threshold + 1,
+        .subjects = 80,
+        .impostors = 6320,
+        .genuine = 7,
+        .table = {threshold, 3, {{-900, 1}, {-800, 0.25}, {threshold, 0.001}}},
+    };
 }
 
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
@@ -235,19 +240,15 @@ enum status tempdb_record(struct store *s, const char *subject, enum store_recor
                                      &out, e);
 }
 
-struct store_attempts tempdb_attempts(struct store *s, const char *subject)
+struct store_attempts tempdb_attempts(struct store *s, const char *token,
+                                      const char *subject)
 {
+    const struct store_snapshot_of what = {.subject = subject, .token = token};
     struct store_snapshot a;
     struct store_attempts is;
     struct errinfo e = {0};
 
-    if (store_snapshot_end(
-            &a,
-            store_snapshot_begin(
-                s, &(struct store_snapshot_of){.subject = subject, .token = "test"}, &a,
-                &e),
-            &e) != ST_OK)
-        fail_msg("%s", e.msg);
+    must(store_snapshot_end(&a, store_snapshot_begin(s, &what, &a, &e), &e));
     is = a.attempts;
     store_snapshot_free(&a);
     return is;

@@ -1,5 +1,7 @@
-/* tempdb.h -- a database in a folder of its own, for the tests of what is stored; one per
- * program.  A failure here fails the cmocka test that called, and says why. */
+/* tempdb.h -- a database in a folder of its own, for the tests of what is stored.  A program that uses
+ * it has the folder and the faces before its own BEFORE_ALL and until after its AFTER_ALL; where the
+ * folder cannot be removed, it ends with status 1.  A failure here fails the test that called, and
+ * says why. */
 #ifndef TESTS_TEMPDB_H
 #define TESTS_TEMPDB_H
 #include <stdbool.h>
@@ -10,20 +12,10 @@
 extern char tempdb_dir[32];  /* the folder, under /tmp */
 extern char tempdb_path[40]; /* the database in it; its key is what store_open() makes */
 
-/* Fixtures of cmocka, for a group: tempdb_begin() makes the folder, tempdb_end() removes
- * it and all files in it.  *state is not used.  Where the folder cannot be removed the
- * program ends with status 1, as cmocka does not count a tear-down that fails.  Both
- * return 0. */
-int tempdb_begin(void **state);
-int tempdb_end(void **state);
-
-/* The same two, with as many scans of different people, 1,500 points each, and working
- * memory to compare them. */
+/* Scans of different people, 1,500 points each, and working memory to compare them. */
 #define TEMPDB_FACES 4
 extern struct face tempdb_face[TEMPDB_FACES];
 extern struct face_work *tempdb_work;
-int tempdb_begin_faces(void **state);
-int tempdb_end_faces(void **state);
 
 /* tempdb_remove(): every file of the folder, keys and copies as well as the database.
  * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is
@@ -45,22 +37,26 @@ void tempdb_mislead(const char *index, const char *rows);
 
 /* tempdb_store(s, actor, subject, label, f, t, created, e): store_enroll() of a face that was
  * compared with nothing.
- * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template
- * yet.
+ * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
+ * tempdb_add(s, subject): one without templates.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
  * tempdb_expire(s, subject): its end is set to the next moment, and has passed.
+ * tempdb_calibration(threshold): a possible one, of 3 knots.
  * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
- * tempdb_attempts(s, subject): those of a store_snapshot_begin(). */
+ * tempdb_attempts(s, token, subject): those of a store_snapshot_begin(). */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
                          const char *label, const struct face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
+void tempdb_add(struct store *s, const char *subject);
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct face *f, struct store_template *t);
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
 void tempdb_expire(struct store *s, const char *subject);
+struct store_calibration tempdb_calibration(double threshold);
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e);
-struct store_attempts tempdb_attempts(struct store *s, const char *subject);
+struct store_attempts tempdb_attempts(struct store *s, const char *token,
+                                      const char *subject);
 
 #endif

@@ -4,37 +4,46 @@
 
 static struct CMUnitTest tests[UNIT_TESTS];
 static size_t n;
-static void (*hook[UNIT_HOOKS])(void);
+static void (*hook[UNIT_HOOKS][2])(void); /* of a fixture, then of the test */
 
-static int run_hook(enum unit_hook which)
+static int before(enum unit_hook which)
 {
-    if (hook[which] != NULL)
-        hook[which]();
+    for (int i = 0; i < 2; i++)
+        if (hook[which][i] != NULL)
+            hook[which][i]();
+    return 0;
+}
+
+static int after(enum unit_hook which)
+{
+    for (int i = 1; i >= 0; i--)
+        if (hook[which][i] != NULL)
+            hook[which][i]();
     return 0;
 }
 
 static int before_all(void **state)
 {
     (void)state;
-    return run_hook(UNIT_BEFORE_ALL);
+    return before(UNIT_BEFORE_ALL);
 }
 
 static int after_all(void **state)
 {
     (void)state;
-    return run_hook(UNIT_AFTER_ALL);
+    return after(UNIT_AFTER_ALL);
 }
 
 static int before_each(void **state)
 {
     (void)state;
-    return run_hook(UNIT_BEFORE_EACH);
+    return before(UNIT_BEFORE_EACH);
 }
 
 static int after_each(void **state)
 {
     (void)state;
-    return run_hook(UNIT_AFTER_EACH);
+    return after(UNIT_AFTER_EACH);
 }
 
 void unit_add_test(const char *name, void (*run)(void **))
@@ -46,9 +55,11 @@ void unit_add_test(const char *name, void (*run)(void **))
 
 void unit_add_hook(enum unit_hook which, void (*run)(void))
 {
-    if (hook[which] != NULL)
+    const int i = hook[which][0] != NULL;
+
+    if (hook[which][i] != NULL)
         abort();
-    hook[which] = run;
+    hook[which][i] = run;
 }
 
 int main(int argc, char **argv)

@@ -21,6 +21,16 @@
 #include <string.h>
 #include <cmocka.h>
 
+/* Of calls that return a status and say why in the test's own `e`, a struct errinfo.
+ * must(call): it returns ST_OK; else its message is printed.
+ * fails(call, code): it returns this code. */
+#define must(call)                                                                       \
+    do {                                                                                 \
+        if ((call) != ST_OK)                                                             \
+            fail_msg("%s", e.msg);                                                       \
+    } while (0)
+#define fails(call, code) assert_int_equal(call, code)
+
 enum unit_hook {
     UNIT_BEFORE_ALL,
     UNIT_AFTER_ALL,
@@ -29,7 +39,8 @@ enum unit_hook {
     UNIT_HOOKS
 };
 
-/* Called before main(), by the macros. */
+/* Called before main(), by the macros and by fixtures of tests/lib, whose hooks run before those of
+ * the test, and after them at the end. */
 void unit_add_test(const char *name, void (*run)(void **));
 void unit_add_hook(enum unit_hook which, void (*run)(void));
 

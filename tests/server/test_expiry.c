@@ -72,13 +72,3 @@ TEST(test_daily)
     metrics_free(app.metrics);
     store_close(app.store);
 }
-
-BEFORE_ALL(begin)
-{
-    assert_int_equal(tempdb_begin(NULL), 0);
-}
-
-AFTER_ALL(end)
-{
-    assert_int_equal(tempdb_end(NULL), 0);
-}

@@ -50,7 +50,6 @@ static void make(uint64_t subject, uint64_t scan, double x, double y, double sid
 
 BEFORE_ALL(set_up)
 {
-    assert_int_equal(tempdb_begin_faces(NULL), 0);
     store = tempdb_fresh();
     make(1, 0, 200, 200, 1, &probe);
     make(1, 0, 200, 200, -1, &swapped);
@@ -69,7 +68,6 @@ AFTER_ALL(tear_down)
     face_free(&part);
     face_free(&swapped);
     store_close(store);
-    assert_int_equal(tempdb_end_faces(NULL), 0);
 }
 
 static struct templates_context context(void)
