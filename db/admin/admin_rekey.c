@@ -7,6 +7,7 @@
 #include "admin_copy.h"
 #include "crypt_file.h"
 #include "log_anchor.h"
+#include "sql_file.h"
 #include "store_txn.h"
 
 #define ASIDE ".before-rekey"
@@ -61,7 +62,8 @@ static enum status settle_key(struct rekeying *x, struct errinfo *e)
 
 static enum status need_room(const struct rekeying *x, struct errinfo *e)
 {
-    if (is_there(x->aside))
+    /* One that was killed may have left a second name of the database. */
+    if (is_there(x->aside) && !sql_file_same(x->path, x->aside))
         return errinfo_set(e, ST_EEXISTS,
                            "there is a database %.200s already: move it away first, or "
                            "overwrite and remove it (shred -u)",
