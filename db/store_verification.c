@@ -21,7 +21,7 @@ struct store_reading {
     struct rows_template *row; /* [n] of the snapshot */
     char token[STORE_NAME_MAX + 1];
     int64_t now;
-    bool begun;
+    bool begun, future;
 };
 
 /* The subject and those of its templates that are asked for. */
@@ -65,7 +65,7 @@ static enum status read_all(const struct store_snapshot_of *what,
     out->subject = r->of.one;
     out->subject.expired = store_rules_past(out->subject.expires, r->now);
     if ((st = rows_attempts_get(&r->t, &out->subject, r->token, r->now, &out->attempts,
-                                e)) != ST_OK)
+                                &r->future, e)) != ST_OK)
         return st;
     if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
         return st == ST_ENOTFOUND ? ST_OK : st;
@@ -112,15 +112,33 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
     return st;
 }
 
+static enum status move_future(const struct store_reading *r,
+                               const struct store_subject *one, struct errinfo *e)
+{
+    struct log_txn t;
+    const enum status st = store_begin(r->store, SQL_LAZY, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    return store_end(r->store, &t, rows_attempts_not_after(&t, one, r->token, r->now, e),
+                     e);
+}
+
 enum status store_snapshot_end(struct store_snapshot *out, enum status st,
                                struct errinfo *e)
 {
     struct store_reading *r = out->reading;
+    struct errinfo why = {0};
+    enum status moved;
 
     if (r == NULL)
         return st;
     if (r->begun)
         st = store_end(r->store, &r->t, st, e);
+    /* also where the reading was refused: a lock-out must end some day */
+    if (r->future && (moved = move_future(r, &out->subject, &why)) != ST_OK &&
+        st == ST_OK)
+        st = errinfo_set(e, moved, "%s", why.msg);
     free(r->row);
     sodium_memzero(r, sizeof *r);
     free(r);
@@ -213,7 +231,9 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
                              struct errinfo *e)
 {
     struct store_record what = *asked;
-    enum status st = rows_attempts_get(t, what.subject, what.actor, by->ms, &out->now, e);
+    bool future;
+    enum status st =
+        rows_attempts_get(t, what.subject, what.actor, by->ms, &out->now, &future, e);
 
     if (st != ST_OK)
         return st;

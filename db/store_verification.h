@@ -31,7 +31,8 @@ struct store_snapshot_of {
  * more templates than STORE_TEMPLATES_MAX.
  * store_snapshot_face(out, i, w, f, e): the face of template i, as store_template_load().
  * store_snapshot_end(out, st, e): st is what came of the reading; returned, unless the end fails.
- * The rest of *out stays, until store_snapshot_free(). */
+ * A failed attempt that lies in the future (the clock was set back) is moved to now for good, so
+ * that a wait that begins with it ends.  The rest of *out stays, until store_snapshot_free(). */
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
                                  struct store_snapshot *out, struct errinfo *e);
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,

@@ -17,11 +17,10 @@ static enum status damaged(const struct store_attempts *a, struct errinfo *e)
                        a->subject);
 }
 
-/* Never negative.  A time in the future is from before the clock was set back, and is taken to be as
- * long ago: so a lock-out goes on if the step was short, and ends if it was long. */
+/* A time in the future is from before the clock was set back, and is read as now. */
 static int64_t age(int64_t at, int64_t now)
 {
-    return at > now ? at - now : now - at;
+    return at > now ? 0 : now - at;
 }
 
 static void set_own(struct store_attempts *out, int64_t at, int64_t now)
@@ -29,15 +28,15 @@ static void set_own(struct store_attempts *out, int64_t at, int64_t now)
     if (out->failures == 0)
         return;
     out->age_ms = age(at, now);
-    utc_print(at > now ? now : at, out->at);
+    utc_print(now - out->age_ms, out->at);
 }
 
 enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
                               const char *token, int64_t now, struct store_attempts *out,
-                              struct errinfo *e)
+                              bool *future, struct errinfo *e)
 {
     struct sql_rows *r;
-    int64_t own = 0, others = 0, first = 0;
+    int64_t own = 0, others = 0, first = 0, last = 0;
     enum status st = SQL_FIRST(
         t->sql, &r, e,
         "SELECT CAST(coalesce(sum(CASE WHEN here AND mine THEN failures END), 0) AS bigint), "
@@ -46,7 +45,7 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
         "AS bigint), coalesce(max(CASE WHEN here AND NOT mine THEN at_ms END), 0), "
         "count(CASE WHEN mine AND NOT here AND at_ms > $4 THEN 1 END), "
         "coalesce(min(CASE WHEN mine AND NOT here AND at_ms > $4 THEN at_ms END), 0), "
-        "count(CASE WHEN mine AND NOT here THEN 1 END) "
+        "count(CASE WHEN mine AND NOT here THEN 1 END), coalesce(max(at_ms), 0) "
         "FROM (SELECT failures, at_ms, subject_key = $1 AS here, token = $2 AS mine "
         "FROM attempts WHERE subject_key = $1 OR (token = $2 AND at_ms > $3)) AS a",
         sql_int(subject->key), sql_text(token), sql_int(now - STORE_TRIED_WARN_MS),
@@ -61,8 +60,10 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
           sql_read_int(r, 3, 0, &others) &&
           sql_read_count(r, 4, UINT32_MAX, &out->tried) &&
           sql_read_int(r, 5, 0, &first) &&
-          sql_read_count(r, 6, UINT32_MAX, &out->tried_warn)))
+          sql_read_count(r, 6, UINT32_MAX, &out->tried_warn) &&
+          sql_read_int(r, 7, 0, &last)))
         st = damaged(out, e);
+    *future = last > now;
     set_own(out, own, now);
     if (out->others > 0)
         out->others_age_ms = age(others, now);
@@ -90,6 +91,16 @@ enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *su
         return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject->id);
     return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE token = $1 AND at_ms < $2",
                    sql_text(token), sql_int(now - STORE_ATTEMPTS_DAYS * DAY));
+}
+
+enum status rows_attempts_not_after(struct log_txn *t,
+                                    const struct store_subject *subject,
+                                    const char *token, int64_t now, struct errinfo *e)
+{
+    return SQL_RUN(t->sql, e,
+                   "UPDATE attempts SET at_ms = $2 WHERE at_ms > $2 "
+                   "AND (subject_key = $1 OR token = $3)",
+                   sql_int(subject->key), sql_int(now), sql_text(token));
 }
 
 enum status rows_attempts_match(struct log_txn *t, const struct store_subject *subject,

@@ -6,11 +6,17 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
-/* rows_attempts_get(t, subject, token, now, out, e): failures, others and tried are 0 where there
- * are none, else the ages are set. */
+/* rows_attempts_get(t, subject, token, now, out, future, e): failures, others and tried are 0
+ * where there are none, else the ages are set.  *future: a failure lies after now, by which it is
+ * read as now.
+ * rows_attempts_not_after(t, subject, token, now, e): those of the subject or of the token were
+ * no later than that. */
 enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
                               const char *token, int64_t now, struct store_attempts *out,
-                              struct errinfo *e);
+                              bool *future, struct errinfo *e);
+enum status rows_attempts_not_after(struct log_txn *t,
+                                    const struct store_subject *subject,
+                                    const char *token, int64_t now, struct errinfo *e);
 
 /* rows_attempts_fail(t, subject, token, now, e): one more; what the token did before
  * STORE_ATTEMPTS_DAYS goes.  ST_ENOTFOUND: the subject is gone.  rows_attempts_match(t, subject, token, e): none of this token.
