@@ -53,7 +53,6 @@ struct lab {
     bool mean;
     uint64_t seed; /* study */
     bool reduced;
-    const char *faces;
 
     const struct model *model;
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */

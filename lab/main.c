@@ -208,9 +208,6 @@ static const struct taken {
      "the tolerance is for the mean gap over the area"},
     {"seed", "N", read_seed, AT(seed), STUDY, "of everything random (20261121)"},
     {"reduced", NULL, read_flag, AT(reduced), STUDY, "small sizes and few draws"},
-    {"faces", "DIR", read_text, AT(faces), STUDY,
-     "scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, for\n"
-     "several and minimal"},
     {"json", NULL, read_flag, AT(json), SCANS & ~EXPLAIN, "print the result as JSON"},
     {"help", NULL, read_flag, AT(help), ALL, "print this text"},
     {"version", NULL, read_flag, AT(version), ALL, "print the version"},

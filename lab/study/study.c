@@ -108,30 +108,6 @@ static double student(size_t k)
                          (5 * pow(z, 5) + 16 * pow(z, 3) + 3 * z) / (96 * d * d);
 }
 
-/* How likely at most k of n are at this share. */
-static double at_most(size_t k, size_t n, double share)
-{
-    double sum = 0;
-
-    for (size_t i = 0; i <= k; i++)
-        sum += exp(lgamma((double)n + 1) - lgamma((double)i + 1) -
-                   lgamma((double)(n - i) + 1) + (double)i * log(share) +
-                   (double)(n - i) * log1p(-share));
-    return sum;
-}
-
-void study_share(size_t k, size_t n, double *low, double *high)
-{
-    *low = 0;
-    *high = 1;
-    for (double by = 0.5; by > 1e-6; by /= 2) {
-        if (k > 0 && 1 - at_most(k - 1, n, *low + by) < 0.025)
-            *low += by;
-        if (k < n && at_most(k, n, *high - by) < 0.025)
-            *high -= by;
-    }
-}
-
 struct study_fit study_fit(const double *x, const double *y, size_t n)
 {
     double mx = 0, my = 0, xx = 0, xy = 0, yy = 0, rest, slope;
