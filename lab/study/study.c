@@ -8,7 +8,7 @@
 #include "delaunay.h"
 #include "mst.h"
 #include "rates.h"
-#include "interpolate.h"
+#include "locate.h"
 
 void study_must(enum status st)
 {
@@ -222,7 +222,7 @@ double study_height(struct study_surface *s, struct ivec2 q, bool *inside)
 
     s->last = locate_point(&s->surface.mesh, s->last.he, from, q, NULL);
     *inside = s->last.where != LOCATE_OUTSIDE;
-    return *inside ? interpolate_height(&s->surface.mesh, s->last, q)
+    return *inside ? locate_height(&s->surface.mesh, s->last, q)
                    : beyond_hull(&s->surface.mesh, q);
 }
 

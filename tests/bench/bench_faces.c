@@ -18,7 +18,6 @@
 #include "mesh.h"
 #include "mst.h"
 #include "peers.h"
-#include "interpolate.h"
 #include "timing.h"
 
 #define PAIRS  48
@@ -120,8 +119,8 @@ static double compare(struct side *a, struct side *b, double ms[ROWS])
     ms[INSERT] = ms[LOCATE];
     locate_mesh(&b->own.mesh, &a->own.mesh, a->loc);
     t = lap(ms, LOCATE, t);
-    interpolate_mesh(&b->own.mesh, &a->own.mesh, a->loc, a->other);
-    interpolate_mesh(&a->own.mesh, &b->own.mesh, b->loc, b->other);
+    locate_heights(&b->own.mesh, &a->own.mesh, a->loc, a->other);
+    locate_heights(&a->own.mesh, &b->own.mesh, b->loc, b->other);
     t = lap(ms, INTERPOLATE, t);
     disparity_gaps(&a->own, &b->own, a->loc, false, a->other);
     disparity_gaps(&b->own, &a->own, b->loc, true, b->other);
@@ -269,7 +268,7 @@ static double agree_side(const struct side *s, const struct side *other, size_t 
 
         equal("outside the hull", k, s->loc[v].where == LOCATE_OUTSIDE, isnan(height), 0);
         if (!isnan(height)) {
-            const double ours = interpolate_height(&other->own.mesh, s->loc[v], m->xy[v]);
+            const double ours = locate_height(&other->own.mesh, s->loc[v], m->xy[v]);
 
             equal("height", k, ours, height, 1e-6);
             worst = fmax(worst, fabs(ours - height));

@@ -11,7 +11,6 @@
 #include "mesh.h"
 #include "mst.h"
 #include "peers.h"
-#include "interpolate.h"
 #include "timing.h"
 
 static const struct peers *peers;
@@ -120,7 +119,7 @@ static void locations(size_t n, struct location_times *t)
             locate_mesh(&in->mesh, &of->mesh, loc);
             timing_stop(&t->locate);
             timing_start(&t->interpolate);
-            interpolate_mesh(&in->mesh, &of->mesh, loc, h);
+            locate_heights(&in->mesh, &of->mesh, loc, h);
             timing_stop(&t->interpolate);
             if (peers == NULL)
                 continue;
