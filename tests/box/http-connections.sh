@@ -57,6 +57,7 @@ req GET /healthz
 is "a sixth" "$STATUS" 000
 let_go
 ok "served again after they are closed" soon serves
+ok "the metrics count it" counts too_many_of_one_address
 stop_daemon
 start_daemon --no-auth --max-connections 8
 hold 8 "$body"
