@@ -38,7 +38,7 @@ static enum status list_subject(void *arg, const struct store_subject *one,
     (void)e;
     if (one->templates == 0)
         return ST_OK;
-    if ((larger = ctl_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
+    if ((larger = command_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
         return no_memory(l->c);
     l->subject = larger;
     memcpy(l->subject[l->n++].id, one->id, sizeof one->id);

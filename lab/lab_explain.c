@@ -196,9 +196,9 @@ enum status lab_explain(struct lab *c)
                      "disparity    %.3f mm, minimal\nwritten to   %s\n",
                      lab_decision(x.result.decision), x.result.score, x.result.threshold,
                      x.minimal.disparity.plain_mm, folder);
-        c->code = x.result.decision == FACE_MATCH      ? LAB_FINE
-                  : x.result.decision == FACE_NO_MATCH ? LAB_NO
-                                                       : LAB_INCONCLUSIVE;
+        c->code = x.result.decision == FACE_MATCH      ? EXIT_FINE
+                  : x.result.decision == FACE_NO_MATCH ? EXIT_NO
+                                                       : EXIT_INCONCLUSIVE;
     }
     mem_free(x.gap);
     mem_free(x.pts);

@@ -210,7 +210,7 @@ enum status lab_train(struct lab *c)
                       "that it has not learned from: %s\n",
                       c->force ? "written all the same" : "not written without --force");
     if (st == ST_OK && report.worse && !c->force) {
-        c->code = LAB_NO;
+        c->code = EXIT_NO;
     } else if (st == ST_OK &&
                (st = modelfile_write(c->out, c->force, m, &c->e)) == ST_OK) {
         print_model(c, c->out, m);

@@ -11,6 +11,7 @@
 #include "json.h"
 #include "mem.h"
 #include "read.h"
+#include "scan.h"
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -309,4 +310,26 @@ enum status cloudfile_read_document(const char *text, size_t len, size_t max_poi
                ? errinfo_set(e, ST_ELIMIT, "more values than %zu points can have",
                              clouds * max_points)
                : st;
+}
+
+/* ---- options */
+
+const char *cloudfile_option_units(const char *text, void *value)
+{
+    return cloudunit_or_auto(text, value) ? NULL : "auto, " CLOUDUNIT_NAMES;
+}
+
+const char *cloudfile_option_axes(const char *text, void *value)
+{
+    const bool scanner = strcmp(text, "scanner") == 0;
+
+    *(enum scan_axes *)value = scanner ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
+    return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
+}
+
+const char *cloudfile_option_camera(const char *text, void *value)
+{
+    return clouddepth_camera_read(text, value)
+               ? NULL
+               : "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]], pixels";
 }
