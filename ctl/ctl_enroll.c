@@ -372,8 +372,8 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
             tell_failed(c, w->corpus, w->scan[k], o);
         }
     }
-    ctl_sample_left(c->out, w->corpus);
-    ctl_sample_print_left(w->corpus);
+    corpus_left_json(w->corpus, c->out);
+    corpus_left_print(w->corpus, "surfacectl");
     json_number(c->out, "scans", n);
     json_number(c->out, "enrolled", count[ENROLLED]);
     json_number(c->out, "present", count[PRESENT]);

@@ -103,12 +103,8 @@ enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
                         struct scan_found *found, enum status *code, char **refused,
                         struct errinfo *e);
 
-/* lab_scan_left(j, k): adds to the JSON array that is open which files of a collection are left
- * out, and ends it; lab_scan_print_left(k) lists them on standard error.
- * lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;
+/* lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;
  * ST_EEXISTS. */
-void lab_scan_left(struct json *j, const struct corpus *k);
-void lab_scan_print_left(const struct corpus *k);
 enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char *source,
                               const char *path);
 

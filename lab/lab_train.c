@@ -42,8 +42,8 @@ static void list_refused(struct lab *c, const struct scans *s)
             json_close(c->report);
             (void)fprintf(stderr, "surfacelab: not used: %s\n", s->refused[i]);
         }
-    lab_scan_left(c->report, s->corpus);
-    lab_scan_print_left(s->corpus);
+    corpus_left_json(s->corpus, c->report);
+    corpus_left_print(s->corpus, "surfacelab");
 }
 
 static enum status read_scans(struct lab *c, struct scans *s)

@@ -1,5 +1,6 @@
 #include "cloudfile.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "clouddepth.h"
@@ -7,10 +8,12 @@
 #include "cloudtext.h"
 #include "cloudunit.h"
 #include "errinfo.h"
+#include "face.h"
 #include "inflate.h"
 #include "json.h"
 #include "mem.h"
 #include "read.h"
+#include "readfile.h"
 #include "scan.h"
 
 static void skip_bom(struct cloudtext *t)
@@ -312,7 +315,28 @@ enum status cloudfile_read_document(const char *text, size_t len, size_t max_poi
                : st;
 }
 
-/* ---- options */
+/* ---- the programs' */
+
+enum status cloudfile_read_path(const char *path, double unit_mm,
+                                const struct clouddepth_camera *camera,
+                                struct cloudpoints *out, struct errinfo *e)
+{
+    const size_t most = (size_t)256 << 20;
+    const struct cloudfile_options o = {.max_points = FACE_MAX_POINTS,
+                                        .max_bytes = most,
+                                        .unit_mm = unit_mm,
+                                        .camera = *camera};
+    struct errinfo why = {.msg = "out of memory"};
+    unsigned char *bytes;
+    size_t len;
+    enum status st = readfile_all(path, most, &bytes, &len, e);
+
+    *out = (struct cloudpoints){0};
+    if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
+        (void)errinfo_set(e, st, "%.100s: %s", path, why.msg);
+    free(bytes);
+    return st;
+}
 
 const char *cloudfile_option_units(const char *text, void *value)
 {

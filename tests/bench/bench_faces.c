@@ -187,9 +187,8 @@ static void store(struct pair *p)
 
 static void scratch_union(const struct pair *p)
 {
-    timing_start(&row[SCRATCH]);
-    timing_must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole));
-    timing_stop(&row[SCRATCH]);
+    TIMED(&row[SCRATCH],
+          timing_must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole)));
 }
 
 static void peer_pass(struct pair *p)
@@ -198,12 +197,8 @@ static void peer_pass(struct pair *p)
     void *merged, *both;
     double ms[ROWS] = {0}, t = timing_now_ms();
 
-    timing_start(&row[PEER_ONE]);
-    a->dt = peers->triangulate(a->points);
-    timing_stop(&row[PEER_ONE]);
-    timing_start(&row[PEER_ONE]);
-    b->dt = peers->triangulate(b->points);
-    timing_stop(&row[PEER_ONE]);
+    TIMED(&row[PEER_ONE], a->dt = peers->triangulate(a->points));
+    TIMED(&row[PEER_ONE], b->dt = peers->triangulate(b->points));
     t = lap(ms, PEER_DELAUNAY, t);
     peers->prim(a->graph);
     peers->prim(b->graph);
