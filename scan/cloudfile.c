@@ -41,9 +41,8 @@ static bool find_line(struct cloudtext *t)
 /* The formats that a file's first bytes show. */
 static const struct {
     enum cloudformat format;
-    bool (*is)(const struct cloudtext *t);
-    enum status (*parse)(struct cloudtext *t, const struct cloudfile_options *o,
-                         struct cloudlist *list);
+    read_is *is;
+    read_parse *parse;
 } reader[] = {
     {CLOUDFORMAT_PLY, read_ply_is, read_ply_parse},
     {CLOUDFORMAT_GLB, read_glb_is, read_glb_parse},

@@ -9,6 +9,7 @@
 #include "mst.h"
 #include "rates.h"
 #include "locate.h"
+#include "select.h"
 
 void study_must(enum status st)
 {
@@ -57,13 +58,6 @@ void study_field(FILE *f, int places, double x)
         (void)fprintf(f, ",%.*f", places, x);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 static double quantile(const double *v, size_t n, double share)
 {
     const double at = share * (double)(n - 1);
@@ -88,7 +82,7 @@ struct study_spread study_spread(double *v, size_t n)
 {
     double sum = 0;
 
-    qsort(v, n, sizeof *v, by_value);
+    select_sort(v, n);
     for (size_t i = 0; i < n; i++)
         sum += v[i];
     return (struct study_spread){sum / (double)n, quantile(v, n, 0.5),

@@ -2,7 +2,6 @@
 # Goal: surfacectl and a running daemon share a database: each sees at once what the other
 # did, a template that was deleted beside the daemon never matches again, and the daemon killed
 # in the middle loses nothing that it answered.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"

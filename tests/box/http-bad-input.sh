@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: bad input gets an error with a code and a clear detail; the daemon keeps running and
 # loses no data.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 1 "$T/enrolled.ply"

@@ -2,7 +2,6 @@
 # Goal: the headers by which a client chooses how a request is sent and answered.  Compressed
 # bodies are accepted up to the limit, damaged or unknown ones rejected; return=minimal gives no
 # body.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 GZ='Content-Encoding: gzip' ZST='Content-Encoding: zstd'

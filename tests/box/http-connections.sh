@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: the number of connections is limited in all and by address; the daemon closes
 # connections of slow senders and readers, even if bytes keep coming, and serves others meanwhile.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 HOLD=''
 

@@ -3,7 +3,6 @@
 # where the template has no surface, and what each cell of the face adds to the score; compare and
 # verify give the same.
 # shellcheck disable=SC2016 # the variables are jq's
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # The template lacks one cheek of the probe.

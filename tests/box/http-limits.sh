@@ -2,7 +2,6 @@
 # Goal: repeated failed verifications lock a subject out, and repeated failed authentication is
 # rate-limited per address; others are not affected, the lock-out survives a restart, and
 # parallel requests cannot exceed the limits.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # verify SUBJECT FILE [QUERY]

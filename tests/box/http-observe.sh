@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: metrics, health and log show what the daemon does and contain no personal data; a deleted
 # template is never used from the cache, whichever process deleted it.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"

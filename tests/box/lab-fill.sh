@@ -2,7 +2,6 @@
 # Goal: surfacelab fill restores the points missing in a scan's holes: the scan's own points stay
 # as they came, in their unit; the restored ones are marked, and the size of each hole and the
 # expected error are told; what was filled is not filled again; no file is overwritten.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

@@ -3,7 +3,6 @@
 # expected results: errors grow with removal on average, values known by hand are met, and all
 # figures and tables are on one page.
 # shellcheck disable=SC2016 # awk's own variables
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # study NAME: its reduced results, in $T/NAME: those of the page, or else made here.
