@@ -4,11 +4,9 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "store.h"
-#include "dry_run.h"
 
 enum status ctl_usage(struct ctl *c, const char *fmt, ...)
 {
@@ -20,44 +18,6 @@ enum status ctl_usage(struct ctl *c, const char *fmt, ...)
     (void)vsnprintf(c->e.msg, sizeof c->e.msg, fmt, args);
     va_end(args);
     return ST_EINVAL;
-}
-
-int ctl_exit(const struct ctl *c, enum status st)
-{
-    static const int code[ST_COUNT] = {
-        [ST_ENOMEM] = EXIT_OSERR,       [ST_ENOTFOUND] = EXIT_NOINPUT,
-        [ST_EDENIED] = EXIT_NOPERM,     [ST_EREFUSED] = EXIT_NOPERM,
-        [ST_EHELD] = EXIT_NOPERM,       [ST_EBUSY] = EXIT_TEMPFAIL,
-        [ST_EIO] = EXIT_IOERR,          [ST_EDB] = EXIT_SOFTWARE,
-        [ST_EINTERNAL] = EXIT_SOFTWARE,
-    };
-
-    return st == ST_OK || c->code == EXIT_USAGE ? c->code
-           : code[st] != 0                      ? code[st]
-                                                : EXIT_DATA;
-}
-
-const char *ctl_error_code(const struct ctl *c)
-{
-    static const char *const word[ST_COUNT] = {[ST_ENOMEM] = "out_of_memory",
-                                               [ST_ESIZE] = "file_too_large",
-                                               [ST_ECORRUPT] = "damaged",
-                                               [ST_EVERSION] = "other_version",
-                                               [ST_ENOTFOUND] = "not_found",
-                                               [ST_EEXISTS] = "exists",
-                                               [ST_EMISMATCH] = "sample_mismatch",
-                                               [ST_EREPLAYED] = "replayed",
-                                               [ST_EDENIED] = "forbidden",
-                                               [ST_EREFUSED] = "database_refused",
-                                               [ST_EHELD] = "on_hold",
-                                               [ST_EBUSY] = "busy",
-                                               [ST_EIO] = "storage",
-                                               [ST_EDB] = "internal",
-                                               [ST_EINTERNAL] = "internal"};
-
-    return c->code == EXIT_USAGE     ? "usage"
-           : word[c->e.code] != NULL ? word[c->e.code]
-                                     : dry_run_code(c->e.code);
 }
 
 const char *ctl_actor(void)
@@ -127,17 +87,4 @@ bool ctl_print(FILE *to, char *text)
 
     free(text);
     return ok;
-}
-
-void *ctl_grow(void *list, size_t n, size_t size)
-{
-    return (n & (n - 1)) != 0 ? list : realloc(list, (n > 0 ? 2 * n : 1) * size);
-}
-
-double ctl_clock_ms(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }

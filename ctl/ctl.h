@@ -15,6 +15,7 @@
 #include <stdint.h>
 #include <stdio.h>
 #include "clouddepth.h"
+#include "command.h"
 #include "errinfo.h"
 #include "face.h"
 #include "json.h"
@@ -25,21 +26,6 @@ struct model;       /* model.h */
 struct options;     /* options.h */
 struct store;       /* store.h */
 struct ctl_command; /* ctl_command.h */
-
-/* As in <sysexits.h> where that has one; ctl_table.c says what they mean. */
-enum ctl_exit {
-    EXIT_FINE = 0,
-    EXIT_NO = 1,
-    EXIT_INCONCLUSIVE = 2,
-    EXIT_USAGE = 64,
-    EXIT_DATA = 65,
-    EXIT_NOINPUT = 66,
-    EXIT_SOFTWARE = 70,
-    EXIT_OSERR = 71,
-    EXIT_IOERR = 74,
-    EXIT_TEMPFAIL = 75,
-    EXIT_NOPERM = 77
-};
 
 struct ctl_scans {  /* how scans are read */
     double unit_mm; /* --units, millimetres; 0: found */
@@ -93,12 +79,8 @@ struct ctl {
     struct errinfo e; /* why a command did not end with 0, 1 or 2 */
 };
 
-/* ctl_exit(c, st): the exit code of a command that returned st.
- * ctl_error_code(c): a stable word for c->e.code, as the HTTP interface has it; static.
- * ctl_usage(c, ...): the command line is wrong, and the text in c->e says how; ST_EINVAL, and
+/* ctl_usage(c, ...): the command line is wrong, and the text in c->e says how; ST_EINVAL, and
  * the exit code EXIT_USAGE. */
-int ctl_exit(const struct ctl *c, enum status st);
-const char *ctl_error_code(const struct ctl *c);
 __attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
                                                             const char *fmt, ...);
 
@@ -124,11 +106,5 @@ const char *ctl_bytes(uint64_t n, char out[32]);
 __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,
                                                    ...);
 bool ctl_print(FILE *to, char *text);
-
-/* ctl_grow(list, n, size): a list of n elements, all of which were added with this (NULL
- * for the first), with room for one more.  NULL: out of memory, and the list is as it was. */
-void *ctl_grow(void *list, size_t n, size_t size);
-
-double ctl_clock_ms(void); /* from any start; it does not jump */
 
 #endif

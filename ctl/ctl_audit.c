@@ -371,17 +371,17 @@ static enum status erased(struct ctl *c)
 const struct ctl_command ctl_audit_show = {
     .name = "audit show",
     .database = CTL_READS_DATABASE,
-    .options = {CTL_OPTION("subject", "ID", ctl_option_text, &about,
+    .options = {CTL_OPTION("subject", "ID", command_text, &about,
                            "only entries about this subject"),
                 CTL_OPTION(
-                    "uid", "UID", ctl_option_text, &uid,
+                    "uid", "UID", command_text, &uid,
                     "only entries about the subject with this uid, as its receipt\n"
                     "names it, erased or not"),
-                CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
+                CTL_OPTION("kind", "WORD", command_text, &kind,
                            "only entries of this kind, like enroll or verify"),
-                CTL_OPTION("since", "TIME", ctl_option_text, &since,
+                CTL_OPTION("since", "TIME", command_text, &since,
                            "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
-                CTL_OPTION("limit", "N", ctl_option_whole, &limit, "the newest N (100)")},
+                CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
     .run = show,
     .summary = "list who did what, and when",
     .help =
@@ -427,7 +427,7 @@ const struct ctl_command ctl_audit_trim = {
     .name = "audit trim",
     .database = CTL_WRITES_DATABASE,
     .shared = CTL_DRY_RUN,
-    .options = {CTL_OPTION("keep", "DAYS", ctl_option_whole, &keep,
+    .options = {CTL_OPTION("keep", "DAYS", command_whole, &keep,
                            "how long entries are kept")},
     .run = trim,
     .summary = "delete the oldest accesses from the audit log",

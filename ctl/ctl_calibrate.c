@@ -375,12 +375,12 @@ const struct ctl_command ctl_calibrate = {
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_SCANS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN | CTL_YES,
     .options = {CTL_OPTION(
-                    "mated", "MANIFEST", ctl_option_text, &mated,
+                    "mated", "MANIFEST", command_text, &mated,
                     "more scans of the subjects: a folder, or a table with the columns\n"
                     "file and subject"),
-                CTL_OPTION("list", NULL, ctl_option_flag, &wants_list,
+                CTL_OPTION("list", NULL, command_flag, &wants_list,
                            "list the calibrations"),
-                CTL_OPTION("reset", NULL, ctl_option_flag, &wants_reset,
+                CTL_OPTION("reset", NULL, command_flag, &wants_reset,
                            "go back to the table that comes with the program")},
     .run = run,
     .summary = "compute a threshold from the enrolled templates",

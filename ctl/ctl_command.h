@@ -24,8 +24,8 @@ struct ctl_command {
     /* what the exit codes 0 to 2 mean; NULL: 0 is done, others never */
     const char *exits[3];
     enum ctl_database database;
-    unsigned shared;              /* options, besides those of a database and of all */
-    struct ctl_option options[8]; /* of its own; ends with one that has no name */
+    unsigned shared; /* options, besides those of a database and of all */
+    struct command_option options[8]; /* of its own; ends with one that has no name */
 
     /* Do it.  Where that failed c->e says why; else c->code is the exit code. */
     enum status (*run)(struct ctl *c);

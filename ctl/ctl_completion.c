@@ -7,7 +7,7 @@
 
 enum kind { FLAG, FILES, CHOICES, WORD }; /* what follows an option */
 
-static enum kind kind_of(const struct ctl_option *o)
+static enum kind kind_of(const struct command_option *o)
 {
     if (o->arg == NULL)
         return FLAG;
@@ -20,7 +20,7 @@ static enum kind kind_of(const struct ctl_option *o)
 /* The options of that kind, every shared one once, and every command's own. */
 static void print_kind(enum kind kind)
 {
-    const struct ctl_option *o;
+    const struct command_option *o;
     unsigned seen = 0;
 
     for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
@@ -39,7 +39,7 @@ static void print_kind(enum kind kind)
 
 static void print_choices(void)
 {
-    const struct ctl_option *o;
+    const struct command_option *o;
 
     for (size_t i = 0; (o = ctl_option_at(~0U, NULL, i)) != NULL; i++) {
         if (kind_of(o) != CHOICES)
@@ -84,7 +84,7 @@ static void print_first(void)
 
 static void print_options(void)
 {
-    const struct ctl_option *o;
+    const struct command_option *o;
 
     for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
         (void)printf("        '%s'*) words='", (*k)->name);

@@ -38,7 +38,7 @@ static enum status list_subject(void *arg, const struct store_subject *one,
     (void)e;
     if (one->templates == 0)
         return ST_OK;
-    if ((larger = ctl_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
+    if ((larger = command_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
         return no_memory(l->c);
     l->subject = larger;
     memcpy(l->subject[l->n++].id, one->id, sizeof one->id);
@@ -368,8 +368,8 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
     if (st == ST_OK)
         keep_scores(p, &s);
     json_array(c->out, "left_out");
-    ctl_sample_left(c->out, corpus);
-    ctl_sample_print_left(corpus);
+    corpus_left_json(corpus, c->out);
+    corpus_left_print(corpus, "surfacectl");
 out:
     free(subject);
     free(s.fate);

@@ -73,7 +73,7 @@ static enum status list_one(void *arg, const struct store_subject *one, struct e
     if (st != ST_OK || n == 0)
         goto out;
     st = ST_ENOMEM;
-    if ((larger = ctl_grow(d->subject, d->nsubject, sizeof *d->subject)) == NULL)
+    if ((larger = command_grow(d->subject, d->nsubject, sizeof *d->subject)) == NULL)
         goto out;
     d->subject = larger;
     if ((larger = realloc(d->entry, (d->n + n) * sizeof *d->entry)) == NULL)
@@ -153,7 +153,7 @@ static enum status threshold_for(struct dedup *d, double fmr)
 
 static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double score)
 {
-    void *larger = ctl_grow(d->found, d->nfound, sizeof *d->found);
+    void *larger = command_grow(d->found, d->nfound, sizeof *d->found);
 
     if (larger == NULL)
         return ST_ENOMEM;
@@ -420,7 +420,7 @@ const struct ctl_command ctl_dedup = {
     .name = "dedup",
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL | CTL_THRESHOLD | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
-    .options = {CTL_OPTION("subject", "ID", ctl_option_text, &only,
+    .options = {CTL_OPTION("subject", "ID", command_text, &only,
                            "compare this subject with the others")},
     .exits = {"no duplicates", "duplicates were found"},
     .run = run,

@@ -61,13 +61,6 @@ enum status ctl_dir_may_pipe(struct ctl *c, int nread)
 
 /* ---- a file */
 
-static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
-{
-    (void)e;
-    cloudwrite_ply(to, m);
-    return ST_OK;
-}
-
 enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
                          const void *arg)
 {
@@ -76,5 +69,5 @@ enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
 
 enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m)
 {
-    return ctl_dir_file(c, path, write_mesh, m);
+    return ctl_dir_file(c, path, cloudwrite_ply, m);
 }

@@ -372,8 +372,8 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
             tell_failed(c, w->corpus, w->scan[k], o);
         }
     }
-    ctl_sample_left(c->out, w->corpus);
-    ctl_sample_print_left(w->corpus);
+    corpus_left_json(w->corpus, c->out);
+    corpus_left_print(w->corpus, "surfacectl");
     json_number(c->out, "scans", n);
     json_number(c->out, "enrolled", count[ENROLLED]);
     json_number(c->out, "present", count[PRESENT]);
@@ -394,7 +394,7 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
 
 static enum status enroll_all(struct folder *w, uint32_t *failed, uint32_t *n)
 {
-    const double start = ctl_clock_ms();
+    const double start = command_clock_ms();
     const struct corpus *k = w->corpus;
     enum status st;
 
@@ -408,7 +408,7 @@ static enum status enroll_all(struct folder *w, uint32_t *failed, uint32_t *n)
                            w->c->args[0], kind);
     st = pool_run("enroll", w->c->threads, w->c->model, k->nsubject, enroll_subject, w,
                   &w->c->e);
-    *failed = report(w, *n, (ctl_clock_ms() - start) / 1e3);
+    *failed = report(w, *n, (command_clock_ms() - start) / 1e3);
     return st;
 }
 
@@ -457,9 +457,9 @@ const struct ctl_command ctl_enroll = {
     .takes = {1, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_SCANS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
-    .options = {CTL_OPTION("force", NULL, ctl_option_flag, &force,
+    .options = {CTL_OPTION("force", NULL, command_flag, &force,
                            "enroll scans that do not match the subject's other samples"),
-                CTL_OPTION("kind", "WORD", ctl_option_text, &kind,
+                CTL_OPTION("kind", "WORD", command_text, &kind,
                            "of a folder or a table, only the scans of this kind")},
     .run = run,
     .summary = "enroll scans of one subject, or of many subjects",

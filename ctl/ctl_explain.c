@@ -1,7 +1,6 @@
 /* surfacectl explain: why a scan matches a subject or a template, or not. */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "cloudpoints.h"
 #include "ctl_command.h"
@@ -11,6 +10,7 @@
 #include "describe.h"
 #include "heatmap.h"
 #include "mem.h"
+#include "select.h"
 
 #define BEYOND_MM 1.0 /* the share of the gaps beyond this is reported */
 
@@ -23,13 +23,6 @@ struct explanation {
     size_t compared; /* points that have a gap; these are of their amounts */
     double median_mm, most_mm, beyond;
 };
-
-static int by_value(const void *p, const void *q)
-{
-    const double x = *(const double *)p, y = *(const double *)q;
-
-    return (x > y) - (x < y);
-}
 
 /* How far the probe's points lie off the template, as measured. */
 static enum status measure_gaps(struct explanation *x)
@@ -48,7 +41,7 @@ static enum status measure_gaps(struct explanation *x)
     x->compared = n;
     x->median_mm = x->most_mm = x->beyond = (double)NAN;
     if (st == ST_OK && n > 0) {
-        qsort(v, n, sizeof *v, by_value);
+        select_sort(v, n);
         x->median_mm = v[n / 2];
         x->most_mm = v[n * 95 / 100];
         x->beyond = (double)beyond / (double)n;

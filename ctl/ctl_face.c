@@ -26,7 +26,7 @@ int ctl_face_exit(enum face_decision d)
 struct templates_context ctl_face_context(struct ctl *c, struct face_work *w)
 {
     return (struct templates_context){
-        .store = c->store, .work = w, .clock_ms = ctl_clock_ms};
+        .store = c->store, .work = w, .clock_ms = command_clock_ms};
 }
 
 void ctl_face_passed_over(const struct templates *t)

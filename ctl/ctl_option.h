@@ -5,20 +5,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "command.h"
 
 struct ctl; /* ctl.h */
-
-struct ctl_option {
-    const char *name; /* without the two hyphens; NULL ends a list */
-    const char *arg;  /* what its value is called; NULL: it has none.  "mm|cm|m": one of
-                         these; FILE, DIR, PATH: of the file system */
-    const char *(*read)(const char *text, void *value); /* sets *value; NULL: done, else
-                                                           what the option takes */
-    void *value;      /* what it sets; NULL: in struct ctl */
-    const char *help; /* lines of up to 66 characters */
-    size_t at;        /* there */
-    char letter;      /* a short form, or 0 */
-};
 
 /* An option that one command takes. */
 #define CTL_OPTION(name, arg, read, value, help)                                         \
@@ -63,27 +52,12 @@ enum ctl_shared {
 /* ctl_option_at(shared, own, i): option i of those shared ones and of the list own, which
  * may be NULL; NULL: there are no more.
  * ctl_option_find(shared, own, name): the one of that name, or NULL. */
-const struct ctl_option *ctl_option_at(unsigned shared, const struct ctl_option *own,
-                                       size_t i);
-const struct ctl_option *ctl_option_find(unsigned shared, const struct ctl_option *own,
-                                         const char *name);
+const struct command_option *ctl_option_at(unsigned shared,
+                                           const struct command_option *own, size_t i);
+const struct command_option *
+ctl_option_find(unsigned shared, const struct command_option *own, const char *name);
 
-/* The name that is nearest to a mistyped word; "" before, and where none is near.
- * ctl_near(near, word, before, name): is `before` and name together nearer? */
-struct ctl_near {
-    char name[40];
-    size_t edits;
-};
-void ctl_near(struct ctl_near *near, const char *word, const char *before,
-              const char *name);
-
-/* Values: bool; const char *; uint32_t from 1 to 1,000,000; double: a score, a rate above 0 up to
- * 0.5; int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
-const char *ctl_option_flag(const char *text, void *value);
-const char *ctl_option_text(const char *text, void *value);
-const char *ctl_option_whole(const char *text, void *value);
-const char *ctl_option_score(const char *text, void *value);
-const char *ctl_option_rate(const char *text, void *value);
+/* Values: int64_t seconds ("90d", "12h"); unsigned: scopes of a token. */
 const char *ctl_option_duration(const char *text, void *value);
 const char *ctl_option_scopes(const char *text, void *value);
 

@@ -8,12 +8,10 @@
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
-struct corpus;      /* corpus.h */
 struct ctl;         /* ctl.h */
 struct errinfo;     /* errinfo.h */
 struct face;        /* face.h */
 struct face_work;   /* face.h */
-struct json;        /* json.h */
 
 /* ctl_sample_read(c, path, enrolment, w, out, found): the face in a file ("-": standard input), read as
  * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
@@ -30,10 +28,5 @@ enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints
 /* ctl_sample_warnings(to, label, f): a line "warnings     occluded, turned", where "warnings" is
  * the label; nothing without any. */
 void ctl_sample_warnings(FILE *to, const char *label, const struct scan_found *f);
-
-/* What of a collection is left out: ctl_sample_print_left(k) lists it on standard error,
- * ctl_sample_left(j, k) adds it to the JSON array that is open, and ends that. */
-void ctl_sample_print_left(const struct corpus *k);
-void ctl_sample_left(struct json *j, const struct corpus *k);
 
 #endif

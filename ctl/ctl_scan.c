@@ -76,7 +76,7 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
 
 static enum status scan_file(struct ctl *c, const char *path, bool *usable)
 {
-    const double start = ctl_clock_ms();
+    const double start = command_clock_ms();
     struct checked k = {.points = {.n = 0}};
     enum status st = check(c, path, &k);
 
@@ -88,7 +88,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         describe_dry_run(c->out, &k.trial, &k.face,
                          &(struct describe_times){.parse = NAN,
                                                   .prepare = NAN,
-                                                  .total = ctl_clock_ms() - start});
+                                                  .total = command_clock_ms() - start});
         json_close(c->out);
         if (!c->json)
             print_text(&k);
@@ -132,7 +132,7 @@ const struct ctl_command ctl_scan = {
     .args = "FILE...",
     .takes = {1, CTL_MANY},
     .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
-    .options = {CTL_OPTION("face", "FILE", ctl_option_text, &face_file,
+    .options = {CTL_OPTION("face", "FILE", command_text, &face_file,
                            "write the face as it is compared (PLY, mm); of one scan")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,

@@ -92,37 +92,13 @@ static const struct {
 
 /* ---- parts */
 
-/* Lines, the further ones under the first. */
-static void print_lines(const char *text, int indent)
+static void print_options(unsigned shared, const struct command_option *own)
 {
-    for (;;) {
-        const size_t n = strcspn(text, "\n");
-
-        (void)printf("%.*s\n", (int)n, text);
-        if (text[n] == '\0')
-            return;
-        text += n + 1;
-        (void)printf("%*s", indent, "");
-    }
-}
-
-static void print_options(unsigned shared, const struct ctl_option *own)
-{
-    const struct ctl_option *o;
+    const struct command_option *o;
 
     (void)printf("Options (before or after the command):\n");
-    for (size_t i = 0; (o = ctl_option_at(shared, own, i)) != NULL; i++) {
-        char name[64], letter[] = "-?, ";
-
-        letter[1] = o->letter;
-        (void)snprintf(name, sizeof name, "%s--%s%s%s", o->letter != 0 ? letter : "",
-                       o->name, o->arg != NULL ? " " : "", o->arg != NULL ? o->arg : "");
-        if (strlen(name) > 20)
-            (void)printf("  %s\n%23s", name, "");
-        else
-            (void)printf("  %-20s ", name);
-        print_lines(o->help, 23);
-    }
+    for (size_t i = 0; (o = ctl_option_at(shared, own, i)) != NULL; i++)
+        command_print_option(o);
     (void)printf("\n");
 }
 

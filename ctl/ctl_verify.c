@@ -31,7 +31,7 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 static enum status run(struct ctl *c, const char *probe, struct verify_request *r,
                        struct verification *v)
 {
-    const double start = ctl_clock_ms();
+    const double start = command_clock_ms();
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
     struct face face = {0};
@@ -47,7 +47,7 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     ctl_face_passed_over(&v->templates);
     if (st == ST_OK) {
         v->times.parse = NAN;
-        v->times.total = ctl_clock_ms() - start;
+        v->times.total = command_clock_ms() - start;
         x = verify_describe(v, c->engine);
         c->code = ctl_face_exit(v->best.result.decision);
         print_result(c, &x);

@@ -2,7 +2,6 @@
 
 #include <sodium.h>
 
-#include "lockout.h"
 #include "options.h"
 #include "rows_attempts.h"
 #include "rows_subject.h"
@@ -46,6 +45,20 @@ enum status store_attempts_list(struct store *s, struct store_attempts **out, si
         (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, rows_attempts_list(&t, now, out, n, e), e);
+}
+
+/* How long a lock-out lasts after this many failures in a row: 0 below limit, wait_s s at limit,
+ * twice as long with each further one, most_s s at most. */
+static int64_t lockout_ms(unsigned limit, unsigned wait_s, unsigned most_s,
+                          uint32_t failures)
+{
+    int64_t wait = wait_s;
+
+    if (failures < limit)
+        return 0;
+    for (uint32_t i = limit; i < failures && wait < most_s; i++)
+        wait *= 2;
+    return 1000 * (wait < most_s ? wait : most_s);
 }
 
 /* What is left of a lock-out of at most most_s after this number of failures. */

@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "outfile.h"
 
@@ -12,7 +11,7 @@ enum status lab_usage(struct lab *c, const char *fmt, ...)
 {
     va_list args;
 
-    c->code = LAB_USAGE;
+    c->code = EXIT_USAGE;
     c->e.code = ST_EINVAL;
     va_start(args, fmt);
     (void)vsnprintf(c->e.msg, sizeof c->e.msg, fmt, args);
@@ -31,22 +30,9 @@ void lab_say(const struct lab *c, const char *fmt, ...)
     va_end(args);
 }
 
-void *lab_grow(void *list, size_t n, size_t size)
-{
-    return (n & (n - 1)) != 0 ? list : realloc(list, (n > 0 ? 2 * n : 1) * size);
-}
-
 const char *lab_decision(enum face_decision d)
 {
     return d == FACE_MATCH ? "match" : d == FACE_NO_MATCH ? "no_match" : "inconclusive";
-}
-
-double lab_clock_ms(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
 /* ---- files */

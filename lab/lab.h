@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include "clouddepth.h"
 #include "cloudpoints.h"
+#include "command.h"
 #include "errinfo.h"
 #include "face.h"
 #include "json.h"
@@ -17,20 +18,6 @@ struct corpus;      /* corpus.h */
 struct corpus_scan; /* corpus.h */
 struct mesh;        /* mesh.h */
 struct model;       /* model.h */
-
-/* As those of surfacectl, which are of <sysexits.h>. */
-enum lab_exit {
-    LAB_FINE = 0,
-    LAB_NO = 1,
-    LAB_INCONCLUSIVE = 2,
-    LAB_USAGE = 64,
-    LAB_DATA = 65,
-    LAB_NOINPUT = 66,
-    LAB_SOFTWARE = 70,
-    LAB_OSERR = 71,
-    LAB_IOERR = 74,
-    LAB_NOPERM = 77
-};
 
 struct lab {
     const char *command;
@@ -53,14 +40,13 @@ struct lab {
     bool mean;
     uint64_t seed; /* study */
     bool reduced;
-    const char *faces;
 
     const struct model *model;
     char engine[FACE_ENGINE_MAX + 1]; /* by that model */
     struct face_work *work;
     struct json *report; /* NULL without --json */
     bool piped;       /* the result goes to standard output, the text to standard error */
-    int code;         /* LAB_FINE until the command sets another */
+    int code;         /* EXIT_FINE until the command sets another */
     struct errinfo e; /* why the command failed */
 };
 
@@ -76,19 +62,14 @@ enum status lab_train(struct lab *c);
 
 /* ---- shared (lab.c)
  *
- * lab_usage(c, ...): the command line is wrong as the text says; ST_EINVAL, exit code LAB_USAGE.
+ * lab_usage(c, ...): the command line is wrong as the text says; ST_EINVAL, exit code EXIT_USAGE.
  * lab_say(c, ...): prints text, unless the result is printed as JSON.
- * lab_grow(list, n, size): a list of n elements that this function has grown, with room for one
- * more; NULL: out of memory, the list is unchanged.
- * lab_decision(d): "match", "no_match", "inconclusive".
- * lab_clock_ms(): for differences. */
+ * lab_decision(d): "match", "no_match", "inconclusive". */
 __attribute__((format(printf, 2, 3))) enum status lab_usage(struct lab *c,
                                                             const char *fmt, ...);
 __attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const char *fmt,
                                                    ...);
-void *lab_grow(void *list, size_t n, size_t size);
 const char *lab_decision(enum face_decision d);
-double lab_clock_ms(void);
 
 /* Files, by the rules of outfile.h.
  * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and the
@@ -122,12 +103,8 @@ enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
                         struct scan_found *found, enum status *code, char **refused,
                         struct errinfo *e);
 
-/* lab_scan_left(j, k): adds to the JSON array that is open which files of a collection are left
- * out, and ends it; lab_scan_print_left(k) lists them on standard error.
- * lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;
+/* lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;
  * ST_EEXISTS. */
-void lab_scan_left(struct json *j, const struct corpus *k);
-void lab_scan_print_left(const struct corpus *k);
 enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char *source,
                               const char *path);
 

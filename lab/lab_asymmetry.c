@@ -63,7 +63,7 @@ enum status lab_asymmetry(struct lab *c)
         report_asymmetry(c->report, &a, &f, c->engine);
         if (!c->json)
             print_asymmetry(&a, &f);
-        c->code = asymmetry_conclusive(&a) ? LAB_FINE : LAB_INCONCLUSIVE;
+        c->code = asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
     }
     face_free(&f);
     return st;

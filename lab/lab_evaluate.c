@@ -208,7 +208,7 @@ static void print_all(const struct run *r, const char *out)
         report_json_out(o, &r->report[i]);
         if (r->n > 1)
             json_close(o);
-        lab_scan_print_left(r->set[i].corpus);
+        corpus_left_print(r->set[i].corpus, "surfacelab");
         if (!r->c->json) {
             print_set(&r->report[i]);
             (void)printf("\n");

@@ -22,13 +22,6 @@ struct explanation {
 
 /* ---- at a point */
 
-static struct dvec3 move(const double t[16], struct dvec3 p)
-{
-    return (struct dvec3){t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
-                          t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
-                          t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
-}
-
 /* A cell's value at a point of the canonical frame: linear between the middles of the cells that
  * have one; NAN if none of the four has. */
 static double sample_cells(const float value[GRID_N], struct dvec3 at)
@@ -68,7 +61,7 @@ static enum status write_points(FILE *to, const void *arg, struct errinfo *e)
     (void)e;
     (void)fprintf(to, "x,y,z,gap_mm,part\n");
     for (size_t i = 0; i < x->n; i++) {
-        const struct dvec3 p = move(x->result.align.transform, x->pts[i]);
+        const struct dvec3 p = vec_transform(x->result.align.transform, x->pts[i]);
         const struct dvec3 q = pose_apply(&x->tmpl.frame.pose, p);
 
         (void)fprintf(to, "%.3f,%.3f,%.3f", p.x, p.y, p.z);
@@ -196,9 +189,9 @@ enum status lab_explain(struct lab *c)
                      "disparity    %.3f mm, minimal\nwritten to   %s\n",
                      lab_decision(x.result.decision), x.result.score, x.result.threshold,
                      x.minimal.disparity.plain_mm, folder);
-        c->code = x.result.decision == FACE_MATCH      ? LAB_FINE
-                  : x.result.decision == FACE_NO_MATCH ? LAB_NO
-                                                       : LAB_INCONCLUSIVE;
+        c->code = x.result.decision == FACE_MATCH      ? EXIT_FINE
+                  : x.result.decision == FACE_NO_MATCH ? EXIT_NO
+                                                       : EXIT_INCONCLUSIVE;
     }
     mem_free(x.gap);
     mem_free(x.pts);

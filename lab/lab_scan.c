@@ -1,6 +1,5 @@
 /* Scans as faces, alone and of a collection. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -8,27 +7,11 @@
 #include "corpus.h"
 #include "lab.h"
 #include "outfile.h"
-#include "readfile.h"
-
-#define MAX_FILE ((size_t)256 << 20)
 
 enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
                            struct errinfo *e)
 {
-    const struct cloudfile_options o = {.max_points = FACE_MAX_POINTS,
-                                        .max_bytes = MAX_FILE,
-                                        .unit_mm = c->unit_mm,
-                                        .camera = c->camera};
-    struct errinfo why = {.msg = "out of memory"};
-    unsigned char *bytes;
-    size_t len;
-    enum status st = readfile_all(path, MAX_FILE, &bytes, &len, e);
-
-    *out = (struct cloudpoints){0};
-    if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
-        (void)errinfo_set(e, st, "%.100s: %s", path, why.msg);
-    free(bytes);
-    return st;
+    return cloudfile_read_path(path, c->unit_mm, &c->camera, out, e);
 }
 
 enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpoints *p,
@@ -78,23 +61,6 @@ enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
     if (st != ST_OK && (*refused = strdup(why.msg)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     return ST_OK;
-}
-
-void lab_scan_left(struct json *j, const struct corpus *k)
-{
-    for (uint32_t i = 0; i < k->nleft; i++) {
-        json_object(j, NULL);
-        json_text(j, "file", k->left[i].file);
-        json_text(j, "reason", k->left[i].why);
-        json_close(j);
-    }
-    json_close(j);
-}
-
-void lab_scan_print_left(const struct corpus *k)
-{
-    for (uint32_t i = 0; i < k->nleft; i++)
-        (void)fprintf(stderr, "surfacelab: %s: %s\n", k->left[i].file, k->left[i].why);
 }
 
 enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char *source,

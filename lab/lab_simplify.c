@@ -28,13 +28,6 @@ static void print_simplified(struct lab *c, const struct face *f,
             r->disparity / LATTICE_PER_MM, c->out);
 }
 
-static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
-{
-    (void)e;
-    cloudwrite_ply(to, m);
-    return ST_OK;
-}
-
 enum status lab_simplify(struct lab *c)
 {
     const double tolerance = c->tolerance_mm * LATTICE_PER_MM;
@@ -55,7 +48,7 @@ enum status lab_simplify(struct lab *c)
         (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,
                             NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
-    if (st == ST_OK && (st = lab_write(c, c->out, write_mesh, &small)) == ST_OK)
+    if (st == ST_OK && (st = lab_write(c, c->out, cloudwrite_ply, &small)) == ST_OK)
         print_simplified(c, &f, &r);
     mesh_free(&small);
     scratch_free(&scratch);

@@ -14,8 +14,6 @@ static const struct {
     {"cost", "disparity: tables 1-4, growth to a million points, a stored template",
      cost_run},
     {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
-    {"minimal", "disparity: the minimal disparity against brute force", minimal_run},
-    {"several", "several templates: how often the best of n errs", several_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
 };
@@ -25,7 +23,6 @@ enum status lab_study(struct lab *c)
 {
     const struct study how = {.dir = c->out != NULL ? c->out : ".",
                               .seed = c->seed,
-                              .faces = c->faces,
                               .reduced = c->reduced};
     size_t i = 0;
 

@@ -42,8 +42,8 @@ static void list_refused(struct lab *c, const struct scans *s)
             json_close(c->report);
             (void)fprintf(stderr, "surfacelab: not used: %s\n", s->refused[i]);
         }
-    lab_scan_left(c->report, s->corpus);
-    lab_scan_print_left(s->corpus);
+    corpus_left_json(s->corpus, c->report);
+    corpus_left_print(s->corpus, "surfacelab");
 }
 
 static enum status read_scans(struct lab *c, struct scans *s)
@@ -210,7 +210,7 @@ enum status lab_train(struct lab *c)
                       "that it has not learned from: %s\n",
                       c->force ? "written all the same" : "not written without --force");
     if (st == ST_OK && report.worse && !c->force) {
-        c->code = LAB_NO;
+        c->code = EXIT_NO;
     } else if (st == ST_OK &&
                (st = modelfile_write(c->out, c->force, m, &c->e)) == ST_OK) {
         print_model(c, c->out, m);

@@ -1,13 +1,14 @@
 /* surfacelab -- what researchers do with scans, off the daemon's path: models are learned, error
  * rates measured, comparisons drawn, the papers' studies recomputed. */
-#include <getopt.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cloudunit.h"
+#include "cloudfile.h"
+#include "command.h"
+#include "json.h"
 #include "lab.h"
 #include "model.h"
 #include "modelfile.h"
@@ -74,75 +75,16 @@ static const struct command {
 };
 #define COMMANDS (sizeof command / sizeof *command)
 
-/* ---- values: each reader returns NULL, or what the option takes */
-
-static const char *read_flag(const char *text, void *value)
-{
-    (void)text;
-    *(bool *)value = true;
-    return NULL;
-}
-
-static const char *read_text(const char *text, void *value)
-{
-    *(const char **)value = text;
-    return NULL;
-}
-
-static const char *read_units(const char *text, void *value)
-{
-    return cloudunit_or_auto(text, value) ? NULL : "auto, " CLOUDUNIT_NAMES;
-}
-
-static const char *read_axes(const char *text, void *value)
-{
-    const bool scanner = strcmp(text, "scanner") == 0;
-
-    *(enum scan_axes *)value = scanner ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
-    return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
-}
-
-static const char *read_camera(const char *text, void *value)
-{
-    return clouddepth_camera_read(text, value)
-               ? NULL
-               : "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]], pixels";
-}
-
-/* A number from low to high, and nothing behind it. */
-static bool read_number(const char *text, double low, double high, double *to)
-{
-    char *end;
-
-    *to = strtod(text, &end);
-    return end != text && *end == '\0' && *to >= low && *to <= high;
-}
-
-static const char *read_score(const char *text, void *value)
-{
-    return read_number(text, -9999.99, 9999.99, value)
-               ? NULL
-               : "a score between -10000 and 10000";
-}
+/* ---- options */
 
 static const char *read_weight(const char *text, void *value)
 {
-    return read_number(text, 0, 1, value) ? NULL : "a number from 0 to 1";
+    return command_number(text, 0, 1, value) ? NULL : "a number from 0 to 1";
 }
 
 static const char *read_mm(const char *text, void *value)
 {
-    return read_number(text, 1e-9, 999, value) ? NULL : "millimetres above 0";
-}
-
-static const char *read_count(const char *text, void *value)
-{
-    double x;
-
-    if (!read_number(text, 1, 1e6, &x) || x != floor(x))
-        return "1 to 1000000";
-    *(uint32_t *)value = (uint32_t)x;
-    return NULL;
+    return command_number(text, 1e-9, 999, value) ? NULL : "millimetres above 0";
 }
 
 static const char *read_seed(const char *text, void *value)
@@ -153,78 +95,91 @@ static const char *read_seed(const char *text, void *value)
     return *text >= '0' && *text <= '9' && *end == '\0' ? NULL : "a whole number";
 }
 
-#define AT(field) offsetof(struct lab, field)
+#define IN(field) .at = offsetof(struct lab, field)
 
 static const struct taken {
-    const char *name, *arg; /* arg NULL: a flag */
-    const char *(*read)(const char *text, void *value);
-    size_t at;
     unsigned of; /* commands */
-    const char *help;
+    struct command_option o;
 } option[] = {
-    {"out", "DIR|FILE", read_text, AT(out), ALL & ~ASYMMETRY,
-     "the folder or the file that is written"},
-    {"force", NULL, read_flag, AT(force), ALL & ~ASYMMETRY,
-     "replace files that exist; write a worse model"},
-    {"model", "FILE", read_text, AT(model_path), SCANS,
-     "a model that train wrote; or set SURFACED_MODEL"},
-    {"units", "auto|mm|cm|m|in|um", read_units, AT(unit_mm), SCANS,
-     "the unit of the scans' coordinates; what a file says wins"},
-    {"axes", "auto|scanner", read_axes, AT(axes), SCANS & ~FILL,
-     "scanner: x to the image's right, y up, z towards the scanner,\n"
-     "and all of it face; auto: the face is found"},
-    {"camera", "FX,FY,CX,CY", read_camera, AT(camera), SCANS,
-     "of depth images: focal length and centre in pixels"},
-    {"threads", "N", read_count, AT(threads), EVALUATE | TRAIN,
-     "compute on N threads (one a core)"},
-    {"threshold", "SCORE", read_score, AT(threshold), EVALUATE,
-     "decide by this threshold (the model's)"},
-    {"pairs", "FILE", read_text, AT(pairs), EVALUATE,
-     "compare the pairs in this list instead of DIR: a template and\n"
-     "a probe a line, and perhaps a label (mated or non-mated)"},
-    {"enroll-kind", "KIND", read_text, AT(enroll_kind), EVALUATE,
-     "enroll each subject's first scan of this kind (enroll, or else\n"
-     "the first scan)"},
-    {"non-mated", "N", read_count, AT(non_mated), EVALUATE,
-     "compare each probe with N other subjects (all, up to 200,000\n"
-     "comparisons)"},
-    {"minimal", NULL, read_flag, AT(minimal), EVALUATE,
-     "measure the minimal disparity of each comparison too"},
-    {"regions", NULL, read_flag, AT(regions), EVALUATE,
-     "give each region's part of each score too"},
-    {"matrix", NULL, read_flag, AT(matrix), EVALUATE,
-     "compare every template with every probe, and write the scores\n"
-     "as a matrix"},
-    {"name", "TEXT", read_text, AT(name), TRAIN, "the model's name (the base model's)"},
-    {"morphable", "DIR", read_text, AT(morphable), TRAIN,
-     "a morphable model's OBJ files (the base model's population)"},
-    {"weight", "W", read_weight, AT(weight), TRAIN,
-     "of the scans, 0 to 1 (N subjects: N / (N + 200))"},
-    {"calibrate", "FILE", read_text, AT(calibrate), TRAIN,
-     "threshold and rates by the scores.csv of an evaluation"},
-    {"tolerance", "MM", read_mm, AT(tolerance_mm), SIMPLIFY,
-     "the largest gap that may open; required"},
-    {"mean", NULL, read_flag, AT(mean), SIMPLIFY,
-     "the tolerance is for the mean gap over the area"},
-    {"seed", "N", read_seed, AT(seed), STUDY, "of everything random (20261121)"},
-    {"reduced", NULL, read_flag, AT(reduced), STUDY, "small sizes and few draws"},
-    {"faces", "DIR", read_text, AT(faces), STUDY,
-     "scans, SUBJECT_enroll.ply and SUBJECT_p1.ply to p4.ply, for\n"
-     "several and minimal"},
-    {"json", NULL, read_flag, AT(json), SCANS & ~EXPLAIN, "print the result as JSON"},
-    {"help", NULL, read_flag, AT(help), ALL, "print this text"},
-    {"version", NULL, read_flag, AT(version), ALL, "print the version"},
+    {ALL & ~ASYMMETRY,
+     {"out", "DIR|FILE", command_text, NULL, "the folder or the file that is written",
+      IN(out), .letter = 'o'}},
+    {ALL & ~ASYMMETRY,
+     {"force", NULL, command_flag, NULL, "replace files that exist; write a worse model",
+      IN(force)}},
+    {SCANS,
+     {"model", "FILE", command_text, NULL,
+      "a model that train wrote; or set SURFACED_MODEL", IN(model_path)}},
+    {SCANS,
+     {"units", "auto|mm|cm|m|in|um", cloudfile_option_units, NULL,
+      "the unit of the scans' coordinates; what a file says wins", IN(unit_mm)}},
+    {SCANS & ~FILL,
+     {"axes", "auto|scanner", cloudfile_option_axes, NULL,
+      "scanner: x to the image's right, y up, z towards the scanner,\n"
+      "and all of it face; auto: the face is found",
+      IN(axes)}},
+    {SCANS,
+     {"camera", "FX,FY,CX,CY", cloudfile_option_camera, NULL,
+      "of depth images: focal length and centre in pixels", IN(camera)}},
+    {EVALUATE | TRAIN,
+     {"threads", "N", command_whole, NULL, "compute on N threads (one a core)",
+      IN(threads)}},
+    {EVALUATE,
+     {"threshold", "SCORE", command_score, NULL, "decide by this threshold (the model's)",
+      IN(threshold)}},
+    {EVALUATE,
+     {"pairs", "FILE", command_text, NULL,
+      "compare the pairs in this list instead of DIR: a template and\n"
+      "a probe a line, and perhaps a label (mated or non-mated)",
+      IN(pairs)}},
+    {EVALUATE,
+     {"enroll-kind", "KIND", command_text, NULL,
+      "enroll each subject's first scan of this kind (enroll, or else\n"
+      "the first scan)",
+      IN(enroll_kind)}},
+    {EVALUATE,
+     {"non-mated", "N", command_whole, NULL,
+      "compare each probe with N other subjects (all, up to 200,000\n"
+      "comparisons)",
+      IN(non_mated)}},
+    {EVALUATE,
+     {"minimal", NULL, command_flag, NULL,
+      "measure the minimal disparity of each comparison too", IN(minimal)}},
+    {EVALUATE,
+     {"regions", NULL, command_flag, NULL, "give each region's part of each score too",
+      IN(regions)}},
+    {EVALUATE,
+     {"matrix", NULL, command_flag, NULL,
+      "compare every template with every probe, and write the scores\n"
+      "as a matrix",
+      IN(matrix)}},
+    {TRAIN,
+     {"name", "TEXT", command_text, NULL, "the model's name (the base model's)",
+      IN(name)}},
+    {TRAIN,
+     {"morphable", "DIR", command_text, NULL,
+      "a morphable model's OBJ files (the base model's population)", IN(morphable)}},
+    {TRAIN,
+     {"weight", "W", read_weight, NULL,
+      "of the scans, 0 to 1 (N subjects: N / (N + 200))", IN(weight)}},
+    {TRAIN,
+     {"calibrate", "FILE", command_text, NULL,
+      "threshold and rates by the scores.csv of an evaluation", IN(calibrate)}},
+    {SIMPLIFY,
+     {"tolerance", "MM", read_mm, NULL, "the largest gap that may open; required",
+      IN(tolerance_mm)}},
+    {SIMPLIFY,
+     {"mean", NULL, command_flag, NULL, "the tolerance is for the mean gap over the area",
+      IN(mean)}},
+    {STUDY, {"seed", "N", read_seed, NULL, "of everything random (20261121)", IN(seed)}},
+    {STUDY,
+     {"reduced", NULL, command_flag, NULL, "small sizes and few draws", IN(reduced)}},
+    {SCANS & ~EXPLAIN,
+     {"json", NULL, command_flag, NULL, "print the result as JSON", IN(json)}},
+    {ALL, {"help", NULL, command_flag, NULL, "print this text", IN(help), .letter = 'h'}},
+    {ALL, {"version", NULL, command_flag, NULL, "print the version", IN(version)}},
 };
-#define OPTIONS ((int)(sizeof option / sizeof *option))
-
-/* ---- help */
-
-static void print_lines(const char *text, int indent)
-{
-    for (size_t n; (n = strcspn(text, "\n")), text[n] != '\0'; text += n + 1)
-        (void)printf("%.*s\n%*s", (int)n, text, indent, "");
-    (void)printf("%s\n", text);
-}
+#define OPTIONS (sizeof option / sizeof *option)
 
 static void print_help(const struct command *k)
 {
@@ -237,76 +192,59 @@ static void print_help(const struct command *k)
     }
     (void)printf("Usage: surfacelab %s %s [OPTION...]\n\n%s\n\nOptions:\n", k->name,
                  k->args, k->help);
-    for (int i = 0; i < OPTIONS; i++) {
-        char name[48];
-
-        if ((option[i].of & k->bit) == 0)
-            continue;
-        (void)snprintf(name, sizeof name, "%s--%s %s", i == 0 ? "-o, " : "",
-                       option[i].name, option[i].arg != NULL ? option[i].arg : "");
-        (void)printf(strlen(name) > 20 ? "  %s\n%23s" : "  %-20s %s", name, "");
-        print_lines(option[i].help, 23);
-    }
+    for (size_t i = 0; i < OPTIONS; i++)
+        if ((option[i].of & k->bit) != 0)
+            command_print_option(&option[i].o);
     (void)printf("\nExit codes: 0 done, 1 and 2 as surfacelab(1) says, 64 and above an "
                  "error.\n");
 }
 
 /* ---- the command line */
 
-/* Reads the options; a value is read into *c, which also a wrong one may change.  given: bits of
- * the options. */
-static bool read_options(int argc, char **argv, struct lab *c, uint64_t *given)
+static enum status find_command(struct lab *c, const char *word, const struct command **k)
 {
-    struct option list[OPTIONS + 1] = {{0}};
-    int got;
+    struct command_near near = {.name = ""};
 
-    for (int i = 0; i < OPTIONS; i++)
-        list[i] = (struct option){option[i].name,
-                                  option[i].arg != NULL ? required_argument : no_argument,
-                                  NULL, 256 + i};
-    opterr = 0;
-    while ((got = getopt_long(argc, argv, ":ho:", list, NULL)) != -1) {
-        const char *wanted;
-        int i;
+    for (size_t i = 0; i < COMMANDS; i++) {
+        if (strcmp(command[i].name, word) == 0) {
+            *k = &command[i];
+            return ST_OK;
+        }
+        command_near(&near, word, "", command[i].name);
+    }
+    return lab_usage(c, "there is no command %.80s%s (surfacelab --help)", word,
+                     command_meant(&near));
+}
 
-        if (got == '?' || got == ':')
-            return lab_usage(c, "%s %.80s (surfacelab --help)",
-                             got == ':' ? "a value is missing after"
-                                        : "there is no option",
-                             argv[optind - 1]) == ST_OK;
-        for (i = got - 256; i < 0 || i >= OPTIONS;)
-            i = got == 'o' ? 0 : OPTIONS - 2; /* --out, --help */
-        if ((*given >> i & 1) != 0)
-            return lab_usage(c, "--%s is given twice", option[i].name) == ST_OK;
-        *given |= UINT64_C(1) << i;
-        if ((wanted = option[i].read(optarg, (char *)c + option[i].at)) != NULL)
-            return lab_usage(c, "--%s takes %s, not '%.80s'", option[i].name, wanted,
-                             optarg) == ST_OK;
+/* Values are read into *c, which also a wrong one may change. */
+static bool read_values(const struct command_line *typed, struct lab *c,
+                        const struct command *k)
+{
+    for (int i = 0; i < typed->noption; i++) {
+        const struct command_option *o = &option[i].o;
+
+        if (typed->given[i] &&
+            !command_line_take(
+                typed, i, (option[i].of & (k != NULL ? k->bit : ALL)) != 0 ? o : NULL,
+                k != NULL ? k->name : "", c, &c->e))
+            return false;
     }
     return true;
 }
 
-static bool read_line(int argc, char **argv, struct lab *c, const struct command **k)
+static bool read_line(int argc, char **argv, struct command_line *typed, struct lab *c,
+                      const struct command **k)
 {
-    uint64_t given = 0;
-
-    *k = NULL;
-    if (!read_options(argc, argv, c, &given))
+    for (size_t i = 0; i < OPTIONS; i++)
+        command_line_add(typed, &option[i].o);
+    if (!command_line_read(typed, argc, argv, &c->e) ||
+        (optind < argc && find_command(c, argv[optind], k) != ST_OK) ||
+        !read_values(typed, c, *k))
         return false;
-    for (size_t i = 0; optind < argc && i < COMMANDS; i++)
-        if (strcmp(command[i].name, argv[optind]) == 0)
-            *k = &command[i];
-    if (*k == NULL && optind < argc)
-        return lab_usage(c, "there is no command %.80s (surfacelab --help)",
-                         argv[optind]) == ST_OK;
     if (c->help || c->version)
         return true;
     if (*k == NULL)
         return lab_usage(c, "a command is missing (surfacelab --help)") == ST_OK;
-    for (int i = 0; i < OPTIONS; i++)
-        if ((given >> i & 1) != 0 && (option[i].of & (*k)->bit) == 0)
-            return lab_usage(c, "%s does not take --%s (surfacelab %s --help)",
-                             (*k)->name, option[i].name, (*k)->name) == ST_OK;
     c->command = (*k)->name;
     c->args = argv + optind + 1;
     c->nargs = argc - optind - 1;
@@ -316,18 +254,6 @@ static bool read_line(int argc, char **argv, struct lab *c, const struct command
 }
 
 /* ---- running */
-
-static int exit_code(const struct lab *c, enum status st)
-{
-    static const int code[ST_COUNT] = {
-        [ST_ENOMEM] = LAB_OSERR,   [ST_ENOTFOUND] = LAB_NOINPUT,
-        [ST_EDENIED] = LAB_NOPERM, [ST_EIO] = LAB_IOERR,
-        [ST_EBUSY] = LAB_IOERR,    [ST_EINTERNAL] = LAB_SOFTWARE};
-
-    return st == ST_OK || c->code == LAB_USAGE ? c->code
-           : code[st] != 0                     ? code[st]
-                                               : LAB_DATA;
-}
 
 static enum status run(struct lab *c, const struct command *k)
 {
@@ -356,31 +282,23 @@ static enum status run(struct lab *c, const struct command *k)
 int main(int argc, char **argv)
 {
     struct lab c = {.threshold = (double)NAN, .weight = -1, .seed = 20261121};
-    const struct command *k;
-    char *text;
-    int code = LAB_USAGE;
+    struct command_line typed = {.program = "surfacelab"};
+    const struct command *k = NULL;
+    enum status st = ST_EINVAL;
+    int code = EXIT_USAGE;
 
     nodump_begin();
-    if (read_line(argc, argv, &c, &k)) {
+    if (read_line(argc, argv, &typed, &c, &k)) {
         if (c.version)
             (void)printf("surfacelab (%s)\n", FACE_ENGINE);
         else if (c.help)
             print_help(k);
-        code = c.version || c.help ? LAB_FINE : exit_code(&c, run(&c, k));
+        st = c.version || c.help ? ST_OK : run(&c, k);
+        code = st == ST_OK || c.code == EXIT_USAGE ? c.code : command_exit(st);
     }
-    if (code > LAB_INCONCLUSIVE) {
-        (void)fflush(stdout);
-        (void)fprintf(stderr, "surfacelab: %s\n", c.e.msg);
+    if (code > EXIT_INCONCLUSIVE && command_line_given(&typed, "json")) {
         json_discard(c.report);
-    } else if (c.report != NULL) {
-        text = json_pretty(c.report);
-        if (text == NULL || puts(text) < 0)
-            code = LAB_IOERR;
-        free(text);
+        c.report = json_new(); /* the error alone; of a wrong command line too */
     }
-    if (fflush(stdout) != 0) {
-        (void)fprintf(stderr, "surfacelab: the output cannot be written\n");
-        code = code > LAB_INCONCLUSIVE ? code : LAB_IOERR;
-    }
-    return code;
+    return command_end("surfacelab", c.report, code == EXIT_USAGE, &c.e, code);
 }

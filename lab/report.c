@@ -1,4 +1,5 @@
 #include "report.h"
+#include "select.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,17 +24,10 @@ static bool of_kind(const struct report *r, const struct report_group *g, uint32
     return g->kind == CORPUS_NONE || r->t->corpus->scan[scan].kind == g->kind;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* The value that a share of v[0..n-1] is at or below; v is sorted. */
 static double quantile(double *v, size_t n, double share)
 {
-    qsort(v, n, sizeof *v, by_value);
+    select_sort(v, n);
     return n > 0 ? v[(size_t)ceil(share * (double)n) - (share > 0)] : (double)NAN;
 }
 

@@ -147,7 +147,7 @@ void report_json_out(struct json *o, const struct report *r)
     json_array(o, "refused");
     refused_as(r, t->template, "template", o);
     refused_as(r, t->probe, "probe", o);
-    lab_scan_left(o, t->corpus);
+    corpus_left_json(t->corpus, o);
     json_object(o, "non_mated");
     count(o, &r->non_mated);
     rate(o, "fmr", &r->fmr);

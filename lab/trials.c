@@ -18,7 +18,7 @@ static const double pi = 3.14159265358979323846;
 static bool plan_add(struct trials *t, uint32_t template, uint32_t probe,
                      enum corpus_pair type)
 {
-    struct trial *larger = lab_grow(t->trial, t->n, sizeof *t->trial), *x;
+    struct trial *larger = command_grow(t->trial, t->n, sizeof *t->trial), *x;
 
     if (larger == NULL)
         return false;
@@ -233,7 +233,7 @@ static enum status compare(const struct run *r, const struct sample *sample,
     struct face_result f;
     struct minimal least;
     enum status st =
-        face_compare(&own->face, &sample->face, r->c->threshold, lab_clock_ms, w, &f);
+        face_compare(&own->face, &sample->face, r->c->threshold, command_clock_ms, w, &f);
 
     if (st == ST_OK && r->how->regions)
         st = face_regions(&own->face, &sample->face, w, &f);
@@ -319,16 +319,16 @@ static enum status find_items(struct run *r)
 static enum status run_all(struct run *r, struct errinfo *e)
 {
     struct trials *t = r->t;
-    const double start = lab_clock_ms();
+    const double start = command_clock_ms();
     enum status st = find_items(r);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "the comparisons: %s", status_message(st));
     st = pool_run("enrolling", t->nthread, r->c->model, r->ntemplate, enroll_item, r, e);
-    t->build_s = (lab_clock_ms() - start) / 1e3;
+    t->build_s = (command_clock_ms() - start) / 1e3;
     if (st == ST_OK)
         st = pool_run("comparing", t->nthread, r->c->model, r->nprobe, probe_item, r, e);
-    t->compare_s = (lab_clock_ms() - start) / 1e3 - t->build_s;
+    t->compare_s = (command_clock_ms() - start) / 1e3 - t->build_s;
     return st;
 }
 

@@ -1,5 +1,6 @@
 #include "cloudfile.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "clouddepth.h"
@@ -7,10 +8,13 @@
 #include "cloudtext.h"
 #include "cloudunit.h"
 #include "errinfo.h"
+#include "face.h"
 #include "inflate.h"
 #include "json.h"
 #include "mem.h"
 #include "read.h"
+#include "readfile.h"
+#include "scan.h"
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -37,9 +41,8 @@ static bool find_line(struct cloudtext *t)
 /* The formats that a file's first bytes show. */
 static const struct {
     enum cloudformat format;
-    bool (*is)(const struct cloudtext *t);
-    enum status (*parse)(struct cloudtext *t, const struct cloudfile_options *o,
-                         struct cloudlist *list);
+    read_is *is;
+    read_parse *parse;
 } reader[] = {
     {CLOUDFORMAT_PLY, read_ply_is, read_ply_parse},
     {CLOUDFORMAT_GLB, read_glb_is, read_glb_parse},
@@ -309,4 +312,47 @@ enum status cloudfile_read_document(const char *text, size_t len, size_t max_poi
                ? errinfo_set(e, ST_ELIMIT, "more values than %zu points can have",
                              clouds * max_points)
                : st;
+}
+
+/* ---- the programs' */
+
+enum status cloudfile_read_path(const char *path, double unit_mm,
+                                const struct clouddepth_camera *camera,
+                                struct cloudpoints *out, struct errinfo *e)
+{
+    const size_t most = (size_t)256 << 20;
+    const struct cloudfile_options o = {.max_points = FACE_MAX_POINTS,
+                                        .max_bytes = most,
+                                        .unit_mm = unit_mm,
+                                        .camera = *camera};
+    struct errinfo why = {.msg = "out of memory"};
+    unsigned char *bytes;
+    size_t len;
+    enum status st = readfile_all(path, most, &bytes, &len, e);
+
+    *out = (struct cloudpoints){0};
+    if (st == ST_OK && (st = cloudfile_read(bytes, len, &o, out, &why)) != ST_OK)
+        (void)errinfo_set(e, st, "%.100s: %s", path, why.msg);
+    free(bytes);
+    return st;
+}
+
+const char *cloudfile_option_units(const char *text, void *value)
+{
+    return cloudunit_or_auto(text, value) ? NULL : "auto, " CLOUDUNIT_NAMES;
+}
+
+const char *cloudfile_option_axes(const char *text, void *value)
+{
+    const bool scanner = strcmp(text, "scanner") == 0;
+
+    *(enum scan_axes *)value = scanner ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
+    return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
+}
+
+const char *cloudfile_option_camera(const char *text, void *value)
+{
+    return clouddepth_camera_read(text, value)
+               ? NULL
+               : "FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]], pixels";
 }

@@ -81,4 +81,16 @@ enum status cloudfile_read_document(const char *text, size_t len, size_t max_poi
                                     size_t clouds, struct json_value **out,
                                     struct errinfo *e);
 
+/* cloudfile_read_path(path, unit_mm, camera, out, e): for the programs: the points of a file of up
+ * to 256 MB ("-": standard input); unit_mm, camera as above.  *e is set on failure, with the path. */
+enum status cloudfile_read_path(const char *path, double unit_mm,
+                                const struct clouddepth_camera *camera,
+                                struct cloudpoints *out, struct errinfo *e);
+
+/* What reads the values of the programs' options --units (double: millimetres, 0: auto), --axes
+ * (enum scan_axes) and --camera (struct clouddepth_camera): NULL, or what the option takes. */
+const char *cloudfile_option_units(const char *text, void *value);
+const char *cloudfile_option_axes(const char *text, void *value);
+const char *cloudfile_option_camera(const char *text, void *value);
+
 #endif

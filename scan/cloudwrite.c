@@ -3,8 +3,11 @@
 #include "lattice.h"
 #include "mesh.h"
 
-void cloudwrite_ply(FILE *to, const struct mesh *m)
+enum status cloudwrite_ply(FILE *to, const void *arg, struct errinfo *e)
 {
+    const struct mesh *m = arg;
+
+    (void)e;
     (void)fprintf(
         to,
         "ply\nformat ascii 1.0\ncomment mm\nelement vertex %u\n"
@@ -18,4 +21,5 @@ void cloudwrite_ply(FILE *to, const struct mesh *m)
         if (!mesh_is_ghost(m, t))
             (void)fprintf(to, "3 %u %u %u\n", m->org[3 * t], m->org[3 * t + 1],
                           m->org[3 * t + 2]);
+    return ST_OK;
 }

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "cloudformat.h"
+#include "json.h"
 #include "utf8.h"
 
 #define MAX_NAMES 65536 /* of kinds or populations */
@@ -326,4 +327,21 @@ enum corpus_pair corpus_pair(const struct corpus *c, uint32_t a, uint32_t b)
         (x->relative_of != CORPUS_NONE && x->relative_of == y->relative_of))
         return CORPUS_RELATIVE;
     return CORPUS_IMPOSTOR;
+}
+
+void corpus_left_json(const struct corpus *c, struct json *j)
+{
+    for (uint32_t i = 0; i < c->nleft; i++) {
+        json_object(j, NULL);
+        json_text(j, "file", c->left[i].file);
+        json_text(j, "reason", c->left[i].why);
+        json_close(j);
+    }
+    json_close(j);
+}
+
+void corpus_left_print(const struct corpus *c, const char *program)
+{
+    for (uint32_t i = 0; i < c->nleft; i++)
+        (void)fprintf(stderr, "%s: %s: %s\n", program, c->left[i].file, c->left[i].why);
 }

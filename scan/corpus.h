@@ -8,6 +8,8 @@
 #include <stdint.h>
 #include "errinfo.h"
 
+struct json; /* json.h */
+
 #define CORPUS_MAX_SCANS 1000000
 #define CORPUS_MAX_NAME  128 /* bytes of a subject's id, a kind or a population */
 #define CORPUS_NONE      UINT32_MAX
@@ -64,6 +66,11 @@ void corpus_free(struct corpus *c); /* NULL is allowed */
 /* corpus_enroll(c, kind, e): enroll of each subject the first scan of this kind instead, and
  * nothing of a subject that has none.  ST_EINVAL: nobody has one; c is as it was. */
 enum status corpus_enroll(struct corpus *c, const char *kind, struct errinfo *e);
+
+/* What is left out: corpus_left_json(c, j) adds it to the JSON array that is open, and ends that;
+ * corpus_left_print(c, program) lists it on standard error. */
+void corpus_left_json(const struct corpus *c, struct json *j);
+void corpus_left_print(const struct corpus *c, const char *program);
 
 /* What a pair of subjects is. */
 enum corpus_pair {

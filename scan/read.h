@@ -24,48 +24,26 @@
 #ifndef SCAN_READ_H
 #define SCAN_READ_H
 #include <stdbool.h>
+#include <stddef.h>
 #include "status.h"
 
 struct cloudfile_options; /* cloudfile.h */
 struct cloudlist;         /* cloudlist.h */
 struct cloudtext;         /* cloudtext.h */
 
-bool read_abs_is(const struct cloudtext *t);
-bool read_bnt_is(const struct cloudtext *t);
-bool read_glb_is(const struct cloudtext *t);
-bool read_npy_is(const struct cloudtext *t);
-bool read_obj_is(const struct cloudtext *t);
-bool read_pcd_is(const struct cloudtext *t);
-bool read_pgm_is(const struct cloudtext *t);
-bool read_ply_is(const struct cloudtext *t);
-bool read_png_is(const struct cloudtext *t);
-bool read_stl_is(const struct cloudtext *t);
-bool read_vrml_is(const struct cloudtext *t);
-bool read_xyz_is(const struct cloudtext *t);
+typedef bool read_is(const struct cloudtext *t);
+typedef enum status read_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                               struct cloudlist *list);
 
-enum status read_abs_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_bnt_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_glb_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_npy_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_obj_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_pcd_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_pgm_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_ply_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_png_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_stl_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
-enum status read_vrml_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                            struct cloudlist *list);
-enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list);
+read_is read_abs_is, read_bnt_is, read_glb_is, read_npy_is, read_obj_is, read_pcd_is,
+    read_pgm_is, read_ply_is, read_png_is, read_stl_is, read_vrml_is, read_xyz_is;
+read_parse read_abs_parse, read_bnt_parse, read_glb_parse, read_npy_parse, read_obj_parse,
+    read_pcd_parse, read_pgm_parse, read_ply_parse, read_png_parse, read_stl_parse,
+    read_vrml_parse, read_xyz_parse;
+
+/* read_pcd_unpack(in, len, out, size): LZF, as PCD files use it; false: it does not give just size
+ * bytes.  Any bytes are safe.  O(size). */
+bool read_pcd_unpack(const unsigned char *in, size_t len, unsigned char *out,
+                     size_t size);
 
 #endif

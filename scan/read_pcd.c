@@ -5,7 +5,6 @@
 
 #include "cloudfile.h"
 #include "cloudlist.h"
-#include "cloudlzf.h"
 #include "cloudtext.h"
 #include "cloudvalue.h"
 #include "mem.h"
@@ -287,6 +286,41 @@ static enum status read_binary(const struct header *h, const struct layout *l,
     return read_values(h, l, (const unsigned char *)h->t->p, false, list);
 }
 
+/* LibLZF's format: a control byte below 32 is followed by one literal byte more than it says;
+ * another one says in its upper three bits how many bytes to repeat (7: a byte with more of the
+ * length follows), in its lower five and the next byte from how far back. */
+bool read_pcd_unpack(const unsigned char *in, size_t len, unsigned char *out, size_t size)
+{
+    size_t from = 0, to = 0;
+
+    while (from < len) {
+        const unsigned control = in[from++];
+        size_t n = control < 32 ? control + 1 : (control >> 5) + 2, back;
+
+        if (control < 32) {
+            if (n > len - from || n > size - to)
+                return false;
+            memcpy(out + to, in + from, n);
+            from += n;
+            to += n;
+            continue;
+        }
+        if (control >> 5 == 7) {
+            if (from == len)
+                return false;
+            n += in[from++];
+        }
+        if (from == len)
+            return false;
+        back = ((control & 31) << 8) + in[from++] + 1;
+        if (back > to || n > size - to)
+            return false;
+        for (; n > 0; n--, to++) /* the two may overlap */
+            out[to] = out[to - back];
+    }
+    return to == size;
+}
+
 /* Two lengths, and the fields one after the other, compressed. */
 static enum status read_compressed(const struct header *h, const struct layout *l,
                                    size_t max_bytes, struct cloudlist *list)
@@ -312,7 +346,7 @@ static enum status read_compressed(const struct header *h, const struct layout *
                               max_bytes);
     if ((data = mem_array((size_t)size, 1)) == NULL)
         return cloudtext_fail(h->t, ST_ENOMEM, "no memory to unpack the points");
-    st = cloudlzf_unpack(p + 8, (size_t)packed, data, (size_t)size)
+    st = read_pcd_unpack(p + 8, (size_t)packed, data, (size_t)size)
              ? read_values(h, l, data, true, list)
              : cloudtext_fail(h->t, ST_EINVAL, "the compressed data is damaged");
     mem_free(data);

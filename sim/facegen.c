@@ -211,13 +211,13 @@ static double grid_height(struct grid *g, double x, double y, double slope[2])
 }
 
 struct pose {
-    double r[3][3]; /* Rz Rx Ry */
+    double r[9]; /* facegen_turn() */
     double t[3];
 };
 
 #define PIVOT (-80.0) /* z of the centre of rotation */
 
-static void pose_make(const struct facegen_scan *s, struct pose *p)
+void facegen_turn(const struct facegen_scan *s, double r[9])
 {
     const double rad = acos(-1.0) / 180;
     const double cy = cos(s->yaw * rad), sy = sin(s->yaw * rad);
@@ -227,10 +227,15 @@ static void pose_make(const struct facegen_scan *s, struct pose *p)
         {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
 
     for (int i = 0; i < 3; i++) {
-        p->r[0][i] = cz * xy[0][i] - sz * xy[1][i];
-        p->r[1][i] = sz * xy[0][i] + cz * xy[1][i];
-        p->r[2][i] = xy[2][i];
+        r[i] = cz * xy[0][i] - sz * xy[1][i];
+        r[3 + i] = sz * xy[0][i] + cz * xy[1][i];
+        r[6 + i] = xy[2][i];
     }
+}
+
+static void pose_make(const struct facegen_scan *s, struct pose *p)
+{
+    facegen_turn(s, p->r);
     p->t[0] = s->tx;
     p->t[1] = s->ty;
     p->t[2] = s->tz;
@@ -241,16 +246,16 @@ static struct dvec3 pose_apply(const struct pose *p, struct dvec3 q)
     const double z = q.z - PIVOT;
 
     return (struct dvec3){
-        p->r[0][0] * q.x + p->r[0][1] * q.y + p->r[0][2] * z + p->t[0],
-        p->r[1][0] * q.x + p->r[1][1] * q.y + p->r[1][2] * z + p->t[1],
-        p->r[2][0] * q.x + p->r[2][1] * q.y + p->r[2][2] * z + p->t[2] + PIVOT,
+        p->r[0] * q.x + p->r[1] * q.y + p->r[2] * z + p->t[0],
+        p->r[3] * q.x + p->r[4] * q.y + p->r[5] * z + p->t[1],
+        p->r[6] * q.x + p->r[7] * q.y + p->r[8] * z + p->t[2] + PIVOT,
     };
 }
 
 /* From the point towards the scanner: does the way lead through the face? */
 static bool hidden(struct grid *g, const struct pose *p, struct dvec3 q)
 {
-    const double dx = p->r[2][0], dy = p->r[2][1], dz = p->r[2][2];
+    const double dx = p->r[6], dy = p->r[7], dz = p->r[8];
 
     for (double t = 2.5; q.z + t * dz < 12 && t < 120; t += 1.5)
         if (grid_height(g, q.x + t * dx, q.y + t * dy, NULL) > q.z + t * dz + 0.3)
@@ -378,7 +383,7 @@ static bool sample_point(const struct facegen_face *f, struct grid *g,
     (void)grid_height(g, q->x, q->y, slope);
     /* The area seen of a piece of surface over dx dy is its normal's part towards the
      * scanner; points are even in what the scanner sees. */
-    *facing = pose->r[2][2] - pose->r[2][0] * slope[0] - pose->r[2][1] * slope[1];
+    *facing = pose->r[8] - pose->r[6] * slope[0] - pose->r[7] * slope[1];
     if (towards * 2.5 > *facing)
         return false;
     *facing /= sqrt(1 + square(slope[0]) + square(slope[1]));

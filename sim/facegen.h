@@ -53,6 +53,9 @@ void facegen_default(struct facegen_scan *s);
  * +-degrees, each shift within +-mm. */
 void facegen_pose(struct facegen_scan *s, double degrees, double mm);
 
+/* facegen_turn(s, r): the rotation of a scan's pose, Rz Rx Ry. */
+void facegen_turn(const struct facegen_scan *s, double r[9]);
+
 /* facegen_sample(s, out): the points (out has room for s->points) that a scanner looking
  * along -z sees, within an irregular oval outline of this scan's own, in random order.
  * Returns how many; 0 when the pose hides nearly all of the face. */

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "holes.h"
-#include "interpolate.h"
 #include "lattice.h"
 #include "locate.h"
 #include "mem.h"
@@ -268,7 +267,7 @@ static double height(struct headview_surface *s, double x, double y)
         return (double)NAN;
     s->he = loc.he;
     s->at = to;
-    return interpolate_height(m, loc, to) / LATTICE_PER_MM;
+    return locate_height(m, loc, to) / LATTICE_PER_MM;
 }
 
 /* At an edge, where the triangles of the nearest point's surface lead off it, that point's. */

@@ -6,6 +6,7 @@
 
 #include "calibration.h"
 #include "mem.h"
+#include "select.h"
 
 const double rates_target[RATES_TARGETS] = {0.01, 0.001, 0.0001};
 
@@ -247,13 +248,6 @@ uint32_t rates_below(uint64_t *state, uint32_t n)
     return (uint32_t)(x % n);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* The 2.5 and 97.5 per cent points of v[0..n-1], those that are numbers. */
 static void interval(double *v, size_t n, double *low, double *high)
 {
@@ -265,7 +259,7 @@ static void interval(double *v, size_t n, double *low, double *high)
     *low = *high = NAN;
     if (m == 0)
         return;
-    qsort(v, m, sizeof *v, by_value);
+    select_sort(v, m);
     *low = v[(size_t)(0.025 * (double)(m - 1) + 0.5)];
     *high = v[(size_t)(0.975 * (double)(m - 1) + 0.5)];
 }

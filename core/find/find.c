@@ -2,12 +2,12 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "face.h"
 #include "find_view.h"
 #include "mem.h"
+#include "select.h"
 #include "shape.h"
 
 /* Units, the usual ones first: they are tried in this order. */
@@ -42,13 +42,6 @@ struct extent {
     double size;
 };
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 static double coordinate(struct dvec3 p, int axis)
 {
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
@@ -69,7 +62,7 @@ static void measure_extent(const struct dvec3 *pts, size_t n, size_t share,
 
         for (size_t i = 0; i < m; i++)
             v[i] = coordinate(pts[i * n / m], axis);
-        qsort(v, m, sizeof *v, by_value);
+        select_sort(v, m);
         size = v[m - 1 - m / share] - v[m / share];
         out->size = size > out->size ? size : out->size;
         middle[axis] = v[m / 2];

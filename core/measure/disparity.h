@@ -28,7 +28,7 @@ struct disparity_side {
  * disparity_vertex has it.
  * loc    own's vertices located in other's mesh
  * above  own is surface b
- * gap    [own->mesh.nv] on entry other's height at each vertex (interpolate_mesh())
+ * gap    [own->mesh.nv] on entry other's height at each vertex (locate_heights())
  * O(nv). */
 void disparity_gaps(const struct surface *own, const struct surface *other,
                     const struct location *loc, bool above, double *gap);

@@ -4,7 +4,6 @@
 #include <stdbool.h>
 #include <string.h>
 
-#include "interpolate.h"
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
@@ -122,7 +121,7 @@ static double height_at(const struct work *w, uint32_t t, struct ivec2 q)
             h = mesh_turn(m, h);
         at = locate_point(m, h, m->xy[0], q, NULL);
     }
-    return interpolate_height(m, at, q);
+    return locate_height(m, at, q);
 }
 
 static enum status restore_point(struct work *w, uint32_t t, struct ivec2 q)

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "interpolate.h"
 #include "lattice.h"
 #include "locate.h"
 #include "mem.h"
@@ -79,9 +78,9 @@ static double gap(const struct surface *s, const uint8_t *measured, struct locat
     default:
         covered = false;
     }
-    return covered ? (p.z - interpolate_height(m, at, (struct ivec2){p.x, p.y})) /
-                         LATTICE_PER_MM
-                   : (double)NAN;
+    return covered
+               ? (p.z - locate_height(m, at, (struct ivec2){p.x, p.y})) / LATTICE_PER_MM
+               : (double)NAN;
 }
 
 struct work {

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "interpolate.h"
+#include "locate.h"
 #include "lattice.h"
 #include "merge.h"
 
@@ -70,8 +70,8 @@ static enum status gaps(const struct surface *tmpl, const struct surface *probe,
         w->moved.mesh.nv = w->moved.mesh.nt = 0;
         return st;
     }
-    interpolate_mesh(a, b, w->moved_in_tmpl, w->moved_gap);
-    interpolate_mesh(b, a, w->tmpl_in_moved, w->tmpl_gap);
+    locate_heights(a, b, w->moved_in_tmpl, w->moved_gap);
+    locate_heights(b, a, w->tmpl_in_moved, w->tmpl_gap);
     disparity_gaps(tmpl, &w->moved, w->tmpl_in_moved, false, w->tmpl_gap);
     disparity_gaps(&w->moved, tmpl, w->moved_in_tmpl, true, w->moved_gap);
     return ST_OK;

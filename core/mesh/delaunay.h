@@ -26,4 +26,11 @@ struct scratch; /* mem.h */
 enum status delaunay_build(const struct ivec3 *pts, size_t n, struct scratch *s,
                            struct mesh *out);
 
+/* delaunay_numbered(pts, n, s, out): the same, but vertex v is pts[v].
+ * pts   room for 2 n points, the second half is scratch.  Points are not joined: in a row
+ *       (the same y), taken by x, then by number, a point that is not right of the one before
+ *       it is put next to it, 1 lattice unit farther right (in pts too). */
+enum status delaunay_numbered(struct ivec3 *pts, size_t n, struct scratch *s,
+                              struct mesh *out);
+
 #endif

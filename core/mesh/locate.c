@@ -1,5 +1,6 @@
 #include "locate.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "chains.h"
@@ -278,4 +279,39 @@ enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
         loc[v] = find(&chains, pts->xy[v]);
     scratch_free(&scratch);
     return st;
+}
+
+/* ---- heights */
+
+/* Heights relative to the corner org[he], so that one formula serves the inside (three
+ * weights), an edge (the third weight is an exact 0) and a vertex (two are 0).  Each weight
+ * is twice the area opposite a corner, an integer below 2^53: exact. */
+static inline double height(const struct mesh *m, struct location loc, struct ivec2 q)
+{
+    uint32_t a, b, c;
+    int64_t wb, wc, area;
+
+    if (loc.where == LOCATE_OUTSIDE)
+        return NAN;
+    a = m->org[loc.he];
+    b = mesh_dest(m, loc.he);
+    c = m->org[mesh_prev(loc.he)];
+    wb = orient2d(m->xy[c], m->xy[a], q);
+    wc = orient2d(m->xy[a], m->xy[b], q);
+    area = orient2d(m->xy[a], m->xy[b], m->xy[c]);
+    return m->z[a] + ((double)wb * ((double)m->z[b] - m->z[a]) +
+                      (double)wc * ((double)m->z[c] - m->z[a])) /
+                         (double)area;
+}
+
+double locate_height(const struct mesh *m, struct location loc, struct ivec2 q)
+{
+    return height(m, loc, q);
+}
+
+void locate_heights(const struct mesh *m, const struct mesh *pts,
+                    const struct location *loc, double *out)
+{
+    for (uint32_t v = 0; v < pts->nv; v++)
+        out[v] = height(m, loc[v], pts->xy[v]);
 }

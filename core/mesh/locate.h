@@ -1,4 +1,4 @@
-/* locate.h -- where a point lies in a triangulation, by walking towards it.
+/* locate.h -- where a point lies in a triangulation, by walking towards it, and how high it is there.
  * Paper 1 sections 3.2 (one point, straight) and 3.3 (a whole mesh, along its spanning tree).
  * Exact: every turn of the walk is decided by orient2d on the lattice.  The straight walk ends
  * on every mesh that mesh_link() or mesh_check() accepts, Delaunay or not.  locate_mesh() goes
@@ -53,5 +53,16 @@ struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 fro
  * Returns ST_OK, ST_ENOMEM. */
 enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
                         struct location *loc);
+
+/* The height of a triangulated surface at a located point, by barycentric interpolation (paper 1
+ * section 3.4).
+ * locate_height(m, loc, q): the height of m at q, in lattice units; loc is q's location in m.
+ * Exact at the vertices and on level triangles; elsewhere the weights are exact integers and
+ * the error is below 1e-6 units.  Outside the hull: NAN.
+ * locate_heights(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for every
+ * vertex; loc from locate_mesh(m, pts, loc).  O(pts->nv). */
+double locate_height(const struct mesh *m, struct location loc, struct ivec2 q);
+void locate_heights(const struct mesh *m, const struct mesh *pts,
+                    const struct location *loc, double *out);
 
 #endif

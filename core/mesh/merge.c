@@ -15,7 +15,7 @@
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
-#include "numbered.h"
+#include "delaunay.h"
 
 /* Walk steps and new triangles per point, on average, before merge_build() starts from
  * scratch.  Two scans of a face need about 5; contrived input would need N. */
@@ -90,7 +90,7 @@ static enum status rebuild(struct mesh *m, const struct mesh *a, const struct me
             pts[k++] = (struct ivec3){b->xy[v].x, b->xy[v].y, b->z[v]};
         }
     }
-    st = numbered_build(pts, k, s, m);
+    st = delaunay_numbered(pts, k, s, m);
     mem_free(pts);
     return st;
 }

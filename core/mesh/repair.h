@@ -9,7 +9,7 @@ struct scratch; /* mem.h */
 
 /* repair_mesh(m, s): m is a triangulation with twin[] and out[], the points of which have
  * moved in xy; make it the Delaunay triangulation of the points at their new places, the one
- * that numbered_build() makes up to the numbers of the triangles.  parent[] and z[] stay.
+ * that delaunay_numbered() makes up to the numbers of the triangles.  parent[] and z[] stay.
  * Cost    a pass over all edges, and the work where the triangulation has changed.
  * Returns ST_OK; ST_ELIMIT: the triangulation has changed too much (REPAIR_*), or points
  * fall on one place, or all on one line: build it anew; ST_ENOMEM.  On failure m has all its

@@ -3,6 +3,7 @@
 #include "select.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The bits of x as a number in the order of the doubles. */
@@ -43,4 +44,16 @@ double select_kth(double *v, size_t n, size_t k)
             k -= below;
         }
     }
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+
+    return (x > y) - (x < y);
+}
+
+void select_sort(double *v, size_t n)
+{
+    qsort(v, n, sizeof *v, by_value);
 }

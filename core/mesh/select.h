@@ -8,4 +8,6 @@
  * Cost  O(n) for any values in any order: at most 64 rounds over the values left. */
 double select_kth(double *v, size_t n, size_t k);
 
+void select_sort(double *v, size_t n); /* the least first; no value is a NAN */
+
 #endif

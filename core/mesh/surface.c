@@ -7,7 +7,6 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mst.h"
-#include "numbered.h"
 #include "repair.h"
 #include "spikes.h"
 
@@ -101,7 +100,7 @@ static enum status rebuild(struct mesh *m, struct scratch *pts, struct scratch *
         return ST_ENOMEM;
     for (size_t v = 0; v < n; v++)
         p[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
-    return numbered_build(p, n, s, m);
+    return delaunay_numbered(p, n, s, m);
 }
 
 enum status surface_move(const struct surface *from, const double transform[16],

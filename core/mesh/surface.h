@@ -44,7 +44,7 @@ enum status surface_derive(struct surface *out, struct scratch *s);
 /* surface_move(from, transform, pts, s, out): the surface `from` moved by transform (mm,
  * row-major 4 x 4, rigid; a reflection will do) and put back on the lattice.  Vertex numbers,
  * tree and spacing are those of `from`; the triangulation is that of the moved points
- * (numbered_build(): points that fall on one place are put next to each other), so the tree's
+ * (delaunay_numbered(): points that fall on one place are put next to each other), so the tree's
  * edges need not be edges of it; bridges are marked anew, by the spacing of `from`.
  * pts, s: two scratches.
  * Cost  O(nv): for turns up to 10 degrees a quarter of a triangulation (repair.h), for others

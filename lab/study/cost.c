@@ -13,7 +13,7 @@
 #include "mesh_link.h"
 #include "mst.h"
 #include "study.h"
-#include "interpolate.h"
+#include "locate.h"
 #include "lattice.h"
 
 enum stage { TRIANGULATE, TREE, LOAD, LOCATE, INTERPOLATE, MERGE, MEASURE, STAGES };
@@ -156,8 +156,8 @@ static void pass(struct pair *p, struct timing row[STAGES])
     locate_mesh(a, b, p->loc[1]);
     locate_mesh(b, a, p->loc[0]);
     t = lap(&row[LOCATE], t);
-    interpolate_mesh(a, b, p->loc[1], p->other[1]);
-    interpolate_mesh(b, a, p->loc[0], p->other[0]);
+    locate_heights(a, b, p->loc[1], p->other[1]);
+    locate_heights(b, a, p->loc[0], p->other[0]);
     disparity_gaps(&p->side[0].surface, &p->side[1].surface, p->loc[0], false,
                    p->other[0]);
     disparity_gaps(&p->side[1].surface, &p->side[0].surface, p->loc[1], true,

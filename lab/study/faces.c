@@ -12,7 +12,7 @@
 #include "measure.h"
 #include "picture.h"
 #include "study.h"
-#include "interpolate.h"
+#include "locate.h"
 
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
 
@@ -89,7 +89,7 @@ static void gap_map(const struct study *study, const char *name, const struct fa
                    holes_measured(t, tmpl->surface.bridge, at) &&
                    holes_measured(p, m->moved.bridge, on);
             fprintf(f, "%d %d %.3f\n", x, y,
-                    both ? (interpolate_height(p, on, q) - interpolate_height(t, at, q)) /
+                    both ? (locate_height(p, on, q) - locate_height(t, at, q)) /
                                LATTICE_PER_MM
                          : (double)NAN);
         }

@@ -8,7 +8,7 @@
 #include "study.h"
 #include "picture.h"
 #include "study.h"
-#include "interpolate.h"
+#include "locate.h"
 
 static size_t scatter(struct study_random *r, size_t n, unsigned f, struct ivec3 *out)
 {
@@ -282,7 +282,7 @@ static void interpolation(const struct study *study)
         loc = study_alloc(a.surface.mesh.nv, sizeof *loc);
         z = study_alloc(a.surface.mesh.nv, sizeof *z);
         locate_mesh(&b.surface.mesh, &a.surface.mesh, loc);
-        interpolate_mesh(&b.surface.mesh, &a.surface.mesh, loc, z);
+        locate_heights(&b.surface.mesh, &a.surface.mesh, loc, z);
         for (uint32_t v = 0; v < a.surface.mesh.nv; v++) {
             const struct ivec2 p = a.surface.mesh.xy[v];
             const double off =

@@ -8,7 +8,8 @@
 #include "delaunay.h"
 #include "mst.h"
 #include "rates.h"
-#include "interpolate.h"
+#include "locate.h"
+#include "select.h"
 
 void study_must(enum status st)
 {
@@ -57,13 +58,6 @@ void study_field(FILE *f, int places, double x)
         (void)fprintf(f, ",%.*f", places, x);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 static double quantile(const double *v, size_t n, double share)
 {
     const double at = share * (double)(n - 1);
@@ -88,7 +82,7 @@ struct study_spread study_spread(double *v, size_t n)
 {
     double sum = 0;
 
-    qsort(v, n, sizeof *v, by_value);
+    select_sort(v, n);
     for (size_t i = 0; i < n; i++)
         sum += v[i];
     return (struct study_spread){sum / (double)n, quantile(v, n, 0.5),
@@ -106,30 +100,6 @@ static double student(size_t k)
     return k <= 10 ? table[k - 1]
                    : z + (z * z * z + z) / (4 * d) +
                          (5 * pow(z, 5) + 16 * pow(z, 3) + 3 * z) / (96 * d * d);
-}
-
-/* How likely at most k of n are at this share. */
-static double at_most(size_t k, size_t n, double share)
-{
-    double sum = 0;
-
-    for (size_t i = 0; i <= k; i++)
-        sum += exp(lgamma((double)n + 1) - lgamma((double)i + 1) -
-                   lgamma((double)(n - i) + 1) + (double)i * log(share) +
-                   (double)(n - i) * log1p(-share));
-    return sum;
-}
-
-void study_share(size_t k, size_t n, double *low, double *high)
-{
-    *low = 0;
-    *high = 1;
-    for (double by = 0.5; by > 1e-6; by /= 2) {
-        if (k > 0 && 1 - at_most(k - 1, n, *low + by) < 0.025)
-            *low += by;
-        if (k < n && at_most(k, n, *high - by) < 0.025)
-            *high -= by;
-    }
 }
 
 struct study_fit study_fit(const double *x, const double *y, size_t n)
@@ -246,7 +216,7 @@ double study_height(struct study_surface *s, struct ivec2 q, bool *inside)
 
     s->last = locate_point(&s->surface.mesh, s->last.he, from, q, NULL);
     *inside = s->last.where != LOCATE_OUTSIDE;
-    return *inside ? interpolate_height(&s->surface.mesh, s->last, q)
+    return *inside ? locate_height(&s->surface.mesh, s->last, q)
                    : beyond_hull(&s->surface.mesh, q);
 }
 

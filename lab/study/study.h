@@ -17,7 +17,6 @@
 struct study {
     const char *dir; /* where the study's files go */
     uint64_t seed;
-    const char *faces; /* a folder of scans, or NULL */
     bool reduced;      /* few draws, small sizes: for tests */
 };
 
@@ -28,8 +27,6 @@ void cost_run(const struct study *study);   /* its tables 1 to 4, growth */
 void faces_run(const struct study *study);  /* its figures 10 and 11, the weight */
 void missing_run(
     const struct study *study); /* the missing-points paper's figures, tables */
-void several_run(const struct study *study); /* the best of several templates */
-void minimal_run(const struct study *study); /* the minimum, against brute force */
 
 void study_must(enum status st);          /* ends the program unless ST_OK */
 void *study_alloc(size_t n, size_t size); /* zeroed; free() */
@@ -58,10 +55,6 @@ struct study_spread {
 
 /* study_spread(v, n): sorts v; quantiles between neighbours in proportion.  n >= 1. */
 struct study_spread study_spread(double *v, size_t n);
-
-/* study_share(k, n, low, high): the 95 % interval of a share of which k of n were seen (Clopper
- * and Pearson); n 0: 0 to 1. */
-void study_share(size_t k, size_t n, double *low, double *high);
 
 /* y = c x^slope, by least squares of the logarithms; half: half the 95 % confidence
  * interval of the slope (Student); r2: the share of the variance explained.  n >= 3. */

@@ -18,7 +18,6 @@
 #include "mesh.h"
 #include "mst.h"
 #include "peers.h"
-#include "interpolate.h"
 #include "timing.h"
 
 #define PAIRS  48
@@ -120,8 +119,8 @@ static double compare(struct side *a, struct side *b, double ms[ROWS])
     ms[INSERT] = ms[LOCATE];
     locate_mesh(&b->own.mesh, &a->own.mesh, a->loc);
     t = lap(ms, LOCATE, t);
-    interpolate_mesh(&b->own.mesh, &a->own.mesh, a->loc, a->other);
-    interpolate_mesh(&a->own.mesh, &b->own.mesh, b->loc, b->other);
+    locate_heights(&b->own.mesh, &a->own.mesh, a->loc, a->other);
+    locate_heights(&a->own.mesh, &b->own.mesh, b->loc, b->other);
     t = lap(ms, INTERPOLATE, t);
     disparity_gaps(&a->own, &b->own, a->loc, false, a->other);
     disparity_gaps(&b->own, &a->own, b->loc, true, b->other);
@@ -188,9 +187,8 @@ static void store(struct pair *p)
 
 static void scratch_union(const struct pair *p)
 {
-    timing_start(&row[SCRATCH]);
-    timing_must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole));
-    timing_stop(&row[SCRATCH]);
+    TIMED(&row[SCRATCH],
+          timing_must(delaunay_build(p->both, p->a.n + p->b.n, &scratch, &whole)));
 }
 
 static void peer_pass(struct pair *p)
@@ -199,12 +197,8 @@ static void peer_pass(struct pair *p)
     void *merged, *both;
     double ms[ROWS] = {0}, t = timing_now_ms();
 
-    timing_start(&row[PEER_ONE]);
-    a->dt = peers->triangulate(a->points);
-    timing_stop(&row[PEER_ONE]);
-    timing_start(&row[PEER_ONE]);
-    b->dt = peers->triangulate(b->points);
-    timing_stop(&row[PEER_ONE]);
+    TIMED(&row[PEER_ONE], a->dt = peers->triangulate(a->points));
+    TIMED(&row[PEER_ONE], b->dt = peers->triangulate(b->points));
     t = lap(ms, PEER_DELAUNAY, t);
     peers->prim(a->graph);
     peers->prim(b->graph);
@@ -269,7 +263,7 @@ static double agree_side(const struct side *s, const struct side *other, size_t 
 
         equal("outside the hull", k, s->loc[v].where == LOCATE_OUTSIDE, isnan(height), 0);
         if (!isnan(height)) {
-            const double ours = interpolate_height(&other->own.mesh, s->loc[v], m->xy[v]);
+            const double ours = locate_height(&other->own.mesh, s->loc[v], m->xy[v]);
 
             equal("height", k, ours, height, 1e-6);
             worst = fmax(worst, fabs(ours - height));

@@ -11,7 +11,6 @@
 #include "mesh.h"
 #include "mst.h"
 #include "peers.h"
-#include "interpolate.h"
 #include "timing.h"
 
 static const struct peers *peers;
@@ -73,14 +72,9 @@ static void trees(void)
         for (int round = 0; round < ROUNDS; round++)
             for (size_t k = 0; k < SCANS; k++) {
                 timing_must(mesh_copy(&m, &scan[k].bare, 0));
-                timing_start(&ours);
-                timing_must(mst_build(&m, &scratch));
-                timing_stop(&ours);
-                if (peers != NULL) {
-                    timing_start(&theirs);
-                    peers->prim(scan[k].graph);
-                    timing_stop(&theirs);
-                }
+                TIMED(&ours, timing_must(mst_build(&m, &scratch)));
+                if (peers != NULL)
+                    TIMED(&theirs, peers->prim(scan[k].graph));
             }
         (void)snprintf(what, sizeof what, "%zu points", 20000 * (i + 1));
         timing_row(what, paper[i], timing_median(&ours), timing_median(&theirs));
@@ -92,13 +86,11 @@ static void trees(void)
     }
 }
 
-struct location_times {
-    struct timing locate, interpolate, peer_locate, peer_interpolate;
-};
+enum { LOCATE, INTERPOLATE, PEER_LOCATE, PEER_INTERPOLATE, TIMES };
 
 /* n points of each scan of a pair located in the other's mesh, and interpolated there.  Both
  * programs have put the points into an order before: spanning tree, Hilbert's curve. */
-static void locations(size_t n, struct location_times *t)
+static void locations(size_t n, struct timing t[TIMES])
 {
     enum { PAIRS = 3, ROUNDS = 5 };
     struct scan scan[2 * PAIRS] = {{0}};
@@ -116,20 +108,12 @@ static void locations(size_t n, struct location_times *t)
         for (size_t k = 0; k < 2 * PAIRS; k++) {
             const struct scan *in = &scan[k], *of = &scan[k ^ 1];
 
-            timing_start(&t->locate);
-            locate_mesh(&in->mesh, &of->mesh, loc);
-            timing_stop(&t->locate);
-            timing_start(&t->interpolate);
-            interpolate_mesh(&in->mesh, &of->mesh, loc, h);
-            timing_stop(&t->interpolate);
+            TIMED(&t[LOCATE], locate_mesh(&in->mesh, &of->mesh, loc));
+            TIMED(&t[INTERPOLATE], locate_heights(&in->mesh, &of->mesh, loc, h));
             if (peers == NULL)
                 continue;
-            timing_start(&t->peer_locate);
-            peers->locate(in->surface, of->queries);
-            timing_stop(&t->peer_locate);
-            timing_start(&t->peer_interpolate);
-            peers->interpolate(in->surface, of->queries, h);
-            timing_stop(&t->peer_interpolate);
+            TIMED(&t[PEER_LOCATE], peers->locate(in->surface, of->queries));
+            TIMED(&t[PEER_INTERPOLATE], peers->interpolate(in->surface, of->queries, h));
         }
     for (size_t k = 0; k < 2 * PAIRS; k++)
         scan_free(&scan[k]);
@@ -141,22 +125,20 @@ static void locations(size_t n, struct location_times *t)
 static void location_table(const double (*paper)[2], size_t rows, bool both)
 {
     for (size_t i = 0; i < rows; i++) {
-        struct location_times t = {0};
+        struct timing t[TIMES] = {{0}};
         char what[64];
 
-        locations((size_t)paper[i][0], &t);
+        locations((size_t)paper[i][0], t);
         (void)snprintf(what, sizeof what, "%.0f points%s", paper[i][0],
                        both ? " each" : "");
         if (both)
-            timing_row(what, paper[i][1], 2 * timing_median(&t.interpolate),
-                       2 * timing_median(&t.peer_interpolate));
+            timing_row(what, paper[i][1], 2 * timing_median(&t[INTERPOLATE]),
+                       2 * timing_median(&t[PEER_INTERPOLATE]));
         else
-            timing_row(what, paper[i][1], timing_median(&t.locate),
-                       timing_median(&t.peer_locate));
-        timing_free(&t.locate);
-        timing_free(&t.interpolate);
-        timing_free(&t.peer_locate);
-        timing_free(&t.peer_interpolate);
+            timing_row(what, paper[i][1], timing_median(&t[LOCATE]),
+                       timing_median(&t[PEER_LOCATE]));
+        for (int k = 0; k < TIMES; k++)
+            timing_free(&t[k]);
     }
 }
 

@@ -305,13 +305,6 @@ static void white_noise_only(void)
     free(p.probe_pts);
 }
 
-static void decide_timed(struct timing *t, const struct pair *p, struct minimal *out)
-{
-    timing_start(t);
-    decide(p, out);
-    timing_stop(t);
-}
-
 /* The model of a scan as it leaves its scanner. */
 static void scan(struct cloudpoints *c, struct face *out)
 {
@@ -379,8 +372,8 @@ static void dense(const struct pair *pair)
     for (size_t k = 0; k < PAIRS; k++) {
         struct minimal least;
 
-        decide_timed(&few[0], &pair[k], NULL);
-        decide_timed(&few[1], &pair[(k + PAIRS / 2) % PAIRS], &least);
+        TIMED(&few[0], decide(&pair[k], NULL));
+        TIMED(&few[1], decide(&pair[(k + PAIRS / 2) % PAIRS], &least));
         if (k % 3 == 0)
             decide_dense(&many[0], &big[k / 3 % DENSES], NULL);
         if (k % 3 == 1)

@@ -2,7 +2,6 @@
 # Goal: a file, the environment and flags give the same settings to the daemon and to surfacectl, each
 # overriding the one before; problems are reported with their source, and --check-config and config
 # check write nothing.  What each wrong line is reported as is in tests/base/test_settings.c.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_KEY SURFACED_MODEL CREDENTIALS_DIRECTORY
 

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: surfacectl enrolls several scans of a subject at once, files and folders, by the rule of the
 # daemon: each that matches the first that was taken becomes a template, all together or none.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

@@ -2,7 +2,6 @@
 # Goal: surfacectl calibrate makes a threshold from the database's own faces, says what it
 # rests on, and refuses what it cannot know; a running daemon and surfacectl decide by it at
 # once; the way back and a damaged calibration.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 export SURFACED_DB="$DB"
 

@@ -2,7 +2,6 @@
 # Goal: surfacectl enrolls a folder or a table of scans on all cores: bad scans are reported with
 # the reason and stops nothing else; done again, or after it was killed, it goes on where it
 # was; the same on any number of threads.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 counts() { said '[.scans, .enrolled, .present, .failed, .undone] | join(" ")'; }

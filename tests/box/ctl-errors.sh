@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: whatever is wrong, surfacectl says what and where, exits with the code of its help,
 # and changes nothing.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

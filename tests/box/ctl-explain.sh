@@ -3,7 +3,6 @@
 # agree with each other and with verify, the audit log has an entry, and nothing is explained of
 # somebody who is not there.  surfacelab explain does it of two files, as tables.
 # shellcheck disable=SC2016 # the variables are jq's
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: an id that begins with a hyphen is an id to every command, behind --, and without that it
 # is never taken for one: the command says so and changes nothing.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply" --points 1000

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: the life of a database by surfacectl alone: init, enroll, verify, compare, stats,
 # check, token, and the subjects and templates; as text and as JSON, with the exit codes of its help.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: no command of surfacectl writes over a file that is there, unless with --force, and none over
 # a file that it reads, by whatever name it has; "-" is standard output or refused.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: surfacectl scan says of any file what is found in it and what would be done, and what to
 # do better; nothing is stored; it says what the daemon says.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

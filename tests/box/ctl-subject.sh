@@ -2,7 +2,6 @@
 # Goal: what is known of a subject is noted, shown and changed by surfacectl, beside a running
 # daemon that sees it at once: consent, expiry, hold, disabled, another id; purge erases who
 # is due and nobody else; templates are listed and exported; the shell completes it all.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"

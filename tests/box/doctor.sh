@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: surfacectl doctor finds the problems around a database, says what to do, and
 # changes nothing.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 doctor() {

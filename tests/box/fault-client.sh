@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: without free descriptors, and with clients that close their half of the
 # connection, the daemon responds where it can and works as before afterwards.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply" --points 1500

@@ -1,33 +1,17 @@
 #!/bin/sh
 # Goal: when the wall clock steps back or forward, requests are served, waits end, and
 # lists stay in the order of keys, not of times.  Only reported times show the step.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-
-command -v faketime >/dev/null 2>&1 || {
-    echo "SKIP $0: faketime is not installed"
-    exit 0
-}
-if nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'; then
+needs faketime
+if sanitized; then
     echo "SKIP $0: faketime's library and a sanitizer's do not go together"
     exit 0
 fi
 
-# clock SHIFT: as of now, the daemon's wall clock; its monotonic one is the machine's.
-clock() {
-    echo "$1" >"$T/shift.new"
-    mv "$T/shift.new" "$T/shift"
-}
-
 for n in 0 1 2; do
     scan 1 "$n" "$T/a$n.ply" --points 1500
 done
-clock +0
-FAKETIME_TIMESTAMP_FILE=$T/shift FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1
-export FAKETIME_TIMESTAMP_FILE FAKETIME_NO_CACHE FAKETIME_DONT_FAKE_MONOTONIC
-LD_PRELOAD=$(faketime -f +0 printenv LD_PRELOAD)
-UNDER="env LD_PRELOAD=$LD_PRELOAD" start_daemon --no-auth
-unset LD_PRELOAD
+start_clocked --no-auth
 send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
 is "before the step" "$STATUS" 201
 first=$(get .created)

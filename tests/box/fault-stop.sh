@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: at SIGTERM under load, accepted connections get a complete response; others are
 # refused before the client has sent anything.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply" --points 1500

@@ -3,11 +3,7 @@
 # match it, as what it is declared to be and by its content; what is not read is refused by
 # its name, with the list of what is.
 . tests/box/lib.sh
-
-command -v python3 >/dev/null 2>&1 || {
-    echo "SKIP $0: python3 is not installed"
-    exit 0
-}
+needs python3
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/again.ply"
 "$BUILD/surfacelab" simplify "$T/again.ply" --tolerance 0.0005 -o "$T/mesh.ply" >"$T/text"

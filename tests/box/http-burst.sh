@@ -2,7 +2,6 @@
 # Goal: several files of a form are enrolled together: each that matches the first that was taken
 # becomes a template, the response lists them all, and a request takes full effect or none.
 # shellcheck disable=SC2016 # the variables are jq's
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 for k in 0 1 2 3; do

@@ -1,8 +1,7 @@
 #!/bin/sh
 # Goal: the headers by which a client chooses how a request is sent and answered.  Compressed
 # bodies are accepted up to the limit, damaged or unknown ones rejected; return=minimal gives no
-# body; an enrolment that is sent again gives the template that is there.
-cd "$(dirname "$0")/../.." || exit 1
+# body.
 . tests/box/lib.sh
 
 GZ='Content-Encoding: gzip' ZST='Content-Encoding: zstd'
@@ -200,24 +199,4 @@ minimal "erase" 204
 req GET /v1/subjects/min
 is "it is erased" "$STATUS" 404
 
-# ---- a request that is sent again
-# enroll FILE [CURL-OPTION...]: enrols FILE as a sample of the subject `again`.
-enroll() {
-    scan_file=$1
-    shift
-    send POST '/v1/subjects/again/templates' "$PLY" "$scan_file" "$@"
-}
-enroll "$T/a.ply"
-is "the first" "$STATUS" 201
-first=$(get .template_id)
-enroll "$T/a.ply.gz" -H "$GZ"
-is "again: the same template" "$STATUS $(get .template_id)" "200 $first"
-for key in one one '"'; do # means nothing here
-    enroll "$T/a.ply" -H "Idempotency-Key: $key"
-    is "a key is ignored" "$STATUS $(get .template_id) $(field Idempotent-Replayed)" "200 $first "
-done
-stop_daemon
-start_daemon
-enroll "$T/a.ply"
-is "also after a restart" "$STATUS $(get .template_id)" "200 $first"
 finish

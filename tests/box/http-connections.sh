@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: the number of connections is limited in all and by address; the daemon closes
 # connections of slow senders and readers, even if bytes keep coming, and serves others meanwhile.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 HOLD=''
 
@@ -57,6 +56,7 @@ req GET /healthz
 is "a sixth" "$STATUS" 000
 let_go
 ok "served again after they are closed" soon serves
+ok "the metrics count it" counts too_many_of_one_address
 stop_daemon
 start_daemon --no-auth --max-connections 8
 hold 8 "$body"

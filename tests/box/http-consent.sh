@@ -2,7 +2,6 @@
 # Goal: a subject's consent, purpose, expiry, hold and disabled are shown and changed over HTTP
 # as by surfacectl.  A change is made in full or not at all, needs the scope manage, is in force
 # at once, and is in the audit log with its token.  The scope delete cannot end a hold.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 MERGE='Content-Type: application/merge-patch+json'

@@ -2,12 +2,8 @@
 # Goal: a row of samples, each like the one before, does not lead from a subject to another person.
 # Whoever has a token with enroll alone and a scan of the victim enrolls blends of it and of a scan
 # of their own, nearer to themselves each time: one file a request, or several in a form.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-command -v python3 >/dev/null 2>&1 || {
-    echo "SKIP $0: python3 is not installed"
-    exit 0
-}
+needs python3
 
 XYZ='Content-Type: text/plain'
 STEPS='0.14 0.28 0.42 0.56 0.7 0.85 1'

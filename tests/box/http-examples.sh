@@ -3,7 +3,6 @@
 # them are those in force.  A scan of each kind is refused at enrolment and at verification; the
 # detail must be that of the example, but for what was measured.
 # shellcheck disable=SC2016 # the variables are jq's and awk's
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 TEXT='Content-Type: text/plain'

@@ -2,7 +2,6 @@
 # Goal: without an option the face is found in any unit and axes, among points from elsewhere, and
 # in dense scans; the heat map, the view and the advice are about the file that was sent.
 # shellcheck disable=SC2016 # the variables are jq's and awk's
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 TEXT='Content-Type: text/plain'

@@ -3,7 +3,6 @@
 # served; with room again all are served.  A verification writes too: its decision is told only
 # once it is recorded.
 # A limit on the size of files stands for the full disk.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 for s in $(seq 12); do

@@ -2,7 +2,6 @@
 # Goal: a subject has 20 templates at most, however they come: one by one, several in a form, many
 # requests at once, by surfacectl, by an import.  What would be more is refused whole, and the
 # scans that are there already are known as before.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 for i in $(seq 0 24); do

@@ -3,7 +3,6 @@
 # the connection; it keeps running, stops cleanly, and its database is intact.
 # Usage: http-fuzz.sh [REQUESTS [SEED]]: each of four clients sends REQUESTS; the seed is printed.
 # Most useful on a build with sanitizers (make sanitize): their reports and leaks fail the test.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 REQUESTS=${1:-600} SEED=${2:-33}
 

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: requests that are malformed on purpose get one response or none: never a second one for
 # a smuggled request, a file, or a header of the attacker's; and the daemon keeps running.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 start_daemon --no-auth --timeout 2
 

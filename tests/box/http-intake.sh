@@ -2,7 +2,6 @@
 # Goal: enrolments do not fill the disk.  A token may add so many templates and subjects in an hour,
 # and none is added where the disk has less room than the reserve, while verifications go on.
 # The second part has a small file system of its own, where the tests may mount one.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 for i in $(seq 0 9); do

@@ -3,12 +3,8 @@
 # operation, so that every described status occurs, and checks each response, body and headers,
 # against its description; also the description's own examples.  An undescribed status fails the
 # test; so does a described one that never occurs, unless UNSEEN names it.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-command -v jsonschema >/dev/null 2>&1 || {
-    echo "SKIP $0: jsonschema (python3-jsonschema) is not installed"
-    exit 0
-}
+needs jsonschema
 
 # Responses that no request can cause: METHOD PATH STATUS.
 # 503: these use neither the database nor the queue, and fail only without memory.

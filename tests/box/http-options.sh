@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: options are parsed strictly; the daemon does not listen if one is wrong, or if it cannot
 # open the database or bind the address.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # ---- options

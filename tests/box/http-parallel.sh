@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: many clients at once are all served; a full queue gives 503 at once; a stop finishes the
 # running requests and accepts no new ones.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"

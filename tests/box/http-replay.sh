@@ -2,7 +2,6 @@
 # Goal: the cloud of a template is refused as a probe of its subject, whatever the order and number
 # of its points, the format and the unit, over HTTP and by surfacectl; any other scan is taken, as
 # often as it comes.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 XYZ='Content-Type: text/plain'

@@ -1,6 +1,5 @@
 #!/bin/sh
 # Goal: every route works as described, with every format of clouds.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"
@@ -53,8 +52,8 @@ is "its description" "$(get '[.subject, .label, .points > 2900, .triangles > 500
     (.engine | test("^surfaced/"))] | @csv')" \
     '"alice","scanner 1",true,true,64,true,true,true,true,true,true'
 cp "$T/body" "$T/first"
-send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-is "the same cloud again" "$STATUS" 200
+send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply" -H 'Idempotency-Key: one'
+is "the same cloud again, whatever its key" "$STATUS$(field Idempotent-Replayed)" 200
 ok "the same template" cmp -s "$T/body" "$T/first"
 send POST /v1/subjects/alice/templates "$PLY" "$T/b.ply"
 problem "another subject's sample" 409 sample_mismatch

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: the same input gives the same digits: on another run, with 1 or 4 workers, one request
 # at a time or many, over HTTP or by surfacectl; except times and template ids.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 subjects="1 2 3 4 5 6"

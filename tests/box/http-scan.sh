@@ -3,7 +3,6 @@
 # what to change, and stores nothing; a form with one file is the same as the file; refusals are
 # counted by their code.
 # shellcheck disable=SC2016 # the variables are jq's
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 2 2 "$T/enrolled.ply"

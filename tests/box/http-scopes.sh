@@ -2,7 +2,6 @@
 # Goal: what each scope alone may do, on every route of the API's description.  A route that is not
 # in the table below fails the test, and so does one that the description does not have.  Then what
 # every error of every route looks like, and what a stranger is told of the daemon.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # METHOD PATH, and the scopes of which a token needs one; "-": none is needed.

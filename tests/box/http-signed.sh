@@ -3,12 +3,8 @@
 # that can be exchanged, no signed request can be sent again, and where signed captures are
 # required nothing else is enrolled, verified or compared.  By the example of a client in
 # packaging/examples; the test vector is in docs/operation.md.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-command -v openssl >/dev/null 2>&1 || {
-    echo "SKIP $0: openssl is not installed"
-    exit 0
-}
+needs openssl
 
 for i in 0 1 2; do scan 1 "$i" "$T/a$i.ply"; done
 scan 2 0 "$T/b.ply"
@@ -234,21 +230,11 @@ problem "a nonce takes a scope" 403 insufficient_scope
 stop_daemon
 
 # ---- time
-if ! command -v faketime >/dev/null 2>&1 ||
-    nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'; then
+if ! command -v faketime >/dev/null 2>&1 || sanitized; then
     echo "no faketime: whether nonces expire is not tested"
     finish
 fi
-clock() {
-    echo "$1" >"$T/shift.new"
-    mv "$T/shift.new" "$T/shift"
-}
-clock +0
-FAKETIME_TIMESTAMP_FILE=$T/shift FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1
-export FAKETIME_TIMESTAMP_FILE FAKETIME_NO_CACHE FAKETIME_DONT_FAKE_MONOTONIC
-LD_PRELOAD=$(faketime -f +0 printenv LD_PRELOAD)
-UNDER="env LD_PRELOAD=$LD_PRELOAD" start_daemon --no-auth
-unset LD_PRELOAD
+start_clocked --no-auth
 AUTH=
 for step in +100s +130s -10s; do
     clock +0

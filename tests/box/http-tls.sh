@@ -2,12 +2,8 @@
 # Goal: only TLS 1.2 and 1.3 with strong ciphers; SIGHUP reads the certificates again; client
 # certificates are verified; and where the daemon listens: beyond loopback only with TLS or
 # --plaintext, on a Unix socket, on a socket that was passed to it.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-command -v openssl >/dev/null 2>&1 || {
-    echo "SKIP $0: openssl is not installed"
-    exit 0
-}
+needs openssl
 
 # ---- certificates: issue NAME CA PURPOSE [DAYS] makes $T/NAME.pem and $T/NAME.key
 new_key() {
@@ -54,13 +50,8 @@ ok "--check-config reports it" grep -q 'tls-cert .*two.key: not the key' "$T/out
 any='--listen 0.0.0.0:0'
 # shellcheck disable=SC2086 # lists of options
 {
-    refuse "a certificate alone" 64 'go together' --tls-cert "$T/one.pem"
     refuse "a key alone" 64 'go together' --tls-key "$T/one.key"
-    refuse "a client CA alone" 64 'of no use without' --tls-client-ca "$T/ca.pem"
-    refuse "TLS and --plaintext" 64 'contradicts' $tls --plaintext
-    refuse "plain beyond loopback" 64 'not a loopback .*--plaintext' $any
     refuse "--no-auth beyond loopback" 64 'no-auth is for loopback' $any $tls --no-auth
-    refuse "with --plaintext" 64 'no-auth is for loopback' $any --plaintext --no-auth
     l='--listen 127.0.0.1:0'
     refuse "no such certificate" 1 'cannot read .*/none' $l --tls-cert "$T/none" --tls-key "$T/one.key"
     refuse "another certificate's key" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/two.key"

@@ -1,7 +1,6 @@
 #!/bin/sh
 # Goal: every request but the public ones needs a token; a token allows what its scopes name,
 # from its creation until it is rotated, expires or is revoked, while the daemon runs.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"

@@ -3,7 +3,6 @@
 # the calibration, the templates and what models are not in memory) and writes it once (attempts,
 # event, last seen), be it a match or not; who is refused writes nothing; an enrolment reads
 # twice and writes once.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 [ -f "$BUILD/record_shim.so" ] || {

@@ -2,7 +2,6 @@
 # Goal: who tries faces by `verify` alone does not get far, keeps nobody else out, and is seen: a
 # token that fails locks itself out of a subject and others for a minute at most; one face is not
 # tried on everybody; the counts hold across processes and restarts.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # verify TOKEN SUBJECT FILE

@@ -3,7 +3,6 @@
 # within two of its verification periods: an older row, one that is hidden, a table that cannot be
 # read, and bytes that were changed in the file without SQLite.  From then on all of /v1 gives 503
 # with a clear line in the log.  Here the periods pass: 130 s, for four daemons at once.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 PERIOD=60 # VERIFY_MS of server/upkeep.c

@@ -2,7 +2,6 @@
 # Goal: surfacelab evaluate compares what it should, says so in every file alike, the same on
 # any number of threads, claims no rate that the comparisons do not support, lists what it could
 # not use and counts that as errors, and replaces no file unasked.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 

@@ -2,7 +2,6 @@
 # Goal: surfacelab fill restores the points missing in a scan's holes: the scan's own points stay
 # as they came, in their unit; the restored ones are marked, and the size of each hole and the
 # expected error are told; what was filled is not filled again; no file is overwritten.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 in_folder
 
@@ -83,7 +82,10 @@ ok "it is as it was" cmp -s filled.ply same.ply
 expect 64 "no --out" "$lab" fill holes.xyz
 expect 64 "two files" "$lab" fill holes.xyz whole.xyz --out none.ply
 expect 64 "an option of another command" "$lab" fill holes.xyz --tolerance 1 --out none.ply
-expect 66 "no such scan" "$lab" fill none.xyz --out none.ply
+expect 64 "a mistyped command" "$lab" fil holes.xyz
+has err 'did you mean fill?'
+expect 66 "no such scan" "$lab" fill --json none.xyz --out none.ply
+is "as JSON" "$(jq -r '.error | [.code, .exit] | @tsv' out | tr '\t' ' ')" 'not_found 66'
 head -n 50 whole.xyz >few.xyz
 expect 65 "too few points" "$lab" fill few.xyz --out none.ply
 expect 74 "no such folder" "$lab" fill holes.xyz --out none/x/none.ply

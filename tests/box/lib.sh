@@ -17,12 +17,21 @@ ENTRIES="(SELECT 0 AS log, seq, at, kind, actor, uid, object, outcome, hash FROM
 # Every scope that a token may have.
 ALL=enroll,verify,identify,read,delete,manage,detail
 
-for tool in curl jq sqlite3; do
-    command -v "$tool" >/dev/null 2>&1 || {
-        echo "SKIP $0: $tool is not installed"
-        exit 0
-    }
-done
+# needs PROGRAM...: without them the script ends, with exit status 0.
+needs() {
+    for tool in "$@"; do
+        command -v "$tool" >/dev/null 2>&1 || {
+            echo "SKIP $0: $tool is not installed"
+            exit 0
+        }
+    done
+}
+needs curl jq sqlite3
+
+# sanitized: the daemon was built with a sanitizer.
+sanitized() {
+    nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'
+}
 
 # sqlite3 ARGUMENT...: waits while the daemon writes.
 sqlite3() {
@@ -174,6 +183,20 @@ start_daemon() {
         failed=$((failed + 1))
         finish
     }
+}
+
+# start_clocked OPTION...: start_daemon, its wall clock as clock says (of faketime); its monotonic one
+# is the machine's.
+start_clocked() {
+    clock +0
+    export FAKETIME_TIMESTAMP_FILE="$T/shift" FAKETIME_NO_CACHE=1 FAKETIME_DONT_FAKE_MONOTONIC=1
+    UNDER="env LD_PRELOAD=$(faketime -f +0 printenv LD_PRELOAD)" start_daemon "$@"
+}
+
+# clock SHIFT: from now on, of such a daemon: +3d, say.
+clock() {
+    echo "$1" >"$T/shift.new"
+    mv "$T/shift.new" "$T/shift"
 }
 
 # stop_daemon: sends SIGTERM; the daemon's exit status must be 0.

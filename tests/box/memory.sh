@@ -2,10 +2,9 @@
 # Goal: nothing of a face stays in the daemon's memory once its subject is erased, over HTTP or by
 # the command, nor what large requests needed; another process of its user cannot read it; and no
 # core file is written.
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
-if nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'; then
+if sanitized; then
     echo "SKIP $0: a sanitizer has an allocator of its own"
     exit 0
 fi

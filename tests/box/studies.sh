@@ -3,7 +3,6 @@
 # expected results: errors grow with removal on average, values known by hand are met, and all
 # figures and tables are on one page.
 # shellcheck disable=SC2016 # awk's own variables
-cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 
 # study NAME: its reduced results, in $T/NAME: those of the page, or else made here.
@@ -96,25 +95,6 @@ between "mated, at the true pose: mm" \
     "$(row faces/alignment.csv 'the same person again' 'at the true pose' 5)" 0.1 0.3
 is "a constant weight changes no mean" "$(sed -n 3p "$T/faces/weights.csv" | cut -d, -f2-)" \
     "$(sed -n 2p "$T/faces/weights.csv" | cut -d, -f2-)"
-
-# ---- the minimal disparity
-study minimal
-ok "what is reported is the measure at its pose" \
-    awk -F, 'NR > 1 && $3 != $2 { exit 1 } END { exit NR < 3 }' "$T/minimal/summary.csv"
-mated='mated made up' others='non-mated made up'
-between "mated: % of the pairs within 1 % of the best known" "$(value minimal/summary.csv "$mated" 4)" 98 100
-between "mated: the furthest above it" "$(value minimal/summary.csv "$mated" 8)" 1 1.02
-between "non-mated: % of the pairs within 2 %" "$(value minimal/summary.csv "$others" 5)" 98 100
-ok "the best known is a minimum: below the alignment, the area kept" \
-    awk -F, 'NR > 1 && ($9 <= 1.01 || $16 < 0.95) { exit 1 }' "$T/minimal/summary.csv"
-
-# ---- the best of several templates
-study several
-ok "the best of more accepts more; less ln n, never more than as it is" awk -F, '
-    NR > 1 { if ($9 > $6 || $11 < $8 || ($3 == at && ($6 < was || $8 > missed))) exit bad = 1
-        at = $3; was = $6; missed = $8; n++ }
-    END { exit bad || n < 6 }' "$T/several/several.csv"
-ok "nothing is lowered where there is one" awk -F, '$2 == 1 && ($6 != $9 || $8 != $11) { exit 1 }' "$T/several/several.csv"
 
 # ---- errors
 for bad in "nothing" "missing --seed" "missing --seed x" "missing --seed -1" "missing more"; do

@@ -12,7 +12,6 @@
 #include "facegen.h"
 #include "fit.h"
 #include "frame.h"
-#include "interpolate.h"
 #include "locate.h"
 #include "measure.h"
 #include "model.h"
@@ -26,25 +25,6 @@ static struct face_work *work;
 static struct frame_mean mean;
 static struct fit_basis motion; /* the default model's, prepared */
 static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
-
-/* rotation(yaw, pitch, roll, r): Rz Rx Ry, degrees. */
-static void rotation(double yaw, double pitch, double roll, double r[9])
-{
-    const double cy = cos(yaw * degree), sy = sin(yaw * degree);
-    const double cx = cos(pitch * degree), sx = sin(pitch * degree);
-    const double cz = cos(roll * degree), sz = sin(roll * degree);
-    const double m[9] = {cz * cy - sz * sx * sy,
-                         -sz * cx,
-                         cz * sy + sz * sx * cy,
-                         sz * cy + cz * sx * sy,
-                         cz * cx,
-                         sz * sy - cz * sx * cy,
-                         -cx * sy,
-                         sx,
-                         cx * cy};
-
-    memcpy(r, m, sizeof m);
-}
 
 /* A face of a subject scanned with a pose; the sampling depends on scan. */
 static size_t sample(struct facegen_scan *s, uint64_t subject, uint64_t scan,
@@ -154,7 +134,7 @@ TEST(test_field)
             assert_false(found);
             assert_true(sum.within == 0 && sum.cost == 3);
         } else {
-            const double z = interpolate_height(&f.surface.mesh, loc, q) / 1000;
+            const double z = locate_height(&f.surface.mesh, loc, q) / 1000;
             const struct dvec3 a = {(double)c.at[0][0], (double)c.at[0][1],
                                     (double)c.at[0][2]};
             const struct dvec3 e = {(double)c.at[1][0] - a.x, (double)c.at[1][1] - a.y,
@@ -200,7 +180,7 @@ TEST(test_finds_pose)
         s.tz = 400 * brute_real(&rng) - 200;
         build(points, sample(&s, subject, 1, points), &b);
         align(&a, &b, &r);
-        rotation(s.yaw, s.pitch, s.roll, true_r);
+        facegen_turn(&s, true_r);
         error = off_by(r.transform, true_r);
         printf("%d: %.2f degrees\n", (int)subject, error);
         assert_true(error < (subject % 2 == 0 ? 0.3 : 0.6));
@@ -254,11 +234,13 @@ TEST(test_start_does_not_matter)
         facegen_default(&s);
         n = sample(&s, who < 3 ? subject : subject + 7, 5, points);
         for (size_t i = 0; i < sizeof poses / sizeof *poses; i++) {
+            const struct facegen_scan turn = {
+                .yaw = poses[i][0], .pitch = poses[i][1], .roll = poses[i][2]};
             struct pose p;
             struct align_result r;
             double off;
 
-            rotation(poses[i][0], poses[i][1], poses[i][2], p.r);
+            facegen_turn(&turn, p.r);
             memcpy(p.t, poses[i] + 3, sizeof p.t);
             for (size_t k = 0; k < n; k++)
                 turned[k] = pose_apply(&p, points[k]);

@@ -23,15 +23,13 @@ static size_t n;
 
 BEFORE_EACH(set_up)
 {
-    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-
     rng.state = brute_seed("crop");
     memset(cell, SHAPE_EMPTY, sizeof cell);
     for (uint32_t i = 0; i < GRID_N; i++)
         if (!isnan(model_default.mean[i]))
             cell[i] = SHAPE_SKIN;
     toy_pose(140, 30, 70, (struct dvec3){300, -50, 900}, &pose);
-    view.pose = pose_after(&pose, &still);
+    view.pose = pose_after(&pose, &toy_still);
     view.height = model_default.mean;
     view.cell = cell;
     n = 0;

@@ -125,45 +125,6 @@ TEST(test_all_small_sets)
     assert_int_equal(lines, 1 + 9 + 36 + 8); /* none, one, two, three in a row */
 }
 
-/* Points on a line in direction (dx, dy), and 0 to 3 off it at the end. */
-static size_t line_points(int32_t dx, int32_t dy, size_t n, size_t off,
-                          struct brute_rng *r, struct ivec3 *pts)
-{
-    for (size_t i = 0; i < n; i++) {
-        const int32_t t = brute_int(r, -900, 900);
-
-        pts[i] = (struct ivec3){t * dx, t * dy, t};
-    }
-    for (size_t i = 0; i < off; i++)
-        pts[n + i] =
-            (struct ivec3){brute_int(r, -2000, 2000), brute_int(r, -2000, 2000), 7};
-    return n + off;
-}
-
-TEST(test_lines)
-{
-    static const struct ivec2 way[] = {{1, 0}, {0, 1}, {1, 1}, {1, -1}, {3, 1}, {-2, 7}};
-    struct brute_rng r = {brute_seed("lines")};
-    struct ivec3 pts[256];
-    struct mesh m = {0};
-
-    for (size_t w = 0; w < sizeof way / sizeof way[0]; w++)
-        for (size_t n = 2; n < 250; n += 1 + n / 4) {
-            size_t all = line_points(way[w].x, way[w].y, n, 0, &r, pts);
-
-            assert_int_equal(delaunay_build(pts, all, &scratch, &m), ST_EDEGENERATE);
-            assert_int_equal(m.nv, 0);
-            for (size_t off = 1; off < 4; off++) {
-                all = line_points(way[w].x, way[w].y, n, off, &r, pts);
-                pts[n] = (struct ivec3){way[w].x + way[w].y, way[w].y - way[w].x, 1};
-                pts[0] = (struct ivec3){0, 0, 0};
-                pts[1] = (struct ivec3){way[w].x, way[w].y, 0};
-                check_brute(pts, all);
-            }
-        }
-    mesh_free(&m);
-}
-
 /* Many points at few places: heights averaged and rounded down, whatever the order. */
 TEST(test_duplicates)
 {
@@ -185,24 +146,6 @@ TEST(test_duplicates)
         }
 }
 
-/* The meshes must agree byte for byte, except for a shift. */
-static void check_same_bytes(const struct mesh *a, const struct mesh *b, int32_t dx,
-                             int32_t dy)
-{
-    const size_t halves = 3 * (size_t)a->nt;
-
-    assert_int_equal(a->nv, b->nv);
-    assert_int_equal(a->nt, b->nt);
-    for (uint32_t v = 0; v < a->nv; v++) {
-        assert_int_equal(a->xy[v].x + dx, b->xy[v].x);
-        assert_int_equal(a->xy[v].y + dy, b->xy[v].y);
-    }
-    assert_memory_equal(a->z, b->z, a->nv * sizeof *a->z);
-    assert_memory_equal(a->org, b->org, halves * sizeof *a->org);
-    assert_memory_equal(a->twin, b->twin, halves * sizeof *a->twin);
-    assert_memory_equal(a->out, b->out, (a->nv + 1) * sizeof *a->out);
-}
-
 TEST(test_canonical)
 {
     struct brute_rng r = {brute_seed("canonical")};
@@ -220,48 +163,18 @@ TEST(test_canonical)
             }
             k += n / 3;
             assert_int_equal(delaunay_build(pts, k, &scratch, &a), ST_OK);
+            assert_int_equal(mesh_check(&a, false), ST_OK);
             for (int again = 0; again < 3; again++) {
                 brute_shuffle(pts, k, sizeof *pts, &r);
                 assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
-                check_same_bytes(&a, &b, 0, 0);
+                assert_true(brute_identical(&a, &b));
             }
             qsort(pts, k, sizeof *pts, by_xy);
             assert_int_equal(delaunay_build(pts, k, &scratch, &b), ST_OK);
-            check_same_bytes(&a, &b, 0, 0);
+            assert_true(brute_identical(&a, &b));
         }
     mesh_free(&a);
     mesh_free(&b);
-    free(pts);
-}
-
-/* Too many to compare with the definition: the empty circle across every edge. */
-TEST(test_large)
-{
-    struct brute_rng r = {brute_seed("large")};
-    struct ivec3 *pts = malloc(LARGE * sizeof *pts);
-    struct mesh m = {0};
-    size_t n = 0;
-
-    assert_non_null(pts);
-    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-        const size_t k = brute_points((enum brute_shape)shape, LARGE, &r, pts);
-
-        assert_int_equal(delaunay_build(pts, k, &scratch, &m), ST_OK);
-        assert_int_equal(m.nv, k);
-        assert_int_equal(mesh_check(&m, false), ST_OK);
-    }
-    for (int32_t y = 0; y < 100; y++) /* a sheared grid: cocircular in other ways */
-        for (int32_t x = 0; x < 100; x++)
-            pts[n++] = (struct ivec3){13 * x + 5 * y, 13 * y - 5 * x, x};
-    assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_OK);
-    assert_int_equal(m.nv, n);
-    assert_int_equal(mesh_check(&m, false), ST_OK);
-    for (n = 0; n < 5000; n++) /* a parabola: one fan over all */
-        pts[n] = (struct ivec3){(int32_t)n, (int32_t)(n * n / 2), 0};
-    assert_int_equal(delaunay_build(pts, n, &scratch, &m), ST_OK);
-    assert_int_equal(m.nv, n);
-    assert_int_equal(mesh_check(&m, false), ST_OK);
-    mesh_free(&m);
     free(pts);
 }
 
@@ -317,7 +230,7 @@ TEST(test_reuse)
 
         assert_int_equal(delaunay_build(pts, k, &s, &fresh), ST_OK);
         assert_int_equal(delaunay_build(pts, k, &scratch, &kept), ST_OK);
-        check_same_bytes(&fresh, &kept, 0, 0);
+        assert_true(brute_identical(&fresh, &kept));
         fail_alloc_at(0);
         assert_int_equal(delaunay_build(pts, k, &scratch, &kept), ST_OK);
         assert_int_equal(fail_alloc_count(), 0); /* the steady state allocates nothing */
@@ -328,32 +241,29 @@ TEST(test_reuse)
     free(pts);
 }
 
+static enum status build_fresh(void *pts)
+{
+    struct scratch s = {0};
+    struct mesh m = {0};
+    const enum status st = delaunay_build(pts, 60, &s, &m);
+
+    if (st != ST_OK) {
+        assert_int_equal(m.nv, 0);
+        assert_int_equal(delaunay_build(pts, 60, &s, &m), ST_OK);
+    }
+    assert_int_equal(mesh_check(&m, false), ST_OK);
+    mesh_free(&m);
+    scratch_free(&s);
+    return st;
+}
+
 TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("no memory")};
-    struct ivec3 pts[100];
-    const size_t n = brute_points(BRUTE_RANDOM, 100, &r, pts);
-    enum status st = ST_ENOMEM;
+    struct ivec3 pts[60];
 
-    for (unsigned long k = 1; st != ST_OK; k++) {
-        struct scratch s = {0};
-        struct mesh m = {0};
-
-        fail_alloc_at(k);
-        st = delaunay_build(pts, n, &s, &m);
-        if (st != ST_OK) {
-            assert_int_equal(st, ST_ENOMEM);
-            assert_int_equal(m.nv, 0);
-        } else {
-            assert_int_equal(fail_alloc_count(), 2);
-            assert_int_equal(k, 3);
-        }
-        fail_alloc_at(0);
-        assert_int_equal(delaunay_build(pts, n, &s, &m), ST_OK);
-        assert_int_equal(mesh_check(&m, false), ST_OK);
-        mesh_free(&m);
-        scratch_free(&s);
-    }
+    assert_int_equal(brute_points(BRUTE_RANDOM, 60, &r, pts), 60);
+    assert_int_equal(fail_alloc_walk(build_fresh, pts), 2);
 }
 
 /* mesh_check() must notice each kind of damage. */

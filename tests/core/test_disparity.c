@@ -8,7 +8,6 @@
 #include "mesh.h"
 #include "mst.h"
 #include "predicates.h"
-#include "interpolate.h"
 #include "unit.h"
 
 #define MAX_POINTS 1200
@@ -62,7 +61,7 @@ static void put_into(struct one *o, const struct mesh *other)
 {
     for (uint32_t v = 0; v < o->surface.mesh.nv; v++) {
         o->loc[v] = brute_locate(other, o->surface.mesh.xy[v]);
-        o->other[v] = interpolate_height(other, o->loc[v], o->surface.mesh.xy[v]);
+        o->other[v] = locate_height(other, o->loc[v], o->surface.mesh.xy[v]);
     }
 }
 
@@ -366,39 +365,7 @@ TEST(test_compensated)
     drop(p);
 }
 
-/* ---- weights */
-
 /* ---- one cell */
-
-static double cell_by_overlay(double *area, int32_t a, int32_t b, int32_t c)
-{
-    const struct ivec3 flat[] = {{0, 0, 0}, {900, 100, 0}, {300, 700, 0}};
-    const struct ivec3 bent[] = {{0, 0, a}, {900, 100, b}, {300, 700, c}};
-    struct mesh m = {0}, n = {0};
-    double volume;
-
-    brute_delaunay(flat, 3, &m);
-    brute_delaunay(bent, 3, &n);
-    volume = brute_volume(&m, &n, area);
-    mesh_free(&m);
-    mesh_free(&n);
-    return volume;
-}
-
-TEST(test_cell_by_overlay)
-{
-    struct brute_rng r = {brute_seed("disparity") + 8};
-
-    for (int round = 0; round < 2000; round++) {
-        const int32_t top = round % 2 == 0 ? 3 : 1000;
-        const int32_t a = brute_int(&r, -top, top), b = brute_int(&r, -top, top);
-        const int32_t c = brute_int(&r, -top, top);
-        double area;
-        const double want = cell_by_overlay(&area, a, b, c);
-
-        assert_true(fabs(disparity_prism(area, a, b, c) - want) <= 1e-12 * (want + 1));
-    }
-}
 
 TEST(test_cell_symmetries)
 {

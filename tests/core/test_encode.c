@@ -222,19 +222,8 @@ TEST(test_definition)
     }
 }
 
-/* All columns in use. */
-TEST(test_shipped)
-{
-    use(&model_default);
-    (void)draw(noise_of(0.4), 0.1);
-    encode(0.4);
-    check_plain(0.4);
-    toy_model(&model);
-    encode_prepare(&model, &basis);
-}
-
-/* A model of no change, and of one mode of identity: no column but those that there are. */
-TEST(test_few_modes)
+/* All columns in use; then a model of no change, and of one mode of identity. */
+TEST(test_modes)
 {
     static struct model few;
 
@@ -245,12 +234,14 @@ TEST(test_few_modes)
         memset(few.change.mode[i], 0, sizeof few.change.mode[i]);
         memset(few.identity.mode[i] + 1, 0, sizeof few.identity.mode[i] - sizeof(float));
     }
+    for (int k = 0; k < 2; k++) {
+        use(k == 0 ? &model_default : &few);
+        (void)draw(noise_of(0.4), 0.1);
+        encode(0.4);
+        check_plain(0.4);
+    }
+    toy_model(&few);
     use(&few);
-    (void)draw(noise_of(0.4), 0.1);
-    encode(0.4);
-    check_plain(0.4);
-    toy_model(&model);
-    encode_prepare(&model, &basis);
 }
 
 /* ---- outliers */

@@ -6,7 +6,6 @@
 #include "fail_alloc.h"
 #include "fill.h"
 #include "holes.h"
-#include "interpolate.h"
 #include "lattice.h"
 #include "locate.h"
 #include "mem.h"
@@ -86,7 +85,7 @@ static bool check_point(const struct surface *s, struct ivec3 p)
         high = m->z[m->org[i]] > high ? m->z[m->org[i]] : high;
     }
     assert_true(low <= p.z && p.z <= high);
-    assert_true(fabs(interpolate_height(m, at, q) - p.z) <= 0.5);
+    assert_true(fabs(locate_height(m, at, q) - p.z) <= 0.5);
     return s->bridge[at.he / 3] || s->bridge[m->twin[at.he] / 3];
 }
 

@@ -5,6 +5,7 @@
 #include "facegen.h"
 #include "find.h"
 #include "headscan.h"
+#include "toy.h"
 #include "unit.h"
 
 static struct face_work *work;
@@ -18,7 +19,7 @@ BEFORE_ALL(open_work)
 
 static struct pose any_pose(struct brute_rng *r)
 {
-    struct pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    struct pose p = toy_still;
 
     for (int k = 0; k < 4; k++) /* tangents of half angles */
         pose_tilt(&p, (struct dvec3){0, 0, 0}, 6 * brute_real(r) - 3,
@@ -35,19 +36,6 @@ static void move_all(struct dvec3 *pts, size_t n, const struct pose *p, double u
 
         pts[i] = (struct dvec3){q.x / unit_mm, q.y / unit_mm, q.z / unit_mm};
     }
-}
-
-/* First b, then a. */
-static struct pose after(const struct pose *a, const struct pose *b)
-{
-    const struct dvec3 t = pose_apply(a, (struct dvec3){b->t[0], b->t[1], b->t[2]});
-    struct pose out = {.t = {t.x, t.y, t.z}};
-
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++)
-            out.r[3 * i + k] = a->r[3 * i] * b->r[k] + a->r[3 * i + 1] * b->r[3 + k] +
-                               a->r[3 * i + 2] * b->r[6 + k];
-    return out;
 }
 
 /* How far b's points lie from a's: the angle, degrees, and the nose, mm. */
@@ -82,7 +70,7 @@ static void look_among(const struct pose *a, const struct find *f, const struct 
     bool near = false;
 
     for (uint32_t i = 0; i < f->n; i++) {
-        const struct pose there = after(&f->pose[i].pose, by);
+        const struct pose there = toy_then(by, &f->pose[i].pose);
         double deg, mm;
 
         assert_true(pose_rigid(&f->pose[i].pose));
@@ -149,13 +137,13 @@ static struct pose motion_of(const struct headscan_options *o)
                                     -2 * half / (1 + half * half), 0,
                                     2 * half / (1 + half * half),
                                     (1 - half * half) / (1 + half * half), 0, 0, 0, 1}};
-    struct pose p = {.r = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    struct pose p = toy_still;
 
     pose_tilt(&p, centre, tan(o->yaw / VEC_DEGREES / 2),
               tan(-o->pitch / VEC_DEGREES / 2));
-    p = after(&roll, &p);
+    p = toy_then(&p, &roll);
     p.t[2] -= o->distance;
-    return after(&axes, &p);
+    return toy_then(&p, &axes);
 }
 
 static unsigned kind_of(const char *name)

@@ -34,15 +34,6 @@ static double apart(const struct pose *a, const struct pose *b, const struct dve
     return most;
 }
 
-/* a, then b */
-static struct pose then(const struct pose *a, const struct pose *b)
-{
-    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct pose back = pose_after(b, &still);
-
-    return pose_after(&back, a);
-}
-
 /* The frame of the toy face, scanned in any pose, is the inverse of that pose. */
 TEST(test_toy)
 {
@@ -52,16 +43,15 @@ TEST(test_toy)
 
     for (int k = 0; k < 5; k++) {
         struct pose pose, both;
-        const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
         struct frame frame;
 
         toy_pose(6 * k, -4 * k, 3 * k, (struct dvec3){30 * k, -20 * k, 100 * k}, &pose);
         toy_scan(toy, NULL, 3000, &pose, &rng, &surface);
         assert_int_equal(frame_find(&mean, &surface, &work, &frame), ST_OK);
-        both = then(&pose, &frame.pose);
+        both = toy_then(&pose, &frame.pose);
         printf("pose %d: off by %.2f mm, cost %.2f mm, within %.2f\n", k,
-               apart(&both, &still, corners, 5), frame.cost_mm, frame.within);
-        assert_true(apart(&both, &still, corners, 5) < 1);
+               apart(&both, &toy_still, corners, 5), frame.cost_mm, frame.within);
+        assert_true(apart(&both, &toy_still, corners, 5) < 1);
         assert_int_equal(frame.mean_id, mean.mean_id);
         assert_true(frame.cost_mm < 0.5 && frame.within > 0.8);
         assert_true(pose_rigid(&frame.pose));

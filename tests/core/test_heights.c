@@ -314,5 +314,3 @@ TEST(test_samples)
     heights(&still);
     assert_memory_equal(z, direct, sizeof z);
 }
-
-/* ---- memory */

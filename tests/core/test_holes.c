@@ -148,34 +148,3 @@ TEST(test_block)
         assert_int_equal(bridge[t], mesh_is_ghost(&m, t));
     mesh_free(&m);
 }
-
-/* Random points, far more uneven than a scan's: away from the border hardly any triangle is
- * marked.  Scaling the points by 2 marks the same triangles. */
-TEST(test_random)
-{
-    struct brute_rng r = {brute_seed("holes") + 2};
-    struct mesh m = {0}, twice = {0};
-    static uint8_t marks[2 * MAX_POINTS];
-    double measured, inner = 0;
-    size_t n = 0;
-
-    for (; n < 3000; n++)
-        pts[n] = (struct ivec3){brute_int(&r, 0, 99999), brute_int(&r, 0, 99999), 0};
-    measured = make(&m, n);
-    memcpy(marks, bridge, m.nt);
-    for (int32_t x = 10000; x < 90000; x += 1000)
-        for (int32_t y = 10000; y < 90000; y += 1000)
-            inner += bridged_at(&m, x, y);
-    assert_true(inner < 0.02 * 6400);
-    assert_true(measured > 0.96 * 1e10);
-    for (size_t i = 0; i < n; i++)
-        pts[i] = (struct ivec3){2 * pts[i].x, 2 * pts[i].y, 0};
-    assert_true(make(&twice, n) == 4 * measured);
-    assert_int_equal(m.nt, twice.nt);
-    for (uint32_t t = 0; t < m.nt; t++) /* triangle by triangle, in whatever order */
-        if (!mesh_is_ghost(&m, t))
-            assert_int_equal(marks[t], bridges(&twice, spacing, m.org[3 * t],
-                                               m.org[3 * t + 1], m.org[3 * t + 2]));
-    mesh_free(&m);
-    mesh_free(&twice);
-}

@@ -193,59 +193,6 @@ TEST(test_mesh)
         }
 }
 
-static void count(void *arg, uint32_t t)
-{
-    (void)t;
-    ++*(uint64_t *)arg;
-}
-
-/* Along the spanning tree a walk crosses a handful of triangles, whatever the number of
- * points (paper 1, 3.3); from one fixed place it would cross some sqrt(n) of them. */
-TEST(test_linear)
-{
-    struct brute_rng r = {brute_seed("locate") + 3};
-
-    for (size_t n = 1000; n <= 64000; n *= 8) {
-        struct ivec3 *pts = malloc(n * sizeof *pts);
-        struct location *loc = malloc(n * sizeof *loc);
-        struct scratch s = {0};
-        struct mesh m[2] = {{0}, {0}};
-        uint64_t entered = 0;
-        const struct locate_trace trace = {count, &entered};
-
-        assert_non_null(pts);
-        assert_non_null(loc);
-        for (int i = 0; i < 2; i++) {
-            for (size_t k = 0; k < n; k++)
-                pts[k] = (struct ivec3){brute_int(&r, -9999999, 9999999),
-                                        brute_int(&r, -9999999, 9999999), 0};
-            assert_int_equal(delaunay_build(pts, n, &s, &m[i]), ST_OK);
-            assert_int_equal(mst_build(&m[i], &s), ST_OK);
-        }
-        assert_int_equal(locate_mesh(&m[0], &m[1], loc), ST_OK);
-        for (uint32_t v = 1; v < m[1].nv; v++) {
-            const uint32_t p = m[1].parent[v];
-            const struct ivec2 q = m[1].xy[v];
-            const uint32_t *t = &m[0].org[3 * (loc[v].he / 3)];
-            struct location at;
-
-            if (loc[p].where == LOCATE_OUTSIDE || loc[v].where == LOCATE_OUTSIDE)
-                continue;
-            assert_true(orient2d(m[0].xy[t[0]], m[0].xy[t[1]], q) >= 0);
-            assert_true(orient2d(m[0].xy[t[1]], m[0].xy[t[2]], q) >= 0);
-            assert_true(orient2d(m[0].xy[t[2]], m[0].xy[t[0]], q) >= 0);
-            at = locate_point(&m[0], loc[p].he, m[1].xy[p], q, &trace);
-            assert_int_equal(at.he / 3, loc[v].he / 3);
-        }
-        assert_true(entered < 4 * n);
-        mesh_free(&m[0]);
-        mesh_free(&m[1]);
-        scratch_free(&s);
-        free(pts);
-        free(loc);
-    }
-}
-
 /* Two columns with needles between them, and points that a tree visits up and down across
  * the needles: most of the points are located without a walk. */
 TEST(test_needles)
@@ -273,4 +220,62 @@ TEST(test_needles)
     mesh_free(&in);
     mesh_free(&across);
     scratch_free(&s);
+}
+
+/* ---- heights */
+
+/* On a plane every height is the plane's, up to the largest coordinates. */
+TEST(test_plane)
+{
+    struct brute_rng r = {brute_seed("locate") + 5};
+
+    for (int round = 0; round < 20 * BRUTE_SHAPES; round++) {
+        const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
+        struct mesh m =
+            make((enum brute_shape)(round % BRUTE_SHAPES), 4 + brute_rand(&r) % 60, &r);
+
+        for (uint32_t v = 0; v < m.nv; v++)
+            m.z[v] = a * m.xy[v].x + b * m.xy[v].y + 17;
+        for (int k = 0; k < 60; k++) {
+            const struct ivec2 q = query(&m, &r);
+            const struct location at = brute_locate(&m, q);
+
+            if (at.where == LOCATE_OUTSIDE)
+                assert_true(isnan(locate_height(&m, at, q)));
+            else
+                assert_true(fabs(locate_height(&m, at, q) - (a * q.x + b * q.y + 17)) <
+                            1e-6);
+        }
+        mesh_free(&m);
+    }
+}
+
+/* At the vertices the height is the vertex's own, to the last digit, from every triangle; those of
+ * a whole mesh are those of its points. */
+TEST(test_heights)
+{
+    struct brute_rng r = {brute_seed("locate") + 6};
+    static struct location loc[MAX_POINTS];
+    static double out[MAX_POINTS];
+
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
+        struct mesh m = make((enum brute_shape)shape, 80, &r);
+        struct mesh of = make(BRUTE_RANDOM, 90, &r);
+
+        for (uint32_t h = 0; h < 3 * m.nt; h++) {
+            const struct location at = {h, LOCATE_VERTEX};
+
+            if (!mesh_is_ghost(&m, h / 3))
+                assert_true(locate_height(&m, at, m.xy[m.org[h]]) == m.z[m.org[h]]);
+        }
+        for (uint32_t v = 0; v < of.nv; v++)
+            loc[v] = brute_locate(&m, of.xy[v]);
+        locate_heights(&m, &of, loc, out);
+        for (uint32_t v = 0; v < of.nv; v++)
+            assert_true(loc[v].where == LOCATE_OUTSIDE
+                            ? isnan(out[v])
+                            : out[v] == locate_height(&m, loc[v], of.xy[v]));
+        mesh_free(&m);
+        mesh_free(&of);
+    }
 }

@@ -29,18 +29,6 @@ TEST(test_overflow)
     assert_null(mem_array((size_t)1 << 33, (size_t)1 << 33));
 }
 
-TEST(test_fail)
-{
-    void *p;
-
-    fail_alloc_at(1);
-    assert_null(mem_array(1, 1));
-    p = mem_array(1, 1);
-    assert_non_null(p);
-    assert_int_equal(fail_alloc_count(), 2);
-    mem_free(p);
-}
-
 TEST(test_grow)
 {
     unsigned char *p = mem_array(100, 1), *q;
@@ -147,12 +135,4 @@ TEST(test_scratch)
     scratch_free(&s);
     assert_non_null(scratch_need(&s, 0)); /* a block even for no bytes */
     scratch_free(&s);
-}
-
-TEST(test_round)
-{
-    assert_int_equal(mem_round(0), 0);
-    assert_int_equal(mem_round(1), 64);
-    assert_int_equal(mem_round(64), 64);
-    assert_int_equal(mem_round(65), 128);
 }

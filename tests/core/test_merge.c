@@ -336,29 +336,26 @@ TEST(test_flipped)
     }
 }
 
+static enum status merge_fresh(void *arg)
+{
+    struct pair *p = arg;
+    struct scratch s = {0};
+    enum status st;
+
+    mesh_free(&p->out);
+    st = merge_build(&p->a, &p->b, p->b_in_a, &s, &p->out, p->b_vertex);
+    assert_true(st == ST_OK || p->out.nv == 0);
+    scratch_free(&s);
+    return st;
+}
+
 static void no_memory(const struct cloud *a, const struct cloud *b, unsigned long want)
 {
     struct pair p;
-    enum status st = ST_ENOMEM;
 
     pair_make(&p, a, b);
-    for (unsigned long k = 1; st != ST_OK; k++) {
-        struct scratch s = {0};
-
-        mesh_free(&p.out);
-        fail_alloc_at(k);
-        st = merge_build(&p.a, &p.b, p.b_in_a, &s, &p.out, p.b_vertex);
-        if (st != ST_OK) {
-            assert_int_equal(st, ST_ENOMEM);
-            assert_int_equal(p.out.nv, 0);
-            assert_true(k <= want);
-        } else {
-            assert_int_equal(k, want + 1);
-            check_numbers(&p);
-        }
-        fail_alloc_at(0);
-        scratch_free(&s);
-    }
+    assert_int_equal(fail_alloc_walk(merge_fresh, &p), want);
+    check_numbers(&p);
     check_union(&p);
     pair_free(&p);
 }

@@ -191,11 +191,3 @@ TEST(test_exhaustive_small)
         check_incircle(p[0], p[1], p[2], p[3]);
     }
 }
-
-TEST(test_lex_less)
-{
-    const struct ivec2 a = {-1, 5}, b = {0, -LATTICE_MAX}, c = {0, 3};
-
-    assert_true(lex_less(a, b) && lex_less(b, c) && lex_less(a, c));
-    assert_false(lex_less(b, a) || lex_less(c, b) || lex_less(a, a));
-}

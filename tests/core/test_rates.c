@@ -1,6 +1,7 @@
 /* Error rates: by hand, by brute force, and their confidence intervals. */
 #include "calibration.h"
 #include "rates.h"
+#include "select.h"
 #include "unit.h"
 
 #define INF ((double)INFINITY)
@@ -181,13 +182,6 @@ TEST(test_no_replicates)
 
 #define FIGURES (sizeof(struct rates_figures) / sizeof(double))
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* Every comparison as often as its subjects were drawn, written out. */
 static void expanded(const struct rates_score *s, size_t n, uint32_t nsubject,
                      const uint32_t *drawn, double threshold, double out[FIGURES])
@@ -220,7 +214,7 @@ static void points(double *v, size_t n, double *low, double *high)
     for (size_t i = 0; i < n; i++)
         if (!isnan(v[i]))
             v[m++] = v[i];
-    qsort(v, m, sizeof *v, by_value);
+    select_sort(v, m);
     *low = m > 0 ? v[(size_t)(0.025 * (double)(m - 1) + 0.5)] : (double)NAN;
     *high = m > 0 ? v[(size_t)(0.975 * (double)(m - 1) + 0.5)] : (double)NAN;
 }

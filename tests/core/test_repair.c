@@ -1,17 +1,17 @@
-/* A triangulation repaired after its points have moved must be the one built from scratch. */
+/* Triangulations with given numbers: the right triangles, and no point lost.  One repaired after
+ * its points have moved must be the one built from scratch. */
 #include "brute.h"
 #include "delaunay.h"
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
-#include "numbered.h"
 #include "repair.h"
 #include "unit.h"
 
 #define MOST 4000
 
 static struct scratch scratch;
-static struct ivec3 pts[2 * MOST]; /* numbered_build() needs twice the room */
+static struct ivec3 pts[2 * MOST]; /* delaunay_numbered() needs twice the room */
 static struct mesh mesh, moved;
 
 /* moved becomes mesh with its points at to[0..nv-1], repaired; it must be right if that
@@ -54,7 +54,7 @@ static void make(enum brute_shape shape, size_t n, int32_t scale, struct brute_r
         pts[i].x *= scale;
         pts[i].y *= scale;
     }
-    assert_int_equal(numbered_build(pts, n, &scratch, &mesh), ST_OK);
+    assert_int_equal(delaunay_numbered(pts, n, &scratch, &mesh), ST_OK);
 }
 
 static int32_t within_lattice(int64_t x)
@@ -186,6 +186,88 @@ TEST(test_wound_twice)
         to[i + 1] =
             (struct ivec2){x[i % 6] * (i < 6 ? 1 : 2), y[i % 6] * (i < 6 ? 1 : 2)};
     }
-    assert_int_equal(numbered_build(pts, 13, &scratch, &mesh), ST_OK);
+    assert_int_equal(delaunay_numbered(pts, 13, &scratch, &mesh), ST_OK);
     assert_int_equal(repair(to), ST_ELIMIT);
+}
+
+/* ---- given numbers */
+
+#define HEAP 1000
+
+/* mesh is the triangulation of pts as they are, number by number. */
+static void check_numbered(uint32_t n)
+{
+    assert_int_equal(mesh.nv, n);
+    assert_int_equal(mesh_check(&mesh, false), ST_OK);
+    for (uint32_t v = 0; v < n; v++) {
+        assert_int_equal(mesh.xy[v].x, pts[v].x);
+        assert_int_equal(mesh.xy[v].y, pts[v].y);
+        assert_int_equal(mesh.z[v], pts[v].z);
+    }
+    assert_int_equal(delaunay_build(pts, n, &scratch, &moved), ST_OK);
+    assert_true(brute_same(&mesh, &moved));
+}
+
+TEST(test_numbered)
+{
+    struct brute_rng r = {brute_seed("kinds")};
+    struct ivec3 before[HEAP];
+
+    for (int shape = 0; shape < BRUTE_SHAPES; shape++)
+        for (size_t size = 3; size < HEAP; size = 2 * size + 3) {
+            const size_t n = brute_points((enum brute_shape)shape, size, &r, pts);
+
+            memcpy(before, pts, n * sizeof *pts);
+            assert_int_equal(delaunay_numbered(pts, n, &scratch, &mesh), ST_OK);
+            assert_memory_equal(pts, before, n * sizeof *pts);
+            check_numbered((uint32_t)n);
+        }
+}
+
+/* A pile pushes its neighbours aside, in the order of x, then of the numbers; other rows stay
+ * as they are. */
+TEST(test_pile)
+{
+    static const struct ivec3 given[] = {{7, 0, 5}, {9, 3, 1}, {7, 0, -4}, {8, 0, 2},
+                                         {2, 0, 9}, {7, 0, 0}, {8, 3, 6},  {20, 0, 8}};
+    static const int32_t x[] = {7, 9, 8, 10, 2, 9, 8, 20};
+    const uint32_t n = sizeof given / sizeof *given;
+
+    memcpy(pts, given, sizeof given);
+    assert_int_equal(delaunay_numbered(pts, n, &scratch, &mesh), ST_OK);
+    for (uint32_t v = 0; v < n; v++) {
+        assert_int_equal(pts[v].x, x[v]);
+        assert_int_equal(pts[v].y, given[v].y);
+        assert_int_equal(pts[v].z, given[v].z);
+    }
+    check_numbered(n);
+}
+
+/* Nearly all points on one place. */
+TEST(test_heap)
+{
+    for (int32_t i = 0; i < HEAP; i++)
+        pts[i] = (struct ivec3){0, i < HEAP - 2 ? 0 : i, i};
+    pts[HEAP - 1].x = 5;
+    assert_int_equal(delaunay_numbered(pts, HEAP, &scratch, &mesh), ST_OK);
+    for (int32_t i = 0; i < HEAP - 2; i++)
+        assert_int_equal(pts[i].x, i);
+    check_numbered(HEAP);
+}
+
+TEST(test_numbered_refused)
+{
+    const int32_t far = LATTICE_MAX;
+
+    pts[0] = pts[1] = (struct ivec3){far, 0, 0}; /* the second would leave the lattice */
+    pts[2] = (struct ivec3){0, 0, 0};
+    pts[3] = (struct ivec3){0, 9, 0};
+    assert_int_equal(delaunay_numbered(pts, 4, &scratch, &mesh), ST_ERANGE);
+    assert_int_equal(mesh.nv, 0);
+    for (int32_t i = 0; i < 4;
+         i++) /* two places are a line, whatever they were moved to */
+        pts[i] = (struct ivec3){0, i / 2, 0};
+    assert_int_equal(delaunay_numbered(pts, 4, &scratch, &mesh), ST_EDEGENERATE);
+    assert_int_equal(mesh.nv, 0);
+    assert_int_equal(delaunay_numbered(pts, 2, &scratch, &mesh), ST_EDEGENERATE);
 }

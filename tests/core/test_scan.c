@@ -38,6 +38,12 @@ static void sample(uint64_t subject, uint64_t scan, uint32_t points)
     assert_true(n > 0);
 }
 
+static void enroll(uint64_t subject)
+{
+    sample(subject, 0, 3000);
+    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+}
+
 /* Turns all points, and then gives them in units of so many mm. */
 static void turn(double yaw, double pitch, double roll, double unit_mm)
 {
@@ -126,8 +132,7 @@ TEST(test_cap)
     for (uint64_t subject = 1; subject < 6; subject++) {
         double without;
 
-        sample(subject, 0, 3000);
-        assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+        enroll(subject);
         sample(subject, 1, 3000);
         assert_int_equal(build(&probe), ST_OK);
         without = found.occluded;
@@ -165,8 +170,7 @@ TEST(test_units)
 /* Of more than SCAN_FULL points at most SCAN_ENOUGH are used. */
 TEST(test_dense)
 {
-    sample(3, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(3);
     sample(3, 1, 50000);
     assert_int_equal(build(&enrolment), ST_OK);
     assert_false(found.found);
@@ -199,8 +203,7 @@ TEST(test_half)
 {
     size_t kept = 0;
 
-    sample(5, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(5);
     sample(5, 1, 5000);
     for (size_t i = 0; i < n; i++)
         if (pts[i].x < 22)
@@ -248,8 +251,7 @@ TEST(test_found)
                                       {170, 20, -30, 1000},
                                       {-50, 60, 120, 10}};
 
-    sample(5, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(5);
     for (size_t k = 0; k < sizeof poses / sizeof *poses; k++) {
         sample(5, 1 + k, 3000);
         turn(poses[k][0], poses[k][1], poses[k][2], poses[k][3]);
@@ -288,8 +290,7 @@ TEST(test_elsewhere)
     struct brute_rng rng = {brute_seed("scan")};
     size_t front = 0;
 
-    sample(7, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(7);
     sample(7, 1, 3000);
     for (size_t i = 0; i < n; i += 10)
         pts[i] =
@@ -308,8 +309,7 @@ TEST(test_two)
 {
     size_t first;
 
-    sample(7, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(7);
     sample(7, 1, 4000);
     first = n;
     for (size_t i = 0; i < first; i++)
@@ -331,8 +331,7 @@ TEST(test_shoulders)
 {
     struct brute_rng rng = {brute_seed("scan")};
 
-    sample(8, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(8);
     sample(8, 1, 12000);
     for (size_t i = 0; i < n; i += 5)
         pts[i] =
@@ -349,8 +348,7 @@ TEST(test_shoulders)
 /* Everything below the nose is under a cover. */
 TEST(test_cover)
 {
-    sample(9, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    enroll(9);
     sample(9, 1, 3000);
     for (size_t i = 0; i < n; i++)
         if (pts[i].y < -8 && hypot(pts[i].x / 50, (pts[i].y + 36) / 30) < 1)

@@ -10,13 +10,6 @@
 
 static double value[MOST], sorted[MOST], v[MOST];
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
-}
-
 /* Checks some ranks of value[0..n-1], among them the first, middle and last, and that v keeps
  * its values. */
 static void check(size_t n)
@@ -24,13 +17,13 @@ static void check(size_t n)
     const size_t step = n > 40 ? n / 7 : 1;
 
     memcpy(sorted, value, n * sizeof *value);
-    qsort(sorted, n, sizeof *sorted, by_value);
+    select_sort(sorted, n);
     for (size_t k = 0; k < n; k += step) {
         memcpy(v, value, n * sizeof *value);
         assert_true(select_kth(v, n, k) == sorted[k]);
         assert_true(select_kth(v, n, n - 1 - k) == sorted[n - 1 - k]); /* v reordered */
         assert_true(select_kth(v, n, n / 2) == sorted[n / 2]);
-        qsort(v, n, sizeof *v, by_value);
+        select_sort(v, n);
         for (size_t i = 0; i < n; i++)
             assert_true(v[i] == sorted[i]);
     }

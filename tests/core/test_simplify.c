@@ -14,7 +14,6 @@
 #include "mst.h"
 #include "simplify.h"
 #include "star.h"
-#include "interpolate.h"
 #include "unit.h"
 
 #define MOST 3000
@@ -78,7 +77,7 @@ static bool gaps(const struct mesh *m, const uint8_t *in, double *out)
 
         if (loc.where == LOCATE_OUTSIDE)
             return false;
-        out[v] = interpolate_height(&now, loc, m->xy[v]) - m->z[v];
+        out[v] = locate_height(&now, loc, m->xy[v]) - m->z[v];
     }
     mesh_free(&now);
     return true;
@@ -194,7 +193,7 @@ TEST(test_greedy)
         for (uint32_t v = 0; v < m.nv; v++) {
             const struct location loc = brute_locate(&out, m.xy[v]);
 
-            close_to(gap[v], interpolate_height(&out, loc, m.xy[v]) - m.z[v], 1e-6);
+            close_to(gap[v], locate_height(&out, loc, m.xy[v]) - m.z[v], 1e-6);
         }
     }
     mesh_free(&m);
@@ -225,8 +224,8 @@ static struct disparity measure(const struct mesh *a, const struct mesh *b)
         spacing[i] = 1e7f; /* no triangle is a bridge */
     locate_mesh(b, a, la);
     locate_mesh(a, b, lb);
-    interpolate_mesh(b, a, la, oa);
-    interpolate_mesh(a, b, lb, ob);
+    locate_heights(b, a, la, oa);
+    locate_heights(a, b, lb, ob);
     disparity_gaps(&whole_a, &whole_b, la, false, oa);
     disparity_gaps(&whole_b, &whole_a, lb, true, ob);
     assert_int_equal(merge_build(a, b, lb, &scratch, &general, vertex), ST_OK);

@@ -1,5 +1,6 @@
-/* One surface from points: prepared, moved, used again. */
+/* One surface from points: prepared, moved, used again; spikes laid flat. */
 /* link: -Wl,--wrap=aligned_alloc */
+#include "brute.h"
 #include "fail_alloc.h"
 #include "holes.h"
 #include "lattice.h"
@@ -30,10 +31,7 @@ static void assert_same(const struct surface *a, const struct surface *b)
 {
     const size_t nv = a->mesh.nv;
 
-    assert_int_equal(nv, b->mesh.nv);
-    assert_memory_equal(a->mesh.xy, b->mesh.xy, nv * sizeof *a->mesh.xy);
-    assert_memory_equal(a->mesh.z, b->mesh.z, nv * sizeof *a->mesh.z);
-    assert_memory_equal(a->mesh.org, b->mesh.org, 3 * a->mesh.nt * sizeof *a->mesh.org);
+    assert_true(brute_identical(&a->mesh, &b->mesh));
     assert_memory_equal(a->mesh.parent, b->mesh.parent, nv * sizeof *a->mesh.parent);
     assert_memory_equal(a->spacing, b->spacing, nv * sizeof *a->spacing);
     assert_memory_equal(a->bridge, b->bridge, a->mesh.nt);
@@ -190,4 +188,66 @@ TEST(test_nothing_left)
     assert_int_equal(moved.mesh.nv, 0);
     surface_free(&s);
     surface_free(&moved);
+}
+
+/* ---- spikes */
+
+#define SPIKED 800
+
+/* The plane's height at (x, y): steep, but less than a spike. */
+static int32_t slope(struct ivec2 p)
+{
+    return p.x / 2 - p.y / 4;
+}
+
+/* 800 points at random on a plane as wide as a face, every fiftieth thrown off.  They are
+ * laid back on the plane, though its height changes by millimetres between neighbours. */
+TEST(test_spikes)
+{
+    struct brute_rng r = {7};
+    struct ivec3 pts[SPIKED];
+    struct surface s = {0};
+    uint32_t laid = 0;
+
+    for (int i = 0; i < SPIKED; i++) {
+        const struct ivec2 p = {brute_int(&r, -50000, 50000),
+                                brute_int(&r, -70000, 70000)};
+
+        pts[i] = (struct ivec3){p.x, p.y, slope(p) + (i % 50 == 0) * 30000};
+    }
+    assert_int_equal(surface_prepare(pts, SPIKED, true, &scratch, &s), ST_OK);
+    assert_int_equal(s.mesh.nv, SPIKED);
+    assert_int_equal(s.spikes, SPIKED / 50);
+    for (uint32_t v = 0; v < SPIKED; v++) {
+        const int32_t off = s.mesh.z[v] - slope(s.mesh.xy[v]);
+        bool border = false;
+        uint32_t h = s.mesh.out[v];
+
+        do { /* on the border all neighbours may be higher */
+            border |= mesh_dest(&s.mesh, h) == SPIKED;
+            h = mesh_turn(&s.mesh, h);
+        } while (h != s.mesh.out[v]);
+        assert_true(border || abs(off) <= 1);
+        laid += off != 0;
+    }
+    assert_true(laid <= SPIKED / 50);
+    surface_free(&s);
+}
+
+/* A ridge: the plane through a spike's neighbours leads out of their heights only where they
+ * tell little; the median is taken, and the spike is gone. */
+TEST(test_spike_median)
+{
+    struct ivec3 pts[25];
+    struct surface s = {0};
+
+    for (int i = 0; i < 25; i++)
+        pts[i] = (struct ivec3){i % 5 * 2000, i / 5 * 2000 + i % 3, 0};
+    pts[0].z = 20000; /* a corner: all its neighbours lie to one side */
+    pts[6].z = 100;
+    assert_int_equal(surface_prepare(pts, 25, true, &scratch, &s), ST_OK);
+    assert_int_equal(s.spikes, 1);
+    for (uint32_t v = 0; v < 25; v++)
+        assert_in_range(s.mesh.z[v] + 1, 1, 101);
+    surface_free(&s);
 }

@@ -1,13 +1,6 @@
 /* Meshes whose heights per cell are known by hand. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
-
 #include "render.h"
+#include "unit.h"
 
 #define MOST 64
 
@@ -55,9 +48,8 @@ static float rendered(double x, double y)
     return out[grid_cell(x, y)];
 }
 
-static void test_plane(void **state)
+TEST(test_plane)
 {
-    (void)state;
     begin();
     rectangle(-200, -200, 200, 200, -30, 0.25, -0.125);
     render_heights(&mesh, out);
@@ -67,9 +59,8 @@ static void test_plane(void **state)
 }
 
 /* A cell has four samples, 1 mm from its middle; with two of them it has a height. */
-static void test_edges(void **state)
+TEST(test_edges)
 {
-    (void)state;
     begin();
     rectangle(-0.5, -62, 5.5, 62, 7, 0, 0); /* samples at 1, 3 and 5 */
     render_heights(&mesh, out);
@@ -87,9 +78,8 @@ static void test_edges(void **state)
 }
 
 /* The front-most surface, in whatever order and with whichever side in front. */
-static void test_front(void **state)
+TEST(test_front)
 {
-    (void)state;
     for (int order = 0; order < 2; order++) {
         begin();
         if (order == 0)
@@ -104,9 +94,8 @@ static void test_front(void **state)
 }
 
 /* Slits along y of up to three samples are bridged, between sides of about one height. */
-static void test_slits(void **state)
+TEST(test_slits)
 {
-    (void)state;
     for (int samples = 1; samples <= 5; samples++)
         for (int step = 0; step <= 9; step += 3) {
             const double low = 1.5, high = low + 2 * samples;
@@ -131,9 +120,8 @@ static void test_slits(void **state)
 }
 
 /* Of two layers in one cell that are far apart, neither is half of a height. */
-static void test_layers(void **state)
+TEST(test_layers)
 {
-    (void)state;
     begin();
     rectangle(-64, -94, 64, 70, -20, 0, 0);
     rectangle(0, 2, 2, 4, 0, 0, 0); /* one sample of four */
@@ -149,9 +137,8 @@ static void test_layers(void **state)
 }
 
 /* Triangles without area, beside the grid, and far larger than it. */
-static void test_odd(void **state)
+TEST(test_odd)
 {
-    (void)state;
     begin();
     rectangle(-1e6, -1e6, 1e6, 1e6, -50, 0, 0);
     triangle(vertex(0, 0, 9), vertex(10, 10, 9), vertex(20, 20, 9));
@@ -162,15 +149,4 @@ static void test_odd(void **state)
     render_heights(&mesh, out);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(fabs((double)out[i] + 50) < 1e-3);
-}
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plane),  cmocka_unit_test(test_edges),
-        cmocka_unit_test(test_front),  cmocka_unit_test(test_slits),
-        cmocka_unit_test(test_layers), cmocka_unit_test(test_odd),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

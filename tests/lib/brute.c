@@ -470,6 +470,18 @@ bool brute_same(const struct mesh *a, const struct mesh *b)
     return same;
 }
 
+bool brute_identical(const struct mesh *a, const struct mesh *b)
+{
+    const size_t n = a->nv, halves = 3 * (size_t)a->nt;
+
+    return a->nv == b->nv && a->nt == b->nt &&
+           memcmp(a->xy, b->xy, n * sizeof *a->xy) == 0 &&
+           memcmp(a->z, b->z, n * sizeof *a->z) == 0 &&
+           memcmp(a->org, b->org, halves * sizeof *a->org) == 0 &&
+           memcmp(a->twin, b->twin, halves * sizeof *a->twin) == 0 &&
+           memcmp(a->out, b->out, (n + 1) * sizeof *a->out) == 0;
+}
+
 /* ---- spanning tree */
 
 /* Whether edge ab comes before edge cd: it is shorter or, with equal lengths, lexicographically

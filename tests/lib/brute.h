@@ -64,6 +64,9 @@ void brute_code(struct mesh *m);
 /* brute_same(a, b): the same points and the same set of triangles, whatever the numbers. */
 bool brute_same(const struct mesh *a, const struct mesh *b);
 
+/* brute_identical(a, b): the same points, triangles and links, number by number. */
+bool brute_identical(const struct mesh *a, const struct mesh *b);
+
 /* brute_prim(m, parent): the minimum spanning tree by Prim's rule, with edges in the order of
  * their lengths, then of their points; parent[] is indexed by vertex of m, and the root is the lexicographically
  * first point.  O(nv^2). */

@@ -176,12 +176,6 @@ void clouds_move(struct dvec3 *pts, size_t n, uint64_t k, double degrees, double
         transform[12 + i] = 0;
     }
     transform[15] = 1;
-    for (size_t i = 0; i < n; i++) {
-        const struct dvec3 p = pts[i];
-        const double *t = transform;
-
-        pts[i] = (struct dvec3){t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],
-                                t[4] * p.x + t[5] * p.y + t[6] * p.z + t[7],
-                                t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
-    }
+    for (size_t i = 0; i < n; i++)
+        pts[i] = vec_transform(transform, pts[i]);
 }

@@ -11,6 +11,7 @@
 #include "delaunay.h"
 #include "mem.h"
 #include "peers.h"
+#include "select.h"
 
 double timing_now_ms(void)
 {
@@ -40,18 +41,11 @@ void timing_add(struct timing *t, double ms)
     t->ms[t->n++] = ms;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double *x = a, *y = b;
-
-    return (*x > *y) - (*x < *y);
-}
-
 double timing_median(const struct timing *t)
 {
     if (t->n == 0)
         return (double)NAN;
-    qsort(t->ms, t->n, sizeof *t->ms, by_value);
+    select_sort(t->ms, t->n);
     return (t->ms[t->n / 2] + t->ms[(t->n - 1) / 2]) / 2;
 }
 

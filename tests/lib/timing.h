@@ -24,6 +24,9 @@ void timing_add(struct timing *t, double ms); /* a sample measured elsewhere */
 double timing_median(const struct timing *t); /* NAN without samples */
 void timing_free(struct timing *t);
 
+/* Calls and adds the time as a sample; the call's value is lost. */
+#define TIMED(t, call) (timing_start(t), (void)(call), timing_stop(t))
+
 double timing_now_ms(void); /* processor time of this thread: waiting does not count */
 
 /* timing_bytes(): bytes allocated at the moment, from mallinfo2(). */

@@ -181,15 +181,24 @@ void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct pose *po
     mem_free(pts);
 }
 
+const struct pose toy_still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+
 void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift, struct pose *p)
 {
     const double half = 3.14159265358979323846 / 360;
     const struct dvec3 centre = {0, 0, -80};
     const double turn[6] = {0, 0, 2 * tan(roll * half), shift.x, shift.y, shift.z};
 
-    *p = (struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    *p = toy_still;
     pose_tilt(p, centre, tan(yaw * half), tan(pitch * half));
     pose_move(p, centre, turn);
+}
+
+struct pose toy_then(const struct pose *a, const struct pose *b)
+{
+    const struct pose back = pose_after(b, &toy_still);
+
+    return pose_after(&back, a);
 }
 
 double toy_at(const float h[GRID_N], double x, double y)

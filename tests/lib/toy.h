@@ -40,6 +40,9 @@ void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out);
  * origin, then the shift (mm). */
 void toy_pose(double yaw, double pitch, double roll, struct dvec3 shift, struct pose *p);
 
+extern const struct pose toy_still;                               /* moves nothing */
+struct pose toy_then(const struct pose *a, const struct pose *b); /* first a, then b */
+
 /* toy_at(h, x, y): between the middles of the cells with heights h, bilinear; NAN off them. */
 double toy_at(const float h[GRID_N], double x, double y);
 

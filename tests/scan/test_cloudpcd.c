@@ -1,6 +1,6 @@
 /* PCD files: ascii, binary and compressed; fields in any order and of any type; organised
  * clouds; counts and lengths that are not true. */
-#include "cloudlzf.h"
+#include "read.h"
 #include "scanfile.h"
 #include "unit.h"
 
@@ -203,7 +203,7 @@ TEST(test_lzf)
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         unsigned char out[300] = {0};
 
-        assert_int_equal(cloudlzf_unpack(c[i].in, c[i].len, out, c[i].size), c[i].good);
+        assert_int_equal(read_pcd_unpack(c[i].in, c[i].len, out, c[i].size), c[i].good);
         assert_int_equal(out[c[i].size], 0);
         for (size_t k = 0; c[i].good && c[i].size > 2 && k < c[i].size; k++)
             assert_int_equal(out[k], 'a');

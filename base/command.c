@@ -1,0 +1,287 @@
+#include "command.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "json.h"
+
+#define LONG 256 /* what getopt_long() returns for the first option */
+
+/* ---- the end */
+
+int command_exit(enum status st)
+{
+    static const int code[ST_COUNT] = {
+        [ST_ENOMEM] = EXIT_OSERR,       [ST_ENOTFOUND] = EXIT_NOINPUT,
+        [ST_EDENIED] = EXIT_NOPERM,     [ST_EREFUSED] = EXIT_NOPERM,
+        [ST_EHELD] = EXIT_NOPERM,       [ST_EBUSY] = EXIT_TEMPFAIL,
+        [ST_EIO] = EXIT_IOERR,          [ST_EDB] = EXIT_SOFTWARE,
+        [ST_EINTERNAL] = EXIT_SOFTWARE,
+    };
+
+    return code[st] != 0 ? code[st] : EXIT_DATA;
+}
+
+/* As the HTTP interface has it. */
+static const char *word_of(enum status st)
+{
+    static const char *const word[ST_COUNT] = {[ST_ENOMEM] = "out_of_memory",
+                                               [ST_ESIZE] = "file_too_large",
+                                               [ST_ECORRUPT] = "damaged",
+                                               [ST_EVERSION] = "other_version",
+                                               [ST_ENOTFOUND] = "not_found",
+                                               [ST_EEXISTS] = "exists",
+                                               [ST_EMISMATCH] = "sample_mismatch",
+                                               [ST_EREPLAYED] = "replayed",
+                                               [ST_EDENIED] = "forbidden",
+                                               [ST_EREFUSED] = "database_refused",
+                                               [ST_EHELD] = "on_hold",
+                                               [ST_EBUSY] = "busy",
+                                               [ST_EIO] = "storage",
+                                               [ST_EDB] = "internal",
+                                               [ST_EINTERNAL] = "internal"};
+
+    return word[st] != NULL ? word[st] : status_refusal(st);
+}
+
+int command_end(const char *program, struct json *out, bool usage,
+                const struct errinfo *e, int code)
+{
+    bool written = true;
+
+    if (code > EXIT_INCONCLUSIVE) {
+        (void)fflush(stdout);
+        (void)fprintf(stderr, "%s: %s\n", program, e->msg);
+        json_object(out, "error");
+        json_text(out, "code", usage ? "usage" : word_of(e->code));
+        json_text(out, "detail", e->msg);
+        json_number(out, "exit", code);
+        json_close(out);
+    }
+    if (out != NULL) {
+        char *text = json_pretty(out);
+
+        written = text != NULL && puts(text) >= 0;
+        free(text);
+    }
+    if (written && fflush(stdout) == 0)
+        return code;
+    (void)fprintf(stderr, "%s: the output cannot be written\n", program);
+    return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;
+}
+
+/* ---- options */
+
+void command_print_option(const struct command_option *o)
+{
+    char name[64], letter[] = "-?, ";
+    const char *text = o->help;
+
+    letter[1] = o->letter;
+    (void)snprintf(name, sizeof name, "%s--%s%s%s", o->letter != 0 ? letter : "", o->name,
+                   o->arg != NULL ? " " : "", o->arg != NULL ? o->arg : "");
+    if (strlen(name) > 20)
+        (void)printf("  %s\n%23s", name, "");
+    else
+        (void)printf("  %-20s ", name);
+    for (size_t n; (n = strcspn(text, "\n")), text[n] != '\0'; text += n + 1)
+        (void)printf("%.*s\n%23s", (int)n, text, "");
+    (void)printf("%s\n", text);
+}
+
+const char *command_flag(const char *text, void *value)
+{
+    (void)text;
+    *(bool *)value = true;
+    return NULL;
+}
+
+const char *command_text(const char *text, void *value)
+{
+    *(const char **)value = text;
+    return NULL;
+}
+
+bool command_number(const char *text, double low, double high, double *to)
+{
+    char *end;
+
+    *to = strtod(text, &end);
+    return end != text && *end == '\0' && *to >= low && *to <= high;
+}
+
+const char *command_whole(const char *text, void *value)
+{
+    double x;
+
+    if (!command_number(text, 1, 1e6, &x) || x != floor(x))
+        return "1 to 1000000";
+    *(uint32_t *)value = (uint32_t)x;
+    return NULL;
+}
+
+const char *command_score(const char *text, void *value)
+{
+    return command_number(text, -9999.99, 9999.99, value)
+               ? NULL
+               : "a score between -10000 and 10000";
+}
+
+const char *command_rate(const char *text, void *value)
+{
+    return command_number(text, 1e-300, 0.5, value) ? NULL
+                                                    : "a rate above 0 and at most 0.5";
+}
+
+/* ---- the nearest name */
+
+/* How many letters are inserted, removed or replaced; of up to 39. */
+static size_t edits_between(const char *a, const char *b)
+{
+    size_t row[40], before, was;
+    const size_t n = strlen(b);
+
+    for (size_t j = 0; j <= n; j++)
+        row[j] = j;
+    for (size_t i = 0; a[i] != '\0'; i++) {
+        before = row[0]++;
+        for (size_t j = 0; j < n; j++) {
+            was = row[j + 1];
+            row[j + 1] = before + (a[i] != b[j]);
+            if (row[j + 1] > was + 1)
+                row[j + 1] = was + 1;
+            if (row[j + 1] > row[j] + 1)
+                row[j + 1] = row[j] + 1;
+            before = was;
+        }
+    }
+    return row[n];
+}
+
+void command_near(struct command_near *near, const char *word, const char *before,
+                  const char *name)
+{
+    char whole[sizeof near->name];
+    size_t edits;
+
+    (void)snprintf(whole, sizeof whole, "%s%s", before, name);
+    edits = strlen(word) > 2 && strncmp(whole, word, strlen(word)) == 0
+                ? 1
+                : edits_between(word, whole);
+    if (3 * edits > strlen(whole) || (near->name[0] != '\0' && edits >= near->edits))
+        return;
+    (void)snprintf(near->name, sizeof near->name, "%s", whole);
+    near->edits = edits;
+}
+
+const char *command_meant(const struct command_near *near)
+{
+    static char text[sizeof near->name + 20];
+
+    text[0] = '\0';
+    if (near->name[0] != '\0')
+        (void)snprintf(text, sizeof text, "; did you mean %s?", near->name);
+    return text;
+}
+
+/* ---- what was typed */
+
+void command_line_add(struct command_line *l, const struct command_option *o)
+{
+    int k = 0;
+
+    while (k < l->noption && strcmp(l->option[k].name, o->name) != 0)
+        k++;
+    if (k == l->noption && k < COMMAND_OPTIONS)
+        l->option[l->noption++] =
+            (struct option){o->name, o->arg != NULL ? required_argument : no_argument,
+                            NULL, o->letter != 0 ? o->letter : LONG + k};
+}
+
+static bool no_option(const struct command_line *l, const char *word, struct errinfo *e)
+{
+    struct command_near near = {.name = ""};
+
+    for (int k = 0; strncmp(word, "--", 2) == 0 && k < l->noption; k++)
+        command_near(&near, word, "--", l->option[k].name);
+    (void)errinfo_set(e, ST_EINVAL,
+                      "there is no option %.60s%s (%s --help; an argument that begins "
+                      "with a hyphen stands after --)",
+                      word, command_meant(&near), l->program);
+    return false;
+}
+
+static bool wrong(const struct command_line *l, const char *what, const char *which,
+                  struct errinfo *e)
+{
+    (void)errinfo_set(e, ST_EINVAL, "%s %.80s (%s --help)", what, which, l->program);
+    return false;
+}
+
+bool command_line_read(struct command_line *l, int argc, char **argv, struct errinfo *e)
+{
+    int got;
+
+    opterr = 0;
+    while ((got = getopt_long(argc, argv, ":ho:", l->option, NULL)) != -1) {
+        int k = 0;
+
+        if (got == '?')
+            return no_option(l, argv[optind - 1], e);
+        if (got == ':')
+            return wrong(l, "a value is missing after", argv[optind - 1], e);
+        while (l->option[k].val != got)
+            k++;
+        if (l->given[k])
+            return wrong(l, "given twice:", l->option[k].name, e);
+        l->given[k] = true;
+        l->value[k] = optarg;
+    }
+    return true;
+}
+
+bool command_line_given(const struct command_line *l, const char *name)
+{
+    for (int k = 0; k < l->noption; k++)
+        if (l->given[k] && strcmp(l->option[k].name, name) == 0)
+            return true;
+    return false;
+}
+
+bool command_line_take(const struct command_line *l, int k,
+                       const struct command_option *o, const char *command, void *to,
+                       struct errinfo *e)
+{
+    const char *wanted;
+
+    if (o == NULL)
+        (void)errinfo_set(e, ST_EINVAL,
+                          "--%s is an option that %s does not take (%s %s --help)",
+                          l->option[k].name, command, l->program, command);
+    else if ((wanted = o->read(l->value[k],
+                               o->value != NULL ? o->value : (char *)to + o->at)) != NULL)
+        (void)errinfo_set(e, ST_EINVAL, "--%s takes %s, not '%.80s'", o->name, wanted,
+                          l->value[k]);
+    else
+        return true;
+    return false;
+}
+
+/* ---- for both programs */
+
+void *command_grow(void *list, size_t n, size_t size)
+{
+    return (n & (n - 1)) != 0 ? list : realloc(list, (n > 0 ? 2 * n : 1) * size);
+}
+
+double command_clock_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
