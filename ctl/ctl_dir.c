@@ -61,11 +61,11 @@ enum status ctl_dir_may_pipe(struct ctl *c, int nread)
 
 /* ---- a file */
 
-static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
+static enum status write_face(FILE *to, const void *f, struct errinfo *e)
 {
-    (void)e;
-    cloudwrite_ply(to, m);
-    return ST_OK;
+    const enum status st = cloudwrite_ply(to, f);
+
+    return st == ST_OK ? st : errinfo_set(e, st, "%s", status_message(st));
 }
 
 enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
@@ -74,7 +74,7 @@ enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
     return outfile_write(c->piped ? NULL : path, c->force, write, arg, &c->e);
 }
 
-enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m)
+enum status ctl_dir_face(struct ctl *c, const char *path, const struct surface_face *f)
 {
-    return ctl_dir_file(c, path, write_mesh, m);
+    return ctl_dir_file(c, path, write_face, f);
 }

@@ -35,7 +35,7 @@ static const char *read_axes(const char *text, void *value)
 {
     const bool scanner = strcmp(text, "scanner") == 0;
 
-    *(enum scan_axes *)value = scanner ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
+    *(bool *)value = scanner;
     return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
 }
 
@@ -152,7 +152,7 @@ static const struct ctl_option shared_options[] = {
     SHARED("units", "auto|mm|cm|m|in|um", read_units, scans.unit_mm, 0,
            "the unit of the scans' coordinates (auto: it is found); what a\n"
            "file says wins"),
-    SHARED("axes", "auto|scanner", read_axes, scans.axes, 0,
+    SHARED("axes", "auto|scanner", read_axes, scans.frontal, 0,
            "auto: the face is found, however the scan is turned; scanner: x to\n"
            "the image's right, y up, z towards the scanner, and all of it face"),
     SHARED("camera", "FX,FY,CX,CY", read_camera, scans.camera, 0,

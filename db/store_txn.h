@@ -6,13 +6,13 @@
 #include "rows_types.h"
 #include "store_state.h"
 
-struct model; /* model.h */
+struct surface_model; /* libsurface.h */
 
 struct store {
     struct sql *sql;
     char *path;
-    const struct model *model; /* store_use_model() */
-    char made_by[FACE_ENGINE_MAX + 1];
+    const struct surface_model *model; /* store_use_model() */
+    char made_by[SURFACE_ENGINE_SIZE];
     struct crypt *crypt;
     struct log log;
     char *anchor;         /* its file; NULL: there is none */

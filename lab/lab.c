@@ -36,9 +36,11 @@ void *lab_grow(void *list, size_t n, size_t size)
     return (n & (n - 1)) != 0 ? list : realloc(list, (n > 0 ? 2 * n : 1) * size);
 }
 
-const char *lab_decision(enum face_decision d)
+const char *lab_decision(enum surface_decision d)
 {
-    return d == FACE_MATCH ? "match" : d == FACE_NO_MATCH ? "no_match" : "inconclusive";
+    return d == SURFACE_MATCH      ? "match"
+           : d == SURFACE_NO_MATCH ? "no_match"
+                                   : "inconclusive";
 }
 
 double lab_clock_ms(void)

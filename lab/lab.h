@@ -13,10 +13,10 @@
 #include "newfile.h"
 #include "scan.h"
 
-struct corpus;      /* corpus.h */
-struct corpus_scan; /* corpus.h */
-struct mesh;        /* mesh.h */
-struct model;       /* model.h */
+struct corpus;        /* corpus.h */
+struct corpus_scan;   /* corpus.h */
+struct mesh;          /* mesh.h */
+struct surface_model; /* model.h */
 
 /* As those of surfacectl, which are of <sysexits.h>. */
 enum lab_exit {
@@ -55,9 +55,9 @@ struct lab {
     bool reduced;
     const char *faces;
 
-    const struct model *model;
-    char engine[FACE_ENGINE_MAX + 1]; /* by that model */
-    struct face_work *work;
+    const struct surface_model *model;
+    char engine[SURFACE_ENGINE_SIZE]; /* by that model */
+    struct surface_work *work;
     struct json *report; /* NULL without --json */
     bool piped;       /* the result goes to standard output, the text to standard error */
     int code;         /* LAB_FINE until the command sets another */
@@ -87,7 +87,7 @@ __attribute__((format(printf, 2, 3))) enum status lab_usage(struct lab *c,
 __attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const char *fmt,
                                                    ...);
 void *lab_grow(void *list, size_t n, size_t size);
-const char *lab_decision(enum face_decision d);
+const char *lab_decision(enum surface_decision d);
 double lab_clock_ms(void);
 
 /* Files, by the rules of outfile.h.
@@ -109,17 +109,18 @@ enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
 enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
                            struct errinfo *e);
 enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpoints *p,
-                           bool enrolment, struct face_work *w, struct face *out,
-                           struct scan_found *found, struct errinfo *e);
-enum status lab_scan_read(struct lab *c, const char *path, struct face *out,
-                          struct scan_found *found);
+                           bool enrolment, struct surface_work *w,
+                           struct surface_face *out, struct surface_found *found,
+                           struct errinfo *e);
+enum status lab_scan_read(struct lab *c, const char *path, struct surface_face *out,
+                          struct surface_found *found);
 
 /* lab_scan_of(c, scan, enrolment, w, out, found, code, refused, e): a scan of a collection as a
  * face, on any thread.  A scan that is malformed or no face is no failure: *refused gives the
  * reason, for free(), and *code (NULL is allowed) the status.  Returns ST_OK, ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
 enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
-                        bool enrolment, struct face_work *w, struct face *out,
-                        struct scan_found *found, enum status *code, char **refused,
+                        bool enrolment, struct surface_work *w, struct surface_face *out,
+                        struct surface_found *found, enum status *code, char **refused,
                         struct errinfo *e);
 
 /* lab_scan_left(j, k): adds to the JSON array that is open which files of a collection are left

@@ -8,7 +8,7 @@
 #include "mem.h"
 #include "simplify.h"
 
-static void print_simplified(struct lab *c, const struct face *f,
+static void print_simplified(struct lab *c, const struct surface_face *f,
                              const struct simplify_result *r)
 {
     const double share = (double)r->kept / f->surface.mesh.nv;
@@ -30,9 +30,10 @@ static void print_simplified(struct lab *c, const struct face *f,
 
 static enum status write_mesh(FILE *to, const void *m, struct errinfo *e)
 {
-    (void)e;
-    cloudwrite_ply(to, m);
-    return ST_OK;
+    const struct surface_face f = {.surface = {.mesh = *(const struct mesh *)m}};
+    const enum status st = cloudwrite_ply(to, &f);
+
+    return st == ST_OK ? st : errinfo_set(e, st, "%s", status_message(st));
 }
 
 enum status lab_simplify(struct lab *c)
@@ -43,8 +44,8 @@ enum status lab_simplify(struct lab *c)
     struct simplify_result r;
     struct scratch scratch = {0};
     struct mesh small = {0};
-    struct scan_found found;
-    struct face f = {0};
+    struct surface_found found;
+    struct surface_face f = {0};
     enum status st;
 
     if (!(c->tolerance_mm > 0) || c->out == NULL)

@@ -332,7 +332,7 @@ static int exit_code(const struct lab *c, enum status st)
 static enum status run(struct lab *c, const struct command *k)
 {
     const char *path = getenv("SURFACED_MODEL");
-    struct model *model = NULL;
+    struct surface_model *model = NULL;
     enum status st = ST_OK;
 
     if (c->model_path == NULL && path != NULL && path[0] != '\0' && (k->bit & SCANS) != 0)
@@ -349,7 +349,7 @@ static enum status run(struct lab *c, const struct command *k)
         st = k->run(c);
     }
     face_work_free(c->work);
-    free(model);
+    surface_model_free(model);
     return st;
 }
 
@@ -363,7 +363,7 @@ int main(int argc, char **argv)
     nodump_begin();
     if (read_line(argc, argv, &c, &k)) {
         if (c.version)
-            (void)printf("surfacelab (%s)\n", FACE_ENGINE);
+            (void)printf("surfacelab (%s)\n", SURFACE_ENGINE);
         else if (c.help)
             print_help(k);
         code = c.version || c.help ? LAB_FINE : exit_code(&c, run(&c, k));

@@ -12,6 +12,8 @@ struct errinfo;    /* errinfo.h */
 struct json_value; /* json.h */
 struct cloudlist;  /* cloudlist.h */
 
+#define CLOUDFILE_POINTS 1000000 /* default limit: a depth image of 1280 x 720 fits */
+
 struct cloudfile_options {
     /* as declared; CLOUDFORMAT_ANY: CLOUDFORMAT_RAW if the camera has a width, else
      * recognised by the content */

@@ -29,7 +29,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
             return "incircle_.*" # named as in the literature
         if (source == "core/libsurface")
             return "surface_.*" # named after the header as it is installed
-        if (source == "core/mesh/mem")
+        if (source == "core/basic/mem")
             return "(mem|scratch)_.*"
         if (source == "server/http/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s

@@ -7,10 +7,8 @@
 #include <string.h>
 
 #include "admin_archive.h"
-#include "codec.h"
 #include "digest.h"
 #include "log_row.h"
-#include "mesh.h"
 #include "admin_record.h"
 #include "store_rules.h"
 #include "store_txn.h"
@@ -59,31 +57,33 @@ static enum status next(struct reading *m, struct admin_record_item **out,
 }
 
 /* Is the template what it says it is? */
-static enum status verify_template(struct reading *m, struct face_work *w, struct face *f,
-                                   struct errinfo *e)
+static enum status verify_template(struct reading *m, struct surface_work *w,
+                                   struct surface_face **f, struct errinfo *e)
 {
     const struct store_template *t = &m->item.template.one;
     char digest[65];
     enum status st;
 
-    if ((st = codec_decode(m->item.face, m->item.len, w, f)) != ST_OK)
+    if ((st = status_from(surface_decode(w, m->item.face, m->item.len, f))) != ST_OK)
         return errinfo_set(e, st, "template %s: %s", t->id, status_message(st));
-    if ((st = digest_points(&f->surface.mesh, digest)) != ST_OK)
+    if ((st = digest_points(*f, digest)) != ST_OK)
         return errinfo_set(e, st, "out of memory");
-    if (f->surface.mesh.nv != t->points || mesh_real(&f->surface.mesh) != t->triangles ||
+    if (surface_face_points(*f, NULL) != t->points ||
+        surface_face_triangles(*f, NULL) != t->triangles ||
         strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT, "template %s is not what it says it is",
                            t->id);
-    m->outdated += !face_same_engine(t->engine, m->made_by);
+    m->outdated += !surface_same_engine(t->engine, m->made_by);
     return ST_OK;
 }
 
 /* All of it, before anything is written: that takes the time, and no writer waits for it. */
-static enum status verify(struct reading *m, const struct model *model, struct errinfo *e)
+static enum status verify(struct reading *m, const struct surface_model *model,
+                          struct errinfo *e)
 {
-    struct face_work *w = face_work_new(model);
+    struct surface_work *w = surface_work_new(model);
     struct admin_record_item *item = &m->item;
-    struct face f = {0};
+    struct surface_face *f = NULL;
     enum status st;
 
     if (w == NULL)
@@ -93,8 +93,8 @@ static enum status verify(struct reading *m, const struct model *model, struct e
             if ((st = next(m, &item, e)) == ST_OK && item->kind == ADMIN_RECORD_TEMPLATE)
                 st = verify_template(m, w, &f, e);
         } while (st == ST_OK && item->kind != ADMIN_RECORD_END);
-    face_free(&f);
-    face_work_free(w);
+    surface_face_free(f);
+    surface_work_free(w);
     return st;
 }
 

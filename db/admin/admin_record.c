@@ -5,7 +5,6 @@
 
 #include "bytes.h"
 #include "errinfo.h"
-#include "mesh.h"
 #include "utc.h"
 #include "utf8.h"
 
@@ -144,10 +143,10 @@ static bool parse_template(struct bytes *b, struct admin_record_item *item)
         !bytes_get_text(b, t->created, sizeof t->created) ||
         !time_valid(t->created, false) ||
         !bytes_get_text(b, t->engine, sizeof t->engine) ||
-        !ident_printable(t->engine, 1, FACE_ENGINE_MAX) || !get_digest(b, t->digest) ||
-        !get_digest(b, item->template.read))
+        !ident_printable(t->engine, 1, (SURFACE_ENGINE_SIZE - 1)) ||
+        !get_digest(b, t->digest) || !get_digest(b, item->template.read))
         return false;
-    if (!get_u32(b, &t->points) || t->points < 3 || t->points > MESH_MAX_POINTS ||
+    if (!get_u32(b, &t->points) || t->points < 3 || t->points > SURFACE_MAX_POINTS ||
         !get_u32(b, &t->triangles) || t->triangles < 1 ||
         t->triangles > 2 * t->points - 5 || !get_flag(b, &t->manager) ||
         !bytes_get_finite(b, &t->first_score) ||

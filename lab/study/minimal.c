@@ -30,7 +30,7 @@
 
 /* A pair, and its measure as a function of the pose: of descent.h's six numbers. */
 struct pair {
-    const struct face *tmpl, *probe;
+    const struct surface_face *tmpl, *probe;
     const double *aligned; /* the alignment's pose */
     struct dvec3 centre;   /* the middle of the probe there */
     double least_area;
@@ -123,7 +123,7 @@ struct record {
 
 struct run {
     const struct study *study;
-    struct face_work *w;
+    struct surface_work *w;
     struct measure_work m;
     uint64_t pairs_done;
     FILE *pairs;
@@ -138,7 +138,7 @@ static void pose_fields(FILE *f, const double pose[16])
 }
 
 static void one_pair(struct run *s, const struct person *template,
-                     const struct person *person, const struct face *probe,
+                     const struct person *person, const struct surface_face *probe,
                      const char *kind, int k)
 {
     struct face_result found;
@@ -183,7 +183,7 @@ static void one_pair(struct run *s, const struct person *template,
 static void all_pairs(struct run *s, struct person *const p[KINDS], size_t people,
                       const char *const *kind, int kinds)
 {
-    struct face probe = {0};
+    struct surface_face probe = {0};
 
     for (size_t i = 0; i < people; i++)
         for (int k = 0; k < kinds; k++) {

@@ -11,7 +11,7 @@
 
 #define FILE_MAX ((size_t)1 << 25)
 
-void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p)
+void people_made_up(uint64_t first, size_t n, struct surface_work *w, struct person *p)
 {
     struct dvec3 *pts = study_alloc(PEOPLE_POINTS, sizeof *pts);
 
@@ -33,7 +33,7 @@ void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person
 
 struct dvec3 *people_points(const char *dir, const char *name, size_t *n)
 {
-    static const struct cloudfile_options options = {.max_points = FACE_MAX_POINTS,
+    static const struct cloudfile_options options = {.max_points = CLOUDFILE_POINTS,
                                                      .max_bytes = FILE_MAX};
     struct cloudpoints scan;
     struct dvec3 *copy = NULL;
@@ -68,8 +68,8 @@ static int enrolled(const struct dirent *e)
     return strstr(e->d_name, "_enroll.ply") != NULL;
 }
 
-size_t people_scanned(const char *dir, const char *kind, size_t most, struct face_work *w,
-                      struct person *p)
+size_t people_scanned(const char *dir, const char *kind, size_t most,
+                      struct surface_work *w, struct person *p)
 {
     struct dirent **list = NULL;
     const int files = scandir(dir, &list, enrolled, by_name);

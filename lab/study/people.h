@@ -11,18 +11,18 @@
 
 struct person {
     char name[32]; /* of the subject; cut off */
-    struct face template;
+    struct surface_face template;
     struct dvec3 *probe; /* [n], mm */
     size_t n;
 };
 
 /* people_made_up(first, n, w, p): sim/facegen.h's subjects from first on, into p[n]. */
-void people_made_up(uint64_t first, size_t n, struct face_work *w, struct person *p);
+void people_made_up(uint64_t first, size_t n, struct surface_work *w, struct person *p);
 
 /* people_scanned(dir, kind, most, w, p): those of a folder's scans, by name, of which there
  * are both SUBJECT_enroll.ply and SUBJECT_KIND.ply; returns how many. */
-size_t people_scanned(const char *dir, const char *kind, size_t most, struct face_work *w,
-                      struct person *p);
+size_t people_scanned(const char *dir, const char *kind, size_t most,
+                      struct surface_work *w, struct person *p);
 
 /* people_points(dir, name, n): the points of a scan's file, free(); NULL: it is not there, or
  * cannot be read. */

@@ -25,7 +25,7 @@ static const int many[] = {1, 5, TEMPLATES};
 /* A person's scans; a probe is not compared with itself. */
 struct crowd {
     const char *name;
-    struct face *face; /* [people * scans] */
+    struct surface_face *face; /* [people * scans] */
     size_t people, scans;
     bool template[TEMPLATES + PROBES], probe[TEMPLATES + PROBES]; /* of a person's */
     size_t *relative;                                             /* [people] */
@@ -37,7 +37,7 @@ static float *score_of(const struct crowd *c, size_t probe, size_t template)
     return &c->score[probe * c->people * c->scans + template];
 }
 
-static void compare(struct crowd *c, struct face_work *w)
+static void compare(struct crowd *c, struct surface_work *w)
 {
     const size_t n = c->people * c->scans;
 
@@ -192,7 +192,7 @@ static void end_crowd(struct crowd *c)
 
 /* ---- people */
 
-static void made_up(const struct study *study, struct face_work *w, struct crowd *c)
+static void made_up(const struct study *study, struct surface_work *w, struct crowd *c)
 {
     struct dvec3 *pts = study_alloc(PEOPLE_POINTS, sizeof *pts);
 
@@ -220,7 +220,7 @@ static void made_up(const struct study *study, struct face_work *w, struct crowd
     free(pts);
 }
 
-static void scanned(const struct study *study, struct face_work *w, struct crowd *c)
+static void scanned(const struct study *study, struct surface_work *w, struct crowd *c)
 {
     static const char *const kind[] = {"enroll", "p1", "p2", "p3", "p3b", "p4"};
     const size_t most = study->reduced ? 5 : SCANNED;
@@ -254,7 +254,7 @@ void several_run(const struct study *study)
     static const char columns[] =
         "people,templates,threshold,non-mated,mated,as it is: FMR %,below %,FNMR %,"
         "less ln n: FMR %,below %,FNMR %,less 2 ln n: FMR %,below %,FNMR %\n";
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = face_work_new(NULL);
     FILE *f = study_open(study, "several.csv"), *curve = study_open(study, "curve.csv");
     const double own = model_default.calibration.threshold;
     struct crowd c;

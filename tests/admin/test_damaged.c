@@ -158,10 +158,10 @@ static char secret[65];
 static enum status load(struct store *s)
 {
     struct store_template got;
-    struct face f = {0};
+    struct surface_face *f = NULL;
     const enum status st = store_template_load(s, front.id, &got, tempdb_work, &f, &e);
 
-    face_free(&f);
+    surface_face_free(f);
     return st;
 }
 

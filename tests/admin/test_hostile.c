@@ -30,8 +30,8 @@ static char path[64], key[64];
 static const struct store_key by_key = {.path = key, .make = CRYPT_FILE};
 static unsigned char *file; /* as it was written */
 static size_t size;
-static struct face_work *work;
-static struct face face, loaded;
+static struct surface_work *work;
+static struct surface_face face, *loaded;
 static struct store_template tmpl;
 static char secret[65], revoked[65];
 static struct errinfo e;
@@ -109,11 +109,11 @@ static void check_template(struct store *s, const struct store_template *t)
     if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
         return;
     MUST(memcmp(&got, &tmpl, sizeof tmpl) == 0);
-    MUST(loaded.surface.mesh.nv == face.surface.mesh.nv &&
-         loaded.surface.mesh.nt == face.surface.mesh.nt);
-    MUST(memcmp(loaded.surface.mesh.xy, face.surface.mesh.xy,
+    MUST(loaded->surface.mesh.nv == face.surface.mesh.nv &&
+         loaded->surface.mesh.nt == face.surface.mesh.nt);
+    MUST(memcmp(loaded->surface.mesh.xy, face.surface.mesh.xy,
                 face.surface.mesh.nv * sizeof *face.surface.mesh.xy) == 0);
-    MUST(memcmp(loaded.surface.mesh.z, face.surface.mesh.z,
+    MUST(memcmp(loaded->surface.mesh.z, face.surface.mesh.z,
                 face.surface.mesh.nv * sizeof *face.surface.mesh.z) == 0);
 }
 
@@ -256,7 +256,7 @@ AFTER_ALL(tear_down)
 {
     free(file);
     face_free(&face);
-    face_free(&loaded);
+    surface_face_free(loaded);
     face_work_free(work);
     assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -70,8 +70,8 @@ static struct timing row[ROWS];
 static struct scratch scratch;
 static struct mesh general, whole;
 static uint32_t *b_vertex;
-static struct face decoded;
-static struct face_work *work;
+static struct surface_face decoded;
+static struct surface_work *work;
 static struct disparity_vertex *vertex;
 
 static void side_make(struct side *s, uint64_t k)

@@ -48,7 +48,7 @@ enum row {
 struct pair {
     struct dvec3 *tmpl_pts, *probe_pts;
     size_t n_tmpl, n_probe, blob_size;
-    struct face tmpl, probe;
+    struct surface_face tmpl, probe;
     unsigned char *blob;
     double moved[16]; /* the motion of the probe */
     double score;
@@ -60,8 +60,8 @@ static struct timing row[ROWS];
 static struct align_work search;
 static struct frame_mean mean;
 static struct fit_basis motion;
-static struct face_work *work;
-static struct face stored, fresh, fresh2;
+static struct surface_work *work;
+static struct surface_face stored, fresh, fresh2;
 
 static void pair_make(struct pair *p, uint64_t k, size_t n)
 {
@@ -126,7 +126,7 @@ static double pose_error(const struct pair *p, const double *t)
 }
 
 /* The search as face_compare() starts it: from the frames of both faces. */
-static void find_pose(const struct face *tmpl, const struct face *probe,
+static void find_pose(const struct surface_face *tmpl, const struct surface_face *probe,
                       struct align_result *out)
 {
     const struct pose first = pose_after(&tmpl->frame.pose, &probe->frame.pose);
@@ -264,7 +264,7 @@ static void outcome(struct pair *pair)
         timing_must(
             face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, NULL, work, &r));
         pair[k].score = r.score;
-        matches += r.decision == FACE_MATCH;
+        matches += r.decision == SURFACE_MATCH;
         timing_must(face_align(&pair[k].tmpl, &pair[k].probe, NULL, work, &r));
         timing_add(&error, pose_error(&pair[k], r.align.transform));
     }
@@ -313,10 +313,10 @@ static void decide_timed(struct timing *t, const struct pair *p, struct minimal 
 }
 
 /* The model of a scan as it leaves its scanner. */
-static void scan(struct cloudpoints *c, struct face *out)
+static void scan(struct cloudpoints *c, struct surface_face *out)
 {
     static const struct scan_options as_found;
-    struct scan_found found;
+    struct surface_found found;
 
     timing_must(scan_build(c, &as_found, work, out, NULL, &found));
 }
@@ -406,8 +406,8 @@ static void dense(const struct pair *pair)
 static void memory(const struct pair *p)
 {
     const double before = timing_bytes();
-    struct face_work *w = face_work_new(NULL);
-    struct face a = {0}, b = {0};
+    struct surface_work *w = face_work_new(NULL);
+    struct surface_face a = {0}, b = {0};
     struct face_result r;
     struct minimal least;
     double bytes;

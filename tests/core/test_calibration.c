@@ -3,7 +3,7 @@
 #include "model.h"
 #include "unit.h"
 
-static const struct calibration table = {
+static const struct surface_calibration table = {
     8, 4, {{-50, 1}, {-10, 0.5}, {0, 0.1}, {10, 0.001}}};
 
 TEST(test_by_hand)
@@ -21,7 +21,7 @@ TEST(test_by_hand)
 /* The shipped one too: monotone, without jumps, and the wanted rate at its threshold. */
 TEST(test_shipped)
 {
-    const struct calibration *c = &model_default.calibration;
+    const struct surface_calibration *c = &model_default.calibration;
     double last = 1;
 
     assert_true(calibration_valid(c));
@@ -43,7 +43,7 @@ TEST(test_odd_values)
 
 TEST(test_valid)
 {
-    struct calibration c = table;
+    struct surface_calibration c = table;
 
     assert_true(calibration_valid(&c));
     c.threshold = -8;
@@ -53,7 +53,7 @@ TEST(test_valid)
     c.threshold = 1e4;
     assert_false(calibration_valid(&c));
     c = table;
-    c.n = CALIBRATION_KNOTS + 1;
+    c.n = SURFACE_KNOTS + 1;
     assert_false(calibration_valid(&c));
     c.n = 1;
     assert_false(calibration_valid(&c));

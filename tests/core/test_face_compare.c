@@ -16,7 +16,8 @@
 
 #define POINTS 3000
 
-static struct face_work *work; /* one for the whole program: reuse is tested throughout */
+static struct surface_work
+    *work; /* one for the whole program: reuse is tested throughout */
 
 static struct {
     size_t n;
@@ -26,22 +27,22 @@ static struct {
 static void scan(uint64_t subject, uint64_t number, size_t n)
 {
     cloud.n = clouds_scan(subject, number, n, cloud.pts);
-    assert_true(cloud.n > FACE_MIN_POINTS);
+    assert_true(cloud.n > SURFACE_MIN_POINTS);
 }
 
-static void build(struct face *f)
+static void build(struct surface_face *f)
 {
     assert_int_equal(face_build(cloud.pts, cloud.n, work, f, NULL), ST_OK);
 }
 
-static void make(uint64_t subject, uint64_t number, struct face *f)
+static void make(uint64_t subject, uint64_t number, struct surface_face *f)
 {
     scan(subject, number, POINTS);
     build(f);
 }
 
 /* Every number except the times. */
-#define FIGURES (14 + GRID_REGIONS)
+#define FIGURES (14 + SURFACE_REGIONS)
 
 static void figures(const struct face_result *r, double x[FIGURES])
 {
@@ -76,7 +77,7 @@ static void check_identity(const double t[16], double within)
 /* A face compared with itself, and with itself moved. */
 TEST(test_identity)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct minimal least;
     struct face_result r;
     double moved[16], itself;
@@ -84,7 +85,7 @@ TEST(test_identity)
     for (uint64_t k = 0; k < 5; k++) {
         make(k, 0, &a);
         assert_int_equal(face_compare(&a, &a, (double)NAN, NULL, work, &r), ST_OK);
-        assert_int_equal(r.decision, FACE_MATCH);
+        assert_int_equal(r.decision, SURFACE_MATCH);
         itself = r.score;
         assert_int_equal(face_minimal(&a, &a, NULL, work, &r, &least), ST_OK);
         assert_true(least.disparity.plain_mm < 0.001);
@@ -94,7 +95,7 @@ TEST(test_identity)
         clouds_move(cloud.pts, cloud.n, k, 5, 30, moved);
         build(&b);
         assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
-        assert_int_equal(r.decision, FACE_MATCH);
+        assert_int_equal(r.decision, SURFACE_MATCH);
         /* the moved points are triangulated differently, and the fit starts elsewhere */
         assert_true(r.score > r.threshold + 1 && fabs(r.score - itself) < 2.5);
     }
@@ -105,7 +106,7 @@ TEST(test_identity)
 /* The share of identity in the variance of cell i of the model, times scale. */
 static double share(uint32_t i, double scale)
 {
-    const struct model *m = &model_default;
+    const struct surface_model *m = &model_default;
     double identity = 0, other = m->noise_floor_mm * m->noise_floor_mm;
 
     for (uint32_t k = 0; k < MODEL_MODES; k++) {
@@ -132,7 +133,7 @@ static double share_scale(void)
 TEST(test_weigh)
 {
     struct measure_work m = {0};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct face_result r;
     struct minimal least, weighed;
     struct disparity plain;
@@ -181,7 +182,7 @@ TEST(test_weigh)
 TEST(test_mated_and_not)
 {
     enum { SUBJECTS = 6 };
-    struct face tmpl = {0}, probe = {0};
+    struct surface_face tmpl = {0}, probe = {0};
     double worst = INFINITY, nearest = -INFINITY;
 
     for (uint64_t k = 0; k < SUBJECTS; k++) {
@@ -200,11 +201,11 @@ TEST(test_mated_and_not)
                         calibration_fmr(&model_default.calibration, r.score));
             assert_true(r.align_ms == 0 && r.score_ms == 0);
             if (who == k) {
-                assert_int_equal(r.decision, FACE_MATCH);
+                assert_int_equal(r.decision, SURFACE_MATCH);
                 worst = fmin(worst, r.score);
             } else {
-                assert_int_equal(r.decision,
-                                 r.score >= r.threshold ? FACE_MATCH : FACE_NO_MATCH);
+                assert_int_equal(r.decision, r.score >= r.threshold ? SURFACE_MATCH
+                                                                    : SURFACE_NO_MATCH);
                 nearest = fmax(nearest, r.score);
             }
         }
@@ -217,7 +218,7 @@ TEST(test_mated_and_not)
 /* The threshold changes the decision and nothing else. */
 TEST(test_threshold)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct face_result usual, strict, loose, below;
 
     make(12, 0, &a);
@@ -226,12 +227,12 @@ TEST(test_threshold)
     assert_int_equal(face_compare(&a, &b, 1e3, NULL, work, &strict), ST_OK);
     assert_int_equal(face_compare(&a, &b, usual.score, NULL, work, &loose), ST_OK);
     assert_int_equal(face_compare(&a, &b, -1, NULL, work, &below), ST_OK);
-    assert_int_equal(usual.decision, FACE_MATCH);
+    assert_int_equal(usual.decision, SURFACE_MATCH);
     /* more than two such scans of one person are expected to have: nobody could match */
     assert_true(strict.expected < 1e3);
-    assert_int_equal(strict.decision, FACE_INCONCLUSIVE);
-    assert_int_equal(loose.decision, FACE_MATCH); /* a score equal to it matches */
-    assert_int_equal(below.decision, FACE_MATCH);
+    assert_int_equal(strict.decision, SURFACE_INCONCLUSIVE);
+    assert_int_equal(loose.decision, SURFACE_MATCH); /* a score equal to it matches */
+    assert_int_equal(below.decision, SURFACE_MATCH);
     assert_true(strict.threshold == 1e3 && below.threshold == -1);
     assert_true(loose.threshold == usual.score);
     assert_true(strict.fmr_at_score == usual.fmr_at_score);
@@ -245,8 +246,8 @@ TEST(test_threshold)
     assert_int_equal(
         face_compare(&a, &b, nextafter(usual.expected, INFINITY), NULL, work, &strict),
         ST_OK);
-    assert_int_equal(loose.decision, FACE_NO_MATCH);
-    assert_int_equal(strict.decision, FACE_INCONCLUSIVE);
+    assert_int_equal(loose.decision, SURFACE_NO_MATCH);
+    assert_int_equal(strict.decision, SURFACE_INCONCLUSIVE);
     face_free(&a);
     face_free(&b);
 }
@@ -298,7 +299,7 @@ static void check_agreement(struct face_result r)
 
 TEST(test_round)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct face_result r, rounded;
 
     make(14, 0, &a);
@@ -322,7 +323,7 @@ TEST(test_poses)
 {
     static const double turn[] = {0, 10, 20, 28};
     static struct dvec3 as_is[2 * POINTS];
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     for (uint64_t who = 40; who < 44; who++) {
         double first = 0;
@@ -352,7 +353,7 @@ TEST(test_poses)
  * and the pose found; the scan itself stays as it is. */
 TEST(test_mirrored)
 {
-    struct face a = {0}, b = {0}, m = {0};
+    struct surface_face a = {0}, b = {0}, m = {0};
     struct face_result plain, as_is, mirrored, again;
 
     for (uint64_t k = 20; k < 24; k++) {
@@ -403,7 +404,7 @@ static bool is_forehead(const struct dvec3 *p)
 TEST(test_inconclusive)
 {
     static bool (*const part[])(const struct dvec3 *) = {is_nose, is_forehead};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     make(13, 0, &a);
     for (uint64_t who = 13; who < 16; who++)
@@ -415,9 +416,9 @@ TEST(test_inconclusive)
             build(&b);
             assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
             assert_true(r.overlap > 0 && r.overlap < 0.3 && r.expected < r.threshold);
-            assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+            assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
             assert_int_equal(face_compare(&a, &b, -1000, NULL, work, &r), ST_OK);
-            assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+            assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
         }
     face_free(&a);
     face_free(&b);
@@ -432,7 +433,7 @@ static double ticking(void)
 
 TEST(test_clock)
 {
-    struct face a = {0};
+    struct surface_face a = {0};
     struct face_result r, without;
     struct minimal least, plain;
 
@@ -466,10 +467,10 @@ static bool is_far_right(const struct dvec3 *p)
 }
 
 /* The parts of cells and of regions add up to the score that was decided on. */
-static void check_field(const struct face *tmpl, const struct face *probe)
+static void check_field(const struct surface_face *tmpl, const struct surface_face *probe)
 {
-    static struct face_field field, again;
-    double cells = 0, regions = 0, region[GRID_REGIONS] = {0};
+    static struct surface_parts field, again;
+    double cells = 0, regions = 0, region[SURFACE_REGIONS] = {0};
     struct face_result r;
 
     assert_int_equal(face_compare(tmpl, probe, (double)NAN, NULL, work, &r), ST_OK);
@@ -489,7 +490,7 @@ static void check_field(const struct face *tmpl, const struct face *probe)
         region[grid_region_of(i)] += (double)field.part[i];
         cells += (double)field.part[i];
     }
-    for (int i = 0; i < GRID_REGIONS; i++) {
+    for (int i = 0; i < SURFACE_REGIONS; i++) {
         assert_true(fabs(region[i] - field.region[i]) < 1e-4);
         assert_true(field.region[i] == r.region[i]);
         regions += r.region[i];
@@ -504,7 +505,7 @@ static void check_field(const struct face *tmpl, const struct face *probe)
 
 TEST(test_field)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     make(16, 0, &a);
     check_field(&a, &a);
@@ -534,8 +535,8 @@ TEST(test_field)
 /* Where the encodings are of little of the face, they say nothing, and no cell does. */
 TEST(test_empty_field)
 {
-    static struct face_field field;
-    struct face a = {0}, b = {0};
+    static struct surface_parts field;
+    struct surface_face a = {0}, b = {0};
 
     make(16, 0, &a);
     scan(16, 1, 2 * POINTS);
@@ -545,7 +546,7 @@ TEST(test_empty_field)
     assert_int_equal(face_field(&a, &b, work, &field), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(isnan(field.part[i]));
-    for (int i = 0; i < GRID_REGIONS; i++)
+    for (int i = 0; i < SURFACE_REGIONS; i++)
         assert_true(field.region[i] == 0);
     face_free(&a);
     face_free(&b);
@@ -555,8 +556,8 @@ TEST(test_empty_field)
  * scanner in its own frame, 2 mm times the cosine of the slope. */
 TEST(test_field_gap)
 {
-    static struct face_field field;
-    struct face a = {0}, b = {0};
+    static struct surface_parts field;
+    struct surface_face a = {0}, b = {0};
     uint32_t n = 0;
 
     make(16, 0, &a);
@@ -581,7 +582,7 @@ TEST(test_heatmap)
     const double aside[16] = {1, 0, 0, 400, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     const struct dvec3 odd[] = {
         {(double)NAN, 0, 0}, {0, (double)INFINITY, 0}, {0, 0, 1e9}};
-    struct face a = {0};
+    struct surface_face a = {0};
     size_t seen = 0;
 
     make(15, 0, &a);
@@ -608,7 +609,7 @@ TEST(test_heatmap_rim)
     static struct dvec3 pts[POINTS];
     static double gap[POINTS];
     const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct face f = {0};
+    struct surface_face f = {0};
     size_t n = 0, rim = 0;
 
     scan(15, 0, POINTS);
@@ -643,10 +644,10 @@ TEST(test_heatmap_rim)
 /* What asks for memory, k: 0 compare, 1 mirrored, 2 the field, 3 the minimum and its weight. */
 #define CALLS 4
 
-static enum status call(int k, const struct face *a, const struct face *b,
-                        struct face_work *w, double out[2])
+static enum status call(int k, const struct surface_face *a, const struct surface_face *b,
+                        struct surface_work *w, double out[2])
 {
-    static struct face_field field;
+    static struct surface_parts field;
     struct face_result r;
     struct minimal least;
     enum status st;
@@ -663,7 +664,7 @@ static enum status call(int k, const struct face *a, const struct face *b,
     case 2:
         st = face_field(a, b, w, &field);
         out[0] = field.region[0];
-        out[1] = field.region[GRID_REGIONS - 1];
+        out[1] = field.region[SURFACE_REGIONS - 1];
         break;
     default:
         if ((st = face_minimal(a, b, NULL, w, &r, &least)) == ST_OK)
@@ -677,7 +678,7 @@ static enum status call(int k, const struct face *a, const struct face *b,
 /* Every n-th allocation fails: ST_ENOMEM, and the next call succeeds with the same digits. */
 TEST(test_no_memory)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     make(18, 1, &b);
     make(18, 0, &a);
@@ -688,7 +689,7 @@ TEST(test_no_memory)
 
         assert_int_equal(call(c, &a, &b, work, plain), ST_OK);
         for (k = 1; st != ST_OK; k++) {
-            struct face_work *w = face_work_new(NULL);
+            struct surface_work *w = face_work_new(NULL);
 
             assert_non_null(w);
             fail_alloc_at(k);
@@ -716,8 +717,8 @@ TEST(test_no_memory)
 
 struct thread {
     pthread_t id;
-    const struct face *tmpl;
-    struct face probe;
+    const struct surface_face *tmpl;
+    struct surface_face probe;
     struct face_result r;
     enum status st;
 };
@@ -726,7 +727,7 @@ struct thread {
 static void *compare(void *arg)
 {
     struct thread *t = arg;
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = face_work_new(NULL);
 
     t->st = w == NULL ? ST_ENOMEM : face_build(cloud.pts, cloud.n, w, &t->probe, NULL);
     if (t->st == ST_OK)
@@ -742,7 +743,7 @@ static void *compare(void *arg)
 TEST(test_threads)
 {
     static struct thread t[THREADS], alone;
-    struct face a = {0};
+    struct surface_face a = {0};
 
     make(19, 0, &a);
     scan(19, 1, POINTS);

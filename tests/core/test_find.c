@@ -7,7 +7,7 @@
 #include "headscan.h"
 #include "unit.h"
 
-static struct face_work *work;
+static struct surface_work *work;
 
 BEFORE_ALL(open_work)
 {

@@ -10,7 +10,7 @@
 
 #define MOST (MODEL_MODES + 6)
 
-static struct model model;
+static struct surface_model model;
 static struct model_basis nothing_changes; /* the model's rest, without modes */
 static struct fit_basis moved, changed;    /* that, and the model's change, prepared */
 static struct scratch scratch;

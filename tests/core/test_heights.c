@@ -269,8 +269,8 @@ TEST(test_beside)
 
 static void face(void)
 {
-    static struct face f;
-    struct face_work *w = face_work_new(NULL);
+    static struct surface_face f;
+    struct surface_work *w = face_work_new(NULL);
     struct facegen_scan s;
 
     assert_non_null(w);

@@ -328,7 +328,7 @@ TEST(test_learned)
     struct rates *r = scores(SUBJECTS, 0);
 
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        struct calibration d;
+        struct surface_calibration d;
         bool knot = false;
 
         assert_int_equal(rates_calibrate(r, wanted[i], &d), ST_OK);
@@ -351,7 +351,7 @@ TEST(test_learned)
 
 TEST(test_learned_from_little)
 {
-    struct calibration d;
+    struct surface_calibration d;
     struct rates *r = scores(12, 0);
 
     assert_int_equal(rates_calibrate(r, 0.001, &d), ST_ETOOFEW); /* 132 comparisons */

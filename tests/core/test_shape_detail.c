@@ -4,7 +4,7 @@
 #include "toy.h"
 #include "unit.h"
 
-static struct model model;
+static struct surface_model model;
 static struct shape_work work;
 static float z[GRID_N]; /* NAN: not seen */
 

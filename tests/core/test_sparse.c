@@ -5,7 +5,7 @@
 #include "unit.h"
 
 static void make(uint64_t subject, uint64_t number, uint32_t points, double spikes,
-                 struct face_work *w, struct face *out)
+                 struct surface_work *w, struct surface_face *out)
 {
     struct dvec3 *pts = malloc(points * sizeof *pts);
     struct facegen_scan scan;
@@ -27,8 +27,8 @@ static void make(uint64_t subject, uint64_t number, uint32_t points, double spik
  * the model's rate says, as made-up faces differ in fewer ways than people. */
 static int refused(uint32_t points, double spikes, int *others)
 {
-    struct face_work *w = face_work_new(NULL);
-    struct face tmpl = {0}, probe = {0}, other = {0};
+    struct surface_work *w = face_work_new(NULL);
+    struct surface_face tmpl = {0}, probe = {0}, other = {0};
     int count = 0;
 
     *others = 0;
@@ -40,12 +40,12 @@ static int refused(uint32_t points, double spikes, int *others)
         make(k, 1, points, spikes, w, &probe);
         make(k + 1, 1, points, spikes, w, &other);
         assert_int_equal(face_compare(&tmpl, &probe, (double)NAN, NULL, w, &r), ST_OK);
-        if (r.decision != FACE_MATCH) {
+        if (r.decision != SURFACE_MATCH) {
             print_message("%u points, subject %d: %.2f\n", points, (int)k, r.score);
             count++;
         }
         assert_int_equal(face_compare(&tmpl, &other, (double)NAN, NULL, w, &r), ST_OK);
-        *others += r.decision == FACE_MATCH;
+        *others += r.decision == SURFACE_MATCH;
     }
     face_free(&tmpl);
     face_free(&probe);

@@ -115,14 +115,14 @@ TEST(test_followed)
     must(in_force_follow(s, tempdb_work, &version, &e));
     assert_int_equal(version, 0);
     r = compare();
-    assert_int_equal(r.decision, FACE_NO_MATCH);
+    assert_int_equal(r.decision, SURFACE_NO_MATCH);
     assert_true(r.threshold == model_default.calibration.threshold);
 
     add(s, &k);
     must(in_force_follow(s, tempdb_work, &version, &e));
     assert_int_equal(version, k.version);
     r = compare();
-    assert_int_equal(r.decision, FACE_MATCH);
+    assert_int_equal(r.decision, SURFACE_MATCH);
     assert_true(r.threshold == -700);
     assert_true(r.fmr_at_score == calibration_fmr(&k.table, r.score));
 
@@ -130,7 +130,7 @@ TEST(test_followed)
     add(s, &k);
     must(in_force_follow(s, tempdb_work, &version, &e));
     assert_int_equal(version, k.version);
-    assert_int_equal(compare().decision, FACE_NO_MATCH);
+    assert_int_equal(compare().decision, SURFACE_NO_MATCH);
     must(in_force_get(s, &in, &e));
     assert_true(in.shipped && in.version == k.version);
     assert_true(in.table.threshold == model_default.calibration.threshold);
@@ -144,7 +144,7 @@ TEST(test_followed)
                    &e));
     must(in_force_follow(s, tempdb_work, &version, &e));
     assert_int_equal(version, k.version);
-    assert_int_equal(compare().decision, FACE_NO_MATCH);
+    assert_int_equal(compare().decision, SURFACE_NO_MATCH);
     must(in_force_get(s, &in, &e));
     assert_true(in.shipped && in.ignored && in.version == k.version);
     assert_string_equal(in.engine, "surfaced/0.0.1 measure/0");
@@ -154,7 +154,7 @@ TEST(test_followed)
     tempdb_sql("UPDATE calibrations SET threshold = threshold + 1");
     fails(in_force_follow(s, tempdb_work, &version, &e), ST_ECORRUPT);
     assert_int_equal(version, k.version - 1);
-    assert_int_equal(compare().decision, FACE_NO_MATCH);
+    assert_int_equal(compare().decision, SURFACE_NO_MATCH);
     store_close(s);
 }
 
@@ -162,10 +162,10 @@ TEST(test_followed)
  * decides. */
 TEST(test_other_model)
 {
-    struct model *m = malloc(sizeof *m);
+    struct surface_model *m = malloc(sizeof *m);
     struct store_calibration k = example(0.6), in;
     struct store *s = tempdb_fresh();
-    char ours[FACE_ENGINE_MAX + 1];
+    char ours[SURFACE_ENGINE_SIZE];
 
     assert_non_null(m);
     *m = model_default;

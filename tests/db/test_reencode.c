@@ -16,8 +16,8 @@
 
 enum { SHIPPED, SHIFTED, HOLDS, HOLLOW, ENGINES }; /* the models */
 
-static struct model model[ENGINES];
-static struct face_work *work[ENGINES];
+static struct surface_model model[ENGINES];
+static struct surface_work *work[ENGINES];
 static struct errinfo e;
 
 struct bytes {
@@ -25,7 +25,7 @@ struct bytes {
     unsigned char b[BYTES];
 };
 
-static void encode(const struct face *f, struct bytes *out)
+static void encode(const struct surface_face *f, struct bytes *out)
 {
     out->n = codec_size(f);
     assert_true(out->n <= BYTES);
@@ -40,7 +40,7 @@ static void assert_same(const struct bytes *a, const struct bytes *b)
 
 /* towards: 1, or -1 for a hollow face. */
 static void make(uint64_t subject, double spikes, double towards, int engine,
-                 struct face *f)
+                 struct surface_face *f)
 {
     static struct dvec3 pts[POINTS];
     struct facegen_scan s;
@@ -84,15 +84,15 @@ TEST(test_spikes)
 {
     static struct bytes first, again;
     char digest[65], same[65];
-    struct face f = {0};
+    struct surface_face f = {0};
 
     make(1, 0.05, 1, SHIPPED, &f);
-    assert_int_equal(digest_points(&f.surface.mesh, digest), ST_OK);
+    assert_int_equal(digest_points(&f, digest), ST_OK);
     assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
     encode(&f, &first);
     for (int i = 0; i < 3; i++) {
         assert_int_equal(face_rebuild(&f, work[i % 2]), ST_OK);
-        assert_int_equal(digest_points(&f.surface.mesh, same), ST_OK);
+        assert_int_equal(digest_points(&f, same), ST_OK);
         assert_string_equal(digest, same);
     }
     assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
@@ -107,7 +107,7 @@ TEST(test_engines)
     static struct bytes theirs, ours, again;
 
     for (int i = SHIFTED; i <= HOLDS; i++) {
-        struct face f = {0}, g = {0};
+        struct surface_face f = {0}, g = {0};
 
         make(2, 0, 1, i, &f);
         make(2, 0, 1, SHIPPED, &g);
@@ -151,12 +151,12 @@ static struct store *open_for(int engine)
 static void load(struct store *s, const char *id, int engine, struct bytes *out)
 {
     struct store_template t;
-    struct face f = {0};
+    struct surface_face *f = NULL;
 
     if (store_template_load(s, id, &t, work[engine], &f, &e) != ST_OK)
         fail_msg("%s", e.msg);
-    encode(&f, out);
-    face_free(&f);
+    encode(f, out);
+    surface_face_free(f);
 }
 
 static uint64_t count(struct store *s)
@@ -172,7 +172,7 @@ TEST(test_store)
 {
     static struct bytes ours, loaded;
     struct store_template was, is;
-    struct face f = {0};
+    struct surface_face f = {0}, *g = NULL;
     char(*due)[STORE_ID_LEN + 1];
     struct store *s;
     bool done;
@@ -197,7 +197,7 @@ TEST(test_store)
         assert_string_equal(due[0], was.id);
         free(due);
 
-        must(store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &done, &e));
+        must(store_reencode(s, "test", was.id, work[SHIPPED], &g, &is, &done, &e));
         assert_true(done);
         assert_string_equal(is.engine, store_made_by(s));
         must(store_template_get(s, was.id, &is, &e));
@@ -208,13 +208,14 @@ TEST(test_store)
         load(s, was.id, SHIPPED, &loaded);
         assert_same(&ours, &loaded);
         assert_int_equal(count(s), 0);
-        must(store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &done, &e));
+        must(store_reencode(s, "test", was.id, work[SHIPPED], &g, &is, &done, &e));
         assert_false(done);
         must(store_verify(s, NULL, NULL, &e));
         store_close(s);
         tempdb_remove();
     }
     face_free(&f);
+    surface_face_free(g);
 }
 
 /* A template that cannot be re-encoded is never compared, and stays. */
@@ -222,7 +223,7 @@ TEST(test_stays)
 {
     static struct bytes before, after;
     struct store_template was, is;
-    struct face f = {0};
+    struct surface_face f = {0}, *g = NULL;
     struct store *s = open_for(HOLLOW);
     bool done = true;
 
@@ -232,10 +233,10 @@ TEST(test_stays)
     store_close(s);
 
     s = open_for(SHIPPED);
-    fails(store_template_load(s, was.id, &is, work[SHIPPED], &f, &e), ST_EVERSION);
+    fails(store_template_load(s, was.id, &is, work[SHIPPED], &g, &e), ST_EVERSION);
     assert_non_null(strstr(e.msg, was.id));
-    assert_int_equal(f.surface.mesh.nv, 0);
-    fails(store_reencode(s, "test", was.id, work[SHIPPED], &f, &is, &done, &e),
+    assert_null(g);
+    fails(store_reencode(s, "test", was.id, work[SHIPPED], &g, &is, &done, &e),
           ST_EVERSION);
     assert_false(done);
     assert_int_equal(count(s), 1);
@@ -249,6 +250,7 @@ TEST(test_stays)
     store_close(s);
     tempdb_remove();
     face_free(&f);
+    surface_face_free(g);
 }
 
 BEFORE_ALL(set_up)

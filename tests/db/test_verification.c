@@ -63,12 +63,12 @@ TEST(test_snapshot)
     assert_int_equal(a.calibration, 0);
     assert_int_equal(a.n, 2);
     for (size_t i = 0; i < 2; i++) {
-        struct face f = {0};
+        struct surface_face *f = NULL;
 
         assert_memory_equal(&a.t[i], &t[i], sizeof t[i]);
         assert_int_equal(store_snapshot_face(&a, i, tempdb_work, &f, &e), ST_OK);
-        assert_int_equal(f.surface.mesh.nv, t[i].points);
-        face_free(&f);
+        assert_int_equal(f->surface.mesh.nv, t[i].points);
+        surface_face_free(f);
     }
     assert_int_equal(store_snapshot_end(&a, ST_OK, &e), ST_OK);
     assert_transactions(1, 0);
@@ -101,8 +101,10 @@ TEST(test_state)
     struct store *s = make();
     struct store_snapshot_of what = {.subject = "alice", .token = "test"};
     struct store_snapshot a;
-    struct store_calibration k = {
-        .fmr = 0.001, .low = -1e3, .high = 1e3, .table = store_model(s)->calibration};
+    struct store_calibration k = {.fmr = 0.001,
+                                  .low = -1e3,
+                                  .high = 1e3,
+                                  .table = *surface_model_calibration(store_model(s))};
 
     tempdb_expire(s, "alice");
     assert_int_equal(tempdb_record(s, "alice", STORE_RECORD_FAILED, &e), ST_OK);

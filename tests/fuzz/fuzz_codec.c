@@ -19,8 +19,8 @@ static void put_u64(uint8_t *p, uint64_t value)
 
 static void try_model(const uint8_t *block, size_t size)
 {
-    static struct face_work *w; /* kept: making it takes longer than all the rest */
-    struct face f = {0};
+    static struct surface_work *w; /* kept: making it takes longer than all the rest */
+    struct surface_face f = {0};
     struct face_result result;
     uint8_t *first, *again;
     enum status st;

@@ -28,7 +28,7 @@
 #define MUST(what) ((what) ? (void)0 : broken(#what, __LINE__))
 
 /* alice has the first two, bob the third, carol the fourth and is disabled */
-static struct face face[5];
+static struct surface_face face[5];
 static struct store_template tmpl[4];
 static const char *const owner[4] = {"alice", "alice", "bob", "carol"};
 static char secret[65], revoked[65];
@@ -36,8 +36,8 @@ static char dir[64], path[96], key[96];
 static const struct store_key by_key = {.path = key, .make = CRYPT_FILE};
 static unsigned char *base;
 static size_t size;
-static struct face_work *work;
-static struct face loaded;
+static struct surface_work *work;
+static struct surface_face *loaded;
 static struct errinfo e;
 
 static void broken(const char *what, int line)
@@ -86,7 +86,7 @@ static void end(void)
     (void)rmdir(dir);
     for (size_t i = 0; i < sizeof face / sizeof *face; i++)
         face_free(&face[i]);
-    face_free(&loaded);
+    surface_face_free(loaded);
     face_work_free(work);
     free(base);
 }
@@ -378,12 +378,12 @@ static void check_template(struct store *s, const char *subject,
     if (store_template_load(s, t->id, &got, work, &loaded, &e) != ST_OK)
         return;
     MUST(memcmp(&got, &tmpl[i], sizeof got) == 0);
-    MUST(loaded.surface.mesh.nv == face[i].surface.mesh.nv &&
-         loaded.surface.mesh.nt == face[i].surface.mesh.nt);
-    MUST(memcmp(loaded.surface.mesh.xy, face[i].surface.mesh.xy,
-                loaded.surface.mesh.nv * sizeof *loaded.surface.mesh.xy) == 0);
-    MUST(memcmp(loaded.surface.mesh.z, face[i].surface.mesh.z,
-                loaded.surface.mesh.nv * sizeof *loaded.surface.mesh.z) == 0);
+    MUST(loaded->surface.mesh.nv == face[i].surface.mesh.nv &&
+         loaded->surface.mesh.nt == face[i].surface.mesh.nt);
+    MUST(memcmp(loaded->surface.mesh.xy, face[i].surface.mesh.xy,
+                loaded->surface.mesh.nv * sizeof *loaded->surface.mesh.xy) == 0);
+    MUST(memcmp(loaded->surface.mesh.z, face[i].surface.mesh.z,
+                loaded->surface.mesh.nv * sizeof *loaded->surface.mesh.z) == 0);
 }
 
 static void ask_subject(struct store *s, const char *subject)

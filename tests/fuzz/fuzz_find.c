@@ -37,7 +37,7 @@ static void check(const struct find *f)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct face_work *w; /* kept: making it takes longer than all the rest */
+    static struct surface_work *w; /* kept: making it takes longer than all the rest */
     static struct dvec3 pts[MAX_POINTS * MAX_COPIES];
     struct find first, again;
     size_t n = 0, one;

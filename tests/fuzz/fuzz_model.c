@@ -10,7 +10,7 @@
 #include "frame.h"
 #include "model.h"
 
-static void check_numbers(const struct model *m)
+static void check_numbers(const struct surface_model *m)
 {
     require(m->kinship >= 0 && m->kinship < 1 && m->noise_floor_mm > 0 &&
             m->noise_factor >= 0 && calibration_valid(&m->calibration));
@@ -29,7 +29,7 @@ static void check_numbers(const struct model *m)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct model model, again;
+    static struct surface_model model, again;
     struct frame_mean mean;
     uint32_t line = 0;
     const enum status st = model_parse((const char *)data, size, &model, &line);

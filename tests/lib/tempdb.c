@@ -21,8 +21,8 @@
 #define POINTS 1500
 
 char tempdb_dir[32], tempdb_path[40];
-struct face tempdb_face[TEMPDB_FACES];
-struct face_work *tempdb_work;
+struct surface_face tempdb_face[TEMPDB_FACES];
+struct surface_work *tempdb_work;
 
 int tempdb_begin(void **state)
 {
@@ -167,7 +167,7 @@ void tempdb_mislead(const char *index, const char *rows)
 }
 
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
-                         const char *label, const struct face *f,
+                         const char *label, const struct surface_face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
     const struct store_enroll what = {.actor = actor,
@@ -180,7 +180,7 @@ enum status tempdb_store(struct store *s, const char *actor, const char *subject
 }
 
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
-                   const struct face *f, struct store_template *t)
+                   const struct surface_face *f, struct store_template *t)
 {
     struct errinfo e;
     bool created;

@@ -20,8 +20,8 @@ int tempdb_end(void **state);
 /* The same two, with as many scans of different people, 1,500 points each, and working
  * memory to compare them. */
 #define TEMPDB_FACES 4
-extern struct face tempdb_face[TEMPDB_FACES];
-extern struct face_work *tempdb_work;
+extern struct surface_face tempdb_face[TEMPDB_FACES];
+extern struct surface_work *tempdb_work;
 int tempdb_begin_faces(void **state);
 int tempdb_end_faces(void **state);
 
@@ -52,10 +52,10 @@ void tempdb_mislead(const char *index, const char *rows);
  * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
  * tempdb_attempts(s, subject): those of a store_snapshot_begin(). */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
-                         const char *label, const struct face *f,
+                         const char *label, const struct surface_face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
-                   const struct face *f, struct store_template *t);
+                   const struct surface_face *f, struct store_template *t);
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
 void tempdb_expire(struct store *s, const char *subject);

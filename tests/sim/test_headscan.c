@@ -277,7 +277,7 @@ TEST(test_layers)
 TEST(test_pose_is_found)
 {
     const struct headscan_options o = kind("round", 5);
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = face_work_new(NULL);
     struct headscan s;
     double to[16];
     size_t close = 0, face = 0;
