@@ -170,7 +170,7 @@ $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.
-MODEL_H := $(addprefix core/,face/model.h basic/calibration.h face/grid.h basic/status.h basic/libsurface.h)
+MODEL_H := $(addprefix core/,face/model.h face/grid.h basic/status.h basic/libsurface.h)
 $(BUILD)/gen/model: sim/model_main.c core/face/model.c core/basic/calibration.c $(MODEL_H) Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
@@ -205,10 +205,10 @@ $(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
 
 # The library as it is installed: core as one object that exports what libsurface.h
 # declares, and nothing else.
-$(BUILD)/libsurface.a: $(call archs,core)
+$(BUILD)/libsurface.a: $(call archs,core) core/basic/libsurface.h
 	$(call say,AR)
-	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $^ -Wl,--no-whole-archive
-	$(Q)$(NM) -g --defined-only $(BUILD)/core/libsurface.o | sed 's/.* //' > $(@:.a=.names)
+	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $(call archs,core) -Wl,--no-whole-archive
+	$(Q)grep -oE 'surface_[a-z_]+\(' core/basic/libsurface.h | tr -d '(' | sort -u > $(@:.a=.names)
 	$(Q)$(OBJCOPY) --keep-global-symbols=$(@:.a=.names) $(@:.a=.o)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $(@:.a=.o)

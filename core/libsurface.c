@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "asymmetry.h"
-#include "calibration.h"
 #include "cloudpoints.h"
 #include "codec.h"
 #include "face.h"
@@ -89,61 +88,15 @@ surface_model_calibration(const struct surface_model *model)
     return model != NULL ? &model->calibration : &model_default.calibration;
 }
 
-int surface_calibration_valid(const struct surface_calibration *by)
-{
-    return calibration_valid(by);
-}
-
-double surface_calibration_rate(const struct surface_calibration *by, double score)
-{
-    return calibration_fmr(by, score);
-}
-
-void surface_engine(const struct surface_model *model, char out[SURFACE_ENGINE_SIZE])
-{
-    face_engine(model, out);
-}
-
-int surface_same_engine(const char *a, const char *b)
-{
-    return face_same_engine(a, b);
-}
-
 /* ---- memory to work with */
-
-struct surface_work *surface_work_new(const struct surface_model *model)
-{
-    return face_work_new(model);
-}
-
-void surface_work_free(struct surface_work *work)
-{
-    face_work_free(work);
-}
 
 enum surface_status surface_work_calibrate(struct surface_work *work,
                                            const struct surface_calibration *by)
 {
-    if (by != NULL && !calibration_valid(by))
+    if (by != NULL && !surface_calibration_valid(by))
         return SURFACE_EINVAL;
     face_work_decide(work, by);
     return SURFACE_OK;
-}
-
-const struct surface_calibration *
-surface_work_calibration(const struct surface_work *work)
-{
-    return face_work_decides(work);
-}
-
-void surface_work_clock(struct surface_work *work, double (*clock_ms)(void))
-{
-    face_work_time(work, clock_ms);
-}
-
-void surface_work_wipe(struct surface_work *work)
-{
-    face_work_wipe(work);
 }
 
 /* ---- building */
@@ -384,16 +337,6 @@ enum surface_status surface_face_check(const struct surface_face *face)
 }
 
 /* ---- bytes */
-
-size_t surface_encoded_size(const struct surface_face *face)
-{
-    return codec_size(face);
-}
-
-void surface_encode(const struct surface_face *face, void *bytes)
-{
-    codec_encode(face, bytes);
-}
 
 enum surface_status surface_decode(struct surface_work *work, const void *bytes,
                                    size_t length, struct surface_face **out)

@@ -117,7 +117,7 @@ static void print_model(struct lab *c, const char *path, const struct surface_mo
 {
     char engine[SURFACE_ENGINE_SIZE];
 
-    face_engine(m, engine);
+    surface_engine(m, engine);
     json_text(c->report, "model", path);
     json_text(c->report, "name", m->name);
     json_text(c->report, "engine", engine);

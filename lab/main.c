@@ -340,15 +340,15 @@ static enum status run(struct lab *c, const struct command *k)
     if (c->model_path != NULL)
         st = modelfile_read(c->model_path, &model, &c->e);
     c->model = model != NULL ? model : &model_default;
-    if (st == ST_OK && (c->work = face_work_new(c->model)) == NULL)
+    if (st == ST_OK && (c->work = surface_work_new(c->model)) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && c->json && (c->report = json_new()) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK) {
-        face_engine(c->model, c->engine);
+        surface_engine(c->model, c->engine);
         st = k->run(c);
     }
-    face_work_free(c->work);
+    surface_work_free(c->work);
     surface_model_free(model);
     return st;
 }

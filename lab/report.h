@@ -55,7 +55,7 @@ struct report {
     const struct trials *t;
     const char *source, *made; /* folder, manifest or list; when */
     const char *calibration;   /* whose decided */
-    const char *engine;        /* face_engine() */
+    const char *engine;        /* surface_engine() */
     const struct surface_model *model;
     const char *enroll_kind; /* that was asked for, or NULL */
     double threshold;

@@ -255,7 +255,7 @@ static void options_of(const struct command *c, bool crop, struct headscan_optio
 
 int main(int argc, char **argv)
 {
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct head h = {0}, other = {0};
     struct headscan_options o;
     struct headscan s = {0};
@@ -282,6 +282,6 @@ int main(int argc, char **argv)
     headscan_free(&s);
     head_free(&h);
     head_free(&other);
-    face_work_free(w);
+    surface_work_free(w);
     return rc;
 }

@@ -1,6 +1,7 @@
-#include "calibration.h"
+#include "libsurface.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #define LARGEST 1e4
 
@@ -9,7 +10,7 @@ static bool is_score(double x)
     return fabs(x) < LARGEST; /* false for NAN */
 }
 
-bool calibration_valid(const struct surface_calibration *c)
+int surface_calibration_valid(const struct surface_calibration *c)
 {
     const struct surface_knot *k = c->knot;
 
@@ -23,7 +24,7 @@ bool calibration_valid(const struct surface_calibration *c)
     return true;
 }
 
-double calibration_fmr(const struct surface_calibration *c, double score)
+double surface_calibration_rate(const struct surface_calibration *c, double score)
 {
     const struct surface_knot *k = c->knot;
     uint32_t i = 1;

@@ -96,8 +96,10 @@ SURFACE_API enum surface_status surface_model_parse(const char *text, size_t len
                                                     uint32_t *line);
 SURFACE_API void surface_model_free(struct surface_model *model); /* NULL is allowed */
 
-/* What makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", NUL-terminated.  Scores of
- * another measure or another model are not comparable.  NULL: the shipped model.  About 1 ms. */
+/* What makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", NUL-terminated, with the first
+ * 8 hex digits of the model's digest.  N is counted up with every change that gives two scans
+ * another score, or the same points another face.  Scores of another measure or another model are
+ * not comparable.  NULL: the shipped model.  About 1 ms. */
 SURFACE_API void surface_engine(const struct surface_model *model,
                                 char out[SURFACE_ENGINE_SIZE]);
 
@@ -124,7 +126,8 @@ surface_model_calibration(const struct surface_model *model);
 /* Is it as described above?  1 or 0. */
 SURFACE_API int surface_calibration_valid(const struct surface_calibration *by);
 /* The false match rate at a threshold of this score, 0..1: 1 below the first knot, linear between
- * the knots, and from the last one on that one's. */
+ * the knots, and from the last one on that one's: never below what the comparisons support.
+ * NaN gives 1. */
 SURFACE_API double surface_calibration_rate(const struct surface_calibration *by,
                                             double score);
 

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration.h"
+#include "libsurface.h"
 #include "mem.h"
 
 const double rates_target[RATES_TARGETS] = {0.01, 0.001, 0.0001};
@@ -404,7 +404,7 @@ enum status rates_calibrate(const struct rates *r, double fmr,
     }
     if (!placed)
         add_knot(r, c->threshold, c);
-    return calibration_valid(c) ? ST_OK : ST_ETOOFEW;
+    return surface_calibration_valid(c) ? ST_OK : ST_ETOOFEW;
 }
 
 uint32_t rates_subjects(double fmr)

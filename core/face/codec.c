@@ -135,7 +135,7 @@ static size_t size_of(uint32_t nv, uint32_t modes)
            (nt + n) * vertex_width(nv);
 }
 
-size_t codec_size(const struct surface_face *f)
+size_t surface_encoded_size(const struct surface_face *f)
 {
     return size_of(f->surface.mesh.nv, f->encoding.n);
 }
@@ -220,8 +220,9 @@ static bool get_encoding(const unsigned char *p, uint32_t modes, struct encoding
     return good && get_floats(p + 4 * modes, e->a, modes * (modes + 1) / 2);
 }
 
-void codec_encode(const struct surface_face *f, unsigned char *buf)
+void surface_encode(const struct surface_face *f, void *bytes)
 {
+    unsigned char *buf = bytes;
     const struct mesh *m = &f->surface.mesh;
     const size_t half = half_width(m->nv), vertex = vertex_width(m->nv);
     unsigned char *p = buf + HEADER;
@@ -229,7 +230,7 @@ void codec_encode(const struct surface_face *f, unsigned char *buf)
     memcpy(buf + AT_MAGIC, MAGIC, 4);
     put16(buf + AT_VERSION, VERSION);
     put16(buf + AT_MODES, f->encoding.n);
-    put64(buf + AT_LENGTH, codec_size(f));
+    put64(buf + AT_LENGTH, surface_encoded_size(f));
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);

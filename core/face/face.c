@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "asymmetry.h"
-#include "calibration.h"
+#include "libsurface.h"
 #include "encode.h"
 #include "fit.h"
 #include "heights.h"
@@ -36,7 +36,7 @@ struct surface_work {
     double (*clock_ms)(void); /* NULL: none */
 };
 
-void face_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE])
+void surface_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE])
 {
     const uint64_t digest = model_digest(m != NULL ? m : &model_default);
 
@@ -44,7 +44,7 @@ void face_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE])
                    (unsigned)(digest >> 32));
 }
 
-bool face_same_engine(const char *a, const char *b)
+int surface_same_engine(const char *a, const char *b)
 {
     /* "surfaced/VERSION measure/N model/HHHHHHHH" */
     const char *x = strchr(a, ' '), *y = strchr(b, ' ');
@@ -109,7 +109,7 @@ static void weigh_places(const struct surface_model *m, float weight[GRID_N])
         weight[i] = (float)((double)weight[i] * n / sum);
 }
 
-struct surface_work *face_work_new(const struct surface_model *m)
+struct surface_work *surface_work_new(const struct surface_model *m)
 {
     struct surface_work *w = mem_array(1, sizeof *w);
 
@@ -119,7 +119,7 @@ struct surface_work *face_work_new(const struct surface_model *m)
     w->model = m != NULL ? m : &model_default;
     w->calibration = w->model->calibration;
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
-        face_work_free(w);
+        surface_work_free(w);
         return NULL;
     }
     fit_prepare(&w->model->change, &w->change);
@@ -134,12 +134,12 @@ void face_work_decide(struct surface_work *w, const struct surface_calibration *
     w->calibration = c != NULL ? *c : w->model->calibration;
 }
 
-const struct surface_calibration *face_work_decides(const struct surface_work *w)
+const struct surface_calibration *surface_work_calibration(const struct surface_work *w)
 {
     return &w->calibration;
 }
 
-void face_work_time(struct surface_work *w, double (*clock_ms)(void))
+void surface_work_clock(struct surface_work *w, double (*clock_ms)(void))
 {
     w->clock_ms = clock_ms;
 }
@@ -164,7 +164,7 @@ struct shape_work *face_work_shape(struct surface_work *w)
     return &w->shape;
 }
 
-void face_work_free(struct surface_work *w)
+void surface_work_free(struct surface_work *w)
 {
     if (w == NULL)
         return;
@@ -176,7 +176,7 @@ void face_work_free(struct surface_work *w)
     mem_free(w);
 }
 
-void face_work_wipe(struct surface_work *w)
+void surface_work_wipe(struct surface_work *w)
 {
     measure_work_wipe(&w->measure, FACE_WORK_KEEP);
     align_work_wipe(&w->align, FACE_WORK_KEEP);
@@ -489,7 +489,7 @@ enum status face_compare(const struct surface_face *tmpl,
 
     out->threshold = isnan(threshold) ? w->calibration.threshold : threshold;
     out->decision = decide(out);
-    out->fmr_at_score = calibration_fmr(&w->calibration, out->score);
+    out->fmr_at_score = surface_calibration_rate(&w->calibration, out->score);
     out->score_ms = clock_ms != NULL ? clock_ms() - start : 0;
     return st;
 }
@@ -502,7 +502,7 @@ void face_best_of(struct face_result *r, uint32_t n, const struct surface_work *
     r->score -= ratio_ln(n);
     r->expected -= ratio_ln(n);
     r->decision = decide(r);
-    r->fmr_at_score = calibration_fmr(&w->calibration, r->score);
+    r->fmr_at_score = surface_calibration_rate(&w->calibration, r->score);
 }
 
 void face_shown(const struct face_result *r, double steps, double *score,
@@ -521,7 +521,7 @@ void face_round(struct face_result *r, const struct surface_work *w)
     face_shown(r, 10, &r->score, &r->threshold);
     r->overlap = round(r->overlap * 1e2) / 1e2;
     if (r->fmr_at_score < 1) /* else nothing was in common, or the score is the least */
-        r->fmr_at_score = calibration_fmr(&w->calibration, r->score);
+        r->fmr_at_score = surface_calibration_rate(&w->calibration, r->score);
 }
 
 enum status face_compare_mirrored(const struct surface_face *tmpl,
@@ -544,7 +544,7 @@ enum status face_compare_mirrored(const struct surface_face *tmpl,
         st = score_of(&tmpl->encoding, &mirrored, w, out);
     out->threshold = w->calibration.threshold;
     out->decision = decide(out);
-    out->fmr_at_score = calibration_fmr(&w->calibration, out->score);
+    out->fmr_at_score = surface_calibration_rate(&w->calibration, out->score);
     return st;
 }
 

@@ -7,7 +7,6 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "align.h"
-#include "calibration.h"
 #include "encode.h"
 #include "frame.h"
 #include "grid.h"
@@ -30,37 +29,14 @@ struct minimal;       /* minimal.h */
 struct surface_model; /* model.h */
 struct shape_work;    /* shape_work.h */
 
-/* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
- * with the first 8 hex digits of m's digest (NULL: model_default).  N is counted up with
- * every change that gives two scans another score, or the same points another face.
- * Scores and calibrations of another N or another model are not comparable.  About 1 ms. */
-void face_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE]);
-
-/* face_same_engine(a, b): are scores of the engines a and b comparable?  True where all but
- * the version is the same. */
-bool face_same_engine(const char *a, const char *b);
-
-/* A worker's reusable memory for building and comparing: after the first few calls nothing
- * is allocated any more.  One thread at a time. */
-struct surface_work;
-/* face_work_new(m): m is the model to build and compare by, borrowed; NULL: model_default.
- * Returns NULL when out of memory. */
-struct surface_work *face_work_new(const struct surface_model *m);
-void face_work_free(struct surface_work *w);
-
-/* face_work_wipe(w): nothing of the faces that w has worked on stays in its memory, and what
- * more than FACE_WORK_KEEP bytes in a block were needed for is given back: faces of up to
- * 10,000 points are worked on without allocating again.  O(bytes used since the last time). */
+/* More than these bytes in a block surface_work_wipe() gives back: faces of up to 10,000 points are
+ * worked on without allocating again.  It takes O(bytes used since the last time). */
 #define FACE_WORK_KEEP ((size_t)4 << 20)
-void face_work_wipe(struct surface_work *w);
 
 /* face_work_decide(w, d): from now on decide by the calibration d (copied); NULL: by the
  * model's own. */
 void face_work_decide(struct surface_work *w, const struct surface_calibration *d);
-const struct surface_calibration *face_work_decides(const struct surface_work *w);
-
-/* face_work_time(w, clock_ms): the clock of w, in ms, for face_work_clock(); NULL: none. */
-void face_work_time(struct surface_work *w, double (*clock_ms)(void));
+/* face_work_clock(w): that of surface_work_clock(). */
 double (*face_work_clock(const struct surface_work *w))(void);
 
 /* The model that w was made with, its mean face ready to align to, and its shape ready to be

@@ -143,7 +143,7 @@ static void calibration(struct reader *r, struct surface_calibration *c)
         c->knot[i].score = (double)integer(r, -SCORE_MAX, SCORE_MAX) / SCALAR_UNITS;
         c->knot[i].rate = (double)integer(r, 1, (int64_t)RATE_UNITS) / RATE_UNITS;
     }
-    r->bad |= r->bad || !calibration_valid(c);
+    r->bad |= r->bad || !surface_calibration_valid(c);
 }
 
 /* A mean face to lay others on, to bend and to measure; and modes that tell people apart. */

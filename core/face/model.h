@@ -6,7 +6,7 @@
 #define CORE_MODEL_H
 #include <stddef.h>
 #include <stdint.h>
-#include "calibration.h"
+#include "libsurface.h"
 #include "grid.h"
 #include "status.h"
 

@@ -264,7 +264,7 @@ static void weights(const struct study *study, struct surface_work *w)
 
 void faces_run(const struct study *study)
 {
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
 
     if (w == NULL) {
         study_must(ST_ENOMEM);
@@ -272,5 +272,5 @@ void faces_run(const struct study *study)
         figures(study, w);
         weights(study, w);
     }
-    face_work_free(w);
+    surface_work_free(w);
 }

@@ -278,7 +278,7 @@ void minimal_run(const struct study *study)
 {
     static const char *const scanned[KINDS] = {"p1", "p2", "p3", "p4"};
     static const char *const made_up[1] = {"made up"};
-    struct run s = {.study = study, .w = face_work_new(NULL)};
+    struct run s = {.study = study, .w = surface_work_new(NULL)};
     const int kinds = study->faces != NULL ? KINDS : 1;
     struct person *p[KINDS];
     size_t people = PEOPLE;
@@ -311,5 +311,5 @@ void minimal_run(const struct study *study)
         free(s.record[k]);
     }
     measure_work_free(&s.m);
-    face_work_free(s.w);
+    surface_work_free(s.w);
 }

@@ -254,7 +254,7 @@ void several_run(const struct study *study)
     static const char columns[] =
         "people,templates,threshold,non-mated,mated,as it is: FMR %,below %,FNMR %,"
         "less ln n: FMR %,below %,FNMR %,less 2 ln n: FMR %,below %,FNMR %\n";
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     FILE *f = study_open(study, "several.csv"), *curve = study_open(study, "curve.csv");
     const double own = model_default.calibration.threshold;
     struct crowd c;
@@ -273,5 +273,5 @@ void several_run(const struct study *study)
     }
     study_close(f);
     study_close(curve);
-    face_work_free(w);
+    surface_work_free(w);
 }

@@ -240,7 +240,7 @@ BEFORE_ALL(set_up)
     (void)snprintf(key, sizeof key, "%s.key", tempdb_path);
     facegen_default(&scan);
     scan.points = POINTS;
-    assert_false((work = face_work_new(NULL)) == NULL ||
+    assert_false((work = surface_work_new(NULL)) == NULL ||
                  face_build(pts, facegen_sample(&scan, pts), work, &face, NULL) != ST_OK);
     s = tempdb_fresh();
     fill(s);
@@ -257,6 +257,6 @@ AFTER_ALL(tear_down)
     free(file);
     face_free(&face);
     surface_face_free(loaded);
-    face_work_free(work);
+    surface_work_free(work);
     assert_int_equal(tempdb_end(NULL), 0);
 }

@@ -74,9 +74,9 @@ static void pair_make(struct pair *p, uint64_t k, size_t n)
     clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
     timing_must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
-    p->blob_size = codec_size(&p->tmpl);
+    p->blob_size = surface_encoded_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
-    codec_encode(&p->tmpl, p->blob);
+    surface_encode(&p->tmpl, p->blob);
     timing_must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
     if (peers != NULL)
         p->points = peers->points(pts, p->n_tmpl);
@@ -241,7 +241,7 @@ static void report(void)
     line("  the probe's frame (part of its model above)", frame);
     line("  the search from both frames (part of the comparison)", from);
     printf("  template stored: %.2f of the time from both clouds; %zu bytes a point\n",
-           both / raw, codec_size(&stored) / stored.surface.mesh.nv);
+           both / raw, surface_encoded_size(&stored) / stored.surface.mesh.nv);
     timing_unit(one);
     timing_target("template load", load / one, 0.1, "units");
     timing_target("probe: points to model", probe / one, 3, "units");
@@ -343,9 +343,9 @@ static void dense_make(struct pair *p, uint64_t k)
     points_of(p->probe_pts, p->n_probe, &c);
     scan(&c, &p->probe);
     cloudpoints_free(&c);
-    p->blob_size = codec_size(&p->tmpl);
+    p->blob_size = surface_encoded_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
-    codec_encode(&p->tmpl, p->blob);
+    surface_encode(&p->tmpl, p->blob);
     timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
     p->score = r.score;
 }
@@ -406,7 +406,7 @@ static void dense(const struct pair *pair)
 static void memory(const struct pair *p)
 {
     const double before = timing_bytes();
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct surface_face a = {0}, b = {0};
     struct face_result r;
     struct minimal least;
@@ -423,7 +423,7 @@ static void memory(const struct pair *p)
     timing_target("memory, working set of a comparison", bytes / 1e6, 4, "MB");
     face_free(&a);
     face_free(&b);
-    face_work_free(w);
+    surface_work_free(w);
 }
 
 int main(void)
@@ -431,7 +431,7 @@ int main(void)
     static struct pair pair[PAIRS];
 
     peers = timing_peers();
-    if ((work = face_work_new(NULL)) == NULL)
+    if ((work = surface_work_new(NULL)) == NULL)
         timing_must(ST_ENOMEM);
     timing_must(frame_mean_make(&model_default, &mean));
     fit_prepare(&model_default.change, &motion);

@@ -431,7 +431,7 @@ TEST(test_apart)
 BEFORE_ALL(set_up)
 {
     seed = brute_seed("align");
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
     assert_int_equal(frame_mean_make(&model_default, &mean), ST_OK);
     fit_prepare(&model_default.change, &motion);
 }

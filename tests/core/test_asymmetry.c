@@ -301,10 +301,10 @@ TEST(test_half)
 
 static enum status measure_fresh(void *out)
 {
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     const enum status st = w == NULL ? ST_ENOMEM : face_asymmetry(&face, w, out);
 
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 
@@ -322,5 +322,5 @@ TEST(test_memory)
 
 BEFORE_ALL(set_up)
 {
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
 }

@@ -35,10 +35,10 @@ static void build(enum brute_shape shape, size_t n, struct brute_rng *r,
 
 static unsigned char *encode(const struct surface_face *f, size_t *len)
 {
-    unsigned char *buf = malloc(*len = codec_size(f));
+    unsigned char *buf = malloc(*len = surface_encoded_size(f));
 
     assert_non_null(buf);
-    codec_encode(f, buf);
+    surface_encode(f, buf);
     return buf;
 }
 
@@ -124,7 +124,7 @@ TEST(test_round_trip)
         assert_int_equal(delaunay_build(pts, n, &scratch, &f.surface.mesh), ST_OK);
         assert_int_equal(mst_build(&f.surface.mesh, &scratch), ST_OK);
         round_trip(&f);
-        assert_int_equal(codec_size(&f),
+        assert_int_equal(surface_encoded_size(&f),
                          HEADER + ENCODING + edge[i].bytes * n - edge[i].less);
     }
     face_free(&f);
@@ -244,8 +244,8 @@ TEST(test_golden)
                 f.frame.mean_id != frame.mean_id); /* found again */
     f.frame = frame;
     f.encoding = encoding;
-    assert_int_equal(codec_size(&f), len);
-    codec_encode(&f, again);
+    assert_int_equal(surface_encoded_size(&f), len);
+    surface_encode(&f, again);
     assert_memory_equal(buf, again, len);
     buf[4] = 4; /* a version to come */
     assert_int_equal(codec_decode(buf, len, work, &f), ST_EVERSION);
@@ -465,7 +465,7 @@ TEST(test_no_memory)
     build(BRUTE_RANDOM, 300, &r, &f);
     buf = encode(&f, &len);
     do {
-        struct surface_work *w = face_work_new(NULL);
+        struct surface_work *w = surface_work_new(NULL);
         struct surface_face g = {0};
 
         assert_non_null(w);
@@ -477,7 +477,7 @@ TEST(test_no_memory)
         }
         fail_alloc_at(0);
         face_free(&g);
-        face_work_free(w);
+        surface_work_free(w);
     } while (st != ST_OK);
     assert_true(n > 3);
     free(buf);
@@ -486,11 +486,11 @@ TEST(test_no_memory)
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }
 
 AFTER_ALL(tear_down)
 {
-    face_work_free(work);
+    surface_work_free(work);
     scratch_free(&scratch);
 }

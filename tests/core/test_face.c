@@ -238,10 +238,10 @@ TEST(test_no_memory)
     unsigned long k;
 
     fail_alloc_at(1);
-    assert_null(face_work_new(NULL));
+    assert_null(surface_work_new(NULL));
     make(18, 0, &want);
     for (k = 1; st != ST_OK; k++) {
-        struct surface_work *w = face_work_new(NULL);
+        struct surface_work *w = surface_work_new(NULL);
         struct surface_face f = {0};
 
         assert_non_null(w);
@@ -255,7 +255,7 @@ TEST(test_no_memory)
         fail_alloc_at(0);
         check_same_model(&want, &f);
         face_free(&f);
-        face_work_free(w);
+        surface_work_free(w);
     }
     assert_true(k > 4);
     face_free(&want);
@@ -263,5 +263,5 @@ TEST(test_no_memory)
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }

@@ -4,7 +4,7 @@
 #include <pthread.h>
 
 #include "clouds.h"
-#include "calibration.h"
+#include "libsurface.h"
 #include "face.h"
 #include "fail_alloc.h"
 #include "heatmap.h"
@@ -198,7 +198,7 @@ TEST(test_mated_and_not)
                              ST_OK);
             assert_true(r.threshold == model_default.calibration.threshold);
             assert_true(r.fmr_at_score ==
-                        calibration_fmr(&model_default.calibration, r.score));
+                        surface_calibration_rate(&model_default.calibration, r.score));
             assert_true(r.align_ms == 0 && r.score_ms == 0);
             if (who == k) {
                 assert_int_equal(r.decision, SURFACE_MATCH);
@@ -268,7 +268,7 @@ static void check_rounding(const struct face_result *r)
     assert_true(one.overlap == round(r->overlap * 100) / 100);
     assert_true(one.fmr_at_score == other.fmr_at_score);
     assert_true(one.fmr_at_score ==
-                calibration_fmr(&model_default.calibration, one.score));
+                surface_calibration_rate(&model_default.calibration, one.score));
     assert_true(one.decision == r->decision);
     assert_true(one.threshold >= r->threshold && one.threshold < r->threshold + 0.1);
 }
@@ -689,7 +689,7 @@ TEST(test_no_memory)
 
         assert_int_equal(call(c, &a, &b, work, plain), ST_OK);
         for (k = 1; st != ST_OK; k++) {
-            struct surface_work *w = face_work_new(NULL);
+            struct surface_work *w = surface_work_new(NULL);
 
             assert_non_null(w);
             fail_alloc_at(k);
@@ -703,7 +703,7 @@ TEST(test_no_memory)
             assert_int_equal(call(c, &a, &b, w, got), ST_OK);
             assert_int_equal(fail_alloc_count(),
                              0); /* the steady state allocates nothing */
-            face_work_free(w);
+            surface_work_free(w);
         }
         assert_true(k > 2);
     }
@@ -727,7 +727,7 @@ struct thread {
 static void *compare(void *arg)
 {
     struct thread *t = arg;
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
 
     t->st = w == NULL ? ST_ENOMEM : face_build(cloud.pts, cloud.n, w, &t->probe, NULL);
     if (t->st == ST_OK)
@@ -736,7 +736,7 @@ static void *compare(void *arg)
         t->st = face_align(t->tmpl, &t->probe, NULL, w, &t->r);
     if (t->st == ST_OK)
         t->st = face_regions(t->tmpl, &t->probe, w, &t->r);
-    face_work_free(w);
+    surface_work_free(w);
     return NULL;
 }
 
@@ -768,5 +768,5 @@ TEST(test_threads)
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }

@@ -11,7 +11,7 @@ static struct surface_work *work;
 
 BEFORE_ALL(open_work)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }
 
 /* ---- motions */

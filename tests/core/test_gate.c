@@ -131,10 +131,10 @@ TEST(test_turned)
 
 BEFORE_ALL(set_up)
 {
-    assert_false((work = face_work_new(NULL)) == NULL);
+    assert_false((work = surface_work_new(NULL)) == NULL);
 }
 
 AFTER_ALL(tear_down)
 {
-    face_work_free(work);
+    surface_work_free(work);
 }

@@ -48,7 +48,7 @@ TEST(test_same)
 {
     static const uint64_t probe[2][2] = {{3, 1}, {4, 0}};
     struct surface_work *work = surface_work_new(NULL);
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct surface_face *tmpl = NULL, *other = NULL;
     struct surface_face a = {0}, b = {0};
     char engine[2][SURFACE_ENGINE_SIZE];
@@ -113,13 +113,13 @@ TEST(test_same)
         assert_true(asym.disparity_mm == mirror.final.plain_mm && asym.conclusive);
     }
     surface_engine(NULL, engine[0]);
-    face_engine(NULL, engine[1]);
+    surface_engine(NULL, engine[1]);
     assert_string_equal(engine[0], engine[1]);
     assert_non_null(strstr(engine[0], "/" SURFACE_VERSION " "));
     assert_string_equal(surface_version(), SURFACE_VERSION);
     face_free(&a);
     face_free(&b);
-    face_work_free(w);
+    surface_work_free(w);
     surface_work_free(work);
     surface_face_free(tmpl); /* a face outlives the memory it was built with */
     surface_face_free(other);

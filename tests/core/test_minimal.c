@@ -344,5 +344,5 @@ TEST(test_overturned)
 
 BEFORE_ALL(start)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }

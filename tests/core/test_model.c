@@ -82,7 +82,7 @@ TEST(test_shipped)
     again = toy_text(&got, &n);
     assert_int_equal(n, len);
     assert_memory_equal(text, again, len);
-    assert_true(calibration_valid(&got.calibration));
+    assert_true(surface_calibration_valid(&got.calibration));
     free(text);
     free(again);
 }

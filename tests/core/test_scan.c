@@ -23,7 +23,7 @@ static struct cloudpoints c;
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }
 
 static void sample(uint64_t subject, uint64_t scan, uint32_t points)
@@ -505,7 +505,7 @@ TEST(test_range)
 
 static enum status build_fresh(void *arg)
 {
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct surface_face f = {0};
     enum status st = ST_ENOMEM;
 
@@ -513,7 +513,7 @@ static enum status build_fresh(void *arg)
     if (w != NULL && take())
         st = scan_build(&c, &probe, w, &f, NULL, &found);
     face_free(&f);
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 

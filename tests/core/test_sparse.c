@@ -27,7 +27,7 @@ static void make(uint64_t subject, uint64_t number, uint32_t points, double spik
  * the model's rate says, as made-up faces differ in fewer ways than people. */
 static int refused(uint32_t points, double spikes, int *others)
 {
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct surface_face tmpl = {0}, probe = {0}, other = {0};
     int count = 0;
 
@@ -50,7 +50,7 @@ static int refused(uint32_t points, double spikes, int *others)
     face_free(&tmpl);
     face_free(&probe);
     face_free(&other);
-    face_work_free(w);
+    surface_work_free(w);
     return count;
 }
 

@@ -124,7 +124,7 @@ TEST(test_followed)
     r = compare();
     assert_int_equal(r.decision, SURFACE_MATCH);
     assert_true(r.threshold == -700);
-    assert_true(r.fmr_at_score == calibration_fmr(&k.table, r.score));
+    assert_true(r.fmr_at_score == surface_calibration_rate(&k.table, r.score));
 
     k.shipped = true; /* back: the row's own numbers do not matter */
     add(s, &k);
@@ -174,7 +174,7 @@ TEST(test_other_model)
     assert_true(model_digest(m) == model_digest(&model_default)); /* these do not count */
     m->identity.mode[GRID_N / 2][0] += 1;
     assert_true(model_digest(m) != model_digest(&model_default));
-    face_engine(NULL, ours);
+    surface_engine(NULL, ours);
     assert_string_equal(store_made_by(s), ours);
 
     add(s, &k);

@@ -27,9 +27,9 @@ struct bytes {
 
 static void encode(const struct surface_face *f, struct bytes *out)
 {
-    out->n = codec_size(f);
+    out->n = surface_encoded_size(f);
     assert_true(out->n <= BYTES);
-    codec_encode(f, out->b);
+    surface_encode(f, out->b);
 }
 
 static void assert_same(const struct bytes *a, const struct bytes *b)
@@ -71,7 +71,7 @@ static void make_models(void)
             if (i == HOLLOW)
                 model[i].mean[k] = -model[i].mean[k];
         }
-        work[i] = face_work_new(&model[i]);
+        work[i] = surface_work_new(&model[i]);
         assert_non_null(work[i]);
     }
     assert_int_equal(model_mean_id(&model[HOLDS]), model_mean_id(&model_default));
@@ -128,14 +128,14 @@ TEST(test_engines)
 TEST(test_same_engine)
 {
     assert_true(
-        face_same_engine("surfaced/1 measure/2 model/a", "x/2 measure/2 model/a"));
+        surface_same_engine("surfaced/1 measure/2 model/a", "x/2 measure/2 model/a"));
+    assert_false(surface_same_engine("surfaced/1 measure/2 model/a",
+                                     "surfaced/1 measure/3 model/a"));
+    assert_false(surface_same_engine("surfaced/1 measure/2 model/a",
+                                     "surfaced/1 measure/2 model/b"));
     assert_false(
-        face_same_engine("surfaced/1 measure/2 model/a", "surfaced/1 measure/3 model/a"));
-    assert_false(
-        face_same_engine("surfaced/1 measure/2 model/a", "surfaced/1 measure/2 model/b"));
-    assert_false(
-        face_same_engine("surfaced/1 measure/2", "surfaced/1 measure/2 model/a"));
-    assert_false(face_same_engine("old", "old"));
+        surface_same_engine("surfaced/1 measure/2", "surfaced/1 measure/2 model/a"));
+    assert_false(surface_same_engine("old", "old"));
 }
 
 /* ---- templates */
@@ -262,6 +262,6 @@ BEFORE_ALL(set_up)
 AFTER_ALL(tear_down)
 {
     for (int i = 0; i < ENGINES; i++)
-        face_work_free(work[i]);
+        surface_work_free(work[i]);
     assert_int_equal(tempdb_end(NULL), 0);
 }

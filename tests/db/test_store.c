@@ -401,7 +401,7 @@ TEST(test_encrypted)
 static void *reader(void *arg)
 {
     struct store *s = arg;
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct surface_face *f = NULL;
     struct errinfo why;
     intptr_t bad = w == NULL;
@@ -421,7 +421,7 @@ static void *reader(void *arg)
         free(list);
     }
     surface_face_free(f);
-    face_work_free(w);
+    surface_work_free(w);
     return (void *)bad;
 }
 

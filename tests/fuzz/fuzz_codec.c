@@ -26,17 +26,17 @@ static void try_model(const uint8_t *block, size_t size)
     enum status st;
     size_t n;
 
-    if (w == NULL && (w = face_work_new(NULL)) == NULL)
+    if (w == NULL && (w = surface_work_new(NULL)) == NULL)
         abort();
     st = codec_decode(block, size, w, &f);
     if (st == ST_OK) {
-        n = codec_size(&f);
+        n = surface_encoded_size(&f);
         if ((first = malloc(n)) == NULL || (again = malloc(n)) == NULL)
             abort();
-        codec_encode(&f, first);
+        surface_encode(&f, first);
         if (codec_decode(first, n, w, &f) != ST_OK)
             abort();
-        codec_encode(&f, again);
+        surface_encode(&f, again);
         if (memcmp(again, first, n) != 0)
             abort();
         free(first);

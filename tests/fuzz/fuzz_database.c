@@ -87,7 +87,7 @@ static void end(void)
     for (size_t i = 0; i < sizeof face / sizeof *face; i++)
         face_free(&face[i]);
     surface_face_free(loaded);
-    face_work_free(work);
+    surface_work_free(work);
     free(base);
 }
 
@@ -150,7 +150,7 @@ static void start(void)
     MUST(randombytes_set_implementation(&numbers) == 0);
     (void)snprintf(dir, sizeof dir, "%s/fuzz_database.XXXXXX",
                    access("/dev/shm", W_OK) == 0 ? "/dev/shm" : "/tmp");
-    MUST(mkdtemp(dir) != NULL && (work = face_work_new(NULL)) != NULL);
+    MUST(mkdtemp(dir) != NULL && (work = surface_work_new(NULL)) != NULL);
     (void)snprintf(path, sizeof path, "%s/db", dir);
     (void)snprintf(key, sizeof key, "%s/key", dir);
     (void)atexit(end);

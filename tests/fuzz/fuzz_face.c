@@ -65,7 +65,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct surface_face a = {0}, b = {0};
     size_t n = 0, m = 0;
 
-    require(w != NULL || (w = face_work_new(NULL)) != NULL);
+    require(w != NULL || (w = surface_work_new(NULL)) != NULL);
     for (size_t at = 1; n < MAX_POINTS && at + 6 <= size; at += 6, n++) {
         all[n] = (struct dvec3){coordinate(data + at, data[0]),
                                 coordinate(data + at + 2, data[0]),

@@ -43,7 +43,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     size_t n = 0, one;
     enum status st;
 
-    require(w != NULL || (w = face_work_new(NULL)) != NULL);
+    require(w != NULL || (w = surface_work_new(NULL)) != NULL);
     if (size < 2)
         return 0;
     for (size_t at = 2; n < MAX_POINTS && at + 6 <= size; at += 6, n++)

@@ -13,7 +13,7 @@
 static void check_numbers(const struct surface_model *m)
 {
     require(m->kinship >= 0 && m->kinship < 1 && m->noise_floor_mm > 0 &&
-            m->noise_factor >= 0 && calibration_valid(&m->calibration));
+            m->noise_factor >= 0 && surface_calibration_valid(&m->calibration));
     require(m->change.n <= MODEL_MODES && m->identity.n <= MODEL_MODES &&
             m->shape.n <= MODEL_MODES);
     require(memchr(m->name, '\0', sizeof m->name) != NULL);

@@ -68,7 +68,7 @@ char *digits_text(size_t *size)
     struct text t = {malloc(ROOM), 0};
 
     toy_model(&model);
-    if ((w = face_work_new(&model)) == NULL || t.buf == NULL)
+    if ((w = surface_work_new(&model)) == NULL || t.buf == NULL)
         abort();
     for (uint64_t i = 0; i < 4; i++) {
         facegen_default(&s);
@@ -90,7 +90,7 @@ char *digits_text(size_t *size)
     compare(&t, "itself", &face[0], &face[0], w);
     for (int i = 0; i < 4; i++)
         face_free(&face[i]);
-    face_work_free(w);
+    surface_work_free(w);
     *size = t.at;
     return t.buf;
 }

@@ -67,7 +67,7 @@ int tempdb_begin_faces(void **state)
 {
     static struct dvec3 pts[POINTS];
 
-    tempdb_work = face_work_new(NULL);
+    tempdb_work = surface_work_new(NULL);
     assert_non_null(tempdb_work);
     for (uint64_t i = 0; i < TEMPDB_FACES; i++) {
         const size_t n = clouds_scan(i + 1, 0, POINTS, pts);
@@ -81,7 +81,7 @@ int tempdb_end_faces(void **state)
 {
     for (size_t i = 0; i < TEMPDB_FACES; i++)
         face_free(&tempdb_face[i]);
-    face_work_free(tempdb_work);
+    surface_work_free(tempdb_work);
     return tempdb_end(state);
 }
 

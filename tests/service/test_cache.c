@@ -30,7 +30,7 @@ BEFORE_ALL(set_up)
 
     assert_int_equal(tempdb_begin(NULL), 0);
     store = tempdb_fresh();
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     for (uint64_t i = 0; i < FACES; i++) {
         facegen_default(&s);
@@ -46,7 +46,7 @@ AFTER_ALL(tear_down)
 {
     for (size_t i = 0; i < FACES; i++)
         face_free(&faces[i]);
-    face_work_free(work);
+    surface_work_free(work);
     store_close(store);
     assert_int_equal(tempdb_end(NULL), 0);
 }
@@ -246,7 +246,7 @@ TEST(test_loaded_twice)
 static void *hammer(void *arg)
 {
     struct cache *c = arg;
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     uint32_t r = 1;
     intptr_t bad = w == NULL;
 
@@ -262,7 +262,7 @@ static void *hammer(void *arg)
         bad = f == NULL || f->face->surface.mesh.nv != tmpl[k].points;
         cache_release(c, f);
     }
-    face_work_free(w);
+    surface_work_free(w);
     return (void *)bad;
 }
 
@@ -321,7 +321,7 @@ static void *come_and_go(void *arg)
  * A template whose deletion was complete before must not be among them. */
 static void *look_for_gone(void *arg)
 {
-    struct surface_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     intptr_t bad = w == NULL;
 
     (void)arg;
@@ -343,7 +343,7 @@ static void *look_for_gone(void *arg)
         }
         free(t);
     }
-    face_work_free(w);
+    surface_work_free(w);
     return (void *)bad;
 }
 

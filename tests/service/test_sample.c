@@ -18,14 +18,14 @@ static struct errinfo e;
 
 BEFORE_ALL(set_up)
 {
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
 }
 
 AFTER_ALL(tear_down)
 {
     surface_face_free(f);
-    face_work_free(work);
+    surface_work_free(work);
 }
 
 /* A scan in units of unit_mm. */

@@ -96,7 +96,7 @@ TEST(test_contrived)
     struct brute_rng r = {1};
     double head;
 
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     head = (double)ordinary(&r);
     for (int kind = 0; kind < KINDS; kind++) {
@@ -107,7 +107,7 @@ TEST(test_contrived)
         print_message("kind %d: %.2f\n", kind, ratio);
         assert_true(ratio < MOST);
     }
-    face_work_free(work);
+    surface_work_free(work);
 }
 
 static int is_set(const void *flag)
@@ -123,7 +123,7 @@ TEST(test_stopped)
     struct brute_rng r = {1};
     uint64_t all;
 
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     contrive(0, &r);
     all = count();
@@ -140,5 +140,5 @@ TEST(test_stopped)
         /* the longest single step is 0.3, with sanitizers 0.4 */
         assert_true(soon < all / 2);
     }
-    face_work_free(work);
+    surface_work_free(work);
 }

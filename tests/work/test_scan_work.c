@@ -101,7 +101,7 @@ TEST(test_contrived)
     enum status st;
     double usual;
 
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     ordinary();
     usual = (double)count(SCAN_AXES_AUTO, &st);
@@ -116,5 +116,5 @@ TEST(test_contrived)
             print_message("kind %d, axes %d: %.2f\n", kind, axes, ratio);
             assert_true(ratio < MOST);
         }
-    face_work_free(work);
+    surface_work_free(work);
 }
