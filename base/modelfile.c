@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-#include "model.h"
+#include "libsurface.h"
 #include "newfile.h"
 
 /* The content of an open file, released by free(). */
@@ -82,14 +82,14 @@ static void make_readable(int fd)
 enum status modelfile_write(const char *path, bool replace, const struct surface_model *m,
                             struct errinfo *e)
 {
-    const size_t len = model_write(m, NULL, 0);
+    const size_t len = surface_model_write(m, NULL, 0);
     struct newfile file = NEWFILE_NONE;
     char *text = malloc(len + 1);
     enum status st;
 
     if (text == NULL)
         return errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
-    (void)model_write(m, text, len + 1);
+    (void)surface_model_write(m, text, len + 1);
     if ((st = newfile_open(path, &file, e)) == ST_OK &&
         (st = newfile_put(&file, text, len, e)) == ST_OK) {
         make_readable(file.fd);

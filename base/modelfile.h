@@ -1,4 +1,4 @@
-/* modelfile.h -- reads a model (core/face/model.h) from a file and writes one. */
+/* modelfile.h -- reads a model (libsurface.h) from a file and writes one. */
 #ifndef BASE_MODELFILE_H
 #define BASE_MODELFILE_H
 #include <stdbool.h>

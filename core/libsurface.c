@@ -90,15 +90,6 @@ surface_model_calibration(const struct surface_model *model)
 
 /* ---- memory to work with */
 
-enum surface_status surface_work_calibrate(struct surface_work *work,
-                                           const struct surface_calibration *by)
-{
-    if (by != NULL && !surface_calibration_valid(by))
-        return SURFACE_EINVAL;
-    face_work_decide(work, by);
-    return SURFACE_OK;
-}
-
 /* ---- building */
 
 /* Is the cloud's description possible? */

@@ -57,7 +57,7 @@ const char *ctl_error_code(const struct ctl *c)
 
     return c->code == EXIT_USAGE     ? "usage"
            : word[c->e.code] != NULL ? word[c->e.code]
-                                     : dry_run_code(c->e.code);
+                                     : status_refusal(c->e.code);
 }
 
 const char *ctl_actor(void)

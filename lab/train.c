@@ -206,13 +206,13 @@ static enum status compare_own(void *arg, size_t i, struct surface_work *work,
 /* Round m as its text form does: the rounded model is the one that is used. */
 static enum status round_model(struct surface_model *m, struct errinfo *e)
 {
-    const size_t len = model_write(m, NULL, 0);
+    const size_t len = surface_model_write(m, NULL, 0);
     char *text = malloc(len + 1);
     enum status st;
 
     if (text == NULL)
         return no_memory(e);
-    (void)model_write(m, text, len + 1);
+    (void)surface_model_write(m, text, len + 1);
     st = model_parse(text, len, m, NULL);
     free(text);
     return st == ST_OK

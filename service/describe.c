@@ -296,7 +296,7 @@ void describe_dry_run(struct json *j, const struct dry_run *t,
 
     json_flag(j, "usable", usable);
     json_flag(j, "enrollable", t->enrolment == ST_OK);
-    json_text(j, "code", dry_run_code(t->why.code));
+    json_text(j, "code", status_refusal(t->why.code));
     text_or_null(j, "detail", t->why.msg);
     json_array(j, "advice");
     for (size_t i = 0; i < t->advice.n; i++)

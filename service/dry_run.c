@@ -7,11 +7,6 @@ bool dry_run_is_refusal(enum status st)
     return st >= ST_ELIMIT && st <= ST_EQUALITY;
 }
 
-const char *dry_run_code(enum status st)
-{
-    return status_refusal(st);
-}
-
 enum status dry_run_run(const char *name, const struct cloudpoints *c,
                         const struct sample_options *by, struct surface_work *w,
                         struct surface_face **face, struct dry_run *out)

@@ -20,10 +20,6 @@ struct dry_run {
 /* dry_run_is_refusal(st): the scan is the reason, and can be changed at the scanner. */
 bool dry_run_is_refusal(enum status st);
 
-/* dry_run_code(st): the word for a refusal, as in the API ("not_a_face"); "malformed" for what
- * cannot be read at all; NULL for ST_OK. */
-const char *dry_run_code(enum status st);
-
 /* dry_run_run(name, c, by, w, face, out): build the face as for an enrolment and, where that is
  * refused, as for a verification.
  * name, w  as in sample_build()

@@ -239,5 +239,5 @@ enum status enrolment_add(struct templates_context *c, const struct enrolment *x
 
 const char *enrolment_code(enum status st)
 {
-    return st == ST_EMISMATCH ? "sample_mismatch" : dry_run_code(st);
+    return st == ST_EMISMATCH ? "sample_mismatch" : status_refusal(st);
 }

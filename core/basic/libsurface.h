@@ -96,6 +96,12 @@ SURFACE_API enum surface_status surface_model_parse(const char *text, size_t len
                                                     uint32_t *line);
 SURFACE_API void surface_model_free(struct surface_model *model); /* NULL is allowed */
 
+/* Write a model as text, NUL-terminated, to the size bytes at text, and return the text's length; if
+ * that is >= size it did not fit.  Numbers are rounded to the text's units, so that the model in
+ * use is what surface_model_parse() makes of the text. */
+SURFACE_API size_t surface_model_write(const struct surface_model *model, char *text,
+                                       size_t size);
+
 /* What makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", NUL-terminated, with the first
  * 8 hex digits of the model's digest.  N is counted up with every change that gives two scans
  * another score, or the same points another face.  Scores of another measure or another model are

@@ -129,9 +129,13 @@ struct surface_work *surface_work_new(const struct surface_model *m)
     return w;
 }
 
-void face_work_decide(struct surface_work *w, const struct surface_calibration *c)
+enum surface_status surface_work_calibrate(struct surface_work *w,
+                                           const struct surface_calibration *by)
 {
-    w->calibration = c != NULL ? *c : w->model->calibration;
+    if (by != NULL && !surface_calibration_valid(by))
+        return SURFACE_EINVAL;
+    w->calibration = by != NULL ? *by : w->model->calibration;
+    return SURFACE_OK;
 }
 
 const struct surface_calibration *surface_work_calibration(const struct surface_work *w)

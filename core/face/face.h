@@ -33,9 +33,6 @@ struct shape_work;    /* shape_work.h */
  * worked on without allocating again.  It takes O(bytes used since the last time). */
 #define FACE_WORK_KEEP ((size_t)4 << 20)
 
-/* face_work_decide(w, d): from now on decide by the calibration d (copied); NULL: by the
- * model's own. */
-void face_work_decide(struct surface_work *w, const struct surface_calibration *d);
 /* face_work_clock(w): that of surface_work_clock(). */
 double (*face_work_clock(const struct surface_work *w))(void);
 

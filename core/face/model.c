@@ -238,7 +238,7 @@ static void put_basis(struct writer *w, const char *word, bool rest,
         put_table(w, "mode", &b->mode[0][k], MODEL_MODES, MODE_UNITS);
 }
 
-size_t model_write(const struct surface_model *m, char *buf, size_t size)
+size_t surface_model_write(const struct surface_model *m, char *buf, size_t size)
 {
     const struct surface_calibration *c = &m->calibration;
     struct writer w = {buf, size, 0};

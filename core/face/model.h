@@ -52,9 +52,4 @@ extern const struct surface_model model_default;
 enum status model_parse(const char *text, size_t len, struct surface_model *out,
                         uint32_t *line);
 
-/* model_write(m, buf, size): write m as text, NUL-terminated, to buf.  Returns the text's
- * length; if that is >= size the text did not fit and buf is unspecified.  Numbers are
- * rounded to the text's units, so the model in use is model_parse() of the text. */
-size_t model_write(const struct surface_model *m, char *buf, size_t size);
-
 #endif

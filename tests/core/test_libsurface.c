@@ -289,7 +289,7 @@ TEST(test_bytes)
 /* A model as text is the shipped one again; a calibration moves the threshold. */
 TEST(test_model)
 {
-    const size_t len = model_write(&model_default, NULL, 0);
+    const size_t len = surface_model_write(&model_default, NULL, 0);
     struct surface_calibration by = {
         .threshold = 1000, .n = 2, .knot = {{0, 1}, {10, 0.5}}};
     struct surface_face *a = NULL;
@@ -301,7 +301,7 @@ TEST(test_model)
     char *text = malloc(len + 1);
 
     assert_non_null(text);
-    (void)model_write(&model_default, text, len + 1);
+    (void)surface_model_write(&model_default, text, len + 1);
     assert_int_equal(surface_model_parse(text, len, &m, &line), SURFACE_OK);
     surface_engine(m, engine[0]);
     surface_engine(NULL, engine[1]);

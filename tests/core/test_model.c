@@ -55,7 +55,7 @@ TEST(test_round_trip)
     assert_memory_equal(text, second, len);
     free(second);
     memset(text, 'x', len + 1); /* nothing is written beyond a buffer that is too small */
-    assert_int_equal(model_write(&model, text, 100), len);
+    assert_int_equal(surface_model_write(&model, text, 100), len);
     assert_int_equal(text[100], 'x');
     assert_int_equal(model_parse(text, 0, &got, NULL), ST_ECORRUPT);
     free(text);

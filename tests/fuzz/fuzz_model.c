@@ -42,11 +42,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     check_numbers(&model);
-    len = model_write(&model, NULL, 0);
+    len = surface_model_write(&model, NULL, 0);
     require((text = malloc(len + 1)) != NULL && (second = malloc(len + 1)) != NULL);
-    require(model_write(&model, text, len + 1) == len);
+    require(surface_model_write(&model, text, len + 1) == len);
     require(model_parse(text, len, &again, NULL) == ST_OK);
-    require(model_write(&again, second, len + 1) == len &&
+    require(surface_model_write(&again, second, len + 1) == len &&
             memcmp(text, second, len) == 0);
     free(text);
     free(second);

@@ -81,9 +81,9 @@ char *toy_text(const struct surface_model *m, size_t *len)
 {
     char *text;
 
-    *len = model_write(m, NULL, 0);
+    *len = surface_model_write(m, NULL, 0);
     require((text = malloc(*len + 1)) != NULL);
-    require(model_write(m, text, *len + 1) == *len);
+    require(surface_model_write(m, text, *len + 1) == *len);
     return text;
 }
 

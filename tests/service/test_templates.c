@@ -148,14 +148,14 @@ TEST(test_lowered)
     assert_true(out.result.false_match_rate >= one.false_match_rate);
     /* A threshold that one template just reaches, and the best of two does not. */
     d.threshold = one.score;
-    face_work_decide(tempdb_work, &d);
+    (void)surface_work_calibrate(tempdb_work, &d);
     assert_decides("1", &probe, SAME, SURFACE_MATCH);
     assert_true(decide("10", &probe, &st, &out) >= 0);
     assert_int_not_equal(out.result.decision, SURFACE_MATCH);
     d.threshold = one.score - log(2) - 1e-9;
-    face_work_decide(tempdb_work, &d);
+    (void)surface_work_calibrate(tempdb_work, &d);
     assert_decides("10", &probe, SAME, SURFACE_MATCH);
-    face_work_decide(tempdb_work, NULL);
+    (void)surface_work_calibrate(tempdb_work, NULL);
 }
 
 /* If all comparisons are inconclusive, the highest score is returned. */
@@ -235,10 +235,10 @@ TEST(test_hardly_mirrored)
         assert_int_equal(decide("1", &image, &st, &back), SAME);
         assert_false(out.mirrored || back.mirrored);
         d.threshold = fmax(out.result.score, back.result.score);
-        face_work_decide(tempdb_work, &d);
+        (void)surface_work_calibrate(tempdb_work, &d);
         assert_int_equal(decide("1", &stranger, &st, &out), SAME);
         assert_int_equal(decide("1", &image, &st, &back), SAME);
-        face_work_decide(tempdb_work, NULL);
+        (void)surface_work_calibrate(tempdb_work, NULL);
         assert_true((out.result.decision == SURFACE_MATCH) !=
                     (back.result.decision == SURFACE_MATCH));
         assert_false(out.mirrored || back.mirrored);
