@@ -22,44 +22,48 @@ DESTDIR      ?=
 OPT          ?= -O3
 WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
-VERSION      := $(shell sed -n 's|.*SURFACE_VERSION  *"\(.*\)"|\1|p' core/libsurface.h)
+VERSION      := $(shell sed -n 's|.*SURFACE_VERSION  *"\(.*\)"|\1|p' core/basic/libsurface.h)
 # The version of the shared library's interface; counted up by an incompatible change.
 SOVERSION    := 0
 
 # ---- the rooms, and the others that each may include and link, in link order
 
-FACE         := core/face core/measure core/mesh
+FACE         := core/face core/measure core/mesh core/basic
 CORE         := core/find $(FACE)
+# What all else sees of the core: libsurface.h, and the utilities beside it.
+PUBLIC       := core core/basic
 DB           := db db/rows db/log db/crypt
-ROOMS        := core/mesh core/measure core/face core/find core base scan \
+ROOMS        := core/basic core/mesh core/measure core/face core/find core base scan \
                 db/sql db/crypt db/log db/rows db db/admin service server/http server/api server \
                 ctl sim lab/study lab
-SEES_core/mesh    :=
-SEES_core/measure := core/mesh
-SEES_core/face    := core/measure core/mesh
+SEES_core/basic   :=
+SEES_core/mesh    := core/basic
+SEES_core/measure := core/mesh core/basic
+SEES_core/face    := core/measure core/mesh core/basic
 SEES_core/find    := $(FACE)
 SEES_core     := $(CORE)
-SEES_base     := $(FACE)
-SEES_scan     := base $(CORE)
-SEES_db/sql   := base core/mesh
-SEES_db/crypt := base core/mesh
-SEES_db/log   := db/sql db/crypt base core/mesh
-SEES_db/rows  := db/log db/sql db/crypt base $(FACE)
-SEES_db       := db/rows db/log db/sql db/crypt scan base $(CORE)
-SEES_db/admin := db db/rows db/log db/sql db/crypt scan base $(CORE)
-SEES_service  := $(DB) scan base $(CORE)
-SEES_server/http := service $(DB) scan base $(CORE)
-SEES_server/api := server/http service $(DB) scan base $(CORE)
-SEES_server   := server/api server/http service $(DB) scan base $(CORE)
-SEES_ctl      := service db/admin $(DB) scan base $(CORE)
-SEES_sim      := scan base $(CORE)
-SEES_lab/study := sim scan base $(CORE)
-SEES_lab      := lab/study sim scan base $(CORE)
+SEES_base     := $(PUBLIC)
+SEES_scan     := base $(PUBLIC)
+SEES_db/sql   := base $(PUBLIC)
+SEES_db/crypt := base $(PUBLIC)
+SEES_db/log   := db/sql db/crypt base $(PUBLIC)
+SEES_db/rows  := db/log db/sql db/crypt base $(PUBLIC)
+SEES_db       := db/rows db/log db/sql db/crypt scan base $(PUBLIC)
+SEES_db/admin := db db/rows db/log db/sql db/crypt scan base $(PUBLIC)
+SEES_service  := $(DB) scan base $(PUBLIC)
+SEES_server/http := service $(DB) scan base $(PUBLIC)
+SEES_server/api := server/http service $(DB) scan base $(PUBLIC)
+SEES_server   := server/api server/http service $(DB) scan base $(PUBLIC)
+SEES_ctl      := service db/admin $(DB) scan base $(PUBLIC)
+SEES_sim      := scan base core $(CORE)
+SEES_lab/study := sim scan base core $(CORE)
+SEES_lab      := lab/study sim scan base core $(CORE)
 # What a room is linked with besides, for those that see the room and not this.
 LINKS_db/log := db/sql
+LINKS_core   := core/find core/face core/measure core/mesh
 
 # The libraries that a room needs in addition to the C library.
-NEEDS_core/mesh := -lm
+NEEDS_core/basic := -lm
 NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_scan   := -lspng
 NEEDS_db/sql := -lsqlite3 -lpthread
@@ -115,7 +119,7 @@ PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(BUILD)/surfacelab $(TOOL_BI
 .PHONY: all
 all: $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) $(PROGRAMS)
 
-# The core is in the shared library too; nothing of it but what core/libsurface.h declares can
+# The core is in the shared library too; nothing of it but what libsurface.h declares can
 # be seen there, so that calls inside it cost no more than in a program.
 PIC        = $(if $(filter core core/%,$(1)),-fPIC -fvisibility=hidden)
 define room
@@ -124,7 +128,7 @@ $(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c lab
 endef
 $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 
-# A folder of tests sees what its room sees, the room itself, sim and tests/lib.
+# A folder of tests sees what its room sees, the room itself, sim and tests/lib, and all of the core.
 TEST_ROOMS := $(filter-out lib,$(notdir $(patsubst %/,%,$(wildcard tests/*/))))
 SEES_crypt := $(call sees,db/crypt)
 SEES_log   := $(call sees,db)
@@ -135,10 +139,10 @@ SEES_fuzz  := server/api server/http service lab $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
 define testroom
-$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(1))
+$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(1)) $(CORE:%=-I%)
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
-$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin)
+$(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin) $(CORE:%=-I%)
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -166,8 +170,8 @@ $(foreach x,$(EMBED),$(eval $(call embed,$x)))
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.
-MODEL_H := $(addprefix core/,face/model.h face/calibration.h face/grid.h mesh/status.h)
-$(BUILD)/gen/model: sim/model_main.c core/face/model.c core/face/calibration.c $(MODEL_H) Makefile
+MODEL_H := $(addprefix core/,face/model.h face/grid.h basic/status.h basic/libsurface.h)
+$(BUILD)/gen/model: sim/model_main.c core/face/model.c core/basic/calibration.c $(MODEL_H) Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
 	$(Q)$(HOSTCC) -std=c11 -O1 -ffp-contract=off $(call flags,core/face) -o $@ $(filter %.c,$^) -lm
@@ -199,12 +203,12 @@ $(COUNTED): $(BUILD)/counted/%.o: %.c Makefile
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc $(call flags,core/find) -MMD -MP -c -o $@ $<
 $(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
 
-# The library as it is installed: core as one object that exports what core/libsurface.h
+# The library as it is installed: core as one object that exports what libsurface.h
 # declares, and nothing else.
-$(BUILD)/libsurface.a: $(call archs,core)
+$(BUILD)/libsurface.a: $(call archs,core) core/basic/libsurface.h
 	$(call say,AR)
-	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $^ -Wl,--no-whole-archive
-	$(Q)$(NM) -g --defined-only $(BUILD)/core/libsurface.o | sed 's/.* //' > $(@:.a=.names)
+	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $(call archs,core) -Wl,--no-whole-archive
+	$(Q)grep -oE 'surface_[a-z_]+\(' core/basic/libsurface.h | tr -d '(' | sort -u > $(@:.a=.names)
 	$(Q)$(OBJCOPY) --keep-global-symbols=$(@:.a=.names) $(@:.a=.o)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $(@:.a=.o)
@@ -370,7 +374,7 @@ install: all
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d" "$(DESTDIR)$(UNITDIR)" "$(DESTDIR)/etc"
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl $(BUILD)/surfacelab "$(DESTDIR)$(PREFIX)/bin/"
-	install -m 644 core/libsurface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
+	install -m 644 core/basic/libsurface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
 	install -m 644 $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) \
 	    "$(DESTDIR)$(LIBDIR)/"
 	ln -sf libsurface.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libsurface.so"

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-#include "model.h"
+#include "libsurface.h"
 #include "newfile.h"
 
 /* The content of an open file, released by free(). */
@@ -34,7 +34,8 @@ static enum status slurp(FILE *in, const char *path, char **text, size_t *len,
     return ST_OK;
 }
 
-enum status modelfile_read(const char *path, struct model **out, struct errinfo *e)
+enum status modelfile_read(const char *path, struct surface_model **out,
+                           struct errinfo *e)
 {
     /* Without O_NONBLOCK, open() waits on a pipe until another process writes to it. */
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -54,22 +55,16 @@ enum status modelfile_read(const char *path, struct model **out, struct errinfo 
     }
     if ((st = slurp(in, path, &text, &len, e)) != ST_OK)
         goto out;
-    if ((*out = malloc(sizeof **out)) == NULL) {
-        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
-        goto out;
-    }
-    st = model_parse(text, len, *out, &line);
-    if (st == ST_EVERSION)
+    st = status_from(surface_model_parse(text, len, out, &line));
+    if (st == ST_ENOMEM)
+        (void)errinfo_set(e, st, "%.160s: out of memory", path);
+    else if (st == ST_EVERSION)
         (void)errinfo_set(e, st, "%.160s: a model of another version than this program's",
                           path);
     else if (st != ST_OK)
         (void)errinfo_set(e, st, "%.160s, line %" PRIu32 ": not a model, or damaged",
                           path, line);
 out:
-    if (st != ST_OK) {
-        free(*out);
-        *out = NULL;
-    }
     free(text);
     (void)fclose(in);
     return st;
@@ -84,17 +79,17 @@ static void make_readable(int fd)
     (void)fchmod(fd, 0666 & ~mask);
 }
 
-enum status modelfile_write(const char *path, bool replace, const struct model *m,
+enum status modelfile_write(const char *path, bool replace, const struct surface_model *m,
                             struct errinfo *e)
 {
-    const size_t len = model_write(m, NULL, 0);
+    const size_t len = surface_model_write(m, NULL, 0);
     struct newfile file = NEWFILE_NONE;
     char *text = malloc(len + 1);
     enum status st;
 
     if (text == NULL)
         return errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
-    (void)model_write(m, text, len + 1);
+    (void)surface_model_write(m, text, len + 1);
     if ((st = newfile_open(path, &file, e)) == ST_OK &&
         (st = newfile_put(&file, text, len, e)) == ST_OK) {
         make_readable(file.fd);

@@ -7,7 +7,7 @@
 
 #include "address.h"
 #include "errinfo.h"
-#include "model.h"
+#include "libsurface.h"
 #include "modelfile.h"
 
 #define MAX_WORKERS 256
@@ -179,12 +179,12 @@ unsigned options_default(const char *name)
 void options_check_files(struct options *o)
 {
     struct settings *s = o->settings;
-    struct model *m = NULL;
+    struct surface_model *m = NULL;
     struct errinfo e;
 
     settings_check_files(s);
     if (settings_problems(s) == 0 && o->model != NULL &&
         modelfile_read(o->model, &m, &e) != ST_OK)
         settings_wrong_value(s, "model", e.msg);
-    free(m);
+    surface_model_free(m);
 }

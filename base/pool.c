@@ -6,13 +6,13 @@
 #include <unistd.h>
 
 #include "errinfo.h"
-#include "face.h"
+#include "libsurface.h"
 
 #define THREADS 64
 
 struct pool {
     const char *what;
-    const struct model *model;
+    const struct surface_model *model;
     pool_item *item;
     void *arg;
     size_t n;
@@ -41,7 +41,7 @@ static void show(struct pool *p)
 static void *work(void *arg)
 {
     struct pool *p = arg;
-    struct face_work *w = face_work_new(p->model);
+    struct surface_work *w = surface_work_new(p->model);
     struct errinfo e = {.code = ST_ENOMEM, .msg = "out of memory"};
     enum status st = w != NULL ? ST_OK : ST_ENOMEM;
 
@@ -60,7 +60,7 @@ static void *work(void *arg)
         p->e = e;
     }
     (void)pthread_mutex_unlock(&p->lock);
-    face_work_free(w);
+    surface_work_free(w);
     return NULL;
 }
 
@@ -73,8 +73,8 @@ uint32_t pool_threads(uint32_t wanted)
     return wanted < THREADS ? wanted : THREADS;
 }
 
-enum status pool_run(const char *what, uint32_t threads, const struct model *m, size_t n,
-                     pool_item *item, void *arg, struct errinfo *e)
+enum status pool_run(const char *what, uint32_t threads, const struct surface_model *m,
+                     size_t n, pool_item *item, void *arg, struct errinfo *e)
 {
     struct pool p = {.what = what, .model = m, .item = item, .arg = arg, .n = n};
     const uint32_t wanted = pool_threads(threads);

@@ -7,11 +7,11 @@
 #include "status.h"
 
 struct errinfo;
-struct face_work;
-struct model; /* model.h */
+struct surface_work;
+struct surface_model; /* libsurface.h */
 
 /* Works on item i; on any thread, w is that thread's own.  Fills *e on failure. */
-typedef enum status pool_item(void *arg, size_t i, struct face_work *w,
+typedef enum status pool_item(void *arg, size_t i, struct surface_work *w,
                               struct errinfo *e);
 
 /* pool_run(what, threads, m, n, item, arg, e): work on items 0..n-1, in about that
@@ -19,8 +19,8 @@ typedef enum status pool_item(void *arg, size_t i, struct face_work *w,
  * what  for the progress
  * m     that the threads' face_work is made for; NULL: model_default
  * Stops at the first failure, and returns it. */
-enum status pool_run(const char *what, uint32_t threads, const struct model *m, size_t n,
-                     pool_item *item, void *arg, struct errinfo *e);
+enum status pool_run(const char *what, uint32_t threads, const struct surface_model *m,
+                     size_t n, pool_item *item, void *arg, struct errinfo *e);
 
 /* pool_threads(wanted): the most threads that pool_run() uses. */
 uint32_t pool_threads(uint32_t wanted);

@@ -17,19 +17,18 @@
 #include "clouddepth.h"
 #include "command.h"
 #include "errinfo.h"
-#include "face.h"
 #include "json.h"
-#include "scan.h"
+#include "libsurface.h"
 
-struct crypt_file;  /* keyfile.h */
-struct model;       /* model.h */
-struct options;     /* options.h */
-struct store;       /* store.h */
-struct ctl_command; /* ctl_command.h */
+struct crypt_file;    /* keyfile.h */
+struct surface_model; /* model.h */
+struct options;       /* options.h */
+struct store;         /* store.h */
+struct ctl_command;   /* ctl_command.h */
 
-struct ctl_scans {  /* how scans are read */
-    double unit_mm; /* --units, millimetres; 0: found */
-    enum scan_axes axes;
+struct ctl_scans {                   /* how scans are read */
+    double unit_mm;                  /* --units, millimetres; 0: found */
+    bool frontal;                    /* --axes scanner */
     struct clouddepth_camera camera; /* of those that are depth images */
 };
 
@@ -66,13 +65,13 @@ struct ctl {
     const char *model_path; /* --model; NULL: the shipped one */
     bool dry_run, yes, force, json, help, version;
 
-    const struct model *model;        /* that model_path names */
-    char engine[FACE_ENGINE_MAX + 1]; /* by that model */
-    struct options *settings;         /* of the daemon, once read; by ctl_config_free() */
-    char usual_key[PATH_MAX];         /* the database's path and ".key" */
-    struct crypt_file *asked;         /* a passphrase, once asked for; to be freed */
-    struct store *store;              /* the database, once opened (ctl_model.h) */
-    struct face_work *work;           /* where the command takes scans (CTL_UNITS) */
+    const struct surface_model *model; /* that model_path names */
+    char engine[SURFACE_ENGINE_SIZE];  /* by that model */
+    struct options *settings;  /* of the daemon, once read; by ctl_config_free() */
+    char usual_key[PATH_MAX];  /* the database's path and ".key" */
+    struct crypt_file *asked;  /* a passphrase, once asked for; to be freed */
+    struct store *store;       /* the database, once opened (ctl_model.h) */
+    struct surface_work *work; /* where the command takes scans (CTL_UNITS) */
     bool piped; /* --out -: the result is on standard output, what is said of it not */
     int code;   /* EXIT_FINE until a command says otherwise */
     struct json *out; /* NULL without json */

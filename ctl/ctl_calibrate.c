@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "in_force.h"
-#include "model.h"
 #include "rates.h"
 #include "ctl_command.h"
 #include "ctl_cross.h"
@@ -35,9 +34,11 @@ struct result {
 
 /* From this score on two people may be one, or relatives: the highest that the shipped table
  * gives a false match rate for. */
-static const struct calibration_knot *suspicious(const struct ctl *c)
+static const struct surface_knot *suspicious(const struct ctl *c)
 {
-    return &c->model->calibration.knot[c->model->calibration.n - 1];
+    const struct surface_calibration *own = surface_model_calibration(c->model);
+
+    return &own->knot[own->n - 1];
 }
 
 /* Comparisons of two subjects with such a score. */
@@ -133,8 +134,9 @@ static enum status learn(struct ctl *c, struct result *r)
     r->fnmr = rates_fnmr(r->rates, threshold);
     r->fnmr_low = low.fnmr;
     r->fnmr_high = high.fnmr;
-    r->shipped_fmr = rates_fmr(r->rates, c->model->calibration.threshold);
-    r->shipped_fnmr = rates_fnmr(r->rates, c->model->calibration.threshold);
+    r->shipped_fmr = rates_fmr(r->rates, surface_model_calibration(c->model)->threshold);
+    r->shipped_fnmr =
+        rates_fnmr(r->rates, surface_model_calibration(c->model)->threshold);
     return ST_OK;
 }
 
@@ -143,7 +145,7 @@ static enum status learn(struct ctl *c, struct result *r)
 /* What is the same of a new one and of those in the list. */
 static void out_calibration(struct json *o, const struct store_calibration *k)
 {
-    const struct calibration *d = &k->table;
+    const struct surface_calibration *d = &k->table;
 
     json_text(o, "source", k->shipped ? "shipped" : "database");
     json_score(o, "threshold", d->threshold);
@@ -175,7 +177,7 @@ static void out_result(struct ctl *c, const struct result *r)
     json_number(o, "replicates", RATES_REPLICATES);
     json_number(o, "seed", (double)SEED);
     json_object(o, "shipped");
-    json_score(o, "threshold", c->model->calibration.threshold);
+    json_score(o, "threshold", surface_model_calibration(c->model)->threshold);
     json_rate(o, "fmr", r->shipped_fmr);
     if (r->k.genuine > 0)
         json_rate(o, "fnmr", r->shipped_fnmr);
@@ -205,7 +207,7 @@ static void print_result(const struct ctl *c, const struct result *r)
 {
     const struct ctl_cross *p = &r->cross;
     const struct store_calibration *k = &r->k;
-    const struct calibration *d = &k->table;
+    const struct surface_calibration *d = &k->table;
 
     (void)printf("subjects     %u%s, %" PRIu64 " template%s\n", p->nsubject,
                  p->nenrolled > p->nsubject ? " of more, drawn" : "",
@@ -217,8 +219,8 @@ static void print_result(const struct ctl *c, const struct result *r)
     (void)printf("             95 %% interval %.2f to %.2f (%d bootstrap replicates over "
                  "subjects, seed %llu)\n",
                  k->low, k->high, RATES_REPLICATES, (unsigned long long)SEED);
-    (void)printf("shipped      %.2f: %.3g %% here\n", c->model->calibration.threshold,
-                 100 * r->shipped_fmr);
+    (void)printf("shipped      %.2f: %.3g %% here\n",
+                 surface_model_calibration(c->model)->threshold, 100 * r->shipped_fmr);
     if (k->genuine > 0)
         (void)printf(
             "mated        %llu comparisons: %.3g %% do not match, 95 %% interval %.3g to "
@@ -301,9 +303,9 @@ static enum status calibrate(struct ctl *c)
 
 static enum status reset(struct ctl *c)
 {
-    const struct calibration *d = &c->model->calibration;
+    const struct surface_calibration *d = surface_model_calibration(c->model);
     struct store_calibration k = {.shipped = true,
-                                  .fmr = calibration_fmr(d, d->threshold),
+                                  .fmr = surface_calibration_rate(d, d->threshold),
                                   .low = d->threshold,
                                   .high = d->threshold,
                                   .table = *d};

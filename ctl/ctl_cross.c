@@ -78,15 +78,14 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
     if (faces == NULL || digests == NULL)
         st = no_memory(c);
     for (size_t i = 0; i < n && st == ST_OK; i++) {
-        struct face *f = &p->face[p->ntemplate];
+        struct surface_face *f = NULL;
 
-        memset(f, 0, sizeof *f);
-        if ((st = store_template_load(c->store, list[i].id, &t, c->work, f, &c->e)) ==
-            ST_OK) {
+        st = store_template_load(c->store, list[i].id, &t, c->work, &f, &c->e);
+        if (st == ST_OK) {
+            p->face[p->ntemplate] = f;
             memcpy(p->digest[p->ntemplate++], t.digest, sizeof t.digest);
             one->n++;
         } else {
-            face_free(f);
             if (st == ST_EVERSION) /* of another engine, and of no use to this one */
                 (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
             st = st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
@@ -120,7 +119,7 @@ enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p)
 void ctl_cross_free(struct ctl_cross *p)
 {
     for (uint32_t i = 0; i < p->ntemplate; i++)
-        face_free(&p->face[i]);
+        surface_face_free(p->face[i]);
     free(p->face);
     free(p->digest);
     free(p->subject);
@@ -132,22 +131,22 @@ void ctl_cross_free(struct ctl_cross *p)
 
 /* A probe against the templates of a subject, but template skip. */
 static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t skip,
-                           const struct face *probe, struct face_work *w, double *score,
-                           struct errinfo *e)
+                           const struct surface_face *probe, struct surface_work *w,
+                           double *score, struct errinfo *e)
 {
     const struct ctl_cross_subject *one = &p->subject[subject];
     const uint32_t n = one->n - (skip - one->first < one->n);
 
     *score = -(double)INFINITY;
     for (uint32_t t = one->first; t < one->first + one->n; t++) {
-        struct face_result r;
+        struct surface_comparison r = {.size = sizeof r};
         enum status st;
 
         if (t == skip)
             continue;
-        if ((st = face_compare(&p->face[t], probe, (double)NAN, NULL, w, &r)) != ST_OK)
+        if ((st = status_from(surface_compare(w, p->face[t], probe, &r))) != ST_OK)
             return errinfo_set(e, st, "comparing: %s", status_message(st));
-        face_best_of(&r, n, w);
+        surface_best_of(w, n, &r);
         *score = fmax(*score, r.score);
     }
     return ST_OK;
@@ -179,14 +178,15 @@ static uint32_t owner(const struct ctl_cross *p, uint32_t template)
     return low;
 }
 
-static enum status do_trial(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+static enum status do_trial(void *arg, size_t i, struct surface_work *w,
+                            struct errinfo *e)
 {
     const struct trials *t = arg;
     const struct trial *x = &t->trial[i];
 
     t->score[i].template = x->subject;
     t->score[i].probe = owner(t->p, x->probe);
-    return compare(t->p, x->subject, x->probe, &t->p->face[x->probe], w,
+    return compare(t->p, x->subject, x->probe, t->p->face[x->probe], w,
                    &t->score[i].score, e);
 }
 
@@ -290,15 +290,15 @@ struct scans {
     enum fate *fate;           /* [corpus->nscan] */
 };
 
-static enum status do_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+static enum status do_scan(void *arg, size_t i, struct surface_work *w, struct errinfo *e)
 {
     const struct scans *s = arg;
     const struct corpus_scan *scan = &s->corpus->scan[i];
     const uint32_t subject = s->subject[scan->subject];
     struct rates_score *x = &s->score[i];
     struct ctl c = {.scans = s->c->scans};
-    struct scan_found found;
-    struct face f = {0};
+    struct sample_found found;
+    struct surface_face *f = NULL;
     char digest[65];
     enum status st;
 
@@ -307,21 +307,21 @@ static enum status do_scan(void *arg, size_t i, struct face_work *w, struct erri
     if (subject == NOBODY)
         return ST_OK;
     st = ctl_sample_read(&c, scan->path, false, w, &f, &found);
-    if (st == ST_OK && (st = digest_points(&f.surface.mesh, digest)) == ST_OK) {
+    if (st == ST_OK && (st = digest_points(f, digest)) == ST_OK) {
         const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;
 
         while (t < one->n && strcmp(s->p->digest[one->first + t], digest) != 0)
             t++;
         if (t == one->n) { /* else it is one of the templates */
-            st = compare(s->p, subject, NOBODY, &f, w, &x->score, &c.e);
+            st = compare(s->p, subject, NOBODY, f, w, &x->score, &c.e);
             s->fate[i] = COMPARED;
         }
     } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
         s->fate[i] = REFUSED;
         st = ST_OK;
     }
-    face_free(&f);
+    surface_face_free(f);
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "%s", c.e.msg);
 }
 

@@ -1,12 +1,12 @@
 /* ctl_cross.h -- everybody in the database compared with everybody else.
  * A comparison is what a verification does: one scan against all templates of a subject, of
- * which the highest score counts, lowered by the logarithm of their number (face_best_of()), also
+ * which the highest score counts, lowered by the logarithm of their number (surface_best_of()), also
  * where that is inconclusive at the threshold in force: at a lower one it may match. */
 #ifndef CTL_CROSS_H
 #define CTL_CROSS_H
 #include <stddef.h>
 #include <stdint.h>
-#include "face.h"
+#include "libsurface.h"
 #include "rates.h"
 #include "store.h"
 
@@ -23,7 +23,7 @@ struct ctl_cross {
     struct ctl_cross_subject *subject; /* with templates, as they came */
     uint32_t nsubject;
     uint32_t nenrolled; /* that have templates: nsubject, or more than are in memory */
-    struct face *face;  /* [ntemplate] */
+    struct surface_face **face; /* [ntemplate] */
     char (*digest)[65];
     uint32_t ntemplate;
 

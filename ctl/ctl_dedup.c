@@ -8,7 +8,6 @@
 #include <time.h>
 
 #include "in_force.h"
-#include "calibration.h"
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
@@ -129,18 +128,18 @@ static void count_pairs(struct dedup *d)
 /* The smallest score whose false match rate is at most fmr. */
 static enum status threshold_for(struct dedup *d, double fmr)
 {
-    const struct calibration *k = &d->calibration.table;
+    const struct surface_calibration *k = &d->calibration.table;
     double low = k->knot[0].score, high = k->knot[k->n - 1].score;
 
-    if (calibration_fmr(k, high) > fmr)
+    if (surface_calibration_rate(k, high) > fmr)
         return errinfo_set(&d->c->e, ST_EINVAL,
                            "no threshold has a false match rate of %g: the calibration "
                            "supports no rate below %.2g",
-                           fmr, calibration_fmr(k, high));
+                           fmr, surface_calibration_rate(k, high));
     for (int i = 0; i < 60; i++) {
         const double mid = (low + high) / 2;
 
-        if (calibration_fmr(k, mid) <= fmr)
+        if (surface_calibration_rate(k, mid) <= fmr)
             high = mid;
         else
             low = mid;
@@ -163,36 +162,35 @@ static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double score)
     return ST_OK;
 }
 
-/* Entry i into *f; it is empty where the template was deleted since, or is of another engine
+/* Entry i into *f, which is NULL where the template was deleted since, or is of another engine
  * and no face to this one. */
-static enum status load(const struct dedup *d, uint32_t i, struct face_work *w,
-                        struct face *f, struct errinfo *e)
+static enum status load(const struct dedup *d, uint32_t i, struct surface_work *w,
+                        struct surface_face **f, struct errinfo *e)
 {
     struct store_template t;
     const enum status st = store_template_load(d->c->store, d->entry[i].id, &t, w, f, e);
 
-    if (st != ST_ENOTFOUND && st != ST_EVERSION)
-        return st;
-    f->surface.mesh.nv = 0;
-    return ST_OK;
+    return st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
 }
 
 struct row { /* a template with all later ones */
-    struct face a, b;
+    struct surface_face *a, *b;
     uint64_t compared, inconclusive;
 };
 
-static enum status compare(struct dedup *d, uint32_t a, uint32_t b, struct face_work *w,
-                           struct row *r, struct errinfo *e)
+static enum status compare(struct dedup *d, uint32_t a, uint32_t b,
+                           struct surface_work *w, struct row *r, struct errinfo *e)
 {
-    struct face_result x;
-    enum status st = face_compare(&r->a, &r->b, d->threshold, NULL, w, &x);
+    struct surface_comparison x = {.size = sizeof x};
+    enum status st = status_from(surface_compare(w, r->a, r->b, &x));
 
     if (st != ST_OK)
         return errinfo_set(e, st, "comparing: %s", status_message(st));
+    x.threshold = d->threshold;
+    surface_best_of(w, 1, &x);
     r->compared++;
-    r->inconclusive += x.decision == FACE_INCONCLUSIVE;
-    if (x.decision != FACE_MATCH)
+    r->inconclusive += x.decision == SURFACE_INCONCLUSIVE;
+    if (x.decision != SURFACE_MATCH)
         return ST_OK;
     (void)pthread_mutex_lock(&d->lock);
     st = keep(d, a, b, x.score);
@@ -202,7 +200,7 @@ static enum status compare(struct dedup *d, uint32_t a, uint32_t b, struct face_
 
 /* Loading a template costs a tenth of comparing it, so none but the row's own is kept: memory
  * does not grow with the database. */
-static enum status compare_row(struct dedup *d, uint32_t a, struct face_work *w,
+static enum status compare_row(struct dedup *d, uint32_t a, struct surface_work *w,
                                struct row *r, struct errinfo *e)
 {
     bool loaded = false;
@@ -214,16 +212,16 @@ static enum status compare_row(struct dedup *d, uint32_t a, struct face_work *w,
         if (!loaded && (st = load(d, a, w, &r->a, e)) != ST_OK)
             break;
         loaded = true;
-        if (r->a.surface.mesh.nv == 0)
+        if (r->a == NULL)
             break;
-        if ((st = load(d, b, w, &r->b, e)) == ST_OK && r->b.surface.mesh.nv > 0)
+        if ((st = load(d, b, w, &r->b, e)) == ST_OK && r->b != NULL)
             st = compare(d, a, b, w, r, e);
     }
     return st;
 }
 
 /* Rows from both ends in turns: the first are the longest, and the progress is to be even. */
-static enum status do_row(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+static enum status do_row(void *arg, size_t i, struct surface_work *w, struct errinfo *e)
 {
     struct dedup *d = arg;
     const uint32_t k = (uint32_t)i / 2;
@@ -234,17 +232,17 @@ static enum status do_row(void *arg, size_t i, struct face_work *w, struct errin
     d->compared += r.compared;
     d->inconclusive += r.inconclusive;
     (void)pthread_mutex_unlock(&d->lock);
-    face_free(&r.a);
-    face_free(&r.b);
+    surface_face_free(r.a);
+    surface_face_free(r.b);
     return st;
 }
 
 /* Some templates with the next ones, where the processors are free. */
 static enum status estimate(struct dedup *d)
 {
-    struct face_work *w = face_work_new(d->c->model);
+    struct surface_work *w = surface_work_new(d->c->model);
     const double start = clock_s();
-    struct face_result x;
+    struct surface_comparison x = {.size = sizeof x};
     struct row r = {0};
     uint32_t n = 0;
     enum status st =
@@ -254,18 +252,18 @@ static enum status estimate(struct dedup *d)
         const uint32_t i = (uint32_t)((uint64_t)k * (d->n - 1) / TRIALS);
 
         if ((st = load(d, i, w, &r.a, &d->c->e)) != ST_OK ||
-            (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK ||
-            r.a.surface.mesh.nv == 0 || r.b.surface.mesh.nv == 0)
+            (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK || r.a == NULL ||
+            r.b == NULL)
             continue;
-        if ((st = face_compare(&r.a, &r.b, (double)NAN, NULL, w, &x)) != ST_OK)
+        if ((st = status_from(surface_compare(w, r.a, r.b, &x))) != ST_OK)
             (void)errinfo_set(&d->c->e, st, "comparing: %s", status_message(st));
         n++;
     }
     if (n > 0)
         d->estimate_s = d->pairs * (clock_s() - start) / n / pool_threads(d->c->threads);
-    face_free(&r.a);
-    face_free(&r.b);
-    face_work_free(w);
+    surface_face_free(r.a);
+    surface_face_free(r.b);
+    surface_work_free(w);
     return st;
 }
 
@@ -273,7 +271,8 @@ static enum status estimate(struct dedup *d)
 
 static void tell_costs(const struct dedup *d)
 {
-    const double chance = d->pairs * calibration_fmr(&d->calibration.table, d->threshold);
+    const double chance =
+        d->pairs * surface_calibration_rate(&d->calibration.table, d->threshold);
 
     json_text(d->c->out, "engine", d->c->engine);
     json_number(d->c->out, "subjects", d->nsubject);
@@ -293,7 +292,7 @@ static void tell_costs(const struct dedup *d)
 static void tell_pair(const struct dedup *d, const struct pair *p)
 {
     const struct entry *a = &d->entry[p->a], *b = &d->entry[p->b];
-    const double fmr = calibration_fmr(&d->calibration.table, p->score);
+    const double fmr = surface_calibration_rate(&d->calibration.table, p->score);
     const bool same = strcmp(a->digest, b->digest) == 0;
 
     json_object(d->c->out, NULL);

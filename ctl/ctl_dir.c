@@ -67,7 +67,7 @@ enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
     return outfile_write(c->piped ? NULL : path, c->force, write, arg, &c->e);
 }
 
-enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m)
+enum status ctl_dir_face(struct ctl *c, const char *path, const struct surface_face *f)
 {
-    return ctl_dir_file(c, path, cloudwrite_ply, m);
+    return ctl_dir_file(c, path, cloudwrite_ply, f);
 }

@@ -8,8 +8,8 @@
 #include "errinfo.h"
 #include "newfile.h"
 
-struct ctl;  /* ctl.h */
-struct mesh; /* mesh.h */
+struct ctl;          /* ctl.h */
+struct surface_face; /* libsurface.h */
 
 /* ---- before anything is computed: may the command write there?  Failures are in c->e.
  *
@@ -29,9 +29,9 @@ enum status ctl_dir_may_pipe(struct ctl *c, int nread);
  * if c->piped; its folder is made if it is missing.  ST_EEXISTS: a file of that name has come in the
  * meantime, and there is no --force.  write need not look at write errors; when it fails, or not
  * everything could be written, nothing has changed.
- * ctl_dir_mesh(c, path, m): a mesh there, PLY in millimetres. */
+ * ctl_dir_face(c, path, f): a face there, PLY in millimetres. */
 enum status ctl_dir_file(struct ctl *c, const char *path, newfile_writer *write,
                          const void *arg);
-enum status ctl_dir_mesh(struct ctl *c, const char *path, const struct mesh *m);
+enum status ctl_dir_face(struct ctl *c, const char *path, const struct surface_face *f);
 
 #endif

@@ -28,8 +28,8 @@ static const char *kind; /* --kind */
 /* The scans of a subject that are enrolled together. */
 struct burst {
     char *path[ENROLMENT_SAMPLES];
-    struct face face[ENROLMENT_SAMPLES];
-    struct scan_found found[ENROLMENT_SAMPLES];
+    struct surface_face *face[ENROLMENT_SAMPLES];
+    struct sample_found found[ENROLMENT_SAMPLES];
     struct enrolment_result each[ENROLMENT_SAMPLES];
     size_t n; /* files named; may exceed the room for them */
 };
@@ -124,7 +124,7 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
             return st;
         if (st == ST_OK)
             sample[i] =
-                (struct store_sample){.face = &b->face[i], .read = b->found[i].digest};
+                (struct store_sample){.face = b->face[i], .read = b->found[i].digest};
         else
             b->each[i].why = c->e;
     }
@@ -141,10 +141,10 @@ static size_t report_burst(struct ctl *c, const struct burst *b, enum status *wo
     json_array(c->out, "templates");
     for (size_t i = 0; i < b->n; i++) {
         const struct enrolment_result *x = &b->each[i];
-        const struct face *f = &b->face[i];
+        const struct surface_face *f = b->face[i];
 
         json_object(c->out, NULL);
-        describe_enrolled(c->out, b->path[i], x, &b->found[i], &f->frame);
+        describe_enrolled(c->out, b->path[i], x, &b->found[i], f);
         json_close(c->out);
         if (x->why.code == ST_OK) {
             ctl_say(c, "%s  %s  %u points, quality %.2f%s", x->tmpl.id, b->path[i],
@@ -181,7 +181,7 @@ static enum status enroll_files(struct ctl *c)
         st =
             errinfo_set(&c->e, worst, "%zu of %zu scans were not enrolled", failed, b->n);
     for (size_t i = 0; i < ENROLMENT_SAMPLES; i++) {
-        face_free(&b->face[i]);
+        surface_face_free(b->face[i]);
         free(b->path[i]);
     }
     free(b);
@@ -232,8 +232,8 @@ static uint32_t sort_scans(struct folder *w)
 /* ---- one subject after the other */
 
 /* Has the subject this very cloud?  Nobody of that id: no. */
-static enum status is_there(struct ctl *c, const char *subject, const struct face *f,
-                            bool *there)
+static enum status is_there(struct ctl *c, const char *subject,
+                            const struct surface_face *f, bool *there)
 {
     struct store_template *t = NULL;
     char digest[65];
@@ -243,7 +243,7 @@ static enum status is_there(struct ctl *c, const char *subject, const struct fac
     *there = false;
     if (st == ST_ENOTFOUND)
         return ST_OK;
-    if (st == ST_OK && digest_points(&f->surface.mesh, digest) != ST_OK)
+    if (st == ST_OK && digest_points(f, digest) != ST_OK)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; st == ST_OK && i < n; i++)
         *there = *there || strcmp(t[i].digest, digest) == 0;
@@ -261,18 +261,19 @@ static bool is_fault(enum status st, bool stored)
 
 /* c: of this thread. */
 static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i,
-                               struct face_work *work, struct face *f)
+                               struct surface_work *work, struct surface_face **f)
 {
     const struct corpus_scan *scan = &w->corpus->scan[i];
-    struct scan_found found;
-    const struct enrolment x = {
-        .actor = c->actor,
-        .subject = w->corpus->subject[scan->subject].id,
-        .label = c->label != NULL ? c->label : w->corpus->kind[scan->kind],
-        .sample = &(struct store_sample){.face = f, .read = found.digest},
-        .n = 1,
-        .manager = true,
-        .force = force};
+    struct store_sample sample = {.face = NULL};
+    struct sample_found found;
+    const struct enrolment x = {.actor = c->actor,
+                                .subject = w->corpus->subject[scan->subject].id,
+                                .label = c->label != NULL ? c->label
+                                                          : w->corpus->kind[scan->kind],
+                                .sample = &sample,
+                                .n = 1,
+                                .manager = true,
+                                .force = force};
     struct templates_context with = ctl_face_context(c, work);
     struct outcome *o = &w->outcome[i];
     struct enrolment_result one = {.created = false};
@@ -286,7 +287,8 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         st = ctl_sample_read(c, scan->path, true, work, f, &found);
     if (st == ST_OK) {
         stored = true;
-        st = is_there(c, x.subject, f, &there);
+        sample = (struct store_sample){.face = *f, .read = found.digest};
+        st = is_there(c, x.subject, *f, &there);
     }
     if (st == ST_OK && !there)
         st = enrolment_add(&with, &x, &one, &out, &c->e);
@@ -305,18 +307,18 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 }
 
 /* All of a subject's scans, since the later have to fit the earlier. */
-static enum status enroll_subject(void *arg, size_t i, struct face_work *work,
+static enum status enroll_subject(void *arg, size_t i, struct surface_work *work,
                                   struct errinfo *e)
 {
     const struct folder *w = arg;
     struct ctl mine = *w->c; /* with an errinfo of its own */
-    struct face f = {0};
+    struct surface_face *f = NULL;
     enum status st = ST_OK;
 
     for (uint32_t k = w->first[i]; st == ST_OK && k < w->first[i + 1]; k++)
         if ((st = enroll_scan(w, &mine, w->scan[k], work, &f)) != ST_OK && e != NULL)
             *e = mine.e;
-    face_free(&f);
+    surface_face_free(f);
     return st;
 }
 

@@ -8,7 +8,6 @@
 #include "ctl_model.h"
 #include "ctl_sample.h"
 #include "describe.h"
-#include "heatmap.h"
 #include "mem.h"
 #include "select.h"
 
@@ -17,21 +16,22 @@
 struct explanation {
     struct ctl_nearest best;
     struct store_template stored; /* of which tmpl is */
-    struct face tmpl, probe;
+    struct surface_face *tmpl, *probe;
     struct cloudpoints pts; /* of the probe */
-    struct face_field field;
-    size_t compared; /* points that have a gap; these are of their amounts */
+    size_t compared;        /* points that have a gap; these are of their amounts */
     double median_mm, most_mm, beyond;
 };
 
 /* How far the probe's points lie off the template, as measured. */
 static enum status measure_gaps(struct explanation *x)
 {
-    const double *t = x->best.nearest.result.align.transform;
+    const double *t = x->best.minimal.align_transform;
     double *v = mem_array(x->pts.n, sizeof *v);
     size_t n = 0, beyond = 0;
     enum status st =
-        v != NULL ? heatmap_gaps(&x->tmpl.surface, x->pts.at, x->pts.n, t, v) : ST_ENOMEM;
+        v != NULL ? status_from(surface_gaps(x->tmpl, (const double(*)[3])x->pts.at,
+                                             x->pts.n, t, v))
+                  : ST_ENOMEM;
 
     for (size_t i = 0; st == ST_OK && i < x->pts.n; i++)
         if (!isnan(v[i])) {
@@ -52,17 +52,17 @@ static enum status measure_gaps(struct explanation *x)
 
 static enum status compare(struct ctl *c, struct explanation *x)
 {
-    struct scan_found found;
+    struct sample_found found;
     enum status st = ctl_sample_parse(c, c->args[1], &x->pts);
 
     if (st != ST_OK || (st = ctl_sample_build(c, c->args[1], &x->pts, false, c->work,
                                               &x->probe, &found)) != ST_OK)
         return st;
-    st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, &x->probe,
+    st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, x->probe,
                           &x->best);
     if (st == ST_ENOTFOUND && ident_id_valid(c->args[0]))
         st = ctl_face_nearest(c, &(struct templates_of){.template_id = c->args[0]},
-                              &x->probe, &x->best);
+                              x->probe, &x->best);
     if (st == ST_OK)
         st = store_template_load(c->store, x->best.tmpl.id, &x->stored, c->work, &x->tmpl,
                                  &c->e);
@@ -71,32 +71,34 @@ static enum status compare(struct ctl *c, struct explanation *x)
                          templates_decision(x->best.nearest.result.decision), &c->e);
     if (st != ST_OK)
         return st;
-    if ((st = face_field(&x->tmpl, &x->probe, c->work, &x->field)) == ST_OK)
-        st = measure_gaps(x);
+    st = measure_gaps(x);
     return st == ST_OK ? st : errinfo_set(&c->e, st, "comparing: %s", status_message(st));
 }
 
 /* Why the decision is what it is, in a sentence. */
-static const char *reason(const struct face_result *r)
+static const char *reason(const struct surface_comparison *r)
 {
-    return r->decision == FACE_MATCH      ? "the score is not below the threshold"
-           : r->decision == FACE_NO_MATCH ? "the score is below the threshold"
-                                          : "the scans have too little in common, or are "
-                                            "too noisy, to tell";
+    return r->decision == SURFACE_MATCH ? "the score is not below the threshold"
+           : r->decision == SURFACE_NO_MATCH
+               ? "the score is below the threshold"
+               : "the scans have too little in common, or are "
+                 "too noisy, to tell";
 }
 
-static void print_quality(const char *who, const struct face *f)
+static void print_quality(const char *who, const struct surface_face *f)
 {
+    const struct surface_quality q = surface_face_quality(f);
+
     (void)printf("%-12s %u points, quality %.2f (coverage %.2f, a point every %.2f mm, "
                  "noise %.3f mm)",
-                 who, f->surface.mesh.nv, f->quality.score, f->quality.coverage,
-                 f->quality.density_mm, f->quality.noise_mm);
+                 who, surface_face_points(f, NULL), q.score, q.coverage, q.density_mm,
+                 q.noise_mm);
     ctl_face_reasons(stdout, f);
 }
 
 static void print_text(const struct ctl *c, const struct explanation *x)
 {
-    const struct face_result *r = &x->best.nearest.result;
+    const struct surface_comparison *r = &x->best.nearest.result;
 
     (void)printf("subject      %s\ntemplate     %s, with the highest score of %u\n",
                  x->stored.subject, x->stored.id, x->best.nearest.compared);
@@ -106,10 +108,10 @@ static void print_text(const struct ctl *c, const struct explanation *x)
     ctl_face_minimal(stdout, &x->best.minimal);
     (void)printf("expected     %.2f of two such scans of one person\n", r->expected);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
-    ctl_face_alignment(stdout, &r->align);
-    ctl_face_regions(stdout, r);
-    print_quality("template", &x->tmpl);
-    print_quality("probe", &x->probe);
+    ctl_face_alignment(stdout, &x->best.minimal);
+    ctl_face_regions(stdout, &x->best.parts);
+    print_quality("template", x->tmpl);
+    print_quality("probe", x->probe);
     (void)printf(
         "gap          at %zu of %zu points: median %.3f mm, 95 %% below %.3f mm, "
         "%.1f %% beyond %g mm\n",
@@ -118,19 +120,20 @@ static void print_text(const struct ctl *c, const struct explanation *x)
 
 static void report(struct ctl *c, const struct explanation *x)
 {
-    const struct face_result *r = &x->best.nearest.result;
+    const struct surface_comparison *r = &x->best.nearest.result;
+    const struct surface_quality quality = surface_face_quality(x->tmpl);
 
     json_text(c->out, "probe", c->args[1]);
     describe_comparison(c->out, &(struct describe_comparison){
                                     .result = r,
                                     .minimal = &x->best.minimal,
-                                    .probe = &x->probe,
+                                    .probe = x->probe,
                                     .engine = c->engine,
                                     .subject = x->stored.subject,
                                     .template_id = x->stored.id,
                                     .templates_compared = x->best.nearest.compared,
-                                    .measure = true});
-    describe_quality(c->out, "template_quality", &x->tmpl.quality, &x->tmpl.frame);
+                                    .parts = &x->best.parts});
+    describe_quality(c->out, "template_quality", &quality, x->tmpl);
     json_text(c->out, "reason", reason(r));
     json_score(c->out, "expected", r->expected);
     json_object(c->out, "gap");
@@ -142,7 +145,7 @@ static void report(struct ctl *c, const struct explanation *x)
     json_number(c->out, "share_beyond", x->beyond);
     json_close(c->out);
     json_object(c->out, "cells");
-    describe_cells(c->out, &x->field);
+    describe_cells(c->out, &x->best.parts);
     json_close(c->out);
 }
 
@@ -158,8 +161,8 @@ static enum status run(struct ctl *c)
             print_text(c, &x);
         c->code = ctl_face_exit(x.best.nearest.result.decision);
     }
-    face_free(&x.tmpl);
-    face_free(&x.probe);
+    surface_face_free(x.tmpl);
+    surface_face_free(x.probe);
     cloudpoints_free(&x.pts);
     return st;
 }

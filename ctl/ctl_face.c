@@ -2,9 +2,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "frame.h"
-#include "grid.h"
-#include "quality.h"
 #include "ctl.h"
 #include "ctl_face.h"
 
@@ -18,12 +15,14 @@ enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
                      where, id, STORE_SUBJECT_MAX);
 }
 
-int ctl_face_exit(enum face_decision d)
+int ctl_face_exit(enum surface_decision d)
 {
-    return d == FACE_MATCH ? EXIT_FINE : d == FACE_NO_MATCH ? EXIT_NO : EXIT_INCONCLUSIVE;
+    return d == SURFACE_MATCH      ? EXIT_FINE
+           : d == SURFACE_NO_MATCH ? EXIT_NO
+                                   : EXIT_INCONCLUSIVE;
 }
 
-struct templates_context ctl_face_context(struct ctl *c, struct face_work *w)
+struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w)
 {
     return (struct templates_context){
         .store = c->store, .work = w, .clock_ms = command_clock_ms};
@@ -36,7 +35,7 @@ void ctl_face_passed_over(const struct templates *t)
 }
 
 enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
-                             const struct face *probe, struct ctl_nearest *best)
+                             const struct surface_face *probe, struct ctl_nearest *best)
 {
     struct templates_context with = ctl_face_context(c, c->work);
     struct templates t;
@@ -45,7 +44,8 @@ enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
     if (st == ST_OK)
         st = templates_nearest(&t, false, probe, &best->nearest, &c->e);
     if (st == ST_OK)
-        st = templates_minimal(&t, probe, &best->nearest, true, &best->minimal, &c->e);
+        st = templates_minimal(&t, probe, &best->nearest, &best->minimal, &best->parts,
+                               &c->e);
     if (st == ST_OK)
         best->tmpl = t.of.t[best->nearest.index];
     ctl_face_passed_over(&t);
@@ -53,15 +53,15 @@ enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
     return st;
 }
 
-void ctl_face_regions(FILE *to, const struct face_result *r)
+void ctl_face_regions(FILE *to, const struct surface_parts *p)
 {
     (void)fprintf(to, "regions      part of the score\n");
-    for (int i = 0; i < GRID_REGIONS; i++) {
-        (void)fprintf(to, "  %-10s ", grid_region_name((enum grid_region)i));
-        if (isnan(r->region[i]))
+    for (int i = 0; i < SURFACE_REGIONS; i++) {
+        (void)fprintf(to, "  %-10s ", surface_region_name((enum surface_region)i));
+        if (isnan(p->region[i]))
             (void)fprintf(to, "not covered\n");
         else
-            (void)fprintf(to, "%+8.2f\n", r->region[i]);
+            (void)fprintf(to, "%+8.2f\n", p->region[i]);
     }
 }
 
@@ -74,36 +74,34 @@ void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
         (void)fprintf(to, "its uncertainty is not known");
 }
 
-void ctl_face_score(FILE *to, const struct face_result *r)
+void ctl_face_score(FILE *to, const struct surface_comparison *r)
 {
     double score, threshold;
 
-    face_shown(r, 100, &score, &threshold);
+    surface_shown(r, 100, &score, &threshold);
     (void)fprintf(to,
                   "score        %.2f (a match at %.2f or above)\n"
                   "false match  rate at this score: %.2g\n",
-                  score, threshold, r->fmr_at_score);
+                  score, threshold, r->false_match_rate);
 }
 
-void ctl_face_minimal(FILE *to, const struct minimal *m)
+void ctl_face_minimal(FILE *to, const struct surface_disparity *d)
 {
-    const struct disparity *d = &m->disparity;
-
     (void)fprintf(
         to,
         "disparity    %.3f mm, minimal (%.1f mm3 over %.1f mm2); %.3f mm by the "
         "learned weight\n",
-        d->plain_mm, d->volume_mm3, d->area_mm2, d->weighted_mm);
+        d->disparity_mm, d->volume_mm3, d->area_mm2, d->weighted_mm);
 }
 
-void ctl_face_scan(FILE *to, const struct face *f)
+void ctl_face_scan(FILE *to, const struct surface_face *f)
 {
-    (void)fprintf(to, "scan         %u points, quality %.2f", f->surface.mesh.nv,
-                  f->quality.score);
+    (void)fprintf(to, "scan         %u points, quality %.2f",
+                  surface_face_points(f, NULL), surface_face_quality(f).score);
     ctl_face_reasons(to, f);
 }
 
-void ctl_face_alignment(FILE *to, const struct align_result *a)
+void ctl_face_alignment(FILE *to, const struct surface_disparity *a)
 {
     (void)fprintf(to, "alignment    ");
     ctl_face_known(to, a->turn_deg, a->shift_mm);
@@ -113,15 +111,16 @@ void ctl_face_alignment(FILE *to, const struct align_result *a)
     (void)fprintf(to, "\n");
 }
 
-void ctl_face_reasons(FILE *to, const struct face *f)
+void ctl_face_reasons(FILE *to, const struct surface_face *f)
 {
-    const unsigned reasons = quality_reasons(&f->quality, &f->frame);
+    const struct surface_quality q = surface_face_quality(f);
+    const uint32_t reasons = surface_quality_reasons(&q, f);
     const char *between = " (";
 
-    for (int i = 0; i < QUALITY_REASONS; i++)
+    for (int i = 0; i < SURFACE_REASONS; i++)
         if (reasons & (1U << i)) {
             (void)fprintf(to, "%s%s", between,
-                          quality_reason_name((enum quality_reason)i));
+                          surface_reason_name((enum surface_reason)i));
             between = ", ";
         }
     (void)fprintf(to, "%s\n", reasons != 0 ? ")" : "");

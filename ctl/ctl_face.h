@@ -2,8 +2,7 @@
 #ifndef CTL_FACE_H
 #define CTL_FACE_H
 #include <stdio.h>
-#include "face.h"
-#include "minimal.h"
+#include "libsurface.h"
 #include "store.h"
 #include "templates.h"
 
@@ -11,7 +10,7 @@ struct ctl; /* ctl.h */
 
 /* ctl_face_context(c, w): c's database, and w.
  * ctl_face_passed_over(t): the template of another engine that was left out, to standard error. */
-struct templates_context ctl_face_context(struct ctl *c, struct face_work *w);
+struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w);
 void ctl_face_passed_over(const struct templates *t);
 
 /* ctl_face_nearest(c, which, probe, best): the probe compared with a subject's templates, or one
@@ -19,25 +18,26 @@ void ctl_face_passed_over(const struct templates *t);
  * be verified. */
 struct ctl_nearest {
     struct nearest nearest;
-    struct minimal minimal;     /* against the template that decides, weighed */
+    struct surface_disparity minimal; /* against the template that decides, weighed */
+    struct surface_parts parts;
     struct store_template tmpl; /* that decides */
 };
 enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
-                             const struct face *probe, struct ctl_nearest *best);
+                             const struct surface_face *probe, struct ctl_nearest *best);
 
 /* ctl_face_subject(c, id, where): is the id one?  where begins what c->e says; ST_EINVAL. */
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
 
-int ctl_face_exit(enum face_decision d);
+int ctl_face_exit(enum surface_decision d);
 
 /* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)"; how
  * well a pose is known, without its end. */
 void ctl_face_known(FILE *to, double turn_deg, double shift_mm);
-void ctl_face_score(FILE *to, const struct face_result *r);
-void ctl_face_minimal(FILE *to, const struct minimal *m);
-void ctl_face_scan(FILE *to, const struct face *f);
-void ctl_face_regions(FILE *to, const struct face_result *r);
-void ctl_face_alignment(FILE *to, const struct align_result *a);
-void ctl_face_reasons(FILE *to, const struct face *f);
+void ctl_face_score(FILE *to, const struct surface_comparison *r);
+void ctl_face_minimal(FILE *to, const struct surface_disparity *d);
+void ctl_face_scan(FILE *to, const struct surface_face *f);
+void ctl_face_regions(FILE *to, const struct surface_parts *p);
+void ctl_face_alignment(FILE *to, const struct surface_disparity *a);
+void ctl_face_reasons(FILE *to, const struct surface_face *f);
 
 #endif

@@ -12,7 +12,6 @@
 #include "crypt_file.h"
 #include "ctl_command.h"
 #include "in_force.h"
-#include "model.h"
 #include "modelfile.h"
 
 #define PAGE 1000 /* subjects read at a time */
@@ -131,7 +130,7 @@ enum status ctl_model_archive_key(struct ctl *c, bool make, struct crypt_file **
 
 /* ---- the model, the database */
 
-enum status ctl_model_read(struct ctl *c, struct model **owned)
+enum status ctl_model_read(struct ctl *c, struct surface_model **owned)
 {
     const char *path = c->model_path;
     enum status st = ST_OK;
@@ -139,9 +138,9 @@ enum status ctl_model_read(struct ctl *c, struct model **owned)
     *owned = NULL;
     if (path != NULL)
         st = modelfile_read(path, owned, &c->e);
-    c->model = *owned != NULL ? *owned : &model_default;
+    c->model = *owned;
     if (st == ST_OK)
-        face_engine(c->model, c->engine);
+        surface_engine(c->model, c->engine);
     return st;
 }
 

@@ -4,15 +4,15 @@
 #define CTL_MODEL_H
 #include "store.h"
 
-struct crypt_file; /* crypt_file.h */
-struct ctl;        /* ctl.h */
-struct model;      /* model.h */
+struct crypt_file;    /* crypt_file.h */
+struct ctl;           /* ctl.h */
+struct surface_model; /* libsurface.h */
 
 /* ctl_model_read(c, owned): set c->model and c->engine by c->model_path; *owned is for the
- * caller to free() when c is done.  c->e is filled on failure, as by all of these.
+ * caller to release by surface_model_free() when c is done.  c->e is filled on failure, as by all of these.
  * ctl_model_open(c, mode): open the database as c->store, for that model; says on standard
  * error where its calibration is not used with it. */
-enum status ctl_model_read(struct ctl *c, struct model **owned);
+enum status ctl_model_read(struct ctl *c, struct surface_model **owned);
 enum status ctl_model_open(struct ctl *c, enum store_mode mode);
 
 /* ctl_model_key(c, db, key): the key that the command line names for the database; a passphrase

@@ -84,7 +84,7 @@ static const struct command_option shared_options[] = {
     SHARED("units", "auto|mm|cm|m|in|um", cloudfile_option_units, scans.unit_mm, 0,
            "the unit of the scans' coordinates (auto: it is found); what a\n"
            "file says wins"),
-    SHARED("axes", "auto|scanner", cloudfile_option_axes, scans.axes, 0,
+    SHARED("axes", "auto|scanner", cloudfile_option_axes, scans.frontal, 0,
            "auto: the face is found, however the scan is turned; scanner: x to\n"
            "the image's right, y up, z towards the scanner, and all of it face"),
     SHARED("camera", "FX,FY,CX,CY", cloudfile_option_camera, scans.camera, 0,

@@ -11,17 +11,17 @@ enum status ctl_sample_parse(struct ctl *c, const char *path, struct cloudpoints
 }
 
 enum status ctl_sample_build(struct ctl *c, const char *path, struct cloudpoints *p,
-                             bool enrolment, struct face_work *w, struct face *out,
-                             struct scan_found *found)
+                             bool enrolment, struct surface_work *w,
+                             struct surface_face **out, struct sample_found *found)
 {
-    const struct scan_options o = {.axes = c->scans.axes, .enrolment = enrolment};
+    const struct sample_options o = {.frontal = c->scans.frontal, .enrolment = enrolment};
 
     return sample_build(path, p, &o, w, out, found, &c->e);
 }
 
 enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
-                            struct face_work *w, struct face *out,
-                            struct scan_found *found)
+                            struct surface_work *w, struct surface_face **out,
+                            struct sample_found *found)
 {
     struct cloudpoints p;
     enum status st = ctl_sample_parse(c, path, &p);
@@ -32,17 +32,19 @@ enum status ctl_sample_read(struct ctl *c, const char *path, bool enrolment,
     return st;
 }
 
-void ctl_sample_warnings(FILE *to, const char *label, const struct scan_found *f)
+void ctl_sample_warnings(FILE *to, const char *label, const struct sample_found *f)
 {
+    const uint32_t warnings = f->scan.warnings;
     const char *comma = "";
 
-    if (f->warnings != 0)
+    if (warnings != 0)
         (void)fprintf(to, "%-12s ", label);
-    for (int i = 0; i < SCAN_WARNINGS; i++)
-        if ((f->warnings >> i & 1) != 0) {
-            (void)fprintf(to, "%s%s", comma, scan_warning_name((enum scan_warning)i));
+    for (int i = 0; i < SURFACE_WARNINGS; i++)
+        if ((warnings >> i & 1) != 0) {
+            (void)fprintf(to, "%s%s", comma,
+                          surface_warning_name((enum surface_warning)i));
             comma = ", ";
         }
-    if (f->warnings != 0)
+    if (warnings != 0)
         (void)fprintf(to, "\n");
 }

@@ -15,18 +15,20 @@
 static const char *face_file; /* --face */
 
 struct checked {
-    struct cloudpoints points; /* as read; afterwards those of the face */
-    struct face face;
+    struct cloudpoints points;
+    struct surface_face *face;
     struct dry_run trial;
 };
 
 /* ---- as text */
 
-static void print_found(const struct scan_found *f)
+static void print_found(const struct sample_found *s)
 {
+    const struct surface_found *f = &s->scan;
+
     (void)printf("format       %s, %zu points, %zu without a value, %zu used\n",
-                 cloudformat_name((enum cloudformat)f->format), f->points_read,
-                 f->points_dropped, f->points_used);
+                 cloudformat_name(s->format), s->points_read, s->points_dropped,
+                 f->points_used);
     (void)printf("unit         %s%s\n",
                  f->unit_mm > 0 ? cloudunit_name(f->unit_mm) : "not found",
                  f->unit_mm > 0 && f->unit_found ? " (found)" : "");
@@ -35,7 +37,7 @@ static void print_found(const struct scan_found *f)
                      lrint(f->yaw_deg), lrint(f->pitch_deg), lrint(f->roll_deg));
     (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
     (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
-    ctl_sample_warnings(stdout, "warnings", f);
+    ctl_sample_warnings(stdout, "warnings", s);
 }
 
 static void print_text(const struct checked *k)
@@ -45,8 +47,8 @@ static void print_text(const struct checked *k)
     if (t->found.points_read > 0)
         print_found(&t->found);
     if (t->verification == ST_OK) {
-        (void)printf("quality      %.2f", k->face.quality.score);
-        ctl_face_reasons(stdout, &k->face);
+        (void)printf("quality      %.2f", t->found.scan.quality.score);
+        ctl_face_reasons(stdout, k->face);
     }
     (void)printf("enrolment    %s\n", t->enrolment == ST_OK ? "usable" : t->why.msg);
     (void)printf("verification %s\n", t->verification == ST_OK ? "usable" : "refused");
@@ -67,9 +69,10 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
         dry_run_unread(st, &c->e, &k->trial);
         return ST_OK;
     }
-    if (st == ST_OK && (st = dry_run_run("refused", &k->points,
-                                         &(struct scan_options){.axes = c->scans.axes},
-                                         c->work, &k->face, &k->trial)) != ST_OK)
+    if (st == ST_OK &&
+        (st = dry_run_run("refused", &k->points,
+                          &(struct sample_options){.frontal = c->scans.frontal}, c->work,
+                          &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
     return st;
 }
@@ -85,7 +88,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
         ctl_say(c, "scan         %s\n", path);
         json_object(c->out, NULL);
         json_text(c->out, "file", path);
-        describe_dry_run(c->out, &k.trial, &k.face,
+        describe_dry_run(c->out, &k.trial, k.face,
                          &(struct describe_times){.parse = NAN,
                                                   .prepare = NAN,
                                                   .total = command_clock_ms() - start});
@@ -94,8 +97,8 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
             print_text(&k);
     }
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
-        st = ctl_dir_mesh(c, face_file, &k.face.surface.mesh);
-    face_free(&k.face);
+        st = ctl_dir_face(c, face_file, k.face);
+    surface_face_free(k.face);
     cloudpoints_free(&k.points);
     return st;
 }

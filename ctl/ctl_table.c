@@ -181,10 +181,10 @@ static void print_exit_codes(void)
 
 static void print_version(void)
 {
-    const char *version = strchr(FACE_ENGINE, '/') + 1;
+    const char *version = strchr(SURFACE_ENGINE, '/') + 1;
 
     (void)printf("surfacectl %.*s (%s)\n", (int)strcspn(version, " "), version,
-                 FACE_ENGINE);
+                 SURFACE_ENGINE);
 }
 
 void ctl_table_print(bool version, const struct ctl_command *cmd, const char *group)

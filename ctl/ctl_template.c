@@ -14,7 +14,7 @@
 
 void ctl_template_tell(struct ctl *c, const struct store_template *t)
 {
-    const bool other = !face_same_engine(t->engine, c->engine);
+    const bool other = !surface_same_engine(t->engine, c->engine);
 
     describe_template(c->out, t, NULL, true);
     json_flag(c->out, "to_reencode", other);
@@ -63,7 +63,7 @@ static enum status list_subject(struct listing *l, const char *subject)
                 t[i].points, t[i].quality.score, t[i].first_score, t[i].subject,
                 t[i].manager ? "  (manager)" : "", t[i].label[0] != '\0' ? "  " : "",
                 t[i].label,
-                face_same_engine(t[i].engine, c->engine) ? "" : "  (to re-encode)");
+                surface_same_engine(t[i].engine, c->engine) ? "" : "  (to re-encode)");
     }
     free(t);
     return st;
@@ -102,22 +102,22 @@ static enum status show(struct ctl *c)
 static enum status export_template(struct ctl *c)
 {
     struct store_template t = {.points = 0};
-    struct face_work *w;
-    struct face f = {0};
+    struct surface_work *w;
+    struct surface_face *f = NULL;
     enum status st;
 
     if (c->dir == NULL)
         return ctl_usage(c, "template export needs --out FILE");
     if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
         return st;
-    if ((w = face_work_new(c->model)) == NULL)
+    if ((w = surface_work_new(c->model)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = store_template_load(c->store, c->args[0], &t, w, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
         st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);
-    if (st == ST_OK && (st = ctl_dir_mesh(c, c->dir, &f.surface.mesh)) == ST_OK) {
+    if (st == ST_OK && (st = ctl_dir_face(c, c->dir, f)) == ST_OK) {
         json_text(c->out, "template_id", t.id);
         json_text(c->out, "subject", t.subject);
         json_text(c->out, "file", c->dir);
@@ -125,8 +125,8 @@ static enum status export_template(struct ctl *c)
         json_number(c->out, "triangles", t.triangles);
         ctl_say(c, "%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);
     }
-    face_free(&f);
-    face_work_free(w);
+    surface_face_free(f);
+    surface_work_free(w);
     return st;
 }
 
@@ -147,8 +147,8 @@ struct batch {
 };
 
 /* As store_reencode(), but that nothing is written. */
-static enum status try_one(const struct batch *b, const char *id, struct face_work *w,
-                           struct face *f, struct store_template *t, bool *done,
+static enum status try_one(const struct batch *b, const char *id, struct surface_work *w,
+                           struct surface_face **f, struct store_template *t, bool *done,
                            struct errinfo *e)
 {
     const enum status st = store_template_load(b->c->store, id, t, w, f, e);
@@ -157,18 +157,18 @@ static enum status try_one(const struct batch *b, const char *id, struct face_wo
     return st;
 }
 
-static enum status do_one(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+static enum status do_one(void *arg, size_t i, struct surface_work *w, struct errinfo *e)
 {
     const struct batch *b = arg;
     struct outcome *o = &b->outcome[i];
     struct store_template t;
-    struct face f = {0};
+    struct surface_face *f = NULL;
     bool done = false;
     enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
                                    : store_reencode(b->c->store, b->c->actor, b->id[i], w,
                                                     &f, &t, &done, &o->e);
 
-    face_free(&f);
+    surface_face_free(f);
     if (st == ST_OK)
         o->result = done ? REENCODED : CURRENT;
     else if (st == ST_ENOTFOUND)

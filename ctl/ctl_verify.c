@@ -9,7 +9,7 @@
 
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
-    const struct face_result *r = x->result;
+    const struct surface_comparison *r = x->result;
 
     describe_comparison(c->out, x);
     if (c->json)
@@ -17,8 +17,8 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("decision     %s\n", templates_decision(r->decision));
     ctl_face_score(stdout, r);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
-    ctl_face_alignment(stdout, &r->align);
-    ctl_face_regions(stdout, r);
+    ctl_face_alignment(stdout, x->minimal);
+    ctl_face_regions(stdout, x->parts);
     ctl_face_minimal(stdout, x->minimal);
     ctl_face_scan(stdout, x->probe);
     ctl_sample_warnings(stdout, "warnings", x->scan);
@@ -34,12 +34,12 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     const double start = command_clock_ms();
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
-    struct face face = {0};
+    struct surface_face *face = NULL;
     enum status st = ctl_sample_parse(c, probe, &r->probe.points);
 
     *v = (struct verification){.request = r, .templates = {.context = &with}};
     r->probe.name = probe;
-    r->probe.axes = c->scans.axes;
+    r->probe.frontal = c->scans.frontal;
     r->probe.face = &face;
     r->detail = VERIFY_MEASURE;
     if (st == ST_OK)
@@ -59,7 +59,7 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
                 v->best.compared, r->of.subject, t->created);
     }
     verify_free(v);
-    face_free(&face);
+    surface_face_free(face);
     return st;
 }
 
@@ -73,15 +73,16 @@ static enum status verify(struct ctl *c)
 
 static enum status compare(struct ctl *c)
 {
-    struct face face = {0};
-    struct verify_scan a = {.name = c->args[0], .axes = c->scans.axes, .face = &face};
+    struct surface_face *face = NULL;
+    struct verify_scan a = {
+        .name = c->args[0], .frontal = c->scans.frontal, .face = &face};
     struct verify_request r = {.other = &a};
     struct verification v;
     enum status st = ctl_sample_parse(c, c->args[0], &a.points);
 
     if (st == ST_OK)
         st = run(c, c->args[1], &r, &v);
-    face_free(&face);
+    surface_face_free(face);
     return st;
 }
 

@@ -149,7 +149,7 @@ static bool read_environment(struct line *l)
     return l->cmd->database == CTL_NO_DATABASE || ctl_config_database(c, model) == ST_OK;
 }
 
-static enum status run(struct ctl *c, struct model **model)
+static enum status run(struct ctl *c, struct surface_model **model)
 {
     const enum ctl_database database = c->cmd->database;
     enum status st = ctl_model_read(c, model);
@@ -159,7 +159,7 @@ static enum status run(struct ctl *c, struct model **model)
         return errinfo_set(&c->e, ST_EINTERNAL,
                            "the cryptographic library does not start");
     if (st == ST_OK && (c->cmd->shared & CTL_UNITS) != 0 &&
-        (c->work = face_work_new(c->model)) == NULL)
+        (c->work = surface_work_new(c->model)) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && database >= CTL_READS_DATABASE)
         st = ctl_model_open(
@@ -171,7 +171,7 @@ int main(int argc, char **argv)
 {
     struct line l = {.c = {.threshold = (double)NAN}, .typed = {.program = "surfacectl"}};
     struct ctl *c = &l.c;
-    struct model *model = NULL;
+    struct surface_model *model = NULL;
     bool ok = read_line(argc, argv, &l);
     int code = EXIT_USAGE;
 
@@ -192,8 +192,8 @@ int main(int argc, char **argv)
                                                            : command_exit(c->e.code);
     }
     store_close(c->store);
-    face_work_free(c->work);
-    free(model);
+    surface_work_free(c->work);
+    surface_model_free(model);
     ctl_config_free(c);
     crypt_file_free(c->asked);
     return command_end("surfacectl", c->out, c->code == EXIT_USAGE, &c->e, code);

@@ -1,42 +1,43 @@
 #include "digest.h"
 
+#include <math.h>
 #include <sodium.h>
 #include <stdint.h>
 #include <stdlib.h>
 
 #include "bytes.h"
-#include "mesh.h"
+#include "libsurface.h"
 
 static int compare_points(const void *a, const void *b)
 {
-    const struct ivec3 *p = a, *q = b;
+    const double *p = a, *q = b;
 
-    if (p->x != q->x)
-        return p->x < q->x ? -1 : 1;
-    return (p->y > q->y) - (p->y < q->y);
+    if (p[0] != q[0])
+        return p[0] < q[0] ? -1 : 1;
+    return (p[1] > q[1]) - (p[1] < q[1]);
 }
 
-enum status digest_points(const struct mesh *m, char hex[65])
+/* Of the points in the lattice's units, of which the face's millimetres are a thousand. */
+enum status digest_points(const struct surface_face *f, char hex[65])
 {
+    const uint32_t n = surface_face_points(f, NULL);
     crypto_hash_sha256_state state;
-    unsigned char hash[crypto_hash_sha256_BYTES], point[12];
-    struct ivec3 *pts = calloc(m->nv != 0 ? m->nv : 1, sizeof *pts);
+    unsigned char hash[crypto_hash_sha256_BYTES], bytes[12];
+    double(*mm)[3] = calloc(n != 0 ? n : 1, sizeof *mm);
 
     hex[0] = '\0';
-    if (pts == NULL)
+    if (mm == NULL)
         return ST_ENOMEM;
-    for (uint32_t v = 0; v < m->nv; v++)
-        pts[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
-    qsort(pts, m->nv, sizeof *pts, compare_points);
+    (void)surface_face_points(f, mm);
+    qsort(mm, n, sizeof *mm, compare_points);
     (void)crypto_hash_sha256_init(&state);
-    for (uint32_t v = 0; v < m->nv; v++) {
-        bytes_set(point, (uint32_t)pts[v].x, 4);
-        bytes_set(point + 4, (uint32_t)pts[v].y, 4);
-        bytes_set(point + 8, (uint32_t)pts[v].z, 4);
-        (void)crypto_hash_sha256_update(&state, point, sizeof point);
+    for (uint32_t v = 0; v < n; v++) {
+        for (size_t k = 0; k < 3; k++)
+            bytes_set(bytes + 4 * k, (uint32_t)lrint(1000 * mm[v][k]), 4);
+        (void)crypto_hash_sha256_update(&state, bytes, sizeof bytes);
     }
     (void)crypto_hash_sha256_final(&state, hash);
     (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
-    free(pts);
+    free(mm);
     return ST_OK;
 }

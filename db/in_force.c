@@ -2,15 +2,14 @@
 
 #include <string.h>
 
-#include "face.h"
-#include "model.h"
+#include "libsurface.h"
 #include "store.h"
 #include "store_open.h"
 
 /* Was it made for the measure and the model that s is used with? */
 static bool holds(const struct store *s, const struct store_calibration *k)
 {
-    return k->shipped || face_same_engine(k->engine, store_made_by(s));
+    return k->shipped || surface_same_engine(k->engine, store_made_by(s));
 }
 
 /* What *k, the newest or zeros, means for s. */
@@ -19,7 +18,7 @@ static void complete(const struct store *s, struct store_calibration *k)
     k->ignored = k->version != 0 && !holds(s, k);
     if (k->version == 0 || k->shipped || k->ignored) {
         k->shipped = true;
-        k->table = store_model(s)->calibration;
+        k->table = *surface_model_calibration(store_model(s));
     }
 }
 
@@ -35,13 +34,14 @@ enum status in_force_get(struct store *s, struct store_calibration *k, struct er
     return ST_OK;
 }
 
-void in_force_use(const struct store *s, struct store_calibration k, struct face_work *w)
+void in_force_use(const struct store *s, struct store_calibration k,
+                  struct surface_work *w)
 {
     complete(s, &k);
-    face_work_decide(w, k.shipped ? NULL : &k.table);
+    (void)surface_work_calibrate(w, k.shipped ? NULL : &k.table);
 }
 
-enum status in_force_follow(struct store *s, struct face_work *w, int64_t *version,
+enum status in_force_follow(struct store *s, struct surface_work *w, int64_t *version,
                             struct errinfo *e)
 {
     struct store_calibration k;

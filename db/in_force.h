@@ -10,8 +10,8 @@
 #include "rows_types.h"
 
 struct errinfo;
-struct face_work; /* face.h */
-struct store;     /* store.h */
+struct surface_work; /* libsurface.h */
+struct store;        /* store.h */
 
 /* in_force_get(s, k, e): *k is the newest one, or one of version 0 where there is
  * none; k->table is what decides.  k->shipped: that is the model's own table; k->ignored:
@@ -21,12 +21,13 @@ enum status in_force_get(struct store *s, struct store_calibration *k, struct er
 
 /* in_force_use(s, k, w): w decides by k from now on, the newest as store_snapshot_begin() gave it:
  * zeros where there is none. */
-void in_force_use(const struct store *s, struct store_calibration k, struct face_work *w);
+void in_force_use(const struct store *s, struct store_calibration k,
+                  struct surface_work *w);
 
 /* in_force_follow(s, w, version, e): w decides by the calibration in force from now on.
  * *version: of the one that w decides by, 0 for a new w; the caller keeps it with w.
  * Costs some microseconds when it is the same as before.  On failure w is as it was. */
-enum status in_force_follow(struct store *s, struct face_work *w, int64_t *version,
+enum status in_force_follow(struct store *s, struct surface_work *w, int64_t *version,
                             struct errinfo *e);
 
 #endif

@@ -9,7 +9,6 @@
 
 #include "crypt_file.h"
 #include "log_anchor.h"
-#include "model.h"
 #include "rows_root.h"
 #include "sql_file.h"
 #include "store_txn.h"
@@ -307,13 +306,13 @@ void store_close(struct store *s)
     free(s);
 }
 
-void store_use_model(struct store *s, const struct model *m)
+void store_use_model(struct store *s, const struct surface_model *m)
 {
-    s->model = m != NULL ? m : &model_default;
-    face_engine(s->model, s->made_by);
+    s->model = m;
+    surface_engine(m, s->made_by);
 }
 
-const struct model *store_model(const struct store *s)
+const struct surface_model *store_model(const struct store *s)
 {
     return s->model;
 }

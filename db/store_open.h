@@ -4,9 +4,9 @@
 #include "errinfo.h"
 #include "rows_types.h"
 
-struct crypt_file; /* crypt_file.h */
-struct log_end;    /* log_entry.h */
-struct model;      /* model.h */
+struct crypt_file;    /* crypt_file.h */
+struct log_end;       /* log_entry.h */
+struct surface_model; /* libsurface.h */
 struct store;
 
 enum store_mode {
@@ -51,11 +51,11 @@ enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *
 bool store_in_use(const char *path, int64_t *pid);
 
 /* store_use_model(s, m): what is enrolled and calibrated from now on is by this model, which
- * the callers' face_work must be for too.  m is borrowed; NULL, as after store_open():
- * model_default.  Before other threads use s.
- * store_made_by(s): face_engine() of it, s's own. */
-void store_use_model(struct store *s, const struct model *m);
-const struct model *store_model(const struct store *s);
+ * the callers' surface_work must be for too.  m is borrowed; NULL, as after store_open():
+ * the shipped one.  Before other threads use s.
+ * store_made_by(s): surface_engine() of it, s's own. */
+void store_use_model(struct store *s, const struct surface_model *m);
+const struct surface_model *store_model(const struct store *s);
 const char *store_made_by(const struct store *s);
 
 /* store_ready(s, e): can the database be reached?

@@ -5,9 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "codec.h"
 #include "digest.h"
-#include "mesh.h"
 #include "rows_template.h"
 #include "sql_read.h"
 #include "store_txn.h"
@@ -73,10 +71,10 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
         return st;
     if (sample->read != NULL)
         (void)snprintf(row.read, sizeof row.read, "%s", sample->read);
-    codec_encode(sample->face, g->encoded);
+    surface_encode(sample->face, g->encoded);
     g->newest = NULL;
-    if ((st = rows_template_add(&g->t, &g->of, &row, g->encoded, codec_size(sample->face),
-                                e)) != ST_OK)
+    if ((st = rows_template_add(&g->t, &g->of, &row, g->encoded,
+                                surface_encoded_size(sample->face), e)) != ST_OK)
         return st;
     return log_change(&g->t, &g->by, "enroll", g->of.one.uid, t->id, g->outcome, e);
 }
@@ -107,19 +105,19 @@ static enum status describe(const struct store *s, const struct log_act *by,
                             const struct store_sample *sample, struct store_template *t,
                             struct errinfo *e)
 {
-    const struct face *f = sample->face;
+    const struct surface_face *f = sample->face;
 
     store_rules_random(t->id, STORE_ID_LEN / 2);
     (void)snprintf(t->subject, sizeof t->subject, "%s", what->subject);
     (void)snprintf(t->label, sizeof t->label, "%s", what->label);
     (void)snprintf(t->created, sizeof t->created, "%s", by->at);
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->points = f->surface.mesh.nv;
-    t->triangles = mesh_real(&f->surface.mesh);
-    t->quality = f->quality;
+    t->points = surface_face_points(f, NULL);
+    t->triangles = surface_face_triangles(f, NULL);
+    t->quality = surface_face_quality(f);
     t->manager = what->manager;
     t->first_score = sample->first_score;
-    return digest_points(&f->surface.mesh, t->digest) == ST_OK
+    return digest_points(f, t->digest) == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
@@ -155,7 +153,7 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
             e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
             STORE_LABEL_MAX);
     for (size_t i = 0; i < what->n; i++) {
-        const size_t size = codec_size(what->sample[i].face);
+        const size_t size = surface_encoded_size(what->sample[i].face);
 
         if ((st = describe(s, &g.by, what, &what->sample[i], &t[i], e)) != ST_OK)
             return st;
@@ -176,13 +174,14 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
 
 bool store_template_outdated(const struct store *s, const struct store_template *t)
 {
-    return !face_same_engine(t->engine, s->made_by);
+    return !surface_same_engine(t->engine, s->made_by);
 }
 
 static enum status reencode(const struct store *s, const struct store_template *t,
-                            struct face_work *w, struct face *f, struct errinfo *e)
+                            struct surface_work *w, struct surface_face **f,
+                            struct errinfo *e)
 {
-    const enum status st = face_rebuild(f, w);
+    const enum status st = status_from(surface_rebuild(w, f));
 
     if (st == ST_OK)
         return ST_OK;
@@ -194,23 +193,24 @@ static enum status reencode(const struct store *s, const struct store_template *
 }
 
 enum status store_template_decode(const struct store *s, const struct store_template *t,
-                                  const void *face, size_t len, struct face_work *w,
-                                  struct face *f, struct errinfo *e)
+                                  const void *face, size_t len, struct surface_work *w,
+                                  struct surface_face **f, struct errinfo *e)
 {
-    enum status st = codec_decode(face, len, w, f);
+    enum status st = status_from(surface_decode(w, face, len, f));
 
     if (st != ST_OK)
         return errinfo_set(e, st, "template %s: %s", t->id, status_message(st));
-    if (f->surface.mesh.nv != t->points) {
+    if (surface_face_points(*f, NULL) != t->points) {
         st = errinfo_set(e, ST_ECORRUPT,
                          "template %s: its row says %u points, its face %u", t->id,
-                         t->points, f->surface.mesh.nv);
-        f->surface.mesh.nv = f->surface.mesh.nt = 0;
+                         t->points, surface_face_points(*f, NULL));
+        surface_face_free(*f);
+        *f = NULL;
         return st;
     }
     if (store_template_outdated(s, t))
         return reencode(s, t, w, f, e);
-    f->quality = t->quality;
+    surface_face_rate(*f, &t->quality);
     return ST_OK;
 }
 
@@ -245,7 +245,8 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
 }
 
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
-                                struct face_work *w, struct face *f, struct errinfo *e)
+                                struct surface_work *w, struct surface_face **f,
+                                struct errinfo *e)
 {
     unsigned char *face = NULL;
     size_t len = 0;
@@ -348,8 +349,8 @@ static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
 }
 
 enum status store_reencode(struct store *s, const char *actor, const char *id,
-                           struct face_work *w, struct face *f, struct store_template *t,
-                           bool *done, struct errinfo *e)
+                           struct surface_work *w, struct surface_face **f,
+                           struct store_template *t, bool *done, struct errinfo *e)
 {
     unsigned char *face;
     struct log_act by;
@@ -362,12 +363,12 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
         !store_template_outdated(s, t))
         return st;
     (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->triangles = mesh_real(&f->surface.mesh);
-    t->quality = f->quality;
-    len = codec_size(f);
+    t->triangles = surface_face_triangles(*f, NULL);
+    t->quality = surface_face_quality(*f);
+    len = surface_encoded_size(*f);
     if ((face = malloc(len)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    codec_encode(f, face);
+    surface_encode(*f, face);
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) == ST_OK)
         st = store_end(s, &x, write_reencoded(&x, &by, t, face, len, done, e), e);
     *done = *done && st == ST_OK;
@@ -375,7 +376,7 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
     return st;
 }
 
-/* $1: an engine from its first space on, as face_same_engine() compares them. */
+/* $1: an engine from its first space on, as surface_same_engine() compares them. */
 #define OUTDATED                                                                         \
     "substr(engine, length(engine) - length(CAST($1 AS text)) + 1) <> CAST($1 AS text)"
 

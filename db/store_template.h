@@ -7,7 +7,7 @@
 #include "store_open.h"
 
 struct store_sample {
-    const struct face *face;
+    const struct surface_face *face;
     const char *read;   /* digest of its points as they were read; NULL: not known */
     double first_score; /* as in struct store_template */
 };
@@ -38,20 +38,22 @@ enum status store_template_get(struct store *s, const char *id, struct store_tem
                                struct errinfo *e);
 
 /* store_template_outdated(s, t): did another engine make it than s's (store_use_model())?  One
- * stored by another version of the program alone is not outdated (face_same_engine()). */
+ * stored by another version of the program alone is not outdated (surface_same_engine()). */
 bool store_template_outdated(const struct store *s, const struct store_template *t);
 
-/* store_template_load(s, id, t, w, f, e): the face too, decoded and validated.  Of an outdated
- * one *f is made of its points (face_rebuild()), for some milliseconds more, and is what it would
+/* store_template_load(s, id, t, w, f, e): the face too, decoded and validated; *f is as in
+ * surface_decode(), and NULL on failure.  Of an outdated
+ * one *f is made of its points (surface_rebuild()), for some milliseconds more, and is what it would
  * be after store_reencode(); *t is as it is stored.  ST_EVERSION: this engine cannot make a face
  * of them; nothing should be compared with it then.
  * store_template_decode(s, t, face, len, w, f, e): the same of a face's
  * bytes. */
 enum status store_template_load(struct store *s, const char *id, struct store_template *t,
-                                struct face_work *w, struct face *f, struct errinfo *e);
+                                struct surface_work *w, struct surface_face **f,
+                                struct errinfo *e);
 enum status store_template_decode(const struct store *s, const struct store_template *t,
-                                  const void *face, size_t len, struct face_work *w,
-                                  struct face *f, struct errinfo *e);
+                                  const void *face, size_t len, struct surface_work *w,
+                                  struct surface_face **f, struct errinfo *e);
 
 /* store_template_delete(s, actor, id, e): the subject stays, even without templates.
  * ST_EHELD: it is on hold. */
@@ -70,8 +72,8 @@ enum status store_template_list(struct store *s, const char *subject,
  * use it all the time.
  * ST_EVERSION, as store_template_load(): it stays as it is. */
 enum status store_reencode(struct store *s, const char *actor, const char *id,
-                           struct face_work *w, struct face *f, struct store_template *t,
-                           bool *done, struct errinfo *e);
+                           struct surface_work *w, struct surface_face **f,
+                           struct store_template *t, bool *done, struct errinfo *e);
 
 /* store_reencode_due(s, out, n, e): the ids of all outdated templates, oldest first; a new
  * array released by free().

@@ -6,7 +6,7 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
-struct model;         /* model.h */
+struct surface_model; /* libsurface.h */
 struct rows_subject;  /* rows_subject.h */
 struct store_receipt; /* store.h */
 
@@ -19,8 +19,8 @@ struct store_fault { /* written once, and then read by any thread; all zero at f
 struct store {
     struct sql *sql;
     char *path;
-    const struct model *model; /* store_use_model() */
-    char made_by[FACE_ENGINE_MAX + 1];
+    const struct surface_model *model; /* store_use_model() */
+    char made_by[SURFACE_ENGINE_SIZE];
     struct crypt *crypt;
     struct log log;
     char *anchor;         /* its file; NULL: there is none */

@@ -99,7 +99,8 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
 }
 
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
-                                struct face_work *w, struct face *f, struct errinfo *e)
+                                struct surface_work *w, struct surface_face **f,
+                                struct errinfo *e)
 {
     struct store_reading *r = out->reading;
     unsigned char *face = NULL;

@@ -5,7 +5,7 @@
 #include "store_attempts.h"
 #include "store_open.h"
 
-struct face_work; /* face.h */
+struct surface_work; /* libsurface.h */
 
 struct store_snapshot {
     struct store_subject subject; /* expired is set */
@@ -36,7 +36,8 @@ struct store_snapshot_of {
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
                                  struct store_snapshot *out, struct errinfo *e);
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
-                                struct face_work *w, struct face *f, struct errinfo *e);
+                                struct surface_work *w, struct surface_face **f,
+                                struct errinfo *e);
 enum status store_snapshot_end(struct store_snapshot *out, enum status st,
                                struct errinfo *e);
 void store_snapshot_free(struct store_snapshot *out); /* *out is empty again */

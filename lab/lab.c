@@ -30,9 +30,11 @@ void lab_say(const struct lab *c, const char *fmt, ...)
     va_end(args);
 }
 
-const char *lab_decision(enum face_decision d)
+const char *lab_decision(enum surface_decision d)
 {
-    return d == FACE_MATCH ? "match" : d == FACE_NO_MATCH ? "no_match" : "inconclusive";
+    return d == SURFACE_MATCH      ? "match"
+           : d == SURFACE_NO_MATCH ? "no_match"
+                                   : "inconclusive";
 }
 
 /* ---- files */

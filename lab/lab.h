@@ -14,10 +14,10 @@
 #include "newfile.h"
 #include "scan.h"
 
-struct corpus;      /* corpus.h */
-struct corpus_scan; /* corpus.h */
-struct mesh;        /* mesh.h */
-struct model;       /* model.h */
+struct corpus;        /* corpus.h */
+struct corpus_scan;   /* corpus.h */
+struct mesh;          /* mesh.h */
+struct surface_model; /* model.h */
 
 struct lab {
     const char *command;
@@ -25,7 +25,7 @@ struct lab {
     char **args;
     /* options (main.c), those of one command behind those of several */
     double unit_mm; /* 0: to be found */
-    enum scan_axes axes;
+    bool frontal; /* --axes scanner */
     struct clouddepth_camera camera;
     const char *model_path, *out;
     double threshold; /* NAN: the model's */
@@ -41,9 +41,9 @@ struct lab {
     uint64_t seed; /* study */
     bool reduced;
 
-    const struct model *model;
-    char engine[FACE_ENGINE_MAX + 1]; /* by that model */
-    struct face_work *work;
+    const struct surface_model *model;
+    char engine[SURFACE_ENGINE_SIZE]; /* by that model */
+    struct surface_work *work;
     struct json *report; /* NULL without --json */
     bool piped;       /* the result goes to standard output, the text to standard error */
     int code;         /* EXIT_FINE until the command sets another */
@@ -69,7 +69,7 @@ __attribute__((format(printf, 2, 3))) enum status lab_usage(struct lab *c,
                                                             const char *fmt, ...);
 __attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const char *fmt,
                                                    ...);
-const char *lab_decision(enum face_decision d);
+const char *lab_decision(enum surface_decision d);
 
 /* Files, by the rules of outfile.h.
  * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and the
@@ -90,17 +90,18 @@ enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
 enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
                            struct errinfo *e);
 enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpoints *p,
-                           bool enrolment, struct face_work *w, struct face *out,
-                           struct scan_found *found, struct errinfo *e);
-enum status lab_scan_read(struct lab *c, const char *path, struct face *out,
-                          struct scan_found *found);
+                           bool enrolment, struct surface_work *w,
+                           struct surface_face *out, struct surface_found *found,
+                           struct errinfo *e);
+enum status lab_scan_read(struct lab *c, const char *path, struct surface_face *out,
+                          struct surface_found *found);
 
 /* lab_scan_of(c, scan, enrolment, w, out, found, code, refused, e): a scan of a collection as a
  * face, on any thread.  A scan that is malformed or no face is no failure: *refused gives the
  * reason, for free(), and *code (NULL is allowed) the status.  Returns ST_OK, ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
 enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
-                        bool enrolment, struct face_work *w, struct face *out,
-                        struct scan_found *found, enum status *code, char **refused,
+                        bool enrolment, struct surface_work *w, struct surface_face *out,
+                        struct surface_found *found, enum status *code, char **refused,
                         struct errinfo *e);
 
 /* lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;

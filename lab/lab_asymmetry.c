@@ -5,7 +5,7 @@
 #include "lab.h"
 #include "asymmetry.h"
 
-static void print_asymmetry(const struct asymmetry *a, const struct face *f)
+static void print_asymmetry(const struct asymmetry *a, const struct surface_face *f)
 {
     (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
                  a->final.volume_mm3, a->final.area_mm2,
@@ -29,7 +29,7 @@ static void print_asymmetry(const struct asymmetry *a, const struct face *f)
 }
 
 static void report_asymmetry(struct json *j, const struct asymmetry *a,
-                             const struct face *f, const char *engine)
+                             const struct surface_face *f, const char *engine)
 {
     json_flag(j, "conclusive", asymmetry_conclusive(a));
     json_number(j, "plain_mm", a->final.plain_mm);
@@ -52,8 +52,8 @@ static void report_asymmetry(struct json *j, const struct asymmetry *a,
 
 enum status lab_asymmetry(struct lab *c)
 {
-    struct scan_found found;
-    struct face f = {0};
+    struct surface_found found;
+    struct surface_face f = {0};
     struct asymmetry a;
     enum status st = lab_scan_read(c, c->args[0], &f, &found);
 

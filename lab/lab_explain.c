@@ -11,10 +11,10 @@
 
 struct explanation {
     const char *a, *b, *engine;
-    struct face tmpl, probe;
+    struct surface_face tmpl, probe;
     struct face_result result;
     struct minimal minimal;
-    struct face_field field;
+    struct surface_parts field;
     struct dvec3 *pts; /* [n] of the probe, mm */
     double *gap;       /* [n] there, as measured; NAN: nothing to compare */
     size_t n;
@@ -114,8 +114,8 @@ static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
     json_extent(j, "overlap_mm2", d->area_mm2);
     json_transform(j, "transform", x->result.align.transform);
     json_object(j, "regions");
-    for (int i = 0; i < GRID_REGIONS; i++)
-        json_score(j, grid_region_name((enum grid_region)i), x->result.region[i]);
+    for (int i = 0; i < SURFACE_REGIONS; i++)
+        json_score(j, surface_region_name((enum surface_region)i), x->result.region[i]);
     json_close(j);
     text = json_pretty(j);
     ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
@@ -135,8 +135,8 @@ static const struct {
 
 static enum status compare(struct lab *c, struct explanation *x)
 {
-    struct face_work *w = c->work;
-    struct scan_found found;
+    struct surface_work *w = c->work;
+    struct surface_found found;
     struct cloudpoints p;
     enum status st = lab_scan_read(c, x->a, &x->tmpl, &found);
 
@@ -189,9 +189,9 @@ enum status lab_explain(struct lab *c)
                      "disparity    %.3f mm, minimal\nwritten to   %s\n",
                      lab_decision(x.result.decision), x.result.score, x.result.threshold,
                      x.minimal.disparity.plain_mm, folder);
-        c->code = x.result.decision == FACE_MATCH      ? EXIT_FINE
-                  : x.result.decision == FACE_NO_MATCH ? EXIT_NO
-                                                       : EXIT_INCONCLUSIVE;
+        c->code = x.result.decision == SURFACE_MATCH      ? EXIT_FINE
+                  : x.result.decision == SURFACE_NO_MATCH ? EXIT_NO
+                                                          : EXIT_INCONCLUSIVE;
     }
     mem_free(x.gap);
     mem_free(x.pts);

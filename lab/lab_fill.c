@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "lab.h"
+#include "cloudfile.h"
 #include "cloudpoints.h"
 #include "cloudunit.h"
 #include "fill.h"
@@ -121,13 +122,13 @@ static void print_filled(struct lab *c, struct filled *f)
 /* The scan's points in millimetres, as a face; from that what is missing. */
 static enum status restore(struct lab *c, struct filled *f)
 {
-    struct scan_found found;
+    struct surface_found found;
     struct cloudpoints mm = {.at = mem_array(f->scan.n, sizeof *mm.at),
                              .read = f->scan.n,
                              .n = f->scan.n,
                              .unit_mm = f->scan.unit_mm};
     struct scratch scratch = {0};
-    struct face face = {0};
+    struct surface_face face = {0};
     enum status st;
 
     if (mm.at == NULL)
@@ -136,8 +137,8 @@ static enum status restore(struct lab *c, struct filled *f)
         mm.at[i] = f->scan.at[i];
     if ((st = lab_scan_build(c, c->args[0], &mm, false, c->work, &face, &found, &c->e)) ==
             ST_OK &&
-        (st = fill_holes(&face.surface, (uint32_t)(FACE_MAX_POINTS - f->scan.n), &scratch,
-                         &f->fill)) != ST_OK)
+        (st = fill_holes(&face.surface, (uint32_t)(CLOUDFILE_POINTS - f->scan.n),
+                         &scratch, &f->fill)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0],
                           st == ST_ELIMIT ? "filled, it would have too many points"
                                           : status_message(st));
@@ -157,7 +158,7 @@ enum status lab_fill(struct lab *c)
         return lab_usage(c, "fill needs --out FILE");
     if ((st = lab_may_pipe(c, 1)) != ST_OK)
         return st;
-    c->axes = SCAN_AXES_SCANNER; /* the points stay where they are */
+    c->frontal = true; /* the points stay where they are */
     st = lab_scan_parse(c, c->args[0], &f.scan, &c->e);
     if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
         (st = lab_write(c, c->out, write_filled, &f)) == ST_OK)

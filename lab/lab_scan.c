@@ -15,23 +15,25 @@ enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpo
 }
 
 enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpoints *p,
-                           bool enrolment, struct face_work *w, struct face *out,
-                           struct scan_found *found, struct errinfo *e)
+                           bool enrolment, struct surface_work *w,
+                           struct surface_face *out, struct surface_found *found,
+                           struct errinfo *e)
 {
-    const struct scan_options o = {.axes = p->axes_given ? SCAN_AXES_SCANNER : c->axes,
+    const struct scan_options o = {.axes = p->axes_given || c->frontal ? SCAN_AXES_SCANNER
+                                                                       : SCAN_AXES_AUTO,
                                    .enrolment = enrolment};
     const size_t n = p->n;
     enum status st;
 
-    out->quality = (struct quality){0};
+    out->quality = (struct surface_quality){0};
     st = scan_build(p, &o, w, out, NULL, found);
     return st == ST_OK ? st
                        : errinfo_set(e, st, "%.100s: %zu points: %s", path, n,
                                      status_message(st));
 }
 
-enum status lab_scan_read(struct lab *c, const char *path, struct face *out,
-                          struct scan_found *found)
+enum status lab_scan_read(struct lab *c, const char *path, struct surface_face *out,
+                          struct surface_found *found)
 {
     struct cloudpoints p;
     enum status st = lab_scan_parse(c, path, &p, &c->e);
@@ -43,8 +45,8 @@ enum status lab_scan_read(struct lab *c, const char *path, struct face *out,
 }
 
 enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
-                        bool enrolment, struct face_work *w, struct face *out,
-                        struct scan_found *found, enum status *code, char **refused,
+                        bool enrolment, struct surface_work *w, struct surface_face *out,
+                        struct surface_found *found, enum status *code, char **refused,
                         struct errinfo *e)
 {
     struct cloudpoints p;

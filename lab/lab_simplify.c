@@ -8,7 +8,7 @@
 #include "mem.h"
 #include "simplify.h"
 
-static void print_simplified(struct lab *c, const struct face *f,
+static void print_simplified(struct lab *c, const struct surface_face *f,
                              const struct simplify_result *r)
 {
     const double share = (double)r->kept / f->surface.mesh.nv;
@@ -36,8 +36,8 @@ enum status lab_simplify(struct lab *c)
     struct simplify_result r;
     struct scratch scratch = {0};
     struct mesh small = {0};
-    struct scan_found found;
-    struct face f = {0};
+    struct surface_found found;
+    struct surface_face f = {0};
     enum status st;
 
     if (!(c->tolerance_mm > 0) || c->out == NULL)
@@ -48,7 +48,9 @@ enum status lab_simplify(struct lab *c)
         (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,
                             NULL, &r)) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
-    if (st == ST_OK && (st = lab_write(c, c->out, cloudwrite_ply, &small)) == ST_OK)
+    if (st == ST_OK &&
+        (st = lab_write(c, c->out, cloudwrite_ply,
+                        &(struct surface_face){.surface = {.mesh = small}})) == ST_OK)
         print_simplified(c, &f, &r);
     mesh_free(&small);
     scratch_free(&scratch);

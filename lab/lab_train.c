@@ -18,14 +18,15 @@
 struct scans {
     const struct lab *c;
     struct corpus *corpus;
-    struct face *face;
+    struct surface_face *face;
     char **refused; /* [nscan] why, or NULL */
 };
 
-static enum status read_scan(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+static enum status read_scan(void *arg, size_t i, struct surface_work *w,
+                             struct errinfo *e)
 {
     const struct scans *s = arg;
-    struct scan_found found;
+    struct surface_found found;
 
     return lab_scan_of(s->c, &s->corpus->scan[i], false, w, &s->face[i], &found, NULL,
                        &s->refused[i], e);
@@ -112,11 +113,11 @@ static void print_scans(struct lab *c, const struct train_report *r)
             "good.\n");
 }
 
-static void print_model(struct lab *c, const char *path, const struct model *m)
+static void print_model(struct lab *c, const char *path, const struct surface_model *m)
 {
-    char engine[FACE_ENGINE_MAX + 1];
+    char engine[SURFACE_ENGINE_SIZE];
 
-    face_engine(m, engine);
+    surface_engine(m, engine);
     json_text(c->report, "model", path);
     json_text(c->report, "name", m->name);
     json_text(c->report, "engine", engine);
@@ -188,7 +189,7 @@ enum status lab_train(struct lab *c)
                       .threads = c->threads};
     struct scans s = {.c = c};
     struct train_report report;
-    struct model *m = NULL;
+    struct surface_model *m = NULL;
     enum status st = check(c);
 
     if (st != ST_OK)

@@ -117,7 +117,7 @@ static const struct taken {
      {"axes", "auto|scanner", cloudfile_option_axes, NULL,
       "scanner: x to the image's right, y up, z towards the scanner,\n"
       "and all of it face; auto: the face is found",
-      IN(axes)}},
+      IN(frontal)}},
     {SCANS,
      {"camera", "FX,FY,CX,CY", cloudfile_option_camera, NULL,
       "of depth images: focal length and centre in pixels", IN(camera)}},
@@ -258,7 +258,7 @@ static bool read_line(int argc, char **argv, struct command_line *typed, struct 
 static enum status run(struct lab *c, const struct command *k)
 {
     const char *path = getenv("SURFACED_MODEL");
-    struct model *model = NULL;
+    struct surface_model *model = NULL;
     enum status st = ST_OK;
 
     if (c->model_path == NULL && path != NULL && path[0] != '\0' && (k->bit & SCANS) != 0)
@@ -266,16 +266,16 @@ static enum status run(struct lab *c, const struct command *k)
     if (c->model_path != NULL)
         st = modelfile_read(c->model_path, &model, &c->e);
     c->model = model != NULL ? model : &model_default;
-    if (st == ST_OK && (c->work = face_work_new(c->model)) == NULL)
+    if (st == ST_OK && (c->work = surface_work_new(c->model)) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && c->json && (c->report = json_new()) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK) {
-        face_engine(c->model, c->engine);
+        surface_engine(c->model, c->engine);
         st = k->run(c);
     }
-    face_work_free(c->work);
-    free(model);
+    surface_work_free(c->work);
+    surface_model_free(model);
     return st;
 }
 
@@ -290,7 +290,7 @@ int main(int argc, char **argv)
     nodump_begin();
     if (read_line(argc, argv, &typed, &c, &k)) {
         if (c.version)
-            (void)printf("surfacelab (%s)\n", FACE_ENGINE);
+            (void)printf("surfacelab (%s)\n", SURFACE_ENGINE);
         else if (c.help)
             print_help(k);
         st = c.version || c.help ? ST_OK : run(&c, k);

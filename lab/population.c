@@ -17,7 +17,7 @@ static const uint32_t motions[2][3] = {{0, 4, 5}, {1, 2, 3}};
 /* The slopes of the mean face and what follows from them are encode.h's. */
 static enum status place(struct population *p)
 {
-    struct model *m = calloc(1, sizeof *m);
+    struct surface_model *m = calloc(1, sizeof *m);
     struct encode_basis *e = calloc(1, sizeof *e);
     const enum status st = m != NULL && e != NULL ? ST_OK : ST_ENOMEM;
 
@@ -116,7 +116,7 @@ static void add_basis(const struct population *p, const struct model_basis *b,
     add_noise(s, even);
 }
 
-enum status population_read(const struct model *m, struct population *p)
+enum status population_read(const struct surface_model *m, struct population *p)
 {
     float mean[GRID_N], one[GRID_N];
     enum status st;
@@ -237,7 +237,7 @@ static enum status besides(const struct population *p, const struct spread_mode 
 }
 
 static enum status put_identity(const struct population *p, struct spread *noise,
-                                struct model *m)
+                                struct surface_model *m)
 {
     const uint32_t k = at_most(p, POPULATION_IDENTITY);
     struct spread_mode mode[POPULATION_IDENTITY];
@@ -259,7 +259,7 @@ static enum status put_identity(const struct population *p, struct spread *noise
 }
 
 /* The change, and the identity against it. */
-static enum status put_change(const struct population *p, struct model *m)
+static enum status put_change(const struct population *p, struct surface_model *m)
 {
     const uint32_t k = at_most(p, POPULATION_CHANGE);
     struct spread_mode mode[POPULATION_CHANGE];
@@ -279,7 +279,7 @@ static enum status put_change(const struct population *p, struct model *m)
     return st;
 }
 
-static enum status put_shape(const struct population *p, struct model *m)
+static enum status put_shape(const struct population *p, struct surface_model *m)
 {
     const uint32_t k = at_most(p, POPULATION_SHAPE);
     struct spread_mode mode[POPULATION_SHAPE];
@@ -301,7 +301,7 @@ static enum status put_shape(const struct population *p, struct model *m)
     return ST_OK;
 }
 
-enum status population_model(const struct population *p, struct model *m)
+enum status population_model(const struct population *p, struct surface_model *m)
 {
     enum status st;
 

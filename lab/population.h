@@ -33,7 +33,7 @@ struct population {
 enum status population_begin(const float mean[GRID_N], struct population *p);
 
 /* population_read(m, p): the population that a model says.  As population_begin(). */
-enum status population_read(const struct model *m, struct population *p);
+enum status population_read(const struct surface_model *m, struct population *p);
 
 /* population_copy(from, to): Returns ST_OK; ST_ENOMEM, to is empty. */
 enum status population_copy(const struct population *from, struct population *to);
@@ -52,6 +52,6 @@ void population_still(const struct population *p, struct spread *s);
 #define POPULATION_CHANGE   100
 #define POPULATION_IDENTITY 100
 #define POPULATION_SHAPE    88
-enum status population_model(const struct population *p, struct model *m);
+enum status population_model(const struct population *p, struct surface_model *m);
 
 #endif

@@ -56,7 +56,7 @@ static uint64_t seed(uint32_t kind, size_t i)
     return ((uint64_t)kind << 32) + i;
 }
 
-static enum status render_person(void *arg, size_t i, struct face_work *w,
+static enum status render_person(void *arg, size_t i, struct surface_work *w,
                                  struct errinfo *e)
 {
     struct rendering *r = arg;
@@ -72,7 +72,7 @@ static enum status render_person(void *arg, size_t i, struct face_work *w,
     return ST_OK;
 }
 
-static enum status render_expression(void *arg, size_t i, struct face_work *w,
+static enum status render_expression(void *arg, size_t i, struct surface_work *w,
                                      struct errinfo *e)
 {
     struct rendering *r = arg;

@@ -14,9 +14,9 @@ static void count(struct report_count *c, const struct trial *x)
     if (!x->done)
         return;
     c->n++;
-    c->match += x->decision == FACE_MATCH;
-    c->no_match += x->decision == FACE_NO_MATCH;
-    c->inconclusive += x->decision == FACE_INCONCLUSIVE;
+    c->match += x->decision == SURFACE_MATCH;
+    c->no_match += x->decision == SURFACE_NO_MATCH;
+    c->inconclusive += x->decision == SURFACE_INCONCLUSIVE;
 }
 
 static bool of_kind(const struct report *r, const struct report_group *g, uint32_t scan)
@@ -125,7 +125,7 @@ static double match_of(const struct trial *x, enum corpus_pair type, bool planne
 {
     if (x->type != type || (!planned && !x->done))
         return apart;
-    return x->done && x->decision == FACE_MATCH ? right : wrong;
+    return x->done && x->decision == SURFACE_MATCH ? right : wrong;
 }
 
 static double non_mated_match(const struct trial *x)
@@ -152,7 +152,7 @@ static double mated_no_match(const struct trial *x)
 {
     if (x->type != CORPUS_GENUINE || !x->done)
         return apart;
-    return x->decision != FACE_NO_MATCH ? right : wrong;
+    return x->decision != SURFACE_NO_MATCH ? right : wrong;
 }
 
 /* A group's mated comparisons and all non-mated ones; *n of them at *out, for free(). */

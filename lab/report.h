@@ -6,8 +6,8 @@
 #include "rates.h"
 #include "trials.h"
 
-struct json;  /* json.h */
-struct model; /* model.h */
+struct json;          /* json.h */
+struct surface_model; /* model.h */
 
 /* The share of n that went wrong; NaN when n is 0. */
 struct report_rate {
@@ -55,8 +55,8 @@ struct report {
     const struct trials *t;
     const char *source, *made; /* folder, manifest or list; when */
     const char *calibration;   /* whose decided */
-    const char *engine;        /* face_engine() */
-    const struct model *model;
+    const char *engine;        /* surface_engine() */
+    const struct surface_model *model;
     const char *enroll_kind; /* that was asked for, or NULL */
     double threshold;
     unsigned replicates; /* of the bootstrap */

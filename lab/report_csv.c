@@ -68,7 +68,7 @@ static void write_sides(FILE *to, const struct corpus *c,
 static void write_none(FILE *to)
 {
     (void)fputs("refused", to);
-    for (int i = 0; i < 6 + GRID_REGIONS; i++)
+    for (int i = 0; i < 6 + SURFACE_REGIONS; i++)
         (void)fputc(',', to);
 }
 
@@ -92,7 +92,7 @@ static void write_trial(FILE *to, const struct trials *t, const struct trial *x)
     digits(to, 4, x->fmr_at_score);
     fixed(to, 4, (double)x->disparity_mm);
     fixed(to, 4, (double)x->overlap);
-    for (int i = 0; i < GRID_REGIONS; i++)
+    for (int i = 0; i < SURFACE_REGIONS; i++)
         fixed(to, 4, (double)x->region[i]);
     fixed(to, 3, (double)x->rotation_deg);
     (void)fputs(",,\n", to);
@@ -123,8 +123,8 @@ enum status report_csv_scores(FILE *to, const void *arg, struct errinfo *e)
     (void)fprintf(to, "template,probe,template_subject,probe_subject,template_kind,"
                       "probe_kind,comparison,decision,score,threshold,fmr_at_score,"
                       "disparity_mm,overlap");
-    for (int i = 0; i < GRID_REGIONS; i++)
-        (void)fprintf(to, ",region_%s", grid_region_name((enum grid_region)i));
+    for (int i = 0; i < SURFACE_REGIONS; i++)
+        (void)fprintf(to, ",region_%s", surface_region_name((enum surface_region)i));
     (void)fprintf(to, ",rotation_deg,code,detail\n");
     for (size_t i = 0; i < t->n; i++)
         write_trial(to, t, &t->trial[i]);

@@ -28,7 +28,7 @@
 struct sample {
     uint32_t scan;    /* of the corpus */
     uint32_t subject; /* numbered anew: of those used */
-    struct face
+    struct surface_face
         placed; /* the scan's face as the model in use sees it; its points borrowed */
 };
 
@@ -142,7 +142,8 @@ static enum status plan(struct work *w, struct errinfo *e)
 /* ---- faces by a model, on all cores: each item writes its own place */
 
 /* The scan's frame and encoding by the work's model; and its gaps. */
-static enum status place(void *arg, size_t i, struct face_work *work, struct errinfo *e)
+static enum status place(void *arg, size_t i, struct surface_work *work,
+                         struct errinfo *e)
 {
     struct work *w = arg;
     struct sample *s = &w->sample[i];
@@ -165,8 +166,9 @@ static enum status place(void *arg, size_t i, struct face_work *work, struct err
                        : errinfo_set(e, st, "placing the faces: %s", status_message(st));
 }
 
-static enum status compare(const struct face *tmpl, const struct face *probe,
-                           struct face_work *work, double *score, struct errinfo *e)
+static enum status compare(const struct surface_face *tmpl,
+                           const struct surface_face *probe, struct surface_work *work,
+                           double *score, struct errinfo *e)
 {
     struct face_result r;
     const enum status st = face_compare(tmpl, probe, (double)NAN, NULL, work, &r);
@@ -177,7 +179,7 @@ static enum status compare(const struct face *tmpl, const struct face *probe,
     return ST_OK;
 }
 
-static enum status compare_base(void *arg, size_t i, struct face_work *work,
+static enum status compare_base(void *arg, size_t i, struct surface_work *work,
                                 struct errinfo *e)
 {
     struct work *w = arg;
@@ -187,7 +189,7 @@ static enum status compare_base(void *arg, size_t i, struct face_work *work,
                    &w->t->face[w->sample[p->probe].scan], work, &p->base, e);
 }
 
-static enum status compare_own(void *arg, size_t i, struct face_work *work,
+static enum status compare_own(void *arg, size_t i, struct surface_work *work,
                                struct errinfo *e)
 {
     struct work *w = arg;
@@ -202,15 +204,15 @@ static enum status compare_own(void *arg, size_t i, struct face_work *work,
 /* ---- learning */
 
 /* Round m as its text form does: the rounded model is the one that is used. */
-static enum status round_model(struct model *m, struct errinfo *e)
+static enum status round_model(struct surface_model *m, struct errinfo *e)
 {
-    const size_t len = model_write(m, NULL, 0);
+    const size_t len = surface_model_write(m, NULL, 0);
     char *text = malloc(len + 1);
     enum status st;
 
     if (text == NULL)
         return no_memory(e);
-    (void)model_write(m, text, len + 1);
+    (void)surface_model_write(m, text, len + 1);
     st = model_parse(text, len, m, NULL);
     free(text);
     return st == ST_OK
@@ -218,7 +220,7 @@ static enum status round_model(struct model *m, struct errinfo *e)
                : errinfo_set(e, ST_ECORRUPT, "what was learned is no valid model");
 }
 
-static enum status to_model(const struct population *p, struct model *m,
+static enum status to_model(const struct population *p, struct surface_model *m,
                             struct errinfo *e)
 {
     const enum status st = population_model(p, m);
@@ -267,10 +269,10 @@ static enum status blend(const struct work *w, unsigned half, double weight,
 
 /* What a model says that has learned from the other half of the subjects. */
 static enum status judge_half(struct work *w, unsigned half, double weight,
-                              const struct model *before, struct errinfo *e)
+                              const struct surface_model *before, struct errinfo *e)
 {
     struct population p;
-    struct model *m = malloc(sizeof *m);
+    struct surface_model *m = malloc(sizeof *m);
     struct work judge = *w;
     enum status st = m != NULL ? population_copy(w->p, &p) : ST_ENOMEM;
 
@@ -334,8 +336,9 @@ static enum status report(const struct work *w, struct train_report *r, struct e
 }
 
 /* p adapted to the scans, and how well that serves people that were not learned from. */
-static enum status learn_scans(struct work *w, struct population *p, struct model *m,
-                               struct train_report *r, struct errinfo *e)
+static enum status learn_scans(struct work *w, struct population *p,
+                               struct surface_model *m, struct train_report *r,
+                               struct errinfo *e)
 {
     const struct train *t = w->t;
     enum status st = choose(w, e);
@@ -359,8 +362,8 @@ static enum status learn_scans(struct work *w, struct population *p, struct mode
     return st == ST_OK ? blend(w, BOTH, r->weight, p, e) : st;
 }
 
-static enum status learn(const struct train *t, struct model *out, struct train_report *r,
-                         struct errinfo *e)
+static enum status learn(const struct train *t, struct surface_model *out,
+                         struct train_report *r, struct errinfo *e)
 {
     struct work w = {.t = t};
     struct population p;
@@ -425,9 +428,9 @@ static enum status read_scores(const char *path, struct rates **out, struct erri
     return st;
 }
 
-static enum status calibrate(const char *path, struct model *m, struct errinfo *e)
+static enum status calibrate(const char *path, struct surface_model *m, struct errinfo *e)
 {
-    struct calibration c;
+    struct surface_calibration c;
     struct rates *r;
     enum status st = read_scores(path, &r, e);
 
@@ -446,8 +449,9 @@ static enum status calibrate(const char *path, struct model *m, struct errinfo *
     return st == ST_OK ? round_model(m, e) : st;
 }
 
-enum status train_model(const struct train *t, const char *name, struct model *out,
-                        struct train_report *report_out, struct errinfo *e)
+enum status train_model(const struct train *t, const char *name,
+                        struct surface_model *out, struct train_report *report_out,
+                        struct errinfo *e)
 {
     enum status st = ST_OK;
 

@@ -11,17 +11,19 @@
 #include "rates.h"
 #include "status.h"
 
-struct corpus;  /* corpus.h */
-struct errinfo; /* errinfo.h */
-struct face;    /* face.h */
+struct corpus;       /* corpus.h */
+struct errinfo;      /* errinfo.h */
+struct surface_face; /* face.h */
 
 #define TRAIN_MIN_SUBJECTS 20 /* with two scans or more */
 
 struct train {
-    const struct model *base; /* what nothing else is learned of stays as it is there */
+    const struct surface_model
+        *base;             /* what nothing else is learned of stays as it is there */
     const char *morphable; /* a folder (morphable.h); NULL: none, the base's population */
     const struct corpus *corpus; /* scans; NULL: none */
-    const struct face *face; /* [corpus->nscan] built by base; of no points: not used */
+    const struct surface_face
+        *face;     /* [corpus->nscan] built by base; of no points: not used */
     double weight; /* of the scans, 0 to 1; below 0: by the number of subjects */
     const char
         *scores; /* a file that evaluate wrote, to calibrate by; NULL: the base's table */
@@ -48,7 +50,8 @@ struct train_report {
  * Returns ST_OK; ST_ETOOFEW subjects, or scores to calibrate by; ST_ECORRUPT the base has no
  * population, or the result is no valid model; what the files' readers return (morphable.h,
  * csv.h); ST_ENOMEM. */
-enum status train_model(const struct train *t, const char *name, struct model *out,
-                        struct train_report *report, struct errinfo *e);
+enum status train_model(const struct train *t, const char *name,
+                        struct surface_model *out, struct train_report *report,
+                        struct errinfo *e);
 
 #endif

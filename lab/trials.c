@@ -29,7 +29,7 @@ static bool plan_add(struct trials *t, uint32_t template, uint32_t probe,
                         .type = type,
                         .disparity_mm = NAN,
                         .rotation_deg = NAN};
-    for (int i = 0; i < GRID_REGIONS; i++)
+    for (int i = 0; i < SURFACE_REGIONS; i++)
         x->region[i] = NAN;
     return true;
 }
@@ -136,8 +136,8 @@ static enum status plan_all(struct trials *t)
 /* ---- doing it */
 
 struct sample {
-    struct face face;
-    struct scan_found found;
+    struct surface_face face;
+    struct surface_found found;
 };
 
 struct run {
@@ -154,7 +154,7 @@ struct run {
 };
 
 static enum status build(const struct run *r, uint32_t scan, bool enrolment,
-                         struct face_work *w, struct sample *out, struct errinfo *e)
+                         struct surface_work *w, struct sample *out, struct errinfo *e)
 {
     struct trials_scan *s = enrolment ? &r->t->template[scan] : &r->t->probe[scan];
 
@@ -162,7 +162,7 @@ static enum status build(const struct run *r, uint32_t scan, bool enrolment,
                        &out->found, &s->st, &s->why, e);
 }
 
-static enum status enroll_item(void *arg, size_t i, struct face_work *w,
+static enum status enroll_item(void *arg, size_t i, struct surface_work *w,
                                struct errinfo *e)
 {
     const struct run *r = arg;
@@ -191,7 +191,7 @@ static void rotation(const struct corpus_scan *s, double r[9])
 }
 
 /* The pose of a scan (rotation()) in the view that its points were brought into. */
-static void viewed(const struct corpus_scan *scan, const struct scan_found *found,
+static void viewed(const struct corpus_scan *scan, const struct surface_found *found,
                    double r[9])
 {
     const double *v = found->view, unit = found->unit_mm;
@@ -207,8 +207,9 @@ static void viewed(const struct corpus_scan *scan, const struct scan_found *foun
 
 /* Degrees between the rotation found, probe to template, and the true one. */
 static double angle(const struct corpus_scan *template,
-                    const struct scan_found *of_template, const struct corpus_scan *probe,
-                    const struct scan_found *of_probe, const double transform[16])
+                    const struct surface_found *of_template,
+                    const struct corpus_scan *probe, const struct surface_found *of_probe,
+                    const double transform[16])
 {
     double p[9], e[9], trace = 0;
 
@@ -223,7 +224,7 @@ static double angle(const struct corpus_scan *template,
 }
 
 static enum status compare(const struct run *r, const struct sample *sample,
-                           struct face_work *w, struct trial *x, struct errinfo *e)
+                           struct surface_work *w, struct trial *x, struct errinfo *e)
 {
     const struct corpus *c = r->t->corpus;
     const struct corpus_scan *template = &c->scan[x->template],
@@ -249,7 +250,7 @@ static enum status compare(const struct run *r, const struct sample *sample,
     x->score = f.score;
     x->fmr_at_score = f.fmr_at_score;
     x->overlap = (float)f.overlap;
-    for (int i = 0; i < GRID_REGIONS && r->how->regions; i++)
+    for (int i = 0; i < SURFACE_REGIONS && r->how->regions; i++)
         x->region[i] = (float)f.region[i];
     if (r->how->minimal)
         x->disparity_mm = (float)least.disparity.plain_mm;
@@ -260,7 +261,8 @@ static enum status compare(const struct run *r, const struct sample *sample,
     return ST_OK;
 }
 
-static enum status probe_item(void *arg, size_t i, struct face_work *w, struct errinfo *e)
+static enum status probe_item(void *arg, size_t i, struct surface_work *w,
+                              struct errinfo *e)
 {
     const struct run *r = arg;
     struct trials *t = r->t;

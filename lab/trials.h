@@ -15,10 +15,10 @@ struct trial {
     uint32_t template, probe; /* of corpus.scan */
     enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
-    enum face_decision decision;
-    double score, fmr_at_score;          /* as in face_result, as are these */
-    float overlap, region[GRID_REGIONS]; /* region: NAN, not asked for */
-    float disparity_mm;                  /* the minimal disparity; NAN: not asked for */
+    enum surface_decision decision;
+    double score, fmr_at_score;             /* as in face_result, as are these */
+    float overlap, region[SURFACE_REGIONS]; /* region: NAN, not asked for */
+    float disparity_mm; /* the minimal disparity; NAN: not asked for */
     float rotation_deg; /* between the rotation found and the true one; NAN: not known */
     float score_ms;
 };

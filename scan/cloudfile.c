@@ -8,13 +8,11 @@
 #include "cloudtext.h"
 #include "cloudunit.h"
 #include "errinfo.h"
-#include "face.h"
 #include "inflate.h"
 #include "json.h"
 #include "mem.h"
 #include "read.h"
 #include "readfile.h"
-#include "scan.h"
 
 static void skip_bom(struct cloudtext *t)
 {
@@ -321,7 +319,7 @@ enum status cloudfile_read_path(const char *path, double unit_mm,
                                 struct cloudpoints *out, struct errinfo *e)
 {
     const size_t most = (size_t)256 << 20;
-    const struct cloudfile_options o = {.max_points = FACE_MAX_POINTS,
+    const struct cloudfile_options o = {.max_points = CLOUDFILE_POINTS,
                                         .max_bytes = most,
                                         .unit_mm = unit_mm,
                                         .camera = *camera};
@@ -346,7 +344,7 @@ const char *cloudfile_option_axes(const char *text, void *value)
 {
     const bool scanner = strcmp(text, "scanner") == 0;
 
-    *(enum scan_axes *)value = scanner ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
+    *(bool *)value = scanner;
     return scanner || strcmp(text, "auto") == 0 ? NULL : "auto or scanner";
 }
 

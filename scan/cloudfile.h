@@ -12,6 +12,8 @@ struct errinfo;    /* errinfo.h */
 struct json_value; /* json.h */
 struct cloudlist;  /* cloudlist.h */
 
+#define CLOUDFILE_POINTS 1000000 /* default limit: a depth image of 1280 x 720 fits */
+
 struct cloudfile_options {
     /* as declared; CLOUDFORMAT_ANY: CLOUDFORMAT_RAW if the camera has a width, else
      * recognised by the content */
@@ -88,7 +90,7 @@ enum status cloudfile_read_path(const char *path, double unit_mm,
                                 struct cloudpoints *out, struct errinfo *e);
 
 /* What reads the values of the programs' options --units (double: millimetres, 0: auto), --axes
- * (enum scan_axes) and --camera (struct clouddepth_camera): NULL, or what the option takes. */
+ * (bool: scanner) and --camera (struct clouddepth_camera): NULL, or what the option takes. */
 const char *cloudfile_option_units(const char *text, void *value);
 const char *cloudfile_option_axes(const char *text, void *value);
 const char *cloudfile_option_camera(const char *text, void *value);

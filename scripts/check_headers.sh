@@ -30,7 +30,7 @@ sees() {
     echo "$layers" | sed -n "s|^$1 ||p"
 }
 # shellcheck disable=SC2046 # rooms
-alone tests/lib sim db/admin $(sees db/admin)
+alone tests/lib sim db/admin $(sees db/admin) $(sees core)
 # shellcheck disable=SC2046
 alone tests/fuzz $(sees sim)
 exit $bad

@@ -17,7 +17,8 @@ for header in $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.h|'); do
 done
 
 # shellcheck disable=SC2086 # file names of our own
-nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
+nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" \
+    -v public="$(tr '\n' '|' <"$build/libsurface.names")none" '
     BEGIN {
         for (n = split(sources, each, " "); n > 0; n--)
             is_source[each[n]]
@@ -27,9 +28,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
     function allowed(source, folder, module, names) {
         if (source == "core/mesh/predicates")
             return "incircle_.*" # named as in the literature
-        if (source == "core/libsurface")
-            return "surface_.*" # named after the header as it is installed
-        if (source == "core/mesh/mem")
+        if (source == "core/basic/mem")
             return "(mem|scratch)_.*"
         if (source == "server/http/peer")
             return "peer_.*|MHD_queue_response" # takes the place of the library\047s
@@ -43,6 +42,8 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" '
         sub(/[^\/]*$/, "", folder)
         sub(/.*\//, "", module)
         names = module "_.*|" module
+        if (source ~ /^core\//)
+            names = names "|" public # what libsurface.h declares
         if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/(fail_alloc|unit)$)/)
             names = "main|__wrap_.*|" names
         # A room below db/ has names of its own: db/log/log_txn.c exports log_*.

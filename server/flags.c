@@ -3,7 +3,7 @@
 #include <getopt.h>
 #include <stddef.h>
 
-#include "face.h"
+#include "libsurface.h"
 #include "options.h"
 
 enum { HELP = OPTIONS_ROWS, VERSION, CONFIG, CHECK, PRINT, CREATE, FLAGS };
@@ -83,7 +83,7 @@ enum flags_outcome flags_read(int argc, char **argv, FILE *errors, struct option
         return FLAGS_DONE;
     }
     if (value[VERSION] != NULL) {
-        (void)puts(FACE_ENGINE);
+        (void)puts(SURFACE_ENGINE);
         return FLAGS_DONE;
     }
     options_load(out, value[CONFIG], value);

@@ -13,10 +13,10 @@
 #include "erasures.h"
 #include "errinfo.h"
 #include "expiry.h"
-#include "face.h"
 #include "flags.h"
 #include "http.h"
 #include "intake.h"
+#include "libsurface.h"
 #include "logger.h"
 #include "mem.h"
 #include "metrics.h"
@@ -101,7 +101,7 @@ static void stop(struct app *app, struct http *http)
     throttle_free(app->throttle);
     intake_free(app->intake);
     store_close(app->store);
-    free(app->model);
+    surface_model_free(app->model);
 }
 
 /* A calibration that is ignored changes decisions: the operator must learn of it. */

@@ -6,9 +6,7 @@
 #include <stdio.h>
 
 #include "cloudunit.h"
-#include "face.h"
-#include "quality.h"
-#include "scan.h"
+#include "cloudfile.h"
 
 #define NEARLY_A_FACE    0.5 /* of the support that is wanted */
 #define HALF_PROFILE_DEG 55  /* beyond it less than half of a face is seen */
@@ -35,25 +33,25 @@ __attribute__((format(printf, 2, 3))) static void note(struct advice *a, const c
     va_end(ap);
 }
 
-static bool warns(const struct scan_found *f, enum scan_warning k)
+static bool warns(const struct surface_found *f, enum surface_warning k)
 {
     return (f->warnings >> k & 1) != 0;
 }
 
 /* The unit by which the longest side is a face's; "": none of them, or the one taken. */
-static const char *likely_unit(const struct scan_found *f)
+static const char *likely_unit(const struct surface_found *f)
 {
     static const double mm[] = {1, 1000, 10, 25.4, 0.001};
     const double side = fmax(f->extent[0], fmax(f->extent[1], f->extent[2]));
 
     for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
-        if (mm[i] != f->unit_mm && side * mm[i] >= QUALITY_EXTENT_MIN_MM &&
-            side * mm[i] <= QUALITY_EXTENT_MAX_MM)
+        if (mm[i] != f->unit_mm && side * mm[i] >= SURFACE_EXTENT_MIN_MM &&
+            side * mm[i] <= SURFACE_EXTENT_MAX_MM)
             return cloudunit_plural(mm[i]);
     return "";
 }
 
-static void unit(const struct scan_found *f, struct advice *a)
+static void unit(const struct surface_found *f, struct advice *a)
 {
     const char *likely = likely_unit(f);
 
@@ -64,12 +62,12 @@ static void unit(const struct scan_found *f, struct advice *a)
 }
 
 /* The reasons that have nothing but the status to tell them by. */
-static void reason(enum status st, const struct scan_found *f, struct advice *a)
+static void reason(enum status st, const struct surface_found *f, struct advice *a)
 {
     switch (st) {
     case ST_ELIMIT:
         add(a, "let the scanner measure fewer points: %d are read at most",
-            FACE_MAX_POINTS);
+            CLOUDFILE_POINTS);
         break;
     case ST_ETOOFEW:
         add(a,
@@ -102,45 +100,44 @@ static void reason(enum status st, const struct scan_found *f, struct advice *a)
 }
 
 /* "turn the head ...: 38° to the left now". */
-static void turned(const struct scan_found *f, struct advice *a)
+static void turned(const struct surface_found *f, struct advice *a)
 {
-    if (fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG)
+    if (fabs(f->yaw_deg) > SURFACE_YAW_DEG)
         add(a,
             "turn the head towards the scanner: %.0f° to the %s now, up to %d° for "
             "enrolment",
-            fabs(f->yaw_deg), f->yaw_deg > 0 ? "left" : "right", QUALITY_TURNED_YAW_DEG);
-    if (fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG)
+            fabs(f->yaw_deg), f->yaw_deg > 0 ? "left" : "right", SURFACE_YAW_DEG);
+    if (fabs(f->pitch_deg) > SURFACE_TILT_DEG)
         add(a, "%s the chin: the face looks %.0f° %s now, up to %d° is good",
             f->pitch_deg > 0 ? "lower" : "raise", fabs(f->pitch_deg),
-            f->pitch_deg > 0 ? "up" : "down", QUALITY_TURNED_OTHER_DEG);
-    if (fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG)
+            f->pitch_deg > 0 ? "up" : "down", SURFACE_TILT_DEG);
+    if (fabs(f->roll_deg) > SURFACE_TILT_DEG)
         add(a, "hold the head upright: tilted by %.0f° to the %s now, up to %d° is good",
-            fabs(f->roll_deg), f->roll_deg > 0 ? "right" : "left",
-            QUALITY_TURNED_OTHER_DEG);
+            fabs(f->roll_deg), f->roll_deg > 0 ? "right" : "left", SURFACE_TILT_DEG);
 }
 
-static void found(enum status st, const struct scan_found *f, struct advice *a)
+static void found(enum status st, const struct surface_found *f, struct advice *a)
 {
-    if (st == ST_ESEVERAL || warns(f, SCAN_SEVERAL))
+    if (st == ST_ESEVERAL || warns(f, SURFACE_SEVERAL))
         add(a, "let one person alone be in view: %u faces are there%s",
             (unsigned)f->faces, st == ST_OK ? ", the nearest was taken" : "");
-    if (st == ST_EMIRRORED || warns(f, SCAN_MIRRORED))
+    if (st == ST_EMIRRORED || warns(f, SURFACE_MIRRORED))
         add(a,
             "the scan seems to be a mirror image: switch mirroring off where it was made");
-    if (warns(f, SCAN_OCCLUDED))
+    if (warns(f, SURFACE_OCCLUDED))
         add(a,
             "take off glasses or mask, keep hair and hands away: %.0f %% of the face is "
             "covered",
             100 * f->occluded);
-    if (st == ST_EQUALITY && f->gate.seen < f->gate.seen_wanted)
+    if (st == ST_EQUALITY && f->seen < f->seen_wanted)
         add(a, "let the scanner see all of the face: %.0f %% of it now, %.0f %% at least",
-            100 * f->gate.seen, 100 * f->gate.seen_wanted);
-    if (st == ST_EQUALITY && f->gate.residual_mm > f->gate.residual_most)
+            100 * f->seen, 100 * f->seen_wanted);
+    if (st == ST_EQUALITY && f->residual_mm > f->residual_most)
         add(a, "move nearer, hold still, and let the scanner average several frames: the "
                "scan is too noisy to tell people apart");
-    if (warns(f, SCAN_TURNED))
+    if (warns(f, SURFACE_TURNED))
         turned(f, a);
-    if (st == ST_OK && warns(f, SCAN_BEHIND))
+    if (st == ST_OK && warns(f, SURFACE_BEHIND))
         note(a, "%.0f %% of the points are outside the face and were ignored",
              100 * f->elsewhere);
     if (st == ST_OK && f->unit_found && f->unit_mm != 1)
@@ -148,36 +145,36 @@ static void found(enum status st, const struct scan_found *f, struct advice *a)
              cloudunit_name(f->unit_mm));
 }
 
-static void quality(enum status st, const struct scan_found *f, const struct face *face,
+static void quality(const struct surface_found *f, const struct surface_face *face,
                     struct advice *a)
 {
-    const struct quality *q = &face->quality;
-    const unsigned bits = quality_reasons(q, st == ST_OK ? &face->frame : NULL);
+    const struct surface_quality *q = &f->quality;
+    const uint32_t bits = surface_quality_reasons(q, face);
 
-    if ((bits & 1U << QUALITY_NOISY) != 0)
+    if ((bits & 1U << SURFACE_NOISY) != 0)
         add(a, "hold still and scan again: the noise is %.1f mm, %.1f mm or less is good",
-            q->noise_mm, QUALITY_NOISY_MM);
-    if ((bits & 1U << QUALITY_SPARSE) != 0)
+            q->noise_mm, SURFACE_NOISY_MM);
+    if ((bits & 1U << SURFACE_SPARSE) != 0)
         add(a,
             "move nearer to the scanner: a point every %.1f mm now, every %.1f mm or less "
             "is good",
-            q->density_mm, QUALITY_SPARSE_MM);
-    if ((bits & 1U << QUALITY_INCOMPLETE) != 0)
+            q->density_mm, SURFACE_SPARSE_MM);
+    if ((bits & 1U << SURFACE_INCOMPLETE) != 0)
         add(a, "let the scanner see all of the face: %.0f %% of its outline was measured",
             100 * q->coverage);
-    if ((bits & 1U << QUALITY_TURNED) != 0 && !warns(f, SCAN_TURNED))
+    if ((bits & 1U << SURFACE_OBLIQUE) != 0 && !warns(f, SURFACE_TURNED))
         add(a, "face the scanner: the head is turned away from it");
 }
 
-void advice_give(enum status st, const struct scan_found *f, const struct face *face,
-                 struct advice *out)
+void advice_give(enum status st, const struct surface_found *f,
+                 const struct surface_face *face, struct advice *out)
 {
     out->n = out->nnote = 0;
-    if (st != ST_ENOTFACE || f->gate.support > NEARLY_A_FACE * f->gate.support_wanted)
+    if (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted)
         found(st, f, out); /* else it was found in something else */
     reason(st, f, out);
-    if (face->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))
-        quality(st, f, face, out);
+    if (f->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))
+        quality(f, st == ST_OK ? face : NULL, out);
     if (st == ST_EQUALITY && out->n == 0)
         add(out, "scan again, nearer and without moving");
 }

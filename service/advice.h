@@ -3,10 +3,8 @@
 #ifndef VERIFY_ADVICE_H
 #define VERIFY_ADVICE_H
 #include <stddef.h>
+#include "libsurface.h"
 #include "status.h"
-
-struct face;       /* face.h */
-struct scan_found; /* scan.h */
 
 #define ADVICE_LINES 8
 #define ADVICE_NOTES 2
@@ -20,11 +18,10 @@ struct advice {
     char note[ADVICE_NOTES][ADVICE_MAX]; /* found in a scan that is accepted */
 };
 
-/* advice_give(st, found, face, out): what scan_build() left, and what to change; first what
- * st is about, where that is a refusal.  face: its quality counts where density_mm is not 0,
- * and its frame where st is ST_OK.
+/* advice_give(st, found, face, out): what surface_build() found, and what to change; first what
+ * st is about, where that is a refusal.  face: used where st is ST_OK.
  * Left and right are those of the person in front of the scanner. */
-void advice_give(enum status st, const struct scan_found *found, const struct face *face,
-                 struct advice *out);
+void advice_give(enum status st, const struct surface_found *found,
+                 const struct surface_face *face, struct advice *out);
 
 #endif

@@ -10,7 +10,8 @@
 /* A model: in a bucket's list and in that of all by last use, newest first.  refs counts its
  * holders, and the cache itself while it is in the lists. */
 struct entry {
-    struct face face; /* first: cache_release() gets a pointer to it */
+    struct cache_held held; /* first: cache_release() gets a pointer to it */
+    struct surface_face *face;
     char id[STORE_ID_LEN + 1];
     unsigned refs;
     size_t bytes;
@@ -71,7 +72,7 @@ static void unlink_age(struct cache *c, struct entry *x)
 static void unref(struct entry *x)
 {
     if (--x->refs == 0) {
-        face_free(&x->face);
+        surface_face_free(x->face);
         free(x);
     }
 }
@@ -87,13 +88,6 @@ static void drop(struct cache *c, struct entry *x)
     c->state.bytes -= x->bytes;
     c->state.entries--;
     unref(x);
-}
-
-static size_t face_bytes(const struct face *f)
-{
-    return sizeof(struct entry) + (size_t)f->surface.mesh.cap * 68 +
-           f->surface.mesh.nv * sizeof *f->surface.spacing +
-           f->surface.mesh.nt * sizeof *f->surface.bridge;
 }
 
 struct cache *cache_new(size_t limit)
@@ -135,7 +129,7 @@ static void take_in(struct cache *c, struct entry *x)
     }
 }
 
-const struct face *cache_find(struct cache *c, const char *id)
+const struct cache_held *cache_find(struct cache *c, const char *id)
 {
     struct entry *x;
 
@@ -152,7 +146,7 @@ const struct face *cache_find(struct cache *c, const char *id)
         c->state.misses++;
     }
     (void)pthread_mutex_unlock(&c->lock);
-    return x != NULL ? &x->face : NULL;
+    return x != NULL ? &x->held : NULL;
 }
 
 uint64_t cache_mark(struct cache *c)
@@ -167,33 +161,33 @@ uint64_t cache_mark(struct cache *c)
     return mark;
 }
 
-const struct face *cache_keep(struct cache *c, uint64_t mark, const char *id,
-                              bool reencoded, struct face *f)
+const struct cache_held *cache_keep(struct cache *c, uint64_t mark, const char *id,
+                                    bool reencoded, struct surface_face *f)
 {
     struct entry *x = calloc(1, sizeof *x);
 
     if (x == NULL)
         return NULL;
-    x->face = *f;
-    *f = (struct face){0};
+    x->face = f;
+    x->held.face = f;
     (void)snprintf(x->id, sizeof x->id, "%s", id);
     x->refs = 1;
-    x->bytes = face_bytes(&x->face);
+    x->bytes = sizeof *x + surface_face_memory(f);
     if (c == NULL)
-        return &x->face;
+        return &x->held;
     (void)pthread_mutex_lock(&c->lock);
     c->state.reencoded += reencoded;
     if (mark == c->forgets)
         take_in(c, x);
     (void)pthread_mutex_unlock(&c->lock);
-    return &x->face;
+    return &x->held;
 }
 
-void cache_release(struct cache *c, const struct face *f)
+void cache_release(struct cache *c, const struct cache_held *held)
 {
-    struct entry *x = (struct entry *)(uintptr_t)f; /* its first member, never const */
+    struct entry *x = (struct entry *)(uintptr_t)held; /* its first member, never const */
 
-    if (f == NULL)
+    if (held == NULL)
         return;
     if (c != NULL)
         (void)pthread_mutex_lock(&c->lock);

@@ -9,10 +9,14 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "face.h"
+#include "libsurface.h"
 #include "rows_types.h"
 
 struct cache;
+
+struct cache_held {
+    const struct surface_face *face;
+};
 
 /* cache_new(limit): room for models of about limit bytes; the least recently used goes
  * first.  0: nothing is kept.  NULL: out of memory. */
@@ -21,19 +25,19 @@ void cache_free(struct cache *c); /* nothing may be held; NULL is allowed */
 
 /* cache_find(c, id): the model of a template that the caller has seen in the store; NULL: it is
  * not there, and the caller loads it.  Give it back by cache_release(). */
-const struct face *cache_find(struct cache *c, const char *id);
+const struct cache_held *cache_find(struct cache *c, const char *id);
 
 /* cache_mark(c): a moment, for cache_keep().
- * cache_keep(c, mark, id, reencoded, f): takes over what *f has, which was read after the mark,
+ * cache_keep(c, mark, id, reencoded, f): takes over f, which was read after the mark,
  * and returns it as held by cache_find().  Nobody else finds it where it does not fit, where
  * another has loaded it meanwhile, and where any template was forgotten since the mark: it may
- * be that one.  reencoded: it was made by another engine.  NULL: out of memory; *f is still
+ * be that one.  reencoded: it was made by another engine.  NULL: out of memory; f is still
  * the caller's. */
 uint64_t cache_mark(struct cache *c);
-const struct face *cache_keep(struct cache *c, uint64_t mark, const char *id,
-                              bool reencoded, struct face *f);
+const struct cache_held *cache_keep(struct cache *c, uint64_t mark, const char *id,
+                                    bool reencoded, struct surface_face *f);
 
-void cache_release(struct cache *c, const struct face *f); /* NULL is allowed */
+void cache_release(struct cache *c, const struct cache_held *held); /* NULL is allowed */
 
 /* cache_forget(c, id): drops the model, and releases its memory once nobody holds it.  To be
  * called after the store has deleted the template: nobody who reads it just then brings it back. */

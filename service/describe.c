@@ -2,17 +2,12 @@
 
 #include <ctype.h>
 
-#include "asymmetry.h"
 #include "cloudunit.h"
 #include "enrolment.h"
 #include "cloudformat.h"
-#include "face.h"
-#include "frame.h"
 #include "json.h"
-#include "quality.h"
-#include "scan.h"
+#include "sample.h"
 #include "store.h"
-#include "minimal.h"
 #include "dry_run.h"
 #include "templates.h"
 
@@ -22,10 +17,10 @@ static void text_or_null(struct json *j, const char *key, const char *value)
     json_text(j, key, value[0] != '\0' ? value : NULL);
 }
 
-void describe_quality(struct json *j, const char *key, const struct quality *q,
-                      const struct frame *frame)
+void describe_quality(struct json *j, const char *key, const struct surface_quality *q,
+                      const struct surface_face *face)
 {
-    const unsigned reasons = quality_reasons(q, frame);
+    const uint32_t reasons = surface_quality_reasons(q, face);
 
     json_object(j, key);
     json_number(j, "score", q->score);
@@ -33,9 +28,9 @@ void describe_quality(struct json *j, const char *key, const struct quality *q,
     json_number(j, "density_mm", q->density_mm);
     json_number(j, "noise_mm", q->noise_mm);
     json_array(j, "reasons");
-    for (int i = 0; i < QUALITY_REASONS; i++)
+    for (int i = 0; i < SURFACE_REASONS; i++)
         if (reasons & (1U << i))
-            json_text(j, NULL, quality_reason_name((enum quality_reason)i));
+            json_text(j, NULL, surface_reason_name((enum surface_reason)i));
     json_close(j);
     json_close(j);
 }
@@ -53,12 +48,14 @@ static void format(struct json *j, enum cloudformat f)
     json_text(j, "format", word);
 }
 
-void describe_scan(struct json *j, const char *key, const struct scan_found *f)
+void describe_scan(struct json *j, const char *key, const struct sample_found *s)
 {
+    const struct surface_found *f = &s->scan;
+
     json_object(j, key);
-    format(j, (enum cloudformat)f->format);
-    json_number(j, "points_read", (double)f->points_read);
-    json_number(j, "points_dropped", (double)f->points_dropped);
+    format(j, s->format);
+    json_number(j, "points_read", (double)s->points_read);
+    json_number(j, "points_dropped", (double)s->points_dropped);
     json_number(j, "points_used", (double)f->points_used);
     text_or_null(j, "units", cloudunit_name(f->unit_mm));
     if (f->unit_mm > 0 && f->view[15] == 1)
@@ -68,9 +65,9 @@ void describe_scan(struct json *j, const char *key, const struct scan_found *f)
     json_number(j, "yaw_deg", f->yaw_deg);
     json_number(j, "occluded", f->occluded);
     json_array(j, "warnings");
-    for (int i = 0; i < SCAN_WARNINGS; i++)
+    for (int i = 0; i < SURFACE_WARNINGS; i++)
         if ((f->warnings >> i & 1) != 0)
-            json_text(j, NULL, scan_warning_name((enum scan_warning)i));
+            json_text(j, NULL, surface_warning_name((enum surface_warning)i));
     json_close(j);
     json_close(j);
 }
@@ -107,7 +104,7 @@ void describe_receipt(struct json *j, const struct store_receipt *r)
 }
 
 void describe_template(struct json *j, const struct store_template *t,
-                       const struct frame *frame, bool how)
+                       const struct surface_face *face, bool how)
 {
     json_text(j, "template_id", t->id);
     json_text(j, "subject", t->subject);
@@ -116,7 +113,7 @@ void describe_template(struct json *j, const struct store_template *t,
     json_number(j, "points", t->points);
     json_number(j, "triangles", t->triangles);
     json_text(j, "digest", t->digest);
-    describe_quality(j, "quality", &t->quality, frame);
+    describe_quality(j, "quality", &t->quality, face);
     json_text(j, "engine", t->engine);
     if (!how)
         return;
@@ -125,7 +122,7 @@ void describe_template(struct json *j, const struct store_template *t,
 }
 
 void describe_enrolled(struct json *j, const char *file, const struct enrolment_result *x,
-                       const struct scan_found *found, const struct frame *frame)
+                       const struct sample_found *found, const struct surface_face *face)
 {
     const bool taken = x->why.code == ST_OK;
 
@@ -137,7 +134,7 @@ void describe_enrolled(struct json *j, const char *file, const struct enrolment_
     else
         json_text(j, "scan", NULL);
     if (taken) {
-        describe_quality(j, "quality", &x->tmpl.quality, frame);
+        describe_quality(j, "quality", &x->tmpl.quality, face);
         json_text(j, "refusal", NULL);
         return;
     }
@@ -148,16 +145,13 @@ void describe_enrolled(struct json *j, const char *file, const struct enrolment_
     json_close(j);
 }
 
-static const char *const stop[] = {
-    [ALIGN_CONVERGED] = "converged", [ALIGN_STEPS] = "steps", [ALIGN_APART] = "apart"};
-
-static void alignment(struct json *j, const struct align_result *a)
+static void alignment(struct json *j, const struct surface_disparity *a)
 {
     json_object(j, "alignment");
-    json_transform(j, "transform", a->transform);
+    json_transform(j, "transform", a->align_transform);
     json_number(j, "starts", a->starts);
     json_number(j, "evaluations", a->evaluations);
-    json_text(j, "stop", stop[a->stop]);
+    json_text(j, "stop", a->stop);
     json_number(j, "turn_deg", a->turn_deg);
     json_number(j, "shift_mm", a->shift_mm);
     json_number(j, "cost_mm", a->cost_mm);
@@ -168,31 +162,31 @@ static void alignment(struct json *j, const struct align_result *a)
 /* What tells more of the template than whether it is the same face. */
 static void measure(struct json *j, const struct describe_comparison *c)
 {
-    const struct minimal *m = c->minimal;
+    const struct surface_disparity *m = c->minimal;
 
     json_object(j, "minimal");
-    json_extent(j, "volume_mm3", m->disparity.volume_mm3);
-    json_extent(j, "overlap_mm2", m->disparity.area_mm2);
-    json_number(j, "weighted_mm", m->disparity.weighted_mm);
+    json_extent(j, "volume_mm3", m->volume_mm3);
+    json_extent(j, "overlap_mm2", m->area_mm2);
+    json_number(j, "weighted_mm", m->weighted_mm);
     json_transform(j, "transform", m->transform);
     json_close(j);
-    alignment(j, &c->result->align);
+    alignment(j, m);
     json_object(j, "regions");
-    for (int i = 0; i < GRID_REGIONS; i++)
-        json_score(j, grid_region_name((enum grid_region)i), c->result->region[i]);
+    for (int i = 0; i < SURFACE_REGIONS; i++)
+        json_score(j, surface_region_name((enum surface_region)i), c->parts->region[i]);
     json_close(j);
 }
 
-void describe_cells(struct json *j, const struct face_field *f)
+void describe_cells(struct json *j, const struct surface_parts *p)
 {
-    json_number(j, "mm", GRID_MM);
-    json_number(j, "nx", GRID_NX);
-    json_number(j, "ny", GRID_NY);
-    json_number(j, "left", GRID_LEFT);
-    json_number(j, "bottom", GRID_BOTTOM);
+    json_number(j, "mm", SURFACE_CELL_MM);
+    json_number(j, "nx", SURFACE_CELLS_X);
+    json_number(j, "ny", SURFACE_CELLS_Y);
+    json_number(j, "left", SURFACE_CELLS_LEFT);
+    json_number(j, "bottom", SURFACE_CELLS_BOTTOM);
     json_array(j, "part");
-    for (uint32_t i = 0; i < GRID_N; i++)
-        json_number(j, NULL, (double)f->part[i]);
+    for (uint32_t i = 0; i < SURFACE_CELLS; i++)
+        json_number(j, NULL, (double)p->part[i]);
     json_close(j);
 }
 
@@ -232,7 +226,8 @@ static void scans(struct json *j, const struct describe_comparison *c)
 
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
-    const struct face_result *r = c->result;
+    const struct surface_comparison *r = c->result;
+    struct surface_quality quality;
     double score, threshold;
 
     json_text(j, "decision", templates_decision(r->decision));
@@ -240,66 +235,68 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
         ids(j, c);
         return;
     }
-    face_shown(r, 100, &score, &threshold);
+    surface_shown(r, 100, &score, &threshold);
     json_score(j, "score", score);
     json_score(j, "threshold", threshold);
-    json_rate(j, "fmr_at_score", r->fmr_at_score);
-    json_number(j, "disparity_mm", c->minimal->disparity.plain_mm);
+    json_rate(j, "fmr_at_score", r->false_match_rate);
+    json_number(j, "disparity_mm", c->minimal->disparity_mm);
     json_number(j, "overlap", r->overlap);
     ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
     scans(j, c);
-    describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
+    quality = surface_face_quality(c->probe);
+    describe_quality(j, "quality", &quality, c->probe);
     json_text(j, "engine", c->engine);
-    if (c->measure)
+    if (c->parts != NULL)
         measure(j, c);
     if (c->gap_mm != NULL) {
         json_array(j, "heatmap");
         for (size_t i = 0; i < c->n; i++)
             json_number(j, NULL, c->gap_mm[i]);
         json_close(j);
-    }
-    if (c->field != NULL) {
         json_object(j, "cells");
-        describe_cells(j, c->field);
+        describe_cells(j, c->parts);
         json_close(j);
     }
     times(j, c->times, true);
 }
 
-void describe_asymmetry(struct json *j, const struct asymmetry *a, const struct face *f,
-                        const char *engine, const struct describe_times *t)
+void describe_asymmetry(struct json *j, const struct surface_asymmetry *a,
+                        const struct surface_face *f, const char *engine,
+                        const struct describe_times *t)
 {
-    json_flag(j, "conclusive", asymmetry_conclusive(a));
-    json_number(j, "plain_mm", a->final.plain_mm);
-    json_number(j, "weighted_mm", a->final.weighted_mm);
-    json_number(j, "first_mm", a->initial.plain_mm);
-    json_extent(j, "volume_mm3", a->final.volume_mm3);
-    json_extent(j, "overlap_mm2", a->final.area_mm2);
-    json_number(j, "overlap", a->final.overlap);
+    const struct surface_quality q = surface_face_quality(f);
+
+    json_flag(j, "conclusive", a->conclusive != 0);
+    json_number(j, "plain_mm", a->disparity_mm);
+    json_number(j, "weighted_mm", a->weighted_mm);
+    json_number(j, "first_mm", a->first_mm);
+    json_extent(j, "volume_mm3", a->volume_mm3);
+    json_extent(j, "overlap_mm2", a->area_mm2);
+    json_number(j, "overlap", a->overlap);
     json_object(j, "plane");
     json_direction(j, "normal", a->normal);
     json_number(j, "offset_mm", a->offset_mm);
     json_number(j, "moved_deg", a->moved_deg);
     json_number(j, "moved_mm", a->moved_mm);
     json_number(j, "evaluations", a->evaluations);
-    json_text(j, "stop", stop[a->stop]);
+    json_text(j, "stop", a->stop);
     json_number(j, "turn_deg", a->turn_deg);
     json_number(j, "shift_mm", a->shift_mm);
     json_close(j);
-    describe_quality(j, "quality", &f->quality, &f->frame);
+    describe_quality(j, "quality", &q, f);
     json_text(j, "engine", engine);
     times(j, t, false);
 }
 
-void describe_dry_run(struct json *j, const struct dry_run *t, const struct face *face,
-                      const struct describe_times *times)
+void describe_dry_run(struct json *j, const struct dry_run *t,
+                      const struct surface_face *face, const struct describe_times *times)
 {
     const bool usable = t->verification == ST_OK, read = t->found.points_read > 0;
 
     json_flag(j, "usable", usable);
     json_flag(j, "enrollable", t->enrolment == ST_OK);
-    json_text(j, "code", dry_run_code(t->why.code));
+    json_text(j, "code", status_refusal(t->why.code));
     text_or_null(j, "detail", t->why.msg);
     json_array(j, "advice");
     for (size_t i = 0; i < t->advice.n; i++)
@@ -313,8 +310,8 @@ void describe_dry_run(struct json *j, const struct dry_run *t, const struct face
         describe_scan(j, "scan", &t->found);
     else
         json_text(j, "scan", NULL);
-    if (read && face->quality.density_mm > 0)
-        describe_quality(j, "quality", &face->quality, usable ? &face->frame : NULL);
+    if (read && t->found.scan.quality.density_mm > 0)
+        describe_quality(j, "quality", &t->found.scan.quality, usable ? face : NULL);
     else
         json_text(j, "quality", NULL);
     json_object(j, "timing_ms");

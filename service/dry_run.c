@@ -1,77 +1,44 @@
 #include "dry_run.h"
 
 #include "cloudpoints.h"
-#include "face.h"
-#include "sample.h"
-#include "scan.h"
 
 bool dry_run_is_refusal(enum status st)
 {
     return st >= ST_ELIMIT && st <= ST_EQUALITY;
 }
 
-const char *dry_run_code(enum status st)
+enum status dry_run_run(const char *name, const struct cloudpoints *c,
+                        const struct sample_options *by, struct surface_work *w,
+                        struct surface_face **face, struct dry_run *out)
 {
-    return status_refusal(st);
-}
+    const struct surface_stop stop = sample_stop(by);
+    const struct surface_cloud cloud = sample_cloud(c, by, &stop);
+    struct sample_found strict = sample_begin(c);
+    enum surface_status refused;
+    enum status st;
 
-static enum status run(const char *name, struct cloudpoints *c,
-                       const struct scan_options *o, struct face_work *w,
-                       struct face *face, struct dry_run *out)
-{
-    const enum status st = sample_build(name, c, o, w, face, &out->found, &out->why);
-
-    advice_give(st, &out->found, face, &out->advice);
-    return st;
-}
-
-/* As for a verification, which takes more than an enrolment; out has the enrolment's refusal,
- * which stays where this succeeds. */
-static void run_loosely(const char *name, struct cloudpoints *c,
-                        const struct scan_options *strict, struct face_work *w,
-                        struct face *face, struct dry_run *out)
-{
-    const struct scan_options o = {
-        .axes = strict->axes, .search = strict->search, .stop = strict->stop};
-    struct dry_run loose = {.verification = ST_OK};
-
-    out->verification = run(name, c, &o, w, face, &loose);
-    if (out->verification != ST_OK) {
-        out->why = loose.why;
-        out->advice = loose.advice;
+    *out = (struct dry_run){.found = strict};
+    out->verification = status_from(
+        surface_check(w, &cloud, face, &refused, &strict.scan, &out->found.scan));
+    out->enrolment = status_from(refused);
+    strict.scan.unit_found = out->found.scan.unit_found = c->unit_mm == 0;
+    st = out->verification;
+    if (st != ST_OK) {
+        sample_refuse(name, st, &out->found, &out->why);
+        advice_give(st, &out->found.scan, NULL, &out->advice);
+        return dry_run_is_refusal(st) ? ST_OK : st;
     }
-    out->found = loose.found;
-}
-
-enum status dry_run_run(const char *name, struct cloudpoints *c,
-                        const struct scan_options *by, struct face_work *w,
-                        struct face *face, struct dry_run *out)
-{
-    struct scan_search search = {.done = false};
-    const struct scan_options o = {
-        .axes = by->axes, .enrolment = true, .search = &search, .stop = by->stop};
-    struct cloudpoints again;
-
-    *out = (struct dry_run){0};
-    if (cloudpoints_copy(c, &again) != ST_OK)
-        return errinfo_set(&out->why, ST_ENOMEM, "no memory for a copy of the points");
-    out->enrolment = out->verification = run(name, c, &o, w, face, out);
-    if (dry_run_is_refusal(out->enrolment)) {
-        cloudpoints_free(c);
-        *c = again;
-        run_loosely(name, c, &o, w, face, out);
+    if (out->enrolment != ST_OK) {
+        sample_refuse(name, out->enrolment, &strict, &out->why);
+        advice_give(out->enrolment, &strict.scan, NULL, &out->advice);
     } else {
-        cloudpoints_free(&again);
+        advice_give(ST_OK, &out->found.scan, *face, &out->advice);
     }
-    return out->verification == ST_OK || dry_run_is_refusal(out->verification)
-               ? ST_OK
-               : out->verification;
+    return ST_OK;
 }
 
 void dry_run_unread(enum status st, const struct errinfo *e, struct dry_run *out)
 {
-    const struct face none = {.quality = {0}};
-
     *out = (struct dry_run){.enrolment = st, .verification = st, .why = *e};
-    advice_give(st, &out->found, &none, &out->advice);
+    advice_give(st, &out->found.scan, NULL, &out->advice);
 }

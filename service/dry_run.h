@@ -4,40 +4,34 @@
 #include <stdbool.h>
 #include "advice.h"
 #include "errinfo.h"
-#include "scan.h"
+#include "sample.h"
 #include "status.h"
 
 struct cloudpoints; /* cloudpoints.h */
-struct face;        /* face.h */
-struct face_work;   /* face.h */
 
 struct dry_run {
     enum status enrolment, verification; /* ST_OK, or why it would be refused */
-    struct scan_found found; /* points_read is 0 where the points were not read */
-    struct errinfo why;      /* the refusal; of the enrolment alone where the scan can be
+    struct sample_found found; /* points_read is 0 where the points were not read */
+    struct errinfo why;   /* the refusal; of the enrolment alone where the scan can be
                                 verified by; "" for none */
-    struct advice advice;    /* for what why is about */
+    struct advice advice; /* for what why is about */
 };
 
 /* dry_run_is_refusal(st): the scan is the reason, and can be changed at the scanner. */
 bool dry_run_is_refusal(enum status st);
 
-/* dry_run_code(st): the word for a refusal, as in the API ("not_a_face"); "malformed" for what
- * cannot be read at all; NULL for ST_OK. */
-const char *dry_run_code(enum status st);
-
 /* dry_run_run(name, c, by, w, face, out): build the face as for an enrolment and, where that is
  * refused, as for a verification.
  * name, w  as in sample_build()
- * by     of these options axes and stop
- * c      afterwards as scan_build() leaves it
- * face   the model, if either succeeds; else empty, its quality as sample_build() says
+ * by     its enrolment has no meaning
+ * c      afterwards as it was
+ * face   as in surface_build(), where either succeeds; else *face is NULL
  * Cost   twice a face model at most, with one search for the face, and a copy of the points.
  * Returns ST_OK, also for a scan that is refused; ST_ENOMEM and what else is no refusal, with
  * out->why. */
-enum status dry_run_run(const char *name, struct cloudpoints *c,
-                        const struct scan_options *by, struct face_work *w,
-                        struct face *face, struct dry_run *out);
+enum status dry_run_run(const char *name, const struct cloudpoints *c,
+                        const struct sample_options *by, struct surface_work *w,
+                        struct surface_face **face, struct dry_run *out);
 
 /* dry_run_unread(st, e, out): of a file whose points are refused (dry_run_is_refusal(st)) when they
  * are read. */

@@ -1,6 +1,5 @@
 #include "enrolment.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,10 +9,10 @@
 #define ANYWAY "; to enroll it anyway use force (scope manage)"
 
 /* with_first: with the first of several, else with the templates that a sample has to fit. */
-static enum status does_not_fit(const struct face_result *r, bool with_first,
+static enum status does_not_fit(const struct surface_comparison *r, bool with_first,
                                 struct errinfo *e)
 {
-    if (r->decision == FACE_INCONCLUSIVE)
+    if (r->decision == SURFACE_INCONCLUSIVE)
         return errinfo_set(
             e, ST_EMISMATCH,
             "the sample has too little in common with %s for a decision" ANYWAY,
@@ -97,7 +96,7 @@ static enum status hold_against(struct enrolling *g, const struct templates *a, 
 {
     enum status st = ST_OK;
 
-    *out = (struct nearest){0};
+    *out = (struct nearest){.result = {.size = sizeof out->result}};
     if (a->of.n > 0)
         st = templates_nearest(a, true, g->x->sample[i].face, out, e);
     if (st == ST_EVERSION && g->x->force)
@@ -118,7 +117,7 @@ static enum status check_fit(struct enrolling *g, size_t i, struct errinfo *e)
     if (st == ST_OK)
         st = hold_against(g, &a, i, n, e);
     if (st == ST_OK && !g->x->force && n->compared > 0 &&
-        n->result.decision != FACE_MATCH)
+        n->result.decision != SURFACE_MATCH)
         st = record(g, &a, e);
     templates_free(&a);
     return st;
@@ -146,11 +145,11 @@ static enum status find_first(struct enrolling *g, struct errinfo *e)
 /* Sample i behind the first, where that one is what a sample has to fit: it is the subject's oldest
  * template to be, or a manager's. */
 static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest,
-                                      struct face_result *r, struct errinfo *e)
+                                      struct surface_comparison *r, struct errinfo *e)
 {
     const struct enrolment *x = g->x;
-    const enum status st = face_compare(x->sample[g->first].face, x->sample[i].face,
-                                        (double)NAN, NULL, g->c->work, r);
+    const enum status st = status_from(
+        surface_compare(g->c->work, x->sample[g->first].face, x->sample[i].face, r));
 
     if (st != ST_OK)
         return errinfo_set(e, st, "comparing: %s", status_message(st));
@@ -173,7 +172,7 @@ static enum status fit_other(struct enrolling *g, const struct templates *a, siz
     if (st != ST_OK)
         return st;
     g->each[i].why = (struct errinfo){.code = ST_OK};
-    if (!g->x->force && n.result.decision != FACE_MATCH)
+    if (!g->x->force && n.result.decision != SURFACE_MATCH)
         (void)does_not_fit(&n.result, none || g->x->manager, &g->each[i].why);
     return ST_OK;
 }
@@ -240,5 +239,5 @@ enum status enrolment_add(struct templates_context *c, const struct enrolment *x
 
 const char *enrolment_code(enum status st)
 {
-    return st == ST_EMISMATCH ? "sample_mismatch" : dry_run_code(st);
+    return st == ST_EMISMATCH ? "sample_mismatch" : status_refusal(st);
 }

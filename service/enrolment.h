@@ -58,7 +58,7 @@ enum status enrolment_add(struct templates_context *c, const struct enrolment *x
                           struct errinfo *e);
 
 /* enrolment_code(st): the word for why a sample was not taken: "sample_mismatch", or as
- * dry_run_code(). */
+ * status_refusal(). */
 const char *enrolment_code(enum status st);
 
 #endif

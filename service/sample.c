@@ -9,10 +9,7 @@
 #include "advice.h"
 #include "cloudpoints.h"
 #include "errinfo.h"
-#include "face.h"
-#include "gate.h"
-#include "lattice.h"
-#include "quality.h"
+#include "mem.h"
 
 /* To the end of the message, as far as there is room. */
 __attribute__((format(printf, 2, 3))) static void append(struct errinfo *e,
@@ -27,16 +24,16 @@ __attribute__((format(printf, 2, 3))) static void append(struct errinfo *e,
 }
 
 /* By how much the evidence for a face is too little. */
-static void tell_evidence(const struct scan_found *f, struct errinfo *e)
+static void tell_evidence(const struct surface_found *f, struct errinfo *e)
 {
     const struct {
         const char *what;
         double is, wanted;
-    } row[] = {{"support", f->gate.support, f->gate.support_wanted},
-               {"evidence", f->gate.evidence, f->gate.evidence_wanted}};
+    } row[] = {{"support", f->support, f->support_wanted},
+               {"evidence", f->evidence, f->evidence_wanted}};
     const char *begin = " (";
 
-    for (size_t i = 0; f->gate.support_wanted > 0 && i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; f->support_wanted > 0 && i < sizeof row / sizeof *row; i++) {
         if (row[i].is >= row[i].wanted)
             continue;
         append(e, "%s%s %.2f, at least %.2f wanted", begin, row[i].what, row[i].is,
@@ -48,30 +45,30 @@ static void tell_evidence(const struct scan_found *f, struct errinfo *e)
 }
 
 /* What of a face is there, and too poor. */
-static void tell_quality(const struct scan_found *f, const struct quality *q,
-                         struct errinfo *e)
+static void tell_quality(const struct surface_found *f, struct errinfo *e)
 {
+    const struct surface_quality *q = &f->quality;
     const char *comma = "";
 
-    if (f->occluded > GATE_OCCLUDED_MOST) { /* less is a warning, and not the reason */
+    if (f->occluded > SURFACE_OCCLUDED_MOST) { /* less is a warning, and not the reason */
         append(e, "too much of the face is covered");
         comma = ", ";
     }
-    if (f->gate.seen < f->gate.seen_wanted) {
+    if (f->seen < f->seen_wanted) {
         append(e, "%s%.0f %% of the face seen, at least %.0f %% wanted", comma,
-               100 * f->gate.seen, 100 * f->gate.seen_wanted);
+               100 * f->seen, 100 * f->seen_wanted);
         comma = ", ";
     }
-    if (f->gate.residual_mm > f->gate.residual_most) {
+    if (f->residual_mm > f->residual_most) {
         append(e, "%s%.1f mm of the surface are unlike any face, %.1f mm at most", comma,
-               f->gate.residual_mm, f->gate.residual_most);
+               f->residual_mm, f->residual_most);
         comma = ", ";
     }
-    if ((f->warnings >> SCAN_TURNED & 1) != 0) {
+    if ((f->warnings >> SURFACE_TURNED & 1) != 0) {
         append(e, "%sthe face is turned away from the scanner", comma);
         comma = ", ";
     }
-    if (q->density_mm > 0 && (comma[0] == '\0' || quality_reasons(q, NULL) != 0))
+    if (q->density_mm > 0 && (comma[0] == '\0' || surface_quality_reasons(q, NULL) != 0))
         append(e,
                "%snoise %.1f mm, %.0f %% of the outline measured, a point every %.1f mm",
                comma, q->noise_mm, 100 * q->coverage, q->density_mm);
@@ -80,21 +77,21 @@ static void tell_quality(const struct scan_found *f, const struct quality *q,
 }
 
 /* What was measured. */
-static void tell(enum status st, size_t n, size_t bad, const struct scan_found *f,
-                 const struct quality *q, struct errinfo *e)
+static void tell(enum status st, const struct surface_found *f, size_t n,
+                 struct errinfo *e)
 {
     const double *x = f->extent;
 
     switch (st) {
     case ST_ETOOFEW:
-        append(e, "%zu points, fewer than %d at different places", n, FACE_MIN_POINTS);
+        append(e, "%zu points, fewer than %d at different places", n, SURFACE_MIN_POINTS);
         break;
     case ST_ENOTFINITE:
-        append(e, "point %zu of %zu is not three finite numbers", bad + 1, n);
+        append(e, "point %zu of %zu is not three finite numbers", f->bad + 1, n);
         break;
     case ST_ERANGE:
-        append(e, "point %zu of %zu has a coordinate beyond %.0f mm", bad + 1, n,
-               LATTICE_MAX / LATTICE_PER_MM);
+        append(e, "point %zu of %zu has a coordinate beyond %.0f mm", f->bad + 1, n,
+               SURFACE_FARTHEST_MM);
         break;
     case ST_EDEGENERATE:
         append(e, "the %zu points lie on one line or at one place", n);
@@ -103,7 +100,7 @@ static void tell(enum status st, size_t n, size_t bad, const struct scan_found *
         append(e,
                "the extent is %.4g x %.4g x %.4g in the units %s; a face is %d to %d mm",
                x[0], x[1], x[2], f->unit_found ? "taken, mm" : "given",
-               QUALITY_EXTENT_MIN_MM, QUALITY_EXTENT_MAX_MM);
+               SURFACE_EXTENT_MIN_MM, SURFACE_EXTENT_MAX_MM);
         break;
     case ST_ENOFACE:
         append(e, "no face was found among %zu points, %.4g x %.4g x %.4g in extent", n,
@@ -120,7 +117,7 @@ static void tell(enum status st, size_t n, size_t bad, const struct scan_found *
         tell_evidence(f, e);
         break;
     case ST_EQUALITY:
-        tell_quality(f, q, e);
+        tell_quality(f, e);
         break;
     default:
         append(e, "%s", status_message(st));
@@ -209,29 +206,81 @@ static void digest_points(const struct cloudpoints *c, char hex[65])
     (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
 }
 
-enum status sample_build(const char *name, struct cloudpoints *c,
-                         const struct scan_options *o, struct face_work *w,
-                         struct face *out, struct scan_found *found, struct errinfo *e)
-{
-    const struct scan_options by = {.axes = c->axes_given ? SCAN_AXES_SCANNER : o->axes,
-                                    .enrolment = o->enrolment,
-                                    .search = o->search,
-                                    .stop = o->stop};
-    const size_t n = c->n;
-    struct advice advice;
-    char digest[sizeof found->digest];
-    size_t bad = 0;
-    enum status st;
+/* ---- */
 
-    out->quality = (struct quality){0}; /* not known, until it is rated */
-    digest_points(c, digest);
-    st = scan_build(c, &by, w, out, &bad, found);
-    memcpy(found->digest, digest, sizeof digest);
-    if (st == ST_OK)
-        return st;
-    advice_give(st, found, out, &advice);
+struct sample_found sample_begin(const struct cloudpoints *c)
+{
+    return (struct sample_found){.format = (enum cloudformat)c->format,
+                                 .points_read = c->read,
+                                 .points_dropped = c->read - c->n,
+                                 .scan = {.size = sizeof(struct surface_found)}};
+}
+
+static int nobody_waits(const void *stop)
+{
+    const atomic_bool *is = stop;
+
+    return is != NULL && atomic_load_explicit(is, memory_order_relaxed);
+}
+
+struct surface_stop sample_stop(const struct sample_options *o)
+{
+    return (struct surface_stop){nobody_waits, o->stop};
+}
+
+struct surface_cloud sample_cloud(const struct cloudpoints *c,
+                                  const struct sample_options *o,
+                                  const struct surface_stop *stop)
+{
+    const bool frontal = c->axes_given || o->frontal;
+
+    return (struct surface_cloud){.size = sizeof(struct surface_cloud),
+                                  .points = (const double(*)[3])c->at,
+                                  .normals = (const double(*)[3])c->normal,
+                                  .n = c->n,
+                                  .width = c->width,
+                                  .height = c->height,
+                                  .unit_mm = frontal && c->unit_mm == 0 ? c->usual_mm
+                                                                        : c->unit_mm,
+                                  .flags = (frontal ? SURFACE_FRONTAL : 0U) |
+                                           (o->enrolment ? SURFACE_ENROLMENT : 0U),
+                                  .place = c->index,
+                                  .stop = stop};
+}
+
+void sample_refuse(const char *name, enum status st, const struct sample_found *found,
+                   struct errinfo *e)
+{
+    struct advice advice;
+
+    advice_give(st, &found->scan, NULL, &advice);
     (void)errinfo_set(e, st, "%.80s: ", name);
-    tell(st, n, bad, found, &out->quality, e);
+    tell(st, &found->scan, found->points_read - found->points_dropped, e);
     tell_advice(&advice, e);
+}
+
+enum status sample_build(const char *name, struct cloudpoints *c,
+                         const struct sample_options *o, struct surface_work *w,
+                         struct surface_face **out, struct sample_found *found,
+                         struct errinfo *e)
+{
+    const struct surface_stop stop = sample_stop(o);
+    struct surface_cloud cloud = sample_cloud(c, o, &stop);
+    enum status st = ST_ENOMEM;
+
+    *found = sample_begin(c);
+    digest_points(c, found->digest);
+    if (c->index == NULL)
+        c->index = mem_array(c->n + 1, sizeof *c->index);
+    cloud.kept = (double(*)[3])c->at;
+    cloud.kept_place = c->index;
+    if (c->index != NULL)
+        st = status_from(surface_build(w, &cloud, out, &found->scan));
+    found->scan.unit_found = c->unit_mm == 0;
+    c->n = found->scan.kept;
+    mem_free(c->normal);
+    c->normal = NULL;
+    if (st != ST_OK)
+        sample_refuse(name, st, found, e);
     return st;
 }

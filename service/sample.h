@@ -2,17 +2,48 @@
  * none: what was measured, and what to do. */
 #ifndef VERIFY_SAMPLE_H
 #define VERIFY_SAMPLE_H
-#include "scan.h"
+#include <stdatomic.h>
+#include <stdbool.h>
+#include "cloudformat.h"
+#include "libsurface.h"
 #include "status.h"
 
-struct errinfo; /* errinfo.h */
+struct cloudpoints; /* cloudpoints.h */
+struct errinfo;     /* errinfo.h */
 
-/* sample_build(name, c, o, w, out, found, e): scan_build(), with the axes of o or of the file
- * itself.  name: a file's, or "points" of a request: the text begins with it, and ends with the
- * advice (advice.h).  out->quality.density_mm is 0 where the quality was not rated.
+struct sample_options {
+    bool frontal;   /* or the file says so: its axes are as SURFACE_FRONTAL has them */
+    bool enrolment; /* by the strict gate */
+    const atomic_bool
+        *stop; /* another thread sets it where nobody waits; NULL: none does */
+};
+
+/* What a file said, and what was found in it. */
+struct sample_found {
+    enum cloudformat format;
+    size_t points_read, points_dropped; /* dropped: without a value */
+    struct surface_found scan;
+    char digest[65]; /* of the set of points as they were read; "" of a dry run */
+};
+
+/* sample_build(name, c, o, w, out, found, e): surface_build() of the points that a reader left.
+ * name  a file's, or "points" of a request: the text begins with it, and ends with the advice
+ *       (advice.h)
+ * c     afterwards the points of the face, with their places; to be freed, also on failure
  * Returns as it does; *e is set on failure. */
 enum status sample_build(const char *name, struct cloudpoints *c,
-                         const struct scan_options *o, struct face_work *w,
-                         struct face *out, struct scan_found *found, struct errinfo *e);
+                         const struct sample_options *o, struct surface_work *w,
+                         struct surface_face **out, struct sample_found *found,
+                         struct errinfo *e);
+
+/* For other ways to build: what is known of c before; c as the library takes it, which borrows
+ * *stop; why it was refused. */
+struct sample_found sample_begin(const struct cloudpoints *c);
+struct surface_stop sample_stop(const struct sample_options *o);
+struct surface_cloud sample_cloud(const struct cloudpoints *c,
+                                  const struct sample_options *o,
+                                  const struct surface_stop *stop);
+void sample_refuse(const char *name, enum status st, const struct sample_found *found,
+                   struct errinfo *e);
 
 #endif

@@ -4,7 +4,6 @@
 
 #include "cache.h"
 #include "in_force.h"
-#include "minimal.h"
 
 /* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
  * far above the threshold.  Of 40 made-up people the 13 whose mirrored scans do not match gain 20
@@ -51,19 +50,23 @@ static enum status take_face(struct templates *t, size_t i, uint64_t since,
 {
     const struct templates_context *c = t->context;
     const struct store_template *one = &t->of.t[i];
-    struct face f = {0};
-    enum status st;
+    const struct cache_held *held = cache_find(c->cache, one->id);
+    struct surface_face *f = NULL;
+    enum status st = ST_OK;
 
-    if ((t->face[i] = cache_find(c->cache, one->id)) != NULL)
-        return ST_OK;
-    st = store_snapshot_face(&t->of, i, c->work, &f, e);
-    if (st == ST_OK) {
-        t->face[i] = cache_keep(c->cache, since, one->id,
-                                store_template_outdated(c->store, one), &f);
-        if (t->face[i] == NULL)
+    if (held == NULL)
+        st = store_snapshot_face(&t->of, i, c->work, &f, e);
+    if (held == NULL && st == ST_OK) {
+        held = cache_keep(c->cache, since, one->id,
+                          store_template_outdated(c->store, one), f);
+        if (held == NULL) {
+            surface_face_free(f);
             st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        }
     }
-    face_free(&f);
+    if (held != NULL)
+        t->face[i] = held->face;
+    t->held[i] = held;
     if (st != ST_EVERSION)
         return st;
     t->passed_over = *e;
@@ -97,26 +100,26 @@ enum status templates_read(struct templates_context *c, const struct templates_o
 void templates_free(struct templates *t)
 {
     for (size_t i = 0; i < t->of.n && i < STORE_TEMPLATES_MAX; i++)
-        cache_release(t->context->cache, t->face[i]);
+        cache_release(t->context->cache, t->held[i]);
     store_snapshot_free(&t->of);
     *t = (struct templates){.context = t->context};
 }
 
 /* ---- comparing */
 
-const char *templates_decision(enum face_decision d)
+const char *templates_decision(enum surface_decision d)
 {
-    static const char *const name[] = {[FACE_MATCH] = "match",
-                                       [FACE_NO_MATCH] = "no_match",
-                                       [FACE_INCONCLUSIVE] = "inconclusive"};
+    static const char *const name[] = {[SURFACE_MATCH] = "match",
+                                       [SURFACE_NO_MATCH] = "no_match",
+                                       [SURFACE_INCONCLUSIVE] = "inconclusive"};
 
     return name[d];
 }
 
-static bool better(const struct face_result *a, const struct face_result *b)
+static bool better(const struct surface_comparison *a, const struct surface_comparison *b)
 {
     static const int rank[] = {
-        [FACE_MATCH] = 2, [FACE_NO_MATCH] = 1, [FACE_INCONCLUSIVE] = 0};
+        [SURFACE_MATCH] = 2, [SURFACE_NO_MATCH] = 1, [SURFACE_INCONCLUSIVE] = 0};
 
     if (rank[a->decision] != rank[b->decision])
         return rank[a->decision] > rank[b->decision];
@@ -124,56 +127,60 @@ static bool better(const struct face_result *a, const struct face_result *b)
 }
 
 /* One comparison more, with the template that decides; none for a scan in its place. */
-static enum status find_mirrored(const struct templates *t, const struct face *probe,
-                                 struct nearest *of, struct errinfo *e)
+static enum status find_mirrored(const struct templates *t,
+                                 const struct surface_face *probe, struct nearest *of,
+                                 struct errinfo *e)
 {
-    struct face_work *w = t->context->work;
-    struct face_result swapped;
+    struct surface_work *w = t->context->work;
+    struct surface_comparison swapped = {.size = sizeof swapped};
     enum status st;
 
-    if (of->result.decision != FACE_NO_MATCH || t->of.t == NULL)
+    if (of->result.decision != SURFACE_NO_MATCH || t->of.t == NULL)
         return ST_OK;
-    if ((st = face_compare_mirrored(t->face[of->index], probe, w, &swapped)) != ST_OK)
+    if ((st = status_from(
+             surface_compare_mirrored(w, t->face[of->index], probe, &swapped))) != ST_OK)
         return errinfo_set(e, st, "the mirror image: %s", status_message(st));
-    face_best_of(&swapped, of->compared, w);
+    surface_best_of(w, of->compared, &swapped);
     of->mirrored =
         swapped.score > fmax(of->result.score, swapped.threshold) + DECISION_MIRRORED;
     return ST_OK;
 }
 
 /* Of the results [n], template[k] being the k-th one's; each lowered, then the best. */
-static void choose(struct face_result *r, const size_t *template, uint32_t n,
-                   const struct face_work *w, struct nearest *out)
+static void choose(struct surface_comparison *r, const size_t *template, uint32_t n,
+                   const struct surface_work *w, struct nearest *out)
 {
     out->first_score = r[0].score;
     out->compared = n;
     for (uint32_t k = 0; k < n; k++) {
-        face_best_of(&r[k], n, w);
+        surface_best_of(w, n, &r[k]);
         if (k == 0 || better(&r[k], &out->result)) {
             out->result = r[k];
             out->index = template[k];
         }
-        out->score_ms += r[k].score_ms;
     }
 }
 
 enum status templates_nearest(const struct templates *t, bool fit,
-                              const struct face *probe, struct nearest *out,
+                              const struct surface_face *probe, struct nearest *out,
                               struct errinfo *e)
 {
     const struct templates_context *c = t->context;
-    struct face_result result[STORE_TEMPLATES_MAX];
+    struct surface_comparison result[STORE_TEMPLATES_MAX];
     size_t template[STORE_TEMPLATES_MAX];
     uint32_t n = 0;
 
-    *out = (struct nearest){0};
+    *out = (struct nearest){.result = {.size = sizeof out->result}};
     for (size_t i = 0; i < t->of.n; i++) {
+        double start;
         enum status st;
 
         if (t->face[i] == NULL || (fit && n > 0 && !t->of.t[i].manager))
             continue;
-        st = face_compare(t->face[i], probe, (double)NAN, c->clock_ms, c->work,
-                          &result[n]);
+        start = c->clock_ms != NULL ? c->clock_ms() : 0;
+        result[n].size = sizeof result[n];
+        st = status_from(surface_compare(c->work, t->face[i], probe, &result[n]));
+        out->score_ms += c->clock_ms != NULL ? c->clock_ms() - start : 0;
         if (st != ST_OK)
             return errinfo_set(e, st, "template %s: %s", t->of.t[i].id,
                                status_message(st));
@@ -200,17 +207,24 @@ enum status templates_judge(const struct nearest *n, struct errinfo *e)
         "are swapped; switch mirroring off where it was made");
 }
 
-enum status templates_minimal(const struct templates *t, const struct face *probe,
-                              struct nearest *of, bool weigh, struct minimal *out,
-                              struct errinfo *e)
+enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
+                              const struct nearest *of, struct surface_disparity *out,
+                              struct surface_parts *parts, struct errinfo *e)
 {
     const struct templates_context *c = t->context;
-    const struct face *face = t->face[of->index];
-    enum status st = face_minimal(face, probe, c->clock_ms, c->work, &of->result, out);
+    const struct surface_face *face = t->face[of->index];
+    enum surface_status st;
 
-    if (st == ST_OK && weigh)
-        st = face_weigh(face, probe, c->work, out);
-    if (st == ST_OK && weigh)
-        st = face_regions(face, probe, c->work, &of->result);
-    return st == ST_OK ? st : errinfo_set(e, st, "comparing: %s", status_message(st));
+    *out = (struct surface_disparity){.size = sizeof *out};
+    surface_work_clock(c->work, c->clock_ms);
+    st = surface_disparity(c->work, face, probe, out);
+    if (st == SURFACE_OK && parts != NULL) {
+        parts->size = sizeof *parts;
+        st = surface_weigh(c->work, face, probe, out);
+    }
+    if (st == SURFACE_OK && parts != NULL)
+        st = surface_parts(c->work, face, probe, parts);
+    return st == SURFACE_OK
+               ? ST_OK
+               : errinfo_set(e, status_from(st), "comparing: %s", surface_message(st));
 }

@@ -3,7 +3,7 @@
  * in one transaction of the store, so that no template is compared that was deleted before it.
  * Fusion: the comparison with the highest score decides, so that one matching template suffices;
  * an inconclusive one only where there is no other.  Each is lowered by the logarithm of their
- * number (face_best_of()), so that a stranger is accepted no more often than by one.
+ * number (surface_best_of()), so that a stranger is accepted no more often than by one.
  * A non-match is also compared as its mirror image: a scanner that swaps left and right. */
 #ifndef SERVICE_TEMPLATES_H
 #define SERVICE_TEMPLATES_H
@@ -11,20 +11,20 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "errinfo.h"
-#include "face.h"
+#include "libsurface.h"
 #include "status.h"
 #include "store.h"
 
-struct cache;   /* cache.h */
-struct minimal; /* minimal.h */
+struct cache;      /* cache.h */
+struct cache_held; /* cache.h */
 
 /* What compares.  One thread at a time. */
 struct templates_context {
     struct store *store;
-    struct face_work *work;
+    struct surface_work *work;
     struct cache *cache;      /* of decoded faces; NULL: none */
     int64_t calibration;      /* the version that work decides by; 0 for a new work */
-    double (*clock_ms)(void); /* as in face_compare(); may be NULL */
+    double (*clock_ms)(void); /* for the times; may be NULL */
 };
 
 struct templates_of {
@@ -47,10 +47,11 @@ struct templates {
     struct templates_context *context;
     struct store_snapshot of;
     struct templates_refusal refusal;
-    const struct face
+    const struct surface_face
         *face[STORE_TEMPLATES_MAX]; /* NULL: of another engine, which this one
                                                      cannot re-encode */
-    struct errinfo passed_over;     /* the last of those; ST_OK: none */
+    const struct cache_held *held[STORE_TEMPLATES_MAX]; /* NULL: the face is another's */
+    struct errinfo passed_over; /* the last of those; ST_OK: none */
 };
 
 /* templates_admit(one, e): may the subject be verified, and may samples of it be enrolled?  Who
@@ -67,7 +68,7 @@ enum status templates_read(struct templates_context *c, const struct templates_o
 void templates_free(struct templates *t);
 
 struct nearest {
-    struct face_result result;
+    struct surface_comparison result;
     size_t index;       /* which of the templates */
     uint32_t compared;  /* how many there were */
     double first_score; /* against the oldest of them, not lowered */
@@ -83,22 +84,22 @@ struct nearest {
  *        would lead from the subject to anybody.
  * Returns ST_OK; ST_ENOTFOUND: there is none; ST_EVERSION: none but of another engine; ST_ENOMEM. */
 enum status templates_nearest(const struct templates *t, bool fit,
-                              const struct face *probe, struct nearest *out,
+                              const struct surface_face *probe, struct nearest *out,
                               struct errinfo *e);
 
 /* templates_decision(d): "match", "no_match", "inconclusive". */
-const char *templates_decision(enum face_decision d);
+const char *templates_decision(enum surface_decision d);
 
 /* templates_judge(n, e): ST_EMIRRORED, and *e for the user, where the scan must be made again
  * with left and right in their places; else ST_OK.  It is as good a sign as a match: to be
  * reported after a failed attempt was counted, as no match. */
 enum status templates_judge(const struct nearest *n, struct errinfo *e);
 
-/* templates_minimal(t, probe, of, weigh, out, e): the minimal disparity against the template that
- * decides; of->result gets the alignment; weigh: by the weight of each place too (face_weigh()),
- * and of->result gets its regions.  Returns as face_minimal(). */
-enum status templates_minimal(const struct templates *t, const struct face *probe,
-                              struct nearest *of, bool weigh, struct minimal *out,
-                              struct errinfo *e);
+/* templates_minimal(t, probe, of, out, parts, e): the minimal disparity against the template that
+ * decides, and the alignment; with parts also by the weight of each place (surface_weigh()), and
+ * what the score is made of; NULL: without.  Returns ST_OK, ST_ENOMEM. */
+enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
+                              const struct nearest *of, struct surface_disparity *out,
+                              struct surface_parts *parts, struct errinfo *e);
 
 #endif

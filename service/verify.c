@@ -4,7 +4,6 @@
 #include <stdio.h>
 
 #include "digest.h"
-#include "heatmap.h"
 #include "in_force.h"
 #include "mem.h"
 #include "sample.h"
@@ -53,7 +52,7 @@ static enum status read_points(struct templates_context *c, struct verification 
 static enum status build_face(struct templates_context *c, struct verification *v,
                               struct verify_scan *s, struct errinfo *e)
 {
-    const struct scan_options o = {.axes = s->axes, .stop = v->request->stop};
+    const struct sample_options o = {.frontal = s->frontal, .stop = v->request->stop};
     const double start = now(c);
     enum status st = not_stopped(v->request, e);
 
@@ -75,7 +74,7 @@ static enum status build_other(struct templates_context *c, struct verification 
     if (st == ST_OK && c->store != NULL)
         st = in_force_follow(c->store, c->work, &c->calibration, e);
     v->templates =
-        (struct templates){.context = c, .of = {.n = 1}, .face = {other->face}};
+        (struct templates){.context = c, .of = {.n = 1}, .face = {*other->face}};
     return st;
 }
 
@@ -86,24 +85,21 @@ static enum status minimal(struct verification *v, struct errinfo *e)
 
     if (st != ST_OK || r->detail == VERIFY_DECISION)
         return st;
-    return templates_minimal(&v->templates, r->probe.face, &v->best,
-                             r->detail >= VERIFY_MEASURE, &v->least, e);
+    return templates_minimal(&v->templates, *r->probe.face, &v->best, &v->least,
+                             r->detail >= VERIFY_MEASURE ? &v->parts : NULL, e);
 }
 
-static enum status heatmap(struct templates_context *c, struct verification *v,
-                           struct errinfo *e)
+static enum status heatmap(struct verification *v, struct errinfo *e)
 {
-    const struct face *face = v->templates.face[v->best.index];
+    const struct surface_face *face = v->templates.face[v->best.index];
     const struct verify_scan *s = &v->request->probe;
     enum status st = ST_ENOMEM;
 
     if (v->request->detail != VERIFY_HEATMAP)
         return ST_OK;
     if ((v->gap = mem_array(s->points.read, sizeof *v->gap)) != NULL)
-        st = heatmap_gaps(&face->surface, s->points.at, s->points.n,
-                          v->best.result.align.transform, v->gap);
-    if (st == ST_OK)
-        st = face_field(face, s->face, c->work, &v->field);
+        st = status_from(surface_gaps(face, (const double(*)[3])s->points.at, s->points.n,
+                                      v->least.align_transform, v->gap));
     if (st != ST_OK)
         return errinfo_set(e, st, "no memory for the heatmap");
     verify_spread(&s->points, v->gap);
@@ -115,11 +111,11 @@ static enum status digest_probe(const struct verification *v, struct store_probe
                                 struct errinfo *e)
 {
     const struct verify_scan *s = &v->request->probe;
-    const struct mesh *m = &s->face->surface.mesh;
+    const struct surface_face *f = *s->face;
 
     *out = (struct store_probe){.read = s->found.digest};
-    if (m->nv == v->templates.of.t[v->best.index].points &&
-        digest_points(m, out->used) != ST_OK)
+    if (surface_face_points(f, NULL) == v->templates.of.t[v->best.index].points &&
+        digest_points(f, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
     return ST_OK;
 }
@@ -128,20 +124,20 @@ static enum status record(struct templates_context *c, struct verification *v,
                           struct errinfo *e)
 {
     const struct verify_request *r = v->request;
-    const enum face_decision decision = v->best.result.decision;
+    const enum surface_decision decision = v->best.result.decision;
     const struct store_limits *limits = r->of.limits;
     char outcome[STORE_NAME_MAX + 1];
     struct store_probe probe = {.read = NULL};
     const struct store_record what = {
         .subject = &v->templates.of.subject,
         .as = limits == NULL || limits->failures == 0 ? STORE_RECORD_UNCOUNTED
-              : decision == FACE_MATCH                ? STORE_RECORD_PASSED
+              : decision == SURFACE_MATCH             ? STORE_RECORD_PASSED
                                                       : STORE_RECORD_FAILED,
         .actor = r->of.token,
         .kind = "verify",
         .template_id = r->other != NULL ? "" : v->templates.of.t[v->best.index].id,
         .outcome = outcome,
-        .probe = decision == FACE_MATCH ? &probe : NULL,
+        .probe = decision == SURFACE_MATCH ? &probe : NULL,
         .limits = limits};
     enum status st = not_stopped(r, e);
 
@@ -178,18 +174,18 @@ enum status verify_run(struct templates_context *c, struct verify_request *r,
     if (st == ST_OK)
         st = build_face(c, v, &r->probe, e);
     if (st == ST_OK)
-        st = templates_nearest(&v->templates, false, r->probe.face, &v->best, e);
+        st = templates_nearest(&v->templates, false, *r->probe.face, &v->best, e);
     if (st == ST_OK)
         st = minimal(v, e);
     if (st == ST_OK)
-        st = heatmap(c, v, e);
+        st = heatmap(v, e);
     if (st == ST_OK)
         st = record(c, v, e);
     if (st == ST_OK)
         st = templates_judge(&v->best, e);
     v->times.score = v->best.score_ms;
-    v->times.align = v->best.result.align_ms;
-    v->times.minimal = v->least.ms;
+    v->times.align = v->least.align_ms;
+    v->times.minimal = v->least.minimal_ms;
     return st;
 }
 
@@ -218,7 +214,7 @@ struct describe_comparison verify_describe(const struct verification *v,
     return (struct describe_comparison){
         .result = &v->best.result,
         .minimal = r->detail == VERIFY_DECISION ? NULL : &v->least,
-        .probe = r->probe.face,
+        .probe = *r->probe.face,
         .scan = &r->probe.found,
         .other = stored ? NULL : &r->other->found,
         .engine = engine,
@@ -226,9 +222,8 @@ struct describe_comparison verify_describe(const struct verification *v,
         .template_id = stored ? v->templates.of.t[v->best.index].id : NULL,
         .templates_compared = v->best.compared,
         .times = &v->times,
-        .measure = r->detail >= VERIFY_MEASURE,
+        .parts = r->detail >= VERIFY_MEASURE ? &v->parts : NULL,
         .gap_mm = v->gap,
-        .field = v->gap != NULL ? &v->field : NULL,
         .n = r->probe.points.read};
 }
 

@@ -6,8 +6,7 @@
 #include <stdatomic.h>
 #include "cloudfile.h"
 #include "describe.h"
-#include "minimal.h"
-#include "scan.h"
+#include "sample.h"
 #include "templates.h"
 
 enum verify_detail {                  /* what is wanted of a comparison */
@@ -24,9 +23,9 @@ struct verify_scan {
     size_t len;
     struct cloudfile_options how; /* to read bytes */
     bool axes_given;              /* or the file says so */
-    enum scan_axes axes;          /* where it does not */
-    struct face *face;            /* receives it */
-    struct scan_found found;      /* receives what was found */
+    bool frontal;                 /* where it does not: sample.h */
+    struct surface_face **face;   /* receives it */
+    struct sample_found found;    /* receives what was found */
 };
 
 struct verify_request {
@@ -44,10 +43,10 @@ struct verification {
     struct templates templates;
     struct templates_refusal refusal;
     struct nearest best;
-    struct minimal least; /* not for VERIFY_DECISION */
+    struct surface_disparity least; /* not for VERIFY_DECISION */
+    struct surface_parts parts;     /* of VERIFY_MEASURE and VERIFY_HEATMAP */
     double *
         gap; /* [request->probe.points.read] of VERIFY_HEATMAP, NAN where there is none */
-    struct face_field field; /* with it */
     struct store_recorded recorded;
     bool decided; /* and recorded; what is refused after that is still an attempt */
     struct describe_times times; /* but total */

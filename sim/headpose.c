@@ -107,7 +107,7 @@ static size_t crop(const struct head *h, const double to[16], struct dvec3 *out)
         if (fabs(q.x) < 66 && q.y > -82 && q.y < 80 && q.z > -75)
             head_add(&near, q, HEAD_SKIN);
     }
-    if (near.n < FACE_MIN_POINTS) {
+    if (near.n < SURFACE_MIN_POINTS) {
         head_free(&near);
         return 0;
     }
@@ -157,7 +157,7 @@ static double try(struct search *s, double to[16])
     struct frame f;
     double m[16], all[16], like;
 
-    if (n < FACE_MIN_POINTS ||
+    if (n < SURFACE_MIN_POINTS ||
         lattice_from_mm(s->room, n, LATTICE_PER_MM, s->lattice, NULL) != ST_OK ||
         surface_prepare(s->lattice, n, true, &s->scratch, &s->surface) != ST_OK ||
         frame_find(s->mean, &s->surface, &s->align, &f) != ST_OK ||
@@ -181,10 +181,10 @@ static struct head some(const struct dvec3 *p, size_t n, size_t most)
     return h;
 }
 
-static bool find_in_crop(const struct dvec3 *p, size_t n, struct face_work *w,
+static bool find_in_crop(const struct dvec3 *p, size_t n, struct surface_work *w,
                          double to[16])
 {
-    struct face f = {0};
+    struct surface_face f = {0};
     const bool ok = face_build(p, n, w, &f, NULL) == ST_OK;
 
     if (ok)
@@ -193,7 +193,7 @@ static bool find_in_crop(const struct dvec3 *p, size_t n, struct face_work *w,
     return ok;
 }
 
-bool headpose_find(const struct dvec3 *p, size_t n, bool is_crop, struct face_work *w,
+bool headpose_find(const struct dvec3 *p, size_t n, bool is_crop, struct surface_work *w,
                    double to[16])
 {
     struct search s = {.mean = face_work_mean(w)};

@@ -7,11 +7,11 @@
 #include <stddef.h>
 #include "vec.h"
 
-struct face_work; /* face.h */
+struct surface_work; /* face.h */
 
 /* headpose_find(p, n, crop, w, to): to: from the points, mm, to the canonical frame; row-major
  * 4 x 4.  crop: they are a frontal scan of a face alone.  False where no face was found. */
-bool headpose_find(const struct dvec3 *p, size_t n, bool crop, struct face_work *w,
+bool headpose_find(const struct dvec3 *p, size_t n, bool crop, struct surface_work *w,
                    double to[16]);
 
 #endif

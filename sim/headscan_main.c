@@ -126,7 +126,7 @@ static bool read_command(int argc, char **argv, struct command *c)
 
 static int read_points(const char *path, struct cloudpoints *out)
 {
-    static const struct cloudfile_options options = {.max_points = FACE_MAX_POINTS,
+    static const struct cloudfile_options options = {.max_points = CLOUDFILE_POINTS,
                                                      .max_bytes = FILE_LIMIT};
     FILE *f = fopen(path, "rb");
     unsigned char *bytes;
@@ -161,7 +161,8 @@ static bool is_head(const struct cloudpoints *c)
     return vec_dot(hi, hi) > 300.0 * 300.0;
 }
 
-static int read_head(const char *path, struct face_work *w, struct head *out, bool *crop)
+static int read_head(const char *path, struct surface_work *w, struct head *out,
+                     bool *crop)
 {
     struct cloudpoints c;
     double to[16];
@@ -254,7 +255,7 @@ static void options_of(const struct command *c, bool crop, struct headscan_optio
 
 int main(int argc, char **argv)
 {
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct head h = {0}, other = {0};
     struct headscan_options o;
     struct headscan s = {0};
@@ -281,6 +282,6 @@ int main(int argc, char **argv)
     headscan_free(&s);
     head_free(&h);
     head_free(&other);
-    face_work_free(w);
+    surface_work_free(w);
     return rc;
 }

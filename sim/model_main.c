@@ -52,10 +52,10 @@ static void print_text(const char *text)
     (void)putchar('"');
 }
 
-static void print_model(const struct model *m)
+static void print_model(const struct surface_model *m)
 {
     (void)printf("/* Made by sim/model_main.c; do not edit. */\n#include <math.h>\n"
-                 "#include \"model.h\"\nconst struct model model_default = {\n"
+                 "#include \"model.h\"\nconst struct surface_model model_default = {\n"
                  "    .name = ");
     print_text(m->name);
     (void)printf(",\n    .kinship = %a,\n    .noise_floor_mm = %a,\n", m->kinship,
@@ -76,7 +76,7 @@ static void print_model(const struct model *m)
 
 int main(void)
 {
-    static struct model m;
+    static struct surface_model m;
     static char text[LARGEST];
     const size_t len = fread(text, 1, sizeof text, stdin);
     uint32_t line = 0;

@@ -72,7 +72,7 @@ static uint64_t get64(const unsigned char *p)
     return (uint64_t)get32(p) | (uint64_t)get32(p + 4) << 32;
 }
 
-/* Bytes of a number that is at most `most`: below 6 MESH_MAX_POINTS, so 3 are enough. */
+/* Bytes of a number that is at most `most`: below 6 SURFACE_MAX_POINTS, so 3 are enough. */
 static size_t width(uint32_t most)
 {
     return most <= NARROW ? 2 : 3;
@@ -135,7 +135,7 @@ static size_t size_of(uint32_t nv, uint32_t modes)
            (nt + n) * vertex_width(nv);
 }
 
-size_t codec_size(const struct face *f)
+size_t surface_encoded_size(const struct surface_face *f)
 {
     return size_of(f->surface.mesh.nv, f->encoding.n);
 }
@@ -220,8 +220,9 @@ static bool get_encoding(const unsigned char *p, uint32_t modes, struct encoding
     return good && get_floats(p + 4 * modes, e->a, modes * (modes + 1) / 2);
 }
 
-void codec_encode(const struct face *f, unsigned char *buf)
+void surface_encode(const struct surface_face *f, void *bytes)
 {
+    unsigned char *buf = bytes;
     const struct mesh *m = &f->surface.mesh;
     const size_t half = half_width(m->nv), vertex = vertex_width(m->nv);
     unsigned char *p = buf + HEADER;
@@ -229,7 +230,7 @@ void codec_encode(const struct face *f, unsigned char *buf)
     memcpy(buf + AT_MAGIC, MAGIC, 4);
     put16(buf + AT_VERSION, VERSION);
     put16(buf + AT_MODES, f->encoding.n);
-    put64(buf + AT_LENGTH, codec_size(f));
+    put64(buf + AT_LENGTH, surface_encoded_size(f));
     put32(buf + AT_POINTS, m->nv);
     put32(buf + AT_TRIANGLES, m->nt);
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
@@ -266,7 +267,7 @@ static enum status check_header(const unsigned char *p, size_t len)
         return ST_EVERSION;
     nv = get32(p + AT_POINTS);
     modes = get16(p + AT_MODES);
-    return get64(p + AT_LENGTH) == len && nv >= 3 && nv <= MESH_MAX_POINTS &&
+    return get64(p + AT_LENGTH) == len && nv >= 3 && nv <= SURFACE_MAX_POINTS &&
                    modes <= MODEL_MODES && size_of(nv, modes) == len &&
                    get32(p + AT_TRIANGLES) == 2 * nv - 2 &&
                    get32(p + AT_SCALE) == (uint32_t)LATTICE_PER_MM
@@ -274,8 +275,8 @@ static enum status check_header(const unsigned char *p, size_t len)
                : ST_ECORRUPT;
 }
 
-enum status codec_decode(const void *buf, size_t len, struct face_work *w,
-                         struct face *out)
+enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
+                         struct surface_face *out)
 {
     const unsigned char *p = buf;
     struct mesh *m = &out->surface.mesh;

@@ -1,4 +1,4 @@
-/* codec.h -- a face as bytes, and back.  Byte layout: db/FORMAT.md.
+/* codec.h -- a face from bytes; surface_encode() writes them.  Byte layout: db/FORMAT.md.
  * Little-endian, magic, version, length; at most 32 bytes a point below 65,536 points.
  * Decoding verifies everything: a damaged or hostile block gives ST_ECORRUPT or ST_EVERSION,
  * never a crash.  There is no checksum: who stores the bytes authenticates them. */
@@ -7,18 +7,13 @@
 #include <stddef.h>
 #include "status.h"
 
-struct face;      /* face.h */
-struct face_work; /* face.h */
-
-size_t codec_size(const struct face *f); /* bytes codec_encode() writes */
-
-/* codec_encode(f, buf): write codec_size(f) bytes. */
-void codec_encode(const struct face *f, unsigned char *buf);
+struct surface_face; /* face.h */
+struct surface_work; /* face.h */
 
 /* codec_decode(buf, len, w, out): buf need not be aligned.  out as in face_build(); its quality
  * is zero.  On failure out->surface.mesh.nv is 0.
  * Returns ST_OK, ST_ECORRUPT, ST_EVERSION, ST_ENOMEM. */
-enum status codec_decode(const void *buf, size_t len, struct face_work *w,
-                         struct face *out);
+enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
+                         struct surface_face *out);
 
 #endif

@@ -53,7 +53,7 @@ static void put_row(const struct encode_basis *e, uint32_t i, float weight,
 }
 
 /* How the gap of cell i changes with the six motions of the face. */
-static void motion_of(const struct model *m, uint32_t i, float out[LANES])
+static void motion_of(const struct surface_model *m, uint32_t i, float out[LANES])
 {
     const double lever = POSE_LEVER_MM, by = ENCODE_MOTION_MM;
     const double x = grid_x(i), y = grid_y(i), z = (double)m->mean[i] + lever;
@@ -73,7 +73,7 @@ static void motion_of(const struct model *m, uint32_t i, float out[LANES])
     out[6] = out[7] = 0.0f;
 }
 
-void encode_prepare(const struct model *m, struct encode_basis *out)
+void encode_prepare(const struct surface_model *m, struct encode_basis *out)
 {
     struct normal_rows rows;
 

@@ -42,7 +42,7 @@ struct encoding {
 
 /* What does not depend on the scan; for many encodings. */
 struct encode_basis {
-    const struct model *m;
+    const struct surface_model *m;
     uint32_t change,
         identity;           /* where each begins among the columns; the motion is first */
     uint32_t width;         /* columns in use */
@@ -53,7 +53,7 @@ struct encode_basis {
 };
 
 /* encode_prepare(m, out): m is borrowed.  About 5 ms. */
-void encode_prepare(const struct model *m, struct encode_basis *out);
+void encode_prepare(const struct surface_model *m, struct encode_basis *out);
 
 /* encode_heights(e, z, residual_mm, s, out): the encoding of heights z (heights.h, at the face's
  * canonical frame; NAN: none), of which the shape of a face leaves that residual.

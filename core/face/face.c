@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "asymmetry.h"
-#include "calibration.h"
+#include "libsurface.h"
 #include "encode.h"
 #include "fit.h"
 #include "heights.h"
@@ -21,29 +21,30 @@
 #include "shape.h"
 #include "shape_work.h"
 
-struct face_work {
+struct surface_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct align_work align;
     struct surface upright; /* asymmetry_find()'s */
     struct scratch normal;  /* of encodings, and of ratios */
-    const struct model *model;
+    const struct surface_model *model;
     struct frame_mean mean;  /* the model's */
     struct fit_basis change; /* the model's, for alignment */
     struct encode_basis encode;
     float weight[GRID_N]; /* how well each place separates people (face_weigh()) */
     struct shape_work shape;
-    struct calibration calibration;
+    struct surface_calibration calibration;
+    double (*clock_ms)(void); /* NULL: none */
 };
 
-void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1])
+void surface_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE])
 {
     const uint64_t digest = model_digest(m != NULL ? m : &model_default);
 
-    (void)snprintf(out, FACE_ENGINE_MAX + 1, "%s model/%08x", FACE_ENGINE,
+    (void)snprintf(out, SURFACE_ENGINE_SIZE, "%s model/%08x", SURFACE_ENGINE,
                    (unsigned)(digest >> 32));
 }
 
-bool face_same_engine(const char *a, const char *b)
+int surface_same_engine(const char *a, const char *b)
 {
     /* "surfaced/VERSION measure/N model/HHHHHHHH" */
     const char *x = strchr(a, ' '), *y = strchr(b, ' ');
@@ -85,7 +86,7 @@ static float weight_at(const void *arg, double x, double y, double z)
 }
 
 /* How well each place separates people: the variance of identity over that of all. */
-static void weigh_places(const struct model *m, float weight[GRID_N])
+static void weigh_places(const struct surface_model *m, float weight[GRID_N])
 {
     double sum = 0;
     uint32_t n = 0;
@@ -108,9 +109,9 @@ static void weigh_places(const struct model *m, float weight[GRID_N])
         weight[i] = (float)((double)weight[i] * n / sum);
 }
 
-struct face_work *face_work_new(const struct model *m)
+struct surface_work *surface_work_new(const struct surface_model *m)
 {
-    struct face_work *w = mem_array(1, sizeof *w);
+    struct surface_work *w = mem_array(1, sizeof *w);
 
     if (w == NULL)
         return NULL;
@@ -118,7 +119,7 @@ struct face_work *face_work_new(const struct model *m)
     w->model = m != NULL ? m : &model_default;
     w->calibration = w->model->calibration;
     if (frame_mean_make(w->model, &w->mean) != ST_OK) {
-        face_work_free(w);
+        surface_work_free(w);
         return NULL;
     }
     fit_prepare(&w->model->change, &w->change);
@@ -128,27 +129,46 @@ struct face_work *face_work_new(const struct model *m)
     return w;
 }
 
-void face_work_decide(struct face_work *w, const struct calibration *c)
+enum surface_status surface_work_calibrate(struct surface_work *w,
+                                           const struct surface_calibration *by)
 {
-    w->calibration = c != NULL ? *c : w->model->calibration;
+    if (by != NULL && !surface_calibration_valid(by))
+        return SURFACE_EINVAL;
+    w->calibration = by != NULL ? *by : w->model->calibration;
+    return SURFACE_OK;
 }
 
-const struct model *face_work_model(const struct face_work *w)
+const struct surface_calibration *surface_work_calibration(const struct surface_work *w)
+{
+    return &w->calibration;
+}
+
+void surface_work_clock(struct surface_work *w, double (*clock_ms)(void))
+{
+    w->clock_ms = clock_ms;
+}
+
+double (*face_work_clock(const struct surface_work *w))(void)
+{
+    return w->clock_ms;
+}
+
+const struct surface_model *face_work_model(const struct surface_work *w)
 {
     return w->model;
 }
 
-const struct frame_mean *face_work_mean(const struct face_work *w)
+const struct frame_mean *face_work_mean(const struct surface_work *w)
 {
     return &w->mean;
 }
 
-struct shape_work *face_work_shape(struct face_work *w)
+struct shape_work *face_work_shape(struct surface_work *w)
 {
     return &w->shape;
 }
 
-void face_work_free(struct face_work *w)
+void surface_work_free(struct surface_work *w)
 {
     if (w == NULL)
         return;
@@ -160,7 +180,7 @@ void face_work_free(struct face_work *w)
     mem_free(w);
 }
 
-void face_work_wipe(struct face_work *w)
+void surface_work_wipe(struct surface_work *w)
 {
     measure_work_wipe(&w->measure, FACE_WORK_KEEP);
     align_work_wipe(&w->align, FACE_WORK_KEEP);
@@ -169,7 +189,7 @@ void face_work_wipe(struct face_work *w)
     shape_work_wipe(&w->shape, FACE_WORK_KEEP);
 }
 
-void face_free(struct face *f)
+void face_free(struct surface_face *f)
 {
     if (f == NULL)
         return;
@@ -178,7 +198,7 @@ void face_free(struct face *f)
 }
 
 /* Search and measure use one block in turns: before and after a search. */
-static void exchange(struct face_work *w)
+static void exchange(struct surface_work *w)
 {
     const struct scratch block = w->measure.scratch;
 
@@ -186,13 +206,13 @@ static void exchange(struct face_work *w)
     w->align.field = block;
 }
 
-static void clear(struct face *f)
+static void clear(struct surface_face *f)
 {
     f->surface.mesh.nv = f->surface.mesh.nt = 0;
 }
 
 /* The share of what is seen that a face's shape explains. */
-static double support(const struct face_work *w, const struct shape_fit *fit)
+static double support(const struct surface_work *w, const struct shape_fit *fit)
 {
     const uint32_t seen = fit->skin + fit->cover + fit->apart;
 
@@ -200,14 +220,14 @@ static double support(const struct face_work *w, const struct shape_fit *fit)
 }
 
 /* What a fit explains, in cells of a whole face. */
-static double worth(const struct face_work *w, const struct shape_fit *fit)
+static double worth(const struct surface_work *w, const struct shape_fit *fit)
 {
     return fit->worth * w->shape.cells / (fit->skin + fit->cover + fit->apart + 1);
 }
 
 /* shape_place() as if the head were so large, from the start; *fit becomes what is plainly a face and
  * worth more. */
-static enum status place_size(struct face *f, struct face_work *w,
+static enum status place_size(struct surface_face *f, struct surface_work *w,
                               const struct pose *start, double size,
                               struct shape_fit *fit)
 {
@@ -223,8 +243,8 @@ static enum status place_size(struct face *f, struct face_work *w,
 }
 
 /* What shape_place() is worth at the size; 0: it is no face. */
-static enum status worth_at(struct face *f, struct face_work *w, const struct pose *start,
-                            double size, double *out)
+static enum status worth_at(struct surface_face *f, struct surface_work *w,
+                            const struct pose *start, double size, double *out)
 {
     struct shape_fit fit = {.worth = 0};
     const enum status st = place_size(f, w, start, size, &fit);
@@ -234,7 +254,8 @@ static enum status worth_at(struct face *f, struct face_work *w, const struct po
 }
 
 /* The fit at the size where the worth is greatest, by the parabola through three. */
-static enum status refine_size(struct face *f, struct face_work *w, struct shape_fit *fit)
+static enum status refine_size(struct surface_face *f, struct surface_work *w,
+                               struct shape_fit *fit)
 {
     const struct pose start = pose_scale(&fit->pose, fit->size);
     const double size = fit->size;
@@ -252,7 +273,7 @@ static enum status refine_size(struct face *f, struct face_work *w, struct shape
 
 /* What is hardly a face as large as the model's may be a child's; from where it is, or, where it is
  * none, from each start.  The first two sizes say whether the others are worth a look. */
-static enum status place_sizes(struct face *f, struct face_work *w,
+static enum status place_sizes(struct surface_face *f, struct surface_work *w,
                                const struct pose start[STARTS], struct shape_fit *fit)
 {
     static const double size[] = SHAPE_SIZES;
@@ -275,7 +296,8 @@ static enum status place_sizes(struct face *f, struct face_work *w,
 }
 
 /* Where the k-th start is. */
-static enum status start_at(struct face *f, struct face_work *w, int k, struct pose *out)
+static enum status start_at(struct surface_face *f, struct surface_work *w, int k,
+                            struct pose *out)
 {
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 from = pose_centre(&f->surface.mesh);
@@ -295,7 +317,7 @@ static enum status start_at(struct face *f, struct face_work *w, int k, struct p
 }
 
 /* The frame and the encoding; with the builders' block to take heights in. */
-static enum status place(struct face *f, struct face_work *w)
+static enum status place(struct surface_face *f, struct surface_work *w)
 {
     struct pose start[STARTS];
     struct shape_fit fit = {.worth = -INFINITY}, one;
@@ -317,7 +339,7 @@ static enum status place(struct face *f, struct face_work *w)
     return encode_heights(&w->encode, fit.z, fit.residual_mm, &w->normal, &f->encoding);
 }
 
-static void lend(struct face_work *w)
+static void lend(struct surface_work *w)
 {
     const struct scratch block = w->measure.scratch;
 
@@ -325,7 +347,7 @@ static void lend(struct face_work *w)
     w->shape.points = block;
 }
 
-enum status face_place(struct face *f, struct face_work *w)
+enum status face_place(struct surface_face *f, struct surface_work *w)
 {
     enum status st;
 
@@ -335,7 +357,7 @@ enum status face_place(struct face *f, struct face_work *w)
     return st;
 }
 
-enum status face_adopt(struct face *f, struct face_work *w)
+enum status face_adopt(struct surface_face *f, struct surface_work *w)
 {
     enum status st = mesh_link(&f->surface.mesh, &w->measure.scratch);
 
@@ -350,7 +372,7 @@ enum status face_adopt(struct face *f, struct face_work *w)
 
 /* What face_build() does once the points are on the lattice.  flatten: lay spikes flat. */
 static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
-                         struct face_work *w, struct face *out)
+                         struct surface_work *w, struct surface_face *out)
 {
     struct scratch *s = &w->measure.scratch;
     enum status st;
@@ -360,7 +382,7 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
     if ((st = surface_prepare(pts, n, flatten, s, &out->surface)) != ST_OK ||
         (st = quality_extent(pts, n, s)) != ST_OK)
         return st;
-    if (out->surface.mesh.nv < FACE_MIN_POINTS)
+    if (out->surface.mesh.nv < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
     if ((st = quality_rate(&out->surface, s, &out->quality)) != ST_OK ||
         (st = face_place(out, w)) != ST_OK)
@@ -368,17 +390,17 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
     return out->frame.support > FACE_SUPPORT ? ST_OK : ST_ENOTFACE;
 }
 
-enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
-                       struct face *out, size_t *bad)
+enum status face_build(const struct dvec3 *pts, size_t n, struct surface_work *w,
+                       struct surface_face *out, size_t *bad)
 {
     struct ivec3 *lattice;
     enum status st;
 
     clear(out);
     out->frame = (struct frame){0};
-    if (n < FACE_MIN_POINTS)
+    if (n < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if (n > MESH_MAX_POINTS)
+    if (n > SURFACE_MAX_POINTS)
         return ST_ELIMIT;
     if ((lattice = scratch_need(&w->measure.points, n * sizeof *lattice)) == NULL)
         return ST_ENOMEM;
@@ -390,7 +412,7 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
     return st;
 }
 
-enum status face_rebuild(struct face *f, struct face_work *w)
+enum status face_rebuild(struct surface_face *f, struct surface_work *w)
 {
     const struct mesh *m = &f->surface.mesh;
     const uint32_t n = m->nv;
@@ -408,8 +430,8 @@ enum status face_rebuild(struct face *f, struct face_work *w)
     return st;
 }
 
-enum status face_align(const struct face *tmpl, const struct face *probe,
-                       double (*clock_ms)(void), struct face_work *w,
+enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
+                       double (*clock_ms)(void), struct surface_work *w,
                        struct face_result *r)
 {
     const double begin = clock_ms != NULL ? clock_ms() : 0;
@@ -439,17 +461,17 @@ static double common(const struct encoding *tmpl, const struct encoding *probe)
 }
 
 /* Two scans that tell nothing have the score 0, at or above which a threshold may be. */
-static enum face_decision decide(const struct face_result *r)
+static enum surface_decision decide(const struct face_result *r)
 {
     if (!(r->expected > 0))
-        return FACE_INCONCLUSIVE;
+        return SURFACE_INCONCLUSIVE;
     if (r->score >= r->threshold)
-        return FACE_MATCH;
-    return r->expected >= r->threshold ? FACE_NO_MATCH : FACE_INCONCLUSIVE;
+        return SURFACE_MATCH;
+    return r->expected >= r->threshold ? SURFACE_NO_MATCH : SURFACE_INCONCLUSIVE;
 }
 
 static enum status score_of(const struct encoding *tmpl, const struct encoding *probe,
-                            struct face_work *w, struct face_result *out)
+                            struct surface_work *w, struct face_result *out)
 {
     struct ratio_probe *r = ratio_probe(probe, w->model->kinship, &w->normal);
 
@@ -460,8 +482,9 @@ static enum status score_of(const struct encoding *tmpl, const struct encoding *
     return ST_OK;
 }
 
-enum status face_compare(const struct face *tmpl, const struct face *probe,
-                         double threshold, double (*clock_ms)(void), struct face_work *w,
+enum status face_compare(const struct surface_face *tmpl,
+                         const struct surface_face *probe, double threshold,
+                         double (*clock_ms)(void), struct surface_work *w,
                          struct face_result *out)
 {
     const double start = clock_ms != NULL ? clock_ms() : 0;
@@ -470,7 +493,7 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 
     out->threshold = isnan(threshold) ? w->calibration.threshold : threshold;
     out->decision = decide(out);
-    out->fmr_at_score = calibration_fmr(&w->calibration, out->score);
+    out->fmr_at_score = surface_calibration_rate(&w->calibration, out->score);
     out->score_ms = clock_ms != NULL ? clock_ms() - start : 0;
     return st;
 }
@@ -478,14 +501,12 @@ enum status face_compare(const struct face *tmpl, const struct face *probe,
 /* The mean of n likelihood ratios is one again: of a stranger's scan its expectation is 1, so that it
  * reaches e^t with a probability of e^-t at most (Markov), like each of them alone.  The greatest of
  * them, divided by n, is no more than their mean. */
-void face_best_of(struct face_result *r, uint32_t n, const struct face_work *w)
+void face_best_of(struct face_result *r, uint32_t n, const struct surface_work *w)
 {
-    if (n == 1)
-        return;
     r->score -= ratio_ln(n);
     r->expected -= ratio_ln(n);
     r->decision = decide(r);
-    r->fmr_at_score = calibration_fmr(&w->calibration, r->score);
+    r->fmr_at_score = surface_calibration_rate(&w->calibration, r->score);
 }
 
 void face_shown(const struct face_result *r, double steps, double *score,
@@ -499,16 +520,17 @@ void face_shown(const struct face_result *r, double steps, double *score,
     *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / steps;
 }
 
-void face_round(struct face_result *r, const struct face_work *w)
+void face_round(struct face_result *r, const struct surface_work *w)
 {
     face_shown(r, 10, &r->score, &r->threshold);
     r->overlap = round(r->overlap * 1e2) / 1e2;
     if (r->fmr_at_score < 1) /* else nothing was in common, or the score is the least */
-        r->fmr_at_score = calibration_fmr(&w->calibration, r->score);
+        r->fmr_at_score = surface_calibration_rate(&w->calibration, r->score);
 }
 
-enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,
-                                  struct face_work *w, struct face_result *out)
+enum status face_compare_mirrored(const struct surface_face *tmpl,
+                                  const struct surface_face *probe,
+                                  struct surface_work *w, struct face_result *out)
 {
     struct encoding mirrored;
     float z[GRID_N], swapped[GRID_N];
@@ -526,13 +548,14 @@ enum status face_compare_mirrored(const struct face *tmpl, const struct face *pr
         st = score_of(&tmpl->encoding, &mirrored, w, out);
     out->threshold = w->calibration.threshold;
     out->decision = decide(out);
-    out->fmr_at_score = calibration_fmr(&w->calibration, out->score);
+    out->fmr_at_score = surface_calibration_rate(&w->calibration, out->score);
     return st;
 }
 
-enum status face_minimal(const struct face *tmpl, const struct face *probe,
-                         double (*clock_ms)(void), struct face_work *w,
-                         struct face_result *r, struct minimal *out)
+enum status face_minimal(const struct surface_face *tmpl,
+                         const struct surface_face *probe, double (*clock_ms)(void),
+                         struct surface_work *w, struct face_result *r,
+                         struct minimal *out)
 {
     enum status st = face_align(tmpl, probe, clock_ms, w, r);
     const double start = clock_ms != NULL ? clock_ms() : 0;
@@ -545,8 +568,8 @@ enum status face_minimal(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
-enum status face_weigh(const struct face *tmpl, const struct face *probe,
-                       struct face_work *w, struct minimal *least)
+enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct minimal *least)
 {
     const struct places u = {w->weight, tmpl->frame.pose};
 
@@ -555,17 +578,18 @@ enum status face_weigh(const struct face *tmpl, const struct face *probe,
                       &least->disparity);
 }
 
-static bool counts(const struct face *tmpl, const struct face *probe, uint32_t cell)
+static bool counts(const struct surface_face *tmpl, const struct surface_face *probe,
+                   uint32_t cell)
 {
     const int either = tmpl->encoding.there[cell / 8] | probe->encoding.there[cell / 8];
 
     return (either >> cell % 8 & 1) != 0;
 }
 
-enum status face_field(const struct face *tmpl, const struct face *probe,
-                       struct face_work *w, struct face_field *out)
+enum status face_field(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct surface_parts *out)
 {
-    const struct face *const face[] = {tmpl, probe};
+    const struct surface_face *const face[] = {tmpl, probe};
     float z[2][GRID_N];
     double slope[2][MODEL_MODES], part[GRID_N] = {0}, rest = 0, all = 0;
     struct ratio_probe *r;
@@ -598,17 +622,18 @@ enum status face_field(const struct face *tmpl, const struct face *probe,
     return st;
 }
 
-enum status face_regions(const struct face *tmpl, const struct face *probe,
-                         struct face_work *w, struct face_result *r)
+enum status face_regions(const struct surface_face *tmpl,
+                         const struct surface_face *probe, struct surface_work *w,
+                         struct face_result *r)
 {
-    struct face_field field;
+    struct surface_parts field;
     const enum status st = face_field(tmpl, probe, w, &field);
 
     memcpy(r->region, field.region, sizeof r->region);
     return st;
 }
 
-enum status face_asymmetry(const struct face *f, struct face_work *w,
+enum status face_asymmetry(const struct surface_face *f, struct surface_work *w,
                            struct asymmetry *out)
 {
     static const struct pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};

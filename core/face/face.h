@@ -7,66 +7,40 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "align.h"
-#include "calibration.h"
 #include "encode.h"
 #include "frame.h"
 #include "grid.h"
+#include "libsurface.h"
 #include "quality.h"
 #include "status.h"
 #include "surface.h"
 #include "vec.h"
 
-#define FACE_ENGINE     "surfaced/0.2.0 measure/5" /* and a model: face_engine() */
-#define FACE_ENGINE_MAX 63
-#define FACE_MIN_POINTS 100
-#define FACE_MAX_POINTS 1000000 /* default limit: a depth image of 1280 x 720 fits */
-
-struct face {
+struct surface_face {
     struct surface surface;
-    struct quality quality;
+    struct surface_quality quality;
     struct frame frame;       /* its canonical frame */
     struct encoding encoding; /* what is compared (encode.h) */
 };
 
-struct asymmetry;  /* asymmetry.h */
-struct cells;      /* cells.h */
-struct minimal;    /* minimal.h */
-struct model;      /* model.h */
-struct shape_work; /* shape_work.h */
+struct asymmetry;     /* asymmetry.h */
+struct cells;         /* cells.h */
+struct minimal;       /* minimal.h */
+struct surface_model; /* model.h */
+struct shape_work;    /* shape_work.h */
 
-/* face_engine(m, out): what makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
- * with the first 8 hex digits of m's digest (NULL: model_default).  N is counted up with
- * every change that gives two scans another score, or the same points another face.
- * Scores and calibrations of another N or another model are not comparable.  About 1 ms. */
-void face_engine(const struct model *m, char out[FACE_ENGINE_MAX + 1]);
-
-/* face_same_engine(a, b): are scores of the engines a and b comparable?  True where all but
- * the version is the same. */
-bool face_same_engine(const char *a, const char *b);
-
-/* A worker's reusable memory for building and comparing: after the first few calls nothing
- * is allocated any more.  One thread at a time. */
-struct face_work;
-/* face_work_new(m): m is the model to build and compare by, borrowed; NULL: model_default.
- * Returns NULL when out of memory. */
-struct face_work *face_work_new(const struct model *m);
-void face_work_free(struct face_work *w);
-
-/* face_work_wipe(w): nothing of the faces that w has worked on stays in its memory, and what
- * more than FACE_WORK_KEEP bytes in a block were needed for is given back: faces of up to
- * 10,000 points are worked on without allocating again.  O(bytes used since the last time). */
+/* More than these bytes in a block surface_work_wipe() gives back: faces of up to 10,000 points are
+ * worked on without allocating again.  It takes O(bytes used since the last time). */
 #define FACE_WORK_KEEP ((size_t)4 << 20)
-void face_work_wipe(struct face_work *w);
 
-/* face_work_decide(w, d): from now on decide by the calibration d (copied); NULL: by the
- * model's own. */
-void face_work_decide(struct face_work *w, const struct calibration *d);
+/* face_work_clock(w): that of surface_work_clock(). */
+double (*face_work_clock(const struct surface_work *w))(void);
 
 /* The model that w was made with, its mean face ready to align to, and its shape ready to be
  * fitted. */
-const struct model *face_work_model(const struct face_work *w);
-const struct frame_mean *face_work_mean(const struct face_work *w);
-struct shape_work *face_work_shape(struct face_work *w);
+const struct surface_model *face_work_model(const struct surface_work *w);
+const struct frame_mean *face_work_mean(const struct surface_work *w);
+struct shape_work *face_work_shape(struct surface_work *w);
 
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.
@@ -75,31 +49,29 @@ struct shape_work *face_work_shape(struct face_work *w);
  * out   all zero, or a former face, whose memory is used again; on failure it is empty but
  *       may still hold memory: face_free().
  * bad   the index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL
- * Returns ST_OK; ST_ETOOFEW (< FACE_MIN_POINTS usable); ST_ENOTFINITE; ST_ERANGE;
+ * Returns ST_OK; ST_ETOOFEW (< SURFACE_MIN_POINTS usable); ST_ENOTFINITE; ST_ERANGE;
  * ST_EDEGENERATE; ST_EUNITS (extent outside 60-500 mm); ST_ENOTFACE; ST_EQUALITY;
  * ST_ENOMEM; ST_ELIMIT. */
-enum status face_build(const struct dvec3 *pts, size_t n, struct face_work *w,
-                       struct face *out, size_t *bad);
-void face_free(struct face *f); /* NULL and empty ones are allowed */
+enum status face_build(const struct dvec3 *pts, size_t n, struct surface_work *w,
+                       struct surface_face *out, size_t *bad);
+void face_free(struct surface_face *f); /* NULL and empty ones are allowed */
 
 /* face_adopt(f, w): for decoding: mesh_link(), then everything that follows from the mesh.
  * On entry f->surface.mesh has what mesh_link() reads, nothing of it checked, and f->frame is
  * the stored frame (mean_id 0: none).  The frame is found again where it belongs to another
  * model's mean face.
  * Returns ST_OK, ST_ECORRUPT (f->surface.mesh.nv is 0 then), ST_ENOMEM. */
-enum status face_adopt(struct face *f, struct face_work *w);
+enum status face_adopt(struct surface_face *f, struct surface_work *w);
 
 /* face_rebuild(f, w): replace f, which another engine built, by what this engine builds from
  * the same points.  Spikes stay as they were laid flat.  The points do not change by a bit,
  * so a second call changes nothing, nor does a first one on a face of this engine.
  * Returns as face_build(), except for the statuses about single points; f is empty on
  * failure.  Costs about as much as face_build(). */
-enum status face_rebuild(struct face *f, struct face_work *w);
-
-enum face_decision { FACE_MATCH, FACE_NO_MATCH, FACE_INCONCLUSIVE };
+enum status face_rebuild(struct surface_face *f, struct surface_work *w);
 
 struct face_result {
-    enum face_decision decision;
+    enum surface_decision decision;
     double score;     /* the log-likelihood ratio (ratio.h): higher is more alike; after
                             face_best_of() lowered by the logarithm of their number */
     double threshold; /* a match at or above it */
@@ -108,9 +80,9 @@ struct face_result {
     double
         fmr_at_score; /* false match rate at a threshold of the score (calibration.h) */
     double overlap;   /* share of the template's cells that the probe has, 0..1 */
-    struct align_result align;   /* transform probe -> template: of face_align() */
-    double region[GRID_REGIONS]; /* of the score: of face_regions() */
-    double score_ms, align_ms;   /* by the caller's clock; 0 without one */
+    struct align_result align;      /* transform probe -> template: of face_align() */
+    double region[SURFACE_REGIONS]; /* of the score: of face_regions() */
+    double score_ms, align_ms;      /* by the caller's clock; 0 without one */
 };
 
 /* face_compare(tmpl, probe, threshold, clock_ms, w, out): the score, from both encodings alone,
@@ -119,21 +91,22 @@ struct face_result {
  * clock_ms   may be NULL; used only for the times
  * The result depends only on the two faces, w's model, the calibration and the threshold.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */
-enum status face_compare(const struct face *tmpl, const struct face *probe,
-                         double threshold, double (*clock_ms)(void), struct face_work *w,
+enum status face_compare(const struct surface_face *tmpl,
+                         const struct surface_face *probe, double threshold,
+                         double (*clock_ms)(void), struct surface_work *w,
                          struct face_result *out);
 
 /* face_best_of(r, n, w): r is one of n > 0 comparisons of a probe, with the templates of one subject,
  * of which the best decides: n chances for a false match.  The score and what is expected of it
- * are lowered by ln n, and decision and rate follow (docs/decision.md).  With n = 1 nothing
- * changes. */
-void face_best_of(struct face_result *r, uint32_t n, const struct face_work *w);
+ * are lowered by ln n, and decision and rate follow (docs/decision.md), by
+ * r->threshold, which may have been changed; with n = 1 nothing else changes. */
+void face_best_of(struct face_result *r, uint32_t n, const struct surface_work *w);
 
 /* face_align(tmpl, probe, clock_ms, w, r): r->align and r->align_ms: the pose of the probe over
  * the template, from which the minimal disparity is found and the gaps are shown.  The score
  * does not depend on it.  Returns ST_OK, ST_ENOMEM. */
-enum status face_align(const struct face *tmpl, const struct face *probe,
-                       double (*clock_ms)(void), struct face_work *w,
+enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
+                       double (*clock_ms)(void), struct surface_work *w,
                        struct face_result *r);
 
 /* face_shown(r, steps, score, threshold): both in steps of 1 / steps, the threshold rounded up,
@@ -146,52 +119,46 @@ void face_shown(const struct face_result *r, double steps, double *score,
  * for clients that may know the decision, and should not learn a face from many scores.  The
  * decision stays, and the rounded numbers agree with it: a score below the threshold stays
  * below, by 0.1 or more.  */
-void face_round(struct face_result *r, const struct face_work *w);
+void face_round(struct face_result *r, const struct surface_work *w);
 
 /* face_compare_mirrored(tmpl, probe, w, out): face_compare() with the mirror image of the probe
  * (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The cost of an
  * encoding.  Returns ST_OK, ST_ENOMEM. */
-enum status face_compare_mirrored(const struct face *tmpl, const struct face *probe,
-                                  struct face_work *w, struct face_result *out);
+enum status face_compare_mirrored(const struct surface_face *tmpl,
+                                  const struct surface_face *probe,
+                                  struct surface_work *w, struct face_result *out);
 
 /* face_minimal(tmpl, probe, clock_ms, w, r, out): the minimal disparity (minimal.h), from the pose
  * of face_align(), which it calls for r.  clock_ms: may be NULL.  Returns ST_OK, ST_ENOMEM. */
-enum status face_minimal(const struct face *tmpl, const struct face *probe,
-                         double (*clock_ms)(void), struct face_work *w,
-                         struct face_result *r, struct minimal *out);
+enum status face_minimal(const struct surface_face *tmpl,
+                         const struct surface_face *probe, double (*clock_ms)(void),
+                         struct surface_work *w, struct face_result *r,
+                         struct minimal *out);
 
 /* face_weigh(tmpl, probe, w, least): least->disparity.weighted_mm and weight_mm2 by the
  * weight of each place in telling people apart, at the pose that face_minimal() found.  The cost of a measure.
  * Returns ST_OK, ST_ENOMEM. */
-enum status face_weigh(const struct face *tmpl, const struct face *probe,
-                       struct face_work *w, struct minimal *least);
+enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct minimal *least);
 
 /* face_place(f, w): find f->frame and f->encoding by w's model.  ST_OK, ST_ENOMEM. */
-enum status face_place(struct face *f, struct face_work *w);
-
-/* What a comparison was decided on, per cell of the canonical frame (grid.h). */
-struct face_field {
-    float
-        gap_mm[GRID_N]; /* probe minus template, each at its own frame, at right angles to
-                             the mean face; NAN where either has none */
-    float part[GRID_N]; /* of the score, whose sum is the score; NAN: neither counts */
-    double region[GRID_REGIONS]; /* likewise */
-};
+enum status face_place(struct surface_face *f, struct surface_work *w);
 
 /* face_field(tmpl, probe, w, out): what face_compare() decided on.  The score is a quadratic
  * form of the heights of both scans and a constant; a cell's part is half of its height times
  * the derivative of the score by it, and of the constant the share that the place has, among
  * those that count, in telling people apart.  The cost of two encodings.  Returns ST_OK, ST_ENOMEM. */
-enum status face_field(const struct face *tmpl, const struct face *probe,
-                       struct face_work *w, struct face_field *out);
+enum status face_field(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct surface_parts *out);
 
 /* face_regions(tmpl, probe, w, r): r->region by face_field().  Returns ST_OK, ST_ENOMEM. */
-enum status face_regions(const struct face *tmpl, const struct face *probe,
-                         struct face_work *w, struct face_result *r);
+enum status face_regions(const struct surface_face *tmpl,
+                         const struct surface_face *probe, struct surface_work *w,
+                         struct face_result *r);
 
 /* face_asymmetry(f, w, out): f against its mirror image, from the symmetry plane of its
  * canonical frame (asymmetry.h).  Deterministic.  Returns ST_OK, ST_ENOMEM. */
-enum status face_asymmetry(const struct face *f, struct face_work *w,
+enum status face_asymmetry(const struct surface_face *f, struct surface_work *w,
                            struct asymmetry *out);
 
 #endif

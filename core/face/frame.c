@@ -28,7 +28,7 @@ static void rigidity(const struct model_basis *b, float *out)
         out[i] /= most;
 }
 
-enum status frame_mean_make(const struct model *m, struct frame_mean *out)
+enum status frame_mean_make(const struct surface_model *m, struct frame_mean *out)
 {
     struct ivec2 xy[GRID_N];
     int32_t z[GRID_N];

@@ -13,7 +13,7 @@
 /* Mean square, mm^2, below which a relief is rounding: the surface is a quadric. */
 #define FRAME_RELIEF_MIN_MM2 1e-6
 
-struct model; /* model.h */
+struct surface_model; /* model.h */
 
 /* The mean face as a surface to align others to. */
 struct frame_mean {
@@ -26,7 +26,7 @@ struct frame_mean {
 
 /* frame_mean_make(m, out): once for a model.  Returns ST_OK; ST_EDEGENERATE when the model's
  * mean is no surface. */
-enum status frame_mean_make(const struct model *m, struct frame_mean *out);
+enum status frame_mean_make(const struct surface_model *m, struct frame_mean *out);
 
 struct frame {
     struct pose pose; /* face -> canonical; shrinks a head that is not of adults' size */

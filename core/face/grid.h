@@ -6,13 +6,14 @@
 #define CORE_GRID_H
 #include <math.h>
 #include <stdint.h>
+#include "libsurface.h"
 
-#define GRID_NX     32
-#define GRID_NY     41
-#define GRID_N      (GRID_NX * GRID_NY)
-#define GRID_MM     4.0
-#define GRID_LEFT   (-64.0)
-#define GRID_BOTTOM (-94.0)
+#define GRID_NX     SURFACE_CELLS_X
+#define GRID_NY     SURFACE_CELLS_Y
+#define GRID_N      SURFACE_CELLS
+#define GRID_MM     SURFACE_CELL_MM
+#define GRID_LEFT   SURFACE_CELLS_LEFT
+#define GRID_BOTTOM SURFACE_CELLS_BOTTOM
 #define GRID_NONE   UINT32_MAX
 
 /* grid_cell(x, y): the cell that holds a point of the frame, or GRID_NONE.  Cells are
@@ -43,18 +44,10 @@ static inline uint32_t grid_mirror(uint32_t cell)
     return cell + GRID_NX - 1 - 2 * (cell % GRID_NX);
 }
 
-/* Regions of a face: rectangles of the frame and their mirror images. */
-enum grid_region {
-    GRID_NOSE,     /* |x| < 18, y -12 to 34 */
-    GRID_EYES,     /* 18 < |x| < 50, y 14 to 46, and between them */
-    GRID_FOREHEAD, /* y above 46 */
-    GRID_CHEEKS,   /* beside nose and mouth, y -50 to 14; the sides up to 46 */
-    GRID_MOUTH,    /* |x| < 34, y -50 to -12 */
-    GRID_CHIN,     /* y below -50 */
-    GRID_REGIONS
-};
-
-enum grid_region grid_region_of(uint32_t cell);
-const char *grid_region_name(enum grid_region r); /* "nose", "eyes", ...; static */
+/* The regions are rectangles of the frame and their mirror images, mm: the nose |x| < 18, y -12 to
+ * 34; the eyes 18 < |x| < 50, y 14 to 46, and between them; the forehead y above 46; the cheeks
+ * beside nose and mouth, y -50 to 14, the sides up to 46; the mouth |x| < 34, y -50 to -12; the
+ * chin y below -50. */
+enum surface_region grid_region_of(uint32_t cell);
 
 #endif

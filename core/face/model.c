@@ -134,20 +134,20 @@ static double scalar(struct reader *r, const char *word, int64_t lo, int64_t hi)
     return (double)integer(r, lo, hi) / SCALAR_UNITS;
 }
 
-static void calibration(struct reader *r, struct calibration *c)
+static void calibration(struct reader *r, struct surface_calibration *c)
 {
     c->threshold = scalar(r, "threshold", -SCORE_MAX, SCORE_MAX);
     expect(r, "knots");
-    c->n = (uint32_t)integer(r, 2, CALIBRATION_KNOTS);
+    c->n = (uint32_t)integer(r, 2, SURFACE_KNOTS);
     for (uint32_t i = 0; i < c->n; i++) {
         c->knot[i].score = (double)integer(r, -SCORE_MAX, SCORE_MAX) / SCALAR_UNITS;
         c->knot[i].rate = (double)integer(r, 1, (int64_t)RATE_UNITS) / RATE_UNITS;
     }
-    r->bad |= r->bad || !calibration_valid(c);
+    r->bad |= r->bad || !surface_calibration_valid(c);
 }
 
 /* A mean face to lay others on, to bend and to measure; and modes that tell people apart. */
-static bool usable(const struct model *m)
+static bool usable(const struct surface_model *m)
 {
     uint32_t face = 0, bends = 0, measured = 0;
 
@@ -162,7 +162,8 @@ static bool usable(const struct model *m)
            measured >= MODEL_FACE_MIN && m->identity.n > 0;
 }
 
-enum status model_parse(const char *text, size_t len, struct model *out, uint32_t *line)
+enum status model_parse(const char *text, size_t len, struct surface_model *out,
+                        uint32_t *line)
 {
     struct reader r = {text, text + len, 1, false};
     enum status st = ST_OK;
@@ -237,9 +238,9 @@ static void put_basis(struct writer *w, const char *word, bool rest,
         put_table(w, "mode", &b->mode[0][k], MODEL_MODES, MODE_UNITS);
 }
 
-size_t model_write(const struct model *m, char *buf, size_t size)
+size_t surface_model_write(const struct surface_model *m, char *buf, size_t size)
 {
-    const struct calibration *c = &m->calibration;
+    const struct surface_calibration *c = &m->calibration;
     struct writer w = {buf, size, 0};
 
     put(&w, "surfaced-model %d\nname %s\n", VERSION, m->name);

@@ -6,7 +6,7 @@
 #define CORE_MODEL_H
 #include <stddef.h>
 #include <stdint.h>
-#include "calibration.h"
+#include "libsurface.h"
 #include "grid.h"
 #include "status.h"
 
@@ -25,7 +25,7 @@ struct model_basis {
 /* One Gaussian model of faces.  A scan's gap from the mean face, at right angles to it, is
  *     motion + change + identity + noise:
  * the motion is what moving the mean face a little brings, and the modes are free of it. */
-struct model {
+struct surface_model {
     char name[MODEL_NAME_MAX + 1]; /* what it was learned from; printable ASCII */
     float mean[GRID_N];            /* height of the mean face, mm; NAN off the face */
     struct model_basis change; /* of gaps: what differs between two scans of one person */
@@ -39,21 +39,17 @@ struct model {
     double
         noise_factor; /* (noise_factor residual)^2 + noise_floor_mm^2, where residual is
                               the root mean square of what the shape leaves of the scan, mm */
-    struct calibration calibration; /* its own */
+    struct surface_calibration calibration; /* its own */
 };
 
-extern const struct model model_default;
+extern const struct surface_model model_default;
 
 /* model_parse(text, len, out, line): a model from its text form (docs/model.md), in which
  * every number is an integer: the same text is the same model everywhere.
  * out   filled on ST_OK; else unspecified
  * line  the number of the line that failed, from 1; may be NULL
  * Returns ST_OK; ST_EVERSION another version of the text; ST_ECORRUPT. */
-enum status model_parse(const char *text, size_t len, struct model *out, uint32_t *line);
-
-/* model_write(m, buf, size): write m as text, NUL-terminated, to buf.  Returns the text's
- * length; if that is >= size the text did not fit and buf is unspecified.  Numbers are
- * rounded to the text's units, so the model in use is model_parse() of the text. */
-size_t model_write(const struct model *m, char *buf, size_t size);
+enum status model_parse(const char *text, size_t len, struct surface_model *out,
+                        uint32_t *line);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "model.h"
 
-uint32_t model_mean_id(const struct model *m)
+uint32_t model_mean_id(const struct surface_model *m)
 {
     uint32_t hash = 2166136261u; /* FNV-1a over the heights in micrometres */
 
@@ -51,7 +51,7 @@ static uint64_t digest_basis(uint64_t hash, const struct model_basis *b)
     return hash;
 }
 
-static uint64_t digest_all(const struct model *m)
+static uint64_t digest_all(const struct surface_model *m)
 {
     const float scalar[] = {(float)m->kinship, (float)m->noise_floor_mm,
                             (float)m->noise_factor};
@@ -64,7 +64,7 @@ static uint64_t digest_all(const struct model *m)
 
 /* The shipped model never changes: its digest is worked out once.  Threads that come together
  * work out the same. */
-uint64_t model_digest(const struct model *m)
+uint64_t model_digest(const struct surface_model *m)
 {
     static _Atomic uint64_t of_default; /* 0: not yet known */
     uint64_t hash;

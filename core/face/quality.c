@@ -57,9 +57,9 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
         hi.z = p.z > hi.z ? p.z : hi.z;
     }
     side = fmax(fmax((double)hi.x - lo.x, (double)hi.y - lo.y), (double)hi.z - lo.z);
-    if (side < QUALITY_EXTENT_MIN_MM * LATTICE_PER_MM)
+    if (side < SURFACE_EXTENT_MIN_MM * LATTICE_PER_MM)
         return ST_EUNITS;
-    if (side <= QUALITY_EXTENT_MAX_MM * LATTICE_PER_MM)
+    if (side <= SURFACE_EXTENT_MAX_MM * LATTICE_PER_MM)
         return ST_OK;
     if ((v = scratch_need(s, n * sizeof *v)) == NULL)
         return ST_ENOMEM;
@@ -67,7 +67,7 @@ enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s)
         for (size_t i = 0; i < n; i++)
             v[i] = axis == 0 ? pts[i].x : axis == 1 ? pts[i].y : pts[i].z;
         if (select_kth(v, n, n - 1 - stray) - select_kth(v, n, stray) >
-            QUALITY_EXTENT_MAX_MM * LATTICE_PER_MM)
+            SURFACE_EXTENT_MAX_MM * LATTICE_PER_MM)
             return ST_EUNITS;
     }
     return ST_OK;
@@ -151,7 +151,8 @@ static double hull_area(const struct mesh *m)
     return twice / 2;
 }
 
-enum status quality_rate(const struct surface *f, struct scratch *s, struct quality *q)
+enum status quality_rate(const struct surface *f, struct scratch *s,
+                         struct surface_quality *q)
 {
     const struct mesh *m = &f->mesh;
     const double area = hull_area(m);
@@ -163,7 +164,7 @@ enum status quality_rate(const struct surface *f, struct scratch *s, struct qual
     q->coverage = fmin(1, f->measured / area);
     q->density_mm = sqrt(f->measured / m->nv) / LATTICE_PER_MM;
     q->noise_mm = noise(m, r) / LATTICE_PER_MM;
-    dense = fmin(1, QUALITY_SPARSE_MM / q->density_mm);
+    dense = fmin(1, SURFACE_SPARSE_MM / q->density_mm);
     smooth = fmax(0, 1 - q->noise_mm / QUALITY_NOISE_MAX_MM);
     q->score = fmin(q->coverage, fmin(dense, smooth));
     if (rough < QUALITY_RELIEF_MIN_MM * LATTICE_PER_MM)
@@ -180,32 +181,20 @@ static bool turned(const struct pose *p)
 {
     const double *r = p->r, pitch = atan2(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));
 
-    return fabs(atan2(r[6], r[8])) * VEC_DEGREES > QUALITY_TURNED_YAW_DEG ||
-           fabs(pitch) * VEC_DEGREES > QUALITY_TURNED_OTHER_DEG ||
-           fabs(atan2(r[3], r[4])) * VEC_DEGREES > QUALITY_TURNED_OTHER_DEG;
+    return fabs(atan2(r[6], r[8])) * VEC_DEGREES > SURFACE_YAW_DEG ||
+           fabs(pitch) * VEC_DEGREES > SURFACE_TILT_DEG ||
+           fabs(atan2(r[3], r[4])) * VEC_DEGREES > SURFACE_TILT_DEG;
 }
 
-unsigned quality_reasons(const struct quality *q, const struct frame *frame)
+unsigned quality_reasons(const struct surface_quality *q, const struct frame *frame)
 {
     unsigned bits = 0;
 
-    bits |= q->density_mm > QUALITY_SPARSE_MM ? 1U << QUALITY_SPARSE : 0;
-    bits |= q->noise_mm > QUALITY_NOISY_MM ? 1U << QUALITY_NOISY : 0;
-    bits |= q->coverage < QUALITY_INCOMPLETE_SHARE ? 1U << QUALITY_INCOMPLETE : 0;
+    bits |= q->density_mm > SURFACE_SPARSE_MM ? 1U << SURFACE_SPARSE : 0;
+    bits |= q->noise_mm > SURFACE_NOISY_MM ? 1U << SURFACE_NOISY : 0;
+    bits |= q->coverage < QUALITY_INCOMPLETE_SHARE ? 1U << SURFACE_INCOMPLETE : 0;
     if (frame == NULL)
         return bits;
-    bits |= turned(&frame->pose) ? 1U << QUALITY_TURNED : 0;
+    bits |= turned(&frame->pose) ? 1U << SURFACE_OBLIQUE : 0;
     return bits;
-}
-
-const char *quality_reason_name(enum quality_reason r)
-{
-    static const char *const name[QUALITY_REASONS] = {
-        [QUALITY_SPARSE] = "sparse",
-        [QUALITY_NOISY] = "noisy",
-        [QUALITY_INCOMPLETE] = "incomplete",
-        [QUALITY_TURNED] = "turned",
-    };
-
-    return name[r];
 }

@@ -392,7 +392,7 @@ static double forehead(const struct shape_work *w, const float *z,
     uint32_t list[GRID_N], n = 0, all = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
-        if (isnan(w->mean[i]) || grid_region_of(i) != GRID_FOREHEAD)
+        if (isnan(w->mean[i]) || grid_region_of(i) != SURFACE_FOREHEAD)
             continue;
         all++;
         if (f->cell[i] == SHAPE_SKIN)

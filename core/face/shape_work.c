@@ -96,7 +96,7 @@ static void compare_rests(struct shape_work *w)
     }
 }
 
-void shape_work_prepare(const struct model *m, struct shape_work *out)
+void shape_work_prepare(const struct surface_model *m, struct shape_work *out)
 {
     memset(out, 0, sizeof *out);
     out->modes = &m->shape;

@@ -94,7 +94,7 @@ struct shape_work {
 
 /* shape_work_prepare(m, out): out for m, borrowed.  *out must stay where it is.
  * shape_work_free(w): its memory.  shape_work_wipe(w, keep): as measure_work_wipe(). */
-void shape_work_prepare(const struct model *m, struct shape_work *out);
+void shape_work_prepare(const struct surface_model *m, struct shape_work *out);
 void shape_work_free(struct shape_work *w);
 void shape_work_wipe(struct shape_work *w, size_t keep);
 

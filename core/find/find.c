@@ -88,7 +88,7 @@ struct finder {
     double unit_mm; /* 0: to be found */
     double size;    /* by which what is looked at is larger than it is */
     struct shape_work *shape;
-    const atomic_bool *stop; /* find.h */
+    const struct surface_stop *stop; /* find.h */
     struct extent extent;
     struct find_view_face face;
     struct find_starts starts;
@@ -98,8 +98,7 @@ struct finder {
 /* Does nobody wait any more, or has all been spent that the cloud's size allows? */
 static bool stopped(const struct finder *f)
 {
-    return f->starts.left <= 0 ||
-           (f->stop != NULL && atomic_load_explicit(f->stop, memory_order_relaxed));
+    return f->starts.left <= 0 || (f->stop != NULL && f->stop->wanted(f->stop->arg));
 }
 
 static bool found(const struct finder *f, double worth)
@@ -382,7 +381,7 @@ static enum status search_all(struct finder *f)
         f->starts.left = FIND_SPENT_SMALL;
         st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MAX_MM);
     }
-    if (f->stop != NULL && atomic_load(f->stop))
+    if (f->stop != NULL && f->stop->wanted(f->stop->arg))
         return ST_EBUSY;
     return st;
 }
@@ -441,7 +440,8 @@ static void choose(const struct finder *f, struct find *out)
 }
 
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      struct face_work *w, const atomic_bool *stop, struct find *out)
+                      struct surface_work *w, const struct surface_stop *stop,
+                      struct find *out)
 {
     struct finder *f;
     enum status st;

@@ -11,9 +11,9 @@
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
 #ifndef FIND_FIND_H
 #define FIND_FIND_H
-#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "libsurface.h"
 #include "pose.h"
 #include "status.h"
 #include "vec.h"
@@ -32,7 +32,7 @@
 #define FIND_UPRIGHT_TRACE 2.4142
 #define FIND_LIKELY        350.0
 
-struct face_work; /* face.h */
+struct surface_work; /* face.h */
 
 #define FIND_POSES 4
 
@@ -61,13 +61,14 @@ struct find {
  * pts      finite, in any unit and axes.  At least 300 on the face
  * unit_mm  millimetres per unit; 0: to be found among um, mm, cm, inch and m
  * w        for its model and its memory
- * stop     when another thread sets it, the search ends; NULL: none does
+ * stop     asked before each step; NULL: none
  * Each pose is right to a few degrees and millimetres: a start for shape_fit(), which says
  * whether it is a face at all.
  * Cost: linear in n: the search ends with what it has where that is spent; memory 40 MB at most
  * for 300,000 points, allocated here and freed.  Returns ST_OK; ST_ENOFACE: no pose at all;
  * ST_EBUSY: stop was set; ST_ENOMEM. */
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      struct face_work *w, const atomic_bool *stop, struct find *out);
+                      struct surface_work *w, const struct surface_stop *stop,
+                      struct find *out);
 
 #endif

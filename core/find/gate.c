@@ -28,7 +28,8 @@ static double explained(const struct shape_work *w, const struct shape_fit *f)
     return seen > 0 ? f->support * w->cells / seen : -1;
 }
 
-static void rate(const struct shape_work *w, const struct shape_fit *fit, struct gate *f)
+static void rate(const struct shape_work *w, const struct shape_fit *fit,
+                 struct surface_found *f)
 {
     f->support = explained(w, fit);
     f->likeness = fit->likeness;
@@ -39,11 +40,11 @@ static void rate(const struct shape_work *w, const struct shape_fit *fit, struct
     f->residual_mm = fit->residual_mm * fit->size;
     f->evidence = f->likeness + 4 * f->eyes + 5 * f->support + 5 * fmin(f->detail, 1) +
                   2 * f->seen + 2 * fmax(f->forehead, 0);
-    f->size = fit->size;
+    f->head_size = fit->size;
 }
 
 enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,
-                       bool enrolment, struct gate *f)
+                       bool enrolment, struct surface_found *f)
 {
     f->support_wanted = enrolment ? GATE_SUPPORT : GATE_SUPPORT_PROBE;
     f->seen_wanted = enrolment ? GATE_SEEN : 0;
@@ -55,7 +56,7 @@ enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,
         return f->support >= f->support_wanted && f->likeness >= GATE_LIKENESS_PROBE
                    ? ST_OK
                    : ST_ENOTFACE;
-    if (fit->cover > GATE_OCCLUDED_MOST * w->cells && f->support >= GATE_SUPPORT)
+    if (fit->cover > SURFACE_OCCLUDED_MOST * w->cells && f->support >= GATE_SUPPORT)
         return ST_EQUALITY; /* a face, as a probe may be, but covered */
     if (!(f->support >= f->support_wanted && f->evidence >= f->evidence_wanted))
         return ST_ENOTFACE;

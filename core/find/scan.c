@@ -29,7 +29,7 @@
 #define SCAN_PLAIN_SIDE_MM 300
 #define SCAN_SAME_MM       10.0
 
-/* A face that is turned by more than QUALITY_TURNED_YAW_DEG is enrolled where so much of the side
+/* A face that is turned by more than SURFACE_YAW_DEG is enrolled where so much of the side
  * to which it is turned is seen nevertheless, as of a frontal scan in other axes.  Of half
  * profiles from 35 degrees on 0.73 at most is, of frontal scans 0.93 and more. */
 #define SCAN_FAR_SIDE 0.8
@@ -40,11 +40,11 @@ static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 struct scan {
     struct cloudpoints *c;
     const struct scan_options *o;
-    struct face_work *w;
+    struct surface_work *w;
     struct shape_work *shape; /* w's */
-    struct face *out;
+    struct surface_face *out;
     size_t *bad;
-    struct scan_found *found;
+    struct surface_found *found;
     struct shape_fit fit; /* the latest */
     struct pose view;     /* its pose, in mm */
 };
@@ -71,27 +71,25 @@ static void measure_extent(const struct cloudpoints *c, double extent[3])
 
 static void begin(struct scan *s)
 {
-    *s->found = (struct scan_found){.format = s->c->format,
-                                    .points_read = s->c->read,
-                                    .points_dropped = s->c->read - s->c->n,
-                                    .unit_found = s->c->unit_mm == 0,
-                                    .gate = {.size = 1},
-                                    .yaw_deg = (double)NAN,
-                                    .pitch_deg = (double)NAN,
-                                    .roll_deg = (double)NAN};
+    *s->found = (struct surface_found){.size = sizeof *s->found,
+                                       .unit_found = s->c->unit_mm == 0,
+                                       .head_size = 1,
+                                       .yaw_deg = (double)NAN,
+                                       .pitch_deg = (double)NAN,
+                                       .roll_deg = (double)NAN};
     measure_extent(s->c, s->found->extent);
-    s->out->quality = (struct quality){0};
+    s->out->quality = (struct surface_quality){0};
     s->out->frame = (struct frame){0};
     s->out->surface.mesh.nv = s->out->surface.mesh.nt = 0;
 }
 
-static void warn(struct scan *s, enum scan_warning k, bool when)
+static void warn(struct scan *s, enum surface_warning k, bool when)
 {
     s->found->warnings |= when ? 1U << k : 0;
 }
 
 /* From the file's unit to mm by the pose. */
-static void tell_view(struct scan_found *f, const struct pose *pose)
+static void tell_view(struct surface_found *f, const struct pose *pose)
 {
     pose_to_matrix(pose, f->view);
     for (int i = 0; i < 3; i++)
@@ -101,7 +99,7 @@ static void tell_view(struct scan_found *f, const struct pose *pose)
 
 /* The turn of the face against a scanner with these axes: x as in the image, y and z by the
  * sign of `side`; how far, as the trace of the rotation. */
-static double turn_of(const double r[9], double side, struct scan_found *f)
+static double turn_of(const double r[9], double side, struct surface_found *f)
 {
     const double x = r[6], y = side * r[7], z = side * r[8];
 
@@ -116,9 +114,9 @@ static double turn_of(const double r[9], double side, struct scan_found *f)
 static void tell_turn(struct scan *s, bool frontal)
 {
     const struct pose *pose = &s->view;
-    struct scan_found *f = s->found;
+    struct surface_found *f = s->found;
     const double camera = turn_of(pose->r, -1, f);
-    struct scan_found seen = *f;
+    struct surface_found seen = *f;
     const double agreed = turn_of(pose->r, 1, &seen);
     const struct dvec3 nose = pose_origin(pose);
 
@@ -127,21 +125,20 @@ static void tell_turn(struct scan *s, bool frontal)
     if (fmax(agreed, camera) < FIND_AXES_TRACE ||
         !(frontal || sight_single(s->c->at, s->c->n, nose, agreed > camera ? 1 : -1)))
         f->yaw_deg = f->pitch_deg = f->roll_deg = (double)NAN;
-    warn(s, SCAN_TURNED,
-         fabs(f->yaw_deg) > QUALITY_TURNED_YAW_DEG ||
-             fabs(f->pitch_deg) > QUALITY_TURNED_OTHER_DEG ||
-             fabs(f->roll_deg) > QUALITY_TURNED_OTHER_DEG);
+    warn(s, SURFACE_TURNED,
+         fabs(f->yaw_deg) > SURFACE_YAW_DEG || fabs(f->pitch_deg) > SURFACE_TILT_DEG ||
+             fabs(f->roll_deg) > SURFACE_TILT_DEG);
 }
 
 /* What the fit shows, where the points are seen by view. */
 static void tell_fit(struct scan *s, const struct pose *view)
 {
-    struct scan_found *f = s->found;
+    struct surface_found *f = s->found;
 
     tell_view(f, view);
     f->faces = f->faces > 0 ? f->faces : 1;
-    warn(s, SCAN_SEVERAL, f->faces > 1);
-    warn(s, SCAN_OCCLUDED, f->occluded > SCAN_OCCLUDED_SOME);
+    warn(s, SURFACE_SEVERAL, f->faces > 1);
+    warn(s, SURFACE_OCCLUDED, f->occluded > SCAN_OCCLUDED_SOME);
 }
 
 /* ---- the gate */
@@ -150,7 +147,7 @@ static enum status judge_face(struct scan *s)
 {
     s->found->occluded = (double)s->fit.cover / s->shape->cells;
     s->view = pose_scale(&s->fit.pose, s->fit.size);
-    return gate_judge(s->shape, &s->fit, s->o->enrolment, &s->found->gate);
+    return gate_judge(s->shape, &s->fit, s->o->enrolment, s->found);
 }
 
 /* The share of the face that is seen of the side to which it is turned, 0..1. */
@@ -170,14 +167,14 @@ static double far_side(const struct scan *s)
  * view. */
 static enum status judge_enrolment(struct scan *s)
 {
-    warn(s, SCAN_MIRRORED, mirror_told(s->c));
+    warn(s, SURFACE_MIRRORED, mirror_told(s->c));
     if (!s->o->enrolment)
         return ST_OK;
     if (s->found->faces > 1)
         return ST_ESEVERAL;
-    if ((s->found->warnings >> SCAN_MIRRORED & 1) != 0)
+    if ((s->found->warnings >> SURFACE_MIRRORED & 1) != 0)
         return ST_EMIRRORED;
-    return fabs(s->found->yaw_deg) > QUALITY_TURNED_YAW_DEG && far_side(s) < SCAN_FAR_SIDE
+    return fabs(s->found->yaw_deg) > SURFACE_YAW_DEG && far_side(s) < SCAN_FAR_SIDE
                ? ST_EQUALITY
                : ST_OK;
 }
@@ -249,8 +246,8 @@ static enum status build_crop(struct scan *s)
     scale(s->c, s->fit.size);
     tell_fit(s, &s->view);
     s->found->elsewhere = 1 - (double)(count.face + count.other) / (double)n;
-    warn(s, SCAN_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
-    warn(s, SCAN_THINNED, count.kept < count.face);
+    warn(s, SURFACE_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
+    warn(s, SURFACE_THINNED, count.kept < count.face);
     st = judge_enrolment(s);
     if (judged != ST_OK || st != ST_OK)
         return judged != ST_OK ? judged : st;
@@ -322,7 +319,7 @@ static enum status build_agreed(struct scan *s, struct scan_search *k)
     scale(s->c, s->found->unit_mm);
     if (n > SCAN_FULL)
         st = crop_thin(s->c, SCAN_ENOUGH);
-    warn(s, SCAN_THINNED, s->c->n < n);
+    warn(s, SURFACE_THINNED, s->c->n < n);
     if (st != ST_OK)
         return st;
     return build_as_it_is(s, k);
@@ -370,30 +367,30 @@ static enum status build_found(struct scan *s, struct scan_search *k)
     const struct surface *f = &s->out->surface;
     enum status st;
 
-    if (s->c->n < FACE_MIN_POINTS)
+    if (s->c->n < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
     k->st = search(s, k);
     k->done = true;
     if (k->st != ST_OK)
         return k->st == ST_ENOFACE ? build_unfound(s, k) : k->st;
-    if (s->o->stop != NULL && atomic_load_explicit(s->o->stop, memory_order_relaxed))
+    if (s->o->stop != NULL && s->o->stop->wanted(s->o->stop->arg))
         return ST_EBUSY;
     s->fit = k->fit;
     s->found->faces = k->find.faces;
     s->found->unit_mm = k->find.pose[0].unit_mm;
-    s->found->found = !plain(s);
-    if (s->found->found || s->c->n > SCAN_FULL)
+    s->found->cropped = !plain(s);
+    if (s->found->cropped || s->c->n > SCAN_FULL)
         return build_crop(s);
     if ((st = build(s)) == ST_OK && f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv &&
         same_place(s))
         return keep(s);
-    s->found->found = true;
+    s->found->cropped = true;
     return st != ST_ENOMEM ? build_crop(s) : st;
 }
 
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
-                       struct face_work *w, struct face *out, size_t *bad,
-                       struct scan_found *found)
+                       struct surface_work *w, struct surface_face *out, size_t *bad,
+                       struct surface_found *found)
 {
     struct scan s = {.c = c, .o = o, .w = w, .out = out, .bad = bad, .found = found};
     struct scan_search own = {.done = false};
@@ -403,21 +400,10 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     begin(&s);
     s.shape = face_work_shape(w);
     st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s, k) : build_found(&s, k);
-    mem_free(c->normal); /* no longer needed */
-    c->normal = NULL;
+    found->quality = out->quality;
     if (st == ST_OK)
         found->points_used = c->n;
     else
         out->surface.mesh.nv = out->surface.mesh.nt = 0;
     return st;
-}
-
-const char *scan_warning_name(enum scan_warning k)
-{
-    static const char *const name[SCAN_WARNINGS] = {
-        [SCAN_SEVERAL] = "several_faces",   [SCAN_MIRRORED] = "mirrored",
-        [SCAN_BEHIND] = "points_elsewhere", [SCAN_TURNED] = "turned",
-        [SCAN_OCCLUDED] = "occluded",       [SCAN_THINNED] = "thinned"};
-
-    return name[k];
 }

@@ -330,7 +330,7 @@ enum status delaunay_build(const struct ivec3 *pts, size_t n, struct scratch *s,
     enum status status;
 
     out->nv = out->nt = 0;
-    if (n > MESH_MAX_POINTS)
+    if (n > SURFACE_MAX_POINTS)
         return ST_ELIMIT;
     if (n < 3)
         return ST_EDEGENERATE;

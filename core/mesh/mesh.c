@@ -23,7 +23,7 @@ enum status mesh_reserve(struct mesh *m, uint32_t n)
 {
     struct mesh larger = {0};
 
-    if (n > MESH_MAX_POINTS)
+    if (n > SURFACE_MAX_POINTS)
         return ST_ELIMIT;
     if (m->block == NULL || n > m->cap) {
         if ((larger.block = mem_array(layout(&larger, n, NULL), 1)) == NULL)
@@ -59,7 +59,7 @@ enum status mesh_copy(struct mesh *dst, const struct mesh *src, uint32_t extra)
     const size_t n = src->nv, h = 3 * (size_t)src->nt;
     enum status st;
 
-    if (extra > MESH_MAX_POINTS - src->nv)
+    if (extra > SURFACE_MAX_POINTS - src->nv)
         return ST_ELIMIT;
     if ((st = mesh_reserve(dst, src->nv + extra)) != ST_OK)
         return st;
@@ -166,7 +166,7 @@ static bool check_tree(const struct mesh *m)
 
 enum status mesh_check(const struct mesh *m, bool tree)
 {
-    if (m->nv < 3 || m->nv > MESH_MAX_POINTS || m->nt != 2 * m->nv - 2)
+    if (m->nv < 3 || m->nv > SURFACE_MAX_POINTS || m->nt != 2 * m->nv - 2)
         return ST_ECORRUPT;
     if (!check_links(m) || !check_rings(m) || !check_shape(m))
         return ST_ECORRUPT;

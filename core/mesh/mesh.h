@@ -22,10 +22,9 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "libsurface.h"
 #include "status.h"
 #include "vec.h"
-
-#define MESH_MAX_POINTS (UINT32_C(1) << 21)
 
 struct mesh {
     uint32_t nv;      /* points, at distinct (x, y) */
@@ -74,7 +73,7 @@ static inline bool mesh_is_ghost(const struct mesh *m, uint32_t t)
 uint32_t mesh_real(const struct mesh *m);
 
 /* mesh_reserve(m, n): room for n points; the content is lost.  A mesh that is all zero is
- * empty.  Memory: 68 bytes a point.  Returns ST_OK; ST_ELIMIT n > MESH_MAX_POINTS;
+ * empty.  Memory: 68 bytes a point.  Returns ST_OK; ST_ELIMIT n > SURFACE_MAX_POINTS;
  * ST_ENOMEM: then m is as before. */
 enum status mesh_reserve(struct mesh *m, uint32_t n);
 void mesh_free(struct mesh *m); /* m is empty again; NULL is allowed */

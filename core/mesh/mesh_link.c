@@ -165,7 +165,7 @@ enum status mesh_link(struct mesh *m, struct scratch *s)
 {
     uint32_t ghosts, *list;
 
-    if (m->nv < 3 || m->nv > MESH_MAX_POINTS || m->nt != 2 * m->nv - 2)
+    if (m->nv < 3 || m->nv > SURFACE_MAX_POINTS || m->nt != 2 * m->nv - 2)
         return ST_ECORRUPT;
     if ((list = scratch_need(s, m->nt * sizeof *list)) == NULL)
         return ST_ENOMEM;

@@ -157,7 +157,7 @@ static enum status import_template(void *arg, struct rows_template *row, const v
     enum status st;
 
     m->out->templates++;
-    m->out->outdated += !face_same_engine(t->engine, m->made_by);
+    m->out->outdated += !surface_same_engine(t->engine, m->made_by);
     if (m->left_out)
         return ST_OK;
     if ((st = rows_template_same(m->to, &m->as, t->digest, row->read, id, e)) != ST_OK ||
@@ -211,7 +211,7 @@ static enum status import_all(struct importing *m, struct store *archive,
 
 /* All of it is verified before anything is written: that takes the time, and no writer waits. */
 static enum status open_archive(const char *path, const struct crypt_file *k,
-                                const struct model *model, struct store **out,
+                                const struct surface_model *model, struct store **out,
                                 struct errinfo *e)
 {
     const struct store_key key = {.given = k};

@@ -8,10 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "codec.h"
 #include "digest.h"
-#include "mesh.h"
-#include "mst.h"
 #include "rows_calibration.h"
 #include "rows_template.h"
 #include "sql_file.h"
@@ -32,9 +29,9 @@ struct checking { /* what all threads have in common */
 struct share { /* of the templates */
     struct checking *c;
     unsigned part, parts;
-    uint64_t templates, bad; /* that were read */
-    struct face_work *work;  /* from the first template on */
-    struct face face;
+    uint64_t templates, bad;   /* that were read */
+    struct surface_work *work; /* from the first template on */
+    struct surface_face *face;
     pthread_t thread;
     enum status st;
     struct errinfo e;
@@ -66,7 +63,7 @@ static enum status check_template(void *arg, const struct rows_template *row,
 {
     struct share *x = arg;
     const struct store_template *t = &row->one;
-    const struct mesh *m = &x->face.surface.mesh;
+    uint32_t points, triangles;
     char digest[65];
     enum status st;
 
@@ -75,23 +72,24 @@ static enum status check_template(void *arg, const struct rows_template *row,
         x->templates++;
         return ST_OK;
     }
-    if (x->work == NULL && (x->work = face_work_new(x->c->store->model)) == NULL)
+    if (x->work == NULL && (x->work = surface_work_new(x->c->store->model)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = codec_decode(face, len, x->work, &x->face)) != ST_OK)
+    if ((st = status_from(surface_decode(x->work, face, len, &x->face))) != ST_OK)
         return errinfo_set(e, st == ST_EVERSION ? ST_ECORRUPT : st, "template %s: %s",
                            t->id, status_message(st));
-    if (m->nv != t->points || mesh_real(m) != t->triangles)
+    points = surface_face_points(x->face, NULL);
+    triangles = surface_face_triangles(x->face, NULL);
+    if (points != t->points || triangles != t->triangles)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its row says %u points and %u "
                            "triangles, its face %u and %u",
-                           t->id, t->points, t->triangles, m->nv, mesh_real(m));
-    if (mesh_check(m, true) != ST_OK)
+                           t->id, t->points, t->triangles, points, triangles);
+    if (surface_face_check(x->face) != SURFACE_OK)
         return errinfo_set(e, ST_ECORRUPT,
-                           "template %s: its triangulation is not Delaunay", t->id);
-    if (mst_check(m) != ST_OK)
-        return errinfo_set(e, ST_ECORRUPT,
-                           "template %s: its spanning tree is not minimal", t->id);
-    if ((st = digest_points(m, digest)) != ST_OK)
+                           "template %s: its triangulation is not Delaunay, or its "
+                           "spanning tree not minimal",
+                           t->id);
+    if ((st = digest_points(x->face, digest)) != ST_OK)
         return errinfo_set(e, st, "out of memory");
     if (strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT,
@@ -130,8 +128,8 @@ static void *check_share(void *arg)
     struct share *x = arg;
 
     x->st = check_part(x, &x->e);
-    face_free(&x->face);
-    face_work_free(x->work);
+    surface_face_free(x->face);
+    surface_work_free(x->work);
     return NULL;
 }
 
@@ -255,7 +253,7 @@ static enum status is_whole(struct store *s, struct errinfo *e)
 }
 
 enum status admin_open(const char *path, const struct store_key *key,
-                       const struct model *model, struct store **out,
+                       const struct surface_model *model, struct store **out,
                        struct admin_copied *found, struct errinfo *e)
 {
     struct store_key by = *key;

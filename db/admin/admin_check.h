@@ -28,7 +28,7 @@ struct admin_copied { /* what is in a store that was verified */
 enum status admin_verify(struct store *s, bool decode, struct admin_copied *found,
                          struct errinfo *e);
 enum status admin_open(const char *path, const struct store_key *key,
-                       const struct model *model, struct store **out,
+                       const struct surface_model *model, struct store **out,
                        struct admin_copied *found, struct errinfo *e);
 
 #endif

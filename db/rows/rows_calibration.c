@@ -48,17 +48,18 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
 {
     const struct sql_field_blob *knots = &((struct row *)row)->knots;
     struct store_calibration *k = &((struct row *)row)->one;
-    struct calibration *c = &k->table;
+    struct surface_calibration *c = &k->table;
 
     (void)t, (void)r, (void)col;
-    if (knots->n % KNOT_BYTES != 0 || knots->n > (size_t)CALIBRATION_KNOTS * KNOT_BYTES)
+    if (knots->n % KNOT_BYTES != 0 || knots->n > (size_t)SURFACE_KNOTS * KNOT_BYTES)
         return false;
     c->n = (uint32_t)knots->n / KNOT_BYTES;
     for (uint32_t i = 0; i < c->n; i++) {
         c->knot[i].score = bytes_real(knots->bytes + KNOT_BYTES * i);
         c->knot[i].rate = bytes_real(knots->bytes + KNOT_BYTES * i + 8);
     }
-    return calibration_valid(c) && k->low <= c->threshold && k->high >= c->threshold;
+    return surface_calibration_valid(c) && k->low <= c->threshold &&
+           k->high >= c->threshold;
 }
 
 const struct rows_table rows_calibrations = {
@@ -99,7 +100,7 @@ enum status rows_calibration_get(struct log_txn *t, struct store_calibration *k,
 enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
                                  struct errinfo *e)
 {
-    const struct calibration *c = &k->table;
+    const struct surface_calibration *c = &k->table;
     struct row row = {.revision = 0};
     unsigned char *to = row.knots.bytes;
     enum status st = ST_OK;

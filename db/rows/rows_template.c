@@ -8,7 +8,6 @@
 #include "bytes.h"
 #include "errinfo.h"
 #include "ident.h"
-#include "mesh.h"
 #include "sql_read.h"
 
 #define COLUMNS                                                                          \
@@ -28,7 +27,7 @@ static const struct sql_field columns[COL_MAC] = {
     F(BYTES, by_read),
     F(TEXT, one.created),
     F(TEXT, one.engine),
-    SQL_FIELD_IN(COUNT, struct rows_template, one.points, 0, MESH_MAX_POINTS),
+    SQL_FIELD_IN(COUNT, struct rows_template, one.points, 0, SURFACE_MAX_POINTS),
     F(COUNT, one.triangles),
     F(BLOB, about),
 };

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "crypt.h"
-#include "face.h"
+#include "libsurface.h"
 #include "ident.h"
 
 #define STORE_SUBJECT_MAX IDENT_SUBJECT
@@ -26,9 +26,9 @@ struct store_template { /* everything about a template but its face */
     char label[STORE_LABEL_MAX + 1];
     char created[32]; /* RFC 3339, UTC */
     char digest[65];  /* digest_points(): SHA-256 of the canonical points */
-    char engine[FACE_ENGINE_MAX + 1];
+    char engine[SURFACE_ENGINE_SIZE];
     uint32_t points, triangles; /* triangles: real ones, no ghosts */
-    struct quality quality;
+    struct surface_quality quality;
     bool manager; /* enrolled with scope manage: further samples are held against it */
     double first_score; /* when it was enrolled, against the subject's oldest template; 0:
                            it was the first */
@@ -136,7 +136,7 @@ struct store_calibration {
     int64_t version;  /* 1, 2, ...: the greatest is in force */
     char created[32]; /* RFC 3339, UTC */
     char actor[STORE_NAME_MAX + 1];
-    char engine[FACE_ENGINE_MAX + 1]; /* that made it: it holds for no other measure, and
+    char engine[SURFACE_ENGINE_SIZE]; /* that made it: it holds for no other measure, and
                                          for no other model */
     bool shipped;                     /* back to the table that comes with the program */
     double fmr;                       /* the false match rate that was wanted */
@@ -144,7 +144,7 @@ struct store_calibration {
     uint64_t subjects;                /* people whose templates were compared */
     uint64_t impostors; /* comparisons of different people, and of the same */
     uint64_t genuine;
-    struct calibration table; /* valid */
+    struct surface_calibration table; /* valid */
     bool ignored; /* set by in_force_get() alone: it is the newest, but made by
                      another engine, so that it does not decide */
 };

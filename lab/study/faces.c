@@ -46,7 +46,7 @@ static void true_pose(double t[16])
 
 /* A scan of a subject; moved: as the second of a pair, turned and shifted a little. */
 static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
-                 struct face_work *w, struct face *out)
+                 struct surface_work *w, struct surface_face *out)
 {
     struct facegen_scan s;
     struct dvec3 *pts;
@@ -67,8 +67,8 @@ static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
 }
 
 /* The signed gap on a grid of 1 mm where both surfaces have something measured. */
-static void gap_map(const struct study *study, const char *name, const struct face *tmpl,
-                    const struct measure_work *m)
+static void gap_map(const struct study *study, const char *name,
+                    const struct surface_face *tmpl, const struct measure_work *m)
 {
     const struct mesh *t = &tmpl->surface.mesh, *p = &m->moved.mesh;
     struct location at = {t->out[0], 0}, on = {p->out[0], 0};
@@ -113,7 +113,7 @@ static void both_faces(const struct study *study, const char *name, const struct
     study_close(f);
 }
 
-static void figures(const struct study *study, struct face_work *w)
+static void figures(const struct study *study, struct surface_work *w)
 {
     static const struct {
         const char *name, *what;
@@ -122,7 +122,7 @@ static void figures(const struct study *study, struct face_work *w)
     static const char *const pose_name[] = {"as scanned", "after alignment",
                                             "at the true pose"};
     FILE *f = study_open(study, "alignment.csv");
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct measure_work m = {0};
 
     fprintf(f, "pair,pose,volume mm3,common area mm2,mean gap mm,"
@@ -202,7 +202,7 @@ static float left(const void *arg, double x, double y, double z)
 }
 
 /* The mean weighted gap of mated comparisons, neutral and smiling, and of non-mated ones. */
-static void weights(const struct study *study, struct face_work *w)
+static void weights(const struct study *study, struct surface_work *w)
 {
     static const struct {
         const char *name;
@@ -219,7 +219,7 @@ static void weights(const struct study *study, struct face_work *w)
     const size_t people = study->reduced ? 4 : 60;
     double *mm[U][KINDS];
     FILE *f = study_open(study, "weights.csv");
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct measure_work m = {0};
 
     for (int i = 0; i < U; i++)
@@ -264,7 +264,7 @@ static void weights(const struct study *study, struct face_work *w)
 
 void faces_run(const struct study *study)
 {
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
 
     if (w == NULL) {
         study_must(ST_ENOMEM);
@@ -272,5 +272,5 @@ void faces_run(const struct study *study)
         figures(study, w);
         weights(study, w);
     }
-    face_work_free(w);
+    surface_work_free(w);
 }

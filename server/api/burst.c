@@ -21,7 +21,7 @@ _Static_assert((int)MULTIPART_FILES_MAX == (int)ENROLMENT_SAMPLES, "the same lim
 
 struct reading {
     struct request *r;
-    struct face_work *w;
+    struct surface_work *w;
     struct cloudfile_options o; /* max_points, max_bytes: what is left of them */
     bool axes_given;
 };
@@ -80,7 +80,7 @@ static enum status read_file(struct reading *g, const struct multipart_file *f,
 static enum status take_file(struct reading *g, struct burst *b, size_t i,
                              struct errinfo *e)
 {
-    const struct scan_options o = {.enrolment = true, .stop = &g->r->gone};
+    const struct sample_options o = {.enrolment = true, .stop = &g->r->gone};
     const double start = logger_clock_ms();
     struct cloudpoints c = {0};
     double parsed;
@@ -89,7 +89,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
     request_stage(g->r, REQUEST_PARSE, (parsed = logger_clock_ms()) - start);
     if (st == ST_ELIMIT)
         return errinfo_set(e, st, "the files together have more than %d points",
-                           FACE_MAX_POINTS);
+                           CLOUDFILE_POINTS);
     if (st == ST_ESIZE)
         return errinfo_set(e, st,
                            "the limit is %zu bytes of all files together when unpacked",
@@ -101,7 +101,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
     cloudpoints_free(&c);
     if (st == ST_OK) {
         b->sample[i] =
-            (struct store_sample){.face = &b->face[i], .read = b->found[i].digest};
+            (struct store_sample){.face = b->face[i], .read = b->found[i].digest};
     } else if (dry_run_is_refusal(st) || st == ST_EINVAL) {
         b->each[i].why = *e;
         b->each[i].why.code = st;
@@ -110,7 +110,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
     return st;
 }
 
-struct burst *burst_read(struct request *r, struct face_work *w)
+struct burst *burst_read(struct request *r, struct surface_work *w)
 {
     struct reading g = {.r = r, .w = w};
     struct burst *b = mem_array(1, sizeof *b);
@@ -145,8 +145,7 @@ static char *list(struct json *j, const struct burst *b)
     json_array(j, "templates");
     for (size_t i = 0; i < b->n; i++) {
         json_object(j, NULL);
-        describe_enrolled(j, b->file[i].name, &b->each[i], &b->found[i],
-                          &b->face[i].frame);
+        describe_enrolled(j, b->file[i].name, &b->each[i], &b->found[i], b->face[i]);
         json_close(j);
     }
     return json_compact(j);
@@ -184,6 +183,6 @@ void burst_refuse(struct request *r, const struct burst *b)
 void burst_free(struct burst *b)
 {
     for (size_t i = 0; b != NULL && i < b->n; i++)
-        face_free(&b->face[i]);
+        surface_face_free(b->face[i]);
     mem_free(b);
 }

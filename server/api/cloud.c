@@ -3,7 +3,6 @@
 #include "app.h"
 #include "cloudfile.h"
 #include "errinfo.h"
-#include "face.h"
 #include "mem.h"
 #include "params.h"
 #include "parse.h"
@@ -14,7 +13,7 @@ bool cloud_options(struct request *r, struct cloudfile_options *o, bool *axes_gi
 {
     *axes_given = false;
     *o = (struct cloudfile_options){.format = r->format,
-                                    .max_points = FACE_MAX_POINTS,
+                                    .max_points = CLOUDFILE_POINTS,
                                     .max_bytes = r->app->max_body,
                                     .camera = CLOUDDEPTH_NO_CAMERA};
     return params_units(r, &o->unit_mm) && params_axes(r, axes_given) &&
@@ -79,10 +78,10 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
 }
 
 enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
-                        bool enrolment, struct face_work *w, struct face *out,
-                        struct scan_found *found)
+                        bool enrolment, struct surface_work *w, struct surface_face **out,
+                        struct sample_found *found)
 {
-    const struct scan_options o = {.enrolment = enrolment, .stop = &r->gone};
+    const struct sample_options o = {.enrolment = enrolment, .stop = &r->gone};
     struct errinfo e = {0};
     enum status st;
 

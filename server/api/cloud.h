@@ -7,10 +7,10 @@
 
 struct cloudfile_options; /* cloudfile.h */
 struct errinfo;
-struct face;
-struct face_work;
+struct surface_face;
+struct surface_work;
 struct request;
-struct scan_found; /* scan.h */
+struct sample_found; /* sample.h */
 
 /* cloud_options(r, o, axes_given): how r's clouds are to be read, by its parameters and limits;
  * axes_given: axes=scanner.  False: r->response says what is wrong with them. */
@@ -30,10 +30,10 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
                            struct cloudpoints *b);
 
 /* cloud_build(r, c, name, enrolment, w, out, found): the model; c then has the points used, in mm
- * (scan.h).  name is "points", "a.points" or "b.points".
+ * (sample.h).  name is "points", "a.points" or "b.points".
  * Returns ST_OK, or another status with r->response set. */
 enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
-                        bool enrolment, struct face_work *w, struct face *out,
-                        struct scan_found *found);
+                        bool enrolment, struct surface_work *w, struct surface_face **out,
+                        struct sample_found *found);
 
 #endif

@@ -98,7 +98,7 @@ static void count_stages(struct request *r, const struct verification *v)
 }
 
 /* There is no subject to protect: where the event is lost the response stands. */
-static void record_comparison(struct request *r, enum face_decision decision)
+static void record_comparison(struct request *r, enum surface_decision decision)
 {
     char outcome[CAPTURE_OUTCOME];
 
@@ -111,11 +111,11 @@ static void respond(struct request *r, struct worker *w, struct verification *v)
 {
     struct describe_comparison c = verify_describe(v, store_made_by(r->app->store));
     struct json *j;
-    double *mm = &v->least.disparity.plain_mm;
+    double *mm = &v->least.disparity_mm;
 
     v->times.total = logger_clock_ms() - r->start_ms;
     if (!auth_exact(r)) {
-        face_round(&v->best.result, w->compare.work);
+        surface_round(w->compare.work, &v->best.result);
         *mm = round(*mm * 1e3) / 1e3;
     }
     j = json_new();

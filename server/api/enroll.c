@@ -19,7 +19,7 @@
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
-#include "scan.h"
+#include "sample.h"
 #include "worker.h"
 
 /* What the request asks for, beside the samples. */
@@ -102,7 +102,7 @@ static void enroll_one(struct request *r, struct worker *w)
 {
     struct enrolment_result x = {.created = false};
     struct enrolment_outcome out;
-    struct scan_found found;
+    struct sample_found found;
     struct cloudpoints c;
     struct asked ask;
     struct json *j;
@@ -118,11 +118,11 @@ static void enroll_one(struct request *r, struct worker *w)
     cloudpoints_free(&c);
     if (st != ST_OK ||
         !enroll(r, w, &ask,
-                &(struct store_sample){.face = &w->probe, .read = found.digest}, 1, &x,
+                &(struct store_sample){.face = w->probe, .read = found.digest}, 1, &x,
                 &out))
         return;
     j = json_new();
-    describe_template(j, &x.tmpl, &w->probe.frame, auth_exact(r));
+    describe_template(j, &x.tmpl, w->probe, auth_exact(r));
     describe_scan(j, "scan", &found);
     request_written(r, x.created ? 201 : 200, json_compact(j));
     if (r->response.http < 300)

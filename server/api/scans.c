@@ -1,7 +1,6 @@
 #include "scans.h"
 
 #include "app.h"
-#include "asymmetry.h"
 #include "cloud.h"
 #include "describe.h"
 #include "dry_run.h"
@@ -9,7 +8,7 @@
 #include "logger.h"
 #include "metrics.h"
 #include "request.h"
-#include "scan.h"
+#include "sample.h"
 #include "store.h"
 #include "worker.h"
 
@@ -21,13 +20,13 @@ static void respond(struct request *r, const struct worker *w, const struct dry_
     metrics_check(r->app->metrics, t->enrolment == ST_OK      ? METRICS_ENROLLABLE
                                    : t->verification == ST_OK ? METRICS_USABLE
                                                               : METRICS_UNUSABLE);
-    describe_dry_run(j, t, &w->probe, times);
+    describe_dry_run(j, t, w->probe, times);
     request_respond(r, 200, json_compact(j));
 }
 
 void scans_check(struct request *r, struct worker *w)
 {
-    const struct scan_options o = {.stop = &r->gone};
+    const struct sample_options o = {.stop = &r->gone};
     struct describe_times times = {0};
     struct cloudpoints c;
     struct dry_run t = {0};
@@ -64,11 +63,11 @@ void scans_asymmetry(struct request *r, struct worker *w)
 {
     const double start = logger_clock_ms();
     double parsed, prepared, measured;
-    struct asymmetry result;
+    struct surface_asymmetry result = {.size = sizeof result};
     struct json *j;
     struct cloudpoints c = {0};
-    struct scan_found found;
-    enum status st;
+    struct sample_found found;
+    enum surface_status st;
 
     if (cloud_read(r, &c) != ST_OK)
         return;
@@ -78,15 +77,16 @@ void scans_asymmetry(struct request *r, struct worker *w)
         goto out;
     prepared = logger_clock_ms();
     request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    if ((st = face_asymmetry(&w->probe, w->compare.work, &result)) != ST_OK) {
-        request_problem(r, st, "measuring the asymmetry: %s", status_message(st));
+    if ((st = surface_asymmetry(w->compare.work, w->probe, &result)) != SURFACE_OK) {
+        request_problem(r, status_from(st), "measuring the asymmetry: %s",
+                        surface_message(st));
         goto out;
     }
     measured = logger_clock_ms();
     request_stage(r, REQUEST_MINIMAL, measured - prepared);
     j = json_new();
     describe_scan(j, "scan", &found);
-    describe_asymmetry(j, &result, &w->probe, store_made_by(r->app->store),
+    describe_asymmetry(j, &result, w->probe, store_made_by(r->app->store),
                        &(struct describe_times){.parse = parsed - start,
                                                 .prepare = prepared - parsed,
                                                 .minimal = measured - prepared,

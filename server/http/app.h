@@ -7,22 +7,22 @@
 #include <stddef.h>
 #include "store_attempts.h"
 
-struct cache;    /* cache.h */
-struct erasures; /* erasures.h */
-struct guard;    /* guard.h */
-struct intake;   /* intake.h */
-struct metrics;  /* metrics.h */
-struct model;    /* model.h */
-struct queue;    /* queue.h */
-struct quota;    /* quota.h */
-struct route;    /* route.h */
-struct store;    /* store.h */
-struct throttle; /* throttle.h */
-struct upkeep;   /* upkeep.h */
+struct cache;         /* cache.h */
+struct erasures;      /* erasures.h */
+struct guard;         /* guard.h */
+struct intake;        /* intake.h */
+struct metrics;       /* metrics.h */
+struct surface_model; /* libsurface.h */
+struct queue;         /* queue.h */
+struct quota;         /* quota.h */
+struct route;         /* route.h */
+struct store;         /* store.h */
+struct throttle;      /* throttle.h */
+struct upkeep;        /* upkeep.h */
 
 struct app {
-    struct store *store; /* its calibration and engine are by the model */
-    struct model *model; /* NULL: model_default */
+    struct store *store;         /* its calibration and engine are by the model */
+    struct surface_model *model; /* NULL: the shipped one */
     struct cache *cache;
     struct metrics *metrics;
     struct store_limits limits; /* of failed verifications */

@@ -46,7 +46,7 @@ enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
-    counter decision[FACE_INCONCLUSIVE + 1];
+    counter decision[SURFACE_INCONCLUSIVE + 1];
     counter enrollment[METRICS_MISMATCH + 1];
     counter check[METRICS_UNUSABLE + 1];
     counter attempts[METRICS_OF_SUBJECTS + 1];
@@ -130,7 +130,7 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
     metrics_database_error(m, r->failed);
 }
 
-void metrics_decision(struct metrics *m, enum face_decision d)
+void metrics_decision(struct metrics *m, enum surface_decision d)
 {
     count(&m->decision[d], 1);
 }

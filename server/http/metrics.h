@@ -6,7 +6,7 @@
 #define SERVER_METRICS_H
 #include <stddef.h>
 #include <stdint.h>
-#include "face.h"
+#include "libsurface.h"
 #include "status.h"
 
 struct metrics;
@@ -24,7 +24,7 @@ void metrics_free(struct metrics *m);
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms);
 
 /* metrics_decision(m, d): a verification or comparison was decided. */
-void metrics_decision(struct metrics *m, enum face_decision d);
+void metrics_decision(struct metrics *m, enum surface_decision d);
 
 enum metrics_enrollment {
     METRICS_ENROLLED,

@@ -13,7 +13,7 @@ enum status worker_open(struct worker *w, struct app *app)
 {
     *w = (struct worker){.app = app,
                          .compare = {.store = app->store,
-                                     .work = face_work_new(app->model),
+                                     .work = surface_work_new(app->model),
                                      .cache = app->cache,
                                      .clock_ms = logger_clock_ms}};
     return w->compare.work != NULL ? ST_OK : ST_ENOMEM;
@@ -32,9 +32,10 @@ void worker_passed_over(const struct templates *t)
 
 void worker_wipe(struct worker *w)
 {
-    face_work_wipe(w->compare.work);
-    face_free(&w->probe);
-    face_free(&w->other);
+    surface_work_wipe(w->compare.work);
+    surface_face_free(w->probe);
+    surface_face_free(w->other);
+    w->probe = w->other = NULL;
     sodium_stackzero(STACK);
     if (w->large)
         (void)malloc_trim(0);
@@ -43,8 +44,8 @@ void worker_wipe(struct worker *w)
 
 void worker_close(struct worker *w)
 {
-    face_free(&w->probe);
-    face_free(&w->other);
-    face_work_free(w->compare.work);
+    surface_face_free(w->probe);
+    surface_face_free(w->other);
+    surface_work_free(w->compare.work);
     *w = (struct worker){0};
 }

@@ -1,7 +1,7 @@
 /* worker.h -- what one worker thread owns and reuses for each request. */
 #ifndef SERVER_WORKER_H
 #define SERVER_WORKER_H
-#include "face.h"
+#include "libsurface.h"
 #include "status.h"
 #include "templates.h"
 
@@ -10,7 +10,7 @@ struct app; /* app.h */
 struct worker {
     struct app *app;
     struct templates_context compare; /* its memory, and the faces of app's cache */
-    struct face probe, other;
+    struct surface_face *probe, *other;
     bool large; /* a large request was worked on since worker_wipe() */
 };
 

@@ -69,8 +69,8 @@ static struct timing row[ROWS];
 static struct scratch scratch;
 static struct mesh general, whole;
 static uint32_t *b_vertex;
-static struct face decoded;
-static struct face_work *work;
+static struct surface_face decoded;
+static struct surface_work *work;
 static struct disparity_vertex *vertex;
 
 static void side_make(struct side *s, uint64_t k)
@@ -179,9 +179,9 @@ static double stored(struct pair *p)
 static void store(struct pair *p)
 {
     decoded.surface = p->a.own;
-    p->blob_size = codec_size(&decoded);
+    p->blob_size = surface_encoded_size(&decoded);
     p->blob = timing_alloc(p->blob_size, 1);
-    codec_encode(&decoded, p->blob);
+    surface_encode(&decoded, p->blob);
     decoded.surface = (struct surface){0};
 }
 
@@ -389,7 +389,7 @@ int main(void)
 
     peers = timing_peers();
     b_vertex = timing_alloc(POINTS, sizeof *b_vertex);
-    if ((work = face_work_new(NULL)) == NULL)
+    if ((work = surface_work_new(NULL)) == NULL)
         timing_must(ST_ENOMEM);
     vertex = timing_alloc(2 * POINTS, sizeof *vertex);
     for (size_t k = 0; k < PAIRS; k++)

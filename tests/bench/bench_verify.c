@@ -48,7 +48,7 @@ enum row {
 struct pair {
     struct dvec3 *tmpl_pts, *probe_pts;
     size_t n_tmpl, n_probe, blob_size;
-    struct face tmpl, probe;
+    struct surface_face tmpl, probe;
     unsigned char *blob;
     double moved[16]; /* the motion of the probe */
     double score;
@@ -60,8 +60,8 @@ static struct timing row[ROWS];
 static struct align_work search;
 static struct frame_mean mean;
 static struct fit_basis motion;
-static struct face_work *work;
-static struct face stored, fresh, fresh2;
+static struct surface_work *work;
+static struct surface_face stored, fresh, fresh2;
 
 static void pair_make(struct pair *p, uint64_t k, size_t n)
 {
@@ -74,9 +74,9 @@ static void pair_make(struct pair *p, uint64_t k, size_t n)
     clouds_move(p->probe_pts, p->n_probe, k, 8, 10, p->moved);
     timing_must(face_build(p->tmpl_pts, p->n_tmpl, work, &p->tmpl, NULL));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &p->probe, NULL));
-    p->blob_size = codec_size(&p->tmpl);
+    p->blob_size = surface_encoded_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
-    codec_encode(&p->tmpl, p->blob);
+    surface_encode(&p->tmpl, p->blob);
     timing_must(lattice_from_mm(p->tmpl_pts, p->n_tmpl, LATTICE_PER_MM, pts, NULL));
     if (peers != NULL)
         p->points = peers->points(pts, p->n_tmpl);
@@ -126,7 +126,7 @@ static double pose_error(const struct pair *p, const double *t)
 }
 
 /* The search as face_compare() starts it: from the frames of both faces. */
-static void find_pose(const struct face *tmpl, const struct face *probe,
+static void find_pose(const struct surface_face *tmpl, const struct surface_face *probe,
                       struct align_result *out)
 {
     const struct pose first = pose_after(&tmpl->frame.pose, &probe->frame.pose);
@@ -241,7 +241,7 @@ static void report(void)
     line("  the probe's frame (part of its model above)", frame);
     line("  the search from both frames (part of the comparison)", from);
     printf("  template stored: %.2f of the time from both clouds; %zu bytes a point\n",
-           both / raw, codec_size(&stored) / stored.surface.mesh.nv);
+           both / raw, surface_encoded_size(&stored) / stored.surface.mesh.nv);
     timing_unit(one);
     timing_target("template load", load / one, 0.1, "units");
     timing_target("probe: points to model", probe / one, 3, "units");
@@ -264,7 +264,7 @@ static void outcome(struct pair *pair)
         timing_must(
             face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, NULL, work, &r));
         pair[k].score = r.score;
-        matches += r.decision == FACE_MATCH;
+        matches += r.decision == SURFACE_MATCH;
         timing_must(face_align(&pair[k].tmpl, &pair[k].probe, NULL, work, &r));
         timing_add(&error, pose_error(&pair[k], r.align.transform));
     }
@@ -306,10 +306,10 @@ static void white_noise_only(void)
 }
 
 /* The model of a scan as it leaves its scanner. */
-static void scan(struct cloudpoints *c, struct face *out)
+static void scan(struct cloudpoints *c, struct surface_face *out)
 {
     static const struct scan_options as_found;
-    struct scan_found found;
+    struct surface_found found;
 
     timing_must(scan_build(c, &as_found, work, out, NULL, &found));
 }
@@ -336,9 +336,9 @@ static void dense_make(struct pair *p, uint64_t k)
     points_of(p->probe_pts, p->n_probe, &c);
     scan(&c, &p->probe);
     cloudpoints_free(&c);
-    p->blob_size = codec_size(&p->tmpl);
+    p->blob_size = surface_encoded_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
-    codec_encode(&p->tmpl, p->blob);
+    surface_encode(&p->tmpl, p->blob);
     timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
     p->score = r.score;
 }
@@ -399,8 +399,8 @@ static void dense(const struct pair *pair)
 static void memory(const struct pair *p)
 {
     const double before = timing_bytes();
-    struct face_work *w = face_work_new(NULL);
-    struct face a = {0}, b = {0};
+    struct surface_work *w = surface_work_new(NULL);
+    struct surface_face a = {0}, b = {0};
     struct face_result r;
     struct minimal least;
     double bytes;
@@ -416,7 +416,7 @@ static void memory(const struct pair *p)
     timing_target("memory, working set of a comparison", bytes / 1e6, 4, "MB");
     face_free(&a);
     face_free(&b);
-    face_work_free(w);
+    surface_work_free(w);
 }
 
 int main(void)
@@ -424,7 +424,7 @@ int main(void)
     static struct pair pair[PAIRS];
 
     peers = timing_peers();
-    if ((work = face_work_new(NULL)) == NULL)
+    if ((work = surface_work_new(NULL)) == NULL)
         timing_must(ST_ENOMEM);
     timing_must(frame_mean_make(&model_default, &mean));
     fit_prepare(&model_default.change, &motion);

@@ -21,7 +21,7 @@
 
 static const double degree = 3.14159265358979323846 / 180;
 static uint64_t seed;
-static struct face_work *work;
+static struct surface_work *work;
 static struct frame_mean mean;
 static struct fit_basis motion; /* the default model's, prepared */
 static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
@@ -35,12 +35,12 @@ static size_t sample(struct facegen_scan *s, uint64_t subject, uint64_t scan,
     return facegen_sample(s, out);
 }
 
-static void build(const struct dvec3 *pts, size_t n, struct face *f)
+static void build(const struct dvec3 *pts, size_t n, struct surface_face *f)
 {
     assert_int_equal(face_build(pts, n, work, f, NULL), ST_OK);
 }
 
-static void enroll(uint64_t subject, struct face *f)
+static void enroll(uint64_t subject, struct surface_face *f)
 {
     struct facegen_scan s;
 
@@ -50,7 +50,7 @@ static void enroll(uint64_t subject, struct face *f)
 }
 
 /* search(a, b, w, r): as face_align() does it. */
-static enum status search(const struct face *a, const struct face *b,
+static enum status search(const struct surface_face *a, const struct surface_face *b,
                           struct align_work *w, struct align_result *r)
 {
     const struct pose first = pose_after(&a->frame.pose, &b->frame.pose);
@@ -61,7 +61,8 @@ static enum status search(const struct face *a, const struct face *b,
 }
 
 /* align(a, b, r): in fresh memory, and as face_align() does. */
-static void align(const struct face *a, const struct face *b, struct align_result *r)
+static void align(const struct surface_face *a, const struct surface_face *b,
+                  struct align_result *r)
 {
     struct align_work w = {0};
     struct face_result same;
@@ -110,7 +111,7 @@ TEST(test_solve_plane)
 TEST(test_field)
 {
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    struct face f = {0};
+    struct surface_face f = {0};
     struct brute_rng rng = {seed + 4};
     struct align_field field;
     struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
@@ -155,7 +156,7 @@ TEST(test_field)
 /* Mated probes, turned and shifted up to the limits of the search. */
 TEST(test_finds_pose)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct brute_rng rng = {seed + 1};
     double sum = 0;
 
@@ -221,7 +222,7 @@ TEST(test_start_does_not_matter)
                                       {0, 0, 20, 50, -150, 9},  {-9, -9, 9, 5, 5, 300},
                                       {30, 0, 0, 100, 0, 0},    {10, -20, -20, 5, 5, 300},
                                       {-25, 15, 15, 60, 70, 80}};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     for (uint64_t who = 0; who < 6; who++) {
         const uint64_t subject = 40 + who % 3; /* mated, then non-mated: no pose
@@ -260,7 +261,7 @@ TEST(test_start_does_not_matter)
 /* A given start is used: from the end of a former search only few steps are left. */
 TEST(test_given_start)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct align_work w = {0};
     struct align_result r, again;
     struct pose end;
@@ -305,7 +306,7 @@ static size_t scan_of(uint64_t subject, uint64_t number, uint32_t points_wanted,
 
 /* How far the pose found leaves the upper face from where it belongs, mm; moved: where the
  * probe was moved to. */
-static double error(const struct face *tmpl, const struct face *probe,
+static double error(const struct surface_face *tmpl, const struct surface_face *probe,
                     const double moved[16])
 {
     static const double at[4][3] = {
@@ -333,7 +334,7 @@ static double error(const struct face *tmpl, const struct face *probe,
  * too far away (once in these); with all gaps counted all are wrong by 3 mm. */
 TEST(test_change)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     int right = 0;
 
     for (uint64_t subject = 0; subject < 8; subject++) {
@@ -361,7 +362,7 @@ TEST(test_change)
 TEST(test_rival)
 {
     static const uint64_t subject[] = {98, 355, 903, 1041};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     int right = 0;
 
     for (int k = 0; k < 4; k++) {
@@ -387,7 +388,7 @@ TEST(test_apart)
 {
     static const double far[16] = {1, 0, 0, 1e5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const double edge_on[16] = {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
-    struct face a = {0};
+    struct surface_face a = {0};
     struct measure_work w;
     struct align_work align = {0};
     struct align_result r;
@@ -412,7 +413,7 @@ TEST(test_apart)
 BEFORE_ALL(set_up)
 {
     seed = brute_seed("align");
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
     assert_int_equal(frame_mean_make(&model_default, &mean), ST_OK);
     fit_prepare(&model_default.change, &motion);
 }

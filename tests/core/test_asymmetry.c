@@ -14,8 +14,8 @@
 #define POINTS 3000
 #define DEGREE (3.14159265358979323846 / 180)
 
-static struct face_work *work;
-static struct face face;
+static struct surface_work *work;
+static struct surface_face face;
 static struct dvec3 points[POINTS];
 
 static void close_to(double got, double wanted, double by)
@@ -278,10 +278,10 @@ TEST(test_half)
 
 static enum status measure_fresh(void *out)
 {
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     const enum status st = w == NULL ? ST_ENOMEM : face_asymmetry(&face, w, out);
 
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 
@@ -299,5 +299,5 @@ TEST(test_memory)
 
 BEFORE_ALL(set_up)
 {
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
 }

@@ -22,27 +22,28 @@
 #define FRAME    32  /* and the frame: 12 doubles */
 
 static struct scratch scratch;
-static struct face_work *work;
+static struct surface_work *work;
 static struct ivec3 pts[70000];
 
-static void build(enum brute_shape shape, size_t n, struct brute_rng *r, struct face *f)
+static void build(enum brute_shape shape, size_t n, struct brute_rng *r,
+                  struct surface_face *f)
 {
     n = brute_points(shape, n, r, pts);
     assert_int_equal(delaunay_build(pts, n, &scratch, &f->surface.mesh), ST_OK);
     assert_int_equal(mst_build(&f->surface.mesh, &scratch), ST_OK);
 }
 
-static unsigned char *encode(const struct face *f, size_t *len)
+static unsigned char *encode(const struct surface_face *f, size_t *len)
 {
-    unsigned char *buf = malloc(*len = codec_size(f));
+    unsigned char *buf = malloc(*len = surface_encoded_size(f));
 
     assert_non_null(buf);
-    codec_encode(f, buf);
+    surface_encode(f, buf);
     return buf;
 }
 
 /* Decode from a block that ends where its bytes do, for the address sanitizer. */
-static enum status decode(const unsigned char *buf, size_t len, struct face *f)
+static enum status decode(const unsigned char *buf, size_t len, struct surface_face *f)
 {
     unsigned char *exact = malloc(len != 0 ? len : 1);
     enum status st;
@@ -64,9 +65,9 @@ static void assert_same(const struct mesh *a, const struct mesh *b)
 
 /* A mesh that never was a face has no frame yet: the first decoding finds one, which from
  * then on is kept. */
-static void round_trip(const struct face *f)
+static void round_trip(const struct surface_face *f)
 {
-    struct face g = {0}, h = {0};
+    struct surface_face g = {0}, h = {0};
     struct pose rigid;
     size_t len;
     unsigned char *buf = encode(f, &len), *odd = malloc(len + 1), *again;
@@ -101,7 +102,7 @@ TEST(test_round_trip)
         uint32_t n, bytes, less;
     } edge[] = {{10923, 26, 12}, {10924, 30, 16}, {65535, 30, 16}, {65536, 33, 18}};
     struct brute_rng r = {brute_seed("codec")};
-    struct face f = {0};
+    struct surface_face f = {0};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
         for (size_t n = 3; n <= 3000; n = n * 2 + 1) {
@@ -115,7 +116,7 @@ TEST(test_round_trip)
         assert_int_equal(delaunay_build(pts, n, &scratch, &f.surface.mesh), ST_OK);
         assert_int_equal(mst_build(&f.surface.mesh, &scratch), ST_OK);
         round_trip(&f);
-        assert_int_equal(codec_size(&f),
+        assert_int_equal(surface_encoded_size(&f),
                          HEADER + ENCODING + edge[i].bytes * n - edge[i].less);
     }
     face_free(&f);
@@ -125,7 +126,7 @@ TEST(test_round_trip)
 TEST(test_length)
 {
     struct brute_rng r = {brute_seed("bytes")};
-    struct face f = {0}, g = {0};
+    struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf;
 
@@ -160,7 +161,7 @@ static void assert_safe(const struct mesh *m)
 TEST(test_checked)
 {
     struct brute_rng r = {brute_seed("sealed")};
-    struct face f = {0}, g = {0};
+    struct surface_face f = {0}, g = {0};
     uint32_t accepted = 0, refused = 0;
     size_t len;
     unsigned char *buf;
@@ -218,7 +219,7 @@ TEST(test_golden)
                                              .cells = 3,
                                              .there = {[0] = 0x81, [163] = 0x40},
                                              .n = 2};
-    struct face f = {0};
+    struct surface_face f = {0};
     unsigned char buf[1024], again[1024];
     size_t len = 0;
 
@@ -235,8 +236,8 @@ TEST(test_golden)
                 f.frame.mean_id != frame.mean_id); /* found again */
     f.frame = frame;
     f.encoding = encoding;
-    assert_int_equal(codec_size(&f), len);
-    codec_encode(&f, again);
+    assert_int_equal(surface_encoded_size(&f), len);
+    surface_encode(&f, again);
     assert_memory_equal(buf, again, len);
     buf[4] = 4; /* a version to come */
     assert_int_equal(codec_decode(buf, len, work, &f), ST_EVERSION);
@@ -256,7 +257,7 @@ static void put_double(unsigned char *p, double v)
         p[i] = (unsigned char)(bits >> 8 * i & 0xff);
 }
 
-static unsigned char *encoded_face(struct face *f, size_t *len)
+static unsigned char *encoded_face(struct surface_face *f, size_t *len)
 {
     static struct dvec3 cloud[2000];
     const size_t n = clouds_scan(3, 1, 2000, cloud);
@@ -281,7 +282,7 @@ TEST(test_frame)
         size_t at;
         double value;
     } bad[] = {{0, 1.01}, {4, -1}, {8, (double)NAN}, {9, 1e6}, {11, -(double)INFINITY}};
-    struct face f = {0}, g = {0};
+    struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
 
@@ -331,7 +332,7 @@ TEST(test_encoding)
 {
     static const uint32_t modes[] = {0, 1, 7, MODEL_MODES};
     struct brute_rng r = {brute_seed("encoding")};
-    struct face f = {0}, g = {0};
+    struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len);
 
@@ -366,7 +367,7 @@ TEST(test_bad_encoding)
     static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
                                     0x7f800001}; /* NAN, infinite, ... */
     const size_t residual = HEADER, cells = HEADER + 4, there = HEADER + 8;
-    struct face f = {0}, g = {0};
+    struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
     const uint32_t n = f.encoding.n, pairs = n * (n + 1) / 2;
@@ -406,7 +407,7 @@ TEST(test_bad_encoding)
  * there are, is refused even where the length of the header agrees. */
 TEST(test_modes)
 {
-    struct face f = {0}, g = {0};
+    struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other;
     const uint32_t n = f.encoding.n;
@@ -452,20 +453,20 @@ struct bytes {
 static enum status decode_fresh(void *arg)
 {
     const struct bytes *b = arg;
-    struct face_work *w = face_work_new(NULL);
-    struct face g = {0};
+    struct surface_work *w = surface_work_new(NULL);
+    struct surface_face g = {0};
     const enum status st = w == NULL ? ST_ENOMEM : codec_decode(b->buf, b->len, w, &g);
 
     assert_true(st == ST_OK || g.surface.mesh.nv == 0);
     face_free(&g);
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 
 TEST(test_no_memory)
 {
     struct brute_rng r = {brute_seed("memory")};
-    struct face f = {0};
+    struct surface_face f = {0};
     struct bytes b;
 
     build(BRUTE_RANDOM, 300, &r, &f);
@@ -477,11 +478,11 @@ TEST(test_no_memory)
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }
 
 AFTER_ALL(tear_down)
 {
-    face_work_free(work);
+    surface_work_free(work);
     scratch_free(&scratch);
 }

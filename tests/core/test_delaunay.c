@@ -205,7 +205,7 @@ TEST(test_refused)
     for (size_t n = 1; n <= 6; n++)
         assert_int_equal(delaunay_build(one, n, &scratch, &m), ST_EDEGENERATE);
     assert_int_equal(m.nv, 0);
-    assert_int_equal(delaunay_build(pts, (size_t)MESH_MAX_POINTS + 1, &scratch, &m),
+    assert_int_equal(delaunay_build(pts, (size_t)SURFACE_MAX_POINTS + 1, &scratch, &m),
                      ST_ELIMIT);
     assert_int_equal(delaunay_build(pts, SIZE_MAX, &scratch, &m), ST_ELIMIT);
     assert_int_equal(delaunay_build(pts, 5, &scratch, &m),

@@ -14,12 +14,12 @@
 
 static struct brute_rng rng;
 static struct scratch scratch;
-static struct model model; /* the toy's, or another */
+static struct surface_model model; /* the toy's, or another */
 static struct encode_basis basis;
 static float z[GRID_N];
 static struct encoding got, again;
 
-static void use(const struct model *m)
+static void use(const struct surface_model *m)
 {
     model = *m;
     encode_prepare(&model, &basis);
@@ -225,7 +225,7 @@ TEST(test_definition)
 /* All columns in use; then a model of no change, and of one mode of identity. */
 TEST(test_modes)
 {
-    static struct model few;
+    static struct surface_model few;
 
     few = model;
     few.change.n = 0;

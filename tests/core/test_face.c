@@ -11,7 +11,8 @@
 
 #define POINTS 3000
 
-static struct face_work *work; /* one for the whole program: reuse is tested throughout */
+static struct surface_work
+    *work; /* one for the whole program: reuse is tested throughout */
 
 struct cloud {
     size_t n;
@@ -23,23 +24,23 @@ static struct cloud cloud, other;
 static void scan(uint64_t subject, uint64_t number, size_t n, struct cloud *c)
 {
     c->n = clouds_scan(subject, number, n, c->pts);
-    assert_true(c->n > FACE_MIN_POINTS);
+    assert_true(c->n > SURFACE_MIN_POINTS);
 }
 
-static enum status build(const struct cloud *c, struct face *f)
+static enum status build(const struct cloud *c, struct surface_face *f)
 {
     size_t bad;
 
     return face_build(c->pts, c->n, work, f, &bad);
 }
 
-static void make(uint64_t subject, uint64_t number, struct face *f)
+static void make(uint64_t subject, uint64_t number, struct surface_face *f)
 {
     scan(subject, number, POINTS, &cloud);
     assert_int_equal(build(&cloud, f), ST_OK);
 }
 
-static void check_same_model(const struct face *a, const struct face *b)
+static void check_same_model(const struct surface_face *a, const struct surface_face *b)
 {
     const struct mesh *m = &a->surface.mesh, *k = &b->surface.mesh;
     const size_t nv = m->nv;
@@ -56,9 +57,9 @@ static void check_same_model(const struct face *a, const struct face *b)
     assert_memory_equal(&a->quality, &b->quality, sizeof a->quality);
 }
 
-static void check_model(const struct face *f)
+static void check_model(const struct surface_face *f)
 {
-    const struct quality *q = &f->quality;
+    const struct surface_quality *q = &f->quality;
 
     assert_int_equal(mesh_check(&f->surface.mesh, true), ST_OK);
     assert_int_equal(mst_check(&f->surface.mesh), ST_OK);
@@ -72,7 +73,7 @@ static void check_model(const struct face *f)
 /* Scans of good and poor quality, with few and many points, are accepted. */
 TEST(test_accepted)
 {
-    struct face f = {0};
+    struct surface_face f = {0};
 
     for (uint64_t k = 0; k < 40; k++) {
         struct facegen_scan s;
@@ -100,7 +101,7 @@ TEST(test_accepted)
 TEST(test_quality)
 {
     double noise[4], coverage[3];
-    struct face f = {0};
+    struct surface_face f = {0};
 
     for (int k = 0; k < 4; k++) {
         struct facegen_scan s;
@@ -130,7 +131,7 @@ TEST(test_quality)
 
 static void refused(const struct cloud *c, enum status want)
 {
-    struct face f = {0};
+    struct surface_face f = {0};
 
     assert_int_equal(build(c, &f), want);
     assert_int_equal(f.surface.mesh.nv, 0);
@@ -152,7 +153,7 @@ static bool no_face(int k, struct cloud *c, enum status *want)
 
     scan(4, 5, POINTS, c);
     if (k < 5) /* few points */
-        c->n = k < 4 ? (size_t)k * 33 : FACE_MIN_POINTS - 1;
+        c->n = k < 4 ? (size_t)k * 33 : SURFACE_MIN_POINTS - 1;
     *want = k < 6    ? ST_ETOOFEW
             : k < 8  ? ST_EDEGENERATE
             : k < 13 ? ST_EUNITS
@@ -189,7 +190,7 @@ TEST(test_refused)
 TEST(test_permutation)
 {
     struct brute_rng r = {brute_seed("permutation")};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     make(7, 0, &a);
     for (int k = 0; k < 4; k++) {
@@ -204,7 +205,7 @@ TEST(test_permutation)
 /* A face made from its stored parts is the face that was stored. */
 TEST(test_adopt)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct mesh *m = &b.surface.mesh;
 
     make(16, 0, &a);
@@ -227,8 +228,8 @@ TEST(test_adopt)
 
 static enum status build_fresh(void *want)
 {
-    struct face_work *w = face_work_new(NULL);
-    struct face f = {0};
+    struct surface_work *w = surface_work_new(NULL);
+    struct surface_face f = {0};
     enum status st = ST_ENOMEM;
 
     if (w == NULL)
@@ -240,13 +241,13 @@ static enum status build_fresh(void *want)
     }
     check_same_model(want, &f);
     face_free(&f);
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 
 TEST(test_no_memory)
 {
-    struct face want = {0};
+    struct surface_face want = {0};
 
     make(18, 0, &want);
     assert_true(fail_alloc_walk(build_fresh, &want) > 4);
@@ -255,5 +256,5 @@ TEST(test_no_memory)
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }

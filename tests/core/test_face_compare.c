@@ -4,7 +4,7 @@
 #include <pthread.h>
 
 #include "clouds.h"
-#include "calibration.h"
+#include "libsurface.h"
 #include "face.h"
 #include "facegen.h"
 #include "fail_alloc.h"
@@ -17,7 +17,8 @@
 
 #define POINTS 3000
 
-static struct face_work *work; /* one for the whole program: reuse is tested throughout */
+static struct surface_work
+    *work; /* one for the whole program: reuse is tested throughout */
 
 static struct {
     size_t n;
@@ -27,22 +28,22 @@ static struct {
 static void scan(uint64_t subject, uint64_t number, size_t n)
 {
     cloud.n = clouds_scan(subject, number, n, cloud.pts);
-    assert_true(cloud.n > FACE_MIN_POINTS);
+    assert_true(cloud.n > SURFACE_MIN_POINTS);
 }
 
-static void build(struct face *f)
+static void build(struct surface_face *f)
 {
     assert_int_equal(face_build(cloud.pts, cloud.n, work, f, NULL), ST_OK);
 }
 
-static void make(uint64_t subject, uint64_t number, struct face *f)
+static void make(uint64_t subject, uint64_t number, struct surface_face *f)
 {
     scan(subject, number, POINTS);
     build(f);
 }
 
 /* Every number except the times. */
-#define FIGURES (14 + GRID_REGIONS)
+#define FIGURES (14 + SURFACE_REGIONS)
 
 static void figures(const struct face_result *r, double x[FIGURES])
 {
@@ -77,7 +78,7 @@ static void check_identity(const double t[16], double within)
 /* A face compared with itself, and with itself moved. */
 TEST(test_identity)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct minimal least;
     struct face_result r;
     double moved[16], itself;
@@ -85,7 +86,7 @@ TEST(test_identity)
     for (uint64_t k = 0; k < 5; k++) {
         make(k, 0, &a);
         assert_int_equal(face_compare(&a, &a, (double)NAN, NULL, work, &r), ST_OK);
-        assert_int_equal(r.decision, FACE_MATCH);
+        assert_int_equal(r.decision, SURFACE_MATCH);
         itself = r.score;
         assert_int_equal(face_minimal(&a, &a, NULL, work, &r, &least), ST_OK);
         assert_true(least.disparity.plain_mm < 0.001);
@@ -95,7 +96,7 @@ TEST(test_identity)
         clouds_move(cloud.pts, cloud.n, k, 5, 30, moved);
         build(&b);
         assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
-        assert_int_equal(r.decision, FACE_MATCH);
+        assert_int_equal(r.decision, SURFACE_MATCH);
         /* the moved points are triangulated differently, and the fit starts elsewhere */
         assert_true(r.score > r.threshold + 1 && fabs(r.score - itself) < 2.5);
     }
@@ -106,7 +107,7 @@ TEST(test_identity)
 /* The share of identity in the variance of cell i of the model, times scale. */
 static double share(uint32_t i, double scale)
 {
-    const struct model *m = &model_default;
+    const struct surface_model *m = &model_default;
     double identity = 0, other = m->noise_floor_mm * m->noise_floor_mm;
 
     for (uint32_t k = 0; k < MODEL_MODES; k++) {
@@ -133,7 +134,7 @@ static double share_scale(void)
 TEST(test_weigh)
 {
     struct measure_work m = {0};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct face_result r;
     struct minimal least, weighed;
     struct disparity plain;
@@ -182,7 +183,7 @@ TEST(test_weigh)
 TEST(test_mated_and_not)
 {
     enum { SUBJECTS = 6 };
-    struct face tmpl = {0}, probe = {0};
+    struct surface_face tmpl = {0}, probe = {0};
     double worst = INFINITY, nearest = -INFINITY;
 
     for (uint64_t k = 0; k < SUBJECTS; k++) {
@@ -198,14 +199,14 @@ TEST(test_mated_and_not)
                              ST_OK);
             assert_true(r.threshold == model_default.calibration.threshold);
             assert_true(r.fmr_at_score ==
-                        calibration_fmr(&model_default.calibration, r.score));
+                        surface_calibration_rate(&model_default.calibration, r.score));
             assert_true(r.align_ms == 0 && r.score_ms == 0);
             if (who == k) {
-                assert_int_equal(r.decision, FACE_MATCH);
+                assert_int_equal(r.decision, SURFACE_MATCH);
                 worst = fmin(worst, r.score);
             } else {
-                assert_int_equal(r.decision,
-                                 r.score >= r.threshold ? FACE_MATCH : FACE_NO_MATCH);
+                assert_int_equal(r.decision, r.score >= r.threshold ? SURFACE_MATCH
+                                                                    : SURFACE_NO_MATCH);
                 nearest = fmax(nearest, r.score);
             }
         }
@@ -218,7 +219,7 @@ TEST(test_mated_and_not)
 /* The threshold changes the decision and nothing else. */
 TEST(test_threshold)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct face_result usual, strict, loose, below;
 
     make(12, 0, &a);
@@ -227,12 +228,12 @@ TEST(test_threshold)
     assert_int_equal(face_compare(&a, &b, 1e3, NULL, work, &strict), ST_OK);
     assert_int_equal(face_compare(&a, &b, usual.score, NULL, work, &loose), ST_OK);
     assert_int_equal(face_compare(&a, &b, -1, NULL, work, &below), ST_OK);
-    assert_int_equal(usual.decision, FACE_MATCH);
+    assert_int_equal(usual.decision, SURFACE_MATCH);
     /* more than two such scans of one person are expected to have: nobody could match */
     assert_true(strict.expected < 1e3);
-    assert_int_equal(strict.decision, FACE_INCONCLUSIVE);
-    assert_int_equal(loose.decision, FACE_MATCH); /* a score equal to it matches */
-    assert_int_equal(below.decision, FACE_MATCH);
+    assert_int_equal(strict.decision, SURFACE_INCONCLUSIVE);
+    assert_int_equal(loose.decision, SURFACE_MATCH); /* a score equal to it matches */
+    assert_int_equal(below.decision, SURFACE_MATCH);
     assert_true(strict.threshold == 1e3 && below.threshold == -1);
     assert_true(loose.threshold == usual.score);
     assert_true(strict.fmr_at_score == usual.fmr_at_score);
@@ -246,8 +247,8 @@ TEST(test_threshold)
     assert_int_equal(
         face_compare(&a, &b, nextafter(usual.expected, INFINITY), NULL, work, &strict),
         ST_OK);
-    assert_int_equal(loose.decision, FACE_NO_MATCH);
-    assert_int_equal(strict.decision, FACE_INCONCLUSIVE);
+    assert_int_equal(loose.decision, SURFACE_NO_MATCH);
+    assert_int_equal(strict.decision, SURFACE_INCONCLUSIVE);
     face_free(&a);
     face_free(&b);
 }
@@ -268,7 +269,7 @@ static void check_rounding(const struct face_result *r)
     assert_true(one.overlap == round(r->overlap * 100) / 100);
     assert_true(one.fmr_at_score == other.fmr_at_score);
     assert_true(one.fmr_at_score ==
-                calibration_fmr(&model_default.calibration, one.score));
+                surface_calibration_rate(&model_default.calibration, one.score));
     assert_true(one.decision == r->decision);
     assert_true(one.threshold >= r->threshold && one.threshold < r->threshold + 0.1);
 }
@@ -299,7 +300,7 @@ static void check_agreement(struct face_result r)
 
 TEST(test_round)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     struct face_result r, rounded;
 
     make(14, 0, &a);
@@ -325,7 +326,7 @@ TEST(test_round)
  * and the pose found; the scan itself stays as it is. */
 TEST(test_mirrored)
 {
-    struct face a = {0}, b = {0}, m = {0};
+    struct surface_face a = {0}, b = {0}, m = {0};
     struct face_result plain, as_is, mirrored, again;
 
     for (uint64_t k = 20; k < 24; k++) {
@@ -376,7 +377,7 @@ static bool is_forehead(const struct dvec3 *p)
 TEST(test_inconclusive)
 {
     static bool (*const part[])(const struct dvec3 *) = {is_nose, is_forehead};
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     make(13, 0, &a);
     for (uint64_t who = 13; who < 16; who++)
@@ -388,9 +389,9 @@ TEST(test_inconclusive)
             build(&b);
             assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
             assert_true(r.overlap > 0 && r.overlap < 0.3 && r.expected < r.threshold);
-            assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+            assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
             assert_int_equal(face_compare(&a, &b, -1000, NULL, work, &r), ST_OK);
-            assert_int_equal(r.decision, FACE_INCONCLUSIVE);
+            assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
         }
     face_free(&a);
     face_free(&b);
@@ -405,7 +406,7 @@ static double ticking(void)
 
 TEST(test_clock)
 {
-    struct face a = {0};
+    struct surface_face a = {0};
     struct face_result r, without;
     struct minimal least, plain;
 
@@ -439,10 +440,10 @@ static bool is_far_right(const struct dvec3 *p)
 }
 
 /* The parts of cells and of regions add up to the score that was decided on. */
-static void check_field(const struct face *tmpl, const struct face *probe)
+static void check_field(const struct surface_face *tmpl, const struct surface_face *probe)
 {
-    static struct face_field field, again;
-    double cells = 0, regions = 0, region[GRID_REGIONS] = {0};
+    static struct surface_parts field, again;
+    double cells = 0, regions = 0, region[SURFACE_REGIONS] = {0};
     struct face_result r;
 
     assert_int_equal(face_compare(tmpl, probe, (double)NAN, NULL, work, &r), ST_OK);
@@ -462,7 +463,7 @@ static void check_field(const struct face *tmpl, const struct face *probe)
         region[grid_region_of(i)] += (double)field.part[i];
         cells += (double)field.part[i];
     }
-    for (int i = 0; i < GRID_REGIONS; i++) {
+    for (int i = 0; i < SURFACE_REGIONS; i++) {
         assert_true(fabs(region[i] - field.region[i]) < 1e-4);
         assert_true(field.region[i] == r.region[i]);
         regions += r.region[i];
@@ -477,7 +478,7 @@ static void check_field(const struct face *tmpl, const struct face *probe)
 
 TEST(test_field)
 {
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
 
     make(16, 0, &a);
     check_field(&a, &a);
@@ -507,8 +508,8 @@ TEST(test_field)
 /* Where the encodings are of little of the face, they say nothing, and no cell does. */
 TEST(test_empty_field)
 {
-    static struct face_field field;
-    struct face a = {0}, b = {0};
+    static struct surface_parts field;
+    struct surface_face a = {0}, b = {0};
 
     make(16, 0, &a);
     scan(16, 1, 2 * POINTS);
@@ -518,7 +519,7 @@ TEST(test_empty_field)
     assert_int_equal(face_field(&a, &b, work, &field), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_true(isnan(field.part[i]));
-    for (int i = 0; i < GRID_REGIONS; i++)
+    for (int i = 0; i < SURFACE_REGIONS; i++)
         assert_true(field.region[i] == 0);
     face_free(&a);
     face_free(&b);
@@ -528,8 +529,8 @@ TEST(test_empty_field)
  * scanner in its own frame, 2 mm times the cosine of the slope. */
 TEST(test_field_gap)
 {
-    static struct face_field field;
-    struct face a = {0}, b = {0};
+    static struct surface_parts field;
+    struct surface_face a = {0}, b = {0};
     uint32_t n = 0;
 
     make(16, 0, &a);
@@ -557,7 +558,7 @@ TEST(test_heatmap)
     const double aside[16] = {1, 0, 0, 400, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     const struct dvec3 odd[] = {
         {(double)NAN, 0, 0}, {0, (double)INFINITY, 0}, {0, 0, 1e9}};
-    struct face f = {0};
+    struct surface_face f = {0};
     size_t n = 0, rim = 0;
 
     scan(15, 0, POINTS);
@@ -597,10 +598,10 @@ TEST(test_heatmap)
 /* What asks for memory, k: 0 compare, 1 mirrored, 2 the field, 3 the minimum and its weight. */
 #define CALLS 4
 
-static enum status call(int k, const struct face *a, const struct face *b,
-                        struct face_work *w, double out[2])
+static enum status call(int k, const struct surface_face *a, const struct surface_face *b,
+                        struct surface_work *w, double out[2])
 {
-    static struct face_field field;
+    static struct surface_parts field;
     struct face_result r;
     struct minimal least;
     enum status st;
@@ -617,7 +618,7 @@ static enum status call(int k, const struct face *a, const struct face *b,
     case 2:
         st = face_field(a, b, w, &field);
         out[0] = field.region[0];
-        out[1] = field.region[GRID_REGIONS - 1];
+        out[1] = field.region[SURFACE_REGIONS - 1];
         break;
     default:
         if ((st = face_minimal(a, b, NULL, w, &r, &least)) == ST_OK)
@@ -630,7 +631,7 @@ static enum status call(int k, const struct face *a, const struct face *b,
 
 struct calls {
     int k;
-    struct face a, b;
+    struct surface_face a, b;
     double plain[2];
 };
 
@@ -639,7 +640,7 @@ struct calls {
 static enum status call_fresh(void *arg)
 {
     const struct calls *c = arg;
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     enum status st = ST_ENOMEM;
     double got[2];
 
@@ -651,7 +652,7 @@ static enum status call_fresh(void *arg)
     fail_alloc_at(0);
     assert_int_equal(call(c->k, &c->a, &c->b, w, got), ST_OK);
     assert_int_equal(fail_alloc_count(), 0);
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 
@@ -675,8 +676,8 @@ TEST(test_no_memory)
 
 struct thread {
     pthread_t id;
-    const struct face *tmpl;
-    struct face probe;
+    const struct surface_face *tmpl;
+    struct surface_face probe;
     struct face_result r;
     enum status st;
 };
@@ -685,7 +686,7 @@ struct thread {
 static void *compare(void *arg)
 {
     struct thread *t = arg;
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
 
     t->st = w == NULL ? ST_ENOMEM : face_build(cloud.pts, cloud.n, w, &t->probe, NULL);
     if (t->st == ST_OK)
@@ -694,14 +695,14 @@ static void *compare(void *arg)
         t->st = face_align(t->tmpl, &t->probe, NULL, w, &t->r);
     if (t->st == ST_OK)
         t->st = face_regions(t->tmpl, &t->probe, w, &t->r);
-    face_work_free(w);
+    surface_work_free(w);
     return NULL;
 }
 
 TEST(test_threads)
 {
     static struct thread t[THREADS], alone;
-    struct face a = {0};
+    struct surface_face a = {0};
 
     make(19, 0, &a);
     scan(19, 1, POINTS);
@@ -727,7 +728,7 @@ TEST(test_threads)
 /* ---- sparse scans */
 
 static void make_sparse(uint64_t subject, uint64_t number, uint32_t points, double spikes,
-                        struct face *out)
+                        struct surface_face *out)
 {
     struct facegen_scan s;
 
@@ -749,7 +750,7 @@ TEST(test_sparse)
         uint32_t points;
         double spikes;
     } scans[] = {{800, 0.01}, {1000, 0.02}};
-    struct face tmpl = {0}, probe = {0};
+    struct surface_face tmpl = {0}, probe = {0};
 
     for (int i = 0; i < 2; i++) {
         int matched[2] = {0, 0};
@@ -762,7 +763,7 @@ TEST(test_sparse)
                 make_sparse(k + other, 1, scans[i].points, scans[i].spikes, &probe);
                 assert_int_equal(face_compare(&tmpl, &probe, (double)NAN, NULL, work, &r),
                                  ST_OK);
-                matched[other] += r.decision == FACE_MATCH;
+                matched[other] += r.decision == SURFACE_MATCH;
             }
         }
         assert_in_range(matched[0], 39, 40);
@@ -774,5 +775,5 @@ TEST(test_sparse)
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }

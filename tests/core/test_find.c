@@ -8,11 +8,11 @@
 #include "toy.h"
 #include "unit.h"
 
-static struct face_work *work;
+static struct surface_work *work;
 
 BEFORE_ALL(open_work)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }
 
 /* ---- motions */

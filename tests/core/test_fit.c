@@ -9,7 +9,7 @@
 
 #define MOST (MODEL_MODES + 6)
 
-static struct model model;
+static struct surface_model model;
 static struct fit_basis changed; /* the model's change, prepared */
 static struct scratch scratch;
 static struct cells cells;

@@ -8,7 +8,7 @@
 
 #define POINTS 3000
 
-static struct model model;
+static struct surface_model model;
 static struct frame_mean mean;
 static struct align_work work;
 static struct surface surface;
@@ -92,7 +92,7 @@ TEST(test_likeness)
 
 TEST(test_mean)
 {
-    struct model bad = model;
+    struct surface_model bad = model;
     struct frame_mean m;
 
     for (uint32_t i = 0; i < GRID_N; i++) {

@@ -10,16 +10,16 @@
 
 #define N 4000
 
-static struct face_work *work;
+static struct surface_work *work;
 static struct dvec3 pts[N];
-static struct scan_found found;
+static struct surface_found found;
 
 static enum status build(const struct dvec3 *from, size_t n, enum scan_axes axes,
                          bool enrolment)
 {
     const struct scan_options o = {.axes = axes, .enrolment = enrolment};
     struct cloudpoints c = {.n = n, .read = n, .unit_mm = 1};
-    struct face face = {0};
+    struct surface_face face = {0};
     enum status st;
 
     assert_non_null(c.at = mem_array(n, sizeof *c.at));
@@ -47,9 +47,9 @@ TEST(test_things)
             build(pts, object_scan(k, 0, N, pts), SCAN_AXES_AUTO, true);
 
         assert_true(st == ST_ENOTFACE || st == ST_ENOFACE || st == ST_EQUALITY);
-        if (st == ST_ENOTFACE && found.gate.evidence_wanted > 0)
-            assert_true(found.gate.support < found.gate.support_wanted ||
-                        found.gate.evidence < found.gate.evidence_wanted);
+        if (st == ST_ENOTFACE && found.evidence_wanted > 0)
+            assert_true(found.support < found.support_wanted ||
+                        found.evidence < found.evidence_wanted);
     }
 }
 
@@ -59,16 +59,15 @@ TEST(test_faces)
         const size_t n = face(who);
 
         assert_int_equal(build(pts, n, SCAN_AXES_AUTO, true), ST_OK);
-        assert_true(found.gate.support >= found.gate.support_wanted &&
-                    found.gate.support_wanted > 0.3);
-        assert_true(found.gate.eyes > 0.4 && found.gate.eyes <= 1);
-        assert_true(found.gate.seen >= found.gate.seen_wanted && found.gate.seen <= 1);
-        assert_true(found.gate.detail > 0.4 && found.gate.detail < 1.3);
-        assert_true(found.gate.evidence >= found.gate.evidence_wanted);
-        assert_true(found.gate.residual_mm < found.gate.residual_most);
+        assert_true(found.support >= found.support_wanted && found.support_wanted > 0.3);
+        assert_true(found.eyes > 0.4 && found.eyes <= 1);
+        assert_true(found.seen >= found.seen_wanted && found.seen <= 1);
+        assert_true(found.detail > 0.4 && found.detail < 1.3);
+        assert_true(found.evidence >= found.evidence_wanted);
+        assert_true(found.residual_mm < found.residual_most);
         assert_int_equal(build(pts, n, SCAN_AXES_SCANNER, true), ST_OK);
         assert_int_equal(build(pts, n, SCAN_AXES_AUTO, false), ST_OK);
-        assert_true(found.gate.support_wanted < 0.3);
+        assert_true(found.support_wanted < 0.3);
     }
 }
 
@@ -93,7 +92,7 @@ TEST(test_sizes)
             if ((st == ST_OK) != size[k].person)
                 fail_msg("%g times as large: %d", by, (int)st);
             if (st == ST_OK)
-                assert_true(found.gate.size > 0.8 * by && found.gate.size < 1.3 * by);
+                assert_true(found.head_size > 0.8 * by && found.head_size < 1.3 * by);
         }
 }
 
@@ -106,7 +105,7 @@ TEST(test_parts)
         if (fabs(pts[i].y - 20) < 28)
             pts[left++] = pts[i];
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_EQUALITY);
-    assert_true(found.gate.seen < found.gate.seen_wanted && found.gate.seen > 0.2);
+    assert_true(found.seen < found.seen_wanted && found.seen > 0.2);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
     n = face(9);
     left = 0;
@@ -114,7 +113,7 @@ TEST(test_parts)
         if (pts[i].y < 8)
             pts[left++] = pts[i];
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_ENOTFACE);
-    assert_true(found.gate.evidence < found.gate.evidence_wanted);
+    assert_true(found.evidence < found.evidence_wanted);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
 }
 
@@ -127,15 +126,15 @@ TEST(test_turned)
         pts[i] = (struct dvec3){-pts[i].x, -pts[i].y, pts[i].z};
     assert_int_equal(build(pts, n, SCAN_AXES_SCANNER, true), ST_ENOTFACE);
     assert_int_equal(build(pts, n, SCAN_AXES_AUTO, true), ST_OK);
-    assert_true(found.found);
+    assert_true(found.cropped);
 }
 
 BEFORE_ALL(set_up)
 {
-    assert_false((work = face_work_new(NULL)) == NULL);
+    assert_false((work = surface_work_new(NULL)) == NULL);
 }
 
 AFTER_ALL(tear_down)
 {
-    face_work_free(work);
+    surface_work_free(work);
 }

@@ -1,6 +1,6 @@
 /* A few fixed comparisons must give the digits of tests/golden/digits.txt.  After an intended
  * change of the measure write the file again (build/digits > tests/golden/digits.txt) and
- * raise the measure's number in FACE_ENGINE. */
+ * raise the measure's number in SURFACE_ENGINE. */
 #include "digits.h"
 #include "unit.h"
 

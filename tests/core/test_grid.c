@@ -50,31 +50,31 @@ TEST(test_regions)
 {
     static const struct {
         double x, y;
-        enum grid_region r;
+        enum surface_region r;
         const char *name;
     } at[] = {
-        {2, 2, GRID_NOSE, "nose"},      {32, 32, GRID_EYES, "eyes"},
-        {2, 40, GRID_EYES, "eyes"},     {10, 62, GRID_FOREHEAD, "forehead"},
-        {40, 0, GRID_CHEEKS, "cheeks"}, {58, 30, GRID_CHEEKS, "cheeks"},
-        {6, -30, GRID_MOUTH, "mouth"},  {6, -66, GRID_CHIN, "chin"},
+        {2, 2, SURFACE_NOSE, "nose"},      {32, 32, SURFACE_EYES, "eyes"},
+        {2, 40, SURFACE_EYES, "eyes"},     {10, 62, SURFACE_FOREHEAD, "forehead"},
+        {40, 0, SURFACE_CHEEKS, "cheeks"}, {58, 30, SURFACE_CHEEKS, "cheeks"},
+        {6, -30, SURFACE_MOUTH, "mouth"},  {6, -66, SURFACE_CHIN, "chin"},
     };
-    uint32_t count[GRID_REGIONS] = {0}, sum = 0;
+    uint32_t count[SURFACE_REGIONS] = {0}, sum = 0;
 
     for (uint32_t c = 0; c < GRID_N; c++) {
-        assert_in_range(grid_region_of(c), 0, GRID_REGIONS - 1);
+        assert_in_range(grid_region_of(c), 0, SURFACE_REGIONS - 1);
         assert_int_equal(grid_region_of(c), grid_region_of(grid_mirror(c)));
         count[grid_region_of(c)]++;
     }
-    for (int r = 0; r < GRID_REGIONS; r++) {
+    for (int r = 0; r < SURFACE_REGIONS; r++) {
         assert_true(count[r] > 20);
         sum += count[r];
         for (int s = 0; s < r; s++)
-            assert_string_not_equal(grid_region_name((enum grid_region)r),
-                                    grid_region_name((enum grid_region)s));
+            assert_string_not_equal(surface_region_name((enum surface_region)r),
+                                    surface_region_name((enum surface_region)s));
     }
     assert_int_equal(sum, GRID_N);
     for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
         assert_int_equal(grid_region_of(grid_cell(at[i].x, at[i].y)), at[i].r);
-        assert_string_equal(grid_region_name(at[i].r), at[i].name);
+        assert_string_equal(surface_region_name(at[i].r), at[i].name);
     }
 }

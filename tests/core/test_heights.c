@@ -269,8 +269,8 @@ TEST(test_beside)
 
 static void face(void)
 {
-    static struct face f;
-    struct face_work *w = face_work_new(NULL);
+    static struct surface_face f;
+    struct surface_work *w = surface_work_new(NULL);
     struct facegen_scan s;
 
     assert_non_null(w);
@@ -279,7 +279,7 @@ static void face(void)
     surface_free(&surface);
     surface = f.surface;
     memset(&f, 0, sizeof f);
-    face_work_free(w);
+    surface_work_free(w);
 }
 
 /* Samples are taken at one pose, and seen from another near it. */

@@ -8,6 +8,7 @@
 #include "head.h"
 #include "headscan.h"
 #include "libsurface.h"
+#include "mesh.h"
 #include "minimal.h"
 #include "model.h"
 #include "status.h"
@@ -47,10 +48,10 @@ TEST(test_same)
 {
     static const uint64_t probe[2][2] = {{3, 1}, {4, 0}};
     struct surface_work *work = surface_work_new(NULL);
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     struct surface_face *tmpl = NULL, *other = NULL;
-    struct face a = {0}, b = {0};
-    char engine[2][SURFACE_ENGINE_SIZE];
+    struct surface_face a = {0}, b = {0};
+    char engine[SURFACE_ENGINE_SIZE];
     size_t n = scan(3, 0);
 
     assert_non_null(work);
@@ -59,10 +60,10 @@ TEST(test_same)
     for (int i = 0; i < 2; i++) {
         struct surface_comparison c = {.size = sizeof c}, best;
         struct surface_disparity d = {.size = sizeof d};
-        struct surface_quality q = {.size = sizeof q};
+        struct surface_quality q;
         struct surface_parts parts = {.size = sizeof parts};
         struct surface_asymmetry asym = {.size = sizeof asym};
-        struct face_field field;
+        struct surface_parts field;
         struct asymmetry mirror;
         struct face_result r;
         struct minimal m;
@@ -70,18 +71,21 @@ TEST(test_same)
         n = scan(probe[i][0], probe[i][1]);
         assert_int_equal(build(work, n, &other, NULL), SURFACE_OK);
         assert_int_equal(face_build(pts, n, w, &b, NULL), ST_OK);
-        surface_face_quality(other, &q);
-        assert_int_equal(q.points, b.surface.mesh.nv);
+        q = surface_face_quality(other);
+        assert_int_equal(surface_face_points(other, NULL), b.surface.mesh.nv);
+        assert_int_equal(surface_face_triangles(other, NULL), mesh_real(&b.surface.mesh));
         assert_true(q.score == b.quality.score && q.coverage == b.quality.coverage);
         assert_true(q.density_mm == b.quality.density_mm);
         assert_true(q.noise_mm == b.quality.noise_mm);
-        assert_int_equal(q.reasons, quality_reasons(&b.quality, &b.frame));
+        assert_int_equal(surface_quality_reasons(&q, other),
+                         quality_reasons(&b.quality, &b.frame));
         assert_int_equal(surface_compare(work, tmpl, other, &c), SURFACE_OK);
         assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, w, &r), ST_OK);
         assert_int_equal(c.decision, i == 0 ? SURFACE_MATCH : SURFACE_NO_MATCH);
         assert_true(c.score == r.score && c.threshold == r.threshold);
         assert_true(c.false_match_rate == r.fmr_at_score && c.overlap == r.overlap);
-        assert_true(surface_false_match_rate(work, c.score) == c.false_match_rate);
+        assert_true(surface_calibration_rate(surface_work_calibration(work), c.score) ==
+                    c.false_match_rate);
         best = c;
         surface_best_of(work, 5, &best);
         assert_int_equal(surface_disparity(work, tmpl, other, &d), SURFACE_OK);
@@ -91,6 +95,11 @@ TEST(test_same)
         assert_true(d.disparity_mm == m.disparity.plain_mm);
         assert_true(d.volume_mm3 == m.disparity.volume_mm3);
         assert_true(d.area_mm2 == m.disparity.area_mm2);
+        assert_true(d.weighted_mm == d.disparity_mm && d.rival_mm == r.align.rival_mm);
+        assert_int_equal(surface_weigh(work, tmpl, other, &d), SURFACE_OK);
+        assert_int_equal(face_weigh(&a, &b, w, &m), ST_OK);
+        assert_true(d.weighted_mm == m.disparity.weighted_mm);
+        assert_true(d.disparity_mm == m.disparity.plain_mm);
         face_best_of(&r, 5, w);
         assert_true(best.score == r.score && best.expected == r.expected);
         assert_int_equal(best.decision, r.decision);
@@ -103,14 +112,13 @@ TEST(test_same)
         assert_int_equal(face_asymmetry(&b, w, &mirror), ST_OK);
         assert_true(asym.disparity_mm == mirror.final.plain_mm && asym.conclusive);
     }
-    surface_engine(NULL, engine[0]);
-    face_engine(NULL, engine[1]);
-    assert_string_equal(engine[0], engine[1]);
-    assert_non_null(strstr(engine[0], "/" SURFACE_VERSION " "));
+    surface_engine(NULL, engine);
+    assert_non_null(strstr(engine, "/" SURFACE_VERSION " "));
+    assert_memory_equal(engine, SURFACE_ENGINE " ", sizeof SURFACE_ENGINE);
     assert_string_equal(surface_version(), SURFACE_VERSION);
     face_free(&a);
     face_free(&b);
-    face_work_free(w);
+    surface_work_free(w);
     surface_work_free(work);
     surface_face_free(tmpl); /* a face outlives the memory it was built with */
     surface_face_free(other);
@@ -172,14 +180,66 @@ TEST(test_raw)
     surface_work_free(work);
 }
 
+/* Checked as both, a scan that only a verification takes has the enrolment's reason; in place the
+ * points become those of the face; a build that nobody waits for ends. */
+static int stop_now(const void *arg)
+{
+    (void)arg;
+    return 1;
+}
+
+TEST(test_ways)
+{
+    const struct surface_stop stop = {stop_now, NULL};
+    struct surface_work *work = surface_work_new(NULL);
+    struct surface_found why = {.size = sizeof why}, found = {.size = sizeof found};
+    struct surface_face *face = NULL, *other = NULL;
+    struct surface_comparison c = {.size = sizeof c};
+    static uint32_t place[2 * POINTS];
+    static double kept[2 * POINTS][3];
+    struct surface_cloud cloud = {
+        .size = sizeof cloud, .points = (const double(*)[3])xyz, .n = scan(3, 0)};
+    enum surface_status refused;
+
+    assert_int_equal(surface_check(work, &cloud, &face, &refused, &why, &found),
+                     SURFACE_OK);
+    assert_int_equal(refused, SURFACE_OK);
+    assert_true(why.evidence_wanted > found.evidence_wanted || face != NULL);
+    cloud.kept = kept;
+    assert_int_equal(surface_build(work, &cloud, &other, &found), SURFACE_EINVAL);
+    cloud.kept_place = place;
+    assert_int_equal(surface_build(work, &cloud, &other, &found), SURFACE_OK);
+    assert_true(found.kept == found.points_used && found.kept > 1000);
+    assert_int_equal(surface_compare(work, face, other, &c), SURFACE_OK);
+    assert_true(c.decision == SURFACE_MATCH && c.overlap == 1);
+    cloud.kept = xyz;
+    assert_int_equal(surface_build(work, &cloud, &other, &found), SURFACE_OK);
+    assert_memory_equal(kept, xyz, found.kept * sizeof *kept);
+    for (size_t i = 0; i < cloud.n; i++) /* half of a face, which nobody enrolls */
+        xyz[i][0] = pts[i].x < -5 ? (double)NAN : pts[i].x;
+    cloud.kept = NULL;
+    cloud.kept_place = NULL;
+    assert_int_equal(surface_check(work, &cloud, &face, &refused, &why, &found),
+                     SURFACE_OK);
+    assert_true(refused == SURFACE_EQUALITY || refused == SURFACE_ENOTFACE);
+    assert_true(why.support_wanted > found.support_wanted && why.points_used == 0 &&
+                found.points_used > 500);
+    cloud.stop = &stop;
+    assert_int_equal(surface_build(work, &cloud, &face, &found), SURFACE_ESTOPPED);
+    assert_null(face);
+    surface_face_free(other);
+    surface_work_free(work);
+}
+
 /* A face written and read again scores the same; damaged bytes are refused. */
 TEST(test_bytes)
 {
     struct surface_work *work = surface_work_new(NULL);
     struct surface_face *a = NULL, *b = NULL, *again = NULL;
     struct surface_comparison c[2] = {{.size = sizeof *c}, {.size = sizeof *c}};
-    struct surface_quality q = {.size = sizeof q};
+    struct surface_quality q;
     double(*points)[3];
+    uint32_t n, (*triangles)[3];
     size_t len;
     char *bytes;
 
@@ -192,12 +252,25 @@ TEST(test_bytes)
     assert_int_equal(surface_compare(work, a, b, &c[0]), SURFACE_OK);
     assert_int_equal(surface_compare(work, again, b, &c[1]), SURFACE_OK);
     assert_memory_equal(&c[0], &c[1], sizeof c[0]);
-    surface_face_quality(again, &q);
-    assert_true(q.points > 2000 && q.score == 0 && q.reasons == 0);
-    assert_non_null(points = calloc(q.points, sizeof *points));
-    surface_face_points(again, points);
-    for (size_t i = 0; i < q.points; i++)
+    q = surface_face_quality(again);
+    assert_true(q.score == 0 && q.density_mm == 0);
+    q = surface_face_quality(a);
+    surface_face_rate(again, &q);
+    assert_true(surface_face_quality(again).noise_mm == q.noise_mm);
+    n = surface_face_triangles(again, NULL);
+    assert_non_null(triangles = calloc(n, sizeof *triangles));
+    assert_int_equal(surface_face_triangles(again, triangles), n);
+    n = surface_face_points(again, NULL);
+    assert_true(n > 2000 && surface_face_memory(again) > n * (size_t)60);
+    assert_true(triangles[0][0] < n && triangles[0][1] < n && triangles[0][2] < n);
+    assert_int_equal(surface_face_check(again), SURFACE_OK);
+    assert_non_null(points = calloc(n, sizeof *points));
+    assert_int_equal(surface_face_points(again, points), n);
+    for (size_t i = 0; i < n; i++)
         assert_true(fabs(points[i][0]) < 500 && points[i][2] == points[i][2]);
+    assert_int_equal(surface_rebuild(work, &again), SURFACE_OK);
+    assert_int_equal(surface_compare(work, again, b, &c[1]), SURFACE_OK);
+    assert_memory_equal(&c[0], &c[1], sizeof c[0]);
     bytes[4] ^= 1;
     assert_int_equal(surface_decode(work, bytes, len, &again), SURFACE_EVERSION);
     assert_null(again);
@@ -205,6 +278,7 @@ TEST(test_bytes)
     bytes[8] ^= 1;
     assert_int_equal(surface_decode(work, bytes, len, &again), SURFACE_ECORRUPT);
     free(points);
+    free(triangles);
     free(bytes);
     surface_face_free(a);
     surface_face_free(b);
@@ -214,9 +288,9 @@ TEST(test_bytes)
 /* A model as text is the shipped one again; a calibration moves the threshold. */
 TEST(test_model)
 {
-    const size_t len = model_write(&model_default, NULL, 0);
+    const size_t len = surface_model_write(&model_default, NULL, 0);
     struct surface_calibration by = {
-        .size = sizeof by, .threshold = 1000, .knots = 2, .knot = {{0, 1}, {10, 0.5}}};
+        .threshold = 1000, .n = 2, .knot = {{0, 1}, {10, 0.5}}};
     struct surface_face *a = NULL;
     struct surface_comparison c = {.size = sizeof c};
     struct surface_model *m;
@@ -226,7 +300,7 @@ TEST(test_model)
     char *text = malloc(len + 1);
 
     assert_non_null(text);
-    (void)model_write(&model_default, text, len + 1);
+    (void)surface_model_write(&model_default, text, len + 1);
     assert_int_equal(surface_model_parse(text, len, &m, &line), SURFACE_OK);
     surface_engine(m, engine[0]);
     surface_engine(NULL, engine[1]);
@@ -236,9 +310,9 @@ TEST(test_model)
     assert_int_equal(surface_work_calibrate(work, &by), SURFACE_OK);
     assert_int_equal(surface_compare(work, a, a, &c), SURFACE_OK);
     assert_true(c.threshold == 1000 && c.decision != SURFACE_MATCH);
-    by.knots = SURFACE_KNOTS + 1;
+    by.n = SURFACE_KNOTS + 1;
     assert_int_equal(surface_work_calibrate(work, &by), SURFACE_EINVAL);
-    by.knots = 2;
+    by.n = 2;
     by.knot[1].rate = 1;
     assert_int_equal(surface_work_calibrate(work, &by), SURFACE_EINVAL);
     assert_int_equal(surface_work_calibrate(work, NULL), SURFACE_OK);
@@ -331,11 +405,11 @@ TEST(test_refused)
 TEST(test_words)
 {
     static const enum surface_status all[] = {
-        SURFACE_OK,        SURFACE_EINVAL,         SURFACE_ENOMEM,   SURFACE_ELIMIT,
-        SURFACE_ETOOFEW,   SURFACE_ENOTFINITE,     SURFACE_ERANGE,   SURFACE_EDEGENERATE,
-        SURFACE_EUNITS,    SURFACE_ENOFACE,        SURFACE_ESEVERAL, SURFACE_EMIRRORED,
-        SURFACE_ENOTFACE,  SURFACE_EQUALITY,       SURFACE_ECORRUPT, SURFACE_EVERSION,
-        SURFACE_EINTERNAL, (enum surface_status)99};
+        SURFACE_OK,       SURFACE_EINVAL,     SURFACE_ENOMEM,         SURFACE_ELIMIT,
+        SURFACE_ETOOFEW,  SURFACE_ENOTFINITE, SURFACE_ERANGE,         SURFACE_EDEGENERATE,
+        SURFACE_EUNITS,   SURFACE_ENOFACE,    SURFACE_ESEVERAL,       SURFACE_EMIRRORED,
+        SURFACE_ENOTFACE, SURFACE_EQUALITY,   SURFACE_ECORRUPT,       SURFACE_EVERSION,
+        SURFACE_ESTOPPED, SURFACE_EINTERNAL,  (enum surface_status)99};
 
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         for (size_t k = 0; k < i; k++)

@@ -378,7 +378,7 @@ TEST(test_limit)
 
     first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
     pair_make(&p, &first, &first);
-    p.b.nv = MESH_MAX_POINTS; /* refused before any point is looked at */
+    p.b.nv = SURFACE_MAX_POINTS; /* refused before any point is looked at */
     assert_int_equal(merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex),
                      ST_ELIMIT);
     assert_int_equal(p.out.nv, 0);

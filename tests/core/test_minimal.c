@@ -12,14 +12,14 @@
 #define POINTS 3000
 #define LEVER  80.0
 
-static struct face_work *work;
+static struct surface_work *work;
 static struct measure_work measure;
-static struct face tmpl, probe;
+static struct surface_face tmpl, probe;
 static struct dvec3 points[POINTS];
 
 /* ---- what is compared */
 
-static void build(const struct facegen_scan *s, double from_x, struct face *out)
+static void build(const struct facegen_scan *s, double from_x, struct surface_face *out)
 {
     size_t n = facegen_sample(s, points), kept = 0;
 
@@ -344,5 +344,5 @@ TEST(test_overturned)
 
 BEFORE_ALL(start)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }

@@ -7,7 +7,7 @@
 
 #define SHIPPED "core/face/default.model"
 
-static struct model model, got;
+static struct surface_model model, got;
 
 static bool same_floats(const float *a, const float *b, size_t n)
 {
@@ -18,7 +18,7 @@ static bool same_floats(const float *a, const float *b, size_t n)
 }
 
 /* Every member, bit for bit (whichever NAN). */
-static void check_same(const struct model *a, const struct model *b)
+static void check_same(const struct surface_model *a, const struct surface_model *b)
 {
     const struct model_basis *p[3] = {&a->change, &a->identity, &a->shape};
     const struct model_basis *q[3] = {&b->change, &b->identity, &b->shape};
@@ -35,7 +35,7 @@ static void check_same(const struct model *a, const struct model *b)
     }
     assert_int_equal(a->calibration.n, b->calibration.n);
     assert_true(a->calibration.threshold == b->calibration.threshold);
-    for (uint32_t i = 0; i < CALIBRATION_KNOTS; i++)
+    for (uint32_t i = 0; i < SURFACE_KNOTS; i++)
         assert_true(a->calibration.knot[i].score == b->calibration.knot[i].score &&
                     a->calibration.knot[i].rate == b->calibration.knot[i].rate);
     assert_int_equal(model_mean_id(a), model_mean_id(b));
@@ -55,7 +55,7 @@ TEST(test_round_trip)
     assert_memory_equal(text, second, len);
     free(second);
     memset(text, 'x', len + 1); /* nothing is written beyond a buffer that is too small */
-    assert_int_equal(model_write(&model, text, 100), len);
+    assert_int_equal(surface_model_write(&model, text, 100), len);
     assert_int_equal(text[100], 'x');
     assert_int_equal(model_parse(text, 0, &got, NULL), ST_ECORRUPT);
     free(text);
@@ -82,7 +82,7 @@ TEST(test_shipped)
     again = toy_text(&got, &n);
     assert_int_equal(n, len);
     assert_memory_equal(text, again, len);
-    assert_true(calibration_valid(&got.calibration));
+    assert_true(surface_calibration_valid(&got.calibration));
     free(text);
     free(again);
 }
@@ -174,7 +174,7 @@ TEST(test_malformed)
 /* Contradictions between lines are rejected too. */
 TEST(test_contradictions)
 {
-    static struct model bad;
+    static struct surface_model bad;
     size_t len;
     char *text;
 
@@ -234,7 +234,7 @@ TEST(test_truncated)
 /* The mark depends on the mean face and on nothing else. */
 TEST(test_mark)
 {
-    static struct model other;
+    static struct surface_model other;
 
     other = model;
     other.change.rest[700] += 1.0f;
@@ -248,7 +248,7 @@ TEST(test_mark)
 /* The digest depends on all that faces and scores follow from, and on nothing else. */
 TEST(test_digest)
 {
-    static struct model other;
+    static struct surface_model other;
     float *const counts[] = {&other.mean[700],           &other.change.rest[700],
                              &other.change.mode[700][5], &other.identity.mode[700][3],
                              &other.shape.rest[700],     &other.shape.mode[700][5]};

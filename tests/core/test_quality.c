@@ -3,7 +3,7 @@
 #include "quality.h"
 #include "unit.h"
 
-static const struct quality good = {0.9, 0.95, 2.2, 0.3};
+static const struct surface_quality good = {0.9, 0.95, 2.2, 0.3};
 static const struct frame still = {
     {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, 1, 1.7, 0.9, 0.9};
 
@@ -23,12 +23,12 @@ static struct frame turned(int axis, double degrees)
 TEST(test_reasons)
 {
     const struct {
-        struct quality q;
-        enum quality_reason r;
-    } bad[] = {{{0.9, 0.95, 3.1, 0.3}, QUALITY_SPARSE},
-               {{0.9, 0.95, 2.2, 0.7}, QUALITY_NOISY},
-               {{0.6, 0.6, 2.2, 0.3}, QUALITY_INCOMPLETE}};
-    const struct quality all = {0.1, 0.1, 9, 2};
+        struct surface_quality q;
+        enum surface_reason r;
+    } bad[] = {{{0.9, 0.95, 3.1, 0.3}, SURFACE_SPARSE},
+               {{0.9, 0.95, 2.2, 0.7}, SURFACE_NOISY},
+               {{0.6, 0.6, 2.2, 0.3}, SURFACE_INCOMPLETE}};
+    const struct surface_quality all = {0.1, 0.1, 9, 2};
     struct frame f;
 
     assert_int_equal(quality_reasons(&good, &still), 0);
@@ -36,7 +36,7 @@ TEST(test_reasons)
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         assert_int_equal(quality_reasons(&bad[i].q, NULL), 1U << bad[i].r);
     f = turned(1, 45);
-    assert_int_equal(quality_reasons(&all, &f), (1U << QUALITY_REASONS) - 1);
+    assert_int_equal(quality_reasons(&all, &f), (1U << SURFACE_REASONS) - 1);
 }
 
 TEST(test_turned)
@@ -49,14 +49,14 @@ TEST(test_turned)
 
             assert_int_equal(quality_reasons(&good, &f), 0);
             f = turned(axis, sign * (limit[axis] + 1));
-            assert_int_equal(quality_reasons(&good, &f), 1U << QUALITY_TURNED);
+            assert_int_equal(quality_reasons(&good, &f), 1U << SURFACE_OBLIQUE);
         }
 }
 
 TEST(test_words)
 {
-    for (int i = 0; i < QUALITY_REASONS; i++)
+    for (int i = 0; i < SURFACE_REASONS; i++)
         for (int k = 0; k < i; k++)
-            assert_string_not_equal(quality_reason_name((enum quality_reason)i),
-                                    quality_reason_name((enum quality_reason)k));
+            assert_string_not_equal(surface_reason_name((enum surface_reason)i),
+                                    surface_reason_name((enum surface_reason)k));
 }

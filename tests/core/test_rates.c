@@ -1,5 +1,5 @@
 /* Error rates: by hand, by brute force, and their confidence intervals. */
-#include "calibration.h"
+#include "libsurface.h"
 #include "rates.h"
 #include "select.h"
 #include "unit.h"
@@ -322,11 +322,11 @@ TEST(test_learned)
     struct rates *r = scores(SUBJECTS, 0);
 
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
-        struct calibration d;
+        struct surface_calibration d;
         bool knot = false;
 
         assert_int_equal(rates_calibrate(r, wanted[i], &d), ST_OK);
-        assert_true(calibration_valid(&d));
+        assert_true(surface_calibration_valid(&d));
         assert_true(rates_fmr(r, d.threshold) <= wanted[i]);
         assert_true(rates_fmr(r, d.threshold) > 0.9 * wanted[i]);
         assert_true(d.threshold == rates_at(r, wanted[i]));
@@ -336,8 +336,8 @@ TEST(test_learned)
         }
         assert_true(knot); /* the rate at the threshold is no interpolation */
         for (double at = -36; at < 6; at += 0.1) {
-            assert_true(fabs(calibration_fmr(&d, at) - rates_fmr(r, at)) < 0.06);
-            assert_true(calibration_fmr(&d, at) > 0);
+            assert_true(fabs(surface_calibration_rate(&d, at) - rates_fmr(r, at)) < 0.06);
+            assert_true(surface_calibration_rate(&d, at) > 0);
         }
     }
     rates_free(r);
@@ -345,12 +345,12 @@ TEST(test_learned)
 
 TEST(test_learned_from_little)
 {
-    struct calibration d;
+    struct surface_calibration d;
     struct rates *r = scores(12, 0);
 
     assert_int_equal(rates_calibrate(r, 0.001, &d), ST_ETOOFEW); /* 132 comparisons */
     assert_int_equal(rates_calibrate(r, 0.05, &d), ST_OK);
-    assert_true(calibration_valid(&d));
+    assert_true(surface_calibration_valid(&d));
     rates_free(r);
     r = scores(SUBJECTS, 0.4); /* 40 % are inconclusive */
     assert_int_equal(rates_calibrate(r, 0.01, &d), ST_OK);

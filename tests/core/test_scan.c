@@ -14,16 +14,16 @@
 
 #define ROOM 60000
 
-static struct face_work *work;
-static struct face tmpl, face, plain;
-static struct scan_found found;
+static struct surface_work *work;
+static struct surface_face tmpl, face, plain;
+static struct surface_found found;
 static struct dvec3 pts[ROOM];
 static size_t n;
 static struct cloudpoints c;
 
 BEFORE_ALL(set_up)
 {
-    assert_non_null(work = face_work_new(NULL));
+    assert_non_null(work = surface_work_new(NULL));
 }
 
 static void sample(uint64_t subject, uint64_t scan, uint32_t points)
@@ -75,13 +75,13 @@ static enum status build(const struct scan_options *o)
 static const struct scan_options probe, enrolment = {.enrolment = true},
                                         agreed = {.axes = SCAN_AXES_SCANNER};
 
-static bool warned(enum scan_warning k)
+static bool warned(enum surface_warning k)
 {
     return (found.warnings >> k & 1) != 0;
 }
 
 /* Against the template: of one person or not. */
-static void assert_decision(enum face_decision want)
+static void assert_decision(enum surface_decision want)
 {
     struct face_result r;
 
@@ -115,12 +115,12 @@ TEST(test_as_it_is)
         assert_memory_equal(a->mesh.z, b->mesh.z, a->mesh.nv * sizeof *a->mesh.z);
         assert_memory_equal(&plain.frame.pose, &face.frame.pose, sizeof face.frame.pose);
         assert_true(plain.frame.support == face.frame.support);
-        assert_false(found.found);
+        assert_false(found.cropped);
         assert_true(found.unit_mm == 1 && found.unit_found && found.faces == 1);
         assert_true(found.points_used == n && found.elsewhere == 0);
         assert_true(found.view[0] == 1 && found.view[3] == 0 && found.view[15] == 1);
         assert_true(fabs(found.yaw_deg) < 10 && fabs(found.roll_deg) < 10);
-        assert_true(found.gate.support >= found.gate.support_wanted);
+        assert_true(found.support >= found.support_wanted);
     }
     print_message("%u seem to be covered\n", covered);
     assert_true(covered <= 2);
@@ -139,9 +139,9 @@ TEST(test_cap)
         for (size_t i = 0; i < n; i++)
             pts[i].z += pts[i].y > 50 ? 8 : 0;
         assert_int_equal(build(&probe), ST_OK);
-        assert_true(found.found && warned(SCAN_OCCLUDED));
+        assert_true(found.cropped && warned(SURFACE_OCCLUDED));
         assert_true(found.occluded > without + 0.03);
-        assert_decision(FACE_MATCH);
+        assert_decision(SURFACE_MATCH);
     }
 }
 
@@ -155,7 +155,7 @@ TEST(test_units)
         for (size_t i = 0; i < n; i++)
             pts[i] = (struct dvec3){pts[i].x / mm[k], pts[i].y / mm[k], pts[i].z / mm[k]};
         assert_int_equal(build(&enrolment), ST_OK);
-        assert_true(found.unit_mm == mm[k] && found.unit_found && !found.found);
+        assert_true(found.unit_mm == mm[k] && found.unit_found && !found.cropped);
         assert_true(fabs(found.view[5] - mm[k]) < 1e-9);
         assert_true(take());
         c.unit_mm = mm[k];
@@ -173,16 +173,17 @@ TEST(test_dense)
     enroll(3);
     sample(3, 1, 50000);
     assert_int_equal(build(&enrolment), ST_OK);
-    assert_false(found.found);
-    assert_true(warned(SCAN_THINNED) && !warned(SCAN_BEHIND) && !warned(SCAN_OCCLUDED));
+    assert_false(found.cropped);
+    assert_true(warned(SURFACE_THINNED) && !warned(SURFACE_BEHIND) &&
+                !warned(SURFACE_OCCLUDED));
     assert_in_range(found.points_used, SCAN_ENOUGH * 9 / 10, SCAN_ENOUGH);
-    assert_decision(FACE_MATCH);
+    assert_decision(SURFACE_MATCH);
     sample(4, 1, 50000);
     assert_int_equal(build(&agreed), ST_OK);
     assert_in_range(c.n, SCAN_ENOUGH * 9 / 10, SCAN_ENOUGH);
     for (size_t i = 0; i < c.n; i++)
         assert_memory_equal(&c.at[i], &pts[c.index[i]], sizeof *pts);
-    assert_decision(FACE_NO_MATCH);
+    assert_decision(SURFACE_NO_MATCH);
 }
 
 /* ---- found */
@@ -211,9 +212,9 @@ TEST(test_half)
     n = kept;
     turn(42, 0, 0, 1);
     assert_int_equal(build(&probe), ST_OK);
-    assert_true(warned(SCAN_TURNED) && found.yaw_deg > 30);
+    assert_true(warned(SURFACE_TURNED) && found.yaw_deg > 30);
     assert_int_equal(build(&enrolment), ST_EQUALITY);
-    assert_true(warned(SCAN_TURNED));
+    assert_true(warned(SURFACE_TURNED));
 }
 
 /* What is left of a half profile lies askew to its own axes, and its nose at its edge: it stays
@@ -237,7 +238,7 @@ TEST(test_half_profile)
         headscan_free(&s);
         head_free(&h);
         assert_int_equal(build(&probe), ST_OK);
-        assert_true(warned(SCAN_TURNED) && fabs(found.yaw_deg - o.yaw) < 8);
+        assert_true(warned(SURFACE_TURNED) && fabs(found.yaw_deg - o.yaw) < 8);
         assert_true(r[0] + r[4] + r[8] > 1 + 2 * cos(12 / VEC_DEGREES));
         assert_true(t[0] * t[0] + t[1] * t[1] + t[2] * t[2] < 10 * 10);
     }
@@ -256,13 +257,13 @@ TEST(test_found)
         sample(5, 1 + k, 3000);
         turn(poses[k][0], poses[k][1], poses[k][2], poses[k][3]);
         assert_int_equal(build(&enrolment), ST_OK);
-        assert_true(found.found && found.unit_mm == poses[k][3]);
-        assert_decision(FACE_MATCH);
+        assert_true(found.cropped && found.unit_mm == poses[k][3]);
+        assert_decision(SURFACE_MATCH);
         assert_view();
         sample(6, 1 + k, 3000);
         turn(poses[k][0], poses[k][1], poses[k][2], poses[k][3]);
         assert_int_equal(build(&probe), ST_OK);
-        assert_decision(FACE_NO_MATCH);
+        assert_decision(SURFACE_NO_MATCH);
         if (k > 1) /* with the axes told, it is where it is */
             assert_int_not_equal(build(&agreed), ST_OK);
     }
@@ -277,7 +278,7 @@ TEST(test_turn)
         pts[i] = (struct dvec3){pts[i].x, -pts[i].y, -pts[i].z};
     assert_int_equal(build(&probe), ST_OK);
     assert_true(fabs(found.yaw_deg - 35) < 6 && fabs(found.roll_deg) < 6);
-    assert_true(warned(SCAN_TURNED));
+    assert_true(warned(SURFACE_TURNED));
     sample(5, 1, 3000);
     turn(0, 0, 100, 1);
     assert_int_equal(build(&probe), ST_OK);
@@ -297,11 +298,12 @@ TEST(test_elsewhere)
             (struct dvec3){-55 + 110 * brute_real(&rng), -70 + 130 * brute_real(&rng),
                            -180 + 20 * brute_real(&rng)};
     assert_int_equal(build(&enrolment), ST_OK);
-    assert_true(warned(SCAN_BEHIND) && found.elsewhere > 0.08 && found.elsewhere < 0.2);
+    assert_true(warned(SURFACE_BEHIND) && found.elsewhere > 0.08 &&
+                found.elsewhere < 0.2);
     for (size_t i = 0; i < c.n; i++)
         front += c.index[i] % 10 != 0;
     assert_int_equal(front, c.n);
-    assert_decision(FACE_MATCH);
+    assert_decision(SURFACE_MATCH);
 }
 
 /* Two people: the nearer one is taken, though the other is a plain face where it is. */
@@ -320,8 +322,8 @@ TEST(test_two)
     n += first;
     assert_true(n > SCAN_FULL);
     assert_int_equal(build(&probe), ST_OK);
-    assert_true(warned(SCAN_SEVERAL) && found.faces == 2);
-    assert_decision(FACE_MATCH);
+    assert_true(warned(SURFACE_SEVERAL) && found.faces == 2);
+    assert_decision(SURFACE_MATCH);
     assert_int_equal(build(&enrolment), ST_ESEVERAL);
 }
 
@@ -339,8 +341,8 @@ TEST(test_shoulders)
                            -140 + 60 * brute_real(&rng)};
     turn(0, 0, 0, 1000);
     assert_int_equal(build(&probe), ST_OK);
-    assert_true(found.found && found.unit_mm == 1000);
-    assert_decision(FACE_MATCH);
+    assert_true(found.cropped && found.unit_mm == 1000);
+    assert_decision(SURFACE_MATCH);
 }
 
 /* ---- what is told, and what is refused */
@@ -355,11 +357,11 @@ TEST(test_cover)
             pts[i].z =
                 12 - pts[i].x * pts[i].x / 70 - (pts[i].y + 36) * (pts[i].y + 36) / 100;
     assert_int_equal(build(&probe), ST_OK);
-    assert_true(warned(SCAN_OCCLUDED) && found.occluded > 0.15);
+    assert_true(warned(SURFACE_OCCLUDED) && found.occluded > 0.15);
     for (size_t i = 0; i < c.n; i++)
         assert_false(hypot(c.at[i].x / 40, (c.at[i].y + 36) / 22) < 1);
     assert_int_equal(build(&enrolment), ST_EQUALITY);
-    assert_true(warned(SCAN_OCCLUDED) && face.surface.mesh.nv == 0);
+    assert_true(warned(SURFACE_OCCLUDED) && face.surface.mesh.nv == 0);
 }
 
 TEST(test_mirrored)
@@ -374,8 +376,7 @@ TEST(test_mirrored)
             c.normal[i] = (struct dvec3){0, mirrored ? 0.87 : 0, mirrored ? -0.5 : 1};
         assert_int_equal(scan_build(&c, &enrolment, work, &face, NULL, &found),
                          mirrored ? ST_EMIRRORED : ST_OK);
-        assert_int_equal(warned(SCAN_MIRRORED), mirrored);
-        assert_null(c.normal);
+        assert_int_equal(warned(SURFACE_MIRRORED), mirrored);
     }
 }
 
@@ -394,7 +395,7 @@ TEST(test_no_face)
     assert_int_not_equal(build(&probe), ST_OK);
     assert_int_not_equal(build(&enrolment), ST_OK);
     assert_int_equal(face.surface.mesh.nv, 0);
-    n = FACE_MIN_POINTS - 1;
+    n = SURFACE_MIN_POINTS - 1;
     assert_int_equal(build(&probe), ST_ETOOFEW);
     n = 0;
     assert_int_equal(build(&probe), ST_ETOOFEW);
@@ -411,14 +412,14 @@ TEST(test_search_kept)
     struct scan_search search = {.done = false};
     const struct scan_options strict = {.enrolment = true, .search = &search},
                               loose = {.search = &search};
-    struct scan_found before;
+    struct surface_found before;
 
     sample(6, 1, 3000);
     turn(45, 0, 30, 1000);
     assert_int_equal(build(&probe), ST_OK);
     before = found;
     assert_int_equal(build(&strict), ST_OK);
-    assert_true(search.done && search.st == ST_OK && found.found);
+    assert_true(search.done && search.st == ST_OK && found.cropped);
     assert_int_equal(build(&loose), ST_OK);
     assert_memory_equal(&found, &before, sizeof found);
     search.find.faces = 7;
@@ -435,8 +436,8 @@ TEST(test_as_is_kept)
                                         .search = &search},
                               loose = {.axes = SCAN_AXES_SCANNER, .search = &search},
                               fresh = {.axes = SCAN_AXES_SCANNER};
-    struct scan_found before;
-    struct quality quality;
+    struct surface_found before;
+    struct surface_quality quality;
     size_t bad = 0;
 
     for (int kind = 0; kind < 3; kind++) {
@@ -468,10 +469,16 @@ TEST(test_as_is_kept)
     }
 }
 
+static int nobody_waits(const void *arg)
+{
+    (void)arg;
+    return 1;
+}
+
 /* Nobody waits for the model any more. */
 TEST(test_stopped)
 {
-    const atomic_bool stop = true;
+    const struct surface_stop stop = {nobody_waits, NULL};
     const struct scan_options stopped = {.stop = &stop};
 
     sample(1, 0, 11000);
@@ -496,15 +503,15 @@ TEST(test_range)
 
 static enum status build_fresh(void *arg)
 {
-    struct face_work *w = face_work_new(NULL);
-    struct face f = {0};
+    struct surface_work *w = surface_work_new(NULL);
+    struct surface_face f = {0};
     enum status st = ST_ENOMEM;
 
     (void)arg;
     if (w != NULL && take())
         st = scan_build(&c, &probe, w, &f, NULL, &found);
     face_free(&f);
-    face_work_free(w);
+    surface_work_free(w);
     return st;
 }
 

@@ -11,7 +11,7 @@
 #define ROOM   40000
 
 static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-static struct model model;
+static struct surface_model model;
 static struct shape_work work;
 static struct dvec3 pts[ROOM];
 static size_t n;

@@ -1,8 +1,8 @@
 /* The digest of a face's points: SHA-256 as db/FORMAT.md says, whatever the points' numbers. */
 #include "delaunay.h"
 #include "digest.h"
+#include "face.h"
 #include "mem.h"
-#include "mesh.h"
 #include "unit.h"
 
 #define POINTS 5
@@ -10,11 +10,11 @@
 static void digest(const struct ivec3 *pts, char hex[65])
 {
     struct scratch scratch = {0};
-    struct mesh m = {0};
+    struct surface_face f = {0};
 
-    assert_int_equal(delaunay_build(pts, POINTS, &scratch, &m), ST_OK);
-    assert_int_equal(digest_points(&m, hex), ST_OK);
-    mesh_free(&m);
+    assert_int_equal(delaunay_build(pts, POINTS, &scratch, &f.surface.mesh), ST_OK);
+    assert_int_equal(digest_points(&f, hex), ST_OK);
+    face_free(&f);
     scratch_free(&scratch);
 }
 

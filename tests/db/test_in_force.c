@@ -64,9 +64,9 @@ TEST(test_followed)
         assert_int_equal(face_compare(&tempdb_face[0], &tempdb_face[1], (double)NAN, NULL,
                                       tempdb_work, &r),
                          ST_OK);
-        assert_int_equal(r.decision, FACE_MATCH);
+        assert_int_equal(r.decision, SURFACE_MATCH);
         assert_true(r.threshold == -700);
-        assert_true(r.fmr_at_score == calibration_fmr(&k.table, r.score));
+        assert_true(r.fmr_at_score == surface_calibration_rate(&k.table, r.score));
         tempdb_sql(
             "INSERT INTO calibrations SELECT calibration_key + 1, revision, created, "
             "actor, engine, shipped, fmr, threshold, low, high, subjects, impostors, "
@@ -81,10 +81,10 @@ TEST(test_followed)
  * decides. */
 TEST(test_other_model)
 {
-    struct model *m = malloc(sizeof *m);
+    struct surface_model *m = malloc(sizeof *m);
     struct store_calibration k = tempdb_calibration(0.6), in;
     struct store *s = tempdb_fresh();
-    char ours[FACE_ENGINE_MAX + 1];
+    char ours[SURFACE_ENGINE_SIZE];
 
     assert_non_null(m);
     *m = model_default;
@@ -93,7 +93,7 @@ TEST(test_other_model)
     assert_true(model_digest(m) == model_digest(&model_default)); /* these do not count */
     m->identity.mode[GRID_N / 2][0] += 1;
     assert_true(model_digest(m) != model_digest(&model_default));
-    face_engine(NULL, ours);
+    surface_engine(NULL, ours);
     assert_string_equal(store_made_by(s), ours);
 
     add(s, &k);

@@ -13,14 +13,14 @@
 
 enum { SHIPPED, SHIFTED, HOLDS, ENGINES }; /* the models */
 
-static struct model model[ENGINES];
-static struct face_work *work[ENGINES];
+static struct surface_model model[ENGINES];
+static struct surface_work *work[ENGINES];
 
-static size_t encode(const struct face *f, unsigned char out[BYTES])
+static size_t encode(const struct surface_face *f, unsigned char out[BYTES])
 {
-    assert_true(codec_size(f) <= BYTES);
-    codec_encode(f, out);
-    return codec_size(f);
+    assert_true(surface_encoded_size(f) <= BYTES);
+    surface_encode(f, out);
+    return surface_encoded_size(f);
 }
 
 /* Laying spikes flat again would change the points once more. */
@@ -30,7 +30,7 @@ TEST(test_spikes)
     static struct dvec3 pts[POINTS];
     struct facegen_scan s;
     char digest[65], same[65];
-    struct face f = {0};
+    struct surface_face f = {0};
     size_t n;
 
     facegen_default(&s);
@@ -39,12 +39,12 @@ TEST(test_spikes)
     facegen_pose(&s, 6, 10);
     n = facegen_sample(&s, pts);
     assert_int_equal(face_build(pts, n, work[SHIPPED], &f, NULL), ST_OK);
-    assert_int_equal(digest_points(&f.surface.mesh, digest), ST_OK);
+    assert_int_equal(digest_points(&f, digest), ST_OK);
     assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
     n = encode(&f, first);
     for (int i = 1; i <= ENGINES; i++) {
         assert_int_equal(face_rebuild(&f, work[i % ENGINES]), ST_OK);
-        assert_int_equal(digest_points(&f.surface.mesh, same), ST_OK);
+        assert_int_equal(digest_points(&f, same), ST_OK);
         assert_string_equal(digest, same);
         assert_int_equal(encode(&f, again), n);
         assert_int_equal(memcmp(again, first, n) == 0, i == ENGINES);
@@ -55,14 +55,14 @@ TEST(test_spikes)
 TEST(test_same_engine)
 {
     assert_true(
-        face_same_engine("surfaced/1 measure/2 model/a", "x/2 measure/2 model/a"));
+        surface_same_engine("surfaced/1 measure/2 model/a", "x/2 measure/2 model/a"));
+    assert_false(surface_same_engine("surfaced/1 measure/2 model/a",
+                                     "surfaced/1 measure/3 model/a"));
+    assert_false(surface_same_engine("surfaced/1 measure/2 model/a",
+                                     "surfaced/1 measure/2 model/b"));
     assert_false(
-        face_same_engine("surfaced/1 measure/2 model/a", "surfaced/1 measure/3 model/a"));
-    assert_false(
-        face_same_engine("surfaced/1 measure/2 model/a", "surfaced/1 measure/2 model/b"));
-    assert_false(
-        face_same_engine("surfaced/1 measure/2", "surfaced/1 measure/2 model/a"));
-    assert_false(face_same_engine("old", "old"));
+        surface_same_engine("surfaced/1 measure/2", "surfaced/1 measure/2 model/a"));
+    assert_false(surface_same_engine("old", "old"));
 }
 
 /* Another mean face; the same one, and so the same mark, but fitted otherwise. */
@@ -76,7 +76,7 @@ BEFORE_ALL(set_up)
             if (i == HOLDS && k % 2 == 0)
                 model[i].identity.mode[k][0] *= 3;
         }
-        assert_non_null(work[i] = face_work_new(&model[i]));
+        assert_non_null(work[i] = surface_work_new(&model[i]));
     }
     assert_int_equal(model_mean_id(&model[HOLDS]), model_mean_id(&model_default));
 }
@@ -84,5 +84,5 @@ BEFORE_ALL(set_up)
 AFTER_ALL(tear_down)
 {
     for (int i = 0; i < ENGINES; i++)
-        face_work_free(work[i]);
+        surface_work_free(work[i]);
 }

@@ -15,7 +15,7 @@ TEST(test_templates)
     struct store *s = tempdb_fresh();
     struct store_template a, b, got, *list;
     struct store_subject subject;
-    struct face f = {0};
+    struct surface_face *f = NULL;
     struct stat sb;
     bool created = true;
     size_t n;
@@ -38,15 +38,15 @@ TEST(test_templates)
 
     must(store_template_load(s, a.id, &got, tempdb_work, &f, &e));
     assert_memory_equal(&a, &got, sizeof a);
-    assert_int_equal(f.surface.mesh.nv, tempdb_face[0].surface.mesh.nv);
-    assert_memory_equal(f.surface.mesh.twin, tempdb_face[0].surface.mesh.twin,
-                        3 * f.surface.mesh.nt * sizeof *f.surface.mesh.twin);
-    assert_memory_equal(&f.quality, &tempdb_face[0].quality, sizeof f.quality);
-    assert_memory_equal(f.surface.spacing, tempdb_face[0].surface.spacing,
-                        f.surface.mesh.nv * sizeof *f.surface.spacing);
-    assert_memory_equal(f.surface.bridge, tempdb_face[0].surface.bridge,
-                        f.surface.mesh.nt);
-    assert_true(f.surface.measured == tempdb_face[0].surface.measured);
+    assert_int_equal(f->surface.mesh.nv, tempdb_face[0].surface.mesh.nv);
+    assert_memory_equal(f->surface.mesh.twin, tempdb_face[0].surface.mesh.twin,
+                        3 * f->surface.mesh.nt * sizeof *f->surface.mesh.twin);
+    assert_memory_equal(&f->quality, &tempdb_face[0].quality, sizeof f->quality);
+    assert_memory_equal(f->surface.spacing, tempdb_face[0].surface.spacing,
+                        f->surface.mesh.nv * sizeof *f->surface.spacing);
+    assert_memory_equal(f->surface.bridge, tempdb_face[0].surface.bridge,
+                        f->surface.mesh.nt);
+    assert_true(f->surface.measured == tempdb_face[0].surface.measured);
 
     must(tempdb_store(s, "test", "alice", "K\xc3\xb6ln", &tempdb_face[1], &b, &created,
                       &e));
@@ -69,7 +69,7 @@ TEST(test_templates)
     fails(store_template_get(s, b.id, &got, &e), ST_ENOTFOUND);
     fails(store_template_delete(s, "test", b.id, &e), ST_ENOTFOUND);
     must(store_verify(s, NULL, NULL, &e));
-    face_free(&f);
+    surface_face_free(f);
     store_close(s);
 }
 
@@ -129,7 +129,7 @@ TEST(test_enroll_several)
                                 .sample = sample,
                                 .n = 5,
                                 .newest = ""};
-    struct face bad = tempdb_face[3]; /* which the database refuses */
+    struct surface_face bad = tempdb_face[3]; /* which the database refuses */
     struct store_template t[5], *list;
     struct store_subject who;
     bool created[5];
@@ -349,8 +349,8 @@ TEST(test_encrypted)
 static void *reader(void *arg)
 {
     struct store *s = arg;
-    struct face_work *w = face_work_new(NULL);
-    struct face f = {0};
+    struct surface_work *w = surface_work_new(NULL);
+    struct surface_face *f = NULL;
     struct errinfo why;
     intptr_t bad = w == NULL;
 
@@ -368,8 +368,8 @@ static void *reader(void *arg)
         }
         free(list);
     }
-    face_free(&f);
-    face_work_free(w);
+    surface_face_free(f);
+    surface_work_free(w);
     return (void *)bad;
 }
 

@@ -53,7 +53,7 @@ static enum status write_subject(struct store *s, int sort)
 static enum status write_template(struct store *s, int sort)
 {
     struct store_template t;
-    struct face f = {0};
+    struct surface_face *f = NULL;
     bool created;
     enum status st;
 
@@ -66,7 +66,7 @@ static enum status write_template(struct store *s, int sort)
         return store_template_delete(s, "test", tmpl.id, &e);
     default:
         st = store_reencode(s, "test", tmpl.id, tempdb_work, &f, &t, &created, &e);
-        face_free(&f);
+        surface_face_free(f);
         return st;
     }
 }

@@ -63,12 +63,12 @@ TEST(test_snapshot)
     assert_int_equal(a.calibration, 0);
     assert_int_equal(a.n, 2);
     for (size_t i = 0; i < 2; i++) {
-        struct face f = {0};
+        struct surface_face *f = NULL;
 
         assert_memory_equal(&a.t[i], &t[i], sizeof t[i]);
         must(store_snapshot_face(&a, i, tempdb_work, &f, &e));
-        assert_int_equal(f.surface.mesh.nv, t[i].points);
-        face_free(&f);
+        assert_int_equal(f->surface.mesh.nv, t[i].points);
+        surface_face_free(f);
     }
     must(store_snapshot_end(&a, ST_OK, &e));
     assert_transactions(1, 0);

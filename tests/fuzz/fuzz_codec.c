@@ -19,24 +19,24 @@ static void put_u64(uint8_t *p, uint64_t value)
 
 static void try_model(const uint8_t *block, size_t size)
 {
-    static struct face_work *w; /* kept: making it takes longer than all the rest */
-    struct face f = {0};
+    static struct surface_work *w; /* kept: making it takes longer than all the rest */
+    struct surface_face f = {0};
     struct face_result result;
     uint8_t *first, *again;
     enum status st;
     size_t n;
 
-    if (w == NULL && (w = face_work_new(NULL)) == NULL)
+    if (w == NULL && (w = surface_work_new(NULL)) == NULL)
         abort();
     st = codec_decode(block, size, w, &f);
     if (st == ST_OK) {
-        n = codec_size(&f);
+        n = surface_encoded_size(&f);
         if ((first = malloc(n)) == NULL || (again = malloc(n)) == NULL)
             abort();
-        codec_encode(&f, first);
+        surface_encode(&f, first);
         if (codec_decode(first, n, w, &f) != ST_OK)
             abort();
-        codec_encode(&f, again);
+        surface_encode(&f, again);
         if (memcmp(again, first, n) != 0)
             abort();
         free(first);

@@ -18,8 +18,8 @@ static double coordinate(const uint8_t *p, unsigned scale)
     return (double)(int16_t)(p[0] | p[1] << 8) * 0.01 * (double)(1 + scale % 4);
 }
 
-static void check_minimal(const struct face *a, const struct face *b,
-                          struct face_result *r, struct face_work *w)
+static void check_minimal(const struct surface_face *a, const struct surface_face *b,
+                          struct face_result *r, struct surface_work *w)
 {
     struct minimal m;
 
@@ -33,14 +33,15 @@ static void check_minimal(const struct face *a, const struct face *b,
 
 static void check_result(const struct face_result *r)
 {
-    require(r->decision == FACE_MATCH || r->decision == FACE_NO_MATCH ||
-            r->decision == FACE_INCONCLUSIVE);
+    require(r->decision == SURFACE_MATCH || r->decision == SURFACE_NO_MATCH ||
+            r->decision == SURFACE_INCONCLUSIVE);
     require(isfinite(r->score));
     require(r->overlap >= 0 && r->overlap <= 1);
     require(r->fmr_at_score >= 0 && r->fmr_at_score <= 1);
 }
 
-static void compare(const struct face *a, const struct face *b, struct face_work *w)
+static void compare(const struct surface_face *a, const struct surface_face *b,
+                    struct surface_work *w)
 {
     struct face_result first, again;
 
@@ -59,12 +60,12 @@ static void compare(const struct face *a, const struct face *b, struct face_work
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct face_work *w; /* kept: making it takes longer than all the rest */
+    static struct surface_work *w; /* kept: making it takes longer than all the rest */
     struct dvec3 all[MAX_POINTS], some[MAX_POINTS];
-    struct face a = {0}, b = {0};
+    struct surface_face a = {0}, b = {0};
     size_t n = 0, m = 0;
 
-    require(w != NULL || (w = face_work_new(NULL)) != NULL);
+    require(w != NULL || (w = surface_work_new(NULL)) != NULL);
     for (size_t at = 1; n < MAX_POINTS && at + 6 <= size; at += 6, n++) {
         all[n] = (struct dvec3){coordinate(data + at, data[0]),
                                 coordinate(data + at + 2, data[0]),

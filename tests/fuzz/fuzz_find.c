@@ -37,13 +37,13 @@ static void check(const struct find *f)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct face_work *w; /* kept: making it takes longer than all the rest */
+    static struct surface_work *w; /* kept: making it takes longer than all the rest */
     static struct dvec3 pts[MAX_POINTS * MAX_COPIES];
     struct find first, again;
     size_t n = 0, one;
     enum status st;
 
-    require(w != NULL || (w = face_work_new(NULL)) != NULL);
+    require(w != NULL || (w = surface_work_new(NULL)) != NULL);
     if (size < 2)
         return 0;
     for (size_t at = 2; n < MAX_POINTS && at + 6 <= size; at += 6, n++)

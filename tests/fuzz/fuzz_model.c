@@ -10,10 +10,10 @@
 #include "frame.h"
 #include "model.h"
 
-static void check_numbers(const struct model *m)
+static void check_numbers(const struct surface_model *m)
 {
     require(m->kinship >= 0 && m->kinship < 1 && m->noise_floor_mm > 0 &&
-            m->noise_factor >= 0 && calibration_valid(&m->calibration));
+            m->noise_factor >= 0 && surface_calibration_valid(&m->calibration));
     require(m->change.n <= MODEL_MODES && m->identity.n <= MODEL_MODES &&
             m->shape.n <= MODEL_MODES);
     require(memchr(m->name, '\0', sizeof m->name) != NULL);
@@ -29,7 +29,7 @@ static void check_numbers(const struct model *m)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    static struct model model, again;
+    static struct surface_model model, again;
     struct frame_mean mean;
     uint32_t line = 0;
     const enum status st = model_parse((const char *)data, size, &model, &line);
@@ -42,11 +42,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     check_numbers(&model);
-    len = model_write(&model, NULL, 0);
+    len = surface_model_write(&model, NULL, 0);
     require((text = malloc(len + 1)) != NULL && (second = malloc(len + 1)) != NULL);
-    require(model_write(&model, text, len + 1) == len);
+    require(surface_model_write(&model, text, len + 1) == len);
     require(model_parse(text, len, &again, NULL) == ST_OK);
-    require(model_write(&again, second, len + 1) == len &&
+    require(surface_model_write(&again, second, len + 1) == len &&
             memcmp(text, second, len) == 0);
     free(text);
     free(second);

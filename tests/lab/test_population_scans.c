@@ -7,7 +7,7 @@
 #define SUBJECTS 60
 #define SCANS    4
 
-static struct model toy;
+static struct surface_model toy;
 static struct population p, was;
 static struct population_scan scan[SUBJECTS * SCANS];
 
@@ -180,7 +180,7 @@ TEST(test_gaps)
 TEST(test_too_little)
 {
     struct population none;
-    struct model *m = malloc(sizeof *m);
+    struct surface_model *m = malloc(sizeof *m);
 
     assert_non_null(m);
     *m = toy;

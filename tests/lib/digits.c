@@ -29,7 +29,8 @@ static void put(struct text *t, const char *what, const double *x, size_t n)
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "\n");
 }
 
-static void make(const struct facegen_scan *s, struct face_work *w, struct face *out)
+static void make(const struct facegen_scan *s, struct surface_work *w,
+                 struct surface_face *out)
 {
     static struct dvec3 pts[POINTS];
 
@@ -37,8 +38,8 @@ static void make(const struct facegen_scan *s, struct face_work *w, struct face 
         abort();
 }
 
-static void compare(struct text *t, const char *what, const struct face *a,
-                    const struct face *b, struct face_work *w)
+static void compare(struct text *t, const char *what, const struct surface_face *a,
+                    const struct surface_face *b, struct surface_work *w)
 {
     struct face_result r;
     struct minimal m;
@@ -51,7 +52,7 @@ static void compare(struct text *t, const char *what, const struct face *a,
     put(t, "score", &r.score, 1);
     put(t, "disparity_mm", &m.disparity.plain_mm, 1);
     put(t, "overlap", &r.overlap, 1);
-    put(t, "region", r.region, GRID_REGIONS);
+    put(t, "region", r.region, SURFACE_REGIONS);
     put(t, "turn_deg", &r.align.turn_deg, 1);
     put(t, "shift_mm", &r.align.shift_mm, 1);
     put(t, "transform", r.align.transform, 16);
@@ -60,14 +61,14 @@ static void compare(struct text *t, const char *what, const struct face *a,
 
 char *digits_text(size_t *size)
 {
-    static struct model model;
-    static struct face face[4];
-    struct face_work *w;
+    static struct surface_model model;
+    static struct surface_face face[4];
+    struct surface_work *w;
     struct facegen_scan s;
     struct text t = {malloc(ROOM), 0};
 
     toy_model(&model);
-    if ((w = face_work_new(&model)) == NULL || t.buf == NULL)
+    if ((w = surface_work_new(&model)) == NULL || t.buf == NULL)
         abort();
     for (uint64_t i = 0; i < 4; i++) {
         facegen_default(&s);
@@ -89,7 +90,7 @@ char *digits_text(size_t *size)
     compare(&t, "itself", &face[0], &face[0], w);
     for (int i = 0; i < 4; i++)
         face_free(&face[i]);
-    face_work_free(w);
+    surface_work_free(w);
     *size = t.at;
     return t.buf;
 }

@@ -106,18 +106,18 @@ __attribute__((format(printf, 2, 3))) static void say(char out[FILLED_TEXT],
 static void say_templates(struct store *s, const char *subject, char *out)
 {
     struct store_template *list, got;
-    struct face f = {0};
+    struct surface_face *f = NULL;
     size_t n;
 
     must(store_template_list(s, subject, &list, &n, &e));
     for (size_t i = 0; i < n; i++) {
         must(store_template_load(s, list[i].id, &got, tempdb_work, &f, &e));
         say(out, " template %s %s %s %u %d %g %g\n", list[i].id, list[i].label,
-            list[i].digest, f.surface.mesh.nv, list[i].manager, list[i].first_score,
+            list[i].digest, f->surface.mesh.nv, list[i].manager, list[i].first_score,
             list[i].quality.noise_mm);
     }
     free(list);
-    face_free(&f);
+    surface_face_free(f);
 }
 
 static void say_subjects(struct store *s, char *out)

@@ -18,12 +18,12 @@ struct errinfo hostile_e;
 
 static const char *const owner[HOSTILE_TEMPLATES] = {"alice", "alice", "bob", "carol"};
 static const char *const people[] = {"alice", "bob", "carol"};
-static struct face face[HOSTILE_TEMPLATES + 1], loaded;
+static struct surface_face face[HOSTILE_TEMPLATES + 1], *loaded;
 static struct store_template tmpl[HOSTILE_TEMPLATES];
 static size_t templates;
 static char secret[65], revoked[65];
 static unsigned char public[CRYPT_KEY]; /* of the device */
-static struct face_work *work;
+static struct surface_work *work;
 
 void hostile_broken(const char *what, const char *file, int line)
 {
@@ -94,7 +94,7 @@ unsigned char *hostile_make(const char *path, const struct store_key *key, size_
     FILE *f;
 
     templates = n;
-    MUST((work = face_work_new(NULL)) != NULL);
+    MUST((work = surface_work_new(NULL)) != NULL);
     (void)crypto_sign_keypair(public, own);
     facegen_default(&scan);
     scan.points = POINTS;
@@ -120,11 +120,12 @@ void hostile_end(void)
 {
     for (size_t i = 0; i < sizeof face / sizeof *face; i++)
         face_free(&face[i]);
-    face_free(&loaded);
-    face_work_free(work);
+    surface_face_free(loaded);
+    loaded = NULL;
+    surface_work_free(work);
 }
 
-const struct face *hostile_face(void)
+const struct surface_face *hostile_face(void)
 {
     return &face[HOSTILE_TEMPLATES];
 }
@@ -134,7 +135,7 @@ const struct face *hostile_face(void)
 static void check_template(struct store *s, const char *subject,
                            const struct store_template *t)
 {
-    const struct mesh *m = &loaded.surface.mesh, *was;
+    const struct mesh *m, *was;
     struct store_template got;
     size_t i = 0;
 
@@ -144,6 +145,7 @@ static void check_template(struct store *s, const char *subject,
     MUST(i < HOSTILE_TEMPLATES && memcmp(t, &tmpl[i], sizeof *t) == 0);
     if (store_template_load(s, t->id, &got, work, &loaded, &hostile_e) != ST_OK)
         return;
+    m = &loaded->surface.mesh;
     was = &face[i].surface.mesh;
     MUST(memcmp(&got, &tmpl[i], sizeof got) == 0);
     MUST(m->nv == was->nv && m->nt == was->nt);

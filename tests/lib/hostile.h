@@ -22,7 +22,7 @@ extern struct errinfo hostile_e; /* of the last call that failed */
 unsigned char *hostile_make(const char *path, const struct store_key *key,
                             size_t templates, size_t *size);
 void hostile_end(void);
-const struct face *hostile_face(void);
+const struct surface_face *hostile_face(void);
 
 /* hostile_ask(s): reads all that decisions depend on.  Returns how many reads succeeded.
  * hostile_reads(): how many do where nothing was changed. */

@@ -15,8 +15,8 @@
 #define POINTS 1500
 
 char tempdb_dir[32], tempdb_path[40];
-struct face tempdb_face[TEMPDB_FACES];
-struct face_work *tempdb_work;
+struct surface_face tempdb_face[TEMPDB_FACES];
+struct surface_work *tempdb_work;
 
 static bool emptied(void)
 {
@@ -46,7 +46,7 @@ static void begin(void)
     (void)snprintf(tempdb_dir, sizeof tempdb_dir, "/tmp/surfaced-test.XXXXXX");
     assert_non_null(mkdtemp(tempdb_dir));
     (void)snprintf(tempdb_path, sizeof tempdb_path, "%s/db", tempdb_dir);
-    assert_non_null(tempdb_work = face_work_new(NULL));
+    assert_non_null(tempdb_work = surface_work_new(NULL));
     for (uint64_t i = 0; i < TEMPDB_FACES; i++) {
         const size_t n = clouds_scan(i + 1, 0, POINTS, pts);
 
@@ -59,7 +59,7 @@ static void end(void)
 {
     for (size_t i = 0; i < TEMPDB_FACES; i++)
         face_free(&tempdb_face[i]);
-    face_work_free(tempdb_work);
+    surface_work_free(tempdb_work);
     if (!emptied() || rmdir(tempdb_dir) != 0) {
         print_error("%s is left behind\n", tempdb_dir);
         exit(EXIT_FAILURE);
@@ -153,7 +153,7 @@ void tempdb_mislead(const char *index, const char *rows)
 }
 
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
-                         const char *label, const struct face *f,
+                         const char *label, const struct surface_face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
     const struct store_enroll what = {.actor = actor,
@@ -175,7 +175,7 @@ void tempdb_add(struct store *s, const char *subject)
 }
 
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
-                   const struct face *f, struct store_template *t)
+                   const struct surface_face *f, struct store_template *t)
 {
     struct errinfo e;
     bool created;

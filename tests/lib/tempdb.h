@@ -14,8 +14,8 @@ extern char tempdb_path[40]; /* the database in it; its key is what store_open()
 
 /* Scans of different people, 1,500 points each, and working memory to compare them. */
 #define TEMPDB_FACES 4
-extern struct face tempdb_face[TEMPDB_FACES];
-extern struct face_work *tempdb_work;
+extern struct surface_face tempdb_face[TEMPDB_FACES];
+extern struct surface_work *tempdb_work;
 
 /* tempdb_remove(): every file of the folder, keys and copies as well as the database.
  * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is
@@ -45,11 +45,11 @@ void tempdb_mislead(const char *index, const char *rows);
  * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
  * tempdb_attempts(s, token, subject): those of a store_snapshot_begin(). */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
-                         const char *label, const struct face *f,
+                         const char *label, const struct surface_face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
 void tempdb_add(struct store *s, const char *subject);
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
-                   const struct face *f, struct store_template *t);
+                   const struct surface_face *f, struct store_template *t);
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
 void tempdb_expire(struct store *s, const char *subject);

@@ -77,17 +77,17 @@ static double identity(uint32_t k, double x, double y)
     return 2.5 * (hill(x, y, a[0], a[1], 12, 12) + hill(x, y, -a[0], a[1], 12, 12));
 }
 
-char *toy_text(const struct model *m, size_t *len)
+char *toy_text(const struct surface_model *m, size_t *len)
 {
     char *text;
 
-    *len = model_write(m, NULL, 0);
+    *len = surface_model_write(m, NULL, 0);
     require((text = malloc(*len + 1)) != NULL);
-    require(model_write(m, text, *len + 1) == *len);
+    require(surface_model_write(m, text, *len + 1) == *len);
     return text;
 }
 
-void toy_model(struct model *m)
+void toy_model(struct surface_model *m)
 {
     char *text;
     size_t len;
@@ -100,7 +100,8 @@ void toy_model(struct model *m)
     m->change.n = CHANGE;
     m->identity.n = IDENTITY;
     m->shape.n = CHANGE + IDENTITY;
-    m->calibration = (struct calibration){8, 3, {{-50, 1}, {0, 0.02}, {15, 0.00001}}};
+    m->calibration =
+        (struct surface_calibration){8, 3, {{-50, 1}, {0, 0.02}, {15, 0.00001}}};
     for (uint32_t c = 0; c < GRID_N; c++) {
         const double x = grid_x(c), y = grid_y(c);
         const double u = x / 60, v = (y + 3) / 78;
@@ -125,8 +126,8 @@ void toy_model(struct model *m)
     free(text);
 }
 
-void toy_cells(const struct model *m, const float from[GRID_N], const float to[GRID_N],
-               struct cells *out)
+void toy_cells(const struct surface_model *m, const float from[GRID_N],
+               const float to[GRID_N], struct cells *out)
 {
     memset(out, 0, sizeof *out);
     for (uint32_t i = 0; i < GRID_N; i++) {

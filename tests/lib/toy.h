@@ -12,18 +12,18 @@
 
 /* toy_model(m): an egg with a nose and two orbits; 6 modes of change, 12 of identity, all
  * of these of shape; as model_parse() would give it. */
-void toy_model(struct model *m);
+void toy_model(struct surface_model *m);
 
 /* toy_text(m, len): m as text, to be released with free(). */
-char *toy_text(const struct model *m, size_t *len);
+char *toy_text(const struct surface_model *m, size_t *len);
 
 /* toy_height(x, y): of the mean face, mm, anywhere. */
 double toy_height(double x, double y);
 
 /* toy_cells(m, from, to, out): the gap of heights `to` over heights `from` (mm; NAN: none), at
  * right angles to m's mean face. */
-void toy_cells(const struct model *m, const float from[GRID_N], const float to[GRID_N],
-               struct cells *out);
+void toy_cells(const struct surface_model *m, const float from[GRID_N],
+               const float to[GRID_N], struct cells *out);
 
 typedef double toy_heights(const void *arg, double x, double y);
 

@@ -183,7 +183,7 @@ TEST(test_errmap)
     }
     for (unsigned st = 1; st < ST_COUNT; st++) /* of a scan: the command's word too */
         if (dry_run_is_refusal(st))
-            assert_string_equal(errmap_get(st)->code, dry_run_code(st));
+            assert_string_equal(errmap_get(st)->code, status_refusal(st));
     assert_string_equal(errmap_get(ST_OK)->code, "internal");
     assert_string_equal(errmap_get(ERRMAP_COUNT)->code, "internal");
     assert_string_equal(errmap_get(UINT32_MAX)->code, "internal");

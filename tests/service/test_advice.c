@@ -5,23 +5,19 @@
 #include "describe.h"
 #include "face.h"
 #include "json.h"
-#include "scan.h"
+#include "sample.h"
 #include "unit.h"
 
 static struct advice a;
-static struct face face; /* quality and frame alone */
+static struct surface_face face; /* quality and frame alone */
 
-static const struct scan_found plain = {.format = CLOUDFORMAT_PLY,
-                                        .points_read = 3000,
-                                        .points_used = 3000,
-                                        .unit_mm = 1,
-                                        .extent = {180, 240, 110},
-                                        .faces = 1};
+static const struct surface_found plain = {
+    .points_used = 3000, .unit_mm = 1, .extent = {180, 240, 110}, .faces = 1};
 
 static void good(void)
 {
-    face = (struct face){0};
-    face.quality = (struct quality){
+    face = (struct surface_face){0};
+    face.quality = (struct surface_quality){
         .score = 0.9, .coverage = 0.95, .density_mm = 2.2, .noise_mm = 0.2};
     face.frame.pose.r[0] = face.frame.pose.r[4] = face.frame.pose.r[8] = 1;
 }
@@ -33,8 +29,9 @@ static void assert_line(size_t i, const char *text)
     assert_string_equal(a.line[i], text);
 }
 
-static void give(enum status st, struct scan_found f)
+static void give(enum status st, struct surface_found f)
 {
+    f.quality = face.quality;
     advice_give(st, &f, &face, &a);
     for (size_t i = 0; i < a.n; i++)
         assert_true(strlen(a.line[i]) < ADVICE_MAX - 1); /* not truncated */
@@ -49,10 +46,10 @@ TEST(test_none)
 
 TEST(test_turned)
 {
-    struct scan_found f = plain;
+    struct surface_found f = plain;
 
     good();
-    f.warnings = 1U << SCAN_TURNED;
+    f.warnings = 1U << SURFACE_TURNED;
     f.yaw_deg = 38.2;
     give(ST_OK, f);
     assert_int_equal(a.n, 1);
@@ -81,11 +78,11 @@ TEST(test_turned)
 
 TEST(test_found)
 {
-    struct scan_found f = plain;
+    struct surface_found f = plain;
 
     good();
-    f.warnings = 1U << SCAN_BEHIND | 1U << SCAN_OCCLUDED | 1U << SCAN_SEVERAL |
-                 1U << SCAN_MIRRORED;
+    f.warnings = 1U << SURFACE_BEHIND | 1U << SURFACE_OCCLUDED | 1U << SURFACE_SEVERAL |
+                 1U << SURFACE_MIRRORED;
     f.elsewhere = 0.12;
     f.occluded = 0.234;
     f.faces = 2;
@@ -116,7 +113,7 @@ TEST(test_found)
 
 TEST(test_quality)
 {
-    struct scan_found part = plain;
+    struct surface_found part = plain;
 
     good();
     face.quality.noise_mm = 1.24;
@@ -141,8 +138,8 @@ TEST(test_quality)
     give(ST_EQUALITY, plain);
     assert_int_equal(a.n, 1);
     assert_line(0, "scan again, nearer and without moving");
-    part.gate.seen = 0.42;
-    part.gate.seen_wanted = 0.45;
+    part.seen = 0.42;
+    part.seen_wanted = 0.45;
     give(ST_EQUALITY, part);
     assert_int_equal(a.n, 1);
     assert_line(0, "let the scanner see all of the face: 42 % of it now, 45 % at least");
@@ -151,19 +148,19 @@ TEST(test_quality)
 /* What is nearly a face may be one that is covered; of what is none nothing is known. */
 TEST(test_support)
 {
-    struct scan_found f = plain;
+    struct surface_found f = plain;
 
     good();
-    f.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_BEHIND;
+    f.warnings = 1U << SURFACE_OCCLUDED | 1U << SURFACE_BEHIND;
     f.occluded = 0.56;
-    f.gate.support_wanted = 0.33;
-    f.gate.support = 0.31;
+    f.support_wanted = 0.33;
+    f.support = 0.31;
     give(ST_ENOTFACE, f);
     assert_int_equal(a.n, 2);
     assert_line(0,
                 "take off glasses or mask, keep hair and hands away: 56 % of the face is "
                 "covered");
-    f.gate.support = -0.12;
+    f.support = -0.12;
     give(ST_ENOTFACE, f);
     assert_int_equal(a.n, 1);
     assert_line(0, "send one face seen from the front, with forehead, nose and chin");
@@ -172,11 +169,11 @@ TEST(test_support)
 /* What the model explains too little of is a matter of the sensor, not of the person. */
 TEST(test_noisy)
 {
-    struct scan_found f = plain;
+    struct surface_found f = plain;
 
     good();
-    f.gate.residual_mm = 1.8;
-    f.gate.residual_most = 1.4;
+    f.residual_mm = 1.8;
+    f.residual_most = 1.4;
     give(ST_EQUALITY, f);
     assert_int_equal(a.n, 1);
     assert_line(
@@ -187,15 +184,16 @@ TEST(test_noisy)
 /* Each refusal of a scan has its advice, and so does everything at once. */
 TEST(test_refusals)
 {
-    struct scan_found f = plain;
+    struct surface_found f = plain;
 
     good();
     for (int st = ST_ETOOFEW; st <= ST_EQUALITY; st++) {
         give((enum status)st, plain);
         assert_true(a.n >= 1);
     }
-    face.quality = (struct quality){.coverage = 0.1, .density_mm = 9, .noise_mm = 9};
-    f.warnings = (1U << SCAN_WARNINGS) - 1;
+    face.quality =
+        (struct surface_quality){.coverage = 0.1, .density_mm = 9, .noise_mm = 9};
+    f.warnings = (1U << SURFACE_WARNINGS) - 1;
     f.yaw_deg = f.pitch_deg = f.roll_deg = 90;
     give(ST_EQUALITY, f);
     assert_int_equal(a.n, ADVICE_LINES);
@@ -203,23 +201,25 @@ TEST(test_refusals)
 
 TEST(test_describe)
 {
-    struct scan_found f = plain;
+    struct sample_found s = {.scan = plain}, empty = {.format = CLOUDFORMAT_XYZ};
+    struct surface_found f = plain;
     struct json *j = json_new();
     char *text;
 
-    f.format = CLOUDFORMAT_GLB;
-    f.points_read = 60000;
-    f.points_dropped = 12;
+    s.format = CLOUDFORMAT_GLB;
+    s.points_read = 60000;
+    s.points_dropped = 12;
     f.points_used = 9000;
     f.unit_mm = 0.001;
     f.yaw_deg = 12.34567;
     f.occluded = 0.25;
-    f.warnings = 1U << SCAN_TURNED | 1U << SCAN_SEVERAL;
+    f.warnings = 1U << SURFACE_TURNED | 1U << SURFACE_SEVERAL;
     for (int i = 0; i < 3; i++)
         f.view[5 * i] = 0.001 * 0.123456789;
     f.view[3] = -12.34567;
     f.view[15] = 1;
-    describe_scan(j, "scan", &f);
+    s.scan = f;
+    describe_scan(j, "scan", &s);
     text = json_compact(j);
     assert_string_equal(
         text,
@@ -228,8 +228,8 @@ TEST(test_describe)
         "0.0001234568,0,0,0,0,0.0001234568,0,0,0,0,1],\"yaw_deg\":12.3457,"
         "\"occluded\":0.25,\"warnings\":[\"several_faces\",\"turned\"]}}");
     free(text);
-    f = (struct scan_found){.format = CLOUDFORMAT_XYZ, .yaw_deg = (double)NAN};
-    describe_scan(j = json_new(), "scan", &f);
+    empty.scan.yaw_deg = (double)NAN;
+    describe_scan(j = json_new(), "scan", &empty);
     text = json_compact(j);
     assert_non_null(strstr(text, "\"units\":null,\"view\":null,\"yaw_deg\":null,"
                                  "\"occluded\":0,\"warnings\":[]"));

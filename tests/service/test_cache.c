@@ -5,6 +5,7 @@
 
 #include "cache.h"
 #include "errinfo.h"
+#include "face.h"
 #include "facegen.h"
 #include "store.h"
 #include "tempdb.h"
@@ -16,10 +17,10 @@
 #define WRITERS 2  /* threads that enroll and delete, each in a subject of its own */
 #define ROUNDS  40 /* templates that each of them makes */
 
-static struct face faces[FACES];
+static struct surface_face faces[FACES];
 static struct store *store;
 static struct store_template tmpl[FACES];
-static struct face_work *work;
+static struct surface_work *work;
 static struct errinfo e;
 
 BEFORE_ALL(set_up)
@@ -28,7 +29,7 @@ BEFORE_ALL(set_up)
     struct facegen_scan s;
 
     store = tempdb_fresh();
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     for (uint64_t i = 0; i < FACES; i++) {
         facegen_default(&s);
@@ -44,34 +45,32 @@ AFTER_ALL(tear_down)
 {
     for (size_t i = 0; i < FACES; i++)
         face_free(&faces[i]);
-    face_work_free(work);
+    surface_work_free(work);
     store_close(store);
 }
 
 /* As a worker does it: found, or read and kept; NULL: it is not in the store. */
-static const struct face *find_or_load(struct cache *c, const char *id,
-                                       struct face_work *w)
+static const struct cache_held *find_or_load(struct cache *c, const char *id,
+                                             struct surface_work *w)
 {
     const uint64_t mark = cache_mark(c);
-    const struct face *f = cache_find(c, id);
+    const struct cache_held *f = cache_find(c, id);
     struct store_template t;
-    struct face loaded = {0};
+    struct surface_face *loaded = NULL;
 
     if (f != NULL)
         return f;
-    if (store_template_load(store, id, &t, w, &loaded, NULL) != ST_OK) {
-        face_free(&loaded);
+    if (store_template_load(store, id, &t, w, &loaded, NULL) != ST_OK)
         return NULL;
-    }
-    return cache_keep(c, mark, id, false, &loaded);
+    return cache_keep(c, mark, id, false, loaded);
 }
 
-static const struct face *hold(struct cache *c, size_t i)
+static const struct cache_held *hold(struct cache *c, size_t i)
 {
-    const struct face *f = find_or_load(c, tmpl[i].id, work);
+    const struct cache_held *f = find_or_load(c, tmpl[i].id, work);
 
     assert_non_null(f);
-    assert_int_equal(f->surface.mesh.nv, tmpl[i].points);
+    assert_int_equal(f->face->surface.mesh.nv, tmpl[i].points);
     return f;
 }
 
@@ -84,7 +83,7 @@ TEST(test_hit)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
-    const struct face *a, *b;
+    const struct cache_held *a, *b;
 
     assert_non_null(c);
     a = hold(c, 0);
@@ -157,7 +156,7 @@ TEST(test_dropped_while_held)
 {
     struct cache *c = cache_new(SIZE_MAX);
     struct cache_state s;
-    const struct face *a = hold(c, 0), *b;
+    const struct cache_held *a = hold(c, 0), *b;
 
     cache_forget(c, tmpl[0].id);
     cache_forget(c, tmpl[0].id);
@@ -165,7 +164,7 @@ TEST(test_dropped_while_held)
     cache_look(c, &s);
     assert_int_equal(s.entries, 0);
     assert_int_equal(s.bytes, 0);
-    assert_int_equal(a->surface.mesh.nv, tmpl[0].points);
+    assert_int_equal(a->face->surface.mesh.nv, tmpl[0].points);
     b = hold(c, 0);
     assert_ptr_not_equal(a, b);
     cache_release(c, a);
@@ -180,10 +179,10 @@ TEST(test_dropped_while_held)
     cache_free(c);
 }
 
-static struct face load(size_t i)
+static struct surface_face *load(size_t i)
 {
     struct store_template t;
-    struct face f = {0};
+    struct surface_face *f = NULL;
 
     assert_int_equal(store_template_load(store, tmpl[i].id, &t, work, &f, &e), ST_OK);
     return f;
@@ -198,13 +197,13 @@ TEST(test_forgotten_while_loaded)
 
     for (size_t i = 0; i < 2; i++) {
         const uint64_t mark = cache_mark(c);
-        struct face f = load(i);
-        const struct face *held;
+        struct surface_face *f = load(i);
+        const struct cache_held *held;
 
         cache_forget(c, tmpl[0].id);
-        held = cache_keep(c, mark, tmpl[i].id, false, &f);
+        held = cache_keep(c, mark, tmpl[i].id, false, f);
         assert_non_null(held);
-        assert_int_equal(held->surface.mesh.nv, tmpl[i].points);
+        assert_int_equal(held->face->surface.mesh.nv, tmpl[i].points);
         cache_release(c, held);
         cache_look(c, &s);
         assert_int_equal(s.entries, 0);
@@ -220,15 +219,14 @@ TEST(test_forgotten_while_loaded)
 TEST(test_loaded_twice)
 {
     struct cache *c = cache_new(SIZE_MAX);
-    struct face a = load(0), b = load(0);
-    const struct face *first, *second;
+    struct surface_face *a = load(0), *b = load(0);
+    const struct cache_held *first, *second;
     struct cache_state s;
 
     assert_null(cache_find(c, tmpl[0].id));
     assert_null(cache_find(c, tmpl[0].id));
-    first = cache_keep(c, cache_mark(c), tmpl[0].id, false, &a);
-    second = cache_keep(c, cache_mark(c), tmpl[0].id, true, &b);
-    assert_int_equal(a.surface.mesh.nv, 0); /* it is the cache's */
+    first = cache_keep(c, cache_mark(c), tmpl[0].id, false, a);
+    second = cache_keep(c, cache_mark(c), tmpl[0].id, true, b);
     assert_ptr_not_equal(first, second);
     cache_look(c, &s);
     assert_int_equal(s.entries, 1);
@@ -246,12 +244,12 @@ TEST(test_loaded_twice)
 static void *hammer(void *arg)
 {
     struct cache *c = arg;
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     uint32_t r = 1;
     intptr_t bad = w == NULL;
 
     for (int i = 0; i < 400 && !bad; i++) {
-        const struct face *f;
+        const struct cache_held *f;
         size_t k;
 
         r = r * 1664525u + 1013904223u;
@@ -259,10 +257,10 @@ static void *hammer(void *arg)
         if (r % 7 == 0)
             cache_forget(c, tmpl[k].id);
         f = find_or_load(c, tmpl[k].id, w);
-        bad = f == NULL || f->surface.mesh.nv != tmpl[k].points;
+        bad = f == NULL || f->face->surface.mesh.nv != tmpl[k].points;
         cache_release(c, f);
     }
-    face_work_free(w);
+    surface_work_free(w);
     return (void *)bad;
 }
 
@@ -321,7 +319,7 @@ static void *come_and_go(void *arg)
  * A template whose deletion was complete before must not be among them. */
 static void *look_for_gone(void *arg)
 {
-    struct face_work *w = face_work_new(NULL);
+    struct surface_work *w = surface_work_new(NULL);
     intptr_t bad = w == NULL;
 
     (void)arg;
@@ -336,14 +334,14 @@ static void *look_for_gone(void *arg)
         st = store_template_list(store, subject, &t, &n, NULL);
         bad = st != ST_OK && st != ST_ENOTFOUND;
         for (size_t k = 0; k < n && !bad; k++) {
-            const struct face *f = find_or_load(going.cache, t[k].id, w);
+            const struct cache_held *f = find_or_load(going.cache, t[k].id, w);
             bad = atoi(t[k].label) <= gone ||
-                  (f != NULL && f->surface.mesh.nv != t[k].points);
+                  (f != NULL && f->face->surface.mesh.nv != t[k].points);
             cache_release(going.cache, f);
         }
         free(t);
     }
-    face_work_free(w);
+    surface_work_free(w);
     return (void *)bad;
 }
 

@@ -5,6 +5,7 @@
 #include "cloudpoints.h"
 #include "face.h"
 #include "mem.h"
+#include "scan.h"
 #include "dry_run.h"
 #include "unit.h"
 
@@ -12,29 +13,29 @@
 static enum status outcome[2];
 static int runs;
 static const struct scan_search *search; /* of the latest run */
-static struct scan_found told;           /* but for the points */
+static struct surface_found told;        /* but for the points */
 
 enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *o,
-                              struct face_work *w, struct face *out, size_t *bad,
-                              struct scan_found *found);
+                              struct surface_work *w, struct surface_face *out,
+                              size_t *bad, struct surface_found *found);
 
 enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *o,
-                              struct face_work *w, struct face *out, size_t *bad,
-                              struct scan_found *found)
+                              struct surface_work *w, struct surface_face *out,
+                              size_t *bad, struct surface_found *found)
 {
     (void)w;
     (void)bad;
+    (void)out;
     assert_true(o->search != NULL && (runs++ == 0 || o->search == search));
     search = o->search;
     assert_int_equal(o->axes, SCAN_AXES_SCANNER);
     assert_int_equal(c->n, 3);
     assert_true(c->at[1].y == 2.5 && c->index[2] == 4 && c->normal == NULL);
     *found = told;
-    found->points_read = c->read;
     memset(c->at, 0, c->n * sizeof *c->at); /* used up */
     c->n = 1;
     if (outcome[o->enrolment] == ST_OK)
-        out->quality = (struct quality){.coverage = 1, .density_mm = 2};
+        found->quality = (struct surface_quality){.coverage = 1, .density_mm = 2};
     return outcome[o->enrolment];
 }
 
@@ -42,10 +43,10 @@ static struct dry_run t;
 
 BEFORE_EACH(set_up)
 {
-    told = (struct scan_found){.unit_mm = 1,
-                               .extent = {410, 440, 120.5},
-                               .faces = 2,
-                               .warnings = 1U << SCAN_SEVERAL};
+    told = (struct surface_found){.unit_mm = 1,
+                                  .extent = {410, 440, 120.5},
+                                  .faces = 2,
+                                  .warnings = 1U << SURFACE_SEVERAL};
 }
 
 static enum status run(enum status enrolment, enum status verification)
@@ -55,7 +56,7 @@ static enum status run(enum status enrolment, enum status verification)
                             .n = 3,
                             .read = 5,
                             .axes_given = true};
-    struct face face = {.quality = {.density_mm = 9}};
+    struct surface_face *face = NULL;
     enum status st;
 
     assert_true(c.at != NULL && c.index != NULL);
@@ -66,8 +67,10 @@ static enum status run(enum status enrolment, enum status verification)
     outcome[true] = enrolment;
     outcome[false] = verification;
     runs = 0;
-    st = dry_run_run("points", &c, &(struct scan_options){.axes = SCAN_AXES_AUTO}, NULL,
+    st = dry_run_run("points", &c, &(struct sample_options){.frontal = false}, NULL,
                      &face, &t);
+    assert_true((face != NULL) == (st == ST_OK && t.verification == ST_OK));
+    surface_face_free(face);
     cloudpoints_free(&c);
     return st;
 }
@@ -141,12 +144,12 @@ TEST(test_texts)
          "hair and hands away: 31 % of the face is covered"},
     };
 
-    told.gate.support = 0.21;
-    told.gate.support_wanted = 0.33;
+    told.support = 0.21;
+    told.support_wanted = 0.33;
     told.faces = 1;
     told.occluded = 0.31;
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        told.warnings = known[i].st == ST_EQUALITY ? 1U << SCAN_OCCLUDED : 0;
+        told.warnings = known[i].st == ST_EQUALITY ? 1U << SURFACE_OCCLUDED : 0;
         assert_int_equal(run(known[i].st, ST_OK), ST_OK);
         assert_string_equal(t.why.msg, known[i].text);
     }
@@ -156,7 +159,7 @@ TEST(test_texts)
 TEST(test_covered_a_little)
 {
     told.occluded = 0.06;
-    told.warnings = 1U << SCAN_OCCLUDED | 1U << SCAN_TURNED;
+    told.warnings = 1U << SURFACE_OCCLUDED | 1U << SURFACE_TURNED;
     told.yaw_deg = 46;
     assert_int_equal(run(ST_EQUALITY, ST_OK), ST_OK);
     assert_string_equal(

@@ -12,11 +12,12 @@
 #define POINTS 1500
 
 static struct store *store;
-static struct face again;    /* another scan of tempdb_face[0]'s person */
-static struct face cheek;    /* a part of that */
-static struct face other[2]; /* other scans of tempdb_face[1]'s person */
+static struct surface_face again;    /* another scan of tempdb_face[0]'s person */
+static struct surface_face cheek;    /* a part of that */
+static struct surface_face other[2]; /* other scans of tempdb_face[1]'s person */
 static struct errinfo e;
-static const struct face *rival; /* enrolled before the next store_enroll(); NULL: none */
+static const struct surface_face
+    *rival; /* enrolled before the next store_enroll(); NULL: none */
 
 enum status __real_store_enroll(struct store *s, const struct store_enroll *what,
                                 struct store_template *t, bool *created,
@@ -30,7 +31,7 @@ enum status __wrap_store_enroll(struct store *s, const struct store_enroll *what
                                 struct store_template *t, bool *created,
                                 struct errinfo *err)
 {
-    const struct face *f = rival;
+    const struct surface_face *f = rival;
     struct store_template its;
 
     rival = NULL;
@@ -42,7 +43,7 @@ enum status __wrap_store_enroll(struct store *s, const struct store_enroll *what
 static struct enrolment_result each[ENROLMENT_SAMPLES];
 static bool manager;
 
-static enum status add_all(const struct face *const f[], size_t n, bool force,
+static enum status add_all(const struct surface_face *const f[], size_t n, bool force,
                            struct enrolment_outcome *out)
 {
     struct templates_context c = {.store = store, .work = tempdb_work};
@@ -62,7 +63,8 @@ static enum status add_all(const struct face *const f[], size_t n, bool force,
     return enrolment_add(&c, &x, each, out, &e);
 }
 
-static enum status add(const struct face *f, bool force, struct enrolment_outcome *out)
+static enum status add(const struct surface_face *f, bool force,
+                       struct enrolment_outcome *out)
 {
     return add_all(&f, 1, force, out);
 }
@@ -132,7 +134,7 @@ TEST(test_fit)
     assert_false(each[0].created);
     assert_int_equal(add(&tempdb_face[1], false, &out), ST_EMISMATCH);
     assert_int_equal(out.nearest.compared, 1);
-    assert_int_equal(out.nearest.result.decision, FACE_NO_MATCH);
+    assert_int_equal(out.nearest.result.decision, SURFACE_NO_MATCH);
     assert_non_null(strstr(e.msg, "does not fit"));
     assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
     assert_int_equal(out.nearest.compared, 1);
@@ -177,7 +179,7 @@ TEST(test_basis)
  * that one, unless a manager enrolls them. */
 TEST(test_several_basis)
 {
-    const struct face *const burst[] = {&other[0], &again, &other[1]};
+    const struct surface_face *const burst[] = {&other[0], &again, &other[1]};
     struct enrolment_outcome out;
 
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
@@ -200,7 +202,7 @@ TEST(test_inconclusive)
 
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
     assert_int_equal(add(&cheek, false, &out), ST_EMISMATCH);
-    assert_int_equal(out.nearest.result.decision, FACE_INCONCLUSIVE);
+    assert_int_equal(out.nearest.result.decision, SURFACE_INCONCLUSIVE);
     assert_non_null(strstr(e.msg, "too little in common"));
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
     assert_int_equal(add(&cheek, true, &out), ST_OK);
@@ -253,8 +255,8 @@ TEST(test_admitted)
 /* Several at once: each that matches the first becomes a template. */
 TEST(test_several)
 {
-    const struct face *const burst[] = {&tempdb_face[0], &tempdb_face[1], &again,
-                                        &tempdb_face[0], &cheek,          &again};
+    const struct surface_face *const burst[] = {&tempdb_face[0], &tempdb_face[1], &again,
+                                                &tempdb_face[0], &cheek,          &again};
     struct enrolment_outcome out;
 
     assert_int_equal(add_all(burst, 6, false, &out), ST_OK);
@@ -281,8 +283,8 @@ TEST(test_several)
  * one's reason. */
 TEST(test_first)
 {
-    const struct face *const burst[] = {&tempdb_face[1], &cheek, &again, &tempdb_face[1],
-                                        &tempdb_face[0]};
+    const struct surface_face *const burst[] = {&tempdb_face[1], &cheek, &again,
+                                                &tempdb_face[1], &tempdb_face[0]};
     struct enrolment_outcome out;
 
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
@@ -308,7 +310,7 @@ TEST(test_first)
  * stored whole. */
 TEST(test_several_meanwhile)
 {
-    const struct face *const burst[] = {&tempdb_face[2], &again, &tempdb_face[0]};
+    const struct surface_face *const burst[] = {&tempdb_face[2], &again, &tempdb_face[0]};
     struct enrolment_outcome out;
 
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
@@ -322,7 +324,8 @@ TEST(test_several_meanwhile)
 /* Those that are no faces are passed over, wherever they stand. */
 TEST(test_refused)
 {
-    const struct face *const burst[] = {NULL, &tempdb_face[0], NULL, &again, NULL};
+    const struct surface_face *const burst[] = {NULL, &tempdb_face[0], NULL, &again,
+                                                NULL};
     struct enrolment_outcome out;
 
     for (int force = 0; force < 2; force++) {
@@ -333,9 +336,9 @@ TEST(test_refused)
     assert_int_equal(add_all(burst, 5, false, &out), ST_OK);
     assert_false(out.none);
     assert_taken("-1-1-");
-    assert_int_equal(
-        add_all((const struct face *const[]){NULL, &tempdb_face[1]}, 2, false, &out),
-        ST_EQUALITY);
+    assert_int_equal(add_all((const struct surface_face *const[]){NULL, &tempdb_face[1]},
+                             2, false, &out),
+                     ST_EQUALITY);
     assert_true(out.none);
     assert_taken("-.");
     assert_int_equal(add_all(burst, 5, true, &out), ST_OK);
@@ -366,8 +369,8 @@ TEST(test_locked)
 /* What cannot be stored whole is not stored at all. */
 TEST(test_all_or_none)
 {
-    struct face bad = again; /* fits, but the database refuses it */
-    const struct face *burst[] = {&tempdb_face[0], &bad};
+    struct surface_face bad = again; /* fits, but the database refuses it */
+    const struct surface_face *burst[] = {&tempdb_face[0], &bad};
     struct enrolment_outcome out;
 
     bad.surface.mesh.nt = 0;

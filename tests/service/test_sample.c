@@ -12,20 +12,20 @@
 
 static struct dvec3 pts[POINTS];
 static size_t n;
-static struct face_work *work;
-static struct face f;
+static struct surface_work *work;
+static struct surface_face *f;
 static struct errinfo e;
 
 BEFORE_ALL(set_up)
 {
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
 }
 
 AFTER_ALL(tear_down)
 {
-    face_free(&f);
-    face_work_free(work);
+    surface_face_free(f);
+    surface_work_free(work);
 }
 
 /* A scan in units of unit_mm. */
@@ -39,10 +39,10 @@ static void take(double unit_mm)
 
 static enum status build(double given_mm)
 {
-    const struct scan_options o = {.axes = SCAN_AXES_SCANNER};
+    const struct sample_options o = {.frontal = true};
     struct cloudpoints c = {
         .at = mem_array(n + 1, sizeof *pts), .n = n, .read = n, .unit_mm = given_mm};
-    struct scan_found found;
+    struct sample_found found;
     enum status st;
 
     e = (struct errinfo){0};

@@ -22,8 +22,8 @@ enum { /* of another subject; two of the probe's subject; the middle of that fac
        MODELS
 };
 
-static struct face model[MODELS], probe, part; /* part: of a third subject */
-static struct face swapped;                    /* the probe, left and right swapped */
+static struct surface_face model[MODELS], probe, part; /* part: of a third subject */
+static struct surface_face swapped; /* the probe, left and right swapped */
 static struct store *store;
 static struct errinfo e;
 
@@ -36,7 +36,7 @@ static double clock_ms(void)
 
 /* The points of a scan that lie within +-x and +-y of the nose; x to side x, 1 or -1. */
 static void make(uint64_t subject, uint64_t scan, double x, double y, double side,
-                 struct face *f)
+                 struct surface_face *f)
 {
     static struct dvec3 pts[2 * POINTS];
     const size_t all = clouds_scan(subject, scan, 2 * POINTS, pts);
@@ -89,7 +89,7 @@ static struct templates of(struct templates_context *c, const char *ids,
 }
 
 /* Returns what decided, -1 on failure. */
-static int decide(const char *ids, const struct face *p, enum status *st,
+static int decide(const char *ids, const struct surface_face *p, enum status *st,
                   struct nearest *out)
 {
     struct store_template rows[STORE_TEMPLATES_MAX] = {0};
@@ -100,8 +100,8 @@ static int decide(const char *ids, const struct face *p, enum status *st,
     return *st == ST_OK ? ids[out->index] - '0' : -1;
 }
 
-static void assert_decides(const char *ids, const struct face *p, int m,
-                           enum face_decision decision)
+static void assert_decides(const char *ids, const struct surface_face *p, int m,
+                           enum surface_decision decision)
 {
     struct nearest out;
     enum status st;
@@ -117,43 +117,43 @@ TEST(test_highest)
     struct nearest out;
     enum status st;
 
-    assert_decides("0", &probe, OTHER, FACE_NO_MATCH);
-    assert_decides("01", &probe, SAME, FACE_MATCH);
-    assert_decides("10", &probe, SAME, FACE_MATCH);
+    assert_decides("0", &probe, OTHER, SURFACE_NO_MATCH);
+    assert_decides("01", &probe, SAME, SURFACE_MATCH);
+    assert_decides("10", &probe, SAME, SURFACE_MATCH);
     assert_int_equal(decide("1", &probe, &st, &out), SAME);
     const double same = out.result.score;
     assert_int_equal(decide("2", &probe, &st, &out), AGAIN);
     const int higher = same > out.result.score ? SAME : AGAIN;
 
-    assert_decides("012", &probe, higher, FACE_MATCH);
-    assert_decides("210", &probe, higher, FACE_MATCH);
+    assert_decides("012", &probe, higher, SURFACE_MATCH);
+    assert_decides("210", &probe, higher, SURFACE_MATCH);
 }
 
 /* Of n comparisons the best is lowered by ln n, and so are its decision and rate. */
 TEST(test_lowered)
 {
     struct nearest out;
-    struct calibration d = model_default.calibration;
+    struct surface_calibration d = model_default.calibration;
     enum status st;
 
     assert_int_equal(decide("1", &probe, &st, &out), SAME);
-    const struct face_result one = out.result;
+    const struct surface_comparison one = out.result;
     assert_true(out.first_score == one.score);
     assert_int_equal(decide("10", &probe, &st, &out), SAME);
     assert_true(fabs(out.result.score - (one.score - log(2))) < 1e-12);
     assert_true(fabs(out.result.expected - (one.expected - log(2))) < 1e-12);
     assert_true(out.first_score == one.score);
-    assert_true(out.result.fmr_at_score >= one.fmr_at_score);
+    assert_true(out.result.false_match_rate >= one.false_match_rate);
     /* A threshold that one template just reaches, and the best of two does not. */
     d.threshold = one.score;
-    face_work_decide(tempdb_work, &d);
-    assert_decides("1", &probe, SAME, FACE_MATCH);
+    (void)surface_work_calibrate(tempdb_work, &d);
+    assert_decides("1", &probe, SAME, SURFACE_MATCH);
     assert_true(decide("10", &probe, &st, &out) >= 0);
-    assert_int_not_equal(out.result.decision, FACE_MATCH);
+    assert_int_not_equal(out.result.decision, SURFACE_MATCH);
     d.threshold = one.score - log(2) - 1e-9;
-    face_work_decide(tempdb_work, &d);
-    assert_decides("10", &probe, SAME, FACE_MATCH);
-    face_work_decide(tempdb_work, NULL);
+    (void)surface_work_calibrate(tempdb_work, &d);
+    assert_decides("10", &probe, SAME, SURFACE_MATCH);
+    (void)surface_work_calibrate(tempdb_work, NULL);
 }
 
 /* If all comparisons are inconclusive, the highest score is returned. */
@@ -168,14 +168,14 @@ TEST(test_inconclusive)
         const char id[] = {(char)('0' + m), '\0'};
 
         assert_int_equal(decide(id, &part, &st, &out), m);
-        assert_int_equal(out.result.decision, FACE_INCONCLUSIVE);
+        assert_int_equal(out.result.decision, SURFACE_INCONCLUSIVE);
         if (out.result.score > most) {
             most = out.result.score;
             highest = m;
         }
     }
-    assert_decides("012", &part, highest, FACE_INCONCLUSIVE);
-    assert_decides("201", &part, highest, FACE_INCONCLUSIVE);
+    assert_decides("012", &part, highest, SURFACE_INCONCLUSIVE);
+    assert_decides("201", &part, highest, SURFACE_INCONCLUSIVE);
 }
 
 /* A conclusive comparison goes before inconclusive ones of a higher score. */
@@ -185,14 +185,14 @@ TEST(test_conclusive_first)
     enum status st;
     double score;
 
-    assert_decides("3", &probe, MIDDLE, FACE_INCONCLUSIVE);
+    assert_decides("3", &probe, MIDDLE, SURFACE_INCONCLUSIVE);
     assert_int_equal(decide("3", &probe, &st, &out), MIDDLE);
     score = out.result.score;
     assert_int_equal(decide("03", &probe, &st, &out), OTHER);
     assert_true(out.result.score < score);
-    assert_decides("03", &probe, OTHER, FACE_NO_MATCH);
-    assert_decides("30", &probe, OTHER, FACE_NO_MATCH);
-    assert_decides("301", &probe, SAME, FACE_MATCH);
+    assert_decides("03", &probe, OTHER, SURFACE_NO_MATCH);
+    assert_decides("30", &probe, OTHER, SURFACE_NO_MATCH);
+    assert_decides("301", &probe, SAME, SURFACE_MATCH);
 }
 
 /* A scan with left and right swapped is told from a stranger's: only where it is no match, by
@@ -203,11 +203,11 @@ TEST(test_mirrored)
     enum status st;
 
     assert_int_equal(decide("01", &swapped, &st, &out), SAME);
-    assert_int_equal(out.result.decision, FACE_NO_MATCH);
+    assert_int_equal(out.result.decision, SURFACE_NO_MATCH);
     assert_true(out.mirrored);
     assert_int_equal(out.compared, 2);
     assert_int_equal(decide("0", &swapped, &st, &out), OTHER);
-    assert_int_equal(out.result.decision, FACE_NO_MATCH);
+    assert_int_equal(out.result.decision, SURFACE_NO_MATCH);
     assert_false(out.mirrored);
     assert_int_equal(decide("0", &probe, &st, &out), OTHER);
     assert_false(out.mirrored);
@@ -221,8 +221,8 @@ TEST(test_mirrored)
  * would be as good a sign as a match. */
 TEST(test_hardly_mirrored)
 {
-    struct calibration d = model_default.calibration;
-    struct face stranger = {0}, image = {0};
+    struct surface_calibration d = model_default.calibration;
+    struct surface_face stranger = {0}, image = {0};
     struct nearest out, back;
     enum status st;
 
@@ -233,12 +233,12 @@ TEST(test_hardly_mirrored)
         assert_int_equal(decide("1", &image, &st, &back), SAME);
         assert_false(out.mirrored || back.mirrored);
         d.threshold = fmax(out.result.score, back.result.score);
-        face_work_decide(tempdb_work, &d);
+        (void)surface_work_calibrate(tempdb_work, &d);
         assert_int_equal(decide("1", &stranger, &st, &out), SAME);
         assert_int_equal(decide("1", &image, &st, &back), SAME);
-        face_work_decide(tempdb_work, NULL);
-        assert_true((out.result.decision == FACE_MATCH) !=
-                    (back.result.decision == FACE_MATCH));
+        (void)surface_work_calibrate(tempdb_work, NULL);
+        assert_true((out.result.decision == SURFACE_MATCH) !=
+                    (back.result.decision == SURFACE_MATCH));
         assert_false(out.mirrored || back.mirrored);
     }
     face_free(&stranger);
@@ -265,29 +265,31 @@ TEST(test_minimal)
     struct templates_context c;
     const struct templates t = of(&c, "01", rows);
     struct measure_work w = {0};
-    struct nearest best, again;
-    struct minimal m, same;
+    struct surface_disparity m;
+    struct surface_parts parts;
+    struct nearest best;
+    struct face_result again;
+    struct minimal same;
     struct disparity aligned;
 
     assert_int_equal(templates_nearest(&t, false, &probe, &best, &e), ST_OK);
     assert_int_equal(best.index, 1);
-    assert_int_equal(templates_minimal(&t, &probe, &best, false, &m, &e), ST_OK);
-    assert_true(m.ms >= 1);
-    assert_int_equal(
-        face_minimal(&model[SAME], &probe, NULL, tempdb_work, &again.result, &same),
-        ST_OK);
-    assert_true(m.disparity.plain_mm == same.disparity.plain_mm && same.ms == 0);
-    assert_int_equal(measure_at(&model[SAME].surface, &probe.surface,
-                                best.result.align.transform, NULL, &w, &aligned),
+    assert_int_equal(templates_minimal(&t, &probe, &best, &m, NULL, &e), ST_OK);
+    assert_true(m.minimal_ms >= 1);
+    assert_int_equal(face_minimal(&model[SAME], &probe, NULL, tempdb_work, &again, &same),
                      ST_OK);
-    assert_true(m.disparity.plain_mm > 0);
-    assert_true(m.disparity.plain_mm <= aligned.plain_mm);
-    assert_true(m.disparity.area_mm2 >= 0.95 * aligned.area_mm2);
-    assert_true(m.disparity.weighted_mm == m.disparity.plain_mm);
-    assert_int_equal(templates_minimal(&t, &probe, &best, true, &m, &e), ST_OK);
-    assert_true(m.disparity.plain_mm == same.disparity.plain_mm);
-    assert_true(m.disparity.weighted_mm > 0);
-    assert_true(m.disparity.weighted_mm != m.disparity.plain_mm);
+    assert_true(m.disparity_mm == same.disparity.plain_mm && same.ms == 0);
+    assert_int_equal(measure_at(&model[SAME].surface, &probe.surface, m.align_transform,
+                                NULL, &w, &aligned),
+                     ST_OK);
+    assert_true(m.disparity_mm > 0);
+    assert_true(m.disparity_mm <= aligned.plain_mm);
+    assert_true(m.area_mm2 >= 0.95 * aligned.area_mm2);
+    assert_true(m.weighted_mm == m.disparity_mm);
+    assert_int_equal(templates_minimal(&t, &probe, &best, &m, &parts, &e), ST_OK);
+    assert_true(m.disparity_mm == same.disparity.plain_mm);
+    assert_true(m.weighted_mm > 0);
+    assert_true(m.weighted_mm != m.disparity_mm);
     measure_work_free(&w);
 }
 
@@ -387,9 +389,9 @@ TEST(test_calibration)
     const struct {
         bool add, shipped;
         double threshold;
-    } step[] = {{false, false, store_model(store)->calibration.threshold},
+    } step[] = {{false, false, surface_model_calibration(store_model(store))->threshold},
                 {true, false, k.table.threshold},
-                {true, true, store_model(store)->calibration.threshold}};
+                {true, true, surface_model_calibration(store_model(store))->threshold}};
 
     enroll_alice();
     c.store = store;

@@ -1,5 +1,7 @@
 /* The search for a face costs no more than MOST times what it does in a head of as many points,
  * whatever they are: counted in basic blocks of core and the search, so that no clock is asked. */
+#include <stdatomic.h>
+
 #include "brute.h"
 #include "face.h"
 #include "find.h"
@@ -12,7 +14,7 @@
 #define KINDS  7
 
 static struct dvec3 pts[POINTS];
-static struct face_work *work;
+static struct surface_work *work;
 
 static double random_in(struct brute_rng *r, double half)
 {
@@ -94,7 +96,7 @@ TEST(test_contrived)
     struct brute_rng r = {1};
     double head;
 
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     head = (double)ordinary(&r);
     for (int kind = 0; kind < KINDS; kind++) {
@@ -105,7 +107,14 @@ TEST(test_contrived)
         print_message("kind %d: %.2f\n", kind, ratio);
         assert_true(ratio < MOST);
     }
-    face_work_free(work);
+    surface_work_free(work);
+}
+
+static int is_set(const void *flag)
+{
+    const atomic_bool *is = flag;
+
+    return atomic_load_explicit(is, memory_order_relaxed);
 }
 
 /* A search that is stopped, at whatever moment, ends with the step that it is at. */
@@ -114,21 +123,22 @@ TEST(test_stopped)
     struct brute_rng r = {1};
     uint64_t all;
 
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     contrive(0, &r);
     all = count();
     for (uint64_t i = 1; i < 20; i++) {
         const uint64_t before = work_executed();
-        atomic_bool stop = false;
+        atomic_bool flag = false;
+        const struct surface_stop stop = {is_set, &flag};
         struct find f;
 
-        work_set_at(&stop, all * i / 20);
+        work_set_at(&flag, all * i / 20);
         assert_int_equal(find_face(pts, POINTS, 0, work, &stop, &f), ST_EBUSY);
         const uint64_t soon = work_executed() - before - all * i / 20;
         print_message("at %2d%%: %.2f\n", (int)(5 * i), (double)soon / (double)all);
         /* the longest single step is 0.3, with sanitizers 0.4 */
         assert_true(soon < all / 2);
     }
-    face_work_free(work);
+    surface_work_free(work);
 }

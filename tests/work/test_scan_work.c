@@ -16,7 +16,7 @@
 #define KINDS  7
 
 static struct dvec3 pts[POINTS];
-static struct face_work *work;
+static struct surface_work *work;
 
 static double random_in(struct brute_rng *r, double half)
 {
@@ -26,9 +26,9 @@ static double random_in(struct brute_rng *r, double half)
 static uint64_t count(enum scan_axes axes, enum status *st)
 {
     struct scan_search search = {.done = false};
-    struct face face = {0};
+    struct surface_face face = {0};
     uint64_t before;
-    struct scan_found found;
+    struct surface_found found;
 
     before = work_executed();
     for (int strict = 1; strict >= 0; strict--) {
@@ -101,7 +101,7 @@ TEST(test_contrived)
     enum status st;
     double usual;
 
-    work = face_work_new(NULL);
+    work = surface_work_new(NULL);
     assert_non_null(work);
     ordinary();
     usual = (double)count(SCAN_AXES_AUTO, &st);
@@ -116,5 +116,5 @@ TEST(test_contrived)
             print_message("kind %d, axes %d: %.2f\n", kind, axes, ratio);
             assert_true(ratio < MOST);
         }
-    face_work_free(work);
+    surface_work_free(work);
 }

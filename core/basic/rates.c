@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration.h"
+#include "libsurface.h"
 #include "mem.h"
 #include "select.h"
 
@@ -362,16 +362,17 @@ enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned repli
 #define LEAST_SUPPORT 5.0 /* comparisons that a knot rests on */
 
 /* A knot at the score, unless it would not rise above the last one. */
-static void add_knot(const struct rates *r, double score, struct calibration *c)
+static void add_knot(const struct rates *r, double score, struct surface_calibration *c)
 {
-    const struct calibration_knot *last = &c->knot[c->n - 1];
+    const struct surface_knot *last = &c->knot[c->n - 1];
     const double rate = rates_fmr(r, score);
 
     if (rate > 0 && score > last->score && rate < last->rate)
-        c->knot[c->n++] = (struct calibration_knot){score, rate};
+        c->knot[c->n++] = (struct surface_knot){score, rate};
 }
 
-enum status rates_calibrate(const struct rates *r, double fmr, struct calibration *c)
+enum status rates_calibrate(const struct rates *r, double fmr,
+                            struct surface_calibration *c)
 {
     static const double rate[] = {0.95, 0.8,   0.5,   0.2,   0.1,    0.05,   0.02,
                                   0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001};
@@ -384,7 +385,7 @@ enum status rates_calibrate(const struct rates *r, double fmr, struct calibratio
     c->threshold = rates_at(r, fmr);
     if (!isfinite(c->threshold) || !(rates_fmr(r, c->threshold) > 0))
         return ST_ETOOFEW;
-    c->knot[c->n++] = (struct calibration_knot){rates_at(r, 1) - 1, 1};
+    c->knot[c->n++] = (struct surface_knot){rates_at(r, 1) - 1, 1};
     for (size_t i = 0; i < sizeof rate / sizeof *rate; i++) {
         const double score = rates_at(r, rate[i]);
 
@@ -397,7 +398,7 @@ enum status rates_calibrate(const struct rates *r, double fmr, struct calibratio
     }
     if (!placed)
         add_knot(r, c->threshold, c);
-    return calibration_valid(c) ? ST_OK : ST_ETOOFEW;
+    return surface_calibration_valid(c) ? ST_OK : ST_ETOOFEW;
 }
 
 uint32_t rates_subjects(double fmr)

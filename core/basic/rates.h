@@ -8,9 +8,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "libsurface.h"
 #include "status.h"
-
-struct calibration; /* calibration.h */
 
 struct rates_score {
     double score;             /* any sign, -INFINITY; never NaN or INFINITY */
@@ -88,7 +87,8 @@ uint32_t rates_below(uint64_t *state, uint32_t n);
  * smallest score with a false match rate of at most fmr.  The knots are the threshold and
  * quantiles that rest on five comparisons or more each.
  * Returns ST_OK; ST_ETOOFEW too few comparisons for the rate (rule of 3). */
-enum status rates_calibrate(const struct rates *r, double fmr, struct calibration *c);
+enum status rates_calibrate(const struct rates *r, double fmr,
+                            struct surface_calibration *c);
 
 /* rates_subjects(fmr): the number of subjects, with a template each, that have as many
  * pairs as the rule of 3 asks for.  Both comparisons of a pair count once: they are nearly

@@ -1,6 +1,7 @@
-#include "calibration.h"
+#include "libsurface.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #define LARGEST 1e4
 
@@ -9,11 +10,11 @@ static bool is_score(double x)
     return fabs(x) < LARGEST; /* false for NAN */
 }
 
-bool calibration_valid(const struct calibration *c)
+int surface_calibration_valid(const struct surface_calibration *c)
 {
-    const struct calibration_knot *k = c->knot;
+    const struct surface_knot *k = c->knot;
 
-    if (!(c->n >= 2 && c->n <= CALIBRATION_KNOTS) || !is_score(c->threshold) ||
+    if (!(c->n >= 2 && c->n <= SURFACE_KNOTS) || !is_score(c->threshold) ||
         !(k[0].rate >= 1 && k[0].rate <= 1))
         return false;
     for (uint32_t i = 0; i < c->n; i++)
@@ -23,9 +24,9 @@ bool calibration_valid(const struct calibration *c)
     return true;
 }
 
-double calibration_fmr(const struct calibration *c, double score)
+double surface_calibration_rate(const struct surface_calibration *c, double score)
 {
-    const struct calibration_knot *k = c->knot;
+    const struct surface_knot *k = c->knot;
     uint32_t i = 1;
 
     if (!(score >= k[0].score))

@@ -21,7 +21,8 @@
  * older header gets what it knows.  Out parameters of such structs may be NULL where that is
  * said.
  *
- * (In the source tree this is core/libsurface.h; make install calls it surface.h.) */
+ * (In the source tree this is core/basic/libsurface.h, below the modules of the core that fill
+ * its structs; make install calls it surface.h.) */
 #ifndef SURFACE_H
 #define SURFACE_H
 #include <stddef.h>
@@ -41,13 +42,22 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 
 #define SURFACE_MIN_POINTS  100
 #define SURFACE_MAX_POINTS  2097152
+#define SURFACE_ENGINE      "surfaced/0.2.0 measure/5" /* and a model: surface_engine() */
 #define SURFACE_ENGINE_SIZE 64
 #define SURFACE_KNOTS       32
-#define SURFACE_CELLS_X     32
-#define SURFACE_CELLS_Y     41
-#define SURFACE_CELLS       (SURFACE_CELLS_X * SURFACE_CELLS_Y)
 
-/* The values stay: new ones get numbers of their own. */
+/* What is measured of a scan, and where its defects begin. */
+#define SURFACE_FARTHEST_MM   16777.216 /* the largest coordinate: 2^24 um */
+#define SURFACE_EXTENT_MIN_MM 60        /* of a face's longest side */
+#define SURFACE_EXTENT_MAX_MM 500
+#define SURFACE_SPARSE_MM     3.0 /* between neighbouring points */
+#define SURFACE_NOISY_MM      0.6
+#define SURFACE_YAW_DEG       30
+#define SURFACE_TILT_DEG      20   /* of pitch and roll */
+#define SURFACE_OCCLUDED_MOST 0.25 /* share of an enrolled face */
+
+/* The values stay: new ones get numbers of their own.  The program's own statuses have those
+ * that are left out (status.h). */
 enum surface_status {
     SURFACE_OK = 0,
     SURFACE_EINVAL = 1,      /* an argument is malformed */
@@ -65,6 +75,7 @@ enum surface_status {
     SURFACE_EQUALITY = 14, /* a face, but too poor a scan: noise, spikes, holes, covers */
     SURFACE_ECORRUPT = 15, /* bytes that are no face, or a text that is no model */
     SURFACE_EVERSION = 16, /* bytes or a text of another version */
+    SURFACE_ESTOPPED = 25, /* the caller wanted no face any more */
     SURFACE_EINTERNAL = 28 /* a defect of the library */
 };
 
@@ -85,25 +96,46 @@ SURFACE_API enum surface_status surface_model_parse(const char *text, size_t len
                                                     uint32_t *line);
 SURFACE_API void surface_model_free(struct surface_model *model); /* NULL is allowed */
 
-/* What makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", NUL-terminated.  Scores of
- * another measure or another model are not comparable.  NULL: the shipped model.  About 1 ms. */
+/* Write a model as text, NUL-terminated, to the size bytes at text, and return the text's length; if
+ * that is >= size it did not fit.  Numbers are rounded to the text's units, so that the model in
+ * use is what surface_model_parse() makes of the text. */
+SURFACE_API size_t surface_model_write(const struct surface_model *model, char *text,
+                                       size_t size);
+
+/* What makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", NUL-terminated, with the first
+ * 8 hex digits of the model's digest.  N is counted up with every change that gives two scans
+ * another score, or the same points another face.  Scores of another measure or another model are
+ * not comparable.  NULL: the shipped model.  About 1 ms. */
 SURFACE_API void surface_engine(const struct surface_model *model,
                                 char out[SURFACE_ENGINE_SIZE]);
 
-/* From a score to a decision.  A model has its own; this is what is learned from the
- * comparisons of other people than the model's. */
+/* surface_same_engine(a, b): are scores of the engines a and b comparable?  1 where all but the
+ * version is the same. */
+SURFACE_API int surface_same_engine(const char *a, const char *b);
+
+/* From a score to a decision.  A model has its own; another is learned from the comparisons of
+ * other people than the model's. */
 struct surface_knot {
     double score; /* strictly rising, -1e4 to 1e4 */
-    double
-        rate; /* share of the scores of different people at or above it: the first is 1,
-                     strictly falling, above 0 */
+    /* share of the scores of different people at or above it: the first is 1, strictly falling,
+     * above 0 */
+    double rate;
 };
 struct surface_calibration {
-    size_t size;
     double threshold; /* a score at or above it is a match */
-    uint32_t knots;   /* 2..SURFACE_KNOTS */
+    uint32_t n;       /* knots, 2..SURFACE_KNOTS */
     struct surface_knot knot[SURFACE_KNOTS];
 };
+/* The model's own; NULL: the shipped model's. */
+SURFACE_API const struct surface_calibration *
+surface_model_calibration(const struct surface_model *model);
+/* Is it as described above?  1 or 0. */
+SURFACE_API int surface_calibration_valid(const struct surface_calibration *by);
+/* The false match rate at a threshold of this score, 0..1: 1 below the first knot, linear between
+ * the knots, and from the last one on that one's: never below what the comparisons support.
+ * NaN gives 1. */
+SURFACE_API double surface_calibration_rate(const struct surface_calibration *by,
+                                            double score);
 
 /* ---- memory to work with */
 
@@ -121,11 +153,15 @@ SURFACE_API void surface_work_free(struct surface_work *work); /* NULL is allowe
 SURFACE_API enum surface_status
 surface_work_calibrate(struct surface_work *work, const struct surface_calibration *by);
 
-/* The false match rate at a threshold of this score, 0..1, by the calibration in force. */
-SURFACE_API double surface_false_match_rate(const struct surface_work *work,
-                                            double score);
+/* The calibration that work decides by. */
+SURFACE_API const struct surface_calibration *
+surface_work_calibration(const struct surface_work *work);
 
-/* Overwrite what is left in the memory of the faces that were worked on. */
+/* A clock for the times that surface_disparity() reports, in ms; NULL: none. */
+SURFACE_API void surface_work_clock(struct surface_work *work, double (*clock_ms)(void));
+
+/* Overwrite what is left in the memory of the faces that were worked on, and give back what more
+ * than faces of 10,000 points need. */
 SURFACE_API void surface_work_wipe(struct surface_work *work);
 
 /* ---- a face from a scan */
@@ -140,24 +176,41 @@ enum {
      * turned or cropped.  Without it the face is found, cropped and turned, whatever lies
      * around it and whatever its pose. */
     SURFACE_FRONTAL = 1,
-    SURFACE_ENROLMENT =
-        2 /* with the stricter gate for faces that others are compared with */
+    /* with the stricter gate for faces that others are compared with */
+    SURFACE_ENROLMENT = 2
+};
+
+/* Asked before each step of the search; when it returns other than 0 the build ends with
+ * SURFACE_ESTOPPED. */
+struct surface_stop {
+    int (*wanted)(const void *arg);
+    const void *arg;
 };
 
 /* The points of a scan, in any order; all borrowed for the call. */
 struct surface_cloud {
     size_t size;
-    const double (*points)[3]; /* (x, y, z); those with a NaN or an infinity are left out,
-                                  but with SURFACE_FRONTAL refused */
-    const double (
-        *normals)[3]; /* of any length, (0, 0, 0) where unknown; NULL: none.  They
-                                   tell front from back, and a mirror image */
+    /* (x, y, z); those with a NaN or an infinity are left out, but with SURFACE_FRONTAL refused */
+    const double (*points)[3];
+    /* of any length, (0, 0, 0) where unknown; NULL: none.  They tell front from back, and a
+     * mirror image */
+    const double (*normals)[3];
     size_t n;
-    uint32_t width, height; /* of a depth image, whose points go row by row from the upper
-                               left, n = width height; else 0 */
-    double unit_mm;         /* millimetres for each unit of the points; 0: it is found, or
-                               with SURFACE_FRONTAL 1 */
-    uint32_t flags;         /* SURFACE_FRONTAL | SURFACE_ENROLMENT */
+    /* of a depth image, whose points go row by row from the upper left, n = width height; else 0 */
+    uint32_t width, height;
+    /* millimetres for each unit of the points; 0: it is found, or with SURFACE_FRONTAL 1 */
+    double unit_mm;
+    uint32_t flags; /* SURFACE_FRONTAL | SURFACE_ENROLMENT */
+    /* of an image of which only some points are given: the place of each, ascending, and n is
+     * their number; NULL: all are given */
+    const uint32_t *place;
+    const struct surface_stop *stop; /* NULL: the caller waits */
+    /* [n], both or neither; NULL: not wanted.  They receive the points that the face was built
+     * from, surface_found.kept of them, in the frontal view and mm, and the place of each among
+     * those given, or in the image.  `kept` may be `points`, which is then overwritten, also on
+     * failure, and costs no copy; likewise for the places */
+    double (*kept)[3];
+    uint32_t *kept_place;
 };
 
 /* What can be noted of a scan that a face was built from: bits 1 << surface_warning. */
@@ -167,34 +220,56 @@ enum surface_warning {
     SURFACE_BEHIND,   /* many points are outside the face; they were ignored */
     SURFACE_TURNED,   /* farther from the scanner's view than an enrolment may be */
     SURFACE_OCCLUDED, /* something covers a part of the face */
-    SURFACE_THINNED   /* more points than the measure needs */
+    SURFACE_THINNED,  /* more points than the measure needs */
+    SURFACE_WARNINGS
 };
 /* "several_faces", "mirrored", ...; static; NULL for another value. */
 SURFACE_API const char *surface_warning_name(enum surface_warning warning);
+
+/* How good a surface is.  All 0: it was not rated, as that of a face that was decoded is not. */
+struct surface_quality {
+    double score;      /* 0..1, the least of its parts */
+    double coverage;   /* share of the outline's area that was measured, 0..1 */
+    double density_mm; /* typical distance between neighbours */
+    double noise_mm;   /* white noise, estimated from the surface itself */
+};
 
 /* What was found in a scan, also on failure as far as the search came; the rest is 0. */
 struct surface_found {
     size_t size;
     size_t points;      /* with finite coordinates */
-    size_t points_used; /* of the face */
-    size_t bad;     /* index of the offending point for SURFACE_ENOTFINITE and _ERANGE */
+    size_t points_used; /* of the face; 0 on failure */
+    size_t kept;        /* of surface_cloud.kept; on failure they mean nothing */
+    size_t bad;     /* the offending point's number for SURFACE_ENOTFINITE and _ERANGE */
     double unit_mm; /* the unit that was taken; 0: none */
     int unit_found; /* the caller did not give it */
+    int cropped;    /* the face was taken out of what it lay in; else it lies as given */
     uint32_t faces; /* in the cloud */
     uint32_t warnings; /* bits */
     double extent[3];  /* of the points, in their unit */
-    double view[16]; /* from the points' unit and axes to the frontal view in mm, in which
-                           the face lies: a similarity */
-    double yaw_deg, pitch_deg, roll_deg; /* of the face's front, seen from the scanner:
-        positive to the image's right, upwards, anticlockwise; NaN where that is unknown */
+    /* from the points' unit and axes to the frontal view in mm, in which the face lies: a
+     * similarity */
+    double view[16];
+    /* of the face's front, seen from the scanner: positive to the image's right, upwards,
+     * anticlockwise; NaN where that is unknown */
+    double yaw_deg, pitch_deg, roll_deg;
     double occluded;  /* share of the face's area that something covers, 0..1 */
     double elsewhere; /* share of the points that are neither of the face nor cover it */
     /* The gate: what was measured, and what is wanted at least or at most. */
-    double support, support_wanted;   /* how much of what is seen a face explains */
-    double evidence, evidence_wanted; /* that it is a face; docs/decision.md */
-    double seen, seen_wanted;         /* share of a face that is there */
+    double support, support_wanted; /* how much of what is seen a face explains */
+    /* that it is a face (docs/model.md): likeness + 4 eyes + 5 support + 5 detail (at most 5) +
+     * 2 seen + 2 forehead (0 at least: who wears a fringe lacks none) */
+    double evidence, evidence_wanted;
+    double seen, seen_wanted; /* share of a face that is there */
+    /* what a face's shape leaves of the scan; INFINITY: a probe may have any */
     double residual_mm, residual_most;
     double head_size; /* 1: of adults */
+    double likeness;  /* how little is left of the scan */
+    double eyes;      /* how much like eyes the places of both are, -1..1 */
+    double detail;    /* how much of a face's fine relief there is; 1: the mean face's */
+    double forehead;  /* how much like a fitted face's it is, -1..1 */
+    /* of the surface, also of one that is refused */
+    struct surface_quality quality;
 };
 
 /* Build a face from a scan.
@@ -210,31 +285,54 @@ SURFACE_API enum surface_status surface_build(struct surface_work *work,
                                               struct surface_found *found);
 SURFACE_API void surface_face_free(struct surface_face *face); /* NULL is allowed */
 
+/* Build a face from a scan as for an enrolment and, where that is refused, as for a verification,
+ * with one search.  SURFACE_ENROLMENT has no meaning.
+ * refused, why  the enrolment's status, and what was found then
+ * found         what the caller is told of the face or the last refusal
+ * Returns as surface_build() does for the verification. */
+SURFACE_API enum surface_status
+surface_check(struct surface_work *work, const struct surface_cloud *cloud,
+              struct surface_face **out, enum surface_status *refused,
+              struct surface_found *why, struct surface_found *found);
+
+/* Build *face, of another engine, anew from the points that it keeps, in its memory; they do not
+ * change by a bit.  On failure it is released, and *face NULL.  Returns as surface_build(). */
+SURFACE_API enum surface_status surface_rebuild(struct surface_work *work,
+                                                struct surface_face **face);
+
 /* Defects of a scan that can still be used: bits 1 << surface_reason. */
 enum surface_reason {
-    SURFACE_SPARSE, /* too far between neighbouring points */
-    SURFACE_NOISY,
+    SURFACE_SPARSE,     /* density_mm above SURFACE_SPARSE_MM */
+    SURFACE_NOISY,      /* noise_mm above SURFACE_NOISY_MM */
     SURFACE_INCOMPLETE, /* too little of the outline's area was measured */
-    SURFACE_OBLIQUE     /* by more than 30 degrees of yaw, or 20 of pitch or roll */
+    SURFACE_OBLIQUE, /* by more than SURFACE_YAW_DEG, or SURFACE_TILT_DEG of pitch or roll */
+    SURFACE_REASONS
 };
 /* "sparse", "noisy", "incomplete", "turned"; static; NULL for another value. */
 SURFACE_API const char *surface_reason_name(enum surface_reason reason);
+/* The defects, as bits.  face: NULL where it is not known; SURFACE_OBLIQUE is then not among
+ * them. */
+SURFACE_API uint32_t surface_quality_reasons(const struct surface_quality *q,
+                                             const struct surface_face *face);
 
-struct surface_quality {
-    size_t size;
-    size_t points;     /* kept: points with the same x and y become one */
-    double score;      /* 0..1, the least of its parts */
-    double coverage;   /* share of the outline's area that was measured, 0..1 */
-    double density_mm; /* typical distance between neighbours */
-    double noise_mm;   /* white noise, estimated from the surface itself */
-    uint32_t reasons;  /* bits */
-};
-/* All but points is 0 of a face that was decoded: bytes do not have it. */
-SURFACE_API void surface_face_quality(const struct surface_face *face,
-                                      struct surface_quality *out);
+SURFACE_API struct surface_quality surface_face_quality(const struct surface_face *face);
+/* Give a decoded face the quality that was stored beside its bytes. */
+SURFACE_API void surface_face_rate(struct surface_face *face,
+                                   const struct surface_quality *q);
 
-/* Copy the points that the face keeps, in the frontal view, to out[surface_quality.points]. */
-SURFACE_API void surface_face_points(const struct surface_face *face, double (*out)[3]);
+/* Copy the points that the face keeps, in the frontal view, or the corners of its triangles,
+ * anticlockwise, as numbers of points.  Both return their number; out may be NULL. */
+SURFACE_API uint32_t surface_face_points(const struct surface_face *face,
+                                         double (*out)[3]);
+SURFACE_API uint32_t surface_face_triangles(const struct surface_face *face,
+                                            uint32_t (*out)[3]);
+
+/* The memory that the face takes, about, in bytes. */
+SURFACE_API size_t surface_face_memory(const struct surface_face *face);
+
+/* Are triangles and tree what the points give?  For faces from bytes, beyond what
+ * surface_decode() checks.  SURFACE_OK, SURFACE_ECORRUPT. */
+SURFACE_API enum surface_status surface_face_check(const struct surface_face *face);
 
 /* ---- a face as bytes */
 
@@ -275,11 +373,28 @@ SURFACE_API enum surface_status surface_compare(struct surface_work *work,
                                                 const struct surface_face *probe,
                                                 struct surface_comparison *out);
 
+/* With the mirror image of the probe, to tell whether a scanner swaps left and right. */
+SURFACE_API enum surface_status surface_compare_mirrored(struct surface_work *work,
+                                                         const struct surface_face *tmpl,
+                                                         const struct surface_face *probe,
+                                                         struct surface_comparison *out);
+
 /* c is one of n > 0 comparisons of a probe with the templates of one person, of which the best
  * decides: n chances for a false match.  Lowers score and expected by ln n; decision and rate
- * follow. */
+ * follow, by c->threshold, which the caller may have changed. */
 SURFACE_API void surface_best_of(const struct surface_work *work, uint32_t n,
                                  struct surface_comparison *c);
+
+/* Score and threshold in steps of 1 / steps, the threshold rounded up, the score so that it agrees
+ * with the decision: below the threshold stays below. */
+SURFACE_API void surface_shown(const struct surface_comparison *c, double steps,
+                               double *score, double *threshold);
+
+/* Round score and threshold as surface_shown() in steps of 0.1, the overlap to 0.01, and take the
+ * rate of the rounded score: for those who may know the decision, and should not learn a face from
+ * many scores. */
+SURFACE_API void surface_round(const struct surface_work *work,
+                               struct surface_comparison *c);
 
 /* The minimal disparity of the papers, which does not decide. */
 struct surface_disparity {
@@ -288,8 +403,17 @@ struct surface_disparity {
     double volume_mm3;    /* between both surfaces, over what both cover */
     double area_mm2;      /* of what both cover, as the template's scanner sees it */
     double transform[16]; /* probe -> template, where the disparity is least */
-    double align_transform[16]; /* where the probe is best explained as the same person */
-    double turn_deg, shift_mm;  /* standard deviations of that pose */
+    /* by the weight of each place in telling people apart: of surface_weigh(), else as above */
+    double weighted_mm;
+    /* The alignment: where the probe is best explained as the same person. */
+    double align_transform[16];
+    double turn_deg, shift_mm; /* standard deviations of that pose; INFINITY: unknown */
+    double cost_mm;            /* mean gap at the coarse pose that was refined */
+    double rival_mm; /* the same of the best coarse pose elsewhere; INFINITY: none */
+    uint32_t starts, evaluations; /* poses that were tried first, and in all */
+    /* why the search ended: "converged", "steps" (too many), "apart" (too little in common) */
+    const char *stop;
+    double align_ms, minimal_ms; /* by surface_work_clock(), else 0 */
 };
 
 /* Align the probe to the template, and find the least disparity near that pose.
@@ -298,6 +422,13 @@ SURFACE_API enum surface_status surface_disparity(struct surface_work *work,
                                                   const struct surface_face *tmpl,
                                                   const struct surface_face *probe,
                                                   struct surface_disparity *out);
+
+/* Set weighted_mm of what surface_disparity() found.  Returns SURFACE_OK, SURFACE_ENOMEM.  About
+ * 1 ms. */
+SURFACE_API enum surface_status surface_weigh(struct surface_work *work,
+                                              const struct surface_face *tmpl,
+                                              const struct surface_face *probe,
+                                              struct surface_disparity *least);
 
 /* How far each point, moved by transform, lies above the template along its scanner's z, in
  * mm; NaN where the template does not cover it.  For points given to surface_build() the
@@ -319,13 +450,22 @@ enum surface_region {
 };
 SURFACE_API const char *surface_region_name(enum surface_region region); /* "nose", ... */
 
-/* What a comparison was decided on, for each cell of 4 mm of a frame with the nose tip near its
- * origin: rows from the lower left, x from -64 mm, y from -94 mm. */
+/* Cells of a frame with the nose tip near its origin: rows from the lower left. */
+#define SURFACE_CELLS_X      32
+#define SURFACE_CELLS_Y      41
+#define SURFACE_CELLS        (SURFACE_CELLS_X * SURFACE_CELLS_Y)
+#define SURFACE_CELL_MM      4.0
+#define SURFACE_CELLS_LEFT   (-64.0)
+#define SURFACE_CELLS_BOTTOM (-94.0)
+
+/* What a comparison was decided on, for each cell. */
 struct surface_parts {
     size_t size;
     double region[SURFACE_REGIONS]; /* of the score */
-    float gap_mm[SURFACE_CELLS];    /* probe minus template; NaN where either has none */
-    float part[SURFACE_CELLS];      /* of the score, whose sum is the score; NaN: none */
+    /* probe minus template, each at its own frame, at right angles to the mean face; NaN where
+     * either has none */
+    float gap_mm[SURFACE_CELLS];
+    float part[SURFACE_CELLS]; /* of the score, whose sum is the score; NaN: none */
 };
 /* Returns SURFACE_OK, SURFACE_ENOMEM.  About 2 ms. */
 SURFACE_API enum surface_status surface_parts(struct surface_work *work,
@@ -336,12 +476,17 @@ SURFACE_API enum surface_status surface_parts(struct surface_work *work,
 struct surface_asymmetry {
     size_t size;
     int conclusive; /* enough of the face lies over its mirror image */
-    double
-        disparity_mm; /* between the face and its mirror image, at the plane where it is
-                               least */
-    double first_mm;  /* at the starting plane */
-    double normal[3]; /* of the plane, a unit vector towards the image's right; */
-    double offset_mm; /* normal . p for its points p, in the frontal view */
+    /* between the face and its mirror image, at the plane where it is least */
+    double disparity_mm;
+    double first_mm;    /* at the starting plane */
+    double normal[3];   /* of the plane, a unit vector towards the image's right; */
+    double offset_mm;   /* normal . p for its points p, in the frontal view */
+    double weighted_mm; /* as disparity_mm, by the weight of each place */
+    double volume_mm3, area_mm2, overlap;
+    double moved_deg, moved_mm; /* from the starting plane to the final one */
+    double turn_deg, shift_mm;  /* standard deviations of both, by a jackknife */
+    uint32_t evaluations;       /* planes that were tried */
+    const char *stop;           /* as in struct surface_disparity */
 };
 /* Returns SURFACE_OK, SURFACE_ENOMEM.  About 20 ms. */
 SURFACE_API enum surface_status surface_asymmetry(struct surface_work *work,

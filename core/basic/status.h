@@ -1,0 +1,57 @@
+/* status.h -- the outcome of every call that can fail.
+ * ST_OK is 0; those of the library have the library's numbers.  core returns a status and nothing else: it prints nothing and never exits;
+ * the other rooms add text (base/errinfo.h).  HTTP codes exist only in server/errmap.c. */
+#ifndef CORE_STATUS_H
+#define CORE_STATUS_H
+#include "libsurface.h"
+
+enum status {
+    ST_OK = SURFACE_OK,
+    ST_EINVAL = SURFACE_EINVAL, /* an argument or a field is malformed */
+    ST_ENOMEM = SURFACE_ENOMEM, /* memory ran out; nothing was changed */
+    ST_ESIZE,                   /* more bytes than the stated limit */
+    /* From here to ST_EQUALITY: what can be wrong with the points of a scan. */
+    ST_ELIMIT =
+        SURFACE_ELIMIT, /* more than the stated limit of something else (points, depth) */
+    ST_ETOOFEW = SURFACE_ETOOFEW,         /* fewer than the points needed */
+    ST_ENOTFINITE = SURFACE_ENOTFINITE,   /* a coordinate is NaN or infinite */
+    ST_ERANGE = SURFACE_ERANGE,           /* a coordinate lies off the lattice */
+    ST_EDEGENERATE = SURFACE_EDEGENERATE, /* all points on one line, or no area */
+    ST_EUNITS = SURFACE_EUNITS,     /* the extent is not that of a face in millimetres */
+    ST_ENOFACE = SURFACE_ENOFACE,   /* no face was found */
+    ST_ESEVERAL = SURFACE_ESEVERAL, /* more than one face, where there must be one */
+    ST_EMIRRORED = SURFACE_EMIRRORED, /* a mirror image */
+    ST_ENOTFACE = SURFACE_ENOTFACE,   /* the surface is not a face (quality gate) */
+    ST_EQUALITY = SURFACE_EQUALITY,   /* a face, but too poor a scan (quality gate) */
+    ST_ECORRUPT = SURFACE_ECORRUPT,   /* stored or internal data contradicts itself */
+    ST_EVERSION = SURFACE_EVERSION,   /* data of another, unsupported format or version */
+    ST_ENOTFOUND,                     /* no such subject, template or token */
+    ST_EEXISTS,                       /* it is already there */
+    ST_EMISMATCH,                     /* a sample does not fit the subject's others */
+    ST_EREPLAYED,                     /* a scan that was used before */
+    ST_EDENIED,                       /* no permission */
+    ST_EREFUSED, /* not the database that it should be: replaced, older, another key */
+    ST_EHELD,    /* a subject on hold is not erased */
+    ST_EFULL,    /* a subject has as many templates as it may have */
+    ST_EBUSY = SURFACE_ESTOPPED,      /* try again later */
+    ST_EIO,                           /* reading or writing failed */
+    ST_EDB,                           /* the database failed */
+    ST_EINTERNAL = SURFACE_EINTERNAL, /* a defect of this program */
+    ST_COUNT                          /* number of codes; not a code */
+};
+
+/* status_from(st): what a function of the library returned. */
+static inline enum status status_from(enum surface_status st)
+{
+    return (enum status)st;
+}
+
+/* status_message(st): one short English phrase for st, never NULL; "unknown status" for
+ * values that are no code. */
+const char *status_message(enum status st);
+
+/* status_refusal(st): the word for a refusal of a scan, as in the API ("not_a_face");
+ * "malformed" for what is no scan, NULL for ST_OK. */
+const char *status_refusal(enum status st);
+
+#endif
