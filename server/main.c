@@ -276,6 +276,7 @@ int main(int argc, char **argv)
     logger_use((enum logger_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;
+    app.no_console = o.no_console;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
     if (start(&o, &app, &http, url, &e) != ST_OK) {

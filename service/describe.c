@@ -230,6 +230,35 @@ static void scans(struct json *j, const struct describe_comparison *c)
     }
 }
 
+static void qualities(struct json *j, const struct describe_comparison *c)
+{
+    const struct face *a = c->other_face, *b = c->probe;
+
+    if (a == NULL) {
+        describe_quality(j, "quality", &b->quality, &b->frame);
+        return;
+    }
+    json_object(j, "quality");
+    describe_quality(j, "a", &a->quality, &a->frame);
+    describe_quality(j, "b", &b->quality, &b->frame);
+    json_close(j);
+}
+
+void describe_calibration(struct json *j, const struct calibration *c)
+{
+    json_object(j, "calibration");
+    json_number(j, "threshold", c->threshold);
+    json_array(j, "knots");
+    for (uint32_t i = 0; i < c->n; i++) {
+        json_object(j, NULL);
+        json_score(j, "score", c->knot[i].score);
+        json_rate(j, "rate", c->knot[i].rate);
+        json_close(j);
+    }
+    json_close(j);
+    json_close(j);
+}
+
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct face_result *r = c->result;
@@ -249,7 +278,7 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
     scans(j, c);
-    describe_quality(j, "quality", &c->probe->quality, &c->probe->frame);
+    qualities(j, c);
     json_text(j, "engine", c->engine);
     if (c->measure)
         measure(j, c);

@@ -62,6 +62,7 @@ struct describe_comparison {
     const struct scan_found *scan;  /* the probe's; NULL: left out */
     const struct scan_found *other; /* of what is compared with it in a template's place;
                                          NULL: that is a template */
+    const struct face *other_face;  /* with it */
     const char *engine;             /* face_engine() */
     const char *subject, *template_id; /* NULL: null */
     uint32_t templates_compared;
@@ -74,6 +75,11 @@ struct describe_comparison {
 };
 
 void describe_comparison(struct json *j, const struct describe_comparison *c);
+
+/* describe_calibration(j, c): the threshold, and the share of other people's scores at or above
+ * each of some scores. */
+struct calibration; /* calibration.h */
+void describe_calibration(struct json *j, const struct calibration *c);
 
 /* describe_cells(j, f): what each cell added to the score, by rows from the lower left, and where
  * the cells are. */

@@ -8,6 +8,7 @@
 #include "in_force.h"
 #include "mem.h"
 #include "sample.h"
+#include "show.h"
 
 static double now(const struct templates_context *c)
 {
@@ -90,24 +91,34 @@ static enum status minimal(struct verification *v, struct errinfo *e)
                              r->detail >= VERIFY_MEASURE, &v->least, e);
 }
 
-static enum status heatmap(struct templates_context *c, struct verification *v,
-                           struct errinfo *e)
+static enum status gaps(struct verification *v)
 {
-    const struct face *face = v->templates.face[v->best.index];
     const struct verify_scan *s = &v->request->probe;
-    enum status st = ST_ENOMEM;
+    enum status st;
 
-    if (v->request->detail != VERIFY_HEATMAP)
-        return ST_OK;
-    if ((v->gap = mem_array(s->points.read, sizeof *v->gap)) != NULL)
-        st = heatmap_gaps(&face->surface, s->points.at, s->points.n,
-                          v->best.result.align.transform, v->gap);
+    if ((v->gap = mem_array(s->points.read, sizeof *v->gap)) == NULL)
+        return ST_ENOMEM;
+    st = heatmap_gaps(&v->templates.face[v->best.index]->surface, s->points.at,
+                      s->points.n, v->best.result.align.transform, v->gap);
     if (st == ST_OK)
-        st = face_field(face, s->face, c->work, &v->field);
-    if (st != ST_OK)
-        return errinfo_set(e, st, "no memory for the heatmap");
-    verify_spread(&s->points, v->gap);
-    return ST_OK;
+        verify_spread(&s->points, v->gap);
+    return st;
+}
+
+static enum status field(struct templates_context *c, struct verification *v,
+                         struct errinfo *e)
+{
+    const enum verify_detail detail = v->request->detail;
+    enum status st = ST_OK;
+
+    if (detail < VERIFY_SURFACE)
+        return ST_OK;
+    if (detail == VERIFY_HEATMAP)
+        st = gaps(v);
+    if (st == ST_OK)
+        st = face_field(v->templates.face[v->best.index], v->request->probe.face, c->work,
+                        &v->field);
+    return st == ST_OK ? ST_OK : errinfo_set(e, st, "no memory for the heatmap");
 }
 
 /* The codec's digest takes time, and points of another number are no template's. */
@@ -182,7 +193,7 @@ enum status verify_run(struct templates_context *c, struct verify_request *r,
     if (st == ST_OK)
         st = minimal(v, e);
     if (st == ST_OK)
-        st = heatmap(c, v, e);
+        st = field(c, v, e);
     if (st == ST_OK)
         st = record(c, v, e);
     if (st == ST_OK)
@@ -221,6 +232,7 @@ struct describe_comparison verify_describe(const struct verification *v,
         .probe = r->probe.face,
         .scan = &r->probe.found,
         .other = stored ? NULL : &r->other->found,
+        .other_face = stored ? NULL : r->other->face,
         .engine = engine,
         .subject = stored ? v->templates.of.subject.id : NULL,
         .template_id = stored ? v->templates.of.t[v->best.index].id : NULL,
@@ -230,6 +242,12 @@ struct describe_comparison verify_describe(const struct verification *v,
         .gap_mm = v->gap,
         .field = v->gap != NULL ? &v->field : NULL,
         .n = r->probe.points.read};
+}
+
+enum status verify_show(const struct verification *v, struct json *j, struct show *out)
+{
+    return show_comparison(v->templates.face[v->best.index], v->request->probe.face,
+                           v->best.result.align.transform, &v->field, j, out);
 }
 
 void verify_spread(const struct cloudpoints *c, double *value)

@@ -133,6 +133,11 @@ void face_work_decide(struct face_work *w, const struct calibration *c)
     w->calibration = c != NULL ? *c : w->model->calibration;
 }
 
+const struct calibration *face_work_calibration(const struct face_work *w)
+{
+    return &w->calibration;
+}
+
 const struct model *face_work_model(const struct face_work *w)
 {
     return w->model;
@@ -582,6 +587,11 @@ enum status face_field(const struct face *tmpl, const struct face *probe,
             st = encode_parts(&w->encode, z[i], (double)face[i]->encoding.residual_mm,
                               slope[i], &w->normal, part);
     }
+    if (st == ST_OK)
+        st = encode_rest(&w->encode, z[0], z[1],
+                         (const double[]){(double)tmpl->encoding.residual_mm,
+                                          (double)probe->encoding.residual_mm},
+                         &w->normal, out->rest_mm);
     for (uint32_t i = 0; st == ST_OK && i < GRID_N; i++) {
         const float flat = w->encode.normal_z[i];
 

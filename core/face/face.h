@@ -62,6 +62,9 @@ void face_work_wipe(struct face_work *w);
  * model's own. */
 void face_work_decide(struct face_work *w, const struct calibration *d);
 
+/* face_work_calibration(w): what w decides by. */
+const struct calibration *face_work_calibration(const struct face_work *w);
+
 /* The model that w was made with, its mean face ready to align to, and its shape ready to be
  * fitted. */
 const struct model *face_work_model(const struct face_work *w);
@@ -174,6 +177,8 @@ struct face_field {
     float
         gap_mm[GRID_N]; /* probe minus template, each at its own frame, at right angles to
                              the mean face; NAN where either has none */
+    float rest_mm
+        [GRID_N]; /* the gap less the motion and the change that explain most of it */
     float part[GRID_N]; /* of the score, whose sum is the score; NAN: neither counts */
     double region[GRID_REGIONS]; /* likewise */
 };

@@ -36,6 +36,7 @@ struct app {
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
+    bool no_console;
     bool signed_captures; /* nothing else is taken (capture.h) */
     size_t max_body;      /* bytes */
     atomic_bool stopping;
