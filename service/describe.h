@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 struct asymmetry;        /* asymmetry.h */
+struct calibration;      /* calibration.h */
 struct enrolment_result; /* enrolment.h */
 struct face;             /* face.h */
 struct face_field;       /* face.h */
@@ -78,7 +79,6 @@ void describe_comparison(struct json *j, const struct describe_comparison *c);
 
 /* describe_calibration(j, c): the threshold, and the share of other people's scores at or above
  * each of some scores. */
-struct calibration; /* calibration.h */
 void describe_calibration(struct json *j, const struct calibration *c);
 
 /* describe_cells(j, f): what each cell added to the score, by rows from the lower left, and where

@@ -10,6 +10,8 @@
 #include "scan.h"
 #include "templates.h"
 
+struct show; /* show.h */
+
 enum verify_detail {                  /* what is wanted of a comparison */
                      VERIFY_DECISION, /* the decision and the ids alone */
                      VERIFY_BRIEF,    /* nothing from which a template could be rebuilt */
@@ -71,7 +73,6 @@ struct describe_comparison verify_describe(const struct verification *v,
 
 /* verify_show(v, j, out): the template that decided and the probe over it, after VERIFY_SURFACE;
  * j as of show_comparison().  Returns ST_OK, ST_ENOMEM. */
-struct show;
 enum status verify_show(const struct verification *v, struct json *j, struct show *out);
 
 /* verify_spread(c, value): value, with room for c->read, has one for each point of c; after

@@ -53,7 +53,7 @@ static const struct route table[] = {
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
      false},
     {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
-    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, COMPARING, scans_check, false},
+    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
      false},

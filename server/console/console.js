@@ -76,7 +76,7 @@ function showLock(why) {
   el("label", { htmlFor: "token" }, "Access token"),
   input, button, error,
   el("p.dim", {}, "It is kept in this page's memory alone, and forgotten when you lock or leave it. ",
-    "An administrator makes one with ", el("code", {}, "surfacectl token add"), "."));
+    "An administrator makes one with ", el("code", {}, "surfacectl token create"), "."));
   document.body.replaceChildren(el("main.locked", {}, form));
   document.title = "surfaced";
   input.focus();

@@ -51,6 +51,8 @@ export const mm = (value, digits = 2) => `${value.toFixed(digits)} mm`;
 export const percent = (share) => `${Math.round(share * 100)} %`;
 export const signed = (value, digits) => (value < 0 ? "−" : "+") + Math.abs(value).toFixed(digits);
 
+export const plain = (value, digits) => (value < 0 ? "−" : "") + Math.abs(value).toFixed(digits);
+
 /** "2026-11-23 02:29:53", as the logs have it. */
 export const time = (iso) => (iso ? iso.replace("T", " ").replace(/(\.\d+)?Z$/, "") : "–");
 export const day = (iso) => (iso ? iso.slice(0, 10) : "–");

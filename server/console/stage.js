@@ -65,6 +65,7 @@ export function createStage() {
     el("button", { type: "button", onclick: () => view?.pose(name) }, title)));
   const element = el("div.stage", {}, canvas, tabs, about, legend.element, handle, tip, poses);
   const view = createView(canvas, update);
+  canvas.frameTime = view?.time; // for tests
   let nodes = null, layer = null, share = 0.5;
 
   const theme = () => view?.setTheme(colors());
@@ -162,7 +163,6 @@ export function createStage() {
       nodes = given;
       tabs.hidden = !layered;
       poses.hidden = !view;
-      if (!view) about.textContent = "This browser shows no 3D here (WebGL2); the numbers are complete without it.";
       view?.show(given, first ? "three" : null);
       if (layered) {
         const old = layer;
@@ -171,7 +171,10 @@ export function createStage() {
       } else {
         setLayer(null);
       }
-      if (!view) tabs.hidden = true;
+      if (!view) {
+        tabs.hidden = true;
+        about.textContent = "This browser shows no 3D here (WebGL2); the numbers are complete without it.";
+      }
     },
     close: () => {
       removeEventListener("theme", theme);

@@ -1,7 +1,7 @@
 // try.js -- two scans compared, or one looked at.  Nothing is stored.
 
 import { request, url } from "./api.js";
-import { count, el, icon, mm, oneIn, percent, save, signed, svg } from "./dom.js";
+import { count, el, icon, mm, oneIn, percent, plain, save, signed, svg } from "./dom.js";
 import { readGlb } from "./glb.js";
 import { createStage } from "./stage.js";
 
@@ -23,9 +23,9 @@ export const VERDICTS = {
 function explain(r) {
   const apart = `On average the two surfaces lie ${mm(r.disparity_mm)} apart.`;
   if (r.decision === "match")
-    return `The shape speaks for one person: the evidence is ${r.score.toFixed(1)}, and ${r.threshold.toFixed(1)} is enough. ${apart}`;
+    return `The shape speaks for one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
   if (r.decision === "no_match")
-    return `The shape speaks against one person: the evidence is ${r.score.toFixed(1)}, and ${r.threshold.toFixed(1)} would be needed. ${apart}`;
+    return `The shape speaks against one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} would be needed. ${apart}`;
   return `The two scans have ${percent(r.overlap)} of the face in common: too little, or too noisy, to say whether it is the same.`;
 }
 
@@ -35,7 +35,7 @@ export function gauge(r, knots) {
   const low = Math.min(-100, r.score - 5), high = Math.max(45, r.score + 5), W = 300, y = 52;
   const x = (score) => ((score - low) / (high - low)) * W;
   const out = svg("svg", { viewBox: `0 0 ${W} 76`, class: "gauge", role: "img",
-    "aria-label": `score ${r.score.toFixed(1)}, threshold ${r.threshold.toFixed(1)}` });
+    "aria-label": `score ${plain(r.score, 1)}, threshold ${plain(r.threshold, 1)}` });
   const line = (a, b, kind) => svg("rect", { x: x(a), y: y - 4, width: Math.max(0, x(b) - x(a)), height: 8, rx: 4, class: kind });
   if (knots?.length > 1) {
     // Where the curve of the share falls steeply there are many people.
@@ -62,9 +62,9 @@ export function gauge(r, knots) {
   };
   out.append(line(low, r.threshold, "no"), line(r.threshold, high, "ok"),
     svg("rect", { x: x(r.threshold) - 0.75, y: y - 9, width: 1.5, height: 18, class: "limit" }),
-    text(r.threshold, y + 21, `needed ${r.threshold.toFixed(1)}`),
+    text(r.threshold, y + 21, `needed ${plain(r.threshold, 1)}`),
     svg("circle", { cx: x(r.score), cy: y, r: 6.5, class: "score" }),
-    text(r.score, y - 13, r.score.toFixed(1), "strong"));
+    text(r.score, y - 13, plain(r.score, 1), "strong"));
   return out;
 }
 

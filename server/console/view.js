@@ -16,24 +16,17 @@ void main() {
   gl_Position.z += back * gl_Position.w;
 }`;
 
-// Bands of 1/12 of the scale, so that a place can be found on the legend; a line where the
-// amount passes the limit.
+// The colours are a texture of 25 bands, so that a place can be found on the legend; a line where
+// the amount passes the limit.
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
 in float light, amount, there;
-uniform vec3 base, none, scale[7], line; uniform float end, limit; uniform int coloured;
+uniform vec3 base, none, line; uniform float end, limit; uniform int coloured; uniform sampler2D scale;
 out vec4 color;
-vec3 shade(float v) {
-  float at = clamp(v / end, -1.0, 1.0) * 3.0 + 3.0;
-  at = floor(at * 4.0 + 0.5) / 4.0;
-  vec3 c = scale[0];
-  for (int i = 0; i < 6; i++) c = mix(c, scale[i + 1], clamp(at - float(i), 0.0, 1.0));
-  return c;
-}
 void main() {
   vec3 c = base;
   if (coloured == 1) {
-    c = mix(none, shade(amount), step(0.5, there));
+    c = mix(none, texture(scale, vec2(amount / end * 0.48 + 0.5, 0.5)).rgb, step(0.5, there));
     float far = abs(abs(amount) - limit) / max(fwidth(amount), 1e-6);
     c = mix(c, line, (1.0 - smoothstep(0.4, 1.4, far)) * 0.55 * step(0.99, there));
   }
@@ -51,6 +44,20 @@ void main() { color = vec4(base, 1.0); }`;
 export const SCALE = ["#103682", "#4688ce", "#c4d8e6", "#f0ede5", "#f6dec2", "#ec944e", "#9e3406"];
 
 export const hex = (text) => [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16) / 255);
+
+const BANDS = 25;
+
+/** The scale's colours, evenly spaced. */
+function bands() {
+  const out = new Uint8Array(4 * BANDS), colors = SCALE.map(hex);
+  for (let i = 0; i < BANDS; i++) {
+    const at = (6 * i) / (BANDS - 1), k = Math.min(5, Math.floor(at));
+    for (let c = 0; c < 3; c++)
+      out[4 * i + c] = Math.round(255 * (colors[k][c] + (at - k) * (colors[k + 1][c] - colors[k][c])));
+    out[4 * i + 3] = 255;
+  }
+  return out;
+}
 
 const VIEWS = { front: [0, 0], three: [-0.62, 0.06], profile: [-1.45, 0.02] };
 
@@ -104,6 +111,11 @@ export function createView(canvas, changed = () => {}) {
   if (!gl) return null;
   const surface = program(gl, SURFACE_VERTEX, SURFACE_FRAGMENT);
   const point = program(gl, POINT_VERTEX, POINT_FRAGMENT);
+  gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());
+  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, BANDS, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, bands());
+  for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.NEAREST], [gl.TEXTURE_MAG_FILTER, gl.NEAREST],
+    [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]])
+    gl.texParameteri(gl.TEXTURE_2D, name, value);
   const nodes = {}; // by name: what was uploaded, and the arrays for picking
   let yaw = VIEWS.three[0], pitch = VIEWS.three[1], zoom = 1, curtain = 0.5, swapped = false;
   let layer = null, centre = [0, 0, 0], radius = 100, theme = {}, asked = 0, rest = 0, smooth = null;
@@ -151,7 +163,7 @@ export function createView(canvas, changed = () => {}) {
       });
       centre = low.map((x, i) => (x + high[i]) / 2);
       centre[2] -= 20;
-      radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.75 : 0.6);
+      radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.8 : 0.68);
     }
     if (pose) [yaw, pitch, zoom] = [...VIEWS[pose], 1];
     changedFrame();
@@ -206,7 +218,6 @@ export function createView(canvas, changed = () => {}) {
     if (coloured) {
       gl.uniform3fv(surface.none, theme.none);
       gl.uniform3fv(surface.line, [0.25, 0.27, 0.3]);
-      gl.uniform3fv(surface.scale, SCALE.flatMap(hex));
       gl.uniform1f(surface.end, layer.sign * layer.end);
       gl.uniform1f(surface.limit, layer.limit);
     }
@@ -232,16 +243,18 @@ export function createView(canvas, changed = () => {}) {
     if (!nodes.template) return;
     if (!nodes.probe) return drawSurface(nodes.template, m, theme.skin, false, 0);
     if (layer === "curtain") {
-      const at = Math.round(width * (swapped ? (curtain > 0.5 ? 0 : 1) : curtain));
+      const at = Math.round(width * curtain);
+      const sides = [[nodes.template, theme.a], [nodes.probe, theme.b]];
+      if (swapped) sides.reverse();
       gl.enable(gl.SCISSOR_TEST);
       gl.scissor(0, 0, at, height);
-      drawSurface(nodes.template, m, theme.a, false, 0);
+      drawSurface(sides[0][0], m, sides[0][1], false, 0);
       gl.scissor(at, 0, width - at, height);
-      drawSurface(nodes.probe, m, theme.b, false, 0);
+      drawSurface(sides[1][0], m, sides[1][1], false, 0);
       gl.disable(gl.SCISSOR_TEST);
     } else {
-      drawSurface(nodes.template, m, theme.none, false, 0.012); // behind the probe
       drawSurface(nodes.probe, m, theme.skin, layer !== null, 0);
+      drawSurface(nodes.template, m, theme.none, false, 0.012); // behind the probe: last, so that it costs little
     }
   }
 
