@@ -1,6 +1,7 @@
 #include "compare.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "app.h"
 #include "auth.h"
@@ -146,6 +147,19 @@ static void respond(struct request *r, struct worker *w, struct verification *v)
     r->response.minimal = c.minimal == NULL && r->response.http == 200;
 }
 
+static void note(struct request *r, const struct verification *v)
+{
+    const struct face_result *result = &v->best.result;
+
+    r->result = (struct request_result){.kind = "verify",
+                                        .outcome = templates_decision(result->decision),
+                                        .scored = true,
+                                        .score = result->score,
+                                        .threshold = result->threshold,
+                                        .overlap = result->overlap};
+    memcpy(r->subject, v->templates.of.subject.id, sizeof r->subject);
+}
+
 static void run(struct request *r, struct worker *w, struct verify_request *ask,
                 double parse_ms)
 {
@@ -163,6 +177,8 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
     compare_warn(r, v.recorded.locked_out, v.recorded.many_subjects);
     if (v.decided || (st == ST_OK && ask->other != NULL))
         metrics_decision(r->app->metrics, v.best.result.decision);
+    if (v.decided)
+        note(r, &v);
     if (st == ST_OK && ask->other != NULL)
         record_comparison(r, v.best.result.decision);
     if (st == ST_OK)
@@ -182,6 +198,7 @@ static void verify(struct request *r, struct worker *w, const char *subject,
                                         .limits = &r->app->limits},
                                  .probe = {.name = "points"}};
 
+    r->result.kind = "verify";
     if (!params_detail(r, STORE_SCOPE_DETAIL, &ask.detail) ||
         !cloud_options(r, &ask.probe.how, &ask.probe.axes_given) || !capture_admit(r))
         return;

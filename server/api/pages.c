@@ -17,9 +17,11 @@
 #include "console_glb_js.h"
 #include "console_icon_svg.h"
 #include "console_index_html.h"
+#include "console_live_js.h"
 #include "console_stage_js.h"
 #include "console_style_css.h"
 #include "console_try_js.h"
+#include "console_verdict_js.h"
 #include "console_view_js.h"
 #include "docs_css.h"
 #include "docs_html.h"
@@ -63,8 +65,10 @@ static struct page {
     PAGE("/console/console.js", JAVASCRIPT, console_console_js),
     PAGE("/console/dom.js", JAVASCRIPT, console_dom_js),
     PAGE("/console/glb.js", JAVASCRIPT, console_glb_js),
+    PAGE("/console/live.js", JAVASCRIPT, console_live_js),
     PAGE("/console/stage.js", JAVASCRIPT, console_stage_js),
     PAGE("/console/try.js", JAVASCRIPT, console_try_js),
+    PAGE("/console/verdict.js", JAVASCRIPT, console_verdict_js),
     PAGE("/console/view.js", JAVASCRIPT, console_view_js),
     PAGE("/console/one.ply", "model/ply", sample_one_ply),
     PAGE("/console/one-again.ply", "model/ply", sample_one_again_ply),

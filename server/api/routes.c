@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "enroll.h"
 #include "health.h"
+#include "live.h"
 #include "metrics.h"
 #include "pages.h"
 #include "route.h"
@@ -52,6 +53,9 @@ static const struct route table[] = {
      compare_scans, false},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
      false},
+    {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, MANAGE, "after, limit", live_recent,
+     false},
+    {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset, false},
     {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
     {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
@@ -62,8 +66,8 @@ static const struct route table[] = {
     {REQUEST_PATCH, SUBJECT, ROUTE_MERGE, MANAGE, "", subjects_change, false},
     {REQUEST_DELETE, SUBJECT, ROUTE_NO_BODY, DELETE, "", subjects_delete, false},
     {REQUEST_GET, TEMPLATE, ROUTE_NO_BODY, READ, "", subjects_template, false},
-    {REQUEST_GET, TEMPLATE "/surface", ROUTE_NO_BODY, DETAIL, "format",
-     scans_template, false},
+    {REQUEST_GET, TEMPLATE "/surface", ROUTE_NO_BODY, DETAIL, "format", scans_template,
+     false},
     {REQUEST_DELETE, TEMPLATE, ROUTE_NO_BODY, DELETE, "", subjects_template_delete,
      false},
 };

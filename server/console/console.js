@@ -2,6 +2,7 @@
 
 import { get, setToken } from "./api.js";
 import { el, icon } from "./dom.js";
+import * as livePage from "./live.js";
 import * as tryPage from "./try.js";
 
 const IDLE_MS = 15 * 60 * 1000;
@@ -9,6 +10,7 @@ const IDLE_MS = 15 * 60 * 1000;
 /** Who has one of the scopes sees the page. */
 const PAGES = [
   { name: "try", title: "Try", icon: "face", scopes: ["verify", "enroll", "identify"], page: tryPage },
+  { name: "live", title: "Live", icon: "live", scopes: ["manage"], page: livePage },
 ];
 
 let session = null; // {who, close(): what the open page has to stop}

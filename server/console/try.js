@@ -1,9 +1,10 @@
 // try.js -- two scans compared, or one looked at.  Nothing is stored.
 
 import { request, url } from "./api.js";
-import { count, el, icon, mm, oneIn, percent, plain, save, signed, svg } from "./dom.js";
+import { count, el, icon, mm, oneIn, percent, plain, save, signed } from "./dom.js";
 import { readGlb } from "./glb.js";
 import { createStage } from "./stage.js";
+import { gauge, VERDICTS } from "./verdict.js";
 
 const SAMPLES = [
   ["The same person, twice", "one.ply", "one-again.ply"],
@@ -12,12 +13,6 @@ const SAMPLES = [
 ];
 
 const REGIONS = ["nose", "eyes", "forehead", "cheeks", "mouth", "chin"];
-
-export const VERDICTS = {
-  match: { icon: "yes", kind: "ok", title: "Same face" },
-  no_match: { icon: "no", kind: "no", title: "Different faces" },
-  inconclusive: { icon: "unsure", kind: "unsure", title: "Cannot tell" },
-};
 
 /** What was decided, in a sentence. */
 function explain(r) {
@@ -29,47 +24,8 @@ function explain(r) {
   return `The two scans have ${percent(r.overlap)} of the face in common: too little, or too noisy, to say whether it is the same.`;
 }
 
-/** The score on the curve of other people's scores, which the calibration's knots describe: the share
- *  of other people that score as high or higher. */
-export function gauge(r, knots) {
-  const low = Math.min(-100, r.score - 5), high = Math.max(45, r.score + 5), W = 300, y = 52;
-  const x = (score) => ((score - low) / (high - low)) * W;
-  const out = svg("svg", { viewBox: `0 0 ${W} 76`, class: "gauge", role: "img",
-    "aria-label": `score ${plain(r.score, 1)}, threshold ${plain(r.threshold, 1)}` });
-  const line = (a, b, kind) => svg("rect", { x: x(a), y: y - 4, width: Math.max(0, x(b) - x(a)), height: 8, rx: 4, class: kind });
-  if (knots?.length > 1) {
-    // Where the curve of the share falls steeply there are many people.
-    const steps = 60, share = (s) => {
-      const i = knots.findIndex((k) => k.score > s);
-      if (i === 0) return 1;
-      if (i < 0) return knots.at(-1).rate;
-      const [a, b] = [knots[i - 1], knots[i]], t = (s - a.score) / (b.score - a.score);
-      return Math.exp(Math.log(a.rate) * (1 - t) + Math.log(b.rate) * t);
-    };
-    const bins = Array.from({ length: steps }, (_, i) => {
-      const at = (k) => low + ((high - low) * k) / steps;
-      return Math.max(0, share(at(i)) - share(at(i + 1)));
-    });
-    const most = Math.max(...bins, 1e-9);
-    const points = bins.map((b, i) => `${(((i + 0.5) * W) / steps).toFixed(1)},${(y - 4 - 34 * Math.sqrt(b / most)).toFixed(1)}`);
-    out.append(svg("polygon", { class: "others", points: `0,${y - 4} ${points.join(" ")} ${W},${y - 4}` }),
-      svg("text", { x: 0, y: 10 }, "scores of other people"));
-  }
-  const text = (at, up, what, kind = "") => {
-    const t = svg("text", { x: Math.min(Math.max(x(at), 22), W - 22), y: up, "text-anchor": "middle", class: kind });
-    t.textContent = what;
-    return t;
-  };
-  out.append(line(low, r.threshold, "no"), line(r.threshold, high, "ok"),
-    svg("rect", { x: x(r.threshold) - 0.75, y: y - 9, width: 1.5, height: 18, class: "limit" }),
-    text(r.threshold, y + 21, `needed ${plain(r.threshold, 1)}`),
-    svg("circle", { cx: x(r.score), cy: y, r: 6.5, class: "score" }),
-    text(r.score, y - 13, plain(r.score, 1), "strong"));
-  return out;
-}
-
 /** What each region adds to the score: to the right for, to the left against one person. */
-export function regions(of) {
+function regions(of) {
   const most = Math.max(1, ...Object.values(of).map(Math.abs));
   return el("section.card", {}, el("h2", {}, "What each region adds to the score"),
     el("ul.regions", {}, REGIONS.filter((r) => r in of).sort((a, b) => Math.abs(of[b]) - Math.abs(of[a])).map((name) => {
@@ -80,15 +36,15 @@ export function regions(of) {
     })));
 }
 
-export const facts = (rows) => el("dl.card.facts", {}, rows.filter(Boolean).flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)]));
+const facts = (rows) => el("dl.card.facts", {}, rows.filter(Boolean).flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)]));
 
-export function verdict(kind, iconName, title, ...rest) {
+function verdict(kind, iconName, title, ...rest) {
   return el(`section.card.verdict.${kind}`, { role: "status" },
     el("h2", {}, icon(iconName, 26), title), ...rest);
 }
 
 /** What to change at the scanner, in the daemon's words. */
-export function advice(lines) {
+function advice(lines) {
   if (!lines.length) return null;
   return el("section.card", {}, el("h2", {}, "What to do at the scanner"),
     lines.map((line) => el("p.advice", {}, icon("warning", 18), line)));

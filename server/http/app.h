@@ -15,6 +15,7 @@ struct metrics;  /* metrics.h */
 struct model;    /* model.h */
 struct queue;    /* queue.h */
 struct quota;    /* quota.h */
+struct recent;   /* recent.h */
 struct route;    /* route.h */
 struct store;    /* store.h */
 struct throttle; /* throttle.h */
@@ -31,6 +32,7 @@ struct app {
     struct queue *queue;
     struct upkeep *upkeep;
     struct erasures *erasures;
+    struct recent *recent;
     struct guard *guard;        /* of the connections; http.c's */
     struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
     const struct route *routes; /* [nroutes] */

@@ -256,6 +256,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
                                          : "Please try again later.";
     }
     make_plain(detail);
+    (void)snprintf(r->told, sizeof r->told, "%s", told);
     request_refuse(r, kind, json_compact(errmap_problem(m, told, r->id)));
 }
 

@@ -84,6 +84,13 @@ struct request_capture {                  /* what the scanner has signed: captur
     char captured[REQUEST_CAPTURED_MAX];  /* for the audit log; "" without a capture */
 };
 
+struct request_result { /* for recent.h; static texts */
+    const char *kind;   /* "verify", "enroll"; NULL: it is not noted */
+    const char *outcome;
+    bool scored;
+    double score, threshold, overlap;
+};
+
 struct request {
     struct app *app;
     char *target; /* as sent: path[?query], still percent-encoded */
@@ -114,7 +121,9 @@ struct request {
     unsigned stages; /* a bit for each that it has been through */
     struct response response;
     enum status failed; /* what request_fail() was told; ST_OK: nothing */
-    char fault[512];    /* for the log: what is behind a 5xx; "" for nothing */
+    struct request_result result;
+    char told[512];  /* the detail of a problem; "" without one */
+    char fault[512]; /* for the log: what is behind a 5xx; "" for nothing */
 };
 
 /* request_method(name): GET and HEAD are REQUEST_GET. */

@@ -239,6 +239,10 @@ put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
 put POST '/v1/compare?detail=surface' 200 "$JSON" "$T/ab.json"
 ask POST /v1/compare 200 -F "a=@$T/a.ply" -F "b=@$T/b.ply"
 ask GET /v1/token 200
+ask GET '/v1/recent?limit=20' 200
+ask GET '/v1/recent?limit=0' 400
+ask DELETE /v1/subjects/alice/attempts 204
+ask DELETE /v1/subjects/a%20b/attempts 400
 ask POST /v1/challenge 200
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # what would be done: all, nothing but reading it, and what stops before that
