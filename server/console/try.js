@@ -153,7 +153,7 @@ export function open(main, who) {
       ...[verdict(state[0], state[1], state[2], el("p", {}, state[3]), verifies && el("p.dim", {}, "Drop a second scan to compare them.")),
         advice([...r.advice, ...r.notes]),
         r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
-          r.scan.yaw_deg != null && ["Turned", `${Math.round(r.scan.yaw_deg)}°`], ["Covered", percent(r.scan.occluded)],
+          r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
           r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]]),
         timing(r.timing_ms), curl("/v1/check", ["--data-binary", `@${s.file.name}`])].filter(Boolean));
   }
