@@ -108,9 +108,11 @@ AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
 # Preloaded into finished programs; the recorder not into sanitized ones.
 SHIM_BIN  := $(BUILD)/crash_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUILD)/record_shim.so)
-EMBED     := json html css js
+SAMPLES   := one one_again one_glasses other
+EMBED     := json html css js svg
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
-             $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)))
+             $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)) \
+               $(patsubst server/console/%.$x,$(BUILD)/gen/console_%_$x.h,$(wildcard server/console/*.$x)))
 PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(BUILD)/surfacelab $(TOOL_BIN)
 
 # ---- build
@@ -167,6 +169,29 @@ $$(BUILD)/gen/%_$(1).h: server/%.$(1) scripts/embed.sh
 	$$(Q)scripts/embed.sh $$*_$(1) < $$< > $$@.tmp && mv $$@.tmp $$@
 endef
 $(foreach x,$(EMBED),$(eval $(call embed,$x)))
+
+define embed_console
+$$(BUILD)/gen/console_%_$(1).h: server/console/%.$(1) scripts/embed.sh
+	@mkdir -p $$(@D)
+	$$(call say,GEN)
+	$$(Q)scripts/embed.sh console_$$*_$(1) < $$< > $$@.tmp && mv $$@.tmp $$@
+endef
+$(foreach x,$(EMBED),$(eval $(call embed_console,$x)))
+
+$(BUILD)/server/api/pages.o: $(SAMPLES:%=$(BUILD)/gen/sample_%_ply.h)
+# The console's sample scans, of made-up faces: who tries it has none at hand.
+SAMPLE             := $(BUILD)/facegen --noise 0.06 --points 3000 --format ply
+SCAN_one           := --subject 3 --scan 0
+SCAN_one_again     := --subject 3 --scan 1 --pose 8 --smile 0.4
+SCAN_other         := --subject 8 --scan 2 --pose 6
+$(BUILD)/gen/sample_%.ply: $(BUILD)/facegen
+	@mkdir -p $(@D)
+	$(Q)$(SAMPLE) $(SCAN_$*) -o $@
+$(BUILD)/gen/sample_one_glasses.ply: $(BUILD)/gen/sample_one_again.ply $(BUILD)/headscan
+	$(Q)$(BUILD)/headscan --kind glasses --seed 5 $< -o $@
+$(BUILD)/gen/sample_%_ply.h: $(BUILD)/gen/sample_%.ply scripts/embed.sh
+	$(call say,GEN)
+	$(Q)scripts/embed.sh sample_$*_ply < $< > $@.tmp && mv $@.tmp $@
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.

@@ -173,6 +173,12 @@ void json_extent(struct json *j, const char *key, double value)
     add_rounded(j, key, value, EXTENT);
 }
 
+void json_exact(struct json *j, const char *key, double value)
+{
+    if (adds(j))
+        add(j, key, cJSON_CreateNumber(value));
+}
+
 void json_rate(struct json *j, const char *key, double value)
 {
     char text[32];

@@ -46,7 +46,8 @@ void json_flag(struct json *j, const char *key, bool value);
 void json_number(struct json *j, const char *key, double value);
 void json_score(struct json *j, const char *key, double value);  /* 2 decimals */
 void json_extent(struct json *j, const char *key, double value); /* mm2, mm3: 1 decimal */
-void json_rate(struct json *j, const char *key, double value); /* error rate: 3 digits */
+void json_rate(struct json *j, const char *key, double value);  /* error rate: 3 digits */
+void json_exact(struct json *j, const char *key, double value); /* all its digits */
 
 /* A vector without a unit, of length 1: 7 decimals each, which move a point 300 mm away
  * by less than 0.0001 mm. */

@@ -41,6 +41,8 @@ const struct setting options_table[] = {
      "listen beyond loopback without TLS"},
     {"no-auth", SETTING_BOOL, "0", offsetof(struct options, no_auth), 0, 0, NULL,
      "ask for no token"},
+    {"no-console", SETTING_BOOL, "0", offsetof(struct options, no_console), 0, 0, NULL,
+     "leave out /console, the pages for a browser"},
     {"require-signed-captures", SETTING_BOOL, "0",
      offsetof(struct options, signed_captures), 0, 0, NULL,
      "enrol, verify and compare only what a scanner has signed (device add)"},

@@ -13,7 +13,7 @@
 #define OPTIONS_FILE     "/etc/surfaced.conf"
 #define OPTIONS_UNSET    UINT_MAX
 #define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     27
+#define OPTIONS_ROWS     28
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -27,6 +27,7 @@ struct options {
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */
     bool no_auth;
+    bool no_console;
     bool signed_captures;       /* nothing else is taken */
     unsigned workers;           /* 1.. */
     unsigned queue;             /* requests that may wait for a worker */

@@ -312,6 +312,33 @@ uint32_t surface_face_triangles(const struct surface_face *face, uint32_t (*out)
     return mesh_real(m);
 }
 
+uint32_t surface_face_measured(const struct surface_face *face, uint32_t (*out)[3])
+{
+    const struct surface *s = &face->surface;
+    uint32_t n = 0;
+
+    for (uint32_t t = 0; t < s->mesh.nt; t++)
+        if (s->bridge[t] == 0) { /* nor a ghost */
+            if (out != NULL)
+                memcpy(out[n], &s->mesh.org[3 * t], sizeof *out);
+            n++;
+        }
+    return n;
+}
+
+double surface_face_frame(const struct surface_face *face, double transform[16])
+{
+    const struct pose rigid = pose_unscaled(&face->frame.pose);
+    double length[2] = {0, 0};
+
+    pose_to_matrix(&rigid, transform);
+    for (int i = 0; i < 3; i++) {
+        length[0] += face->frame.pose.r[i] * face->frame.pose.r[i];
+        length[1] += rigid.r[i] * rigid.r[i];
+    }
+    return sqrt(length[0] / length[1]);
+}
+
 size_t surface_face_memory(const struct surface_face *face)
 {
     const struct surface *s = &face->surface;

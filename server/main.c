@@ -24,6 +24,7 @@
 #include "modelfile.h"
 #include "options.h"
 #include "queue.h"
+#include "recent.h"
 #include "routes.h"
 #include "service.h"
 #include "settings.h"
@@ -75,6 +76,7 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->limits =
         (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
     app->throttle = throttle_new(o->rate_limit_tokens);
+    app->recent = recent_new();
     app->intake = intake_new(o->enrollments, o->db, o->disk_reserve);
     if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||
         app->intake == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
@@ -100,6 +102,7 @@ static void stop(struct app *app, struct http *http)
     metrics_free(app->metrics);
     throttle_free(app->throttle);
     intake_free(app->intake);
+    recent_free(app->recent);
     store_close(app->store);
     surface_model_free(app->model);
 }
@@ -276,6 +279,7 @@ int main(int argc, char **argv)
     logger_use((enum logger_format)o.log_format);
     service_begin();
     app.no_auth = o.no_auth;
+    app.no_console = o.no_console;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
     if (start(&o, &app, &http, url, &e) != ST_OK) {

@@ -224,10 +224,43 @@ static void scans(struct json *j, const struct describe_comparison *c)
     }
 }
 
+static void quality_of(struct json *j, const char *key, const struct surface_face *f)
+{
+    const struct surface_quality quality = surface_face_quality(f);
+
+    describe_quality(j, key, &quality, f);
+}
+
+static void qualities(struct json *j, const struct describe_comparison *c)
+{
+    if (c->other_face == NULL) {
+        quality_of(j, "quality", c->probe);
+        return;
+    }
+    json_object(j, "quality");
+    quality_of(j, "a", c->other_face);
+    quality_of(j, "b", c->probe);
+    json_close(j);
+}
+
+void describe_calibration(struct json *j, const struct surface_calibration *c)
+{
+    json_object(j, "calibration");
+    json_number(j, "threshold", c->threshold);
+    json_array(j, "knots");
+    for (uint32_t i = 0; i < c->n; i++) {
+        json_object(j, NULL);
+        json_score(j, "score", c->knot[i].score);
+        json_rate(j, "rate", c->knot[i].rate);
+        json_close(j);
+    }
+    json_close(j);
+    json_close(j);
+}
+
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct surface_comparison *r = c->result;
-    struct surface_quality quality;
     double score, threshold;
 
     json_text(j, "decision", templates_decision(r->decision));
@@ -244,8 +277,7 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
     scans(j, c);
-    quality = surface_face_quality(c->probe);
-    describe_quality(j, "quality", &quality, c->probe);
+    qualities(j, c);
     json_text(j, "engine", c->engine);
     if (c->parts != NULL)
         measure(j, c);

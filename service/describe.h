@@ -57,8 +57,9 @@ struct describe_comparison {
     const struct sample_found
         *other;         /* of what is compared with it in a template's place;
                                          NULL: that is a template */
-    const char *engine; /* surface_engine() */
-    const char *subject, *template_id; /* NULL: null */
+    const struct surface_face *other_face; /* with it */
+    const char *engine;                    /* surface_engine() */
+    const char *subject, *template_id;     /* NULL: null */
     uint32_t templates_compared;
     /* with what minimal is made of, for which it has been weighed (surface_weigh()), the alignment
      * and the regions; NULL: without */
@@ -69,6 +70,10 @@ struct describe_comparison {
 };
 
 void describe_comparison(struct json *j, const struct describe_comparison *c);
+
+/* describe_calibration(j, c): the threshold, and the share of other people's scores at or above
+ * each of some scores. */
+void describe_calibration(struct json *j, const struct surface_calibration *c);
 
 /* describe_cells(j, p): what each cell added to the score, by rows from the lower left, and where
  * the cells are. */

@@ -7,6 +7,7 @@
 #include "in_force.h"
 #include "mem.h"
 #include "sample.h"
+#include "show.h"
 
 static double now(const struct templates_context *c)
 {
@@ -91,14 +92,14 @@ static enum status minimal(struct verification *v, struct errinfo *e)
 
 static enum status heatmap(struct verification *v, struct errinfo *e)
 {
-    const struct surface_face *face = v->templates.face[v->best.index];
     const struct verify_scan *s = &v->request->probe;
     enum status st = ST_ENOMEM;
 
     if (v->request->detail != VERIFY_HEATMAP)
         return ST_OK;
     if ((v->gap = mem_array(s->points.read, sizeof *v->gap)) != NULL)
-        st = status_from(surface_gaps(face, (const double(*)[3])s->points.at, s->points.n,
+        st = status_from(surface_gaps(v->templates.face[v->best.index],
+                                      (const double(*)[3])s->points.at, s->points.n,
                                       v->least.align_transform, v->gap));
     if (st != ST_OK)
         return errinfo_set(e, st, "no memory for the heatmap");
@@ -217,6 +218,7 @@ struct describe_comparison verify_describe(const struct verification *v,
         .probe = *r->probe.face,
         .scan = &r->probe.found,
         .other = stored ? NULL : &r->other->found,
+        .other_face = stored ? NULL : *r->other->face,
         .engine = engine,
         .subject = stored ? v->templates.of.subject.id : NULL,
         .template_id = stored ? v->templates.of.t[v->best.index].id : NULL,
@@ -225,6 +227,12 @@ struct describe_comparison verify_describe(const struct verification *v,
         .parts = r->detail >= VERIFY_MEASURE ? &v->parts : NULL,
         .gap_mm = v->gap,
         .n = r->probe.points.read};
+}
+
+enum status verify_show(const struct verification *v, struct json *j, struct show *out)
+{
+    return show_comparison(v->templates.face[v->best.index], *v->request->probe.face,
+                           v->least.align_transform, &v->parts, j, out);
 }
 
 void verify_spread(const struct cloudpoints *c, double *value)

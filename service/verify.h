@@ -9,11 +9,14 @@
 #include "sample.h"
 #include "templates.h"
 
+struct show; /* show.h */
+
 enum verify_detail {                  /* what is wanted of a comparison */
                      VERIFY_DECISION, /* the decision and the ids alone */
                      VERIFY_BRIEF,    /* nothing from which a template could be rebuilt */
                      VERIFY_MEASURE,  /* the measure, the pose and the regions */
-                     VERIFY_HEATMAP   /* and the gap at each point */
+                     VERIFY_SURFACE,  /* and the surfaces, to be looked at */
+                     VERIFY_HEATMAP   /* or the gap at each point */
 };
 
 struct verify_scan {
@@ -44,7 +47,7 @@ struct verification {
     struct templates_refusal refusal;
     struct nearest best;
     struct surface_disparity least; /* not for VERIFY_DECISION */
-    struct surface_parts parts;     /* of VERIFY_MEASURE and VERIFY_HEATMAP */
+    struct surface_parts parts;     /* of VERIFY_MEASURE and what is more */
     double *
         gap; /* [request->probe.points.read] of VERIFY_HEATMAP, NAN where there is none */
     struct store_recorded recorded;
@@ -66,6 +69,10 @@ void verify_free(struct verification *v);
 /* verify_describe(v, engine): the result of v for describe_comparison(), borrowed. */
 struct describe_comparison verify_describe(const struct verification *v,
                                            const char *engine);
+
+/* verify_show(v, j, out): the template that decided and the probe over it, after VERIFY_SURFACE;
+ * j as of show_comparison().  Returns ST_OK, ST_ENOMEM. */
+enum status verify_show(const struct verification *v, struct json *j, struct show *out);
 
 /* verify_spread(c, value): value, with room for c->read, has one for each point of c; after
  * it one for each point that was sent, NAN for those that were dropped. */

@@ -326,6 +326,15 @@ SURFACE_API uint32_t surface_face_points(const struct surface_face *face,
                                          double (*out)[3]);
 SURFACE_API uint32_t surface_face_triangles(const struct surface_face *face,
                                             uint32_t (*out)[3]);
+/* The same of the triangles that do not only bridge missing points. */
+SURFACE_API uint32_t surface_face_measured(const struct surface_face *face,
+                                           uint32_t (*out)[3]);
+
+/* From the face's frontal view to the frame that surface_parts has its cells in, but for the size of
+ * the head: a rigid transform.  Returns what its millimetres are to be multiplied by for the cells:
+ * 1 for adults. */
+SURFACE_API double surface_face_frame(const struct surface_face *face,
+                                      double transform[16]);
 
 /* The memory that the face takes, about, in bytes. */
 SURFACE_API size_t surface_face_memory(const struct surface_face *face);
@@ -466,6 +475,8 @@ struct surface_parts {
      * either has none */
     float gap_mm[SURFACE_CELLS];
     float part[SURFACE_CELLS]; /* of the score, whose sum is the score; NaN: none */
+    float rest_mm
+        [SURFACE_CELLS]; /* the gap less the motion and the change that explain most of it */
 };
 /* Returns SURFACE_OK, SURFACE_ENOMEM.  About 2 ms. */
 SURFACE_API enum surface_status surface_parts(struct surface_work *work,

@@ -95,14 +95,14 @@ void encode_prepare(const struct surface_model *m, struct encode_basis *out)
     }
 }
 
-/* The gaps, and which cells count: how many. */
-static uint32_t load(const struct encode_basis *e, const float *z, struct work *w,
-                     uint8_t *there)
+/* The gaps of heights z above others, and which cells count: how many. */
+static uint32_t load(const struct encode_basis *e, const float *z, const float *others,
+                     struct work *w, uint8_t *there)
 {
     uint32_t cells = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const float gap = (z[i] - e->m->mean[i]) * e->normal_z[i];
+        const float gap = (z[i] - others[i]) * e->normal_z[i];
 
         w->gap[i] = w->weight[i] = 0.0f;
         if (!(e->normal_z[i] > 0.0f) || !(fabsf(gap) <= ENCODE_FAR_MM))
@@ -215,17 +215,24 @@ static void store(const struct encode_basis *e, const struct work *w,
     }
 }
 
+/* The variance of the noise of a scan. */
+static double noise_of(const struct encode_basis *e, double residual_mm)
+{
+    const double noise = e->m->noise_factor * residual_mm;
+
+    return e->m->noise_floor_mm * e->m->noise_floor_mm + noise * noise;
+}
+
 /* The normal equations, with motion and change eliminated.  out->n is 0 where there are none. */
 static void solve(const struct encode_basis *e, const float z[GRID_N], double residual_mm,
                   struct work *w, struct encoding *out, double *variance)
 {
-    const double noise = e->m->noise_factor * residual_mm;
     const uint32_t n = e->width;
 
     memset(out, 0, sizeof *out);
-    *variance = e->m->noise_floor_mm * e->m->noise_floor_mm + noise * noise;
+    *variance = noise_of(e, residual_mm);
     out->residual_mm = (float)residual_mm;
-    out->cells = load(e, z, w, out->there);
+    out->cells = load(e, z, e->m->mean, w, out->there);
     if (out->cells < ENCODE_LEAST)
         return;
     add_cells(e, out->cells, w);
@@ -293,6 +300,45 @@ enum status encode_parts(const struct encode_basis *e, const float z[GRID_N],
         for (uint32_t k = 0; k < n; k++)
             sum += (double)row[k] * by[k];
         part[i] += sum * (double)w->weight[i] * (double)w->gap[i] / (2 * variance);
+    }
+    w->rows.n = 0;
+    return ST_OK;
+}
+
+enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
+                        const float probe[GRID_N], const double residual_mm[2],
+                        struct scratch *s, float rest[GRID_N])
+{
+    struct work *w = scratch_need(s, sizeof *w);
+    const uint32_t n = e->identity;
+    uint8_t there[GRID_N / 8] = {0};
+    uint32_t cells;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        rest[i] = (float)NAN;
+    if (w == NULL)
+        return ST_ENOMEM;
+    if ((cells = load(e, probe, tmpl, w, there)) < ENCODE_LEAST)
+        return ST_OK;
+    add_cells(e, cells, w);
+    add_gaps(e, w);
+    /* The coefficients of two scans differ by twice the variance of one: so does the noise. */
+    set_up(e, (noise_of(e, residual_mm[0]) + noise_of(e, residual_mm[1])) / 2, w);
+    if (!normal_factor(w->h[0], WIDTH, 0, n, n))
+        return ST_OK;
+    normal_forward(w->h[0], WIDTH, n, n, w->g);
+    normal_backward(w->h[0], WIDTH, n, w->g);
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float *row = w->rows.row[0];
+        double fit = 0;
+
+        if (!(w->weight[i] > 0.0f))
+            continue;
+        w->rows.n = 0;
+        put_row(e, i, 1.0f, &w->rows);
+        for (uint32_t k = 0; k < n; k++)
+            fit += (double)row[k] * w->g[k];
+        rest[i] = (float)((double)w->gap[i] - fit);
     }
     w->rows.n = 0;
     return ST_OK;

@@ -70,4 +70,13 @@ enum status encode_parts(const struct encode_basis *e, const float z[GRID_N],
                          double residual_mm, const double slope[MODEL_MODES],
                          struct scratch *s, double part[GRID_N]);
 
+/* encode_rest(e, tmpl, probe, residual_mm, s, rest): the gaps of one scan above another, from the
+ * heights of both, less the motion and the change that explain most of them (a scan's residual_mm
+ * each): what would be left if both were of one person.  NAN where either has no height, and
+ * in all cells where fewer than ENCODE_LEAST are common.  Cost as encode_heights().
+ * Returns ST_OK, ST_ENOMEM. */
+enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
+                        const float probe[GRID_N], const double residual_mm[2],
+                        struct scratch *s, float rest[GRID_N]);
+
 #endif

@@ -606,6 +606,11 @@ enum status face_field(const struct surface_face *tmpl, const struct surface_fac
             st = encode_parts(&w->encode, z[i], (double)face[i]->encoding.residual_mm,
                               slope[i], &w->normal, part);
     }
+    if (st == ST_OK)
+        st = encode_rest(&w->encode, z[0], z[1],
+                         (const double[]){(double)tmpl->encoding.residual_mm,
+                                          (double)probe->encoding.residual_mm},
+                         &w->normal, out->rest_mm);
     for (uint32_t i = 0; st == ST_OK && i < GRID_N; i++) {
         const float flat = w->encode.normal_z[i];
 

@@ -9,7 +9,6 @@
 #include "describe.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "inflate.h"
 #include "json.h"
 #include "logger.h"
 #include "mem.h"
@@ -19,72 +18,15 @@
 
 _Static_assert((int)MULTIPART_FILES_MAX == (int)ENROLMENT_SAMPLES, "the same limit");
 
-struct reading {
-    struct request *r;
-    struct surface_work *w;
-    struct cloudfile_options o; /* max_points, max_bytes: what is left of them */
-    bool axes_given;
-};
-
-/* len bytes, of which the last is followed by one that may be written. */
-static enum status parse(struct reading *g, unsigned char *bytes, size_t len,
-                         struct cloudpoints *out, struct errinfo *e)
-{
-    const unsigned char behind = bytes[len];
-    enum status st;
-
-    bytes[len] = 0;
-    st = cloudfile_read(bytes, len, &g->o, out, e);
-    bytes[len] = behind;
-    out->axes_given = out->axes_given || g->axes_given;
-    g->o.max_points -= out->read;
-    return st == ST_EVERSION ? ST_EINVAL : st; /* as of a file that is sent alone */
-}
-
-static enum status inflate(struct reading *g, enum inflate_coding coding,
-                           const struct multipart_file *f, struct cloudpoints *out,
-                           struct errinfo *e)
-{
-    unsigned char *bytes;
-    size_t len;
-    enum status st =
-        inflate_body(coding, f->data, f->len, g->o.max_bytes, &bytes, &len, e);
-
-    g->o.max_bytes -= len;
-    if (st == ST_OK)
-        st = parse(g, bytes, len, out, e);
-    mem_free(bytes);
-    return st;
-}
-
-static enum status read_file(struct reading *g, const struct multipart_file *f,
-                             struct cloudpoints *out, struct errinfo *e)
-{
-    static const unsigned char gzip[2] = {0x1f, 0x8b};
-    enum inflate_coding coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
-
-    if (coding == INFLATE_OTHER)
-        return errinfo_set(e, ST_EINVAL,
-                           "Content-Encoding may be gzip or zstd, one of them and once");
-    if (f->len == 0)
-        return errinfo_set(e, ST_EINVAL, "the file is empty");
-    if (coding == INFLATE_NONE && f->len > 2 && memcmp(f->data, gzip, 2) == 0)
-        coding = INFLATE_GZIP;
-    (void)request_media(f->type, &g->o.format);
-    if (coding != INFLATE_NONE)
-        return inflate(g, coding, f, out, e);
-    return parse(g, g->r->body + (f->data - g->r->body), f->len, out, e);
-}
-
 /* ST_OK also where the file is refused. */
-static enum status take_file(struct reading *g, struct burst *b, size_t i,
-                             struct errinfo *e)
+static enum status take_file(struct cloud_reading *g, struct surface_work *w,
+                             struct burst *b, size_t i, struct errinfo *e)
 {
     const struct sample_options o = {.enrolment = true, .stop = &g->r->gone};
     const double start = logger_clock_ms();
     struct cloudpoints c = {0};
     double parsed;
-    enum status st = read_file(g, &b->file[i], &c, e);
+    enum status st = cloud_read_file(g, &b->file[i], &c, e);
 
     request_stage(g->r, REQUEST_PARSE, (parsed = logger_clock_ms()) - start);
     if (st == ST_ELIMIT)
@@ -95,7 +37,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
                            "the limit is %zu bytes of all files together when unpacked",
                            g->r->app->max_body);
     if (st == ST_OK) {
-        st = sample_build("points", &c, &o, g->w, &b->face[i], &b->found[i], e);
+        st = sample_build("points", &c, &o, w, &b->face[i], &b->found[i], e);
         request_stage(g->r, REQUEST_PREPARE, logger_clock_ms() - parsed);
     }
     cloudpoints_free(&c);
@@ -112,7 +54,7 @@ static enum status take_file(struct reading *g, struct burst *b, size_t i,
 
 struct burst *burst_read(struct request *r, struct surface_work *w)
 {
-    struct reading g = {.r = r, .w = w};
+    struct cloud_reading g = {.r = r};
     struct burst *b = mem_array(1, sizeof *b);
     struct errinfo e = {0};
     enum status st;
@@ -129,7 +71,7 @@ struct burst *burst_read(struct request *r, struct surface_work *w)
     st = multipart_read(r->body, r->len, r->boundary, MULTIPART_FILES_MAX, b->file, &b->n,
                         &e);
     for (size_t i = 0; st == ST_OK && i < b->n && !request_gone(r); i++)
-        st = take_file(&g, b, i, &e);
+        st = take_file(&g, w, b, i, &e);
     if (request_gone(r) || st != ST_OK) {
         if (st != ST_OK && !request_gone(r))
             request_fail(r, &e);

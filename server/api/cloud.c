@@ -1,9 +1,13 @@
 #include "cloud.h"
 
+#include <string.h>
+
 #include "app.h"
 #include "cloudfile.h"
 #include "errinfo.h"
+#include "inflate.h"
 #include "mem.h"
+#include "multipart.h"
 #include "params.h"
 #include "parse.h"
 #include "request.h"
@@ -60,20 +64,93 @@ enum status cloud_read(struct request *r, struct cloudpoints *out)
     return fail(r, cloud_take(r, out, &e), &e);
 }
 
+/* len bytes, of which the last is followed by one that may be written. */
+static enum status read_bytes(struct cloud_reading *g, unsigned char *bytes, size_t len,
+                              struct cloudpoints *out, struct errinfo *e)
+{
+    const unsigned char behind = bytes[len];
+    enum status st;
+
+    bytes[len] = 0;
+    st = cloudfile_read(bytes, len, &g->o, out, e);
+    bytes[len] = behind;
+    out->axes_given = out->axes_given || g->axes_given;
+    g->o.max_points -= out->read;
+    return st == ST_EVERSION ? ST_EINVAL : st; /* as of a file that is sent alone */
+}
+
+static enum status read_packed(struct cloud_reading *g, enum inflate_coding coding,
+                               const struct multipart_file *f, struct cloudpoints *out,
+                               struct errinfo *e)
+{
+    unsigned char *bytes;
+    size_t len;
+    enum status st =
+        inflate_body(coding, f->data, f->len, g->o.max_bytes, &bytes, &len, e);
+
+    g->o.max_bytes -= len;
+    if (st == ST_OK)
+        st = read_bytes(g, bytes, len, out, e);
+    mem_free(bytes);
+    return st;
+}
+
+enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file *f,
+                            struct cloudpoints *out, struct errinfo *e)
+{
+    static const unsigned char gzip[2] = {0x1f, 0x8b};
+    enum inflate_coding coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
+
+    if (coding == INFLATE_OTHER)
+        return errinfo_set(e, ST_EINVAL,
+                           "Content-Encoding may be gzip or zstd, one of them and once");
+    if (f->len == 0)
+        return errinfo_set(e, ST_EINVAL, "the file is empty");
+    if (coding == INFLATE_NONE && f->len > 2 && memcmp(f->data, gzip, 2) == 0)
+        coding = INFLATE_GZIP;
+    (void)request_media(f->type, &g->o.format);
+    if (coding != INFLATE_NONE)
+        return read_packed(g, coding, f, out, e);
+    return read_bytes(g, g->r->body + (f->data - g->r->body), f->len, out, e);
+}
+
+static enum status read_pair(struct cloud_reading *g, struct cloudpoints *a,
+                             struct cloudpoints *b, struct errinfo *e)
+{
+    struct multipart_file f[2];
+    size_t n;
+    enum status st = multipart_read(g->r->body, g->r->len, g->r->boundary, 2, f, &n, e);
+    const bool swapped = st == ST_OK && n == 2 && strcmp(f[0].field, "b") == 0;
+
+    if (st == ST_OK && (n != 2 || strcmp(f[swapped].field, "a") != 0 ||
+                        strcmp(f[!swapped].field, "b") != 0))
+        st = errinfo_set(e, ST_EINVAL, "the form must have two files, named a and b");
+    for (int i = 0; st == ST_OK && i < 2; i++) {
+        st = cloud_read_file(g, &f[i ^ (int)swapped], i == 0 ? a : b, e);
+        if (st != ST_OK) {
+            const struct errinfo why = *e;
+
+            st = errinfo_set(e, st, "%s: %s", i == 0 ? "a" : "b", why.msg);
+        }
+    }
+    return st;
+}
+
 enum status cloud_read_two(struct request *r, struct cloudpoints *a,
                            struct cloudpoints *b)
 {
-    struct cloudfile_options o;
+    struct cloud_reading g = {.r = r};
     struct errinfo e = {0};
-    bool axes_given;
     enum status st;
 
     *a = *b = (struct cloudpoints){0};
-    if (request_gone(r) || !cloud_options(r, &o, &axes_given))
+    if (request_gone(r) || !cloud_options(r, &g.o, &g.axes_given))
         return ST_EINVAL;
-    st = parse_clouds((const char *)r->body, r->len, &o, a, b, &e);
-    a->axes_given = a->axes_given || axes_given;
-    b->axes_given = b->axes_given || axes_given;
+    st = r->media == REQUEST_FORM
+             ? read_pair(&g, a, b, &e)
+             : parse_clouds((const char *)r->body, r->len, &g.o, a, b, &e);
+    a->axes_given = a->axes_given || g.axes_given;
+    b->axes_given = b->axes_given || g.axes_given;
     return fail(r, done(r, st, &e), &e);
 }
 

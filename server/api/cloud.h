@@ -2,13 +2,14 @@
 #ifndef SERVER_CLOUD_H
 #define SERVER_CLOUD_H
 #include <stdbool.h>
+#include "cloudfile.h"
 #include "cloudpoints.h"
 #include "status.h"
 
-struct cloudfile_options; /* cloudfile.h */
 struct errinfo;
 struct surface_face;
 struct surface_work;
+struct multipart_file; /* multipart.h */
 struct request;
 struct sample_found; /* sample.h */
 
@@ -25,7 +26,18 @@ enum status cloud_read(struct request *r, struct cloudpoints *out);
  * everything else. */
 enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e);
 
-/* cloud_read_two(r, a, b): the body {"a": cloud, "b": cloud}, the same. */
+/* cloud_read_file(g, f, out, e): a file of r's form, packed or not; of what the files may have
+ * together, g->o has what is left: begin with cloud_options().  Also ST_ELIMIT, ST_ESIZE. */
+struct cloud_reading {
+    struct request *r;
+    struct cloudfile_options o; /* max_points, max_bytes: what is left of them */
+    bool axes_given;
+};
+enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file *f,
+                            struct cloudpoints *out, struct errinfo *e);
+
+/* cloud_read_two(r, a, b): the body {"a": cloud, "b": cloud}, or a form with the files a and b,
+ * the same. */
 enum status cloud_read_two(struct request *r, struct cloudpoints *a,
                            struct cloudpoints *b);
 

@@ -1,6 +1,7 @@
 #include "compare.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "app.h"
 #include "auth.h"
@@ -13,6 +14,7 @@
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
+#include "show.h"
 #include "verify.h"
 #include "worker.h"
 
@@ -105,6 +107,23 @@ static void record_comparison(struct request *r, enum surface_decision decision)
     access_event(r, "compare", capture_outcome(r, templates_decision(decision), outcome));
 }
 
+/* With the enrolled surface it is recorded like an export. */
+static void surfaces(struct request *r, const struct worker *w,
+                     const struct verification *v, const struct describe_comparison *c,
+                     struct json *j)
+{
+    struct show show;
+
+    json_object(j, "extras");
+    describe_comparison(j, c);
+    describe_calibration(j, surface_work_calibration(w->compare.work));
+    json_close(j);
+    (void)verify_show(v, j, &show);
+    request_bytes(r, "model/gltf-binary", show.glb, show.len);
+    if (c->subject != NULL && r->response.http == 200)
+        access_event(r, "surface", "sent");
+}
+
 /* Where the token gets no more than decisions (neither detail nor manage), the measures are
  * rounded: many exact scores would rebuild a face. */
 static void respond(struct request *r, struct worker *w, struct verification *v)
@@ -119,9 +138,26 @@ static void respond(struct request *r, struct worker *w, struct verification *v)
         *mm = round(*mm * 1e3) / 1e3;
     }
     j = json_new();
+    if (v->request->detail == VERIFY_SURFACE) {
+        surfaces(r, w, v, &c, j);
+        return;
+    }
     describe_comparison(j, &c);
     request_respond(r, 200, json_compact(j));
     r->response.minimal = c.minimal == NULL && r->response.http == 200;
+}
+
+static void note(struct request *r, const struct verification *v)
+{
+    const struct surface_comparison *result = &v->best.result;
+
+    r->result = (struct request_result){.kind = "verify",
+                                        .outcome = templates_decision(result->decision),
+                                        .scored = true,
+                                        .score = result->score,
+                                        .threshold = result->threshold,
+                                        .overlap = result->overlap};
+    memcpy(r->subject, v->templates.of.subject.id, sizeof r->subject);
 }
 
 static void run(struct request *r, struct worker *w, struct verify_request *ask,
@@ -141,6 +177,8 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
     compare_warn(r, v.recorded.locked_out, v.recorded.many_subjects);
     if (v.decided || (st == ST_OK && ask->other != NULL))
         metrics_decision(r->app->metrics, v.best.result.decision);
+    if (v.decided)
+        note(r, &v);
     if (st == ST_OK && ask->other != NULL)
         record_comparison(r, v.best.result.decision);
     if (st == ST_OK)
@@ -160,7 +198,8 @@ static void verify(struct request *r, struct worker *w, const char *subject,
                                         .limits = &r->app->limits},
                                  .probe = {.name = "points"}};
 
-    if (!params_detail(r, &ask.detail) ||
+    r->result.kind = "verify";
+    if (!params_detail(r, STORE_SCOPE_DETAIL, &ask.detail) ||
         !cloud_options(r, &ask.probe.how, &ask.probe.axes_given) || !capture_admit(r))
         return;
     ask.probe.bytes = r->body;
@@ -186,7 +225,7 @@ void compare_scans(struct request *r, struct worker *w)
     struct verify_request ask = {.other = &a, .probe = {.name = "b.points"}};
     double start;
 
-    if (!params_detail(r, &ask.detail) || !capture_admit(r))
+    if (!params_detail(r, STORE_SCOPE_VERIFY, &ask.detail) || !capture_admit(r))
         return;
     start = logger_clock_ms();
     if (cloud_read_two(r, &a.points, &ask.probe.points) == ST_OK)

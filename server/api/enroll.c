@@ -121,6 +121,7 @@ static void enroll_one(struct request *r, struct worker *w)
                 &(struct store_sample){.face = w->probe, .read = found.digest}, 1, &x,
                 &out))
         return;
+    r->result.outcome = x.created ? "enrolled" : "known";
     j = json_new();
     describe_template(j, &x.tmpl, w->probe, auth_exact(r));
     describe_scan(j, "scan", &found);
@@ -139,6 +140,7 @@ static void enroll_several(struct request *r, struct worker *w)
 
     if (!read_parameters(r, &ask) || (b = burst_read(r, w->compare.work)) == NULL)
         return;
+    r->result.outcome = "enrolled";
     if (enroll(r, w, &ask, b->sample, b->n, b->each, &out))
         burst_respond(r, b);
     else if (out.none)
@@ -148,6 +150,7 @@ static void enroll_several(struct request *r, struct worker *w)
 
 void enroll_handle(struct request *r, struct worker *w)
 {
+    r->result.kind = "enroll";
     if (r->media == REQUEST_FORM)
         enroll_several(r, w);
     else

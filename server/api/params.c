@@ -106,7 +106,7 @@ bool params_camera(struct request *r, struct clouddepth_camera *c)
     return false;
 }
 
-bool params_detail(struct request *r, enum verify_detail *out)
+bool params_detail(struct request *r, unsigned scopes, enum verify_detail *out)
 {
     char buf[64];
     bool there;
@@ -116,12 +116,42 @@ bool params_detail(struct request *r, enum verify_detail *out)
         if (!there)
             return true;
         *out = strcmp(buf, "heatmap") == 0   ? VERIFY_HEATMAP
+               : strcmp(buf, "surface") == 0 ? VERIFY_SURFACE
                : strcmp(buf, "measure") == 0 ? VERIFY_MEASURE
                                              : VERIFY_BRIEF;
         if (*out != VERIFY_BRIEF)
-            return auth_may(r, STORE_SCOPE_DETAIL);
+            return auth_may(r, scopes);
     }
-    request_problem(r, ERRMAP_PARAMETER, "detail is measure or heatmap, not '%s'", buf);
+    request_problem(r, ERRMAP_PARAMETER,
+                    "detail is measure, heatmap or surface, not '%s'", buf);
+    return false;
+}
+
+bool params_surface(struct request *r, bool *out)
+{
+    char buf[64];
+    bool there;
+
+    if (get(r, "detail", buf, sizeof buf, &there)) {
+        *out = there;
+        if (!there || strcmp(buf, "surface") == 0)
+            return true;
+    }
+    request_problem(r, ERRMAP_PARAMETER, "detail is surface, not '%s'", buf);
+    return false;
+}
+
+bool params_format(struct request *r, bool *ply)
+{
+    char buf[64];
+    bool there;
+
+    if (get(r, "format", buf, sizeof buf, &there)) {
+        *ply = there && strcmp(buf, "ply") == 0;
+        if (!there || *ply || strcmp(buf, "glb") == 0)
+            return true;
+    }
+    request_problem(r, ERRMAP_PARAMETER, "format is glb or ply, not '%s'", buf);
     return false;
 }
 

@@ -21,9 +21,15 @@ bool params_axes(struct request *r, bool *axes_given);
  * and width and height, both or none, of one that has nothing but its values. */
 bool params_camera(struct request *r, struct clouddepth_camera *c);
 
-/* params_detail(r, out): detail=measure|heatmap, which also takes the scope detail; without
- * it VERIFY_DECISION for a client that prefers the minimum (headers.h), else VERIFY_BRIEF. */
-bool params_detail(struct request *r, enum verify_detail *out);
+/* params_detail(r, scopes, out): detail=measure|heatmap|surface, which also takes one of the scopes;
+ * without it VERIFY_DECISION for a client that prefers the minimum (headers.h), else VERIFY_BRIEF. */
+bool params_detail(struct request *r, unsigned scopes, enum verify_detail *out);
+
+/* params_surface(r, out): detail=surface, or nothing. */
+bool params_surface(struct request *r, bool *out);
+
+/* params_format(r, ply): format=glb|ply. */
+bool params_format(struct request *r, bool *ply);
 
 /* params_count(r, name, max, out): an integer from 1 to max. */
 bool params_count(struct request *r, const char *name, size_t max, size_t *out);

@@ -2,14 +2,16 @@
 
 #include "capture.h"
 #include "compare.h"
-#include "docs.h"
 #include "enroll.h"
 #include "health.h"
+#include "live.h"
 #include "metrics.h"
+#include "pages.h"
 #include "route.h"
 #include "store.h"
 #include "subjects.h"
 #include "scans.h"
+#include "tokens.h"
 
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
@@ -25,17 +27,21 @@ enum { /* who may: those whose token has the scope */
        CHECK = ENROLL | VERIFY | STORE_SCOPE_IDENTIFY, /* any of them */
        READ = STORE_SCOPE_READ,
        DELETE = STORE_SCOPE_DELETE,
-       MANAGE = STORE_SCOPE_MANAGE
+       MANAGE = STORE_SCOPE_MANAGE,
+       DETAIL = STORE_SCOPE_DETAIL,
+       EVERY = STORE_SCOPE_ALL
 };
 
 static const struct route table[] = {
     {REQUEST_GET, "/healthz", ROUTE_NO_BODY, ANYBODY, "", health_live, true},
     {REQUEST_GET, "/readyz", ROUTE_NO_BODY, ANYBODY, "", health_ready, false},
     {REQUEST_GET, "/metrics", ROUTE_NO_BODY, ANYBODY, "", metrics_handle, true},
-    {REQUEST_GET, "/openapi.json", ROUTE_NO_BODY, ANYBODY, "", docs_openapi, true},
-    {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", docs_page, true},
-    {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", docs_style, true},
-    {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", docs_script, true},
+    {REQUEST_GET, "/openapi.json", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
+    {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
+    {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
+    {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
+    {REQUEST_GET, "/console", ROUTE_NO_BODY, ANYBODY, "", pages_console, true},
+    {REQUEST_GET, "/console/{file}", ROUTE_NO_BODY, ANYBODY, "", pages_console, true},
     {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", health_version, true},
     {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL, CLOUD ", label, force",
      enroll_handle, false},
@@ -43,11 +49,15 @@ static const struct route table[] = {
      false},
     {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_template,
      false},
-    {REQUEST_POST, "/v1/compare", ROUTE_JSON, VERIFY, "units, axes, detail",
+    {REQUEST_POST, "/v1/compare", ROUTE_PAIR, VERIFY, "units, axes, detail",
      compare_scans, false},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
      false},
-    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD, scans_check, false},
+    {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, MANAGE, "after, limit", live_recent,
+     false},
+    {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset, false},
+    {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
+    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
      false},
@@ -56,6 +66,8 @@ static const struct route table[] = {
     {REQUEST_PATCH, SUBJECT, ROUTE_MERGE, MANAGE, "", subjects_change, false},
     {REQUEST_DELETE, SUBJECT, ROUTE_NO_BODY, DELETE, "", subjects_delete, false},
     {REQUEST_GET, TEMPLATE, ROUTE_NO_BODY, READ, "", subjects_template, false},
+    {REQUEST_GET, TEMPLATE "/surface", ROUTE_NO_BODY, DETAIL, "format", scans_template,
+     false},
     {REQUEST_DELETE, TEMPLATE, ROUTE_NO_BODY, DELETE, "", subjects_template_delete,
      false},
 };

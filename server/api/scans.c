@@ -1,44 +1,88 @@
 #include "scans.h"
 
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "access.h"
 #include "app.h"
 #include "cloud.h"
+#include "cloudwrite.h"
 #include "describe.h"
 #include "dry_run.h"
 #include "json.h"
 #include "logger.h"
+#include "mem.h"
 #include "metrics.h"
+#include "params.h"
 #include "request.h"
 #include "sample.h"
+#include "show.h"
 #include "store.h"
 #include "worker.h"
 
-static void respond(struct request *r, const struct worker *w, const struct dry_run *t,
-                    const struct describe_times *times)
-{
-    struct json *j = json_new();
+/* What is shown of the points as they came. */
+struct shown {
+    bool wanted;
+    struct dvec3 *at; /* by mem_array() */
+    size_t n;
+};
 
-    metrics_check(r->app->metrics, t->enrolment == ST_OK      ? METRICS_ENROLLABLE
-                                   : t->verification == ST_OK ? METRICS_USABLE
-                                                              : METRICS_UNUSABLE);
+/* An even choice of them; without memory none. */
+static void keep(struct shown *s, const struct cloudpoints *c)
+{
+    const size_t step = c->n / SHOW_POINTS + 1;
+
+    if (!s->wanted || c->n == 0 ||
+        (s->at = mem_array(c->n / step + 1, sizeof *s->at)) == NULL)
+        return;
+    for (size_t i = 0; i < c->n; i += step)
+        s->at[s->n++] = c->at[i];
+}
+
+static void respond(struct request *r, const struct worker *w, const struct dry_run *t,
+                    const struct describe_times *times, const struct shown *shown)
+{
+    const bool face = t->verification == ST_OK;
+    struct json *j = json_new();
+    struct show show;
+
+    metrics_check(r->app->metrics, t->enrolment == ST_OK ? METRICS_ENROLLABLE
+                                   : face                ? METRICS_USABLE
+                                                         : METRICS_UNUSABLE);
+    if (!face && shown->n == 0) {
+        describe_dry_run(j, t, w->probe, times);
+        request_respond(r, 200, json_compact(j));
+        return;
+    }
+    json_object(j, "extras");
     describe_dry_run(j, t, w->probe, times);
-    request_respond(r, 200, json_compact(j));
+    json_close(j);
+    (void)show_scan(face ? w->probe : NULL, shown->at, shown->n, t->found.scan.view, j,
+                    &show);
+    request_bytes(r, "model/gltf-binary", show.glb, show.len);
 }
 
 void scans_check(struct request *r, struct worker *w)
 {
     const struct sample_options o = {.stop = &r->gone};
     struct describe_times times = {0};
+    struct shown shown = {0};
     struct cloudpoints c;
     struct dry_run t = {0};
     const double start = logger_clock_ms();
     double parsed;
-    enum status st = cloud_take(r, &c, &t.why);
+    enum status st;
 
+    if (!params_surface(r, &shown.wanted))
+        return;
+    st = cloud_take(r, &c, &t.why);
     if (r->response.http != 0) /* a parameter */
         return;
     parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
     if (st == ST_OK) {
+        keep(&shown, &c);
         st = dry_run_run("points", &c, &o, w->compare.work, &w->probe, &t);
         request_stage(r, REQUEST_PREPARE, times.prepare = logger_clock_ms() - parsed);
     } else if (dry_run_is_refusal(st)) {
@@ -47,16 +91,68 @@ void scans_check(struct request *r, struct worker *w)
         dry_run_unread(st, &e, &t);
         st = ST_OK;
     }
-    if (request_gone(r)) {
-        cloudpoints_free(&c);
-        return;
-    }
     times.total = logger_clock_ms() - r->start_ms;
-    if (st == ST_OK)
-        respond(r, w, &t, &times);
-    else
+    if (st == ST_OK && !request_gone(r))
+        respond(r, w, &t, &times, &shown);
+    else if (!request_gone(r))
         request_fail(r, &t.why);
     cloudpoints_free(&c);
+    mem_free(shown.at);
+}
+
+static void send_ply(struct request *r, const struct surface_face *f)
+{
+    char *text = NULL;
+    size_t len = 0;
+    FILE *to = open_memstream(&text, &len);
+    bool whole;
+
+    if (to != NULL) {
+        whole = cloudwrite_ply(to, f, NULL) == ST_OK;
+        if (fclose(to) != 0 || !whole) {
+            free(text);
+            text = NULL;
+        }
+    }
+    request_bytes(r, "model/ply", (unsigned char *)text, len);
+}
+
+static void send_glb(struct request *r, const struct surface_face *f,
+                     const struct store_template *t)
+{
+    struct json *j = json_new();
+    struct show show;
+
+    json_object(j, "extras");
+    describe_template(j, t, f, true);
+    json_close(j);
+    (void)show_scan(f, NULL, 0, NULL, j, &show);
+    request_bytes(r, "model/gltf-binary", show.glb, show.len);
+}
+
+void scans_template(struct request *r, struct worker *w)
+{
+    struct store_template t;
+    struct errinfo e = {0};
+    bool ply = false;
+    enum status st;
+
+    if (!params_format(r, &ply))
+        return;
+    st = store_template_load(r->app->store, r->template_id, &t, w->compare.work,
+                             &w->probe, &e);
+    if (st != ST_OK) {
+        request_fail(r, &e);
+        return;
+    }
+    if (ply)
+        send_ply(r, w->probe);
+    else
+        send_glb(r, w->probe, &t);
+    if (r->response.http == 200) {
+        memcpy(r->subject, t.subject, sizeof r->subject);
+        access_event(r, "surface", "sent");
+    }
 }
 
 void scans_asymmetry(struct request *r, struct worker *w)

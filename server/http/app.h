@@ -15,6 +15,7 @@ struct metrics;       /* metrics.h */
 struct surface_model; /* libsurface.h */
 struct queue;         /* queue.h */
 struct quota;         /* quota.h */
+struct recent;        /* recent.h */
 struct route;         /* route.h */
 struct store;         /* store.h */
 struct throttle;      /* throttle.h */
@@ -31,11 +32,13 @@ struct app {
     struct queue *queue;
     struct upkeep *upkeep;
     struct erasures *erasures;
+    struct recent *recent;
     struct guard *guard;        /* of the connections; http.c's */
     struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
+    bool no_console;
     bool signed_captures; /* nothing else is taken (capture.h) */
     size_t max_body;      /* bytes */
     atomic_bool stopping;

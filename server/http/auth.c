@@ -85,6 +85,8 @@ void auth_check(struct request *r)
     if (st == ST_OK) {
         memcpy(r->actor, t.id, sizeof r->actor);
         r->scopes = t.scopes;
+        memcpy(r->token_name, t.name, sizeof r->token_name);
+        memcpy(r->token_expires, t.expires, sizeof r->token_expires);
         (void)auth_may(r, r->route->scope);
     } else if (st == ST_EDENIED) {
         request_problem(r, ERRMAP_NO_TOKEN, "the token is not valid");

@@ -20,6 +20,10 @@ static const char *wants(const struct request *r)
         return r->media == REQUEST_OTHER_MEDIA || r->media == REQUEST_MERGE
                    ? cloudformat_media_list()
                    : NULL;
+    case ROUTE_PAIR:
+        return r->media == REQUEST_JSON || r->media == REQUEST_FORM
+                   ? NULL
+                   : "application/json, or multipart/form-data with the files a and b";
     case ROUTE_JSON:
         return r->media == REQUEST_JSON ? NULL : "application/json";
     case ROUTE_MERGE:
@@ -143,6 +147,6 @@ static bool take_files(struct request *r)
 
 bool body_unpack(struct request *r)
 {
-    return decompress(r) &&
-           (r->media != REQUEST_FORM || (take_files(r) && decompress(r)));
+    return decompress(r) && (r->media != REQUEST_FORM || r->route->body == ROUTE_PAIR ||
+                             (take_files(r) && decompress(r)));
 }

@@ -27,6 +27,7 @@
 #include "peer.h"
 #include "queue.h"
 #include "quota.h"
+#include "recent.h"
 #include "refusal.h"
 #include "request.h"
 #include "route.h"
@@ -222,6 +223,8 @@ static void handle(struct worker *w, struct request *r)
     capture_digest(r); /* before the body is decompressed */
     if (body_unpack(r) && !refusal_found(r))
         r->route->handle(r, w);
+    if (!atomic_load(&r->gone))
+        recent_note(r->app->recent, r);
 }
 
 void http_run(struct worker *w, struct request *r)

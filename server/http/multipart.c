@@ -158,7 +158,7 @@ static bool is(const char *line, size_t len, const char *name)
 }
 
 /* What a header says, if it is one of those that matter. */
-static enum status take_header(struct reader *r, const char *line, char *name,
+static enum status take_header(struct reader *r, const char *line,
                                struct multipart_file *f)
 {
     const size_t len = strcspn(line, ":");
@@ -177,7 +177,7 @@ static enum status take_header(struct reader *r, const char *line, char *name,
         return wrong(r, "Content-Transfer-Encoding is not binary");
     else if (is(line, len, "Content-Disposition") &&
              (!is(value, strcspn(value, "; \t"), "form-data") ||
-              !parameter(value, "name", name, MULTIPART_VALUE_MAX, &n)))
+              !parameter(value, "name", f->field, sizeof f->field, &n)))
         return wrong(r, "Content-Disposition is not form-data with a name");
     if (is(line, len, "Content-Disposition") &&
         !parameter(value, "filename", f->name, sizeof f->name, &n))
@@ -185,7 +185,7 @@ static enum status take_header(struct reader *r, const char *line, char *name,
     return ST_OK;
 }
 
-static enum status take_headers(struct reader *r, char *name, struct multipart_file *f)
+static enum status take_headers(struct reader *r, struct multipart_file *f)
 {
     const unsigned char *const start = r->p;
     char line[1024];
@@ -194,10 +194,10 @@ static enum status take_headers(struct reader *r, char *name, struct multipart_f
     while ((st = take_line(r, line, sizeof line)) == ST_OK && line[0] != '\0') {
         if (r->p - start > HEADERS_MAX)
             return wrong(r, "a part has more than 4 KB of headers");
-        if ((st = take_header(r, line, name, f)) != ST_OK)
+        if ((st = take_header(r, line, f)) != ST_OK)
             return st;
     }
-    if (st == ST_OK && name[0] == '\0')
+    if (st == ST_OK && f->field[0] == '\0')
         return wrong(r, "a part without Content-Disposition and a name");
     return st;
 }
@@ -228,13 +228,12 @@ enum status multipart_read(const unsigned char *body, size_t len, const char *bo
     if (!take_delimiter(&r, &last))
         return wrong(&r, "the body does not begin with the boundary");
     for (; !last && *n <= most; ++*n) { /* one more than there may be, to name them */
-        char name[MULTIPART_VALUE_MAX] = "";
         struct multipart_file f = {.len = 0};
 
-        if ((st = take_headers(&r, name, &f)) != ST_OK ||
+        if ((st = take_headers(&r, &f)) != ST_OK ||
             (st = take_data(&r, &f, &last)) != ST_OK)
             return st;
-        note(names, sizeof names, name);
+        note(names, sizeof names, f.field);
         named = named && f.name[0] != '\0';
         if (*n < most)
             out[*n] = f;

@@ -21,6 +21,7 @@ bool multipart_boundary(const char *type, char out[MULTIPART_BOUNDARY_MAX + 1]);
 struct multipart_file {
     const unsigned char *data; /* in the body */
     size_t len;
+    char field[MULTIPART_VALUE_MAX];  /* the part's name, of the form */
     char name[MULTIPART_VALUE_MAX];   /* the file's, of the sender's machine; "": none */
     char type[MULTIPART_VALUE_MAX];   /* Content-Type; "": none */
     char coding[MULTIPART_VALUE_MAX]; /* Content-Encoding; "": none */

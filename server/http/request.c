@@ -163,6 +163,17 @@ void request_text(struct request *r, const char *type, char *text)
         set_body(r, 200, type, text);
 }
 
+void request_bytes(struct request *r, const char *type, unsigned char *bytes, size_t len)
+{
+    if (bytes == NULL) {
+        request_problem(r, ST_ENOMEM, "no memory for the response");
+        return;
+    }
+    set_body(r, 200, type, NULL);
+    r->response.body = (char *)bytes;
+    r->response.len = len;
+}
+
 void request_page(struct request *r, const char *type, const void *text, size_t len)
 {
     set_body(r, 200, type, NULL);
@@ -245,6 +256,7 @@ void request_problem(struct request *r, unsigned kind, const char *fmt, ...)
                                          : "Please try again later.";
     }
     make_plain(detail);
+    (void)snprintf(r->told, sizeof r->told, "%s", told);
     request_refuse(r, kind, json_compact(errmap_problem(m, told, r->id)));
 }
 

@@ -84,6 +84,13 @@ struct request_capture {                  /* what the scanner has signed: captur
     char captured[REQUEST_CAPTURED_MAX];  /* for the audit log; "" without a capture */
 };
 
+struct request_result { /* for recent.h; static texts */
+    const char *kind;   /* "verify", "enroll"; NULL: it is not noted */
+    const char *outcome;
+    bool scored;
+    double score, threshold, overlap;
+};
+
 struct request {
     struct app *app;
     char *target; /* as sent: path[?query], still percent-encoded */
@@ -97,9 +104,10 @@ struct request {
     char token[REQUEST_TOKEN_MAX + 1]; /* wiped once it is checked */
     char actor[STORE_ID_LEN + 1];      /* the token's id; "" without one */
     unsigned scopes;                   /* the token's; 0 without one */
-    bool minimal, has_return;          /* Prefer: return=minimal; return=anything */
-    bool gzip;                         /* Accept-Encoding has it */
-    char none_match[256];              /* If-None-Match; "" for none, or a longer one */
+    char token_name[STORE_NAME_MAX + 1], token_expires[32]; /* likewise; "": never */
+    bool minimal, has_return; /* Prefer: return=minimal; return=anything */
+    bool gzip;                /* Accept-Encoding has it */
+    char none_match[256];     /* If-None-Match; "" for none, or a longer one */
     struct request_capture capture;
     enum request_media media;
     enum cloudformat format;                   /* of REQUEST_JSON and REQUEST_SCAN */
@@ -113,7 +121,9 @@ struct request {
     unsigned stages; /* a bit for each that it has been through */
     struct response response;
     enum status failed; /* what request_fail() was told; ST_OK: nothing */
-    char fault[512];    /* for the log: what is behind a 5xx; "" for nothing */
+    struct request_result result;
+    char told[512];  /* the detail of a problem; "" without one */
+    char fault[512]; /* for the log: what is behind a 5xx; "" for nothing */
 };
 
 /* request_method(name): GET and HEAD are REQUEST_GET. */
@@ -161,6 +171,9 @@ void request_template(struct request *r, const char *id);
 
 /* request_text(r, type, text): 200 with heap text, taken; NULL as above.  type: static. */
 void request_text(struct request *r, const char *type, char *text);
+
+/* request_bytes(r, type, bytes, len): the same with bytes, by mem_array(), malloc() or NULL. */
+void request_bytes(struct request *r, const char *type, unsigned char *bytes, size_t len);
 
 /* request_page(r, type, text, len): the same with static bytes. */
 void request_page(struct request *r, const char *type, const void *text, size_t len);

@@ -93,7 +93,7 @@ void route_read_id(struct request *r)
         st = request_decode(param, len, false, r->subject, sizeof r->subject);
         if (st != ST_OK || !ident_subject_valid(r->subject))
             request_problem(r, ERRMAP_PARAMETER, "%s", REQUEST_SUBJECT_ID);
-    } else {
+    } else if (strstr(r->route->pattern, "{template_id}") != NULL) {
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
         if (st != ST_OK || !ident_id_valid(r->template_id))
             request_problem(r, ST_ENOTFOUND, "there is no such template");

@@ -11,6 +11,7 @@ enum route_body {
     ROUTE_NO_BODY,
     ROUTE_CLOUD,  /* JSON or a scanner's file */
     ROUTE_CLOUDS, /* the same, or several in a form */
+    ROUTE_PAIR,   /* JSON, or a form with the files a and b */
     ROUTE_JSON,   /* JSON alone */
     ROUTE_MERGE   /* a JSON merge patch, or JSON */
 };

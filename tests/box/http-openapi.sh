@@ -12,6 +12,7 @@ UNSEEN='GET /healthz 503
 GET /metrics 503
 GET /openapi.json 503
 GET /docs 503
+GET /console 503
 GET /version 503'
 
 LIMIT=200000
@@ -121,7 +122,7 @@ each 200 .open
 ask GET /openapi.json 304 -H 'If-None-Match: *'
 for scope in verify read; do
     AUTH=$(new_token "$scope" --scope "$scope")
-    each 403 "(.open | not) and (.scopes | index(\"$scope\") | not)"
+    each 403 "(.open | not) and .scopes != [] and (.scopes | index(\"$scope\") | not)"
 done
 AUTH=$TOKEN
 
@@ -178,6 +179,7 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json" -H "$MIN"
     put POST "/v1/$one/verify?detail=heatmap" 200 "$JSON" "$T/a2.json"
+    put POST "/v1/$one/verify?detail=surface" 200 "$JSON" "$T/a2.json"
     put POST "/v1/$one/verify" 200 "$PLY" "$T/b1.ply"
     put POST "/v1/$one/verify" 200 'Content-Type: text/plain' "$T/a2.xyz"
     put POST "/v1/$one/verify?units=0" 400 "$JSON" "$T/a2.json"
@@ -230,10 +232,19 @@ put PATCH /v1/subjects/alice 200 "$MERGE" "$T/change"
 put POST /v1/compare 200 "$JSON" "$T/ab.json"
 put POST /v1/compare 200 "$JSON" "$T/ab.json" -H "$MIN"
 put POST '/v1/compare?detail=measure' 200 "$JSON" "$T/ab.json"
+put POST '/v1/compare?detail=surface' 200 "$JSON" "$T/ab.json"
+ask POST /v1/compare 200 -F "a=@$T/a.ply" -F "b=@$T/b.ply"
+ask GET /v1/token 200
+ask GET '/v1/recent?limit=20' 200
+ask GET '/v1/recent?limit=0' 400
+ask DELETE /v1/subjects/alice/attempts 204
+ask DELETE /v1/subjects/a%20b/attempts 400
 ask POST /v1/challenge 200
 put POST /v1/asymmetry 200 "$PLY" "$T/a.ply"
 # what would be done: all, nothing but reading it, and what stops before that
 put POST /v1/check 200 "$PLY" "$T/a.ply"
+put POST '/v1/check?detail=surface' 200 "$PLY" "$T/a.ply"
+put POST '/v1/check?detail=all' 400 "$PLY" "$T/a.ply"
 put POST '/v1/check?units=cm&axes=scanner' 200 "$PLY" "$T/a.ply"
 is "not usable" "$(get .code)" units_suspicious
 select_operations '.body and .path == "/v1/check"'
@@ -251,6 +262,9 @@ done <"$T/each"
 ask GET /v1/subjects 200
 ask GET /v1/subjects/alice 200
 ask GET "/v1/templates/$id" 200
+ask GET "/v1/templates/$id/surface" 200
+ask GET "/v1/templates/$id/surface?format=ply" 200
+ask GET "/v1/templates/$id/surface?format=stl" 400
 ask DELETE "$other" 204
 ask DELETE "/v1/templates/$id" 204 -H "$MIN"
 put POST /v1/subjects/alice/templates 201 "$PLY" "$T/a.ply"

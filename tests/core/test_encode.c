@@ -451,3 +451,78 @@ BEFORE_ALL(set_up)
     toy_model(&model);
     encode_prepare(&model, &basis);
 }
+
+/* ---- what is left of a gap */
+
+/* z moved by a small motion, as its cells see it, and changed by one mode. */
+static void move_scan(const double by[6], double change, float out[GRID_N])
+{
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        double h = change * (double)model.change.mode[i][0], n[3];
+
+        out[i] = (float)NAN;
+        if (isnan(z[i]))
+            continue;
+        for (int k = 0; k < 6; k++)
+            h += by[k] * moves(i, k);
+        normal_at(i, n);
+        out[i] = z[i] + (float)(h / n[2]);
+    }
+}
+
+static double largest(const float of[GRID_N])
+{
+    double most = 0;
+
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (!isnan(of[i]))
+            most = fmax(most, fabs((double)of[i]));
+    return most;
+}
+
+TEST(test_motion_and_change_leave_little)
+{
+    static const double by[6] = {0.6, -0.4, 0.5, -0.3, 0.7, 0.4};
+    float moved[GRID_N], rest[GRID_N];
+
+    toy_model(&model);
+    encode_prepare(&model, &basis);
+    (void)draw(0.0, 0.1);
+    move_scan(by, 0.8, moved);
+    assert_int_equal(
+        encode_rest(&basis, z, moved, (const double[]){0, 0}, &scratch, rest), ST_OK);
+    assert_true(largest(rest) < 0.15);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        assert_int_equal(isnan(rest[i]), !used(i) || isnan(z[i]));
+}
+
+TEST(test_a_dent_is_left)
+{
+    const uint32_t at = 20 * GRID_NX + 16;
+    float dented[GRID_N], rest[GRID_N];
+
+    toy_model(&model);
+    encode_prepare(&model, &basis);
+    (void)draw(0.0, 0.0);
+    memcpy(dented, z, sizeof dented);
+    assert_true(used(at));
+    dented[at] -= 3.0f / basis.normal_z[at];
+    assert_int_equal(
+        encode_rest(&basis, z, dented, (const double[]){0, 0}, &scratch, rest), ST_OK);
+    assert_true((double)rest[at] < -2 && (double)rest[at] >= -3.01);
+}
+
+TEST(test_too_little_in_common_leaves_nothing_known)
+{
+    float half[GRID_N], rest[GRID_N];
+
+    toy_model(&model);
+    encode_prepare(&model, &basis);
+    (void)draw(0.0, 0.0);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        half[i] = i < GRID_N / 6 ? z[i] : (float)NAN;
+    assert_int_equal(encode_rest(&basis, z, half, (const double[]){0, 0}, &scratch, rest),
+                     ST_OK);
+    for (uint32_t i = 0; i < GRID_N; i++)
+        assert_true(isnan(rest[i]));
+}

@@ -1,0 +1,79 @@
+#include "live.h"
+
+#include <math.h>
+#include <stdint.h>
+
+#include "app.h"
+#include "errinfo.h"
+#include "json.h"
+#include "mem.h"
+#include "params.h"
+#include "recent.h"
+#include "request.h"
+#include "store.h"
+#include "utc.h"
+
+#define LIVE_DEFAULT 100
+
+static void text_or_null(struct json *j, const char *key, const char *text)
+{
+    json_text(j, key, text[0] != '\0' ? text : NULL);
+}
+
+static void describe_entry(struct json *j, const struct recent_entry *e)
+{
+    char at[UTC_TEXT];
+
+    utc_print(e->at_ms, at);
+    json_object(j, NULL);
+    json_number(j, "seq", (double)e->seq);
+    json_text(j, "at", at);
+    json_text(j, "kind", e->kind);
+    text_or_null(j, "subject", e->subject);
+    text_or_null(j, "token", e->token_name);
+    json_text(j, "outcome", e->outcome);
+    json_text(j, "code", e->code);
+    text_or_null(j, "detail", e->detail);
+    json_score(j, "score", e->scored ? e->score : NAN);
+    json_score(j, "threshold", e->scored ? e->threshold : NAN);
+    json_number(j, "overlap", e->scored ? e->overlap : NAN);
+    json_text(j, "request_id", e->request_id);
+    json_close(j);
+}
+
+void live_recent(struct request *r, struct worker *w)
+{
+    size_t after = 0, most = LIVE_DEFAULT, n;
+    struct recent_entry *entry;
+    uint64_t last;
+    struct json *j;
+
+    (void)w;
+    if (!params_count(r, "after", SIZE_MAX, &after) ||
+        !params_count(r, "limit", RECENT_MOST, &most))
+        return;
+    if ((entry = mem_array(most, sizeof *entry)) == NULL) {
+        request_problem(r, ST_ENOMEM, "no memory for the latest requests");
+        return;
+    }
+    n = recent_read(r->app->recent, after, most, entry, &last);
+    j = json_new();
+    json_array(j, "recent");
+    for (size_t i = 0; i < n; i++)
+        describe_entry(j, &entry[i]);
+    json_close(j);
+    json_number(j, "last", (double)last);
+    request_respond(r, 200, json_compact(j));
+    mem_free(entry);
+}
+
+void live_reset(struct request *r, struct worker *w)
+{
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_attempts_reset(r->app->store, r->actor, r->subject, &e) == ST_OK)
+        r->response.http = 204;
+    else
+        request_fail(r, &e);
+}

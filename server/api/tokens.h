@@ -1,0 +1,11 @@
+/* tokens.h -- the tokens that clients have. */
+#ifndef SERVER_TOKENS_H
+#define SERVER_TOKENS_H
+
+struct request;
+struct worker;
+
+/* tokens_own(r, w): the one that r has, and what it may do; without one, everything. */
+void tokens_own(struct request *r, struct worker *w);
+
+#endif

@@ -1,0 +1,75 @@
+// dom.js -- elements, icons, and how numbers and times are written.  Text enters a page as text
+// alone: nothing here takes markup.
+
+/** el("button.primary", {onclick, title, ...}, child, ...): children are nodes, texts, or null. */
+export function el(tag, props, ...children) {
+  const [name, ...classes] = tag.split(".");
+  const e = document.createElement(name);
+  if (classes.length) e.className = classes.join(" ");
+  for (const [key, value] of Object.entries(props ?? {})) {
+    if (value === undefined || value === null || value === false) continue;
+    if (key.startsWith("on")) e.addEventListener(key.slice(2), value);
+    else if (key in e && key !== "list" && !key.includes("-")) e[key] = value;
+    else e.setAttribute(key, value === true ? "" : value);
+  }
+  e.append(...children.flat().filter((c) => c !== null && c !== undefined && c !== false));
+  return e;
+}
+
+export function svg(name, attributes, ...children) {
+  const e = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes ?? {})) e.setAttribute(key, value);
+  e.append(...children);
+  return e;
+}
+
+const ICONS = {
+  face: "M12 3c4 0 7 2.7 7 7.5 0 5.5-3.2 10.5-7 10.5S5 16 5 10.5C5 5.7 8 3 12 3zM9 10h.01M15 10h.01M12 10v4l-1 .6M9.5 17c1.6 1 3.4 1 5 0",
+  live: "M12 12h.01M8.5 15.500a5 5 0 0 1 0-7M15.5 8.500a5 5 0 0 1 0 7M5.6 18.400a9 9 0 0 1 0-12.800M18.4 5.600a9 9 0 0 1 0 12.8",
+  people: "M9 11a4 4 0 1 0 0-8 4 4 0 0 0 0 8zM2 21v-1a6 6 0 0 1 6-6h2a6 6 0 0 1 6 6v1M16 3.200a4 4 0 0 1 0 7.600M18.5 14.600A6 6 0 0 1 22 20v1",
+  audit: "M6 2h8l5 5v15H6zM14 2v5h5M9 12h7M9 16h7",
+  health: "M2 12h4l3-8 5 16 3-8h5",
+  lock: "M5 11h14v10H5zM8 11V7a4 4 0 0 1 8 0v4",
+  sun: "M12 16a4 4 0 1 0 0-8 4 4 0 0 0 0 8zM12 2v2M12 20v2M2 12h2M20 12h2M5 5l1.4 1.400M17.6 17.6 19 19M19 5l-1.4 1.400M6.4 17.6 5 19",
+  yes: "M12 21a9 9 0 1 0 0-18 9 9 0 0 0 0 18zM8 12.500l2.7 2.700L16 9.5",
+  no: "M12 21a9 9 0 1 0 0-18 9 9 0 0 0 0 18zM9 9l6 6M15 9l-6 6",
+  unsure: "M12 21a9 9 0 1 0 0-18 9 9 0 0 0 0 18zM9.5 9.500a2.5 2.5 0 1 1 3.5 2.300c-.7.4-1 .8-1 1.700M12 16.800h.01",
+  warning: "M12 4 2.5 20h19zM12 10v5M12 17.500h.01",
+  save: "M12 3v12M7 11l5 5 5-5M4 20h16",
+  swap: "M4 9h14l-4-4M20 15H6l4 4",
+  close: "M6 6l12 12M18 6 6 18",
+};
+
+/** An icon beside a text that says the same, so that it is hidden from screen readers. */
+export function icon(name, size = 16) {
+  return svg("svg", { viewBox: "0 0 24 24", width: size, height: size, class: "icon", "aria-hidden": "true" },
+    svg("path", { d: ICONS[name] }));
+}
+
+export const count = (n) => n.toLocaleString("en");
+export const mm = (value, digits = 2) => `${value.toFixed(digits)} mm`;
+export const percent = (share) => `${Math.round(share * 100)} %`;
+export const signed = (value, digits) => (value < 0 ? "−" : "+") + Math.abs(value).toFixed(digits);
+
+export const plain = (value, digits) => (value < 0 ? "−" : "") + Math.abs(value).toFixed(digits);
+
+/** "2026-11-23 02:29:53", as the logs have it. */
+export const time = (iso) => (iso ? iso.replace("T", " ").replace(/(\.\d+)?Z$/, "") : "–");
+export const day = (iso) => (iso ? iso.slice(0, 10) : "–");
+
+/** A rate of false matches in words: "about 1 in 17 million". */
+export function oneIn(rate) {
+  if (!(rate > 0)) return "fewer than can be told";
+  if (rate > 0.095) return `about ${Math.round(rate * 100)} in 100`;
+  const n = Number((1 / rate).toPrecision(2));
+  if (n >= 1e9) return `about 1 in ${n / 1e9} billion`;
+  if (n >= 1e6) return `about 1 in ${n / 1e6} million`;
+  return `about 1 in ${count(n)}`;
+}
+
+/** Offers bytes or a text to be saved under a name. */
+export function save(name, parts, type) {
+  const url = URL.createObjectURL(new Blob([parts].flat(), { type }));
+  el("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+}

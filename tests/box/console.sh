@@ -1,0 +1,31 @@
+#!/bin/sh
+# Goal: the console in a real browser: what a person sees and does, by pointer and by keys, wide and
+# narrow, dark and light, with and without scopes and WebGL; nothing on its console, no request to
+# anywhere else, the token gone after locking.  What the pages are: http-console.sh.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+if ! command -v chromedriver >/dev/null 2>&1 || ! /usr/bin/python3 -c 'import selenium' 2>/dev/null; then
+    echo "$0: no browser is installed: scripts/setup browser"
+    [ "${CI:-}" != true ] || { echo "0 passed, 1 failed" && exit 1; }
+    echo "SKIP $0: chromium, chromium-driver and python3-selenium are not installed"
+    exit 0
+fi
+AUTH=
+start_daemon
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a2.ply" --pose 8 --shift 10
+scan 2 0 "$T/other.ply"
+scan 1 0 "$T/dense.ply" --points 7000
+scan 1 1 "$T/dense2.ply" --points 7000
+"$BUILD/headscan" --kind bust --seed 3 made-up:5 -o "$T/bust.ply"
+mkdir -p "$T/home"
+HOME=$T/home /usr/bin/python3 tests/box/console.py "$URL" "$T" "$(new_token one)" \
+    "$(new_token two --scope enroll)" >"$T/out" 2>"$T/err"
+cat "$T/err"
+grep -v '^ok ' "$T/out"
+passed=$((passed + $(grep -c '^ok ' "$T/out")))
+failed=$((failed + $(grep -c '^FAIL ' "$T/out")))
+ok "the browser's tests ran" test "$passed" -gt 40
+mkdir -p "$BUILD/console"
+cp "$T"/*.png "$BUILD/console"
+finish
