@@ -25,7 +25,7 @@ struct lab {
     char **args;
     /* options (main.c), those of one command behind those of several */
     double unit_mm; /* 0: to be found */
-    bool frontal; /* --axes scanner */
+    bool frontal;   /* --axes scanner */
     struct clouddepth_camera camera;
     const char *model_path, *out;
     double threshold; /* NAN: the model's */

@@ -21,9 +21,8 @@ static const struct {
 
 enum status lab_study(struct lab *c)
 {
-    const struct study how = {.dir = c->out != NULL ? c->out : ".",
-                              .seed = c->seed,
-                              .reduced = c->reduced};
+    const struct study how = {
+        .dir = c->out != NULL ? c->out : ".", .seed = c->seed, .reduced = c->reduced};
     size_t i = 0;
 
     if (c->nargs == 0) {

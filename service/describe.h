@@ -55,7 +55,7 @@ struct describe_comparison {
     const struct surface_face *probe;
     const struct sample_found *scan; /* the probe's; NULL: left out */
     const struct sample_found
-        *other;         /* of what is compared with it in a template's place;
+        *other; /* of what is compared with it in a template's place;
                                          NULL: that is a template */
     const struct surface_face *other_face; /* with it */
     const char *engine;                    /* surface_engine() */

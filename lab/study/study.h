@@ -17,7 +17,7 @@
 struct study {
     const char *dir; /* where the study's files go */
     uint64_t seed;
-    bool reduced;      /* few draws, small sizes: for tests */
+    bool reduced; /* few draws, small sizes: for tests */
 };
 
 /* ---- the studies; what each writes stands in its .html (the part of the report), what came
