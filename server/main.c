@@ -238,7 +238,7 @@ static bool check_files(const struct options *o)
 #define KEPT_FREE (8 << 20)
 
 /* Nothing is dumped (nodump.h); what is freed is overwritten, also by libraries, as qsort() and
- * GnuTLS do not, in blocks of more than 1 KB (core/mesh/mem.h does it for all of its own); blocks
+ * GnuTLS do not, in blocks of more than 1 KB (core/basic/mem.h does it for all of its own); blocks
  * that only large requests need go back to the system when they are freed. */
 static void prepare_memory(void)
 {

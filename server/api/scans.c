@@ -50,7 +50,7 @@ static void respond(struct request *r, const struct worker *w, const struct dry_
     metrics_check(r->app->metrics, t->enrolment == ST_OK ? METRICS_ENROLLABLE
                                    : face                ? METRICS_USABLE
                                                          : METRICS_UNUSABLE);
-    if (!face && shown->n == 0) {
+    if (!shown->wanted || (!face && shown->n == 0)) {
         describe_dry_run(j, t, w->probe, times);
         request_respond(r, 200, json_compact(j));
         return;

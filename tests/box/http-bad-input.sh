@@ -58,7 +58,7 @@ for scan in a.json a.ply; do
 done
 for type in 'Content-Type:' 'Content-Type: application/x-www-form-urlencoded'; do
     send POST /v1/compare "$type" "$T/a.json"
-    problem "compare, $type" 415 unsupported_media_type '^Content-Type must be application/json$'
+    problem "compare, $type" 415 unsupported_media_type '^Content-Type must be application/json, or multipart/form-data with the files a and b$'
 done
 send POST /v1/subjects/alice/verify 'Content-Type: application/merge-patch+json' "$T/a.json"
 problem "a patch" 415 unsupported_media_type '^Content-Type must be model/ply, '

@@ -48,8 +48,6 @@ for detail in heatmap measure; do
         send POST "/v1/$path?detail=$detail" "$PLY" "$T/alice2.ply"
         problem "$path, $detail" 403 insufficient_scope detail
     done
-    send POST "/v1/compare?detail=$detail" "$JSON" "$T/two.json"
-    problem "compare, $detail" 403 insufficient_scope detail
 done
 # Nothing of that in what verify alone is told, nor more digits than it takes to decide.
 for path in subjects/alice/verify "templates/$template/verify"; do

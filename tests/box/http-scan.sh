@@ -141,8 +141,8 @@ send POST /v1/check "$BYTES" "$T/many.gz"
 problem "too many bytes when unpacked" 413 body_too_large 'limit is 2000000 bytes when unpacked'
 send POST /v1/check "$JSON" "$T/a.ply"
 problem "malformed" 400 malformed 'this is PLY, not JSON'
-send POST '/v1/check?detail=measure' "$PLY" "$T/a.ply"
-problem "a parameter of others" 400 invalid_parameter 'no query parameter detail'
+send POST '/v1/check?label=x' "$PLY" "$T/a.ply"
+problem "a parameter of others" 400 invalid_parameter 'no query parameter label'
 req GET /v1/check
 is "no GET" "$STATUS $(field Allow)" '405 POST'
 is "nothing was stored or logged" "$(logged)" "$before"
@@ -205,7 +205,7 @@ for part in '' ';headers=Content-Encoding: gzip'; do
     problem "a file that is large when unpacked$part" 413 body_too_large
 done
 req POST /v1/compare -F "file=@$T/ab.json"
-problem "of JSON alone" 415 unsupported_media_type
+problem "one file of two" 400 malformed 'a and b'
 req POST /v1/subjects -F "file=@$T/ab.json"
 problem "of JSON alone" 415 unsupported_media_type
 finish

@@ -20,11 +20,16 @@ PATCH /v1/subjects/{subject} manage
 DELETE /v1/subjects/{subject} delete
 GET /v1/templates/{template_id} read
 DELETE /v1/templates/{template_id} delete
+GET /v1/templates/{template_id}/surface detail
+GET /v1/token enroll,verify,identify,read,delete,manage,detail
+GET /v1/recent manage
+DELETE /v1/subjects/{subject}/attempts manage
 GET /healthz -
 GET /readyz -
 GET /metrics -
 GET /openapi.json -
 GET /docs -
+GET /console -
 GET /version -
 END
 scan 1 0 "$T/a.ply"
@@ -42,7 +47,7 @@ jq -r '.paths | to_entries[] | .key as $p | .value | to_entries[] | select(.key 
         else [.[].token[]] | join(",") end)"' "$T/api" | sort >"$T/described"
 is "routes and their scopes, as described" "$(cat "$T/described")" "$(sort "$T/matrix")"
 is "no other in the table of the program" "$(grep -c '{REQUEST_' server/api/routes.c)" \
-    "$(($(wc -l <"$T/matrix") + 2))" # and the two files of /docs
+    "$(($(wc -l <"$T/matrix") + 3))" # and the two files of /docs, and those of /console
 
 # enrolled: alice has a template, whose id is $template; bob is nobody.
 enrolled() {
@@ -104,13 +109,15 @@ done
 # What takes a scope more, wherever it can be asked for.
 enrolled
 AUTH=$(new_token narrow --scope enroll,verify,identify,read,delete)
-awk '$1 == "POST" && $2 ~ /verify$|compare$/ { print $2 }' "$T/matrix" >"$T/comparing"
+awk '$1 == "POST" && $2 ~ /verify$/ { print $2 }' "$T/matrix" >"$T/comparing"
 while read -r route; do
-    for detail in measure heatmap; do
+    for detail in measure heatmap surface; do
         try POST "$route" "?detail=$detail"
         problem "$route, $detail" 403 insufficient_scope detail
     done
 done <"$T/comparing"
+try POST /v1/compare '?detail=measure' # of the caller's own scans
+is "a comparison, measure" "$STATUS" 200
 is "routes with detail" "$(jq -r '[.paths[][] | objects | .parameters // [] | map(.["$ref"] // "")
     | select(any(endswith("/Detail")))] | length' "$T/api")" 3
 try POST '/v1/subjects/{subject}/templates' '?force=true'
