@@ -133,6 +133,10 @@ static enum status read_pair(struct cloud_reading *g, struct cloudpoints *a,
             st = errinfo_set(e, st, "%s: %s", i == 0 ? "a" : "b", why.msg);
         }
     }
+    if (st != ST_OK) {
+        cloudpoints_free(a);
+        cloudpoints_free(b);
+    }
     return st;
 }
 

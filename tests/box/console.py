@@ -384,7 +384,8 @@ def test_frames():
             break
         time.sleep(2)
     print("-- a frame of two surfaces of 7,000 points takes %.1f ms" % best)
-    check("a frame takes 33 ms at most", best <= 33, best)
+    if "SANITIZED" not in os.environ:
+        check("a frame takes 33 ms at most", best <= 33, best)
     d.quit()
 
 

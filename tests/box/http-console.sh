@@ -109,6 +109,11 @@ req POST /v1/compare -F "a=@$T/a.ply" -F "b=@$T/a2.ply.gz"
 is "one of them packed" "$STATUS $(get .decision)" '200 match'
 req POST /v1/compare -F "a=@$T/a.ply" -F "b=@$T/line.xyz"
 problem "one of them unusable" 422 degenerate 'b\.points'
+printf 'ply\nformat ascii 1.0\n' >"$T/broken.ply"
+for _ in 1 2 3; do # a sanitizer finds what is not given back
+    req POST /v1/compare -F "a=@$T/a.ply" -F "b=@$T/broken.ply"
+done
+problem "one of them broken" 400 malformed '^b: '
 stop_daemon
 
 # ---- left out
