@@ -137,7 +137,7 @@ static enum status first_entry(struct store *s, struct log_txn *t, enum crypt_ki
  * so.  An anchor that is there is another database's, or of one that is lost. */
 static enum status make_database(struct store *s, struct opening *o, struct errinfo *e)
 {
-    struct log_txn t = {.log = &s->log, .how = SQL_SCHEMA};
+    struct log_txn t = {.log = &s->log, .how = SQL_SCHEMA, .added = LOGS};
     struct crypt_root root;
     int version = 0;
     enum status st;
@@ -150,7 +150,8 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
                            s->anchor);
     if ((st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e)) != ST_OK)
         return st;
-    if ((st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
+    if ((st = store_lock(t.sql, e)) == ST_OK &&
+        (st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
         if ((st = sql_create(t.sql, e)) == ST_OK &&
             (st = make_root(o, &root, &s->crypt, e)) == ST_OK &&
             (st = rows_root_write(t.sql, &root, e)) == ST_OK) {
@@ -425,7 +426,7 @@ enum status store_stats(struct store *s, struct store_stats *out, struct errinfo
         for (int i = 0; i < (int)(sizeof count / sizeof *count); i++)
             *count[i] = (uint64_t)sql_column(r, i).i;
     if ((st = sql_done(r, st, e)) == ST_OK)
-        st = sql_file_bytes(t.sql, &out->file_bytes, e);
+        st = sql_bytes(t.sql, &out->file_bytes, e);
     return store_end(s, &t, st, e);
 }
 

@@ -32,8 +32,14 @@ static enum status read_templates(const struct store_snapshot_of *what,
     enum status st;
 
     if (what->subject != NULL) {
-        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK ||
-            (st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
+        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK)
+            return st;
+        if (sql_ahead(r->t.sql, true)) {
+            (void)rows_attempts_get(&r->t, &r->of.one, r->token, r->now, &out->attempts,
+                                    &r->future, NULL);
+            (void)sql_ahead(r->t.sql, false);
+        }
+        if ((st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
             return st;
     } else {
         if ((r->row = malloc(sizeof *r->row)) == NULL)
@@ -92,7 +98,17 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     (void)snprintf(r->token, sizeof r->token, "%s",
                    what->token != NULL ? what->token : "");
     if ((st = store_rules_now(&r->now, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &r->t, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, &r->t, e)) != ST_OK)
+        return st;
+    if (sql_ahead(r->t.sql, true)) {
+        struct store_calibration k;
+
+        if (what->subject != NULL)
+            (void)rows_subject_find(&r->t, what->subject, &r->of, NULL);
+        (void)rows_calibration_get(&r->t, &k, NULL);
+        (void)sql_ahead(r->t.sql, false);
+    }
+    if ((st = store_check(s, &r->t, e)) != ST_OK)
         return st;
     r->begun = true;
     return read_all(what, out, e);
@@ -251,6 +267,26 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
     return rows_subject_seen(t, what.subject->uid, by->at, e);
 }
 
+/* What write_all() reads, all at once. */
+static void read_ahead(struct log_txn *t, const struct store_record *what,
+                       const struct log_act *by)
+{
+    struct rows_subject of = {.one = *what->subject};
+    struct store_attempts now;
+    char id[STORE_ID_LEN + 1];
+    bool future;
+
+    if (!sql_ahead(t->sql, true))
+        return;
+    (void)rows_attempts_get(t, what->subject, what->actor, by->ms, &now, &future, NULL);
+    if (what->probe != NULL) {
+        (void)rows_template_same(t, &of, what->probe->used, what->probe->read, id, NULL);
+        (void)rows_subject_get(t, what->subject->uid, &of, NULL);
+    }
+    log_txn_ahead(t);
+    (void)sql_ahead(t->sql, false);
+}
+
 enum status store_record_verification(struct store *s, const struct store_record *what,
                                       struct store_recorded *out, struct errinfo *e)
 {
@@ -259,9 +295,12 @@ enum status store_record_verification(struct store *s, const struct store_record
     enum status st;
 
     *out = (struct store_recorded){.why = STORE_WAIT_NONE};
-    if ((st = store_act_begin(s, what->actor,
-                              what->as == STORE_RECORD_FAILED ? SQL_WRITE : SQL_LAZY, &by,
-                              &t, e)) != ST_OK)
+    if ((st = log_act(&by, what->actor, e)) != ST_OK ||
+        (st = store_start(s, what->as == STORE_RECORD_FAILED ? SQL_WRITE : SQL_LAZY, &t,
+                          e)) != ST_OK)
+        return st;
+    read_ahead(&t, what, &by);
+    if ((st = store_check(s, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, write_all(&t, what, &by, out, e), e);
 }

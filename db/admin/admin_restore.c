@@ -259,7 +259,7 @@ static enum status count_lost(struct restoring *r, struct log_txn *to, struct er
 
     if (st != ST_OK)
         return st;
-    st = sql_query(t.sql, "SELECT uid FROM subjects", NULL, 0, &rows, e);
+    st = sql_stream(t.sql, "SELECT uid FROM subjects", NULL, 0, &rows, e);
     while (st == ST_OK && sql_next(rows)) {
         struct sql_rows *found;
 

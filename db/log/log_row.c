@@ -114,7 +114,7 @@ static enum status walk_log(struct sql_txn *t, struct log_walk *w, const char *t
 {
     struct log_entry entry;
     struct sql_rows *r;
-    const enum status st = sql_query(t, text, NULL, 0, &r, e);
+    const enum status st = sql_stream(t, text, NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         if (log_row_read(r, w->log, &entry))

@@ -98,6 +98,21 @@ static void set_end(struct log_end *end, const struct log_entry *entry)
     memcpy(end->hash, entry->hash, LOG_HASH);
 }
 
+static enum status need_uses(struct log_txn *t, struct errinfo *e)
+{
+    struct log_entry last;
+    enum status st = ST_OK;
+
+    if (t->uses.seq == 0 && (st = read_last(t, LOG_ACCESSES, &last, e)) == ST_OK)
+        set_end(&t->uses, &last);
+    return st;
+}
+
+void log_txn_ahead(struct log_txn *t)
+{
+    (void)need_uses(t, NULL);
+}
+
 /* The entries that another process has added: each follows the one before. */
 static enum status follow(struct log_txn *t, const struct log_end *before, bool *follows,
                           struct errinfo *e)
@@ -135,9 +150,9 @@ static enum status refuse(const struct log_end *before, const char *what,
         what, before->seq);
 }
 
-enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
-                          struct errinfo *e)
+enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
 {
+    const struct log_end *before = &t->before;
     struct log_entry last;
     bool follows = true;
     enum status st;
@@ -180,6 +195,18 @@ enum status log_txn_check(const struct log_txn *t, struct errinfo *e)
                         : errinfo_set(e, ST_EINTERNAL, "a change without an entry");
 }
 
+#define HAS(log) "SELECT 1 FROM " log " WHERE seq = $1 AND hash = $2"
+
+void log_txn_prove(struct log_txn *t)
+{
+    const struct log_end *end = t->added == LOG_CHANGES ? &t->changes : &t->uses;
+
+    if (t->added != LOGS)
+        sql_prove(t->sql, t->added == LOG_CHANGES ? HAS("change_log") : HAS("access_log"),
+                  SQL_VALUES(sql_int((int64_t)end->seq), sql_blob(end->hash, LOG_HASH)),
+                  2);
+}
+
 void log_txn_committed(struct log_txn *t)
 {
     remember(t->log, &t->changes);
@@ -190,8 +217,8 @@ enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
 {
     struct sql_rows *r;
     const enum status st =
-        SQL_FIRST(t->sql, &r, e, "SELECT 1 FROM change_log WHERE seq = $1 AND hash = $2",
-                  sql_int((int64_t)at->seq), sql_blob(at->hash, sizeof at->hash));
+        SQL_FIRST(t->sql, &r, e, HAS("change_log"), sql_int((int64_t)at->seq),
+                  sql_blob(at->hash, sizeof at->hash));
 
     *has = st == ST_OK;
     return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
@@ -284,8 +311,10 @@ static enum status append(struct log_txn *t, struct log_entry *entry,
     if (entry->log == LOG_CHANGES &&
         (strcmp(kind, LOG_CHECKPOINT) == 0 || strcmp(kind, LOG_EXPORT) == 0))
         log_sign(t->crypt, entry);
-    if ((st = log_row_add(t->sql, entry, e)) == ST_OK)
+    if ((st = log_row_add(t->sql, entry, e)) == ST_OK) {
         set_end(end, entry);
+        t->added = entry->log;
+    }
     return st;
 }
 
@@ -293,13 +322,13 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_CHANGES}, last;
+    struct log_entry entry = {.log = LOG_CHANGES};
     unsigned char name[16];
     enum status st = need_digest(t, e);
 
-    if (st != ST_OK || (st = read_last(t, LOG_ACCESSES, &last, e)) != ST_OK)
+    if (st != ST_OK || (st = need_uses(t, e)) != ST_OK)
         return st;
-    set_end(&entry.accesses, &last);
+    entry.accesses = t->uses;
     name_of(t->changes.seq + 1, name);
     crypt_wrap(t->crypt, label, name, t->digest, entry.digest);
     if ((st = append(t, &entry, by, kind, uid, object, outcome, &t->changes, e)) != ST_OK)
@@ -313,10 +342,9 @@ enum status log_access(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_ACCESSES}, last;
-    const enum status st = read_last(t, LOG_ACCESSES, &last, e);
-    struct log_end end;
+    struct log_entry entry = {.log = LOG_ACCESSES};
+    const enum status st = need_uses(t, e);
 
-    set_end(&end, &last);
-    return st == ST_OK ? append(t, &entry, by, kind, uid, object, outcome, &end, e) : st;
+    return st == ST_OK ? append(t, &entry, by, kind, uid, object, outcome, &t->uses, e)
+                       : st;
 }
