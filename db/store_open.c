@@ -276,12 +276,17 @@ enum status store_open(const char *path, enum store_mode mode,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     log_init(&s->log);
     store_use_model(s, NULL);
+    if (o.key->path == NULL && sql_is_url(path))
+        st = errinfo_set(e, ST_EINVAL,
+                         "a database on a server has no usual place for its key: name "
+                         "it (--key FILE)");
     if (o.key->path != NULL)
         o.key_path = strdup(o.key->path);
     else if ((o.key_path = malloc(n)) != NULL)
         (void)snprintf(o.key_path, n, "%s.key", path);
-    if ((s->path = strdup(path)) == NULL || o.key_path == NULL ||
-        (o.key->anchor != NULL && (s->anchor = strdup(o.key->anchor)) == NULL))
+    if (st == ST_OK &&
+        ((s->path = strdup(path)) == NULL || o.key_path == NULL ||
+         (o.key->anchor != NULL && (s->anchor = strdup(o.key->anchor)) == NULL)))
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     if (st == ST_OK)
         st = open_all(s, &o, mode, e);

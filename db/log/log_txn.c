@@ -110,6 +110,7 @@ static enum status need_uses(struct log_txn *t, struct errinfo *e)
 
 void log_txn_ahead(struct log_txn *t)
 {
+    t->appends = true;
     (void)need_uses(t, NULL);
 }
 
@@ -166,6 +167,8 @@ enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
         return st == ST_ECORRUPT && before->seq != 0
                    ? refuse(before, "its log has no good end after", e)
                    : st;
+    if (t->appends && (st = need_uses(t, e)) != ST_OK)
+        return st;
     if (is_same(&t->changes, before))
         return ST_OK;
     if (before->seq != 0) {

@@ -31,6 +31,7 @@ struct log_txn {
     unsigned char wrapped[CRYPT_WRAPPED]; /* digest of that entry, */
     unsigned char digest[LOG_DIGEST];     /* and decrypted, with what was changed since */
     bool known;                           /* digest is set */
+    bool appends;                         /* log_txn_ahead() was called */
     bool unlogged;                        /* rows were changed after the last entry */
     enum log_name added; /* the log of the last entry that it has added, LOGS: none */
 };
@@ -72,7 +73,7 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
  * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
  * log_access(t, by, kind, uid, object, outcome, e): append to the access log.  ST_ECORRUPT: its
  * last entry has no good MAC, or is an earlier one than the last change found there.
- * log_txn_ahead(t): while sql_ahead() is on: what log_access() and log_change() will read.
+ * log_txn_ahead(t): before log_txn_begin(), while sql_ahead() is on: what both will read.
  * log_has(t, at, has, e): has the change log this entry?  Then all before it are the same too. */
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,

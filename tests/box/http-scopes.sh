@@ -171,7 +171,7 @@ while read -r verb route needs; do
         ;;
     esac
 done <"$T/matrix"
-is "alice was not held" "$(sqlite3 "$DB" 'SELECT count(*) FROM subjects')" 1
+is "alice was not held" "$(sql 'SELECT count(*) FROM subjects')" 1
 
 # ---- a stranger
 AUTH=
