@@ -7,7 +7,6 @@
 #include "disparity.h"
 #include "study.h"
 #include "picture.h"
-#include "study.h"
 #include "locate.h"
 
 static size_t scatter(struct study_random *r, size_t n, unsigned f, struct ivec3 *out)

@@ -50,14 +50,6 @@ void study_close(FILE *f)
         study_must(ST_EIO);
 }
 
-void study_field(FILE *f, int places, double x)
-{
-    if (isnan(x))
-        (void)fputc(',', f);
-    else
-        (void)fprintf(f, ",%.*f", places, x);
-}
-
 static double quantile(const double *v, size_t n, double share)
 {
     const double at = share * (double)(n - 1);
@@ -119,8 +111,7 @@ struct study_fit study_fit(const double *x, const double *y, size_t n)
     }
     slope = xy / xx;
     rest = yy - slope * xy > 0 ? yy - slope * xy : 0;
-    return (struct study_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx),
-                              exp(my - slope * mx), yy > 0 ? 1 - rest / yy : 1};
+    return (struct study_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx)};
 }
 
 static double square(double x)
