@@ -169,15 +169,6 @@ void options_load(struct options *o, const char *config,
     check_together(o);
 }
 
-unsigned options_default(const char *name)
-{
-    size_t i = 0;
-
-    while (strcmp(options_table[i].name, name) != 0)
-        i++;
-    return (unsigned)strtoul(options_table[i].fallback, NULL, 10);
-}
-
 void options_check_files(struct options *o)
 {
     struct settings *s = o->settings;

@@ -19,7 +19,6 @@ struct trial {
     double score, fmr_at_score;             /* as in face_result, as are these */
     float overlap, region[SURFACE_REGIONS]; /* region: NAN, not asked for */
     float disparity_mm; /* the minimal disparity; NAN: not asked for */
-    float rotation_deg; /* between the rotation found and the true one; NAN: not known */
     float score_ms;
 };
 

@@ -20,10 +20,6 @@ struct corpus_scan {
     uint32_t subject; /* of corpus.subject */
     uint32_t kind;    /* of corpus.kind */
     bool enrolled;
-    /* If corpus.posed: yaw, pitch, roll (degrees), tx, ty, tz (mm).  A point p of the head is
-     * at Rz Rx Ry p plus the shift, where p is relative to some point that is the same in all
-     * scans. */
-    double pose[6];
 };
 
 struct corpus_subject {
@@ -54,7 +50,6 @@ struct corpus {
     uint32_t nscan, nsubject;       /* at least 1 */
     uint32_t nnamed;                /* nsubject, and relatives without scans */
     uint32_t nkind, npopulation;    /* at least 1 */
-    bool posed;                     /* the poses are known */
     struct corpus_left *left;       /* [nleft], by name */
     uint32_t nleft, nleft_scan;     /* of them scans */
     struct corpus_listed *listed; /* [nlisted], as listed; of a folder or manifest none */

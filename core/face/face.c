@@ -153,11 +153,6 @@ double (*face_work_clock(const struct surface_work *w))(void)
     return w->clock_ms;
 }
 
-const struct surface_model *face_work_model(const struct surface_work *w)
-{
-    return w->model;
-}
-
 const struct frame_mean *face_work_mean(const struct surface_work *w)
 {
     return &w->mean;

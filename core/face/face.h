@@ -36,9 +36,8 @@ struct shape_work;    /* shape_work.h */
 /* face_work_clock(w): that of surface_work_clock(). */
 double (*face_work_clock(const struct surface_work *w))(void);
 
-/* The model that w was made with, its mean face ready to align to, and its shape ready to be
+/* The mean face of the model that w was made with, ready to align to, and its shape ready to be
  * fitted. */
-const struct surface_model *face_work_model(const struct surface_work *w);
 const struct frame_mean *face_work_mean(const struct surface_work *w);
 struct shape_work *face_work_shape(struct surface_work *w);
 
