@@ -10,7 +10,6 @@
 #include "study.h"
 #include "lattice.h"
 #include "measure.h"
-#include "picture.h"
 #include "locate.h"
 
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -96,21 +95,6 @@ static void gap_map(const struct study *study, const char *name,
     study_close(f);
 }
 
-static void both_faces(const struct study *study, const char *name, const struct mesh *a,
-                       const struct mesh *b)
-{
-    struct picture r = {
-        .wide = 330, .high = 380, .per = 2, .z = -20, .turn = 0.6, .tilt = 0.1};
-    FILE *f = study_open(study, name);
-
-    picture_begin(&r);
-    picture_mesh(&r, a, NULL, LATTICE_PER_MM, 1, 0, 0x70a8e8);
-    if (b != NULL)
-        picture_mesh(&r, b, NULL, LATTICE_PER_MM, 1, 0, 0xf0a840);
-    picture_end(&r, f);
-    study_close(f);
-}
-
 static void figures(const struct study *study, struct surface_work *w)
 {
     static const struct {
@@ -128,7 +112,7 @@ static void figures(const struct study *study, struct surface_work *w)
     fprintf(f, "printed in the paper,figure 10: as they were,234254,,,\n");
     fprintf(f, "printed in the paper,figure 11: after alignment,120238.8,,,\n");
     scan(1, 0, false, w, &a);
-    both_faces(study, "template.dat", &a.surface.mesh, NULL);
+    study_triangles(study, "template.dat", &a.surface.mesh, LATTICE_PER_MM);
     for (int k = 0; k < 2; k++) {
         struct face_result found;
         double truth[16];
@@ -148,7 +132,7 @@ static void figures(const struct study *study, struct surface_work *w)
                 continue;
             (void)snprintf(name, sizeof name, "%s-%s.dat", row[k].name,
                            i == 1 ? "after" : "before");
-            both_faces(study, name, &a.surface.mesh, &m.moved.mesh);
+            study_triangles(study, name, &m.moved.mesh, LATTICE_PER_MM);
             (void)snprintf(name, sizeof name, "%s-%s-gap.dat", row[k].name,
                            i == 1 ? "after" : "before");
             gap_map(study, name, &a, &m);

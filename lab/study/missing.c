@@ -224,13 +224,10 @@ static void figures(const struct study *study)
     for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
         for (int k = 0; k <= SHARES; k++) {
             char name[32];
-            FILE *out;
 
             (void)snprintf(name, sizeof name, "fig%u-%d.dat", f + 3, percent[k]);
-            out = study_open(study, name);
             study_must(triangulate(&s, f, order, removed[k]));
-            study_triangles(&s.surface.mesh, STUDY_UNIT, out);
-            study_close(out);
+            study_triangles(study, name, &s.surface.mesh, STUDY_UNIT);
         }
     study_close(edges);
     study_close(pts);

@@ -45,7 +45,7 @@ do for [f = 1:6] {
     unset key
     do for [p in '0 15 30 45 60 75'] {
         set title (p eq '0' ? 'all 36 points' : p . ' % removed') offset 0,-1
-        splot sprintf('%s/fig%d-%s.dat', dir, f + 2, p) with pm3d
+        splot sprintf('%s/fig%d-%s.dat', dir, f + 2, p) using 1:2:3 with pm3d
     }
     unset multiplot
 }

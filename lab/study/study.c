@@ -222,20 +222,37 @@ void study_edges(const struct mesh *m, double per, const char *tag, FILE *f)
     }
 }
 
-void study_triangles(const struct mesh *m, double per, FILE *f)
+/* How bright a triangle is, 0 to 1, in light from the upper left and above. */
+static double brightness(const struct dvec3 p[3])
+{
+    const struct dvec3 n = vec_cross(vec_sub(p[1], p[0]), vec_sub(p[2], p[0]));
+    const double facing = (-0.35 * n.x + 0.45 * n.y + 0.82 * n.z) / sqrt(vec_dot(n, n));
+
+    return 0.35 + 0.63 * fmax(facing, 0);
+}
+
+void study_triangles(const struct study *study, const char *name, const struct mesh *m,
+                     double per)
 {
     static const int corner[4] = {0, 1, 2, 2};
+    FILE *f = study_open(study, name);
 
     for (uint32_t t = 0; t < m->nt; t++) {
+        struct dvec3 p[3];
+
         if (mesh_is_ghost(m, t))
             continue;
-        for (int i = 0; i < 4; i++) {
-            const uint32_t v = m->org[3 * t + (uint32_t)corner[i]];
+        for (uint32_t i = 0; i < 3; i++) {
+            const uint32_t v = m->org[3 * t + i];
 
-            fprintf(f, "%g %g %g\n%s", m->xy[v].x / per, m->xy[v].y / per, m->z[v] / per,
+            p[i] = (struct dvec3){m->xy[v].x / per, m->xy[v].y / per, m->z[v] / per};
+        }
+        for (int i = 0; i < 4; i++)
+            fprintf(f, "%g %g %g %.3f\n%s", p[corner[i]].x, p[corner[i]].y,
+                    p[corner[i]].z, brightness(p),
                     i == 1   ? "\n"
                     : i == 3 ? "\n\n"
                              : "");
-        }
     }
+    study_close(f);
 }

@@ -91,8 +91,9 @@ double study_height(struct study_surface *s, struct ivec2 q, bool *inside);
 /* study_edges(m, per, tag, f): lines "tag,x1,y1,x2,y2", every edge once, per lattice units. */
 void study_edges(const struct mesh *m, double per, const char *tag, FILE *f);
 
-/* study_triangles(m, per, f): the triangles as gnuplot's pm3d wants them: each a surface of
- * its own of two scans of two points. */
-void study_triangles(const struct mesh *m, double per, FILE *f);
+/* study_triangles(study, name, m, per): a file of the triangles as gnuplot's pm3d wants them: each a
+ * surface of its own of two scans of two points; behind each point how bright the triangle is. */
+void study_triangles(const struct study *study, const char *name, const struct mesh *m,
+                     double per);
 
 #endif
