@@ -170,8 +170,8 @@ static enum status compare(const struct surface_face *tmpl,
                            const struct surface_face *probe, struct surface_work *work,
                            double *score, struct errinfo *e)
 {
-    struct face_result r;
-    const enum status st = face_compare(tmpl, probe, (double)NAN, NULL, work, &r);
+    struct surface_comparison r;
+    const enum status st = face_compare(tmpl, probe, (double)NAN, work, &r);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "comparing: %s", status_message(st));

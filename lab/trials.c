@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "minimal.h"
 #include "model.h"
 #include "pool.h"
 #include "rates.h"
@@ -169,27 +168,30 @@ static enum status compare(const struct run *r, const struct surface_face *face,
     const struct corpus_scan *template = &c->scan[x->template],
                              *probe = &c->scan[x->probe];
     const struct surface_face *own = &r->template[r->slot[x->template]];
-    struct face_result f;
-    struct minimal least;
-    enum status st = face_compare(own, face, r->c->threshold, command_clock_ms, w, &f);
+    struct surface_comparison f;
+    struct surface_disparity least;
+    struct surface_parts parts;
+    const double start = command_clock_ms();
+    enum status st = face_compare(own, face, r->c->threshold, w, &f);
+
+    x->score_ms = (float)(command_clock_ms() - start);
 
     if (st == ST_OK && r->how->regions)
-        st = face_regions(own, face, w, &f);
+        st = face_field(own, face, w, &parts);
     if (st == ST_OK && r->how->minimal)
-        st = face_minimal(own, face, NULL, w, &f, &least);
+        st = face_minimal(own, face, w, &least);
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
                            status_message(st));
     x->done = true;
     x->decision = f.decision;
     x->score = f.score;
-    x->fmr_at_score = f.fmr_at_score;
+    x->fmr_at_score = f.false_match_rate;
     x->overlap = (float)f.overlap;
     for (int i = 0; i < SURFACE_REGIONS && r->how->regions; i++)
-        x->region[i] = (float)f.region[i];
+        x->region[i] = (float)parts.region[i];
     if (r->how->minimal)
-        x->disparity_mm = (float)least.disparity.plain_mm;
-    x->score_ms = (float)f.score_ms;
+        x->disparity_mm = (float)least.disparity_mm;
     return ST_OK;
 }
 

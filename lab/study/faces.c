@@ -114,14 +114,14 @@ static void figures(const struct study *study, struct surface_work *w)
     scan(1, 0, false, w, &a);
     study_triangles(study, "template.dat", &a.surface.mesh, LATTICE_PER_MM);
     for (int k = 0; k < 2; k++) {
-        struct face_result found;
+        struct align_result found;
         double truth[16];
 
         scan(row[k].subject, 1, true, w, &b);
-        study_must(face_align(&a, &b, NULL, w, &found));
+        study_must(face_align(&a, &b, w, &found));
         true_pose(truth);
         for (int i = 0; i < 3; i++) {
-            const double *pose[] = {identity, found.align.transform, truth};
+            const double *pose[] = {identity, found.transform, truth};
             struct disparity d;
             char name[64];
 

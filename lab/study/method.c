@@ -238,7 +238,7 @@ static void interpolation(const struct study *study)
                "largest,mean distance of surfaces (2) and (3),largest\n");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         struct study_random r = {study->seed + 3};
-        const size_t n = row[i].n;
+        const size_t n = study->reduced ? 1000 : row[i].n;
         struct ivec3 *pts = study_alloc(n, sizeof *pts);
         struct study_surface a = {0}, b = {0}, c = {0};
         struct location *loc;
