@@ -9,7 +9,9 @@ static void print_asymmetry(const struct asymmetry *a, const struct surface_face
 {
     (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
                  a->final.volume_mm3, a->final.area_mm2,
-                 asymmetry_conclusive(a) ? "" : ", of too little to say");
+                 asymmetry_conclusive(a) ? ""
+                                         : ", but too little was measured to "
+                                           "decide");
     (void)printf("weighted     %.3f mm, by the learned weight\n", a->final.weighted_mm);
     (void)printf(
         "first        %.3f mm before the plane was corrected, by %.2f degrees and "
@@ -23,7 +25,7 @@ static void print_asymmetry(const struct asymmetry *a, const struct surface_face
         (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
                      a->turn_deg, a->shift_mm);
     else
-        (void)printf("its uncertainty is not known\n");
+        (void)printf("its uncertainty is unknown\n");
     (void)printf("scan         %u points, quality %.2f\n", f->surface.mesh.nv,
                  f->quality.score);
 }
