@@ -9,7 +9,7 @@ static void print_asymmetry(const struct surface_asymmetry *a,
 {
     (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->disparity_mm,
                  a->volume_mm3, a->area_mm2,
-                 a->conclusive ? "" : ", of too little to say");
+                 a->conclusive ? "" : ", but too little was measured to decide");
     (void)printf("weighted     %.3f mm, by the learned weight\n", a->weighted_mm);
     (void)printf(
         "first        %.3f mm before the plane was corrected, by %.2f degrees and "
@@ -23,7 +23,7 @@ static void print_asymmetry(const struct surface_asymmetry *a,
         (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
                      a->turn_deg, a->shift_mm);
     else
-        (void)printf("its uncertainty is not known\n");
+        (void)printf("its uncertainty is unknown\n");
     (void)printf("scan         %u points, quality %.2f\n", f->surface.mesh.nv,
                  f->quality.score);
 }

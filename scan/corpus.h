@@ -62,6 +62,10 @@ void corpus_free(struct corpus *c); /* NULL is allowed */
  * nothing of a subject that has none.  ST_EINVAL: nobody has one; c is as it was. */
 enum status corpus_enroll(struct corpus *c, const char *kind, struct errinfo *e);
 
+/* corpus_is_scan(path): whether path is a file with the extension of a scan, not of a table (.csv and
+ * .txt may be either).  For usage messages: a scan was given where a collection is read. */
+bool corpus_is_scan(const char *path);
+
 /* What is left out: corpus_left_json(c, j) adds it to the JSON array that is open, and ends that;
  * corpus_left_print(c, program) lists it on standard error. */
 void corpus_left_json(const struct corpus *c, struct json *j);

@@ -35,7 +35,7 @@ static enum status add_entry(struct corpus_build *b, const char *name)
     if (path == NULL)
         return corpus_build_no_memory(b->e);
     if ((why = corpus_build_bad_file(path)) == NULL && !scan)
-        why = "no scan by the ending of its name";
+        why = "its extension is not that of a scan format";
     if (why == NULL)
         why = corpus_build_split(name, id, kind);
     st = why != NULL ? corpus_build_left(b, name, why, scan)

@@ -88,9 +88,9 @@ TEST(test_left_out)
     static const struct {
         const char *name, *why;
         bool scan;
-    } left[] = {{"Makefile", "no scan by the ending", false},
+    } left[] = {{"Makefile", "its extension is not", false},
                 {"README.txt", "SUBJECT_KIND", true},
-                {"a.off", "no scan by the ending", false},
+                {"a.off", "its extension is not", false},
                 {"bad\xff\x1b_1.ply", "not UTF-8", true},
                 {"carol.ply", "SUBJECT_KIND", true},
                 {"dave-2.ply", "SUBJECT_KIND", true},
@@ -133,7 +133,7 @@ TEST(test_bad_folder)
 
     refuse(ST_EINVAL, "no scans");
     put("list.xls", "");
-    refuse(ST_EINVAL, "no scans; list.xls: no scan by");
+    refuse(ST_EINVAL, "no scans; list.xls: its extension");
     put("noname.ply", "");
     refuse(ST_EINVAL, "no scans; noname.ply: not named SUBJECT_KIND.ply");
     refuse(ST_EINVAL, "; and 1 more");
@@ -375,13 +375,13 @@ TEST(test_bad_pairs)
     put("b", "");
     refuse_pairs("", ST_EINVAL, "no pairs");
     refuse_pairs("template probe\n", ST_EINVAL, "no pairs");
-    refuse_pairs("a_1.ply a_2.ply\n\na_1.ply\n", ST_EINVAL, "line 3: a pair is");
-    refuse_pairs("a_1.ply a_2.ply 1 2\n", ST_EINVAL, "line 1: a pair is");
+    refuse_pairs("a_1.ply a_2.ply\n\na_1.ply\n", ST_EINVAL, "line 3: a line must have");
+    refuse_pairs("a_1.ply a_2.ply 1 2\n", ST_EINVAL, "line 1: a line must have");
     refuse_pairs("a_1.ply,,1\n", ST_EINVAL, "line 1, field 2: empty");
     refuse_pairs("a_1.ply a_\x01.ply\n", ST_EINVAL, "line 1, field 2: a control");
     refuse_pairs("a_1.ply a_2.ply maybe\n", ST_EINVAL,
                  "line 1, field 3: a label is mated");
-    refuse_pairs("a_1.ply a_2.ply 1\na_1.ply b\n", ST_EINVAL, "line 2: every pair has");
+    refuse_pairs("a_1.ply a_2.ply 1\na_1.ply b\n", ST_EINVAL, "line 2: a label is missing");
     refuse_pairs("a_1.ply a_1.ply\n", ST_EINVAL, "line 1: a scan is paired with itself");
     refuse_pairs("a_1.ply a_2.ply\nb a_1.ply\n", ST_EINVAL,
                  "line 2: b: not named SUBJECT_KIND.ply, and no third");
