@@ -6,7 +6,6 @@
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
 #include "describe.h"
 #include "mem.h"
 #include "select.h"
@@ -53,10 +52,10 @@ static enum status measure_gaps(struct explanation *x)
 static enum status compare(struct ctl *c, struct explanation *x)
 {
     struct sample_found found;
-    enum status st = ctl_sample_parse(c, c->args[1], &x->pts);
+    enum status st = ctl_face_parse(c, c->args[1], &x->pts);
 
-    if (st != ST_OK || (st = ctl_sample_build(c, c->args[1], &x->pts, false, c->work,
-                                              &x->probe, &found)) != ST_OK)
+    if (st != ST_OK || (st = ctl_face_build(c, c->args[1], &x->pts, false, c->work,
+                                            &x->probe, &found)) != ST_OK)
         return st;
     st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, x->probe,
                           &x->best);
