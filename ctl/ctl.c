@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "cloudwrite.h"
-#include "ctl_command.h"
 #include "outfile.h"
 #include "store.h"
 
@@ -127,7 +126,7 @@ enum status ctl_may_write(struct ctl *c, const char *path, int nread)
     if (is_standard(path))
         return ctl_usage(c,
                          "%s cannot write to standard output: name a file (./- is one)",
-                         c->cmd->name);
+                         c->command);
     for (int i = 0; st == ST_OK && i < nread; i++)
         st = outfile_not_read(path, c->args[i], &c->e);
     if (st == ST_OK)

@@ -40,6 +40,7 @@ struct ctl_expires { /* --expires */
 
 struct ctl {
     const struct ctl_command *cmd;
+    const char *command; /* its name */
     int nargs;
     char **args; /* its arguments */
 
