@@ -168,7 +168,7 @@ TEST(test_malformed)
     assert_said(4,
                 "surfaced: the.conf:2: yes is given twice, first on line 1\n"
                 "surfaced: the.conf:3: no such setting: no\n"
-                "surfaced: the.conf:5: in no section or in [surfaced], not in another\n"
+                "surfaced: the.conf:5: a section other than [surfaced]\n"
                 "surfaced: the.conf:7: neither NAME = VALUE nor a comment\n");
 }
 

@@ -142,7 +142,7 @@ problem "too many bytes when unpacked" 413 body_too_large 'limit is 2000000 byte
 send POST /v1/check "$JSON" "$T/a.ply"
 problem "malformed" 400 malformed 'this is PLY, not JSON'
 send POST '/v1/check?label=x' "$PLY" "$T/a.ply"
-problem "a parameter of others" 400 invalid_parameter 'no query parameter label'
+problem "a parameter of others" 400 invalid_parameter 'unknown query parameter label'
 req GET /v1/check
 is "no GET" "$STATUS $(field Allow)" '405 POST'
 is "nothing was stored or logged" "$(logged)" "$before"

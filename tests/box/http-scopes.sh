@@ -140,7 +140,7 @@ while read -r verb route needs; do
         | map(select(.in == "query") | .name) | first // ""' "$T/api")
     if [ -n "$known" ]; then
         try "$verb" "$route" "?$known=1&$known=1"
-        problem "$verb $route?$known twice" 400 invalid_parameter "$known comes twice"
+        problem "$verb $route?$known twice" 400 invalid_parameter "$known is given twice"
     fi
     real=$(echo "$route" | sed "s/{subject}/alice/; s/{template_id}/$template/")
     for wrong in PUT TRACE BREW; do
