@@ -71,7 +71,7 @@ is "rounded" "$told" \
 AUTH=$verify
 for name in threshold Threshold score fmr decision force; do
     send POST "/v1/subjects/alice/verify?$name=-1000" "$PLY" "$T/mallory.ply"
-    problem "?$name" 400 invalid_parameter "parameter $name here"
+    problem "?$name" 400 invalid_parameter "unknown query parameter $name;"
 done
 is "no match is recorded of a stranger" "$(sqlite3 "$DB" \
     "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'match'")" 4

@@ -133,7 +133,7 @@ while read -r verb route needs; do
     AUTH=$all
     for name in threshold dry_run x; do
         try "$verb" "$route" "?$name=1"
-        problem "$verb $route?$name" 400 invalid_parameter "$name here"
+        problem "$verb $route?$name" 400 invalid_parameter "unknown query parameter $name;"
     done
     known=$(jq -r --arg p "$route" --arg m "$verb" '. as $d | .paths[$p][$m | ascii_downcase].parameters // []
         | map(if has("$ref") then . as $r | $d | getpath($r["$ref"] | ltrimstr("#/") / "/") else . end)
