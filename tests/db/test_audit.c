@@ -71,7 +71,7 @@ static struct store *written(int old)
     return s;
 }
 
-/* Of the file: what a walk says of each sort of change is in tests/log/test_log_walk.c. */
+/* Of the file: what a walk says of each sort of change is in tests/log/test_log.c. */
 TEST(test_tampered)
 {
     static const struct {
