@@ -111,7 +111,7 @@ static enum status run(struct ctl *c)
     bool usable;
 
     if (face_file != NULL && c->nargs > 1)
-        return ctl_usage(c, "--face is of one scan");
+        return ctl_usage(c, "--face needs exactly one scan");
     if (face_file != NULL && (may = ctl_dir_may_write(c, face_file, c->nargs)) != ST_OK)
         return may;
     json_array(c->out, "scans");
@@ -136,7 +136,7 @@ const struct ctl_command ctl_scan = {
     .takes = {1, CTL_MANY},
     .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
     .options = {CTL_OPTION("face", "FILE", command_text, &face_file,
-                           "write the face as it is compared (PLY, mm); of one scan")},
+                           "write the cropped face (PLY, mm) of one scan")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,
     .summary = "describe scans, and what to change at the scanner",
