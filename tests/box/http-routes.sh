@@ -153,7 +153,7 @@ problem "compare one cloud" 400 malformed 'b is not an object'
 
 # ---- read and delete
 req GET "/v1/templates/$id"
-is "the description again, without the scan" "$(cat "$T/body")" "$(jq -c 'del(.scan)' "$T/first")"
+is "the description again, without the scan" "$(jq -c . "$T/body")" "$(jq -c 'del(.scan)' "$T/first")"
 req HEAD "/v1/templates/$id"
 is "HEAD" "$STATUS" 200
 req GET /v1/subjects/alice
