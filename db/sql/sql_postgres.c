@@ -144,6 +144,14 @@ static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
         &c->base, c->writes ? "BEGIN" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY",
         NULL, 0, false, e);
     if (st == ST_OK && (how == SQL_LAZY || how == SQL_TRY))
+        /* A SQL_TRY takes no lock, and so has to see one moment too. */
+        st = sql_postgres_conn_run(
+            &c->base,
+            how == SQL_READ  ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
+            : how == SQL_TRY ? "BEGIN ISOLATION LEVEL REPEATABLE READ"
+                             : "BEGIN",
+            NULL, 0, false, e);
+    if (st == ST_OK && (how == SQL_LAZY || how == SQL_TRY))
         st = sql_postgres_conn_run(&c->base, "SET LOCAL synchronous_commit = off", NULL,
                                    0, false, e);
     if (st == ST_OK && how == SQL_TRY)

@@ -156,6 +156,7 @@ static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
         st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
     if (st != ST_OK)
         return st;
+    sql_sqlite_conn_forget(c);
     c->writes = how != SQL_READ;
     c->makes = how == SQL_SCHEMA || how == SQL_COPY;
     st = sql_sqlite_conn_exec(c, transaction[how].configure, "cannot configure", e);

@@ -31,6 +31,7 @@ struct sql_sqlite_conn { /* a connection, and the transaction that it has */
     struct sql_sqlite *of;
     struct sql_sqlite_conn *next; /* in the list of those at rest */
     bool writes, makes;           /* the transaction */
+    unsigned fresh;               /* sql_sqlite.fresh when it last forgot */
     uint64_t changed;
     struct sql_sqlite_rows slot[SQL_SQLITE_SLOTS];
 };
@@ -42,6 +43,10 @@ extern const struct sql_driver sql_sqlite_driver;
 enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
                                  struct sql_sqlite_conn **out, struct errinfo *e);
 void sql_sqlite_conn_close(struct sql_sqlite_conn *c);
+
+/* sql_sqlite_conn_forget(c): what it knows of the file, where sql_file_forget() was called since; its
+ * schema too, which SQLite reads again only where the file's schema cookie has changed. */
+void sql_sqlite_conn_forget(struct sql_sqlite_conn *c);
 
 /* sql_sqlite_conn_fail(c, what, e): the status and text of its last error.
  * sql_sqlite_conn_exec(c, sql, what, e): statements that are the driver's own.
@@ -69,6 +74,7 @@ struct sql_sqlite {
     pthread_cond_t write_free;      /* by the monotonic clock */
     bool writing;                   /* a thread has the writer's connection */
     struct sql_sqlite_conn *writer; /* NULL: opened for reading */
+    atomic_uint fresh;              /* how often what connections know was forgotten */
     atomic_bool scrub; /* erased bytes may be in the WAL: a reader was in the way */
     struct sql_sqlite_conn *idle; /* readers' connections at rest */
 };

@@ -26,7 +26,7 @@ needs() {
         }
     done
 }
-needs curl jq sqlite3
+needs curl gojq jq sqlite3
 
 # sanitized: the daemon was built with a sanitizer.
 sanitized() {
@@ -46,6 +46,11 @@ sql() {
     postgresql:*) psql -X -q -A -t -v ON_ERROR_STOP=1 -d "$DB" -c "$1" ;;
     *) sqlite3 "$DB" "$1" ;;
     esac
+}
+
+# jq ARGUMENT...: by gojq, which starts in an eighth of jq's time; it sorts the members of objects.
+jq() {
+    gojq "$@"
 }
 
 # sqlite3 ARGUMENT...: waits while the daemon writes.
@@ -359,7 +364,7 @@ scan() {
 
 # without_times FILE: a JSON response without the members that differ between runs.
 without_times() {
-    jq -cS 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
+    jq -c 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
                  else . end)' "$1"
 }
 
