@@ -56,6 +56,8 @@ static enum status server_each(struct rawdb *d, const char *sql, rawdb_use *use,
 
 static void server_close(struct rawdb *d)
 {
+    PQclear(
+        PQexec(d->server, "ROLLBACK")); /* done, and not only begun, when it returns */
     PQfinish(d->server);
 }
 #else
