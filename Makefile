@@ -337,7 +337,7 @@ unit: $(TEST_BIN) $(FUZZ_BIN)
 
 # What runs on either engine: what is stored, and what the daemon makes of it.
 SERVED := $(foreach r,db log rows service,$(filter $(BUILD)/tests/$r/%,$(TEST_BIN)))
-SERVED_BOX := routes consent limits tokens tries scopes replay narrow parallel live full-subject console
+SERVED_BOX := routes consent limits tries scopes replay narrow parallel live full-subject console
 ## check-postgres: tests of the store and the daemon on a PostgreSQL of their own
 .PHONY: check-postgres
 check-postgres: all $(SERVED) $(BUILD)/forge

@@ -11,6 +11,7 @@
 #include "log_anchor.h"
 #include "rows_root.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "store_txn.h"
 
 /* ---- keys */
@@ -276,7 +277,7 @@ enum status store_open(const char *path, enum store_mode mode,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     log_init(&s->log);
     store_use_model(s, NULL);
-    if (o.key->path == NULL && sql_is_url(path))
+    if (o.key->path == NULL && sql_open_is_url(path))
         st = errinfo_set(e, ST_EINVAL,
                          "a database on a server has no usual place for its key: name "
                          "it (--key FILE)");

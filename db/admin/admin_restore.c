@@ -18,6 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "store.h"
 #include "store_txn.h"
 

@@ -1,7 +1,7 @@
 /* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.  What the
  * statements say is the caller's, in the subset that SQLite 3.40 and PostgreSQL 15 both know
  * (scripts/check_statements.sh has both prepare every one); how they get there is a driver's
- * (sql_driver.h): sql_sqlite.c of a file, sql_postgres.c of a URL.  What only a database in a file can
+ * (sql_open.h opens one): sql_sqlite.c of a file, sql_postgres.c of a URL.  What only a database in a file can
  * do is in sql_file.h.
  *
  * Calls return ST_OK or fill *e (may be NULL), an error of a change perhaps at a later call or at the
@@ -22,25 +22,18 @@ struct sql_txn;  /* a transaction.  One thread at a time */
 struct sql_rows; /* what a query gives */
 struct sql_value;
 
-enum sql_open {
-    SQL_OPEN_READ,   /* nothing can be changed, nor does it have to be writable */
-    SQL_OPEN_WRITE,  /* it must be there */
-    SQL_OPEN_CREATE, /* made if it is missing, readable by its owner alone */
-    SQL_OPEN_LOOK,   /* one connection, for a look at any version; not to be written to */
-    SQL_OPEN_ALONE /* one connection, while no other process has it open or can open it */
+enum sql_open {                /* sql_open.h */
+                SQL_OPEN_READ, /* nothing can be changed, nor does it have to be writable */
+                SQL_OPEN_WRITE,  /* it must be there */
+                SQL_OPEN_CREATE, /* made if it is missing, readable by its owner alone */
+                SQL_OPEN_LOOK, /* one connection, for a look at any version; not to be written to */
+                SQL_OPEN_ALONE /* one connection, while no other process has it open or can open it */
 };
 
-/* sql_is_url(where): is it postgresql://..., and not a file?
- * sql_open(where, how, out, e): a file or a URL.  ST_ENOTFOUND: there is none; ST_ECORRUPT: another program's;
- * ST_EVERSION: of a newer version than this program's; ST_EBUSY: SQL_OPEN_ALONE, and another
- * process has it open.  ST_EINVAL: a URL with a password, or SQL_OPEN_ALONE on a server.
- * sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
+/* sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
  * removed unless a SQL_SCHEMA transaction was committed.
  * sql_version(d): of its schema when it was opened, or since sql_create(); 0: it holds
  * nothing. */
-bool sql_is_url(const char *where);
-enum status sql_open(const char *where, enum sql_open how, struct sql **out,
-                     struct errinfo *e);
 void sql_close(struct sql *d);
 int sql_version(const struct sql *d);
 
@@ -169,5 +162,49 @@ enum status sql_first(struct sql_txn *t, const char *text, const struct sql_valu
     sql_query(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), out, e)
 #define SQL_FIRST(t, out, e, text, ...)                                                  \
     sql_first(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), out, e)
+
+/* ---- a driver: a table of functions, as said above of each, and what its objects begin with */
+
+struct sql_driver {
+    bool file; /* what sql_file.h does is possible */
+    void (*close)(struct sql *d);
+    enum status (*begin)(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                         struct errinfo *e);
+    enum status (*end)(struct sql_txn *t, enum status st, struct errinfo *e);
+    enum status (*version)(struct sql_txn *t, int *version, struct errinfo *e);
+    enum status (*create)(struct sql_txn *t, struct errinfo *e);
+    enum status (*bytes)(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
+    /* NULL where one process writes at a time, or where a statement costs no round trip. */
+    enum status (*lock)(struct sql_txn *t, uint32_t key, struct errinfo *e);
+    void (*ahead)(struct sql_txn *t, bool on);
+    void (*prove)(struct sql_txn *t, const char *text, const struct sql_value *value,
+                  size_t n);
+    /* one: of exactly one row. */
+    enum status (*run)(struct sql_txn *t, const char *text, const struct sql_value *value,
+                       size_t n, bool one, struct errinfo *e);
+    enum status (*changed)(struct sql_txn *t, uint64_t *n, struct errinfo *e);
+    enum status (*query)(struct sql_txn *t, const char *text,
+                         const struct sql_value *value, size_t n, bool stream,
+                         struct sql_rows **out, struct errinfo *e);
+    bool (*next)(struct sql_rows *r);
+    struct sql_value (*column)(const struct sql_rows *r, int i);
+    enum status (*done)(struct sql_rows *r, enum status st, struct errinfo *e);
+};
+
+struct sql {
+    const struct sql_driver *driver;
+    int version;
+};
+
+struct sql_txn {
+    const struct sql_driver *driver;
+};
+
+struct sql_rows {
+    const struct sql_driver *driver;
+};
+
+/* sql_one_row(n, e): a change that has to be of one row was of n. */
+enum status sql_one_row(uint64_t n, struct errinfo *e);
 
 #endif

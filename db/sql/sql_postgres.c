@@ -354,8 +354,8 @@ static void close_server(struct sql *of)
     free(d);
 }
 
-static enum status open_server(const char *url, enum sql_open how, struct sql **out,
-                               struct errinfo *e)
+enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **out,
+                              struct errinfo *e)
 {
     struct sql_postgres *d;
     struct sql_txn *t;
@@ -385,7 +385,6 @@ static enum status open_server(const char *url, enum sql_open how, struct sql **
 }
 
 const struct sql_driver sql_postgres_driver = {
-    .open = open_server,
     .close = close_server,
     .begin = begin,
     .end = end,

@@ -12,7 +12,7 @@
 #include <libpq-fe.h>
 #include <pthread.h>
 #include "errinfo.h"
-#include "sql_driver.h"
+#include "sql.h"
 
 #define SQL_POSTGRES_SLOTS 256 /* more than there are statements; a power of 2 */
 #define SQL_POSTGRES_SENT  128 /* on their way at a time */
@@ -84,6 +84,8 @@ struct sql_postgres {
 };
 
 extern const struct sql_driver sql_postgres_driver;
+enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **out,
+                              struct errinfo *e);
 
 /* sql_postgres_conn_say(e, st, what, text): st, and what the server or libpq says of it.
  * sql_postgres_conn_lost(c): is the connection of no use any more?

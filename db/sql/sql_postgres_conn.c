@@ -142,7 +142,7 @@ static void take_result(struct sql_postgres_conn *c, const struct sql_postgres_s
         c->changed = count_changed(r);
     if (is_good(r) && s->kind == SQL_POSTGRES_RUN_ONE && c->changed != 1 &&
         c->error.code == ST_OK)
-        (void)sql_driver_one_row(c->changed, &c->error);
+        (void)sql_one_row(c->changed, &c->error);
     if (s->rows != NULL) {
         s->rows->here = true;
         s->rows->result = is_good(r) ? r : NULL;

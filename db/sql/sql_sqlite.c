@@ -318,8 +318,8 @@ static void close_all(struct sql *of)
     free(d);
 }
 
-static enum status open_file(const char *path, enum sql_open how, struct sql **out,
-                             struct errinfo *e)
+enum status sql_sqlite_open(const char *path, enum sql_open how, struct sql **out,
+                            struct errinfo *e)
 {
     struct sql_sqlite *d;
     enum status st = new_database(path, how, &d, e);
@@ -335,7 +335,6 @@ static enum status open_file(const char *path, enum sql_open how, struct sql **o
 
 const struct sql_driver sql_sqlite_driver = {
     .file = true,
-    .open = open_file,
     .close = close_all,
     .begin = begin,
     .end = end,

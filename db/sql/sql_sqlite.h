@@ -6,7 +6,7 @@
 #include <pthread.h>
 #include <sqlite3.h>
 #include <stdatomic.h>
-#include "sql_driver.h"
+#include "sql.h"
 
 /* A small cache of pages: a template is read once and then kept decoded elsewhere; the usual 2 MB of
  * each connection would only be memory that fills. */
@@ -37,6 +37,8 @@ struct sql_sqlite_conn { /* a connection, and the transaction that it has */
 };
 
 extern const struct sql_driver sql_sqlite_driver;
+enum status sql_sqlite_open(const char *path, enum sql_open how, struct sql **out,
+                            struct errinfo *e);
 
 /* sql_sqlite_conn_open(path, flags, alone, out, e): as SQL_OPEN_ALONE, or not.
  * sql_sqlite_conn_close(c): NULL is allowed. */

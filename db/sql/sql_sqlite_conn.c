@@ -288,7 +288,7 @@ enum status sql_sqlite_conn_run(struct sql_txn *t, const char *text,
         (void)sqlite3_reset(r->stmt);
         (void)sqlite3_clear_bindings(r->stmt); /* the values are the caller's */
     }
-    return st == ST_OK && one && c->changed != 1 ? sql_driver_one_row(c->changed, e) : st;
+    return st == ST_OK && one && c->changed != 1 ? sql_one_row(c->changed, e) : st;
 }
 
 enum status sql_sqlite_conn_changed(struct sql_txn *t, uint64_t *n, struct errinfo *e)
