@@ -8,9 +8,7 @@
 #include "describe.h"
 #include "dry_run.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_face.h"
-#include "ctl_sample.h"
 
 static const char *face_file; /* --face */
 
@@ -37,7 +35,7 @@ static void print_found(const struct sample_found *s)
                      lrint(f->yaw_deg), lrint(f->pitch_deg), lrint(f->roll_deg));
     (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
     (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
-    ctl_sample_warnings(stdout, "warnings", s);
+    ctl_face_warnings(stdout, "warnings", s);
 }
 
 static void print_text(const struct checked *k)
@@ -63,7 +61,7 @@ static void print_text(const struct checked *k)
 /* A file whose points cannot be read is refused as well; other failures are not the scan's. */
 static enum status check(struct ctl *c, const char *path, struct checked *k)
 {
-    enum status st = ctl_sample_parse(c, path, &k->points);
+    enum status st = ctl_face_parse(c, path, &k->points);
 
     if (st == ST_EINVAL || st == ST_EVERSION || dry_run_is_refusal(st)) {
         dry_run_unread(st, &c->e, &k->trial);
@@ -97,7 +95,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
             print_text(&k);
     }
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
-        st = ctl_dir_face(c, face_file, k.face);
+        st = ctl_write_face(c, face_file, k.face);
     surface_face_free(k.face);
     cloudpoints_free(&k.points);
     return st;
@@ -111,8 +109,8 @@ static enum status run(struct ctl *c)
     bool usable;
 
     if (face_file != NULL && c->nargs > 1)
-        return ctl_usage(c, "--face is of one scan");
-    if (face_file != NULL && (may = ctl_dir_may_write(c, face_file, c->nargs)) != ST_OK)
+        return ctl_usage(c, "--face needs exactly one scan");
+    if (face_file != NULL && (may = ctl_may_write(c, face_file, c->nargs)) != ST_OK)
         return may;
     json_array(c->out, "scans");
     for (int i = 0; i < c->nargs; i++) {
@@ -136,7 +134,7 @@ const struct ctl_command ctl_scan = {
     .takes = {1, CTL_MANY},
     .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
     .options = {CTL_OPTION("face", "FILE", command_text, &face_file,
-                           "write the face as it is compared (PLY, mm); of one scan")},
+                           "write the cropped face (PLY, mm) of one scan")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,
     .summary = "describe scans, and what to change at the scanner",
