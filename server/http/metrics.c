@@ -354,8 +354,9 @@ static void print_verified(FILE *f, const struct app *app)
 
     print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,
               "Since the database's rows were last verified against its change log.");
-    print_one(f, "surfaced_database_refused", "gauge", store_refused(app->store, &e),
-              "1: the database is not the one that was opened, and all of /v1 gives 503.");
+    print_one(
+        f, "surfaced_database_refused", "gauge", store_refused(app->store, &e),
+        "1: the database is not the one that was opened, and all of /v1 gives 503.");
 }
 
 static void print_gauges(FILE *f, const struct app *app)
