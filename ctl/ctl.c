@@ -45,7 +45,7 @@ enum status ctl_confirm(struct ctl *c, const char *what, const char *word)
     if (c->yes)
         return ST_OK;
     if (terminal) {
-        (void)fprintf(stderr, "This %s.\nType %s to go on: ", what, word);
+        (void)fprintf(stderr, "This %s.\nType %s to continue: ", what, word);
         if (fgets(line, sizeof line, stdin) != NULL) {
             line[strcspn(line, "\r\n")] = '\0';
             if (strcmp(line, word) == 0)

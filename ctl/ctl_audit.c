@@ -157,7 +157,9 @@ static enum status checkpoint(struct ctl *c)
     json_text(c->out, "signature", signature);
     json_text(c->out, "public_key", key);
     ctl_say(c,
-            "change      %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
+            "change      %" PRIu64 " of %s\n"
+            "hash        %s\n"
+            "signature   %s\n"
             "public key  %s\n",
             entry.seq, entry.at, hash, signature, key);
     return ST_OK;
@@ -289,7 +291,7 @@ static enum status verify(struct ctl *c)
     enum status st;
 
     if ((c->nargs > 0) != (c->public_key != NULL))
-        return ctl_usage(c, "a file is verified by --public-key, a database without");
+        return ctl_usage(c, "a file needs --public-key; a database does not take it");
     if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return ST_EINVAL;
     json_array(c->out, "problems");
@@ -332,7 +334,7 @@ static enum status trim(struct ctl *c)
     json_flag(c->out, "dry_run", c->dry_run);
     ctl_say(c, "%" PRIu64 " access%s older than %" PRIu64 " day%s%s\n", cut,
             cut == 1 ? "" : "es", CTL_COUNT((uint64_t)keep),
-            c->dry_run ? "" : ": cut off");
+            c->dry_run ? "" : ": deleted");
     return ST_OK;
 }
 
@@ -380,7 +382,7 @@ const struct ctl_command ctl_audit_show = {
                 CTL_OPTION("kind", "WORD", command_text, &kind,
                            "only entries of this kind, like enroll or verify"),
                 CTL_OPTION("since", "TIME", command_text, &since,
-                           "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
+                           "only entries since 2026-11-21 or 2026-11-21T14:30 (UTC)"),
                 CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
     .run = show,
     .summary = "list who did what, and when",
@@ -396,7 +398,7 @@ const struct ctl_command ctl_audit_verify = {
     .takes = {0, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
-    .exits = {"the log is as it was written", "it is not; problems are printed"},
+    .exits = {"the log was not changed", "it was; problems are printed"},
     .run = verify,
     .summary = "find audit entries that were removed or changed",
     .help =
@@ -443,5 +445,5 @@ const struct ctl_command ctl_audit_erased = {
     .database = CTL_READS_DATABASE,
     .run = erased,
     .summary = "list when subjects were erased",
-    .help = "Each with the uid that its receipt has.",
+    .help = "With the uid that is in the receipt of each.",
     .example = "surfacectl --db faces.db audit erased"};

@@ -87,7 +87,7 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
             one->n++;
         } else {
             if (st == ST_EVERSION) /* of another engine, and of no use to this one */
-                (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
+                (void)fprintf(stderr, "surfacectl: template skipped: %s\n", c->e.msg);
             st = st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
         }
     }

@@ -84,11 +84,10 @@ static enum status compare(struct ctl *c, struct explanation *x)
 /* Why the decision is what it is, in a sentence. */
 static const char *reason(const struct surface_comparison *r)
 {
-    return r->decision == SURFACE_MATCH ? "the score is not below the threshold"
+    return r->decision == SURFACE_MATCH ? "the score reaches the threshold"
            : r->decision == SURFACE_NO_MATCH
                ? "the score is below the threshold"
-               : "the scans have too little in common, or are "
-                 "too noisy, to tell";
+               : "the scans have too little in common, or are too noisy, for a decision";
 }
 
 static void print_quality(const char *who, const struct surface_face *f)
@@ -112,7 +111,7 @@ static void print_text(const struct ctl *c, const struct explanation *x)
     (void)printf("decision     %s: %s\n", templates_decision(r->decision), reason(r));
     ctl_face_score(stdout, r);
     ctl_face_minimal(stdout, &x->best.minimal);
-    (void)printf("expected     %.2f of two such scans of one person\n", r->expected);
+    (void)printf("expected     %.2f for two such scans of one person\n", r->expected);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(stdout, &x->best.minimal);
     ctl_face_regions(stdout, &x->best.parts);
@@ -219,10 +218,9 @@ const struct ctl_command ctl_explain = {
     .run = run,
     .summary = "say why a scan matches a subject, or not",
     .help =
-        "FILE is compared with the subject's templates, or with the template named; of the one\n"
-        "with the highest score the parts of the score by region, the qualities and the gap are\n"
-        "printed; with --json also what each cell of the face adds to the score.  The audit log\n"
-        "has an entry.  --page writes one file that shows it in any browser, without a network;\n"
-        "it is biometric data: only its owner can read it.  surfacelab explain compares two\n"
-        "files.",
+        "Compares FILE with the subject's templates, or with the template named, and prints for\n"
+        "the one with the highest score: the score of each region, the qualities and the gap;\n"
+        "with --json also what each cell of the face adds to the score. The audit log records\n"
+        "it. --page writes one file that shows it in any browser, without a network; it is\n"
+        "biometric data: only its owner can read it. surfacelab explain compares two files.",
     .example = "surfacectl --db faces.db explain alice probe.ply --page why.html"};

@@ -11,7 +11,7 @@ enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
                ? ST_OK
                : errinfo_set(
                      &c->e, ST_EINVAL,
-                     "%s'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
+                     "%s'%.40s' is not a subject id (1 to %d of A-Z a-z 0-9 . _ - @ :)",
                      where, id, STORE_SUBJECT_MAX);
 }
 
@@ -31,7 +31,7 @@ struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w)
 void ctl_face_passed_over(const struct templates *t)
 {
     if (t->passed_over.code != ST_OK)
-        (void)fprintf(stderr, "surfacectl: passed over: %s\n", t->passed_over.msg);
+        (void)fprintf(stderr, "surfacectl: template skipped: %s\n", t->passed_over.msg);
 }
 
 enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
@@ -71,7 +71,7 @@ void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
         (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
                       turn_deg, shift_mm);
     else
-        (void)fprintf(to, "its uncertainty is not known");
+        (void)fprintf(to, "its uncertainty is unknown");
 }
 
 void ctl_face_score(FILE *to, const struct surface_comparison *r)
@@ -81,7 +81,7 @@ void ctl_face_score(FILE *to, const struct surface_comparison *r)
     surface_shown(r, 100, &score, &threshold);
     (void)fprintf(to,
                   "score        %.2f (a match at %.2f or above)\n"
-                  "false match  rate at this score: %.2g\n",
+                  "fmr          %.2g at this score\n",
                   score, threshold, r->false_match_rate);
 }
 

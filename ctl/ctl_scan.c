@@ -139,7 +139,7 @@ static enum status run(struct ctl *c)
     bool usable;
 
     if ((face_file != NULL || page != NULL) && c->nargs > 1)
-        return ctl_usage(c, "--face and --page are of one scan");
+        return ctl_usage(c, "--face and --page need exactly one scan");
     if (face_file != NULL)
         may = ctl_dir_may_write(c, face_file, c->nargs);
     if (may == ST_OK && page != NULL)
@@ -168,7 +168,7 @@ const struct ctl_command ctl_scan = {
     .takes = {1, CTL_MANY},
     .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
     .options = {CTL_OPTION("face", "FILE", command_text, &face_file,
-                           "write the face as it is compared (PLY, mm); of one scan"),
+                           "write the cropped face (PLY, mm) of one scan"),
                 CTL_OPTION(
                     "page", "FILE", command_text, &page,
                     "write a page for a browser (HTML): the scan, and the face in it")},

@@ -144,7 +144,8 @@ static void print_all(void)
     print_options(CTL_DATABASE | CTL_COMMON, NULL);
     (void)printf("Example:\n  surfacectl --db faces.db init\n"
                  "  surfacectl --db faces.db enroll alice alice.ply\n"
-                 "  surfacectl --db faces.db verify alice probe.ply\n\n"
+                 "  surfacectl --db faces.db verify alice probe.ply\n"
+                 "\n"
                  "Exit codes: surfacectl help exit\n");
 }
 
@@ -226,5 +227,5 @@ const struct ctl_command ctl_table_help = {
     .takes = {0, 2},
     .run = run,
     .summary = "print a help text",
-    .help = "Of surfacectl, of a command or a group of commands, or of all exit codes.",
+    .help = "For surfacectl, a command, a group of commands, or the exit codes.",
     .example = "surfacectl help token create"};

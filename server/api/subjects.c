@@ -100,7 +100,9 @@ void subjects_list(struct request *r, struct worker *w)
     if (st == ST_OK)
         st = read_cursor(cursor, &after);
     if (st != ST_OK && st != ST_ENOTFOUND) {
-        request_problem(r, ERRMAP_PARAMETER, "cursor is not the next_cursor of a page");
+        request_problem(r, ERRMAP_PARAMETER,
+                        "cursor must be the next_cursor of an "
+                        "earlier response");
         return;
     }
     if (!params_count(r, "limit", PAGE_MAX, &limit))

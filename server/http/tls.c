@@ -63,8 +63,8 @@ static enum status read_file(const char *name, bool secret, gnutls_datum_t *out,
     }
     if (secret && (sb.st_mode & (S_IROTH | S_IWOTH)) != 0) {
         st = errinfo_set(e, ST_EINVAL,
-                         "%s: everybody may read or change it (mode %03o): chmod o= it",
-                         name, (unsigned)sb.st_mode & 0777);
+                         "%s: others can read or change it (mode %03o); run: chmod o= %s",
+                         name, (unsigned)sb.st_mode & 0777, name);
         goto out;
     }
     out->data = gnutls_malloc(FILE_MAX + 1);
@@ -115,11 +115,11 @@ static enum status check_certificate(const char *name, const gnutls_datum_t *pem
                                           GNUTLS_X509_CRT_LIST_SORT);
 
     if (rc < 0 || n == 0)
-        return errinfo_set(e, ST_EINVAL, "%s: no certificate in PEM: %s", name,
+        return errinfo_set(e, ST_EINVAL, "%s: not a certificate in PEM: %s", name,
                            gnutls_strerror(rc));
     *expires = gnutls_x509_crt_get_expiration_time(list[0]);
     if (*expires == (time_t)-1)
-        st = errinfo_set(e, ST_EINVAL, "%s: the certificate has no end", name);
+        st = errinfo_set(e, ST_EINVAL, "%s: the certificate has no expiry date", name);
     else if (*expires < time(NULL))
         st = errinfo_set(e, ST_EINVAL, "%s: the certificate expired at %s", name,
                          day(*expires, text));
@@ -162,7 +162,7 @@ static enum status read_ca(const char *name, struct tls_files *f, struct errinfo
         n = gnutls_certificate_set_x509_trust_mem(f->credentials, &ca,
                                                   GNUTLS_X509_FMT_PEM);
         if (n <= 0)
-            st = errinfo_set(e, ST_EINVAL, "%s: no certificate in PEM", name);
+            st = errinfo_set(e, ST_EINVAL, "%s: not a certificate in PEM", name);
     }
     forget(&ca);
     return st;

@@ -84,9 +84,8 @@ TEST(test_defaults)
     assert_string_equal(o.listen_text, "127.0.0.1:8787");
     assert_true(o.listen_len > 0);
     assert_int_equal(o.queue, 9);
-    assert_int_equal(options_default("queue"), 256);
-    assert_int_equal(o.attempts, options_default("attempts"));
-    assert_int_equal(o.attempt_wait, options_default("attempt-wait"));
+    assert_int_equal(o.attempts, 3);
+    assert_int_equal(o.attempt_wait, 30);
     assert_in_range(o.workers, 1, 256);
     assert_true(o.max_body == 64U << 20);
     assert_int_equal(o.max_connections_per_address, OPTIONS_UNSET);

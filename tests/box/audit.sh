@@ -112,7 +112,7 @@ for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.tem
     '.signature |= sub("^...."; "0000")'; do
     jq "$change" "$T/receipt" >"$T/forged"
     ctl audit receipt "$T/forged"
-    is "changed: $change" "$CODE $(said '.problems[0]')" '1 its contents are not what was signed'
+    is "changed: $change" "$CODE $(said '.problems[0]')" '1 its contents differ from what was signed'
 done
 for change in 'del(.audit)' '.audit.seq = 0' '.template_ids = "x"' '.template_ids = [1]' \
     'del(.signature)' '.subject = "a b"' '[.]'; do

@@ -18,8 +18,8 @@ id=$("$ctl" --db faces.db enroll alice a0.ply | cut -d' ' -f1)
 "$ctl" --db faces.db enroll bob b0.ply >/dev/null
 
 expect 0 "one person" "$ctl" --db faces.db explain alice a1.ply
-has out '^decision *match: the score is not below the threshold'
-has out '^false match *rate at this score'
+has out '^decision *match: the score reaches the threshold'
+has out '^fmr .* at this score'
 has out "^template *$id, with the highest score of 2"
 has out '^template *3000 points, quality'
 has out '^gap *at 2[0-9]* of 3000 points'

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: several files of a form are enrolled together: each that matches the first that was taken
+# Goal: several files of a form are enrolled together: each that matches the first accepted sample
 # becomes a template, the response lists them all, and a request takes full effect or none.
 # shellcheck disable=SC2016 # the variables are jq's
 . tests/box/lib.sh
@@ -44,7 +44,7 @@ is "the same cloud, the same template" "$(get '.templates[4].template_id')" \
     "$(get '.templates[0].template_id')"
 ok "a stranger, told apart" jq_true '.templates[1] | .template_id == null and .quality == null and
     .scan.points_read == 3000 and
-    (.refusal.detail | test("does not match the first that was taken"))' "$T/body"
+    (.refusal.detail | test("does not match the first accepted sample"))' "$T/body"
 ok "no scan" jq_true '.templates[2] | .scan == null and .quality == null and .new == false' "$T/body"
 ok "no face: the advice" jq_true '.templates[5].refusal.detail | test("^points: the surface does not have")' \
     "$T/body"

@@ -62,7 +62,7 @@ END
     problem "$1: not ready" 503 not_ready 'not the one that was opened, or not as it was written'
     alive "$1"
     is "$1: one line in the log" \
-        "$(grep -c 'level=error msg="the database is refused until the daemon is started again"' "$LOG")" 1
+        "$(grep -c 'level=error msg="the database is refused until the daemon is restarted"' "$LOG")" 1
 }
 
 scan 1 0 "$T/alice.ply" --points 1000

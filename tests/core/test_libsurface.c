@@ -64,9 +64,9 @@ TEST(test_same)
         struct surface_parts parts = {.size = sizeof parts};
         struct surface_asymmetry asym = {.size = sizeof asym};
         struct surface_parts field;
-        struct asymmetry mirror;
-        struct face_result r;
-        struct minimal m;
+        struct surface_asymmetry mirror;
+        struct surface_comparison r;
+        struct surface_disparity m;
 
         n = scan(probe[i][0], probe[i][1]);
         assert_int_equal(build(work, n, &other, NULL), SURFACE_OK);
@@ -80,26 +80,26 @@ TEST(test_same)
         assert_int_equal(surface_quality_reasons(&q, other),
                          quality_reasons(&b.quality, &b.frame));
         assert_int_equal(surface_compare(work, tmpl, other, &c), SURFACE_OK);
-        assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, w, &r), ST_OK);
+        assert_int_equal(face_compare(&a, &b, (double)NAN, w, &r), ST_OK);
         assert_int_equal(c.decision, i == 0 ? SURFACE_MATCH : SURFACE_NO_MATCH);
         assert_true(c.score == r.score && c.threshold == r.threshold);
-        assert_true(c.false_match_rate == r.fmr_at_score && c.overlap == r.overlap);
+        assert_true(c.false_match_rate == r.false_match_rate && c.overlap == r.overlap);
         assert_true(surface_calibration_rate(surface_work_calibration(work), c.score) ==
                     c.false_match_rate);
         best = c;
         surface_best_of(work, 5, &best);
         assert_int_equal(surface_disparity(work, tmpl, other, &d), SURFACE_OK);
-        assert_int_equal(face_minimal(&a, &b, NULL, w, &r, &m), ST_OK);
-        assert_memory_equal(d.align_transform, r.align.transform, sizeof d.transform);
+        assert_int_equal(face_minimal(&a, &b, w, &m), ST_OK);
+        assert_memory_equal(d.align_transform, m.align_transform, sizeof d.transform);
         assert_memory_equal(d.transform, m.transform, sizeof m.transform);
-        assert_true(d.disparity_mm == m.disparity.plain_mm);
-        assert_true(d.volume_mm3 == m.disparity.volume_mm3);
-        assert_true(d.area_mm2 == m.disparity.area_mm2);
-        assert_true(d.weighted_mm == d.disparity_mm && d.rival_mm == r.align.rival_mm);
+        assert_true(d.disparity_mm == m.disparity_mm);
+        assert_true(d.volume_mm3 == m.volume_mm3);
+        assert_true(d.area_mm2 == m.area_mm2);
+        assert_true(d.weighted_mm == d.disparity_mm && d.rival_mm == m.rival_mm);
         assert_int_equal(surface_weigh(work, tmpl, other, &d), SURFACE_OK);
         assert_int_equal(face_weigh(&a, &b, w, &m), ST_OK);
-        assert_true(d.weighted_mm == m.disparity.weighted_mm);
-        assert_true(d.disparity_mm == m.disparity.plain_mm);
+        assert_true(d.weighted_mm == m.weighted_mm);
+        assert_true(d.disparity_mm == m.disparity_mm);
         face_best_of(&r, 5, w);
         assert_true(best.score == r.score && best.expected == r.expected);
         assert_int_equal(best.decision, r.decision);
@@ -110,7 +110,7 @@ TEST(test_same)
         assert_memory_equal(parts.region, field.region, sizeof field.region);
         assert_int_equal(surface_asymmetry(work, other, &asym), SURFACE_OK);
         assert_int_equal(face_asymmetry(&b, w, &mirror), ST_OK);
-        assert_true(asym.disparity_mm == mirror.final.plain_mm && asym.conclusive);
+        assert_true(asym.disparity_mm == mirror.disparity_mm && asym.conclusive);
     }
     surface_engine(NULL, engine);
     assert_non_null(strstr(engine, "/" SURFACE_VERSION " "));

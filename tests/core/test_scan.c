@@ -83,9 +83,9 @@ static bool warned(enum surface_warning k)
 /* Against the template: of one person or not. */
 static void assert_decision(enum surface_decision want)
 {
-    struct face_result r;
+    struct surface_comparison r;
 
-    assert_int_equal(face_compare(&tmpl, &face, (double)NAN, NULL, work, &r), ST_OK);
+    assert_int_equal(face_compare(&tmpl, &face, (double)NAN, work, &r), ST_OK);
     if (r.decision != want)
         fail_msg("decision %d, wanted %d: score %.2f", r.decision, want, r.score);
 }

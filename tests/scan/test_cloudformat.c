@@ -95,9 +95,9 @@ TEST(test_json)
         {"{\"points\": [[1,2,3]], \"units\": \"ell\"}", ST_EINVAL,
          "units is not auto, mm, cm, m, in or um"},
         {"{\"points\": [[1,2,3]], \"axes\": \"camera\"}", ST_EINVAL,
-         "axes is neither auto nor scanner"},
+         "axes must be auto or scanner"},
         {"{\"points\": [[1,2,3]], \"axes\": null}", ST_EINVAL,
-         "axes is neither auto nor scanner"},
+         "axes must be auto or scanner"},
     };
     struct scanfile f;
     struct cloudpoints p;
