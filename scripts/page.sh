@@ -9,7 +9,9 @@ trap 'rm -rf "$dir"' EXIT
 cat $1 >"$dir/style"
 shift
 sed -e '/^import .*;$/d' -e 's/^export //' "$@" >"$dir/script"
-! grep -nE '^(import|export) |</script|<!--' "$dir/script" >&2
+if grep -nE '^(import|export) |</script|<!--' "$dir/script" >&2; then
+    exit 1 # it would not be one script
+fi
 
 # hash FILE: its source expression.
 hash() {

@@ -9,8 +9,8 @@ PACKAGES='openapi-typescript@7.13.0 typescript@5.9.3'
 cp tests/box/client-openapi.ts "$T/client.ts"
 # shellcheck disable=SC2086 # a list
 (cd "$T" && HOME=$T timeout 120 npm install --silent --no-audit --no-fund --ignore-scripts \
-    --fetch-retries 1 $PACKAGES >npm 2>&1) || {
-    cat "$T/npm"
+    --fetch-retries 1 $PACKAGES >npm.log 2>&1) || {
+    cat "$T/npm.log"
     echo "SKIP $0: npm cannot install $PACKAGES: is there a network?"
     exit 0
 }

@@ -150,7 +150,7 @@ ok "coordinates to look for" test "$(wc -l <"$T/private")" -gt 3000
 # private_in_log: the log lines with one of these; without the times, which may have a score's
 # digits.
 private_in_log() {
-    sed -E 's/"?(ms|[a-z]+_ms)"?[=:][0-9.]+//g' "$LOG" | grep -F -f "$T/private"
+    sed -E 's/"?(ts|ms|[a-z]+_ms)"?[=:]"?[-0-9.:TZ]+//g' "$LOG" | grep -F -f "$T/private"
 }
 is "no coordinate, score, token or subject in the log" "$(private_in_log)" ''
 
