@@ -141,8 +141,10 @@ SEES_box   := $(call sees,db/admin)
 SEES_fuzz  := server/api server/http service lab $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
+# What is tested is built with $(OPT); -O3 of the tests themselves takes twice as long to build.
 define testroom
-$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(1)) $(CORE:%=-I%)
+$(BUILD)/tests/$(1)/%.o: FLAGS := $(if $(filter-out bench,$(1)),$(OPT:-O3=-O1)) -Itests/$(1) -Itests/lib \
+    -Isim $(call flags,$(1)) $(CORE:%=-I%)
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
 $(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin) $(CORE:%=-I%)
@@ -312,12 +314,13 @@ AIDS := $(AID_BIN) $(SHIM_BIN)
 tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
-# too; those that count basic blocks, which are others there; and crash, whose preloaded library would be loaded before the sanitizer's.
+# too; those that count basic blocks, which are others there; crash, whose preloaded library would
+# be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
 LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
-    $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN)) $(FUZZ_BIN)
+    $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN) $(FUZZ_BIN))
 CHECK     := $(strip $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
     $(ALL_TESTS)))
 

@@ -11,7 +11,6 @@
 #include "json.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 #include "ctl_review.h"
 
@@ -238,14 +237,14 @@ static enum status export_log(struct ctl *c)
 
     if (c->dir == NULL)
         c->dir = "-";
-    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK ||
+    if ((st = ctl_may_pipe(c, 0)) != ST_OK ||
         (st = ctl_model_open(c, STORE_WRITE)) != ST_OK ||
         (st = store_audit_public(c->store, public, &c->e)) != ST_OK ||
         (st = store_audit_sign(c->store, c->actor, LOG_EXPORT, &x.end, &c->e)) != ST_OK)
         return st;
     x.store = c->store;
     hex_of(public, sizeof public, x.public_key);
-    st = ctl_dir_file(c, c->dir, put_logs, &x);
+    st = ctl_write(c, c->dir, put_logs, &x);
     if (st != ST_OK)
         return st;
     json_text(c->out, "file", c->dir);
@@ -338,36 +337,6 @@ static enum status trim(struct ctl *c)
     return ST_OK;
 }
 
-/* ---- erased */
-
-static enum status erased(struct ctl *c)
-{
-    const enum log_name log = LOG_CHANGES;
-    const struct store_audit_filter wanted = {.log = &log,
-                                              .wanted = {.kind = "delete_subject"}};
-    struct store_audit_entry *a = NULL;
-    char hex[2 * LOG_UID + 1];
-    size_t n = 0;
-    const enum status st = store_audit_list(c->store, &wanted, &a, &n, &c->e);
-
-    if (st != ST_OK)
-        return st;
-    json_array(c->out, "erased");
-    for (size_t i = 0; i < n; i++) {
-        uid_of(&a[i].entry, hex);
-        json_object(c->out, NULL);
-        json_text(c->out, "erased_at", a[i].entry.at);
-        json_text(c->out, "subject_uid", or_null(hex));
-        json_close(c->out);
-        ctl_say(c, "%s  %s\n", a[i].entry.at, hex);
-    }
-    json_close(c->out);
-    if (n == 0)
-        ctl_say(c, "no subject was erased\n");
-    free(a);
-    return ST_OK;
-}
-
 /* ---- the commands */
 
 const struct ctl_command ctl_audit_show = {
@@ -439,11 +408,3 @@ const struct ctl_command ctl_audit_trim = {
         "accesses begin, so that audit verify finds every other loss. The setting audit-days\n"
         "makes surfaced do this.",
     .example = "surfacectl --db faces.db audit trim --keep 400"};
-
-const struct ctl_command ctl_audit_erased = {
-    .name = "audit erased",
-    .database = CTL_READS_DATABASE,
-    .run = erased,
-    .summary = "list when subjects were erased",
-    .help = "With the uid that is in the receipt of each.",
-    .example = "surfacectl --db faces.db audit erased"};

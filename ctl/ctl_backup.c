@@ -7,7 +7,6 @@
 #include "admin_restore.h"
 #include "crypt_file.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 
 static const char *backup_key; /* --backup-key */
@@ -25,7 +24,7 @@ static enum status backup(struct ctl *c)
     struct admin_copied copied;
     struct store_key key;
     char size[32];
-    enum status st = ctl_dir_may_write(c, c->args[0], 0);
+    enum status st = ctl_may_write(c, c->args[0], 0);
 
     if (st == ST_OK && (st = ctl_model_key(c, c->db, &key)) == ST_OK &&
         (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)

@@ -17,7 +17,6 @@
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
 #include "describe.h"
 #include "pool.h"
 #include "utf8.h"
@@ -119,7 +118,7 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
     enum status st;
 
     for (size_t i = 0; i < b->n; i++) { /* one bad scan does not stop the others */
-        st = ctl_sample_read(c, b->path[i], true, c->work, &b->face[i], &b->found[i]);
+        st = ctl_face_read(c, b->path[i], true, c->work, &b->face[i], &b->found[i]);
         if (st == ST_ENOMEM)
             return st;
         if (st == ST_OK)
@@ -284,7 +283,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 
     (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
     if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
-        st = ctl_sample_read(c, scan->path, true, work, f, &found);
+        st = ctl_face_read(c, scan->path, true, work, f, &found);
     if (st == ST_OK) {
         stored = true;
         sample = (struct store_sample){.face = *f, .read = found.digest};

@@ -5,10 +5,8 @@
 
 #include "cloudpoints.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
 #include "describe.h"
 #include "mem.h"
 #include "page.h"
@@ -59,10 +57,10 @@ static enum status measure_gaps(struct explanation *x)
 static enum status compare(struct ctl *c, struct explanation *x)
 {
     struct sample_found found;
-    enum status st = ctl_sample_parse(c, c->args[1], &x->pts);
+    enum status st = ctl_face_parse(c, c->args[1], &x->pts);
 
-    if (st != ST_OK || (st = ctl_sample_build(c, c->args[1], &x->pts, false, c->work,
-                                              &x->probe, &found)) != ST_OK)
+    if (st != ST_OK || (st = ctl_face_build(c, c->args[1], &x->pts, false, c->work,
+                                            &x->probe, &found)) != ST_OK)
         return st;
     st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, x->probe,
                           &x->best);
@@ -154,7 +152,7 @@ static enum status write_page(struct ctl *c, const struct explanation *x)
     json_close(j);
     st = show_comparison(x->tmpl, x->probe, x->best.minimal.align_transform,
                          &x->best.parts, j, &show);
-    st = st == ST_OK ? ctl_dir_file(c, page, page_write, &show)
+    st = st == ST_OK ? ctl_write(c, page, page_write, &show)
                      : errinfo_set(&c->e, st, "%s: %s", page, status_message(st));
     free(show.glb);
     return st;
@@ -186,7 +184,7 @@ static void report(struct ctl *c, const struct explanation *x)
 static enum status run(struct ctl *c)
 {
     struct explanation x = {.compared = 0};
-    enum status st = page != NULL ? ctl_dir_may_write(c, page, c->nargs) : ST_OK;
+    enum status st = page != NULL ? ctl_may_write(c, page, c->nargs) : ST_OK;
 
     if (st == ST_OK)
         st = compare(c, &x);

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "cloudfile.h"
 #include "ctl.h"
 #include "ctl_face.h"
 
@@ -124,4 +125,50 @@ void ctl_face_reasons(FILE *to, const struct surface_face *f)
             between = ", ";
         }
     (void)fprintf(to, "%s\n", reasons != 0 ? ")" : "");
+}
+
+/* ---- scans */
+
+enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *out)
+{
+    return cloudfile_read_path(path, c->scans.unit_mm, &c->scans.camera, out, &c->e);
+}
+
+enum status ctl_face_build(struct ctl *c, const char *path, struct cloudpoints *p,
+                           bool enrolment, struct surface_work *w,
+                           struct surface_face **out, struct sample_found *found)
+{
+    const struct sample_options o = {.frontal = c->scans.frontal, .enrolment = enrolment};
+
+    return sample_build(path, p, &o, w, out, found, &c->e);
+}
+
+enum status ctl_face_read(struct ctl *c, const char *path, bool enrolment,
+                          struct surface_work *w, struct surface_face **out,
+                          struct sample_found *found)
+{
+    struct cloudpoints p;
+    enum status st = ctl_face_parse(c, path, &p);
+
+    if (st == ST_OK)
+        st = ctl_face_build(c, path, &p, enrolment, w, out, found);
+    cloudpoints_free(&p);
+    return st;
+}
+
+void ctl_face_warnings(FILE *to, const char *label, const struct sample_found *f)
+{
+    const uint32_t warnings = f->scan.warnings;
+    const char *comma = "";
+
+    if (warnings != 0)
+        (void)fprintf(to, "%-12s ", label);
+    for (int i = 0; i < SURFACE_WARNINGS; i++)
+        if ((warnings >> i & 1) != 0) {
+            (void)fprintf(to, "%s%s", comma,
+                          surface_warning_name((enum surface_warning)i));
+            comma = ", ";
+        }
+    if (warnings != 0)
+        (void)fprintf(to, "\n");
 }

@@ -9,9 +9,7 @@
 #include "describe.h"
 #include "dry_run.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_face.h"
-#include "ctl_sample.h"
 #include "page.h"
 #include "show.h"
 
@@ -43,7 +41,7 @@ static void print_found(const struct sample_found *s)
                      lrint(f->yaw_deg), lrint(f->pitch_deg), lrint(f->roll_deg));
     (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
     (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
-    ctl_sample_warnings(stdout, "warnings", s);
+    ctl_face_warnings(stdout, "warnings", s);
 }
 
 static void print_text(const struct checked *k)
@@ -69,7 +67,7 @@ static void print_text(const struct checked *k)
 /* A file whose points cannot be read is refused as well; other failures are not the scan's. */
 static enum status check(struct ctl *c, const char *path, struct checked *k)
 {
-    enum status st = ctl_sample_parse(c, path, &k->points);
+    enum status st = ctl_face_parse(c, path, &k->points);
 
     if (st == ST_EINVAL || st == ST_EVERSION || dry_run_is_refusal(st)) {
         dry_run_unread(st, &c->e, &k->trial);
@@ -97,7 +95,7 @@ static enum status write_page(struct ctl *c, const char *path, const struct chec
     json_close(j);
     st = show_scan(k->face, k->points.at, k->points.n, PAGE_POINTS,
                    k->trial.found.scan.view, j, &show);
-    st = st == ST_OK ? ctl_dir_file(c, page, page_write, &show)
+    st = st == ST_OK ? ctl_write(c, page, page_write, &show)
                      : errinfo_set(&c->e, st, "%s: %s", page, status_message(st));
     free(show.glb);
     return st;
@@ -123,7 +121,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
             print_text(&k);
     }
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
-        st = ctl_dir_face(c, face_file, k.face);
+        st = ctl_write_face(c, face_file, k.face);
     if (st == ST_OK && page != NULL && k.points.n > 0)
         st = write_page(c, path, &k);
     surface_face_free(k.face);
@@ -141,9 +139,9 @@ static enum status run(struct ctl *c)
     if ((face_file != NULL || page != NULL) && c->nargs > 1)
         return ctl_usage(c, "--face and --page need exactly one scan");
     if (face_file != NULL)
-        may = ctl_dir_may_write(c, face_file, c->nargs);
+        may = ctl_may_write(c, face_file, c->nargs);
     if (may == ST_OK && page != NULL)
-        may = ctl_dir_may_write(c, page, c->nargs);
+        may = ctl_may_write(c, page, c->nargs);
     if (may != ST_OK)
         return may;
     json_array(c->out, "scans");

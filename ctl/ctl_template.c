@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 #include "describe.h"
 #include "pool.h"
@@ -109,7 +108,7 @@ static enum status export_template(struct ctl *c)
 
     if (c->dir == NULL)
         return ctl_usage(c, "template export needs --out FILE");
-    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
+    if ((st = ctl_may_pipe(c, 0)) != ST_OK)
         return st;
     if ((w = surface_work_new(c->model)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
@@ -118,7 +117,7 @@ static enum status export_template(struct ctl *c)
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
         st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);
-    if (st == ST_OK && (st = ctl_dir_face(c, c->dir, f)) == ST_OK) {
+    if (st == ST_OK && (st = ctl_write_face(c, c->dir, f)) == ST_OK) {
         json_text(c->out, "template_id", t.id);
         json_text(c->out, "subject", t.subject);
         json_text(c->out, "file", c->dir);

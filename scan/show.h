@@ -1,5 +1,6 @@
-/* show.h -- faces as surfaces to look at: binary glTF (glbwrite.h), in the canonical frame of the
- * face that is looked at, mm.  Triangles that only bridge missing points are left out. */
+/* show.h -- faces as surfaces for a viewer: binary glTF (glbwrite.h), in the canonical
+ * frame of the face that is looked at, mm.  Triangles that only bridge missing points are
+ * left out. */
 #ifndef SCAN_SHOW_H
 #define SCAN_SHOW_H
 #include <stddef.h>

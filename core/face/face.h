@@ -75,48 +75,28 @@ enum status face_compare(const struct surface_face *tmpl,
                          const struct surface_face *probe, double threshold,
                          struct surface_work *w, struct surface_comparison *out);
 
-/* face_best_of(r, n, w): r is one of n > 0 comparisons of a probe, with the templates of one subject,
- * of which the best decides: n chances for a false match.  The score and what is expected of it
- * are lowered by ln n, and decision and rate follow (docs/decision.md), by
- * r->threshold, which may have been changed; with n = 1 nothing else changes. */
+/* As surface_best_of(), surface_shown(), surface_round(), surface_compare_mirrored() and
+ * surface_weigh(). */
 void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface_work *w);
-
-/* face_align(tmpl, probe, w, out): the pose of the probe over
- * the template, from which the minimal disparity is found and the gaps are shown.  The score
- * does not depend on it.  Returns ST_OK, ST_ENOMEM. */
-enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
-                       struct surface_work *w, struct align_result *out);
-
-/* face_shown(r, steps, score, threshold): both in steps of 1 / steps, the threshold rounded up,
- * the score so that it agrees with the decision: below the threshold stays below. */
 void face_shown(const struct surface_comparison *r, double steps, double *score,
                 double *threshold);
-
-/* face_round(r, w): score and threshold as face_shown() in steps of 0.1, the overlap to 0.01,
- * and the false match rate that of the rounded score, by w's calibration (that of the comparison):
- * for clients that may know the decision, and should not learn a face from many scores.  The
- * decision stays, and the rounded numbers agree with it: a score below the threshold stays
- * below, by 0.1 or more.  */
 void face_round(struct surface_comparison *r, const struct surface_work *w);
-
-/* face_compare_mirrored(tmpl, probe, w, out): face_compare() with the mirror image of the probe
- * (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The cost of an
- * encoding.  Returns ST_OK, ST_ENOMEM. */
 enum status face_compare_mirrored(const struct surface_face *tmpl,
                                   const struct surface_face *probe,
                                   struct surface_work *w, struct surface_comparison *out);
+enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct surface_disparity *least);
+
+/* face_align(tmpl, probe, w, out): the pose of the probe over the template, from which the minimal
+ * disparity is found and the gaps are shown.  The score does not depend on it.  Returns ST_OK, ST_ENOMEM. */
+enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct align_result *out);
 
 /* face_minimal(tmpl, probe, w, out): the minimal disparity (minimal.h), from the pose of
  * face_align(); the times by surface_work_clock().  Returns ST_OK, ST_ENOMEM. */
 enum status face_minimal(const struct surface_face *tmpl,
                          const struct surface_face *probe, struct surface_work *w,
                          struct surface_disparity *out);
-
-/* face_weigh(tmpl, probe, w, least): least->weighted_mm by the weight of each place in telling
- * people apart, at the pose that face_minimal() found.  The cost of a measure.
- * Returns ST_OK, ST_ENOMEM. */
-enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
-                       struct surface_work *w, struct surface_disparity *least);
 
 /* face_place(f, w): find f->frame and f->encoding by w's model.  ST_OK, ST_ENOMEM. */
 enum status face_place(struct surface_face *f, struct surface_work *w);

@@ -96,7 +96,7 @@ TEST(test_together)
 {
     refused("queue = 9\n", "no database: give --db PATH");
     refused("db = x\ntls-cert = c\n", "--tls-cert and --tls-key go together");
-    refused("db = x\ntls-client-ca = c\n", "--tls-client-ca is of no use");
+    refused("db = x\ntls-client-ca = c\n", "--tls-client-ca needs --tls-cert");
     refused("db = x\nplaintext = 1\ntls-cert = c\ntls-key = k\n",
             "--plaintext contradicts");
     refused("db = x\nlisten = 0.0.0.0:1\n", "listen = 0.0.0.0:1: not a loopback address");

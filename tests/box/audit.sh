@@ -87,8 +87,8 @@ if command -v openssl >/dev/null && command -v xxd >/dev/null; then
     ok "the signature holds" openssl pkeyutl -verify -rawin -pubin -keyform DER \
         -inkey "$T/key.der" -in "$T/signed" -sigfile "$T/signature" -out "$T/out"
 fi
-ctl audit erased
-is "it is remembered" "$CODE $(said '.erased[].erased_at')" "0 $(receipt .erased_at)"
+ctl audit show --kind delete_subject
+is "it is remembered" "$CODE $(said '.entries[].at')" "0 $(receipt .erased_at)"
 # proves WANTED FILE [OPTION...]: exit code and problems of verifying a receipt
 proves() {
     p_wanted=$1

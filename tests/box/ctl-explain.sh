@@ -31,8 +31,8 @@ ok "its members" jq_true '.decision == "match" and .score >= .threshold and
     .gap.median_mm < 0.6 and .gap.median_mm < .gap.most_mm and .gap.share_beyond < 0.2' out
 is "the template that decides" "$(jq -r .template_id out)" "$id"
 "$ctl" --db faces.db verify alice a1.ply --json >verified
-is "as verify" "$(jq -cS '[.decision, .score, .disparity_mm, .template_id]' verified)" \
-    "$(jq -cS '[.decision, .score, .disparity_mm, .template_id]' out)"
+is "as verify" "$(jq -c '[.decision, .score, .disparity_mm, .template_id]' verified)" \
+    "$(jq -c '[.decision, .score, .disparity_mm, .template_id]' out)"
 ok "what each cell adds to the score" jq_true '(.score + ([.templates_compared] | map(log)[0])) as $s |
     .cells | .nx * .ny == (.part | length) and (.part | map(numbers) | add - $s | fabs < 0.02)' out
 expect 1 "two people" "$ctl" --db faces.db explain bob a1.ply --json
@@ -55,8 +55,8 @@ is "the files" "$(files explanation)" 'cells.csv explain.html explain.json point
 is "the folder's mode" "$(stat -c %a explanation)" 700
 is "the files' modes" "$(stat -c %a explanation/* | sort -u)" 600
 "$ctl" compare --json a0.ply a1.ply >compared
-is "as compare" "$(jq -cS '[.decision, .score, .disparity_mm]' compared)" \
-    "$(jq -cS '[.decision, .score, .disparity_mm]' explanation/explain.json)"
+is "as compare" "$(jq -c '[.decision, .score, .disparity_mm]' compared)" \
+    "$(jq -c '[.decision, .score, .disparity_mm]' explanation/explain.json)"
 is "every point of the probe" "$(wc -l <explanation/points.csv)" 3001
 is "the cells' parts sum up to the score" "$(awk -F, 'NR > 1 { s += $4 } END { printf "%.1f", s }' \
     explanation/cells.csv)" "$(jq -r .score explanation/explain.json | awk '{ printf "%.1f", $1 }')"

@@ -55,15 +55,15 @@ any='--listen 0.0.0.0:0'
     l='--listen 127.0.0.1:0'
     refuse "no such certificate" 1 'cannot read .*/none' $l --tls-cert "$T/none" --tls-key "$T/one.key"
     refuse "another certificate's key" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/two.key"
-    refuse "no certificate in it" 1 'no certificate' $l --tls-cert "$T/one.key" --tls-key "$T/one.key"
+    refuse "no certificate in it" 1 'not a certificate' $l --tls-cert "$T/one.key" --tls-key "$T/one.key"
     cp "$T/one.pem" "$T/nokey"
     chmod 600 "$T/nokey"
     refuse "no key in it" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/nokey"
     refuse "expired" 1 'old.pem: .*expired at' $l --tls-cert "$T/old.pem" --tls-key "$T/old.key"
     refuse "a folder" 1 'not a file' $l --tls-cert "$T" --tls-key "$T/one.key"
-    refuse "no CA in it" 1 'no certificate' $l $tls --tls-client-ca "$T/one.key"
+    refuse "no CA in it" 1 'not a certificate' $l $tls --tls-client-ca "$T/one.key"
     chmod 644 "$T/one.key"
-    refuse "a key that everybody can read" 1 'everybody may read' $l $tls
+    refuse "a key that everybody can read" 1 'others can read' $l $tls
     chmod 640 "$T/one.key"
 }
 

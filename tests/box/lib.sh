@@ -26,7 +26,7 @@ needs() {
         }
     done
 }
-needs curl jq sqlite3
+needs curl gojq jq sqlite3
 
 # needs_section SECTION PROGRAM...: as needs; with CI=true that is a failure.  SECTION: of
 # scripts/packages.txt.
@@ -46,6 +46,11 @@ needs_section() {
 # sanitized: the daemon was built with a sanitizer.
 sanitized() {
     nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'
+}
+
+# jq ARGUMENT...: by gojq, which starts in an eighth of jq's time; it sorts the members of objects.
+jq() {
+    gojq "$@"
 }
 
 # sqlite3 ARGUMENT...: waits while the daemon writes.
@@ -359,7 +364,7 @@ scan() {
 
 # without_times FILE: a JSON response without the members that differ between runs.
 without_times() {
-    jq -cS 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
+    jq -c 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
                  else . end)' "$1"
 }
 

@@ -381,7 +381,8 @@ TEST(test_bad_pairs)
     refuse_pairs("a_1.ply a_\x01.ply\n", ST_EINVAL, "line 1, field 2: a control");
     refuse_pairs("a_1.ply a_2.ply maybe\n", ST_EINVAL,
                  "line 1, field 3: a label is mated");
-    refuse_pairs("a_1.ply a_2.ply 1\na_1.ply b\n", ST_EINVAL, "line 2: a label is missing");
+    refuse_pairs("a_1.ply a_2.ply 1\na_1.ply b\n", ST_EINVAL,
+                 "line 2: a label is missing");
     refuse_pairs("a_1.ply a_1.ply\n", ST_EINVAL, "line 1: a scan is paired with itself");
     refuse_pairs("a_1.ply a_2.ply\nb a_1.ply\n", ST_EINVAL,
                  "line 2: b: not named SUBJECT_KIND.ply, and no third");
