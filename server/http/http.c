@@ -550,6 +550,7 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
     h->app = app;
     app->guard = h->host.guard;
     app->quota = h->quota;
+    app->tls = h->host.tls;
     h->host.refuse = on_refusal;
     h->host.arg = h;
     if (peer_init(e) != ST_OK)

@@ -10,6 +10,7 @@
 
 #include "app.h"
 #include "cache.h"
+#include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
 #include "intake.h"
@@ -17,6 +18,8 @@
 #include "queue.h"
 #include "request.h"
 #include "route.h"
+#include "store.h"
+#include "tls.h"
 
 #define NSTATUS  600
 #define NBUCKETS 14
@@ -321,25 +324,40 @@ static void print_outcomes(FILE *f, const struct metrics *m)
               "Requests with a token that is not valid.");
 }
 
-static void print_tokens(FILE *f, const struct metrics *m)
+/* end: seconds since 1970; 0: there is none. */
+static void print_until(FILE *f, const char *name, uint64_t end, const char *help)
 {
-    const uint64_t now = (uint64_t)time(NULL), end = value(&m->token_end);
+    const uint64_t now = (uint64_t)time(NULL);
+
+    if (end > 0)
+        print_one(f, name, "gauge", end > now ? end - now : 0, help);
+}
+
+static void print_ends(FILE *f, const struct app *app)
+{
+    const struct metrics *m = app->metrics;
 
     print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
               "Tokens that expire within 30 days.");
-    if (end > 0)
-        print_one(f, "surfaced_token_first_end_seconds", "gauge",
-                  end > now ? end - now : 0, "Time until the first token expires.");
+    print_until(f, "surfaced_token_first_end_seconds", value(&m->token_end),
+                "Time until the first token expires.");
+    print_until(f, "surfaced_certificate_end_seconds",
+                app->tls != NULL ? (uint64_t)tls_end(app->tls) : 0,
+                "Time until the daemon's TLS certificate expires.");
 }
 
 /* By the system's clock, which may be set back. */
-static void print_verified(FILE *f, const struct metrics *m)
+static void print_verified(FILE *f, const struct app *app)
 {
-    const uint64_t now = (uint64_t)time(NULL), at = value(&m->rows_verified);
+    const uint64_t now = (uint64_t)time(NULL), at = value(&app->metrics->rows_verified);
+    struct errinfo e;
 
     print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,
               "Time since the database's rows were last verified against its change "
               "log.");
+    print_one(
+        f, "surfaced_database_refused", "gauge", store_refused(app->store, &e),
+        "1: the database is not the one that was opened, and all of /v1 gives 503.");
 }
 
 static void print_gauges(FILE *f, const struct app *app)
@@ -470,8 +488,8 @@ static char *text(const struct app *app)
         return NULL;
     print_requests(f, app->metrics);
     print_outcomes(f, app->metrics);
-    print_verified(f, app->metrics);
-    print_tokens(f, app->metrics);
+    print_verified(f, app);
+    print_ends(f, app);
     print_gauges(f, app);
     print_connections(f, app);
     print_process(f, app);
