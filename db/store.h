@@ -37,6 +37,35 @@ enum status store_subject_list(struct store *s, int64_t after, size_t limit,
 enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
                               struct errinfo *e);
 
+enum store_state { /* of a subject, at one moment; several may be true */
+                   STORE_ANY,
+                   STORE_ACTIVE, /* neither disabled nor expired */
+                   STORE_DISABLED,
+                   STORE_HELD,
+                   STORE_EXPIRED,
+                   STORE_ENDING /* expires in STORE_ENDING_MS, and has not yet */
+};
+
+/* store_subject_state(word, out): "active", "disabled", "hold", "expired", "ending". */
+bool store_subject_state(const char *word, enum store_state *out);
+
+#define STORE_ENDING_MS   (INT64_C(30) * 86400000)
+#define STORE_SEARCH_ROWS 5000 /* that a search looks at, at most: it decrypts each */
+
+struct store_search {
+    const char *part; /* of the id, whatever the case of its letters; "": any */
+    enum store_state state;
+    int64_t after; /* as of store_subject_list() */
+    size_t limit;  /* 1.. */
+};
+
+/* store_subject_search(s, what, out, n, next, e): in the order of creation, with their quality;
+ * released by free().  *next: to go on after, 0: there are no more.  There may be fewer than limit,
+ * or none, and more to come.  Some 8 us a row that is looked at. */
+enum status store_subject_search(struct store *s, const struct store_search *what,
+                                 struct store_subject **out, size_t *n, int64_t *next,
+                                 struct errinfo *e);
+
 /* store_subject_set(s, actor, subject, what, e): all of it or nothing, with an event for the
  * consent, the hold and the being disabled each.  It is the callers' to verify no subject that
  * is disabled or has expired.  ST_OK also where it is so already. */

@@ -84,6 +84,21 @@ void describe_subject(struct json *j, const struct store_subject *s)
     json_flag(j, "disabled", s->disabled);
 }
 
+void describe_subject_row(struct json *j, const struct store_subject *s)
+{
+    describe_subject(j, s);
+    json_number(j, "templates", s->templates);
+    json_number(j, "quality", s->quality);
+}
+
+void describe_attempts(struct json *j, const struct store_worst *a)
+{
+    json_object(j, "attempts");
+    json_number(j, "failures", a->failures);
+    text_or_null(j, "locked_until", a->until);
+    json_close(j);
+}
+
 void describe_receipt(struct json *j, const struct store_receipt *r)
 {
     json_text(j, "subject", r->subject);

@@ -14,6 +14,7 @@ struct sample_found;     /* sample.h */
 struct store_receipt;    /* store.h */
 struct store_subject;    /* store.h */
 struct store_template;   /* store.h */
+struct store_worst;      /* store.h */
 struct dry_run;          /* dry_run.h */
 
 /* describe_quality(j, key, q, face): an object; face: of the scan, for the reasons; NULL: it is
@@ -27,6 +28,11 @@ void describe_scan(struct json *j, const char *key, const struct sample_found *f
 
 /* describe_subject(j, s): everything but its templates. */
 void describe_subject(struct json *j, const struct store_subject *s);
+
+/* describe_subject_row(j, s): the same in a list of store_subject_search().
+ * describe_attempts(j, a): of a subject; an object. */
+void describe_subject_row(struct json *j, const struct store_subject *s);
+void describe_attempts(struct json *j, const struct store_worst *a);
 
 /* describe_receipt(j, r): of an erasure, in full. */
 void describe_receipt(struct json *j, const struct store_receipt *r);

@@ -49,6 +49,7 @@ struct store_subject {
     /* as of when it was read; set by store_subject_get() and store_snapshot_begin() */
     bool expired;
     uint32_t templates;
+    double quality; /* of the best template, by store_subject_search() alone; NAN: none */
 };
 
 struct store_subject_change {        /* what is NULL stays as it is */
