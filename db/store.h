@@ -222,23 +222,38 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
 
 struct store_audit_entry {
     struct log_entry entry;
-    char subject[STORE_SUBJECT_MAX +
-                 1]; /* "": of none, of one that was erased, or names are
-                                            not wanted */
+    /* "": of none, or names are not wanted */
+    char subject[STORE_SUBJECT_MAX + 1];
+    char actor_name[STORE_NAME_MAX + 1]; /* the token's, where the actor is one */
+    bool erased;                         /* the subject was */
 };
 
-struct store_audit_filter {   /* all zero: everything */
-    const enum log_name *log; /* NULL: both, in the order of their writing */
-    struct log_filter wanted; /* uid may be given by subject */
-    const char *subject;      /* an id; of one that was erased: wanted.uid */
+struct store_audit_place { /* in both logs at once */
+    uint64_t seq[LOGS];
+    bool end; /* there is nothing more */
+};
+
+struct store_audit_filter {   /* all zero: everything, in the order of writing */
+    const enum log_name *log; /* NULL: both, in that order */
+    bool newest;              /* the last ones, the newest first */
+    struct store_audit_place
+        from;            /* behind it, with newest before it (0, 0: from the end) */
+    uint64_t limit;      /* 0: as many as there are */
+    uint64_t most;       /* entries that are looked at, wanted or not; 0: any number */
+    const char *subject; /* an id; of one that was erased: */
+    const unsigned char *uid;  /* [LOG_UID] */
+    const char *kind;          /* one or more, with commas */
+    const char *actor;         /* all of it */
+    const char *since, *until; /* RFC 3339, or its beginning; both ends are in it */
     bool names;
 };
 
-/* store_audit_list(s, filter, out, n, e): entries in their order; a new array released by
- * free().  Nothing of them is verified.  ST_ENOTFOUND: there is no such subject. */
+/* store_audit_list(s, filter, out, n, next, e): a new array released by free(), also NULL.  *next
+ * (or NULL): where to go on.  Nothing of them is verified.  ST_ENOTFOUND: there is no such
+ * subject.  Some 2 us an entry that is looked at, and 15 for the names of one. */
 enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
                              struct store_audit_entry **out, size_t *n,
-                             struct errinfo *e);
+                             struct store_audit_place *next, struct errinfo *e);
 
 /* store_audit_sign(s, actor, kind, out, e): a change of this kind, LOG_CHECKPOINT or LOG_EXPORT,
  * which is signed.

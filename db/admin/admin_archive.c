@@ -197,10 +197,9 @@ static enum status import_subject(void *arg, struct log_txn *from,
 static enum status import_all(struct importing *m, struct store *archive,
                               struct errinfo *e)
 {
-    const struct log_filter erased = {.kind = "delete_subject"};
     struct log_txn from;
     enum status st =
-        log_list(m->to->sql, LOG_CHANGES, &erased, &m->erased, &m->nerased, e);
+        log_list(m->to->sql, "delete_subject", 0, &m->erased, &m->nerased, e);
 
     if (st == ST_OK && (st = store_begin(archive, SQL_READ, &from, e)) == ST_OK)
         st = store_end(archive, &from, admin_each(&from, import_subject, m, e), e);

@@ -172,7 +172,6 @@ static enum status open_backup(struct restoring *r, struct errinfo *e)
 
 static enum status relate(struct restoring *r, struct errinfo *e)
 {
-    struct log_filter after = {.after = r->end.seq};
     struct store_stats stats;
     struct log_end end;
     struct log_txn t;
@@ -186,7 +185,7 @@ static enum status relate(struct restoring *r, struct errinfo *e)
         return st;
     end = t.changes;
     if ((st = log_has(&t, &r->end, &goes_on, e)) == ST_OK && goes_on)
-        st = log_list(t.sql, LOG_CHANGES, &after, &r->since, &r->n, e);
+        st = log_list(t.sql, NULL, r->end.seq, &r->since, &r->n, e);
     if ((st = store_end(r->held, &t, st, e)) != ST_OK ||
         (st = store_stats(r->held, &stats, e)) != ST_OK)
         return st;

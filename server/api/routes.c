@@ -5,6 +5,7 @@
 #include "enroll.h"
 #include "health.h"
 #include "live.h"
+#include "logs.h"
 #include "metrics.h"
 #include "pages.h"
 #include "route.h"
@@ -19,6 +20,7 @@
 /* The query parameters of a cloud, and of a comparison with one. */
 #define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
 #define COMPARING CLOUD ", detail"
+#define AUDIT     "subject, kind, actor, since, until"
 
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
@@ -56,6 +58,8 @@ static const struct route table[] = {
     {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, MANAGE, "after, limit", live_recent,
      false},
     {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset, false},
+    {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, MANAGE, AUDIT ", before, after, limit",
+     logs_list, false},
     {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
     {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},

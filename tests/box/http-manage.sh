@@ -78,4 +78,62 @@ ok "a token that has not failed waits for others" jq_true '.attempts | .failures
 req DELETE /v1/subjects/Alice@home/attempts
 req GET /v1/subjects/Alice@home
 is "forgotten" "$(get '.attempts | tojson')" '{"failures":0,"locked_until":null}'
+
+# ---- the audit log
+# kinds: of the last response's entries.
+kinds() { get '[.entries[].kind] | join(" ")'; }
+req DELETE /v1/subjects/bob
+req GET '/v1/audit?limit=1000'
+cp "$T/body" "$T/whole"
+is "newest first" "$(get '[.entries[:3][].kind] | join(" ")')" 'delete_subject reset_attempts locked_out'
+is "all of it" "$(get '.entries | length') $(get .next_cursor)" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES") null"
+ctl audit show --limit 1000
+is "the command says the same" "$(said '.entries | reverse | tojson')" "$(get '.entries | tojson')"
+is "who is erased has no name" "$(get '.entries[] | select(.kind == "delete_subject") | [.subject, .erased, (.subject_uid | length), .actor_name] | tojson')" '[null,true,32,"me"]'
+is "who is here has" "$(get '[.entries[] | select(.kind == "verify") | .subject] | unique | tojson')" '["Alice@home"]'
+# a page of each size has the same entries, whatever the log
+for limit in 1 2 5; do
+    : >"$T/pages"
+    for way in before after; do
+        cursor=
+        [ "$way" = before ] || cursor=0-0
+        while :; do
+            req GET "/v1/audit?limit=$limit${cursor:+&$way=$cursor}"
+            get '.entries[] | tojson' >>"$T/pages"
+            [ "$(get '.entries | length')" -gt 0 ] || break
+            cursor=$(get .next_cursor)
+            [ "$cursor" != null ] || break
+        done
+        [ "$way" = after ] || mv "$T/pages" "$T/back"
+    done
+    is "pages of $limit" "$(cat "$T/back")" "$(jq -r '.entries[] | tojson' "$T/whole")"
+    is "pages of $limit, forward" "$(tac "$T/pages")" "$(cat "$T/back")"
+done
+is "after the last one can ask again" "$cursor" "$(sqlite3 "$DB" 'SELECT (SELECT max(seq) FROM change_log) || "-" || (SELECT max(seq) FROM access_log)')"
+req GET '/v1/audit?kind=verify,reset_attempts&subject=Alice@home'
+is "two kinds of a subject" "$(kinds)" 'reset_attempts verify verify verify'
+req GET "/v1/audit?actor=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'door'")"
+is "of an actor" "$(get '[.entries[] | .kind + " " + .actor_name] | join(" ")')" 'locked_out door verify door verify door'
+day=$(date -u +%F)
+req GET "/v1/audit?since=$day&until=$day&limit=1000"
+is "of a day" "$(get '.entries | length')" "$(jq '.entries | length' "$T/whole")"
+req GET '/v1/audit?until=2020'
+is "until long ago" "$(kinds) $(get .next_cursor)" ' null'
+req GET "/v1/audit?since=$(date -u -d tomorrow +%F)"
+is "since tomorrow" "$(kinds)" ''
+req GET '/v1/audit?subject=bob'
+problem "of who is erased" 404 not_found
+for query in before=x before=1 before=0-5 after=1-1-1 after=-1-2 after=01-1 'before=1-1&after=1-1' limit=0 since=soon kind= \
+    actor= 'subject=a%20b' "kind=$(printf 'a%.0s' $(seq 257))"; do
+    req GET "/v1/audit?$query"
+    ok "$query: $STATUS $(get .code)" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
+done
+# what is looked at in a request is bounded, and the cursor goes on behind it
+sqlite3 "$DB" "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+    FROM generate_series(1, 60000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
+req GET '/v1/audit?kind=create_token'
+is "nothing yet" "$(kinds)" ''
+req GET "/v1/audit?kind=create_token&before=$(get .next_cursor)"
+is "behind it" "$(kinds) $(get .next_cursor)" 'create_token create_token null'
+sqlite3 "$DB" "DELETE FROM access_log WHERE kind = 'filler'"
 finish
