@@ -125,10 +125,13 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
                                int64_t grace_s, int64_t life_s, char secret[65],
                                struct store_token *t, struct errinfo *e);
+enum status store_token_get(struct store *s, const char *id, struct store_token *out,
+                            struct errinfo *e);
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e);
 
-#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400) /* before its end, to be warned of */
+#define STORE_TOKEN_LIFE_S (INT64_C(365) * 86400) /* of one that is given no end */
+#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400)  /* before its end, to be warned of */
 
 /* store_token_left(t): seconds until t ends, INT64_MAX if never; 0: it has, or was revoked. */
 int64_t store_token_left(const struct store_token *t);

@@ -99,6 +99,39 @@ void describe_attempts(struct json *j, const struct store_worst *a)
     json_close(j);
 }
 
+void describe_scopes(struct json *j, unsigned scopes)
+{
+    char name[STORE_SCOPES_MAX];
+
+    json_array(j, "scopes");
+    for (unsigned bit = 1; bit <= STORE_SCOPE_ALL; bit <<= 1)
+        if (scopes & bit) {
+            rows_scopes_write(bit, name);
+            json_text(j, NULL, name);
+        }
+    json_close(j);
+}
+
+void describe_token(struct json *j, const struct store_token *t, const char *secret)
+{
+    json_text(j, "id", t->id);
+    json_text(j, "name", t->name);
+    describe_scopes(j, t->scopes);
+    json_text(j, "created", t->created);
+    text_or_null(j, "expires_at", t->expires);
+    text_or_null(j, "last_used", t->used);
+    text_or_null(j, "old_secret_until", t->old_until);
+    text_or_null(j, "revoked_at", t->revoked);
+    json_text(j, "state", describe_token_state(t));
+    if (secret != NULL)
+        json_text(j, "secret", secret);
+}
+
+const char *describe_token_state(const struct store_token *t)
+{
+    return t->revoked[0] != '\0' ? "revoked" : t->expired ? "expired" : "valid";
+}
+
 void describe_receipt(struct json *j, const struct store_receipt *r)
 {
     json_text(j, "subject", r->subject);

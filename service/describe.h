@@ -14,6 +14,7 @@ struct sample_found;     /* sample.h */
 struct store_receipt;    /* store.h */
 struct store_subject;    /* store.h */
 struct store_template;   /* store.h */
+struct store_token;      /* store.h */
 struct store_worst;      /* store.h */
 struct dry_run;          /* dry_run.h */
 
@@ -33,6 +34,12 @@ void describe_subject(struct json *j, const struct store_subject *s);
  * describe_attempts(j, a): of a subject; an object. */
 void describe_subject_row(struct json *j, const struct store_subject *s);
 void describe_attempts(struct json *j, const struct store_worst *a);
+
+/* describe_scopes(j, scopes): an array of their names.
+ * describe_token(j, t, secret): secret: a new one, which is shown this once; NULL: left out. */
+void describe_scopes(struct json *j, unsigned scopes);
+void describe_token(struct json *j, const struct store_token *t, const char *secret);
+const char *describe_token_state(const struct store_token *t);
 
 /* describe_receipt(j, r): of an erasure, in full. */
 void describe_receipt(struct json *j, const struct store_receipt *r);

@@ -224,9 +224,9 @@ static enum status revoke_again(struct restoring *r, struct log_txn *to, const c
     struct rows_token one;
     enum status st = rows_token_get(to, id, &one, e);
 
-    if (st != ST_OK || one.token.revoked)
+    if (st != ST_OK || one.token.revoked[0] != '\0')
         return st == ST_ENOTFOUND ? ST_OK : st;
-    memcpy(one.revoked, r->by.at, sizeof one.revoked);
+    memcpy(one.token.revoked, r->by.at, sizeof r->by.at);
     if ((st = rows_token_write(to, &one, e)) != ST_OK)
         return st;
     r->out->revoked++;

@@ -85,8 +85,8 @@ struct store_token {
     char expires[32];   /* "": never */
     char used[32];      /* last, within a minute; "": never */
     char old_until[32]; /* what the secret before the last rotation is good for; "": no */
-    bool revoked;
-    bool expired; /* as of when it was read */
+    char revoked[32];   /* when; "": it was not */
+    bool expired;       /* as of when it was read */
 };
 
 /* Called once a problem, with a line of text. */

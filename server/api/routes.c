@@ -16,6 +16,7 @@
 
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
+#define TOKEN    "/v1/tokens/{token_id}"
 
 /* The query parameters of a cloud, and of a comparison with one. */
 #define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
@@ -61,6 +62,10 @@ static const struct route table[] = {
     {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, MANAGE, AUDIT ", before, after, limit",
      logs_list, false},
     {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
+    {REQUEST_GET, "/v1/tokens", ROUTE_NO_BODY, MANAGE, "", tokens_list, false},
+    {REQUEST_POST, "/v1/tokens", ROUTE_JSON, MANAGE, "", tokens_create, false},
+    {REQUEST_DELETE, TOKEN, ROUTE_NO_BODY, MANAGE, "", tokens_revoke, false},
+    {REQUEST_POST, TOKEN "/rotate", ROUTE_JSON, MANAGE, "", tokens_rotate, false},
     {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check, false},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
     {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "q, state, limit, cursor",

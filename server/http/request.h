@@ -98,6 +98,7 @@ struct request {
     const struct route *route;           /* NULL until it is known */
     char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
     char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
+    char token_id[STORE_ID_LEN + 1];     /* likewise */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
     char client[ADDRESS_HOST_MAX];       /* its address, for the log (address_host()) */
     unsigned char address[THROTTLE_ADDRESS];

@@ -97,6 +97,10 @@ void route_read_id(struct request *r)
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
         if (st != ST_OK || !ident_id_valid(r->template_id))
             request_problem(r, ST_ENOTFOUND, "there is no such template");
+    } else if (strstr(r->route->pattern, "{token_id}") != NULL) {
+        st = request_decode(param, len, false, r->token_id, sizeof r->token_id);
+        if (st != ST_OK || !ident_id_valid(r->token_id))
+            request_problem(r, ST_ENOTFOUND, "there is no such token");
     }
 }
 

@@ -33,7 +33,7 @@ struct route {
  * path, no such method. */
 void route_find(const struct route *table, size_t n, struct request *r);
 
-/* route_read_id(r): set r->subject or r->template_id where r->route has one, or r->response
+/* route_read_id(r): set r->subject, r->template_id or r->token_id where r->route has one, or r->response
  * when it is malformed. */
 void route_read_id(struct request *r);
 

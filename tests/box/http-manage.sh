@@ -136,4 +136,104 @@ is "nothing yet" "$(kinds)" ''
 req GET "/v1/audit?kind=create_token&before=$(get .next_cursor)"
 is "behind it" "$(kinds) $(get .next_cursor)" 'create_token create_token null'
 sqlite3 "$DB" "DELETE FROM access_log WHERE kind = 'filler'"
+
+# ---- tokens
+post() { req POST "$1" -H "$JSON" -d "$2"; }
+post /v1/tokens '{"name": "<b>=cmd|x", "scopes": ["verify", "read"]}'
+is "made" "$STATUS $(get '[.name, .scopes, .last_used, .revoked_at, .state] | tojson')" \
+    '201 ["<b>=cmd|x",["verify","read"],null,null,"valid"]'
+id=$(get .id) secret=$(get .secret)
+is "its place" "$(field Location)" "/v1/tokens/$id"
+ok "it ends in a year" jq_true '(.expires_at | sub("\\.[0-9]*"; "") | fromdate) - now | . > 364 * 86400 and . < 366 * 86400' "$T/body"
+is "not kept by anybody" "$(field Cache-Control)" no-store
+AUTH=$secret
+req GET /v1/subjects
+is "it is good" "$STATUS" 200
+req GET /v1/tokens
+problem "but not for this" 403 insufficient_scope manage
+AUTH=$me
+post /v1/tokens "{\"name\": \"day\", \"scopes\": [\"verify\"], \"expires_at\": \"$(date -u -d '+9 days' +%F)\"}"
+is "an end" "$(get '.expires_at[:10]')" "$(date -u -d '+9 days' +%F)"
+post /v1/tokens '{"name": "ever", "scopes": ["verify", "verify"], "expires_at": null}'
+is "none, which was asked for" "$STATUS $(get '[.expires_at, .scopes] | tojson')" '201 [null,["verify"]]'
+while read -r body; do
+    post /v1/tokens "$body"
+    problem "$body" 400 malformed
+done <<'END'
+{}
+{"name": "a"}
+{"name": "a", "scopes": []}
+{"name": "a", "scopes": "verify"}
+{"name": "a", "scopes": ["root"]}
+{"name": "a", "scopes": ["verify,manage"]}
+{"name": "a", "scopes": [1]}
+{"scopes": ["verify"]}
+{"name": "", "scopes": ["verify"]}
+{"name": "a\nb", "scopes": ["verify"]}
+{"name": "ä", "scopes": ["verify"]}
+{"name": "a", "scopes": ["verify"], "expires_at": "2020-01-01"}
+{"name": "a", "scopes": ["verify"], "expires_at": "soon"}
+{"name": "a", "scopes": ["verify"], "expires_at": "9000-01-01"}
+{"name": "a", "scopes": ["verify"], "id": "x"}
+END
+is "none of these was made" "$(sqlite3 "$DB" 'SELECT count(*) FROM tokens')" 5
+req GET /v1/tokens
+ctl token list
+is "the list is the command's" "$(get '.tokens | map(del(.last_used)) | tojson')" "$(said '.tokens | map(del(.last_used)) | tojson')"
+is "without a secret" "$(get '[.tokens[] | has("secret")] | any')" false
+# nobody gives, or gets, what he has not
+manager=$(new_token manager --scope manage,verify)
+managing=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'manager'")
+mine=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'me'")
+AUTH=$manager
+post /v1/tokens '{"name": "more", "scopes": ["verify", "detail", "delete"]}'
+problem "more than his own" 403 insufficient_scope 'delete,detail'
+is "what it takes" "$(field WWW-Authenticate)" 'Bearer realm="surfaced", error="insufficient_scope", scope="delete detail"'
+post "/v1/tokens/$mine/rotate" '{}'
+problem "nor another's secret" 403 insufficient_scope
+post /v1/tokens '{"name": "same", "scopes": ["verify", "manage"]}'
+is "as much as his own" "$STATUS" 201
+other=$(get .id)
+post "/v1/tokens/$other/rotate" '{"grace_s": 60}'
+is "and its secret" "$STATUS $(get '.old_secret_until != null')" '200 true'
+req DELETE "/v1/tokens/$managing"
+problem "not himself" 409 own_token
+req DELETE "/v1/tokens/$other"
+is "another" "$STATUS" 204
+req DELETE "/v1/tokens/$other"
+is "again" "$STATUS" 204
+post "/v1/tokens/$other/rotate" '{}'
+problem "no secret for one that was revoked" 409 token_revoked
+AUTH=$me
+post "/v1/tokens/$id/rotate" '{}'
+is "rotated" "$STATUS $(get '[.id, .old_secret_until] | tojson')" "200 [\"$id\",null]"
+new=$(get .secret)
+for body in '{"grace_s": -1}' '{"grace_s": 1.5}' '{"grace_s": "1d"}' '{"grace": 1}' '[]' '{"grace_s": 99999999999}'; do
+    post "/v1/tokens/$id/rotate" "$body"
+    problem "$body" 400 malformed
+done
+AUTH=$secret
+req GET /v1/token
+problem "the old secret" 401 unauthorized
+AUTH=$new
+req GET /v1/token
+is "the new one" "$STATUS $(get .id)" "200 $id"
+AUTH=$me
+req DELETE "/v1/tokens/$id"
+is "revoked" "$STATUS" 204
+AUTH=$new
+req GET /v1/token
+problem "at once" 401 unauthorized
+AUTH=$me
+for one in 0123 00000000000000000000000000000000; do
+    req DELETE "/v1/tokens/$one"
+    problem "no such token, $one" 404 not_found
+    post "/v1/tokens/$one/rotate" '{}'
+    problem "nor rotated" 404 not_found
+done
+req GET /v1/tokens
+is "it says when" "$(get ".tokens[] | select(.id == \"$id\") | [.state, (.revoked_at | length)] | tojson")" '["revoked",24]'
+req GET "/v1/audit?actor=$managing&kind=create_token,rotate_token,revoke_token"
+is "each change by whom" "$(kinds)" 'revoke_token rotate_token create_token'
+ok "no secret is in the log" sh -c "! grep -Eq '$secret|$new|$manager' '$LOG'"
 finish
