@@ -293,7 +293,6 @@ static void qualities(struct json *j, const struct describe_comparison *c)
 
 void describe_calibration(struct json *j, const struct surface_calibration *c)
 {
-    json_object(j, "calibration");
     json_number(j, "threshold", c->threshold);
     json_array(j, "knots");
     for (uint32_t i = 0; i < c->n; i++) {
@@ -302,7 +301,6 @@ void describe_calibration(struct json *j, const struct surface_calibration *c)
         json_rate(j, "rate", c->knot[i].rate);
         json_close(j);
     }
-    json_close(j);
     json_close(j);
 }
 

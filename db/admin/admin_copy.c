@@ -164,6 +164,9 @@ enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
                          "UPDATE tokens SET used = $1 WHERE id = $2", 2, e)) != ST_OK ||
         (st = copy_table(from, to, &rows_devices, e)) != ST_OK ||
         (st = copy_table(from, to, &rows_calibrations, e)) != ST_OK ||
+        (st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
+                         "INSERT INTO days (day, decision, bins) VALUES ($1, $2, $3)", 3,
+                         e)) != ST_OK ||
         (st = copy_plain(from, to,
                          "SELECT s.uid, a.token, a.failures, a.at_ms "
                          "FROM attempts a JOIN subjects s USING (subject_key)",

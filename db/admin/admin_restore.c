@@ -187,7 +187,7 @@ static enum status relate(struct restoring *r, struct errinfo *e)
     if ((st = log_has(&t, &r->end, &goes_on, e)) == ST_OK && goes_on)
         st = log_list(t.sql, NULL, r->end.seq, &r->since, &r->n, e);
     if ((st = store_end(r->held, &t, st, e)) != ST_OK ||
-        (st = store_stats(r->held, &stats, e)) != ST_OK)
+        (st = store_stats(r->held, false, &stats, e)) != ST_OK)
         return st;
     r->out->had_subjects = stats.subjects;
     r->out->had_templates = stats.templates;

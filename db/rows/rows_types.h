@@ -89,6 +89,19 @@ struct store_token {
     bool expired;       /* as of when it was read */
 };
 
+/* How many verifications of a day (UTC) were decided so, by their score: from STORE_DAY_FROM on,
+ * STORE_DAY_STEP each; the first and the last have what lies beyond, too. */
+#define STORE_DAY      10 /* bytes, "2026-11-27" */
+#define STORE_DAYS     180
+#define STORE_DAY_BINS 64
+#define STORE_DAY_FROM (-40.0)
+#define STORE_DAY_STEP 2.0
+struct store_day {
+    char day[STORE_DAY + 1];
+    char decision[16];
+    uint32_t bin[STORE_DAY_BINS];
+};
+
 /* Called once a problem, with a line of text. */
 typedef void store_report(void *arg, const char *line);
 

@@ -62,6 +62,7 @@ static const struct route table[] = {
     {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, MANAGE, AUDIT ", before, after, limit",
      logs_list, false},
     {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
+    {REQUEST_GET, "/v1/stats", ROUTE_NO_BODY, MANAGE, "", health_stats, false},
     {REQUEST_GET, "/v1/tokens", ROUTE_NO_BODY, MANAGE, "", tokens_list, false},
     {REQUEST_POST, "/v1/tokens", ROUTE_JSON, MANAGE, "", tokens_create, false},
     {REQUEST_DELETE, TOKEN, ROUTE_NO_BODY, MANAGE, "", tokens_revoke, false},

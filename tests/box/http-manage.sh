@@ -236,4 +236,44 @@ is "it says when" "$(get ".tokens[] | select(.id == \"$id\") | [.state, (.revoke
 req GET "/v1/audit?actor=$managing&kind=create_token,rotate_token,revoke_token"
 is "each change by whom" "$(kinds)" 'revoke_token rotate_token create_token'
 ok "no secret is in the log" sh -c "! grep -Eq '$secret|$new|$manager' '$LOG'"
+
+# ---- stats
+req GET /v1/stats
+cp "$T/body" "$T/stats"
+is "counts" "$(get '.counts | tojson')" "$(sqlite3 "$DB" "SELECT json_object('subjects', (SELECT count(*) FROM subjects),
+    'templates', (SELECT count(*) FROM templates), 'tokens', (SELECT count(*) FROM tokens), 'devices', 0)")"
+is "calibration" "$(get '.calibration | [.source, .fmr, .made_at, .threshold, (.knots | length > 3)] | tojson')" '["shipped",null,null,8,true]'
+is "what was decided" "$(get '.rates | [.verifications, .decisions.no_match, .enrollments, .refusals.unauthorized] | tojson')" '[3,3,1,2]'
+ok "times" jq_true '.latency_ms | .p50 > 0 and .p50 <= .p95 and .p95 <= .p99' "$T/stats"
+is "of no finding nothing is to be done" "$(get '[.findings[] | select(.severity == "ok") | .do] | unique | tojson')" '[null]'
+ctl stats
+is "the command says the same" "$(said '[.counts, .engine, .calibration, .findings, .days] | tojson')" \
+    "$(get '[.counts, .engine, .calibration, .findings, .days] | tojson')"
+ctl doctor
+is "and so does doctor" "$(said '[.findings[] | select(.about | IN("templates", "tokens", "token", "attempts", "calibration"))] | tojson')" \
+    "$(get '.findings | tojson')"
+# the scores of a day: a match, a mirror image's or a replayed scan none, each in its bin
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
+score=$(get .score)
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a.ply"
+problem "no new scan" 422 replayed
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
+low=$(get .score)
+"$BUILD/surfacectl" --db "$DB" verify Alice@home "$T/a2.ply" >"$T/out"
+req GET /v1/stats
+is "of today" "$(get '[.days[] | .decision + " " + (.bins | add | tostring)] | join(" ")') $(get '[.days[].day] | unique | join(" ")')" "match 2 no_match 4 $day"
+bin() { awk "BEGIN { b = int(($1 + 40) / 2); print ($1 < -40 ? 0 : (b > 63 ? 63 : b)) }"; }
+is "both matches in their bin" "$(get ".days[0].bins[$(bin "$score")]")" 2
+ok "the other's too" test "$(get ".days[1].bins[$(bin "$low")]")" -ge 1
+is "a small row each" "$(sqlite3 "$DB" 'SELECT count(*), max(length(bins)) FROM days')" '2|256'
+"$BUILD/surfacectl" --db "$DB" stats >"$T/out"
+contains "as text" "$T/out" "^$day *no_match *4, half of them with a score of -?[0-9]+ or more"
+# what the file says that is no row of ours misleads nobody's verification
+sqlite3 "$DB" "PRAGMA ignore_check_constraints = 1; UPDATE days SET bins = x'00'; INSERT INTO days VALUES ('<b>', 'match', zeroblob(256))"
+req GET /v1/stats
+is "damaged" "$STATUS $(get '[.days[] | select(.day < "3") | .bins | add] | tojson')" '200 [0,0]'
+req DELETE /v1/subjects/Alice@home/attempts
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
+is "and a verification goes on" "$STATUS" 200
+sqlite3 "$DB" "DELETE FROM days WHERE day = '<b>'"
 finish

@@ -121,7 +121,7 @@ new_token ends-past --scope verify --expires 1d >/dev/null
 "$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'ends-past'"
 ctl doctor
 is "doctor names those that will, and it is no trouble" \
-    "$CODE $(said '[.findings[] | select(.about == "token") | .finding | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
+    "$CODE $(said '[.findings[] | select(.about == "token") | .what | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
     "0 (ends-20d) (ends-29d)"
 # shellcheck disable=SC2119 # without options
 start_daemon

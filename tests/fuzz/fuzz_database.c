@@ -298,7 +298,7 @@ static void ask_lists(struct store *s)
         free(entries);
     if (store_attempts_list(s, &attempts, &n, &hostile_e) == ST_OK)
         free(attempts);
-    (void)store_stats(s, &stats, &hostile_e);
+    (void)store_stats(s, true, &stats, &hostile_e);
 }
 
 static void ignore(void *arg, const char *line)
