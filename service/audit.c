@@ -121,6 +121,9 @@ put_all(FILE *to, const struct audit_export *x, const struct store_audit_filter 
 
         if (x->stop != NULL && atomic_load(x->stop))
             return errinfo_set(e, ST_EBUSY, "nobody waits for the audit log any more");
+        if (x->most != 0 && ftello(to) > (off_t)x->most)
+            return errinfo_set(e, ST_ESIZE, "the table has more than %zu MB",
+                               x->most >> 20);
         st = store_audit_list(x->store, &wanted, &a, &n, &wanted.from, e);
         for (size_t i = 0; i < n && st == ST_OK; i++)
             if (a[i].entry.seq <= last[a[i].entry.log]) /* else it came since */

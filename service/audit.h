@@ -18,6 +18,7 @@ struct audit_export {
     struct log_entry end; /* the signed change that says so */
     char public_key[2 * CRYPT_KEY + 1];
     const struct store_audit_filter *filter; /* of a table: what is in it */
+    size_t most;                             /* bytes of a table; 0: any number */
     const atomic_bool
         *stop; /* NULL; or another thread sets it where nobody wants the rest */
 };
@@ -26,7 +27,7 @@ struct audit_export {
  * audit_export_lines(to, x, e): both logs up to x->end as JSON, signed (`audit verify FILE`), sound or
  * not: anyone who verifies the file finds what is wrong.  audit_export_table(to, x, e): for people,
  * as CSV with names, what x->filter leaves.  Each is a newfile_writer of a const struct audit_export;
- * memory constant.  ST_EBUSY: stopped; ST_EIO. */
+ * memory constant.  ST_EBUSY: stopped; ST_ESIZE: the table has more than x->most; ST_EIO. */
 enum status audit_export_begin(struct store *s, const char *actor, struct audit_export *x,
                                struct errinfo *e);
 enum status audit_export_lines(FILE *to, const void *x, struct errinfo *e);

@@ -30,6 +30,8 @@ struct app {
     struct intake *intake;
     struct throttle *throttle;
     struct queue *queue;
+    struct queue *slow; /* of one worker: what walks along everything, one at a time */
+    atomic_flag slow_taken;
     struct upkeep *upkeep;
     struct erasures *erasures;
     struct recent *recent;

@@ -130,13 +130,18 @@ struct parts {
     struct peer *peer;
     const char *text;
     char *body; /* to be released; NULL: text is static */
+    FILE *file; /* instead, to be closed */
 };
 
 static ssize_t read_part(void *arg, uint64_t pos, char *to, size_t max)
 {
     const struct parts *s = arg;
 
-    memcpy(to, s->text + pos, max);
+    if (s->file == NULL)
+        memcpy(to, s->text + pos, max);
+    else if (fseeko(s->file, (off_t)pos, SEEK_SET) != 0 ||
+             (max = fread(to, 1, max, s->file)) == 0)
+        return MHD_CONTENT_READER_END_WITH_ERROR;
     peer_more(s->peer, max);
     return (ssize_t)max;
 }
@@ -146,6 +151,8 @@ static void free_parts(void *arg)
     struct parts *s = arg;
 
     mem_free(s->body);
+    if (s->file != NULL)
+        (void)fclose(s->file);
     free(s);
 }
 
@@ -155,15 +162,15 @@ static struct MHD_Response *make_body(struct peer *p, const struct response *a)
     struct MHD_Response *resp;
     struct parts *s;
 
-    if (a->body == NULL && a->len <= PART)
+    if (a->file == NULL && a->body == NULL && a->len <= PART)
         return MHD_create_response_from_buffer(a->len, (void *)(uintptr_t)a->page,
                                                MHD_RESPMEM_PERSISTENT);
-    if (a->len <= PART)
+    if (a->file == NULL && a->len <= PART)
         return MHD_create_response_from_buffer_with_free_callback(a->len, a->body,
                                                                   mem_free);
     if ((s = malloc(sizeof *s)) == NULL)
         return NULL;
-    *s = (struct parts){p, a->body != NULL ? a->body : a->page, a->body};
+    *s = (struct parts){p, a->body != NULL ? a->body : a->page, a->body, a->file};
     resp = MHD_create_response_from_callback(a->len, PART, read_part, s, free_parts);
     if (resp == NULL)
         free(s);
@@ -179,6 +186,7 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
     if (resp == NULL)
         return NULL;
     a->body = NULL; /* resp's now */
+    a->file = NULL;
     if (a->len > 0)
         (void)MHD_add_response_header(resp, "Content-Type", a->type);
     (void)MHD_add_response_header(resp, "X-Request-Id", id);
@@ -191,6 +199,8 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
     if (a->gzip)
         (void)MHD_add_response_header(resp, "Content-Encoding", "gzip");
     (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
+    if (a->name != NULL)
+        (void)MHD_add_response_header(resp, "Content-Disposition", a->name);
     if (a->location[0] != '\0')
         (void)MHD_add_response_header(resp, "Location", a->location);
     if (a->allow[0] != '\0')

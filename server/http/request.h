@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include "address.h"
 #include "cloudformat.h"
 #include "inflate.h"
@@ -54,14 +55,17 @@ enum request_stage {                  /* what the time of a request is spent on 
 };
 
 struct response {
-    int http;             /* 0: none yet */
-    unsigned problem;     /* errmap.h; 0: it is none */
-    char *body;           /* heap, or NULL */
-    const void *page;     /* static, in the place of body; NULL for none */
-    size_t len;           /* of either; 0 for neither */
-    const char *type;     /* static */
-    char location[192];   /* "" for none */
-    char allow[40];       /* "" for none */
+    int http;         /* 0: none yet */
+    unsigned problem; /* errmap.h; 0: it is none */
+    char *body;       /* heap, or NULL */
+    const void *page; /* static, in the place of body; NULL for none */
+    FILE *file;       /* instead of both: read from its beginning, and closed; or NULL */
+    size_t len;       /* of any; 0 for none */
+    const char *type; /* static */
+    char location[192]; /* "" for none */
+    char allow[40];     /* "" for none */
+    const char
+        *name; /* Content-Disposition: of the file to save; static; NULL for none */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     const char *etag;     /* of what a client may keep and ask for again; static; NULL */
     bool gzip;            /* Content-Encoding of the page */
@@ -178,6 +182,10 @@ void request_bytes(struct request *r, const char *type, unsigned char *bytes, si
 
 /* request_page(r, type, text, len): the same with static bytes. */
 void request_page(struct request *r, const char *type, const void *text, size_t len);
+
+/* request_file(r, type, file, len, name): the same from a file, taken. */
+void request_file(struct request *r, const char *type, FILE *file, size_t len,
+                  const char *name);
 
 /* request_not_modified(r): 304, without a body. */
 void request_not_modified(struct request *r);

@@ -276,4 +276,56 @@ req DELETE /v1/subjects/Alice@home/attempts
 send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
 is "and a verification goes on" "$STATUS" 200
 sqlite3 "$DB" "DELETE FROM days WHERE day = '<b>'"
+
+# ---- verified, and as files
+req POST /v1/audit/verify
+is "verified" "$STATUS $(get '[.ok, .changes, .accesses, .findings, .head.seq] | tojson')" \
+    "200 $(sqlite3 "$DB" "SELECT json_array(json('true'), (SELECT count(*) FROM change_log), (SELECT count(*) FROM access_log), json('[]'), (SELECT max(seq) FROM change_log))")"
+is "each row" "$(get .rows)" "$(sqlite3 "$DB" 'SELECT (SELECT count(*) FROM subjects) + (SELECT count(*) FROM templates) + (SELECT count(*) FROM tokens)')"
+req GET /v1/audit/export
+is "a file" "$STATUS $(field Content-Type) $(field Content-Disposition)" '200 application/jsonl attachment; filename="audit.jsonl"'
+cp "$T/body" "$T/export.jsonl"
+"$BUILD/surfacectl" --json audit verify "$T/export.jsonl" --public-key "$(head -n 1 "$T/body" | jq -r .public_key)" >"$T/ctl"
+is "which the command verifies" "$(said '[.ok, .entries] | tojson')" "[true,$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES")]"
+ok "without ids" sh -c "! grep -q Alice '$T/export.jsonl'"
+is "recorded" "$(sqlite3 "$DB" "SELECT kind, actor = '$mine' FROM change_log ORDER BY seq DESC LIMIT 1")" 'export_audit|1'
+req GET '/v1/audit/export?format=csv'
+is "a table" "$STATUS $(field Content-Type) $(field Content-Disposition)" '200 text/csv; charset=utf-8 attachment; filename="audit.csv"'
+is "a row an entry" "$(python3 -c 'import csv,sys; r=list(csv.DictReader(open(sys.argv[1], newline=""))); print(len(r), r[0]["kind"], r[-1]["kind"])' "$T/body")" \
+    "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES") create_database export_audit"
+contains "with names" "$T/body" '"verify","[0-9a-f]{32}","door","Alice@home"'
+req GET '/v1/audit/export?format=csv&kind=create_token,add_subject'
+contains "no formula" "$T/body" "\"'--\"|\"'=cmd"
+ok "nor in any field" sh -c "! grep -Eq '(^|,)\"[=+@-]' '$T/body'"
+is "of those kinds" "$(tail -n +2 "$T/body" | cut -d, -f4 | sort -u | paste -sd ' ')" '"add_subject" "create_token"'
+for query in format=xml 'format=jsonl&kind=verify' subject=alice.2 'format=csv&since=soon'; do
+    req GET "/v1/audit/export?$query"
+    ok "$query: $STATUS" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
+done
+# one at a time: a logs' worth of rows keeps one busy meanwhile
+sqlite3 "$DB" "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+    FROM generate_series(1, 200000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
+beside walk POST /v1/audit/verify
+sleep 0.3
+req POST /v1/audit/verify
+problem "a second one" 503 overloaded 'one at a time'
+is "when again" "$(field Retry-After)" 5
+req GET /v1/audit/export
+problem "nor an export beside it" 503 overloaded 'one at a time'
+req GET /v1/subjects
+is "others go on" "$STATUS" 200
+all_sent
+is "the first one found it" "$TALLY $(jq -r '[.ok, (.findings | length)] | tojson' "$T/o.walk")" '200x1 [false,1]'
+sqlite3 "$DB" "DELETE FROM access_log WHERE kind = 'filler'"
+req POST /v1/audit/verify
+is "and then another" "$STATUS $(get .ok)" '200 true'
+beside gone GET /v1/audit/export -m 0.01
+all_sent
+ok "who goes leaves the place" soon sh -c "test \"\$(curl -sS -o /dev/null -w '%{http_code}' -X POST -H 'Authorization: Bearer $AUTH' '$URL/v1/audit/verify')\" = 200"
+# rows that are not the last change's: it says so once, and the daemon stops
+sqlite3 "$DB" "UPDATE subjects SET hold = 1 - hold WHERE subject_key = 1"
+req POST /v1/audit/verify
+is "a changed row" "$STATUS $(get '[.ok, .problems] | tojson')" '200 [false,2]'
+req GET /v1/audit
+problem "nothing more" 503 database_refused
 finish
