@@ -291,6 +291,7 @@ int main(int argc, char **argv)
     service_begin();
     app.no_auth = o.no_auth;
     app.no_console = o.no_console;
+    app.cors_origin = o.cors_origin;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
     if (start(&o, &app, &http, url, &e) != ST_OK) {

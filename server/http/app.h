@@ -41,6 +41,8 @@ struct app {
     size_t nroutes;
     bool no_auth;
     bool no_console;
+    const char
+        *cors_origin;     /* whose pages may read responses, with commas; NULL: none's */
     bool signed_captures; /* nothing else is taken (capture.h) */
     size_t max_body;      /* bytes */
     atomic_bool stopping;

@@ -16,6 +16,7 @@
 #include "auth.h"
 #include "body.h"
 #include "capture.h"
+#include "cors.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
@@ -391,6 +392,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method, const char
     throttle_address(client_address(x), r->address);
     look_at_body(x);
     (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, x);
+    cors_take(r);
     if ((x->unframed = headers_refuse(r, &x->framing, version))) {
         x->body_sent = true; /* whatever the headers that were taken say */
         return send_early(x);

@@ -24,6 +24,8 @@ enum request_method request_method(const char *name)
         return REQUEST_PATCH;
     if (strcmp(name, "DELETE") == 0)
         return REQUEST_DELETE;
+    if (strcmp(name, "OPTIONS") == 0)
+        return REQUEST_OPTIONS;
     return REQUEST_OTHER;
 }
 

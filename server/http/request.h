@@ -32,6 +32,7 @@ enum request_method {
     REQUEST_POST,
     REQUEST_PATCH,
     REQUEST_DELETE,
+    REQUEST_OPTIONS, /* of any path; no route has it */
     REQUEST_OTHER
 };
 
@@ -66,6 +67,9 @@ struct response {
     char allow[40];     /* "" for none */
     const char
         *name; /* Content-Disposition: of the file to save; static; NULL for none */
+    const char
+        *origin; /* whose page may read it; "": none's that asked; NULL: cors.h is off */
+    bool preflight;       /* with it: what may be asked for */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     const char *etag;     /* of what a client may keep and ask for again; static; NULL */
     bool gzip;            /* Content-Encoding of the page */
@@ -112,6 +116,8 @@ struct request {
     char token_name[STORE_NAME_MAX + 1], token_expires[32]; /* likewise; "": never */
     bool minimal, has_return; /* Prefer: return=minimal; return=anything */
     bool gzip;                /* Accept-Encoding has it */
+    char origin[256];         /* Origin; likewise */
+    bool preflight;           /* Access-Control-Request-Method is there */
     char none_match[256];     /* If-None-Match; "" for none, or a longer one */
     struct request_capture capture;
     enum request_media media;

@@ -35,7 +35,7 @@ struct route {
 };
 
 /* route_find(table, n, r): set r->route by r->target and r->method, or r->response: no such
- * path, no such method. */
+ * path, no such method, or what OPTIONS asks for. */
 void route_find(const struct route *table, size_t n, struct request *r);
 
 /* route_read_id(r): set r->subject, r->template_id or r->token_id where r->route has one, or r->response

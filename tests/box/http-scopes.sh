@@ -127,7 +127,7 @@ done
 # What takes a scope more, wherever it can be asked for.
 enrolled
 AUTH=$(new_token narrow --scope enroll,verify,identify,read,delete)
-awk '$1 == "POST" && $2 ~ /verify$/ { print $2 }' "$T/matrix" >"$T/comparing"
+awk '$1 == "POST" && $2 ~ /}\/verify$/ { print $2 }' "$T/matrix" >"$T/comparing"
 while read -r route; do
     for detail in measure heatmap surface; do
         try POST "$route" "?detail=$detail"
@@ -161,6 +161,10 @@ while read -r verb route needs; do
         problem "$verb $route?$known twice" 400 invalid_parameter "$known comes twice"
     fi
     real=$(echo "$route" | sed "s/{subject}/alice/; s/{template_id}/$template/; s/{token_id}/$token/")
+    AUTH=
+    req OPTIONS "$real"
+    ok "OPTIONS $route: $STATUS $(field Allow)" matches "$STATUS $(field Allow)" "^204 (.*, )?$verb, (.*, )?OPTIONS\$"
+    AUTH=$all
     for wrong in PUT TRACE BREW; do
         req "$wrong" "$real"
         problem "$wrong $route" 405 method_not_allowed
