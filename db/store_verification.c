@@ -8,6 +8,7 @@
 
 #include "rows_attempts.h"
 #include "rows_calibration.h"
+#include "rows_day.h"
 #include "rows_template.h"
 #include "store_template.h"
 #include "store_txn.h"
@@ -246,6 +247,8 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
     judge(&what, out);
     if ((st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
         (st = add_events(t, &what, by, out, e)) != ST_OK ||
+        (what.decision != NULL && !out->replayed &&
+         (st = rows_day_count(t, by->at, what.decision, what.score, e)) != ST_OK) ||
         store_rules_recent(what.subject->seen, by->ms))
         return st;
     return rows_subject_seen(t, what.subject->uid, by->at, e);
@@ -264,4 +267,23 @@ enum status store_record_verification(struct store *s, const struct store_record
                               &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, write_all(&t, what, &by, out, e), e);
+}
+
+enum status store_days(struct store *s, struct store_day **out, size_t *n,
+                       struct errinfo *e)
+{
+    const int64_t long_ms = STORE_DAYS * INT64_C(86400000);
+    char since[UTC_TEXT];
+    struct log_txn t;
+    int64_t now;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_rules_now(&now, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    utc_print(now > long_ms ? now - long_ms : 0, since);
+    since[STORE_DAY] = '\0';
+    return store_end(s, &t, rows_day_list(&t, since, out, n, e), e);
 }

@@ -31,6 +31,8 @@ struct app {
     struct intake *intake;
     struct throttle *throttle;
     struct queue *queue;
+    struct queue *slow; /* of one worker: what walks along everything, one at a time */
+    atomic_flag slow_taken;
     struct upkeep *upkeep;
     struct erasures *erasures;
     struct recent *recent;
@@ -41,6 +43,8 @@ struct app {
     size_t nroutes;
     bool no_auth;
     bool no_console;
+    const char
+        *cors_origin;     /* whose pages may read responses, with commas; NULL: none's */
     bool signed_captures; /* nothing else is taken (capture.h) */
     size_t max_body;      /* bytes */
     atomic_bool stopping;

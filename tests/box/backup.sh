@@ -21,7 +21,7 @@ ctl_exits 0 enroll alice "$T/s1.ply"
 ctl_exits 0 enroll bob "$T/s2.ply"
 ctl_exits 0 enroll carol "$T/s3.ply"
 ctl_exits 0 token create front --scope "$ALL"
-AUTH=$(said .token) id=$(said .id)
+AUTH=$(said .secret) id=$(said .id)
 
 # ---- beside a daemon that enrolls meanwhile
 start_daemon

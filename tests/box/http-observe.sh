@@ -13,7 +13,7 @@ scan 1 2 "$T/large.ply" --points 120000 --noise 0.05
 # ---- some of everything, with tokens
 ctl init
 ctl token create operator --scope "$ALL"
-AUTH=$(jq -r .token "$T/ctl")
+AUTH=$(jq -r .secret "$T/ctl")
 token_id=$(jq -r .id "$T/ctl")
 ok "a token" matches "$AUTH $token_id" '^[^ ]{20,} [0-9a-f]{32}$'
 start_daemon --workers 2
