@@ -367,20 +367,19 @@ export function createView(canvas, changed = () => {}) {
     e.preventDefault();
     zoomBy(Math.exp(-e.deltaY * 0.001));
   }, { passive: false });
+  function swap(on) {
+    if (swapped === on) return;
+    swapped = on;
+    changedFrame();
+    changed();
+  }
   const blink = (on) => (e) => {
     if (e.key !== " " || layer !== "curtain") return;
     e.preventDefault();
-    if (swapped !== on) {
-      swapped = on;
-      changedFrame();
-      changed();
-    }
+    swap(on);
   };
   canvas.addEventListener("keyup", blink(false));
-  canvas.addEventListener("blur", () => {
-    swapped = false;
-    changedFrame();
-  });
+  canvas.addEventListener("blur", () => swap(false));
   canvas.addEventListener("keydown", (e) => {
     const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[e.key];
     if (step) turn(...step);
@@ -390,10 +389,11 @@ export function createView(canvas, changed = () => {}) {
     e.preventDefault();
     changed();
   });
-  new ResizeObserver(changedFrame).observe(canvas);
+  const observer = new ResizeObserver(changedFrame);
+  observer.observe(canvas);
 
   return {
-    show, setLayer, setTheme, pick, turn,
+    show, setLayer, setTheme, pick, turn, swap,
     pose: (name) => {
       [yaw, pitch, zoom] = [...VIEWS[name], 1];
       changedFrame();
@@ -401,6 +401,13 @@ export function createView(canvas, changed = () => {}) {
     curtain: (share) => {
       curtain = Math.max(0, Math.min(1, share));
       changedFrame();
+    },
+    /** Gives the context back: a browser has sixteen or so, and takes the oldest. */
+    close: () => {
+      observer.disconnect();
+      clearTimeout(rest);
+      cancelAnimationFrame(asked);
+      gl.getExtension("WEBGL_lose_context")?.loseContext();
     },
     state: () => ({ yaw, pitch, zoom, curtain, swapped }),
     /** The time of a frame in ms, drawn at once and waited for: for tests. */
