@@ -103,7 +103,8 @@ void subjects_list(struct request *r, struct worker *w)
         return;
     st = request_query(r, "cursor", cursor, sizeof cursor);
     if ((st != ST_OK && st != ST_ENOTFOUND) || read_cursor(cursor, &what.after) != ST_OK)
-        request_problem(r, ERRMAP_PARAMETER, "cursor is not the next_cursor of a page");
+        request_problem(r, ERRMAP_PARAMETER,
+                        "cursor must be the next_cursor of an earlier response");
     else if (state[0] != '\0' && !store_subject_state(state, &what.state))
         request_problem(r, ERRMAP_PARAMETER,
                         "state is active, disabled, hold, expired or ending, not '%s'",
