@@ -88,8 +88,9 @@ static void look_at_folder(struct doctor *d)
         say(d, FINDINGS_OK, "folder", "", "%s can be written", dir);
     left = (uint64_t)fs.f_bavail * fs.f_frsize;
     if (left < LEAST_FREE)
-        say(d, FINDINGS_ERROR, "disk", "free some space: enrolments fail when the disk is full",
-            "%s free", ctl_bytes(left, text));
+        say(d, FINDINGS_ERROR, "disk",
+            "free some space: enrolments fail when the disk is full", "%s free",
+            ctl_bytes(left, text));
     else
         say(d, FINDINGS_OK, "disk", "", "%s free", ctl_bytes(left, text));
 }
@@ -157,7 +158,8 @@ static bool look_at_schema(struct doctor *d)
     else if (st == ST_ENOTFOUND)
         say(d, FINDINGS_ERROR, "schema", "surfacectl init", "the database is empty");
     else if (st != ST_OK)
-        say(d, FINDINGS_ERROR, "schema", "restore a backup: surfacectl restore", "%s", e.msg);
+        say(d, FINDINGS_ERROR, "schema", "restore a backup: surfacectl restore", "%s",
+            e.msg);
     else
         say(d, FINDINGS_OK, "schema", "", "the version of this program");
     return st == ST_OK;
@@ -237,7 +239,8 @@ static struct store *look_at_anchor(struct doctor *d)
     struct errinfo e;
 
     if (d->c->anchor == NULL || strcmp(d->c->anchor, "none") == 0) {
-        say(d, FINDINGS_WARNING, "anchor", "keep one on another disk or host: anchor = FILE",
+        say(d, FINDINGS_WARNING, "anchor",
+            "keep one on another disk or host: anchor = FILE",
             "none: surfaced cannot notice that the database was replaced by an older "
             "copy");
     } else {

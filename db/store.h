@@ -131,7 +131,7 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
                              struct errinfo *e);
 
 #define STORE_TOKEN_LIFE_S (INT64_C(365) * 86400) /* without another end */
-#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400) /* before a token expires: warn */
+#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400)  /* before a token expires: warn */
 
 /* store_token_left(t): seconds until t expires, INT64_MAX if never; 0: it has expired, or
  * was revoked. */

@@ -10,7 +10,7 @@
 
 #define MANY_TRIED    10 /* subjects in a day */
 #define MANY_FAILURES 3  /* in a row, by one token: as many lock it out */
-#define FIND_ALL      "surfacectl check-database finds all that is damaged"
+#define FIND_ALL      "surfacectl check-database lists all damage"
 #define DAY_MS        INT64_C(86400000)
 
 void findings_say(struct findings *x, enum findings_severity severity, const char *about,
@@ -78,8 +78,8 @@ static void look_at_tokens(struct findings *x, struct store *s)
             continue;
         soon++;
         findings_say(x, FINDINGS_WARNING, "token",
-                     "surfacectl token rotate ID --expires TIME",
-                     "%s (%s) expires at %s", t[i].id, t[i].name, t[i].expires);
+                     "surfacectl token rotate ID --expires TIME", "%s (%s) expires at %s",
+                     t[i].id, t[i].name, t[i].expires);
     }
     free(t);
     if (st != ST_OK)

@@ -76,8 +76,7 @@ void route_find(const struct route *table, size_t n, struct request *r)
             r->response.preflight = r->preflight;
             return;
         }
-        request_problem(r, ERRMAP_METHOD, "this path accepts %s",
-                        r->response.allow);
+        request_problem(r, ERRMAP_METHOD, "this path accepts %s", r->response.allow);
     } else {
         request_problem(
             r, ERRMAP_ROUTE,

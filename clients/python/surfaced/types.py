@@ -109,6 +109,11 @@ class Asymmetry(TypedDict):
     timing_ms: dict[str, float]
 
 
+class Attempts(TypedDict):
+    failures: int
+    locked_until: str | None
+
+
 class Subject(TypedDict):
     subject: str
     created: str
@@ -118,6 +123,7 @@ class Subject(TypedDict):
     last_seen: str | None
     hold: bool
     disabled: bool
+    attempts: Attempts
     templates: list[Template]
 
 
