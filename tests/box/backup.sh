@@ -46,7 +46,7 @@ ok "one file" test ! -e "$T/b3-wal" -a ! -e "$T/b3-shm" -a ! -e "$T/b3.part"
 of "$T/b3" check-database
 is "it is well" "$(said .ok)" true
 of "$T/b3" stats
-is "and its counts are those told" "$(said .subjects)" "$n"
+is "and its counts are those told" "$(said .counts.subjects)" "$n"
 ok "it holds no plaintext" sh -c "! grep -aq 'alice\|more1' '$T/b3'"
 
 # ---- not while another process has it open

@@ -223,14 +223,17 @@ class Client:
 
     # ---- subjects and templates
 
-    def list_subjects(self, **query: Query) -> Iterator[Listed]:
-        """All subjects, page by page.  query: limit, the rows of a page."""
-        cursor = None
+    def _pages(self, path: str, rows: str, query: Mapping[str, Query], cursor: str) -> Iterator[Any]:
         while True:
-            page = self.request("GET", "/v1/subjects", query={**query, "cursor": cursor})
-            yield from page["subjects"]
-            if (cursor := page["next_cursor"]) is None:
+            page = self.request("GET", path, query=query)
+            yield from page[rows]
+            if page["next_cursor"] is None:
                 return
+            query = {**query, cursor: page["next_cursor"]}
+
+    def list_subjects(self, **query: Query) -> Iterator[Listed]:
+        """Subjects, page by page.  query: q (a part of the id), state, limit (the rows of a page)."""
+        return self._pages("/v1/subjects", "subjects", query, "cursor")
 
     def add_subject(self, subject: str, *, consent: str | None = None, purpose: str | None = None,
                     expires_at: str | None = None) -> Subject:
@@ -263,6 +266,45 @@ class Client:
     def show_own_token(self) -> OwnToken:
         """What this token may do."""
         return self.request("GET", "/v1/token")
+
+    # ---- of whoever runs the daemon: tokens with manage
+
+    def list_tokens(self) -> list[dict[str, Any]]:
+        return self.request("GET", "/v1/tokens")["tokens"]
+
+    def create_token(self, name: str, scopes: Sequence[str], **end: str | None) -> dict[str, Any]:
+        """The new token and its secret, which is shown once.  end: expires_at (None: never)."""
+        return self.request("POST", "/v1/tokens", json_body={"name": name, "scopes": list(scopes), **end})
+
+    def rotate_token(self, token_id: str, *, grace_s: int = 0) -> dict[str, Any]:
+        """The token with another secret; the old one is good for grace_s seconds."""
+        return self.request("POST", f"/v1/tokens/{quote(token_id, safe='')}/rotate", json_body={"grace_s": grace_s})
+
+    def revoke_token(self, token_id: str) -> None:
+        self.request("DELETE", f"/v1/tokens/{quote(token_id, safe='')}")
+
+    def reset_attempts(self, subject: str) -> None:
+        """Ends the subject's lock-out."""
+        self.request("DELETE", f"/v1/subjects/{quote(subject, safe='')}/attempts")
+
+    def recent(self, **query: Query) -> dict[str, Any]:
+        """The last verifications and enrolments.  query: after, limit."""
+        return self.request("GET", "/v1/recent", query=query)
+
+    def list_audit(self, **query: Query) -> Iterator[dict[str, Any]]:
+        """The audit log, newest first.  query: subject, kind, actor, since, until, limit (of a page)."""
+        return self._pages("/v1/audit", "entries", query, "before")
+
+    def verify_audit(self) -> dict[str, Any]:
+        """Verifies every entry of the audit log, and every row."""
+        return self.request("POST", "/v1/audit/verify")
+
+    def export_audit(self, *, format: Literal["jsonl", "csv"] = "jsonl", **query: Query) -> bytes:
+        """The whole log, signed; as csv what the query of list_audit() leaves."""
+        return self.request("GET", "/v1/audit/export", query={**query, "format": format})
+
+    def stats(self) -> dict[str, Any]:
+        return self.request("GET", "/v1/stats")
 
     # ---- requests
 

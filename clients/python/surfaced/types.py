@@ -132,7 +132,14 @@ class Listed(TypedDict):
 
     subject: str
     created: str
+    consent: str | None
+    purpose: str | None
+    expires_at: str | None
+    last_seen: str | None
+    hold: bool
+    disabled: bool
     templates: int
+    quality: float | None
 
 
 class AuditEntry(TypedDict):
