@@ -115,6 +115,7 @@ EMBED     := json html css js svg
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)) \
                $(patsubst server/console/%.$x,$(BUILD)/gen/console_%_$x.h,$(wildcard server/console/*.$x)))
+GEN       += $(BUILD)/gen/page_html.h
 PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(BUILD)/surfacelab $(TOOL_BIN)
 
 # ---- build
@@ -185,6 +186,14 @@ $$(BUILD)/gen/console_%_$(1).h: server/console/%.$(1) scripts/embed.sh
 	$$(Q)scripts/embed.sh console_$$*_$(1) < $$< > $$@.tmp && mv $$@.tmp $$@
 endef
 $(foreach x,$(EMBED),$(eval $(call embed_console,$x)))
+
+# The page that surfacectl explain and scan write has the console's own view.
+PAGE_JS := $(patsubst %,server/console/%.js,dom view glb stage verdict) scan/page.js
+$(BUILD)/gen/page_html.h: scripts/page.sh scripts/embed.sh server/console/style.css scan/page.css $(PAGE_JS)
+	@mkdir -p $(@D)
+	$(call say,GEN)
+	$(Q)scripts/page.sh "server/console/style.css scan/page.css" $(PAGE_JS) > $(@:.h=.html) && \
+	    scripts/embed.sh page_html < $(@:.h=.html) > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/server/api/pages.o: $(SAMPLES:%=$(BUILD)/gen/sample_%_ply.h)
 # The console's sample scans, of made-up faces: who tries it has none at hand.
@@ -313,7 +322,7 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
 # too; those that count basic blocks, which are others there; crash, whose preloaded library would
 # be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
-LONG := lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash
+LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\

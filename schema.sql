@@ -152,6 +152,15 @@ CREATE TABLE nonces (
     PRIMARY KEY (until_ms, nonce)
 ) STRICT;
 
+-- Verifications of a day (UTC) by decision and score: 64 counts, of scores from -40 on, 2 each, the
+-- first and the last with what lies beyond.  Names nobody; not authenticated.
+CREATE TABLE days (
+    day      TEXT NOT NULL CHECK (day GLOB '????-??-??'),
+    decision TEXT NOT NULL CHECK (decision IN ('match', 'no_match', 'inconclusive')),
+    bins     BLOB NOT NULL CHECK (length(bins) = 256), -- little-endian, 4 bytes each
+    PRIMARY KEY (day, decision)
+) STRICT;
+
 -- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever
 -- added; going back to the shipped table is a new row too.
 CREATE TABLE calibrations (

@@ -43,6 +43,9 @@ const struct setting options_table[] = {
      "accept requests without a token"},
     {"no-console", SETTING_BOOL, "0", offsetof(struct options, no_console), 0, 0, NULL,
      "do not serve /console, the pages for a browser"},
+    {"cors-origin", SETTING_TEXT, NULL, offsetof(struct options, cors_origin), 0, 0,
+     "ORIGIN[,ORIGIN...]",
+     "pages of these origins may use the API, like https://desk.example.org"},
     {"require-signed-captures", SETTING_BOOL, "0",
      offsetof(struct options, signed_captures), 0, 0, NULL,
      "accept only captures signed by a registered scanner (device add)"},
@@ -102,6 +105,26 @@ void options_free(struct options *o)
     o->settings = NULL;
 }
 
+/* Of https://desk.example.org,http://localhost:3000: as browsers write an origin, for it is compared
+ * letter by letter. */
+static bool are_origins(const char *list)
+{
+    size_t n;
+
+    for (;; list += n + 1) {
+        const char *host = strncmp(list, "https://", 8) == 0  ? list + 8
+                           : strncmp(list, "http://", 7) == 0 ? list + 7
+                                                              : list;
+
+        n = strcspn(list, ",");
+        if (host == list || host == list + n || n > OPTIONS_ORIGIN_MAX ||
+            host + strspn(host, "abcdefghijklmnopqrstuvwxyz0123456789.-:[]") != list + n)
+            return false;
+        if (list[n] == '\0')
+            return true;
+    }
+}
+
 /* What a row cannot say: which settings are required, and which contradict each other. */
 static void check_together(struct options *o)
 {
@@ -120,6 +143,11 @@ static void check_together(struct options *o)
         settings_wrong(s, "--tls-cert and --tls-key go together");
     if (o->tls_client_ca != NULL && o->tls_cert == NULL)
         settings_wrong(s, "--tls-client-ca needs --tls-cert");
+    if (o->cors_origin != NULL && !are_origins(o->cors_origin))
+        settings_wrong_value(
+            s, "cors-origin",
+            "not origins like https://desk.example.org, without a path, with "
+            "commas between them");
     if (o->plaintext && o->tls_cert != NULL)
         settings_wrong(s, "--plaintext contradicts --tls-cert");
     if (address_is_local(&o->listen))

@@ -10,10 +10,11 @@
 #include <sys/socket.h>
 #include "settings.h"
 
-#define OPTIONS_FILE     "/etc/surfaced.conf"
-#define OPTIONS_UNSET    UINT_MAX
-#define OPTIONS_WAIT_MAX 86400 /* s, of attempt_wait */
-#define OPTIONS_ROWS     28
+#define OPTIONS_FILE       "/etc/surfaced.conf"
+#define OPTIONS_UNSET      UINT_MAX
+#define OPTIONS_WAIT_MAX   86400 /* s, of attempt_wait */
+#define OPTIONS_ORIGIN_MAX 255   /* bytes */
+#define OPTIONS_ROWS       29
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -28,6 +29,7 @@ struct options {
     const char *listen_text; /* as it was given */
     bool no_auth;
     bool no_console;
+    const char *cors_origin;    /* origins with commas; NULL: none */
     bool signed_captures;       /* nothing else is taken */
     unsigned workers;           /* 1.. */
     unsigned queue;             /* requests that may wait for a worker */

@@ -8,31 +8,24 @@
 
 #include <sodium.h>
 
+#include "audit.h"
 #include "json.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_model.h"
 #include "ctl_review.h"
 
-#define SHOWN 100  /* entries without --limit */
-#define PAGE  1000 /* read at a time */
+#define SHOWN 100 /* entries without --limit */
 
-static const char *about, *uid, *kind, *since; /* --subject, --uid, --kind, --since */
-static uint32_t limit, keep;                   /* --limit, --keep */
+static const char *about, *uid, *kind;    /* --subject, --uid, --kind */
+static const char *actor, *since, *until; /* --actor, --since, --until */
+static uint32_t limit, keep;              /* --limit, --keep */
 
-/* ---- show */
+/* ---- show, recent */
 
 static void hex_of(const void *bytes, size_t n, char *out)
 {
     (void)sodium_bin2hex(out, 2 * n + 1, bytes, n);
-}
-
-/* "" for none. */
-static void uid_of(const struct log_entry *entry, char out[2 * LOG_UID + 1])
-{
-    out[0] = '\0';
-    if (!sodium_is_zero(entry->uid, sizeof entry->uid))
-        hex_of(entry->uid, sizeof entry->uid, out);
 }
 
 /* Who it was about: a name, or a part of the uid of a subject that was erased. */
@@ -40,77 +33,58 @@ static const char *who(const struct store_audit_entry *a, char out[16])
 {
     char hex[2 * LOG_UID + 1];
 
-    uid_of(&a->entry, hex);
-    if (a->subject[0] != '\0' || hex[0] == '\0')
+    if (a->subject[0] != '\0' || sodium_is_zero(a->entry.uid, sizeof a->entry.uid))
         return a->subject;
+    hex_of(a->entry.uid, sizeof a->entry.uid, hex);
     (void)snprintf(out, 16, "#%.12s", hex);
     return out;
 }
 
-static const char *or_null(const char *text)
-{
-    return text[0] != '\0' ? text : NULL;
-}
-
-static void out_hex(struct json *j, const char *key, const void *bytes, size_t n)
-{
-    char hex[2 * CRYPT_WRAPPED + 1];
-
-    hex_of(bytes, n, hex);
-    json_text(j, key, hex);
-}
-
-static void out_entry(struct json *j, const struct log_entry *entry)
-{
-    char hex[2 * LOG_UID + 1];
-
-    uid_of(entry, hex);
-    json_text(j, "log", log_word(entry->log));
-    json_number(j, "seq", (double)entry->seq);
-    json_text(j, "at", entry->at);
-    json_text(j, "kind", entry->kind);
-    json_text(j, "actor", entry->actor);
-    json_text(j, "subject_uid", or_null(hex));
-    json_text(j, "object", or_null(entry->object));
-    json_text(j, "outcome", entry->outcome);
-    if (entry->log == LOG_CHANGES) {
-        out_hex(j, "digest", entry->digest, sizeof entry->digest);
-        json_number(j, "access_seq", (double)entry->accesses.seq);
-        out_hex(j, "access_hash", entry->accesses.hash, LOG_HASH);
-    }
-    out_hex(j, "hash", entry->hash, LOG_HASH);
-    if (entry->is_signed)
-        out_hex(j, "signature", entry->signature, sizeof entry->signature);
-    else if (entry->log == LOG_CHANGES)
-        json_text(j, "signature", NULL);
-}
-
-static void show_entry(struct ctl *c, const struct store_audit_entry *a)
+static void show_entry(struct ctl *c, const struct store_audit_entry *a, bool by_name)
 {
     const struct log_entry *entry = &a->entry;
     char name[16];
 
     json_object(c->out, NULL);
-    out_entry(c->out, entry);
-    json_text(c->out, "subject", or_null(a->subject));
+    audit_describe(c->out, a);
     json_close(c->out);
     ctl_say(c, "%-8s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
             log_word(entry->log), entry->seq, entry->at, entry->at + 11, entry->kind,
-            who(a, name), entry->object, entry->outcome, entry->actor);
+            who(a, name), entry->object, entry->outcome,
+            by_name && a->actor_name[0] != '\0' ? a->actor_name : entry->actor);
+}
+
+/* The newest entries that the filter leaves, oldest first. */
+static enum status show_list(struct ctl *c, struct store_audit_filter wanted,
+                             bool by_name)
+{
+    struct store_audit_entry *a = NULL;
+    size_t n = 0;
+    enum status st;
+
+    wanted.newest = wanted.names = true;
+    wanted.limit = limit != 0 ? limit : SHOWN;
+    if ((st = store_audit_list(c->store, &wanted, &a, &n, NULL, &c->e)) != ST_OK)
+        return st;
+    json_array(c->out, "entries");
+    if (n > 0)
+        ctl_say(c, "%-8s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
+                "TIME (UTC)", "KIND", "SUBJECT", "OBJECT", "OUTCOME", "ACTOR");
+    for (size_t i = n; i > 0; i--)
+        show_entry(c, &a[i - 1], by_name);
+    json_close(c->out);
+    if (n == 0)
+        ctl_say(c, "no entries\n");
+    free(a);
+    return ST_OK;
 }
 
 static enum status show(struct ctl *c)
 {
     unsigned char bytes[LOG_UID];
-    struct store_audit_filter wanted = {.wanted = {.limit = limit != 0 ? limit : SHOWN,
-                                                   .newest = true,
-                                                   .kind = kind,
-                                                   .since = since},
-                                        .subject = about,
-                                        .names = true};
-    struct store_audit_entry *a = NULL;
-    size_t n = 0, got = 0;
-    enum status st;
+    struct store_audit_filter wanted = {
+        .subject = about, .kind = kind, .actor = actor, .since = since, .until = until};
+    size_t got = 0;
 
     if (uid != NULL) {
         if (about != NULL ||
@@ -118,21 +92,14 @@ static enum status show(struct ctl *c)
                 0 ||
             got != sizeof bytes)
             return ctl_usage(c, "--uid takes 32 hexadecimal digits, and no --subject");
-        wanted.wanted.uid = bytes;
+        wanted.uid = bytes;
     }
-    if ((st = store_audit_list(c->store, &wanted, &a, &n, &c->e)) != ST_OK)
-        return st;
-    json_array(c->out, "entries");
-    if (n > 0)
-        ctl_say(c, "%-8s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
-                "TIME (UTC)", "KIND", "SUBJECT", "OBJECT", "OUTCOME", "ACTOR");
-    for (size_t i = 0; i < n; i++)
-        show_entry(c, &a[i]);
-    json_close(c->out);
-    if (n == 0)
-        ctl_say(c, "no entries\n");
-    free(a);
-    return ST_OK;
+    return show_list(c, wanted, false);
+}
+
+static enum status recent(struct ctl *c)
+{
+    return show_list(c, (struct store_audit_filter){.kind = AUDIT_RECENT}, true);
 }
 
 /* ---- checkpoint */
@@ -166,86 +133,17 @@ static enum status checkpoint(struct ctl *c)
 
 /* ---- export */
 
-struct export
-{
-    struct store *store;
-    struct log_entry end; /* signed */
-    char public_key[2 * CRYPT_KEY + 1];
-};
-
-/* The document on a line of its own; it is released. */
-static enum status put_line(FILE *to, struct json *j, struct errinfo *e)
-{
-    return ctl_print(to, json_compact(j))
-               ? ST_OK
-               : errinfo_set(e, ST_EIO, "the audit log cannot be written");
-}
-
-static enum status put_head(FILE *to, const struct export *x, struct errinfo *e)
-{
-    struct json *j = json_new();
-
-    json_number(j, "surface_audit", 2);
-    json_text(j, "public_key", x->public_key);
-    json_text(j, "at", x->end.at);
-    json_number(j, "changes", (double)x->end.seq);
-    return put_line(to, j, e);
-}
-
-/* One after the other, up to the entry `last`. */
-static enum status put_log(FILE *to, const struct export *x, enum log_name log,
-                           uint64_t last, struct errinfo *e)
-{
-    struct store_audit_filter wanted = {.log = &log, .wanted = {.limit = PAGE}};
-    struct store_audit_entry *a;
-    enum status st = ST_OK;
-    size_t n;
-
-    while (st == ST_OK && wanted.wanted.after < last) {
-        if ((st = store_audit_list(x->store, &wanted, &a, &n, e)) != ST_OK)
-            return st;
-        while (n > 0 && a[n - 1].entry.seq > last) /* of after it was signed */
-            n--;
-        wanted.wanted.after = n > 0 ? a[n - 1].entry.seq : last;
-        for (size_t i = 0; i < n && st == ST_OK; i++) {
-            struct json *j = json_new();
-
-            out_entry(j, &a[i].entry);
-            st = put_line(to, j, e);
-        }
-        free(a);
-    }
-    return st;
-}
-
-/* The log as it is, sound or not: anyone who verifies the file finds what is wrong. */
-static enum status put_logs(FILE *to, const void *arg, struct errinfo *e)
-{
-    const struct export *x = arg;
-    enum status st = put_head(to, x, e);
-
-    if (st == ST_OK)
-        st = put_log(to, x, LOG_CHANGES, x->end.seq, e);
-    return st == ST_OK ? put_log(to, x, LOG_ACCESSES, x->end.accesses.seq, e) : st;
-}
-
 static enum status export_log(struct ctl *c)
 {
-    unsigned char public[CRYPT_KEY];
-    struct export x;
+    struct audit_export x;
     enum status st;
 
     if (c->dir == NULL)
         c->dir = "-";
     if ((st = ctl_may_pipe(c, 0)) != ST_OK ||
         (st = ctl_model_open(c, STORE_WRITE)) != ST_OK ||
-        (st = store_audit_public(c->store, public, &c->e)) != ST_OK ||
-        (st = store_audit_sign(c->store, c->actor, LOG_EXPORT, &x.end, &c->e)) != ST_OK)
-        return st;
-    x.store = c->store;
-    hex_of(public, sizeof public, x.public_key);
-    st = ctl_write(c, c->dir, put_logs, &x);
-    if (st != ST_OK)
+        (st = audit_export_begin(c->store, c->actor, &x, &c->e)) != ST_OK ||
+        (st = ctl_write(c, c->dir, audit_export_lines, &x)) != ST_OK)
         return st;
     json_text(c->out, "file", c->dir);
     json_number(c->out, "changes", (double)x.end.seq);
@@ -349,9 +247,13 @@ const struct ctl_command ctl_audit_show = {
                     "only entries about the subject with this uid, as its receipt\n"
                     "names it, erased or not"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
-                           "only entries of this kind, like enroll or verify"),
+                           "only entries of this kind, or these: enroll,verify"),
+                CTL_OPTION("actor", "ID", command_text, &actor,
+                           "only what this token or program did"),
                 CTL_OPTION("since", "TIME", command_text, &since,
                            "only entries since 2026-11-21 or 2026-11-21T14:30 (UTC)"),
+                CTL_OPTION("until", "TIME", command_text, &until,
+                           "only entries up to then, that day or minute included"),
                 CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
     .run = show,
     .summary = "list who did what, and when",
@@ -360,6 +262,17 @@ const struct ctl_command ctl_audit_show = {
         "or surfacectl:USER. In the log a subject has a random uid, which a rename does not\n"
         "change; after an erasure only the receipt says whose uid it was.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
+
+const struct ctl_command ctl_audit_recent = {
+    .name = "recent",
+    .database = CTL_READS_DATABASE,
+    .options = {CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
+    .run = recent,
+    .summary = "list the latest verifications and enrolments",
+    .help =
+        "As audit show, of verifications, enrolments, samples that did not fit, and lock-outs.\n"
+        "Scores, and why a scan was refused, are in the daemon's memory alone: GET /v1/recent.",
+    .example = "surfacectl --db faces.db recent --limit 30"};
 
 const struct ctl_command ctl_audit_verify = {
     .name = "audit verify",

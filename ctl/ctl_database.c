@@ -2,12 +2,14 @@
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include "admin_check.h"
 #include "admin_restore.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
+#include "stats.h"
 
 /* ---- init */
 
@@ -98,42 +100,66 @@ const struct ctl_command ctl_database_check = {
 
 /* ---- stats, vacuum */
 
+/* Beside how many, where the middle one of their scores lies. */
+static void say_day(struct ctl *c, const struct store_day *d)
+{
+    uint64_t all = 0, below = 0;
+    int i = 0;
+
+    for (int k = 0; k < STORE_DAY_BINS; k++)
+        all += d->bin[k];
+    while (i < STORE_DAY_BINS - 1 && 2 * (below + d->bin[i]) < all)
+        below += d->bin[i++];
+    ctl_say(c, "%-12s %-12s %6" PRIu64 ", half of them with a score of %.0f or more\n",
+            d->day, d->decision, all, STORE_DAY_FROM + STORE_DAY_STEP * i);
+}
+
+static void say_stats(struct ctl *c, const struct store_stats *t, uint64_t other)
+{
+    char text[32];
+
+    ctl_say(c, "subjects     %" PRIu64 "\ntemplates    %" PRIu64, t->subjects,
+            t->templates);
+    if (other > 0)
+        ctl_say(c, ", %" PRIu64 " by another engine (template reencode)", other);
+    ctl_say(c, "\npoints       %" PRIu64 "\n", t->points);
+    ctl_say(c, "encoded      %s\n", ctl_bytes(t->template_bytes, text));
+    ctl_say(c, "file         %s\n", ctl_bytes(t->file_bytes, text));
+    if (t->points > 0)
+        ctl_say(c, "per point    %.1f bytes of template, %.1f of file\n",
+                (double)t->template_bytes / (double)t->points,
+                (double)t->file_bytes / (double)t->points);
+    ctl_say(c,
+            "events       %" PRIu64 "\ntokens       %" PRIu64 "\ndevices      %" PRIu64
+            "\nschema       %u\n",
+            t->events, t->tokens, t->devices, t->schema);
+}
+
 static enum status stats(struct ctl *c)
 {
+    struct store_day *days = NULL;
     struct store_stats t;
-    char text[32];
     uint64_t other = 0;
+    size_t n = 0;
     enum status st;
 
-    if ((st = store_stats(c->store, &t, &c->e)) != ST_OK ||
-        (st = store_reencode_count(c->store, &other, &c->e)) != ST_OK)
-        return st;
-    json_number(c->out, "subjects", (double)t.subjects);
-    json_number(c->out, "templates", (double)t.templates);
-    json_number(c->out, "to_reencode", (double)other);
-    json_number(c->out, "points", (double)t.points);
-    json_number(c->out, "template_bytes", (double)t.template_bytes);
-    json_number(c->out, "file_bytes", (double)t.file_bytes);
-    json_number(c->out, "events", (double)t.events);
-    json_number(c->out, "tokens", (double)t.tokens);
-    json_number(c->out, "schema", t.schema);
-    ctl_say(c, "subjects     %llu\n", (unsigned long long)t.subjects);
-    ctl_say(c, "templates    %llu", (unsigned long long)t.templates);
-    if (other > 0)
-        ctl_say(c, ", %llu by another engine (template reencode)",
-                (unsigned long long)other);
-    ctl_say(c, "\n");
-    ctl_say(c, "points       %llu\n", (unsigned long long)t.points);
-    ctl_say(c, "encoded      %s\n", ctl_bytes(t.template_bytes, text));
-    ctl_say(c, "file         %s\n", ctl_bytes(t.file_bytes, text));
-    if (t.points > 0)
-        ctl_say(c, "per point    %.1f bytes of template, %.1f of file\n",
-                (double)t.template_bytes / (double)t.points,
-                (double)t.file_bytes / (double)t.points);
-    ctl_say(c, "events       %llu\n", (unsigned long long)t.events);
-    ctl_say(c, "tokens       %llu\n", (unsigned long long)t.tokens);
-    ctl_say(c, "schema       %u\n", t.schema);
-    return ST_OK;
+    if ((st = store_stats(c->store, true, &t, &c->e)) == ST_OK &&
+        (st = store_reencode_count(c->store, &other, &c->e)) == ST_OK &&
+        (st = store_days(c->store, &days, &n, &c->e)) == ST_OK)
+        st = stats_describe(c->out, c->store, days, n, &c->e);
+    if (st == ST_OK) {
+        json_number(c->out, "to_reencode", (double)other);
+        json_number(c->out, "points", (double)t.points);
+        json_number(c->out, "template_bytes", (double)t.template_bytes);
+        json_number(c->out, "file_bytes", (double)t.file_bytes);
+        json_number(c->out, "events", (double)t.events);
+        json_number(c->out, "schema", t.schema);
+        say_stats(c, &t, other);
+        for (size_t i = 0; i < n; i++)
+            say_day(c, &days[i]);
+    }
+    free(days);
+    return st;
 }
 
 static enum status vacuum(struct ctl *c)
@@ -142,9 +168,9 @@ static enum status vacuum(struct ctl *c)
     char was[32], is[32];
     enum status st;
 
-    if ((st = store_stats(c->store, &before, &c->e)) != ST_OK ||
+    if ((st = store_stats(c->store, true, &before, &c->e)) != ST_OK ||
         (st = store_vacuum(c->store, &c->e)) != ST_OK ||
-        (st = store_stats(c->store, &after, &c->e)) != ST_OK)
+        (st = store_stats(c->store, true, &after, &c->e)) != ST_OK)
         return st;
     json_number(c->out, "bytes_before", (double)before.file_bytes);
     json_number(c->out, "bytes_after", (double)after.file_bytes);
@@ -158,8 +184,11 @@ const struct ctl_command ctl_database_stats = {
     .database = CTL_READS_DATABASE,
     .shared = CTL_MODEL,
     .run = stats,
-    .summary = "count what is in the database",
-    .help = "Subjects, templates, points, events and tokens, and their size on disk.",
+    .summary = "count what is in the database, and the scores of each day",
+    .help =
+        "Subjects, templates, points, events and tokens, and their size on disk; of the last 180\n"
+        "days how many verifications were decided how, and by what scores. With --json also the\n"
+        "calibration in force and what doctor finds in the database.",
     .example = "surfacectl --db faces.db stats"};
 
 const struct ctl_command ctl_database_vacuum = {

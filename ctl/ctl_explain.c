@@ -1,6 +1,7 @@
 /* surfacectl explain: why a scan matches a subject or a template, or not. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "cloudpoints.h"
 #include "ctl_command.h"
@@ -8,7 +9,11 @@
 #include "ctl_model.h"
 #include "describe.h"
 #include "mem.h"
+#include "page.h"
 #include "select.h"
+#include "show.h"
+
+static const char *page; /* --page */
 
 #define BEYOND_MM 1.0 /* the share of the gaps beyond this is reported */
 
@@ -116,21 +121,50 @@ static void print_text(const struct ctl *c, const struct explanation *x)
         x->compared, x->pts.n, x->median_mm, x->most_mm, 100 * x->beyond, BEYOND_MM);
 }
 
+static void comparison(struct json *j, const struct ctl *c, const struct explanation *x)
+{
+    describe_comparison(
+        j, &(struct describe_comparison){.result = &x->best.nearest.result,
+                                         .minimal = &x->best.minimal,
+                                         .probe = x->probe,
+                                         .engine = c->engine,
+                                         .subject = x->stored.subject,
+                                         .template_id = x->stored.id,
+                                         .templates_compared = x->best.nearest.compared,
+                                         .parts = &x->best.parts});
+}
+
+static enum status write_page(struct ctl *c, const struct explanation *x)
+{
+    struct json *j = json_new();
+    struct show show;
+    char about[64];
+    enum status st;
+
+    (void)snprintf(about, sizeof about, "template %.8s, enrolled", x->stored.id);
+    json_object(j, "extras");
+    comparison(j, c, x);
+    describe_calibration(j, surface_work_calibration(c->work));
+    page_side(j, "a", x->stored.subject, about, x->stored.created,
+              surface_face_quality(x->tmpl).score);
+    page_file(j, "b", c->args[1], surface_face_quality(x->probe).score);
+    page_made(j);
+    json_close(j);
+    st = show_comparison(x->tmpl, x->probe, x->best.minimal.align_transform,
+                         &x->best.parts, j, &show);
+    st = st == ST_OK ? ctl_write(c, page, page_write, &show)
+                     : errinfo_set(&c->e, st, "%s: %s", page, status_message(st));
+    free(show.glb);
+    return st;
+}
+
 static void report(struct ctl *c, const struct explanation *x)
 {
     const struct surface_comparison *r = &x->best.nearest.result;
     const struct surface_quality quality = surface_face_quality(x->tmpl);
 
     json_text(c->out, "probe", c->args[1]);
-    describe_comparison(c->out, &(struct describe_comparison){
-                                    .result = r,
-                                    .minimal = &x->best.minimal,
-                                    .probe = x->probe,
-                                    .engine = c->engine,
-                                    .subject = x->stored.subject,
-                                    .template_id = x->stored.id,
-                                    .templates_compared = x->best.nearest.compared,
-                                    .parts = &x->best.parts});
+    comparison(c->out, c, x);
     describe_quality(c->out, "template_quality", &quality, x->tmpl);
     json_text(c->out, "reason", reason(r));
     json_score(c->out, "expected", r->expected);
@@ -150,8 +184,12 @@ static void report(struct ctl *c, const struct explanation *x)
 static enum status run(struct ctl *c)
 {
     struct explanation x = {.compared = 0};
-    const enum status st = compare(c, &x);
+    enum status st = page != NULL ? ctl_may_write(c, page, c->nargs) : ST_OK;
 
+    if (st == ST_OK)
+        st = compare(c, &x);
+    if (st == ST_OK && page != NULL)
+        st = write_page(c, &x);
     if (st == ST_OK) {
         if (c->json)
             report(c, &x);
@@ -170,7 +208,10 @@ const struct ctl_command ctl_explain = {
     .args = "SUBJECT|TEMPLATE FILE",
     .takes = {2, 2},
     .database = CTL_WRITES_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
+    .options = {CTL_OPTION(
+        "page", "FILE", command_text, &page,
+        "write a page for a browser (HTML): both faces, and what decided")},
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = run,
     .summary = "say why a scan matches a subject, or not",
@@ -178,5 +219,6 @@ const struct ctl_command ctl_explain = {
         "Compares FILE with the subject's templates, or with the template named, and prints for\n"
         "the one with the highest score: the score of each region, the qualities and the gap;\n"
         "with --json also what each cell of the face adds to the score. The audit log records\n"
-        "it. surfacelab explain compares two files.",
-    .example = "surfacectl --db faces.db explain alice probe.ply"};
+        "it. --page writes one file that shows it in any browser, without a network; it is\n"
+        "biometric data: only its owner can read it. surfacelab explain compares two files.",
+    .example = "surfacectl --db faces.db explain alice probe.ply --page why.html"};

@@ -9,7 +9,10 @@
 #include "ctl_template.h"
 #include "utc.h"
 
+#define PAGE 500 /* subjects in memory at a time */
+
 static const char *consent, *purpose; /* --consent, --purpose */
+static const char *part, *state;      /* --match, --state */
 
 /* What stands beside an id in a list. */
 static const char *state_of(const struct store_subject *one)
@@ -18,37 +21,37 @@ static const char *state_of(const struct store_subject *one)
                      : (one->disabled ? "disabled" : "");
 }
 
-struct listing {
-    struct ctl *c;
-    size_t n;
-};
-
-static enum status list_one(void *arg, const struct store_subject *one, struct errinfo *e)
+static void list_one(struct ctl *c, const struct store_subject *one)
 {
-    struct listing *l = arg;
-    struct ctl *c = l->c;
-
-    (void)e;
-    if (l->n++ == 0)
-        ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED", "STATE");
     json_object(c->out, NULL);
-    describe_subject(c->out, one);
-    json_number(c->out, "templates", one->templates);
+    describe_subject_row(c->out, one);
     json_close(c->out);
     ctl_say(c, "%-32s %9u  %-24s  %s\n", one->id, one->templates, one->created,
             state_of(one));
-    return ST_OK;
 }
 
 static enum status list(struct ctl *c)
 {
-    struct listing l = {.c = c};
-    enum status st;
+    struct store_search what = {.part = part != NULL ? part : "", .limit = PAGE};
+    struct store_subject *page;
+    size_t n, all = 0;
+    enum status st = ST_OK;
 
+    if (state != NULL && !store_subject_state(state, &what.state))
+        return ctl_usage(c, "--state is active, disabled, hold, expired or ending");
     json_array(c->out, "subjects");
-    st = ctl_model_each(c->store, list_one, &l, &c->e);
+    do {
+        st = store_subject_search(c->store, &what, &page, &n, &what.after, &c->e);
+        if (n > 0 && all == 0)
+            ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
+                    "STATE");
+        for (size_t i = 0; i < n; i++)
+            list_one(c, &page[i]);
+        all += n;
+        free(page);
+    } while (st == ST_OK && what.after != 0);
     json_close(c->out);
-    if (st == ST_OK && l.n == 0)
+    if (st == ST_OK && all == 0)
         ctl_say(c, "no subjects\n");
     return st;
 }
@@ -236,13 +239,18 @@ static enum status reset_attempts(struct ctl *c)
 
 #define ONE_SUBJECT(how) .args = "SUBJECT", .takes = {1, 1}, .database = how
 
-const struct ctl_command ctl_subject_list = {.name = "subject list",
-                                             .database = CTL_READS_DATABASE,
-                                             .run = list,
-                                             .summary = "list the subjects",
-                                             .help = "In order of creation.",
-                                             .example =
-                                                 "surfacectl --db faces.db subject list"};
+const struct ctl_command ctl_subject_list = {
+    .name = "subject list",
+    .database = CTL_READS_DATABASE,
+    .options = {CTL_OPTION("match", "TEXT", command_text, &part,
+                           "only those whose id has this in it"),
+                CTL_OPTION("state", "WORD", command_text, &state,
+                           "only those that are active, disabled, on hold, expired, or\n"
+                           "ending (within 30 days): active, disabled, hold, ...")},
+    .run = list,
+    .summary = "list the subjects, or search them",
+    .help = "In order of creation.",
+    .example = "surfacectl --db faces.db subject list --match alice"};
 
 const struct ctl_command ctl_subject_show = {
     .name = "subject show",

@@ -3,53 +3,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "describe.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
 
-#define LIFE_S (INT64_C(365) * 86400) /* of a token without --expires */
-
 static unsigned scopes; /* --scope; 0: not given */
 static int64_t grace_s; /* --grace */
-
-static const char *state_of(const struct store_token *t)
-{
-    return t->revoked ? "revoked" : t->expired ? "expired" : "valid";
-}
-
-/* A time; null where it is not set. */
-static void out_time(struct ctl *c, const char *key, const char *time)
-{
-    json_text(c->out, key, time[0] != '\0' ? time : NULL);
-}
-
-static void out_token(struct ctl *c, const struct store_token *t)
-{
-    char name[STORE_SCOPES_MAX];
-
-    json_text(c->out, "id", t->id);
-    json_text(c->out, "name", t->name);
-    json_array(c->out, "scopes");
-    for (unsigned one = 1; one <= STORE_SCOPE_ALL; one <<= 1)
-        if (t->scopes & one) {
-            rows_scopes_write(one, name);
-            json_text(c->out, NULL, name);
-        }
-    json_close(c->out);
-    json_text(c->out, "created", t->created);
-    out_time(c, "expires_at", t->expires);
-    out_time(c, "last_used", t->used);
-    out_time(c, "old_secret_until", t->old_until);
-    json_text(c->out, "state", state_of(t));
-    json_flag(c->out, "revoked", t->revoked);
-}
 
 /* The secret on standard output, alone, for $(...); what is said of it elsewhere. */
 static void out_secret(struct ctl *c, const struct store_token *t, const char *secret)
 {
     char list[STORE_SCOPES_MAX];
 
-    out_token(c, t);
-    json_text(c->out, "token", secret);
+    describe_token(c->out, t, secret);
     if (c->json)
         return;
     rows_scopes_write(t->scopes, list);
@@ -65,7 +31,7 @@ static enum status create(struct ctl *c)
     struct store_token t;
     char secret[65], all[STORE_SCOPES_MAX];
     const char *name = c->nargs > 0 ? c->args[0] : "unnamed";
-    const int64_t life_s = c->expires.given ? c->expires.life_s : LIFE_S;
+    const int64_t life_s = c->expires.given ? c->expires.life_s : STORE_TOKEN_LIFE_S;
     enum status st;
 
     if (scopes == 0) {
@@ -96,7 +62,7 @@ static enum status find(struct ctl *c, char id[STORE_ID_LEN + 1])
     if ((st = store_token_list(c->store, &t, &n, &c->e)) != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++) {
-        if (t[i].revoked || strcmp(t[i].name, name) != 0)
+        if (t[i].revoked[0] != '\0' || strcmp(t[i].name, name) != 0)
             continue;
         memcpy(id, t[i].id, sizeof t[i].id);
         found++;
@@ -154,12 +120,12 @@ static enum status list(struct ctl *c)
             "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
-        out_token(c, &t[i]);
+        describe_token(c->out, &t[i], NULL);
         json_close(c->out);
         if (c->json)
             continue;
         rows_scopes_write(t[i].scopes, words);
-        (void)printf("%-32s  %-7s", t[i].id, state_of(&t[i]));
+        (void)printf("%-32s  %-7s", t[i].id, describe_token_state(&t[i]));
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");
         print_time(t[i].used, "never");

@@ -37,6 +37,35 @@ enum status store_subject_list(struct store *s, int64_t after, size_t limit,
 enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
                               struct errinfo *e);
 
+enum store_state { /* of a subject, at one moment; several may be true */
+                   STORE_ANY,
+                   STORE_ACTIVE, /* neither disabled nor expired */
+                   STORE_DISABLED,
+                   STORE_HELD,
+                   STORE_EXPIRED,
+                   STORE_ENDING /* expires in STORE_ENDING_MS, and has not yet */
+};
+
+/* store_subject_state(word, out): "active", "disabled", "hold", "expired", "ending". */
+bool store_subject_state(const char *word, enum store_state *out);
+
+#define STORE_ENDING_MS   (INT64_C(30) * 86400000)
+#define STORE_SEARCH_ROWS 5000 /* that a search looks at, at most: it decrypts each */
+
+struct store_search {
+    const char *part; /* of the id, whatever the case of its letters; "": any */
+    enum store_state state;
+    int64_t after; /* as of store_subject_list() */
+    size_t limit;  /* 1.. */
+};
+
+/* store_subject_search(s, what, out, n, next, e): in the order of creation, with their quality;
+ * released by free().  *next: to go on after, 0: there are no more.  There may be fewer than limit,
+ * or none, and more to come.  Some 8 us a row that is looked at. */
+enum status store_subject_search(struct store *s, const struct store_search *what,
+                                 struct store_subject **out, size_t *n, int64_t *next,
+                                 struct errinfo *e);
+
 /* store_subject_set(s, actor, subject, what, e): apply all of *what or nothing, with an
  * event each for consent, hold and disabled. The caller must not verify a subject that is
  * disabled or has expired. ST_OK also if nothing changes. */
@@ -96,10 +125,13 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
                                int64_t grace_s, int64_t life_s, char secret[65],
                                struct store_token *t, struct errinfo *e);
+enum status store_token_get(struct store *s, const char *id, struct store_token *out,
+                            struct errinfo *e);
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e);
 
-#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400) /* before a token expires: warn */
+#define STORE_TOKEN_LIFE_S (INT64_C(365) * 86400) /* without another end */
+#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400)  /* before a token expires: warn */
 
 /* store_token_left(t): seconds until t expires, INT64_MAX if never; 0: it has expired, or
  * was revoked. */
@@ -196,23 +228,39 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
 
 struct store_audit_entry {
     struct log_entry entry;
-    char subject[STORE_SUBJECT_MAX +
-                 1]; /* "": of none, of one that was erased, or names are
-                                            not wanted */
+    /* "": of none, or names are not wanted */
+    char subject[STORE_SUBJECT_MAX + 1];
+    char actor_name[STORE_NAME_MAX + 1]; /* the token's, where the actor is one */
+    bool erased;                         /* the subject was */
 };
 
-struct store_audit_filter {   /* all zero: everything */
-    const enum log_name *log; /* NULL: both, in the order of their writing */
-    struct log_filter wanted; /* uid may be given by subject */
-    const char *subject;      /* an id; of one that was erased: wanted.uid */
+struct store_audit_place { /* in both logs at once */
+    uint64_t seq[LOGS];
+    bool end; /* there is nothing more */
+};
+
+struct store_audit_filter {   /* all zero: everything, in the order of writing */
+    const enum log_name *log; /* NULL: both, in that order */
+    bool newest;              /* the last ones, the newest first */
+    struct store_audit_place
+        from;            /* behind it, with newest before it (0, 0: from the end) */
+    uint64_t limit;      /* 0: as many as there are */
+    uint64_t most;       /* entries that are looked at, wanted or not; 0: any number */
+    const char *subject; /* an id; of one that was erased: */
+    const unsigned char *uid;  /* [LOG_UID] */
+    const char *kind;          /* one or more, with commas */
+    const char *actor;         /* all of it */
+    const char *since, *until; /* RFC 3339, or its beginning; both ends are in it */
     bool names;
 };
 
-/* store_audit_list(s, filter, out, n, e): entries in order, not verified; a new array
- * released by free().  ST_ENOTFOUND: there is no such subject. */
+/* store_audit_list(s, filter, out, n, next, e): entries in order, not verified; a new array
+ * released by free(), also NULL.  *next (or NULL): where the next page begins.
+ * ST_ENOTFOUND: there is no such subject.  About 2 us an entry that is read, and 15 for the
+ * names of one. */
 enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
                              struct store_audit_entry **out, size_t *n,
-                             struct errinfo *e);
+                             struct store_audit_place *next, struct errinfo *e);
 
 /* store_audit_sign(s, actor, kind, out, e): append a signed change of this kind,
  * LOG_CHECKPOINT or LOG_EXPORT.

@@ -1,6 +1,7 @@
 #include "store_attempts.h"
 
 #include <sodium.h>
+#include <string.h>
 
 #include "options.h"
 #include "rows_attempts.h"
@@ -91,4 +92,58 @@ int64_t store_attempts_wait_ms(const struct store_limits *l,
         if (wait[i] > wait[*why])
             *why = i;
     return wait[*why];
+}
+
+/* ---- of a subject */
+
+struct worst {
+    struct log_txn *t;
+    const struct store_subject *subject;
+    const struct store_limits *limits;
+    int64_t now, wait_ms;
+    uint32_t failures;
+};
+
+static enum status look_at(void *arg, const char *token, struct errinfo *e)
+{
+    struct worst *w = arg;
+    struct store_attempts a;
+    enum store_wait why;
+    int64_t wait_ms;
+    bool future;
+    const enum status st =
+        rows_attempts_get(w->t, w->subject, token, w->now, &a, &future, e);
+
+    a.tried = 0; /* other subjects' */
+    wait_ms = store_attempts_wait_ms(w->limits, &a, &why);
+    w->wait_ms = wait_ms > w->wait_ms ? wait_ms : w->wait_ms;
+    w->failures = a.failures > w->failures ? a.failures : w->failures;
+    return st;
+}
+
+enum status store_attempts_worst(struct store *s, const char *subject,
+                                 const struct store_limits *l, struct store_worst *out,
+                                 struct errinfo *e)
+{
+    static const char another[] = "*"; /* no token's id */
+    struct rows_subject of;
+    struct log_txn t;
+    struct worst w = {.t = &t, .subject = &of.one, .limits = l};
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if ((st = ident_subject(subject, e)) != ST_OK ||
+        (st = store_rules_now(&w.now, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    if ((st = rows_subject_find(&t, subject, &of, e)) == ST_OK &&
+        (st = rows_attempts_each(&t, &of.one, look_at, &w, e)) == ST_OK)
+        st = look_at(&w, another, e);
+    sodium_memzero(&of, sizeof of);
+    if ((st = store_end(s, &t, st, e)) != ST_OK)
+        return st;
+    out->failures = w.failures;
+    if (w.wait_ms > 0)
+        utc_print(w.now + w.wait_ms, out->until);
+    return ST_OK;
 }

@@ -27,6 +27,16 @@ struct store_limits {
 
 #define STORE_WAIT_OTHERS_S 60
 
+/* store_attempts_worst(s, subject, l, out, e): of all tokens, also of one that has not failed: who
+ * waits longest?  ST_ENOTFOUND. */
+struct store_worst {
+    uint32_t failures; /* by the token that has most */
+    char until[32];    /* "": none is locked out of the subject */
+};
+enum status store_attempts_worst(struct store *s, const char *subject,
+                                 const struct store_limits *l, struct store_worst *out,
+                                 struct errinfo *e);
+
 enum store_wait { /* the order of enum metrics_failed */
                   STORE_WAIT_NONE,
                   STORE_WAIT_OWN,

@@ -8,97 +8,200 @@
 
 #include "log_row.h"
 #include "rows_subject.h"
+#include "rows_token.h"
 #include "sql_read.h"
 #include "store_txn.h"
 #include "utc.h"
 
 /* ---- lists */
 
+#define KINDS 256 /* bytes of a list of them */
+
 static enum status check_filter(const struct store_audit_filter *f, struct errinfo *e)
 {
-    if (f->wanted.kind != NULL && !ident_printable(f->wanted.kind, 1, LOG_TEXT))
-        return errinfo_set(e, ST_EINVAL, "a kind is 1 to %d printable characters",
+    const char *const time[] = {f->since, f->until};
+
+    if (f->kind != NULL && !ident_printable(f->kind, 1, KINDS))
+        return errinfo_set(e, ST_EINVAL, "kinds are 1 to %d printable characters", KINDS);
+    if (f->actor != NULL && !ident_printable(f->actor, 1, LOG_TEXT))
+        return errinfo_set(e, ST_EINVAL, "an actor is 1 to %d printable characters",
                            LOG_TEXT);
-    if (f->wanted.since != NULL &&
-        !ident_consists(f->wanted.since, "0123456789-T:.Z", 4, 24))
-        return errinfo_set(e, ST_EINVAL,
-                           "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
-                           f->wanted.since);
+    for (int i = 0; i < 2; i++)
+        if (time[i] != NULL && !ident_consists(time[i], "0123456789-T:.Z", 4, 24))
+            return errinfo_set(e, ST_EINVAL,
+                               "a time is like 2026-11-21 or 2026-11-21T14:30, not %.40s",
+                               time[i]);
     return f->subject != NULL ? ident_subject(f->subject, e) : ST_OK;
 }
 
-/* The names of subjects that are still enrolled; a damaged row has none here. */
-static enum status find_name(struct log_txn *t, struct store_audit_entry *a,
-                             struct errinfo *e)
+/* Who it is about, and who did it; a damaged row has no name here. */
+static enum status find_names(struct log_txn *t, struct store_audit_entry *a,
+                              struct errinfo *e)
+{
+    struct rows_token token;
+    struct rows_subject of;
+    enum status st = ST_OK;
+
+    if (!sodium_is_zero(a->entry.uid, sizeof a->entry.uid)) {
+        if ((st = rows_subject_get(t, a->entry.uid, &of, e)) == ST_OK)
+            memcpy(a->subject, of.one.id, sizeof a->subject);
+        a->erased = st == ST_ENOTFOUND;
+        sodium_memzero(&of, sizeof of);
+    }
+    if ((st == ST_OK || st == ST_ENOTFOUND || st == ST_ECORRUPT) &&
+        ident_id_valid(a->entry.actor)) {
+        if ((st = rows_token_get(t, a->entry.actor, &token, e)) == ST_OK)
+            memcpy(a->actor_name, token.token.name, sizeof a->actor_name);
+        sodium_memzero(&token, sizeof token);
+    }
+    return st == ST_ENOTFOUND || st == ST_ECORRUPT ? ST_OK : st;
+}
+
+struct listing {
+    struct log_txn *t;
+    const struct store_audit_filter *filter;
+    unsigned char uid[LOG_UID];
+    struct sql_rows *rows[LOGS];
+    struct log_entry at[LOGS]; /* the next one of each, */
+    bool there[LOGS];          /* if there is one */
+    struct store_audit_entry *out;
+    size_t n, room;
+    struct store_audit_place next;
+};
+
+/* Is the kind one of a list with commas? */
+static bool listed(const char *list, const char *kind)
+{
+    const size_t n = strlen(kind);
+
+    for (; *list != '\0'; list += strcspn(list, ","), list += *list == ',')
+        if (strcspn(list, ",") == n && memcmp(list, kind, n) == 0)
+            return true;
+    return false;
+}
+
+static bool is_wanted(const struct listing *l, const struct log_entry *entry)
+{
+    const struct store_audit_filter *f = l->filter;
+
+    return (sodium_is_zero(l->uid, LOG_UID) ||
+            memcmp(l->uid, entry->uid, LOG_UID) == 0) &&
+           (f->kind == NULL || listed(f->kind, entry->kind)) &&
+           (f->actor == NULL || strcmp(f->actor, entry->actor) == 0) &&
+           (f->since == NULL || strncmp(entry->at, f->since, strlen(f->since)) >= 0) &&
+           (f->until == NULL || strncmp(entry->at, f->until, strlen(f->until)) <= 0);
+}
+
+static enum status advance(struct listing *l, enum log_name log, struct errinfo *e)
+{
+    return l->rows[log] == NULL
+               ? ST_OK
+               : log_rows_next(l->rows[log], log, &l->at[log], &l->there[log], e);
+}
+
+static enum status begin(struct listing *l, enum log_name log, struct errinfo *e)
+{
+    const struct store_audit_filter *f = l->filter;
+    enum status st;
+
+    l->next.seq[log] = f->from.seq[log];
+    if (f->log != NULL && *f->log != log)
+        return ST_OK;
+    if ((st = log_rows(l->t->sql, log, f->newest, f->from.seq[log], &l->rows[log], e)) ==
+        ST_OK)
+        st = advance(l, log, e);
+    if (f->newest && f->from.seq[log] == 0) /* before all, or of an empty log */
+        l->next.seq[log] = l->there[log] ? l->at[log].seq + 1 : 1;
+    return st;
+}
+
+/* The log whose entry is the next of both: a change says how many accesses came before it. */
+static enum log_name choose(const struct listing *l)
+{
+    const bool access_first = l->at[LOG_ACCESSES].seq <= l->at[LOG_CHANGES].accesses.seq;
+
+    if (!l->there[LOG_CHANGES] || !l->there[LOG_ACCESSES])
+        return l->there[LOG_CHANGES] ? LOG_CHANGES : LOG_ACCESSES;
+    return access_first != l->filter->newest ? LOG_ACCESSES : LOG_CHANGES;
+}
+
+static enum status keep(struct listing *l, const struct log_entry *entry,
+                        struct errinfo *e)
+{
+    if (l->n == l->room) {
+        const size_t room = 2 * l->room + 64;
+        struct store_audit_entry *more = realloc(l->out, room * sizeof *more);
+
+        if (more == NULL)
+            return errinfo_set(e, ST_ENOMEM, "out of memory");
+        l->out = more;
+        l->room = room;
+    }
+    l->out[l->n++] = (struct store_audit_entry){.entry = *entry};
+    return ST_OK;
+}
+
+/* Until there is one more than wanted, or all that may be were looked at. */
+static enum status list(struct listing *l, struct errinfo *e)
+{
+    const struct store_audit_filter *f = l->filter;
+    enum status st = ST_OK;
+
+    for (uint64_t looked = 0; l->there[LOG_CHANGES] || l->there[LOG_ACCESSES]; looked++) {
+        const enum log_name log = choose(l);
+        const struct log_entry *entry = &l->at[log];
+        const bool wanted = is_wanted(l, entry);
+
+        if ((f->most != 0 && looked == f->most) ||
+            (wanted && f->limit != 0 && l->n == f->limit))
+            return ST_OK;
+        if (wanted && (st = keep(l, entry, e)) != ST_OK)
+            return st;
+        l->next.seq[log] = entry->seq;
+        if ((st = advance(l, log, e)) != ST_OK)
+            return st;
+    }
+    l->next.end = true;
+    return ST_OK;
+}
+
+static enum status find_uid(struct listing *l, struct errinfo *e)
 {
     struct rows_subject of;
     enum status st;
 
-    if (sodium_is_zero(a->entry.uid, sizeof a->entry.uid))
+    if (l->filter->uid != NULL)
+        memcpy(l->uid, l->filter->uid, LOG_UID);
+    if (l->filter->subject == NULL)
         return ST_OK;
-    if ((st = rows_subject_get(t, a->entry.uid, &of, e)) == ST_OK)
-        memcpy(a->subject, of.one.id, sizeof a->subject);
+    if ((st = rows_subject_find(l->t, l->filter->subject, &of, e)) == ST_OK)
+        memcpy(l->uid, of.one.uid, LOG_UID);
     sodium_memzero(&of, sizeof of);
-    return st == ST_ENOTFOUND || st == ST_ECORRUPT ? ST_OK : st;
+    return st;
 }
 
-/* Both in the order of their writing: a change says how many accesses came before it. */
-static void merge(struct log_entry *const entry[LOGS], const size_t n[LOGS], size_t skip,
-                  struct store_audit_entry *out)
+static enum status list_all(struct listing *l, struct errinfo *e)
 {
-    size_t at[LOGS] = {0};
+    enum status st = find_uid(l, e);
 
-    for (size_t i = 0; i < n[LOG_CHANGES] + n[LOG_ACCESSES]; i++) {
-        const struct log_entry *change = entry[LOG_CHANGES] + at[LOG_CHANGES];
-        const struct log_entry *access = entry[LOG_ACCESSES] + at[LOG_ACCESSES];
-        const bool is_access =
-            at[LOG_ACCESSES] < n[LOG_ACCESSES] &&
-            (at[LOG_CHANGES] == n[LOG_CHANGES] || access->seq <= change->accesses.seq);
-
-        at[is_access ? LOG_ACCESSES : LOG_CHANGES]++;
-        if (i >= skip)
-            (out++)->entry = is_access ? *access : *change;
-    }
-}
-
-static enum status list(struct log_txn *t, const struct store_audit_filter *filter,
-                        struct store_audit_entry **out, size_t *n, struct errinfo *e)
-{
-    struct log_filter wanted = filter->wanted;
-    struct log_entry *entry[LOGS] = {NULL};
-    struct rows_subject of;
-    size_t of_log[LOGS] = {0};
-    enum status st = ST_OK;
-
-    if (filter->subject != NULL) {
-        if ((st = rows_subject_find(t, filter->subject, &of, e)) != ST_OK)
-            return st;
-        sodium_memzero(of.key, sizeof of.key);
-        wanted.uid = of.one.uid;
-    }
     for (int i = 0; i < LOGS && st == ST_OK; i++)
-        if (filter->log == NULL || *filter->log == (enum log_name)i)
-            st = log_list(t->sql, (enum log_name)i, &wanted, &entry[i], &of_log[i], e);
-    *n = of_log[LOG_CHANGES] + of_log[LOG_ACCESSES];
-    if (st == ST_OK && *n > 0 && (*out = calloc(*n, sizeof **out)) == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && *n > 0) {
-        const size_t all = *n;
-
-        *n = wanted.limit != 0 && wanted.limit < all ? (size_t)wanted.limit : all;
-        merge(entry, of_log, wanted.newest ? all - *n : 0, *out);
-    }
+        st = begin(l, (enum log_name)i, e);
+    if (st == ST_OK)
+        st = list(l, e);
     for (int i = 0; i < LOGS; i++)
-        free(entry[i]);
-    for (size_t i = 0; st == ST_OK && filter->names && i < *n; i++)
-        st = find_name(t, &(*out)[i], e);
+        if (l->rows[i] != NULL)
+            st = sql_done(l->rows[i], st, e);
+    for (size_t i = 0; st == ST_OK && l->filter->names && i < l->n; i++)
+        st = find_names(l->t, &l->out[i], e);
     return st;
 }
 
 enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
-                             struct store_audit_entry **out, size_t *n, struct errinfo *e)
+                             struct store_audit_entry **out, size_t *n,
+                             struct store_audit_place *next, struct errinfo *e)
 {
     struct log_txn t;
+    struct listing l = {.t = &t, .filter = filter};
     enum status st;
 
     *out = NULL;
@@ -106,12 +209,15 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
     if ((st = check_filter(filter, e)) != ST_OK ||
         (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    if ((st = store_end(s, &t, list(&t, filter, out, n, e), e)) != ST_OK) {
-        free(*out);
-        *out = NULL;
-        *n = 0;
+    if ((st = store_end(s, &t, list_all(&l, e), e)) != ST_OK) {
+        free(l.out);
+        return st;
     }
-    return st;
+    *out = l.out;
+    *n = l.n;
+    if (next != NULL)
+        *next = l.next;
+    return ST_OK;
 }
 
 enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
@@ -209,20 +315,18 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
 enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
                              struct log_entry *out, struct errinfo *e)
 {
-    struct log_entry *entry = NULL;
-    struct log_filter last = {.limit = 1, .newest = true};
+    struct sql_rows *r = NULL;
     struct log_act by;
     struct log_txn t;
-    size_t n = 0;
+    bool there;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     if ((st = log_change(&t, &by, kind, NULL, "", "", e)) == ST_OK &&
-        (st = log_list(t.sql, LOG_CHANGES, &last, &entry, &n, e)) == ST_OK && n == 1)
-        *out = entry[0];
-    free(entry);
+        (st = log_rows(t.sql, LOG_CHANGES, true, 0, &r, e)) == ST_OK)
+        st = sql_done(r, log_rows_next(r, LOG_CHANGES, out, &there, e), e);
     return store_end(s, &t, st, e);
 }
 
@@ -235,14 +339,13 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
 static enum status find_first(struct log_txn *t, struct log_end *before,
                               struct errinfo *e)
 {
-    const struct log_filter newest = {.kind = LOG_TRIM, .newest = true, .limit = 1};
     struct log_entry *trim = NULL;
     size_t n;
-    const enum status st = log_list(t->sql, LOG_CHANGES, &newest, &trim, &n, e);
+    const enum status st = log_list(t->sql, LOG_TRIM, 0, &trim, &n, e);
 
     *before = (struct log_end){.seq = 0};
     if (n > 0)
-        (void)log_trimmed(trim, before);
+        (void)log_trimmed(&trim[n - 1], before);
     free(trim);
     return st;
 }

@@ -407,11 +407,24 @@ enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *
 
 /* ---- statistics, room */
 
-enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e)
+static enum status count(struct sql_txn *t, const char *text, uint64_t *const out[],
+                         int n, struct errinfo *e)
 {
-    uint64_t *const count[] = {&out->subjects,       &out->templates, &out->points,
-                               &out->template_bytes, &out->events,    &out->tokens};
     struct sql_rows *r;
+    const enum status st = sql_query(t, text, NULL, 0, &r, e);
+
+    if (st == ST_OK && sql_next(r))
+        for (int i = 0; i < n; i++)
+            *out[i] = (uint64_t)sql_column(r, i).i;
+    return sql_done(r, st, e);
+}
+
+enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
+                        struct errinfo *e)
+{
+    uint64_t *const rows[] = {&out->subjects, &out->templates,    &out->tokens,
+                              &out->devices,  &out->calibrations, &out->events};
+    uint64_t *const bytes[] = {&out->points, &out->template_bytes};
     struct log_txn t;
     enum status st;
 
@@ -419,19 +432,21 @@ enum status store_stats(struct store *s, struct store_stats *out, struct errinfo
     out->schema = (uint32_t)sql_version(s->sql);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = sql_query(
-        t.sql,
-        "SELECT (SELECT count(*) FROM subjects), count(*), "
-        "CAST(coalesce(sum(points), 0) AS bigint), "
-        "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces), "
-        "(SELECT count(*) FROM change_log) + (SELECT count(*) FROM access_log), "
-        "(SELECT count(*) FROM tokens) "
-        "FROM templates",
-        NULL, 0, &r, e);
-    if (st == ST_OK && sql_next(r))
-        for (int i = 0; i < (int)(sizeof count / sizeof *count); i++)
-            *count[i] = (uint64_t)sql_column(r, i).i;
-    if ((st = sql_done(r, st, e)) == ST_OK)
+    st =
+        count(t.sql,
+              "SELECT (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), "
+              "(SELECT count(*) FROM tokens), (SELECT count(*) FROM devices), "
+              "(SELECT count(*) FROM calibrations), "
+              "(SELECT coalesce(max(seq), 0) FROM change_log) + "
+              "(SELECT coalesce(max(seq), 0) FROM access_log) - "
+              "(SELECT coalesce(min(seq), 1) - 1 FROM access_log)",
+              rows, 6, e);
+    if (st == ST_OK && sizes &&
+        (st = count(t.sql,
+                    "SELECT (SELECT CAST(coalesce(sum(points), 0) AS bigint) "
+                    "FROM templates), "
+                    "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces)",
+                    bytes, 2, e)) == ST_OK)
         st = sql_bytes(t.sql, &out->file_bytes, e);
     return store_end(s, &t, st, e);
 }

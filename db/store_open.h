@@ -75,14 +75,17 @@ bool store_refused(struct store *s, struct errinfo *e);
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e);
 bool store_anchor_fault(struct store *s, struct errinfo *e);
 
-/* store_stats(s, out, e): counts and sizes.
+/* store_stats(s, sizes, out, e): counts, and with sizes what they take, for which all rows are read:
+ * 0.7 s for 100,000 templates, else 10 ms.  events: by their numbers.
  * store_vacuum(s, e): rewrite the database without the room that deleted rows left, while
  * others read it; writers wait, up to 5 s. */
 struct store_stats {
-    uint64_t subjects, templates, points, template_bytes, file_bytes, events, tokens;
+    uint64_t subjects, templates, tokens, devices, calibrations, events;
+    uint64_t points, template_bytes, file_bytes;
     uint32_t schema;
 };
-enum status store_stats(struct store *s, struct store_stats *out, struct errinfo *e);
+enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
+                        struct errinfo *e);
 enum status store_vacuum(struct store *s, struct errinfo *e);
 
 #endif

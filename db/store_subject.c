@@ -1,10 +1,14 @@
+#define _GNU_SOURCE /* strcasestr */
 #include "store.h"
 
+#include <math.h>
 #include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "rows_subject.h"
+#include "rows_template.h"
 #include "store_txn.h"
 #include "utf8.h"
 
@@ -93,6 +97,138 @@ enum status store_subject_due(struct store *s, struct store_subject **out, size_
         return st;
     utc_print(ms, now);
     return store_end(s, &t, rows_subject_due(&t, now, out, n, e), e);
+}
+
+/* ---- searching */
+
+bool store_subject_state(const char *word, enum store_state *out)
+{
+    static const char *const name[] = {"active", "disabled", "hold", "expired", "ending"};
+
+    for (size_t i = 0; i < sizeof name / sizeof *name; i++)
+        if (strcmp(word, name[i]) == 0) {
+            *out = STORE_ACTIVE + i;
+            return true;
+        }
+    return false;
+}
+
+#define BATCH 500 /* rows in memory at a time */
+
+struct search {
+    const struct store_search *what;
+    int64_t now;
+    char soon[UTC_TEXT]; /* what expires by then is STORE_ENDING */
+    struct store_subject *out;
+    size_t n, looked;
+    int64_t next;
+    bool done;
+};
+
+static bool is_wanted(const struct search *x, struct store_subject *one)
+{
+    one->expired = store_rules_past(one->expires, x->now);
+    if (x->what->part[0] != '\0' && strcasestr(one->id, x->what->part) == NULL)
+        return false;
+    switch (x->what->state) {
+    case STORE_ANY:
+        break;
+    case STORE_ACTIVE:
+        return !one->disabled && !one->expired;
+    case STORE_DISABLED:
+        return one->disabled;
+    case STORE_HELD:
+        return one->hold;
+    case STORE_EXPIRED:
+        return one->expired;
+    case STORE_ENDING:
+        return one->expires[0] != '\0' && !one->expired &&
+               strcmp(one->expires, x->soon) <= 0;
+    }
+    return true;
+}
+
+/* Those of a batch; one more than wanted tells that there are more. */
+static void choose(struct search *x, struct store_subject *list, size_t n)
+{
+    for (size_t i = 0; i < n && !x->done; i++) {
+        if ((x->done = x->looked == STORE_SEARCH_ROWS))
+            return;
+        x->looked++;
+        if (is_wanted(x, &list[i]) && !(x->done = x->n == x->what->limit))
+            x->out[x->n++] = list[i];
+        if (!x->done)
+            x->next = list[i].key;
+    }
+}
+
+static enum status look(struct log_txn *t, struct search *x, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    while (st == ST_OK && !x->done) {
+        struct store_subject *list = NULL;
+        size_t n = 0;
+
+        if ((st = rows_subject_list(t, x->next, BATCH, &list, &n, e)) != ST_OK)
+            return st;
+        choose(x, list, n);
+        if (!x->done && n < BATCH) {
+            x->next = 0;
+            x->done = true;
+        }
+        free(list);
+    }
+    return st;
+}
+
+/* A damaged template is none here: who looks for the damage must see whose it is. */
+static enum status rate(struct log_txn *t, struct store_subject *one, struct errinfo *e)
+{
+    struct rows_template *row = NULL;
+    struct rows_subject of;
+    size_t n = 0;
+    enum status st = rows_subject_get(t, one->uid, &of, e);
+
+    one->quality = (double)NAN;
+    if (st == ST_OK)
+        st = rows_template_list(t, &of, &row, &n, e);
+    sodium_memzero(&of, sizeof of);
+    for (size_t i = 0; st == ST_OK && i < n; i++)
+        one->quality = fmax(one->quality, row[i].one.quality.score);
+    free(row);
+    return st == ST_ECORRUPT ? ST_OK : st;
+}
+
+enum status store_subject_search(struct store *s, const struct store_search *what,
+                                 struct store_subject **out, size_t *n, int64_t *next,
+                                 struct errinfo *e)
+{
+    struct search x = {.what = what, .next = what->after};
+    struct log_txn t;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_rules_now(&x.now, e)) != ST_OK)
+        return st;
+    utc_print(x.now + STORE_ENDING_MS, x.soon);
+    if ((x.out = calloc(what->limit, sizeof *x.out)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if ((st = store_begin(s, SQL_READ, &t, e)) == ST_OK) {
+        st = look(&t, &x, e);
+        for (size_t i = 0; i < x.n && st == ST_OK; i++)
+            st = rate(&t, &x.out[i], e);
+        st = store_end(s, &t, st, e);
+    }
+    if (st != ST_OK) {
+        free(x.out);
+        return st;
+    }
+    *out = x.out;
+    *n = x.n;
+    *next = x.next;
+    return ST_OK;
 }
 
 /* ---- adding */

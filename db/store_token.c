@@ -90,7 +90,7 @@ static enum status rotate(struct log_txn *x, const struct log_act *by, const cha
     *t = one.token;
     if (st != ST_OK)
         return st;
-    if (t->revoked)
+    if (t->revoked[0] != '\0')
         return errinfo_set(e, ST_EDENIED, "token %s was revoked", id);
     if (life_s >= 0)
         set_life(by, life_s, t->expires);
@@ -133,9 +133,9 @@ static enum status revoke(struct log_txn *x, const struct log_act *by, const cha
     struct rows_token one;
     enum status st = rows_token_get(x, id, &one, e);
 
-    if (st != ST_OK || one.token.revoked)
+    if (st != ST_OK || one.token.revoked[0] != '\0')
         return st;
-    memcpy(one.revoked, by->at, sizeof one.revoked);
+    memcpy(one.token.revoked, by->at, sizeof by->at);
     if ((st = rows_token_write(x, &one, e)) != ST_OK ||
         (st = rows_attempts_revoke(x, id, e)) != ST_OK)
         return st;
@@ -156,6 +156,25 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 }
 
 /* ---- reading */
+
+enum status store_token_get(struct store *s, const char *id, struct store_token *out,
+                            struct errinfo *e)
+{
+    struct rows_token one = {.revision = 0};
+    struct log_txn x;
+    int64_t ms;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if ((st = ident_id(id, "token", e)) != ST_OK ||
+        (st = store_rules_now(&ms, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK ||
+        (st = store_end(s, &x, rows_token_get(&x, id, &one, e), e)) != ST_OK)
+        return st;
+    *out = one.token;
+    out->expired = store_rules_past(out->expires, ms);
+    return ST_OK;
+}
 
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e)
@@ -183,7 +202,7 @@ int64_t store_token_left(const struct store_token *t)
 {
     int64_t now, end;
 
-    if (t->revoked || !utc_now(&now))
+    if (t->revoked[0] != '\0' || !utc_now(&now))
         return 0;
     if (t->expires[0] == '\0')
         return INT64_MAX;
@@ -215,7 +234,7 @@ static enum status accept(const struct rows_token *one,
     if (old && (one->token.old_until[0] == '\0' ||
                 sodium_memcmp(hash, one->old_hash, ROWS_TOKEN_HASH) != 0))
         return errinfo_set(e, ST_EDENIED, "no such token");
-    if (one->token.revoked)
+    if (one->token.revoked[0] != '\0')
         return errinfo_set(e, ST_EDENIED, "the token was revoked");
     if (old && store_rules_past(one->token.old_until, ms))
         return errinfo_set(e, ST_EDENIED, "the token was rotated");

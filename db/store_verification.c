@@ -8,6 +8,7 @@
 
 #include "rows_attempts.h"
 #include "rows_calibration.h"
+#include "rows_day.h"
 #include "rows_template.h"
 #include "store_template.h"
 #include "store_txn.h"
@@ -260,7 +261,9 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
     if ((st = look_back(t, &what, out, e)) != ST_OK)
         return st;
     judge(&what, out);
-    if ((st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
+    if ((what.decision != NULL && !out->replayed &&
+         (st = rows_day_count(t, by->at, what.decision, what.score, e)) != ST_OK) ||
+        (st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
         (st = add_events(t, &what, by, out, e)) != ST_OK ||
         store_rules_recent(what.subject->seen, by->ms))
         return st;
@@ -283,6 +286,8 @@ static void read_ahead(struct log_txn *t, const struct store_record *what,
         (void)rows_template_same(t, &of, what->probe->used, what->probe->read, id, NULL);
         (void)rows_subject_get(t, what->subject->uid, &of, NULL);
     }
+    if (what->decision != NULL)
+        (void)rows_day_count(t, by->at, what->decision, what->score, NULL);
     log_txn_ahead(t);
     (void)sql_ahead(t->sql, false);
 }
@@ -303,4 +308,23 @@ enum status store_record_verification(struct store *s, const struct store_record
     if ((st = store_check(s, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, write_all(&t, what, &by, out, e), e);
+}
+
+enum status store_days(struct store *s, struct store_day **out, size_t *n,
+                       struct errinfo *e)
+{
+    const int64_t long_ms = STORE_DAYS * INT64_C(86400000);
+    char since[UTC_TEXT];
+    struct log_txn t;
+    int64_t now;
+    enum status st;
+
+    *out = NULL;
+    *n = 0;
+    if ((st = store_rules_now(&now, e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    utc_print(now > long_ms ? now - long_ms : 0, since);
+    since[STORE_DAY] = '\0';
+    return store_end(s, &t, rows_day_list(&t, since, out, n, e), e);
 }

@@ -52,6 +52,9 @@ struct store_record {
     const struct store_subject *subject; /* of the snapshot */
     enum store_record_as as;
     const char *actor, *kind, *template_id, *outcome; /* of the event */
+    const char
+        *decision; /* a word, and the score, for the day; NULL: it is none of its */
+    double score;
 
     /* A probe that matched, which is refused where it is no new scan: the cloud of a template of
      * the subject.  NULL: not asked. */
@@ -73,11 +76,16 @@ struct store_recorded {
     bool locked_out, many_subjects; /* there was reason for such an event */
 };
 
-/* store_record_verification(s, what, out, e): attempts, entry of the access log, and that the
- * subject was seen, the latter at most once a minute.  A failure is on the disk when it returns;
+/* store_record_verification(s, what, out, e): attempts, entry of the access log, the day's scores,
+ * and that the subject was seen, the latter at most once a minute.  A failure is on the disk when it returns;
  * anything else does not wait for the disk, as store_event().  ST_ENOTFOUND: the subject was erased
  * meanwhile. */
 enum status store_record_verification(struct store *s, const struct store_record *what,
                                       struct store_recorded *out, struct errinfo *e);
+
+/* store_days(s, out, n, e): of the last STORE_DAYS days those with verifications, oldest first;
+ * released by free(). */
+enum status store_days(struct store *s, struct store_day **out, size_t *n,
+                       struct errinfo *e);
 
 #endif

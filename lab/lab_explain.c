@@ -7,6 +7,8 @@
 #include "heatmap.h"
 #include "lab.h"
 #include "mem.h"
+#include "page.h"
+#include "show.h"
 
 struct explanation {
     const char *a, *b, *engine;
@@ -89,18 +91,13 @@ static enum status write_cells(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
+/* As the daemon's response to a comparison has it. */
+static void comparison(struct json *j, const struct explanation *x)
 {
-    const struct explanation *x = arg;
     const struct surface_disparity *d = &x->minimal;
-    struct json *j = json_new();
     double score, threshold;
-    char *text;
-    bool ok;
 
     face_shown(&x->result, 100, &score, &threshold);
-    json_text(j, "template", x->a);
-    json_text(j, "probe", x->b);
     json_text(j, "engine", x->engine);
     json_text(j, "decision", lab_decision(x->result.decision));
     json_score(j, "score", score);
@@ -109,23 +106,61 @@ static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
     json_rate(j, "fmr_at_score", x->result.false_match_rate);
     json_number(j, "overlap", x->result.overlap);
     json_number(j, "disparity_mm", d->disparity_mm);
+    json_object(j, "minimal");
     json_extent(j, "volume_mm3", d->volume_mm3);
     json_extent(j, "overlap_mm2", d->area_mm2);
-    json_transform(j, "transform", x->minimal.align_transform);
+    json_close(j);
+    json_object(j, "alignment");
+    json_transform(j, "transform", d->align_transform);
+    json_close(j);
     json_object(j, "regions");
     for (int i = 0; i < SURFACE_REGIONS; i++)
         json_score(j, surface_region_name((enum surface_region)i), x->field.region[i]);
     json_close(j);
+}
+
+static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+    struct json *j = json_new();
+    char *text;
+    bool ok;
+
+    json_text(j, "template", x->a);
+    json_text(j, "probe", x->b);
+    comparison(j, x);
     text = json_pretty(j);
     ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
     free(text);
     return ok ? ST_OK : errinfo_set(e, ST_ENOMEM, "explain.json: out of memory");
 }
 
+static enum status write_page(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+    struct json *j = json_new();
+    struct show show;
+    enum status st;
+
+    json_object(j, "extras");
+    comparison(j, x);
+    page_file(j, "a", x->a, surface_face_quality(&x->tmpl).score);
+    page_file(j, "b", x->b, surface_face_quality(&x->probe).score);
+    page_made(j);
+    json_close(j);
+    st = show_comparison(&x->tmpl, &x->probe, x->minimal.align_transform, &x->field, j,
+                         &show);
+    st = st == ST_OK ? page_write(to, &show, e)
+                     : errinfo_set(e, st, "explain.html: %s", status_message(st));
+    free(show.glb);
+    return st;
+}
+
 static const struct {
     const char *name;
     newfile_writer *write;
-} file[] = {{"explain.json", write_json},
+} file[] = {{"explain.html", write_page},
+            {"explain.json", write_json},
             {"points.csv", write_points},
             {"cells.csv", write_cells}};
 #define FILES (sizeof file / sizeof *file)

@@ -49,9 +49,9 @@ static const struct command {
      "worse than the base model is written only with --force (exit code 1)."},
     {EXPLAIN, "explain", "A B", 2, 2, lab_explain,
      "compare two scans and write where they differ",
-     "B is moved onto A.  The folder --out (./explanation) gets explain.json, points.csv (the\n"
-     "gap and its part of the score at each point of B) and cells.csv (the gap and the part\n"
-     "of each cell).  scripts/plot_explanation draws them."},
+     "B is moved onto A.  The folder --out (./explanation) gets explain.html (for a\n"
+     "browser: both faces, and what decided), explain.json, points.csv (the gap and its part of\n"
+     "the score at each point of B) and cells.csv (the gap and the part of each cell)."},
     {ASYMMETRY, "asymmetry", "FILE", 1, 1, lab_asymmetry,
      "measure a scan against its own mirror image",
      "The symmetry plane is corrected until the gap between the face and its mirror image is\n"

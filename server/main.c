@@ -84,18 +84,29 @@ static enum status start(const struct options *o, struct app *app, struct http *
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
         return errinfo_set(e, st, "cannot start %u workers", o->workers);
+    st = queue_start(app, 1, 1, http_run, &app->slow);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "cannot start a worker for the audit log");
     if ((app->erasures = erasures_start(app)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = http_listen(o, http, url, e);
     return st == ST_OK ? http_start(*http, app, e) : st;
 }
 
-static void stop(struct app *app, struct http *http)
+static void stop_workers(struct app *app)
 {
     if (app->queue != NULL)
         queue_stop(app->queue);
+    if (app->slow != NULL)
+        queue_stop(app->slow);
+}
+
+static void stop(struct app *app, struct http *http)
+{
+    stop_workers(app);
     http_stop(http);
     queue_free(app->queue);
+    queue_free(app->slow);
     upkeep_stop(app->upkeep);
     erasures_stop(app->erasures);
     cache_free(app->cache);
@@ -280,6 +291,7 @@ int main(int argc, char **argv)
     service_begin();
     app.no_auth = o.no_auth;
     app.no_console = o.no_console;
+    app.cors_origin = o.cors_origin;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
     if (start(&o, &app, &http, url, &e) != ST_OK) {
@@ -297,7 +309,7 @@ int main(int argc, char **argv)
     sig = service_wait(&(struct service_hooks){reload, healthy, hourly, &d});
     say_stopping(sig);
     http_quiesce(http, GRACE_MS);
-    queue_stop(app.queue); /* queued requests are still handled */
+    stop_workers(&app); /* queued requests are still handled */
     http_quiesce(http, FLUSH_MS);
     say_last_change(app.store);
     stop(&app, http);

@@ -84,6 +84,54 @@ void describe_subject(struct json *j, const struct store_subject *s)
     json_flag(j, "disabled", s->disabled);
 }
 
+void describe_subject_row(struct json *j, const struct store_subject *s)
+{
+    describe_subject(j, s);
+    json_number(j, "templates", s->templates);
+    json_number(j, "quality", s->quality);
+}
+
+void describe_attempts(struct json *j, const struct store_worst *a)
+{
+    json_object(j, "attempts");
+    json_number(j, "failures", a->failures);
+    text_or_null(j, "locked_until", a->until);
+    json_close(j);
+}
+
+void describe_scopes(struct json *j, unsigned scopes)
+{
+    char name[STORE_SCOPES_MAX];
+
+    json_array(j, "scopes");
+    for (unsigned bit = 1; bit <= STORE_SCOPE_ALL; bit <<= 1)
+        if (scopes & bit) {
+            rows_scopes_write(bit, name);
+            json_text(j, NULL, name);
+        }
+    json_close(j);
+}
+
+void describe_token(struct json *j, const struct store_token *t, const char *secret)
+{
+    json_text(j, "id", t->id);
+    json_text(j, "name", t->name);
+    describe_scopes(j, t->scopes);
+    json_text(j, "created", t->created);
+    text_or_null(j, "expires_at", t->expires);
+    text_or_null(j, "last_used", t->used);
+    text_or_null(j, "old_secret_until", t->old_until);
+    text_or_null(j, "revoked_at", t->revoked);
+    json_text(j, "state", describe_token_state(t));
+    if (secret != NULL)
+        json_text(j, "secret", secret);
+}
+
+const char *describe_token_state(const struct store_token *t)
+{
+    return t->revoked[0] != '\0' ? "revoked" : t->expired ? "expired" : "valid";
+}
+
 void describe_receipt(struct json *j, const struct store_receipt *r)
 {
     json_text(j, "subject", r->subject);
@@ -245,7 +293,6 @@ static void qualities(struct json *j, const struct describe_comparison *c)
 
 void describe_calibration(struct json *j, const struct surface_calibration *c)
 {
-    json_object(j, "calibration");
     json_number(j, "threshold", c->threshold);
     json_array(j, "knots");
     for (uint32_t i = 0; i < c->n; i++) {
@@ -254,7 +301,6 @@ void describe_calibration(struct json *j, const struct surface_calibration *c)
         json_rate(j, "rate", c->knot[i].rate);
         json_close(j);
     }
-    json_close(j);
     json_close(j);
 }
 

@@ -14,6 +14,8 @@ struct sample_found;     /* sample.h */
 struct store_receipt;    /* store.h */
 struct store_subject;    /* store.h */
 struct store_template;   /* store.h */
+struct store_token;      /* store.h */
+struct store_worst;      /* store.h */
 struct dry_run;          /* dry_run.h */
 
 /* describe_quality(j, key, q, face): an object; face: of the scan, for the reasons; NULL: it is
@@ -27,6 +29,17 @@ void describe_scan(struct json *j, const char *key, const struct sample_found *f
 
 /* describe_subject(j, s): everything but its templates. */
 void describe_subject(struct json *j, const struct store_subject *s);
+
+/* describe_subject_row(j, s): the same in a list of store_subject_search().
+ * describe_attempts(j, a): of a subject; an object. */
+void describe_subject_row(struct json *j, const struct store_subject *s);
+void describe_attempts(struct json *j, const struct store_worst *a);
+
+/* describe_scopes(j, scopes): an array of their names.
+ * describe_token(j, t, secret): secret: a new one, which is shown this once; NULL: left out. */
+void describe_scopes(struct json *j, unsigned scopes);
+void describe_token(struct json *j, const struct store_token *t, const char *secret);
+const char *describe_token_state(const struct store_token *t);
 
 /* describe_receipt(j, r): of an erasure, in full. */
 void describe_receipt(struct json *j, const struct store_receipt *r);
@@ -72,7 +85,7 @@ struct describe_comparison {
 void describe_comparison(struct json *j, const struct describe_comparison *c);
 
 /* describe_calibration(j, c): the threshold, and the share of other people's scores at or above
- * each of some scores. */
+ * each of some scores, as members. */
 void describe_calibration(struct json *j, const struct surface_calibration *c);
 
 /* describe_cells(j, p): what each cell added to the score, by rows from the lower left, and where

@@ -138,6 +138,8 @@ static enum status record(struct templates_context *c, struct verification *v,
         .kind = "verify",
         .template_id = r->other != NULL ? "" : v->templates.of.t[v->best.index].id,
         .outcome = outcome,
+        .decision = templates_decision(decision),
+        .score = v->best.result.score,
         .probe = decision == SURFACE_MATCH ? &probe : NULL,
         .limits = limits};
     enum status st = not_stopped(r, e);

@@ -199,7 +199,6 @@ static enum status import_subject(void *arg, struct log_txn *from,
 static enum status import_all(struct importing *m, struct store *archive,
                               struct errinfo *e)
 {
-    const struct log_filter erased = {.kind = "delete_subject"};
     struct log_txn from;
     bool whole;
     enum status st = log_has(m->to, &(struct log_end){.seq = 0}, &whole, e);
@@ -209,7 +208,7 @@ static enum status import_all(struct importing *m, struct store *archive,
                          "the change log is not as it was written: see surfacectl audit "
                          "verify; nothing was imported");
     if (st == ST_OK)
-        st = log_list(m->to->sql, LOG_CHANGES, &erased, &m->erased, &m->nerased, e);
+        st = log_list(m->to->sql, "delete_subject", 0, &m->erased, &m->nerased, e);
     if (st == ST_OK && (st = store_begin(archive, SQL_READ, &from, e)) == ST_OK)
         st = store_end(archive, &from, admin_each(&from, import_subject, m, e), e);
     free(m->erased);

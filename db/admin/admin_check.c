@@ -225,7 +225,7 @@ enum status admin_verify(struct store *s, bool decode, struct admin_copied *foun
         return st;
     if (first.code != ST_OK)
         return errinfo_set(e, ST_ECORRUPT, "%s", first.msg);
-    if ((st = store_stats(s, &stats, e)) == ST_OK)
+    if ((st = store_stats(s, false, &stats, e)) == ST_OK)
         *found = (struct admin_copied){stats.subjects, stats.templates, stats.events,
                                        stats.file_bytes};
     return st;

@@ -199,7 +199,10 @@ enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
         return st;
     if (!same)
         return errinfo_set(e, ST_EREFUSED, "%s", rows_digest_problem);
-    if ((st = copy_plain(from, to,
+    if ((st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
+                         "INSERT INTO days (day, decision, bins) VALUES ($1, $2, $3)", 3,
+                         e)) != ST_OK ||
+        (st = copy_plain(from, to,
                          "SELECT s.uid, a.token, a.failures, a.at_ms "
                          "FROM attempts a JOIN subjects s USING (subject_key)",
                          "INSERT INTO attempts (subject_key, token, failures, at_ms) "

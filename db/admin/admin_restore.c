@@ -162,7 +162,6 @@ static enum status open_backup(struct restoring *r, struct errinfo *e)
 
 static enum status relate(struct restoring *r, struct errinfo *e)
 {
-    struct log_filter after = {.after = r->end.seq};
     struct store_stats stats;
     struct log_end end, to = r->end;
     struct log_txn t;
@@ -176,11 +175,11 @@ static enum status relate(struct restoring *r, struct errinfo *e)
         return st;
     end = t.changes;
     if ((st = log_has(&t, &r->end, &goes_on, e)) == ST_OK && goes_on)
-        st = log_list(t.sql, LOG_CHANGES, &after, &r->since, &r->n, e);
+        st = log_list(t.sql, NULL, r->end.seq, &r->since, &r->n, e);
     for (size_t i = 0; i < r->n && goes_on; i++) /* also what was read just now */
         goes_on = log_follows(t.crypt, &to, &r->since[i]);
     if ((st = store_end(r->held, &t, st, e)) != ST_OK ||
-        (st = store_stats(r->held, &stats, e)) != ST_OK)
+        (st = store_stats(r->held, false, &stats, e)) != ST_OK)
         return st;
     r->out->had_subjects = stats.subjects;
     r->out->had_templates = stats.templates;
@@ -217,9 +216,9 @@ static enum status revoke_again(struct restoring *r, struct log_txn *to, const c
     struct rows_token one;
     enum status st = rows_token_get(to, id, &one, e);
 
-    if (st != ST_OK || one.token.revoked)
+    if (st != ST_OK || one.token.revoked[0] != '\0')
         return st == ST_ENOTFOUND ? ST_OK : st;
-    memcpy(one.revoked, r->by.at, sizeof one.revoked);
+    memcpy(one.token.revoked, r->by.at, sizeof r->by.at);
     if ((st = rows_token_write(to, &one, e)) != ST_OK)
         return st;
     r->out->revoked++;

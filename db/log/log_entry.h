@@ -54,15 +54,6 @@ struct log_entry {
     unsigned char signature[CRYPT_SIGN];
 };
 
-struct log_filter {           /* of a log's entries; all zero: everything */
-    uint64_t after;           /* greater numbers alone */
-    uint64_t limit;           /* 0: as many as there are */
-    bool newest;              /* the last ones of them, else the first */
-    const unsigned char *uid; /* of the subject */
-    const char *kind;
-    const char *since; /* RFC 3339, or its beginning */
-};
-
 /* Kinds of changes with a meaning of their own: a request for a signed entry; an export, which
  * ends with a signed entry; the oldest accesses were cut off, up to the one that outcome numbers
  * and whose hash object is, in hexadecimal; one at least is left. */

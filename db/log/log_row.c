@@ -70,39 +70,47 @@ static enum status read_row(void *log, const struct sql_rows *r, void *out,
                        log_word(*name));
 }
 
-#define WANTED                                                                           \
-    " WHERE seq > $1 AND uid = coalesce($2, uid) AND kind = coalesce($3, kind) "         \
-    "AND at >= coalesce($4, at) ORDER BY seq"
-
-static const char *query(enum log_name log, bool newest)
-{
-    if (log == LOG_CHANGES)
-        return newest ? "SELECT * FROM (SELECT " LOG_ROW_CHANGE " FROM change_log" WANTED
-                        " DESC LIMIT $5) AS newest ORDER BY seq"
-                      : "SELECT " LOG_ROW_CHANGE " FROM change_log" WANTED " LIMIT $5";
-    return newest ? "SELECT * FROM (SELECT " LOG_ROW_ACCESS " FROM access_log" WANTED
-                    " DESC LIMIT $5) AS newest ORDER BY seq"
-                  : "SELECT " LOG_ROW_ACCESS " FROM access_log" WANTED " LIMIT $5";
-}
-
 static int64_t bounded(uint64_t v)
 {
     return v < INT64_MAX ? (int64_t)v : INT64_MAX;
 }
 
-enum status log_list(struct sql_txn *t, enum log_name log, const struct log_filter *f,
+enum status log_rows(struct sql_txn *t, enum log_name log, bool newest, uint64_t from,
+                     struct sql_rows **out, struct errinfo *e)
+{
+#define ROWS(columns, table)                                                             \
+    {                                                                                    \
+        "SELECT " columns " FROM " table " WHERE seq > $1 ORDER BY seq",                 \
+            "SELECT " columns " FROM " table " WHERE seq < $1 ORDER BY seq DESC"         \
+    }
+    static const char *const text[LOGS][2] = {
+        [LOG_CHANGES] = ROWS(LOG_ROW_CHANGE, "change_log"),
+        [LOG_ACCESSES] = ROWS(LOG_ROW_ACCESS, "access_log")};
+#undef ROWS
+
+    return sql_stream(
+        t, text[log][newest],
+        SQL_VALUES(sql_int(newest && from == 0 ? INT64_MAX : bounded(from))), 1, out, e);
+}
+
+enum status log_rows_next(struct sql_rows *r, enum log_name log, struct log_entry *out,
+                          bool *there, struct errinfo *e)
+{
+    *there = sql_next(r);
+    return *there ? read_row(&log, r, out, e) : ST_OK;
+}
+
+enum status log_list(struct sql_txn *t, const char *kind, uint64_t after,
                      struct log_entry **out, size_t *n, struct errinfo *e)
 {
-    const struct sql_value v[] = {
-        sql_int(bounded(f->after)),
-        f->uid != NULL ? sql_blob(f->uid, LOG_UID) : sql_null(),
-        sql_text_or_null(f->kind != NULL ? f->kind : ""),
-        sql_text_or_null(f->since != NULL ? f->since : ""),
-        sql_int(f->limit != 0 ? bounded(f->limit) : INT64_MAX),
-    };
+    enum log_name log = LOG_CHANGES;
     struct sql_rows *r;
     void *list = NULL;
-    enum status st = sql_query(t, query(log, f->newest), v, sizeof v / sizeof *v, &r, e);
+    enum status st =
+        SQL_QUERY(t, &r, e,
+                  "SELECT " LOG_ROW_CHANGE " FROM change_log WHERE seq > $1 "
+                  "AND kind = coalesce($2, kind) ORDER BY seq",
+                  sql_int(bounded(after)), kind != NULL ? sql_text(kind) : sql_null());
 
     st = sql_read_list(r, st, read_row, &log, sizeof **out, &list, n, e);
     *out = list;

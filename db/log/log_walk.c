@@ -127,6 +127,8 @@ void log_walk_damaged(struct log_walk *w, uint64_t seq)
 void log_walk_accesses(struct log_walk *w)
 {
     end_run(w);
+    w->changes = w->entries;
+    w->head = w->at;
     w->log = LOG_ACCESSES;
     w->at = w->trimmed;
     w->lost = false;

@@ -16,8 +16,10 @@ struct log_walk {
     struct log_end accesses;         /* the end of the accesses by the last change */
     struct log_end trimmed;          /* what the accesses follow, by the last trim */
     uint64_t entries, problems;      /* walked, reported */
-    uint64_t checkpoints;            /* with a signature of the key */
-    uint64_t signed_to;              /* the last of them, 0: none */
+    uint64_t changes;                /* of the entries, and the last of them: */
+    struct log_end head;
+    uint64_t checkpoints;    /* with a signature of the key */
+    uint64_t signed_to;      /* the last of them, 0: none */
     uint64_t bad;            /* the first of the entries that are wrong just now */
     bool lost;               /* what came before is missing */
     enum log_name first_log; /* of the least entry that a problem is about, */

@@ -124,6 +124,24 @@ enum status rows_attempts_revoke(struct log_txn *t, const char *token, struct er
     return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE token = $1", sql_text(token));
 }
 
+enum status rows_attempts_each(struct log_txn *t, const struct store_subject *subject,
+                               enum status (*visit)(void *arg, const char *token,
+                                                    struct errinfo *e),
+                               void *arg, struct errinfo *e)
+{
+    const struct store_attempts of = {.failures = 0};
+    char token[STORE_NAME_MAX + 1];
+    struct sql_rows *r;
+    enum status st =
+        SQL_QUERY(t->sql, &r, e, "SELECT token FROM attempts WHERE subject_key = $1",
+                  sql_int(subject->key));
+
+    while (st == ST_OK && sql_next(r))
+        st = sql_read_text(r, 0, token, sizeof token) ? visit(arg, token, e)
+                                                      : damaged(&of, e);
+    return sql_done(r, st, e);
+}
+
 struct listing {
     struct log_txn *t;
     int64_t now;

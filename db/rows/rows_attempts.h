@@ -30,6 +30,13 @@ enum status rows_attempts_clear(struct log_txn *t, const struct store_subject *s
                                 struct errinfo *e);
 enum status rows_attempts_revoke(struct log_txn *t, const char *token, struct errinfo *e);
 
+/* rows_attempts_each(t, subject, visit, arg, e): visit() each token that has failed for the subject;
+ * it may call rows_attempts_get(). */
+enum status rows_attempts_each(struct log_txn *t, const struct store_subject *subject,
+                               enum status (*visit)(void *arg, const char *token,
+                                                    struct errinfo *e),
+                               void *arg, struct errinfo *e);
+
 /* rows_attempts_list(t, now, out, n, e): in the order of the subjects' creation; released by
  * free(). */
 enum status rows_attempts_list(struct log_txn *t, int64_t now,

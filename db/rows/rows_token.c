@@ -20,7 +20,7 @@ static const struct sql_field columns[COL_MAC] = {
     F(TEXT, token.name),
     F(BYTES, hash),
     F(TEXT, token.created),
-    F(TEXT_OR_NULL, revoked),
+    F(TEXT_OR_NULL, token.revoked),
     F(TEXT, scopes),
     F(TEXT_OR_NULL, token.expires),
     F(BYTES_OR_NULL, old_hash),
@@ -34,7 +34,6 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
     struct store_token *k = &one->token;
 
     (void)t;
-    k->revoked = one->revoked[0] != '\0';
     (void)sql_read_text(r, col + COL_USED, k->used,
                         sizeof k->used); /* not authenticated */
     return ident_id_valid(k->id) && rows_scopes_read(one->scopes, &k->scopes);

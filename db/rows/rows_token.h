@@ -10,7 +10,6 @@ struct
     rows_token { /* a row as it was read and found authentic; token.expired is not set */
     struct store_token token;
     unsigned char hash[ROWS_TOKEN_HASH], old_hash[ROWS_TOKEN_HASH];
-    char revoked[32];              /* when; "": it was not */
     char scopes[STORE_SCOPES_MAX]; /* set when the row is written */
     int64_t revision;
     unsigned char mac[CRYPT_HASH];

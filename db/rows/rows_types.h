@@ -49,6 +49,7 @@ struct store_subject {
     /* as of when it was read; set by store_subject_get() and store_snapshot_begin() */
     bool expired;
     uint32_t templates;
+    double quality; /* of the best template, by store_subject_search() alone; NAN: none */
 };
 
 struct store_subject_change {        /* what is NULL stays as it is */
@@ -84,8 +85,21 @@ struct store_token {
     char expires[32];   /* "": never */
     char used[32];      /* last, within a minute; "": never */
     char old_until[32]; /* what the secret before the last rotation is good for; "": no */
-    bool revoked;
-    bool expired; /* as of when it was read */
+    char revoked[32];   /* when; "": it was not */
+    bool expired;       /* as of when it was read */
+};
+
+/* How many verifications of a day (UTC) were decided so, by their score: from STORE_DAY_FROM on,
+ * STORE_DAY_STEP each; the first and the last have what lies beyond, too. */
+#define STORE_DAY      10 /* bytes, "2026-11-27" */
+#define STORE_DAYS     180
+#define STORE_DAY_BINS 64
+#define STORE_DAY_FROM (-40.0)
+#define STORE_DAY_STEP 2.0
+struct store_day {
+    char day[STORE_DAY + 1];
+    char decision[16];
+    uint32_t bin[STORE_DAY_BINS];
 };
 
 /* Called once a problem, with a line of text. */

@@ -534,9 +534,13 @@ enum status sql_postgres_conn_run(struct sql_txn *t, const char *text,
                                   const struct sql_value *value, size_t n, bool one,
                                   struct errinfo *e)
 {
-    unpark_all((struct sql_postgres_conn *)t); /* they do not see it */
-    return post((struct sql_postgres_conn *)t, text, value, n,
-                one ? SQL_POSTGRES_RUN_ONE : SQL_POSTGRES_RUN, NULL, e);
+    struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
+
+    if (c->ahead)
+        return errinfo_set(e, ST_EINTERNAL, "a change while queries are sent ahead");
+    unpark_all(c); /* they do not see it */
+    return post(c, text, value, n, one ? SQL_POSTGRES_RUN_ONE : SQL_POSTGRES_RUN, NULL,
+                e);
 }
 
 enum status sql_postgres_conn_changed(struct sql_txn *t, uint64_t *n, struct errinfo *e)

@@ -1,14 +1,19 @@
 #include "health.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "app.h"
+#include "cache.h"
 #include "in_force.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "json.h"
+#include "metrics.h"
+#include "queue.h"
 #include "request.h"
+#include "stats.h"
 #include "store.h"
 
 /* The part of the reason that is public; the log has all of it. */
@@ -59,13 +64,64 @@ void health_ready(struct request *r, struct worker *w)
     }
 }
 
+/* "surfaced/VERSION measure/N model/HHHHHHHH" */
+static void version_of(const struct store *s, char out[32])
+{
+    const char *from = strchr(store_made_by(s), '/') + 1;
+
+    (void)snprintf(out, 32, "%.*s", (int)strcspn(from, " "), from);
+}
+
 void health_version(struct request *r, struct worker *w)
 {
-    /* "surfaced/VERSION measure/N model/HHHHHHHH" */
-    const char *from = strchr(store_made_by(r->app->store), '/') + 1;
-    char version[32] = "";
+    char version[32];
 
     (void)w;
-    memcpy(version, from, strcspn(from, " "));
+    version_of(r->app->store, version);
     respond(r, "version", version);
+}
+
+static void describe_daemon(struct json *j, struct app *app)
+{
+    char version[32];
+    struct cache_state c;
+    struct queue_state q;
+
+    version_of(app->store, version);
+    json_text(j, "version", version);
+    cache_look(app->cache, &c);
+    json_object(j, "cache");
+    json_number(j, "bytes", (double)c.bytes);
+    json_number(j, "limit", (double)c.limit);
+    json_number(j, "entries", (double)c.entries);
+    json_number(j, "hits", (double)c.hits);
+    json_number(j, "misses", (double)c.misses);
+    json_number(j, "evictions", (double)c.evictions);
+    json_close(j);
+    queue_look(app->queue, &q);
+    json_object(j, "queue");
+    json_number(j, "waiting", q.waiting);
+    json_number(j, "running", q.running);
+    json_number(j, "served", (double)q.served);
+    json_close(j);
+    metrics_describe(app->metrics, j);
+}
+
+void health_stats(struct request *r, struct worker *w)
+{
+    struct store_day *days = NULL;
+    struct json *j = json_new();
+    struct errinfo e = {0};
+    size_t n = 0;
+
+    (void)w;
+    if (store_days(r->app->store, &days, &n, &e) == ST_OK &&
+        stats_describe(j, r->app->store, days, n, &e) == ST_OK) {
+        describe_daemon(j, r->app);
+        request_respond(r, 200, json_compact(j));
+    } else {
+        json_discard(j);
+        request_fail(r, &e);
+    }
+    free(days);
 }

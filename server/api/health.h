@@ -12,7 +12,9 @@ void health_live(struct request *r, struct worker *w);
  * through the queue like any other request, so that 200 means that a worker has served it. */
 void health_ready(struct request *r, struct worker *w);
 
-/* health_version(r, w): the program's version. */
+/* health_version(r, w): the program's version.
+ * health_stats(r, w): how daemon and database are. */
 void health_version(struct request *r, struct worker *w);
+void health_stats(struct request *r, struct worker *w);
 
 #endif

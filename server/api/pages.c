@@ -12,17 +12,27 @@
 #include "request.h"
 
 #include "console_api_js.h"
+#include "console_audit_js.h"
+#include "console_calibration_js.h"
 #include "console_console_js.h"
 #include "console_dom_js.h"
+#include "console_enroll_js.h"
 #include "console_glb_js.h"
+#include "console_health_js.h"
 #include "console_icon_svg.h"
 #include "console_index_html.h"
 #include "console_live_js.h"
+#include "console_people_js.h"
+#include "console_person_js.h"
+#include "console_slot_js.h"
 #include "console_stage_js.h"
 #include "console_style_css.h"
+#include "console_tokens_js.h"
 #include "console_try_js.h"
 #include "console_verdict_js.h"
 #include "console_view_js.h"
+#include "console_widgets_js.h"
+#include "console_words_js.h"
 #include "docs_css.h"
 #include "docs_html.h"
 #include "docs_js.h"
@@ -62,14 +72,24 @@ static struct page {
     PAGE("/console/style.css", CSS, console_style_css),
     PAGE("/console/icon.svg", "image/svg+xml", console_icon_svg),
     PAGE("/console/api.js", JAVASCRIPT, console_api_js),
+    PAGE("/console/audit.js", JAVASCRIPT, console_audit_js),
+    PAGE("/console/calibration.js", JAVASCRIPT, console_calibration_js),
     PAGE("/console/console.js", JAVASCRIPT, console_console_js),
     PAGE("/console/dom.js", JAVASCRIPT, console_dom_js),
+    PAGE("/console/enroll.js", JAVASCRIPT, console_enroll_js),
     PAGE("/console/glb.js", JAVASCRIPT, console_glb_js),
+    PAGE("/console/health.js", JAVASCRIPT, console_health_js),
     PAGE("/console/live.js", JAVASCRIPT, console_live_js),
+    PAGE("/console/people.js", JAVASCRIPT, console_people_js),
+    PAGE("/console/person.js", JAVASCRIPT, console_person_js),
+    PAGE("/console/slot.js", JAVASCRIPT, console_slot_js),
     PAGE("/console/stage.js", JAVASCRIPT, console_stage_js),
+    PAGE("/console/tokens.js", JAVASCRIPT, console_tokens_js),
     PAGE("/console/try.js", JAVASCRIPT, console_try_js),
     PAGE("/console/verdict.js", JAVASCRIPT, console_verdict_js),
     PAGE("/console/view.js", JAVASCRIPT, console_view_js),
+    PAGE("/console/widgets.js", JAVASCRIPT, console_widgets_js),
+    PAGE("/console/words.js", JAVASCRIPT, console_words_js),
     PAGE("/console/one.ply", "model/ply", sample_one_ply),
     PAGE("/console/one-again.ply", "model/ply", sample_one_again_ply),
     PAGE("/console/one-glasses.ply", "model/ply", sample_one_glasses_ply),

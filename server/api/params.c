@@ -155,6 +155,17 @@ bool params_format(struct request *r, bool *ply)
     return false;
 }
 
+bool params_text(struct request *r, const char *name, char *out, size_t size)
+{
+    bool there;
+
+    if (get(r, name, out, size, &there) && (!there || out[0] != '\0'))
+        return true;
+    request_problem(r, ERRMAP_PARAMETER, "%s is not a text of 1 to %zu bytes", name,
+                    size - 1);
+    return false;
+}
+
 bool params_count(struct request *r, const char *name, size_t max, size_t *out)
 {
     char buf[16], *end;

@@ -31,6 +31,9 @@ bool params_surface(struct request *r, bool *out);
 /* params_format(r, ply): format=glb|ply. */
 bool params_format(struct request *r, bool *ply);
 
+/* params_text(r, name, out, size): 1 to size - 1 bytes, decoded. */
+bool params_text(struct request *r, const char *name, char *out, size_t size);
+
 /* params_count(r, name, max, out): an integer from 1 to max. */
 bool params_count(struct request *r, const char *name, size_t max, size_t *out);
 

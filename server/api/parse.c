@@ -6,6 +6,7 @@
 #include "errinfo.h"
 #include "json.h"
 #include "request.h"
+#include "utc.h"
 
 /* ---- clouds */
 
@@ -108,6 +109,82 @@ enum status parse_newcomer(const char *text, size_t len, struct store_subject *o
     (void)take_text(doc, "consent", out->reference, sizeof out->reference, &st, e);
     (void)take_text(doc, "purpose", out->purpose, sizeof out->purpose, &st, e);
     (void)take_text(doc, "expires_at", out->expires, sizeof out->expires, &st, e);
+    json_free(doc);
+    return st;
+}
+
+/* ---- tokens */
+
+static enum status take_scopes(const struct json_value *list, unsigned *out,
+                               struct errinfo *e)
+{
+    *out = 0;
+    if (!json_is_array(list))
+        return errinfo_set(e, ST_EINVAL, "scopes is not an array");
+    for (const struct json_value *v = json_first(list); v != NULL; v = json_next(v)) {
+        const char *word = json_get_text(v);
+        unsigned one;
+
+        if (word == NULL || strchr(word, ',') != NULL || !rows_scopes_read(word, &one))
+            return errinfo_set(e, ST_EINVAL, "scopes has %.40s, which is none",
+                               word != NULL ? word : "what is no text");
+        *out |= one;
+    }
+    return *out != 0 ? ST_OK : errinfo_set(e, ST_EINVAL, "scopes is empty");
+}
+
+static enum status take_life(const char *end, int64_t *life_s, struct errinfo *e)
+{
+    int64_t now, ms;
+
+    *life_s = end == NULL ? STORE_TOKEN_LIFE_S : 0;
+    if (end == NULL || end[0] == '\0')
+        return ST_OK;
+    if (!utc_now(&now) || !utc_read_end(end, &ms))
+        return errinfo_set(e, ST_EINVAL,
+                           "expires_at must be a time such as 2027-01-31T14:30:00Z, or a "
+                           "day, 2027-01-31, at whose end (UTC) it ends");
+    *life_s = (ms - now) / 1000;
+    return *life_s > 0
+               ? ST_OK
+               : errinfo_set(e, ST_EINVAL, "expires_at %.40s is in the past", end);
+}
+
+enum status parse_token(const char *text, size_t len, struct parse_token *out,
+                        struct errinfo *e)
+{
+    static const char *const known[] = {"name", "scopes", "expires_at", NULL};
+    char end[PARSE_TEXT_MAX];
+    struct json_value *doc;
+    enum status st = read_object(text, len, known, &doc, e);
+    const char *name, *until;
+
+    memset(out, 0, sizeof *out);
+    name = take_text(doc, "name", out->name, sizeof out->name, &st, e);
+    until = take_text(doc, "expires_at", end, sizeof end, &st, e);
+    if (st == ST_OK && name == NULL)
+        st = errinfo_set(e, ST_EINVAL, "name is missing");
+    if (st == ST_OK)
+        st = take_scopes(json_member(doc, "scopes"), &out->scopes, e);
+    if (st == ST_OK)
+        st = take_life(until, &out->life_s, e);
+    json_free(doc);
+    return st;
+}
+
+enum status parse_rotation(const char *text, size_t len, int64_t *grace_s,
+                           struct errinfo *e)
+{
+    static const char *const known[] = {"grace_s", NULL};
+    const struct json_value *v;
+    struct json_value *doc;
+    uint64_t s = 0;
+    enum status st = read_object(text, len, known, &doc, e);
+
+    if (st == ST_OK && (v = json_member(doc, "grace_s")) != NULL &&
+        !json_get_count(v, &s))
+        st = errinfo_set(e, ST_EINVAL, "grace_s is not a number of seconds");
+    *grace_s = (int64_t)s;
     json_free(doc);
     return st;
 }

@@ -18,6 +18,19 @@ enum status parse_clouds(const char *text, size_t len, const struct cloudfile_op
 
 #define PARSE_TEXT_MAX 256
 
+struct parse_token { /* to be made */
+    char name[STORE_NAME_MAX + 1];
+    unsigned scopes;
+    int64_t life_s; /* 0: for ever */
+};
+
+/* parse_token(text, len, out, e): {"name", "scopes": [...]} and expires_at, which may be null (for
+ * ever) or missing (the usual life).  parse_rotation(text, len, grace_s, e): {} or {"grace_s"}. */
+enum status parse_token(const char *text, size_t len, struct parse_token *out,
+                        struct errinfo *e);
+enum status parse_rotation(const char *text, size_t len, int64_t *grace_s,
+                           struct errinfo *e);
+
 struct parse_change {
     struct store_subject_change what; /* points into the rest, which is not to be moved */
     char consent[PARSE_TEXT_MAX], purpose[PARSE_TEXT_MAX], expires[PARSE_TEXT_MAX];

@@ -5,6 +5,7 @@
 #include "enroll.h"
 #include "health.h"
 #include "live.h"
+#include "logs.h"
 #include "metrics.h"
 #include "pages.h"
 #include "route.h"
@@ -15,10 +16,12 @@
 
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
+#define TOKEN    "/v1/tokens/{token_id}"
 
 /* The query parameters of a cloud, and of a comparison with one. */
 #define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
 #define COMPARING CLOUD ", detail"
+#define AUDIT     "subject, kind, actor, since, until"
 
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
@@ -33,43 +36,60 @@ enum { /* who may: those whose token has the scope */
 };
 
 static const struct route table[] = {
-    {REQUEST_GET, "/healthz", ROUTE_NO_BODY, ANYBODY, "", health_live, true},
-    {REQUEST_GET, "/readyz", ROUTE_NO_BODY, ANYBODY, "", health_ready, false},
-    {REQUEST_GET, "/metrics", ROUTE_NO_BODY, ANYBODY, "", metrics_handle, true},
-    {REQUEST_GET, "/openapi.json", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
-    {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
-    {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
-    {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", pages_handle, true},
-    {REQUEST_GET, "/console", ROUTE_NO_BODY, ANYBODY, "", pages_console, true},
-    {REQUEST_GET, "/console/{file}", ROUTE_NO_BODY, ANYBODY, "", pages_console, true},
-    {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", health_version, true},
+    {REQUEST_GET, "/healthz", ROUTE_NO_BODY, ANYBODY, "", health_live, ROUTE_QUICK},
+    {REQUEST_GET, "/readyz", ROUTE_NO_BODY, ANYBODY, "", health_ready, ROUTE_WORKER},
+    {REQUEST_GET, "/metrics", ROUTE_NO_BODY, ANYBODY, "", metrics_handle, ROUTE_QUICK},
+    {REQUEST_GET, "/openapi.json", ROUTE_NO_BODY, ANYBODY, "", pages_handle, ROUTE_QUICK},
+    {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", pages_handle, ROUTE_QUICK},
+    {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", pages_handle,
+     ROUTE_QUICK},
+    {REQUEST_GET, "/docs/script.js", ROUTE_NO_BODY, ANYBODY, "", pages_handle,
+     ROUTE_QUICK},
+    {REQUEST_GET, "/console", ROUTE_NO_BODY, ANYBODY, "", pages_console, ROUTE_QUICK},
+    {REQUEST_GET, "/console/{file}", ROUTE_NO_BODY, ANYBODY, "", pages_console,
+     ROUTE_QUICK},
+    {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", health_version, ROUTE_QUICK},
     {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL, CLOUD ", label, force",
-     enroll_handle, false},
+     enroll_handle, ROUTE_WORKER},
     {REQUEST_POST, SUBJECT "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_subject,
-     false},
+     ROUTE_WORKER},
     {REQUEST_POST, TEMPLATE "/verify", ROUTE_CLOUD, VERIFY, COMPARING, compare_template,
-     false},
+     ROUTE_WORKER},
     {REQUEST_POST, "/v1/compare", ROUTE_PAIR, VERIFY, "units, axes, detail",
-     compare_scans, false},
+     compare_scans, ROUTE_WORKER},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
-     false},
+     ROUTE_WORKER},
     {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, MANAGE, "after, limit", live_recent,
-     false},
-    {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset, false},
-    {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, false},
-    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check, false},
-    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry, false},
-    {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "limit, cursor", subjects_list,
-     false},
-    {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, false},
-    {REQUEST_GET, SUBJECT, ROUTE_NO_BODY, READ, "", subjects_show, false},
-    {REQUEST_PATCH, SUBJECT, ROUTE_MERGE, MANAGE, "", subjects_change, false},
-    {REQUEST_DELETE, SUBJECT, ROUTE_NO_BODY, DELETE, "", subjects_delete, false},
-    {REQUEST_GET, TEMPLATE, ROUTE_NO_BODY, READ, "", subjects_template, false},
+     ROUTE_WORKER},
+    {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset,
+     ROUTE_WORKER},
+    {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, MANAGE, AUDIT ", before, after, limit",
+     logs_list, ROUTE_WORKER},
+    {REQUEST_POST, "/v1/audit/verify", ROUTE_NO_BODY, MANAGE, "", logs_verify,
+     ROUTE_SLOW},
+    {REQUEST_GET, "/v1/audit/export", ROUTE_NO_BODY, MANAGE, "format, " AUDIT,
+     logs_export, ROUTE_SLOW},
+    {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, ROUTE_WORKER},
+    {REQUEST_GET, "/v1/stats", ROUTE_NO_BODY, MANAGE, "", health_stats, ROUTE_WORKER},
+    {REQUEST_GET, "/v1/tokens", ROUTE_NO_BODY, MANAGE, "", tokens_list, ROUTE_WORKER},
+    {REQUEST_POST, "/v1/tokens", ROUTE_JSON, MANAGE, "", tokens_create, ROUTE_WORKER},
+    {REQUEST_DELETE, TOKEN, ROUTE_NO_BODY, MANAGE, "", tokens_revoke, ROUTE_WORKER},
+    {REQUEST_POST, TOKEN "/rotate", ROUTE_JSON, MANAGE, "", tokens_rotate, ROUTE_WORKER},
+    {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check,
+     ROUTE_WORKER},
+    {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry,
+     ROUTE_WORKER},
+    {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "q, state, limit, cursor",
+     subjects_list, ROUTE_WORKER},
+    {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, ROUTE_WORKER},
+    {REQUEST_GET, SUBJECT, ROUTE_NO_BODY, READ, "", subjects_show, ROUTE_WORKER},
+    {REQUEST_PATCH, SUBJECT, ROUTE_MERGE, MANAGE, "", subjects_change, ROUTE_WORKER},
+    {REQUEST_DELETE, SUBJECT, ROUTE_NO_BODY, DELETE, "", subjects_delete, ROUTE_WORKER},
+    {REQUEST_GET, TEMPLATE, ROUTE_NO_BODY, READ, "", subjects_template, ROUTE_WORKER},
     {REQUEST_GET, TEMPLATE "/surface", ROUTE_NO_BODY, DETAIL, "format", scans_template,
-     false},
+     ROUTE_WORKER},
     {REQUEST_DELETE, TEMPLATE, ROUTE_NO_BODY, DELETE, "", subjects_template_delete,
-     false},
+     ROUTE_WORKER},
 };
 
 const struct route *routes_table(size_t *n)

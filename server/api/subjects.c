@@ -32,12 +32,13 @@ static char *write_template(const struct store_template *t, bool how)
     return json_compact(j);
 }
 
-static char *write_subject(const struct store_subject *s, const struct store_template *t,
-                           size_t n, bool how)
+static char *write_subject(const struct store_subject *s, const struct store_worst *a,
+                           const struct store_template *t, size_t n, bool how)
 {
     struct json *j = json_new();
 
     describe_subject(j, s);
+    describe_attempts(j, a);
     json_array(j, "templates");
     for (size_t i = 0; i < n; i++) {
         json_object(j, NULL);
@@ -47,7 +48,8 @@ static char *write_subject(const struct store_subject *s, const struct store_tem
     return json_compact(j);
 }
 
-static char *write_subjects(const struct store_subject *s, size_t n, bool more)
+/* next: the last key that was looked at; 0: there are no more. */
+static char *write_subjects(const struct store_subject *s, size_t n, int64_t next)
 {
     struct json *j = json_new();
     char cursor[24] = "";
@@ -55,15 +57,12 @@ static char *write_subjects(const struct store_subject *s, size_t n, bool more)
     json_array(j, "subjects");
     for (size_t i = 0; i < n; i++) {
         json_object(j, NULL);
-        json_text(j, "subject", s[i].id);
-        json_text(j, "created", s[i].created);
-        json_number(j, "templates", s[i].templates);
+        describe_subject_row(j, &s[i]);
         json_close(j);
     }
     json_close(j);
-    if (more && n > 0)
-        (void)snprintf(cursor, sizeof cursor, "%lld", (long long)s[n - 1].key);
-    json_text(j, "next_cursor", cursor[0] != '\0' ? cursor : NULL);
+    (void)snprintf(cursor, sizeof cursor, "%lld", (long long)next);
+    json_text(j, "next_cursor", next != 0 ? cursor : NULL);
     return json_compact(j);
 }
 
@@ -89,29 +88,32 @@ static enum status read_cursor(const char *text, int64_t *after)
 
 void subjects_list(struct request *r, struct worker *w)
 {
-    char cursor[SUBJECTS_CURSOR];
+    char cursor[SUBJECTS_CURSOR], part[STORE_SUBJECT_MAX + 1] = "", state[16] = "";
+    struct store_search what = {.part = part, .limit = PAGE_DEFAULT};
     struct store_subject *s = NULL;
     struct errinfo e = {0};
-    size_t n = 0, limit = PAGE_DEFAULT;
-    int64_t after = 0;
-    enum status st = request_query(r, "cursor", cursor, sizeof cursor);
+    enum status st;
+    size_t n = 0;
+    int64_t next;
 
     (void)w;
-    if (st == ST_OK)
-        st = read_cursor(cursor, &after);
-    if (st != ST_OK && st != ST_ENOTFOUND) {
+    if (!params_text(r, "q", part, sizeof part) ||
+        !params_text(r, "state", state, sizeof state) ||
+        !params_count(r, "limit", PAGE_MAX, &what.limit))
+        return;
+    st = request_query(r, "cursor", cursor, sizeof cursor);
+    if ((st != ST_OK && st != ST_ENOTFOUND) || read_cursor(cursor, &what.after) != ST_OK)
         request_problem(r, ERRMAP_PARAMETER,
                         "cursor must be the next_cursor of an "
                         "earlier response");
-        return;
-    }
-    if (!params_count(r, "limit", PAGE_MAX, &limit))
-        return;
-    /* One more than asked for tells whether another page follows. */
-    if (store_subject_list(r->app->store, after, limit + 1, &s, &n, &e) != ST_OK)
+    else if (state[0] != '\0' && !store_subject_state(state, &what.state))
+        request_problem(
+            r, ERRMAP_PARAMETER,
+            "state must be active, disabled, hold, expired or ending, not '%s'", state);
+    else if (store_subject_search(r->app->store, &what, &s, &n, &next, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_respond(r, 200, write_subjects(s, n > limit ? limit : n, n > limit));
+        request_respond(r, 200, write_subjects(s, n, next));
     free(s);
 }
 
@@ -120,14 +122,17 @@ static void show(struct request *r, void (*respond)(struct request *, int, char 
 {
     struct store_subject s;
     struct store_template *t = NULL;
+    struct store_worst a;
     struct errinfo e = {0};
     size_t n = 0;
 
     if (store_subject_get(r->app->store, r->subject, &s, &e) != ST_OK ||
+        store_attempts_worst(r->app->store, r->subject, &r->app->limits, &a, &e) !=
+            ST_OK ||
         store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        respond(r, 200, write_subject(&s, t, n, auth_exact(r)));
+        respond(r, 200, write_subject(&s, &a, t, n, auth_exact(r)));
     free(t);
 }
 
@@ -154,7 +159,8 @@ void subjects_add(struct request *r, struct worker *w)
         request_fail(r, &e);
         return;
     }
-    request_written(r, 201, write_subject(&s, NULL, 0, false));
+    request_written(
+        r, 201, write_subject(&s, &(struct store_worst){.failures = 0}, NULL, 0, false));
     if (r->response.http == 201)
         (void)snprintf(r->response.location, sizeof r->response.location,
                        "/v1/subjects/%s", s.id);

@@ -16,6 +16,12 @@ export const url = (path) => new URL(`..${path}`, import.meta.url).href;
 
 export const setToken = (text) => (token = text);
 
+/** "?a=1&b=2" of what is not empty, or "". */
+export function query(of) {
+  const given = Object.entries(of).filter(([, value]) => value !== "" && value != null);
+  return given.length ? `?${new URLSearchParams(given)}` : "";
+}
+
 /** The response's JSON, or with binary its bytes (ArrayBuffer) if it is none; of what failed a Refusal.  body: a
  *  FormData or File as it is, anything else as JSON.  stop: an AbortSignal. */
 export async function request(method, path, { body, binary, stop, headers = {} } = {}) {
@@ -41,6 +47,20 @@ export async function request(method, path, { body, binary, stop, headers = {} }
   }
   if (binary && response.headers.get("Content-Type") !== "application/json") return response.arrayBuffer();
   return response.status === 204 ? null : response.json();
+}
+
+/** Calls act() now and every so many ms, but while nobody sees the page; until what it returns is called. */
+export function repeat(ms, act) {
+  let timer = 0, done = false;
+  async function next() {
+    if (!document.hidden) await act();
+    if (!done) timer = setTimeout(next, ms);
+  }
+  next();
+  return () => {
+    done = true;
+    clearTimeout(timer);
+  };
 }
 
 export const get = (path, options) => request("GET", path, options);

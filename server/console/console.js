@@ -2,15 +2,16 @@
 
 import { get, setToken } from "./api.js";
 import { el, icon } from "./dom.js";
-import * as livePage from "./live.js";
-import * as tryPage from "./try.js";
 
 const IDLE_MS = 15 * 60 * 1000;
 
-/** Who has one of the scopes sees the page. */
+/** Who has one of the scopes sees the page, which is the module of its name: loaded once it is opened. */
 const PAGES = [
-  { name: "try", title: "Try", icon: "face", scopes: ["verify", "enroll", "identify"], page: tryPage },
-  { name: "live", title: "Live", icon: "live", scopes: ["manage"], page: livePage },
+  { name: "try", title: "Try", icon: "face", scopes: ["verify", "enroll", "identify"] },
+  { name: "live", title: "Live", icon: "live", scopes: ["manage"] },
+  { name: "people", title: "People", icon: "people", scopes: ["read", "enroll"] },
+  { name: "audit", title: "Audit", icon: "audit", scopes: ["manage"] },
+  { name: "health", title: "Health", icon: "health", scopes: ["manage"] },
 ];
 
 let session = null; // {who, close(): what the open page has to stop}
@@ -102,20 +103,29 @@ function showFrame() {
         el("strong", {}, who.name || "no token"),
         el("span.dim", {}, who.scopes.join(" · ")),
         el("div.row", {}, theme,
-          el("button.quiet", { type: "button", onclick: () => lock() }, icon("lock"), "Lock")))),
+          el("button.quiet", { type: "button", onclick: () => lock() }, icon("lock"), el("span", {}, "Lock"))))),
     main);
 
-  const open = () => {
+  const mine = session;
+  let opened = 0;
+  const open = async () => {
+    const turn = ++opened;
     const name = location.hash.slice(1).split("?")[0];
     const page = pages.find((p) => p.name === name) ?? pages[0];
+    document.querySelector("dialog")?.close();
     session.close?.();
+    session.close = null;
     links.forEach((a, i) => {
       if (pages[i] === page) a.setAttribute("aria-current", "page");
       else a.removeAttribute("aria-current");
     });
     if (!page) return main.replaceChildren(el("p", {}, "This token has no scope that a page needs."));
     document.title = `${page.title} – surfaced`;
-    session.close = page.page.open(main, who, new URLSearchParams(location.hash.split("?")[1]));
+    const module = await import(`./${page.name}.js`).catch(() => null);
+    if (session !== mine || turn !== opened) return; // locked, or another page was asked for
+    if (!module) return main.replaceChildren(el("p.error", { role: "alert" }, "The daemon cannot be reached."));
+    session.close = module.open(main, who, new URLSearchParams(location.hash.split("?")[1]));
+    if (document.activeElement === document.body) main.focus(); // what had it is gone
   };
   session.open = open;
   open();
@@ -125,6 +135,8 @@ addEventListener("hashchange", () => session?.open());
 // A 401 in the middle of work: the token was revoked, or has expired.
 addEventListener("expired", () => session && lock("The token is not valid any more."));
 for (const name of ["pointerdown", "keydown"]) addEventListener(name, awake, { passive: true });
+// A file that misses its place would replace the page.
+for (const name of ["dragover", "drop"]) addEventListener(name, (e) => e.preventDefault());
 addEventListener("pagehide", () => lock());
 // A page of a tool in which nobody is asked for a token (--no-auth) opens by itself.
 unlock("").catch(() => showLock(""));

@@ -23,6 +23,9 @@ export function svg(name, attributes, ...children) {
   return e;
 }
 
+/** Of a chart's view, in its own pixels: so that its texts are as large as others also on a phone. */
+export const chartWidth = () => (innerWidth < 720 ? innerWidth - 58 : 660);
+
 const ICONS = {
   face: "M12 3c4 0 7 2.7 7 7.5 0 5.5-3.2 10.5-7 10.5S5 16 5 10.5C5 5.7 8 3 12 3zM9 10h.01M15 10h.01M12 10v4l-1 .6M9.5 17c1.6 1 3.4 1 5 0",
   live: "M12 12h.01M8.5 15.500a5 5 0 0 1 0-7M15.5 8.500a5 5 0 0 1 0 7M5.6 18.400a9 9 0 0 1 0-12.800M18.4 5.600a9 9 0 0 1 0 12.8",
@@ -38,6 +41,14 @@ const ICONS = {
   save: "M12 3v12M7 11l5 5 5-5M4 20h16",
   swap: "M4 9h14l-4-4M20 15H6l4 4",
   close: "M6 6l12 12M18 6 6 18",
+  search: "M11 18a7 7 0 1 0 0-14 7 7 0 0 0 0 14zM16 16l4.5 4.500",
+  plus: "M12 5v14M5 12h14",
+  back: "M15 5l-7 7 7 7",
+  shield: "M12 3l7.5 3v5.500c0 4.500-3 8-7.5 9.500-4.500-1.500-7.500-5-7.500-9.500V6z",
+  off: "M12 21a9 9 0 1 0 0-18 9 9 0 0 0 0 18zM6 6l12 12",
+  trash: "M4 7h16M9 7V4h6v3M6 7l1 13h10l1-13M10 11v5M14 11v5",
+  key: "M8 18a4.500 4.500 0 1 0 0-9 4.500 4.500 0 0 0 0 9zM11.500 10.500 20 2M16 6l3 3",
+  clock: "M12 21a9 9 0 1 0 0-18 9 9 0 0 0 0 18zM12 7v5l3.500 2",
 };
 
 /** An icon beside a text that says the same, so that it is hidden from screen readers. */
@@ -56,6 +67,32 @@ export const plain = (value, digits) => (value < 0 ? "−" : "") + Math.abs(valu
 /** "2026-11-23 02:29:53", as the logs have it. */
 export const time = (iso) => (iso ? iso.replace("T", " ").replace(/(\.\d+)?Z$/, "") : "–");
 export const day = (iso) => (iso ? iso.slice(0, 10) : "–");
+
+/** The last moment of a day that was chosen, or null. */
+export const dayEnd = (date) => (date ? `${date}T23:59:59Z` : null);
+
+const SPANS = [["year", 365 * 86400], ["month", 30 * 86400], ["day", 86400], ["hour", 3600], ["minute", 60]];
+const relative = new Intl.RelativeTimeFormat("en", { numeric: "auto" });
+
+/** "3 days ago", "in 2 months"; what: for null. */
+export function away(iso, what = "never") {
+  if (!iso) return what;
+  const s = (Date.parse(iso) - Date.now()) / 1000;
+  const [unit, length] = SPANS.find(([, n]) => Math.abs(s) >= n) ?? [];
+  return unit ? relative.format(Math.trunc(s / length), unit) : s > 0 ? "in a moment" : "just now";
+}
+
+/** The same as an element that has the time itself for who points at it. */
+export const when = (iso, what) => el("time", { dateTime: iso ?? "", title: iso ? `${time(iso)} UTC` : "" }, away(iso, what));
+
+/** 402341 s: "4 days 15 h" */
+export function span(s) {
+  const [d, h, m] = [Math.floor(s / 86400), Math.floor(s / 3600) % 24, Math.floor(s / 60) % 60];
+  return d ? `${d} ${d === 1 ? "day" : "days"} ${h} h` : h ? `${h} h ${m} min` : `${m} min`;
+}
+
+/** One of them, or many: "1 template", "2 templates". */
+export const many = (n, what) => `${count(n)} ${what}${n === 1 ? "" : "s"}`;
 
 /** A rate of false matches in words: "about 1 in 17 million". */
 export function oneIn(rate) {

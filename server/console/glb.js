@@ -3,6 +3,9 @@
 const NUMBERS = { 5121: Uint8Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 const PARTS = { SCALAR: 1, VEC3: 3, VEC4: 4 };
 
+/** What there is to see in a response: a file's nodes and extras, or without one the JSON as extras. */
+export const readSeen = (response) => (response instanceof ArrayBuffer ? readGlb(response) : { extras: response, nodes: null });
+
 /** Parses a file (ArrayBuffer) into {extras, nodes: {name: {at, index, color, _GAP_MM, ...}}}. */
 export function readGlb(file) {
   const head = new DataView(file);

@@ -38,8 +38,8 @@ function createLegend() {
     for (const v of values) bins[Math.min(47, Math.max(0, Math.floor(((y(layer, v) - 20) / 260) * 48)))]++;
     const most = Math.max(...bins, 1);
     element.replaceChildren(
-      svg("defs", {}, svg("linearGradient", { id, x1: 0, y1: 0, x2: 0, y2: 1 }, ...bands.reverse())),
-      ...bins.map((n, i) => svg("rect", { class: "bin", x: 62 - 56 * Math.sqrt(n / most), y: 20 + (i * 260) / 48 + 0.5,
+      svg("defs", {}, svg("linearGradient", { id, gradientUnits: "userSpaceOnUse", x1: 0, y1: 20, x2: 0, y2: 280 }, ...bands.reverse())),
+      ...bins.map((n, i) => svg("rect", { class: "bin", fill: `url(#${id})`, x: 62 - 56 * Math.sqrt(n / most), y: 20 + (i * 260) / 48 + 0.5,
         width: 56 * Math.sqrt(n / most), height: 260 / 48 - 1 })),
       svg("rect", { x: 66, y: 20, width: 10, height: 260, rx: 3, fill: `url(#${id})` }),
       ...[-1, 1].map((k) => svg("rect", { class: "tick", x: 62, y: y(layer, k * layer.limit) - 0.6, width: 18, height: 1.2 })),
@@ -63,7 +63,14 @@ export function createStage() {
   const tabs = el("div.tabs", { role: "radiogroup", "aria-label": "What is shown" });
   const poses = el("div.tabs.poses", {}, [["front", "Front"], ["three", "Three-quarter"], ["profile", "Profile"]].map(([name, title]) =>
     el("button", { type: "button", onclick: () => view?.pose(name) }, title)));
-  const element = el("div.stage", {}, canvas, tabs, about, legend.element, handle, tip, poses);
+  // for fingers, which have no space bar
+  const swap = el("button.tabs.blink", { type: "button", hidden: true, tabIndex: -1, "aria-hidden": "true", oncontextmenu: (e) => e.preventDefault() }, "Hold to swap");
+  for (const [name, on] of [["pointerdown", true], ["pointerup", false], ["pointerleave", false], ["pointercancel", false]])
+    swap.addEventListener(name, (e) => {
+      e.preventDefault(); // the focus stays: leaving the canvas ends a swap
+      view?.swap(on);
+    });
+  const element = el("div.stage", {}, canvas, tabs, about, legend.element, handle, tip, poses, swap);
   const view = createView(canvas, update);
   canvas.frameTime = view?.time; // for tests
   let nodes = null, layer = null, share = 0.5;
@@ -73,7 +80,7 @@ export function createStage() {
   addEventListener("theme", theme);
 
   function update() {
-    handle.hidden = layer !== "curtain" || !view;
+    handle.hidden = swap.hidden = layer !== "curtain" || !view;
     handle.style.left = `${share * 100}%`;
     handle.setAttribute("aria-valuenow", Math.round(share * 100));
     handle.classList.toggle("swapped", Boolean(view?.state().swapped));
@@ -157,8 +164,8 @@ export function createStage() {
   clear();
   return {
     element, clear,
-    /** nodes of a file; layered: two surfaces that were compared. */
-    show(given, layered) {
+    /** nodes of a file; layered: two surfaces that were compared; what: is shown, in a sentence. */
+    show(given, layered, what = SCAN) {
       const first = nodes === null;
       nodes = given;
       tabs.hidden = !layered;
@@ -170,6 +177,7 @@ export function createStage() {
         setLayer(old ?? LAYERS[0]);
       } else {
         setLayer(null);
+        about.textContent = what;
       }
       if (!view) {
         tabs.hidden = true;
@@ -178,7 +186,7 @@ export function createStage() {
     },
     close: () => {
       removeEventListener("theme", theme);
-      view?.show({});
+      view?.close();
     },
     view,
   };

@@ -1,10 +1,11 @@
 // try.js -- two scans compared, or one looked at.  Nothing is stored.
 
 import { request, url } from "./api.js";
-import { count, el, icon, mm, oneIn, percent, plain, save, signed } from "./dom.js";
-import { readGlb } from "./glb.js";
+import { count, el, icon, mm, percent, plain, save } from "./dom.js";
+import { readSeen } from "./glb.js";
+import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { gauge, VERDICTS } from "./verdict.js";
+import { advice, checked, decided, facts, failure, pairs, regions } from "./verdict.js";
 
 const SAMPLES = [
   ["The same person, twice", "one.ply", "one-again.ply"],
@@ -12,51 +13,12 @@ const SAMPLES = [
   ["The same person, with glasses", "one.ply", "one-glasses.ply"],
 ];
 
-const REGIONS = ["nose", "eyes", "forehead", "cheeks", "mouth", "chin"];
-
-/** What was decided, in a sentence. */
-function explain(r) {
-  const apart = `On average the two surfaces lie ${mm(r.disparity_mm)} apart.`;
-  if (r.decision === "match")
-    return `The shape speaks for one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
-  if (r.decision === "no_match")
-    return `The shape speaks against one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} would be needed. ${apart}`;
-  return `The two scans have ${percent(r.overlap)} of the face in common: too little, or too noisy, to say whether it is the same.`;
-}
-
-/** What each region adds to the score: to the right for, to the left against one person. */
-function regions(of) {
-  const most = Math.max(1, ...Object.values(of).map(Math.abs));
-  return el("section.card", {}, el("h2", {}, "What each region adds to the score"),
-    el("ul.regions", {}, REGIONS.filter((r) => r in of).sort((a, b) => Math.abs(of[b]) - Math.abs(of[a])).map((name) => {
-      const share = (50 * Math.abs(of[name])) / most, bar = el(of[name] < 0 ? "i.no" : "i.ok");
-      bar.style.width = `${share}%`;
-      bar.style.left = of[name] < 0 ? `${50 - share}%` : "50%";
-      return el("li", {}, el("span", {}, name), el("span.bar", {}, bar), el("span.value", {}, signed(of[name], 1)));
-    })));
-}
-
-const facts = (rows) => el("dl.card.facts", {}, rows.filter(Boolean).flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)]));
-
-function verdict(kind, iconName, title, ...rest) {
-  return el(`section.card.verdict.${kind}`, { role: "status" },
-    el("h2", {}, icon(iconName, 26), title), ...rest);
-}
-
-/** What to change at the scanner, in the daemon's words. */
-function advice(lines) {
-  if (!lines.length) return null;
-  return el("section.card", {}, el("h2", {}, "What to do at the scanner"),
-    lines.map((line) => el("p.advice", {}, icon("warning", 18), line)));
-}
-
 const details = (title, ...rest) => el("details.card", {}, el("summary", {}, title), ...rest);
 
 function timing(t) {
   const names = { parse: "reading", prepare: "finding the face", score: "score", align: "alignment", minimal: "minimal disparity" };
   return details(`Time: ${t.total.toFixed(0)} ms on the server`,
-    el("dl.facts", {}, Object.entries(names).filter(([k]) => t[k] != null)
-      .flatMap(([k, name]) => [el("dt", {}, name), el("dd", {}, `${t[k].toFixed(1)} ms`)])));
+    el("dl.facts", {}, pairs(Object.entries(names).map(([k, name]) => t[k] != null && [name, `${t[k].toFixed(1)} ms`]))));
 }
 
 /** The same request as a command; a name from outside is quoted for the shell. */
@@ -67,12 +29,9 @@ function curl(path, ...parts) {
   return details("The same with curl", el("pre", { tabIndex: 0 }, line));
 }
 
-const unit = (scan) => (scan.units ? `, ${scan.units}` : "");
-const slotLine = (scan) => `${count(scan.points_read)} points${unit(scan)}`;
-
 export function open(main, who) {
   const verifies = who.scopes.includes("verify");
-  const slots = [slot("A"), slot("B")];
+  const slots = ["A", "B"].map((letter) => createSlot(letter, run));
   const stage = createStage();
   const side = el("div.side", { "aria-live": "polite" });
   const title = el("h1", {}, "Compare two scans");
@@ -81,57 +40,27 @@ export function open(main, who) {
   const swapButton = el("button.quiet.swap", { type: "button", title: "Swap A and B", "aria-label": "Swap A and B", onclick: swap }, icon("swap"));
   let file = null, running = null;
 
-  function slot(letter) {
-    const name = el("strong", {}, "New scan"), about = el("span.dim", {}, "Drop a file or choose one");
-    const badge = el("span.badge", { hidden: true });
-    const input = el("input", { type: "file", "aria-label": `Scan ${letter}`, onchange: () => put(s, input.files[0]) });
-    const s = { letter, name, about, badge, input, file: null };
-    s.box = el(`label.slot.${letter.toLowerCase()}`, {
-      ondragover: (e) => { e.preventDefault(); s.box.classList.add("over"); },
-      ondragleave: () => s.box.classList.remove("over"),
-      ondrop: (e) => {
-        e.preventDefault();
-        s.box.classList.remove("over");
-        if (e.dataTransfer.files[0]) put(s, e.dataTransfer.files[0]);
-      },
-    }, el("span.letter", { "aria-hidden": "true" }, letter), el("span.text", {}, name, about), badge, input);
-    return s;
-  }
-
-  function label(s, scan, quality) {
-    s.name.textContent = s.file?.name ?? "New scan";
-    s.about.textContent = !s.file ? "Drop a file or choose one" : scan ? slotLine(scan) : `${count(Math.ceil(s.file.size / 1024))} KB`;
-    s.badge.hidden = quality == null;
-    if (quality != null) s.badge.textContent = `quality ${quality.toFixed(2)}`;
-  }
-
-  function put(s, f) {
-    s.file = f;
-    label(s);
-    run();
-  }
-
   function swap() {
     [slots[0].file, slots[1].file] = [slots[1].file, slots[0].file];
-    slots.forEach((s) => label(s));
+    slots.forEach((s) => s.label());
     run();
   }
 
   async function sample(names) {
     const files = await Promise.all(names.map(async (n) => new File([await (await fetch(url(`/console/${n}`))).arrayBuffer()], n)));
-    files.forEach((f, i) => { slots[i].file = f; label(slots[i]); });
+    files.forEach((f, i) => { slots[i].file = f; slots[i].label(); });
     run();
   }
 
-  function show(glb, layered) {
-    if (!(glb instanceof ArrayBuffer)) { // there is nothing to look at
+  function show(response, layered) {
+    const { extras, nodes } = readSeen(response);
+    if (!nodes) {
       clear();
-      return glb;
+      return extras;
     }
-    file = glb;
+    file = response;
     saveButton.disabled = false;
-    const { extras, nodes } = readGlb(glb);
-    stage.show(nodes, layered, extras);
+    stage.show(nodes, layered);
     return extras;
   }
 
@@ -145,12 +74,9 @@ export function open(main, who) {
   async function check(s, stop) {
     const glb = await request("POST", "/v1/check?detail=surface", { body: s.file, binary: true, stop });
     const r = show(glb, false);
-    label(s, r.scan, r.quality?.score);
-    const state = r.enrollable ? ["ok", "yes", "Good to enroll", "The face is whole, sharp and turned to the scanner."]
-      : r.usable ? ["unsure", "unsure", "Good to verify, not to enroll", r.detail]
-        : ["no", "no", "Not usable", r.detail];
+    s.label(r.scan, r.quality?.score);
     side.replaceChildren(
-      ...[verdict(state[0], state[1], state[2], el("p", {}, state[3]), verifies && el("p.dim", {}, "Drop a second scan to compare them.")),
+      ...[checked(r, false, verifies && el("p.dim", {}, "Drop a second scan to compare them.")),
         advice([...r.advice, ...r.notes]),
         r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
           r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
@@ -163,11 +89,9 @@ export function open(main, who) {
     body.append("a", slots[0].file, slots[0].file.name);
     body.append("b", slots[1].file, slots[1].file.name);
     const r = show(await request("POST", "/v1/compare?detail=surface", { body, binary: true, stop }), true);
-    slots.forEach((s, i) => label(s, r.scan["ab"[i]], r.quality["ab"[i]]?.score));
-    const v = VERDICTS[r.decision];
+    slots.forEach((s, i) => s.label(r.scan["ab"[i]], r.quality["ab"[i]]?.score));
     side.replaceChildren(
-      verdict(v.kind, v.icon, v.title, el("p", {}, explain(r)), gauge(r, r.calibration?.knots),
-        el("p.dim", {}, `${oneIn(r.fmr_at_score)} other people would score this high or higher.`.replace(/^a/, "A"))),
+      decided(r),
       regions(r.regions),
       facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
         ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`]]),
@@ -186,10 +110,7 @@ export function open(main, who) {
       else welcome();
     } catch (e) {
       if (e.name === "AbortError") return;
-      const bad = e.status === undefined;
-      clear(verdict(e.status === 422 ? "no" : "unsure", "warning", e.status === 422 ? "Not usable" : "That did not work",
-        el("p", {}, bad ? `The page failed: ${e.message}` : e.message),
-        e.wait && el("p.dim", {}, `It can be tried again in ${e.wait} s.`)));
+      clear(failure(e));
     } finally {
       if (own === running) main.classList.remove("busy");
     }

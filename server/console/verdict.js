@@ -1,12 +1,85 @@
-// verdict.js -- a decision: its icon, word and colour, and its score on a gauge.
+// verdict.js -- a decision and what goes with it: cards with the word, the score on a gauge, what each
+// region adds, advice, figures.
 
-import { plain, svg } from "./dom.js";
+import { el, icon, mm, oneIn, percent, plain, signed, svg } from "./dom.js";
 
 export const VERDICTS = {
   match: { icon: "yes", kind: "ok", title: "Same face" },
   no_match: { icon: "no", kind: "no", title: "Different faces" },
   inconclusive: { icon: "unsure", kind: "unsure", title: "Cannot tell" },
 };
+
+/** A large word with its icon and colour; kind: ok, no, unsure. */
+export function verdict(kind, iconName, title, ...rest) {
+  return el(`section.card.verdict.${kind}`, { role: "status" },
+    el("h2", {}, icon(iconName, 26), title), ...rest);
+}
+
+/** What failed; a script's own error does not read as if it were the scan's. */
+export function failure(e) {
+  return verdict(e.status === 422 ? "no" : "unsure", "warning", e.status === 422 ? "Not usable" : "That did not work",
+    el("p", {}, e.status === undefined ? `The page failed: ${e.message}` : e.message),
+    e.wait && el("p.dim", {}, `It can be tried again in ${e.wait} s.`));
+}
+
+/** What was decided, in a sentence. */
+function explain(r) {
+  const apart = `On average the two surfaces lie ${mm(r.disparity_mm)} apart.`;
+  if (r.decision === "match")
+    return `The shape speaks for one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
+  if (r.decision === "no_match")
+    return `The shape speaks against one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} would be needed. ${apart}`;
+  return `The two scans have ${percent(r.overlap)} of the face in common: too little, or too noisy, to say whether it is the same.`;
+}
+
+/** Of a comparison: the verdict, why, the gauge, and the rate in words. */
+export function decided(r) {
+  const v = VERDICTS[r.decision];
+  return verdict(v.kind, v.icon, v.title, el("p", {}, explain(r)), gauge(r, r.calibration?.knots),
+    el("p.dim", {}, `${oneIn(r.fmr_at_score)} other people would score this high or higher.`.replace(/^a/, "A")));
+}
+
+/** Of a scan alone, by a check; verifying: nobody is to be enrolled. */
+export function checked(r, verifying, ...rest) {
+  const [kind, iconName, title, text] = r.enrollable || (r.usable && verifying)
+    ? ["ok", "yes", verifying ? "Good to verify" : "Good to enroll", r.enrollable ? "The face is whole, sharp and turned to the scanner." : "It is good enough for that, though not to enroll."]
+    : r.usable ? ["unsure", "unsure", "Good to verify, not to enroll", r.detail] : ["no", "no", "Not usable", r.detail];
+  return verdict(kind, iconName, title, el("p", {}, text), ...rest);
+}
+
+const REGIONS = ["nose", "eyes", "forehead", "cheeks", "mouth", "chin"];
+
+/** What each region adds to the score: to the right for, to the left against one person. */
+export function regions(of) {
+  const most = Math.max(1, ...Object.values(of).map(Math.abs));
+  return el("section.card", {}, el("h2", {}, "What each region adds to the score"),
+    el("ul.regions", {}, REGIONS.filter((r) => of[r] != null).sort((a, b) => Math.abs(of[b]) - Math.abs(of[a])).map((name) => {
+      const share = (50 * Math.abs(of[name])) / most, bar = el(of[name] < 0 ? "i.no" : "i.ok");
+      bar.style.width = `${share}%`;
+      bar.style.left = of[name] < 0 ? `${50 - share}%` : "50%";
+      return el("li", {}, el("span", {}, name), el("span.bar", {}, bar), el("span.value", {}, signed(of[name], 1)));
+    })));
+}
+
+/** Pairs of a name and a value; what is false or null is left out. */
+export const pairs = (rows) => rows.filter(Boolean).flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)]);
+export const facts = (rows) => el("dl.card.facts", {}, pairs(rows));
+
+/** What to change at the scanner, in the daemon's words. */
+export function advice(lines) {
+  if (!lines.length) return null;
+  return el("section.card", {}, el("h2", {}, "What to do at the scanner"),
+    lines.map((line) => el("p.advice", {}, icon("warning", 18), line)));
+}
+
+/** The share of other people at or above a score: between the knots, a straight line of its logarithm. */
+export function shareAbove(knots, score) {
+  const i = knots.findIndex((k) => k.score > score);
+  if (i === 0) return 1;
+  if (i < 0) return knots.at(-1).rate;
+  const [a, b] = [knots[i - 1], knots[i]], t = (score - a.score) / (b.score - a.score);
+  return Math.exp(Math.log(a.rate) * (1 - t) + Math.log(b.rate) * t);
+}
 
 /** The score on the curve of other people's scores, which the calibration's knots describe: the share
  *  of other people that score as high or higher. */
@@ -17,28 +90,16 @@ export function gauge(r, knots) {
     "aria-label": `score ${plain(r.score, 1)}, threshold ${plain(r.threshold, 1)}` });
   const line = (a, b, kind) => svg("rect", { x: x(a), y: y - 4, width: Math.max(0, x(b) - x(a)), height: 8, rx: 4, class: kind });
   if (knots?.length > 1) {
-    // Where the curve of the share falls steeply there are many people.
-    const steps = 60, share = (s) => {
-      const i = knots.findIndex((k) => k.score > s);
-      if (i === 0) return 1;
-      if (i < 0) return knots.at(-1).rate;
-      const [a, b] = [knots[i - 1], knots[i]], t = (s - a.score) / (b.score - a.score);
-      return Math.exp(Math.log(a.rate) * (1 - t) + Math.log(b.rate) * t);
-    };
-    const bins = Array.from({ length: steps }, (_, i) => {
-      const at = (k) => low + ((high - low) * k) / steps;
-      return Math.max(0, share(at(i)) - share(at(i + 1)));
-    });
+    const steps = 60, at = (k) => low + ((high - low) * k) / steps;
+    // Where the curve falls steeply there are many people.
+    const bins = Array.from({ length: steps }, (_, i) => Math.max(0, shareAbove(knots, at(i)) - shareAbove(knots, at(i + 1))));
     const most = Math.max(...bins, 1e-9);
     const points = bins.map((b, i) => `${(((i + 0.5) * W) / steps).toFixed(1)},${(y - 4 - 34 * Math.sqrt(b / most)).toFixed(1)}`);
     out.append(svg("polygon", { class: "others", points: `0,${y - 4} ${points.join(" ")} ${W},${y - 4}` }),
       svg("text", { x: 0, y: 10 }, "scores of other people"));
   }
-  const text = (at, up, what, kind = "") => {
-    const t = svg("text", { x: Math.min(Math.max(x(at), 22), W - 22), y: up, "text-anchor": "middle", class: kind });
-    t.textContent = what;
-    return t;
-  };
+  const text = (at, up, what, kind = "") =>
+    svg("text", { x: Math.min(Math.max(x(at), 22), W - 22), y: up, "text-anchor": "middle", class: kind }, what);
   out.append(line(low, r.threshold, "no"), line(r.threshold, high, "ok"),
     svg("rect", { x: x(r.threshold) - 0.75, y: y - 9, width: 1.5, height: 18, class: "limit" }),
     text(r.threshold, y + 21, `needed ${plain(r.threshold, 1)}`),

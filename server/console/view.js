@@ -154,7 +154,7 @@ export function createView(canvas, changed = () => {}) {
       delete nodes[name];
     }
     for (const name in given) nodes[name] = upload(given[name]);
-    const of = nodes.template ?? nodes.face;
+    const of = nodes.template ?? nodes.face ?? nodes.scan;
     if (of) {
       const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
       of.at.forEach((x, i) => {
@@ -162,7 +162,7 @@ export function createView(canvas, changed = () => {}) {
         high[i % 3] = Math.max(high[i % 3], x);
       });
       centre = low.map((x, i) => (x + high[i]) / 2);
-      centre[2] -= 20;
+      if (of.index) centre[2] -= 20; // of a face; a scan alone is in its own unit
       radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.8 : 0.68);
     }
     if (pose) [yaw, pitch, zoom] = [...VIEWS[pose], 1];
@@ -367,20 +367,19 @@ export function createView(canvas, changed = () => {}) {
     e.preventDefault();
     zoomBy(Math.exp(-e.deltaY * 0.001));
   }, { passive: false });
+  function swap(on) {
+    if (swapped === on) return;
+    swapped = on;
+    changedFrame();
+    changed();
+  }
   const blink = (on) => (e) => {
     if (e.key !== " " || layer !== "curtain") return;
     e.preventDefault();
-    if (swapped !== on) {
-      swapped = on;
-      changedFrame();
-      changed();
-    }
+    swap(on);
   };
   canvas.addEventListener("keyup", blink(false));
-  canvas.addEventListener("blur", () => {
-    swapped = false;
-    changedFrame();
-  });
+  canvas.addEventListener("blur", () => swap(false));
   canvas.addEventListener("keydown", (e) => {
     const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[e.key];
     if (step) turn(...step);
@@ -390,10 +389,11 @@ export function createView(canvas, changed = () => {}) {
     e.preventDefault();
     changed();
   });
-  new ResizeObserver(changedFrame).observe(canvas);
+  const observer = new ResizeObserver(changedFrame);
+  observer.observe(canvas);
 
   return {
-    show, setLayer, setTheme, pick, turn,
+    show, setLayer, setTheme, pick, turn, swap,
     pose: (name) => {
       [yaw, pitch, zoom] = [...VIEWS[name], 1];
       changedFrame();
@@ -401,6 +401,13 @@ export function createView(canvas, changed = () => {}) {
     curtain: (share) => {
       curtain = Math.max(0, Math.min(1, share));
       changedFrame();
+    },
+    /** Gives the context back: a browser has sixteen or so, and takes the oldest. */
+    close: () => {
+      observer.disconnect();
+      clearTimeout(rest);
+      cancelAnimationFrame(asked);
+      gl.getExtension("WEBGL_lose_context")?.loseContext();
     },
     state: () => ({ yaw, pitch, zoom, curtain, swapped }),
     /** The time of a frame in ms, drawn at once and waited for: for tests. */

@@ -19,6 +19,7 @@ struct recent;        /* recent.h */
 struct route;         /* route.h */
 struct store;         /* store.h */
 struct throttle;      /* throttle.h */
+struct tls;           /* tls.h */
 struct upkeep;        /* upkeep.h */
 
 struct app {
@@ -30,15 +31,20 @@ struct app {
     struct intake *intake;
     struct throttle *throttle;
     struct queue *queue;
+    struct queue *slow; /* of one worker: what walks along everything, one at a time */
+    atomic_flag slow_taken;
     struct upkeep *upkeep;
     struct erasures *erasures;
     struct recent *recent;
     struct guard *guard;        /* of the connections; http.c's */
     struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
+    struct tls *tls;            /* http.c's; NULL: no TLS */
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
     bool no_console;
+    const char
+        *cors_origin;     /* whose pages may read responses, with commas; NULL: none's */
     bool signed_captures; /* nothing else is taken (capture.h) */
     size_t max_body;      /* bytes */
     atomic_bool stopping;

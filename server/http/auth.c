@@ -74,6 +74,22 @@ bool auth_may(struct request *r, unsigned scopes)
     return false;
 }
 
+bool auth_gives(struct request *r, unsigned scopes)
+{
+    const unsigned lacks = r->app->no_auth ? 0 : scopes & ~r->scopes;
+    char words[STORE_SCOPES_MAX];
+
+    if (lacks == 0)
+        return true;
+    rows_scopes_write(lacks, words);
+    request_problem(r, ERRMAP_SCOPE,
+                    "nobody gives what he may not do himself: this token lacks %s",
+                    words);
+    r->response.lacks = lacks;
+    r->response.challenge = true;
+    return false;
+}
+
 void auth_check(struct request *r)
 {
     struct errinfo e = {0};

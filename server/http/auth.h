@@ -31,6 +31,10 @@ bool auth_exact(const struct request *r);
  * the scopes. */
 bool auth_may(struct request *r, unsigned scopes);
 
+/* auth_gives(r, scopes): has r's token all of these scopes, as who gives them must have, or is no
+ * token needed?  Else a 403 as well. */
+bool auth_gives(struct request *r, unsigned scopes);
+
 #define AUTH_CHALLENGE_MAX 160
 
 /* auth_challenge(a, out): the value of WWW-Authenticate, where a->challenge is set. */

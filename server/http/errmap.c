@@ -72,6 +72,8 @@ static const struct errmap map[ERRMAP_COUNT] = {
                           "A parameter is malformed or unknown"},
     [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
     [ERRMAP_NOT_READY] = {503, "not_ready", "Not ready"},
+    [ERRMAP_OWN_TOKEN] = {409, "own_token", "The token is the request's own"},
+    [ERRMAP_REVOKED] = {409, "token_revoked", "The token was revoked"},
 };
 
 const struct errmap *errmap_get(unsigned kind)

@@ -164,6 +164,10 @@ void headers_take(struct request *r, const char *name, const char *value)
         take_preferences(r, value);
     else if (strcasecmp(name, "Accept-Encoding") == 0)
         r->gzip = r->gzip || accepts_gzip(value);
+    else if (strcasecmp(name, "Access-Control-Request-Method") == 0)
+        r->preflight = true;
+    else if (strcasecmp(name, "Origin") == 0 && strlen(value) < sizeof r->origin)
+        memcpy(r->origin, value, strlen(value) + 1);
     else if (strcasecmp(name, "If-None-Match") == 0 &&
              strlen(value) < sizeof r->none_match)
         memcpy(r->none_match, value, strlen(value) + 1);

@@ -29,7 +29,8 @@ bool headers_refuse(struct request *r, const struct headers_framing *f,
  *   Prefer            return=minimal sets r->minimal (RFC 7240); of several "return" the
  *                     first counts, other preferences are ignored
  *   Accept-Encoding   gzip sets r->gzip
- *   If-None-Match     r->none_match */
+ *   If-None-Match     r->none_match
+ *   Origin            r->origin; Access-Control-Request-Method: r->preflight */
 void headers_take(struct request *r, const char *name, const char *value);
 
 #endif

@@ -16,6 +16,7 @@
 #include "auth.h"
 #include "body.h"
 #include "capture.h"
+#include "cors.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
@@ -43,6 +44,8 @@
 /* Connections that are being closed still count with libmicrohttpd. */
 #define CONNECTIONS_CLOSING 64
 #define PER_ADDRESS         64
+/* Until a slow route may be free again. */
+#define SLOW_RETRY_S 5
 /* On a stop: time for a client that got a response just before to send its next request. */
 #define QUIET_MS 100.0
 /* Large bodies and responses together take at most so many times the limit of one body, and a
@@ -199,6 +202,32 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
 
 /* ---- workers */
 
+/* The one place of a slow route.  False: it is taken. */
+static bool begin_slow(struct exchange *x)
+{
+    if (x->r.route->where != ROUTE_SLOW ||
+        !atomic_flag_test_and_set(&x->http->app->slow_taken))
+        return true;
+    request_problem(&x->r, ERRMAP_OVERLOAD,
+                    "the audit log is being verified or exported: one at a time");
+    x->r.response.retry_after = SLOW_RETRY_S;
+    return false;
+}
+
+static void end_slow(struct exchange *x)
+{
+    if (x->r.route->where == ROUTE_SLOW)
+        atomic_flag_clear(&x->http->app->slow_taken);
+}
+
+static struct queue *queue_of(const struct exchange *x)
+{
+    const struct app *app = x->http->app;
+
+    return x->state == WORKING && x->r.route->where == ROUTE_SLOW ? app->slow
+                                                                  : app->queue;
+}
+
 /* x is suspended.  On any thread; x may be done when it returns. */
 static void queue_up(struct exchange *x, enum queue_kind kind)
 {
@@ -206,12 +235,14 @@ static void queue_up(struct exchange *x, enum queue_kind kind)
     struct request *out;
 
     x->queued_ms = logger_clock_ms();
-    out = queue_push(app->queue, &x->r, kind, request_sender(&x->r));
+    out = queue_push(queue_of(x), &x->r, kind, request_sender(&x->r));
     if (out == NULL)
         return;
     request_problem(out, ERRMAP_OVERLOAD, "%s",
                     atomic_load(&app->stopping) ? "the daemon is stopping"
                                                 : "the queue is full");
+    if (((struct exchange *)out)->state == WORKING)
+        end_slow((struct exchange *)out);
     MHD_resume_connection(((struct exchange *)out)->conn);
 }
 
@@ -237,6 +268,7 @@ void http_run(struct worker *w, struct request *r)
         w->large = w->large || upload_is_large(&x->upload);
         handle(w, r);
         w->large = w->large || r->len > QUOTA_SMALL;
+        end_slow(x);
     }
     refusal_tell(r->app);
     MHD_resume_connection(x->conn);
@@ -248,8 +280,10 @@ static void on_gone(void *arg)
     struct exchange *x = arg;
 
     atomic_store(&x->r.gone, true);
-    if (queue_drop(x->http->app->queue, &x->r))
+    if (queue_drop(queue_of(x), &x->r)) {
+        end_slow(x);
         MHD_resume_connection(x->conn);
+    }
 }
 
 /* Hand x over to a worker; on_request() is called again when it is done. */
@@ -308,10 +342,12 @@ static enum MHD_Result body_complete(struct exchange *x)
         request_problem(&x->r, ST_EINVAL, "the body is empty");
         return send_response(x);
     }
-    if (x->r.route->quick) {
+    if (x->r.route->where == ROUTE_QUICK) {
         x->r.route->handle(&x->r, NULL);
         return send_response(x);
     }
+    if (!begin_slow(x))
+        return send_response(x);
     to_worker(x, WORKING);
     return MHD_YES;
 }
@@ -355,6 +391,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method, const char
     throttle_address(client_address(x), r->address);
     look_at_body(x);
     (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, x);
+    cors_take(r);
     if ((x->unframed = headers_refuse(r, &x->framing, version))) {
         x->body_sent = true; /* whatever the headers that were taken say */
         return send_early(x);
@@ -550,6 +587,7 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
     h->app = app;
     app->guard = h->host.guard;
     app->quota = h->quota;
+    app->tls = h->host.tls;
     h->host.refuse = on_refusal;
     h->host.arg = h;
     if (peer_init(e) != ST_OK)

@@ -1,6 +1,7 @@
 #include "metrics.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <dirent.h>
@@ -10,13 +11,17 @@
 
 #include "app.h"
 #include "cache.h"
+#include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
+#include "json.h"
 #include "intake.h"
 #include "quota.h"
 #include "queue.h"
 #include "request.h"
 #include "route.h"
+#include "store.h"
+#include "tls.h"
 
 #define NSTATUS  600
 #define NBUCKETS 14
@@ -24,6 +29,8 @@
 /* Upper bounds of the histograms' buckets, seconds. */
 static const double bound[NBUCKETS] = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                        0.1,    0.25,  0.5,    1,     2.5,  5,     10};
+
+static const char *const decision_name[] = {"match", "no_match", "inconclusive"};
 
 typedef atomic_uint_fast64_t counter;
 
@@ -200,6 +207,82 @@ static uint64_t value(const counter *c)
     return atomic_load_explicit(c, memory_order_relaxed);
 }
 
+static void describe_refusals(const struct metrics *m, struct json *j)
+{
+    static const unsigned attempts[] = {ERRMAP_ATTEMPTS, ERRMAP_SUBJECTS};
+    const uint64_t failed[] = {value(&m->attempts[METRICS_OF_TOKEN]) +
+                                   value(&m->attempts[METRICS_OF_OTHERS]),
+                               value(&m->attempts[METRICS_OF_SUBJECTS])};
+    const struct {
+        unsigned kind;
+        uint64_t n;
+    } single[] = {{ST_EREPLAYED, value(&m->replayed)},
+                  {ST_EMISMATCH, value(&m->enrollment[METRICS_MISMATCH])},
+                  {ERRMAP_NO_TOKEN, value(&m->wrong_tokens)}};
+
+#define REFUSED(kind, n)                                                                 \
+    if ((n) > 0)                                                                         \
+    json_number(j, errmap_get(kind)->code, (double)(n))
+    json_object(j, "refusals");
+    for (unsigned i = 0; i < NREFUSALS; i++)
+        REFUSED(ST_ELIMIT + i, value(&m->refused[i]));
+    for (unsigned i = 1; i < NCAPTURES; i++)
+        REFUSED(ERRMAP_CAPTURE_REQUIRED + i - 1, value(&m->capture[i]));
+    for (unsigned i = 0; i < NINTAKE; i++)
+        REFUSED(ERRMAP_ENROLLMENTS + i, value(&m->intake[i]));
+    for (int i = 0; i < 2; i++)
+        REFUSED(attempts[i], failed[i]);
+    for (int i = 0; i < 3; i++)
+        REFUSED(single[i].kind, single[i].n);
+    json_close(j);
+#undef REFUSED
+}
+
+/* NAN: nothing was observed. */
+static double quantile_ms(const struct histogram *h, double q)
+{
+    uint64_t all = 0, below = 0;
+    size_t b = 0;
+
+    for (size_t i = 0; i <= NBUCKETS; i++)
+        all += value(&h->bucket[i]);
+    if (all == 0)
+        return (double)NAN;
+    while (b < NBUCKETS && (double)(below + value(&h->bucket[b])) < q * (double)all)
+        below += value(&h->bucket[b++]);
+    if (b == NBUCKETS)
+        return bound[NBUCKETS - 1] * 1e3;
+
+    const double from = b > 0 ? bound[b - 1] : 0, n = (double)value(&h->bucket[b]);
+
+    return 1e3 *
+           (from + (bound[b] - from) * (q * (double)all - (double)below) / fmax(n, 1));
+}
+
+void metrics_describe(const struct metrics *m, struct json *j)
+{
+    const struct histogram *total = &m->stage[REQUEST_STAGES];
+    uint64_t all = 0;
+
+    for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
+        all += value(&m->decision[i]);
+    json_number(j, "uptime_s", fmax(0, difftime(time(NULL), m->start)));
+    json_object(j, "rates");
+    json_number(j, "verifications", (double)all);
+    json_object(j, "decisions");
+    for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
+        json_number(j, decision_name[i], (double)value(&m->decision[i]));
+    json_close(j);
+    json_number(j, "enrollments", (double)value(&m->enrollment[METRICS_ENROLLED]));
+    describe_refusals(m, j);
+    json_close(j);
+    json_object(j, "latency_ms");
+    json_number(j, "p50", quantile_ms(total, 0.5));
+    json_number(j, "p95", quantile_ms(total, 0.95));
+    json_number(j, "p99", quantile_ms(total, 0.99));
+    json_close(j);
+}
+
 static void head(FILE *f, const char *name, const char *type, const char *help)
 {
     fprintf(f, "# HELP %s %s\n# TYPE %s %s\n", name, help, name, type);
@@ -280,7 +363,6 @@ static void print_requests(FILE *f, const struct metrics *m)
 
 static void print_outcomes(FILE *f, const struct metrics *m)
 {
-    static const char *const decision[] = {"match", "no_match", "inconclusive"};
     static const char *const enrollment[] = {"created", "known", "mismatch"};
     static const char *const check[] = {"enrollable", "usable", "unusable"};
     static const char *const attempts[] = {"token", "others", "subjects"};
@@ -288,7 +370,7 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"}, *intake[NINTAKE];
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
-    print_by(f, "surfaced_decisions_total", "decision", decision, m->decision, 3,
+    print_by(f, "surfaced_decisions_total", "decision", decision_name, m->decision, 3,
              "Verifications and comparisons by decision.");
     print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
              "Enrolments; known: the subject has this scan already; mismatch: refused.");
@@ -321,25 +403,40 @@ static void print_outcomes(FILE *f, const struct metrics *m)
               "Requests with a token that is not valid.");
 }
 
-static void print_tokens(FILE *f, const struct metrics *m)
+/* end: seconds since 1970; 0: there is none. */
+static void print_until(FILE *f, const char *name, uint64_t end, const char *help)
 {
-    const uint64_t now = (uint64_t)time(NULL), end = value(&m->token_end);
+    const uint64_t now = (uint64_t)time(NULL);
+
+    if (end > 0)
+        print_one(f, name, "gauge", end > now ? end - now : 0, help);
+}
+
+static void print_ends(FILE *f, const struct app *app)
+{
+    const struct metrics *m = app->metrics;
 
     print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
               "Tokens that expire within 30 days.");
-    if (end > 0)
-        print_one(f, "surfaced_token_first_end_seconds", "gauge",
-                  end > now ? end - now : 0, "Time until the first token expires.");
+    print_until(f, "surfaced_token_first_end_seconds", value(&m->token_end),
+                "Time until the first token expires.");
+    print_until(f, "surfaced_certificate_end_seconds",
+                app->tls != NULL ? (uint64_t)tls_end(app->tls) : 0,
+                "Time until the daemon's TLS certificate expires.");
 }
 
 /* By the system's clock, which may be set back. */
-static void print_verified(FILE *f, const struct metrics *m)
+static void print_verified(FILE *f, const struct app *app)
 {
-    const uint64_t now = (uint64_t)time(NULL), at = value(&m->rows_verified);
+    const uint64_t now = (uint64_t)time(NULL), at = value(&app->metrics->rows_verified);
+    struct errinfo e;
 
     print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,
               "Time since the database's rows were last verified against its change "
               "log.");
+    print_one(
+        f, "surfaced_database_refused", "gauge", store_refused(app->store, &e),
+        "1: the database is not the one that was opened, and all of /v1 gives 503.");
 }
 
 static void print_gauges(FILE *f, const struct app *app)
@@ -470,8 +567,8 @@ static char *text(const struct app *app)
         return NULL;
     print_requests(f, app->metrics);
     print_outcomes(f, app->metrics);
-    print_verified(f, app->metrics);
-    print_tokens(f, app->metrics);
+    print_verified(f, app);
+    print_ends(f, app);
     print_gauges(f, app);
     print_connections(f, app);
     print_process(f, app);

@@ -9,6 +9,7 @@
 #include "libsurface.h"
 #include "status.h"
 
+struct json; /* json.h */
 struct metrics;
 struct request;
 struct route;
@@ -72,6 +73,11 @@ void metrics_lost_event(struct metrics *m);
 /* metrics_tokens(m, soon, left_s): so many tokens will end soon, the first of all in left_s s;
  * INT64_MAX: none does. */
 void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s);
+
+/* metrics_describe(m, j): uptime_s, rates and latency_ms, for those who may know more than a
+ * stranger, as members of the object that is open in j.  Quantiles lie within a bucket of their
+ * histogram, in proportion. */
+void metrics_describe(const struct metrics *m, struct json *j);
 
 void metrics_handle(struct request *r, struct worker *w); /* GET /metrics */
 

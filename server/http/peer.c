@@ -10,13 +10,15 @@
 #include <microhttpd.h>
 
 #include "auth.h"
+#include "cors.h"
 #include "errinfo.h"
 #include "inflate.h"
 #include "mem.h"
 #include "request.h"
 #include "tls.h"
 
-#define PART ((size_t)64 << 10)
+#define PART     ((size_t)64 << 10)
+#define CORS_MAX 768 /* bytes of its headers */
 
 struct peer {
     const struct peer_host *host;
@@ -130,13 +132,18 @@ struct parts {
     struct peer *peer;
     const char *text;
     char *body; /* to be released; NULL: text is static */
+    FILE *file; /* instead, to be closed */
 };
 
 static ssize_t read_part(void *arg, uint64_t pos, char *to, size_t max)
 {
     const struct parts *s = arg;
 
-    memcpy(to, s->text + pos, max);
+    if (s->file == NULL)
+        memcpy(to, s->text + pos, max);
+    else if (fseeko(s->file, (off_t)pos, SEEK_SET) != 0 ||
+             (max = fread(to, 1, max, s->file)) == 0)
+        return MHD_CONTENT_READER_END_WITH_ERROR;
     peer_more(s->peer, max);
     return (ssize_t)max;
 }
@@ -146,6 +153,8 @@ static void free_parts(void *arg)
     struct parts *s = arg;
 
     mem_free(s->body);
+    if (s->file != NULL)
+        (void)fclose(s->file);
     free(s);
 }
 
@@ -155,19 +164,24 @@ static struct MHD_Response *make_body(struct peer *p, const struct response *a)
     struct MHD_Response *resp;
     struct parts *s;
 
-    if (a->body == NULL && a->len <= PART)
+    if (a->file == NULL && a->body == NULL && a->len <= PART)
         return MHD_create_response_from_buffer(a->len, (void *)(uintptr_t)a->page,
                                                MHD_RESPMEM_PERSISTENT);
-    if (a->len <= PART)
+    if (a->file == NULL && a->len <= PART)
         return MHD_create_response_from_buffer_with_free_callback(a->len, a->body,
                                                                   mem_free);
     if ((s = malloc(sizeof *s)) == NULL)
         return NULL;
-    *s = (struct parts){p, a->body != NULL ? a->body : a->page, a->body};
+    *s = (struct parts){p, a->body != NULL ? a->body : a->page, a->body, a->file};
     resp = MHD_create_response_from_callback(a->len, PART, read_part, s, free_parts);
     if (resp == NULL)
         free(s);
     return resp;
+}
+
+static void add_header(void *resp, const char *name, const char *value)
+{
+    (void)MHD_add_response_header(resp, name, value);
 }
 
 static struct MHD_Response *make_response(struct peer *p, struct response *a,
@@ -179,6 +193,7 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
     if (resp == NULL)
         return NULL;
     a->body = NULL; /* resp's now */
+    a->file = NULL;
     if (a->len > 0)
         (void)MHD_add_response_header(resp, "Content-Type", a->type);
     (void)MHD_add_response_header(resp, "X-Request-Id", id);
@@ -188,9 +203,12 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
         (void)MHD_add_response_header(resp, "ETag", a->etag);
         (void)MHD_add_response_header(resp, "Vary", "Accept-Encoding");
     }
+    cors_headers(a, add_header, resp);
     if (a->gzip)
         (void)MHD_add_response_header(resp, "Content-Encoding", "gzip");
     (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
+    if (a->name != NULL)
+        (void)MHD_add_response_header(resp, "Content-Disposition", a->name);
     if (a->location[0] != '\0')
         (void)MHD_add_response_header(resp, "Location", a->location);
     if (a->allow[0] != '\0')
@@ -234,22 +252,31 @@ static bool peer_send(const struct peer *p, const void *data, size_t len)
     return send(p->fd, data, len, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)len;
 }
 
+static void print_header(void *to, const char *name, const char *value)
+{
+    char *text = to;
+    const size_t n = strlen(text);
+
+    (void)snprintf(text + n, CORS_MAX - n, "%s: %s\r\n", name, value);
+}
+
 /* libmicrohttpd accepts a response before or after the body, not amid it, so this one is
  * written by hand.  The socket's buffer is empty: the response fits in, or the client is
  * gone. */
 bool peer_respond_amid(struct peer *p, const struct response *a, const char *id)
 {
-    char head[512], retry[32] = "";
+    char head[512 + CORS_MAX], retry[32] = "", cors[CORS_MAX] = "";
     int n;
 
     if (a->retry_after > 0)
         (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", a->retry_after);
+    cors_headers(a, print_header, cors);
     n = snprintf(head, sizeof head,
                  "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
-                 "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n%s"
+                 "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n%s%s"
                  "Connection: close\r\nContent-Length: %zu\r\n\r\n",
                  a->http, MHD_get_reason_phrase_for((unsigned)a->http), a->type, id,
-                 retry, a->len);
+                 retry, cors, a->len);
     return n > 0 && (size_t)n < sizeof head && peer_send(p, head, (size_t)n) &&
            peer_send(p, a->body, a->len);
 }

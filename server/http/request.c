@@ -24,6 +24,8 @@ enum request_method request_method(const char *name)
         return REQUEST_PATCH;
     if (strcmp(name, "DELETE") == 0)
         return REQUEST_DELETE;
+    if (strcmp(name, "OPTIONS") == 0)
+        return REQUEST_OPTIONS;
     return REQUEST_OTHER;
 }
 
@@ -146,6 +148,10 @@ const char *request_stage_name(enum request_stage stage)
 
 static void set_body(struct request *r, int http, const char *type, char *body)
 {
+    if (r->response.file != NULL)
+        (void)fclose(r->response.file);
+    r->response.file = NULL;
+    r->response.name = NULL;
     mem_free(r->response.body);
     r->response.http = http;
     r->response.problem = 0;
@@ -179,6 +185,15 @@ void request_page(struct request *r, const char *type, const void *text, size_t 
     set_body(r, 200, type, NULL);
     r->response.page = text;
     r->response.len = len;
+}
+
+void request_file(struct request *r, const char *type, FILE *file, size_t len,
+                  const char *name)
+{
+    set_body(r, 200, type, NULL);
+    r->response.file = file;
+    r->response.len = len;
+    r->response.name = name;
 }
 
 void request_not_modified(struct request *r)
@@ -279,5 +294,7 @@ void request_free(struct request *r)
     free(r->target);
     mem_free(r->body);
     mem_free(r->response.body);
+    if (r->response.file != NULL)
+        (void)fclose(r->response.file);
     sodium_memzero(r->token, sizeof r->token);
 }

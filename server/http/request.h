@@ -7,6 +7,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 #include "address.h"
 #include "cloudformat.h"
 #include "inflate.h"
@@ -31,6 +32,7 @@ enum request_method {
     REQUEST_POST,
     REQUEST_PATCH,
     REQUEST_DELETE,
+    REQUEST_OPTIONS, /* of any path; no route has it */
     REQUEST_OTHER
 };
 
@@ -54,14 +56,20 @@ enum request_stage {                  /* what the time of a request is spent on 
 };
 
 struct response {
-    int http;             /* 0: none yet */
-    unsigned problem;     /* errmap.h; 0: it is none */
-    char *body;           /* heap, or NULL */
-    const void *page;     /* static, in the place of body; NULL for none */
-    size_t len;           /* of either; 0 for neither */
-    const char *type;     /* static */
-    char location[192];   /* "" for none */
-    char allow[40];       /* "" for none */
+    int http;         /* 0: none yet */
+    unsigned problem; /* errmap.h; 0: it is none */
+    char *body;       /* heap, or NULL */
+    const void *page; /* static, in the place of body; NULL for none */
+    FILE *file;       /* instead of both: read from its beginning, and closed; or NULL */
+    size_t len;       /* of any; 0 for none */
+    const char *type; /* static */
+    char location[192]; /* "" for none */
+    char allow[40];     /* "" for none */
+    const char
+        *name; /* Content-Disposition: of the file to save; static; NULL for none */
+    const char
+        *origin; /* whose page may read it; "": none's that asked; NULL: cors.h is off */
+    bool preflight;       /* with it: what may be asked for */
     const char *policy;   /* Content-Security-Policy; static; NULL for none */
     const char *etag;     /* of what a client may keep and ask for again; static; NULL */
     bool gzip;            /* Content-Encoding of the page */
@@ -98,6 +106,7 @@ struct request {
     const struct route *route;           /* NULL until it is known */
     char subject[STORE_SUBJECT_MAX + 1]; /* of the path, decoded; "" for none */
     char template_id[STORE_ID_LEN + 1];  /* of the path; "" for none */
+    char token_id[STORE_ID_LEN + 1];     /* likewise */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, taken or made */
     char client[ADDRESS_HOST_MAX];       /* its address, for the log (address_host()) */
     unsigned char address[THROTTLE_ADDRESS];
@@ -107,6 +116,8 @@ struct request {
     char token_name[STORE_NAME_MAX + 1], token_expires[32]; /* likewise; "": never */
     bool minimal, has_return; /* Prefer: return=minimal; return=anything */
     bool gzip;                /* Accept-Encoding has it */
+    char origin[256];         /* Origin; likewise */
+    bool preflight;           /* Access-Control-Request-Method is there */
     char none_match[256];     /* If-None-Match; "" for none, or a longer one */
     struct request_capture capture;
     enum request_media media;
@@ -177,6 +188,10 @@ void request_bytes(struct request *r, const char *type, unsigned char *bytes, si
 
 /* request_page(r, type, text, len): the same with static bytes. */
 void request_page(struct request *r, const char *type, const void *text, size_t len);
+
+/* request_file(r, type, file, len, name): the same from a file, taken. */
+void request_file(struct request *r, const char *type, FILE *file, size_t len,
+                  const char *name);
 
 /* request_not_modified(r): 304, without a body. */
 void request_not_modified(struct request *r);

@@ -48,10 +48,11 @@ static void write_allow(unsigned methods, char *out, size_t size)
 {
     size_t n = 0;
 
-    for (int m = 0; m < REQUEST_OTHER; m++)
+    for (int m = 0; m < REQUEST_OPTIONS; m++)
         if (methods >> m & 1)
             n += (size_t)snprintf(out + n, size - n, "%s%s%s", n > 0 ? ", " : "",
                                   method_name[m], m == REQUEST_GET ? ", HEAD" : "");
+    (void)snprintf(out + n, size - n, ", OPTIONS");
 }
 
 void route_find(const struct route *table, size_t n, struct request *r)
@@ -70,6 +71,11 @@ void route_find(const struct route *table, size_t n, struct request *r)
     }
     if (methods != 0) {
         write_allow(methods, r->response.allow, sizeof r->response.allow);
+        if (r->method == REQUEST_OPTIONS) {
+            r->response.http = 204;
+            r->response.preflight = r->preflight;
+            return;
+        }
         request_problem(r, ERRMAP_METHOD, "this path accepts %s", r->response.allow);
     } else {
         request_problem(
@@ -96,6 +102,10 @@ void route_read_id(struct request *r)
         st = request_decode(param, len, false, r->template_id, sizeof r->template_id);
         if (st != ST_OK || !ident_id_valid(r->template_id))
             request_problem(r, ST_ENOTFOUND, "there is no such template");
+    } else if (strstr(r->route->pattern, "{token_id}") != NULL) {
+        st = request_decode(param, len, false, r->token_id, sizeof r->token_id);
+        if (st != ST_OK || !ident_id_valid(r->token_id))
+            request_problem(r, ST_ENOTFOUND, "there is no such token");
     }
 }
 

@@ -16,6 +16,13 @@ enum route_body {
     ROUTE_MERGE   /* a JSON merge patch, or JSON */
 };
 
+enum route_where { /* handle() is called */
+                   ROUTE_QUICK, /* on the I/O thread with NULL: neither computes nor touches the store */
+                   ROUTE_WORKER, /* on worker w */
+                   ROUTE_SLOW /* likewise, one that only such routes have: takes seconds, and is
+                                 refused while another one does */
+};
+
 struct route {
     enum request_method method;
     const char *pattern; /* "/v1/subjects/{subject}/verify" */
@@ -23,17 +30,15 @@ struct route {
     /* a token must have one of these (enum store_scope); 0: none is needed */
     unsigned scope;
     const char *query; /* the query parameters it has: "units, detail"; "": none */
-    /* handle(r, w): sets r->response.  Called on worker w; or, where quick, on the I/O thread
-     * with NULL: then it neither computes nor touches the store. */
-    void (*handle)(struct request *r, struct worker *w);
-    bool quick;
+    void (*handle)(struct request *r, struct worker *w); /* sets r->response */
+    enum route_where where;
 };
 
 /* route_find(table, n, r): set r->route by r->target and r->method, or r->response: no such
- * path, no such method. */
+ * path, no such method, or what OPTIONS asks for. */
 void route_find(const struct route *table, size_t n, struct request *r);
 
-/* route_read_id(r): set r->subject or r->template_id where r->route has one, or r->response
+/* route_read_id(r): set r->subject, r->template_id or r->token_id where r->route has one, or r->response
  * when it is malformed. */
 void route_read_id(struct request *r);
 

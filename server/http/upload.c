@@ -87,7 +87,9 @@ enum status upload_add(struct upload *u, const char *data, size_t n)
 
 void upload_respond(struct upload *u)
 {
-    const size_t len = u->r->response.page != NULL ? 0 : u->r->response.len;
+    const size_t len = u->r->response.page != NULL || u->r->response.file != NULL
+                           ? 0
+                           : u->r->response.len;
 
     mem_free(u->r->body);
     u->r->body = NULL;

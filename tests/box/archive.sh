@@ -50,7 +50,7 @@ on_exits 64 "$DB" export alice --all -o "$T/a" # some or all
 on_exits 66 "$DB" export alice nobody -o "$T/a" --archive-key "$T/akey" # nobody of that name
 ok "then there is no archive" test ! -e "$T/a" -a ! -e "$T/a.part"
 on "$DB" export alice bob alice -o "$T/a" --archive-key "$T/akey"
-is "two are out" "$CODE $(said '.subjects, .templates' | tr '\n' ' ')" "0 2 2 "
+is "two are out" "$CODE $(said '.counts | .subjects, .templates' | tr '\n' ' ')" "0 2 2 "
 is "for the owner alone" "$(stat -c %a "$T/a")" 600
 ok "it holds no plaintext" sh -c "! grep -aq 'alice\|left camera\|SURF\|surfacectl' '$T/a'"
 on_exits 65 "$DB" export alice -o "$T/a" --archive-key "$T/akey" # an archive is not overwritten
@@ -69,7 +69,7 @@ on "$TO" import "$T/a" --archive-key "$T/akey" --dry-run
 is "what would come" "$CODE $(said '.subjects_new, .templates_new, .imported' |
     tr '\n' ' ')" "0 2 2 false "
 on "$TO" stats
-is "nobody did" "$(said .subjects)" 0
+is "nobody did" "$(said .counts.subjects)" 0
 on "$TO" import "$T/a" --archive-key "$T/akey"
 is "two are in" "$CODE $(said '.subjects_new, .templates_new' | tr '\n' ' ')" "0 2 2 "
 on "$TO" import "$T/all" --archive-key "$T/phrase"
@@ -146,7 +146,7 @@ is "nobody came" "$(said '[.subjects[].subject] | join(" ")')" bob
 # nobody TITLE: the database is as it was made.
 nobody() {
     on "$TO" stats
-    is "nobody came of $1" "$(said '.subjects, .templates' | tr '\n' ' ')" "0 0 "
+    is "nobody came of $1" "$(said '.counts | .subjects, .templates' | tr '\n' ' ')" "0 0 "
 }
 rm -f "$TO"*
 on "$TO" init
@@ -228,5 +228,5 @@ many=$(peak "$T/here" import "$T/many.archive")
 sanitized || ok "of $(($(stat -c %s "$T/many.archive") / 1024)) KB, imported: $few KB, $many KB" \
     test "$many" -lt $((few + 3000))
 on "$T/here" stats
-is "all are in" "$(said .subjects)" 100
+is "all are in" "$(said .counts.subjects)" 100
 finish

@@ -13,7 +13,7 @@ scan 2 1 "$T/b1.ply"
 AUTH=
 start_daemon
 ctl token create door --scope "$ALL"
-AUTH=$(said .token) DOOR=$(said .id)
+AUTH=$(said .secret) DOOR=$(said .id)
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 id=$(get .template_id)
 send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"

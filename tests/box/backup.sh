@@ -21,7 +21,7 @@ ctl_exits 0 enroll alice "$T/s1.ply"
 ctl_exits 0 enroll bob "$T/s2.ply"
 ctl_exits 0 enroll carol "$T/s3.ply"
 ctl_exits 0 token create front --scope "$ALL"
-AUTH=$(said .token) id=$(said .id)
+AUTH=$(said .secret) id=$(said .id)
 
 # ---- beside a daemon that enrolls meanwhile
 start_daemon
@@ -46,7 +46,7 @@ ok "one file" test ! -e "$T/b3-wal" -a ! -e "$T/b3-shm" -a ! -e "$T/b3.part"
 of "$T/b3" check-database
 is "it is well" "$(said .ok)" true
 of "$T/b3" stats
-is "and its counts are those told" "$(said .subjects)" "$n"
+is "and its counts are those told" "$(said .counts.subjects)" "$n"
 ok "it holds no plaintext" sh -c "! grep -aq 'alice\|more1' '$T/b3'"
 
 # ---- not while another process has it open
@@ -140,7 +140,7 @@ ctl_exits 65 backup "$T/dead"
 rm "$T/dead"
 "$BUILD/surfacectl" --db "$T/dead" --key "$DB.key" restore "$T/b3" >"$T/out" 2>"$T/ctl.err"
 is "nor a restore beside one" $? 65
-contains "it is said" "$T/ctl.err" 'dead-wal without its database'
+contains "it is said" "$T/ctl.err" 'dead-wal of another database of that name: move it away first'
 ok "nothing was made" test ! -e "$T/dead" -a ! -e "$T/dead.part"
 start_daemon --no-auth
 ok "the next daemon empties it" sh -c "! cmp -s -n 32 '$DB-wal' '$T/dead-wal'"

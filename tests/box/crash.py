@@ -83,7 +83,7 @@ def look():
             raise Failure('%s: %d %s' % (command, r.returncode, (r.stdout + r.stderr).decode()))
         told.append(json.loads(r.stdout))
     keep = {'subjects': ('subject', 'consent', 'hold', 'disabled'),
-            'templates': ('subject', 'digest', 'engine', 'label'), 'tokens': ('name', 'scopes', 'revoked')}
+            'templates': ('subject', 'digest', 'engine', 'label'), 'tokens': ('name', 'scopes', 'revoked_at')}
     return [[one[k] for k in keep[what]] for t, what in zip(told[1:], keep) for one in t[what]]
 
 

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Goal: surfacectl explain says why a scan matches a subject or a template, or not: its figures
 # agree with each other and with verify, the audit log has an entry, and nothing is explained of
-# somebody who is not there.  surfacelab explain does it of two files, as tables.
+# somebody who is not there.  surfacelab explain does it of two files, as tables.  The pages
+# in a browser: page.sh.
 # shellcheck disable=SC2016 # the variables are jq's
 . tests/box/lib.sh
 in_folder
@@ -50,7 +51,7 @@ expect 64 "a threshold of one's own" "$ctl" --db faces.db explain --threshold -5
 # ---- two files
 expect 0 "two files" "$lab" explain a0.ply a1.ply
 has out '^decision *match, score'
-is "the files" "$(files explanation)" 'cells.csv explain.json points.csv'
+is "the files" "$(files explanation)" 'cells.csv explain.html explain.json points.csv'
 is "the folder's mode" "$(stat -c %a explanation)" 700
 is "the files' modes" "$(stat -c %a explanation/* | sort -u)" 600
 "$ctl" compare --json a0.ply a1.ply >compared
@@ -67,12 +68,4 @@ expect 1 "two people" "$lab" explain a0.ply b0.ply --force
 expect 2 "a part of the face" "$lab" explain a0.ply part.xyz --out part
 expect 66 "no such scan" "$lab" explain a0.ply none.ply --out none
 ok "no folder for it" [ ! -e none ]
-if command -v gnuplot >/dev/null 2>&1; then
-    expect 0 "drawn" "$OLDPWD/scripts/plot_explanation" explanation
-    is "without a complaint" "$(cat err)" ''
-    is "a PNG" "$(head -c 4 explanation/explain.png | od -An -c | tr -d ' ')" '211PNG'
-    is "its owner's alone" "$(stat -c %a explanation/explain.png)" 600
-else
-    echo "SKIP the picture: gnuplot is not installed"
-fi
 finish

@@ -92,7 +92,7 @@ ok "it is the other" [ -z "$(grep "$token" out)" ]
 expect 0 "revoke it" "$ctl" token revoke 'front door'
 expect 66 "none is left" "$ctl" token revoke 'front door'
 expect 0 "list revoked" "$ctl" token list --json
-has out '"revoked":.*true'
+has out '"state":.*"revoked"'
 expect 66 "revoke another" "$ctl" token revoke 00000000000000000000000000000000
 
 expect 0 help "$ctl" --help

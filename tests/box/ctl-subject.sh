@@ -11,7 +11,7 @@ start_daemon
 ctl_exits 0 enroll alice "$T/a.ply" --label first
 ctl_exits 0 enroll bob "$T/b.ply"
 ctl_exits 0 token create test --scope "$ALL"
-AUTH=$(said .token)
+AUTH=$(said .secret)
 
 # ---- the consent
 ctl_exits 0 subject set alice --consent C-17 --purpose 'the front door' --expires 2031-02-28

@@ -8,19 +8,19 @@ doctor() {
     CODE=$?
 }
 
-# finds TITLE LEVEL ABOUT PATTERN: there is such a finding, and trouble ends with 1.
+# finds TITLE SEVERITY ABOUT PATTERN: there is such a finding, and an error ends with 1.
 finds() {
     found=$(jq -r --arg l "$2" --arg a "$3" \
-        '.findings[] | select(.level == $l and .about == $a) | .finding' "$T/ctl")
+        '.findings[] | select(.severity == $l and .about == $a) | .what' "$T/ctl")
     ok "$1: '$found' like '$4'" matches "$found" "$4"
-    [ "$2" != trouble ] || is "$1: exit" "$CODE" 1
+    [ "$2" != error ] || is "$1: exit" "$CODE" 1
     is "$1: each that is not fine says what to do" \
-        "$(jq '[.findings[] | select(.level != "ok" and (.todo | length) == 0)] | length' \
+        "$(jq '[.findings[] | select(.severity != "ok" and (.do | length) == 0)] | length' \
             "$T/ctl")" 0
 }
 
 doctor
-finds "no database" trouble database 'no file'
+finds "no database" error database 'no file'
 "$BUILD/surfacectl" --db "$DB" init >"$T/ctl"
 scan 1 0 "$T/s1.ply" --points 1000
 "$BUILD/surfacectl" --db "$DB" enroll s1 "$T/s1.ply" >"$T/ctl"
@@ -35,7 +35,7 @@ ok "a line each" grep -q '^ok  *key  *.*opens the database' "$T/text"
 sql "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch() FROM subjects"
 doctor
 is "failures are no trouble" "$CODE" 0
-finds "a lock-out" note attempts '^1 times in the last day'
+finds "a lock-out" warning attempts '^1 times in the last day'
 i=0
 while [ $i -lt 10 ]; do
     "$BUILD/surfacectl" --db "$DB" enroll "tried-$i" "$T/s1.ply" >"$T/text"
@@ -48,7 +48,7 @@ ok "9 subjects are not yet many" jq_true '[.findings[] | select(.about == "attem
 sql "DELETE FROM attempts; INSERT INTO attempts
     SELECT subject_key, 'thief', 1, 1000 * unixepoch() FROM subjects LIMIT 10"
 doctor
-finds "one face on many" note attempts 'token thief tried 10 subjects'
+finds "one face on many" warning attempts 'token thief tried 10 subjects'
 sql "DELETE FROM attempts"
 i=0
 while [ $i -lt 10 ]; do
@@ -62,40 +62,40 @@ sum=$(cksum <"$DB")
 "$BUILD/surfacectl" --db "$DB" backup "$DB.before-restore" >"$T/text"
 doctor
 is "that is no trouble" "$CODE" 0
-finds "what was left" note left 'faces.db.part was left by a restore'
-finds "what a restore put aside" note left 'from before a restore'
+finds "what was left" warning left 'faces.db.part was left by a restore'
+finds "what a restore put aside" warning left 'from before a restore'
 rm "$DB.part" "$DB.before-restore"
 
 # ---- permissions
 chmod 644 "$DB"
 doctor
-finds "others may read it" trouble database 'mode 644'
+finds "others may read it" error database 'mode 644'
 chmod 600 "$DB"
 chmod 644 "$DB.key"
 doctor
-finds "others may read the key" trouble key 'mode 644.*chmod 600'
+finds "others may read the key" error key 'mode 644.*chmod 600'
 chmod 600 "$DB.key"
 chmod 777 "$T"
 doctor
-finds "others may write the folder" trouble folder 'mode 777'
+finds "others may write the folder" error folder 'mode 777'
 chmod 700 "$T"
 
 # ---- keys
 mv "$DB.key" "$T/aside"
 doctor
-finds "no key" trouble key 'No such file'
+finds "no key" error key 'No such file'
 doctor --key "$T/aside"
 is "elsewhere" "$CODE" 0
 mv "$T/aside" "$DB.key.new"
 doctor
-finds "a change of the key that was interrupted" trouble key 'interrupted.*key.new'
+finds "a change of the key that was interrupted" error key 'interrupted.*key.new'
 mv "$DB.key.new" "$DB.key"
 printf '%064d\n' 7 >"$DB.key.new"
 chmod 600 "$DB.key.new"
 doctor
 is "one that nothing needs" "$CODE" 0
 doctor --key "$DB.key.new"
-finds "the wrong key" trouble key 'not the key'
+finds "the wrong key" error key 'not the key'
 rm "$DB.key.new"
 is "nothing was changed by all that" "$(cksum <"$DB")" "$sum"
 
@@ -110,25 +110,25 @@ wait "$PID" 2>/dev/null
 PID=
 doctor
 is "a WAL that is left is no trouble" "$CODE" 0
-finds "but reported" note WAL 'was killed'
+finds "but reported" warning WAL 'was killed'
 
 # ---- schema, engine, kinds of keys
 sqlite3 "$DB" 'PRAGMA user_version = 99'
 doctor
-finds "a newer program's" trouble schema 'version 99'
+finds "a newer program's" error schema 'version 99'
 sqlite3 "$DB" 'PRAGMA user_version = 1'
 cp "$DB" "$T/kept"
 echo nonsense >"$DB"
 doctor
-finds "no database at all" trouble schema 'not a database'
+finds "no database at all" error schema 'not a database'
 cp "$T/kept" "$DB"
 "$BUILD/surfacectl" --db "$DB" rekey --yes --plaintext >"$T/text"
 doctor
-finds "plaintext, and not said so" trouble key 'plaintext'
+finds "plaintext, and not said so" error key 'plaintext'
 export SURFACED_PLAINTEXT_DATABASE=1
 doctor
-finds "plaintext" note key 'has no key'
+finds "plaintext" warning key 'has no key'
 sql "UPDATE templates SET points = points - 1"
 doctor
-finds "damaged" trouble state 'not as it was written'
+finds "damaged" error state 'not as it was written'
 finish

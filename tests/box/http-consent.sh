@@ -36,7 +36,7 @@ delete=$(new_token delete --scope delete)
 read=$(new_token read --scope read)
 ctl token create manage --scope manage,verify,read
 id=$(said .id)
-manage=$(said .token)
+manage=$(said .secret)
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enrolled" "$STATUS" 201
 template=$(get .template_id)

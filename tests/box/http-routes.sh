@@ -224,10 +224,10 @@ send POST /v1/identify "$PLY" "$T/a2.ply"
 problem "identify" 404 no_such_route
 req PUT /v1/subjects/alice
 problem "PUT" 405 method_not_allowed
-is "Allow" "$(field Allow)" "GET, HEAD, PATCH, DELETE"
+is "Allow" "$(field Allow)" "GET, HEAD, PATCH, DELETE, OPTIONS"
 req GET /v1/compare
 problem "GET compare" 405 method_not_allowed
-is "Allow" "$(field Allow)" POST
+is "Allow" "$(field Allow)" "POST, OPTIONS"
 req POST /healthz -d x
 problem "POST healthz" 405 method_not_allowed
 

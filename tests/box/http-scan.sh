@@ -144,7 +144,7 @@ problem "malformed" 400 malformed 'this is PLY, not JSON'
 send POST '/v1/check?label=x' "$PLY" "$T/a.ply"
 problem "a parameter of others" 400 invalid_parameter 'unknown query parameter label'
 req GET /v1/check
-is "no GET" "$STATUS $(field Allow)" '405 POST'
+is "no GET" "$STATUS $(field Allow)" '405 POST, OPTIONS'
 is "nothing was stored or logged" "$(logged)" "$before"
 
 # ---- counted

@@ -24,6 +24,14 @@ GET /v1/templates/{template_id}/surface detail
 GET /v1/token enroll,verify,identify,read,delete,manage,detail
 GET /v1/recent manage
 DELETE /v1/subjects/{subject}/attempts manage
+GET /v1/audit manage
+POST /v1/audit/verify manage
+GET /v1/audit/export manage
+GET /v1/tokens manage
+POST /v1/tokens manage
+DELETE /v1/tokens/{token_id} manage
+POST /v1/tokens/{token_id}/rotate manage
+GET /v1/stats manage
 GET /healthz -
 GET /readyz -
 GET /metrics -
@@ -38,6 +46,8 @@ scan 1 1 "$T/p.ply"
 jq -c '{a: ., b: .}' "$T/c.json" >"$T/two.json"
 echo '{"subject": "bob"}' >"$T/new.json"
 echo '{"hold": false}' >"$T/change.json"
+echo '{"name": "x", "scopes": ["manage"]}' >"$T/token.json"
+echo '{"grace_s": 1}' >"$T/rotate.json"
 start_daemon --workers 3 --queue 77 --cache-mb 13 --max-body 7654321 --attempts 19 \
     --attempt-wait 71 --timeout 43 --max-connections 911 --rate-limit-tokens 1000
 
@@ -49,8 +59,13 @@ is "routes and their scopes, as described" "$(cat "$T/described")" "$(sort "$T/m
 is "no other in the table of the program" "$(grep -c '{REQUEST_' server/api/routes.c)" \
     "$(($(wc -l <"$T/matrix") + 3))" # and the two files of /docs, and those of /console
 
-# enrolled: alice has a template, whose id is $template; bob is nobody.
+# enrolled: alice has a template, whose id is $template; bob is nobody; there is a token that only
+# manages, whose id is $token.
 enrolled() {
+    if [ -z "$token" ]; then
+        new_token other --scope manage >"$T/other"
+        token=$(sql "SELECT id FROM tokens WHERE name = 'other' AND revoked IS NULL")
+    fi
     [ -z "$template" ] || return
     e_auth=$AUTH AUTH=$all
     req DELETE /v1/subjects/bob
@@ -61,23 +76,26 @@ enrolled() {
 
 # try METHOD PATH [QUERY]: a request that succeeds with every scope, once enrolled.
 try() {
-    t_path=$(echo "$2" | sed "s/{subject}/alice/; s/{template_id}/$template/")${3:-}
+    t_path=$(echo "$2" | sed "s/{subject}/alice/; s/{template_id}/$template/; s/{token_id}/$token/")${3:-}
     case $1.$2 in
     POST.*/compare) send POST "$t_path" "$JSON" "$T/two.json" ;;
     POST./v1/subjects) send POST "$t_path" "$JSON" "$T/new.json" ;;
-    POST./v1/challenge) req POST "$t_path" -H 'Content-Length: 0' ;;
+    POST./v1/tokens) send POST "$t_path" "$JSON" "$T/token.json" ;;
+    POST.*/rotate) send POST "$t_path" "$JSON" "$T/rotate.json" ;;
+    POST./v1/challenge | POST./v1/audit/verify) req POST "$t_path" -H 'Content-Length: 0' ;;
     POST.*/verify) send POST "$t_path" "$PLY" "$T/p.ply" ;;
     POST.*) send POST "$t_path" "$PLY" "$T/a.ply" ;;
     PATCH.*) send PATCH "$t_path" "$JSON" "$T/change.json" ;;
     *) req "$1" "$t_path" ;;
     esac
     case $1.$2.$STATUS in
+    DELETE./v1/tokens/*.20?) token='' ;;
     DELETE.*.20? | POST./v1/subjects.20?) template='' ;;
     esac
 }
 
 all=$(new_token all)
-template=''
+template='' token=''
 for scope in $(echo "$ALL" | tr ',' ' '); do
     one=$(new_token "$scope" --scope "$scope")
     others=$(new_token "not-$scope" --scope "$(echo ",$ALL," | sed "s/,$scope,/,/; s/^,//; s/,\$//")")
@@ -109,7 +127,7 @@ done
 # What takes a scope more, wherever it can be asked for.
 enrolled
 AUTH=$(new_token narrow --scope enroll,verify,identify,read,delete)
-awk '$1 == "POST" && $2 ~ /verify$/ { print $2 }' "$T/matrix" >"$T/comparing"
+awk '$1 == "POST" && $2 ~ /}\/verify$/ { print $2 }' "$T/matrix" >"$T/comparing"
 while read -r route; do
     for detail in measure heatmap surface; do
         try POST "$route" "?detail=$detail"
@@ -142,14 +160,18 @@ while read -r verb route needs; do
         try "$verb" "$route" "?$known=1&$known=1"
         problem "$verb $route?$known twice" 400 invalid_parameter "$known is given twice"
     fi
-    real=$(echo "$route" | sed "s/{subject}/alice/; s/{template_id}/$template/")
+    real=$(echo "$route" | sed "s/{subject}/alice/; s/{template_id}/$template/; s/{token_id}/$token/")
+    AUTH=
+    req OPTIONS "$real"
+    ok "OPTIONS $route: $STATUS $(field Allow)" matches "$STATUS $(field Allow)" "^204 (.*, )?$verb, (.*, )?OPTIONS\$"
+    AUTH=$all
     for wrong in PUT TRACE BREW; do
         req "$wrong" "$real"
         problem "$wrong $route" 405 method_not_allowed
         ok "$wrong $route, Allow: $(field Allow)" matches "$(field Allow)" "(^|, )$verb(,|\$)"
     done
     case $verb.$route in
-    POST./v1/challenge | GET.* | DELETE.*)
+    POST./v1/challenge | POST./v1/audit/verify | GET.* | DELETE.*)
         req "$verb" "$real" -H "$JSON" -d '{"tolerance": 1}'
         problem "$verb $route, a body" 400 malformed 'takes no body'
         ;;
@@ -163,6 +185,7 @@ while read -r verb route needs; do
         case $route in # as a file is what it is: members of JSON alone can be misspelt
         */compare) jq -c '.tolerance = 1' "$T/two.json" >"$T/odd.json" ;;
         /v1/subjects) echo '{"subject": "eve", "tolerance": 1}' >"$T/odd.json" ;;
+        /v1/tokens*) echo '{"tolerance": 1}' >"$T/odd.json" ;;
         *) jq -c '.tolerance = 1' "$T/c.json" >"$T/odd.json" ;;
         esac
         [ "$verb" != PATCH ] || echo '{"hold": true, "tolerance": 1}' >"$T/odd.json"

@@ -25,7 +25,7 @@ issue() {
     authority ca
     authority other
     issue one ca serverAuth
-    issue two ca serverAuth
+    issue two ca serverAuth 5
     issue old ca serverAuth -1
     issue client ca clientAuth
     issue impostor other clientAuth
@@ -130,7 +130,14 @@ serves() {
 logged() {
     grep -q -- "$1" "$LOG"
 }
+# ends DAYS: the metric says that the certificate ends after so many days.
+ends() {
+    curl -sS --cacert "$T/ca.pem" "https://127.0.0.1:$port/metrics" |
+        awk -v days="$1" '$1 == "surfaced_certificate_end_seconds" {
+            found = $2 > (days - 0.1) * 86400 && $2 <= days * 86400 } END { exit !found }'
+}
 ok "the first certificate" serves one
+ok "and its end" ends 10
 {
     printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
     soon test -e "$T/go"
@@ -153,6 +160,7 @@ echo junk >"$T/now.pem"
 kill -HUP "$PID"
 ok "the log reports bad files" soon logged 'the TLS certificate stays as it was'
 ok "and the second certificate stays" serves two
+ok "with its end" ends 5
 stop_daemon
 
 # ---- client certificates

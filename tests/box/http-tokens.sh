@@ -35,7 +35,7 @@ problem "no such route" 404 no_such_route
 
 ctl token create tests --scope "$ALL"
 is "token create" $? 0
-AUTH=$(jq -r '.secret // .token' "$T/ctl")
+AUTH=$(jq -r .secret "$T/ctl")
 token_id=$(jq -r '.id // .token_id' "$T/ctl")
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enroll with a token" "$STATUS" 201
@@ -60,7 +60,7 @@ ctl token rotate "$token_id" --grace 1h
 is "token rotate" "$? $(jq -r '.id' "$T/ctl")" "0 $token_id"
 req GET /v1/subjects
 is "the old secret, within the grace period" "$STATUS" 200
-AUTH=$(jq -r .token "$T/ctl")
+AUTH=$(jq -r .secret "$T/ctl")
 req GET /v1/subjects
 is "the new secret" "$STATUS" 200
 ctl token rotate "$token_id"
@@ -69,7 +69,7 @@ problem "a rotated secret, at once" 401 unauthorized
 AUTH=$all
 req GET /v1/subjects
 problem "the secret before it" 401 unauthorized
-AUTH=$(jq -r .token "$T/ctl")
+AUTH=$(jq -r .secret "$T/ctl")
 all=$AUTH
 req GET /v1/subjects
 is "the newest secret" "$STATUS" 200
@@ -84,7 +84,7 @@ problem "a wrong scope, a malformed id" 403 insufficient_scope
 
 # ---- expired
 ctl token create --scope read --expires 1h short
-AUTH=$(jq -r .token "$T/ctl")
+AUTH=$(jq -r .secret "$T/ctl")
 req GET /v1/subjects
 is "before it expires" "$STATUS" 200
 sql "UPDATE tokens SET expires = NULL WHERE name = 'short'"
@@ -94,7 +94,7 @@ problem "an expiry that was changed without the key" 500 internal
 req GET /v1/subjects
 problem "expired, at once" 401 unauthorized
 ctl token rotate "$(jq -r .id "$T/ctl")" --expires 1h
-AUTH=$(jq -r .token "$T/ctl")
+AUTH=$(jq -r .secret "$T/ctl")
 req GET /v1/subjects
 is "with a new expiry" "$STATUS" 200
 
@@ -121,7 +121,7 @@ new_token ends-past --scope verify --expires 1d >/dev/null
 "$BUILD/forge" "$DB" "$KEY" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'ends-past'"
 ctl doctor
 is "doctor names those that will, and it is no trouble" \
-    "$CODE $(said '[.findings[] | select(.about == "token") | .finding | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
+    "$CODE $(said '[.findings[] | select(.about == "token") | .what | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
     "0 (ends-20d) (ends-29d)"
 # shellcheck disable=SC2119 # without options
 start_daemon

@@ -33,7 +33,7 @@ UNDER="env LD_PRELOAD=$(cd "$BUILD" && pwd)/record_shim.so RECORD_BEGINS=$T/begi
 for cache in 0 64; do
     start_daemon --attempts 2 --attempt-wait 3600 --cache-mb "$cache"
     [ -n "$AUTH" ] || ctl token create --scope enroll,verify,read test
-    [ -n "$AUTH" ] || AUTH=$(said .token)
+    [ -n "$AUTH" ] || AUTH=$(said .secret)
     send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply" # notes the token's use
     template=$(get .template_id)
     begins >/dev/null

@@ -28,6 +28,21 @@ needs() {
 }
 needs curl gojq jq sqlite3
 
+# needs_section SECTION PROGRAM...: as needs; with CI=true that is a failure.  SECTION: of
+# scripts/packages.txt.
+needs_section() {
+    section=$1
+    shift
+    [ "${CI:-}" = true ] || needs "$@"
+    for tool in "$@"; do
+        command -v "$tool" >/dev/null 2>&1 || {
+            echo "FAIL: $tool is not installed: scripts/setup $section"
+            echo "0 passed, 1 failed"
+            exit 1
+        }
+    done
+}
+
 # sanitized: the daemon was built with a sanitizer.
 sanitized() {
     nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'

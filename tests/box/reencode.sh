@@ -58,7 +58,7 @@ jq -c '[.templates[] | del(.engine, .to_reencode, .triangles)]' "$T/ctl" >"$T/ke
 ctl_exits 0 template list --model "$T/raised.model"
 is "but by their own model" "$(said '[.templates[].to_reencode] | join(" ")')" 'false false true'
 ctl_exits 0 stats
-is "stats" "$(said '.templates, .to_reencode' | tr '\n' ' ')" '3 3 '
+is "stats" "$(said '.counts.templates, .to_reencode' | tr '\n' ' ')" '3 3 '
 ctl_exits 1 doctor
 ok "doctor" grep -q 'template reencode' "$T/ctl"
 ctl_exits 0 verify alice "$T/alice-later.ply"

@@ -167,7 +167,7 @@ done
 ctl subject list --key "$T/credential"
 denied "a key is given to the command" "is plaintext: restore a backup"
 ctl doctor
-is "doctor reports it" "$CODE $(said '.findings[] | select(.about == "key") | .level')" "1 trouble"
+is "doctor reports it" "$CODE $(said '.findings[] | select(.about == "key") | .severity')" "1 error"
 cp "$T/keyed.db" "$DB"
 ctl subject list
 denied "a database of another key" "$DB.key: not the key of this database: give its own, or"

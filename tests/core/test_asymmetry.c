@@ -1,12 +1,10 @@
 /* Asymmetry: exact cases by hand; in scans of many poses the value follows the asymmetry that
  * the generator put in, and the plane is found; a face and its mirror image have the same
  * value; failed allocations. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "pose.h"
 #include "asymmetry.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "measure.h"
 #include "toy.h"
 #include "unit.h"
@@ -274,27 +272,6 @@ TEST(test_half)
     assert_int_equal(face_build(points, half, work, &face, NULL), ST_OK);
     a = measured();
     assert_false(a.conclusive);
-}
-
-static enum status measure_fresh(void *out)
-{
-    struct surface_work *w = surface_work_new(NULL);
-    const enum status st = w == NULL ? ST_ENOMEM : face_asymmetry(&face, w, out);
-
-    surface_work_free(w);
-    return st;
-}
-
-TEST(test_memory)
-{
-    struct facegen_scan s;
-    struct surface_asymmetry want, got;
-
-    facegen_default(&s);
-    scan(&s);
-    want = measured();
-    assert_true(fail_alloc_walk(measure_fresh, &got) > 4);
-    assert_memory_equal(&want, &got, sizeof want);
 }
 
 BEFORE_ALL(set_up)

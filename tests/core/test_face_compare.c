@@ -1,13 +1,11 @@
 /* Comparing faces: the score depends on the two faces alone, the decision on that and the
  * threshold; parts of cells and regions add up to it. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include <pthread.h>
 
 #include "clouds.h"
 #include "libsurface.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "heatmap.h"
 #include "lattice.h"
 #include "measure.h"
@@ -562,83 +560,6 @@ TEST(test_heatmap)
     assert_int_equal(heatmap_gaps(&f.surface, odd, 3, up, gap), ST_OK);
     assert_true(isnan(gap[0]) && isnan(gap[1]) && isnan(gap[2]));
     face_free(&f);
-}
-
-/* ---- memory */
-
-/* What asks for memory, k: 0 compare, 1 mirrored, 2 the field, 3 the minimum and its weight. */
-#define CALLS 4
-
-static enum status call(int k, const struct surface_face *a, const struct surface_face *b,
-                        struct surface_work *w, double out[2])
-{
-    static struct surface_parts field;
-    struct surface_comparison r;
-    struct surface_disparity least;
-    enum status st;
-
-    out[0] = out[1] = 0;
-    switch (k) {
-    case 0:
-    case 1:
-        st = k == 0 ? face_compare(a, b, (double)NAN, w, &r)
-                    : face_compare_mirrored(a, b, w, &r);
-        out[0] = r.score;
-        out[1] = r.expected;
-        break;
-    case 2:
-        st = face_field(a, b, w, &field);
-        out[0] = field.region[0];
-        out[1] = field.region[SURFACE_REGIONS - 1];
-        break;
-    default:
-        if ((st = face_minimal(a, b, w, &least)) == ST_OK)
-            st = face_weigh(a, b, w, &least);
-        out[0] = least.disparity_mm;
-        out[1] = least.weighted_mm;
-    }
-    return st;
-}
-
-struct calls {
-    int k;
-    struct surface_face a, b;
-    double plain[2];
-};
-
-/* After a failure the next call succeeds with the same digits; in the steady state nothing is
- * allocated. */
-static enum status call_fresh(void *arg)
-{
-    const struct calls *c = arg;
-    struct surface_work *w = surface_work_new(NULL);
-    enum status st = ST_ENOMEM;
-    double got[2];
-
-    if (w == NULL)
-        return st;
-    if ((st = call(c->k, &c->a, &c->b, w, got)) != ST_OK)
-        assert_int_equal(call(c->k, &c->a, &c->b, w, got), ST_OK);
-    assert_memory_equal(c->plain, got, sizeof got);
-    fail_alloc_at(0);
-    assert_int_equal(call(c->k, &c->a, &c->b, w, got), ST_OK);
-    assert_int_equal(fail_alloc_count(), 0);
-    surface_work_free(w);
-    return st;
-}
-
-TEST(test_no_memory)
-{
-    struct calls c = {0};
-
-    make(18, 1, &c.b);
-    make(18, 0, &c.a);
-    for (; c.k < CALLS; c.k++) {
-        assert_int_equal(call(c.k, &c.a, &c.b, work, c.plain), ST_OK);
-        assert_true(fail_alloc_walk(call_fresh, &c) > 1);
-    }
-    face_free(&c.a);
-    face_free(&c.b);
 }
 
 /* ---- threads */

@@ -82,6 +82,7 @@ static void verify(struct store *s, const char *secret, const char *subject,
                                                           .kind = "verify",
                                                           .template_id = is.t[0].id,
                                                           .outcome = "match",
+                                                          .decision = "match",
                                                           .probe = &probe},
                                    &out, &e));
     assert_false(out.replayed);

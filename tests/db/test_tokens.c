@@ -94,7 +94,8 @@ TEST(test_tokens)
     forge("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE revoked IS NULL");
     assert_int_equal(check(s, first), ST_EDENIED);
     must(store_token_list(s, &list, &n, &e));
-    assert_true(n == 2 && list[0].revoked && !list[0].expired && list[1].expired);
+    assert_true(n == 2 && list[0].revoked[0] != '\0' && !list[0].expired &&
+                list[1].expired);
     free(list);
     must(store_verify(s, NULL, NULL, &e));
     store_close(other);

@@ -150,11 +150,11 @@ static struct store_audit_entry last_event(struct store *s)
 {
     static const enum log_name accesses = LOG_ACCESSES;
     const struct store_audit_filter last = {
-        .log = &accesses, .wanted = {.newest = true, .limit = 1}, .names = true};
+        .log = &accesses, .newest = true, .limit = 1, .names = true};
     struct store_audit_entry *list, one;
     size_t n;
 
-    must(store_audit_list(s, &last, &list, &n, &e));
+    must(store_audit_list(s, &last, &list, &n, NULL, &e));
     assert_int_equal(n, 1);
     one = list[0];
     free(list);

@@ -294,11 +294,11 @@ static void ask_lists(struct store *s)
         free(tokens);
     if (store_calibration_list(s, &calibrations, &n, &hostile_e) == ST_OK)
         free(calibrations);
-    if (store_audit_list(s, &names, &entries, &n, &hostile_e) == ST_OK)
+    if (store_audit_list(s, &names, &entries, &n, NULL, &hostile_e) == ST_OK)
         free(entries);
     if (store_attempts_list(s, &attempts, &n, &hostile_e) == ST_OK)
         free(attempts);
-    (void)store_stats(s, &stats, &hostile_e);
+    (void)store_stats(s, true, &stats, &hostile_e);
 }
 
 static void ignore(void *arg, const char *line)

@@ -163,6 +163,7 @@ void filled_look(struct store *s, char out[FILLED_TEXT])
         "SELECT json_array(hex(uid), token, failures, at_ms) FROM attempts "
         "JOIN subjects USING (subject_key)",
         "SELECT json_array(until_ms, hex(nonce)) FROM nonces",
+        "SELECT json_array(day, decision, hex(bins)) FROM days",
     };
     char query[300];
 

@@ -306,7 +306,9 @@ enum status tempdb_record(struct store *s, const char *subject, enum store_recor
                                                             .actor = "test",
                                                             .kind = "verify",
                                                             .template_id = "",
-                                                            .outcome = "settled"},
+                                                            .outcome = "settled",
+                                                            .decision = "no_match",
+                                                            .score = -3},
                                      &out, e);
 }
 

@@ -1,0 +1,126 @@
+// calibration.js -- does the threshold still fit: on the curve of other people's scores, and on the
+// scores of the last weeks.
+
+import { get } from "./api.js";
+import { chartWidth, count, day, el, oneIn, plain, svg } from "./dom.js";
+import { failure, pairs, shareAbove } from "./verdict.js";
+import { outcome } from "./words.js";
+
+const LOW = -40, STEP = 2, BINS = 64, WEEKS = 12, DECISIONS = ["match", "inconclusive", "no_match"];
+
+/** Rates downwards by powers of ten, scores to the right; a line that is moved to ask "what if". */
+function curve(c) {
+  const W = chartWidth(), H = 260, left = 96, bottom = 28, top = 24, right = 16;
+  const low = Math.max(-40, Math.min(c.knots[0].score, 0)), high = Math.max(c.knots.at(-1).score, c.threshold + 8);
+  const least = Math.floor(Math.log10(Math.min(...c.knots.map((k) => k.rate))));
+  const x = (s) => left + ((s - low) / (high - low)) * (W - left - right);
+  const y = (r) => top + (Math.log10(Math.max(r, 10 ** least)) / least) * (H - top - bottom);
+  const text = (at, up, what, anchor = "middle", kind = "") => svg("text", { x: at, y: up, "text-anchor": anchor, class: kind }, what);
+  const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img",
+    "aria-label": `At the threshold of ${plain(c.threshold, 1)}, ${oneIn(shareAbove(c.knots, c.threshold))} other people match.` });
+  for (let p = 0; p >= least; p--)
+    out.append(svg("line", { x1: left, x2: W - right, y1: y(10 ** p), y2: y(10 ** p), class: "grid" }),
+      text(left - 8, y(10 ** p) + 4, p === 0 ? "all" : `1 in ${count(10 ** -p)}`, "end"));
+  for (let s = Math.ceil(low / 20) * 20; s <= high; s += 20) out.append(text(x(s), H - 8, plain(s, 0)));
+  const last = c.knots.at(-1).score; // beyond it the rate is lower, and it is not known by how much
+  const line = (from, to, kind) => svg("polyline", { class: kind, points: Array.from({ length: 121 }, (_, i) => from + ((to - from) * i) / 120)
+    .map((s) => `${x(s).toFixed(1)},${y(shareAbove(c.knots, s)).toFixed(1)}`).join(" ") });
+  out.append(svg("rect", { x: x(c.threshold), y: top, width: W - right - x(c.threshold), height: H - top - bottom, class: "match" }),
+    line(low, last, "curve"), line(last, high, "curve beyond"),
+    svg("line", { x1: x(c.threshold), x2: x(c.threshold), y1: top - 6, y2: H - bottom, class: "limit" }),
+    text(x(c.threshold), 12, `threshold ${plain(c.threshold, 1)}`, "middle", "strong"));
+  const mark = svg("circle", { r: 5.5, class: "mark" });
+  out.append(mark);
+  const said = el("output.what"), slider = el("input", { type: "range", min: Math.ceil(low), max: Math.floor(high), step: 0.5, value: c.threshold, "aria-label": "What if the threshold were" });
+  const ask = () => {
+    const s = Number(slider.value), rate = shareAbove(c.knots, s);
+    mark.setAttribute("cx", x(s));
+    mark.setAttribute("cy", y(rate));
+    said.replaceChildren("At ", el("strong", {}, plain(s, 1)), `, ${s > last ? "at most " : ""}${oneIn(rate)} other people would match.`);
+  };
+  slider.addEventListener("input", ask);
+  ask();
+  return [out, el("div.what-if", {}, slider, said)];
+}
+
+/** The Monday of a day. */
+function week(of) {
+  const d = new Date(`${of}T00:00:00Z`);
+  d.setUTCDate(d.getUTCDate() - ((d.getUTCDay() + 6) % 7));
+  return d.toISOString().slice(0, 10);
+}
+
+/** Week by week {start, n, match, ..., bins: {match: [64], ...}}, newest first. */
+function weeks(days) {
+  const out = new Map();
+  for (const d of days) {
+    const start = week(d.day);
+    if (!out.has(start)) out.set(start, { start, n: 0, ...Object.fromEntries(DECISIONS.map((k) => [k, 0])), bins: Object.fromEntries(DECISIONS.map((k) => [k, new Array(BINS).fill(0)])) });
+    const w = out.get(start);
+    if (!w.bins[d.decision]) continue;
+    d.bins.forEach((n, i) => {
+      w.bins[d.decision][i] += n;
+      w[d.decision] += n;
+      w.n += n;
+    });
+  }
+  return [...out.values()].sort((a, b) => (a.start < b.start ? 1 : -1)).slice(0, WEEKS);
+}
+
+/** One row a week, of the same scales, so that a drift is a shift down the page. */
+function history(all, threshold) {
+  const W = chartWidth(), left = 76, right = 44, row = 44, top = 22, H = top + all.length * row + 22;
+  const x = (s) => left + ((s - LOW) / (STEP * BINS)) * (W - left - right), bar = x(LOW + STEP) - x(LOW);
+  const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img", "aria-label": "Scores of the last weeks; the table below has the same." });
+  all.forEach((w, i) => {
+    const base = top + (i + 1) * row - 4, sums = w.bins.match.map((_, b) => DECISIONS.reduce((n, k) => n + w.bins[k][b], 0));
+    const most = Math.max(...sums, 1);
+    out.append(svg("text", { x: left - 8, y: base - 10, "text-anchor": "end" }, w.start), svg("line", { x1: left, x2: W - right, y1: base, y2: base, class: "grid" }),
+      svg("text", { x: W - right + 8, y: base - 10 }, count(w.n)));
+    for (let b = 0; b < BINS; b++) {
+      let up = base;
+      for (const k of DECISIONS) {
+        const h = ((row - 8) * Math.sqrt(sums[b] / most) * w.bins[k][b]) / Math.max(sums[b], 1);
+        if (h > 0) out.append(svg("rect", { x: x(LOW + STEP * b) + 0.5, y: up - h, width: bar - 1, height: h, class: outcome(k).kind }));
+        up -= h;
+      }
+    }
+  });
+  out.append(svg("line", { x1: x(threshold), x2: x(threshold), y1: top - 4, y2: H - 22, class: "limit" }),
+    svg("text", { x: x(threshold), y: 12, "text-anchor": "middle", class: "strong" }, `threshold ${plain(threshold, 1)}`),
+    svg("text", { x: W - right + 8, y: 12 }, "scans"),
+    ...[-40, 0, 40, 80].map((s) => svg("text", { x: x(s), y: H - 6, "text-anchor": "middle" }, plain(s, 0))));
+  return out;
+}
+
+const asTable = (all) => el("table", {},
+  el("thead", {}, el("tr", {}, ["Week from", ...DECISIONS.map((k) => outcome(k).title)].map((t) => el("th", { scope: "col" }, t)))),
+  el("tbody", {}, all.map((w) => el("tr", {}, el("th", { scope: "row" }, w.start), DECISIONS.map((k) => el("td", {}, count(w[k])))))));
+
+const legend = () => el("p.states", {}, DECISIONS.map((k) => el(`span.key.${outcome(k).kind}`, {}, outcome(k).title)));
+
+export function openCalibration(body) {
+  let done = false;
+  get("/v1/stats").then((s) => {
+    if (done) return;
+    const c = s.calibration, all = weeks(s.days);
+    body.replaceChildren(el("div.try", {},
+      el("div.stack", {},
+        el("section.card", {}, el("h2", {}, "How many other people would match"), ...curve(c)),
+        el("section.card", {}, el("h2", {}, "Scores of the last weeks"),
+          ...(all.length ? [legend(), history(all, c.threshold), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
+            : [el("p.dim", {}, "No verification so far. A histogram a day is kept, of the scores alone: it names nobody.")]))),
+      el("div.side", {},
+        el("section.card", {}, el("h2", {}, "In force"), el("dl.facts", {}, pairs([
+          ["Threshold", plain(c.threshold, 1)], ["Other people match", oneIn(shareAbove(c.knots, c.threshold)).replace(/^about /, "")], ["From", c.source === "shipped" ? "the model, as shipped" : "scans of your own"],
+          c.made_at && ["Made", day(c.made_at)]])),
+          el("p.dim", {}, "A score at or above the threshold is a match.")),
+        el("section.card", {}, el("h2", {}, "Does it still fit?"),
+          el("p", {}, "The green hill should stay well to the right of the threshold, week after week. If it moves to the left, ",
+            "scanners or people have changed: look at the quality of new scans, and calibrate anew with scans of your own."),
+          el("p.dim", {}, el("code", {}, "surfacectl calibrate"), " does that.")))));
+  }, (e) => !done && body.replaceChildren(failure(e)));
+  return () => {
+    done = true;
+  };
+}

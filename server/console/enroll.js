@@ -1,0 +1,146 @@
+// enroll.js -- a scan of a person: looked at first, then enrolled or verified once that is confirmed.
+
+import { get, post, query, request } from "./api.js";
+import { count, dayEnd, el, icon, many, mm, percent } from "./dom.js";
+import { readSeen } from "./glb.js";
+import { createSlot } from "./slot.js";
+import { createStage } from "./stage.js";
+import { advice, checked, decided, facts, failure, regions, verdict } from "./verdict.js";
+import { attempt, dialog, field, VERBATIM } from "./widgets.js";
+
+const at = (subject, what) => `/v1/subjects/${encodeURIComponent(subject)}/${what}`;
+
+/** The place of a scan beside the picture of it.  ready(file, r): it was checked; r: null: not. */
+function scanning(d, file, verifying, ready) {
+  const stage = createStage(), said = el("div.side", { "aria-live": "polite" });
+  const slot = createSlot("", look);
+  let stop = null;
+
+  async function look(f) {
+    stop?.abort();
+    const own = (stop = new AbortController());
+    ready(f, null);
+    d.element.classList.add("busy");
+    try {
+      const { extras: r, nodes } = readSeen(await request("POST", "/v1/check?detail=surface", { body: f, binary: true, stop: own.signal }));
+      if (nodes) stage.show(nodes, false);
+      else stage.clear();
+      slot.label(r.scan, r.quality?.score);
+      said.replaceChildren(...[checked(r, verifying), advice(r.advice)].filter(Boolean));
+      ready(f, r);
+    } catch (e) {
+      if (e.name === "AbortError") return;
+      stage.clear();
+      said.replaceChildren(failure(e));
+    } finally {
+      if (own === stop) d.element.classList.remove("busy");
+    }
+  }
+  if (file) {
+    slot.file = file;
+    slot.label();
+    look(file);
+  }
+  return { slot: slot.box, stage, said, close: () => { stop?.abort(); stage.close(); } };
+}
+
+/** Enrolls a scan of subject, or of whoever is typed in; done() is called once something was stored.
+ *  file: what was dropped already. */
+export function enroll({ who, subject, file, done }) {
+  let scan = null, found = null, parts = null, added = false;
+  const d = dialog(subject ? `Enroll a scan of ${subject}` : "Enroll somebody", { wide: true, closed: () => parts.close() });
+  const id = el("input", {
+    type: "text", required: true, maxLength: 128, pattern: "[A-Za-z0-9._@:\\-]{1,128}", ...VERBATIM, oninput: () => update(),
+  });
+  const label = el("input", { type: "text", maxLength: 64, autocomplete: "off" });
+  const consent = el("input", { type: "text", maxLength: 128, autocomplete: "off" });
+  const ends = el("input", { type: "date" });
+  const error = el("p.error", { role: "alert" });
+  const button = el("button.primary", { type: "submit", disabled: true }, "Enroll");
+  const force = el("button.danger", { type: "button", hidden: true, onclick: () => send(force, true) }, "Enroll anyway");
+  const name = () => subject ?? id.value.trim();
+
+  function update() {
+    button.disabled = !found?.enrollable || !(subject || (id.value && id.checkValidity()));
+    button.textContent = name() ? `Enroll ${name()}` : "Enroll";
+    force.hidden = true;
+  }
+
+  async function send(by, forced) {
+    let response;
+    const ok = await attempt(by, error, async () => {
+      // Consent comes before the first template.
+      if (!subject && !added && (consent.value || ends.value)) {
+        await post("/v1/subjects", { subject: name(), consent: consent.value || null, expires_at: dayEnd(ends.value) });
+        added = true;
+      }
+      try {
+        response = await post(at(name(), `templates${query({ label: label.value, force: forced ? "true" : "" })}`), scan);
+      } catch (e) {
+        force.hidden = e.code !== "sample_mismatch" || !who.scopes.includes("manage");
+        throw e;
+      }
+    });
+    if (!ok) return;
+    form.replaceChildren(
+      verdict("ok", "yes", "Enrolled", el("p", {}, `A template of ${name()} was made of the scan.`),
+        el("p.dim", {}, `Template ${response.template_id}`)),
+      el("div.buttons", {}, el("button.primary", { type: "button", autofocus: true, onclick: d.close }, "Done")));
+    form.querySelector("button").focus();
+    done();
+  }
+
+  parts = scanning(d, file, false, (f, r) => {
+    [scan, found] = [f, r];
+    error.textContent = "";
+    update();
+  });
+  const form = el("form", { onsubmit: (e) => { e.preventDefault(); send(button, false); } },
+    subject ? null : field("Id", id, "Letters, digits and . _ - @ :"),
+    parts.slot, parts.said,
+    el("details", {}, el("summary", {}, "Label, consent"),
+      field("Label of the scan", label, "Where or how it was made, say"),
+      ...(subject ? [] : [field("Reference of the consent", consent), field("The consent ends", ends)])),
+    error,
+    el("div.buttons", {}, force, el("button", { type: "button", onclick: d.close }, "Cancel"), button));
+  d.body.append(el("div.scanning", {}, parts.stage.element, form));
+  update();
+  (subject ? form.querySelector("input[type=file]") : id).focus();
+}
+
+/** Verifies a scan as a door would.  attempts: of the subject; done(): it was counted. */
+export function verifyHere({ who, subject, attempts, done }) {
+  const detail = who.scopes.includes("detail");
+  let scan = null, parts = null;
+  const d = dialog(`Verify a scan as ${subject}`, { wide: true, closed: () => { parts.close(); done(); } });
+  const error = el("p.error", { role: "alert" });
+  const button = el("button.primary", { type: "submit", disabled: true }, "Verify");
+  const before = attempts.failures ? `${many(attempts.failures, "attempt")} failed already. ` : "None has failed so far. ";
+
+  async function send() {
+    let r, nodes;
+    const path = at(subject, `verify${detail ? "?detail=surface" : ""}`);
+    if (!await attempt(button, error, async () => {
+      ({ extras: r, nodes } = readSeen(await request("POST", path, { body: scan, binary: detail })));
+    })) return;
+    if (nodes) parts.stage.show(nodes, true);
+    form.replaceChildren(...[decided(r), r.regions && regions(r.regions),
+      facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, detail ? 3 : 2)],
+        ["Templates compared", count(r.templates_compared)]]),
+      el("div.buttons", {}, el("button.primary", { type: "button", onclick: d.close }, "Done"))].filter(Boolean));
+    form.querySelector("button.primary").focus();
+  }
+
+  parts = scanning(d, null, true, (f, r) => {
+    scan = f;
+    button.disabled = !r?.usable;
+  });
+  const form = el("form", { onsubmit: (e) => { e.preventDefault(); send(); } },
+    el("p.advice", {}, icon("warning", 18), el("span", {}, "This counts as an attempt, as at a door: if it fails, the next one may have to wait. ",
+      el("strong", {}, before), "To look at two scans without that, use Try.")),
+    detail && el("p.dim", {}, "The enrolled face is shown with it; the audit log records that."),
+    parts.slot, parts.said, error,
+    el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Cancel"), button));
+  d.body.append(el("div.scanning", {}, parts.stage.element, form));
+  form.querySelector("input").focus();
+}

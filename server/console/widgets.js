@@ -1,0 +1,98 @@
+// widgets.js -- dialogs, tables, fields: what several pages are made of.
+
+import { query } from "./api.js";
+import { el, icon } from "./dom.js";
+
+/** A dialog over the page; the browser holds the focus in it, closes it on Escape, and gives the focus
+ *  back.  Returns {element, close, body}; closed(): however it ended. */
+export function dialog(title, { wide, closed } = {}) {
+  const body = el("div.body");
+  function ended() {
+    element.remove();
+    closed?.();
+    if (document.activeElement === document.body) document.getElementById("main")?.focus(); // what opened it is gone
+  }
+  const element = el(wide ? "dialog.wide" : "dialog", { "aria-labelledby": "dialog-title", onclose: ended },
+    el("header", {}, el("h2", { id: "dialog-title" }, title),
+      el("button.quiet", { type: "button", "aria-label": "Close", onclick: () => element.close() }, icon("close", 18))),
+    body);
+  document.body.append(element);
+  element.showModal();
+  return { element, body, close: () => element.close() };
+}
+
+/** Calls act() while its button waits; what was refused is shown beside it.  Returns whether it was done. */
+export async function attempt(button, error, act) {
+  button.disabled = true;
+  error.textContent = "";
+  try {
+    await act();
+    return true;
+  } catch (e) {
+    error.textContent = e.message + (e.wait ? ` It can be tried again in ${e.wait} s.` : "");
+    return false;
+  } finally {
+    button.disabled = false;
+  }
+}
+
+/** A question before something is done: act() once it is confirmed. */
+export function ask(title, text, verb, act, { danger } = {}) {
+  const d = dialog(title), error = el("p.error", { role: "alert" });
+  const button = el(danger ? "button.danger" : "button.primary", {
+    type: "button", autofocus: true,
+    onclick: async () => { if (await attempt(button, error, act)) d.close(); },
+  }, verb);
+  d.body.append(el("p", {}, text), error,
+    el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Cancel"), button));
+  button.focus();
+}
+
+/** Of an input for what is no prose: an id, a token. */
+export const VERBATIM = { autocomplete: "off", spellcheck: false, autocapitalize: "off" };
+
+let fields = 0;
+
+/** A labelled input; note: what to know before filling it in. */
+export function field(label, input, note) {
+  input.id = `field-${++fields}`;
+  if (note) input.setAttribute("aria-describedby", `${input.id}-note`);
+  return el("div.field", {}, el("label", { htmlFor: input.id }, label), input,
+    note && el("span.dim", { id: `${input.id}-note` }, note));
+}
+
+/** A table; columns: [title, row => cell, class].  On a phone each row is a card.  row(tr, x): what
+ *  else a row is given. */
+export function table(caption, columns, row) {
+  const body = el("tbody", { role: "rowgroup" });
+  const make = (x) => {
+    const tr = el("tr", { role: "row" }, columns.map(([title, cell, kind], i) =>
+      el(`${i ? "td" : "th"}${kind ? `.${kind}` : ""}`, i ? { role: "cell", "data-title": title } : { role: "rowheader", scope: "row" }, cell(x))));
+    row?.(tr, x);
+    return tr;
+  };
+  const element = el("div.card.table", {}, el("table", { role: "table", "aria-label": caption },
+    el("thead", { role: "rowgroup" }, el("tr", { role: "row" }, columns.map(([title, , kind]) =>
+      el(`th${kind ? `.${kind}` : ""}`, { scope: "col", role: "columnheader" }, title)))),
+    body));
+  return { element, body, set: (rows) => body.replaceChildren(...rows.map(make)), add: (rows) => body.append(...rows.map(make)) };
+}
+
+/** The address of a person's page. */
+export const personAt = (subject) => `#people${query({ subject })}`;
+
+export const state = (s) => el(`span.state.${s.kind}`, {}, icon(s.icon, 14), s.title);
+
+/** A share of 1 as a bar and in digits. */
+export function meter(value) {
+  if (value == null) return el("span.dim", {}, "–");
+  const bar = el("i");
+  bar.style.width = `${100 * value}%`;
+  return el("span.meter", {}, el("span.track", { "aria-hidden": "true" }, bar), value.toFixed(2));
+}
+
+/** Choices of which one holds, as links: [name, title]; to(name): its address. */
+export function choices(label, all, current, to) {
+  return el("nav.choices", { "aria-label": label }, all.map(([name, title]) =>
+    el("a", { href: to(name), "aria-current": name === current ? "true" : null }, title)));
+}

@@ -1,0 +1,102 @@
+// words.js -- what the daemon's words mean, for whoever stands at a door.
+
+import { VERDICTS } from "./verdict.js";
+
+/** Why a scan or a request was refused, by code; others are in the daemon's words. */
+export const WHY = {
+  too_many_attempts: "Locked out: too many verifications failed.",
+  too_many_subjects: "This token has tried too many people without a match.",
+  subject_disabled: "This person is disabled: nobody is verified as them until somebody enables them.",
+  subject_expired: "This person's time is over.",
+  not_found: "Nobody is enrolled under this id.",
+  no_face: "No face was found in the scan.",
+  several_faces: "There was more than one face before the scanner.",
+  low_quality: "The scan is too poor: scan again.",
+  replayed: "This is a scan that was used before: scan again.",
+  mirrored: "The scanner swaps left and right.",
+  sample_mismatch: "The new scan does not fit the person's first one.",
+  too_few_points: "The scan has too few points.",
+  not_a_face: "What was scanned is no face.",
+  units_suspicious: "The scan is far larger or smaller than a face: its unit is wrong.",
+  too_many_templates: "This person has as many templates as a person can have.",
+  unauthorized: "The token was wrong.",
+  insufficient_scope: "The token may not do that.",
+  storage_full: "The disk is full.",
+  busy: "The daemon had too much to do.",
+};
+
+/** What an entry of the audit log is about: its title, and its group. */
+export const KINDS = {
+  verify: ["Verification", "Doors"],
+  locked_out: ["Locked out", "Doors"],
+  many_subjects: ["Many people tried", "Doors"],
+  reset_attempts: ["Lock-out ended", "Doors"],
+  compare: ["Two scans compared", "Doors"],
+  add_subject: ["Person added", "People"],
+  enroll: ["Scan enrolled", "People"],
+  enroll_mismatch: ["Scan did not fit", "People"],
+  set_subject: ["Consent changed", "People"],
+  rename_subject: ["Renamed", "People"],
+  disable_subject: ["Disabled", "People"],
+  enable_subject: ["Enabled", "People"],
+  hold_subject: ["Put on hold", "People"],
+  release_subject: ["Hold released", "People"],
+  delete_template: ["Template deleted", "People"],
+  delete_subject: ["Person erased", "People"],
+  surface: ["Enrolled face looked at", "Faces seen"],
+  explain: ["Decision explained", "Faces seen"],
+  export_template: ["Template exported", "Faces seen"],
+  create_token: ["Token made", "Keys"],
+  rotate_token: ["Token rotated", "Keys"],
+  revoke_token: ["Token revoked", "Keys"],
+  add_device: ["Scanner added", "Keys"],
+  remove_device: ["Scanner removed", "Keys"],
+  rekey: ["New master key", "Keys"],
+  create_database: ["Database made", "Database"],
+  calibrate: ["Calibrated", "Database"],
+  reencode: ["Templates re-encoded", "Database"],
+  import: ["Imported", "Database"],
+  create_archive: ["Archive made", "Database"],
+  restore: ["Restored", "Database"],
+  accept_state: ["State accepted", "Database"],
+  checkpoint: ["Log signed", "Database"],
+  trim_accesses: ["Oldest accesses deleted", "Database"],
+  export_audit: ["Log exported", "Database"],
+};
+
+export const kind = (name) => KINDS[name]?.[0] ?? name;
+
+/** What a token may do with a scope. */
+export const SCOPES = {
+  verify: "verify people, and compare scans",
+  enroll: "enroll people",
+  identify: "find out who a scan is of",
+  read: "see who is enrolled",
+  delete: "erase people",
+  manage: "hold, disable, see the audit log, make tokens",
+  detail: "see enrolled faces in 3D",
+};
+
+/** The end of a consent is near when it is so many days off; the daemon's filter "ending" has the same. */
+const SOON_MS = 30 * 86400e3;
+
+/** What there is to say of a person: icon, kind and title each. */
+export function personStates(s) {
+  const left = s.expires_at ? Date.parse(s.expires_at) - Date.now() : Infinity;
+  const out = [];
+  if (s.disabled) out.push({ icon: "off", kind: "unsure", title: "Disabled" });
+  if (left <= 0) out.push({ icon: "no", kind: "no", title: "Expired" });
+  if (!out.length) out.push({ icon: "yes", kind: "ok", title: "Active" });
+  if (left > 0 && left < SOON_MS) out.push({ icon: "clock", kind: "unsure", title: "Ends soon" });
+  if (s.hold) out.push({ icon: "shield", kind: "note", title: "On hold" });
+  return out;
+}
+
+const OUTCOMES = {
+  ...VERDICTS,
+  enrolled: { icon: "yes", kind: "ok", title: "Enrolled" },
+  known: { icon: "yes", kind: "ok", title: "Known already" },
+};
+
+/** Of a decision, or of what else came of a request. */
+export const outcome = (name) => OUTCOMES[name] ?? { icon: "warning", kind: "unsure", title: "Refused" };

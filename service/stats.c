@@ -1,0 +1,73 @@
+#include "stats.h"
+
+#include <math.h>
+
+#include "describe.h"
+#include "findings.h"
+#include "in_force.h"
+#include "json.h"
+
+static void describe_counts(struct json *j, const struct store_stats *all)
+{
+    json_object(j, "counts");
+    json_number(j, "subjects", (double)all->subjects);
+    json_number(j, "templates", (double)all->templates);
+    json_number(j, "tokens", (double)all->tokens);
+    json_number(j, "devices", (double)all->devices);
+    json_close(j);
+}
+
+static void describe_in_force(struct json *j, const struct store_calibration *k)
+{
+    json_object(j, "calibration");
+    json_text(j, "source", k->shipped ? "shipped" : "calibrated");
+    json_rate(j, "fmr", k->shipped ? (double)NAN : k->fmr);
+    json_text(j, "made_at", k->shipped ? NULL : k->created);
+    describe_calibration(j, &k->table);
+    json_close(j);
+}
+
+static void tell(void *arg, const struct finding *f)
+{
+    struct json *j = arg;
+
+    json_object(j, NULL);
+    findings_describe(j, f);
+    json_close(j);
+}
+
+static void describe_day(struct json *j, const struct store_day *d)
+{
+    json_object(j, NULL);
+    json_text(j, "day", d->day);
+    json_text(j, "decision", d->decision);
+    json_array(j, "bins");
+    for (int i = 0; i < STORE_DAY_BINS; i++)
+        json_number(j, NULL, d->bin[i]);
+    json_close(j);
+    json_close(j);
+}
+
+enum status stats_describe(struct json *j, struct store *s, const struct store_day *days,
+                           size_t n, struct errinfo *e)
+{
+    struct findings found = {.tell = tell, .arg = j};
+    struct store_calibration k;
+    struct store_stats all;
+    enum status st;
+
+    if ((st = store_stats(s, false, &all, e)) != ST_OK ||
+        (st = in_force_get(s, &k, e)) != ST_OK)
+        return st;
+    describe_counts(j, &all);
+    json_text(j, "engine", store_made_by(s));
+    describe_in_force(j, &k);
+    json_array(j, "findings");
+    findings_store(&found, s);
+    json_close(j);
+    json_array(j, "days");
+    for (size_t i = 0; i < n; i++)
+        describe_day(j, &days[i]);
+    json_close(j);
+    return ST_OK;
+}

@@ -1,0 +1,13 @@
+/* stats.h -- how a database is: the same from daemon and command. */
+#ifndef SERVICE_STATS_H
+#define SERVICE_STATS_H
+#include "store.h"
+
+struct json; /* json.h */
+
+/* stats_describe(j, s, days, n, e): counts, engine, calibration, findings, and the n days of
+ * store_days(), as members of the object that is open in j.  10 ms for 100,000 subjects. */
+enum status stats_describe(struct json *j, struct store *s, const struct store_day *days,
+                           size_t n, struct errinfo *e);
+
+#endif

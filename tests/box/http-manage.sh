@@ -1,0 +1,331 @@
+#!/bin/sh
+# Goal: what the console's pages People, Audit and Health ask for: a search that decrypts is bounded,
+# both logs come in one order, nobody gets a token that may do more than his own, and command and
+# daemon say the same.
+cd "$(dirname "$0")/../.." || exit 1
+. tests/box/lib.sh
+AUTH=
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/a2.ply" --pose 8
+scan 2 0 "$T/b.ply"
+start_daemon --attempts 2 --attempt-wait 50
+AUTH=$(new_token me)
+me=$AUTH
+
+# ids: the subjects of the last response, with spaces between them.
+ids() { get '[.subjects[].subject] | join(" ")'; }
+# patch ID JSON
+patch() { req PATCH "/v1/subjects/$1" -H "$JSON" -d "$2"; }
+
+# ---- people
+send POST /v1/subjects/Alice@home/templates "$PLY" "$T/a.ply"
+quality=$(get .quality.score)
+for one in bob -- =cmd alice.2 ..alice; do
+    req POST /v1/subjects -H "$JSON" -d "{\"subject\": \"$one\", \"consent\": \"=1+1\"}"
+done
+req GET /v1/subjects
+is "all, in order of creation" "$(ids)" 'Alice@home bob -- alice.2 ..alice'
+is "the members of the first" "$(get '.subjects[0] | [.templates, .quality, .hold, .disabled, .expires_at, .consent] | tojson')" \
+    "[1,$quality,false,false,null,null]"
+is "of one without templates" "$(get '.subjects[1] | [.templates, .quality, .last_seen, .consent] | tojson')" '[0,null,null,"=1+1"]'
+req GET '/v1/subjects?q=ALICE'
+is "a part of the id, in any case" "$(ids) $(get .next_cursor)" 'Alice@home alice.2 ..alice null'
+req GET '/v1/subjects?q=alice&limit=2'
+is "a page of it" "$(ids)" 'Alice@home alice.2'
+req GET "/v1/subjects?q=alice&limit=2&cursor=$(get .next_cursor)"
+is "the next" "$(ids) $(get .next_cursor)" '..alice null'
+for q in '%25' '%27%20OR%201' '*' '_'; do
+    req GET "/v1/subjects?q=$q"
+    is "q=$q is text" "$STATUS $(ids)" '200 '
+done
+patch bob '{"disabled": true}'
+patch alice.2 "{\"hold\": true, \"expires_at\": \"$(date -u -d '+29 days' +%F)\"}"
+patch Alice@home "{\"expires_at\": \"$(date -u -d '+40 days' +%F)\"}"
+patch ..alice "$(ending)"
+sleep 1.1
+for state in 'active Alice@home -- alice.2' 'disabled bob' 'hold alice.2' 'expired ..alice' 'ending alice.2'; do
+    req GET "/v1/subjects?state=${state%% *}"
+    is "${state%% *}" "${state%% *} $(ids)" "$state"
+    ctl subject list --state "${state%% *}"
+    is "the command says the same" "$(said '.subjects | tojson')" "$(get '.subjects | tojson')"
+done
+req GET '/v1/subjects?state=hold&q=ALI'
+is "both" "$(ids)" alice.2
+ctl subject list --match ALI --state hold
+is "by the command" "$(said '[.subjects[].subject] | join(" ")')" alice.2
+ctl_exits 64 subject list --state gone
+for query in state=gone q= state= cursor=x cursor=99999999999999999999 limit=1001 "q=$(printf 'a%.0s' $(seq 129))"; do
+    req GET "/v1/subjects?$query"
+    problem "$query" 400 invalid_parameter
+done
+# a damaged template is one without a quality: the list still comes
+sqlite3 "$DB" "CREATE TABLE saved AS SELECT mac FROM templates; UPDATE templates SET mac = zeroblob(32)"
+req GET '/v1/subjects?limit=1'
+is "a damaged template" "$STATUS $(get '.subjects[0].quality')" '200 null'
+sql "UPDATE templates SET mac = (SELECT mac FROM saved); DROP TABLE saved"
+
+# ---- attempts
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
+req GET /v1/subjects/Alice@home
+is "one failure" "$(get '.attempts | tojson')" '{"failures":1,"locked_until":null}'
+AUTH=$(new_token door --scope verify)
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
+AUTH=$me
+req GET /v1/subjects/Alice@home
+ok "a token that has not failed waits for others" jq_true '.attempts | .failures == 2
+    and (.locked_until | sub("\\.[0-9]*"; "") | fromdate | . > now + 50 and . < now + 61)' "$T/body"
+req DELETE /v1/subjects/Alice@home/attempts
+req GET /v1/subjects/Alice@home
+is "forgotten" "$(get '.attempts | tojson')" '{"failures":0,"locked_until":null}'
+
+# ---- the audit log
+# kinds: of the last response's entries.
+kinds() { get '[.entries[].kind] | join(" ")'; }
+req DELETE /v1/subjects/bob
+req GET '/v1/audit?limit=1000'
+cp "$T/body" "$T/whole"
+is "newest first" "$(get '[.entries[:3][].kind] | join(" ")')" 'delete_subject reset_attempts locked_out'
+is "all of it" "$(get '.entries | length') $(get .next_cursor)" "$(sql "SELECT count(*) FROM $ENTRIES") null"
+ctl audit show --limit 1000
+is "the command says the same" "$(said '.entries | reverse | tojson')" "$(get '.entries | tojson')"
+is "who is erased has no name" "$(get '.entries[] | select(.kind == "delete_subject") | [.subject, .erased, (.subject_uid | length), .actor_name] | tojson')" '[null,true,32,"me"]'
+is "who is here has" "$(get '[.entries[] | select(.kind == "verify") | .subject] | unique | tojson')" '["Alice@home"]'
+# a page of each size has the same entries, whatever the log
+for limit in 1 2 5; do
+    : >"$T/pages"
+    for way in before after; do
+        cursor=
+        [ "$way" = before ] || cursor=0-0
+        while :; do
+            req GET "/v1/audit?limit=$limit${cursor:+&$way=$cursor}"
+            get '.entries[] | tojson' >>"$T/pages"
+            [ "$(get '.entries | length')" -gt 0 ] || break
+            cursor=$(get .next_cursor)
+            [ "$cursor" != null ] || break
+        done
+        [ "$way" = after ] || mv "$T/pages" "$T/back"
+    done
+    is "pages of $limit" "$(cat "$T/back")" "$(jq -r '.entries[] | tojson' "$T/whole")"
+    is "pages of $limit, forward" "$(tac "$T/pages")" "$(cat "$T/back")"
+done
+is "after the last one can ask again" "$cursor" "$(sql 'SELECT (SELECT max(seq) FROM change_log) || "-" || (SELECT max(seq) FROM access_log)')"
+req GET '/v1/audit?kind=verify,reset_attempts&subject=Alice@home'
+is "two kinds of a subject" "$(kinds)" 'reset_attempts verify verify verify'
+req GET "/v1/audit?actor=$(sql "SELECT id FROM tokens WHERE name = 'door'")"
+is "of an actor" "$(get '[.entries[] | .kind + " " + .actor_name] | join(" ")')" 'locked_out door verify door verify door'
+day=$(date -u +%F)
+req GET "/v1/audit?since=$day&until=$day&limit=1000"
+is "of a day" "$(get '.entries | length')" "$(jq '.entries | length' "$T/whole")"
+req GET '/v1/audit?until=2020'
+is "until long ago" "$(kinds) $(get .next_cursor)" ' null'
+req GET "/v1/audit?since=$(date -u -d tomorrow +%F)"
+is "since tomorrow" "$(kinds)" ''
+req GET '/v1/audit?subject=bob'
+problem "of who is erased" 404 not_found
+for query in before=x before=1 before=0-5 after=1-1-1 after=-1-2 after=01-1 'before=1-1&after=1-1' limit=0 since=soon kind= \
+    actor= 'subject=a%20b' "kind=$(printf 'a%.0s' $(seq 257))"; do
+    req GET "/v1/audit?$query"
+    ok "$query: $STATUS $(get .code)" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
+done
+# what is looked at in a request is bounded, and the cursor goes on behind it
+sql "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+    FROM generate_series(1, 30000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
+req GET '/v1/audit?kind=create_token'
+is "nothing yet" "$(kinds)" ''
+req GET "/v1/audit?kind=create_token&before=$(get .next_cursor)"
+is "behind it" "$(kinds) $(get .next_cursor)" 'create_token create_token null'
+sql "DELETE FROM access_log WHERE kind = 'filler'"
+
+# ---- tokens
+post() { req POST "$1" -H "$JSON" -d "$2"; }
+post /v1/tokens '{"name": "<b>=cmd|x", "scopes": ["verify", "read"]}'
+is "made" "$STATUS $(get '[.name, .scopes, .last_used, .revoked_at, .state] | tojson')" \
+    '201 ["<b>=cmd|x",["verify","read"],null,null,"valid"]'
+id=$(get .id) secret=$(get .secret)
+is "its place" "$(field Location)" "/v1/tokens/$id"
+ok "it ends in a year" jq_true '(.expires_at | sub("\\.[0-9]*"; "") | fromdate) - now | . > 364 * 86400 and . < 366 * 86400' "$T/body"
+is "not kept by anybody" "$(field Cache-Control)" no-store
+AUTH=$secret
+req GET /v1/subjects
+is "it is good" "$STATUS" 200
+req GET /v1/tokens
+problem "but not for this" 403 insufficient_scope manage
+AUTH=$me
+post /v1/tokens "{\"name\": \"day\", \"scopes\": [\"verify\"], \"expires_at\": \"$(date -u -d '+9 days' +%F)\"}"
+is "an end" "$(get '.expires_at[:10]')" "$(date -u -d '+9 days' +%F)"
+post /v1/tokens '{"name": "ever", "scopes": ["verify", "verify"], "expires_at": null}'
+is "none, which was asked for" "$STATUS $(get '[.expires_at, .scopes] | tojson')" '201 [null,["verify"]]'
+while read -r body; do
+    post /v1/tokens "$body"
+    problem "$body" 400 malformed
+done <<'END'
+{}
+{"name": "a"}
+{"name": "a", "scopes": []}
+{"name": "a", "scopes": "verify"}
+{"name": "a", "scopes": ["root"]}
+{"name": "a", "scopes": ["verify,manage"]}
+{"name": "a", "scopes": [1]}
+{"scopes": ["verify"]}
+{"name": "", "scopes": ["verify"]}
+{"name": "a\nb", "scopes": ["verify"]}
+{"name": "ä", "scopes": ["verify"]}
+{"name": "a", "scopes": ["verify"], "expires_at": "2020-01-01"}
+{"name": "a", "scopes": ["verify"], "expires_at": "soon"}
+{"name": "a", "scopes": ["verify"], "expires_at": "9000-01-01"}
+{"name": "a", "scopes": ["verify"], "id": "x"}
+END
+is "none of these was made" "$(sql 'SELECT count(*) FROM tokens')" 5
+req GET /v1/tokens
+ctl token list
+is "the list is the command's" "$(get '.tokens | map(del(.last_used)) | tojson')" "$(said '.tokens | map(del(.last_used)) | tojson')"
+is "without a secret" "$(get '[.tokens[] | has("secret")] | any')" false
+# nobody gives, or gets, what he has not
+manager=$(new_token manager --scope manage,verify)
+managing=$(sql "SELECT id FROM tokens WHERE name = 'manager'")
+mine=$(sql "SELECT id FROM tokens WHERE name = 'me'")
+AUTH=$manager
+post /v1/tokens '{"name": "more", "scopes": ["verify", "detail", "delete"]}'
+problem "more than his own" 403 insufficient_scope 'delete,detail'
+is "what it takes" "$(field WWW-Authenticate)" 'Bearer realm="surfaced", error="insufficient_scope", scope="delete detail"'
+post "/v1/tokens/$mine/rotate" '{}'
+problem "nor another's secret" 403 insufficient_scope
+post /v1/tokens '{"name": "same", "scopes": ["verify", "manage"]}'
+is "as much as his own" "$STATUS" 201
+other=$(get .id)
+post "/v1/tokens/$other/rotate" '{"grace_s": 60}'
+is "and its secret" "$STATUS $(get '.old_secret_until != null')" '200 true'
+req DELETE "/v1/tokens/$managing"
+problem "not himself" 409 own_token
+req DELETE "/v1/tokens/$other"
+is "another" "$STATUS" 204
+req DELETE "/v1/tokens/$other"
+is "again" "$STATUS" 204
+post "/v1/tokens/$other/rotate" '{}'
+problem "no secret for one that was revoked" 409 token_revoked
+AUTH=$me
+post "/v1/tokens/$id/rotate" '{}'
+is "rotated" "$STATUS $(get '[.id, .old_secret_until] | tojson')" "200 [\"$id\",null]"
+new=$(get .secret)
+for body in '{"grace_s": -1}' '{"grace_s": 1.5}' '{"grace_s": "1d"}' '{"grace": 1}' '[]' '{"grace_s": 99999999999}'; do
+    post "/v1/tokens/$id/rotate" "$body"
+    problem "$body" 400 malformed
+done
+AUTH=$secret
+req GET /v1/token
+problem "the old secret" 401 unauthorized
+AUTH=$new
+req GET /v1/token
+is "the new one" "$STATUS $(get .id)" "200 $id"
+AUTH=$me
+req DELETE "/v1/tokens/$id"
+is "revoked" "$STATUS" 204
+AUTH=$new
+req GET /v1/token
+problem "at once" 401 unauthorized
+AUTH=$me
+for one in 0123 00000000000000000000000000000000; do
+    req DELETE "/v1/tokens/$one"
+    problem "no such token, $one" 404 not_found
+    post "/v1/tokens/$one/rotate" '{}'
+    problem "nor rotated" 404 not_found
+done
+req GET /v1/tokens
+is "it says when" "$(get ".tokens[] | select(.id == \"$id\") | [.state, (.revoked_at | length)] | tojson")" '["revoked",24]'
+req GET "/v1/audit?actor=$managing&kind=create_token,rotate_token,revoke_token"
+is "each change by whom" "$(kinds)" 'revoke_token rotate_token create_token'
+ok "no secret is in the log" sh -c "! grep -Eq '$secret|$new|$manager' '$LOG'"
+
+# ---- stats
+req GET /v1/stats
+cp "$T/body" "$T/stats"
+is "counts" "$(get '.counts | tojson')" "$(sql "SELECT json_object('subjects', (SELECT count(*) FROM subjects),
+    'templates', (SELECT count(*) FROM templates), 'tokens', (SELECT count(*) FROM tokens), 'devices', 0)")"
+is "calibration" "$(get '.calibration | [.source, .fmr, .made_at, .threshold, (.knots | length > 3)] | tojson')" '["shipped",null,null,8,true]'
+is "what was decided" "$(get '.rates | [.verifications, .decisions.no_match, .enrollments, .refusals.unauthorized] | tojson')" '[3,3,1,2]'
+ok "times" jq_true '.latency_ms | .p50 > 0 and .p50 <= .p95 and .p95 <= .p99' "$T/stats"
+is "of no finding nothing is to be done" "$(get '[.findings[] | select(.severity == "ok") | .do] | unique | tojson')" '[null]'
+ctl stats
+is "the command says the same" "$(said '[.counts, .engine, .calibration, .findings, .days] | tojson')" \
+    "$(get '[.counts, .engine, .calibration, .findings, .days] | tojson')"
+ctl doctor
+is "and so does doctor" "$(said '[.findings[] | select(.about | IN("templates", "tokens", "token", "attempts", "calibration"))] | tojson')" \
+    "$(get '.findings | tojson')"
+# the scores of a day: a match, a mirror image's or a replayed scan none, each in its bin
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
+score=$(get .score)
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a.ply"
+problem "no new scan" 422 replayed
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
+low=$(get .score)
+"$BUILD/surfacectl" --db "$DB" verify Alice@home "$T/a2.ply" >"$T/out"
+req GET /v1/stats
+is "of today" "$(get '[.days[] | .decision + " " + (.bins | add | tostring)] | join(" ")') $(get '[.days[].day] | unique | join(" ")')" "match 2 no_match 4 $day"
+bin() { awk "BEGIN { b = int(($1 + 40) / 2); print ($1 < -40 ? 0 : (b > 63 ? 63 : b)) }"; }
+is "both matches in their bin" "$(get ".days[0].bins[$(bin "$score")]")" 2
+ok "the other's too" test "$(get ".days[1].bins[$(bin "$low")]")" -ge 1
+is "a small row each" "$(sql 'SELECT count(*), max(length(bins)) FROM days')" '2|256'
+"$BUILD/surfacectl" --db "$DB" stats >"$T/out"
+contains "as text" "$T/out" "^$day *no_match *4, half of them with a score of -?[0-9]+ or more"
+# what the file says that is no row of ours misleads nobody's verification
+sqlite3 "$DB" "PRAGMA ignore_check_constraints = 1; UPDATE days SET bins = x'00'; INSERT INTO days VALUES ('<b>', 'match', zeroblob(256))"
+req GET /v1/stats
+is "damaged" "$STATUS $(get '[.days[] | select(.day < "3") | .bins | add] | tojson')" '200 [0,0]'
+req DELETE /v1/subjects/Alice@home/attempts
+send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
+is "and a verification goes on" "$STATUS" 200
+sql "DELETE FROM days WHERE day = '<b>'"
+
+# ---- verified, and as files
+req POST /v1/audit/verify
+is "verified" "$STATUS $(get '[.ok, .changes, .accesses, .findings, .head.seq] | tojson')" \
+    "200 $(sql "SELECT json_array(json('true'), (SELECT count(*) FROM change_log), (SELECT count(*) FROM access_log), json('[]'), (SELECT max(seq) FROM change_log))")"
+is "each row" "$(get .rows)" "$(sql 'SELECT (SELECT count(*) FROM subjects) + (SELECT count(*) FROM templates) + (SELECT count(*) FROM tokens)')"
+req GET /v1/audit/export
+is "a file" "$STATUS $(field Content-Type) $(field Content-Disposition)" '200 application/jsonl attachment; filename="audit.jsonl"'
+cp "$T/body" "$T/export.jsonl"
+"$BUILD/surfacectl" --json audit verify "$T/export.jsonl" --public-key "$(head -n 1 "$T/body" | jq -r .public_key)" >"$T/ctl"
+is "which the command verifies" "$(said '[.ok, .entries] | tojson')" "[true,$(sql "SELECT count(*) FROM $ENTRIES")]"
+ok "without ids" sh -c "! grep -q Alice '$T/export.jsonl'"
+is "recorded" "$(sql "SELECT kind, actor = '$mine' FROM change_log ORDER BY seq DESC LIMIT 1")" 'export_audit|1'
+req GET '/v1/audit/export?format=csv'
+is "a table" "$STATUS $(field Content-Type) $(field Content-Disposition)" '200 text/csv; charset=utf-8 attachment; filename="audit.csv"'
+is "a row an entry" "$(python3 -c 'import csv,sys; r=list(csv.DictReader(open(sys.argv[1], newline=""))); print(len(r), r[0]["kind"], r[-1]["kind"])' "$T/body")" \
+    "$(sql "SELECT count(*) FROM $ENTRIES") create_database export_audit"
+contains "with names" "$T/body" '"verify","[0-9a-f]{32}","door","Alice@home"'
+req GET '/v1/audit/export?format=csv&kind=create_token,add_subject'
+contains "no formula" "$T/body" "\"'--\"|\"'=cmd"
+ok "nor in any field" sh -c "! grep -Eq '(^|,)\"[=+@-]' '$T/body'"
+is "of those kinds" "$(tail -n +2 "$T/body" | cut -d, -f4 | sort -u | paste -sd ' ')" '"add_subject" "create_token"'
+for query in format=xml 'format=jsonl&kind=verify' subject=alice.2 'format=csv&since=soon'; do
+    req GET "/v1/audit/export?$query"
+    ok "$query: $STATUS" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
+done
+# one at a time: a logs' worth of rows keeps one busy meanwhile
+sql "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+    FROM generate_series(1, 200000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
+beside walk POST /v1/audit/verify
+sleep 0.3
+req POST /v1/audit/verify
+problem "a second one" 503 overloaded 'one at a time'
+is "when again" "$(field Retry-After)" 5
+req GET /v1/audit/export
+problem "nor an export beside it" 503 overloaded 'one at a time'
+req GET /v1/subjects
+is "others go on" "$STATUS" 200
+all_sent
+is "the first one found it" "$TALLY $(jq -r '[.ok, (.findings | length)] | tojson' "$T/o.walk")" '200x1 [false,1]'
+sql "DELETE FROM access_log WHERE kind = 'filler'"
+req POST /v1/audit/verify
+is "and then another" "$STATUS $(get .ok)" '200 true'
+beside gone GET /v1/audit/export -m 0.01
+all_sent
+ok "who goes leaves the place" soon sh -c "test \"\$(curl -sS -o /dev/null -w '%{http_code}' -X POST -H 'Authorization: Bearer $AUTH' '$URL/v1/audit/verify')\" = 200"
+# rows that are not the last change's: it says so once, and the daemon stops
+sql "UPDATE subjects SET hold = 1 - hold WHERE subject_key = 1"
+req POST /v1/audit/verify
+is "a changed row" "$STATUS $(get '[.ok, .problems] | tojson')" '200 [false,2]'
+req GET /v1/audit
+problem "nothing more" 503 database_refused
+finish
