@@ -152,7 +152,7 @@ endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
 $(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin) $(CORE:%=-I%)
 ifeq ($(POSTGRES),1)
-$(BUILD)/db/sql/%.o $(BUILD)/tests/lib/%.o: FLAGS += -DWITH_POSTGRES -isystem $(shell pg_config --includedir)
+$(BUILD)/db/sql/%.o $(BUILD)/tests/lib/%.o $(BUILD)/tests/db/%.o: FLAGS += -DWITH_POSTGRES -isystem $(shell pg_config --includedir)
 endif
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)

@@ -287,7 +287,7 @@ static void read_ahead(struct log_txn *t, const struct store_record *what,
         (void)rows_subject_get(t, what->subject->uid, &of, NULL);
     }
     if (what->decision != NULL)
-        (void)rows_day_count(t, by->at, what->decision, what->score, NULL);
+        rows_day_ahead(t, by->at, what->decision);
     log_txn_ahead(t);
     (void)sql_ahead(t->sql, false);
 }

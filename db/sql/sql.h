@@ -64,8 +64,8 @@ void sql_prove(struct sql_txn *t, const char *text, const struct sql_value *valu
                size_t n);
 
 /* sql_ahead(t, on): from here to sql_ahead(t, false) a query is only sent, and gives no rows; the same
- * query with the same values later in t has them.  So several cost one round trip to a server.  A
- * change is not made meanwhile (ST_EINTERNAL), and what t changes later ends that.  false: there is
+ * query with the same values later in t has them.  So several cost one round trip to a server.  Not
+ * with changes (ST_EINTERNAL); after the first, queries are sent again.  false: there is
  * nothing to gain, and all is as ever. */
 bool sql_ahead(struct sql_txn *t, bool on);
 

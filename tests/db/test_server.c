@@ -1,6 +1,7 @@
 /* A store on a PostgreSQL (scripts/with_postgres): how often it waits for the server, and what it does
  * when the server ends its connections, amid a commit too. */
-/* link: -Wl,--wrap=poll,--wrap=PQsendQueryPrepared */
+/* link: -Wl,--wrap=poll,--wrap=PQpipelineSync */
+#include <libpq-fe.h>
 #include <poll.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,9 +17,9 @@
 
 static struct errinfo e;
 static unsigned waits; /* for a round trip, or what is left of one */
-static bool waiting;   /* since something was sent */
+static bool waiting;   /* since the last statements were sent */
 
-static unsigned cut_at; /* that poll() finds the connection cut; 0: none */
+static unsigned cut_at; /* what is sent for the n-th time is not replied to; 0: none */
 
 /* The server has done what it was sent; its reply is lost. */
 static void cut(int fd)
@@ -38,8 +39,6 @@ int __wrap_poll(struct pollfd *fd, nfds_t n, int ms)
 {
     waits += !waiting;
     waiting = true;
-    if (cut_at > 0 && --cut_at == 0)
-        cut(fd->fd);
     return __real_poll(fd, n, ms);
 }
 
@@ -50,15 +49,16 @@ static void end_connections(void)
                "WHERE datname = current_database() AND pid <> pg_backend_pid()");
 }
 
-int __real_PQsendQueryPrepared(void *pg, const char *name, int n, const char *const *data,
-                               const int *len, const int *format, int binary);
-int __wrap_PQsendQueryPrepared(void *pg, const char *name, int n, const char *const *data,
-                               const int *len, const int *format, int binary);
-int __wrap_PQsendQueryPrepared(void *pg, const char *name, int n, const char *const *data,
-                               const int *len, const int *format, int binary)
+int __real_PQpipelineSync(PGconn *pg);
+int __wrap_PQpipelineSync(PGconn *pg);
+int __wrap_PQpipelineSync(PGconn *pg)
 {
+    const int done = __real_PQpipelineSync(pg);
+
     waiting = false;
-    return __real_PQsendQueryPrepared(pg, name, n, data, len, format, binary);
+    if (cut_at > 0 && --cut_at == 0)
+        cut(PQsocket(pg));
+    return done;
 }
 
 static void verify(struct store *s, const char *secret, const char *subject,
