@@ -12,7 +12,7 @@ const FILTERS = ["subject", "kind", "actor", "since", "until"];
 const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", year: "numeric", timeZone: "UTC" });
 
 /** What came of it: a decision, or in the log's words. */
-export const cameOf = (e) => (e.outcome in VERDICTS ? state(VERDICTS[e.outcome]) : el("span.dim", {}, e.outcome.replaceAll("_", " ")));
+export const cameOf = (e) => (e.outcome in VERDICTS ? state(VERDICTS[e.outcome]) : e.outcome);
 
 export function open(main, who, from) {
   const filter = Object.fromEntries(FILTERS.map((name) => [name, from.get(name) ?? ""]));
@@ -24,7 +24,7 @@ export function open(main, who, from) {
     ["What", (e) => el("span", { title: `${e.kind}, entry ${e.seq} of the ${e.log}` }, kind(e.kind))],
     ["Person", (e) => (e.subject === null ? (e.erased ? el("span.dim", {}, "erased since") : "")
       : who.scopes.includes("read") ? el("a", { href: personAt(e.subject) }, e.subject) : e.subject), "name"],
-    ["Outcome", (e) => cameOf(e)],
+    ["Outcome", cameOf, "dim"],
     ["By", (e) => el("a.plain", { href: here({ actor: e.actor }), title: `Only by ${e.actor}` }, e.actor_name ?? e.actor), "by"],
     ["Time (UTC)", (e) => el("time", { dateTime: e.at, title: e.request_id ? `request ${e.request_id}` : "" }, e.at.slice(11, 19)), "dim"],
   ]);
