@@ -113,6 +113,7 @@ EMBED     := json html css js svg
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)) \
                $(patsubst server/console/%.$x,$(BUILD)/gen/console_%_$x.h,$(wildcard server/console/*.$x)))
+GEN       += $(BUILD)/gen/page_html.h
 PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(BUILD)/surfacelab $(TOOL_BIN)
 
 # ---- build
@@ -140,8 +141,10 @@ SEES_box   := $(call sees,db/admin)
 SEES_fuzz  := server/api server/http service lab $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
+# What is tested is built with $(OPT); -O3 of the tests themselves takes twice as long to build.
 define testroom
-$(BUILD)/tests/$(1)/%.o: FLAGS := -Itests/$(1) -Itests/lib -Isim $(call flags,$(1)) $(CORE:%=-I%)
+$(BUILD)/tests/$(1)/%.o: FLAGS := $(if $(filter-out bench,$(1)),$(OPT:-O3=-O1)) -Itests/$(1) -Itests/lib \
+    -Isim $(call flags,$(1)) $(CORE:%=-I%)
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
 $(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin) $(CORE:%=-I%)
@@ -177,6 +180,14 @@ $$(BUILD)/gen/console_%_$(1).h: server/console/%.$(1) scripts/embed.sh
 	$$(Q)scripts/embed.sh console_$$*_$(1) < $$< > $$@.tmp && mv $$@.tmp $$@
 endef
 $(foreach x,$(EMBED),$(eval $(call embed_console,$x)))
+
+# The page that surfacectl explain and scan write has the console's own view.
+PAGE_JS := $(patsubst %,server/console/%.js,dom view glb stage verdict) scan/page.js
+$(BUILD)/gen/page_html.h: scripts/page.sh scripts/embed.sh server/console/style.css scan/page.css $(PAGE_JS)
+	@mkdir -p $(@D)
+	$(call say,GEN)
+	$(Q)scripts/page.sh "server/console/style.css scan/page.css" $(PAGE_JS) > $(@:.h=.html) && \
+	    scripts/embed.sh page_html < $(@:.h=.html) > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/server/api/pages.o: $(SAMPLES:%=$(BUILD)/gen/sample_%_ply.h)
 # The console's sample scans, of made-up faces: who tries it has none at hand.
@@ -303,12 +314,13 @@ AIDS := $(AID_BIN) $(SHIM_BIN)
 tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
-# too; those that count basic blocks, which are others there; and crash, whose preloaded library would be loaded before the sanitizer's.
-LONG := lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash
+# too; those that count basic blocks, which are others there; crash, whose preloaded library would
+# be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
+LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
-    $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN)) $(FUZZ_BIN)
+    $(filter-out $(BUILD)/tests/work/%,$(TEST_BIN)),$(TEST_BIN) $(FUZZ_BIN))
 CHECK     := $(strip $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
     $(ALL_TESTS)))
 

@@ -209,8 +209,8 @@ static bool no_option(const struct command_line *l, const char *word, struct err
     for (int k = 0; strncmp(word, "--", 2) == 0 && k < l->noption; k++)
         command_near(&near, word, "--", l->option[k].name);
     (void)errinfo_set(e, ST_EINVAL,
-                      "there is no option %.60s%s (%s --help; an argument that begins "
-                      "with a hyphen stands after --)",
+                      "there is no option %.60s%s (%s --help; put -- before an argument "
+                      "that begins with a hyphen)",
                       word, command_meant(&near), l->program);
     return false;
 }

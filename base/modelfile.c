@@ -59,7 +59,9 @@ enum status modelfile_read(const char *path, struct surface_model **out,
     if (st == ST_ENOMEM)
         (void)errinfo_set(e, st, "%.160s: out of memory", path);
     else if (st == ST_EVERSION)
-        (void)errinfo_set(e, st, "%.160s: a model of another version than this program's",
+        (void)errinfo_set(e, st,
+                          "%.160s: a model of a version that this program does "
+                          "not read",
                           path);
     else if (st != ST_OK)
         (void)errinfo_set(e, st, "%.160s, line %" PRIu32 ": not a model, or damaged",

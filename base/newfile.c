@@ -99,8 +99,8 @@ static enum status remove_left(struct newfile *n, struct errinfo *e)
     if (!S_ISREG(sb.st_mode) || sb.st_uid != geteuid() || (sb.st_mode & 077) != 0)
         return errinfo_set(
             e, ST_EDENIED,
-            "%.160s is in the way, and no earlier run of this user has left "
-            "it there (owner %u, mode %03o): remove it",
+            "%.160s exists and was not left by an earlier run of this user (owner %u, "
+            "mode %03o): remove it",
             n->part, (unsigned)sb.st_uid, (unsigned)(sb.st_mode & 0777));
     n->fd = openat(n->dir, n->part, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (n->fd < 0)
@@ -242,7 +242,7 @@ enum status newfile_keep(struct newfile *n, struct errinfo *e)
         return st;
     if (rename_new(n) != 0)
         return errno == EEXIST
-                   ? errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", n->path)
+                   ? errinfo_set(e, ST_EEXISTS, "the file %.160s exists already", n->path)
                    : fail(n, "write", e);
     return named(n, e);
 }

@@ -20,76 +20,76 @@ const struct setting options_table[] = {
     {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
      "the database's key or passphrase (PATH.key)"},
     {"anchor", SETTING_PATH, NULL, offsetof(struct options, anchor), 0, 0, "FILE",
-     "says how far the database's log has come, from another disk or host"},
+     "records the newest state of the database, on another disk or host"},
     {"plaintext-database", SETTING_BOOL, "0",
      offsetof(struct options, plaintext_database), 0, 0, NULL,
      "the database has no key: anyone who has the file can read it"},
     {"model", SETTING_FILE, NULL, offsetof(struct options, model), 0, 0, "FILE",
-     "judge by a model that surfacectl train wrote"},
+     "a model that surfacelab train wrote"},
     {"listen", SETTING_ADDRESS, "127.0.0.1:8787", offsetof(struct options, listen_text),
      0, 0, "ADDR:PORT",
      "[::1]:PORT for IPv6, unix:PATH for a Unix socket; port 0 takes a\n"
-     "free one, which the line logged at the start names; beyond loopback\n"
-     "with TLS, or with --plaintext"},
+     "free one, which the log names; other than loopback needs TLS or\n"
+     "--plaintext"},
     {"tls-cert", SETTING_FILE, NULL, offsetof(struct options, tls_cert), 0, 0, "FILE",
-     "speak TLS with this certificate (PEM); read again on SIGHUP"},
+     "serve TLS with this certificate (PEM); reloaded on SIGHUP"},
     {"tls-key", SETTING_FILE, NULL, offsetof(struct options, tls_key), 0, 0, "FILE",
-     "its key (PEM), which others must not be able to read"},
+     "the certificate's key (PEM), not readable by others"},
     {"tls-client-ca", SETTING_FILE, NULL, offsetof(struct options, tls_client_ca), 0, 0,
-     "FILE", "clients must have a certificate made by one of these CAs (PEM)"},
+     "FILE", "clients need a certificate issued by one of these CAs (PEM)"},
     {"plaintext", SETTING_BOOL, "0", offsetof(struct options, plaintext), 0, 0, NULL,
-     "listen beyond loopback without TLS"},
+     "allow other addresses than loopback without TLS"},
     {"no-auth", SETTING_BOOL, "0", offsetof(struct options, no_auth), 0, 0, NULL,
-     "ask for no token"},
+     "accept requests without a token"},
     {"no-console", SETTING_BOOL, "0", offsetof(struct options, no_console), 0, 0, NULL,
-     "leave out /console, the pages for a browser"},
+     "do not serve /console, the pages for a browser"},
     {"cors-origin", SETTING_TEXT, NULL, offsetof(struct options, cors_origin), 0, 0,
      "ORIGIN[,ORIGIN...]",
-     "pages of these origins may use the API, like https://desk.example.org"},
+     "origins whose pages may use the API, as https://desk.example.org"},
     {"require-signed-captures", SETTING_BOOL, "0",
      offsetof(struct options, signed_captures), 0, 0, NULL,
-     "enrol, verify and compare only what a scanner has signed (device add)"},
+     "accept only captures signed by a registered scanner (device add)"},
     {"rate-limit-tokens", SETTING_NUMBER, "10",
      offsetof(struct options, rate_limit_tokens), 0, 10000, "N",
-     "wrong tokens a minute from one address; beyond it: 429; 0: no limit"},
+     "wrong tokens a minute from one address, then 429; 0: no limit"},
     {"attempts", SETTING_NUMBER, "3", offsetof(struct options, attempts), 0, 1000, "N",
-     "verifications of a subject that may fail in a row before it has to\n"
-     "wait: 429; 0: no limit"},
+     "failed verifications in a row that lock a subject out (429);\n"
+     "0: no limit"},
     {"attempt-wait", SETTING_NUMBER, "30", offsetof(struct options, attempt_wait), 1,
-     OPTIONS_WAIT_MAX, "SECONDS", "how long; twice as long after each further failure"},
+     OPTIONS_WAIT_MAX, "SECONDS", "the first lock-out; each further failure doubles it"},
     {"attempt-subjects", SETTING_NUMBER, "30", offsetof(struct options, attempt_subjects),
      0, 1000000, "N",
-     "subjects that a token may try without a match in an hour; beyond\n"
-     "it: 429; 0: no limit"},
+     "subjects that a token may try without a match in an hour, then\n"
+     "429; 0: no limit"},
     {"enrollments", SETTING_NUMBER, "1000", offsetof(struct options, enrollments), 0,
      1000000, "N",
-     "templates and subjects that a token may add in an hour; beyond it:\n"
-     "429; 0: no limit"},
+     "templates and subjects that a token may add in an hour, then 429;\n"
+     "0: no limit"},
     {"disk-reserve", SETTING_BYTES, "128M", offsetof(struct options, disk_reserve), 0,
      1UL << 50, "BYTES",
-     "enrolments leave so much free where the database is, for\n"
-     "verifications; below it: 503"},
+     "free space on the database's disk that enrolments leave to\n"
+     "verifications; below it they get 503"},
     {"workers", SETTING_NUMBER, NULL, offsetof(struct options, workers), 1, MAX_WORKERS,
      "N", "threads that compute (one per core)"},
     {"queue", SETTING_NUMBER, "256", offsetof(struct options, queue), 1, 65536, "N",
-     "requests that may wait for a worker; beyond it: 503"},
+     "requests that may wait for a worker; more get 503"},
     /* two clouds of 300,000 points as JSON */
     {"max-body", SETTING_BYTES, "64M", offsetof(struct options, max_body), 1, 1UL << 30,
-     "BYTES", "longest request body; beyond it: 413"},
+     "BYTES", "longest request body; a longer one gets 413"},
     {"max-connections", SETTING_NUMBER, "4096", offsetof(struct options, max_connections),
-     1, 1000000, "N", "connections at once; beyond it they are closed"},
+     1, 1000000, "N", "connections at once; more are closed"},
     {"max-connections-per-address", SETTING_NUMBER, NULL,
      offsetof(struct options, max_connections_per_address), 0, 1000000, "N",
-     "from one address, 0: no limit (64, and none for loopback)"},
+     "connections from one address, 0: no limit (64; no limit for loopback)"},
     {"timeout", SETTING_NUMBER, "10", offsetof(struct options, timeout_s), 1, 3600, "S",
      "seconds for a request's headers, and the least time for a body, or\n"
      "for the client to take its response"},
     {"cache-mb", SETTING_NUMBER, "256", offsetof(struct options, cache_mb), 0, 1 << 20,
      "N", "megabytes of decoded templates kept in memory; 0: none"},
     {"audit-days", SETTING_NUMBER, "0", offsetof(struct options, audit_days), 0, 36500,
-     "N", "days that the audit log keeps verifications; 0: for ever"},
+     "N", "days that the audit log keeps verifications; 0: forever"},
     {"log-format", SETTING_CHOICE, "logfmt", offsetof(struct options, log_format), 0, 0,
-     "logfmt|json", "how the log's lines are written"},
+     "logfmt|json", "the format of the log's lines"},
 };
 
 bool options_new(FILE *errors, struct options *out)
@@ -142,7 +142,7 @@ static void check_together(struct options *o)
     if ((o->tls_cert == NULL) != (o->tls_key == NULL))
         settings_wrong(s, "--tls-cert and --tls-key go together");
     if (o->tls_client_ca != NULL && o->tls_cert == NULL)
-        settings_wrong(s, "--tls-client-ca is of no use without --tls-cert");
+        settings_wrong(s, "--tls-client-ca needs --tls-cert");
     if (o->cors_origin != NULL && !are_origins(o->cors_origin))
         settings_wrong_value(
             s, "cors-origin",
@@ -153,13 +153,13 @@ static void check_together(struct options *o)
     if (address_is_local(&o->listen))
         return;
     if (o->no_auth)
-        settings_wrong_value(
-            s, "listen", "not a loopback address, and --no-auth is for loopback only");
+        settings_wrong_value(s, "listen",
+                             "not a loopback address: --no-auth is for loopback only");
     else if (o->tls_cert == NULL && !o->plaintext)
         settings_wrong_value(
             s, "listen",
-            "not a loopback address: give --tls-cert and --tls-key, or --plaintext if "
-            "something else encrypts all the way");
+            "not a loopback address: give --tls-cert and --tls-key, or --plaintext if a "
+            "proxy or tunnel encrypts");
 }
 
 static void one_worker_per_core(struct settings *s)
@@ -195,15 +195,6 @@ void options_load(struct options *o, const char *config,
         return;
     settings_fill(s, o);
     check_together(o);
-}
-
-unsigned options_default(const char *name)
-{
-    size_t i = 0;
-
-    while (strcmp(options_table[i].name, name) != 0)
-        i++;
-    return (unsigned)strtoul(options_table[i].fallback, NULL, 10);
 }
 
 void options_check_files(struct options *o)

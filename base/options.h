@@ -67,9 +67,6 @@ void options_free(struct options *o);
 void options_load(struct options *o, const char *config,
                   const char *const flag[OPTIONS_ROWS]);
 
-/* options_default(name): of a NUMBER's row that has one. */
-unsigned options_default(const char *name);
-
 /* options_check_files(o): report the files that cannot be read or made, and a model that
  * is none.  What a certificate holds is checked by the daemon (tls.h).  Writes nothing. */
 void options_check_files(struct options *o);

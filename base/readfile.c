@@ -13,8 +13,7 @@
 static enum status too_large(const char *path, double bytes, size_t most,
                              struct errinfo *e)
 {
-    return errinfo_set(e, ST_ESIZE,
-                       "%.160s: %.1f MB or more, and at most %.1f MB are read", path,
+    return errinfo_set(e, ST_ESIZE, "%.160s: %.1f MB or more; the limit is %.1f MB", path,
                        bytes / 1e6, (double)most / 1e6);
 }
 

@@ -345,7 +345,7 @@ static char *read_line(char *buf, int size, void *stream)
         buf[n++] = (char)c;
     if (c != EOF && c != '\n') {
         if (c == '\0')
-            bad_line(r->s, r->line, "a zero byte: this is no text");
+            bad_line(r->s, r->line, "a zero byte: the file is not text");
         else
             bad_line(r->s, r->line, "a line of more than %d bytes", LINE_MAX_BYTES);
         r->broken = true;
@@ -365,7 +365,7 @@ static int take_line(void *user, const char *section, const char *name, const ch
     const size_t i = row_of(s, name);
 
     if (*section != '\0' && strcmp(section, SECTION) != 0)
-        bad_line(s, r->line, "in no section or in [" SECTION "], not in another");
+        bad_line(s, r->line, "a section other than [" SECTION "]");
     else if (i == s->n)
         bad_line(s, r->line, "no such setting: %s", name);
     else if (s->value[i].source == IN_FILE)

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "asymmetry.h"
 #include "cloudpoints.h"
 #include "codec.h"
 #include "face.h"
@@ -13,7 +12,6 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mesh.h"
-#include "minimal.h"
 #include "model.h"
 #include "mst.h"
 #include "scan.h"
@@ -87,8 +85,6 @@ surface_model_calibration(const struct surface_model *model)
 {
     return model != NULL ? &model->calibration : &model_default.calibration;
 }
-
-/* ---- memory to work with */
 
 /* ---- building */
 
@@ -366,40 +362,15 @@ enum surface_status surface_decode(struct surface_work *work, const void *bytes,
 
 /* ---- comparisons */
 
-static void give_comparison(const struct face_result *r, struct surface_comparison *out)
-{
-    const struct surface_comparison full = {.decision = r->decision,
-                                            .score = r->score,
-                                            .threshold = r->threshold,
-                                            .expected = r->expected,
-                                            .false_match_rate = r->fmr_at_score,
-                                            .overlap = r->overlap};
-
-    give(out, &full, sizeof full);
-}
-
-static struct face_result take_comparison(const struct surface_comparison *c)
-{
-    struct surface_comparison full;
-
-    take(&full, c, sizeof full);
-    return (struct face_result){.decision = full.decision,
-                                .score = full.score,
-                                .threshold = full.threshold,
-                                .expected = full.expected,
-                                .fmr_at_score = full.false_match_rate,
-                                .overlap = full.overlap};
-}
-
 enum surface_status surface_compare(struct surface_work *work,
                                     const struct surface_face *tmpl,
                                     const struct surface_face *probe,
                                     struct surface_comparison *out)
 {
-    struct face_result r;
-    const enum status st = face_compare(tmpl, probe, (double)NAN, NULL, work, &r);
+    struct surface_comparison full;
+    const enum status st = face_compare(tmpl, probe, (double)NAN, work, &full);
 
-    give_comparison(&r, out);
+    give(out, &full, sizeof full);
     return library(st);
 }
 
@@ -408,43 +379,39 @@ enum surface_status surface_compare_mirrored(struct surface_work *work,
                                              const struct surface_face *probe,
                                              struct surface_comparison *out)
 {
-    struct face_result r;
-    const enum status st = face_compare_mirrored(tmpl, probe, work, &r);
+    struct surface_comparison full;
+    const enum status st = face_compare_mirrored(tmpl, probe, work, &full);
 
-    give_comparison(&r, out);
+    give(out, &full, sizeof full);
     return library(st);
 }
 
 void surface_best_of(const struct surface_work *work, uint32_t n,
                      struct surface_comparison *c)
 {
-    struct face_result r = take_comparison(c);
+    struct surface_comparison full;
 
-    face_best_of(&r, n, work);
-    give_comparison(&r, c);
+    take(&full, c, sizeof full);
+    face_best_of(&full, n, work);
+    give(c, &full, sizeof full);
 }
 
 void surface_shown(const struct surface_comparison *c, double steps, double *score,
                    double *threshold)
 {
-    const struct face_result r = take_comparison(c);
+    struct surface_comparison full;
 
-    face_shown(&r, steps, score, threshold);
+    take(&full, c, sizeof full);
+    face_shown(&full, steps, score, threshold);
 }
 
 void surface_round(const struct surface_work *work, struct surface_comparison *c)
 {
-    struct face_result r = take_comparison(c);
+    struct surface_comparison full;
 
-    face_round(&r, work);
-    give_comparison(&r, c);
-}
-
-static const char *stop_name(enum align_stop stop)
-{
-    return stop == ALIGN_CONVERGED ? "converged"
-           : stop == ALIGN_STEPS   ? "steps"
-                                   : "apart";
+    take(&full, c, sizeof full);
+    face_round(&full, work);
+    give(c, &full, sizeof full);
 }
 
 enum surface_status surface_disparity(struct surface_work *work,
@@ -452,26 +419,9 @@ enum surface_status surface_disparity(struct surface_work *work,
                                       const struct surface_face *probe,
                                       struct surface_disparity *out)
 {
-    struct face_result r = {.decision = SURFACE_INCONCLUSIVE};
-    const struct align_result *a = &r.align;
-    struct minimal m = {.ms = 0};
-    const enum status st = face_minimal(tmpl, probe, face_work_clock(work), work, &r, &m);
-    struct surface_disparity full = {.disparity_mm = m.disparity.plain_mm,
-                                     .volume_mm3 = m.disparity.volume_mm3,
-                                     .area_mm2 = m.disparity.area_mm2,
-                                     .weighted_mm = m.disparity.weighted_mm,
-                                     .turn_deg = a->turn_deg,
-                                     .shift_mm = a->shift_mm,
-                                     .cost_mm = a->cost_mm,
-                                     .rival_mm = a->rival_mm,
-                                     .starts = a->starts,
-                                     .evaluations = a->evaluations,
-                                     .stop = stop_name(a->stop),
-                                     .align_ms = r.align_ms,
-                                     .minimal_ms = m.ms};
+    struct surface_disparity full;
+    const enum status st = face_minimal(tmpl, probe, work, &full);
 
-    memcpy(full.transform, m.transform, sizeof full.transform);
-    memcpy(full.align_transform, a->transform, sizeof full.align_transform);
     give(out, &full, sizeof full);
     return library(st);
 }
@@ -482,17 +432,10 @@ enum surface_status surface_weigh(struct surface_work *work,
                                   struct surface_disparity *least)
 {
     struct surface_disparity full;
-    struct minimal m = {.ms = 0};
     enum status st;
 
     take(&full, least, sizeof full);
-    memcpy(m.transform, full.transform, sizeof m.transform);
-    if ((st = face_weigh(tmpl, probe, work, &m)) == ST_OK) {
-        full.disparity_mm = m.disparity.plain_mm;
-        full.volume_mm3 = m.disparity.volume_mm3;
-        full.area_mm2 = m.disparity.area_mm2;
-        full.weighted_mm = m.disparity.weighted_mm;
-    }
+    st = face_weigh(tmpl, probe, work, &full);
     give(least, &full, sizeof full);
     return library(st);
 }
@@ -531,24 +474,8 @@ enum surface_status surface_asymmetry(struct surface_work *work,
                                       const struct surface_face *face,
                                       struct surface_asymmetry *out)
 {
-    struct asymmetry a = {.stop = ALIGN_APART};
-    const enum status st = face_asymmetry(face, work, &a);
-    const struct surface_asymmetry full = {
-        .conclusive = asymmetry_conclusive(&a),
-        .disparity_mm = a.final.plain_mm,
-        .first_mm = a.initial.plain_mm,
-        .normal = {a.normal[0], a.normal[1], a.normal[2]},
-        .offset_mm = a.offset_mm,
-        .weighted_mm = a.final.weighted_mm,
-        .volume_mm3 = a.final.volume_mm3,
-        .area_mm2 = a.final.area_mm2,
-        .overlap = a.final.overlap,
-        .moved_deg = a.moved_deg,
-        .moved_mm = a.moved_mm,
-        .turn_deg = a.turn_deg,
-        .shift_mm = a.shift_mm,
-        .evaluations = a.evaluations,
-        .stop = stop_name(a.stop)};
+    struct surface_asymmetry full;
+    const enum status st = face_asymmetry(face, work, &full);
 
     give(out, &full, sizeof full);
     return library(st);

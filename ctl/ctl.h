@@ -1,10 +1,9 @@
 /* ctl.h -- what every part of surfacectl is given: what the command line said, the output,
  * and the error that it ends with.  From the bottom up:
- *   ctl, ctl_dir               errors, exit codes, output; files that are written
+ *   ctl                        errors, exit codes, output; files that are written
  *   ctl_option, ctl_command    what an option and a command are
  *   ctl_model, ctl_config      the database, opened by its key and for a model; each subject
- *   ctl_pairs                  of two subjects the nearest templates
- *   ctl_sample, ctl_face       a scan as a face, compared, enrolled; many scans
+ *   ctl_face                   a scan as a face, compared
  *   ctl_cross                  many comparisons
  *   the other files            a command each, or a few of one group
  *   ctl_table, main            the list of the commands, their help texts, the command line */
@@ -19,6 +18,7 @@
 #include "errinfo.h"
 #include "json.h"
 #include "libsurface.h"
+#include "newfile.h"
 
 struct crypt_file;    /* keyfile.h */
 struct surface_model; /* model.h */
@@ -40,6 +40,7 @@ struct ctl_expires { /* --expires */
 
 struct ctl {
     const struct ctl_command *cmd;
+    const char *command; /* its name */
     int nargs;
     char **args; /* its arguments */
 
@@ -105,5 +106,23 @@ const char *ctl_bytes(uint64_t n, char out[32]);
 __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,
                                                    ...);
 bool ctl_print(FILE *to, char *text);
+
+/* Files that a command writes, by the rules of outfile.h.  Before anything is computed: may it write
+ * there?  Failures are in c->e.
+ * ctl_may_write(c, path, nread): a file at path.  It is compared with those that the command
+ * reads: its first nread arguments ("-" and what does not exist are none), and the shared
+ * options' (the database and what belongs to it, keys, model, configuration).
+ * ST_EEXISTS: it is one of them, by whatever name (a link, another path); or it exists, and
+ * there is no --force; or it is no regular file.  ST_EINVAL: "-", or a folder.
+ * ctl_may_pipe(c, nread): the same of --out, which may be "-", standard output:
+ * c->piped is set then; ST_EINVAL with --json. */
+enum status ctl_may_write(struct ctl *c, const char *path, int nread);
+enum status ctl_may_pipe(struct ctl *c, int nread);
+
+/* ctl_write(c, path, write, arg): outfile_write(), to standard output if c->piped.
+ * ctl_write_face(c, path, f): a face there, PLY in millimetres. */
+enum status ctl_write(struct ctl *c, const char *path, newfile_writer *write,
+                      const void *arg);
+enum status ctl_write_face(struct ctl *c, const char *path, const struct surface_face *f);
 
 #endif

@@ -5,7 +5,6 @@
 #include "admin_archive.h"
 #include "crypt_file.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 
 static bool all; /* --all */
@@ -20,7 +19,7 @@ static enum status export_subjects(struct ctl *c)
     if (c->dir == NULL || all == (c->nargs > 0))
         return ctl_usage(c, "export needs %s",
                          c->dir == NULL ? "--out FILE" : "ids of subjects, or --all");
-    if ((st = ctl_dir_may_write(c, c->dir, 0)) == ST_OK &&
+    if ((st = ctl_may_write(c, c->dir, 0)) == ST_OK &&
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_model_archive_key(c, true, &k)) == ST_OK)
         st = admin_export(c->store, c->actor, c->args, (size_t)c->nargs, c->dir, k,

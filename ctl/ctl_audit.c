@@ -12,7 +12,6 @@
 #include "json.h"
 #include "ctl_command.h"
 #include "ctl_config.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 #include "ctl_review.h"
 
@@ -124,7 +123,9 @@ static enum status checkpoint(struct ctl *c)
     json_text(c->out, "signature", signature);
     json_text(c->out, "public_key", key);
     ctl_say(c,
-            "change      %" PRIu64 " of %s\nhash        %s\nsignature   %s\n"
+            "change      %" PRIu64 " of %s\n"
+            "hash        %s\n"
+            "signature   %s\n"
             "public key  %s\n",
             entry.seq, entry.at, hash, signature, key);
     return ST_OK;
@@ -139,10 +140,10 @@ static enum status export_log(struct ctl *c)
 
     if (c->dir == NULL)
         c->dir = "-";
-    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK ||
+    if ((st = ctl_may_pipe(c, 0)) != ST_OK ||
         (st = ctl_model_open(c, STORE_WRITE)) != ST_OK ||
         (st = audit_export_begin(c->store, c->actor, &x, &c->e)) != ST_OK ||
-        (st = ctl_dir_file(c, c->dir, audit_export_lines, &x)) != ST_OK)
+        (st = ctl_write(c, c->dir, audit_export_lines, &x)) != ST_OK)
         return st;
     json_text(c->out, "file", c->dir);
     json_number(c->out, "changes", (double)x.end.seq);
@@ -187,7 +188,7 @@ static enum status verify(struct ctl *c)
     enum status st;
 
     if ((c->nargs > 0) != (c->public_key != NULL))
-        return ctl_usage(c, "a file is verified by --public-key, a database without");
+        return ctl_usage(c, "a file needs --public-key; a database does not take it");
     if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return ST_EINVAL;
     json_array(c->out, "problems");
@@ -230,36 +231,7 @@ static enum status trim(struct ctl *c)
     json_flag(c->out, "dry_run", c->dry_run);
     ctl_say(c, "%" PRIu64 " access%s older than %" PRIu64 " day%s%s\n", cut,
             cut == 1 ? "" : "es", CTL_COUNT((uint64_t)keep),
-            c->dry_run ? "" : ": cut off");
-    return ST_OK;
-}
-
-/* ---- erased */
-
-static enum status erased(struct ctl *c)
-{
-    const enum log_name log = LOG_CHANGES;
-    const struct store_audit_filter wanted = {.log = &log, .kind = "delete_subject"};
-    struct store_audit_entry *a = NULL;
-    char hex[2 * LOG_UID + 1];
-    size_t n = 0;
-    const enum status st = store_audit_list(c->store, &wanted, &a, &n, NULL, &c->e);
-
-    if (st != ST_OK)
-        return st;
-    json_array(c->out, "erased");
-    for (size_t i = 0; i < n; i++) {
-        hex_of(a[i].entry.uid, sizeof a[i].entry.uid, hex);
-        json_object(c->out, NULL);
-        json_text(c->out, "erased_at", a[i].entry.at);
-        json_text(c->out, "subject_uid", hex);
-        json_close(c->out);
-        ctl_say(c, "%s  %s\n", a[i].entry.at, hex);
-    }
-    json_close(c->out);
-    if (n == 0)
-        ctl_say(c, "no subject was erased\n");
-    free(a);
+            c->dry_run ? "" : ": deleted");
     return ST_OK;
 }
 
@@ -279,7 +251,7 @@ const struct ctl_command ctl_audit_show = {
                 CTL_OPTION("actor", "ID", command_text, &actor,
                            "only what this token or program did"),
                 CTL_OPTION("since", "TIME", command_text, &since,
-                           "only entries from 2026-11-21, or 2026-11-21T14:30, on (UTC)"),
+                           "only entries since 2026-11-21 or 2026-11-21T14:30 (UTC)"),
                 CTL_OPTION("until", "TIME", command_text, &until,
                            "only entries up to then, that day or minute included"),
                 CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
@@ -308,7 +280,7 @@ const struct ctl_command ctl_audit_verify = {
     .takes = {0, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
-    .exits = {"the log is as it was written", "it is not; problems are printed"},
+    .exits = {"the log was not changed", "it was; problems are printed"},
     .run = verify,
     .summary = "find audit entries that were removed or changed",
     .help =
@@ -349,11 +321,3 @@ const struct ctl_command ctl_audit_trim = {
         "accesses begin, so that audit verify finds every other loss. The setting audit-days\n"
         "makes surfaced do this.",
     .example = "surfacectl --db faces.db audit trim --keep 400"};
-
-const struct ctl_command ctl_audit_erased = {
-    .name = "audit erased",
-    .database = CTL_READS_DATABASE,
-    .run = erased,
-    .summary = "list when subjects were erased",
-    .help = "Each with the uid that its receipt has.",
-    .example = "surfacectl --db faces.db audit erased"};

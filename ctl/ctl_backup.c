@@ -7,7 +7,6 @@
 #include "admin_restore.h"
 #include "crypt_file.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 
 static const char *backup_key; /* --backup-key */
@@ -25,7 +24,7 @@ static enum status backup(struct ctl *c)
     struct admin_copied copied;
     struct store_key key;
     char size[32];
-    enum status st = ctl_dir_may_write(c, c->args[0], 0);
+    enum status st = ctl_may_write(c, c->args[0], 0);
 
     if (st == ST_OK && (st = ctl_model_key(c, c->db, &key)) == ST_OK &&
         (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
@@ -45,24 +44,26 @@ static void tell_restored(const struct ctl *c, const struct admin_restored *r)
     ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s", c->args[0],
             CTL_COUNT(r->backup.subjects), CTL_COUNT(r->backup.templates));
     if (r->was_there)
-        ctl_say(c,
-                "; in its place now: %" PRIu64 " subject%s, %" PRIu64 " template%s\n"
-                "%" PRIu64 " subject%s of those are not in the backup\n"
-                "%" PRIu64 " subject%s of the backup were erased since and are erased "
-                "again\n"
-                "%" PRIu64
-                " token%s or devices were revoked, rotated or removed since, and are "
-                "revoked",
-                CTL_COUNT(r->had_subjects), CTL_COUNT(r->had_templates),
-                CTL_COUNT(r->lost), CTL_COUNT(r->erased), CTL_COUNT(r->revoked));
+        ctl_say(
+            c,
+            "; the present database: %" PRIu64 " subject%s, %" PRIu64 " template%s\n"
+            "%" PRIu64 " subject%s of the present database are not in the backup\n"
+            "%" PRIu64 " subject%s of the backup were erased since and are erased "
+            "again\n"
+            "%" PRIu64
+            " token%s or devices were revoked, rotated or removed since and are revoked "
+            "again",
+            CTL_COUNT(r->had_subjects), CTL_COUNT(r->had_templates), CTL_COUNT(r->lost),
+            CTL_COUNT(r->erased), CTL_COUNT(r->revoked));
     ctl_say(c, "\n");
     if (c->dry_run)
         ctl_say(c, "nothing was changed\n");
     else if (r->was_there)
-        ctl_say(c,
-                "restored; the database that was there is %s.before-restore: delete "
-                "it when all is well\n",
-                c->db);
+        ctl_say(
+            c,
+            "restored; the previous database is %s.before-restore: delete it when you "
+            "no longer need it\n",
+            c->db);
     else
         ctl_say(c, "restored\n");
 }
@@ -134,12 +135,14 @@ static void tell_rekeyed(struct ctl *c, const struct admin_rekey *to, const char
         ctl_say(c, "%s: the new key is in %s: keep a copy of it elsewhere.\n", c->db,
                 path);
     else if (to->kind == CRYPT_PASSPHRASE)
-        ctl_say(c, "%s: encrypted with the passphrase now\n", c->db);
+        ctl_say(c, "%s: is now encrypted with the passphrase\n", c->db);
     else
-        ctl_say(c,
-                "%s: anyone who has the file can read it now; from now on it takes "
-                "--plaintext-database.\n",
-                c->db);
+        ctl_say(
+            c,
+            "%s: is no longer encrypted, anyone who has the file can read it; from now "
+            "on use "
+            "--plaintext-database.\n",
+            c->db);
 }
 
 /* The old key's file goes with it, and with that whatever was backed up until now. */
@@ -149,10 +152,9 @@ static enum status confirm_loss(struct ctl *c)
 
     if (keep_old || store_kind(c->db, &kind, &c->e) != ST_OK || kind != CRYPT_FILE)
         return ST_OK;
-    return ctl_confirm(c,
-                       "removes the old key, without which older backups cannot be read "
-                       "(--keep-old keeps it)",
-                       "rekey");
+    return ctl_confirm(
+        c, "removes the old key, which older backups need (--keep-old keeps it)",
+        "rekey");
 }
 
 static enum status rekey(struct ctl *c)
@@ -185,9 +187,9 @@ const struct ctl_command ctl_backup = {
     .run = backup,
     .summary = "copy the database, also while the daemon runs",
     .help =
-        "A consistent copy of one moment. It is verified before it gets its name: every page,\n"
-        "every subject and template decrypted, the audit log. FILE is complete or absent; --force\n"
-        "replaces an older backup of that name. The key is not in the backup.",
+        "A consistent copy of one moment. Before it gets its name every page, subject, template\n"
+        "and the audit log are verified. FILE is complete or absent; --force replaces an older\n"
+        "backup of that name. The key is not in the backup.",
     .example = "surfacectl --db faces.db backup faces-monday.db"};
 
 const struct ctl_command ctl_backup_restore = {

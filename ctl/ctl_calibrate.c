@@ -61,11 +61,12 @@ static enum status too_few(struct ctl *c, size_t subjects, size_t pairs)
     if (pairs > 3)
         (void)snprintf(supported, sizeof supported, ", which support %.2g",
                        rates_least(pairs));
-    return errinfo_set(&c->e, ST_ETOOFEW,
-                       "a false match rate of %g takes %u subjects with templates (%zu "
-                       "pairs of people, rule of 3); there are %zu (%zu pairs%s)",
-                       c->fmr, rates_subjects(c->fmr), rates_needed(c->fmr), subjects,
-                       pairs, supported);
+    return errinfo_set(
+        &c->e, ST_ETOOFEW,
+        "a false match rate of %g needs %u subjects with templates (%zu pairs "
+        "of people, rule of 3); the database has %zu (%zu pair%s%s)",
+        c->fmr, rates_subjects(c->fmr), rates_needed(c->fmr), subjects, pairs,
+        pairs == 1 ? "" : "s", supported);
 }
 
 static size_t pairs_of(size_t n)
@@ -228,7 +229,7 @@ static void print_result(const struct ctl *c, const struct result *r)
             (unsigned long long)k->genuine, 100 * r->fnmr, 100 * r->fnmr_low,
             100 * r->fnmr_high, 100 * r->shipped_fnmr);
     else
-        (void)printf("mated        none: the false non-match rate is not known\n");
+        (void)printf("mated        none: the false non-match rate is unknown\n");
     if (p->outside + p->refused > 0)
         (void)printf(
             "scans        %zu are of other subjects or enrolled themselves, %zu are "
@@ -311,7 +312,7 @@ static enum status reset(struct ctl *c)
                                   .table = *d};
 
     out_calibration(c->out, &k);
-    ctl_say(c, "back to the shipped table: %.2f\n", d->threshold);
+    ctl_say(c, "the shipped calibration is in force: %.2f\n", d->threshold);
     return store_it(c, &k);
 }
 
@@ -347,8 +348,8 @@ static enum status list(struct ctl *c)
     json_text(c->out, "source", now.shipped ? "shipped" : "database");
     json_score(c->out, "threshold", now.table.threshold);
     json_close(c->out);
-    ctl_say(c, "in force: %s, %.2f\n", now.shipped ? "the shipped table" : "the newest",
-            now.table.threshold);
+    ctl_say(c, "in force: %s, %.2f\n",
+            now.shipped ? "the shipped calibration" : "the newest", now.table.threshold);
 out:
     free(k);
     return st;
@@ -383,12 +384,12 @@ const struct ctl_command ctl_calibrate = {
                 CTL_OPTION("list", NULL, command_flag, &wants_list,
                            "list the calibrations"),
                 CTL_OPTION("reset", NULL, command_flag, &wants_reset,
-                           "go back to the table that comes with the program")},
+                           "use the calibration that comes with the program")},
     .run = run,
     .summary = "compute a threshold from the enrolled templates",
     .help =
         "Compares the templates of different subjects with each other and chooses the threshold\n"
-        "that the share --fmr (0.001) of these comparisons reaches. Subjects with several\n"
+        "that a share --fmr (0.001) of these comparisons reaches. Subjects with several\n"
         "templates, and the scans of --mated, give the false non-match rate. A running daemon\n"
         "uses the new threshold at once. A threshold lower than the one in force needs --yes, or\n"
         "accept typed on a terminal.",

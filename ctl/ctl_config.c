@@ -154,7 +154,7 @@ const struct ctl_command ctl_config_show = {
     .run = show,
     .summary = "print the daemon's settings and their sources",
     .help =
-        "The settings that surfaced would use if it was started now: from the file --config,\n"
+        "The settings that surfaced would use if it were started now: from the file --config,\n"
         "SURFACED_CONFIG or /etc/surfaced.conf, from the environment, and defaults.",
     .example = "surfacectl config show --json"};
 

@@ -8,7 +8,7 @@
 #include "digest.h"
 #include "ctl.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
+#include "ctl_face.h"
 #include "corpus.h"
 #include "corpus_read.h"
 #include "pool.h"
@@ -87,7 +87,7 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
             one->n++;
         } else {
             if (st == ST_EVERSION) /* of another engine, and of no use to this one */
-                (void)fprintf(stderr, "surfacectl: passed over: %s\n", c->e.msg);
+                (void)fprintf(stderr, "surfacectl: template skipped: %s\n", c->e.msg);
             st = st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
         }
     }
@@ -306,7 +306,7 @@ static enum status do_scan(void *arg, size_t i, struct surface_work *w, struct e
     s->fate[i] = OUTSIDE;
     if (subject == NOBODY)
         return ST_OK;
-    st = ctl_sample_read(&c, scan->path, false, w, &f, &found);
+    st = ctl_face_read(&c, scan->path, false, w, &f, &found);
     if (st == ST_OK && (st = digest_points(f, digest)) == ST_OK) {
         const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;

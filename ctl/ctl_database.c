@@ -28,7 +28,7 @@ static enum status init(struct ctl *c)
         return st;
     json_text(c->out, "database", c->db);
     json_flag(c->out, "created", !there);
-    ctl_say(c, "%s: %s\n", c->db, there ? "was initialised before" : "initialised");
+    ctl_say(c, "%s: %s\n", c->db, there ? "is initialised already" : "initialised");
     if (access(path, F_OK) != 0)
         return ST_OK;
     json_text(c->out, "key", path);
@@ -197,8 +197,9 @@ const struct ctl_command ctl_database_vacuum = {
     .run = vacuum,
     .summary = "return the space of deleted rows to the file system",
     .help =
-        "Writes the database again, which needs its size once more on the disk. Others can read\n"
-        "meanwhile, not write: a running daemon answers 503 to an enrolment that would wait more\n"
+        "Copies the database, which needs as much free disk space as its size. Others can read\n"
+        "meanwhile but not write: a running daemon answers 503 to an enrolment that "
+        "would wait more\n"
         "than 5 seconds.",
     .example = "surfacectl --db faces.db vacuum"};
 

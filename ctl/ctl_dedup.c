@@ -100,8 +100,8 @@ static enum status list_all(struct dedup *d)
     d->alone = NOBODY;
     st = ctl_model_each(d->c->store, list_one, d, &d->c->e);
     if (st == ST_OK && only != NULL && d->alone == NOBODY)
-        st = errinfo_set(&d->c->e, ST_ENOTFOUND,
-                         "there is no subject %.128s with a template", only);
+        st =
+            errinfo_set(&d->c->e, ST_ENOTFOUND, "no subject %.128s has a template", only);
     return st;
 }
 
@@ -283,10 +283,10 @@ static void tell_costs(const struct dedup *d)
     json_rate(d->c->out, "by_chance", chance);
     (void)fprintf(stderr,
                   "surfacectl: %.0f comparisons of %" PRIu32
-                  " subjects' templates, about "
-                  "%.*f s; by chance about %.2g of them at or above %.2f\n",
-                  d->pairs, d->nsubject, d->estimate_s < 10 ? 1 : 0, d->estimate_s,
-                  chance, d->threshold);
+                  " subject%s, about %.*f s; by chance about %.2g of them at or above "
+                  "%.2f\n",
+                  d->pairs, d->nsubject, d->nsubject == 1 ? "" : "s",
+                  d->estimate_s < 10 ? 1 : 0, d->estimate_s, chance, d->threshold);
 }
 
 static void tell_pair(const struct dedup *d, const struct pair *p)
@@ -305,7 +305,7 @@ static void tell_pair(const struct dedup *d, const struct pair *p)
     json_flag(d->c->out, "same_scan", same);
     json_close(d->c->out);
     ctl_say(d->c, "%9.2f  %8.1e  %s  %s%s\n", p->score, fmr, d->subject[p->x],
-            d->subject[p->y], same ? "  (the very same scan)" : "");
+            d->subject[p->y], same ? "  (identical scan)" : "");
 }
 
 static void tell_found(const struct dedup *d)
@@ -325,7 +325,7 @@ static void tell_found(const struct dedup *d)
     ctl_say(d->c, "\n");
     if ((double)d->compared < d->pairs)
         ctl_say(d->c,
-                "%.0f were skipped: deleted meanwhile, or of another engine "
+                "%.0f were skipped: deleted meanwhile, or made by another engine "
                 "(template reencode)\n",
                 d->pairs - (double)d->compared);
 }
@@ -403,7 +403,7 @@ static enum status run(struct ctl *c)
     enum status st;
 
     if (c->fmr > 0 && !isnan(c->threshold))
-        return ctl_usage(c, "--fmr or --threshold, not both");
+        return ctl_usage(c, "use either --fmr or --threshold");
     (void)pthread_mutex_init(&d.lock, NULL);
     if ((st = ctl_model_open(c, STORE_READ)) == ST_OK)
         st = dedup(&d);

@@ -64,11 +64,12 @@ static enum status read_key(struct ctl *c, const char *text, unsigned char key[C
     free(file);
     if (st != ST_OK && st != ST_ESIZE)
         return st;
-    return sound ? ST_OK
-                 : errinfo_set(&c->e, ST_EINVAL,
-                               "%.120s is no public key of Ed25519 in PEM, nor in "
-                               "hexadecimal or base64",
-                               text);
+    return sound
+               ? ST_OK
+               : errinfo_set(
+                     &c->e, ST_EINVAL,
+                     "%.120s is not an Ed25519 public key in PEM, hexadecimal or base64",
+                     text);
 }
 
 /* ---- the commands */

@@ -82,16 +82,17 @@ static void look_at_folder(struct doctor *d)
             "others may replace files in %s (mode %03o)", dir,
             (unsigned)sb.st_mode & 0777);
     else if (access(dir, W_OK | X_OK) != 0)
-        say(d, FINDINGS_ERROR, "folder", "make it the daemon's user's: chown, chmod 700",
-            "no file can be made in %s, as the WAL beside the database", dir);
+        say(d, FINDINGS_ERROR, "folder", "chown it to the daemon's user; chmod 700",
+            "no file can be created in %s, and the WAL needs one", dir);
     else
         say(d, FINDINGS_OK, "folder", "", "%s can be written", dir);
     left = (uint64_t)fs.f_bavail * fs.f_frsize;
     if (left < LEAST_FREE)
-        say(d, FINDINGS_ERROR, "disk", "make room: enrolments fail when it is full",
-            "%s are left", ctl_bytes(left, text));
+        say(d, FINDINGS_ERROR, "disk",
+            "free some space: enrolments fail when the disk is full", "%s free",
+            ctl_bytes(left, text));
     else
-        say(d, FINDINGS_OK, "disk", "", "%s are left", ctl_bytes(left, text));
+        say(d, FINDINGS_OK, "disk", "", "%s free", ctl_bytes(left, text));
 }
 
 static void look_at_wal(struct doctor *d)
@@ -125,12 +126,13 @@ static void look_at_left(struct doctor *d)
     static const struct {
         const char *suffix, *finding, *todo;
     } left[] = {
-        {".part", "is what a restore or an upgrade that was killed had written",
-         "nothing: the next one writes over it; or delete it while none is running"},
+        {".part", "was left by a restore or an upgrade that was killed",
+         "nothing: the next one overwrites it; or delete it while none is running"},
         {".before-restore", "is the database from before a restore",
-         "delete it when all is well: it may hold subjects that are erased by now"},
-        {".before-restore.part", "is what a restore that was killed had copied",
-         "nothing: the next one writes over it; or delete it while none is running"},
+         "delete it when you no longer need it: it may contain subjects that are now "
+         "erased"},
+        {".before-restore.part", "was left by a restore that was killed",
+         "nothing: the next one overwrites it; or delete it while none is running"},
     };
     char name[PATH_MAX];
 
@@ -156,10 +158,10 @@ static bool look_at_schema(struct doctor *d)
     else if (st == ST_ENOTFOUND)
         say(d, FINDINGS_ERROR, "schema", "surfacectl init", "the database is empty");
     else if (st != ST_OK)
-        say(d, FINDINGS_ERROR, "schema", "surfacectl restore brings a backup back", "%s",
+        say(d, FINDINGS_ERROR, "schema", "restore a backup: surfacectl restore", "%s",
             e.msg);
     else
-        say(d, FINDINGS_OK, "schema", "", "as this program's");
+        say(d, FINDINGS_OK, "schema", "", "the version of this program");
     return st == ST_OK;
 }
 
@@ -185,7 +187,7 @@ static void look_at_next(struct doctor *d)
             "rekey was interrupted: the key is %s", d->next);
     else
         say(d, FINDINGS_WARNING, "key", "remove it, or surfacectl rekey will",
-            "%s was left by a rekey that did not happen", d->next);
+            "%s was left by a rekey that did not finish", d->next);
 }
 
 /* Is there a key that opens the database? */
@@ -239,11 +241,12 @@ static struct store *look_at_anchor(struct doctor *d)
     if (d->c->anchor == NULL || strcmp(d->c->anchor, "none") == 0) {
         say(d, FINDINGS_WARNING, "anchor",
             "keep one on another disk or host: anchor = FILE",
-            "none: an older copy of the whole database would not be noticed at a start");
+            "none: surfaced cannot notice that the database was replaced by an older "
+            "copy");
     } else {
         key.anchor = d->c->anchor;
         if (store_open(d->c->db, STORE_READ, &key, &s, &e) == ST_OK) {
-            say(d, FINDINGS_OK, "anchor", "", "the database has what its anchor says");
+            say(d, FINDINGS_OK, "anchor", "", "the database is as new as its anchor");
             return s;
         }
         say(d, FINDINGS_ERROR, "anchor",
@@ -266,7 +269,7 @@ static void look_at_state(struct doctor *d, struct store *s)
     if (st == ST_OK)
         st = store_verify(s, NULL, NULL, &e);
     if (st == ST_OK)
-        say(d, FINDINGS_OK, "state", "", "every row is as written, by %llu changes",
+        say(d, FINDINGS_OK, "state", "", "the rows match the change log (%llu changes)",
             (unsigned long long)end.seq);
     else
         say(d, FINDINGS_ERROR, "state",
@@ -313,8 +316,10 @@ const struct ctl_command ctl_doctor = {
     .run = run,
     .summary = "find what is wrong with a database and its files",
     .help =
-        "And what to do about it: permissions of the database, its folder and key; the right key,\n"
-        "and a key left by an interrupted rekey; a database older than its anchor; schema, WAL,\n"
-        "free disk space; rows that were changed; templates of another engine; tokens that end\n"
-        "soon, or that fail to verify many subjects. Nothing is changed.",
+        "Also says what to do about it. Checks the permissions of the database, its folder and\n"
+        "key; that the key opens it; a key left by an interrupted rekey; a database "
+        "older than its\n"
+        "anchor; schema, WAL, free disk space; rows that were changed; templates of another\n"
+        "engine; tokens that expire soon, or that fail to verify many subjects. Nothing "
+        "is changed.",
     .example = "surfacectl --db faces.db doctor"};

@@ -17,7 +17,6 @@
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
 #include "describe.h"
 #include "pool.h"
 #include "utf8.h"
@@ -70,9 +69,9 @@ static enum status add_folder(struct ctl *c, struct burst *b, const char *folder
     if (n < 0)
         return errinfo_set(&c->e, ST_EIO, "%.200s: the folder cannot be read", folder);
     if (n == 0)
-        st = errinfo_set(&c->e, ST_ENOTFOUND,
-                         "%.200s: no scan in the folder, by the endings of the names",
-                         folder);
+        st = errinfo_set(
+            &c->e, ST_ENOTFOUND,
+            "%.200s: no file in the folder has the extension of a scan format", folder);
     for (int i = 0; i < n; i++) {
         if (st == ST_OK && !utf8_is_text(list[i]->d_name, sizeof list[i]->d_name))
             st = errinfo_set(&c->e, ST_EINVAL,
@@ -119,7 +118,7 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
     enum status st;
 
     for (size_t i = 0; i < b->n; i++) { /* one bad scan does not stop the others */
-        st = ctl_sample_read(c, b->path[i], true, c->work, &b->face[i], &b->found[i]);
+        st = ctl_face_read(c, b->path[i], true, c->work, &b->face[i], &b->found[i]);
         if (st == ST_ENOMEM)
             return st;
         if (st == ST_OK)
@@ -149,7 +148,7 @@ static size_t report_burst(struct ctl *c, const struct burst *b, enum status *wo
         if (x->why.code == ST_OK) {
             ctl_say(c, "%s  %s  %u points, quality %.2f%s", x->tmpl.id, b->path[i],
                     x->tmpl.points, x->tmpl.quality.score,
-                    x->created ? "" : " (was there already)");
+                    x->created ? "" : " (already enrolled)");
             if (!c->json)
                 ctl_face_reasons(stdout, f);
             continue;
@@ -284,7 +283,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
 
     (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
     if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
-        st = ctl_sample_read(c, scan->path, true, work, f, &found);
+        st = ctl_face_read(c, scan->path, true, work, f, &found);
     if (st == ST_OK) {
         stored = true;
         sample = (struct store_sample){.face = *f, .read = found.digest};
@@ -383,10 +382,10 @@ static uint32_t report(const struct folder *w, uint32_t n, double seconds)
     json_number(c->out, "left_out", left);
     json_number(c->out, "undone", count[UNDONE]);
     json_number(c->out, "seconds", seconds);
-    ctl_say(c, "%" PRIu64 " scan%s of %s: %u enrolled, %u were there already, %u failed",
+    ctl_say(c, "%" PRIu64 " scan%s of %s: %u enrolled, %u already enrolled, %u failed",
             CTL_COUNT(n), c->args[0], count[ENROLLED], count[PRESENT], count[FAILED]);
     if (left > 0)
-        ctl_say(c, "; %u other%s left out", left, left == 1 ? "" : "s");
+        ctl_say(c, "; %u other%s ignored", left, left == 1 ? "" : "s");
     if (count[UNDONE] > 0)
         ctl_say(c, "; %u not tried", count[UNDONE]);
     ctl_say(c, "; %.1f s\n", seconds);
@@ -441,11 +440,14 @@ static enum status run(struct ctl *c)
     struct stat sb;
 
     if (c->nargs == 1) {
-        if (stat(c->args[0], &sb) != 0)
+        const bool there = stat(c->args[0], &sb) == 0;
+
+        if (!there || corpus_is_scan(c->args[0]))
             return ctl_usage(c,
-                             "usage: surfacectl enroll SUBJECT FILE..., or enroll "
-                             "DIR|MANIFEST; there is no folder or table %.80s",
-                             c->args[0]);
+                             "%s%.80s%s; usage: surfacectl enroll SUBJECT FILE..., or "
+                             "surfacectl enroll DIR|MANIFEST",
+                             there ? "" : "there is no folder or table ", c->args[0],
+                             there ? " is one scan, and its subject is missing" : "");
         return enroll_collection(c);
     }
     if (kind != NULL || c->threads != 0)
@@ -462,7 +464,7 @@ const struct ctl_command ctl_enroll = {
     .options = {CTL_OPTION("force", NULL, command_flag, &force,
                            "enroll scans that do not match the subject's other samples"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
-                           "of a folder or a table, only the scans of this kind")},
+                           "enroll only the scans of this kind (folder or table)")},
     .run = run,
     .summary = "enroll scans of one subject, or of many subjects",
     .help =

@@ -1,15 +1,19 @@
 /* surfacectl explain: why a scan matches a subject or a template, or not. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "cloudpoints.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
-#include "ctl_sample.h"
 #include "describe.h"
 #include "mem.h"
+#include "page.h"
 #include "select.h"
+#include "show.h"
+
+static const char *page; /* --page */
 
 #define BEYOND_MM 1.0 /* the share of the gaps beyond this is reported */
 
@@ -53,10 +57,10 @@ static enum status measure_gaps(struct explanation *x)
 static enum status compare(struct ctl *c, struct explanation *x)
 {
     struct sample_found found;
-    enum status st = ctl_sample_parse(c, c->args[1], &x->pts);
+    enum status st = ctl_face_parse(c, c->args[1], &x->pts);
 
-    if (st != ST_OK || (st = ctl_sample_build(c, c->args[1], &x->pts, false, c->work,
-                                              &x->probe, &found)) != ST_OK)
+    if (st != ST_OK || (st = ctl_face_build(c, c->args[1], &x->pts, false, c->work,
+                                            &x->probe, &found)) != ST_OK)
         return st;
     st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, x->probe,
                           &x->best);
@@ -78,11 +82,10 @@ static enum status compare(struct ctl *c, struct explanation *x)
 /* Why the decision is what it is, in a sentence. */
 static const char *reason(const struct surface_comparison *r)
 {
-    return r->decision == SURFACE_MATCH ? "the score is not below the threshold"
+    return r->decision == SURFACE_MATCH ? "the score reaches the threshold"
            : r->decision == SURFACE_NO_MATCH
                ? "the score is below the threshold"
-               : "the scans have too little in common, or are "
-                 "too noisy, to tell";
+               : "the scans have too little in common, or are too noisy, for a decision";
 }
 
 static void print_quality(const char *who, const struct surface_face *f)
@@ -106,7 +109,7 @@ static void print_text(const struct ctl *c, const struct explanation *x)
     (void)printf("decision     %s: %s\n", templates_decision(r->decision), reason(r));
     ctl_face_score(stdout, r);
     ctl_face_minimal(stdout, &x->best.minimal);
-    (void)printf("expected     %.2f of two such scans of one person\n", r->expected);
+    (void)printf("expected     %.2f for two such scans of one person\n", r->expected);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
     ctl_face_alignment(stdout, &x->best.minimal);
     ctl_face_regions(stdout, &x->best.parts);
@@ -118,21 +121,50 @@ static void print_text(const struct ctl *c, const struct explanation *x)
         x->compared, x->pts.n, x->median_mm, x->most_mm, 100 * x->beyond, BEYOND_MM);
 }
 
+static void comparison(struct json *j, const struct ctl *c, const struct explanation *x)
+{
+    describe_comparison(
+        j, &(struct describe_comparison){.result = &x->best.nearest.result,
+                                         .minimal = &x->best.minimal,
+                                         .probe = x->probe,
+                                         .engine = c->engine,
+                                         .subject = x->stored.subject,
+                                         .template_id = x->stored.id,
+                                         .templates_compared = x->best.nearest.compared,
+                                         .parts = &x->best.parts});
+}
+
+static enum status write_page(struct ctl *c, const struct explanation *x)
+{
+    struct json *j = json_new();
+    struct show show;
+    char about[64];
+    enum status st;
+
+    (void)snprintf(about, sizeof about, "template %.8s, enrolled", x->stored.id);
+    json_object(j, "extras");
+    comparison(j, c, x);
+    describe_calibration(j, surface_work_calibration(c->work));
+    page_side(j, "a", x->stored.subject, about, x->stored.created,
+              surface_face_quality(x->tmpl).score);
+    page_file(j, "b", c->args[1], surface_face_quality(x->probe).score);
+    page_made(j);
+    json_close(j);
+    st = show_comparison(x->tmpl, x->probe, x->best.minimal.align_transform,
+                         &x->best.parts, j, &show);
+    st = st == ST_OK ? ctl_write(c, page, page_write, &show)
+                     : errinfo_set(&c->e, st, "%s: %s", page, status_message(st));
+    free(show.glb);
+    return st;
+}
+
 static void report(struct ctl *c, const struct explanation *x)
 {
     const struct surface_comparison *r = &x->best.nearest.result;
     const struct surface_quality quality = surface_face_quality(x->tmpl);
 
     json_text(c->out, "probe", c->args[1]);
-    describe_comparison(c->out, &(struct describe_comparison){
-                                    .result = r,
-                                    .minimal = &x->best.minimal,
-                                    .probe = x->probe,
-                                    .engine = c->engine,
-                                    .subject = x->stored.subject,
-                                    .template_id = x->stored.id,
-                                    .templates_compared = x->best.nearest.compared,
-                                    .parts = &x->best.parts});
+    comparison(c->out, c, x);
     describe_quality(c->out, "template_quality", &quality, x->tmpl);
     json_text(c->out, "reason", reason(r));
     json_score(c->out, "expected", r->expected);
@@ -152,8 +184,12 @@ static void report(struct ctl *c, const struct explanation *x)
 static enum status run(struct ctl *c)
 {
     struct explanation x = {.compared = 0};
-    const enum status st = compare(c, &x);
+    enum status st = page != NULL ? ctl_may_write(c, page, c->nargs) : ST_OK;
 
+    if (st == ST_OK)
+        st = compare(c, &x);
+    if (st == ST_OK && page != NULL)
+        st = write_page(c, &x);
     if (st == ST_OK) {
         if (c->json)
             report(c, &x);
@@ -172,13 +208,17 @@ const struct ctl_command ctl_explain = {
     .args = "SUBJECT|TEMPLATE FILE",
     .takes = {2, 2},
     .database = CTL_WRITES_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
+    .options = {CTL_OPTION(
+        "page", "FILE", command_text, &page,
+        "write a page for a browser (HTML): both faces, and what decided")},
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = run,
     .summary = "say why a scan matches a subject, or not",
     .help =
-        "FILE is compared with the subject's templates, or with the template named; of the one\n"
-        "with the highest score the parts of the score by region, the qualities and the gap are\n"
-        "printed; with --json also what each cell of the face adds to the score.  The audit log\n"
-        "has an entry.  surfacelab explain compares two files.",
-    .example = "surfacectl --db faces.db explain alice probe.ply"};
+        "Compares FILE with the subject's templates, or with the template named, and prints for\n"
+        "the one with the highest score: the score of each region, the qualities and the gap;\n"
+        "with --json also what each cell of the face adds to the score. The audit log records\n"
+        "it. --page writes one file that shows it in any browser, without a network; it is\n"
+        "biometric data: only its owner can read it. surfacelab explain compares two files.",
+    .example = "surfacectl --db faces.db explain alice probe.ply --page why.html"};

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "cloudfile.h"
 #include "ctl.h"
 #include "ctl_face.h"
 
@@ -11,7 +12,7 @@ enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
                ? ST_OK
                : errinfo_set(
                      &c->e, ST_EINVAL,
-                     "%s'%.40s' is no subject id: 1 to %d of A-Z a-z 0-9 . _ - @ :",
+                     "%s'%.40s' is not a subject id (1 to %d of A-Z a-z 0-9 . _ - @ :)",
                      where, id, STORE_SUBJECT_MAX);
 }
 
@@ -31,7 +32,7 @@ struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w)
 void ctl_face_passed_over(const struct templates *t)
 {
     if (t->passed_over.code != ST_OK)
-        (void)fprintf(stderr, "surfacectl: passed over: %s\n", t->passed_over.msg);
+        (void)fprintf(stderr, "surfacectl: template skipped: %s\n", t->passed_over.msg);
 }
 
 enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
@@ -71,7 +72,7 @@ void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
         (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
                       turn_deg, shift_mm);
     else
-        (void)fprintf(to, "its uncertainty is not known");
+        (void)fprintf(to, "its uncertainty is unknown");
 }
 
 void ctl_face_score(FILE *to, const struct surface_comparison *r)
@@ -81,7 +82,7 @@ void ctl_face_score(FILE *to, const struct surface_comparison *r)
     surface_shown(r, 100, &score, &threshold);
     (void)fprintf(to,
                   "score        %.2f (a match at %.2f or above)\n"
-                  "false match  rate at this score: %.2g\n",
+                  "fmr          %.2g at this score\n",
                   score, threshold, r->false_match_rate);
 }
 
@@ -124,4 +125,50 @@ void ctl_face_reasons(FILE *to, const struct surface_face *f)
             between = ", ";
         }
     (void)fprintf(to, "%s\n", reasons != 0 ? ")" : "");
+}
+
+/* ---- scans */
+
+enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *out)
+{
+    return cloudfile_read_path(path, c->scans.unit_mm, &c->scans.camera, out, &c->e);
+}
+
+enum status ctl_face_build(struct ctl *c, const char *path, struct cloudpoints *p,
+                           bool enrolment, struct surface_work *w,
+                           struct surface_face **out, struct sample_found *found)
+{
+    const struct sample_options o = {.frontal = c->scans.frontal, .enrolment = enrolment};
+
+    return sample_build(path, p, &o, w, out, found, &c->e);
+}
+
+enum status ctl_face_read(struct ctl *c, const char *path, bool enrolment,
+                          struct surface_work *w, struct surface_face **out,
+                          struct sample_found *found)
+{
+    struct cloudpoints p;
+    enum status st = ctl_face_parse(c, path, &p);
+
+    if (st == ST_OK)
+        st = ctl_face_build(c, path, &p, enrolment, w, out, found);
+    cloudpoints_free(&p);
+    return st;
+}
+
+void ctl_face_warnings(FILE *to, const char *label, const struct sample_found *f)
+{
+    const uint32_t warnings = f->scan.warnings;
+    const char *comma = "";
+
+    if (warnings != 0)
+        (void)fprintf(to, "%-12s ", label);
+    for (int i = 0; i < SURFACE_WARNINGS; i++)
+        if ((warnings >> i & 1) != 0) {
+            (void)fprintf(to, "%s%s", comma,
+                          surface_warning_name((enum surface_warning)i));
+            comma = ", ";
+        }
+    if (warnings != 0)
+        (void)fprintf(to, "\n");
 }

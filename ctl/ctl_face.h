@@ -1,12 +1,32 @@
-/* ctl_face.h -- a face compared with a subject's templates, and the comparison as text. */
+/* ctl_face.h -- a scan's file as a face; a face compared with a subject's templates, and the
+ * comparison as text. */
 #ifndef CTL_FACE_H
 #define CTL_FACE_H
+#include <stdbool.h>
 #include <stdio.h>
 #include "libsurface.h"
+#include "sample.h"
 #include "store.h"
 #include "templates.h"
 
-struct ctl; /* ctl.h */
+struct cloudpoints; /* cloudpoints.h */
+struct ctl;         /* ctl.h */
+
+/* ctl_face_read(c, path, enrolment, w, out, found): the face in a file ("-": standard input), read as
+ * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
+ * ctl_face_parse(), ctl_face_build(): the same in two steps, for callers that need the points
+ * or what was found (sample.h); cloudpoints_free() (empty on failure). */
+enum status ctl_face_read(struct ctl *c, const char *path, bool enrolment,
+                          struct surface_work *w, struct surface_face **out,
+                          struct sample_found *found);
+enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *out);
+enum status ctl_face_build(struct ctl *c, const char *path, struct cloudpoints *p,
+                           bool enrolment, struct surface_work *w,
+                           struct surface_face **out, struct sample_found *found);
+
+/* ctl_face_warnings(to, label, f): a line "warnings     occluded, turned", where "warnings" is
+ * the label; nothing without any. */
+void ctl_face_warnings(FILE *to, const char *label, const struct sample_found *f);
 
 /* ctl_face_context(c, w): c's database, and w.
  * ctl_face_passed_over(t): the template of another engine that was left out, to standard error. */

@@ -32,8 +32,9 @@ static enum status ask(struct ctl *c, const char *what, const char *option,
         if (tty != NULL)
             (void)fclose(tty);
         return errinfo_set(&c->e, ST_EINVAL,
-                           "%.160s asks for a passphrase: give a file with it to %s",
-                           c->db, option);
+                           "a passphrase is needed: type it on a terminal, or give %s "
+                           "a file that holds it",
+                           option);
     }
     if ((k = sodium_malloc(sizeof *k)) == NULL) {
         (void)fclose(tty);
@@ -67,7 +68,7 @@ enum status ctl_model_new_key(struct ctl *c, const char *option, struct crypt_fi
 
     if ((st = ask(c, "New passphrase", option, out)) != ST_OK)
         return st;
-    if ((st = ask(c, "The same again", option, &again)) == ST_OK &&
+    if ((st = ask(c, "Repeat the passphrase", option, &again)) == ST_OK &&
         strcmp((*out)->text, again->text) != 0)
         st = errinfo_set(&c->e, ST_EINVAL, "the two passphrases differ");
     crypt_file_free(again);
@@ -155,11 +156,11 @@ enum status ctl_model_open(struct ctl *c, enum store_mode mode)
     store_use_model(c->store, c->model);
     if ((c->cmd->shared & CTL_MODEL) != 0 && in_force_get(c->store, &k, NULL) == ST_OK &&
         k.ignored)
-        (void)fprintf(stderr,
-                      "surfacectl: calibration %" PRId64
-                      " is not used: it was made by %s, "
-                      "and this is %s; the model's own decides\n",
-                      k.version, k.engine, c->engine);
+        (void)fprintf(
+            stderr,
+            "surfacectl: calibration %" PRId64
+            " is not used: it was made by %s, not by %s; the model's own calibration decides\n",
+            k.version, k.engine, c->engine);
     return ST_OK;
 }
 

@@ -51,7 +51,7 @@ static const char *read_expires(const char *text, void *value)
     (void)utc_now(&now);
     if (utc_read_end(text, &x->at_ms)) {
         x->life_s = (x->at_ms - now) / 1000;
-        return x->life_s > 0 ? NULL : "a time to come";
+        return x->life_s > 0 ? NULL : "a time in the future";
     }
     if (ctl_option_duration(text, &x->life_s) != NULL)
         return "a time like 90d, 12h, 30m, 2027-01-31 or never";
@@ -72,7 +72,8 @@ static const struct command_option shared_options[] = {
            "the database; or set SURFACED_DB (default: the daemon's, by its\n"
            "configuration)"),
     SHARED("config", "FILE", command_text, config, 0,
-           "the daemon's configuration (/etc/surfaced.conf); or set\nSURFACED_CONFIG"),
+           "the daemon's configuration (/etc/surfaced.conf); or set\n"
+           "SURFACED_CONFIG"),
     SHARED("key", "FILE", command_text, key, 0,
            "the database's key or passphrase (PATH.key); or set SURFACED_KEY"),
     SHARED("anchor", "FILE", command_text, anchor, 0,
@@ -82,27 +83,27 @@ static const struct command_option shared_options[] = {
            "the database has no key: anyone with the file can read it; or set\n"
            "SURFACED_PLAINTEXT_DATABASE=1"),
     SHARED("units", "auto|mm|cm|m|in|um", cloudfile_option_units, scans.unit_mm, 0,
-           "the unit of the scans' coordinates (auto: it is found); what a\n"
-           "file says wins"),
+           "the unit of the scans' coordinates (auto: detected); a unit\n"
+           "stated in the file takes precedence"),
     SHARED("axes", "auto|scanner", cloudfile_option_axes, scans.frontal, 0,
-           "auto: the face is found, however the scan is turned; scanner: x to\n"
-           "the image's right, y up, z towards the scanner, and all of it face"),
+           "auto: the face is found, in any orientation; scanner: x to the\n"
+           "image's right, y up, z towards the scanner, nothing but the face"),
     SHARED("camera", "FX,FY,CX,CY", cloudfile_option_camera, scans.camera, 0,
-           "of depth images: focal length and centre in pixels; and \",SCALE\" if\n"
-           "a value is not a millimetre, and \",WIDTH,HEIGHT\" of files that have\n"
-           "the values alone (see the manual)"),
+           "for depth images: focal length and centre in pixels; add \",SCALE\"\n"
+           "if the unit is not a millimetre, and \",WIDTH,HEIGHT\" for a file\n"
+           "without a header (see the manual)"),
     SHARED("model", "FILE", command_text, model_path, 0,
            "a model that surfacelab train wrote; or set SURFACED_MODEL"),
     SHARED("threshold", "SCORE", command_score, threshold, 0,
-           "count by this threshold instead of the calibration's"),
+           "use this threshold instead of the calibration's"),
     SHARED("fmr", "RATE", command_rate, fmr, 0,
-           "the false match rate that the threshold is for"),
+           "the wanted false match rate of the threshold"),
     SHARED("label", "TEXT", command_text, label, 0,
            "a note stored with each template, or a model's name"),
     SHARED("out", "DIR|FILE", command_text, dir, 'o',
            "the folder or the file that is written"),
     SHARED("threads", "N", command_whole, threads, 0,
-           "compute on N threads (one a core)"),
+           "compute on N threads (one per core)"),
     SHARED("passphrase", NULL, command_flag, passphrase, 0,
            "encrypt with a passphrase: it is asked for, or read from --key"),
     SHARED("short-passphrase", NULL, command_flag, short_passphrase, 0,
@@ -110,12 +111,12 @@ static const struct command_option shared_options[] = {
     SHARED("archive-key", "FILE", command_text, archive_key, 0,
            "a file with the archive's key or passphrase, instead of asking"),
     SHARED("public-key", "HEX", command_text, public_key, 0,
-           "the public key of the database that FILE is from"),
-    SHARED(
-        "expires", "TIME", read_expires, expires, 0,
-        "the end: 90d, 12h or 30m from now, the end of 2027-01-31 (UTC),\n2027-01-31T14:30:00Z, or never"),
+           "the public key of the database that signed FILE"),
+    SHARED("expires", "TIME", read_expires, expires, 0,
+           "the end: 90d, 12h or 30m from now, the end of 2027-01-31 (UTC),\n"
+           "2027-01-31T14:30:00Z, or never"),
     SHARED("dry-run", NULL, command_flag, dry_run, 0,
-           "show what would be done, change nothing"),
+           "show what would be done, without doing it"),
     SHARED("yes", NULL, command_flag, yes, 0, "do not ask for confirmation"),
     SHARED("force", NULL, command_flag, force, 0, "replace files that exist"),
     SHARED("json", NULL, command_flag, json, 0, "print the result as JSON"),

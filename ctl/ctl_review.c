@@ -110,7 +110,7 @@ static enum status walk_head(struct ctl *c, FILE *in)
 
     if (fgets(line, sizeof line, in) == NULL || (v = read_line(line)) == NULL ||
         !json_get_count(json_member(v, "surface_audit"), &version))
-        st = errinfo_set(&c->e, ST_EINVAL, "%.120s is no audit log", c->args[0]);
+        st = errinfo_set(&c->e, ST_EINVAL, "%.120s is not an audit log", c->args[0]);
     else if (version != 2)
         st = errinfo_set(&c->e, ST_EVERSION, "%.120s is of another version", c->args[0]);
     json_free(v);
@@ -228,7 +228,7 @@ static enum status read_receipt(struct review *v)
     if (st == ST_OK && (json_read((char *)text, len, TEMPLATES_MAX + JSON_MEMBERS, &doc,
                                   NULL) != ST_OK ||
                         !take_receipt(doc, &v->r)))
-        st = errinfo_set(&v->c->e, ST_EINVAL, "%.160s is no receipt", v->c->args[0]);
+        st = errinfo_set(&v->c->e, ST_EINVAL, "%.160s is not a receipt", v->c->args[0]);
     json_free(doc);
     free(text);
     return st;
@@ -250,8 +250,8 @@ static enum status look_at_log(struct review *v)
     if (st == ST_OK && !has)
         problem(
             v,
-            "the change log has another entry in that place, or none: the receipt is of "
-            "another database, or the log is an older one");
+            "the change log lacks this entry: the receipt is from another database, or "
+            "the log was replaced by an older one");
     return st;
 }
 
@@ -289,10 +289,10 @@ static enum status run(struct ctl *c)
     st = read_receipt(&v);
     json_array(c->out, "problems");
     if (st == ST_OK && !store_receipt_true(&v.r))
-        problem(&v, "its contents are not what was signed");
+        problem(&v, "its contents differ from what was signed");
     if (st == ST_OK && c->public_key != NULL &&
         strcmp(c->public_key, v.r.public_key) != 0)
-        problem(&v, "it was signed by another key than the one given");
+        problem(&v, "it was signed by a key other than the one given");
     if (st == ST_OK && c->db != NULL)
         st = ask_database(&v);
     json_close(c->out);
@@ -319,12 +319,13 @@ const struct ctl_command ctl_review_receipt = {
     .takes = {1, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
-    .exits = {"the receipt is true", "it is not; problems are printed"},
+    .exits = {"the receipt is valid", "it is not valid; problems are printed"},
     .run = run,
     .summary = "verify the receipt of an erasure",
     .help =
         "FILE is the response to DELETE over HTTP, or the output of subject erase --json (-:\n"
-        "standard input). With --public-key: was it signed by that key? With a database (the\n"
-        "default): was it signed by its present or an earlier key, is the entry in its audit log,\n"
-        "and is none of the templates there?",
+        "standard input). With --public-key: verifies that this key signed it. With a "
+        "database (the\n"
+        "default): verifies that its present or an earlier key signed it, that its audit log has\n"
+        "the entry, and that none of the templates exists.",
     .example = "surfacectl --db faces.db audit receipt alice.json"};

@@ -1,5 +1,6 @@
 /* surfacectl scan: what is found in scans, and what would be done with them. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "cloudformat.h"
@@ -8,11 +9,14 @@
 #include "describe.h"
 #include "dry_run.h"
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_face.h"
-#include "ctl_sample.h"
+#include "page.h"
+#include "show.h"
 
 static const char *face_file; /* --face */
+static const char *page;      /* --page */
+
+#define PAGE_POINTS 10000 /* of a scan, shown as dots: 300 KB in all */
 
 struct checked {
     struct cloudpoints points;
@@ -37,7 +41,7 @@ static void print_found(const struct sample_found *s)
                      lrint(f->yaw_deg), lrint(f->pitch_deg), lrint(f->roll_deg));
     (void)printf("covered      %.0f %% of the face\n", 100 * f->occluded);
     (void)printf("elsewhere    %.0f %% of the points\n", 100 * f->elsewhere);
-    ctl_sample_warnings(stdout, "warnings", s);
+    ctl_face_warnings(stdout, "warnings", s);
 }
 
 static void print_text(const struct checked *k)
@@ -63,7 +67,7 @@ static void print_text(const struct checked *k)
 /* A file whose points cannot be read is refused as well; other failures are not the scan's. */
 static enum status check(struct ctl *c, const char *path, struct checked *k)
 {
-    enum status st = ctl_sample_parse(c, path, &k->points);
+    enum status st = ctl_face_parse(c, path, &k->points);
 
     if (st == ST_EINVAL || st == ST_EVERSION || dry_run_is_refusal(st)) {
         dry_run_unread(st, &c->e, &k->trial);
@@ -74,6 +78,26 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
                           &(struct sample_options){.frontal = c->scans.frontal}, c->work,
                           &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
+    return st;
+}
+
+static enum status write_page(struct ctl *c, const char *path, const struct checked *k)
+{
+    struct json *j = json_new();
+    struct show show;
+    enum status st;
+
+    json_object(j, "extras");
+    describe_dry_run(j, &k->trial, k->face, &(struct describe_times){0});
+    page_file(j, "a", path,
+              k->face != NULL ? k->trial.found.scan.quality.score : (double)NAN);
+    page_made(j);
+    json_close(j);
+    st = show_scan(k->face, k->points.at, k->points.n, PAGE_POINTS,
+                   k->trial.found.scan.view, j, &show);
+    st = st == ST_OK ? ctl_write(c, page, page_write, &show)
+                     : errinfo_set(&c->e, st, "%s: %s", page, status_message(st));
+    free(show.glb);
     return st;
 }
 
@@ -97,7 +121,9 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
             print_text(&k);
     }
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
-        st = ctl_dir_face(c, face_file, k.face);
+        st = ctl_write_face(c, face_file, k.face);
+    if (st == ST_OK && page != NULL && k.points.n > 0)
+        st = write_page(c, path, &k);
     surface_face_free(k.face);
     cloudpoints_free(&k.points);
     return st;
@@ -110,9 +136,13 @@ static enum status run(struct ctl *c)
     enum status may = ST_OK;
     bool usable;
 
-    if (face_file != NULL && c->nargs > 1)
-        return ctl_usage(c, "--face is of one scan");
-    if (face_file != NULL && (may = ctl_dir_may_write(c, face_file, c->nargs)) != ST_OK)
+    if ((face_file != NULL || page != NULL) && c->nargs > 1)
+        return ctl_usage(c, "--face and --page need exactly one scan");
+    if (face_file != NULL)
+        may = ctl_may_write(c, face_file, c->nargs);
+    if (may == ST_OK && page != NULL)
+        may = ctl_may_write(c, page, c->nargs);
+    if (may != ST_OK)
         return may;
     json_array(c->out, "scans");
     for (int i = 0; i < c->nargs; i++) {
@@ -136,7 +166,10 @@ const struct ctl_command ctl_scan = {
     .takes = {1, CTL_MANY},
     .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
     .options = {CTL_OPTION("face", "FILE", command_text, &face_file,
-                           "write the face as it is compared (PLY, mm); of one scan")},
+                           "write the cropped face (PLY, mm) of one scan"),
+                CTL_OPTION(
+                    "page", "FILE", command_text, &page,
+                    "write a page for a browser (HTML): the scan, and the face in it")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
     .run = run,
     .summary = "describe scans, and what to change at the scanner",
@@ -144,6 +177,7 @@ const struct ctl_command ctl_scan = {
         "For each FILE: format, points, unit, how the face is turned and covered, the quality,\n"
         "whether it can be enrolled and verified or why not, and what to change at the scanner.\n"
         "Nothing is stored. --face writes the cropped face with its triangles, in millimetres,\n"
-        "seen from the front (x to the image's right, y up, z towards the scanner); it is\n"
-        "biometric data: only its owner can read it.",
-    .example = "surfacectl scan alice.glb --face face.ply"};
+        "seen from the front (x to the image's right, y up, z towards the scanner); --page\n"
+        "writes one file that shows the scan as dots, and the face that is found in it, in any\n"
+        "browser, without a network. Both are biometric data: only their owner can read them.",
+    .example = "surfacectl scan alice.glb --page alice.html"};

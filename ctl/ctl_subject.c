@@ -160,7 +160,7 @@ static enum status rename_it(struct ctl *c)
     const enum status st =
         store_subject_rename(c->store, c->actor, c->args[0], c->args[1], &c->e);
 
-    return st == ST_OK ? tell(c, c->args[1], "is its id now") : st;
+    return st == ST_OK ? tell(c, c->args[1], "renamed") : st;
 }
 
 static enum status change(struct ctl *c, const struct store_subject_change *what,
@@ -231,7 +231,7 @@ static enum status reset_attempts(struct ctl *c)
         return st;
     json_text(c->out, "subject", c->args[0]);
     json_number(c->out, "failures", 0);
-    ctl_say(c, "%s: failed verifications forgotten\n", c->args[0]);
+    ctl_say(c, "%s: failed verifications cleared\n", c->args[0]);
     return ST_OK;
 }
 
@@ -272,7 +272,7 @@ const struct ctl_command ctl_subject_set = {
     .run = set,
     .summary = "record a subject's consent and expiry",
     .help =
-        "Values that are not given do not change. A subject that does not exist is created\n"
+        "Values that are not given are kept. A subject that does not exist is created\n"
         "without a template, since the consent often precedes the first scan. An expired subject\n"
         "is not verified, and purge erases it. A day without a time ends at 23:59:59.999 UTC; an\n"
         "end in the past is refused.",
@@ -287,7 +287,8 @@ const struct ctl_command ctl_subject_rename = {
     .run = rename_it,
     .summary = "change a subject's id",
     .help =
-        "Templates and records stay. If another subject has the new id, nothing is changed.",
+        "Templates and records are kept. If another subject has the new id, nothing is "
+        "changed.",
     .example = "surfacectl --db faces.db subject rename alice alice.b"};
 
 const struct ctl_command ctl_subject_disable = {
@@ -341,5 +342,6 @@ const struct ctl_command ctl_subject_attempts_reset = {
     .run = reset_attempts,
     .summary = "end a subject's lock-out",
     .help =
-        "Its failed verifications by every token are forgotten; the next one is accepted at once.",
+        "Clears its failed verifications by every token, so that it can be verified at "
+        "once.",
     .example = "surfacectl --db faces.db attempts reset alice"};

@@ -24,7 +24,7 @@
     X(ctl_token_revoke) X(ctl_device_add) X(ctl_device_list) X(ctl_device_remove) \
     X(ctl_subject_attempts_list) X(ctl_subject_attempts_reset) X(ctl_audit_show) X(ctl_audit_recent) \
     X(ctl_audit_verify) X(ctl_audit_export) X(ctl_audit_checkpoint) X(ctl_review_receipt) \
-    X(ctl_audit_trim) X(ctl_audit_erased) X(ctl_completion) X(ctl_table_help)
+    X(ctl_audit_trim) X(ctl_completion) X(ctl_table_help)
 /* clang-format on */
 
 #define EXTERN(name)  extern const struct ctl_command name;
@@ -144,7 +144,8 @@ static void print_all(void)
     print_options(CTL_DATABASE | CTL_COMMON, NULL);
     (void)printf("Example:\n  surfacectl --db faces.db init\n"
                  "  surfacectl --db faces.db enroll alice alice.ply\n"
-                 "  surfacectl --db faces.db verify alice probe.ply\n\n"
+                 "  surfacectl --db faces.db verify alice probe.ply\n"
+                 "\n"
                  "Exit codes: surfacectl help exit\n");
 }
 
@@ -226,5 +227,5 @@ const struct ctl_command ctl_table_help = {
     .takes = {0, 2},
     .run = run,
     .summary = "print a help text",
-    .help = "Of surfacectl, of a command or a group of commands, or of all exit codes.",
+    .help = "For surfacectl, a command, a group of commands, or the exit codes.",
     .example = "surfacectl help token create"};

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_dir.h"
 #include "ctl_model.h"
 #include "describe.h"
 #include "pool.h"
@@ -23,7 +22,7 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
     if (t->label[0] != '\0')
         ctl_say(c, "  label     %s\n", t->label);
     ctl_say(c, "  created   %s by %s%s\n", t->created, t->engine,
-            other ? " (to re-encode)" : "");
+            other ? " (needs re-encoding)" : "");
     ctl_say(c, "  points    %u, %u triangles, %.2f mm apart\n", t->points, t->triangles,
             t->quality.density_mm);
     ctl_say(c, "  quality   %.2f (coverage %.0f %%, noise %.3f mm)\n", t->quality.score,
@@ -63,7 +62,8 @@ static enum status list_subject(struct listing *l, const char *subject)
                 t[i].points, t[i].quality.score, t[i].first_score, t[i].subject,
                 t[i].manager ? "  (manager)" : "", t[i].label[0] != '\0' ? "  " : "",
                 t[i].label,
-                surface_same_engine(t[i].engine, c->engine) ? "" : "  (to re-encode)");
+                surface_same_engine(t[i].engine, c->engine) ? ""
+                                                            : "  (needs re-encoding)");
     }
     free(t);
     return st;
@@ -108,7 +108,7 @@ static enum status export_template(struct ctl *c)
 
     if (c->dir == NULL)
         return ctl_usage(c, "template export needs --out FILE");
-    if ((st = ctl_dir_may_pipe(c, 0)) != ST_OK)
+    if ((st = ctl_may_pipe(c, 0)) != ST_OK)
         return st;
     if ((w = surface_work_new(c->model)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
@@ -117,7 +117,7 @@ static enum status export_template(struct ctl *c)
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
         st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);
-    if (st == ST_OK && (st = ctl_dir_face(c, c->dir, f)) == ST_OK) {
+    if (st == ST_OK && (st = ctl_write_face(c, c->dir, f)) == ST_OK) {
         json_text(c->out, "template_id", t.id);
         json_text(c->out, "subject", t.subject);
         json_text(c->out, "file", c->dir);
@@ -312,14 +312,14 @@ const struct ctl_command ctl_template_reencode = {
     .takes = {0, CTL_MANY},
     .database = CTL_WRITES_DATABASE,
     .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN,
-    .exits = {"every one of these templates is of this engine"},
+    .exits = {"all of these templates are now of this engine"},
     .run = reencode_them,
     .summary = "re-encode templates of another engine",
     .help =
-        "Every template, or each ID, that another engine or model made is computed again from its\n"
-        "stored points with this engine and --model. Id, label, time and digest stay. Until then\n"
-        "the template is re-encoded each time it is loaded, which takes some milliseconds and\n"
-        "gives the same decisions. A running daemon goes on serving; an interrupted run continues\n"
-        "when it is started again. A template whose points this engine does not accept as a face\n"
-        "is listed and not changed: delete it and enroll another scan.",
+        "Computes every template, or each ID, that another engine or model made again from its\n"
+        "stored points, with this engine and --model. Id, label, time and digest are kept. Until\n"
+        "then the template is re-encoded each time it is loaded, which takes some milliseconds\n"
+        "and gives the same decisions. A running daemon is not interrupted; an interrupted run\n"
+        "continues when it is started again. A template whose points this engine does not accept\n"
+        "as a face is listed and not changed: delete it and enroll another scan.",
     .example = "surfacectl --db faces.db template reencode --dry-run"};

@@ -19,9 +19,9 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     if (c->json)
         return;
     rows_scopes_write(t->scopes, list);
-    (void)fprintf(stderr, "token %s (%s) for %s, good %s%s; it is not shown again:\n",
-                  t->id, t->name, list, t->expires[0] != '\0' ? "until " : "for ever",
-                  t->expires);
+    (void)fprintf(
+        stderr, "token %s (%s) for %s, valid %s%s; its secret is not shown again:\n",
+        t->id, t->name, list, t->expires[0] != '\0' ? "until " : "forever", t->expires);
     (void)printf("%s\n", secret);
 }
 
@@ -72,7 +72,7 @@ static enum status find(struct ctl *c, char id[STORE_ID_LEN + 1])
     free(t);
     if (found == 0)
         return errinfo_set(&c->e, ST_ENOTFOUND,
-                           "there is no token %.80s that is not revoked", name);
+                           "there is no token %.80s, or it is revoked already", name);
     if (found > 1)
         return errinfo_set(&c->e, ST_EINVAL, "%zu tokens have this name, choose by id:%s",
                            found, list);

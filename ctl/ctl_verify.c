@@ -5,7 +5,6 @@
 #include "verify.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
-#include "ctl_sample.h"
 
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
@@ -21,9 +20,9 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     ctl_face_regions(stdout, x->parts);
     ctl_face_minimal(stdout, x->minimal);
     ctl_face_scan(stdout, x->probe);
-    ctl_sample_warnings(stdout, "warnings", x->scan);
+    ctl_face_warnings(stdout, "warnings", x->scan);
     if (x->other != NULL)
-        ctl_sample_warnings(stdout, "warnings of A", x->other);
+        ctl_face_warnings(stdout, "warnings of A", x->other);
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
@@ -35,7 +34,7 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
     struct surface_face *face = NULL;
-    enum status st = ctl_sample_parse(c, probe, &r->probe.points);
+    enum status st = ctl_face_parse(c, probe, &r->probe.points);
 
     *v = (struct verification){.request = r, .templates = {.context = &with}};
     r->probe.name = probe;
@@ -78,7 +77,7 @@ static enum status compare(struct ctl *c)
         .name = c->args[0], .frontal = c->scans.frontal, .face = &face};
     struct verify_request r = {.other = &a};
     struct verification v;
-    enum status st = ctl_sample_parse(c, c->args[0], &a.points);
+    enum status st = ctl_face_parse(c, c->args[0], &a.points);
 
     if (st == ST_OK)
         st = run(c, c->args[1], &r, &v);

@@ -96,6 +96,7 @@ static bool read_words(struct line *l, char **words, int n)
                no_command(l, words, n);
     }
     l->c.cmd = l->cmd;
+    l->c.command = l->cmd->name;
     l->c.args = words + used;
     l->c.nargs = n - used;
     if (!help && (l->c.nargs < l->cmd->takes[0] || l->c.nargs > l->cmd->takes[1])) {

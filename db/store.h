@@ -1,13 +1,13 @@
-/* store.h -- the template store: all that programs may ask of it.
- * A store may be used from any number of threads; each call is one transaction: it either takes
- * full effect or none, and is on the disk when it returns ST_OK (but see store_event()).  Other
- * processes may use the same database at the same time; each call sees what they have
- * committed.  Ids are checked by the callee (ST_EINVAL).
+/* store.h -- the template store: its whole interface.
+ * A store may be used from any number of threads; each call is one transaction: it either
+ * takes full effect or none, and is on the disk when it returns ST_OK (except
+ * store_event()).  Other processes may use the same database at the same time; each call
+ * sees what they have committed.  Ids are checked by the callee (ST_EINVAL).
  * actor: the caller, for the events: a token's id, a program's name or "".
  * Every call returns a status and fills *e (may be NULL) on failure:
  * ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS, ST_ECORRUPT (damaged row or file, not a database),
- * ST_EVERSION (database of another version), ST_EBUSY (locked by another process for longer
- * than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
+ * ST_EVERSION (database of another version), ST_EBUSY (locked by another process for
+ * longer than 5 s), ST_EIO (disk full, not writable), ST_EDB, ST_ENOMEM. */
 #ifndef DB_STORE_H
 #define DB_STORE_H
 #include "log_walk.h"
@@ -18,9 +18,9 @@
 
 /* ---- subjects */
 
-/* store_subject_add(s, actor, about, e): a subject without templates: who came with which
- * consent is known before the first scan is taken.  Of *about: id, reference, purpose and
- * expires (to come), which are checked; created is set.  ST_EEXISTS. */
+/* store_subject_add(s, actor, about, e): add a subject without templates, since the
+ * consent is known before the first scan. Reads and checks id, reference, purpose and
+ * expires (in the future) of *about, and sets created. ST_EEXISTS. */
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e);
 
@@ -30,8 +30,8 @@ enum status store_subject_get(struct store *s, const char *subject,
 /* store_subject_list(s, after, limit, out, n, e): up to limit subjects in the order of
  * creation, those whose key is greater than after (0 from the start); a new array
  * released by free().
- * store_subject_due(s, out, n, e): those that have expired, also those on hold, the longest
- * ago first; a new array released by free(). */
+ * store_subject_due(s, out, n, e): the expired subjects, also those on hold, the longest
+ * expired first; a new array released by free(). */
 enum status store_subject_list(struct store *s, int64_t after, size_t limit,
                                struct store_subject **out, size_t *n, struct errinfo *e);
 enum status store_subject_due(struct store *s, struct store_subject **out, size_t *n,
@@ -66,14 +66,14 @@ enum status store_subject_search(struct store *s, const struct store_search *wha
                                  struct store_subject **out, size_t *n, int64_t *next,
                                  struct errinfo *e);
 
-/* store_subject_set(s, actor, subject, what, e): all of it or nothing, with an event for the
- * consent, the hold and the being disabled each.  It is the callers' to verify no subject that
- * is disabled or has expired.  ST_OK also where it is so already. */
+/* store_subject_set(s, actor, subject, what, e): apply all of *what or nothing, with an
+ * event each for consent, hold and disabled. The caller must not verify a subject that is
+ * disabled or has expired. ST_OK also if nothing changes. */
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
                               const struct store_subject_change *what, struct errinfo *e);
 
-/* store_subject_rename(s, actor, subject, to, e): another id; all that is known of it stays.
- * ST_EEXISTS: there is one of that id, be it this one. */
+/* store_subject_rename(s, actor, subject, to, e): change the id; everything recorded is
+ * kept. ST_EEXISTS: a subject has that id, perhaps this one. */
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
                                  const char *to, struct errinfo *e);
 
@@ -92,7 +92,7 @@ struct store_receipt {
     char public_key[65]; /* that it is verified with */
 };
 
-/* store_receipt_true(r): do digest and signature fit, by *r's own public_key? */
+/* store_receipt_true(r): whether digest and signature verify with r->public_key. */
 bool store_receipt_true(const struct store_receipt *r);
 void store_receipt_free(struct store_receipt *r); /* what it points to, not *r */
 
@@ -104,24 +104,24 @@ enum status store_subject_erase(struct store *s, const char *actor, const char *
 enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
                                 struct errinfo *e);
 
-/* store_erased_since(s, since, erased, e): has any process erased a subject or a template since
- * the last call with this *since, at first 0?  What is kept of them in memory is to be
- * dropped then.  O(changes since). */
+/* store_erased_since(s, since, erased, e): whether any process has erased a subject or a
+ * template since the last call with this *since, at first 0. The caller then drops its
+ * copies in memory. O(changes since). */
 enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
                                struct errinfo *e);
 
 /* ---- Bearer tokens: 256 random bits each, of which only a hash is kept */
 
-/* store_token_create(s, actor, name, scopes, life_s, secret, t, e): a new Bearer token, good
- * for life_s seconds, 0: for ever; secret is shown once and only its hash is kept. */
+/* store_token_create(s, actor, name, scopes, life_s, secret, t, e): a new Bearer token,
+ * valid for life_s seconds, 0: forever; only a hash of secret is stored. */
 enum status store_token_create(struct store *s, const char *actor, const char *name,
                                unsigned scopes, int64_t life_s, char secret[65],
                                struct store_token *t, struct errinfo *e);
 
-/* store_token_rotate(s, actor, id, grace_s, life_s, secret, t, e): another secret for the
- * token; the one it had is good for another grace_s seconds, and one before that no more.
- * life_s: from now on, 0: for ever, negative: it expires when it would have.
- * ST_EDENIED: it was revoked. */
+/* store_token_rotate(s, actor, id, grace_s, life_s, secret, t, e): a new secret for the
+ * token; the old secret stays valid for grace_s seconds, and an older one becomes
+ * invalid. life_s: from now on, 0: forever, negative: the expiry is kept. ST_EDENIED: it
+ * was revoked. */
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
                                int64_t grace_s, int64_t life_s, char secret[65],
                                struct store_token *t, struct errinfo *e);
@@ -130,10 +130,11 @@ enum status store_token_get(struct store *s, const char *id, struct store_token 
 enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
                              struct errinfo *e);
 
-#define STORE_TOKEN_LIFE_S (INT64_C(365) * 86400) /* of one that is given no end */
-#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400)  /* before its end, to be warned of */
+#define STORE_TOKEN_LIFE_S (INT64_C(365) * 86400) /* of a token without another end */
+#define STORE_TOKEN_SOON_S (INT64_C(30) * 86400)  /* before a token expires: warn */
 
-/* store_token_left(t): seconds until t ends, INT64_MAX if never; 0: it has, or was revoked. */
+/* store_token_left(t): seconds until t expires, INT64_MAX if never; 0: it has expired, or
+ * was revoked. */
 int64_t store_token_left(const struct store_token *t);
 
 /* store_token_revoke(s, actor, id, e): ST_OK also when it was revoked before. */
@@ -141,19 +142,20 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
                                struct errinfo *e);
 
 /* store_token_check(s, secret, t, e): ST_OK and the token, or ST_EDENIED for an unknown,
- * malformed, expired or revoked one.  Compared in constant time.  Sees what was rotated or
- * revoked at once.  Notes at most once a minute that the token is in use, and only where
- * that waits neither for the disk nor for another writer. */
+ * malformed, expired or revoked one.  Compared in constant time.  Rotations and
+ * revocations take effect at once. Records at most once a minute that the token is in
+ * use, and only if that waits neither for the disk nor for another writer. */
 enum status store_token_check(struct store *s, const char *secret, struct store_token *t,
                               struct errinfo *e);
 
 /* ---- devices: scanners that sign what they capture, each by its name and public key */
 
-/* store_device_add(s, actor, name, public, out, e): name: 1 to STORE_DEVICE_MAX characters as in
- * a subject's id; public: Ed25519.  ST_EEXISTS: the name is another's; ST_EINVAL.
+/* store_device_add(s, actor, name, public, out, e): name: 1 to STORE_DEVICE_MAX
+ * characters as in a subject's id; public: Ed25519.  ST_EEXISTS: the name is another's;
+ * ST_EINVAL.
  * store_device_list(s, out, n, e): oldest first; released by free().
- * store_device_remove(s, actor, name, e): its captures are not taken any more, by any process,
- * and the name may be another's.  ST_ENOTFOUND. */
+ * store_device_remove(s, actor, name, e): no process accepts its captures any more, and
+ * the name can be used again.  ST_ENOTFOUND. */
 enum status store_device_add(struct store *s, const char *actor, const char *name,
                              const unsigned char public[CRYPT_KEY],
                              struct store_device *out, struct errinfo *e);
@@ -162,51 +164,52 @@ enum status store_device_list(struct store *s, struct store_device **out, size_t
 enum status store_device_remove(struct store *s, const char *actor, const char *name,
                                 struct errinfo *e);
 
-/* Can it be the name of a device? */
+/* Whether name is valid for a device. */
 bool store_device_valid(const char *name);
 
 /* ---- captures that a device signed */
 
-/* A nonce for each.  It is a time, 128 random bits and a MAC by the database's key: nothing is kept of
- * it until it is used, so that asking for many costs no room; then it is kept until it expires, so
- * that each is good once, whichever process is asked.  Bytes, as base64url without padding: */
+/* A nonce for each.  It is a time, 128 random bits and a MAC by the database's key:
+ * nothing is stored until it is used, so that requesting many costs no space; a used
+ * nonce is stored until it expires, so that each is valid once, for all processes. Bytes,
+ * as base64url without padding: */
 #define STORE_NONCE         40 /* bytes: i64 ms since 1970, 16 random, 16 of the MAC */
 #define STORE_NONCE_TEXT    54
 #define STORE_NONCE_LIFE_MS 120000
 
-/* store_capture_nonce(s, nonce, expires, e): a new one. */
+/* store_capture_nonce(s, nonce, expires, e): a new nonce. */
 enum status store_capture_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1],
                                 char expires[32], struct errinfo *e);
 
 struct store_capture {
-    const char *device, *nonce; /* as the capture names them: anything */
+    const char *device, *nonce; /* as the capture names them, not checked */
     const void *text;           /* of len bytes, that the device has signed */
     size_t len;
     unsigned char signature[CRYPT_SIGN];
 };
 
-enum store_captured { /* the first of these that it is */
+enum store_captured { /* the first that applies */
                       STORE_CAPTURED,
                       STORE_CAPTURE_UNKNOWN,  /* there is no such device */
                       STORE_CAPTURE_FORGED,   /* the device has not signed this */
-                      STORE_CAPTURE_FOREIGN,  /* the nonce is none of this database's */
+                      STORE_CAPTURE_FOREIGN,  /* the nonce is not of this database */
                       STORE_CAPTURE_STALE,    /* it has expired */
                       STORE_CAPTURE_REPLAYED, /* it was used before */
 };
 
-/* store_capture_take(s, c, out, e): the nonce is used then.
- * Returns ST_OK whatever *out says; ST_ECORRUPT: the device's row. */
+/* store_capture_take(s, c, out, e): verify the capture and use up its nonce. Returns
+ * ST_OK for every *out; ST_ECORRUPT: the device's row. */
 enum status store_capture_take(struct store *s, const struct store_capture *c,
                                enum store_captured *out, struct errinfo *e);
 
 /* ---- calibrations: the newest is in force (in_force.h) */
 
-/* store_calibration_add(s, actor, k, e): append *k, whose version, time, actor and engine
- * are set here; a change with it.  ST_EINVAL: its numbers are impossible. */
+/* store_calibration_add(s, actor, k, e): append *k, setting its version, time, actor and
+ * engine, with a change. ST_EINVAL: invalid numbers. */
 enum status store_calibration_add(struct store *s, const char *actor,
                                   struct store_calibration *k, struct errinfo *e);
 
-/* store_calibration_get(s, k, e): the newest; ST_ENOTFOUND when there never was one.
+/* store_calibration_get(s, k, e): the newest; ST_ENOTFOUND if there is none.
  * store_calibration_list(s, out, n, e): all, oldest first; released by free(). */
 enum status store_calibration_get(struct store *s, struct store_calibration *k,
                                   struct errinfo *e);
@@ -216,9 +219,9 @@ enum status store_calibration_list(struct store *s, struct store_calibration **o
 /* ---- the audit log: the change log and the access log (log_entry.h) */
 
 /* store_event(s, kind, actor, subject, object, outcome, e): append to the access log; no
- * biometrics in it.  kind: "verify", "compare", ...; subject, an id, object, an id of a template,
- * and outcome may be "".  Changes (enroll, delete, tokens) write their own entries.
- * For speed it does not wait for the disk: a power failure may lose the last ones. */
+ * biometrics in it.  kind: "verify", "compare", ...; subject, an id, object, an id of a
+ * template, and outcome may be "".  Changes (enroll, delete, tokens) write their own
+ * entries. It does not wait for the disk: a loss of power may lose the last events. */
 enum status store_event(struct store *s, const char *kind, const char *actor,
                         const char *subject, const char *object, const char *outcome,
                         struct errinfo *e);
@@ -251,19 +254,19 @@ struct store_audit_filter {   /* all zero: everything, in the order of writing *
     bool names;
 };
 
-/* store_audit_list(s, filter, out, n, next, e): a new array released by free(), also NULL.  *next
- * (or NULL): where to go on.  Nothing of them is verified.  ST_ENOTFOUND: there is no such
- * subject.  Some 2 us an entry that is looked at, and 15 for the names of one. */
+/* store_audit_list(s, filter, out, n, next, e): entries in order, not verified; a new array released by
+ * free(), also NULL.  *next (or NULL): where to go on.  ST_ENOTFOUND: there is no such subject.
+ * Some 2 us an entry that is looked at, and 15 for the names of one. */
 enum status store_audit_list(struct store *s, const struct store_audit_filter *filter,
                              struct store_audit_entry **out, size_t *n,
                              struct store_audit_place *next, struct errinfo *e);
 
-/* store_audit_sign(s, actor, kind, out, e): a change of this kind, LOG_CHECKPOINT or LOG_EXPORT,
- * which is signed.
- * store_audit_public(s, public, e): what signatures are verified with.
- * store_audit_has(s, at, has, e): has the change log this entry?
- * store_audit_verify(s, report, arg, out, e): every entry of both logs as it was written, and the
- * rows (store_verify()), which are reported as of the last change.  *out: the walk. */
+/* store_audit_sign(s, actor, kind, out, e): append a signed change of this kind,
+ * LOG_CHECKPOINT or LOG_EXPORT.
+ * store_audit_public(s, public, e): the public key of the signatures.
+ * store_audit_has(s, at, has, e): whether the change log has this entry.
+ * store_audit_verify(s, report, arg, out, e): verify every entry of both logs, and the
+ * rows (store_verify()), which are reported as of the last change. *out: the walk. */
 enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
                              struct log_entry *out, struct errinfo *e);
 enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
@@ -273,9 +276,9 @@ enum status store_audit_has(struct store *s, const struct log_end *at, bool *has
 enum status store_audit_verify(struct store *s, log_report *report, void *arg,
                                struct log_walk *out, struct errinfo *e);
 
-/* store_audit_trim(s, actor, days, dry, cut, e): the oldest accesses, up to the first that is
- * younger than so many days, 1.., are cut off; the last one stays.  A number of them at a time,
- * each a transaction.  dry: they are only counted.  *cut: how many. */
+/* store_audit_trim(s, actor, days, dry, cut, e): delete the oldest accesses, up to the
+ * first that is younger than days (1..); the last one is kept. Deletes in batches, each a
+ * transaction. dry: only count them. *cut: their number. */
 #define STORE_TRIM_MAX 36500 /* days */
 enum status store_audit_trim(struct store *s, const char *actor, unsigned days, bool dry,
                              uint64_t *cut, struct errinfo *e);

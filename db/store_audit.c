@@ -335,27 +335,50 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
 #define BATCH 20000 /* entries: other writers wait for about 0.1 s */
 #define DAY   INT64_C(86400000)
 
-/* The last access after `after`, at most a batch, that is from before `until` and not the last of
- * all; how many there are.  Their times follow each other but where the clock was set. */
-static enum status find_last(struct log_txn *t, uint64_t after, const char *until,
-                             struct log_end *last, uint64_t *n, struct errinfo *e)
+/* What the oldest access that is left follows: the last one that was cut off. */
+static enum status find_first(struct log_txn *t, struct log_end *before,
+                              struct errinfo *e)
 {
-    char at[UTC_TEXT];
+    struct log_entry *trim = NULL;
+    size_t n;
+    const enum status st = log_list(t->sql, LOG_TRIM, 0, &trim, &n, e);
+
+    *before = (struct log_end){.seq = 0};
+    if (n > 0)
+        (void)log_trimmed(&trim[n - 1], before);
+    free(trim);
+    return st;
+}
+
+/* The accesses after *last that are from before `until` and not the last of all, at most a batch, as
+ * they were written: else somebody could make them older.  *last: the last of them; n: how many.
+ * Their times follow each other but where the clock was set. */
+static enum status find_last(struct log_txn *t, const char *until, struct log_end *last,
+                             uint64_t *n, struct errinfo *e)
+{
+    struct log_end at = *last;
+    struct log_entry entry;
     struct sql_rows *r;
     enum status st = SQL_QUERY(t->sql, &r, e,
-                               "SELECT seq, at, hash FROM access_log WHERE seq > $1 "
+                               "SELECT " LOG_ROW_ACCESS " FROM access_log WHERE seq > $1 "
                                "AND seq < (SELECT max(seq) FROM access_log) "
                                "ORDER BY seq LIMIT $2",
-                               sql_int((int64_t)after), sql_int(BATCH));
+                               sql_int((int64_t)last->seq), sql_int(BATCH));
 
     *n = 0;
     while (st == ST_OK && sql_next(r)) {
-        if (sql_read_text(r, 1, at, sizeof at) && strcmp(at, until) >= 0)
+        if (!log_row_read(r, LOG_ACCESSES, &entry) ||
+            !log_follows(t->crypt, &at, &entry)) {
+            st = errinfo_set(e, ST_ECORRUPT,
+                             "entry %" PRIu64 " of the access log is not as it was "
+                             "written: nothing is cut off (surfacectl audit verify)",
+                             at.seq + 1);
+        } else if (strcmp(entry.at, until) >= 0) {
             break;
-        if (!sql_read_bytes(r, 2, last->hash, LOG_HASH))
-            st = errinfo_set(e, ST_ECORRUPT, "an entry of the access log is damaged");
-        last->seq = (uint64_t)sql_column(r, 0).i;
-        ++*n;
+        } else {
+            *last = at;
+            ++*n;
+        }
     }
     return sql_done(r, st, e);
 }
@@ -392,7 +415,8 @@ enum status store_audit_trim(struct store *s, const char *actor, unsigned days, 
             ST_OK)
             return st;
         utc_print(by.ms > days * DAY ? by.ms - days * DAY : 0, until);
-        st = find_last(&t, last.seq, until, &last, &n, e);
+        if (*cut > 0 || (st = find_first(&t, &last, e)) == ST_OK)
+            st = find_last(&t, until, &last, &n, e);
         if (st == ST_OK && n > 0 && !dry)
             st = cut_off(&t, &by, &last, e);
         if ((st = store_end(s, &t, st, e)) == ST_OK)

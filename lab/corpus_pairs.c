@@ -67,7 +67,9 @@ static enum status read_row(struct list *l, const struct csv *t)
     const char *why;
 
     if (csv_fields(t) < 2 || csv_fields(t) > 3)
-        return csv_bad(t, -1, e, "a pair is a template, a probe and perhaps a label");
+        return csv_bad(t, -1, e,
+                       "a line must have a template, a probe and perhaps a "
+                       "label");
     for (int i = 0; i < 2; i++)
         if (csv_field(t, i)[0] == '\0')
             return csv_bad(t, i, e, "empty");
@@ -80,7 +82,7 @@ static enum status read_row(struct list *l, const struct csv *t)
                        "a label is mated or non-mated (genuine or impostor, same or "
                        "different, 1 or 0)");
     if (l->n > 0 && (label == LABEL_NONE) != (l->label[0] == LABEL_NONE))
-        return csv_bad(t, -1, e, "every pair has a label, or none has");
+        return csv_bad(t, -1, e, "a label is missing: give every pair a label, or none");
     if (l->n == MAX_PAIRS)
         return errinfo_set(e, ST_ELIMIT, "%.160s: more than %d pairs", l->path,
                            MAX_PAIRS);

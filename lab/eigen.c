@@ -7,14 +7,13 @@
 #define EPSILON 2.220446049250313e-16
 #define SWEEPS  60 /* of QL for an eigenvalue; two or three are usual */
 
-/* y += by x */
-static void add(double *restrict y, double by, const double *restrict x, uint32_t n)
+void eigen_add(double *restrict y, double by, const double *restrict x, uint32_t n)
 {
     for (uint32_t i = 0; i < n; i++)
         y[i] += by * x[i];
 }
 
-static double dot(const double *x, const double *y, uint32_t n)
+double eigen_dot(const double *x, const double *y, uint32_t n)
 {
     double s = 0;
 
@@ -27,7 +26,7 @@ static double dot(const double *x, const double *y, uint32_t n)
  * v.  beta 0: x is one already. */
 static double reflect(double *x, uint32_t n, double *beta)
 {
-    const double below = dot(x + 1, x + 1, n - 1), first = x[0];
+    const double below = eigen_dot(x + 1, x + 1, n - 1), first = x[0];
     const double length = sqrt(first * first + below);
     const double to = first > 0 ? -length : length;
 
@@ -46,8 +45,8 @@ static void subtract_both(double *a, uint32_t n, uint32_t k, const double *v,
     for (uint32_t i = k; i < n; i++) {
         double *row = a + (size_t)i * n + k;
 
-        add(row, -v[i - k], q, n - k);
-        add(row, -q[i - k], v, n - k);
+        eigen_add(row, -v[i - k], q, n - k);
+        eigen_add(row, -q[i - k], v, n - k);
     }
 }
 
@@ -69,8 +68,8 @@ static void tridiagonal(double *a, uint32_t n, double *d, double *e, double *roo
             continue;
         memset(q, 0, m * sizeof *q);
         for (uint32_t i = 0; i < m; i++)
-            add(q, beta[k] * v[i], a + (size_t)(k + 1 + i) * n + k + 1, m);
-        add(q, -beta[k] / 2 * dot(q, v, m), v, m);
+            eigen_add(q, beta[k] * v[i], a + (size_t)(k + 1 + i) * n + k + 1, m);
+        eigen_add(q, -beta[k] / 2 * eigen_dot(q, v, m), v, m);
         subtract_both(a, n, k + 1, v, q);
     }
     memset(room, 0, (size_t)n * n * sizeof *room);
@@ -82,9 +81,9 @@ static void tridiagonal(double *a, uint32_t n, double *d, double *e, double *roo
 
         memset(q, 0, m * sizeof *q);
         for (uint32_t i = 0; i < m; i++)
-            add(q, beta[k] * v[i], room + (size_t)(k + 1 + i) * n + k + 1, m);
+            eigen_add(q, beta[k] * v[i], room + (size_t)(k + 1 + i) * n + k + 1, m);
         for (uint32_t i = 0; i < m; i++)
-            add(room + (size_t)(k + 1 + i) * n + k + 1, -v[i], q, m);
+            eigen_add(room + (size_t)(k + 1 + i) * n + k + 1, -v[i], q, m);
     }
     memcpy(a, room, (size_t)n * n * sizeof *a);
 }
@@ -222,7 +221,7 @@ bool eigen_cholesky(double *a, uint32_t n)
 
         for (uint32_t k = 0; k <= i; k++) {
             const double *other = a + (size_t)k * n;
-            const double s = row[k] - dot(row, other, k);
+            const double s = row[k] - eigen_dot(row, other, k);
 
             if (k < i)
                 row[k] = s / other[k];

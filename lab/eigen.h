@@ -20,4 +20,8 @@ enum status eigen_symmetric(double *a, uint32_t n, double *value);
  * neither read nor written.  False: a is not positive definite. */
 bool eigen_cholesky(double *a, uint32_t n);
 
+/* eigen_add(y, by, x, n): y += by x.  eigen_dot(x, y, n): their product. */
+void eigen_add(double *restrict y, double by, const double *restrict x, uint32_t n);
+double eigen_dot(const double *x, const double *y, uint32_t n);
+
 #endif

@@ -3,41 +3,41 @@
 #include <stdio.h>
 
 #include "lab.h"
-#include "asymmetry.h"
 
-static void print_asymmetry(const struct asymmetry *a, const struct surface_face *f)
+static void print_asymmetry(const struct surface_asymmetry *a,
+                            const struct surface_face *f)
 {
-    (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->final.plain_mm,
-                 a->final.volume_mm3, a->final.area_mm2,
-                 asymmetry_conclusive(a) ? "" : ", of too little to say");
-    (void)printf("weighted     %.3f mm, by the learned weight\n", a->final.weighted_mm);
+    (void)printf("asymmetry    %.3f mm (%.1f mm3 over %.1f mm2)%s\n", a->disparity_mm,
+                 a->volume_mm3, a->area_mm2,
+                 a->conclusive ? "" : ", but too little was measured to decide");
+    (void)printf("weighted     %.3f mm, by the learned weight\n", a->weighted_mm);
     (void)printf(
         "first        %.3f mm before the plane was corrected, by %.2f degrees and "
         "%.2f mm\n",
-        a->initial.plain_mm, a->moved_deg, a->moved_mm);
+        a->first_mm, a->moved_deg, a->moved_mm);
     (void)printf("common       %.0f %% of the face lies over its mirror image\n",
-                 100 * a->final.overlap);
+                 100 * a->overlap);
     (void)printf("plane        %.4f x %+.4f y %+.4f z = %.2f mm, ", a->normal[0],
                  a->normal[1], a->normal[2], a->offset_mm);
     if (isfinite(a->turn_deg) && isfinite(a->shift_mm))
         (void)printf("known to %.2f degrees and %.2f mm (one standard deviation)\n",
                      a->turn_deg, a->shift_mm);
     else
-        (void)printf("its uncertainty is not known\n");
+        (void)printf("its uncertainty is unknown\n");
     (void)printf("scan         %u points, quality %.2f\n", f->surface.mesh.nv,
                  f->quality.score);
 }
 
-static void report_asymmetry(struct json *j, const struct asymmetry *a,
+static void report_asymmetry(struct json *j, const struct surface_asymmetry *a,
                              const struct surface_face *f, const char *engine)
 {
-    json_flag(j, "conclusive", asymmetry_conclusive(a));
-    json_number(j, "plain_mm", a->final.plain_mm);
-    json_number(j, "weighted_mm", a->final.weighted_mm);
-    json_number(j, "first_mm", a->initial.plain_mm);
-    json_extent(j, "volume_mm3", a->final.volume_mm3);
-    json_extent(j, "overlap_mm2", a->final.area_mm2);
-    json_number(j, "overlap", a->final.overlap);
+    json_flag(j, "conclusive", a->conclusive != 0);
+    json_number(j, "plain_mm", a->disparity_mm);
+    json_number(j, "weighted_mm", a->weighted_mm);
+    json_number(j, "first_mm", a->first_mm);
+    json_extent(j, "volume_mm3", a->volume_mm3);
+    json_extent(j, "overlap_mm2", a->area_mm2);
+    json_number(j, "overlap", a->overlap);
     json_object(j, "plane");
     json_direction(j, "normal", a->normal);
     json_number(j, "offset_mm", a->offset_mm);
@@ -54,7 +54,7 @@ enum status lab_asymmetry(struct lab *c)
 {
     struct surface_found found;
     struct surface_face f = {0};
-    struct asymmetry a;
+    struct surface_asymmetry a;
     enum status st = lab_scan_read(c, c->args[0], &f, &found);
 
     if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)
@@ -63,7 +63,7 @@ enum status lab_asymmetry(struct lab *c)
         report_asymmetry(c->report, &a, &f, c->engine);
         if (!c->json)
             print_asymmetry(&a, &f);
-        c->code = asymmetry_conclusive(&a) ? EXIT_FINE : EXIT_INCONCLUSIVE;
+        c->code = a.conclusive ? EXIT_FINE : EXIT_INCONCLUSIVE;
     }
     face_free(&f);
     return st;

@@ -3,12 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
-#include "cloudformat.h"
 #include "corpus_pairs.h"
 #include "corpus_read.h"
 #include "lab.h"
@@ -222,16 +219,6 @@ static void print_all(const struct run *r, const char *out)
 /* ---- the command */
 
 /* A scan where a collection should be?  Tables may end like one. */
-static bool is_scan(const char *path)
-{
-    const char *ending = cloudformat_ending(path);
-    struct stat info;
-
-    return ending != NULL && strcasecmp(ending, ".csv") != 0 &&
-           strcasecmp(ending, ".txt") != 0 && stat(path, &info) == 0 &&
-           S_ISREG(info.st_mode);
-}
-
 static enum status check_usage(struct lab *c)
 {
     static const char usage[] =
@@ -241,10 +228,9 @@ static enum status check_usage(struct lab *c)
     if ((c->nargs == 0) != (c->pairs != NULL))
         return lab_usage(c, "usage: %s", usage);
     if (c->pairs != NULL && (c->non_mated > 0 || c->enroll_kind != NULL))
-        return lab_usage(c, "--pairs is compared as listed: without --non-mated and "
-                            "--enroll-kind");
+        return lab_usage(c, "--pairs takes neither --non-mated nor --enroll-kind");
     for (int i = 0; i < c->nargs; i++)
-        if (is_scan(c->args[i]))
+        if (corpus_is_scan(c->args[i]))
             return lab_usage(c, "%.100s is one scan; usage: %s", c->args[i], usage);
     return ST_OK;
 }

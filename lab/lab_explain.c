@@ -7,13 +7,14 @@
 #include "heatmap.h"
 #include "lab.h"
 #include "mem.h"
-#include "minimal.h"
+#include "page.h"
+#include "show.h"
 
 struct explanation {
     const char *a, *b, *engine;
     struct surface_face tmpl, probe;
-    struct face_result result;
-    struct minimal minimal;
+    struct surface_comparison result;
+    struct surface_disparity minimal;
     struct surface_parts field;
     struct dvec3 *pts; /* [n] of the probe, mm */
     double *gap;       /* [n] there, as measured; NAN: nothing to compare */
@@ -61,7 +62,7 @@ static enum status write_points(FILE *to, const void *arg, struct errinfo *e)
     (void)e;
     (void)fprintf(to, "x,y,z,gap_mm,part\n");
     for (size_t i = 0; i < x->n; i++) {
-        const struct dvec3 p = vec_transform(x->result.align.transform, x->pts[i]);
+        const struct dvec3 p = vec_transform(x->minimal.align_transform, x->pts[i]);
         const struct dvec3 q = pose_apply(&x->tmpl.frame.pose, p);
 
         (void)fprintf(to, "%.3f,%.3f,%.3f", p.x, p.y, p.z);
@@ -90,43 +91,76 @@ static enum status write_cells(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
+/* As the daemon's response to a comparison has it. */
+static void comparison(struct json *j, const struct explanation *x)
 {
-    const struct explanation *x = arg;
-    const struct disparity *d = &x->minimal.disparity;
-    struct json *j = json_new();
+    const struct surface_disparity *d = &x->minimal;
     double score, threshold;
-    char *text;
-    bool ok;
 
     face_shown(&x->result, 100, &score, &threshold);
-    json_text(j, "template", x->a);
-    json_text(j, "probe", x->b);
     json_text(j, "engine", x->engine);
     json_text(j, "decision", lab_decision(x->result.decision));
     json_score(j, "score", score);
     json_score(j, "threshold", threshold);
     json_score(j, "expected", x->result.expected);
-    json_rate(j, "fmr_at_score", x->result.fmr_at_score);
+    json_rate(j, "fmr_at_score", x->result.false_match_rate);
     json_number(j, "overlap", x->result.overlap);
-    json_number(j, "disparity_mm", d->plain_mm);
+    json_number(j, "disparity_mm", d->disparity_mm);
+    json_object(j, "minimal");
     json_extent(j, "volume_mm3", d->volume_mm3);
     json_extent(j, "overlap_mm2", d->area_mm2);
-    json_transform(j, "transform", x->result.align.transform);
+    json_close(j);
+    json_object(j, "alignment");
+    json_transform(j, "transform", d->align_transform);
+    json_close(j);
     json_object(j, "regions");
     for (int i = 0; i < SURFACE_REGIONS; i++)
-        json_score(j, surface_region_name((enum surface_region)i), x->result.region[i]);
+        json_score(j, surface_region_name((enum surface_region)i), x->field.region[i]);
     json_close(j);
+}
+
+static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+    struct json *j = json_new();
+    char *text;
+    bool ok;
+
+    json_text(j, "template", x->a);
+    json_text(j, "probe", x->b);
+    comparison(j, x);
     text = json_pretty(j);
     ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
     free(text);
     return ok ? ST_OK : errinfo_set(e, ST_ENOMEM, "explain.json: out of memory");
 }
 
+static enum status write_page(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct explanation *x = arg;
+    struct json *j = json_new();
+    struct show show;
+    enum status st;
+
+    json_object(j, "extras");
+    comparison(j, x);
+    page_file(j, "a", x->a, surface_face_quality(&x->tmpl).score);
+    page_file(j, "b", x->b, surface_face_quality(&x->probe).score);
+    page_made(j);
+    json_close(j);
+    st = show_comparison(&x->tmpl, &x->probe, x->minimal.align_transform, &x->field, j,
+                         &show);
+    st = st == ST_OK ? page_write(to, &show, e)
+                     : errinfo_set(e, st, "explain.html: %s", status_message(st));
+    free(show.glb);
+    return st;
+}
+
 static const struct {
     const char *name;
     newfile_writer *write;
-} file[] = {{"explain.json", write_json},
+} file[] = {{"explain.html", write_page},
+            {"explain.json", write_json},
             {"points.csv", write_points},
             {"cells.csv", write_cells}};
 #define FILES (sizeof file / sizeof *file)
@@ -153,13 +187,10 @@ static enum status compare(struct lab *c, struct explanation *x)
         return st;
     if ((x->gap = mem_array(x->n, sizeof *x->gap)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if ((st = face_compare(&x->tmpl, &x->probe, (double)NAN, NULL, w, &x->result)) ==
-            ST_OK &&
-        (st = face_minimal(&x->tmpl, &x->probe, NULL, w, &x->result, &x->minimal)) ==
-            ST_OK &&
-        (st = face_regions(&x->tmpl, &x->probe, w, &x->result)) == ST_OK &&
+    if ((st = face_compare(&x->tmpl, &x->probe, (double)NAN, w, &x->result)) == ST_OK &&
+        (st = face_minimal(&x->tmpl, &x->probe, w, &x->minimal)) == ST_OK &&
         (st = face_field(&x->tmpl, &x->probe, w, &x->field)) == ST_OK)
-        st = heatmap_gaps(&x->tmpl.surface, x->pts, x->n, x->result.align.transform,
+        st = heatmap_gaps(&x->tmpl.surface, x->pts, x->n, x->minimal.align_transform,
                           x->gap);
     return st == ST_OK ? st : errinfo_set(&c->e, st, "comparing: %s", status_message(st));
 }
@@ -188,7 +219,7 @@ enum status lab_explain(struct lab *c)
         (void)printf("decision     %s, score %.2f, a match at %.2f or above\n"
                      "disparity    %.3f mm, minimal\nwritten to   %s\n",
                      lab_decision(x.result.decision), x.result.score, x.result.threshold,
-                     x.minimal.disparity.plain_mm, folder);
+                     x.minimal.disparity_mm, folder);
         c->code = x.result.decision == SURFACE_MATCH      ? EXIT_FINE
                   : x.result.decision == SURFACE_NO_MATCH ? EXIT_NO
                                                           : EXIT_INCONCLUSIVE;

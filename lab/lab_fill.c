@@ -87,7 +87,7 @@ static void print_hole(struct lab *c, const struct fill_hole *h)
     lab_say(c, "hole         %.1f mm across, %.0f mm2, points restored: %" PRIu32,
             diameter, area, h->points);
     if (isnan(rms))
-        lab_say(c, "; wider than was studied, nothing is known of the error\n");
+        lab_say(c, "; wider than any studied hole: the error is unknown\n");
     else
         lab_say(c, "; error about %.1f mm (root mean square), 95 %% below %.1f mm\n", rms,
                 most);

@@ -11,9 +11,9 @@ static const struct {
 } study[] = {
     {"method", "disparity: walks, trees, interpolation, sign cases (figures 1-9)",
      method_run},
-    {"cost", "disparity: tables 1-4, growth to a million points, a stored template",
-     cost_run},
-    {"faces", "disparity: two faces before and after alignment; the weight", faces_run},
+    {"cost", "disparity: tables 1-4, a stored template", cost_run},
+    {"faces", "disparity: two faces before and after alignment (figures 10-11)",
+     faces_run},
     {"missing", "missing points: 36 points, six functions, removal and error",
      missing_run},
 };

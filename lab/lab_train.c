@@ -168,12 +168,13 @@ static enum status may_write(struct lab *c)
 static enum status check(struct lab *c)
 {
     if (c->out == NULL)
-        return lab_usage(c, "--out FILE is needed: the model that is written");
+        return lab_usage(c, "give --out FILE, the model to write");
     if (c->name != NULL && !valid_name(c->name))
         return lab_usage(c, "a model's name is up to %d printable ASCII characters",
                          MODEL_NAME_MAX);
     if (c->morphable == NULL && c->calibrate == NULL && c->nargs == 0)
-        return lab_usage(c, "nothing to learn from: a collection of scans, --morphable "
+        return lab_usage(c, "nothing to learn from: give a collection of scans, "
+                            "--morphable "
                             "DIR or --calibrate FILE");
     if (c->weight >= 0 && c->nargs == 0)
         return lab_usage(c, "--weight is that of scans, and there are none");
@@ -209,7 +210,7 @@ enum status lab_train(struct lab *c)
         (void)fprintf(stderr,
                       "surfacelab: the new model is worse than the base model on people "
                       "that it has not learned from: %s\n",
-                      c->force ? "written all the same" : "not written without --force");
+                      c->force ? "written nevertheless" : "not written without --force");
     if (st == ST_OK && report.worse && !c->force) {
         c->code = EXIT_NO;
     } else if (st == ST_OK &&

@@ -49,9 +49,9 @@ static const struct command {
      "worse than the base model is written only with --force (exit code 1)."},
     {EXPLAIN, "explain", "A B", 2, 2, lab_explain,
      "compare two scans and write where they differ",
-     "B is moved onto A.  The folder --out (./explanation) gets explain.json, points.csv (the\n"
-     "gap and its part of the score at each point of B) and cells.csv (the gap and the part\n"
-     "of each cell).  scripts/plot_explanation draws them."},
+     "B is moved onto A.  The folder --out (./explanation) gets explain.html (for a\n"
+     "browser: both faces, and what decided), explain.json, points.csv (the gap and its part of\n"
+     "the score at each point of B) and cells.csv (the gap and the part of each cell)."},
     {ASYMMETRY, "asymmetry", "FILE", 1, 1, lab_asymmetry,
      "measure a scan against its own mirror image",
      "The symmetry plane is corrected until the gap between the face and its mirror image is\n"
@@ -64,10 +64,10 @@ static const struct command {
      "first."},
     {FILL, "fill", "FILE", 1, 1, lab_fill,
      "restore the points that are missing in a scan's holes",
-     "A hole is filled with points as dense as those round it, on the triangles that bridge\n"
-     "it.  The scan's points as they are, and the restored ones, marked by the property\n"
+     "A hole is filled with points as dense as those around it, on the triangles that bridge\n"
+     "it.  The scan's own points and the restored ones, marked by the property\n"
      "\"restored\", are written to --out (PLY; -: standard output).  Do not enroll a filled\n"
-     "scan: restored points would be taken for measured ones."},
+     "scan: restored points would count as measured ones."},
     {STUDY, "study", "NAME", 0, 1, lab_study,
      "recompute tables and figures of the papers",
      "The numbers are written as CSV into the folder --out (the current one).  Without NAME\n"
@@ -112,17 +112,19 @@ static const struct taken {
       "a model that train wrote; or set SURFACED_MODEL", IN(model_path)}},
     {SCANS,
      {"units", "auto|mm|cm|m|in|um", cloudfile_option_units, NULL,
-      "the unit of the scans' coordinates; what a file says wins", IN(unit_mm)}},
+      "the unit of the scans' coordinates; a unit stated in the file\n"
+      "takes precedence",
+      IN(unit_mm)}},
     {SCANS & ~FILL,
      {"axes", "auto|scanner", cloudfile_option_axes, NULL,
-      "scanner: x to the image's right, y up, z towards the scanner,\n"
-      "and all of it face; auto: the face is found",
+      "auto: the face is found, in any orientation; scanner: x to the\n"
+      "image's right, y up, z towards the scanner, nothing but the face",
       IN(frontal)}},
     {SCANS,
      {"camera", "FX,FY,CX,CY", cloudfile_option_camera, NULL,
       "of depth images: focal length and centre in pixels", IN(camera)}},
     {EVALUATE | TRAIN,
-     {"threads", "N", command_whole, NULL, "compute on N threads (one a core)",
+     {"threads", "N", command_whole, NULL, "compute on N threads (one per core)",
       IN(threads)}},
     {EVALUATE,
      {"threshold", "SCORE", command_score, NULL, "decide by this threshold (the model's)",

@@ -57,7 +57,7 @@ static enum status vertex(struct reading *r, struct cloudtext *t)
             return st;
         if (!(fabs(v) < FARTHEST))
             return cloudtext_fail(t, ST_ENOTFINITE,
-                                  "a coordinate that is no number, or too large");
+                                  "a coordinate is not a number, or too large");
         m->at[3 * (size_t)m->nv + (size_t)i] = (float)v;
     }
     m->nv++;
@@ -74,7 +74,7 @@ static enum status corner(const struct reading *r, struct cloudtext *t, const ch
     if (!cloudtext_count(word, slash != NULL ? (size_t)(slash - word) : len, &k) ||
         k == 0 || k > r->out->nv)
         return cloudtext_fail(t, ST_EINVAL,
-                              "a face's corner that is no vertex before it: \"%.*s\"",
+                              "a face's corner is not an earlier vertex: \"%.*s\"",
                               len < 30 ? (int)len : 30, word);
     *out = (uint32_t)k - 1;
     return ST_OK;
@@ -161,7 +161,7 @@ enum status objmesh_parse(FILE *in, bool (*takes)(const char *material),
     if (st == ST_OK && ferror(in))
         st = errinfo_set(e, ST_EIO, "it cannot be read to its end");
     else if (st == ST_OK && out->nv == 0)
-        st = errinfo_set(e, ST_EINVAL, "no vertices: it is no OBJ file");
+        st = errinfo_set(e, ST_EINVAL, "no vertices: it is not an OBJ file");
     free(text);
     if (st != ST_OK)
         objmesh_free(out);

@@ -68,7 +68,7 @@ static void write_sides(FILE *to, const struct corpus *c,
 static void write_none(FILE *to)
 {
     (void)fputs("refused", to);
-    for (int i = 0; i < 6 + SURFACE_REGIONS; i++)
+    for (int i = 0; i < 5 + SURFACE_REGIONS; i++)
         (void)fputc(',', to);
 }
 
@@ -94,7 +94,6 @@ static void write_trial(FILE *to, const struct trials *t, const struct trial *x)
     fixed(to, 4, (double)x->overlap);
     for (int i = 0; i < SURFACE_REGIONS; i++)
         fixed(to, 4, (double)x->region[i]);
-    fixed(to, 3, (double)x->rotation_deg);
     (void)fputs(",,\n", to);
 }
 
@@ -125,7 +124,7 @@ enum status report_csv_scores(FILE *to, const void *arg, struct errinfo *e)
                       "disparity_mm,overlap");
     for (int i = 0; i < SURFACE_REGIONS; i++)
         (void)fprintf(to, ",region_%s", surface_region_name((enum surface_region)i));
-    (void)fprintf(to, ",rotation_deg,code,detail\n");
+    (void)fprintf(to, ",code,detail\n");
     for (size_t i = 0; i < t->n; i++)
         write_trial(to, t, &t->trial[i]);
     write_refused(to, t, true);

@@ -58,16 +58,10 @@ void spread_join(const struct spread_cells *c, bool odd, const double *pattern, 
 
 /* ---- sums */
 
-static void add_row(double *restrict y, double by, const double *restrict x, uint32_t n)
-{
-    for (uint32_t i = 0; i < n; i++)
-        y[i] += by * x[i];
-}
-
 void spread_add_pattern(struct spread *s, bool odd, const double *x, double by)
 {
     for (uint32_t i = 0; i < s->n; i++)
-        add_row(s->block[odd] + (size_t)i * s->n, by * x[i], x, s->n);
+        eigen_add(s->block[odd] + (size_t)i * s->n, by * x[i], x, s->n);
 }
 
 /* e^-t for t >= 0 by + - * / alone: the library's exp() differs between machines in its last
@@ -111,8 +105,8 @@ void spread_add(struct spread *s, const struct spread *other, double by)
 {
     for (uint32_t i = 0; i < s->n; i++)
         for (int b = 0; b < 2; b++)
-            add_row(s->block[b] + (size_t)i * s->n, by,
-                    other->block[b] + (size_t)i * s->n, s->n);
+            eigen_add(s->block[b] + (size_t)i * s->n, by,
+                      other->block[b] + (size_t)i * s->n, s->n);
 }
 
 double spread_variance(const struct spread *s, uint32_t i)
@@ -124,25 +118,16 @@ double spread_variance(const struct spread *s, uint32_t i)
 
 /* ---- directions that are removed */
 
-static double dot(const double *x, const double *y, uint32_t n)
-{
-    double s = 0;
-
-    for (uint32_t i = 0; i < n; i++)
-        s += x[i] * y[i];
-    return s;
-}
-
 /* x less what the k patterns before it have of it; to length 1. */
 static void orthonormal(double *x, uint32_t k, uint32_t n)
 {
-    const double before = dot(x, x, n);
+    const double before = eigen_dot(x, x, n);
     double square;
 
     for (int twice = 0; twice < 2; twice++) /* the second time for rounding */
         for (uint32_t i = 1; i <= k; i++)
-            add_row(x, -dot(x, x - (size_t)i * n, n), x - (size_t)i * n, n);
-    square = dot(x, x, n);
+            eigen_add(x, -eigen_dot(x, x - (size_t)i * n, n), x - (size_t)i * n, n);
+    square = eigen_dot(x, x, n);
     for (uint32_t i = 0; i < n; i++)
         x[i] = square > 1e-18 * before ? x[i] / sqrt(square) : 0;
 }
@@ -153,8 +138,8 @@ static void remove_one(double *m, const double *q, double *t, uint32_t n)
     double s;
 
     for (uint32_t i = 0; i < n; i++)
-        t[i] = dot(m + (size_t)i * n, q, n);
-    s = dot(q, t, n);
+        t[i] = eigen_dot(m + (size_t)i * n, q, n);
+    s = eigen_dot(q, t, n);
     for (uint32_t i = 0; i < n; i++) {
         double *row = m + (size_t)i * n;
 
@@ -245,7 +230,7 @@ static void solve_rows(const double *l, double *m, uint32_t n)
         double *row = m + (size_t)i * n;
 
         for (uint32_t k = 0; k < i; k++)
-            add_row(row, -l[(size_t)i * n + k], m + (size_t)k * n, n);
+            eigen_add(row, -l[(size_t)i * n + k], m + (size_t)k * n, n);
         for (uint32_t k = 0; k < n; k++)
             row[k] /= l[(size_t)i * n + i];
     }
@@ -281,6 +266,6 @@ void spread_back(const struct spread *l, struct spread_mode *mode, uint32_t k)
         double *x = mode[j].pattern;
 
         for (uint32_t i = l->n; i-- > 0;)
-            x[i] = dot(m + (size_t)i * l->n, x, i + 1);
+            x[i] = eigen_dot(m + (size_t)i * l->n, x, i + 1);
     }
 }

@@ -170,8 +170,8 @@ static enum status compare(const struct surface_face *tmpl,
                            const struct surface_face *probe, struct surface_work *work,
                            double *score, struct errinfo *e)
 {
-    struct face_result r;
-    const enum status st = face_compare(tmpl, probe, (double)NAN, NULL, work, &r);
+    struct surface_comparison r;
+    const enum status st = face_compare(tmpl, probe, (double)NAN, work, &r);
 
     if (st != ST_OK)
         return errinfo_set(e, st, "comparing: %s", status_message(st));
@@ -215,9 +215,8 @@ static enum status round_model(struct surface_model *m, struct errinfo *e)
     (void)surface_model_write(m, text, len + 1);
     st = model_parse(text, len, m, NULL);
     free(text);
-    return st == ST_OK
-               ? ST_OK
-               : errinfo_set(e, ST_ECORRUPT, "what was learned is no valid model");
+    return st == ST_OK ? ST_OK
+                       : errinfo_set(e, ST_ECORRUPT, "the learned model is not valid");
 }
 
 static enum status to_model(const struct population *p, struct surface_model *m,
@@ -226,7 +225,7 @@ static enum status to_model(const struct population *p, struct surface_model *m,
     const enum status st = population_model(p, m);
 
     return st == ST_OK ? round_model(m, e)
-                       : errinfo_set(e, st, "what is known of faces is no model: %s",
+                       : errinfo_set(e, st, "the prior of faces is not a valid model: %s",
                                      status_message(st));
 }
 

@@ -4,14 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "minimal.h"
 #include "model.h"
 #include "pool.h"
 #include "rates.h"
 
 #define SEED UINT64_C(19795) /* the standard's number */
-
-static const double pi = 3.14159265358979323846;
 
 /* ---- what is compared */
 
@@ -24,11 +21,8 @@ static bool plan_add(struct trials *t, uint32_t template, uint32_t probe,
         return false;
     t->trial = larger;
     x = &t->trial[t->n++];
-    *x = (struct trial){.template = template,
-                        .probe = probe,
-                        .type = type,
-                        .disparity_mm = NAN,
-                        .rotation_deg = NAN};
+    *x = (struct trial){
+        .template = template, .probe = probe, .type = type, .disparity_mm = NAN};
     for (int i = 0; i < SURFACE_REGIONS; i++)
         x->region[i] = NAN;
     return true;
@@ -135,18 +129,13 @@ static enum status plan_all(struct trials *t)
 
 /* ---- doing it */
 
-struct sample {
-    struct surface_face face;
-    struct surface_found found;
-};
-
 struct run {
     struct trials *t;
     const struct lab *c;
     const struct trials_how *how;
-    uint32_t *templates;     /* [ntemplate] of corpus.scan */
-    uint32_t *slot;          /* [nscan] a template's place among them */
-    struct sample *template; /* [ntemplate] */
+    uint32_t *templates;           /* [ntemplate] of corpus.scan */
+    uint32_t *slot;                /* [nscan] a template's place among them */
+    struct surface_face *template; /* [ntemplate] */
     size_t ntemplate;
     size_t *order; /* the comparisons by probe, as many as there are */
     size_t *first; /* those of item i: order[first[i]] .. order[first[i + 1] - 1] */
@@ -154,12 +143,14 @@ struct run {
 };
 
 static enum status build(const struct run *r, uint32_t scan, bool enrolment,
-                         struct surface_work *w, struct sample *out, struct errinfo *e)
+                         struct surface_work *w, struct surface_face *out,
+                         struct errinfo *e)
 {
+    struct surface_found found;
     struct trials_scan *s = enrolment ? &r->t->template[scan] : &r->t->probe[scan];
 
-    return lab_scan_of(r->c, &r->t->corpus->scan[scan], enrolment, w, &out->face,
-                       &out->found, &s->st, &s->why, e);
+    return lab_scan_of(r->c, &r->t->corpus->scan[scan], enrolment, w, out, &found, &s->st,
+                       &s->why, e);
 }
 
 static enum status enroll_item(void *arg, size_t i, struct surface_work *w,
@@ -170,94 +161,37 @@ static enum status enroll_item(void *arg, size_t i, struct surface_work *w,
     return build(r, r->templates[i], true, w, &r->template[i], e);
 }
 
-/* rotation(s, r): Rz Rx Ry. */
-static void rotation(const struct corpus_scan *s, double r[9])
-{
-    const double y = s->pose[0] * pi / 180, x = s->pose[1] * pi / 180,
-                 z = s->pose[2] * pi / 180;
-    const double cy = cos(y), sy = sin(y), cx = cos(x), sx = sin(x), cz = cos(z),
-                 sz = sin(z);
-    const double m[9] = {cz * cy - sz * sx * sy,
-                         -sz * cx,
-                         cz * sy + sz * sx * cy,
-                         sz * cy + cz * sx * sy,
-                         cz * cx,
-                         sz * sy - cz * sx * cy,
-                         -cx * sy,
-                         sx,
-                         cx * cy};
-
-    memcpy(r, m, sizeof m);
-}
-
-/* The pose of a scan (rotation()) in the view that its points were brought into. */
-static void viewed(const struct corpus_scan *scan, const struct surface_found *found,
-                   double r[9])
-{
-    const double *v = found->view, unit = found->unit_mm;
-    double s[9];
-
-    rotation(scan, s);
-    for (int i = 0; i < 9; i++) {
-        r[i] = 0;
-        for (int k = 0; k < 3; k++)
-            r[i] += v[4 * (i / 3) + k] / unit * s[3 * k + i % 3];
-    }
-}
-
-/* Degrees between the rotation found, probe to template, and the true one. */
-static double angle(const struct corpus_scan *template,
-                    const struct surface_found *of_template,
-                    const struct corpus_scan *probe, const struct surface_found *of_probe,
-                    const double transform[16])
-{
-    double p[9], e[9], trace = 0;
-
-    viewed(probe, of_probe, p);
-    viewed(template, of_template, e);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            for (int k = 0; k < 3; k++)
-                trace += transform[4 * i + j] * e[3 * i + k] * p[3 * j + k];
-    trace = fmax(-1, fmin(1, (trace - 1) / 2));
-    return acos(trace) * 180 / pi;
-}
-
-static enum status compare(const struct run *r, const struct sample *sample,
+static enum status compare(const struct run *r, const struct surface_face *face,
                            struct surface_work *w, struct trial *x, struct errinfo *e)
 {
     const struct corpus *c = r->t->corpus;
     const struct corpus_scan *template = &c->scan[x->template],
                              *probe = &c->scan[x->probe];
-    const struct sample *own = &r->template[r->slot[x->template]];
-    const bool posed = c->posed && x->type == CORPUS_GENUINE;
-    struct face_result f;
-    struct minimal least;
-    enum status st =
-        face_compare(&own->face, &sample->face, r->c->threshold, command_clock_ms, w, &f);
+    const struct surface_face *own = &r->template[r->slot[x->template]];
+    struct surface_comparison f;
+    struct surface_disparity least;
+    struct surface_parts parts;
+    const double start = command_clock_ms();
+    enum status st = face_compare(own, face, r->c->threshold, w, &f);
+
+    x->score_ms = (float)(command_clock_ms() - start);
 
     if (st == ST_OK && r->how->regions)
-        st = face_regions(&own->face, &sample->face, w, &f);
-    if (st == ST_OK && r->how->minimal) /* which aligns them */
-        st = face_minimal(&own->face, &sample->face, NULL, w, &f, &least);
-    else if (st == ST_OK && posed)
-        st = face_align(&own->face, &sample->face, NULL, w, &f);
+        st = face_field(own, face, w, &parts);
+    if (st == ST_OK && r->how->minimal)
+        st = face_minimal(own, face, w, &least);
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
                            status_message(st));
     x->done = true;
     x->decision = f.decision;
     x->score = f.score;
-    x->fmr_at_score = f.fmr_at_score;
+    x->fmr_at_score = f.false_match_rate;
     x->overlap = (float)f.overlap;
     for (int i = 0; i < SURFACE_REGIONS && r->how->regions; i++)
-        x->region[i] = (float)f.region[i];
+        x->region[i] = (float)parts.region[i];
     if (r->how->minimal)
-        x->disparity_mm = (float)least.disparity.plain_mm;
-    if (posed)
-        x->rotation_deg =
-            (float)angle(template, &own->found, probe, &sample->found, f.align.transform);
-    x->score_ms = (float)f.score_ms;
+        x->disparity_mm = (float)least.disparity_mm;
     return ST_OK;
 }
 
@@ -267,16 +201,16 @@ static enum status probe_item(void *arg, size_t i, struct surface_work *w,
     const struct run *r = arg;
     struct trials *t = r->t;
     const uint32_t scan = t->trial[r->order[r->first[i]]].probe;
-    struct sample sample = {.face = {.quality = {0}}};
-    enum status st = build(r, scan, false, w, &sample, e);
+    struct surface_face face = {.quality = {0}};
+    enum status st = build(r, scan, false, w, &face, e);
 
     for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++) {
         struct trial *x = &t->trial[r->order[k]];
 
         if (t->probe[scan].st == ST_OK && t->template[x->template].st == ST_OK)
-            st = compare(r, &sample, w, x, e);
+            st = compare(r, &face, w, x, e);
     }
-    face_free(&sample.face);
+    face_free(&face);
     return st;
 }
 
@@ -359,7 +293,7 @@ enum status trials_run(struct lab *c, const struct corpus *corpus,
     else
         st = run_all(&r, &c->e);
     for (size_t i = 0; r.template != NULL && i < r.ntemplate; i++)
-        face_free(&r.template[i].face);
+        face_free(&r.template[i]);
     free(r.template);
     free(r.templates);
     free(r.slot);

@@ -16,10 +16,9 @@ struct trial {
     enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
     enum surface_decision decision;
-    double score, fmr_at_score;             /* as in face_result, as are these */
+    double score, fmr_at_score;             /* as in surface_comparison, as is */
     float overlap, region[SURFACE_REGIONS]; /* region: NAN, not asked for */
     float disparity_mm; /* the minimal disparity; NAN: not asked for */
-    float rotation_deg; /* between the rotation found and the true one; NAN: not known */
     float score_ms;
 };
 

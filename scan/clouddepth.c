@@ -23,8 +23,8 @@ enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camer
     *d = (struct clouddepth){.camera = c, .list = list, .mm = value_mm(c->scale)};
     if (!(c->fx > 0) || !(c->fy > 0) || isnan(c->cx) || isnan(c->cy))
         return errinfo_set(list->e, ST_EVERSION,
-                           "a depth image needs its camera: fx, fy, cx and cy in pixels, "
-                           "and depth_scale if a value is not a millimetre");
+                           "a depth image needs its camera: fx, fy, cx and cy in "
+                           "pixels, and depth_scale if its unit is not a millimetre");
     list->out.unit_mm = 1;
     list->out.width = width;
     list->out.height = height;

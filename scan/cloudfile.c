@@ -101,7 +101,7 @@ static enum status take_units(const struct json_value *units, const char *prefix
     if (units == NULL)
         return ST_OK;
     if (name == NULL || !cloudunit_or_auto(name, &list->out.unit_mm))
-        return errinfo_set(list->e, ST_EINVAL, "%sunits is not auto, " CLOUDUNIT_NAMES,
+        return errinfo_set(list->e, ST_EINVAL, "%sunits must be auto, " CLOUDUNIT_NAMES,
                            prefix);
     return ST_OK;
 }
@@ -115,8 +115,7 @@ static enum status take_axes(const struct json_value *axes, const char *prefix,
         return ST_OK;
     list->out.axes_given = name != NULL && strcmp(name, "scanner") == 0;
     if (name == NULL || (!list->out.axes_given && strcmp(name, "auto") != 0))
-        return errinfo_set(list->e, ST_EINVAL, "%saxes is neither auto nor scanner",
-                           prefix);
+        return errinfo_set(list->e, ST_EINVAL, "%saxes must be auto or scanner", prefix);
     return ST_OK;
 }
 

@@ -181,12 +181,3 @@ enum status cloudtext_plain(struct cloudtext *t)
         at.line += *at.p == '\n';
     return cloudtext_fail(&at, ST_EINVAL, "binary data inside text");
 }
-
-size_t cloudtext_lines(const struct cloudtext *t)
-{
-    size_t n = 1;
-
-    for (const char *p = t->p; p < t->end; p++)
-        n += *p == '\n' || *p == '\r';
-    return n;
-}

@@ -60,7 +60,4 @@ bool cloudtext_is_letter(char c); /* or an underscore */
  * control character other than tab, line feed, form feed and carriage return. */
 enum status cloudtext_plain(struct cloudtext *t);
 
-/* cloudtext_lines(t): an upper bound of the number of lines from p on. */
-size_t cloudtext_lines(const struct cloudtext *t);
-
 #endif

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -153,7 +154,7 @@ const char *corpus_build_bad_file(const char *path)
                : errno == EACCES ? "Permission denied"
                                  : "it cannot be opened";
     if (S_ISDIR(info.st_mode))
-        return "a folder, not a file: what is in it is not read";
+        return "a folder, not a file: subfolders are not read";
     return S_ISREG(info.st_mode) ? NULL : "not a file";
 }
 
@@ -288,6 +289,16 @@ enum status corpus_enroll(struct corpus *c, const char *kind, struct errinfo *e)
             *enrolled = i;
     }
     return ST_OK;
+}
+
+bool corpus_is_scan(const char *path)
+{
+    const char *ending = cloudformat_ending(path);
+    struct stat info;
+
+    return ending != NULL && strcasecmp(ending, ".csv") != 0 &&
+           strcasecmp(ending, ".txt") != 0 && stat(path, &info) == 0 &&
+           S_ISREG(info.st_mode);
 }
 
 void corpus_free(struct corpus *c)

@@ -20,10 +20,6 @@ struct corpus_scan {
     uint32_t subject; /* of corpus.subject */
     uint32_t kind;    /* of corpus.kind */
     bool enrolled;
-    /* If corpus.posed: yaw, pitch, roll (degrees), tx, ty, tz (mm).  A point p of the head is
-     * at Rz Rx Ry p plus the shift, where p is relative to some point that is the same in all
-     * scans. */
-    double pose[6];
 };
 
 struct corpus_subject {
@@ -54,7 +50,6 @@ struct corpus {
     uint32_t nscan, nsubject;       /* at least 1 */
     uint32_t nnamed;                /* nsubject, and relatives without scans */
     uint32_t nkind, npopulation;    /* at least 1 */
-    bool posed;                     /* the poses are known */
     struct corpus_left *left;       /* [nleft], by name */
     uint32_t nleft, nleft_scan;     /* of them scans */
     struct corpus_listed *listed; /* [nlisted], as listed; of a folder or manifest none */
@@ -66,6 +61,10 @@ void corpus_free(struct corpus *c); /* NULL is allowed */
 /* corpus_enroll(c, kind, e): enroll of each subject the first scan of this kind instead, and
  * nothing of a subject that has none.  ST_EINVAL: nobody has one; c is as it was. */
 enum status corpus_enroll(struct corpus *c, const char *kind, struct errinfo *e);
+
+/* corpus_is_scan(path): whether path is a file with the extension of a scan, not of a table (.csv and
+ * .txt may be either).  For usage messages: a scan was given where a collection is read. */
+bool corpus_is_scan(const char *path);
 
 /* What is left out: corpus_left_json(c, j) adds it to the JSON array that is open, and ends that;
  * corpus_left_print(c, program) lists it on standard error. */

@@ -12,8 +12,6 @@
 #include "corpus.h"
 #include "csv.h"
 
-static const char *const pose_column[6] = {"yaw", "pitch", "roll", "tx", "ty", "tz"};
-
 /* ---- a folder */
 
 static int by_name(const struct dirent **a, const struct dirent **b)
@@ -37,7 +35,7 @@ static enum status add_entry(struct corpus_build *b, const char *name)
     if (path == NULL)
         return corpus_build_no_memory(b->e);
     if ((why = corpus_build_bad_file(path)) == NULL && !scan)
-        why = "no scan by the ending of its name";
+        why = "its extension is not that of a scan format";
     if (why == NULL)
         why = corpus_build_split(name, id, kind);
     st = why != NULL ? corpus_build_left(b, name, why, scan)
@@ -67,23 +65,18 @@ static enum status read_folder(struct corpus_build *b)
 /* ---- tables */
 
 struct columns {
-    int file, id, kind, population, pose[6];
+    int file, id, kind, population;
 };
 
 static enum status find_columns(const struct csv *t, struct columns *c, struct errinfo *e)
 {
     enum status st = csv_need(t, "file", &c->file, e);
-    int poses = 0;
 
     if ((c->id = csv_column(t, "subject")) < 0 && st == ST_OK &&
         csv_need(t, "id", &c->id, NULL) != ST_OK)
         st = csv_need(t, "subject", &c->id, e);
     c->kind = csv_column(t, "kind");
     c->population = csv_column(t, "population");
-    for (int i = 0; i < 6; i++)
-        poses += (c->pose[i] = csv_column(t, pose_column[i])) >= 0;
-    for (int i = 0; i < 6 && poses > 0 && st == ST_OK; i++)
-        st = csv_need(t, pose_column[i], &c->pose[i], e);
     return st;
 }
 
@@ -139,8 +132,6 @@ static enum status read_scan_row(struct corpus_build *b, const struct csv *t,
     }
     if (col->population >= 0)
         st = set_population(b, t, col->population, s->subject);
-    for (int i = 0; i < 6 && st == ST_OK && b->c->posed; i++)
-        st = csv_number(t, col->pose[i], &s->pose[i], b->e);
     return st;
 }
 
@@ -153,8 +144,6 @@ static enum status read_manifest(struct corpus_build *b, const char *path)
 
     if (st == ST_OK)
         st = find_columns(t, &col, b->e);
-    if (st == ST_OK)
-        b->c->posed = col.pose[0] >= 0;
     while (st == ST_OK && (st = csv_next(t, &more, b->e)) == ST_OK && more)
         st = read_scan_row(b, t, &col);
     csv_close(t);

@@ -10,7 +10,6 @@
  *   subject, or else id   whose it is
  *   kind                  what it is, any word; optional
  *   population            non-mated pairs are of one population; optional
- *   yaw pitch roll tx ty tz   the pose it was given, degrees and mm: all or none, optional
  * Other columns are ignored.  A file subjects.csv beside it is optional too: columns id and,
  * both optional, population and relative_of (a close relative's id).
  *

@@ -84,7 +84,7 @@ static enum status read_member(struct cloudtext *t, struct array *a)
         if (a->fortran || take(t, "False"))
             return ST_OK;
     }
-    return cloudtext_fail(t, ST_EINVAL, "not what an NPY header has here");
+    return cloudtext_fail(t, ST_EINVAL, "malformed NPY header");
 }
 
 /* A Python dictionary, behind its length; t moves to the data. */
@@ -109,7 +109,7 @@ static enum status read_header(struct cloudtext *t, struct array *a)
     h.p += size;
     t->p = h.end = h.p + len;
     if (!take(&h, "{"))
-        return cloudtext_fail(&h, ST_EINVAL, "not what an NPY header has here");
+        return cloudtext_fail(&h, ST_EINVAL, "malformed NPY header");
     while (st == ST_OK && !take(&h, "}")) {
         st = read_member(&h, a);
         (void)take(&h, ",");

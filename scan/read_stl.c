@@ -223,7 +223,7 @@ static enum status read_line(struct reading *r)
         return line[i].read != NULL ? line[i].read(r) : ST_OK;
     }
     r->t->p = word;
-    return cloudtext_fail(r->t, ST_EINVAL, "not what an STL file has here");
+    return cloudtext_fail(r->t, ST_EINVAL, "malformed STL file");
 }
 
 static enum status read_text(struct cloudtext *t, struct cloudlist *list)

@@ -358,7 +358,7 @@ static enum status end(struct reading *r, bool list)
     enum status st = ST_OK;
 
     if (r->depth == 0 || list != (f->kind == LIST))
-        return fail(r, "an end without a beginning");
+        return fail(r, "a closing bracket without an opening one");
     if (o[3] != 0 && (s[0] != s[1] || s[1] != s[2]))
         return refuse(r, (struct word){"a scaleOrientation", 18});
     if (f->kind == FACES)

@@ -10,13 +10,8 @@ trap 'rm -rf "$place"' EXIT
 lib=$place/usr/lib
 make -s install DESTDIR="$place" PREFIX=/usr
 
-# The program in the language $1 of docs/library.md.
-program() {
-    awk -v begin="\`\`\`$1" '$0 == begin { inside = 1; next } /^```/ { inside = 0 } inside' \
-        docs/library.md
-}
-program c >"$place/compare.c"
-program python >"$place/compare.py"
+scripts/example.sh c docs/library.md >"$place/compare.c"
+scripts/example.sh python docs/library.md >"$place/compare.py"
 
 # Raw scans of heads, in metres and any axes, as the lines that the programs read.
 scan() {

@@ -19,6 +19,8 @@ run_one() {
     *) timeout 900 "$1" >"$log" 2>&1 ;;
     esac
     rc=$?
+    times >"$log.cpu"
+    cpu=$(sed '1d; s/[ms]/ /g' "$log.cpu" | awk '{ print int($1 * 60 + $2 + $3 * 60 + $4 + 0.5) }')
     counts=$(sed -n \
         -e 's/^\[  PASSED  \] \([0-9]*\) test(s).*/\1 0/p' \
         -e 's/^\[  FAILED  \] \([0-9]*\) test(s), listed.*/0 \1/p' \
@@ -28,8 +30,8 @@ run_one() {
     skips=$(grep '^SKIP' "$log" | sed 's/^/        /')
     if [ "$rc" -eq 0 ] && [ "$f" -eq 0 ]; then
         [ "$p" -gt 0 ] || [ -n "$skips" ] || p=1
-        report=$(printf '  ok    %-24s %4d passed %4d s' "$name" "$p" \
-            $(($(date +%s) - start)))
+        report=$(printf '  ok    %-24s %4d passed %4d s, %3d of CPU' "$name" "$p" \
+            $(($(date +%s) - start)) "$cpu")
     else
         [ "$f" -gt 0 ] || f=1
         report=$(printf '  FAIL  %-24s %4d passed, %d failed (exit %d); %s:\n' \

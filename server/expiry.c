@@ -14,7 +14,7 @@ static void tell(const struct store_token *t)
 {
     struct logger_line l;
 
-    logger_begin(&l, "warn", "a token will end: surfacectl token rotate, with --expires");
+    logger_begin(&l, "warn", "a token expires soon: surfacectl token rotate --expires");
     logger_text(&l, "token", t->id);
     logger_text(&l, "name", t->name);
     logger_text(&l, "expires_at", t->expires);
@@ -31,7 +31,7 @@ void expiry_look(struct expiry *x, const struct app *app)
     size_t n, soon = 0;
 
     if (store_token_list(app->store, &t, &n, &e) != ST_OK) {
-        logger_line("warn", "when tokens end is not known: %s", e.msg);
+        logger_line("warn", "the tokens' expiry cannot be read: %s", e.msg);
         return;
     }
     for (size_t i = 0; i < n; i++) {

@@ -19,17 +19,17 @@ static void usage(void)
                 stdout);
     settings_help(options_table, OPTIONS_ROWS, stdout);
     (void)fputs(
-        "  --create            make the database and its key where neither is there\n"
-        "  --config FILE       read the settings from there (" OPTIONS_FILE ")\n"
-        "  --check-config      say what is wrong with the settings, and exit\n"
+        "  --create            make the database and its key if neither exists\n"
+        "  --config FILE       read the settings from FILE (" OPTIONS_FILE ")\n"
+        "  --check-config      check the settings, and exit\n"
         "  --print-config      print the settings as a file, and exit\n"
         "  --help, --version   print this, or the version, and exit\n"
         "\n"
-        "The same in the file as NAME = VALUE, and as environment: SURFACED_DB,\n"
-        "SURFACED_MAX_BODY=1M, SURFACED_NO_AUTH=1, and so on.  An option wins over the\n"
-        "environment, and that over the file.  SIGTERM and SIGINT finish the running\n"
-        "requests.  Exit status: 0 after a clean stop, 1 when it could not start or go on,\n"
-        "64 for a bad setting.\n",
+        "The file has settings as NAME = VALUE, the environment as SURFACED_NAME:\n"
+        "SURFACED_MAX_BODY=1M, SURFACED_NO_AUTH=1.  An option overrides the environment,\n"
+        "and the environment the file.  On SIGTERM or SIGINT the daemon finishes the\n"
+        "running requests and stops.  Exit status: 0 after a clean stop, 1 if it could not\n"
+        "start or continue, 64 for a bad setting.\n",
         stdout);
 }
 
@@ -62,7 +62,7 @@ static void read_flags(int argc, char **argv, struct settings *s,
     for (; optind < argc; optind++)
         settings_wrong(s, "%s: not an option; see --help", argv[optind]);
     if (value[CHECK] != NULL && value[PRINT] != NULL)
-        settings_wrong(s, "--check-config and --print-config: one at a time");
+        settings_wrong(s, "use either --check-config or --print-config");
 }
 
 enum flags_outcome flags_read(int argc, char **argv, FILE *errors, struct options *out)

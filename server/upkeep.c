@@ -38,7 +38,7 @@ static void trim(struct upkeep *u)
     if (st == ST_OK && cut == 0)
         return;
     logger_begin(&l, st == ST_OK ? "info" : "error",
-                 "the oldest entries of the access log are cut off");
+                 "the oldest entries of the access log were deleted");
     logger_count(&l, "entries", cut);
     if (st != ST_OK)
         logger_text(&l, "reason", e.msg);

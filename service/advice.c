@@ -119,8 +119,8 @@ static void turned(const struct surface_found *f, struct advice *a)
 static void found(enum status st, const struct surface_found *f, struct advice *a)
 {
     if (st == ST_ESEVERAL || warns(f, SURFACE_SEVERAL))
-        add(a, "let one person alone be in view: %u faces are there%s",
-            (unsigned)f->faces, st == ST_OK ? ", the nearest was taken" : "");
+        add(a, "let only one person be in view: %u faces were found%s",
+            (unsigned)f->faces, st == ST_OK ? ", the nearest was used" : "");
     if (st == ST_EMIRRORED || warns(f, SURFACE_MIRRORED))
         add(a,
             "the scan seems to be a mirror image: switch mirroring off where it was made");

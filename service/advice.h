@@ -1,5 +1,5 @@
-/* advice.h -- what to change at the scanner, in plain words: every refusal of a scan ends with
- * it, and a check returns it beside what was found and needs no change. */
+/* advice.h -- what to change at the scanner, in plain words. Every refusal of a scan ends
+ * with it; a check returns it beside notes, which need no change. */
 #ifndef VERIFY_ADVICE_H
 #define VERIFY_ADVICE_H
 #include <stddef.h>
@@ -18,8 +18,8 @@ struct advice {
     char note[ADVICE_NOTES][ADVICE_MAX]; /* found in a scan that is accepted */
 };
 
-/* advice_give(st, found, face, out): what surface_build() found, and what to change; first what
- * st is about, where that is a refusal.  face: used where st is ST_OK.
+/* advice_give(st, found, face, out): what surface_build() found, and what to change; if
+ * st is a refusal, first what concerns st. face: used if st is ST_OK.
  * Left and right are those of the person in front of the scanner. */
 void advice_give(enum status st, const struct surface_found *found,
                  const struct surface_face *face, struct advice *out);

@@ -51,6 +51,7 @@ void audit_describe(struct json *j, const struct store_audit_entry *a)
     text_or_null(j, "actor_name", a->actor_name);
     text_or_null(j, "subject", a->subject);
     json_flag(j, "erased", a->erased);
+    hex(j, "hash", a->entry.hash, LOG_HASH);
 }
 
 /* ---- files */

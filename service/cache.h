@@ -1,9 +1,9 @@
 /* cache.h -- decoded face models by template id, shared by the workers.
- * The model of a template never changes and its id is never used again (store.h), so an entry
- * cannot be out of date, even if the template is re-encoded.  The caller must ask the store
- * first whether the template still exists: a deleted template must never match, whichever
- * process deleted it.  A cache of NULL has nothing and keeps nothing: a face that cache_keep() takes
- * over is then its caller's alone. */
+ * The model of a template never changes and its id is never used again (store.h), so an
+ * entry cannot be out of date, even if the template is re-encoded.  The caller must ask
+ * the store first whether the template still exists: a deleted template must never match,
+ * whichever process deleted it.  A NULL cache is empty and keeps nothing: a face given to
+ * cache_keep() then belongs to its caller. */
 #ifndef SERVICE_CACHE_H
 #define SERVICE_CACHE_H
 #include <stdbool.h>

@@ -16,12 +16,12 @@ static enum status does_not_fit(const struct surface_comparison *r, bool with_fi
         return errinfo_set(
             e, ST_EMISMATCH,
             "the sample has too little in common with %s for a decision" ANYWAY,
-            with_first ? "the first that was taken"
-                       : "the subject's oldest template, and with each that was enrolled "
-                         "with scope manage,");
+            with_first ? "the first accepted sample"
+                       : "the subject's oldest template and with each that was enrolled "
+                         "with scope manage");
     return errinfo_set(
         e, ST_EMISMATCH, "the sample does not fit: it %s" ANYWAY,
-        with_first ? "does not match the first that was taken"
+        with_first ? "does not match the first accepted sample"
                    : "matches neither the subject's oldest template nor one that was "
                      "enrolled with scope manage");
 }

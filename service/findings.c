@@ -10,7 +10,7 @@
 
 #define MANY_TRIED    10 /* subjects in a day */
 #define MANY_FAILURES 3  /* in a row, by one token: as many lock it out */
-#define FIND_ALL      "surfacectl check-database finds all that is damaged"
+#define FIND_ALL      "surfacectl check-database lists all damage"
 #define DAY_MS        INT64_C(86400000)
 
 void findings_say(struct findings *x, enum findings_severity severity, const char *about,
@@ -60,7 +60,7 @@ static void look_at_templates(struct findings *x, struct store *s)
                      (unsigned long long)others, (unsigned long long)all.templates,
                      store_made_by(s));
     else
-        findings_say(x, FINDINGS_OK, "templates", "", "%llu, by this engine",
+        findings_say(x, FINDINGS_OK, "templates", "", "%llu, made by this engine",
                      (unsigned long long)all.templates);
 }
 
@@ -78,14 +78,14 @@ static void look_at_tokens(struct findings *x, struct store *s)
             continue;
         soon++;
         findings_say(x, FINDINGS_WARNING, "token",
-                     "surfacectl token rotate ID --expires TIME",
-                     "%s (%s) will end at %s", t[i].id, t[i].name, t[i].expires);
+                     "surfacectl token rotate ID --expires TIME", "%s (%s) expires at %s",
+                     t[i].id, t[i].name, t[i].expires);
     }
     free(t);
     if (st != ST_OK)
         findings_say(x, FINDINGS_ERROR, "tokens", FIND_ALL, "%s", e.msg);
     else if (soon == 0)
-        findings_say(x, FINDINGS_OK, "tokens", "", "none will end within 30 days");
+        findings_say(x, FINDINGS_OK, "tokens", "", "none expires within 30 days");
 }
 
 /* Who fails: of one token, in the list from a[i] on (all of it are looked at). */

@@ -60,8 +60,10 @@ static void tell_quality(const struct surface_found *f, struct errinfo *e)
         comma = ", ";
     }
     if (f->residual_mm > f->residual_most) {
-        append(e, "%s%.1f mm of the surface are unlike any face, %.1f mm at most", comma,
-               f->residual_mm, f->residual_most);
+        append(e,
+               "%sthe surface deviates from the shape of a face by %.1f mm, at most "
+               "%.1f mm allowed",
+               comma, f->residual_mm, f->residual_most);
         comma = ", ";
     }
     if ((f->warnings >> SURFACE_TURNED & 1) != 0) {
@@ -98,8 +100,8 @@ static void tell(enum status st, const struct surface_found *f, size_t n,
         break;
     case ST_EUNITS:
         append(e,
-               "the extent is %.4g x %.4g x %.4g in the units %s; a face is %d to %d mm",
-               x[0], x[1], x[2], f->unit_found ? "taken, mm" : "given",
+               "the extent is %.4g x %.4g x %.4g in the units %s; a face has %d to %d mm",
+               x[0], x[1], x[2], f->unit_found ? "detected, mm" : "given",
                SURFACE_EXTENT_MIN_MM, SURFACE_EXTENT_MAX_MM);
         break;
     case ST_ENOFACE:
@@ -107,10 +109,10 @@ static void tell(enum status st, const struct surface_found *f, size_t n,
                x[0], x[1], x[2]);
         break;
     case ST_ESEVERAL:
-        append(e, "an enrolment takes one face alone");
+        append(e, "an enrolment needs exactly one face");
         break;
     case ST_EMIRRORED:
-        append(e, "its normals or the order of its points are a mirror image's");
+        append(e, "its normals or the order of its points are those of a mirror image");
         break;
     case ST_ENOTFACE:
         append(e, "the surface does not have the shape of a face");

@@ -1,5 +1,5 @@
-/* sample.h -- from the points of a scan to a face model, with the reason where there is
- * none: what was measured, and what to do. */
+/* sample.h -- from the points of a scan to a face model, or the reason why there is none:
+ * what was measured, and what to do. */
 #ifndef VERIFY_SAMPLE_H
 #define VERIFY_SAMPLE_H
 #include <stdatomic.h>
@@ -14,8 +14,7 @@ struct errinfo;     /* errinfo.h */
 struct sample_options {
     bool frontal;   /* or the file says so: its axes are as SURFACE_FRONTAL has them */
     bool enrolment; /* by the strict gate */
-    const atomic_bool
-        *stop; /* another thread sets it where nobody waits; NULL: none does */
+    const atomic_bool *stop; /* another thread sets it to stop the work; may be NULL */
 };
 
 /* What a file said, and what was found in it. */
@@ -36,8 +35,8 @@ enum status sample_build(const char *name, struct cloudpoints *c,
                          struct surface_face **out, struct sample_found *found,
                          struct errinfo *e);
 
-/* For other ways to build: what is known of c before; c as the library takes it, which borrows
- * *stop; why it was refused. */
+/* For other ways to build: the found of c before the build; c for the library, which
+ * borrows *stop; the reason of a refusal. */
 struct sample_found sample_begin(const struct cloudpoints *c);
 struct surface_stop sample_stop(const struct sample_options *o);
 struct surface_cloud sample_cloud(const struct cloudpoints *c,

@@ -192,8 +192,8 @@ enum status templates_nearest(const struct templates *t, bool fit,
     }
     if (t->of.n > 0)
         return errinfo_set(e, ST_EVERSION,
-                           "no template of the subject is of this engine, or can be "
-                           "re-encoded by it");
+                           "no template of the subject was made by this engine or can "
+                           "be re-encoded by it");
     return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
 }
 

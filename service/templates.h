@@ -1,10 +1,11 @@
-/* templates.h -- the templates that a probe is compared with: may the subject be verified or
- * enrolled now, what are its templates, and which of them decides?  All is read, with the faces,
- * in one transaction of the store, so that no template is compared that was deleted before it.
- * Fusion: the comparison with the highest score decides, so that one matching template suffices;
- * an inconclusive one only where there is no other.  Each is lowered by the logarithm of their
- * number (surface_best_of()), so that a stranger is accepted no more often than by one.
- * A non-match is also compared as its mirror image: a scanner that swaps left and right. */
+/* templates.h -- the templates that a probe is compared with: may the subject be verified
+ * or enrolled now, what are its templates, and which of them decides?  All is read, with
+ * the faces, in one transaction of the store, so that no template is compared that was
+ * deleted before it. Fusion: the comparison with the highest score decides, so that one
+ * matching template suffices; an inconclusive one only where there is no other.  Each
+ * score is lowered by the logarithm of the number of templates (surface_best_of()), so
+ * that several templates do not raise the false match rate. A non-match is also compared
+ * as its mirror image: a scanner that swaps left and right. */
 #ifndef SERVICE_TEMPLATES_H
 #define SERVICE_TEMPLATES_H
 #include <stdbool.h>
@@ -54,14 +55,15 @@ struct templates {
     struct errinfo passed_over; /* the last of those; ST_OK: none */
 };
 
-/* templates_admit(one, e): may the subject be verified, and may samples of it be enrolled?  Who
- * is disabled or has expired may not, until somebody who manages subjects says otherwise; then *e
- * is set: ST_EDENIED, with what to do. */
+/* templates_admit(one, e): whether the subject may be verified and enrolled. A subject
+ * that is disabled or has expired may not; then *e is set: ST_EDENIED, with what to do.
+ * */
 enum templates_admit templates_admit(const struct store_subject *one, struct errinfo *e);
 
-/* templates_read(c, ask, out, e): what is there now; c->work decides by the calibration in force
- * then.  Returns ST_OK; ST_EDENIED: out->refusal says why; or as store_snapshot_begin(),
- * store_snapshot_face().  A subject without a template is admitted, whatever the limits.
+/* templates_read(c, ask, out, e): read the templates; c->work decides by the calibration
+ * in force.  Returns ST_OK; ST_EDENIED: out->refusal says why; or as
+ * store_snapshot_begin(), store_snapshot_face().  A subject without a template is
+ * admitted, whatever the limits.
  * templates_free(t): also after a failure; t is empty again. */
 enum status templates_read(struct templates_context *c, const struct templates_of *ask,
                            struct templates *out, struct errinfo *e);
@@ -73,16 +75,15 @@ struct nearest {
     uint32_t compared;  /* how many there were */
     double first_score; /* against the oldest of them, not lowered */
     bool mirrored;      /* no match, but its mirror image is one: templates_judge() */
-    double score_ms;    /* over all of them */
+    double score_ms;    /* for all templates */
 };
 
-/* templates_nearest(t, fit, probe, out, e): the probe compared with the templates, but those of
- * another engine.
- * fit    with those alone that a further sample must fit: the oldest, and those that were enrolled
- *        with scope manage.  Each of the others was itself enrolled because it matched one of
- *        these; if samples were held against them too, a row of samples, each like the one before,
- *        would lead from the subject to anybody.
- * Returns ST_OK; ST_ENOTFOUND: there is none; ST_EVERSION: none but of another engine; ST_ENOMEM. */
+/* templates_nearest(t, fit, probe, out, e): compare the probe with the templates, except
+ * those of another engine.
+ * fit    only with those that a further sample must match: the oldest, and those that were
+ *        enrolled with scope manage (enrolment.h says why)
+ * Returns ST_OK; ST_ENOTFOUND: there is none; ST_EVERSION: none but of another engine;
+ * ST_ENOMEM. */
 enum status templates_nearest(const struct templates *t, bool fit,
                               const struct surface_face *probe, struct nearest *out,
                               struct errinfo *e);
@@ -90,9 +91,9 @@ enum status templates_nearest(const struct templates *t, bool fit,
 /* templates_decision(d): "match", "no_match", "inconclusive". */
 const char *templates_decision(enum surface_decision d);
 
-/* templates_judge(n, e): ST_EMIRRORED, and *e for the user, where the scan must be made again
- * with left and right in their places; else ST_OK.  It is as good a sign as a match: to be
- * reported after a failed attempt was counted, as no match. */
+/* templates_judge(n, e): ST_EMIRRORED, and *e for the user, if the scan is a mirror
+ * image; else ST_OK. It reveals as much as a match: count it as a failed attempt before
+ * reporting it. */
 enum status templates_judge(const struct nearest *n, struct errinfo *e);
 
 /* templates_minimal(t, probe, of, out, parts, e): the minimal disparity against the template that

@@ -17,7 +17,7 @@ static double now(const struct templates_context *c)
 static enum status not_stopped(const struct verify_request *r, struct errinfo *e)
 {
     return r->stop != NULL && atomic_load_explicit(r->stop, memory_order_relaxed)
-               ? errinfo_set(e, ST_EBUSY, "nobody waits for the result")
+               ? errinfo_set(e, ST_EBUSY, "the client has disconnected")
                : ST_OK;
 }
 
@@ -159,7 +159,7 @@ static enum status record(struct templates_context *c, struct verification *v,
     if (v->recorded.replayed)
         return errinfo_set(
             e, ST_EREPLAYED,
-            "the scan is not a new one: a template of the subject was made of these "
+            "the scan was used before: a template of the subject was made from these "
             "points; scan again");
     v->decided = true;
     return ST_OK;

@@ -9,8 +9,9 @@
 #include "cloudfile.h"
 #include "errinfo.h"
 #include "face.h"
-#include "headpose.h"
 #include "headscan.h"
+#include "pose.h"
+#include "scan.h"
 
 static const char usage[] =
     "usage: headscan --kind KIND [OPTION]... IN -o OUT\n"
@@ -22,9 +23,7 @@ static const char usage[] =
     "                 glasses, mask, scarf, hand, fringe, beard, cap\n"
     "  --seed N       of all that is drawn (0)\n"
     "  --other FILE   the second head of `two` (IN)\n"
-    "  --yaw D  --pitch D  --roll D   turned by D degrees (drawn at random)\n"
-    "  --points N     of a view\n"
-    "  --cover COVER  one of the kinds of the second line, on another kind\n"
+    "  --yaw D        turned by D degrees (drawn at random)\n"
     "  --axes A       agreed, down, z-up, any\n"
     "  --unit U       um, mm, cm, m, in\n"
     "  --mirrored     the mirror image\n"
@@ -161,11 +160,16 @@ static bool is_head(const struct cloudpoints *c)
     return vec_dot(hi, hi) > 300.0 * 300.0;
 }
 
+/* The head stands anyhow, a crop as its scanner saw it; to the canonical frame. */
 static int read_head(const char *path, struct surface_work *w, struct head *out,
                      bool *crop)
 {
+    struct surface_face face = {0};
+    struct surface_found found;
+    struct scan_options how = {.axes = SCAN_AXES_AUTO};
     struct cloudpoints c;
-    double to[16];
+    double frame[16];
+    bool there;
 
     *crop = false;
     if (strncmp(path, "made-up:", 8) == 0) {
@@ -176,15 +180,19 @@ static int read_head(const char *path, struct surface_work *w, struct head *out,
         return 1;
     *crop = !is_head(&c);
     *out = (struct head){0};
-    if (!headpose_find(c.at, c.n, *crop, w, to)) {
-        cloudpoints_free(&c);
-        return fail(path, ": no face was found");
-    }
     for (size_t i = 0; i < c.n; i++)
-        head_add(out, vec_transform(to, c.at[i]), HEAD_SKIN);
+        head_add(out, c.at[i], HEAD_SKIN);
+    if (*crop)
+        how.axes = SCAN_AXES_SCANNER;
+    if ((there = scan_build(&c, &how, w, &face, NULL, &found) == ST_OK)) {
+        pose_to_matrix(&face.frame.pose, frame);
+        head_move(out, found.view);
+        head_move(out, frame);
+        head_measure(out);
+    }
+    face_free(&face);
     cloudpoints_free(&c);
-    head_measure(out);
-    return 0;
+    return there ? 0 : fail(path, ": no face was found");
 }
 
 /* ---- the file */

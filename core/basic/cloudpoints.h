@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "status.h"
+#include "mem.h"
 #include "vec.h"
 
 /* The points that have a value, in the order of the file.  Dropped are those with a
@@ -31,9 +31,13 @@ struct cloudpoints {
     uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
 };
 
-void cloudpoints_free(struct cloudpoints *c); /* it is empty again */
-
-/* cloudpoints_copy(c, out): with memory of its own.  Returns ST_OK, ST_ENOMEM (out is empty). */
-enum status cloudpoints_copy(const struct cloudpoints *c, struct cloudpoints *out);
+/* It is empty again. */
+static inline void cloudpoints_free(struct cloudpoints *c)
+{
+    mem_free(c->at);
+    mem_free(c->normal);
+    mem_free(c->index);
+    *c = (struct cloudpoints){0};
+}
 
 #endif

@@ -12,17 +12,17 @@
  *         surface_compare(work, tmpl, probe, &c) == SURFACE_OK)
  *         printf("%d: score %.1f\n", c.decision == SURFACE_MATCH, c.score);
  *
- * The library prints nothing, reads no file and never exits.  The same points give the same
- * digits on every machine with IEEE 754 numbers, on any number of threads.  Lengths are
- * millimetres, transforms rigid and row-major 4 x 4, unless something else is said.
- * Link with -lsurface -lm (pkg-config: surface).  docs/library.md has whole programs.
+ * The library prints nothing, reads no file and never exits.  The same points give the
+ * same digits on every machine with IEEE 754 numbers, on any number of threads.  Lengths
+ * are millimetres, transforms rigid and row-major 4 x 4, unless stated otherwise. Link
+ * with -lsurface -lm (pkg-config: surface).  docs/library.md has whole programs.
  *
- * Structs that may grow begin with their size, which the caller sets: a program built with an
- * older header gets what it knows.  Out parameters of such structs may be NULL where that is
- * said.
+ * Structs that may grow begin with their size, which the caller sets: a program built
+ * with an older header gets the members that it knows. Out parameters of such structs may
+ * be NULL only where stated.
  *
- * (In the source tree this is core/basic/libsurface.h, below the modules of the core that fill
- * its structs; make install calls it surface.h.) */
+ * (In the source tree this is core/basic/libsurface.h, below the modules of the core that
+ * fill its structs; make install calls it surface.h.) */
 #ifndef SURFACE_H
 #define SURFACE_H
 #include <stddef.h>
@@ -46,7 +46,7 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 #define SURFACE_ENGINE_SIZE 64
 #define SURFACE_KNOTS       32
 
-/* What is measured of a scan, and where its defects begin. */
+/* What is measured of a scan, and the limits of its defects. */
 #define SURFACE_FARTHEST_MM   16777.216 /* the largest coordinate: 2^24 um */
 #define SURFACE_EXTENT_MIN_MM 60        /* of a face's longest side */
 #define SURFACE_EXTENT_MAX_MM 500
@@ -56,14 +56,14 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 #define SURFACE_TILT_DEG      20   /* of pitch and roll */
 #define SURFACE_OCCLUDED_MOST 0.25 /* share of an enrolled face */
 
-/* The values stay: new ones get numbers of their own.  The program's own statuses have those
- * that are left out (status.h). */
+/* The values never change; the numbers left out are the program's own statuses
+ * (status.h). */
 enum surface_status {
     SURFACE_OK = 0,
     SURFACE_EINVAL = 1,      /* an argument is malformed */
     SURFACE_ENOMEM = 2,      /* out of memory */
     SURFACE_ELIMIT = 4,      /* more than SURFACE_MAX_POINTS */
-    SURFACE_ETOOFEW = 5,     /* fewer than SURFACE_MIN_POINTS at places of their own */
+    SURFACE_ETOOFEW = 5,     /* fewer than SURFACE_MIN_POINTS at different places */
     SURFACE_ENOTFINITE = 6,  /* with SURFACE_FRONTAL: a coordinate is NaN or infinite */
     SURFACE_ERANGE = 7,      /* a coordinate is beyond 16.7 m */
     SURFACE_EDEGENERATE = 8, /* all points lie on one line */
@@ -72,10 +72,11 @@ enum surface_status {
     SURFACE_ESEVERAL = 11,   /* enrolment: more than one face */
     SURFACE_EMIRRORED = 12,  /* enrolment: a mirror image */
     SURFACE_ENOTFACE = 13,   /* the surface does not have the shape of a face */
-    SURFACE_EQUALITY = 14, /* a face, but too poor a scan: noise, spikes, holes, covers */
-    SURFACE_ECORRUPT = 15, /* bytes that are no face, or a text that is no model */
+    SURFACE_EQUALITY =
+        14, /* the quality of the scan is too low: noise, spikes, holes, covers */
+    SURFACE_ECORRUPT = 15, /* bytes that are not a face, or a text that is not a model */
     SURFACE_EVERSION = 16, /* bytes or a text of another version */
-    SURFACE_ESTOPPED = 25, /* the caller wanted no face any more */
+    SURFACE_ESTOPPED = 25, /* the caller stopped the call */
     SURFACE_EINTERNAL = 28 /* a defect of the library */
 };
 
@@ -96,25 +97,26 @@ SURFACE_API enum surface_status surface_model_parse(const char *text, size_t len
                                                     uint32_t *line);
 SURFACE_API void surface_model_free(struct surface_model *model); /* NULL is allowed */
 
-/* Write a model as text, NUL-terminated, to the size bytes at text, and return the text's length; if
- * that is >= size it did not fit.  Numbers are rounded to the text's units, so that the model in
- * use is what surface_model_parse() makes of the text. */
+/* Write a model as text, NUL-terminated, to the size bytes at text, and return the text's
+ * length; if that is >= size it did not fit.  Numbers are rounded to the text's units, so
+ * that surface_model_parse() of the text gives the same model. */
 SURFACE_API size_t surface_model_write(const struct surface_model *model, char *text,
                                        size_t size);
 
-/* What makes scores: "surfaced/VERSION measure/N model/HHHHHHHH", NUL-terminated, with the first
- * 8 hex digits of the model's digest.  N is counted up with every change that gives two scans
- * another score, or the same points another face.  Scores of another measure or another model are
- * not comparable.  NULL: the shipped model.  About 1 ms. */
+/* The engine that makes scores: "surfaced/VERSION measure/N model/HHHHHHHH",
+ * NUL-terminated, with the first 8 hex digits of the model's digest.  N increases with
+ * every change that gives two scans another score, or the same points another face.
+ * Scores of another measure or another model are not comparable.  NULL: the shipped
+ * model.  About 1 ms. */
 SURFACE_API void surface_engine(const struct surface_model *model,
                                 char out[SURFACE_ENGINE_SIZE]);
 
-/* surface_same_engine(a, b): are scores of the engines a and b comparable?  1 where all but the
- * version is the same. */
+/* surface_same_engine(a, b): 1 if scores of the engines a and b are comparable: only the
+ * version differs. */
 SURFACE_API int surface_same_engine(const char *a, const char *b);
 
-/* From a score to a decision.  A model has its own; another is learned from the comparisons of
- * other people than the model's. */
+/* From a score to a decision.  A model has its own; another one can be learned from
+ * comparisons of other people. */
 struct surface_knot {
     double score; /* strictly rising, -1e4 to 1e4 */
     /* share of the scores of different people at or above it: the first is 1, strictly falling,
@@ -129,11 +131,11 @@ struct surface_calibration {
 /* The model's own; NULL: the shipped model's. */
 SURFACE_API const struct surface_calibration *
 surface_model_calibration(const struct surface_model *model);
-/* Is it as described above?  1 or 0. */
+/* 1 if it is as described above, else 0. */
 SURFACE_API int surface_calibration_valid(const struct surface_calibration *by);
-/* The false match rate at a threshold of this score, 0..1: 1 below the first knot, linear between
- * the knots, and from the last one on that one's: never below what the comparisons support.
- * NaN gives 1. */
+/* The false match rate at a threshold of this score, 0..1: 1 below the first knot, linear
+ * between the knots, and constant from the last one on: never below what the comparisons
+ * support. NaN gives 1. */
 SURFACE_API double surface_calibration_rate(const struct surface_calibration *by,
                                             double score);
 

@@ -448,3 +448,10 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
     pose_to_matrix(&best[0].pose, out->transform);
     return st;
 }
+
+const char *align_stop_name(enum align_stop stop)
+{
+    return stop == ALIGN_CONVERGED ? "converged"
+           : stop == ALIGN_STEPS   ? "steps"
+                                   : "apart";
+}

@@ -32,6 +32,9 @@ enum align_stop {
     ALIGN_APART      /* the surfaces have too little in common at every start */
 };
 
+/* "converged", "steps", "apart": as struct surface_disparity has it. */
+const char *align_stop_name(enum align_stop stop);
+
 struct align_result {
     double transform[16]; /* probe (mm) -> template (mm), row-major 4 x 4, rigid */
     uint32_t evaluations; /* robust sums evaluated (over subsets of points too) */

@@ -229,7 +229,8 @@ static bool descend(struct search *s, uint32_t without, struct plane *p, double 
 }
 
 /* How much the plane depends on each part of the surface. */
-static void jackknife(struct search *s, const struct plane *best, struct asymmetry *out)
+static void jackknife(struct search *s, const struct plane *best,
+                      struct surface_asymmetry *out)
 {
     const struct dvec3 c = onto(best, s->middle);
     struct dvec3 sum = {0, 0, 0};
@@ -272,7 +273,7 @@ static void straighten(const struct plane *p, struct dvec3 middle, struct pose *
 /* search(s, w, last, out): the plane in s, which is upright. */
 static enum status search_plane(const struct surface *s, struct measure_work *m,
                                 bool last, struct plane *p, struct dvec3 *middle,
-                                struct asymmetry *out)
+                                enum align_stop *stop, struct surface_asymmetry *out)
 {
     const size_t pts = mem_round(s->mesh.nv * sizeof(struct align_point));
     struct search search = {.evaluations = out->evaluations};
@@ -284,9 +285,9 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
     align_field_make(s, NULL, &search.field);
     search.pts = (struct align_point *)(void *)block;
     load(s, (uint32_t *)(void *)(block + pts), &search);
-    out->stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
+    *stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
     if (within < ALIGN_APART_WITHIN)
-        out->stop = ALIGN_APART;
+        *stop = ALIGN_APART;
     else if (last)
         jackknife(&search, p, out);
     out->evaluations = search.evaluations;
@@ -302,7 +303,7 @@ static struct plane plane_of(const struct pose *frame)
 }
 
 static void tell(const struct pose *start, const struct pose *frame,
-                 const struct surface *s, struct asymmetry *out)
+                 const struct surface *s, struct surface_asymmetry *out)
 {
     const struct plane from = plane_of(start), to = plane_of(frame);
     const struct dvec3 turn = vec_cross(from.normal, to.normal);
@@ -317,23 +318,19 @@ static void tell(const struct pose *start, const struct pose *frame,
     out->moved_mm = fabs(to.offset - vec_dot(to.normal, c));
 }
 
-bool asymmetry_conclusive(const struct asymmetry *a)
-{
-    return a->stop != ALIGN_APART && a->final.overlap >= ASYMMETRY_MIN_OVERLAP;
-}
-
 enum status asymmetry_find(const struct surface *s, const struct pose *start,
                            const struct disparity_weight *u, struct measure_work *m,
-                           struct surface *upright, struct asymmetry *out)
+                           struct surface *upright, struct surface_asymmetry *out)
 {
     static const double flip[16] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct pose frame = *start;
+    struct disparity first = {0}, last = {0};
+    enum align_stop stop = ALIGN_APART;
     double transform[16];
     enum status st = ST_OK;
 
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
-    out->stop = ALIGN_APART;
     for (int round = 0; round <= ASYMMETRY_ROUNDS; round++) {
         struct plane p = {{1, 0, 0}, 0};
         struct dvec3 middle;
@@ -343,17 +340,26 @@ enum status asymmetry_find(const struct surface *s, const struct pose *start,
         if (st != ST_OK)
             break;
         if (round == 0 &&
-            (st = measure_at(upright, upright, flip, NULL, m, &out->initial)) != ST_OK)
+            (st = measure_at(upright, upright, flip, NULL, m, &first)) != ST_OK)
             break;
         if (round == ASYMMETRY_ROUNDS) {
-            st = measure_at(upright, upright, flip, u, m, &out->final);
+            st = measure_at(upright, upright, flip, u, m, &last);
             break;
         }
-        st = search_plane(upright, m, round + 1 == ASYMMETRY_ROUNDS, &p, &middle, out);
+        st = search_plane(upright, m, round + 1 == ASYMMETRY_ROUNDS, &p, &middle, &stop,
+                          out);
         if (st != ST_OK)
             break;
         straighten(&p, middle, &frame);
     }
     tell(start, &frame, s, out);
+    out->conclusive = stop != ALIGN_APART && last.overlap >= ASYMMETRY_MIN_OVERLAP;
+    out->disparity_mm = last.plain_mm;
+    out->first_mm = first.plain_mm;
+    out->weighted_mm = last.weighted_mm;
+    out->volume_mm3 = last.volume_mm3;
+    out->area_mm2 = last.area_mm2;
+    out->overlap = last.overlap;
+    out->stop = align_stop_name(stop);
     return st == ST_ENOMEM ? st : ST_OK;
 }

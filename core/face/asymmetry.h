@@ -11,47 +11,27 @@
  * side that the surface was scanned from. */
 #ifndef CORE_ASYMMETRY_H
 #define CORE_ASYMMETRY_H
-#include <stdbool.h>
-#include <stdint.h>
-#include "align.h"
 #include "disparity.h"
 #include "status.h"
 
-struct pose;         /* pose.h */
-struct surface;      /* surface.h */
-struct measure_work; /* measure.h */
-
-struct asymmetry {
-    double normal[3];         /* of the plane: a unit vector towards the image's right */
-    double offset_mm;         /* normal . p of the points p on the plane; both in the
-                                 coordinates of the surface as it was given */
-    struct disparity initial; /* at the starting plane */
-    struct disparity final;   /* at the corrected plane: the asymmetry is plain_mm, and
-                                 weighted_mm with the weight u */
-    double moved_deg, moved_mm; /* from the starting plane to the final one: rotation, and
-                                   shift in the middle of the surface */
-    double turn_deg, shift_mm; /* standard deviations of both, by leaving out each twelfth
-                                  of the surface in turn (jackknife) */
-    uint32_t evaluations;      /* robust sums evaluated */
-    enum align_stop stop;      /* ALIGN_APART: too little lies over the mirror image */
-};
-
-/* asymmetry_conclusive(a): was a plane found, and does enough of the surface lie over its
- * mirror image (ASYMMETRY_MIN_OVERLAP) for its disparity to say something? */
-bool asymmetry_conclusive(const struct asymmetry *a);
+struct pose;              /* pose.h */
+struct surface;           /* surface.h */
+struct measure_work;      /* measure.h */
+struct surface_asymmetry; /* libsurface.h */
 
 /* asymmetry_find(s, start, u, m, upright, out): the plane with the least disparity between s
  * and its mirror image.
  * start    a rigid motion (mm) that brings the plane to x = 0 and the view to z, to within 15
  *          degrees and 10 mm: a face's canonical frame
- * u        the weight of out->final, over the surface turned upright; NULL: 1 everywhere
+ * u        the weight of out->weighted_mm, over the surface turned upright; NULL: 1 everywhere
  * upright  memory for s turned upright: empty, or a former surface
  * A surface and its mirror image have the same asymmetry to within 1 %.
- * With ALIGN_APART, or where a pose leaves the lattice, both disparities may be all zero.
+ * conclusive: a plane was found, and enough of the surface lies over its mirror image.  Apart, or
+ * where a pose leaves the lattice, both disparities may be 0.
  * Cost  six triangulations, two general triangulations, and up to some 100 robust sums
  *       over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
 enum status asymmetry_find(const struct surface *s, const struct pose *start,
                            const struct disparity_weight *u, struct measure_work *m,
-                           struct surface *upright, struct asymmetry *out);
+                           struct surface *upright, struct surface_asymmetry *out);
 
 #endif

@@ -148,16 +148,6 @@ void surface_work_clock(struct surface_work *w, double (*clock_ms)(void))
     w->clock_ms = clock_ms;
 }
 
-double (*face_work_clock(const struct surface_work *w))(void)
-{
-    return w->clock_ms;
-}
-
-const struct surface_model *face_work_model(const struct surface_work *w)
-{
-    return w->model;
-}
-
 const struct frame_mean *face_work_mean(const struct surface_work *w)
 {
     return &w->mean;
@@ -431,10 +421,8 @@ enum status face_rebuild(struct surface_face *f, struct surface_work *w)
 }
 
 enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
-                       double (*clock_ms)(void), struct surface_work *w,
-                       struct face_result *r)
+                       struct surface_work *w, struct align_result *out)
 {
-    const double begin = clock_ms != NULL ? clock_ms() : 0;
     const struct pose a = pose_unscaled(&tmpl->frame.pose);
     const struct pose b = pose_unscaled(&probe->frame.pose);
     const struct pose first = pose_after(&a, &b);
@@ -443,10 +431,8 @@ enum status face_align(const struct surface_face *tmpl, const struct surface_fac
     enum status st;
 
     exchange(w);
-    st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, &r->align);
+    st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, out);
     exchange(w);
-    if (clock_ms != NULL)
-        r->align_ms = clock_ms() - begin;
     return st;
 }
 
@@ -461,7 +447,7 @@ static double common(const struct encoding *tmpl, const struct encoding *probe)
 }
 
 /* Two scans that tell nothing have the score 0, at or above which a threshold may be. */
-static enum surface_decision decide(const struct face_result *r)
+static enum surface_decision decide(const struct surface_comparison *r)
 {
     if (!(r->expected > 0))
         return SURFACE_INCONCLUSIVE;
@@ -471,7 +457,7 @@ static enum surface_decision decide(const struct face_result *r)
 }
 
 static enum status score_of(const struct encoding *tmpl, const struct encoding *probe,
-                            struct surface_work *w, struct face_result *out)
+                            struct surface_work *w, struct surface_comparison *out)
 {
     struct ratio_probe *r = ratio_probe(probe, w->model->kinship, &w->normal);
 
@@ -484,32 +470,29 @@ static enum status score_of(const struct encoding *tmpl, const struct encoding *
 
 enum status face_compare(const struct surface_face *tmpl,
                          const struct surface_face *probe, double threshold,
-                         double (*clock_ms)(void), struct surface_work *w,
-                         struct face_result *out)
+                         struct surface_work *w, struct surface_comparison *out)
 {
-    const double start = clock_ms != NULL ? clock_ms() : 0;
     const enum status st = (memset(out, 0, sizeof *out),
                             score_of(&tmpl->encoding, &probe->encoding, w, out));
 
     out->threshold = isnan(threshold) ? w->calibration.threshold : threshold;
     out->decision = decide(out);
-    out->fmr_at_score = surface_calibration_rate(&w->calibration, out->score);
-    out->score_ms = clock_ms != NULL ? clock_ms() - start : 0;
+    out->false_match_rate = surface_calibration_rate(&w->calibration, out->score);
     return st;
 }
 
 /* The mean of n likelihood ratios is one again: of a stranger's scan its expectation is 1, so that it
  * reaches e^t with a probability of e^-t at most (Markov), like each of them alone.  The greatest of
  * them, divided by n, is no more than their mean. */
-void face_best_of(struct face_result *r, uint32_t n, const struct surface_work *w)
+void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface_work *w)
 {
     r->score -= ratio_ln(n);
     r->expected -= ratio_ln(n);
     r->decision = decide(r);
-    r->fmr_at_score = surface_calibration_rate(&w->calibration, r->score);
+    r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
 }
 
-void face_shown(const struct face_result *r, double steps, double *score,
+void face_shown(const struct surface_comparison *r, double steps, double *score,
                 double *threshold)
 {
     const double least = ceil(r->threshold * steps - 1e-6); /* 8.3 is 8.3 */
@@ -520,17 +503,18 @@ void face_shown(const struct face_result *r, double steps, double *score,
     *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / steps;
 }
 
-void face_round(struct face_result *r, const struct surface_work *w)
+void face_round(struct surface_comparison *r, const struct surface_work *w)
 {
     face_shown(r, 10, &r->score, &r->threshold);
     r->overlap = round(r->overlap * 1e2) / 1e2;
-    if (r->fmr_at_score < 1) /* else nothing was in common, or the score is the least */
-        r->fmr_at_score = surface_calibration_rate(&w->calibration, r->score);
+    if (r->false_match_rate <
+        1) /* else nothing was in common, or the score is the least */
+        r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
 }
 
 enum status face_compare_mirrored(const struct surface_face *tmpl,
                                   const struct surface_face *probe,
-                                  struct surface_work *w, struct face_result *out)
+                                  struct surface_work *w, struct surface_comparison *out)
 {
     struct encoding mirrored;
     float z[GRID_N], swapped[GRID_N];
@@ -548,34 +532,67 @@ enum status face_compare_mirrored(const struct surface_face *tmpl,
         st = score_of(&tmpl->encoding, &mirrored, w, out);
     out->threshold = w->calibration.threshold;
     out->decision = decide(out);
-    out->fmr_at_score = surface_calibration_rate(&w->calibration, out->score);
+    out->false_match_rate = surface_calibration_rate(&w->calibration, out->score);
     return st;
 }
 
-enum status face_minimal(const struct surface_face *tmpl,
-                         const struct surface_face *probe, double (*clock_ms)(void),
-                         struct surface_work *w, struct face_result *r,
-                         struct minimal *out)
+/* What was measured at out->transform. */
+static void put_measure(const struct disparity *d, struct surface_disparity *out)
 {
-    enum status st = face_align(tmpl, probe, clock_ms, w, r);
-    const double start = clock_ms != NULL ? clock_ms() : 0;
+    out->disparity_mm = d->plain_mm;
+    out->volume_mm3 = d->volume_mm3;
+    out->area_mm2 = d->area_mm2;
+    out->weighted_mm = d->weighted_mm;
+}
 
-    if (st == ST_OK)
-        st = minimal_find(&tmpl->surface, &probe->surface, r->align.transform,
-                          &w->measure, out);
-    if (clock_ms != NULL)
-        out->ms = clock_ms() - start;
+static double now_ms(const struct surface_work *w)
+{
+    return w->clock_ms != NULL ? w->clock_ms() : 0;
+}
+
+enum status face_minimal(const struct surface_face *tmpl,
+                         const struct surface_face *probe, struct surface_work *w,
+                         struct surface_disparity *out)
+{
+    const double begin = now_ms(w);
+    struct align_result a;
+    struct minimal least;
+    double aligned;
+    enum status st = face_align(tmpl, probe, w, &a);
+
+    memset(out, 0, sizeof *out);
+    out->stop = align_stop_name(ALIGN_APART);
+    if (st != ST_OK)
+        return st;
+    aligned = now_ms(w);
+    st = minimal_find(&tmpl->surface, &probe->surface, a.transform, &w->measure, &least);
+    memcpy(out->transform, least.transform, sizeof out->transform);
+    memcpy(out->align_transform, a.transform, sizeof out->align_transform);
+    put_measure(&least.disparity, out);
+    out->turn_deg = a.turn_deg;
+    out->shift_mm = a.shift_mm;
+    out->cost_mm = a.cost_mm;
+    out->rival_mm = a.rival_mm;
+    out->starts = a.starts;
+    out->evaluations = a.evaluations;
+    out->stop = align_stop_name(a.stop);
+    out->align_ms = aligned - begin;
+    out->minimal_ms = now_ms(w) - aligned;
     return st;
 }
 
 enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
-                       struct surface_work *w, struct minimal *least)
+                       struct surface_work *w, struct surface_disparity *least)
 {
     const struct places u = {w->weight, tmpl->frame.pose};
+    struct disparity d;
+    const enum status st =
+        measure_at(&tmpl->surface, &probe->surface, least->transform,
+                   &(struct disparity_weight){weight_at, &u}, &w->measure, &d);
 
-    return measure_at(&tmpl->surface, &probe->surface, least->transform,
-                      &(struct disparity_weight){weight_at, &u}, &w->measure,
-                      &least->disparity);
+    if (st == ST_OK)
+        put_measure(&d, least);
+    return st;
 }
 
 static bool counts(const struct surface_face *tmpl, const struct surface_face *probe,
@@ -627,19 +644,8 @@ enum status face_field(const struct surface_face *tmpl, const struct surface_fac
     return st;
 }
 
-enum status face_regions(const struct surface_face *tmpl,
-                         const struct surface_face *probe, struct surface_work *w,
-                         struct face_result *r)
-{
-    struct surface_parts field;
-    const enum status st = face_field(tmpl, probe, w, &field);
-
-    memcpy(r->region, field.region, sizeof r->region);
-    return st;
-}
-
 enum status face_asymmetry(const struct surface_face *f, struct surface_work *w,
-                           struct asymmetry *out)
+                           struct surface_asymmetry *out)
 {
     static const struct pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct places u = {w->weight, upright};

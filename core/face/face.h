@@ -23,9 +23,7 @@ struct surface_face {
     struct encoding encoding; /* what is compared (encode.h) */
 };
 
-struct asymmetry;     /* asymmetry.h */
 struct cells;         /* cells.h */
-struct minimal;       /* minimal.h */
 struct surface_model; /* model.h */
 struct shape_work;    /* shape_work.h */
 
@@ -33,12 +31,8 @@ struct shape_work;    /* shape_work.h */
  * worked on without allocating again.  It takes O(bytes used since the last time). */
 #define FACE_WORK_KEEP ((size_t)4 << 20)
 
-/* face_work_clock(w): that of surface_work_clock(). */
-double (*face_work_clock(const struct surface_work *w))(void);
-
-/* The model that w was made with, its mean face ready to align to, and its shape ready to be
+/* The mean face of the model that w was made with, ready to align to, and its shape ready to be
  * fitted. */
-const struct surface_model *face_work_model(const struct surface_work *w);
 const struct frame_mean *face_work_mean(const struct surface_work *w);
 struct shape_work *face_work_shape(struct surface_work *w);
 
@@ -70,76 +64,39 @@ enum status face_adopt(struct surface_face *f, struct surface_work *w);
  * failure.  Costs about as much as face_build(). */
 enum status face_rebuild(struct surface_face *f, struct surface_work *w);
 
-struct face_result {
-    enum surface_decision decision;
-    double score;     /* the log-likelihood ratio (ratio.h): higher is more alike; after
-                            face_best_of() lowered by the logarithm of their number */
-    double threshold; /* a match at or above it */
-    double expected;  /* the mean score of two such scans of one person: below the
-                            threshold what is no match is inconclusive */
-    double
-        fmr_at_score; /* false match rate at a threshold of the score (calibration.h) */
-    double overlap;   /* share of the template's cells that the probe has, 0..1 */
-    struct align_result align;      /* transform probe -> template: of face_align() */
-    double region[SURFACE_REGIONS]; /* of the score: of face_regions() */
-    double score_ms, align_ms;      /* by the caller's clock; 0 without one */
-};
-
-/* face_compare(tmpl, probe, threshold, clock_ms, w, out): the score, from both encodings alone,
+/* Of struct surface_comparison and struct surface_disparity here the size is not used.
+ *
+ * face_compare(tmpl, probe, threshold, w, out): the score (ratio.h), from both encodings alone,
  * and the decision.
  * threshold  in place of that of w's calibration; NAN: that
- * clock_ms   may be NULL; used only for the times
  * The result depends only on the two faces, w's model, the calibration and the threshold.
  * Returns ST_OK (an inconclusive comparison included), ST_ENOMEM. */
 enum status face_compare(const struct surface_face *tmpl,
                          const struct surface_face *probe, double threshold,
-                         double (*clock_ms)(void), struct surface_work *w,
-                         struct face_result *out);
+                         struct surface_work *w, struct surface_comparison *out);
 
-/* face_best_of(r, n, w): r is one of n > 0 comparisons of a probe, with the templates of one subject,
- * of which the best decides: n chances for a false match.  The score and what is expected of it
- * are lowered by ln n, and decision and rate follow (docs/decision.md), by
- * r->threshold, which may have been changed; with n = 1 nothing else changes. */
-void face_best_of(struct face_result *r, uint32_t n, const struct surface_work *w);
-
-/* face_align(tmpl, probe, clock_ms, w, r): r->align and r->align_ms: the pose of the probe over
- * the template, from which the minimal disparity is found and the gaps are shown.  The score
- * does not depend on it.  Returns ST_OK, ST_ENOMEM. */
-enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
-                       double (*clock_ms)(void), struct surface_work *w,
-                       struct face_result *r);
-
-/* face_shown(r, steps, score, threshold): both in steps of 1 / steps, the threshold rounded up,
- * the score so that it agrees with the decision: below the threshold stays below. */
-void face_shown(const struct face_result *r, double steps, double *score,
+/* As surface_best_of(), surface_shown(), surface_round(), surface_compare_mirrored() and
+ * surface_weigh(). */
+void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface_work *w);
+void face_shown(const struct surface_comparison *r, double steps, double *score,
                 double *threshold);
-
-/* face_round(r, w): score and threshold as face_shown() in steps of 0.1, the overlap to 0.01,
- * and fmr_at_score that of the rounded score, by w's calibration (that of the comparison):
- * for clients that may know the decision, and should not learn a face from many scores.  The
- * decision stays, and the rounded numbers agree with it: a score below the threshold stays
- * below, by 0.1 or more.  */
-void face_round(struct face_result *r, const struct surface_work *w);
-
-/* face_compare_mirrored(tmpl, probe, w, out): face_compare() with the mirror image of the probe
- * (x to -x), at w's threshold: to tell whether a scanner swaps left and right.  The cost of an
- * encoding.  Returns ST_OK, ST_ENOMEM. */
+void face_round(struct surface_comparison *r, const struct surface_work *w);
 enum status face_compare_mirrored(const struct surface_face *tmpl,
                                   const struct surface_face *probe,
-                                  struct surface_work *w, struct face_result *out);
-
-/* face_minimal(tmpl, probe, clock_ms, w, r, out): the minimal disparity (minimal.h), from the pose
- * of face_align(), which it calls for r.  clock_ms: may be NULL.  Returns ST_OK, ST_ENOMEM. */
-enum status face_minimal(const struct surface_face *tmpl,
-                         const struct surface_face *probe, double (*clock_ms)(void),
-                         struct surface_work *w, struct face_result *r,
-                         struct minimal *out);
-
-/* face_weigh(tmpl, probe, w, least): least->disparity.weighted_mm and weight_mm2 by the
- * weight of each place in telling people apart, at the pose that face_minimal() found.  The cost of a measure.
- * Returns ST_OK, ST_ENOMEM. */
+                                  struct surface_work *w, struct surface_comparison *out);
 enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
-                       struct surface_work *w, struct minimal *least);
+                       struct surface_work *w, struct surface_disparity *least);
+
+/* face_align(tmpl, probe, w, out): the pose of the probe over the template, from which the minimal
+ * disparity is found and the gaps are shown.  The score does not depend on it.  Returns ST_OK, ST_ENOMEM. */
+enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
+                       struct surface_work *w, struct align_result *out);
+
+/* face_minimal(tmpl, probe, w, out): the minimal disparity (minimal.h), from the pose of
+ * face_align(); the times by surface_work_clock().  Returns ST_OK, ST_ENOMEM. */
+enum status face_minimal(const struct surface_face *tmpl,
+                         const struct surface_face *probe, struct surface_work *w,
+                         struct surface_disparity *out);
 
 /* face_place(f, w): find f->frame and f->encoding by w's model.  ST_OK, ST_ENOMEM. */
 enum status face_place(struct surface_face *f, struct surface_work *w);
@@ -151,14 +108,9 @@ enum status face_place(struct surface_face *f, struct surface_work *w);
 enum status face_field(const struct surface_face *tmpl, const struct surface_face *probe,
                        struct surface_work *w, struct surface_parts *out);
 
-/* face_regions(tmpl, probe, w, r): r->region by face_field().  Returns ST_OK, ST_ENOMEM. */
-enum status face_regions(const struct surface_face *tmpl,
-                         const struct surface_face *probe, struct surface_work *w,
-                         struct face_result *r);
-
 /* face_asymmetry(f, w, out): f against its mirror image, from the symmetry plane of its
  * canonical frame (asymmetry.h).  Deterministic.  Returns ST_OK, ST_ENOMEM. */
 enum status face_asymmetry(const struct surface_face *f, struct surface_work *w,
-                           struct asymmetry *out);
+                           struct surface_asymmetry *out);
 
 #endif

@@ -10,9 +10,6 @@
 #include "grid.h"
 #include "surface.h"
 
-/* Mean square, mm^2, below which a relief is rounding: the surface is a quadric. */
-#define FRAME_RELIEF_MIN_MM2 1e-6
-
 struct surface_model; /* model.h */
 
 /* The mean face as a surface to align others to. */
@@ -41,15 +38,5 @@ struct frame {
  * Returns ST_OK, ST_ENOMEM. */
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out);
-
-/* frame_likeness_heights(mean, z, n): how much a face whose mean height in a cell is z / n (mm;
- * n 0: none) is shaped like a face, -1..1: the correlation of its relief with the mean face's,
- * over the cells that both cover.  A relief is what is left of the heights once the best-fitting
- * quadric z(x, y) is subtracted (least squares, for each surface by itself): nose, orbits and
- * lips.  With the quadric any egg, cylinder or cone would be like a face.  0: there is no relief.
- * NAN where fewer than FRAME_LIKENESS_CELLS are common: a part of a face may align to another
- * part. */
-double frame_likeness_heights(const struct frame_mean *mean, const double z[GRID_N],
-                              const double n[GRID_N]);
 
 #endif

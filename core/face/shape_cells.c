@@ -303,6 +303,9 @@ static uint32_t shape_cover_mark(const struct shape_work *w, const float gap[GRI
 /* mm: the most that a cell adds to the residual. */
 #define SHAPE_RESIDUAL_MM 5.0
 
+/* Mean square below which a relief is rounding: the surface is a quadric. */
+#define SHAPE_FLAT_MM2 1e-6
+
 /* mm: the place round an eye, beside the nose; the share of it that must be skin before it is
  * compared with an eye.  Of 1,400 scans of faces, up to 45 % of some cut out, one in
  * 700 has less. */
@@ -363,7 +366,7 @@ static double correlation(const float *z, const float *h, const uint32_t *cell,
         zh += a.g[k] * y[k];
         hh += b.g[k] * y[k];
     }
-    return zz > FRAME_RELIEF_MIN_MM2 * n && hh > 0 ? zh / sqrt(zz * hh) : 0;
+    return zz > SHAPE_FLAT_MM2 * n && hh > 0 ? zh / sqrt(zz * hh) : 0;
 }
 
 /* The likeness round an eye, to the right or to the left of the nose (side -1). */

@@ -147,7 +147,7 @@ static bool allowed(const struct minimal *m, const struct minimal *a)
 static enum status settle(const struct search *s, double sure, struct minimal *out)
 {
     static const double still[6] = {0};
-    struct minimal aligned = {.ms = 0};
+    struct minimal aligned = {.transform = {0}};
     enum status st;
 
     if (memcmp(s->x, still, sizeof still) == 0)

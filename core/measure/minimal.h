@@ -23,7 +23,6 @@ struct measure_work; /* measure.h */
 struct minimal {
     double transform[16];       /* probe (mm) -> template (mm), row-major 4 x 4, rigid */
     struct disparity disparity; /* the exact measure there; plain_mm is the minimum */
-    double ms;                  /* by the caller's clock; 0 without one */
 };
 
 /* minimal_find(tmpl, probe, transform, w, out): the least disparity of tmpl and probe

@@ -9,6 +9,7 @@
 #include "admin_copy.h"
 #include "crypt_file.h"
 #include "log_row.h"
+#include "sql_file.h"
 #include "store_txn.h"
 
 /* ---- export */
@@ -83,7 +84,8 @@ enum status admin_export(struct store *s, const char *actor, char *const *subjec
     sodium_memzero(digits, sizeof digits);
     if (!replace && access(path, F_OK) == 0)
         return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
-    if ((st = log_act(&x.by, actor, e)) == ST_OK &&
+    if ((st = sql_file_may_be(path, e)) == ST_OK &&
+        (st = log_act(&x.by, actor, e)) == ST_OK &&
         (st = log_act(&nobody, "", e)) == ST_OK &&
         (st = crypt_file_root(k, path, kind, &root, &crypt, e)) == ST_OK) {
         c.crypt = crypt;
@@ -198,9 +200,15 @@ static enum status import_all(struct importing *m, struct store *archive,
                               struct errinfo *e)
 {
     struct log_txn from;
-    enum status st =
-        log_list(m->to->sql, "delete_subject", 0, &m->erased, &m->nerased, e);
+    bool whole;
+    enum status st = log_has(m->to, &(struct log_end){.seq = 0}, &whole, e);
 
+    if (st == ST_OK && !whole) /* nor would it say who was erased */
+        st = errinfo_set(e, ST_EREFUSED,
+                         "the change log is not as it was written: see surfacectl audit "
+                         "verify; nothing was imported");
+    if (st == ST_OK)
+        st = log_list(m->to->sql, "delete_subject", 0, &m->erased, &m->nerased, e);
     if (st == ST_OK && (st = store_begin(archive, SQL_READ, &from, e)) == ST_OK)
         st = store_end(archive, &from, admin_each(&from, import_subject, m, e), e);
     free(m->erased);

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include "log_row.h"
 #include "rows_calibration.h"
 #include "rows_device.h"
+#include "rows_digest.h"
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
@@ -23,7 +25,9 @@
 
 /* ---- the logs */
 
+/* Each entry is as it was written: its MAC is made anew. */
 static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_name log,
+                            struct log_end *at, struct log_end *trimmed,
                             struct errinfo *e)
 {
     struct log_entry entry;
@@ -35,19 +39,29 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
         NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
-        if (!log_row_read(r, log, &entry)) {
-            st = errinfo_set(e, ST_ECORRUPT, "an entry of the audit log is damaged");
+        if (!log_row_read(r, log, &entry) || !log_follows(from->crypt, at, &entry)) {
+            st = errinfo_set(e, ST_ECORRUPT,
+                             "entry %" PRIu64 " of the audit log (%s) is not as it was "
+                             "written",
+                             at->seq + 1, log_word(log));
             break;
         }
+        (void)log_trimmed(&entry, trimmed);
         log_mac(to->crypt, entry.hash, entry.mac);
         st = log_row_add(to->sql, &entry, e);
-        if (log == LOG_CHANGES) {
-            to->changes.seq = entry.seq;
-            memcpy(to->changes.hash, entry.hash, LOG_HASH);
-            to->accesses = entry.accesses;
-        }
     }
     return sql_done(r, st, e);
+}
+
+static enum status copy_logs(struct log_txn *from, struct log_txn *to, struct errinfo *e)
+{
+    struct log_end none, trimmed = {.seq = 0};
+    enum status st = copy_log(from, to, LOG_CHANGES, &to->changes, &trimmed, e);
+
+    if (st == ST_OK && memcmp(to->changes.hash, from->changes.hash, LOG_HASH) != 0)
+        st = errinfo_set(e, ST_ECORRUPT, "the change log has no end");
+    to->accesses = from->accesses;
+    return st == ST_OK ? copy_log(from, to, LOG_ACCESSES, &trimmed, &none, e) : st;
 }
 
 /* ---- subjects */
@@ -93,6 +107,7 @@ enum status admin_each_template(struct log_txn *t, const struct rows_subject *of
 
 struct copying {
     struct log_txn *to;
+    unsigned char *sum;     /* of the rows that were read */
     struct rows_subject as; /* in the copy */
 };
 
@@ -104,32 +119,45 @@ static enum status copy_template(void *arg, struct rows_template *row, const voi
     return rows_template_add(c->to, &c->as, row, face, len, e);
 }
 
-enum status admin_copy_subject(void *to, struct log_txn *from,
+static enum status copy_subject(void *arg, struct log_txn *from,
+                                const struct rows_subject *of, struct errinfo *e)
+{
+    struct copying *c = arg;
+    enum status st = rows_subject_add(c->to, &of->one, &c->as, e);
+
+    log_txn_sum(from->crypt, NULL, of->mac, c->sum);
+    sodium_add(c->sum, of->templates, LOG_DIGEST); /* which are read against that */
+    if (st == ST_OK)
+        st = admin_each_template(from, of, copy_template, c, e);
+    sodium_memzero(&c->as, sizeof c->as);
+    return st;
+}
+
+enum status admin_copy_subject(struct log_txn *to, struct log_txn *from,
                                const struct rows_subject *of, struct errinfo *e)
 {
-    struct copying c = {.to = to};
-    enum status st = rows_subject_add(to, &of->one, &c.as, e);
+    unsigned char sum[LOG_DIGEST] = {0};
+    struct copying c = {.to = to, .sum = sum};
 
-    if (st == ST_OK)
-        st = admin_each_template(from, of, copy_template, &c, e);
-    sodium_memzero(&c.as, sizeof c.as);
-    return st;
+    return copy_subject(&c, from, of, e);
 }
 
 /* ---- the other rows */
 
 /* Rows of which no more than the MAC depends on a key. */
-static enum status copy_table(struct log_txn *from, struct log_txn *to,
+static enum status copy_table(struct log_txn *from, const struct copying *c,
                               const struct rows_table *table, struct errinfo *e)
 {
-    void *row = malloc(table->size);
+    unsigned char *row = malloc(table->size);
     struct sql_rows *r = NULL;
     enum status st = row != NULL ? sql_query(from->sql, table->all, NULL, 0, &r, e)
                                  : errinfo_set(e, ST_ENOMEM, "out of memory");
 
     while (st == ST_OK && sql_next(r))
-        if ((st = rows_table_read(from, table, r, 0, row, e)) == ST_OK)
-            st = rows_table_insert(to, table, row, e);
+        if ((st = rows_table_read(from, table, r, 0, row, e)) == ST_OK) {
+            log_txn_sum(from->crypt, NULL, row + table->mac, c->sum);
+            st = rows_table_insert(c->to, table, row, e);
+        }
     free(row);
     return sql_done(r, st, e);
 }
@@ -153,18 +181,24 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
 enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
                            struct errinfo *e)
 {
+    unsigned char sum[LOG_DIGEST] = {0};
+    struct copying c = {.to = to, .sum = sum};
+    bool same;
     enum status st;
 
     (void)arg;
-    if ((st = copy_log(from, to, LOG_CHANGES, e)) != ST_OK ||
-        (st = copy_log(from, to, LOG_ACCESSES, e)) != ST_OK ||
-        (st = admin_each(from, admin_copy_subject, to, e)) != ST_OK ||
-        (st = copy_table(from, to, &rows_tokens, e)) != ST_OK ||
+    if ((st = copy_logs(from, to, e)) != ST_OK ||
+        (st = admin_each(from, copy_subject, &c, e)) != ST_OK ||
+        (st = copy_table(from, &c, &rows_tokens, e)) != ST_OK ||
         (st = copy_plain(from, to, "SELECT used, id FROM tokens WHERE used IS NOT NULL",
                          "UPDATE tokens SET used = $1 WHERE id = $2", 2, e)) != ST_OK ||
-        (st = copy_table(from, to, &rows_devices, e)) != ST_OK ||
-        (st = copy_table(from, to, &rows_calibrations, e)) != ST_OK ||
-        (st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
+        (st = copy_table(from, &c, &rows_devices, e)) != ST_OK ||
+        (st = copy_table(from, &c, &rows_calibrations, e)) != ST_OK ||
+        (st = log_txn_agrees(from, sum, &same, e)) != ST_OK)
+        return st;
+    if (!same)
+        return errinfo_set(e, ST_EREFUSED, "%s", rows_digest_problem);
+    if ((st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
                          "INSERT INTO days (day, decision, bins) VALUES ($1, $2, $3)", 3,
                          e)) != ST_OK ||
         (st = copy_plain(from, to,

@@ -35,16 +35,18 @@ struct admin_copy {
 };
 
 /* admin_copy(from, path, c, n, e): a copy as n->part, which has yet to get the name `path`: one file
- * without a WAL, verified whole.  `from` was verified by the caller.  O(bytes); one transaction.
+ * without a WAL, verified whole.  O(bytes); one transaction.
  * After it newfile_close(n) follows, also on failure.
  * admin_copy_all(arg, from, to, e): every subject, template, token, device, calibration, attempt and
  * nonce, and both logs.  Subjects have new keys in the copy.  The logs have the same hashes, so that
- * the copy goes on from where `from` ends.
- * admin_copy_subject(to, from, of, e): with its templates; to is the log_txn of the copy. */
+ * the copy goes on from where `from` ends.  ST_EREFUSED: the rows that were read are not those of
+ * the last change of `from`; ST_ECORRUPT: an entry is not as it was written.
+ * admin_copy_subject(to, from, of, e): with its templates. */
 enum status admin_copy(struct store *from, const char *path, struct admin_copy *c,
                        struct newfile *n, struct errinfo *e);
 admin_fill admin_copy_all;
-admin_use admin_copy_subject;
+enum status admin_copy_subject(struct log_txn *to, struct log_txn *from,
+                               const struct rows_subject *of, struct errinfo *e);
 
 /* admin_swap(path, held, n, suffix, e): the file n->part gets the name `path`, in the place of the
  * database that is open alone there, which is closed then; NULL: there is none.  What was there is

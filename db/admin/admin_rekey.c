@@ -150,7 +150,6 @@ static enum status finish(struct rekeying *x, bool fits, const struct log_end *e
 
 static enum status rekey(struct rekeying *x, const char *actor, struct errinfo *e)
 {
-    struct admin_copied found;
     struct log_end end;
     struct log_act by;
     struct store *s;
@@ -162,8 +161,7 @@ static enum status rekey(struct rekeying *x, const char *actor, struct errinfo *
         (st = store_open(x->path, STORE_ALONE, x->key, &s, e)) != ST_OK)
         return st;
     fits = x->key->given == NULL && !x->key->plaintext;
-    if ((st = admin_verify(s, false, &found, e)) == ST_OK &&
-        (st = make_keys(x, e)) == ST_OK)
+    if ((st = store_verify(s, NULL, NULL, e)) == ST_OK && (st = make_keys(x, e)) == ST_OK)
         st = copy_and_swap(x, s, &by, &end, e);
     store_close(s);
     if (st == ST_OK)

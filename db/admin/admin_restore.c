@@ -31,15 +31,10 @@ static enum status replaceable(const char *path, const char *db, struct errinfo 
     struct stat there;
     enum status st;
 
-    if (stat(path, &there) != 0)
-        return ST_OK;
     if (sql_file_same(path, db))
         return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", path);
-    if (sql_file_has_wal(path))
-        return errinfo_set(e, ST_EEXISTS,
-                           "%.160s is a database in use, or was when its program was "
-                           "killed: it has a %.160s-wal",
-                           path, path);
+    if ((st = sql_file_may_be(path, e)) != ST_OK || stat(path, &there) != 0)
+        return st;
     st = S_ISREG(there.st_mode) ? sql_open(path, SQL_OPEN_LOOK, &d, NULL) : ST_EINVAL;
     sql_close(d);
     return st == ST_OK
@@ -126,14 +121,8 @@ static enum status open_held(struct restoring *r, bool dry, struct errinfo *e)
     struct errinfo why;
     enum status st;
 
-    if (access(r->path, F_OK) != 0 && errno == ENOENT) {
-        if (sql_file_has_wal(r->path)) /* SQLite would take it for the new one's */
-            return errinfo_set(e, ST_EEXISTS,
-                               "there is a %.160s-wal without its database: move it away "
-                               "first",
-                               r->path);
-        return ST_OK;
-    }
+    if (access(r->path, F_OK) != 0 && errno == ENOENT)
+        return sql_file_may_be(r->path, e);
     by.anchor = NULL; /* it may be the older one that is to be replaced */
     st = store_open(r->path, dry ? STORE_READ : STORE_ALONE, &by, &r->held, &why);
     if (st == ST_EBUSY || st == ST_ENOMEM)
@@ -173,7 +162,7 @@ static enum status open_backup(struct restoring *r, struct errinfo *e)
 static enum status relate(struct restoring *r, struct errinfo *e)
 {
     struct store_stats stats;
-    struct log_end end;
+    struct log_end end, to = r->end;
     struct log_txn t;
     bool goes_on = false, older = false;
     enum status st;
@@ -186,6 +175,8 @@ static enum status relate(struct restoring *r, struct errinfo *e)
     end = t.changes;
     if ((st = log_has(&t, &r->end, &goes_on, e)) == ST_OK && goes_on)
         st = log_list(t.sql, NULL, r->end.seq, &r->since, &r->n, e);
+    for (size_t i = 0; i < r->n && goes_on; i++) /* also what was read just now */
+        goes_on = log_follows(t.crypt, &to, &r->since[i]);
     if ((st = store_end(r->held, &t, st, e)) != ST_OK ||
         (st = store_stats(r->held, false, &stats, e)) != ST_OK)
         return st;

@@ -77,6 +77,20 @@ void log_mac(const struct crypt *c, const unsigned char hash[LOG_HASH],
     crypt_mac(c, data, sizeof data, out);
 }
 
+bool log_follows(const struct crypt *c, struct log_end *at, const struct log_entry *entry)
+{
+    unsigned char hash[LOG_HASH], mac[CRYPT_HASH];
+
+    log_hash(at->hash, entry, hash);
+    log_mac(c, hash, mac);
+    if (entry->seq != at->seq + 1 || memcmp(hash, entry->hash, sizeof hash) != 0 ||
+        sodium_memcmp(mac, entry->mac, sizeof mac) != 0)
+        return false;
+    *at = (struct log_end){.seq = entry->seq};
+    memcpy(at->hash, hash, sizeof hash);
+    return true;
+}
+
 /* ---- signatures */
 
 #define SIGNED_TEXT 160

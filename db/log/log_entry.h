@@ -72,6 +72,10 @@ void log_mac(const struct crypt *c, const unsigned char hash[LOG_HASH],
 void log_sign(const struct crypt *c, struct log_entry *entry);
 bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *entry);
 
+/* log_follows(c, at, entry): is it the entry after *at, as it was written by c's key?  Then *at is it. */
+bool log_follows(const struct crypt *c, struct log_end *at,
+                 const struct log_entry *entry);
+
 /* log_trimmed(entry, to): is it a LOG_TRIM?  *to: the access that the rest follows. */
 bool log_trimmed(const struct log_entry *entry, struct log_end *to);
 

@@ -98,30 +98,26 @@ static void set_end(struct log_end *end, const struct log_entry *entry)
     memcpy(end->hash, entry->hash, LOG_HASH);
 }
 
-/* The entries that another process has added: each follows the one before. */
-static enum status follow(struct log_txn *t, const struct log_end *before, bool *follows,
-                          struct errinfo *e)
+/* Each entry follows the one before, up to the end: a search for the entry itself could be led to
+ * one that is no part of the log. */
+enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
+                    struct errinfo *e)
 {
-    struct log_end at = *before;
+    struct log_end to = *at;
     struct log_entry entry;
     struct sql_rows *r;
     enum status st =
         SQL_QUERY(t->sql, &r, e,
                   "SELECT " LOG_ROW_CHANGE " FROM change_log WHERE seq > $1 ORDER BY seq",
-                  sql_int((int64_t)before->seq));
+                  sql_int((int64_t)at->seq));
 
-    *follows = true;
-    while (st == ST_OK && *follows && sql_next(r)) {
-        *follows = log_row_read(r, LOG_CHANGES, &entry) && entry.seq == at.seq + 1;
-        if (*follows) {
-            log_hash(at.hash, &entry, at.hash);
-            at.seq = entry.seq;
-            *follows = memcmp(at.hash, entry.hash, sizeof at.hash) == 0;
-            if (erases(entry.kind))
-                atomic_store(&t->log->erasure, true);
-        }
+    *has = true;
+    while (st == ST_OK && *has && sql_next(r)) {
+        *has = log_row_read(r, LOG_CHANGES, &entry) && log_follows(t->crypt, &to, &entry);
+        if (*has && erases(entry.kind))
+            atomic_store(&t->log->erasure, true);
     }
-    *follows = *follows && is_same(&at, &t->changes);
+    *has = *has && is_same(&to, &t->changes);
     return sql_done(r, st, e);
 }
 
@@ -156,7 +152,7 @@ enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
     if (before->seq != 0) {
         if (t->changes.seq < before->seq)
             return refuse(before, "it is an older one, without", e);
-        if ((st = follow(t, before, &follows, e)) != ST_OK)
+        if ((st = log_has(t, before, &follows, e)) != ST_OK)
             return st;
         if (!follows)
             return refuse(before, "its log is another one from", e);
@@ -183,18 +179,6 @@ enum status log_txn_check(const struct log_txn *t, struct errinfo *e)
 void log_txn_committed(struct log_txn *t)
 {
     remember(t->log, &t->changes);
-}
-
-enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
-                    struct errinfo *e)
-{
-    struct sql_rows *r;
-    const enum status st =
-        SQL_FIRST(t->sql, &r, e, "SELECT 1 FROM change_log WHERE seq = $1 AND hash = $2",
-                  sql_int((int64_t)at->seq), sql_blob(at->hash, sizeof at->hash));
-
-    *has = st == ST_OK;
-    return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
 }
 
 /* ---- the digest */

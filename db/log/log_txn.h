@@ -68,7 +68,8 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
  * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
  * log_access(t, by, kind, uid, object, outcome, e): append to the access log.  ST_ECORRUPT: its
  * last entry has no good MAC, or is an earlier one than the last change found there.
- * log_has(t, at, has, e): has the change log this entry?  Then all before it are the same too. */
+ * log_has(t, at, has, e): has the change log this entry, and each after it as it was written?  All
+ * zero: each from the first on.  O(entries since). */
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);

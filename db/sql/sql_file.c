@@ -39,12 +39,28 @@ bool sql_file_in_use(const char *path, int64_t *pid)
     return used;
 }
 
-bool sql_file_has_wal(const char *path)
+static bool has(const char *path, const char *suffix)
 {
     char name[PATH];
     struct stat sb;
 
-    return beside(path, "-wal", name) && stat(name, &sb) == 0 && sb.st_size > 0;
+    return beside(path, suffix, name) && stat(name, &sb) == 0 && sb.st_size > 0;
+}
+
+bool sql_file_has_wal(const char *path)
+{
+    return has(path, "-wal") || has(path, "-journal");
+}
+
+enum status sql_file_may_be(const char *path, struct errinfo *e)
+{
+    if (!sql_file_has_wal(path))
+        return ST_OK;
+    return errinfo_set(
+        e, ST_EEXISTS,
+        "there is a %.160s%s of another database of that name: move it away "
+        "first",
+        path, has(path, "-wal") ? "-wal" : "-journal");
 }
 
 bool sql_file_same(const char *a, const char *b)
@@ -82,7 +98,8 @@ enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
 
 void sql_file_forget(struct sql_txn *t)
 {
-    (void)sqlite3_db_release_memory(t->db);
+    (void)atomic_fetch_add(&t->of->fresh, 1);
+    sql_sqlite_conn_forget(t);
 }
 
 /* Every row of a pragma that names a problem a row, as "name: a, b, c"; or the first alone. */

@@ -12,11 +12,13 @@ struct sql_txn;
 
 /* sql_file_in_use(path, pid): has another process the database open?  *pid: one that has, 0
  * where that is not known.  Not while this process has it open.
- * sql_file_has_wal(path): is there a WAL of the database, with something in it?  SQLite would
- * take it for that of another file which gets that name.
+ * sql_file_has_wal(path): is there a WAL of the database, or a journal, with something in it?
+ * sql_file_may_be(path, e): may another file get that name?  ST_EEXISTS: there is one, by which SQLite
+ * would change that file.
  * sql_file_same(a, b): are they one file, under whatever names? */
 bool sql_file_in_use(const char *path, int64_t *pid);
 bool sql_file_has_wal(const char *path);
+enum status sql_file_may_be(const char *path, struct errinfo *e);
 bool sql_file_same(const char *a, const char *b);
 
 /* sql_file_bytes(t, bytes, e): the size of the database, without its WAL.
@@ -25,7 +27,8 @@ enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e);
 
 /* sql_file_forget(t): what t reads from here on is read from the file, not from memory: a page that
- * was changed behind SQLite's back is seen. */
+ * was changed behind SQLite's back is seen.  So do all other connections, from their next transaction
+ * on: none keeps a page or a schema that others do not see any more. */
 void sql_file_forget(struct sql_txn *t);
 
 /* sql_file_check(t, report, arg, e): pages, indexes, references; report() is called once a

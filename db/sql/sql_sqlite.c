@@ -153,6 +153,7 @@ enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
         st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
     if (st != ST_OK)
         return st;
+    sql_sqlite_conn_forget(*t);
     (*t)->writes = how != SQL_READ;
     (*t)->makes = how == SQL_SCHEMA || how == SQL_COPY;
     st = sql_sqlite_conn_exec(*t, transaction[how].configure, "cannot configure", e);

@@ -29,6 +29,7 @@ struct sql_txn { /* of a connection, which has one at a time */
     struct sql *of;
     struct sql_txn *next; /* in the list of those at rest */
     bool writes, makes;   /* the transaction */
+    unsigned fresh;       /* sql.fresh when it last forgot */
     uint64_t changed;
     struct sql_rows slot[SQL_SQLITE_SLOTS];
 };
@@ -38,6 +39,10 @@ struct sql_txn { /* of a connection, which has one at a time */
 enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
                                  struct sql_txn **out, struct errinfo *e);
 void sql_sqlite_conn_close(struct sql_txn *c);
+
+/* sql_sqlite_conn_forget(c): what it knows of the file, where sql_file_forget() was called since; its
+ * schema too, which SQLite reads again only where the file's schema cookie has changed. */
+void sql_sqlite_conn_forget(struct sql_txn *c);
 
 /* sql_sqlite_conn_fail(c, what, e): the status and text of its last error.
  * sql_sqlite_conn_exec(c, sql, what, e): statements that are the driver's own.
@@ -64,6 +69,7 @@ struct sql {
     pthread_cond_t write_free; /* by the monotonic clock */
     bool writing;              /* a thread has the writer's connection */
     struct sql_txn *writer;    /* NULL: opened for reading */
+    atomic_uint fresh;         /* how often what connections know was forgotten */
     atomic_bool scrub;    /* erased bytes may be in the WAL: a reader was in the way */
     struct sql_txn *idle; /* readers' connections at rest */
 };

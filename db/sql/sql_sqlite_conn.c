@@ -71,6 +71,17 @@ void sql_sqlite_conn_close(struct sql_txn *c)
     free(c);
 }
 
+void sql_sqlite_conn_forget(struct sql_txn *c)
+{
+    const unsigned fresh = atomic_load(&c->of->fresh);
+
+    if (c->fresh == fresh)
+        return;
+    c->fresh = fresh;
+    (void)sqlite3_exec(c->db, "PRAGMA writable_schema=RESET", NULL, NULL, NULL);
+    (void)sqlite3_db_release_memory(c->db);
+}
+
 /* Nothing in the file is trusted: no triggers or views, no functions from its schema, no
  * writing to the schema; cells are checked as they are read. */
 static enum status harden(struct sql_txn *c, struct errinfo *e)

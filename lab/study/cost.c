@@ -1,5 +1,5 @@
-/* cost.c -- the disparity-measure paper's tables 1 to 4, how each stage grows to 1,000,000
- * points, and what a stored template saves.  Processor time of the thread, medians. */
+/* cost.c -- the disparity-measure paper's tables 1 to 4, and what a stored template saves.
+ * Processor time of the thread, medians. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -224,17 +224,12 @@ static void table1(const struct study *study)
     free(row);
 }
 
-/* ---- growth: the first n points of two large clouds in random order */
-
-#define SIZES 13
+/* ---- tables 2 to 4: the first n points of two large clouds in random order */
 
 static void measure(const struct study *study, const struct ivec3 *const all[2], size_t n,
-                    double ms[STAGES], struct disparity *out, uint32_t *cells)
+                    double ms[STAGES])
 {
-    const size_t rounds = study->reduced ? 1
-                          : n > 300000   ? 5
-                          : n > 30000    ? 9
-                                         : 600000 / n + 3;
+    const size_t rounds = study->reduced ? 1 : n > 30000 ? 9 : 600000 / n + 3;
     struct timing *row = study_alloc(STAGES, sizeof *row);
     struct pair p = {.n = {n, n}};
 
@@ -250,8 +245,6 @@ static void measure(const struct study *study, const struct ivec3 *const all[2],
         pass(&p, row);
     for (int s = 0; s < STAGES; s++)
         ms[s] = study_spread(row[s].ms, row[s].n).median;
-    *out = p.out;
-    *cells = p.general.nt;
     pair_free(&p);
     free(row);
 }
@@ -286,12 +279,10 @@ static void papers(const struct study *study, const struct ivec3 *const all[2],
             "table,what,paper: exponent,95 %% from,to,here: exponent,95 %% from,to\n");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         double ms[STAGES];
-        struct disparity d;
-        uint32_t cells;
         const double points = (double)row[i].n;
 
         if (row[i].n <= most) {
-            measure(study, all, row[i].n, ms, &d, &cells);
+            measure(study, all, row[i].n, ms);
             /* The paper locates one mesh in the other; the pass does it both ways. */
             ours[k] = ms[row[i].s] / (row[i].s == LOCATE ? 2 : 1);
             n[k] = points;
@@ -317,60 +308,9 @@ static void papers(const struct study *study, const struct ivec3 *const all[2],
     study_close(fit);
 }
 
-static void growth(const struct study *study, const struct ivec3 *const all[2],
-                   size_t most)
-{
-    static const size_t size[SIZES] = {1000,   2000,   5000,   10000,  20000,
-                                       50000,  100000, 150000, 200000, 300000,
-                                       500000, 700000, 1000000};
-    static const char *const claim[STAGES] = {"1 (N log N)", "1", "-", "1",
-                                              "1",           "1", "1"};
-    double n[SIZES], ms[SIZES][STAGES], y[SIZES], cells[SIZES] = {0};
-    size_t sizes = 0;
-    FILE *f = study_open(study, "growth.csv"), *fit = study_open(study, "growth-fit.csv");
-
-    fprintf(f, "points in each");
-    for (int s = 0; s < STAGES; s++)
-        fprintf(f, ",%s ms", stage_name[s]);
-    fprintf(f, ",triangles of the general triangulation,mean gap mm\n");
-    for (; sizes < SIZES && size[sizes] <= most; sizes++) {
-        struct disparity d;
-        uint32_t nt;
-
-        measure(study, all, size[sizes], ms[sizes], &d, &nt);
-        n[sizes] = (double)size[sizes];
-        cells[sizes] = nt;
-        fprintf(f, "%zu", size[sizes]);
-        for (int s = 0; s < STAGES; s++)
-            fprintf(f, ",%.4f", ms[sizes][s]);
-        fprintf(f, ",%u,%.4f\n", nt, d.plain_mm);
-    }
-    fprintf(fit, "stage,paper: exponent,exponent,95 %% from,to,from 50000 points,"
-                 "95 %% from,to,ns a point at the largest\n");
-    for (int s = 0; s <= STAGES; s++) {
-        size_t large = 0;
-        struct study_fit e, l;
-
-        for (size_t i = 0; i < sizes; i++)
-            y[i] = s < STAGES ? ms[i][s] : cells[i];
-        while (large + 3 < sizes && size[large] < 50000)
-            large++;
-        e = study_fit(n, y, sizes);
-        l = study_fit(n + large, y + large, sizes - large);
-        fprintf(fit, "%s,%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.3f",
-                s < STAGES ? stage_name[s] : "triangles of the general triangulation",
-                s < STAGES ? claim[s] : "1", e.slope, e.slope - e.half, e.slope + e.half,
-                l.slope, l.slope - l.half, l.slope + l.half);
-        study_field(fit, 0, s < STAGES ? 1e6 * y[sizes - 1] / n[sizes - 1] : (double)NAN);
-        fprintf(fit, "\n");
-    }
-    study_close(f);
-    study_close(fit);
-}
-
 void cost_run(const struct study *study)
 {
-    const size_t most = study->reduced ? 10000 : 1000000;
+    const size_t most = study->reduced ? 10000 : 200000;
     struct ivec3 *all[2];
 
     table1(study);
@@ -380,7 +320,6 @@ void cost_run(const struct study *study)
             study_must(ST_ETOOFEW);
     }
     papers(study, (const struct ivec3 *const *)all, most);
-    growth(study, (const struct ivec3 *const *)all, most);
     free(all[0]);
     free(all[1]);
 }

@@ -1,5 +1,5 @@
 /* faces.c -- the disparity-measure paper's figures 10 and 11: two faces before and
- * after alignment; and what the weight u(x, y) of its definition (1) does. */
+ * after alignment. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +10,6 @@
 #include "study.h"
 #include "lattice.h"
 #include "measure.h"
-#include "picture.h"
-#include "study.h"
 #include "locate.h"
 
 static const double identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -45,8 +43,8 @@ static void true_pose(double t[16])
 }
 
 /* A scan of a subject; moved: as the second of a pair, turned and shifted a little. */
-static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
-                 struct surface_work *w, struct surface_face *out)
+static void scan(uint64_t subject, uint64_t which, bool moved, struct surface_work *w,
+                 struct surface_face *out)
 {
     struct facegen_scan s;
     struct dvec3 *pts;
@@ -54,7 +52,6 @@ static void scan(uint64_t subject, uint64_t which, double smile, bool moved,
     facegen_default(&s);
     s.subject = subject;
     s.scan = which;
-    s.smile = smile;
     if (moved) {
         s.yaw = YAW;
         s.pitch = PITCH;
@@ -98,21 +95,6 @@ static void gap_map(const struct study *study, const char *name,
     study_close(f);
 }
 
-static void both_faces(const struct study *study, const char *name, const struct mesh *a,
-                       const struct mesh *b)
-{
-    struct picture r = {
-        .wide = 330, .high = 380, .per = 2, .z = -20, .turn = 0.6, .tilt = 0.1};
-    FILE *f = study_open(study, name);
-
-    picture_begin(&r);
-    picture_mesh(&r, a, NULL, LATTICE_PER_MM, 1, 0, 0x70a8e8);
-    if (b != NULL)
-        picture_mesh(&r, b, NULL, LATTICE_PER_MM, 1, 0, 0xf0a840);
-    picture_end(&r, f);
-    study_close(f);
-}
-
 static void figures(const struct study *study, struct surface_work *w)
 {
     static const struct {
@@ -129,17 +111,17 @@ static void figures(const struct study *study, struct surface_work *w)
                "share of the template\n");
     fprintf(f, "printed in the paper,figure 10: as they were,234254,,,\n");
     fprintf(f, "printed in the paper,figure 11: after alignment,120238.8,,,\n");
-    scan(1, 0, 0, false, w, &a);
-    both_faces(study, "template.dat", &a.surface.mesh, NULL);
+    scan(1, 0, false, w, &a);
+    study_triangles(study, "template.dat", &a.surface.mesh, LATTICE_PER_MM);
     for (int k = 0; k < 2; k++) {
-        struct face_result found;
+        struct align_result found;
         double truth[16];
 
-        scan(row[k].subject, 1, 0, true, w, &b);
-        study_must(face_align(&a, &b, NULL, w, &found));
+        scan(row[k].subject, 1, true, w, &b);
+        study_must(face_align(&a, &b, w, &found));
         true_pose(truth);
         for (int i = 0; i < 3; i++) {
-            const double *pose[] = {identity, found.align.transform, truth};
+            const double *pose[] = {identity, found.transform, truth};
             struct disparity d;
             char name[64];
 
@@ -150,7 +132,7 @@ static void figures(const struct study *study, struct surface_work *w)
                 continue;
             (void)snprintf(name, sizeof name, "%s-%s.dat", row[k].name,
                            i == 1 ? "after" : "before");
-            both_faces(study, name, &a.surface.mesh, &m.moved.mesh);
+            study_triangles(study, name, &m.moved.mesh, LATTICE_PER_MM);
             (void)snprintf(name, sizeof name, "%s-%s-gap.dat", row[k].name,
                            i == 1 ? "after" : "before");
             gap_map(study, name, &a, &m);
@@ -162,115 +144,11 @@ static void figures(const struct study *study, struct surface_work *w)
     measure_work_free(&m);
 }
 
-/* ---- the weight: examples, in the template's coordinates (nose tip near the origin) */
-
-static float one(const void *arg, double x, double y, double z)
-{
-    (void)arg, (void)x, (void)y, (void)z;
-    return 1;
-}
-
-static float seven(const void *arg, double x, double y, double z)
-{
-    return 7 * one(arg, x, y, z);
-}
-
-static float nose(const void *arg, double x, double y, double z)
-{
-    const double u = x / LATTICE_PER_MM / 18, v = (y / LATTICE_PER_MM - 15) / 30;
-
-    (void)arg, (void)z;
-    return (float)exp(-(u * u + v * v) / 2);
-}
-
-static float upper(const void *arg, double x, double y, double z)
-{
-    (void)arg, (void)x, (void)z;
-    return y > -8 * LATTICE_PER_MM ? 1 : 0.02F;
-}
-
-static float lower(const void *arg, double x, double y, double z)
-{
-    (void)arg, (void)x, (void)z;
-    return y > -8 * LATTICE_PER_MM ? 0.02F : 1;
-}
-
-static float left(const void *arg, double x, double y, double z)
-{
-    (void)arg, (void)y, (void)z;
-    return x < 0 ? 1 : 0;
-}
-
-/* The mean weighted gap of mated comparisons, neutral and smiling, and of non-mated ones. */
-static void weights(const struct study *study, struct surface_work *w)
-{
-    static const struct {
-        const char *name;
-        float (*at)(const void *arg, double x, double y, double z);
-    } u[] = {
-        {"u = 1", one},
-        {"u = 7: the same mean; the volume times 7", seven},
-        {"nose: a Gaussian round the bridge", nose},
-        {"upper face: 1 above the upper lip; 0.02 below", upper},
-        {"lower face: the reverse", lower},
-        {"left half alone", left},
-    };
-    enum { KINDS = 3, U = sizeof u / sizeof u[0] };
-    const size_t people = study->reduced ? 4 : 60;
-    double *mm[U][KINDS];
-    FILE *f = study_open(study, "weights.csv");
-    struct surface_face a = {0}, b = {0};
-    struct measure_work m = {0};
-
-    for (int i = 0; i < U; i++)
-        for (int k = 0; k < KINDS; k++)
-            mm[i][k] = study_alloc(people, sizeof(double));
-    for (size_t s = 0; s < people; s++) {
-        scan(s, 0, 0, false, w, &a);
-        for (int k = 0; k < KINDS; k++) { /* neutral, smiling, non-mated */
-            struct face_result found;
-
-            scan(k < 2 ? s : (s + 1) % people, 1, k == 1 ? 1 : 0, true, w, &b);
-            study_must(face_align(&a, &b, NULL, w, &found));
-            for (int i = 0; i < U; i++) {
-                const struct disparity_weight weight = {u[i].at, NULL};
-                struct disparity d;
-
-                study_must(measure_at(&a.surface, &b.surface, found.align.transform,
-                                      &weight, &m, &d));
-                mm[i][k][s] = d.weighted_mm;
-            }
-        }
-    }
-    fprintf(f, "weight,mated: mean mm,mated with a smile: mean mm,95 %% of these below,"
-               "non-mated: mean mm,95 %% of these above,"
-               "smile mean / non-mated mean\n");
-    for (int i = 0; i < U; i++) {
-        const struct study_spread n = study_spread(mm[i][0], people);
-        const struct study_spread s = study_spread(mm[i][1], people);
-        const struct study_spread o = study_spread(mm[i][2], people);
-
-        fprintf(f, "%s,%.3f,%.3f,%.3f,%.3f,%.3f,%.2f\n", u[i].name, n.mean, s.mean,
-                s.high, o.mean, o.low, s.mean / o.mean);
-    }
-    study_close(f);
-    for (int i = 0; i < U; i++)
-        for (int k = 0; k < KINDS; k++)
-            free(mm[i][k]);
-    face_free(&a);
-    face_free(&b);
-    measure_work_free(&m);
-}
-
 void faces_run(const struct study *study)
 {
     struct surface_work *w = surface_work_new(NULL);
 
-    if (w == NULL) {
-        study_must(ST_ENOMEM);
-    } else {
-        figures(study, w);
-        weights(study, w);
-    }
+    study_must(w != NULL ? ST_OK : ST_ENOMEM);
+    figures(study, w);
     surface_work_free(w);
 }

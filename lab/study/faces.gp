@@ -1,4 +1,5 @@
-# Two faces before and after alignment.
+# Two faces before and after alignment; of so many triangles SVG would be far too large.
+if (kind eq 'png') {
 array title[2] = ['the same person again', 'another person']
 do for [k = 1:2] {
     who = word('person other', k)
@@ -10,13 +11,16 @@ do for [k = 1:2] {
     unset grid
     unset key
     do for [pose in 'before after'] {
+        load shaded
         set title (pose eq 'before' ? 'Figure 10: as scanned' : 'Figure 11: after alignment')
-        set xlabel 'across the view, mm'
-        set ylabel 'up the view, mm'
-        set xrange [-82:82]
-        set yrange [-95:95]
-        unset colorbox
-        plot sprintf('%s/%s-%s.dat', dir, who, pose) using 1:2:3:4:5 with rgbimage
+        set view 20, 20, 1.6
+        set view equal xyz
+        unset xlabel
+        unset ylabel
+        splot dir . '/template.dat' using 1:2:3:4 with pm3d, \
+              sprintf('%s/%s-%s.dat', dir, who, pose) using 1:2:3:($4 + 1) with pm3d
+        set border
+        set tics
         set title (pose eq 'before' ? 'gap as scanned' : 'gap after alignment')
         set xlabel 'x, mm'
         set ylabel 'y, mm'
@@ -29,4 +33,5 @@ do for [k = 1:2] {
         plot sprintf('%s/%s-%s-gap.dat', dir, who, pose) using 1:2:3 with image pixels
     }
     unset multiplot
+}
 }

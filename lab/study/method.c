@@ -6,8 +6,6 @@
 
 #include "disparity.h"
 #include "study.h"
-#include "picture.h"
-#include "study.h"
 #include "locate.h"
 
 static size_t scatter(struct study_random *r, size_t n, unsigned f, struct ivec3 *out)
@@ -227,36 +225,6 @@ static void steps(const struct study *study)
 
 /* ---- figures 5 to 8: f2, sampled on the second mesh, on the first one's points */
 
-static double depth(const struct mesh *m)
-{
-    double most = 0;
-
-    for (uint32_t v = 0; v < m->nv; v++)
-        most = fmax(most, abs(m->z[v]) / STUDY_UNIT);
-    return most;
-}
-
-static void picture(const struct study *study, const char *name, const struct mesh *top,
-                    const struct mesh *bottom)
-{
-    const double up = 0.45 / fmax(depth(bottom), depth(top));
-    struct picture r = {.wide = 320,
-                        .high = 346,
-                        .per = 230,
-                        .x = 0.5,
-                        .y = 0.5,
-                        .z = 0.5,
-                        .turn = 0,
-                        .tilt = 0.9};
-    FILE *f = study_open(study, name);
-
-    picture_begin(&r);
-    picture_mesh(&r, bottom, NULL, STUDY_UNIT, up, 0, 0xf0a030);
-    picture_mesh(&r, top, NULL, STUDY_UNIT, up, 0.6, 0x60a0e0);
-    picture_end(&r, f);
-    study_close(f);
-}
-
 static void interpolation(const struct study *study)
 {
     static const struct {
@@ -270,7 +238,7 @@ static void interpolation(const struct study *study)
                "largest,mean distance of surfaces (2) and (3),largest\n");
     for (size_t i = 0; i < sizeof row / sizeof row[0]; i++) {
         struct study_random r = {study->seed + 3};
-        const size_t n = row[i].n;
+        const size_t n = study->reduced ? 1000 : row[i].n;
         struct ivec3 *pts = study_alloc(n, sizeof *pts);
         struct study_surface a = {0}, b = {0}, c = {0};
         struct location *loc;
@@ -307,10 +275,12 @@ static void interpolation(const struct study *study)
         fprintf(f, "%d,%zu,%s,%s,%.2e,%.2e,%.2e,%.2e\n", row[i].figure, n,
                 study_function_name(row[i].f1), study_function_name(row[i].f2), mean,
                 most, apart, widest);
-        (void)snprintf(name, sizeof name, "fig%d-given.dat", row[i].figure);
-        picture(study, name, &a.surface.mesh, &b.surface.mesh);
-        (void)snprintf(name, sizeof name, "fig%d-interpolated.dat", row[i].figure);
-        picture(study, name, &a.surface.mesh, &c.surface.mesh);
+        for (int k = 0; k < 3; k++) {
+            const struct study_surface *const surface[] = {&a, &b, &c};
+
+            (void)snprintf(name, sizeof name, "fig%d-%d.dat", row[i].figure, k + 1);
+            study_triangles(study, name, &surface[k]->surface.mesh, STUDY_UNIT);
+        }
         study_surface_free(&a);
         study_surface_free(&b);
         study_surface_free(&c);

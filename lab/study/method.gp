@@ -52,25 +52,27 @@ plot dir . '/steps.csv' using 1:5 every ::1 with linespoints ls 2 title 'each fr
      dir . '/steps.csv' using 1:3 every ::1 with linespoints ls 1 title 'along the spanning tree', \
      0.5 * sqrt(x) with lines ls 9 dt 2 title 'square root of N (slope alone)'
 
+if (kind eq 'png') { # of so many triangles SVG would be hundreds of megabytes
 name = 'interpolation'; wide = 1000; high = 1640
 load begin
 set datafile separator whitespace
 set multiplot layout 4,2
-set size ratio -1
-set xlabel 'across the view (sides of the square)'
-set ylabel 'up the view'
-unset key
-unset grid
-set autoscale fix
+load shaded
 array points[8]
 points[5] = 'N = 1,000'; points[6] = 'N = 10,000'; points[7] = 'N = 10,000'; points[8] = 'N = 15,000'
+file(k, i) = sprintf('%s/fig%d-%d.dat', dir, k, i)
 do for [k = 5:8] {
-    set title sprintf('Figure %d, %s: (1) above, (2) below, as given', k, points[k])
-    plot sprintf('%s/fig%d-given.dat', dir, k) using 1:2:3:4:5 with rgbimage
-    set title sprintf('Figure %d, %s: below (3), on the points of (1)', k, points[k])
-    plot sprintf('%s/fig%d-interpolated.dat', dir, k) using 1:2:3:4:5 with rgbimage
+    stats file(k, 2) using 3 nooutput
+    lift = 1.5 * (STATS_max - STATS_min) # the upper surface above the lower one
+    do for [i = 2:3] {
+        set title sprintf('Figure %d, %s: ', k, points[k]) \
+            . (i == 2 ? '(1) above, (2) below, as given' : 'below (3), on the points of (1)')
+        splot file(k, i) using 1:2:3:($4 + 1) with pm3d, \
+              file(k, 1) using 1:2:($3 + lift):4 with pm3d
+    }
 }
 unset multiplot
+}
 
 name = 'fig9'; wide = 1000; high = 640
 load begin

@@ -3,21 +3,18 @@
  *
  * Which points its authors removed they do not say: here each draw removes the first points
  * of a random order, so that within a draw more removal means more of the same points.
- * Errors are those of the function that was sampled, as the paper's tables seem to mean: at
- * the removed points, and on a grid.  Where a point lies outside the hull of what is left,
+ * Errors are those of the function that was sampled, as the paper's tables seem to mean, at
+ * the removed points.  Where a point lies outside the hull of what is left,
  * the surface is that at the nearest point of the hull; the mean over those inside stands
  * beside it. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "study.h"
 #include "study.h"
 
 #define POINTS 36
 #define SHARES 5
 #define DRAWS  1000
-#define GRID   51 /* a side of the fine grid */
 
 static const double point[POINTS][2] = {
     {0.00, 0.00}, {0.50, 0.00}, {1.00, 0.00}, {0.15, 0.15}, {0.70, 0.15}, {0.50, 0.20},
@@ -43,31 +40,11 @@ static const double mean_printed[SHARES][STUDY_FUNCTIONS] = {
 };
 
 enum error {
-    E_TOTAL,     /* sum over the removed points */
-    E_MEAN,      /* their mean */
-    E_INSIDE,    /* mean over those inside the hull that is left; NAN: none */
-    E_GRID,      /* mean over the fine grid */
-    E_GRID_MOST, /* the largest on it */
-    E_SURFACE,   /* mean distance on it from the surface of all 36 points */
-    E_LOST,      /* share of the grid outside the hull that is left */
+    E_TOTAL,  /* sum over the removed points */
+    E_MEAN,   /* their mean */
+    E_INSIDE, /* mean over those inside the hull that is left; NAN: none */
     ERRORS
 };
-
-/* The surfaces one function leaves, and the grid's values. */
-struct work {
-    struct study_surface part;
-    double truth[GRID * GRID], all[GRID * GRID];
-};
-
-static struct ivec2 grid_at(int i)
-{
-    const double step = STUDY_UNIT / (GRID - 1);
-
-    /* Row by row, there and back, so that each point lies beside the last. */
-    return (struct ivec2){
-        (int32_t)lround((i / GRID % 2 ? GRID - 1 - i % GRID : i % GRID) * step),
-        (int32_t)lround((double)(i / GRID) * step)};
-}
 
 /* order: the points, those to be removed first. */
 static enum status triangulate(struct study_surface *s, unsigned f, const int *order,
@@ -100,67 +77,33 @@ static void draw(struct study_surface *s, int *order, struct study_random *r)
     while (triangulate(s, 0, order, removed[SHARES]) != ST_OK);
 }
 
-static void prepare(struct work *w, unsigned f)
-{
-    static const int none[POINTS] = {0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11,
-                                     12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23,
-                                     24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35};
-    bool inside;
-
-    study_must(triangulate(&w->part, f, none, 0));
-    for (int i = 0; i < GRID * GRID; i++) {
-        const struct ivec2 q = grid_at(i);
-
-        w->truth[i] = study_function(f, q.x / STUDY_UNIT, q.y / STUDY_UNIT);
-        w->all[i] = study_height(&w->part, q, &inside) / STUDY_UNIT;
-    }
-}
-
-static void errors_at_removed(struct work *w, unsigned f, const int *order, int k,
-                              double *e)
+static void errors(struct study_surface *s, unsigned f, const int *order, int k,
+                   double *e)
 {
     double within = 0;
     int count = 0;
 
+    study_must(triangulate(s, f, order, k));
     e[E_TOTAL] = 0;
     for (int i = 0; i < k; i++) {
         const struct ivec3 p = study_lattice(f, point[order[i]][0], point[order[i]][1]);
         bool inside;
-        const double z = study_height(&w->part, (struct ivec2){p.x, p.y}, &inside);
+        const double z = study_height(s, (struct ivec2){p.x, p.y}, &inside);
         const double off = fabs(z - p.z) / STUDY_UNIT;
 
         e[E_TOTAL] += off;
         within += inside ? off : 0;
         count += inside;
     }
-    e[E_MEAN] = k > 0 ? e[E_TOTAL] / k : 0;
+    e[E_MEAN] = e[E_TOTAL] / k;
     e[E_INSIDE] = count > 0 ? within / count : (double)NAN;
-}
-
-static void errors(struct work *w, unsigned f, const int *order, int k, double *e)
-{
-    const double cells = GRID * GRID;
-
-    study_must(triangulate(&w->part, f, order, k));
-    errors_at_removed(w, f, order, k, e);
-    e[E_GRID] = e[E_GRID_MOST] = e[E_SURFACE] = e[E_LOST] = 0;
-    for (int i = 0; i < GRID * GRID; i++) {
-        bool inside;
-        const double z = study_height(&w->part, grid_at(i), &inside) / STUDY_UNIT;
-        const double off = fabs(z - w->truth[i]);
-
-        e[E_GRID] += off / cells;
-        e[E_GRID_MOST] = off > e[E_GRID_MOST] ? off : e[E_GRID_MOST];
-        e[E_SURFACE] += fabs(z - w->all[i]) / cells;
-        e[E_LOST] += inside ? 0 : 1 / cells;
-    }
 }
 
 /* ---- tables 2 and 3, 1,000 draws of each */
 
 struct draws {
     int n;
-    double *e[STUDY_FUNCTIONS][SHARES + 1][ERRORS]; /* [n] each */
+    double *e[STUDY_FUNCTIONS][SHARES][ERRORS]; /* [n] each */
 };
 
 static struct study_spread spread(const struct draws *d, unsigned f, int share,
@@ -181,29 +124,27 @@ static struct study_spread spread(const struct draws *d, unsigned f, int share,
 
 static void all_draws(const struct study *study, struct draws *d)
 {
-    struct work *w = study_alloc(1, sizeof *w);
+    struct study_surface part = {0};
 
     for (unsigned f = 0; f < STUDY_FUNCTIONS; f++) {
         struct study_random r = {study->seed}; /* the same draws for each function */
 
-        prepare(w, f);
-        for (int s = 0; s <= SHARES; s++)
+        for (int s = 0; s < SHARES; s++)
             for (int k = 0; k < ERRORS; k++)
                 d->e[f][s][k] = study_alloc((size_t)d->n, sizeof(double));
         for (int i = 0; i < d->n; i++) {
             int order[POINTS];
             double e[ERRORS];
 
-            draw(&w->part, order, &r);
-            for (int s = 0; s <= SHARES; s++) {
-                errors(w, f, order, removed[s], e);
+            draw(&part, order, &r);
+            for (int s = 0; s < SHARES; s++) {
+                errors(&part, f, order, removed[s + 1], e);
                 for (int k = 0; k < ERRORS; k++)
                     d->e[f][s][k][i] = e[k];
             }
         }
     }
-    study_surface_free(&w->part);
-    free(w);
+    study_surface_free(&part);
 }
 
 /* The draws, in per cent, whose total is as large as the printed one or larger. */
@@ -216,18 +157,21 @@ static double reached(const struct draws *d, unsigned f, int share, double total
     return 100.0 * n / d->n;
 }
 
+/* Nothing between the commas where nothing was there to be measured. */
 static void write_spread(FILE *f, struct study_spread s)
 {
-    study_field(f, 4, s.mean);
-    study_field(f, 4, s.median);
-    study_field(f, 4, s.low);
-    study_field(f, 4, s.high);
+    const double value[] = {s.mean, s.median, s.low, s.high};
+
+    for (int i = 0; i < 4; i++)
+        if (isnan(value[i]))
+            (void)fputc(',', f);
+        else
+            (void)fprintf(f, ",%.4f", value[i]);
 }
 
 static void tables(const struct study *study, const struct draws *d)
 {
     FILE *t2 = study_open(study, "table2.csv"), *t3 = study_open(study, "table3.csv");
-    FILE *grid = study_open(study, "grid.csv");
     const char *four = "mean,median,5 %,95 %";
 
     fprintf(
@@ -238,102 +182,23 @@ static void tables(const struct study *study, const struct draws *d)
             "function,removed %%,points left,printed mean,printed total / points left,%s,"
             "inside the hull: %s\n",
             four, four);
-    fprintf(grid,
-            "function,removed %%,%s,largest error: mean,from the surface of all 36: mean,"
-            "share outside the hull\n",
-            four);
     for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
-        for (int s = 0; s <= SHARES; s++) {
+        for (int s = 0; s < SHARES; s++) {
             const char *name = study_function_name(f);
+            const double total = total_printed[s][f];
+            const int left = POINTS - removed[s + 1];
 
-            if (s > 0) {
-                const double total = total_printed[s - 1][f];
-
-                fprintf(t2, "%s,%d,%d,%.2f", name, percent[s], removed[s], total);
-                write_spread(t2, spread(d, f, s, E_TOTAL));
-                fprintf(t2, ",%.1f\n", reached(d, f, s, total));
-                fprintf(t3, "%s,%d,%d,%.2f,%.2f", name, percent[s], POINTS - removed[s],
-                        mean_printed[s - 1][f], total / (POINTS - removed[s]));
-                write_spread(t3, spread(d, f, s, E_MEAN));
-                write_spread(t3, spread(d, f, s, E_INSIDE));
-                fprintf(t3, "\n");
-            }
-            fprintf(grid, "%s,%d", name, percent[s]);
-            write_spread(grid, spread(d, f, s, E_GRID));
-            fprintf(grid, ",%.4f,%.4f,%.4f\n", spread(d, f, s, E_GRID_MOST).mean,
-                    spread(d, f, s, E_SURFACE).mean, spread(d, f, s, E_LOST).mean);
+            fprintf(t2, "%s,%d,%d,%.2f", name, percent[s + 1], removed[s + 1], total);
+            write_spread(t2, spread(d, f, s, E_TOTAL));
+            fprintf(t2, ",%.1f\n", reached(d, f, s, total));
+            fprintf(t3, "%s,%d,%d,%.2f,%.2f", name, percent[s + 1], left,
+                    mean_printed[s][f], total / left);
+            write_spread(t3, spread(d, f, s, E_MEAN));
+            write_spread(t3, spread(d, f, s, E_INSIDE));
+            fprintf(t3, "\n");
         }
     study_close(t2);
     study_close(t3);
-    study_close(grid);
-}
-
-/* ---- what the printed numbers can be
- * A surface through values of F, and F itself, both lie between F's least and greatest
- * value, so no error exceeds their difference: not one, and not a mean of any. */
-static void bounds(const struct study *study)
-{
-    enum { SIDE = 1001 };
-    FILE *out = study_open(study, "bounds.csv"), *all = study_open(study, "possible.csv");
-
-    fprintf(out, "function,least value,greatest value,largest possible error,"
-                 "printed means,above it,printed totals,above removed points x it,"
-                 "above 36 x it\n");
-    fprintf(all, "function,removed %%,printed total,most over the removed points,"
-                 "most over all 36,printed mean,most possible,verdict\n");
-    for (unsigned f = 0; f < STUDY_FUNCTIONS; f++) {
-        double least = INFINITY, most = -INFINITY, range;
-        int means = 0, totals = 0, totals36 = 0;
-
-        for (int i = 0; i < SIDE * SIDE; i++) {
-            const double z = study_function(f, (double)(i % SIDE) / (SIDE - 1),
-                                            (double)(i / SIDE) / (SIDE - 1));
-
-            least = z < least ? z : least;
-            most = z > most ? z : most;
-        }
-        range = most - least;
-        for (int s = 0; s < SHARES; s++) {
-            const double total = total_printed[s][f], mean = mean_printed[s][f];
-            const bool no_mean = mean > range, no_total = total > removed[s + 1] * range;
-
-            means += no_mean;
-            totals += no_total;
-            totals36 += total > POINTS * range;
-            fprintf(all, "%s,%d,%.2f,%.2f,%.2f,%.2f,%.4f,%s\n", study_function_name(f),
-                    percent[s + 1], total, removed[s + 1] * range, POINTS * range, mean,
-                    range,
-                    no_mean && no_total ? "neither can be"
-                    : no_mean           ? "the mean cannot be"
-                    : no_total          ? "the total cannot be"
-                    : total <= 0        ? "0 only with nothing removed"
-                                        : "possible");
-        }
-        fprintf(out, "%s,%.4f,%.4f,%.4f,%d,%d,%d,%d,%d\n", study_function_name(f), least,
-                most, range, SHARES, means, SHARES, totals, totals36);
-    }
-    study_close(out);
-    study_close(all);
-}
-
-/* F6 has no complex value on the square: its radicand at the points and corners. */
-static void radicand(const struct study *study)
-{
-    FILE *out = study_open(study, "radicand.csv");
-    double least = INFINITY, most = -INFINITY;
-
-    for (int i = 0; i < POINTS; i++) {
-        const double x = point[i][0] - 0.5, y = point[i][1] - 0.5;
-        const double under = 64 - 81 * (x * x + y * y);
-
-        least = under < least ? under : least;
-        most = under > most ? under : most;
-    }
-    fprintf(out, "64 - 81 r^2,value\nleast at the 36 points (a corner),%.2f\n", least);
-    fprintf(out, "greatest at the 36 points,%.4f\n", most);
-    fprintf(out, "complex only where r exceeds,%.4f\n", 8.0 / 9);
-    fprintf(out, "greatest r of the unit square,%.4f\n", sqrt(0.5));
-    study_close(out);
 }
 
 /* ---- figures 2 to 8: one draw, the first of the tables' */
@@ -359,13 +224,10 @@ static void figures(const struct study *study)
     for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
         for (int k = 0; k <= SHARES; k++) {
             char name[32];
-            FILE *out;
 
             (void)snprintf(name, sizeof name, "fig%u-%d.dat", f + 3, percent[k]);
-            out = study_open(study, name);
             study_must(triangulate(&s, f, order, removed[k]));
-            study_triangles(&s.surface.mesh, STUDY_UNIT, out);
-            study_close(out);
+            study_triangles(study, name, &s.surface.mesh, STUDY_UNIT);
         }
     study_close(edges);
     study_close(pts);
@@ -377,12 +239,10 @@ void missing_run(const struct study *study)
     struct draws d = {.n = study->reduced ? 40 : DRAWS};
 
     figures(study);
-    bounds(study);
-    radicand(study);
     all_draws(study, &d);
     tables(study, &d);
     for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)
-        for (int s = 0; s <= SHARES; s++)
+        for (int s = 0; s < SHARES; s++)
             for (int k = 0; k < ERRORS; k++)
                 free(d.e[f][s][k]);
 }

@@ -45,7 +45,7 @@ do for [f = 1:6] {
     unset key
     do for [p in '0 15 30 45 60 75'] {
         set title (p eq '0' ? 'all 36 points' : p . ' % removed') offset 0,-1
-        splot sprintf('%s/fig%d-%s.dat', dir, f + 2, p) with pm3d
+        splot sprintf('%s/fig%d-%s.dat', dir, f + 2, p) using 1:2:3 with pm3d
     }
     unset multiplot
 }
@@ -65,15 +65,13 @@ set offsets 0, 0, graph 0.25, 0
 do for [f in '"F1 exponential" "F2 cliff" "F3 saddle" "F4 gentle" "F5 steep" "F6 sphere"'] {
     set title f
     plot dir . '/table3.csv' using (pick($2)):(pick($7)):(pick($8)):(pick($9)) \
-             with yerrorbars ls 1 title 'at the removed points', \
-         dir . '/grid.csv' using (pick($2 + 1.5)):(pick($4)):(pick($5)):(pick($6)) \
-             with yerrorbars ls 2 title 'on the fine grid'
+             with yerrorbars ls 1 title 'at the removed points'
 }
 unset multiplot
 
 name = 'printed'; wide = 960; high = 640
 load begin
-set multiplot layout 2,3 title 'Total absolute error: printed in table 2, recomputed, and the most there can be'
+set multiplot layout 2,3 title 'Total absolute error: printed in table 2, and recomputed'
 set xlabel 'points removed, %'
 set ylabel 'total absolute error (units of z)'
 set xrange [0:80]
@@ -84,9 +82,7 @@ set ytics 100
 set key bottom right samplen 1
 do for [f in '"F1 exponential" "F2 cliff" "F3 saddle" "F4 gentle" "F5 steep" "F6 sphere"'] {
     set title f
-    plot dir . '/possible.csv' using (pick($2)):(pick($4)) \
-             with linespoints ls 6 dt 2 title 'the most there can be', \
-         dir . '/table2.csv' using (pick($2)):(pick($4 > 0 ? $4 : NaN)) \
+    plot dir . '/table2.csv' using (pick($2)):(pick($4 > 0 ? $4 : NaN)) \
              with points ls 2 ps 1.2 title 'printed', \
          dir . '/table2.csv' using (pick($2)):(pick($6)):(pick($7)):(pick($8)) \
              with yerrorbars ls 1 title 'recomputed'

@@ -4,7 +4,7 @@
 #   @study NAME      studies/NAME.html, if out/NAME is there; in it:
 #   @table FILE | CAPTION    a CSV file as a table
 #   @maybe FILE | CAPTION    the same where the file is there
-#   @figure NAME | CAPTION   a picture, in the page: the SVG, or the PNG of a large one
+#   @figure NAME | CAPTION   a picture, in the page: the SVG, or the PNG of a large one or one without
 #   @maybe-figure NAME | CAPTION   the same where it is there
 function text(s) {
     gsub(/&/, "\\&amp;", s); gsub(/</, "\\&lt;", s); gsub(/>/, "\\&gt;", s)
@@ -35,10 +35,10 @@ function table(file, caption,    line, n, i, field, cell) {
 function figure(base, caption,    command, size, kind, name) {
     name = base
     sub(/.*\//, "", name)
-    command = "wc -c < '" base ".svg'"
+    command = "cat '" base ".svg' 2>/dev/null | wc -c"
     command | getline size
     close(command)
-    kind = size < 400000 ? "svg" : "png"
+    kind = size > 0 && size < 400000 ? "svg" : "png"
     printf "<figure><img alt=\"%s\" src=\"data:image/%s;base64,", name, kind == "svg" ? "svg+xml" : kind
     fflush()
     system("base64 -w 0 '" base "." kind "'")

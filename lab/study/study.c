@@ -50,14 +50,6 @@ void study_close(FILE *f)
         study_must(ST_EIO);
 }
 
-void study_field(FILE *f, int places, double x)
-{
-    if (isnan(x))
-        (void)fputc(',', f);
-    else
-        (void)fprintf(f, ",%.*f", places, x);
-}
-
 static double quantile(const double *v, size_t n, double share)
 {
     const double at = share * (double)(n - 1);
@@ -119,8 +111,7 @@ struct study_fit study_fit(const double *x, const double *y, size_t n)
     }
     slope = xy / xx;
     rest = yy - slope * xy > 0 ? yy - slope * xy : 0;
-    return (struct study_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx),
-                              exp(my - slope * mx), yy > 0 ? 1 - rest / yy : 1};
+    return (struct study_fit){slope, student(n - 2) * sqrt(rest / (double)(n - 2) / xx)};
 }
 
 static double square(double x)
@@ -231,20 +222,37 @@ void study_edges(const struct mesh *m, double per, const char *tag, FILE *f)
     }
 }
 
-void study_triangles(const struct mesh *m, double per, FILE *f)
+/* How bright a triangle is, 0 to 1, in light from the upper left and above. */
+static double brightness(const struct dvec3 p[3])
+{
+    const struct dvec3 n = vec_cross(vec_sub(p[1], p[0]), vec_sub(p[2], p[0]));
+    const double facing = (-0.35 * n.x + 0.45 * n.y + 0.82 * n.z) / sqrt(vec_dot(n, n));
+
+    return 0.35 + 0.63 * fmax(facing, 0);
+}
+
+void study_triangles(const struct study *study, const char *name, const struct mesh *m,
+                     double per)
 {
     static const int corner[4] = {0, 1, 2, 2};
+    FILE *f = study_open(study, name);
 
     for (uint32_t t = 0; t < m->nt; t++) {
+        struct dvec3 p[3];
+
         if (mesh_is_ghost(m, t))
             continue;
-        for (int i = 0; i < 4; i++) {
-            const uint32_t v = m->org[3 * t + (uint32_t)corner[i]];
+        for (uint32_t i = 0; i < 3; i++) {
+            const uint32_t v = m->org[3 * t + i];
 
-            fprintf(f, "%g %g %g\n%s", m->xy[v].x / per, m->xy[v].y / per, m->z[v] / per,
+            p[i] = (struct dvec3){m->xy[v].x / per, m->xy[v].y / per, m->z[v] / per};
+        }
+        for (int i = 0; i < 4; i++)
+            fprintf(f, "%g %g %g %.3f\n%s", p[corner[i]].x, p[corner[i]].y,
+                    p[corner[i]].z, brightness(p),
                     i == 1   ? "\n"
                     : i == 3 ? "\n\n"
                              : "");
-        }
     }
+    study_close(f);
 }

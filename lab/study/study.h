@@ -23,8 +23,8 @@ struct study {
 /* ---- the studies; what each writes stands in its .html (the part of the report), what came
  * out in docs/studies.md */
 void method_run(const struct study *study); /* the disparity paper's figures 1 to 9 */
-void cost_run(const struct study *study);   /* its tables 1 to 4, growth */
-void faces_run(const struct study *study);  /* its figures 10 and 11, the weight */
+void cost_run(const struct study *study);   /* its tables 1 to 4 */
+void faces_run(const struct study *study);  /* its figures 10 and 11 */
 void missing_run(
     const struct study *study); /* the missing-points paper's figures, tables */
 
@@ -35,10 +35,6 @@ void *study_alloc(size_t n, size_t size); /* zeroed; free() */
  * the program where it could not all be written. */
 FILE *study_open(const struct study *study, const char *name);
 void study_close(FILE *f);
-
-/* study_field(f, places, x): a comma and x with so many digits behind the point; NAN, where
- * nothing was there to be measured, is an empty field. */
-void study_field(FILE *f, int places, double x);
 
 /* ---- numbers */
 
@@ -57,9 +53,9 @@ struct study_spread {
 struct study_spread study_spread(double *v, size_t n);
 
 /* y = c x^slope, by least squares of the logarithms; half: half the 95 % confidence
- * interval of the slope (Student); r2: the share of the variance explained.  n >= 3. */
+ * interval of the slope (Student).  n >= 3. */
 struct study_fit {
-    double slope, half, c, r2;
+    double slope, half;
 };
 struct study_fit study_fit(const double *x, const double *y, size_t n);
 
@@ -95,8 +91,9 @@ double study_height(struct study_surface *s, struct ivec2 q, bool *inside);
 /* study_edges(m, per, tag, f): lines "tag,x1,y1,x2,y2", every edge once, per lattice units. */
 void study_edges(const struct mesh *m, double per, const char *tag, FILE *f);
 
-/* study_triangles(m, per, f): the triangles as gnuplot's pm3d wants them: each a surface of
- * its own of two scans of two points. */
-void study_triangles(const struct mesh *m, double per, FILE *f);
+/* study_triangles(study, name, m, per): a file of the triangles as gnuplot's pm3d wants them: each a
+ * surface of its own of two scans of two points; behind each point how bright the triangle is. */
+void study_triangles(const struct study *study, const char *name, const struct mesh *m,
+                     double per);
 
 #endif

@@ -116,7 +116,7 @@ void burst_refuse(struct request *r, const struct burst *b)
     const struct errinfo *why = &b->each[0].why;
     char detail[sizeof why->msg + 128];
 
-    (void)snprintf(detail, sizeof detail, "none of the %zu files was taken; %.80s: %s",
+    (void)snprintf(detail, sizeof detail, "none of the %zu files was enrolled; %.80s: %s",
                    b->n, b->file[0].name, why->msg);
     request_refuse(r, why->code,
                    list(errmap_problem(errmap_get(why->code), detail, r->id), b));

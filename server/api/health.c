@@ -23,8 +23,8 @@ static const char *reason(enum status st)
     case ST_EBUSY:
         return "the database is locked by another process";
     case ST_EREFUSED:
-        return "the database is not the one that was opened, or not as it was written: the log "
-               "says more";
+        return "the database is not the one that was opened, or was altered: see the "
+               "daemon's log";
     case ST_ENOMEM:
         return "out of memory";
     default:

@@ -20,7 +20,7 @@
 
 #define PAGE_DEFAULT 100
 #define PAGE_MAX     1000
-#define LOOKED       50000 /* entries that a request looks at, at most: some 100 ms */
+#define LOOKED       20000 /* entries that a request looks at, at most: some 50 ms */
 #define PLACE_MAX    40    /* bytes of one */
 #define FINDINGS_MAX 100
 #define TABLE_MAX    ((size_t)64 << 20) /* bytes of CSV, which are in memory */

@@ -36,7 +36,7 @@ bool params_flag(struct request *r, const char *name, bool *out)
         if (*out || strcmp(buf, "false") == 0)
             return true;
     }
-    request_problem(r, ERRMAP_PARAMETER, "%s is neither true nor false", name);
+    request_problem(r, ERRMAP_PARAMETER, "%s must be true or false", name);
     return false;
 }
 
@@ -48,7 +48,7 @@ bool params_units(struct request *r, double *mm)
     if (get(r, "units", buf, sizeof buf, &there) &&
         (!there || cloudunit_or_auto(buf, mm)))
         return true;
-    request_problem(r, ERRMAP_PARAMETER, "units is not auto, " CLOUDUNIT_NAMES);
+    request_problem(r, ERRMAP_PARAMETER, "units must be auto, " CLOUDUNIT_NAMES);
     return false;
 }
 
@@ -64,7 +64,7 @@ bool params_axes(struct request *r, bool *axes_given)
         if (*axes_given || strcmp(buf, "auto") == 0)
             return true;
     }
-    request_problem(r, ERRMAP_PARAMETER, "axes is neither auto nor scanner");
+    request_problem(r, ERRMAP_PARAMETER, "axes must be auto or scanner");
     return false;
 }
 
@@ -123,7 +123,7 @@ bool params_detail(struct request *r, unsigned scopes, enum verify_detail *out)
             return auth_may(r, scopes);
     }
     request_problem(r, ERRMAP_PARAMETER,
-                    "detail is measure, heatmap or surface, not '%s'", buf);
+                    "detail must be measure, heatmap or surface, not '%s'", buf);
     return false;
 }
 
@@ -137,7 +137,7 @@ bool params_surface(struct request *r, bool *out)
         if (!there || strcmp(buf, "surface") == 0)
             return true;
     }
-    request_problem(r, ERRMAP_PARAMETER, "detail is surface, not '%s'", buf);
+    request_problem(r, ERRMAP_PARAMETER, "detail must be surface, not '%s'", buf);
     return false;
 }
 
@@ -151,7 +151,7 @@ bool params_format(struct request *r, bool *ply)
         if (!there || *ply || strcmp(buf, "glb") == 0)
             return true;
     }
-    request_problem(r, ERRMAP_PARAMETER, "format is glb or ply, not '%s'", buf);
+    request_problem(r, ERRMAP_PARAMETER, "format must be glb or ply, not '%s'", buf);
     return false;
 }
 

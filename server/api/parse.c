@@ -57,7 +57,7 @@ static const char *take_text(const struct json_value *object, const char *key, c
     if (json_is_null(v) || json_copy_text(v, out, size))
         return out;
     *st = json_get_text(v) == NULL
-              ? errinfo_set(e, ST_EINVAL, "%s is neither a text nor null", key)
+              ? errinfo_set(e, ST_EINVAL, "%s must be a string or null", key)
               : errinfo_set(e, ST_EINVAL, "%s is longer than %zu bytes", key, size - 1);
     return NULL;
 }
@@ -71,7 +71,7 @@ static const bool *take_flag(const struct json_value *object, const char *key, b
         return NULL;
     if (json_get_flag(v, out))
         return out;
-    *st = errinfo_set(e, ST_EINVAL, "%s is neither true nor false", key);
+    *st = errinfo_set(e, ST_EINVAL, "%s must be true or false", key);
     return NULL;
 }
 

@@ -12,7 +12,6 @@
 #include "dry_run.h"
 #include "json.h"
 #include "logger.h"
-#include "mem.h"
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
@@ -21,27 +20,11 @@
 #include "store.h"
 #include "worker.h"
 
-/* What is shown of the points as they came. */
-struct shown {
-    bool wanted;
-    struct dvec3 *at; /* by mem_array() */
-    size_t n;
-};
-
-/* An even choice of them; without memory none. */
-static void keep(struct shown *s, const struct cloudpoints *c)
-{
-    const size_t step = c->n / SHOW_POINTS + 1;
-
-    if (!s->wanted || c->n == 0 ||
-        (s->at = mem_array(c->n / step + 1, sizeof *s->at)) == NULL)
-        return;
-    for (size_t i = 0; i < c->n; i += step)
-        s->at[s->n++] = c->at[i];
-}
+/* of a scan as it came */
+#define SHOWN_POINTS 20000
 
 static void respond(struct request *r, const struct worker *w, const struct dry_run *t,
-                    const struct describe_times *times, const struct shown *shown)
+                    const struct describe_times *times, const struct cloudpoints *shown)
 {
     const bool face = t->verification == ST_OK;
     struct json *j = json_new();
@@ -50,7 +33,7 @@ static void respond(struct request *r, const struct worker *w, const struct dry_
     metrics_check(r->app->metrics, t->enrolment == ST_OK ? METRICS_ENROLLABLE
                                    : face                ? METRICS_USABLE
                                                          : METRICS_UNUSABLE);
-    if (!shown->wanted || (!face && shown->n == 0)) {
+    if (shown == NULL || (!face && shown->n == 0)) {
         describe_dry_run(j, t, w->probe, times);
         request_respond(r, 200, json_compact(j));
         return;
@@ -58,8 +41,8 @@ static void respond(struct request *r, const struct worker *w, const struct dry_
     json_object(j, "extras");
     describe_dry_run(j, t, w->probe, times);
     json_close(j);
-    (void)show_scan(face ? w->probe : NULL, shown->at, shown->n, t->found.scan.view, j,
-                    &show);
+    (void)show_scan(face ? w->probe : NULL, shown->at, shown->n, SHOWN_POINTS,
+                    t->found.scan.view, j, &show);
     request_bytes(r, "model/gltf-binary", show.glb, show.len);
 }
 
@@ -67,14 +50,14 @@ void scans_check(struct request *r, struct worker *w)
 {
     const struct sample_options o = {.stop = &r->gone};
     struct describe_times times = {0};
-    struct shown shown = {0};
+    bool shown = false;
     struct cloudpoints c;
     struct dry_run t = {0};
     const double start = logger_clock_ms();
     double parsed;
     enum status st;
 
-    if (!params_surface(r, &shown.wanted))
+    if (!params_surface(r, &shown))
         return;
     st = cloud_take(r, &c, &t.why);
     if (r->response.http != 0) /* a parameter */
@@ -82,7 +65,6 @@ void scans_check(struct request *r, struct worker *w)
     parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
     if (st == ST_OK) {
-        keep(&shown, &c);
         st = dry_run_run("points", &c, &o, w->compare.work, &w->probe, &t);
         request_stage(r, REQUEST_PREPARE, times.prepare = logger_clock_ms() - parsed);
     } else if (dry_run_is_refusal(st)) {
@@ -93,11 +75,10 @@ void scans_check(struct request *r, struct worker *w)
     }
     times.total = logger_clock_ms() - r->start_ms;
     if (st == ST_OK && !request_gone(r))
-        respond(r, w, &t, &times, &shown);
+        respond(r, w, &t, &times, shown ? &c : NULL);
     else if (!request_gone(r))
         request_fail(r, &t.why);
     cloudpoints_free(&c);
-    mem_free(shown.at);
 }
 
 static void send_ply(struct request *r, const struct surface_face *f)
@@ -126,7 +107,7 @@ static void send_glb(struct request *r, const struct surface_face *f,
     json_object(j, "extras");
     describe_template(j, t, f, true);
     json_close(j);
-    (void)show_scan(f, NULL, 0, NULL, j, &show);
+    (void)show_scan(f, NULL, 0, 1, NULL, j, &show);
     request_bytes(r, "model/gltf-binary", show.glb, show.len);
 }
 

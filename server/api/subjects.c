@@ -88,21 +88,23 @@ static enum status read_cursor(const char *text, int64_t *after)
 
 void subjects_list(struct request *r, struct worker *w)
 {
-    char cursor[SUBJECTS_CURSOR] = "", part[STORE_SUBJECT_MAX + 1] = "", state[16] = "";
+    char cursor[SUBJECTS_CURSOR], part[STORE_SUBJECT_MAX + 1] = "", state[16] = "";
     struct store_search what = {.part = part, .limit = PAGE_DEFAULT};
     struct store_subject *s = NULL;
     struct errinfo e = {0};
+    enum status st;
     size_t n = 0;
     int64_t next;
 
     (void)w;
-    if (!params_text(r, "cursor", cursor, sizeof cursor) ||
-        !params_text(r, "q", part, sizeof part) ||
+    if (!params_text(r, "q", part, sizeof part) ||
         !params_text(r, "state", state, sizeof state) ||
         !params_count(r, "limit", PAGE_MAX, &what.limit))
         return;
-    if (read_cursor(cursor, &what.after) != ST_OK)
-        request_problem(r, ERRMAP_PARAMETER, "cursor is not the next_cursor of a page");
+    st = request_query(r, "cursor", cursor, sizeof cursor);
+    if ((st != ST_OK && st != ST_ENOTFOUND) || read_cursor(cursor, &what.after) != ST_OK)
+        request_problem(r, ERRMAP_PARAMETER,
+                        "cursor must be the next_cursor of an earlier response");
     else if (state[0] != '\0' && !store_subject_state(state, &what.state))
         request_problem(r, ERRMAP_PARAMETER,
                         "state is active, disabled, hold, expired or ending, not '%s'",

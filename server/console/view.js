@@ -154,7 +154,7 @@ export function createView(canvas, changed = () => {}) {
       delete nodes[name];
     }
     for (const name in given) nodes[name] = upload(given[name]);
-    const of = nodes.template ?? nodes.face;
+    const of = nodes.template ?? nodes.face ?? nodes.scan;
     if (of) {
       const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
       of.at.forEach((x, i) => {
@@ -162,7 +162,7 @@ export function createView(canvas, changed = () => {}) {
         high[i % 3] = Math.max(high[i % 3], x);
       });
       centre = low.map((x, i) => (x + high[i]) / 2);
-      centre[2] -= 20;
+      if (of.index) centre[2] -= 20; // of a face; a scan alone is in its own unit
       radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.8 : 0.68);
     }
     if (pose) [yaw, pitch, zoom] = [...VIEWS[pose], 1];

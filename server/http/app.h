@@ -19,6 +19,7 @@ struct recent;        /* recent.h */
 struct route;         /* route.h */
 struct store;         /* store.h */
 struct throttle;      /* throttle.h */
+struct tls;           /* tls.h */
 struct upkeep;        /* upkeep.h */
 
 struct app {
@@ -37,6 +38,7 @@ struct app {
     struct recent *recent;
     struct guard *guard;        /* of the connections; http.c's */
     struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
+    struct tls *tls;            /* http.c's; NULL: no TLS */
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;

@@ -64,7 +64,9 @@ bool auth_may(struct request *r, unsigned scopes)
         return true;
     rows_scopes_write(r->scopes, has);
     rows_scopes_write(scopes, lacks);
-    request_problem(r, ERRMAP_SCOPE, "this takes a token with %s %s; it has %s",
+    request_problem(r, ERRMAP_SCOPE,
+                    "this request needs a token with %s %s; yours has "
+                    "%s",
                     strchr(lacks, ',') != NULL ? "one of the scopes" : "the scope", lacks,
                     has);
     r->response.lacks = scopes;

@@ -128,9 +128,10 @@ static bool judge(struct request *r, const struct capture *c, enum store_capture
         [STORE_CAPTURE_FOREIGN] = {ERRMAP_CAPTURE_INVALID,
                                    "the nonce is not from POST /v1/challenge"},
         [STORE_CAPTURE_STALE] = {ERRMAP_CAPTURE_STALE,
-                                 "a nonce is good for 2 minutes: ask for another"},
+                                 "the nonce has expired after 2 minutes: request "
+                                 "another"},
         [STORE_CAPTURE_REPLAYED] = {ERRMAP_CAPTURE_REPLAYED,
-                                    "a nonce is good once: ask for another"},
+                                    "the nonce was used already: request another"},
     };
     const bool alive = strcmp(c->field[LIVENESS], "fail") != 0;
 
@@ -141,7 +142,7 @@ static bool judge(struct request *r, const struct capture *c, enum store_capture
     if (is == STORE_CAPTURED) {
         record(r, ERRMAP_LIVENESS);
         return refuse(r, ERRMAP_LIVENESS,
-                      "the scanner says that this is not a living face");
+                      "the scanner reports that this is not a living face");
     }
     if (is == STORE_CAPTURE_STALE || is == STORE_CAPTURE_REPLAYED)
         record(r, refusal[is].problem);
@@ -163,8 +164,8 @@ bool capture_admit(struct request *r)
     if (x->header[0] == '\0' && !x->bad)
         return !r->app->signed_captures ||
                refuse(r, ERRMAP_CAPTURE_REQUIRED,
-                      "send Capture-Signature, by a scanner that surfacectl device add "
-                      "has made known");
+                      "send Capture-Signature, made by a scanner registered with "
+                      "surfacectl device add");
     if (x->bad || !read_header(x->header, &c))
         return refuse(r, ERRMAP_CAPTURE_INVALID,
                       "Capture-Signature is not once device=NAME; nonce=NONCE; "

@@ -57,7 +57,7 @@ static void count(struct headers_framing *f, const char *name, const char *value
         if (f->has_host)
             f->wrong = "more than one Host header";
         else if (!is_host(value))
-            f->wrong = "the Host header is not a host and a port";
+            f->wrong = "the Host header must be a host and a port";
         f->has_host = true;
     } else if (strcasecmp(name, "Authorization") == 0) {
         if (f->has_authorization)
@@ -72,7 +72,7 @@ void headers_frame(struct headers_framing *f, const char *name, const char *valu
 
     if (name[0] == '\0' || !is_token(name) || value == NULL || is_folded(name, value) ||
         !is_line(value)) {
-        f->wrong = "a header is not a line of a name, a colon and a value";
+        f->wrong = "a header must be a line with a name, a colon and a value";
         return;
     }
     count(f, name, value);

@@ -165,16 +165,15 @@ static void explain(struct request *r, unsigned status)
     static const struct {
         unsigned status, kind;
         const char *why;
-    } known[] = {
-        {414, ERRMAP_TARGET, "the path and query have at most some 11 KB"},
-        {431, ERRMAP_HEADERS, "the headers have at most some 11 KB in all"},
-        {505, ERRMAP_VERSION, "HTTP/1.1 is served, and HTTP/1.0"},
-        /* it may be a stranger, who does not learn the limit */
-        {413, ST_ESIZE, "Content-Length or a chunk's size has too many digits"},
-        {400, ST_EINVAL, "a header, Content-Length or a chunk is not as HTTP has it"},
-        /* its buffer is full, and we cannot take anything of it */
-        {500, ST_EINVAL, "a chunk's size and extension are too long"},
-        {0, ST_EINTERNAL, "libmicrohttpd gave up"}};
+    } known[] = {{414, ERRMAP_TARGET, "the limit for path and query is about 11 KB"},
+                 {431, ERRMAP_HEADERS, "the limit for all headers is about 11 KB"},
+                 {505, ERRMAP_VERSION, "use HTTP/1.1 or HTTP/1.0"},
+                 /* it may be a stranger, who does not learn the limit */
+                 {413, ST_ESIZE, "Content-Length or a chunk's size has too many digits"},
+                 {400, ST_EINVAL, "a header, Content-Length or a chunk is malformed"},
+                 /* its buffer is full, and we cannot take anything of it */
+                 {500, ST_EINVAL, "a chunk's size and extension are too long"},
+                 {0, ST_EINTERNAL, "libmicrohttpd rejected the request"}};
     size_t i = 0;
 
     while (known[i].status != 0 && known[i].status != status)
@@ -588,6 +587,7 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
     h->app = app;
     app->guard = h->host.guard;
     app->quota = h->quota;
+    app->tls = h->host.tls;
     h->host.refuse = on_refusal;
     h->host.arg = h;
     if (peer_init(e) != ST_OK)

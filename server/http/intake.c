@@ -130,8 +130,8 @@ bool intake_admit(struct request *r, unsigned n)
 
     if (intake_full(x, &left)) {
         request_problem(r, ERRMAP_STORAGE_FULL,
-                        "%llu MB are free where the database is, and disk-reserve keeps "
-                        "%zu MB for verifications: make room",
+                        "%llu MB are free on the database's disk, and disk-reserve "
+                        "keeps %zu MB for verifications: free some space",
                         left >> 20, x->reserve >> 20);
         r->response.retry_after = FULL_S;
         return false;
@@ -139,8 +139,8 @@ bool intake_admit(struct request *r, unsigned n)
     if ((wait_s = intake_take(x, r->actor, n, logger_clock_ms())) == 0)
         return true;
     request_problem(r, ERRMAP_ENROLLMENTS,
-                    "this token has added %.0f templates and subjects within an hour, as "
-                    "many as it may",
+                    "this token has added %.0f templates and subjects within an hour, "
+                    "which is its limit",
                     x->per_hour);
     r->response.retry_after = wait_s;
     return false;

@@ -103,7 +103,9 @@ static enum status passed_socket(int *fd, struct errinfo *e)
     if (n > 1)
         return errinfo_set(e, ST_EINVAL, "%d sockets were passed; one is served", n);
     if (sd_is_socket(first, AF_UNSPEC, SOCK_STREAM, 1) <= 0)
-        return errinfo_set(e, ST_EINVAL, "what was passed is no listening stream socket");
+        return errinfo_set(e, ST_EINVAL,
+                           "the socket that was passed is not a listening "
+                           "stream socket");
     if ((flags = fcntl(first, F_GETFL)) < 0 ||
         fcntl(first, F_SETFL, flags | O_NONBLOCK) != 0)
         return errinfo_set(e, ST_EINVAL, "the socket that was passed: %s",
@@ -124,8 +126,8 @@ enum status listen_start(const struct options *o, struct listen_socket *s,
     if (st == ST_OK && !address_is_local(&s->ss) &&
         (o->no_auth || (o->tls_cert == NULL && !o->plaintext)))
         st = errinfo_set(e, ST_EINVAL,
-                         "the socket that was passed is reached from other machines: "
-                         "that needs tokens, and --tls-cert or --plaintext");
+                         "the socket that was passed accepts other machines: that needs "
+                         "tokens, and --tls-cert or --plaintext");
     return st;
 }
 

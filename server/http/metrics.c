@@ -11,6 +11,7 @@
 
 #include "app.h"
 #include "cache.h"
+#include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
 #include "json.h"
@@ -19,6 +20,8 @@
 #include "queue.h"
 #include "request.h"
 #include "route.h"
+#include "store.h"
+#include "tls.h"
 
 #define NSTATUS  600
 #define NBUCKETS 14
@@ -330,7 +333,7 @@ static void print_requests(FILE *f, const struct metrics *m)
     char labels[128];
 
     head(f, "surfaced_http_requests_total", "counter",
-         "Requests by route and status; status 0: the client went away.");
+         "Requests by route and status; status 0: the client disconnected.");
     for (size_t i = 0; i <= m->nroutes; i++)
         for (int s = 0; s < NSTATUS; s++)
             if (value(&m->route[i].status[s]) > 0)
@@ -348,8 +351,8 @@ static void print_requests(FILE *f, const struct metrics *m)
                         &m->route[i].duration);
     }
     head(f, "surfaced_stage_duration_seconds", "histogram",
-         "Time of requests by stage; queue: waiting for a worker; total: all "
-         "of a request with a face, sending and receiving too.");
+         "Time of requests by stage; queue: waiting for a worker; total: a request with "
+         "a scan, receiving and sending included.");
     for (size_t i = 0; i <= REQUEST_STAGES; i++) {
         (void)snprintf(labels, sizeof labels, "stage=\"%s\"",
                        i == REQUEST_STAGES ? "total"
@@ -370,24 +373,24 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     print_by(f, "surfaced_decisions_total", "decision", decision_name, m->decision, 3,
              "Verifications and comparisons by decision.");
     print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
-             "Enrolments; known: the subject had this very scan; mismatch: refused.");
+             "Enrolments; known: the subject has this scan already; mismatch: refused.");
     for (unsigned i = 0; i < NINTAKE; i++)
         intake[i] = errmap_get(ERRMAP_ENROLLMENTS + i)->code;
     print_by(f, "surfaced_enrollments_refused_total", "code", intake, m->intake, NINTAKE,
-             "Enrolments refused: the token's were too many, or the disk is too full.");
+             "Enrolments refused because of the token's limit or a full disk.");
     for (unsigned i = 0; i < NREFUSALS; i++)
         refused[i] = errmap_get(ST_ELIMIT + i)->code;
     print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,
              "Scans that could not be used, by the code of the response.");
     print_by(f, "surfaced_checks_total", "outcome", check, m->check, 3,
-             "Scans that were only checked; usable: for verification alone.");
+             "Scans checked without storing; usable: for verification only.");
     for (unsigned i = 1; i < NCAPTURES; i++)
         capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
     print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
-             "Signed captures: taken, or refused with this code.");
+             "Signed captures: accepted, or refused with this code.");
     print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts, 3,
-             "Verifications refused (429) for those that failed before: of the token for "
-             "the subject, of other tokens, of the token for many subjects.");
+             "Verifications refused (429) after failures: of the token for the subject, "
+             "of other tokens, of the token for many subjects.");
     print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning, 2,
              "Lock-outs that began; tokens that tried many subjects without a match.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
@@ -395,29 +398,45 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),
               "Events that could not be written to the database.");
     print_one(f, "surfaced_replayed_total", "counter", value(&m->replayed),
-              "Probes refused because they were no new scans (replayed).");
+              "Probes refused because they were enrolled before (replayed).");
     print_one(f, "surfaced_wrong_tokens_total", "counter", value(&m->wrong_tokens),
               "Requests with a token that is not valid.");
 }
 
-static void print_tokens(FILE *f, const struct metrics *m)
+/* end: seconds since 1970; 0: there is none. */
+static void print_until(FILE *f, const char *name, uint64_t end, const char *help)
 {
-    const uint64_t now = (uint64_t)time(NULL), end = value(&m->token_end);
+    const uint64_t now = (uint64_t)time(NULL);
+
+    if (end > 0)
+        print_one(f, name, "gauge", end > now ? end - now : 0, help);
+}
+
+static void print_ends(FILE *f, const struct app *app)
+{
+    const struct metrics *m = app->metrics;
 
     print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
-              "Tokens that end within 30 days.");
-    if (end > 0)
-        print_one(f, "surfaced_token_first_end_seconds", "gauge",
-                  end > now ? end - now : 0, "Until the first token ends.");
+              "Tokens that expire within 30 days.");
+    print_until(f, "surfaced_token_first_end_seconds", value(&m->token_end),
+                "Time until the first token expires.");
+    print_until(f, "surfaced_certificate_end_seconds",
+                app->tls != NULL ? (uint64_t)tls_end(app->tls) : 0,
+                "Time until the daemon's TLS certificate expires.");
 }
 
 /* By the system's clock, which may be set back. */
-static void print_verified(FILE *f, const struct metrics *m)
+static void print_verified(FILE *f, const struct app *app)
 {
-    const uint64_t now = (uint64_t)time(NULL), at = value(&m->rows_verified);
+    const uint64_t now = (uint64_t)time(NULL), at = value(&app->metrics->rows_verified);
+    struct errinfo e;
 
     print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,
-              "Since the database's rows were last verified against its change log.");
+              "Time since the database's rows were last verified against its change "
+              "log.");
+    print_one(
+        f, "surfaced_database_refused", "gauge", store_refused(app->store, &e),
+        "1: the database is not the one that was opened, and all of /v1 gives 503.");
 }
 
 static void print_gauges(FILE *f, const struct app *app)
@@ -431,17 +450,17 @@ static void print_gauges(FILE *f, const struct app *app)
               "Requests that wait for a worker.");
     print_one(f, "surfaced_workers_busy", "gauge", q.running, "Worker threads at work.");
     print_one(f, "surfaced_cache_hits_total", "counter", c.hits,
-              "Templates found decoded.");
+              "Templates found in the cache.");
     print_one(f, "surfaced_cache_misses_total", "counter", c.misses,
-              "Templates read and decoded.");
+              "Templates not found in the cache.");
     print_one(f, "surfaced_templates_reencoded_total", "counter", c.reencoded,
-              "Of these, made by another engine, and so re-encoded in memory: surfacectl "
+              "Templates read that another engine made, re-encoded in memory: surfacectl "
               "template reencode stores the result.");
     print_one(
         f, "surfaced_storage_full", "gauge", intake_full(app->intake, NULL),
         "1: less than the reserve is free on the disk, and enrolments are refused.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
-              "Decoded templates dropped for want of room.");
+              "Decoded templates evicted from the cache.");
 }
 
 static void print_connections(FILE *f, const struct app *app)
@@ -465,12 +484,12 @@ static void print_connections(FILE *f, const struct app *app)
 
     print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");
     head(f, "surfaced_held_bytes", "gauge",
-         "Bodies and responses in memory, by the room that they are in.");
+         "Bytes of bodies and responses in memory, by size class.");
     for (int i = 0; i < QUOTA_SIZES; i++)
         fprintf(f, "surfaced_held_bytes{size=\"%s\"} %zu\n",
                 i == QUOTA_IS_LARGE ? "large" : "small", quota_held(app->quota, i));
     head(f, "surfaced_connections_closed_total", "counter",
-         "Connections closed by a limit, of their number or of time.");
+         "Connections closed because of a limit on number or time.");
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)
         fprintf(f, "surfaced_connections_closed_total{reason=\"%s\"} %" PRIu64 "\n",
                 closed[i].reason, closed[i].n);
@@ -548,8 +567,8 @@ static char *text(const struct app *app)
         return NULL;
     print_requests(f, app->metrics);
     print_outcomes(f, app->metrics);
-    print_verified(f, app->metrics);
-    print_tokens(f, app->metrics);
+    print_verified(f, app);
+    print_ends(f, app);
     print_gauges(f, app);
     print_connections(f, app);
     print_process(f, app);

@@ -42,7 +42,7 @@ void refusal_tell(struct app *app)
     struct errinfo e;
 
     if (store_refused(app->store, &e) && !atomic_flag_test_and_set(&app->refusal_told))
-        tell("error", "the database is refused until the daemon is started again", &e);
+        tell("error", "the database is refused until the daemon is restarted", &e);
     if (store_anchor_fault(app->store, &e) &&
         !atomic_flag_test_and_set(&app->anchor_told))
         tell("warn", "the database's anchor is not up to date", &e);

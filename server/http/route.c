@@ -76,13 +76,12 @@ void route_find(const struct route *table, size_t n, struct request *r)
             r->response.preflight = r->preflight;
             return;
         }
-        request_problem(r, ERRMAP_METHOD, "this path has the methods %s",
-                        r->response.allow);
+        request_problem(r, ERRMAP_METHOD, "this path accepts %s", r->response.allow);
     } else {
         request_problem(
             r, ERRMAP_ROUTE,
-            "there is no such path; GET /docs shows those that there are, and "
-            "/openapi.json describes them");
+            "no such path: /docs lists the API's routes, /openapi.json describes them, "
+            "/console is the console");
     }
 }
 
@@ -136,12 +135,14 @@ void route_check_query(struct request *r)
 
         if (len > 0 && which == 0) {
             request_problem(r, ERRMAP_PARAMETER,
-                            "there is no query parameter %.*s here: this path has %s",
-                            shown, p, *has != '\0' ? has : "none");
+                            "unknown query parameter %.*s; this path accepts %s", shown,
+                            p, *has != '\0' ? has : "none");
             return;
         }
         if ((seen & which) != 0) {
-            request_problem(r, ERRMAP_PARAMETER, "the query parameter %.*s comes twice",
+            request_problem(r, ERRMAP_PARAMETER,
+                            "the query parameter %.*s is given "
+                            "twice",
                             shown, p);
             return;
         }

@@ -30,6 +30,7 @@ struct tls_files {
     struct tls *owner;
     gnutls_certificate_credentials_t credentials;
     bool clients; /* must have a certificate */
+    time_t end;   /* of the daemon's own */
     unsigned refs;
 };
 
@@ -62,8 +63,8 @@ static enum status read_file(const char *name, bool secret, gnutls_datum_t *out,
     }
     if (secret && (sb.st_mode & (S_IROTH | S_IWOTH)) != 0) {
         st = errinfo_set(e, ST_EINVAL,
-                         "%s: everybody may read or change it (mode %03o): chmod o= it",
-                         name, (unsigned)sb.st_mode & 0777);
+                         "%s: others can read or change it (mode %03o); run: chmod o= %s",
+                         name, (unsigned)sb.st_mode & 0777, name);
         goto out;
     }
     out->data = gnutls_malloc(FILE_MAX + 1);
@@ -114,11 +115,11 @@ static enum status check_certificate(const char *name, const gnutls_datum_t *pem
                                           GNUTLS_X509_CRT_LIST_SORT);
 
     if (rc < 0 || n == 0)
-        return errinfo_set(e, ST_EINVAL, "%s: no certificate in PEM: %s", name,
+        return errinfo_set(e, ST_EINVAL, "%s: not a certificate in PEM: %s", name,
                            gnutls_strerror(rc));
     *expires = gnutls_x509_crt_get_expiration_time(list[0]);
     if (*expires == (time_t)-1)
-        st = errinfo_set(e, ST_EINVAL, "%s: the certificate has no end", name);
+        st = errinfo_set(e, ST_EINVAL, "%s: the certificate has no expiry date", name);
     else if (*expires < time(NULL))
         st = errinfo_set(e, ST_EINVAL, "%s: the certificate expired at %s", name,
                          day(*expires, text));
@@ -129,14 +130,14 @@ static enum status check_certificate(const char *name, const gnutls_datum_t *pem
 }
 
 static enum status read_own(const struct tls_names *names, struct tls_files *f,
-                            time_t *expires, struct errinfo *e)
+                            struct errinfo *e)
 {
     gnutls_datum_t cert = {0}, key = {0};
     enum status st = read_file(names->cert, false, &cert, e);
     int rc;
 
     if (st == ST_OK)
-        st = check_certificate(names->cert, &cert, expires, e);
+        st = check_certificate(names->cert, &cert, &f->end, e);
     if (st == ST_OK)
         st = read_file(names->key, true, &key, e);
     if (st == ST_OK) {
@@ -161,7 +162,7 @@ static enum status read_ca(const char *name, struct tls_files *f, struct errinfo
         n = gnutls_certificate_set_x509_trust_mem(f->credentials, &ca,
                                                   GNUTLS_X509_FMT_PEM);
         if (n <= 0)
-            st = errinfo_set(e, ST_EINVAL, "%s: no certificate in PEM", name);
+            st = errinfo_set(e, ST_EINVAL, "%s: not a certificate in PEM", name);
     }
     forget(&ca);
     return st;
@@ -180,7 +181,6 @@ static enum status read_all(struct tls *t, struct tls_files **out, struct errinf
 {
     struct tls_files *f = calloc(1, sizeof *f);
     struct logger_line line;
-    time_t expires = 0;
     char text[32];
     enum status st;
 
@@ -191,7 +191,7 @@ static enum status read_all(struct tls *t, struct tls_files **out, struct errinf
     }
     f->owner = t;
     f->refs = 1;
-    st = read_own(&t->names, f, &expires, e);
+    st = read_own(&t->names, f, e);
     if (st == ST_OK && t->names.client_ca != NULL) {
         f->clients = true;
         st = read_ca(t->names.client_ca, f, e);
@@ -202,12 +202,22 @@ static enum status read_all(struct tls *t, struct tls_files **out, struct errinf
     }
     logger_begin(&line, "info", "TLS certificate");
     logger_text(&line, "file", t->names.cert);
-    logger_text(&line, "expires", day(expires, text));
+    logger_text(&line, "expires", day(f->end, text));
     if (f->clients)
         logger_text(&line, "client_ca", t->names.client_ca);
     logger_end(&line);
     *out = f;
     return ST_OK;
+}
+
+time_t tls_end(struct tls *t)
+{
+    time_t end;
+
+    (void)pthread_mutex_lock(&t->lock);
+    end = t->current->end;
+    (void)pthread_mutex_unlock(&t->lock);
+    return end;
 }
 
 /* ---- sessions */

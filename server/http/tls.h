@@ -6,6 +6,7 @@
 #define SERVER_TLS_H
 #include <stddef.h>
 #include <sys/types.h>
+#include <time.h>
 #include <gnutls/abstract.h>
 #include "status.h"
 
@@ -32,6 +33,9 @@ enum status tls_open(const struct tls_names *names, struct tls **out, struct err
 /* tls_reload(t, e): read the files again.  On an error (as above) nothing changes.  From any
  * thread, beside the others. */
 enum status tls_reload(struct tls *t, struct errinfo *e);
+
+/* tls_end(t): when the certificate in force ends.  From any thread, beside the others. */
+time_t tls_end(struct tls *t);
 
 /* tls_attach(t, session): give a new session, before its handshake, the credentials in force.
  * Returns a reference for tls_detach(); NULL when it cannot, and then the session has none. */

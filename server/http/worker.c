@@ -25,7 +25,7 @@ void worker_passed_over(const struct templates *t)
 
     if (t->passed_over.code == ST_OK)
         return;
-    logger_begin(&l, "warn", "template passed over");
+    logger_begin(&l, "warn", "template skipped");
     logger_text(&l, "fault", t->passed_over.msg);
     logger_end(&l);
 }

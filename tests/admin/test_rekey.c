@@ -3,6 +3,7 @@
  * tests/box/store-attacks.sh. */
 #include <unistd.h>
 
+#include "admin_copy.h"
 #include "admin_rekey.h"
 #include "crypt_file.h"
 #include "filled.h"
@@ -173,6 +174,50 @@ TEST(test_files)
     fails(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE},
                       "me", &e),
           ST_EEXISTS);
+}
+
+/* What is copied is what was written, also where somebody changes it after it was verified. */
+TEST(test_copied)
+{
+    static const struct {
+        const char *sql;
+        enum status st;
+    } cases[] = {
+        {"DELETE FROM devices WHERE device_key = 1", ST_EREFUSED},
+        {"DELETE FROM subjects WHERE subject_key = 3", ST_EREFUSED},
+        {"DELETE FROM templates WHERE template_key = 1", ST_ECORRUPT},
+        {"UPDATE tokens SET revoked = NULL, mac = zeroblob(32)", ST_ECORRUPT},
+        {"UPDATE change_log SET actor = 'x' WHERE seq = 2", ST_ECORRUPT},
+        {"UPDATE change_log SET actor = 'x' WHERE seq = 1", ST_ECORRUPT},
+        {"UPDATE access_log SET outcome = 'x' WHERE seq = 1", ST_ECORRUPT},
+        {"DELETE FROM access_log WHERE seq = 1", ST_ECORRUPT},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct filled f;
+        struct store *s = filled_fresh(&f);
+        struct newfile n = NEWFILE_NONE;
+        struct log_act by;
+        struct crypt_root root;
+        struct crypt *crypt;
+        struct admin_copy c = {.root = &root,
+                               .key = &usual,
+                               .fill = admin_copy_all,
+                               .by = &by,
+                               .kind = "rekey",
+                               .outcome = "file"};
+
+        must(log_act(&by, "me", &e));
+        must(crypt_make(CRYPT_PLAINTEXT, NULL, 0, &root, &crypt, &e));
+        c.crypt = crypt;
+        must(store_verify(s, NULL, NULL, &e));
+        tempdb_sql(cases[i].sql);
+        if (admin_copy(s, tempdb_path, &c, &n, &e) != cases[i].st)
+            fail_msg("%s: %s", cases[i].sql, e.msg);
+        newfile_close(&n);
+        crypt_free(crypt);
+        store_close(s);
+    }
 }
 
 /* A rekey that was killed has left a key. */

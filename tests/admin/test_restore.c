@@ -201,6 +201,29 @@ TEST(test_bad_backup)
     assert_int_equal(restore(false, &r), ST_EMISMATCH);
 }
 
+/* A WAL or a journal that somebody has left beside what is to get this name, of an older state:
+ * SQLite would change the new file by it.  s: of which that is a backup; NULL: restored. */
+static void leave(const char *path, struct store *s)
+{
+    static const char *const suffix[] = {"-wal", "-journal"};
+    struct admin_restored r;
+    struct admin_copied c;
+    char name[100];
+
+    for (size_t i = 0; i < sizeof suffix / sizeof *suffix; i++) {
+        FILE *f;
+
+        (void)snprintf(name, sizeof name, "%s%s", path, suffix[i]);
+        assert_non_null(f = fopen(name, "w"));
+        assert_true(fputs("older", f) >= 0 && fclose(f) == 0);
+        fails(s == NULL ? restore(false, &r) : admin_backup(s, path, &usual, &c, &e),
+              ST_EEXISTS);
+        assert_non_null(strstr(e.msg, name));
+        assert_true(access(path, F_OK) != 0);
+        assert_int_equal(unlink(name), 0);
+    }
+}
+
 /* Nothing is there: by the key's file alone; and a backup that is newer than what is there. */
 TEST(test_missing)
 {
@@ -213,6 +236,7 @@ TEST(test_missing)
     make_backup(s);
     store_close(s);
     assert_int_equal(unlink(tempdb_path), 0);
+    leave(tempdb_path, NULL);
     must(restore(false, &r));
     assert_false(r.was_there);
     s = tempdb_open(STORE_WRITE);
@@ -221,6 +245,7 @@ TEST(test_missing)
     (void)snprintf(old, sizeof old, "%s-old", tempdb_path);
     assert_int_equal(rename(backup, old), 0);
     add(s, "dave");
+    leave(backup, s);
     must(admin_backup(s, backup, &usual, &(struct admin_copied){0}, &e));
     store_close(s);
     assert_int_equal(rename(old, tempdb_path), 0);

@@ -165,11 +165,10 @@ TEST(test_refused)
 TEST(test_malformed)
 {
     read_text("yes = 1\nyes = 1\nno = 1\n[x]\nyes = 1\n[surfaced]\ntext");
-    assert_said(4,
-                "surfaced: the.conf:2: yes is given twice, first on line 1\n"
-                "surfaced: the.conf:3: no such setting: no\n"
-                "surfaced: the.conf:5: in no section or in [surfaced], not in another\n"
-                "surfaced: the.conf:7: neither NAME = VALUE nor a comment\n");
+    assert_said(4, "surfaced: the.conf:2: yes is given twice, first on line 1\n"
+                   "surfaced: the.conf:3: no such setting: no\n"
+                   "surfaced: the.conf:5: a section other than [surfaced]\n"
+                   "surfaced: the.conf:7: neither NAME = VALUE nor a comment\n");
 }
 
 /* A line of 4,000 bytes is accepted, with or without a line feed; a longer one is not. */

@@ -137,7 +137,7 @@ static void find_pose(const struct surface_face *tmpl, const struct surface_face
 }
 
 /* Every way to a pair's score must give the same digits. */
-static void same_score(const struct pair *p, const struct face_result *r)
+static void same_score(const struct pair *p, const struct surface_comparison *r)
 {
     if (r->score == p->score)
         return;
@@ -147,26 +147,26 @@ static void same_score(const struct pair *p, const struct face_result *r)
 }
 
 /* With a stored template; out: the minimal disparity too, unless NULL. */
-static void decide(const struct pair *p, struct minimal *out)
+static void decide(const struct pair *p, struct surface_disparity *out)
 {
-    struct face_result r;
+    struct surface_comparison r;
 
     timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    timing_must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&stored, &fresh, (double)NAN, work, &r));
     same_score(p, &r);
     if (out != NULL)
-        timing_must(face_minimal(&stored, &fresh, NULL, work, &r, out));
+        timing_must(face_minimal(&stored, &fresh, work, out));
 }
 
 /* From the points of both. */
 static void decide_raw(const struct pair *p)
 {
-    struct face_result r;
+    struct surface_comparison r;
 
     timing_must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    timing_must(face_compare(&fresh2, &fresh, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&fresh2, &fresh, (double)NAN, work, &r));
     same_score(p, &r);
 }
 
@@ -181,8 +181,8 @@ static void pass(struct pair *pair, size_t k)
 {
     struct pair *p = turn(pair, k, LOAD);
     struct align_result found;
-    struct face_result r;
-    struct minimal least;
+    struct surface_comparison r;
+    struct surface_disparity least;
     double t = timing_now_ms();
 
     timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
@@ -196,7 +196,7 @@ static void pass(struct pair *pair, size_t k)
     find_pose(&p->tmpl, &p->probe, &found);
     t = lap(SEARCH, t);
     p = turn(pair, k, COMPARE);
-    timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, work, &r));
     t = lap(COMPARE, t);
     decide(turn(pair, k, DECIDE), NULL);
     t = lap(DECIDE, t);
@@ -259,14 +259,14 @@ static void outcome(struct pair *pair)
     unsigned matches = 0;
 
     for (size_t k = 0; k < PAIRS; k++) {
-        struct face_result r;
+        struct surface_comparison r;
+        struct align_result a;
 
-        timing_must(
-            face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, NULL, work, &r));
+        timing_must(face_compare(&pair[k].tmpl, &pair[k].probe, (double)NAN, work, &r));
         pair[k].score = r.score;
         matches += r.decision == SURFACE_MATCH;
-        timing_must(face_align(&pair[k].tmpl, &pair[k].probe, NULL, work, &r));
-        timing_add(&error, pose_error(&pair[k], r.align.transform));
+        timing_must(face_align(&pair[k].tmpl, &pair[k].probe, work, &a));
+        timing_add(&error, pose_error(&pair[k], a.transform));
     }
     printf("%d mated pairs: %u match; pose error, median: %.3f mm", PAIRS, matches,
            timing_median(&error));
@@ -283,7 +283,7 @@ static void white_noise_only(void)
 
     for (uint64_t k = 0; k < PAIRS; k++) {
         struct facegen_scan s;
-        struct face_result r;
+        struct align_result a;
 
         facegen_default(&s);
         s.warp = 0;
@@ -295,9 +295,8 @@ static void white_noise_only(void)
         clouds_move(p.probe_pts, p.n_probe, k, 8, 10, p.moved);
         timing_must(face_build(p.tmpl_pts, p.n_tmpl, work, &fresh, NULL));
         timing_must(face_build(p.probe_pts, p.n_probe, work, &fresh2, NULL));
-        timing_must(face_compare(&fresh, &fresh2, (double)NAN, NULL, work, &r));
-        timing_must(face_align(&fresh, &fresh2, NULL, work, &r));
-        timing_add(&error, pose_error(&p, r.align.transform));
+        timing_must(face_align(&fresh, &fresh2, work, &a));
+        timing_add(&error, pose_error(&p, a.transform));
     }
     printf(", with white noise alone %.3f mm\n", timing_median(&error));
     timing_free(&error);
@@ -326,7 +325,7 @@ static void points_of(const struct dvec3 *pts, size_t n, struct cloudpoints *out
 static void dense_make(struct pair *p, uint64_t k)
 {
     struct cloudpoints c;
-    struct face_result r;
+    struct surface_comparison r;
 
     pair_make(p, k, DENSE);
     free(p->blob);
@@ -339,23 +338,24 @@ static void dense_make(struct pair *p, uint64_t k)
     p->blob_size = surface_encoded_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
     surface_encode(&p->tmpl, p->blob);
-    timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&p->tmpl, &p->probe, (double)NAN, work, &r));
     p->score = r.score;
 }
 
-static void decide_dense(struct timing *t, const struct pair *p, struct minimal *out)
+static void decide_dense(struct timing *t, const struct pair *p,
+                         struct surface_disparity *out)
 {
     struct cloudpoints c;
-    struct face_result r;
+    struct surface_comparison r;
 
     points_of(p->probe_pts, p->n_probe, &c);
     timing_start(t);
     timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
     scan(&c, &fresh);
-    timing_must(face_compare(&stored, &fresh, (double)NAN, NULL, work, &r));
+    timing_must(face_compare(&stored, &fresh, (double)NAN, work, &r));
     same_score(p, &r);
     if (out != NULL)
-        timing_must(face_minimal(&stored, &fresh, NULL, work, &r, out));
+        timing_must(face_minimal(&stored, &fresh, work, out));
     timing_stop(t);
     cloudpoints_free(&c);
 }
@@ -370,7 +370,7 @@ static void dense(const struct pair *pair)
     for (size_t k = 0; k < DENSES; k++)
         dense_make(&big[k], PAIRS + k);
     for (size_t k = 0; k < PAIRS; k++) {
-        struct minimal least;
+        struct surface_disparity least;
 
         TIMED(&few[0], decide(&pair[k], NULL));
         TIMED(&few[1], decide(&pair[(k + PAIRS / 2) % PAIRS], &least));
@@ -401,16 +401,16 @@ static void memory(const struct pair *p)
     const double before = timing_bytes();
     struct surface_work *w = surface_work_new(NULL);
     struct surface_face a = {0}, b = {0};
-    struct face_result r;
-    struct minimal least;
+    struct surface_comparison r;
+    struct surface_disparity least;
     double bytes;
 
     if (w == NULL)
         timing_must(ST_ENOMEM);
     timing_must(codec_decode(p->blob, p->blob_size, w, &a));
     timing_must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
-    timing_must(face_compare(&a, &b, (double)NAN, NULL, w, &r));
-    timing_must(face_minimal(&a, &b, NULL, w, &r, &least));
+    timing_must(face_compare(&a, &b, (double)NAN, w, &r));
+    timing_must(face_minimal(&a, &b, w, &least));
     bytes = timing_bytes() - before;
     printf("\nMemory: working set of a comparison: %.2f MB\n", bytes / 1e6);
     timing_target("memory, working set of a comparison", bytes / 1e6, 4, "MB");

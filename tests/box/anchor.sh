@@ -63,11 +63,17 @@ ctl_exits 0 check-database # the newest is good
 # ---- a rollback that goes on: others' entries under the same numbers
 back 'then'
 cp "$T/then.anchor" "$ANCHOR"
-for name in a b c d; do
+for name in a b c d e; do
     ctl token create "$name" --scope verify
 done
 cp "$T/now.anchor" "$ANCHOR"
 refused "another history" 'is older than its anchor says, or another one'
+sqlite3 "$DB" "ATTACH '$T/now.db' AS now; CREATE TEMP TABLE was AS SELECT * FROM now.change_log ORDER BY seq DESC LIMIT 1;
+    DELETE FROM main.change_log WHERE seq = (SELECT seq FROM was); INSERT INTO main.change_log SELECT * FROM was"
+refused "another history, and in it the anchor's own entry" 'is older than its anchor says, or another one'
+back 'then'
+env -u LD_PRELOAD python3 tests/box/attack_store.py anchor_entry "$DB" "$T/now.db" || ok "the entry is planted" false
+refused "the older one, and before its first entry the anchor's" 'is older than its anchor says, or another one'
 back now
 
 # ---- the anchor removed, damaged, exchanged, older

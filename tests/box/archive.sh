@@ -100,6 +100,11 @@ is "a deleted template does" "$CODE $(said .templates_new)" "0 1"
 send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
 is "the daemon sees it" "$STATUS $(get .decision)" "200 match"
 stop_daemon
+# The entry that says so is of somebody else: then nothing here says who was erased.
+sqlite3 "$TO" "VACUUM INTO '$T/forged.db'"
+cp "$TO.key" "$T/forged.db.key"
+sqlite3 "$T/forged.db" "UPDATE change_log SET uid = zeroblob(16) WHERE kind = 'delete_subject'"
+on_exits 77 "$T/forged.db" import "$T/all" --archive-key "$T/phrase"
 
 # ---- another id here, then erased: the archive has the old one
 on "$TO" subject rename alice ann

@@ -7,6 +7,7 @@ An attack's class says what is to come of it (store-attacks.sh):
   walk     by `check` and `audit verify`, which read the logs and the faces too
   harmless nothing: neither what it seeks nor a difference
   outright nothing can be opened any more
+  anchor   an older state, which the anchor refuses (anchor.sh)
 
 In `rows` are plain SQL statements, for any engine; in `pages` is what only SQLite has: its schema
 table, its b-trees, its journals."""
@@ -117,6 +118,9 @@ FOUND = {
     'calibration_threshold': ['UPDATE calibrations SET threshold = -900, low = -900'],
     'calibration_older_in_force': ['CREATE TEMP TABLE was AS SELECT * FROM calibrations WHERE calibration_key = 1',
                                    'UPDATE was SET calibration_key = 77', 'INSERT INTO calibrations SELECT * FROM was'],
+    'all_older_but_the_log': [step for table in ('subjects', 'templates', 'faces', 'tokens', 'devices', 'calibrations')
+                              for step in ('DELETE FROM ' + table, (table, '1 = 1'))],
+    'log_older_alone': ['DELETE FROM change_log', ('change_log', '1 = 1')],
     'log_cut': ['DELETE FROM change_log WHERE seq = ' + LAST],
     'log_older_with_tokens': ['DELETE FROM change_log', ('change_log', '1 = 1'), 'DELETE FROM tokens',
                               ('tokens', '1 = 1')],
@@ -236,6 +240,24 @@ def index_hides_expiry(t):
 @attack('pages', 'found')
 def index_doubles(t):
     Schema(t).expires('(created)')
+
+@attack('pages', 'found')
+def other_tree(t):
+    """The older rows in a tree of their own, to which the schema leads."""
+    s = Schema(t)
+    t.run('CREATE TABLE twin AS SELECT * FROM tokens')
+    t.run('UPDATE twin SET revoked = NULL')
+    t.run("UPDATE sqlite_schema SET rootpage = (SELECT rootpage FROM sqlite_schema WHERE name = 'twin') "
+          "WHERE name = 'tokens'")
+    t.run("DELETE FROM sqlite_schema WHERE name = 'twin'")
+    s.fresh()
+
+@attack('pages', 'walk')
+def one_tree_for_both_logs(t):
+    s = Schema(t)
+    t.run("UPDATE sqlite_schema SET rootpage = (SELECT rootpage FROM sqlite_schema WHERE name = 'change_log') "
+          "WHERE name = 'access_log'")
+    s.fresh()
 
 @attack('pages', 'found')
 def second_of_an_id(t):
@@ -457,6 +479,20 @@ def wal_left(t):
     c.close()
     os.unlink(copy)
     os._exit(0)  # this connection would bring it in
+
+@attack('pages', 'anchor')
+def anchor_entry(t):
+    """The last change of the other file, where a search finds it and the end of the log is not (anchor.sh)."""
+    p, rows = Pages(t), t.old.execute('SELECT * FROM change_log ORDER BY seq DESC LIMIT 1').fetchone()
+    root = p.root['change_log']
+    older = bytes(p.page(root))
+    t.now = connect(t.path)
+    t.run('DELETE FROM change_log')
+    t.run('INSERT INTO change_log VALUES (%s)' % ', '.join('?' * len(rows)), *rows)
+    p = Pages(t)
+    entry, rest = p.add(bytes(p.page(root))), p.add(older)
+    p.put(root, p.interior([(entry, 120)], rest))
+    p.write()
 
 @attack('pages', 'outright')
 def key_record_plaintext(t):

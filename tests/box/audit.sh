@@ -87,8 +87,8 @@ if command -v openssl >/dev/null && command -v xxd >/dev/null; then
     ok "the signature holds" openssl pkeyutl -verify -rawin -pubin -keyform DER \
         -inkey "$T/key.der" -in "$T/signed" -sigfile "$T/signature" -out "$T/out"
 fi
-ctl audit erased
-is "it is remembered" "$CODE $(said '.erased[].erased_at')" "0 $(receipt .erased_at)"
+ctl audit show --kind delete_subject
+is "it is remembered" "$CODE $(said '.entries[].at')" "0 $(receipt .erased_at)"
 # proves WANTED FILE [OPTION...]: exit code and problems of verifying a receipt
 proves() {
     p_wanted=$1
@@ -112,7 +112,7 @@ for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.tem
     '.signature |= sub("^...."; "0000")'; do
     jq "$change" "$T/receipt" >"$T/forged"
     ctl audit receipt "$T/forged"
-    is "changed: $change" "$CODE $(said '.problems[0]')" '1 its contents are not what was signed'
+    is "changed: $change" "$CODE $(said '.problems[0]')" '1 its contents differ from what was signed'
 done
 for change in 'del(.audit)' '.audit.seq = 0' '.template_ids = "x"' '.template_ids = [1]' \
     'del(.signature)' '.subject = "a b"' '[.]'; do

@@ -140,7 +140,7 @@ ctl_exits 65 backup "$T/dead"
 rm "$T/dead"
 "$BUILD/surfacectl" --db "$T/dead" --key "$DB.key" restore "$T/b3" >"$T/out" 2>"$T/ctl.err"
 is "nor a restore beside one" $? 65
-contains "it is said" "$T/ctl.err" 'dead-wal without its database'
+contains "it is said" "$T/ctl.err" 'dead-wal of another database of that name: move it away first'
 ok "nothing was made" test ! -e "$T/dead" -a ! -e "$T/dead.part"
 start_daemon --no-auth
 ok "the next daemon empties it" sh -c "! cmp -s -n 32 '$DB-wal' '$T/dead-wal'"

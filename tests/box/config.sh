@@ -77,7 +77,7 @@ is "a folder" $? 64
 surfaced --config "$T/conf" --config "$T/conf"
 contains "--config twice" "$T/err" '--config is given twice'
 surfaced --config "$T/conf" --check-config --print-config
-contains "both" "$T/err" 'one at a time'
+contains "both" "$T/err" 'either --check-config or'
 
 # ---- files and credentials
 conf "db = $T/nowhere/faces.db"

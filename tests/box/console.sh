@@ -4,12 +4,7 @@
 # anywhere else, the token gone after locking.  What the pages are: http-console.sh.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
-if ! command -v chromedriver >/dev/null 2>&1 || ! /usr/bin/python3 -c 'import selenium' 2>/dev/null; then
-    echo "$0: no browser is installed: scripts/setup browser"
-    [ "${CI:-}" != true ] || { echo "0 passed, 1 failed" && exit 1; }
-    echo "SKIP $0: chromium, chromium-driver and python3-selenium are not installed"
-    exit 0
-fi
+needs_section browser chromedriver
 AUTH=
 start_daemon
 scan 1 0 "$T/a.ply"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Goal: surfacectl enrolls several scans of a subject at once, files and folders, by the rule of the
-# daemon: each that matches the first that was taken becomes a template, all together or none.
+# daemon: each that matches the first accepted sample becomes a template, all together or none.
 . tests/box/lib.sh
 in_folder
 
@@ -26,7 +26,7 @@ is "they are there" "$(said '[.templates[].label] | join(" ")')" 'sitting sittin
 ctl_exits 0 enroll alice a0.ply a1.ply
 is "again" "$(list) $(stored)" 'same same 2'
 expect 65 "as text" "$ctl" --db "$DB" enroll alice b.ply a0.ply a2.ply
-has out '^[0-9a-f]*  a0.ply  3000 points, quality 0.9[0-9] (was there already)$'
+has out '^[0-9a-f]*  a0.ply  3000 points, quality 0.9[0-9] (already enrolled)$'
 has out '^[0-9a-f]*  a2.ply  3000 points, quality 0.9[0-9]$'
 has err '^surfacectl: b.ply: the sample does not fit: it matches neither the subject'
 has err '^surfacectl: 1 of 3 scans were not enrolled'
@@ -49,7 +49,7 @@ ctl_exits 65 enroll bob frames a3.ply
 is "a folder and a file" "$(list)" 'new sample_mismatch new new'
 is "by name" "$(said '[.templates[].file] | join(" ")')" 'frames/f1.ply frames/f2.ply frames/f3.ply.gz a3.ply'
 ctl_exits 66 enroll bob empty
-is "an empty one" "$(said .error.detail)" 'empty: no scan in the folder, by the endings of the names'
+is "an empty one" "$(said .error.detail)" 'empty: no file in the folder has the extension of a scan format'
 cp a0.ply "frames/$(printf 'x\033[1m.ply')"
 ctl_exits 65 enroll bob frames
 is "an odd name" "$(said .error.detail)" \

@@ -22,7 +22,7 @@ ctl enroll s1 "$T/again.ply"
 ctl calibrate
 is "one in a thousand of 66 pairs" $CODE 65
 ok "says how many people it takes: $(said .error.detail)" \
-    matches "$(said .error.detail)" '0.001 takes 78 subjects.*3000 pairs.*12 \(66 pairs.*0.045'
+    matches "$(said .error.detail)" '0.001 needs 78 subjects.*3000 pairs.*12 \(66 pairs.*0.045'
 for wrong in "--fmr 0" "--fmr 0.6" "--fmr nan" "--fmr" "--list --reset" "--list --dry-run" \
     "--reset --fmr 0.1" "--list --mated x" "--list --yes"; do
     # shellcheck disable=SC2086 # words

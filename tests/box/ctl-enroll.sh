@@ -32,7 +32,7 @@ ctl_exits 65 enroll "$T/scans"
 is "again: nothing is enrolled" "$(counts)" '11 0 9 2 0'
 is "nor an event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll'")" 8
 "$BUILD/surfacectl" --db "$DB" enroll "$T/scans" >"$T/text" 2>/dev/null
-ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 were there already, 2 failed; ' "$T/text"
+ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 already enrolled, 2 failed; ' "$T/text"
 ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/ctl.err" | grep -c '#')" -eq 0
 ctl_exits 0 check-database
 
@@ -59,14 +59,14 @@ ok "each of it, why" jq_true '.failures | all(.reason | length > 0)' "$T/ctl"
 is "a name" "$(said '.failures[] | select(.file == "carol.ply").reason')" \
     'not named SUBJECT_KIND.ply (or list it in index.csv)'
 is "a folder" "$(said '.failures[] | select(.file == "older").reason')" \
-    'a folder, not a file: what is in it is not read'
+    'a folder, not a file: subfolders are not read'
 ok "a format that is not read" jq_true '.failures[] | select(.file == "f_1.ply").detail |
     test("OFF file, which is not read")' "$T/ctl"
 is "each in one line" "$(grep -c '^surfacectl: ' "$T/ctl.err")" 17
 ok "how many" grep -q '13 of 22 scans were not enrolled' "$T/ctl.err"
 "$BUILD/surfacectl" --db "$DB" enroll "$T/strays" >"$T/text" 2>/dev/null
-contains "as text" "$T/text" '^16 scans of .*: 0 enrolled, 9 were there already, 7 failed; 9 others left out; '
-for why in '4  not named SUBJECT_KIND' '1  a folder' '1  unsupported format' '2  no scan by the ending' '1  not a file'; do
+contains "as text" "$T/text" '^16 scans of .*: 0 enrolled, 9 already enrolled, 7 failed; 9 others ignored; '
+for why in '4  not named SUBJECT_KIND' '1  a folder' '1  unsupported format' '2  its extension is not that' '1  not a file'; do
     contains "and by reason" "$T/text" "^ +$why"
 done
 rm "$T"/strays/*.off "$T"/strays/[ae-hp]*_1.* "$T"/strays/bad* "$T"/strays/*.txt "$T"/strays/*.csv \
@@ -94,10 +94,10 @@ is "the others" "$(counts)" '6 3 3 0 0'
 ctl_exits 66 enroll "$T/table.csv" --kind back
 ctl_exits 64 enroll "$T/none"
 ctl_exits 64 enroll alice "$T/scans/s1_enroll.ply" --kind front
-ctl_exits 65 enroll "$T/scans/s1_enroll.ply"
+ctl_exits 64 enroll "$T/scans/s1_enroll.ply"
 printf 'subject,file\na b,scans/s1_enroll.ply\n' >"$T/bad.csv"
 ctl_exits 65 enroll "$T/bad.csv"
-ok "an id that cannot be" grep -q 'no subject id' "$T/ctl.err"
+ok "an id that cannot be" grep -q 'not a subject id' "$T/ctl.err"
 printf 'subject,file\nx,scans/s1_enroll.ply\nx,scans/none.ply\n' >"$T/bad.csv"
 ctl_exits 66 enroll "$T/bad.csv"
 ok "a file that is not there" grep -q 'bad.csv, line 3, column file: No such' "$T/ctl.err"

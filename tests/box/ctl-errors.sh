@@ -32,6 +32,9 @@ refuse 64 'no database: give --db PATH' "$ctl" subject list
 refuse 64 'value is missing' "$ctl" subject list --db
 refuse 64 'given twice' "$ctl" --db f.db --db f.db subject list
 refuse 64 'usage: surfacectl enroll' "$ctl" --db f.db enroll alice
+refuse 64 'good.ply is one scan, and its subject is missing; usage: surfacectl enroll SUBJECT FILE' \
+    "$ctl" --db f.db enroll good.ply
+refuse 65 'a passphrase is needed: .*give --archive-key a file' "$ctl" --db f.db import good.ply
 refuse 64 'usage: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
 refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
@@ -52,7 +55,7 @@ refuse 64 'no command frobnicate' "$ctl" help frobnicate
 refuse 64 'did you mean subject show' "$ctl" --db f.db subject shwo alice
 
 # ids
-refuse 65 'no subject id' "$ctl" --db f.db enroll 'al ice' good.ply
+refuse 65 'not a subject id' "$ctl" --db f.db enroll 'al ice' good.ply
 refuse 66 'no subject nobody' "$ctl" --db f.db subject erase nobody --yes
 refuse 66 'no subject nobody' "$ctl" --db f.db verify nobody good.ply
 refuse 66 'no token nonsense' "$ctl" --db f.db token revoke nonsense
@@ -122,7 +125,7 @@ code malformed --db f.db enroll bob nonsense
 # ---- a file that is too large is not read first
 truncate -s 3G large.ply
 begin=$(date +%s%N)
-refuse 65 'large.ply: 3221.2 MB or more, and at most 268.4 MB are read' "$ctl" compare good.ply large.ply
+refuse 65 'large.ply: 3221.2 MB or more; the limit is 268.4 MB' "$ctl" compare good.ply large.ply
 ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
 
 # ---- one of something, and no minus zero

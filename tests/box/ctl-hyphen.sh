@@ -12,7 +12,7 @@ for id in -x --json --yes -o; do
     while read -r wanted command; do
         # shellcheck disable=SC2086 # words
         set -- $command
-        before=$(sqlite3 "$DB" 'SELECT max(seq) FROM events')
+        before=$(sqlite3 "$DB" 'SELECT max(seq) FROM change_log')
         ctl "$@" "$id" "$T/a2.ply"
         is "$id is no id of $command: exit" "$CODE" 64
         case $command in # that have more arguments behind it
@@ -22,7 +22,7 @@ for id in -x --json --yes -o; do
         back) set -- subject rename -- "to$id" "$id" ;;
         *) set -- "$@" -- "$id" ;;
         esac
-        is "$id: nothing has changed" "$(sqlite3 "$DB" 'SELECT max(seq) FROM events')" "$before"
+        is "$id: nothing has changed" "$(sqlite3 "$DB" 'SELECT max(seq) FROM change_log')" "$before"
         ctl_exits "$wanted" "$@"
     done <<END
 0 enroll
@@ -50,7 +50,7 @@ for id in . ..; do
     ctl_exits 65 subject set "$id" --consent C-1
 done
 ctl subject show -x
-ok "it is said what to do" grep -q 'there is no option -x .* stands after --' "$T/ctl.err"
+ok "it is said what to do" grep -q 'there is no option -x .* put -- before' "$T/ctl.err"
 ctl_exits 0 enroll -- - "$T/a.ply"
 ctl_exits 0 verify - "$T/a2.ply"
 is "a hyphen alone is an id" "$(said .subject)" -

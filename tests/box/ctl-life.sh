@@ -14,7 +14,7 @@ expect 0 init "$ctl" init
 has out initialised
 ok "the database's mode is 600" [ "$(stat -c %a faces.db)" = 600 ]
 expect 0 "init again" "$ctl" init
-has out before
+has out already
 expect 0 "empty list" "$ctl" subject list
 has out 'no subjects'
 expect 0 enroll "$ctl" enroll alice a0.ply --label 'first day'

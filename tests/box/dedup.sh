@@ -45,9 +45,9 @@ between=$(said '(.duplicates[0].score + .duplicates[1].score) / 2')
 is "by the digits of a comparison" "$(said .score)" "$score"
 "$BUILD/surfacectl" --db "$DB" dedup >"$T/text" 2>"$T/ctl.err"
 is "as text: exit" $? 1
-ok "the pairs" grep -Eq '^ +[-0-9.]+ +[0-9.e+-]+  s4  copy  \(the very same scan\)$' "$T/text"
+ok "the pairs" grep -Eq '^ +[-0-9.]+ +[0-9.e+-]+  s4  copy  \(identical scan\)$' "$T/text"
 ok "and how many" grep -q '^2 pairs of subjects, by 21 comparisons' "$T/text"
-ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects' templates, about .* by chance" "$T/ctl.err"
+ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects, about .* by chance" "$T/ctl.err"
 ctl_exits 0 dedup --dry-run
 is "told in advance alone" "$(said '.pairs, .compared' | tr '\n' ' ')" '21 null '
 ok "with the time" jq_true '.estimate_s > 0 and .by_chance > 0' "$T/ctl"

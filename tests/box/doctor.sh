@@ -26,7 +26,7 @@ scan 1 0 "$T/s1.ply" --points 1000
 "$BUILD/surfacectl" --db "$DB" enroll s1 "$T/s1.ply" >"$T/ctl"
 doctor
 is "all is well" "$CODE $(jq -r .ok "$T/ctl")" "0 true"
-finds "templates" ok templates '^1, by'
+finds "templates" ok templates '^1, made by'
 "$BUILD/surfacectl" --db "$DB" doctor >"$T/text"
 is "as text" "$?" 0
 ok "a line each" grep -q '^ok  *key  *.*opens the database' "$T/text"
@@ -62,7 +62,7 @@ sum=$(cksum <"$DB")
 "$BUILD/surfacectl" --db "$DB" backup "$DB.before-restore" >"$T/text"
 doctor
 is "that is no trouble" "$CODE" 0
-finds "what was left" warning left 'faces.db.part is what a restore'
+finds "what was left" warning left 'faces.db.part was left by a restore'
 finds "what a restore put aside" warning left 'from before a restore'
 rm "$DB.part" "$DB.before-restore"
 

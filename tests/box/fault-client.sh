@@ -5,7 +5,7 @@
 
 scan 1 0 "$T/a.ply" --points 1500
 scan 1 1 "$T/p.ply" --points 1500
-start_daemon --no-auth --workers 2
+start_daemon --no-auth --workers 2 --timeout 3
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 is "enrolled" "$STATUS" 201
 
@@ -43,6 +43,8 @@ else
 fi
 
 # ---- no descriptor left
+stop_daemon
+start_daemon --no-auth --workers 2
 used=$(find "/proc/$PID/fd" -mindepth 1 | wc -l)
 prlimit --pid "$PID" --nofile="$((used + 6)):"
 clients=

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: several files of a form are enrolled together: each that matches the first that was taken
+# Goal: several files of a form are enrolled together: each that matches the first accepted sample
 # becomes a template, the response lists them all, and a request takes full effect or none.
 # shellcheck disable=SC2016 # the variables are jq's
 . tests/box/lib.sh
@@ -44,7 +44,7 @@ is "the same cloud, the same template" "$(get '.templates[4].template_id')" \
     "$(get '.templates[0].template_id')"
 ok "a stranger, told apart" jq_true '.templates[1] | .template_id == null and .quality == null and
     .scan.points_read == 3000 and
-    (.refusal.detail | test("does not match the first that was taken"))' "$T/body"
+    (.refusal.detail | test("does not match the first accepted sample"))' "$T/body"
 ok "no scan" jq_true '.templates[2] | .scan == null and .quality == null and .new == false' "$T/body"
 ok "no face: the advice" jq_true '.templates[5].refusal.detail | test("^points: the surface does not have")' \
     "$T/body"
@@ -75,13 +75,13 @@ burst alice b.ply a3.ply c.ply
 is "a stranger first" "$STATUS $LIST $(mismatches)" '201 sample_mismatch new sample_mismatch 1'
 ok "it matches no template" jq_true '.templates[0].refusal.detail | test("neither the subject")' "$T/body"
 burst alice c.ply none.ply
-problem "strangers alone" 409 sample_mismatch '^none of the 2 files was taken; c.ply: the sample does not fit'
+problem "strangers alone" 409 sample_mismatch '^none of the 2 files was enrolled; c.ply: the sample does not fit'
 is "each is listed" "$LIST $(get '[.templates[].file] | join(" ")')" \
     'sample_mismatch malformed c.ply none.ply'
 burst alice none.ply c.ply
-problem "no scan first" 400 malformed '^none of the 2 files was taken; none.ply: '
+problem "no scan first" 400 malformed '^none of the 2 files was enrolled; none.ply: '
 burst alice plane.xyz none.ply
-problem "no face at all" 422 not_a_face '^none of the 2 files was taken; plane.xyz: points: the surface'
+problem "no face at all" 422 not_a_face '^none of the 2 files was enrolled; plane.xyz: points: the surface'
 is "with the same text" "$(get '.templates[0].refusal.detail as $d | .detail | endswith($d)')" true
 is "nothing was stored" "$(stored templates)" 6
 burst alice c.ply b.ply a0.ply

@@ -163,7 +163,7 @@ send POST /v1/subjects/min/verify "$JSON" "$T/a2.json"
 id=$(get .template_id)
 # only TITLE DECISION SUBJECT TEMPLATE-ID: the last response has the decision and the ids alone.
 only() {
-    is "$1" "$STATUS $(field Preference-Applied) $(jq -cS . "$T/body")" \
+    is "$1" "$STATUS $(field Preference-Applied) $(jq -c . "$T/body")" \
         "200 return=minimal $(printf '{"decision":"%s","subject":%s,"template_id":%s}' "$2" "$3" "$4")"
 }
 minima() { metric 'surfaced_stage_duration_seconds_count{stage="minimal"}'; }

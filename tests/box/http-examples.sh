@@ -10,7 +10,7 @@ start_daemon --no-auth --attempts 0
 curl -sS -o "$T/api" "$URL/openapi.json"
 
 # A jq program: every figure becomes #, unless the words round it say that it is a limit.
-MASK='def mask: gsub("(?<all>(?<of>(at least|up to|fewer than|limit is|beyond|a face is [0-9]+ to) )?-?[0-9]+([.,][0-9]+)*(e[+][0-9]+)?(?<to>( mm)? or (less|more))?)";
+MASK='def mask: gsub("(?<all>(?<of>(at least|up to|fewer than|limit is|beyond|a face has [0-9]+ to) )?-?[0-9]+([.,][0-9]+)*(e[+][0-9]+)?(?<to>( mm)? or (less|more))?)";
         if .of or .to then .all else "#" end);'
 
 # refused CODE TYPE FILE [QUERY [ROUTE]]: the detail is that of the example, on both routes or ROUTE.

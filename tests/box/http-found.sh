@@ -103,7 +103,7 @@ is "the nearest is verified" "$STATUS $(get '[.decision, (.scan.warnings | conta
     '200 ["match",true]'
 send POST /v1/subjects/two/templates "$TEXT" "$T/two"
 problem "two are not enrolled" 422 several_faces \
-    '^points: an enrolment takes one face alone: let one person alone be in view: 2 faces are there'
+    '^points: an enrolment needs exactly one face: let only one person be in view: 2 faces were found'
 send POST /v1/check "$TEXT" "$T/two"
 fits "a check of both" Check
 is "a check of both" "$STATUS $(get '[.usable, .enrollable, .code] | tojson')" '200 [true,false,"several_faces"]'

@@ -10,7 +10,7 @@ scan 2 0 "$T/b.ply"
 start_daemon --attempts 2
 AUTH=$(new_token me)
 req GET /v1/recent
-is "nobody yet" "$(get tojson)" '{"recent":[],"last":0}'
+is "nobody yet" "$(get tojson)" '{"last":0,"recent":[]}'
 req POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a.ply"
 id=$(get .template_id)
 req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/a2.ply"
@@ -30,7 +30,7 @@ ok "a refusal has its detail" jq_true '.recent[5].detail | test("locked out")' "
 req GET '/v1/recent?after=4&limit=1'
 is "the newest one beyond the fourth" "$(get '[[.recent[].seq], .last] | tojson')" '[[6],6]'
 req GET '/v1/recent?after=6'
-is "none beyond the last" "$(get tojson)" '{"recent":[],"last":6}'
+is "none beyond the last" "$(get tojson)" '{"last":6,"recent":[]}'
 req DELETE /v1/subjects/alice/attempts
 is "the lock-out ends" "$STATUS" 204
 req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/a2.ply"

@@ -71,7 +71,7 @@ is "rounded" "$told" \
 AUTH=$verify
 for name in threshold Threshold score fmr decision force; do
     send POST "/v1/subjects/alice/verify?$name=-1000" "$PLY" "$T/mallory.ply"
-    problem "?$name" 400 invalid_parameter "parameter $name here"
+    problem "?$name" 400 invalid_parameter "unknown query parameter $name;"
 done
 is "no match is recorded of a stranger" "$(sqlite3 "$DB" \
     "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'match'")" 4
@@ -85,7 +85,7 @@ jq -c '.b.threshold = -1000' "$T/two.json" >"$T/with.json"
 send POST /v1/compare "$JSON" "$T/with.json"
 problem "as a member of one of them" 400 malformed threshold
 send POST '/v1/subjects/alice/verify?units=mm&units=cm' "$PLY" "$T/alice2.ply"
-problem "a parameter twice" 400 invalid_parameter 'units comes twice'
+problem "a parameter twice" 400 invalid_parameter 'units is given twice'
 AUTH=$all
 echo '{"dry_run": true}' >"$T/dry"
 send DELETE /v1/subjects/alice "$JSON" "$T/dry"

@@ -62,6 +62,8 @@ is "parsed" "$(metric 'surfaced_stage_duration_seconds_count{stage="parse"}')" 6
 is "total" "$(metric 'surfaced_stage_duration_seconds_count{stage="total"}')" 6
 is "counted by route, method and status" "$(metric \
     'surfaced_http_requests_total{route="/v1/subjects/{subject}/verify",method="POST",status="422"}')" 1
+is "the database is served" "$(metric surfaced_database_refused)" 0
+is "no certificate has an end" "$(metric surfaced_certificate_end_seconds)" ''
 ok "the start time" test "$(metric process_start_time_seconds)" -gt 1000000000
 ok "resident memory" test "$(metric process_resident_memory_bytes)" -gt 1000000
 req GET /metrics
@@ -98,22 +100,33 @@ if command -v promtool >/dev/null 2>&1; then
     ok "promtool" promtool check metrics <"$T/body"
 fi
 
-# ---- the dashboard: every query uses existing metrics and labels
+# ---- the dashboard and the alerts: every query uses existing metrics and labels
 board=scripts/grafana-dashboard.json
 # shellcheck disable=SC2016 # $__rate_interval is Grafana's
 jq -r '.panels[].targets[].expr' "$board" | sed 's/\$__rate_interval/5m/g' >"$T/queries"
 jq -r '.templating.list[].query | .query? // empty' "$board" >>"$T/queries"
 ok "the dashboard has queries" test "$(wc -l <"$T/queries")" -gt 20
-sed -n 's/^\([a-z_]*\)[{ ].*/\1/p' "$T/body" | sort -u >"$T/names"
+{
+    echo surfaced_certificate_end_seconds # with TLS alone: http-tls.sh
+    sed -n 's/^\([a-z_]*\)[{ ].*/\1/p' "$T/body"
+} | sort -u >"$T/names"
 grep -oE '(surfaced|process)_[a-z_]+' "$T/queries" | sort -u >"$T/asked"
-is "unknown metrics" "$(comm -13 "$T/names" "$T/asked")" ''
+rules=scripts/prometheus-rules.yml
+sed -n 's/^    expr: //p' $rules >"$T/alerts"
+grep -oE 'surfaced_[a-z_]+' "$T/alerts" | sort -u >"$T/watched"
+is "unknown metrics" "$(sort -u "$T/asked" "$T/watched" | comm -13 "$T/names" -)" ''
+is "each alert has its parts" "$(grep -cE '^  - alert: Surfaced[A-Za-z]+$' $rules) $(wc -l <"$T/alerts") $(
+    grep -cE '^    labels: \{severity: (page|ticket)\}$' $rules) $(grep -cE '^      summary: "' $rules)" '17 17 17 17'
+is "and is explained" "$(sed -n 's/^  - alert: //p' $rules | while read -r alert; do
+    grep -q "$alert" docs/operation.md || echo "$alert"
+done)" ''
 is "all metrics are used" "$(grep -c '^surfaced_' "$T/asked")" \
     "$(grep '^surfaced_' "$T/names" | grep -vc '^surfaced_http_request_duration_seconds_[sc]')"
 { # the first two are Prometheus's own
     printf 'instance=\njob=\n'
     grep -oE '[a-z]+=' "$T/body"
 } | sort -u >"$T/labels"
-grep -oE '[a-z]+(=|!|~)' "$T/queries" | tr '!~' '==' | sort -u >"$T/filters"
+grep -v node_systemd "$T/alerts" | cat - "$T/queries" | grep -oE '[a-z]+(=|!|~)' | tr '!~' '==' | sort -u >"$T/filters"
 is "unknown labels" "$(comm -13 "$T/labels" "$T/filters")" ''
 if command -v promtool >/dev/null 2>&1; then
     {
@@ -123,6 +136,7 @@ if command -v promtool >/dev/null 2>&1; then
             awk '{ gsub(/\047/, "\047\047"); printf "  - {record: q%d, expr: \047%s\047}\n", NR, $0 }'
     } >"$T/rules.yml"
     ok "the queries are PromQL" promtool check rules "$T/rules.yml" >"$T/promtool"
+    ok "and the alerts are rules" promtool check rules $rules >"$T/promtool"
 fi
 
 # ---- the log
@@ -136,7 +150,7 @@ ok "coordinates to look for" test "$(wc -l <"$T/private")" -gt 3000
 # private_in_log: the log lines with one of these; without the times, which may have a score's
 # digits.
 private_in_log() {
-    sed -E 's/"?(ms|[a-z]+_ms)"?[=:][0-9.]+//g' "$LOG" | grep -F -f "$T/private"
+    sed -E 's/"?(ts|ms|[a-z]+_ms)"?[=:]"?[-0-9.:TZ]+//g' "$LOG" | grep -F -f "$T/private"
 }
 is "no coordinate, score, token or subject in the log" "$(private_in_log)" ''
 
@@ -163,6 +177,7 @@ problem "the database is gone" 503 not_ready 'not the one that was opened'
 is "Retry-After" "$(field Retry-After)" 1
 req GET /healthz
 is "still alive" "$STATUS" 200
+is "the metric says so" "$(metric surfaced_database_refused)" 1
 mv "$T/elsewhere" "$DB"
 req GET /readyz
 problem "and back again, until the daemon is started again" 503 not_ready

@@ -21,7 +21,7 @@ FRONTAL='{"points_dropped":0,"points_read":3000,"points_used":3000,"units":"mm"}
 found() {
     is "$1: status" "$STATUS" "${3:-200}"
     is "$1: what was found" "$(get "${2:-.scan} | {points_dropped, points_read, points_used, units}" |
-        jq -cS .)" "$FRONTAL"
+        jq -c .)" "$FRONTAL"
     ok "$1: the view is a rigid one" jq_true "${2:-.scan} | .view | length == 16 and .[12:] == [0, 0, 0, 1]
         and ([.[0:3], .[4:7], .[8:11]] | map(map(. * .) | add) | all(. > 0.99999 and . < 1.00001))" \
         "$T/body"
@@ -67,21 +67,21 @@ for member in '.units = "auto"' '.units = "mm"' '.axes = "auto"' '.axes = "scann
 done
 for query in units=inch units= units=MM units=yd 'units=mm%00' axes=camera axes= axes=Scanner; do
     send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a.ply"
-    problem "$query" 400 invalid_parameter "^${query%%=*} is n"
+    problem "$query" 400 invalid_parameter "^${query%%=*} must be"
 done
 for member in '.units = "yd"' '.units = 1' '.axes = "camera"' '.axes = null' '.axes = true'; do
     jq -c "$member" "$T/b.json" >"$T/x"
     send POST /v1/subjects/alice/verify "$JSON" "$T/x"
     m=${member#.}
-    problem "$member" 400 malformed "^${m%% *} is n"
+    problem "$member" 400 malformed "^${m%% *} must be"
     jq -c "{a: ., b: $member}" "$T/b.json" >"$T/x" 2>/dev/null ||
         jq -c "{a: ., b: ($member)}" "$T/b.json" >"$T/x"
     send POST /v1/compare "$JSON" "$T/x"
-    problem "b: $member" 400 malformed "^b\.${m%% *} is n"
+    problem "b: $member" 400 malformed "^b\.${m%% *} must be"
 done
 send POST '/v1/subjects/alice/verify?units=mm' "$BYTES" "$T/metres.xyz"
 problem "metres said to be mm" 422 units_suspicious \
-    '^points: the extent is 0\.1[0-9]* x 0\.1[0-9]* x 0\.0[0-9]* in the units given; a face is 60 to 500 mm: is it metres\?'
+    '^points: the extent is 0\.1[0-9]* x 0\.1[0-9]* x 0\.0[0-9]* in the units given; a face has 60 to 500 mm: is it metres\?'
 send POST '/v1/subjects/alice/verify?units=m' "$BYTES" "$T/metres.xyz"
 is "metres" "$STATUS $(get '[.decision, .scan.units, (.scan.view | .[0] | round)] | tojson')" \
     '200 ["match","m",1000]'
@@ -142,7 +142,7 @@ problem "too many bytes when unpacked" 413 body_too_large 'limit is 2000000 byte
 send POST /v1/check "$JSON" "$T/a.ply"
 problem "malformed" 400 malformed 'this is PLY, not JSON'
 send POST '/v1/check?label=x' "$PLY" "$T/a.ply"
-problem "a parameter of others" 400 invalid_parameter 'no query parameter label'
+problem "a parameter of others" 400 invalid_parameter 'unknown query parameter label'
 req GET /v1/check
 is "no GET" "$STATUS $(field Allow)" '405 POST, OPTIONS'
 is "nothing was stored or logged" "$(logged)" "$before"

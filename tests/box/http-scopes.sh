@@ -151,14 +151,14 @@ while read -r verb route needs; do
     AUTH=$all
     for name in threshold dry_run x; do
         try "$verb" "$route" "?$name=1"
-        problem "$verb $route?$name" 400 invalid_parameter "$name here"
+        problem "$verb $route?$name" 400 invalid_parameter "unknown query parameter $name;"
     done
     known=$(jq -r --arg p "$route" --arg m "$verb" '. as $d | .paths[$p][$m | ascii_downcase].parameters // []
         | map(if has("$ref") then . as $r | $d | getpath($r["$ref"] | ltrimstr("#/") / "/") else . end)
         | map(select(.in == "query") | .name) | first // ""' "$T/api")
     if [ -n "$known" ]; then
         try "$verb" "$route" "?$known=1&$known=1"
-        problem "$verb $route?$known twice" 400 invalid_parameter "$known comes twice"
+        problem "$verb $route?$known twice" 400 invalid_parameter "$known is given twice"
     fi
     real=$(echo "$route" | sed "s/{subject}/alice/; s/{template_id}/$template/; s/{token_id}/$token/")
     AUTH=

@@ -25,7 +25,7 @@ issue() {
     authority ca
     authority other
     issue one ca serverAuth
-    issue two ca serverAuth
+    issue two ca serverAuth 5
     issue old ca serverAuth -1
     issue client ca clientAuth
     issue impostor other clientAuth
@@ -55,15 +55,15 @@ any='--listen 0.0.0.0:0'
     l='--listen 127.0.0.1:0'
     refuse "no such certificate" 1 'cannot read .*/none' $l --tls-cert "$T/none" --tls-key "$T/one.key"
     refuse "another certificate's key" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/two.key"
-    refuse "no certificate in it" 1 'no certificate' $l --tls-cert "$T/one.key" --tls-key "$T/one.key"
+    refuse "no certificate in it" 1 'not a certificate' $l --tls-cert "$T/one.key" --tls-key "$T/one.key"
     cp "$T/one.pem" "$T/nokey"
     chmod 600 "$T/nokey"
     refuse "no key in it" 1 'not the key' $l --tls-cert "$T/one.pem" --tls-key "$T/nokey"
     refuse "expired" 1 'old.pem: .*expired at' $l --tls-cert "$T/old.pem" --tls-key "$T/old.key"
     refuse "a folder" 1 'not a file' $l --tls-cert "$T" --tls-key "$T/one.key"
-    refuse "no CA in it" 1 'no certificate' $l $tls --tls-client-ca "$T/one.key"
+    refuse "no CA in it" 1 'not a certificate' $l $tls --tls-client-ca "$T/one.key"
     chmod 644 "$T/one.key"
-    refuse "a key that everybody can read" 1 'everybody may read' $l $tls
+    refuse "a key that everybody can read" 1 'others can read' $l $tls
     chmod 640 "$T/one.key"
 }
 
@@ -130,7 +130,14 @@ serves() {
 logged() {
     grep -q -- "$1" "$LOG"
 }
+# ends DAYS: the metric says that the certificate ends after so many days.
+ends() {
+    curl -sS --cacert "$T/ca.pem" "https://127.0.0.1:$port/metrics" |
+        awk -v days="$1" '$1 == "surfaced_certificate_end_seconds" {
+            found = $2 > (days - 0.1) * 86400 && $2 <= days * 86400 } END { exit !found }'
+}
 ok "the first certificate" serves one
+ok "and its end" ends 10
 {
     printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
     soon test -e "$T/go"
@@ -153,6 +160,7 @@ echo junk >"$T/now.pem"
 kill -HUP "$PID"
 ok "the log reports bad files" soon logged 'the TLS certificate stays as it was'
 ok "and the second certificate stays" serves two
+ok "with its end" ends 5
 stop_daemon
 
 # ---- client certificates

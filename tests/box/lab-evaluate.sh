@@ -191,19 +191,19 @@ expect 0 "another threshold" "$lab" evaluate scans --threshold -999 --out wide
 is "all are accepted there" "$(get wide '.non_mated | .match == .comparisons and .fmr.value == 1')" true
 is "it says whose" "$(get wide '[.threshold, .calibration] | join(" ")')" '-999 replaced by --threshold'
 
-# A manifest: populations, relatives, poses, and scans that cannot be used.
+# A manifest: populations, relatives, and scans that cannot be used.
 printf 'ply\nnot a scan\n' >scans/p1_broken.ply
 printf '1 2 3\n' >scans/p9_enroll.xyz
 scan 9 1 scans/p9_again.ply --pose 0 --shift 0
 {
-    printf '\357\273\277"subject",file,kind,yaw,pitch,roll,tx,ty,tz\r\n'
+    printf '\357\273\277"subject",file,kind\r\n'
     for s in 1 2 3 4 5; do
-        printf 'p%s,scans/p%s_enroll.ply,enroll,0,0,0,0,0,0\r\n' $s $s
+        printf 'p%s,scans/p%s_enroll.ply,enroll\r\n' $s $s
     done
     scan 1 3 scans/p1_straight.ply --pose 0 --shift 0
-    printf '%s\r\n' 'p1,scans/p1_straight.ply,"straight, neutral",0,0,0,0,0,0' \
-        'p1,scans/p1_broken.ply,broken,0,0,0,0,0,0' 'p2,scans/p2_again.ply,later,0,0,0,0,0,0' \
-        'p9,scans/p9_enroll.xyz,enroll,0,0,0,0,0,0' 'p9,scans/p9_again.ply,later,0,0,0,0,0,0'
+    printf '%s\r\n' 'p1,scans/p1_straight.ply,"straight, neutral"' \
+        'p1,scans/p1_broken.ply,broken' 'p2,scans/p2_again.ply,later' \
+        'p9,scans/p9_enroll.xyz,enroll' 'p9,scans/p9_again.ply,later'
 } >list.csv
 printf 'id,population,relative_of\np1,a,\np2,a,p1\np3,a,\np4,b,\np5,b,\np9,a,\n' >subjects.csv
 expect 0 "a manifest" "$lab" evaluate list.csv --out listed
@@ -226,18 +226,6 @@ is "non-mated" "$(grep -c ',non-mated,[mn]' listed/scores.csv)" 5
 is "none across populations" "$(grep -c 'p[45]_' listed/scores.csv)" 0
 is "a kind with a comma" "$(get listed '[.mated[].probes] | contains(["straight, neutral"])')" true
 is "a quoted field" "$(grep -c '"straight, neutral",mated,match' listed/scores.csv)" 1
-ok "the pose was found" sh -c "grep '\"straight, neutral\",mated' listed/scores.csv | awk -F, '{ exit !(\$21 < 1) }'"
-
-# A scan before a wall that was turned to the front first: the pose is that of the scan as it was sent.
-scan 1 4 turned.xyz --yaw 20 --pitch 10 --roll 70
-awk -v OFMT=%.9g '{ print $1 / 1000, $2 / 1000, $3 / 1000 }
-    END { for (i = 0; i < 6400; i++) print i % 80 / 100 - 0.4, int(i / 80) / 100 - 0.4, -0.4 }' \
-    turned.xyz >metres.xyz
-printf '%s\n' 'subject,file,yaw,pitch,roll,tx,ty,tz' p1,scans/p1_enroll.ply,0,0,0,0,0,0 \
-    p1,metres.xyz,20,10,70,0,0,0 p3,scans/p3_enroll.ply,0,0,0,0,0,0 >turned.csv
-expect 0 "turned and in metres" "$lab" evaluate turned.csv --out turned
-# shellcheck disable=SC2016 # variables of awk
-ok "its pose was found" awk -F, '$7 == "mated" && !($20 < 1) { exit 1 }' turned/scores.csv
 
 printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/nothing.ply,p1\n' >bad.csv
 expect 66 "a scan is missing" "$lab" evaluate bad.csv --out none

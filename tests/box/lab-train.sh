@@ -149,7 +149,7 @@ head -c 5000 "$m" >"$T/bad.model"
 expect 65 "cut off" "$ctl" compare "$a" "$b" --model "$T/bad.model"
 sed '1s/[0-9]*$/9/' "$m" >"$T/bad.model"
 expect 65 "another version" "$ctl" compare "$a" "$b" --model "$T/bad.model"
-says "$T/err" "another version" 'another version'
+says "$T/err" "another version" 'a version that this program does not read'
 expect 65 "a folder" "$ctl" compare "$a" "$b" --model "$T"
 says "$T/err" "a folder" 'not a regular file'
 mkfifo "$T/pipe"

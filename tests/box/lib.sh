@@ -26,11 +26,31 @@ needs() {
         }
     done
 }
-needs curl jq sqlite3
+needs curl gojq jq sqlite3
+
+# needs_section SECTION PROGRAM...: as needs; with CI=true that is a failure.  SECTION: of
+# scripts/packages.txt.
+needs_section() {
+    section=$1
+    shift
+    [ "${CI:-}" = true ] || needs "$@"
+    for tool in "$@"; do
+        command -v "$tool" >/dev/null 2>&1 || {
+            echo "FAIL: $tool is not installed: scripts/setup $section"
+            echo "0 passed, 1 failed"
+            exit 1
+        }
+    done
+}
 
 # sanitized: the daemon was built with a sanitizer.
 sanitized() {
     nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'
+}
+
+# jq ARGUMENT...: by gojq, which starts in an eighth of jq's time; it sorts the members of objects.
+jq() {
+    gojq "$@"
 }
 
 # sqlite3 ARGUMENT...: waits while the daemon writes.
@@ -344,7 +364,7 @@ scan() {
 
 # without_times FILE: a JSON response without the members that differ between runs.
 without_times() {
-    jq -cS 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
+    jq -c 'walk(if type == "object" then del(.timing_ms, .template_id, .created, .request_id)
                  else . end)' "$1"
 }
 

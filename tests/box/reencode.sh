@@ -72,7 +72,7 @@ ok "as if enrolled now, to the last digit" cmp "$T/wanted" "$T/before"
 is "re-encoded in memory" "$(metric surfaced_templates_reencoded_total)" 2
 send POST /v1/subjects/dan/verify "$PLY" "$T/alice-later.ply"
 is "never compared where that cannot be" "$STATUS" 500
-ok "and the log says why" grep -q 'template passed over.*cannot re-encode it' "$LOG"
+ok "and the log says why" grep -q 'template skipped.*cannot re-encode it' "$LOG"
 
 # ---- for good, beside the daemon
 ctl_exits 65 template reencode --dry-run

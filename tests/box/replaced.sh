@@ -59,10 +59,10 @@ PATCH /v1/subjects/alice application/merge-patch+json
 DELETE /v1/subjects/alice
 END
     req GET /readyz
-    problem "$1: not ready" 503 not_ready 'not the one that was opened, or not as it was written'
+    problem "$1: not ready" 503 not_ready 'not the one that was opened, or was altered'
     alive "$1"
     is "$1: one line in the log" \
-        "$(grep -c 'level=error msg="the database is refused until the daemon is started again"' "$LOG")" 1
+        "$(grep -c 'level=error msg="the database is refused until the daemon is restarted"' "$LOG")" 1
 }
 
 scan 1 0 "$T/alice.ply" --points 1000

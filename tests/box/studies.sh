@@ -56,14 +56,6 @@ ok "another run prints its seed" sh -c "mkdir '$T/again' &&
     '$BUILD/surfacelab' study missing --reduced --out '$T/again' | grep -q 'seed 20261121'"
 ok "totals grow with removal" grows missing/table2.csv 5
 ok "means at the removed points grow" grows missing/table3.csv 6
-ok "means on the grid grow" grows missing/grid.csv 3
-ok "the hull shrinks" grows missing/grid.csv 9
-is "F2 is (tanh + 1) / 9" "$(value missing/bounds.csv 'F2 cliff' 4)" 0.2222
-is "F4 is 1/3 in the middle" "$(value missing/bounds.csv 'F4 gentle' 3)" 0.3333
-is "F6 is 8/9 - 1/2 in the middle" "$(value missing/bounds.csv 'F6 sphere' 3)" 0.3889
-is "F6: the radicand in a corner" \
-    "$(value missing/radicand.csv 'least at the 36 points (a corner)' 2)" 23.50
-is "with nothing removed, no difference from the surface of all points" "$(value missing/grid.csv 'F1 exponential,0' 8)" 0.0000
 # Euler: e = 3n - 3 - h, and 16 of the 36 points lie on the square's rim.
 is "edges of figure 2" "$(grep -c '^0,' "$T/missing/fig2-edges.csv")" 89
 ok "and gives the same tables" sh -c "for f in '$T'/again/*; do cmp -s \"\$f\" '$T/missing/'\"\${f##*/}\" || exit 1; done"
@@ -81,21 +73,16 @@ ok "the walks find the triangles of locate_mesh()" \
 ok "the sign cases have the volumes worked out by hand" \
     awk -F, 'NR > 1 && $8 > 1e-12 { exit 1 } END { exit NR != 7 }' "$T/method/signs.csv"
 
-# ---- cost: counts, no times
+# ---- cost: the paper's times, as printed; ours differ from run to run
 study cost
-between "triangles of the general triangulation, exponent" \
-    "$(value cost/growth-fit.csv 'triangles of the general triangulation' 3)" 0.99 1.01
-is "2 (2 N) - 2 of them, ghosts included" "$(value cost/growth.csv 10000 9)" 39998
+is "the paper's sums" "$(value cost/table1.csv sum 2),$(value cost/table1.csv sum 3)" 405,242
 
-# ---- two faces, the weight
+# ---- two faces
 study faces
 between "mated, after alignment: mm" \
     "$(row faces/alignment.csv 'the same person again' 'after alignment' 5)" 0.1 0.6
 between "mated, at the true pose: mm" \
     "$(row faces/alignment.csv 'the same person again' 'at the true pose' 5)" 0.1 0.3
-is "a constant weight changes no mean" "$(sed -n 3p "$T/faces/weights.csv" | cut -d, -f2-)" \
-    "$(sed -n 2p "$T/faces/weights.csv" | cut -d, -f2-)"
-
 # ---- errors
 for bad in "nothing" "missing --seed" "missing --seed x" "missing --seed -1" "missing more"; do
     # shellcheck disable=SC2086 # arguments

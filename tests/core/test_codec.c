@@ -1,4 +1,3 @@
-/* link: -Wl,--wrap=aligned_alloc */
 /* A face model as bytes and back; damaged bytes are refused. */
 #include "pose.h"
 #include "brute.h"
@@ -6,7 +5,6 @@
 #include "codec.h"
 #include "delaunay.h"
 #include "face.h"
-#include "fail_alloc.h"
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
@@ -443,37 +441,6 @@ TEST(test_modes)
     free(buf);
     face_free(&f);
     face_free(&g);
-}
-
-struct bytes {
-    size_t len;
-    unsigned char *buf;
-};
-
-static enum status decode_fresh(void *arg)
-{
-    const struct bytes *b = arg;
-    struct surface_work *w = surface_work_new(NULL);
-    struct surface_face g = {0};
-    const enum status st = w == NULL ? ST_ENOMEM : codec_decode(b->buf, b->len, w, &g);
-
-    assert_true(st == ST_OK || g.surface.mesh.nv == 0);
-    face_free(&g);
-    surface_work_free(w);
-    return st;
-}
-
-TEST(test_no_memory)
-{
-    struct brute_rng r = {brute_seed("memory")};
-    struct surface_face f = {0};
-    struct bytes b;
-
-    build(BRUTE_RANDOM, 300, &r, &f);
-    b.buf = encode(&f, &b.len);
-    assert_true(fail_alloc_walk(decode_fresh, &b) > 3);
-    free(b.buf);
-    face_free(&f);
 }
 
 BEFORE_ALL(set_up)

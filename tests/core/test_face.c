@@ -1,10 +1,8 @@
 /* Faces: what is accepted and refused, and that a face depends on its points alone. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "mesh.h"
 #include "mst.h"
 #include "unit.h"
@@ -224,34 +222,6 @@ TEST(test_adopt)
     }
     face_free(&a);
     face_free(&b);
-}
-
-static enum status build_fresh(void *want)
-{
-    struct surface_work *w = surface_work_new(NULL);
-    struct surface_face f = {0};
-    enum status st = ST_ENOMEM;
-
-    if (w == NULL)
-        return st;
-    st = face_build(cloud.pts, cloud.n, w, &f, NULL);
-    if (st != ST_OK) {
-        assert_int_equal(f.surface.mesh.nv, 0);
-        assert_int_equal(face_build(cloud.pts, cloud.n, w, &f, NULL), ST_OK);
-    }
-    check_same_model(want, &f);
-    face_free(&f);
-    surface_work_free(w);
-    return st;
-}
-
-TEST(test_no_memory)
-{
-    struct surface_face want = {0};
-
-    make(18, 0, &want);
-    assert_true(fail_alloc_walk(build_fresh, &want) > 4);
-    face_free(&want);
 }
 
 BEFORE_ALL(set_up)

@@ -1,13 +1,11 @@
 /* Comparing faces: the score depends on the two faces alone, the decision on that and the
  * threshold; parts of cells and regions add up to it. */
-/* link: -Wl,--wrap=aligned_alloc */
 #include <pthread.h>
 
 #include "clouds.h"
 #include "libsurface.h"
 #include "face.h"
 #include "facegen.h"
-#include "fail_alloc.h"
 #include "heatmap.h"
 #include "lattice.h"
 #include "measure.h"
@@ -42,31 +40,11 @@ static void make(uint64_t subject, uint64_t number, struct surface_face *f)
     build(f);
 }
 
-/* Every number except the times. */
-#define FIGURES (14 + SURFACE_REGIONS)
-
-static void figures(const struct face_result *r, double x[FIGURES])
-{
-    const double one[14] = {
-        r->score,          r->threshold,         r->fmr_at_score,   (double)r->decision,
-        r->overlap,        r->align.evaluations, r->align.starts,   (double)r->align.stop,
-        r->align.within,   r->align.cost_mm,     r->align.rival_mm, r->align.turn_deg,
-        r->align.shift_mm, r->expected};
-
-    memcpy(x, one, sizeof one);
-    memcpy(x + 14, r->region, sizeof r->region);
-}
-
 /* Byte for byte. */
-static void check_same_result(const struct face_result *a, const struct face_result *b)
+static void check_same(const struct surface_comparison *a,
+                       const struct surface_comparison *b)
 {
-    double x[FIGURES], y[FIGURES];
-
-    figures(a, x);
-    figures(b, y);
-    assert_memory_equal(x, y, sizeof x);
-    assert_memory_equal(a->align.transform, b->align.transform,
-                        sizeof a->align.transform);
+    assert_memory_equal(a, b, sizeof *a);
 }
 
 static void check_identity(const double t[16], double within)
@@ -79,23 +57,23 @@ static void check_identity(const double t[16], double within)
 TEST(test_identity)
 {
     struct surface_face a = {0}, b = {0};
-    struct minimal least;
-    struct face_result r;
+    struct surface_disparity least;
+    struct surface_comparison r;
     double moved[16], itself;
 
     for (uint64_t k = 0; k < 5; k++) {
         make(k, 0, &a);
-        assert_int_equal(face_compare(&a, &a, (double)NAN, NULL, work, &r), ST_OK);
+        assert_int_equal(face_compare(&a, &a, (double)NAN, work, &r), ST_OK);
         assert_int_equal(r.decision, SURFACE_MATCH);
         itself = r.score;
-        assert_int_equal(face_minimal(&a, &a, NULL, work, &r, &least), ST_OK);
-        assert_true(least.disparity.plain_mm < 0.001);
+        assert_int_equal(face_minimal(&a, &a, work, &least), ST_OK);
+        assert_true(least.disparity_mm < 0.001);
         assert_true(r.overlap == 1);
-        check_identity(r.align.transform, 0.005);
+        check_identity(least.align_transform, 0.005);
 
         clouds_move(cloud.pts, cloud.n, k, 5, 30, moved);
         build(&b);
-        assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
+        assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
         assert_int_equal(r.decision, SURFACE_MATCH);
         /* the moved points are triangulated differently, and the fit starts elsewhere */
         assert_true(r.score > r.threshold + 1 && fabs(r.score - itself) < 2.5);
@@ -135,18 +113,17 @@ TEST(test_weigh)
 {
     struct measure_work m = {0};
     struct surface_face a = {0}, b = {0};
-    struct face_result r;
-    struct minimal least, weighed;
+    struct surface_disparity least, weighed;
     struct disparity plain;
     double sum = 0, weights = 0;
     const double scale = share_scale();
 
     make(3, 0, &a);
     make(4, 1, &b);
-    assert_int_equal(face_minimal(&a, &b, NULL, work, &r, &least), ST_OK);
+    assert_int_equal(face_minimal(&a, &b, work, &least), ST_OK);
     weighed = least;
     assert_int_equal(face_weigh(&a, &b, work, &weighed), ST_OK);
-    assert_true(weighed.disparity.plain_mm == least.disparity.plain_mm);
+    assert_true(weighed.disparity_mm == least.disparity_mm);
     assert_int_equal(
         measure_at(&a.surface, &b.surface, least.transform, NULL, &m, &plain), ST_OK);
     for (uint32_t h = 0; h < 3 * m.general.nt; h += 3) {
@@ -172,8 +149,8 @@ TEST(test_weigh)
         sum += disparity_prism_weighted(twice, gap, u);
         weights += twice * (u[0] + u[1] + u[2]) / 3;
     }
-    assert_true(fabs(weighed.disparity.weighted_mm - sum / weights) < 1e-7);
-    assert_true(fabs(sum / weights - least.disparity.plain_mm) > 1e-3);
+    assert_true(fabs(weighed.weighted_mm - sum / weights) < 1e-7);
+    assert_true(fabs(sum / weights - least.disparity_mm) > 1e-3);
     measure_work_free(&m);
     face_free(&a);
     face_free(&b);
@@ -189,18 +166,16 @@ TEST(test_mated_and_not)
     for (uint64_t k = 0; k < SUBJECTS; k++) {
         make(k + 50, 0, &tmpl);
         for (uint64_t who = 0; who < SUBJECTS; who++) {
-            struct face_result r;
+            struct surface_comparison r;
             double moved[16];
 
             scan(who + 50, who + 1, POINTS);
             clouds_move(cloud.pts, cloud.n, who * 7 + k, 8, 10, moved);
             build(&probe);
-            assert_int_equal(face_compare(&tmpl, &probe, (double)NAN, NULL, work, &r),
-                             ST_OK);
+            assert_int_equal(face_compare(&tmpl, &probe, (double)NAN, work, &r), ST_OK);
             assert_true(r.threshold == model_default.calibration.threshold);
-            assert_true(r.fmr_at_score ==
+            assert_true(r.false_match_rate ==
                         surface_calibration_rate(&model_default.calibration, r.score));
-            assert_true(r.align_ms == 0 && r.score_ms == 0);
             if (who == k) {
                 assert_int_equal(r.decision, SURFACE_MATCH);
                 worst = fmin(worst, r.score);
@@ -220,14 +195,14 @@ TEST(test_mated_and_not)
 TEST(test_threshold)
 {
     struct surface_face a = {0}, b = {0};
-    struct face_result usual, strict, loose, below;
+    struct surface_comparison usual, strict, loose, below;
 
     make(12, 0, &a);
     make(12, 1, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &usual), ST_OK);
-    assert_int_equal(face_compare(&a, &b, 1e3, NULL, work, &strict), ST_OK);
-    assert_int_equal(face_compare(&a, &b, usual.score, NULL, work, &loose), ST_OK);
-    assert_int_equal(face_compare(&a, &b, -1, NULL, work, &below), ST_OK);
+    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &usual), ST_OK);
+    assert_int_equal(face_compare(&a, &b, 1e3, work, &strict), ST_OK);
+    assert_int_equal(face_compare(&a, &b, usual.score, work, &loose), ST_OK);
+    assert_int_equal(face_compare(&a, &b, -1, work, &below), ST_OK);
     assert_int_equal(usual.decision, SURFACE_MATCH);
     /* more than two such scans of one person are expected to have: nobody could match */
     assert_true(strict.expected < 1e3);
@@ -236,17 +211,16 @@ TEST(test_threshold)
     assert_int_equal(below.decision, SURFACE_MATCH);
     assert_true(strict.threshold == 1e3 && below.threshold == -1);
     assert_true(loose.threshold == usual.score);
-    assert_true(strict.fmr_at_score == usual.fmr_at_score);
+    assert_true(strict.false_match_rate == usual.false_match_rate);
     strict.decision = usual.decision;
     strict.threshold = usual.threshold;
-    check_same_result(&usual, &strict);
+    check_same(&usual, &strict);
     make(15, 0, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &usual), ST_OK);
+    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &usual), ST_OK);
     assert_true(usual.score < usual.expected);
-    assert_int_equal(face_compare(&a, &b, usual.expected, NULL, work, &loose), ST_OK);
+    assert_int_equal(face_compare(&a, &b, usual.expected, work, &loose), ST_OK);
     assert_int_equal(
-        face_compare(&a, &b, nextafter(usual.expected, INFINITY), NULL, work, &strict),
-        ST_OK);
+        face_compare(&a, &b, nextafter(usual.expected, INFINITY), work, &strict), ST_OK);
     assert_int_equal(loose.decision, SURFACE_NO_MATCH);
     assert_int_equal(strict.decision, SURFACE_INCONCLUSIVE);
     face_free(&a);
@@ -255,20 +229,20 @@ TEST(test_threshold)
 
 /* What is left of a result that is rounded depends on the rounded score alone: scores that are
  * shown the same have the same rate. */
-static void check_rounding(const struct face_result *r)
+static void check_rounding(const struct surface_comparison *r)
 {
-    struct face_result one = *r, other = *r;
+    struct surface_comparison one = *r, other = *r;
     const double shown = round(r->score * 10) / 10;
 
     other.score = shown + (r->score > shown ? -0.04 : 0.04);
-    other.fmr_at_score = 0.5;
+    other.false_match_rate = 0.5;
     other.overlap += 1e-4;
     face_round(&one, work);
     face_round(&other, work);
     assert_true(one.score == shown && other.score == shown);
     assert_true(one.overlap == round(r->overlap * 100) / 100);
-    assert_true(one.fmr_at_score == other.fmr_at_score);
-    assert_true(one.fmr_at_score ==
+    assert_true(one.false_match_rate == other.false_match_rate);
+    assert_true(one.false_match_rate ==
                 surface_calibration_rate(&model_default.calibration, one.score));
     assert_true(one.decision == r->decision);
     assert_true(one.threshold >= r->threshold && one.threshold < r->threshold + 0.1);
@@ -276,11 +250,11 @@ static void check_rounding(const struct face_result *r)
 
 /* Whatever the threshold and the score, the numbers shown agree with the decision and are
  * hardly off. */
-static void check_agreement(struct face_result r)
+static void check_agreement(struct surface_comparison r)
 {
     for (int i = -40; i < 40; i++)
         for (int k = -60; k < 60; k++) {
-            struct face_result shown, again;
+            struct surface_comparison shown, again;
             double score, threshold;
 
             r.threshold = i * 0.0213;
@@ -301,22 +275,22 @@ static void check_agreement(struct face_result r)
 TEST(test_round)
 {
     struct surface_face a = {0}, b = {0};
-    struct face_result r, rounded;
+    struct surface_comparison r, rounded;
 
     make(14, 0, &a);
     make(14, 1, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
+    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
     check_rounding(&r);
     check_agreement(r);
     rounded = r;
     face_best_of(&rounded, 5, work);
     assert_true(fabs(r.score - log(5) - rounded.score) < 1e-12);
-    r.fmr_at_score = 1; /* nothing in common */
+    r.false_match_rate = 1; /* nothing in common */
     rounded = r;
     face_round(&rounded, work);
-    assert_true(rounded.fmr_at_score == 1);
+    assert_true(rounded.false_match_rate == 1);
     make(15, 0, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
+    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
     check_rounding(&r);
     face_free(&a);
     face_free(&b);
@@ -327,7 +301,7 @@ TEST(test_round)
 TEST(test_mirrored)
 {
     struct surface_face a = {0}, b = {0}, m = {0};
-    struct face_result plain, as_is, mirrored, again;
+    struct surface_comparison plain, as_is, mirrored, again;
 
     for (uint64_t k = 20; k < 24; k++) {
         make(k, 0, &a);
@@ -335,17 +309,17 @@ TEST(test_mirrored)
         for (size_t i = 0; i < cloud.n; i++)
             cloud.pts[i].x = -cloud.pts[i].x;
         build(&m);
-        assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &plain), ST_OK);
-        assert_int_equal(face_compare(&a, &m, (double)NAN, NULL, work, &as_is), ST_OK);
+        assert_int_equal(face_compare(&a, &b, (double)NAN, work, &plain), ST_OK);
+        assert_int_equal(face_compare(&a, &m, (double)NAN, work, &as_is), ST_OK);
         assert_int_equal(face_compare_mirrored(&a, &m, work, &mirrored), ST_OK);
         print_message("%.2f, mirrored %.2f, back %.2f\n", plain.score, as_is.score,
                       mirrored.score);
         assert_true(fabs(mirrored.score - plain.score) < 0.2);
         assert_true(mirrored.score > as_is.score);
         assert_int_equal(face_compare_mirrored(&a, &m, work, &again), ST_OK);
-        check_same_result(&mirrored, &again);
-        assert_int_equal(face_compare(&a, &m, (double)NAN, NULL, work, &again), ST_OK);
-        check_same_result(&as_is, &again);
+        check_same(&mirrored, &again);
+        assert_int_equal(face_compare(&a, &m, (double)NAN, work, &again), ST_OK);
+        check_same(&as_is, &again);
     }
     face_free(&a);
     face_free(&b);
@@ -382,15 +356,15 @@ TEST(test_inconclusive)
     make(13, 0, &a);
     for (uint64_t who = 13; who < 16; who++)
         for (int k = 0; k < 2; k++) {
-            struct face_result r;
+            struct surface_comparison r;
 
             scan(who, 1, 2 * POINTS);
             keep(part[k]);
             build(&b);
-            assert_int_equal(face_compare(&a, &b, (double)NAN, NULL, work, &r), ST_OK);
+            assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
             assert_true(r.overlap > 0 && r.overlap < 0.3 && r.expected < r.threshold);
             assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
-            assert_int_equal(face_compare(&a, &b, -1000, NULL, work, &r), ST_OK);
+            assert_int_equal(face_compare(&a, &b, -1000, work, &r), ST_OK);
             assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
         }
     face_free(&a);
@@ -407,19 +381,16 @@ static double ticking(void)
 TEST(test_clock)
 {
     struct surface_face a = {0};
-    struct face_result r, without;
-    struct minimal least, plain;
+    struct surface_disparity least, plain;
 
     make(14, 0, &a);
-    assert_int_equal(face_compare(&a, &a, (double)NAN, ticking, work, &r), ST_OK);
-    assert_true(r.score_ms == 2.5);
-    assert_int_equal(face_minimal(&a, &a, ticking, work, &r, &least), ST_OK);
-    assert_true(r.align_ms == 2.5 && least.ms == 2.5);
-    assert_int_equal(face_compare(&a, &a, (double)NAN, NULL, work, &without), ST_OK);
-    assert_int_equal(face_minimal(&a, &a, NULL, work, &without, &plain), ST_OK);
-    check_same_result(&r, &without);
-    assert_true(plain.ms == 0);
-    least.ms = 0;
+    assert_int_equal(face_minimal(&a, &a, work, &plain), ST_OK);
+    assert_true(plain.align_ms == 0 && plain.minimal_ms == 0);
+    surface_work_clock(work, ticking);
+    assert_int_equal(face_minimal(&a, &a, work, &least), ST_OK);
+    surface_work_clock(work, NULL);
+    assert_true(least.align_ms == 2.5 && least.minimal_ms == 2.5);
+    least.align_ms = least.minimal_ms = 0;
     assert_memory_equal(&least, &plain, sizeof least);
     face_free(&a);
 }
@@ -444,11 +415,10 @@ static void check_field(const struct surface_face *tmpl, const struct surface_fa
 {
     static struct surface_parts field, again;
     double cells = 0, regions = 0, region[SURFACE_REGIONS] = {0};
-    struct face_result r;
+    struct surface_comparison r;
 
-    assert_int_equal(face_compare(tmpl, probe, (double)NAN, NULL, work, &r), ST_OK);
+    assert_int_equal(face_compare(tmpl, probe, (double)NAN, work, &r), ST_OK);
     assert_int_equal(face_field(tmpl, probe, work, &field), ST_OK);
-    assert_int_equal(face_regions(tmpl, probe, work, &r), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const uint8_t bit = (uint8_t)(1U << i % 8);
         const bool has[] = {tmpl->encoding.there[i / 8] & bit,
@@ -465,8 +435,7 @@ static void check_field(const struct surface_face *tmpl, const struct surface_fa
     }
     for (int i = 0; i < SURFACE_REGIONS; i++) {
         assert_true(fabs(region[i] - field.region[i]) < 1e-4);
-        assert_true(field.region[i] == r.region[i]);
-        regions += r.region[i];
+        regions += field.region[i];
     }
     print_message("score %.6f: cells %+.1e, regions %+.1e\n", r.score, cells - r.score,
                   regions - r.score);
@@ -593,83 +562,6 @@ TEST(test_heatmap)
     face_free(&f);
 }
 
-/* ---- memory */
-
-/* What asks for memory, k: 0 compare, 1 mirrored, 2 the field, 3 the minimum and its weight. */
-#define CALLS 4
-
-static enum status call(int k, const struct surface_face *a, const struct surface_face *b,
-                        struct surface_work *w, double out[2])
-{
-    static struct surface_parts field;
-    struct face_result r;
-    struct minimal least;
-    enum status st;
-
-    out[0] = out[1] = 0;
-    switch (k) {
-    case 0:
-    case 1:
-        st = k == 0 ? face_compare(a, b, (double)NAN, NULL, w, &r)
-                    : face_compare_mirrored(a, b, w, &r);
-        out[0] = r.score;
-        out[1] = r.expected;
-        break;
-    case 2:
-        st = face_field(a, b, w, &field);
-        out[0] = field.region[0];
-        out[1] = field.region[SURFACE_REGIONS - 1];
-        break;
-    default:
-        if ((st = face_minimal(a, b, NULL, w, &r, &least)) == ST_OK)
-            st = face_weigh(a, b, w, &least);
-        out[0] = least.disparity.plain_mm;
-        out[1] = least.disparity.weighted_mm;
-    }
-    return st;
-}
-
-struct calls {
-    int k;
-    struct surface_face a, b;
-    double plain[2];
-};
-
-/* After a failure the next call succeeds with the same digits; in the steady state nothing is
- * allocated. */
-static enum status call_fresh(void *arg)
-{
-    const struct calls *c = arg;
-    struct surface_work *w = surface_work_new(NULL);
-    enum status st = ST_ENOMEM;
-    double got[2];
-
-    if (w == NULL)
-        return st;
-    if ((st = call(c->k, &c->a, &c->b, w, got)) != ST_OK)
-        assert_int_equal(call(c->k, &c->a, &c->b, w, got), ST_OK);
-    assert_memory_equal(c->plain, got, sizeof got);
-    fail_alloc_at(0);
-    assert_int_equal(call(c->k, &c->a, &c->b, w, got), ST_OK);
-    assert_int_equal(fail_alloc_count(), 0);
-    surface_work_free(w);
-    return st;
-}
-
-TEST(test_no_memory)
-{
-    struct calls c = {0};
-
-    make(18, 1, &c.b);
-    make(18, 0, &c.a);
-    for (; c.k < CALLS; c.k++) {
-        assert_int_equal(call(c.k, &c.a, &c.b, work, c.plain), ST_OK);
-        assert_true(fail_alloc_walk(call_fresh, &c) > 1);
-    }
-    face_free(&c.a);
-    face_free(&c.b);
-}
-
 /* ---- threads */
 
 #define THREADS 4
@@ -678,7 +570,9 @@ struct thread {
     pthread_t id;
     const struct surface_face *tmpl;
     struct surface_face probe;
-    struct face_result r;
+    struct surface_comparison r;
+    struct align_result align;
+    struct surface_parts parts;
     enum status st;
 };
 
@@ -690,11 +584,11 @@ static void *compare(void *arg)
 
     t->st = w == NULL ? ST_ENOMEM : face_build(cloud.pts, cloud.n, w, &t->probe, NULL);
     if (t->st == ST_OK)
-        t->st = face_compare(t->tmpl, &t->probe, (double)NAN, NULL, w, &t->r);
+        t->st = face_compare(t->tmpl, &t->probe, (double)NAN, w, &t->r);
     if (t->st == ST_OK)
-        t->st = face_align(t->tmpl, &t->probe, NULL, w, &t->r);
+        t->st = face_align(t->tmpl, &t->probe, w, &t->align);
     if (t->st == ST_OK)
-        t->st = face_regions(t->tmpl, &t->probe, w, &t->r);
+        t->st = face_field(t->tmpl, &t->probe, w, &t->parts);
     surface_work_free(w);
     return NULL;
 }
@@ -716,7 +610,9 @@ TEST(test_threads)
     for (int i = 0; i < THREADS; i++) {
         assert_int_equal(pthread_join(t[i].id, NULL), 0);
         assert_int_equal(t[i].st, ST_OK);
-        check_same_result(&alone.r, &t[i].r);
+        check_same(&alone.r, &t[i].r);
+        assert_memory_equal(&alone.align, &t[i].align, sizeof alone.align);
+        assert_memory_equal(&alone.parts, &t[i].parts, sizeof alone.parts);
         assert_memory_equal(&alone.probe.encoding, &t[i].probe.encoding,
                             sizeof alone.probe.encoding);
         face_free(&t[i].probe);
@@ -758,10 +654,10 @@ TEST(test_sparse)
         for (uint64_t k = 0; k < 40; k++) {
             make_sparse(k, 0, scans[i].points, scans[i].spikes, &tmpl);
             for (uint64_t other = 0; other < 2; other++) {
-                struct face_result r;
+                struct surface_comparison r;
 
                 make_sparse(k + other, 1, scans[i].points, scans[i].spikes, &probe);
-                assert_int_equal(face_compare(&tmpl, &probe, (double)NAN, NULL, work, &r),
+                assert_int_equal(face_compare(&tmpl, &probe, (double)NAN, work, &r),
                                  ST_OK);
                 matched[other] += r.decision == SURFACE_MATCH;
             }

@@ -58,38 +58,6 @@ TEST(test_toy)
     }
 }
 
-/* Heights that are a multiple of the mean face's relief and any quadric. */
-static double scaled(const void *arg, double x, double y)
-{
-    return *(const double *)arg * toy_height(x, y) + 4 + 0.1 * x - 0.2 * y +
-           x * (0.004 * x + 0.003 * y) - 0.006 * y * y;
-}
-
-/* Neither a quadric nor a scale changes the likeness; for a hollow face it is negative. */
-TEST(test_likeness)
-{
-    static const double scale[] = {1, 0.3, 2, -1, 0};
-    static double z[GRID_N], n[GRID_N];
-
-    for (size_t k = 0; k < sizeof scale / sizeof *scale; k++) {
-        double l;
-
-        for (uint32_t i = 0; i < GRID_N; i++) {
-            n[i] = 1 + i % 3;
-            z[i] = n[i] * scaled(&scale[k], grid_x(i), grid_y(i));
-        }
-        l = frame_likeness_heights(&mean, z, n);
-        printf("relief times %.1f: likeness %.6f\n", scale[k], l);
-        assert_true(fabs(l - (scale[k] > 0) + (scale[k] < 0)) < 1e-4);
-    }
-    for (uint32_t i = 0; i < GRID_N; i++)
-        z[i] = n[i] * toy_height(grid_x(i) + 24, grid_y(i)); /* the nose is elsewhere */
-    assert_true(frame_likeness_heights(&mean, z, n) < 0.5);
-    for (uint32_t i = 0; i < GRID_N; i++)
-        n[i] = i / GRID_NX < 12 ? 1 : 0; /* the chin alone */
-    assert_true(isnan(frame_likeness_heights(&mean, z, n)));
-}
-
 TEST(test_mean)
 {
     struct surface_model bad = model;

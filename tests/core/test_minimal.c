@@ -33,7 +33,7 @@ static void build(const struct facegen_scan *s, double from_x, struct surface_fa
  * beyond from_x are left.  Returns the alignment's transform. */
 static const double *pair(uint64_t subject, bool mated, uint32_t n, double from_x)
 {
-    static struct face_result r;
+    static struct align_result r;
     struct facegen_scan s;
 
     facegen_default(&s);
@@ -46,8 +46,8 @@ static const double *pair(uint64_t subject, bool mated, uint32_t n, double from_
     s.smile = subject % 2 ? 0.3 : 0;
     facegen_pose(&s, 8, 12);
     build(&s, from_x, &probe);
-    assert_int_equal(face_align(&tmpl, &probe, NULL, work, &r), ST_OK);
-    return r.align.transform;
+    assert_int_equal(face_align(&tmpl, &probe, work, &r), ST_OK);
+    return r.transform;
 }
 
 static struct disparity at(const double transform[16])
@@ -61,7 +61,7 @@ static struct disparity at(const double transform[16])
 
 static struct minimal find(const double transform[16])
 {
-    struct minimal m = {.ms = 0};
+    struct minimal m = {.transform = {0}};
 
     assert_int_equal(minimal_find(&tmpl.surface, &probe.surface, transform, &measure, &m),
                      ST_OK);

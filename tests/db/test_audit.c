@@ -71,7 +71,7 @@ static struct store *written(int old)
     return s;
 }
 
-/* Of the file: what a walk says of each sort of change is in tests/log/test_log_walk.c. */
+/* Of the file: what a walk says of each sort of change is in tests/log/test_log.c. */
 TEST(test_tampered)
 {
     static const struct {
@@ -114,9 +114,17 @@ TEST(test_tampered)
     }
 }
 
+#define OLDEST " WHERE seq = (SELECT min(seq) FROM access_log)"
+
 /* The oldest accesses are cut off; the chain goes on from there, and every other loss is found. */
 TEST(test_trim)
 {
+    /* The oldest that is left: as it is not as it was written, it is not cut off, however old. */
+    static const char *const tampered[] = {
+        "UPDATE access_log SET at = '2020-01-01T00:00:00.000Z'" OLDEST,
+        "UPDATE access_log SET mac = zeroblob(32)" OLDEST,
+        "DELETE FROM access_log" OLDEST,
+    };
     struct store *s = written(0);
     struct found f;
     uint64_t cut;
@@ -130,7 +138,6 @@ TEST(test_trim)
     store_close(s);
     for (int old = 1; old <= ACCESSES; old++) {
         const int gone = old < ACCESSES ? old : ACCESSES - 1; /* the last one stays */
-        char text[100];
 
         s = written(old);
         for (int dry = 1; dry >= 0; dry--) {
@@ -140,14 +147,20 @@ TEST(test_trim)
         }
         assert_int_equal(tempdb_number("SELECT min(seq) FROM access_log"), gone + 1);
         assert_string_equal(verify(s).lines, "");
+        for (size_t i = 0; i < sizeof tampered / sizeof *tampered; i++) {
+            tempdb_sql("CREATE TABLE aside.was AS SELECT * FROM access_log");
+            tempdb_sql(tampered[i]);
+            for (int dry = 1; dry >= 0 && gone < ACCESSES - 2; dry--)
+                fails(store_audit_trim(s, "test", 30, dry != 0, &cut, &e), ST_ECORRUPT);
+            tempdb_sql("DELETE FROM access_log; INSERT INTO access_log SELECT * FROM "
+                       "aside.was; DROP TABLE aside.was");
+        }
         event(s);
         tempdb_add(s, "bob");
         f = verify(s);
         assert_string_equal(f.lines, "");
         assert_int_equal(f.w.entries, ACCESSES - gone + 1 + 4 + 2);
-        (void)snprintf(text, sizeof text, "DELETE FROM access_log WHERE seq = %d",
-                       gone + 1); /* the next one goes too, without a word */
-        tempdb_sql(text);
+        tempdb_sql("DELETE FROM access_log" OLDEST); /* one more, without a word */
         f = verify(s);
         assert_int_equal(f.w.first_log, LOG_ACCESSES);
         assert_int_equal(f.w.first, gone + 1);

@@ -48,7 +48,7 @@ TEST(test_followed)
     struct store *s = tempdb_fresh();
     struct store_calibration k = tempdb_calibration(-700), in;
     int64_t version = 0;
-    struct face_result r;
+    struct surface_comparison r;
 
     must(in_force_follow(s, tempdb_work, &version, &e));
     assert_int_equal(version, 0);
@@ -61,12 +61,12 @@ TEST(test_followed)
     must(in_force_follow(s, tempdb_work, &version, &e));
     for (int damaged = 0; damaged < 2; damaged++) {
         assert_int_equal(version, 1);
-        assert_int_equal(face_compare(&tempdb_face[0], &tempdb_face[1], (double)NAN, NULL,
-                                      tempdb_work, &r),
-                         ST_OK);
+        assert_int_equal(
+            face_compare(&tempdb_face[0], &tempdb_face[1], (double)NAN, tempdb_work, &r),
+            ST_OK);
         assert_int_equal(r.decision, SURFACE_MATCH);
         assert_true(r.threshold == -700);
-        assert_true(r.fmr_at_score == surface_calibration_rate(&k.table, r.score));
+        assert_true(r.false_match_rate == surface_calibration_rate(&k.table, r.score));
         tempdb_sql(
             "INSERT INTO calibrations SELECT calibration_key + 1, revision, created, "
             "actor, engine, shipped, fmr, threshold, low, high, subjects, impostors, "

@@ -307,3 +307,33 @@ TEST(test_verify)
     must(write_other(s, 0));
     store_close(s);
 }
+
+/* The schema leads to another tree, with a token that was not revoked, by which SQLite's own sign of a
+ * change stays as it was: who has read it before does not see that.  All see the same afterwards. */
+TEST(test_other_tree)
+{
+    struct store *s = written();
+    struct store_token t;
+
+    tempdb_sql("CREATE TABLE twin AS SELECT * FROM tokens");
+    must(store_token_revoke(s, "test", token.id, &e));
+    must(store_verify(s, NULL, NULL, &e));
+    tempdb_sql("PRAGMA writable_schema = ON; UPDATE sqlite_schema SET rootpage = (SELECT "
+               "rootpage FROM sqlite_schema WHERE name = 'twin') WHERE name = 'tokens'");
+    fails(store_token_check(s, secret, &t, &e), ST_EDENIED); /* by what it knows */
+    fails(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
+    store_close(s);
+
+    s = written();
+    tempdb_sql("CREATE TABLE twin AS SELECT * FROM tokens");
+    must(store_token_revoke(s, "test", token.id, &e));
+    tempdb_sql(
+        "CREATE TEMP TABLE page AS SELECT rootpage FROM sqlite_schema WHERE name = "
+        "'tokens'; PRAGMA writable_schema = ON; UPDATE sqlite_schema SET rootpage = "
+        "(SELECT rootpage FROM sqlite_schema WHERE name = 'twin') WHERE name = "
+        "'tokens'; PRAGMA schema_version = 900; UPDATE sqlite_schema SET rootpage = "
+        "(SELECT rootpage FROM page) WHERE name = 'tokens'");
+    must(store_verify(s, NULL, NULL, &e)); /* as it is in the file */
+    fails(store_token_check(s, secret, &t, &e), ST_EDENIED);
+    store_close(s);
+}

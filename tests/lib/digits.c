@@ -41,21 +41,21 @@ static void make(const struct facegen_scan *s, struct surface_work *w,
 static void compare(struct text *t, const char *what, const struct surface_face *a,
                     const struct surface_face *b, struct surface_work *w)
 {
-    struct face_result r;
-    struct minimal m;
+    struct surface_comparison r;
+    struct surface_disparity m;
+    struct surface_parts parts;
 
-    if (face_compare(a, b, (double)NAN, NULL, w, &r) != ST_OK ||
-        face_minimal(a, b, NULL, w, &r, &m) != ST_OK ||
-        face_regions(a, b, w, &r) != ST_OK)
+    if (face_compare(a, b, (double)NAN, w, &r) != ST_OK ||
+        face_minimal(a, b, w, &m) != ST_OK || face_field(a, b, w, &parts) != ST_OK)
         abort();
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "# %s\n", what);
     put(t, "score", &r.score, 1);
-    put(t, "disparity_mm", &m.disparity.plain_mm, 1);
+    put(t, "disparity_mm", &m.disparity_mm, 1);
     put(t, "overlap", &r.overlap, 1);
-    put(t, "region", r.region, SURFACE_REGIONS);
-    put(t, "turn_deg", &r.align.turn_deg, 1);
-    put(t, "shift_mm", &r.align.shift_mm, 1);
-    put(t, "transform", r.align.transform, 16);
+    put(t, "region", parts.region, SURFACE_REGIONS);
+    put(t, "turn_deg", &m.turn_deg, 1);
+    put(t, "shift_mm", &m.shift_mm, 1);
+    put(t, "transform", m.align_transform, 16);
     put(t, "minimal_transform", m.transform, 16);
 }
 

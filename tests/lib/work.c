@@ -74,7 +74,7 @@ void work_count(const struct dvec3 *a, const struct dvec3 *b, size_t n,
     struct align_result found;
     struct disparity disparity;
     struct minimal minimal;
-    struct asymmetry asymmetry;
+    struct surface_asymmetry asymmetry;
     uint64_t from = executed;
 
     memset(blocks, 0, WORK_STEPS * sizeof *blocks);

@@ -93,11 +93,11 @@ TEST(test_json)
          "the body: unknown member \"asset\"; allowed: points, units and axes"},
         {"{\"points\": [[1,2,1e999]]}", ST_ENOTFINITE, "points[0]"},
         {"{\"points\": [[1,2,3]], \"units\": \"ell\"}", ST_EINVAL,
-         "units is not auto, mm, cm, m, in or um"},
+         "units must be auto, mm, cm, m, in or um"},
         {"{\"points\": [[1,2,3]], \"axes\": \"camera\"}", ST_EINVAL,
-         "axes is neither auto nor scanner"},
+         "axes must be auto or scanner"},
         {"{\"points\": [[1,2,3]], \"axes\": null}", ST_EINVAL,
-         "axes is neither auto nor scanner"},
+         "axes must be auto or scanner"},
     };
     struct scanfile f;
     struct cloudpoints p;

@@ -148,7 +148,7 @@ TEST(test_bad)
         enum status st;
         const char *words;
     } bad[] = {
-        {"", ST_EINVAL, "byte 10: not what an NPY header has here"},
+        {"", ST_EINVAL, "byte 10: malformed NPY header"},
         {"{}", ST_EINVAL, "byte 12: the NPY header has no type or no shape"},
         {"{'shape': (4, 3)}", ST_EINVAL, "no type or no shape"},
         {"{'descr': '<f8'}", ST_EINVAL, "no type or no shape"},
@@ -166,9 +166,9 @@ TEST(test_bad)
         {"{'descr': '<f2', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
         {"{'descr': [('x', '<f4')], 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
         {"{'descr': '<f8', 'fortran_order': 1, 'shape': (4, 3)}", ST_EINVAL,
-         "not what an NPY header has here"},
+         "malformed NPY header"},
         {"{'descr': '<f8', 'size': 3, 'shape': (4, 3)}", ST_EINVAL, "byte 27: not what"},
-        {"{'descr': '<f8', 'shape': (4, 3)", ST_EINVAL, "not what an NPY header"},
+        {"{'descr': '<f8', 'shape': (4, 3)", ST_EINVAL, "malformed NPY header"},
         {"{'descr': '<f8', 'shape': (5, 3)}", ST_EINVAL, "takes 120 bytes, here are 96"},
         {"{'descr': '<f8', 'shape': (3, 3)}", ST_EINVAL, "takes 72 bytes, here are 96"},
         {"{'descr': '<f4', 'shape': (4, 3)}", ST_EINVAL, "takes 48 bytes, here are 96"},

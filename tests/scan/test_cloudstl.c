@@ -104,7 +104,7 @@ TEST(test_hostile)
 TEST(test_bad_text)
 {
     static const struct scanfile_case bad[] = {
-        {"solid\nvertex 1 2 3\nendsolid\n", ST_EINVAL, "not what an STL file has here"},
+        {"solid\nvertex 1 2 3\nendsolid\n", ST_EINVAL, "malformed STL file"},
         {"solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nendloop\nendfacet\nendsolid\n",
          ST_EINVAL, "fewer than three"},
         {"solid\nfacet\nouter loop\nvertex 1 2 3\nvertex 1 2 4\nvertex 1 2 5\nvertex 1 2 6\n",

@@ -90,8 +90,8 @@ TEST(test_found)
     f.unit_found = true;
     give(ST_OK, f);
     assert_int_equal(a.n, 3);
-    assert_line(0, "let one person alone be in view: 2 faces are there, the nearest was "
-                   "taken");
+    assert_line(
+        0, "let only one person be in view: 2 faces were found, the nearest was used");
     assert_line(1,
                 "the scan seems to be a mirror image: switch mirroring off where it was "
                 "made");
@@ -105,7 +105,7 @@ TEST(test_found)
     f.warnings = 0;
     give(ST_ESEVERAL, f);
     assert_int_equal(a.n, 1);
-    assert_line(0, "let one person alone be in view: 2 faces are there");
+    assert_line(0, "let only one person be in view: 2 faces were found");
     f.unit_found = false;
     give(ST_OK, f);
     assert_int_equal(a.n, 0);

@@ -83,8 +83,9 @@ TEST(test_both)
     assert_int_equal(t.verification, ST_OK);
     assert_string_equal(t.why.msg, "");
     assert_int_equal(t.found.points_read, 5);
-    assert_string_equal(t.advice.line[0], "let one person alone be in view: 2 faces are "
-                                          "there, the nearest was taken");
+    assert_string_equal(
+        t.advice.line[0],
+        "let only one person be in view: 2 faces were found, the nearest was used");
 }
 
 TEST(test_verification_alone)
@@ -94,10 +95,11 @@ TEST(test_verification_alone)
     assert_int_equal(t.enrolment, ST_ESEVERAL);
     assert_int_equal(t.verification, ST_OK);
     assert_int_equal(t.why.code, ST_ESEVERAL);
-    assert_string_equal(t.why.msg, "points: an enrolment takes one face alone: let one "
-                                   "person alone be in view: 2 faces are there");
+    assert_string_equal(
+        t.why.msg,
+        "points: an enrolment needs exactly one face: let only one person be in view: 2 faces were found");
     assert_string_equal(t.advice.line[0],
-                        "let one person alone be in view: 2 faces are there");
+                        "let only one person be in view: 2 faces were found");
     assert_int_equal(t.found.points_read, 5);
 }
 
@@ -132,7 +134,7 @@ TEST(test_texts)
          "let the scanner see the whole face, from the front or turned by up to "
          "55°"},
         {ST_EMIRRORED,
-         "points: its normals or the order of its points are a mirror image's: "
+         "points: its normals or the order of its points are those of a mirror image: "
          "the scan seems to be a mirror image: switch mirroring off where it "
          "was made"},
         {ST_ENOTFACE,

@@ -1,7 +1,6 @@
 /* The rendered kinds are what they say: unit, axes, counts, what covers what. */
 #include "draw.h"
 #include "face.h"
-#include "headpose.h"
 #include "headscan.h"
 #include "headview.h"
 #include "unit.h"
@@ -270,30 +269,4 @@ TEST(test_layers)
         headview_free(&v);
         head_free(&h);
     }
-}
-
-/* Turned anyhow, the face is found again: but for the height of its nose, in which made-up
- * faces differ from the mean. */
-TEST(test_pose_is_found)
-{
-    const struct headscan_options o = kind("round", 5);
-    struct surface_work *w = surface_work_new(NULL);
-    struct headscan s;
-    double to[16];
-    size_t close = 0, face = 0;
-
-    assert_non_null(w);
-    render(&o, &s);
-    assert_true(headpose_find(s.at, s.n, false, w, to));
-    for (size_t i = 0; i < s.n; i++) {
-        const struct dvec3 d = vec_sub(vec_transform(to, s.at[i]), made.at[i]);
-
-        face += vec_dot(made.at[i], made.at[i]) < 60 * 60;
-        close += vec_dot(made.at[i], made.at[i]) < 60 * 60 && vec_dot(d, d) < 15 * 15 &&
-                 fabs(d.x) < 4;
-    }
-    assert_int_equal(s.n, made.n);
-    assert_true(face > 1000 && close > face * 9 / 10);
-    headscan_free(&s);
-    surface_work_free(w);
 }

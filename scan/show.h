@@ -1,7 +1,8 @@
-/* show.h -- faces as surfaces to look at: binary glTF (glbwrite.h), in the canonical frame of the
- * face that is looked at, mm.  Triangles that only bridge missing points are left out. */
-#ifndef SERVICE_SHOW_H
-#define SERVICE_SHOW_H
+/* show.h -- faces as surfaces for a viewer: binary glTF (glbwrite.h), in the canonical
+ * frame of the face that is looked at, mm.  Triangles that only bridge missing points are
+ * left out. */
+#ifndef SCAN_SHOW_H
+#define SCAN_SHOW_H
 #include <stddef.h>
 #include "status.h"
 
@@ -29,11 +30,11 @@ enum status show_comparison(const struct surface_face *tmpl,
                             const struct surface_parts *parts, struct json *j,
                             struct show *out);
 
-/* show_scan(face, at, n, view, j, out): the node "face" (NULL: none was found), and with n > 0 the node "scan": points in
- * the scan's own unit and axes, moved by view (surface_found; without a face left as they are); of more than SHOW_POINTS an even choice.
+/* show_scan(face, at, n, most, view, j, out): the node "face" (NULL: none was found), and with n > 0 the node "scan": points in
+ * the scan's own unit and axes, moved by view (surface_found; without a face left as they are); of more than most an even choice.
  * Returns ST_OK, ST_ENOMEM. */
-#define SHOW_POINTS 20000
 enum status show_scan(const struct surface_face *face, const struct dvec3 *at, size_t n,
-                      const double view[16], struct json *j, struct show *out);
+                      size_t most, const double view[16], struct json *j,
+                      struct show *out);
 
 #endif

@@ -36,11 +36,16 @@ static void arrays_free(struct arrays *a)
     mem_free(a->point);
 }
 
+/* Moved by m into a face's frame, to 1/256 mm, which no scanner resolves, so that the file packs
+ * well; NULL: as it is. */
 static void put(float to[3], const double m[16], const double p[3])
 {
     for (int i = 0; i < 3; i++)
-        to[i] = (float)(m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] +
-                        m[4 * i + 3]);
+        to[i] = m == NULL
+                    ? (float)p[i]
+                    : (float)(nearbyint(256 * (m[4 * i] * p[0] + m[4 * i + 1] * p[1] +
+                                               m[4 * i + 2] * p[2] + m[4 * i + 3])) /
+                              256);
 }
 
 /* first, then m */
@@ -182,10 +187,11 @@ enum status show_comparison(const struct surface_face *tmpl,
 }
 
 /* An even choice of a scan's points, moved by m. */
-static enum status scan_node(const struct dvec3 *at, size_t n, const double m[16],
-                             struct arrays *a, struct glbwrite_node *out)
+static enum status scan_node(const struct dvec3 *at, size_t n, size_t most,
+                             const double m[16], struct arrays *a,
+                             struct glbwrite_node *out)
 {
-    const size_t step = (n + SHOW_POINTS - 1) / SHOW_POINTS;
+    const size_t step = (n + most - 1) / most;
 
     *out = (struct glbwrite_node){.name = "scan"};
     if ((a->at = mem_array(n / step + 1, sizeof *a->at)) == NULL)
@@ -197,9 +203,9 @@ static enum status scan_node(const struct dvec3 *at, size_t n, const double m[16
 }
 
 enum status show_scan(const struct surface_face *face, const struct dvec3 *at, size_t n,
-                      const double view[16], struct json *j, struct show *out)
+                      size_t most, const double view[16], struct json *j,
+                      struct show *out)
 {
-    static const double same[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct glbwrite_node node[2];
     struct arrays a[2] = {0};
     double frame[16], both[16];
@@ -214,7 +220,7 @@ enum status show_scan(const struct surface_face *face, const struct dvec3 *at, s
     if (st == ST_OK && n > 0) {
         if (face != NULL)
             after(frame, view, both);
-        st = scan_node(at, n, face != NULL ? both : same, &a[1], &node[nodes++]);
+        st = scan_node(at, n, most, face != NULL ? both : NULL, &a[1], &node[nodes++]);
     }
     if (st == ST_OK)
         st = glbwrite(node, nodes, j, &out->glb, &out->len);

@@ -1,0 +1,160 @@
+"""The responses' members, by the names of /openapi.json.  Lengths in mm, times in ms."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, NotRequired, TypedDict
+
+
+class Quality(TypedDict):
+    score: float
+    coverage: float
+    density_mm: float
+    noise_mm: float
+    reasons: list[str]
+
+
+class Scan(TypedDict):
+    format: str
+    points_read: int
+    points_dropped: int
+    points_used: int
+    units: str | None
+    view: list[float] | None
+    yaw_deg: float | None
+    occluded: float
+    warnings: list[str]
+
+
+class Check(TypedDict):
+    usable: bool
+    enrollable: bool
+    code: str | None
+    detail: str | None
+    advice: list[str]
+    notes: list[str]
+    scan: Scan | None
+    quality: Quality | None
+    timing_ms: dict[str, float]
+
+
+class Template(TypedDict):
+    template_id: str
+    subject: str
+    label: str
+    created: str
+    points: int
+    triangles: int
+    digest: str
+    quality: Quality
+    engine: str
+    manager: NotRequired[bool]
+    first_score: NotRequired[float]
+    scan: NotRequired[Scan]
+
+
+class Refusal(TypedDict):
+    code: str
+    detail: str
+
+
+class BurstFile(TypedDict):
+    file: str
+    template_id: str | None
+    new: bool
+    scan: Scan | None
+    quality: Quality | None
+    refusal: Refusal | None
+
+
+class Burst(TypedDict):
+    subject: str
+    templates: list[BurstFile]
+
+
+class Verdict(TypedDict):
+    """scan and quality: of a comparison {"a": ..., "b": ...}."""
+
+    decision: Literal["match", "no_match", "inconclusive"]
+    score: float
+    threshold: float
+    fmr_at_score: float
+    disparity_mm: float
+    overlap: float
+    subject: str | None
+    template_id: str | None
+    templates_compared: int
+    scan: Any
+    quality: Any
+    engine: str
+    timing_ms: dict[str, float]
+    minimal: NotRequired[dict[str, Any]]
+    alignment: NotRequired[dict[str, Any]]
+    regions: NotRequired[dict[str, float | None]]
+    heatmap: NotRequired[list[float | None]]
+    cells: NotRequired[dict[str, Any]]
+
+
+class Asymmetry(TypedDict):
+    conclusive: bool
+    plain_mm: float
+    weighted_mm: float
+    first_mm: float
+    volume_mm3: float
+    overlap_mm2: float
+    overlap: float
+    plane: dict[str, Any]
+    scan: Scan
+    quality: Quality
+    engine: str
+    timing_ms: dict[str, float]
+
+
+class Subject(TypedDict):
+    subject: str
+    created: str
+    consent: str | None
+    purpose: str | None
+    expires_at: str | None
+    last_seen: str | None
+    hold: bool
+    disabled: bool
+    templates: list[Template]
+
+
+class Listed(TypedDict):
+    """A row of SubjectPage."""
+
+    subject: str
+    created: str
+    templates: int
+
+
+class AuditEntry(TypedDict):
+    seq: int
+    hash: str
+
+
+class Erased(TypedDict):
+    """The signed receipt of an erasure: surfacectl audit receipt verifies it."""
+
+    subject: str
+    templates_removed: int
+    template_ids: list[str]
+    subject_uid: str
+    erased_at: str
+    digest: str
+    audit: AuditEntry
+    signature: str
+    public_key: str
+
+
+class Nonce(TypedDict):
+    nonce: str
+    expires_at: str
+
+
+class OwnToken(TypedDict):
+    id: str | None
+    name: str | None
+    scopes: list[str]
+    expires_at: str | None

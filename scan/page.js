@@ -1,0 +1,55 @@
+// page.js -- a comparison or a scan as a page of its own, with the console's view: what surfacectl
+// explain and surfacectl scan write.  scripts/page.sh joins it with the modules, scan/page.c adds the
+// data: binary glTF whose extras are the response, and of each side name, origin and time.
+
+import { count, el, icon, mm, percent, plain, time } from "./dom.js";
+import { readGlb } from "./glb.js";
+import { createStage } from "./stage.js";
+import { advice, checked, decided, facts, failure, regions } from "./verdict.js";
+
+async function unpack(text) {
+  const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return readGlb(await new Response(stream).arrayBuffer());
+}
+
+/** Whose face, or which file; from where and when; how good. */
+function side(letter, s) {
+  return el(`div.slot.${letter.toLowerCase() || "one"}`, {}, letter && el("span.letter", {}, letter),
+    el("span.text", {}, el("strong", {}, s.name), el("span.dim", {}, `${s.about} ${s.at ? `${time(s.at)} UTC` : ""}`)),
+    s.quality != null && el("span.badge", {}, `quality ${s.quality.toFixed(2)}`));
+}
+
+const comparison = (r) => [decided(r), regions(r.regions),
+  facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
+    ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`]])];
+
+const check = (r) => [checked(r, false), advice([...r.advice, ...r.notes]),
+  r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points read", count(r.scan.points_read)],
+    ["Points on the face", count(r.scan.points_used)],
+    r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
+    r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]])];
+
+function setTheme(theme) {
+  document.documentElement.dataset.theme = theme;
+  dispatchEvent(new Event("theme"));
+}
+
+function open({ extras: r, nodes }) {
+  const two = r.decision !== undefined, stage = createStage();
+  document.title = two ? `${r.a.name} and ${r.b.name}` : r.a.name;
+  document.body.replaceChildren(el("main", {},
+    el("header", {}, el("h1", {}, two ? "What decided" : "What was found"),
+      el("span.dim.note", {}, `${time(r.made_at)} UTC`),
+      el("button.quiet", { type: "button", title: "Dark or light", "aria-label": "Dark or light",
+        onclick: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark") }, icon("sun"))),
+    el("div.slots", {}, side(two ? "A" : "", r.a), two && el("span.swap"), two && side("B", r.b)),
+    el("div.try", {}, stage.element, el("div.side", {}, ...(two ? comparison : check)(r).filter(Boolean),
+      el("p.dim", {}, "This page has the faces in it: keep it as you keep scans.",
+        two && " A score is no proof of who somebody is.")))));
+  stage.show(nodes, two, nodes.face || two ? undefined : "The scan as it came: no face was found in it.");
+}
+
+setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+unpack(document.getElementById("data").textContent).then(open)
+  .catch((e) => document.body.replaceChildren(el("main", {}, failure(e))));

@@ -1,0 +1,84 @@
+#!/bin/sh
+# Goal: the clients of docs/clients.md, each in its language, do what the document says: they enroll
+# and verify, and each error is told to the one who can do something about it.
+. tests/box/lib.sh
+needs_section clients go node /usr/bin/python3
+
+ctl init
+token=$(new_token clients --scope enroll,verify)
+scan 1 0 "$T/a.ply"
+scan 1 1 "$T/again.ply" --pose 8 --shift 10
+scan 2 0 "$T/other.ply"
+head -c 2000 "$T/a.ply" >"$T/short.ply"
+scan 1 0 "$T/all.xyz"
+head -n 60 "$T/all.xyz" >"$T/few.xyz"
+mkdir "$T/py"
+cp -R clients/python/surfaced "$T/py"
+scripts/example.sh sh docs/clients.md >"$T/client.sh"
+scripts/example.sh python docs/clients.md >"$T/client.py"
+scripts/example.sh js docs/clients.md >"$T/client.mjs"
+scripts/example.sh go docs/clients.md >"$T/client.go"
+chmod +x "$T/client.sh"
+ok "the program in Go compiles" env GOCACHE="$T/go" GOFLAGS=-mod=mod GO111MODULE=off HOME="$T" \
+    go build -o "$T/client" "$T/client.go"
+ok "and is laid out as gofmt has it" test -z "$(gofmt -l "$T/client.go")"
+
+# client LANGUAGE ARGUMENT...: $CODE, and its output in $T/out.
+client() {
+    case $1 in
+    curl) command="sh $T/client.sh" ;;
+    python) command="env PYTHONPATH=$T/py /usr/bin/python3 $T/client.py" ;;
+    node) command="node $T/client.mjs" ;;
+    go) command=$T/client ;;
+    esac
+    shift
+    # shellcheck disable=SC2086 # a program and its arguments
+    env SURFACED_URL="$URL" SURFACED_TOKEN="${TOKEN:-$token}" no_proxy='*' $command "$@" >"$T/out" 2>&1
+    CODE=$?
+}
+
+# tells TITLE STATUS PATTERN...: of the last client.
+tells() {
+    is "$1, $language" "$CODE" "$2"
+    title=$1
+    shift 2
+    for pattern in "$@"; do
+        contains "$title, $language" "$T/out" "$pattern"
+    done
+}
+
+start_daemon
+for language in curl python node go; do
+    client "$language" "$language" "$T/a.ply" "$T/again.ply"
+    tells "one person" 0 '^enrolled [0-9a-f]{32}$' '^match, score [0-9.]+, needed 8$'
+    client "$language" "$language" "$T/a.ply" "$T/other.ply"
+    tells "another" 1 '^no_match, score -[0-9.]+, needed 8$'
+    client "$language" "$language" "$T/few.xyz" "$T/other.ply"
+    tells "a scan that cannot be enrolled" 2 "^move nearer to the scanner"
+    client "$language" "$language" "$T/a.ply" "$T/short.ply"
+    tells "a file that is cut off" 2 '^400 malformed: .*promises 3000 vertices'
+    client "$language" "$language" "$T/other.ply" "$T/other.ply"
+    tells "another person's scan" 2 '^409 sample_mismatch: '
+    client "$language" "$language" "$T/none.ply" "$T/other.ply"
+    is "a file that is not there, $language" "$CODE" 2
+    TOKEN=sfd_wrong client "$language" "$language" "$T/a.ply" "$T/again.ply"
+    tells "a wrong token" 2 '^401 unauthorized: '
+    client "$language" "$language" "$T/a.ply" "$T/other.ply"
+    client "$language" "$language" "$T/a.ply" "$T/again.ply"
+    tells "a lock-out" 2 '^429 too_many_attempts: '
+    [ "$language" = curl ] || contains "when it ends, $language" "$T/out" '^try again in [0-9]+ s$'
+    client "$language" "../$language" "$T/a.ply" "$T/again.ply"
+    is "an id that is none, $language" "$CODE" 2
+done
+stop_daemon
+for language in curl python node go; do
+    client "$language" "$language" "$T/a.ply" "$T/again.ply"
+    is "no daemon, $language" "$CODE" 2
+    ok "which is said, $language" test -s "$T/out"
+done
+start_daemon --disk-reserve 1000000G
+for language in curl python node go; do
+    client "$language" new "$T/a.ply" "$T/again.ply"
+    tells "no room" 2 '^503 storage_full: '
+done
+finish
