@@ -6,7 +6,7 @@ import { failure, verdict, VERDICTS } from "./verdict.js";
 import { attempt, dialog, field, personAt, state, table } from "./widgets.js";
 import { kind, KINDS } from "./words.js";
 
-const PAGE = 50;
+const PAGE = 50, TRIES = 20;
 const FILTERS = ["subject", "kind", "actor", "since", "until"];
 
 const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", year: "numeric", timeZone: "UTC" });
@@ -48,11 +48,14 @@ export function open(main, who, from) {
     status.textContent = "Looking …";
     more.hidden = true;
     try {
-      const page = await get(`/v1/audit${query({ ...filter, limit: PAGE, ...(cursor && { before: cursor }) })}`, { stop: own.signal });
+      let page, tries = 0;
+      do { // the daemon looks at so many entries for a request, and is asked again
+        page = await get(`/v1/audit${query({ ...filter, limit: PAGE, before: cursor })}`, { stop: own.signal });
+        cursor = page.next_cursor;
+      } while (!page.entries.length && cursor !== null && ++tries < TRIES);
       if (anew) entries.set([]);
       add(page.entries);
       shown += page.entries.length;
-      cursor = page.next_cursor;
       problem.replaceChildren();
       entries.element.hidden = !shown;
       more.hidden = cursor === null;
