@@ -14,10 +14,10 @@ enum status store_attempts_reset(struct store *s, const char *actor, const char 
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
                                 struct errinfo *e);
 
-/* Limits for who tries faces until one matches: failed verifications in a row lock a token out of
- * a subject; those of other tokens shut the subject for everybody for STORE_WAIT_OTHERS_S at a
- * time, so that nobody can keep others out by failing; and a token may try only so many subjects
- * in vain in an hour. */
+/* Limits for who tries faces until one matches: failed verifications in a row lock a
+ * token out of a subject; those of other tokens shut the subject for everybody for
+ * STORE_WAIT_OTHERS_S at a time, so that failures cannot keep others out; and a token may
+ * try only a limited number of subjects in vain in an hour. */
 struct store_limits {
     unsigned failures; /* in a row; 0: no limit at all */
     unsigned wait_s;   /* of the first lock-out; it doubles, up to OPTIONS_WAIT_MAX */

@@ -107,7 +107,7 @@ bool store_subject_state(const char *word, enum store_state *out)
 
     for (size_t i = 0; i < sizeof name / sizeof *name; i++)
         if (strcmp(word, name[i]) == 0) {
-            *out = STORE_ACTIVE + i;
+            *out = (enum store_state)((size_t)STORE_ACTIVE + i);
             return true;
         }
     return false;

@@ -82,8 +82,8 @@ bool store_rules_past(const char *at, int64_t ms);
  * from before the clock was set back, and is not recent. */
 bool store_rules_recent(const char *at, int64_t ms);
 
-/* store_rules_room(subject, templates, e): may a template be added to so many of the subject?
- * ST_EFULL. */
+/* store_rules_room(subject, templates, e): whether a subject with this many templates may
+ * have one more. ST_EFULL. */
 enum status store_rules_room(const char *subject, size_t templates, struct errinfo *e);
 
 #endif

@@ -6,8 +6,8 @@
 #include "corpus.h"
 #include "lab.h"
 
-/* Of a folder or manifest so many non-mated comparisons are made, at most, unless the caller
- * says how many. */
+/* The most non-mated comparisons of a folder or manifest, unless the caller says how
+ * many. */
 #define TRIALS_NON_MATED 200000
 #define TRIALS_ALL       UINT32_MAX
 

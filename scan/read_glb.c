@@ -409,7 +409,7 @@ static enum status add_faces(struct scene *s, const struct json_value *primitive
         st = json_get_count(indices, &which)
                  ? accessor_open(&s->file, which, "SCALAR", &a)
                  : errinfo_set(s->e, ST_EINVAL,
-                               "GLB: the indices of a primitive are no "
+                               "GLB: the indices of a primitive are not an "
                                "accessor");
     if (st == ST_OK)
         st = spend(s, a.n);

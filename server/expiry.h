@@ -6,7 +6,7 @@
 struct app;
 
 struct expiry {
-    double told_ms; /* logger_clock_ms() when the log was told last; 0: never */
+    double told_ms; /* logger_clock_ms() of the last log line; 0: never */
 };
 
 /* expiry_look(x, app): reads the tokens.  Where they cannot be read the log says so, and the

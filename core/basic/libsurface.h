@@ -287,10 +287,10 @@ SURFACE_API enum surface_status surface_build(struct surface_work *work,
                                               struct surface_found *found);
 SURFACE_API void surface_face_free(struct surface_face *face); /* NULL is allowed */
 
-/* Build a face from a scan as for an enrolment and, where that is refused, as for a verification,
- * with one search.  SURFACE_ENROLMENT has no meaning.
+/* Build a face from a scan as for an enrolment and, where that is refused, as for a
+ * verification, with one search.  SURFACE_ENROLMENT has no meaning.
  * refused, why  the enrolment's status, and what was found then
- * found         what the caller is told of the face or the last refusal
+ * found         the report on the face or the last refusal
  * Returns as surface_build() does for the verification. */
 SURFACE_API enum surface_status
 surface_check(struct surface_work *work, const struct surface_cloud *cloud,

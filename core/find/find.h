@@ -41,7 +41,7 @@ struct find_pose {
     struct pose pose; /* points times unit_mm -> canonical frame */
     double
         worth; /* of the quick fit (shape.h), and of its eyes: FIND_PLAIN and more are a face;
-                     the best of what is none has less, as may a face that is covered or half
+                     the best of things that are not faces has less, as may a face that is covered or half
                      seen */
 };
 

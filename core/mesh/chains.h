@@ -1,11 +1,11 @@
-/* chains.h -- which triangle a point lies in, in O(log^2 n) steps whatever the triangulation.
- * A straight walk (locate.h) is faster on scans, but whoever sends two surfaces can make
- * every step of the one cross all needles of the other.  Lee and Preparata, "Location of a
- * point in a planar subdivision and its applications", SIAM J. Comput. 6, 1977: the
- * triangles are put into an order in which each comes after those below it; between any two
- * numbers of that order runs a chain of edges that is monotone in x, and a point's triangle
- * is found by bisection over the chains.  An edge is kept once, with the first chain that the
- * bisection compares it in.
+/* chains.h -- which triangle a point lies in, in O(log^2 n) steps whatever the
+ * triangulation. A straight walk (locate.h) is faster on scans, but an attacker who sends
+ * two surfaces can make every step of the one cross all needles of the other.  Lee and
+ * Preparata, "Location of a point in a planar subdivision and its applications", SIAM J.
+ * Comput. 6, 1977: the triangles are put into an order in which each comes after those
+ * below it; between any two numbers of that order runs a chain of edges that is monotone
+ * in x, and a point's triangle is found by bisection over the chains.  An edge is kept
+ * once, with the first chain that the bisection compares it in.
  * Exact: decided by orient2d on the lattice, points in the order of x, then y. */
 #ifndef CORE_CHAINS_H
 #define CORE_CHAINS_H

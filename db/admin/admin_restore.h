@@ -16,7 +16,7 @@ struct admin_restored {
     struct admin_copied
         backup;     /* as it was verified, before subjects were erased again */
     bool was_there; /* there was a database, and it is PATH.before-restore */
-    uint64_t had_subjects, had_templates; /* it had so many */
+    uint64_t had_subjects, had_templates; /* their numbers */
     uint64_t lost;   /* subjects of it that the backup does not have */
     uint64_t erased; /* subjects of the backup that were erased since */
     uint64_t

@@ -38,8 +38,9 @@ enum status rows_template_same(struct log_txn *t, const struct rows_subject *of,
 
 /* rows_template_face(t, row, of, face, len, e): decrypted; wiped and released by
  * rows_template_wipe(), also NULL.
- * rows_template_each(t, part, parts, use, report, arg, e): every template with its face, or the
- * part'th of so many shares of them, from 0 on; one that is damaged is reported and passed over. */
+ * rows_template_each(t, part, parts, use, report, arg, e): every template with its face,
+ * or the part'th of parts shares of them, from 0 on; a damaged one is reported and
+ * skipped. */
 enum status rows_template_face(struct log_txn *t, const struct rows_template *row,
                                const struct rows_subject *of, unsigned char **face,
                                size_t *len, struct errinfo *e);

@@ -223,7 +223,7 @@ static enum status check_file(struct sql_sqlite *d, enum sql_open how, struct er
     int fd;
 
     if (path[0] == '\0' || path[0] == ':')
-        return errinfo_set(e, ST_EINVAL, "'%s' is no path for a database", path);
+        return errinfo_set(e, ST_EINVAL, "'%s' is not a path for a database", path);
     if (stat(path, &sb) != 0) {
         if (errno != ENOENT)
             return errinfo_set(e, ST_EIO, "cannot open %s: %s", path, strerror(errno));

@@ -22,7 +22,7 @@ bool cloud_options(struct request *r, struct cloudfile_options *o, bool *axes_gi
  * out: by cloudpoints_free().  Returns ST_OK, or another status with r->response set. */
 enum status cloud_read(struct request *r, struct cloudpoints *out);
 
-/* cloud_take(r, out, e): the same, but r->response is set for a parameter alone; *e tells
+/* cloud_take(r, out, e): the same, but r->response is set only for a parameter; *e has
  * everything else. */
 enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e);
 

@@ -14,8 +14,9 @@ void compare_subject(struct request *r, struct worker *w);
 void compare_template(struct request *r, struct worker *w);
 void compare_scans(struct request *r, struct worker *w);
 
-/* compare_refuse(r, why, e): r->response is the problem that e tells, or that the subject may not
- * be verified: disabled, expired, or locked out with Retry-After, which counts in the metrics. */
+/* compare_refuse(r, why, e): r->response is the problem of e, or that the subject may not
+ * be verified: disabled, expired, or locked out with Retry-After, which counts in the
+ * metrics. */
 void compare_refuse(struct request *r, const struct templates_refusal *why,
                     const struct errinfo *e);
 

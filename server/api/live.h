@@ -1,4 +1,4 @@
-/* live.h -- for whoever stands beside a door: what was decided a moment ago, and why not. */
+/* live.h -- for a guard at a door: what was decided a moment ago, and why not. */
 #ifndef SERVER_LIVE_H
 #define SERVER_LIVE_H
 

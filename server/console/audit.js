@@ -6,13 +6,13 @@ import { failure, verdict, VERDICTS } from "./verdict.js";
 import { attempt, dialog, field, personAt, state, table } from "./widgets.js";
 import { kind, KINDS } from "./words.js";
 
-const PAGE = 50;
+const PAGE = 50, TRIES = 20;
 const FILTERS = ["subject", "kind", "actor", "since", "until"];
 
 const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", year: "numeric", timeZone: "UTC" });
 
 /** What came of it: a decision, or in the log's words. */
-export const cameOf = (e) => (e.outcome in VERDICTS ? state(VERDICTS[e.outcome]) : el("span.dim", {}, e.outcome.replaceAll("_", " ")));
+export const cameOf = (e) => (e.outcome in VERDICTS ? state(VERDICTS[e.outcome]) : e.outcome);
 
 export function open(main, who, from) {
   const filter = Object.fromEntries(FILTERS.map((name) => [name, from.get(name) ?? ""]));
@@ -24,7 +24,7 @@ export function open(main, who, from) {
     ["What", (e) => el("span", { title: `${e.kind}, entry ${e.seq} of the ${e.log}` }, kind(e.kind))],
     ["Person", (e) => (e.subject === null ? (e.erased ? el("span.dim", {}, "erased since") : "")
       : who.scopes.includes("read") ? el("a", { href: personAt(e.subject) }, e.subject) : e.subject), "name"],
-    ["Outcome", (e) => cameOf(e)],
+    ["Outcome", cameOf, "dim"],
     ["By", (e) => el("a.plain", { href: here({ actor: e.actor }), title: `Only by ${e.actor}` }, e.actor_name ?? e.actor), "by"],
     ["Time (UTC)", (e) => el("time", { dateTime: e.at, title: e.request_id ? `request ${e.request_id}` : "" }, e.at.slice(11, 19)), "dim"],
   ]);
@@ -48,11 +48,14 @@ export function open(main, who, from) {
     status.textContent = "Looking …";
     more.hidden = true;
     try {
-      const page = await get(`/v1/audit${query({ ...filter, limit: PAGE, ...(cursor && { before: cursor }) })}`, { stop: own.signal });
+      let page, tries = 0;
+      do { // the daemon looks at so many entries for a request, and is asked again
+        page = await get(`/v1/audit${query({ ...filter, limit: PAGE, before: cursor })}`, { stop: own.signal });
+        cursor = page.next_cursor;
+      } while (!page.entries.length && cursor !== null && ++tries < TRIES);
       if (anew) entries.set([]);
       add(page.entries);
       shown += page.entries.length;
-      cursor = page.next_cursor;
       problem.replaceChildren();
       entries.element.hidden = !shown;
       more.hidden = cursor === null;

@@ -43,7 +43,7 @@ function createLegend() {
         width: 56 * Math.sqrt(n / most), height: 260 / 48 - 1 })),
       svg("rect", { x: 66, y: 20, width: 10, height: 260, rx: 3, fill: `url(#${id})` }),
       ...[-1, 1].map((k) => svg("rect", { class: "tick", x: 62, y: y(layer, k * layer.limit) - 0.6, width: 18, height: 1.2 })),
-      label(10, layer.ends[0], 71, "middle"), label(292, layer.ends[1], 71, "middle"),
+      label(4, layer.ends[0], 71, "middle"), label(297, layer.ends[1], 71, "middle"),
       ...[layer.end, layer.limit, 0, -layer.limit, -layer.end].map((v) =>
         label(y(layer, layer.sign * v), v === 0 ? "0" : signed(layer.sign * v, Number.isInteger(v) ? 0 : 2) + (layer.unit ?? ""))),
       mark);

@@ -23,8 +23,8 @@ void auth_check(struct request *r);
  * auth_check(). */
 bool auth_has(const struct request *r, unsigned scopes);
 
-/* auth_exact(r): may exact scores be told, that is, has r's token detail or manage?  Many of them
- * would rebuild a face. */
+/* auth_exact(r): whether the response may have exact scores: r's token has detail or
+ * manage.  Many of them would rebuild a face. */
 bool auth_exact(const struct request *r);
 
 /* auth_may(r, scopes): auth_has(); where it is false, r->response is a 403 that names

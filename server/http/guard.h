@@ -23,8 +23,9 @@ struct guard_rules {
     unsigned timeout_s;
 };
 
-/* A body and a response may take timeout_s, and a second more for each so many bytes, but are
- * never more than timeout_s ahead: who has sent much and then nothing is closed like others. */
+/* A body and a response may take timeout_s, and a second more for each GUARD_BYTES_PER_S,
+ * but are never more than timeout_s ahead: who has sent much and then nothing is closed
+ * like others. */
 #define GUARD_BYTES_PER_S 8192.0
 /* An open connection without a request is kept this many times timeout_s. */
 #define GUARD_IDLE_FACTOR 3
@@ -69,7 +70,7 @@ void guard_close(struct guard *l, struct guard_peer *p);
  * after GUARD_REQUEST changes nothing. */
 void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step);
 
-/* guard_more(l, p, bytes): the step has transferred so many bytes more. */
+/* guard_more(l, p, bytes): the step has transferred bytes more bytes. */
 void guard_more(struct guard *l, struct guard_peer *p, size_t bytes);
 
 /* guard_work(l, p, gone, arg): GUARD_WORK begins; gone(arg) is called once, on the guard's

@@ -16,10 +16,11 @@ struct request;
 struct intake *intake_new(unsigned per_hour, const char *db, size_t reserve);
 void intake_free(struct intake *x); /* NULL is allowed */
 
-/* intake_take(x, token, n, now_ms): n > 0 more for the token; 0: they are taken; else none is, and
- * it is the seconds until there is room for one.  Where there is room for one, n are taken.
- * intake_give(x, token, n): of those that were taken, so many were not stored.
- * now_ms: logger_clock_ms(). */
+/* intake_take(x, token, n, now_ms): n > 0 more for the token; 0: they are taken; else
+ * none is, and it is the seconds until there is room for one.  Where there is room for
+ * one, n are taken.
+ * intake_give(x, token, n): n of those that were taken were not stored. now_ms:
+ * logger_clock_ms(). */
 unsigned intake_take(struct intake *x, const char *token, unsigned n, double now_ms);
 void intake_give(struct intake *x, const char *token, unsigned n);
 

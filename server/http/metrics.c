@@ -487,7 +487,8 @@ static void print_connections(FILE *f, const struct app *app)
          "Bytes of bodies and responses in memory, by size class.");
     for (int i = 0; i < QUOTA_SIZES; i++)
         fprintf(f, "surfaced_held_bytes{size=\"%s\"} %zu\n",
-                i == QUOTA_IS_LARGE ? "large" : "small", quota_held(app->quota, i));
+                i == QUOTA_IS_LARGE ? "large" : "small",
+                quota_held(app->quota, (enum quota_size)i));
     head(f, "surfaced_connections_closed_total", "counter",
          "Connections closed because of a limit on number or time.");
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)

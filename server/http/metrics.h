@@ -70,7 +70,7 @@ void metrics_rows_verified(struct metrics *m);
 /* metrics_lost_event(m): an event could not be written to the store. */
 void metrics_lost_event(struct metrics *m);
 
-/* metrics_tokens(m, soon, left_s): so many tokens will end soon, the first of all in left_s s;
+/* metrics_tokens(m, soon, left_s): soon tokens expire soon, the first of all in left_s s;
  * INT64_MAX: none does. */
 void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s);
 

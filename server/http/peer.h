@@ -31,7 +31,8 @@ struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn
  * allowed. */
 void peer_close(struct peer *p);
 
-/* peer_begin(p, step): the step begins; peer_more(): so many bytes more were transferred.  See
+/* peer_begin(p, step): the step begins; peer_more(): bytes more bytes were transferred.
+ * See
  * guard_begin(), guard_more(). */
 void peer_begin(struct peer *p, enum guard_step step);
 void peer_more(struct peer *p, size_t bytes);

@@ -1,7 +1,7 @@
-/* quota.h -- how many bytes of requests and responses the daemon holds: in all, and for each
- * sender (request_sender()), so that whoever sends much and slowly, or does not read, keeps nobody
- * else out.  What is small has room of its own that what is large cannot take.  In memory alone;
- * on the I/O thread only. */
+/* quota.h -- how many bytes of requests and responses the daemon holds: in all, and for
+ * each sender (request_sender()), so that a client that sends much and slowly, or does
+ * not read, keeps no other client else out.  What is small has room of its own that what
+ * is large cannot take.  In memory alone; on the I/O thread only. */
 #ifndef SERVER_QUOTA_H
 #define SERVER_QUOTA_H
 #include <stdbool.h>
@@ -33,10 +33,10 @@ struct quota_share {
     size_t bytes;
 };
 
-/* quota_hold(s, size, bytes): s holds so many bytes now, instead of those before; 0: none.
- * False, and s is as before: there is no room for more, or no memory.
- * quota_owe(s, size, bytes): the same, but whether there is room is not asked: what the daemon
- * has already.  False: no memory. */
+/* quota_hold(s, size, bytes): s now holds bytes bytes instead of the previous number; 0:
+ * none. False, and s is as before: there is no room for more, or no memory.
+ * quota_owe(s, size, bytes): the same, but whether there is room is not asked: what the
+ * daemon has already.  False: no memory. */
 bool quota_hold(struct quota_share *s, enum quota_size size, size_t bytes);
 bool quota_owe(struct quota_share *s, enum quota_size size, size_t bytes);
 

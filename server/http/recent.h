@@ -1,5 +1,5 @@
-/* recent.h -- the latest verifications and enrolments, and why some were refused: in memory alone,
- * for whoever stands beside a door.  Any thread. */
+/* recent.h -- the latest verifications and enrolments, and why some were refused: in
+ * memory alone, for a guard at a door.  Any thread. */
 #ifndef SERVER_RECENT_H
 #define SERVER_RECENT_H
 #include <stddef.h>

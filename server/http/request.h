@@ -131,7 +131,7 @@ struct request {
     double stage_ms[REQUEST_STAGES];
     unsigned stages; /* a bit for each that it has been through */
     struct response response;
-    enum status failed; /* what request_fail() was told; ST_OK: nothing */
+    enum status failed; /* the status given to request_fail(); ST_OK: none */
     struct request_result result;
     char told[512];  /* the detail of a problem; "" without one */
     char fault[512]; /* for the log: what is behind a 5xx; "" for nothing */
@@ -205,7 +205,7 @@ request_problem(struct request *r, unsigned kind, const char *fmt, ...);
  * status code alone. */
 void request_refuse(struct request *r, unsigned kind, char *json);
 
-/* request_fail(r, e): the problem that e tells; r->failed, for the metrics. */
+/* request_fail(r, e): the problem of e; r->failed, for the metrics. */
 void request_fail(struct request *r, const struct errinfo *e);
 
 /* request_gone(r): the client has gone, and r->response says so to the log. */

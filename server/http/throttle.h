@@ -1,6 +1,7 @@
-/* throttle.h -- rate-limits failed authentication per address: after so many wrong tokens in a
- * minute, no token from that address is checked for a while, except those that were right
- * before: behind a proxy, a client that guesses does not lock out those at work.
+/* throttle.h -- rate-limits failed authentication per address: after a number of wrong
+ * tokens in a minute, no token from that address is checked for a while, except those
+ * that were right before: behind a proxy, a client that guesses does not lock out those
+ * at work.
  * In memory alone and of fixed size: with more addresses at once than there is room for,
  * those closest to their limit's end are forgotten.  Safe on any thread. */
 #ifndef SERVER_THROTTLE_H

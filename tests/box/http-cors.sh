@@ -62,7 +62,7 @@ stop_daemon
 
 # ---- what is no origin
 for wrong in '*' null https:// desk.example.org https://desk.example.org/ 'https://a.test, https://b.test' https://A.test \
-    https://a.test, 'https://*.test' "https://$(printf '%0300d' 1)"; do
+    'https://a.test,' 'https://*.test' "https://$(printf '%0300d' 1)"; do
     start_fails "--cors-origin '$wrong'" 64 'cors-origin.*not origins like' --db "$DB" --cors-origin "$wrong"
 done
 finish

@@ -82,7 +82,7 @@ ok "explain's figures" jq_true --slurpfile m "$T/body" \
 # Who lacks the scope detail: http-narrow.sh.
 for bad in all Heatmap '' measure,heatmap '%ff' "$(printf '%0100d' 1)"; do
     send POST "/v1/subjects/c/verify?detail=$bad" "$JSON" "$T/b.json"
-    problem "detail=$bad" 400 invalid_parameter '^detail is measure, heatmap or surface'
+    problem "detail=$bad" 400 invalid_parameter '^detail must be measure, heatmap or surface'
 done
 send POST '/v1/subjects/c/verify?detail=all' "$JSON" "$T/b.json"
 problem "the detail names it" 400 invalid_parameter "not 'all'"

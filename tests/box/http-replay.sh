@@ -68,7 +68,7 @@ is "they are events" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify'
 is "and counted" "$(metric surfaced_replayed_total)" 8
 is "but no decisions" "$(metric 'surfaced_decisions_total{decision="match"}')" 2
 ctl verify alice "$T/shuffled.xyz"
-is "surfacectl verify" "$CODE $(grep -c 'not a new one' "$T/ctl.err")" "65 1"
+is "surfacectl verify" "$CODE $(grep -c 'the scan was used before' "$T/ctl.err")" "65 1"
 ctl verify alice "$T/a1.ply"
 is "and another scan" "$CODE" 0
 verify alice "$PLY" "$T/a1.ply"

@@ -206,7 +206,7 @@ for route in /healthz /readyz /version /metrics; do
     is "$route tells nothing of the configuration" "$told" ""
 done
 is "what /metrics tells of the moment" "$(curl -sS "$URL/metrics" | sed -n 's/^# TYPE \(.*\) gauge$/\1/p' | paste -sd ' ')" \
-    "surfaced_rows_verified_age_seconds surfaced_tokens_expiring surfaced_queue_depth surfaced_workers_busy surfaced_storage_full surfaced_connections surfaced_held_bytes process_start_time_seconds process_resident_memory_bytes process_virtual_memory_bytes process_open_fds"
+    "surfaced_rows_verified_age_seconds surfaced_database_refused surfaced_tokens_expiring surfaced_queue_depth surfaced_workers_busy surfaced_storage_full surfaced_connections surfaced_held_bytes process_start_time_seconds process_resident_memory_bytes process_virtual_memory_bytes process_open_fds"
 is "members of /readyz and /version" "$(curl -sS "$URL/readyz" "$URL/version" | jq -r 'keys[]' | paste -sd ' ')" \
     "status version"
 req GET /healthz -H 'Expect:' -H 'Content-Length: 99999999' -d x -m 5

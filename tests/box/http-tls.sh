@@ -130,6 +130,7 @@ serves() {
 logged() {
     grep -q -- "$1" "$LOG"
 }
+# shellcheck disable=SC2317 # called by ok
 # ends DAYS: the metric says that the certificate ends after so many days.
 ends() {
     curl -sS --cacert "$T/ca.pem" "https://127.0.0.1:$port/metrics" |

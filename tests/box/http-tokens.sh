@@ -121,14 +121,14 @@ new_token ends-past --scope verify --expires 1d >/dev/null
 "$BUILD/forge" "$DB" "$KEY" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'ends-past'"
 ctl doctor
 is "doctor names those that will, and it is no trouble" \
-    "$CODE $(said '[.findings[] | select(.about == "token") | .what | sub("^[^(]*"; "") | sub(" will.*"; "")] | join(" ")')" \
+    "$CODE $(said '[.findings[] | select(.about == "token") | .what | sub("^[^(]*"; "") | sub(" expires.*"; "")] | join(" ")')" \
     "0 (ends-20d) (ends-29d)"
 # shellcheck disable=SC2119 # without options
 start_daemon
 soon grep -q ends-29d "$LOG"
 is "so does the log, once" "$(grep -o 'name=ends-[a-z0-9]*' "$LOG" | paste -sd ' ')" \
     "name=ends-20d name=ends-29d"
-contains "and says what to do" "$LOG" 'level=warn msg="a token will end: surfacectl token rotate.*expires_at=20'
+contains "and says what to do" "$LOG" 'level=warn msg="a token expires soon: surfacectl token rotate.*expires_at=20'
 is "the metrics count them" "$(metric surfaced_tokens_expiring)" 2
 first=$(metric surfaced_token_first_end_seconds)
 ok "and tell when the first ends: $first" test "$((20 * 86400 - first))" -lt 3600

@@ -156,7 +156,7 @@ has err 'protocol/bad, line 2: nothing: No such file'
 expect 66 "no such list" "$lab" evaluate --pairs protocol/none --out none
 expect 64 "pairs and a folder" "$lab" evaluate scans --pairs protocol/pairs
 expect 64 "pairs and a kind" "$lab" evaluate --pairs protocol/pairs --enroll-kind a
-has err 'as listed'
+has err 'takes neither'
 
 # ---- several sets side by side
 mkdir -p other/scans

@@ -73,7 +73,7 @@ expect 0 "a hole wider than any that was studied" "$lab" fill --json wide.xyz --
 is "its error" "$(jq -c '.holes[0] | [.error_rms_mm, .error_95_mm]' out)" '[null,null]'
 rm wide.ply
 expect 0 "as text" "$lab" fill wide.xyz --out wide.ply
-has out 'nothing is known of the error'
+has out 'the error is unknown'
 
 # ---- refused
 expect 65 "the file exists" "$lab" fill whole.xyz --out filled.ply

@@ -167,7 +167,7 @@ TEST(test_bad)
         {"{'descr': [('x', '<f4')], 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
         {"{'descr': '<f8', 'fortran_order': 1, 'shape': (4, 3)}", ST_EINVAL,
          "malformed NPY header"},
-        {"{'descr': '<f8', 'size': 3, 'shape': (4, 3)}", ST_EINVAL, "byte 27: not what"},
+        {"{'descr': '<f8', 'size': 3, 'shape': (4, 3)}", ST_EINVAL, "byte 27: malformed"},
         {"{'descr': '<f8', 'shape': (4, 3)", ST_EINVAL, "malformed NPY header"},
         {"{'descr': '<f8', 'shape': (5, 3)}", ST_EINVAL, "takes 120 bytes, here are 96"},
         {"{'descr': '<f8', 'shape': (3, 3)}", ST_EINVAL, "takes 72 bytes, here are 96"},
