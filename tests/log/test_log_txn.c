@@ -1,3 +1,4 @@
+/* link: -Wl,--wrap=sql_prove */
 /* What a transaction sees of the logs: an open store refuses for good what is older than it has
  * seen or another branch, and takes what others add; no store takes an end that is not authentic. */
 #include <sys/wait.h>
@@ -9,6 +10,21 @@
 #include "unit.h"
 
 static struct errinfo e;
+
+static unsigned proofs; /* of commits, each asked for at the end of its transaction */
+
+void __wrap_sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n);
+void __wrap_sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n)
+{
+    struct sql_rows *r;
+
+    const enum status st = sql_first(t, text, value, n, &r, &e);
+
+    must(sql_done(r, st, &e));
+    proofs++;
+}
 
 static void use(struct store *s)
 {
@@ -209,5 +225,21 @@ TEST(test_unlogged)
     must(log_txn_agrees(&t, sum, &same, &e));
     assert_false(same);
     must(store_end(s, &t, ST_OK, &e));
+    store_close(s);
+}
+
+/* A commit whose reply is lost is proved by the entry that it has added. */
+TEST(test_proof)
+{
+    struct store *s = tempdb_fresh();
+    struct log_txn t;
+
+    proofs = 0;
+    use(s);
+    tempdb_add(s, "alice");
+    assert_int_equal(proofs, 2);
+    must(store_begin(s, SQL_LAZY, &t, &e)); /* which adds none */
+    must(store_end(s, &t, ST_OK, &e));
+    assert_int_equal(proofs, 2);
     store_close(s);
 }
