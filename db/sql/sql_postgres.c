@@ -125,6 +125,18 @@ static void give_back(struct sql_postgres_conn *c)
 
 /* ---- transactions */
 
+/* A SQL_TRY takes no sql_lock(), and so has to see one moment too. */
+static const char *const begins[][2] = {
+    [SQL_READ] = {"BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY", NULL},
+    [SQL_WRITE] = {"BEGIN", NULL},
+    [SQL_LAZY] = {"BEGIN", "SET LOCAL synchronous_commit = off"},
+    [SQL_TRY] = {"BEGIN ISOLATION LEVEL REPEATABLE READ",
+                 "SELECT set_config('synchronous_commit', 'off', true), "
+                 "set_config('lock_timeout', '10ms', true)"},
+    [SQL_SCHEMA] = {"BEGIN", NULL},
+    [SQL_COPY] = {"BEGIN", NULL},
+};
+
 static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
                          struct errinfo *e)
 {
@@ -140,23 +152,9 @@ static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
     c->ahead = c->committing = c->committed = false;
     c->cursors = c->lock = 0;
     c->proof = NULL;
-    st = sql_postgres_conn_run(
-        &c->base, c->writes ? "BEGIN" : "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY",
-        NULL, 0, false, e);
-    if (st == ST_OK && (how == SQL_LAZY || how == SQL_TRY))
-        /* A SQL_TRY takes no lock, and so has to see one moment too. */
-        st = sql_postgres_conn_run(
-            &c->base,
-            how == SQL_READ  ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
-            : how == SQL_TRY ? "BEGIN ISOLATION LEVEL REPEATABLE READ"
-                             : "BEGIN",
-            NULL, 0, false, e);
-    if (st == ST_OK && (how == SQL_LAZY || how == SQL_TRY))
-        st = sql_postgres_conn_run(&c->base, "SET LOCAL synchronous_commit = off", NULL,
-                                   0, false, e);
-    if (st == ST_OK && how == SQL_TRY)
-        st = sql_postgres_conn_run(&c->base, "SET LOCAL lock_timeout = '10ms'", NULL, 0,
-                                   false, e);
+    st = sql_postgres_conn_run(&c->base, begins[how][0], NULL, 0, false, e);
+    if (st == ST_OK && begins[how][1] != NULL)
+        st = sql_postgres_conn_run(&c->base, begins[how][1], NULL, 0, false, e);
     if (st != ST_OK)
         close_conn(c);
     *t = &c->base;
