@@ -304,7 +304,7 @@ for query in format=xml 'format=jsonl&kind=verify' subject=alice.2 'format=csv&s
 done
 # one at a time: a logs' worth of rows keeps one busy meanwhile
 sqlite3 "$DB" "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
-    FROM generate_series(1, 200000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
+    FROM generate_series(1, 1000000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
 beside walk POST /v1/audit/verify
 sleep 0.3
 req POST /v1/audit/verify
