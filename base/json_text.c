@@ -17,7 +17,9 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-bool json_points_number(const char *p)
+/* Does a number begin at p as RFC 8259, section 6, writes one, up to its exponent?  p is in a text
+ * that ends with 0. */
+static bool is_number(const char *p)
 {
     const char *const first = p + (*p == '-');
 
@@ -43,7 +45,7 @@ static const char *take_point(const char *p, const char *end, struct dvec3 *out)
         return NULL;
     for (int i = 0; i < 3; i++) {
         p = skip_blank(p);
-        if (!json_points_number(p) || (p = number_read(p, end, &xyz[i])) == NULL ||
+        if (!is_number(p) || (p = number_read(p, end, &xyz[i])) == NULL ||
             !isfinite(xyz[i]))
             return NULL;
         p = skip_blank(p);
@@ -78,8 +80,15 @@ static enum status drop(struct json_points *points, enum status st)
     return st;
 }
 
-enum status json_points_read(const char *p, const char *end, size_t max,
-                             struct json_points *out, const char **rest)
+/* The points at the front of the array whose first byte after the bracket is p, which ends at end,
+ * where a 0 is: [x, y, z] of three finite numbers each, correctly rounded in every locale.
+ * *rest: where the array's remainder begins, which is for the parser: its closing bracket if all of it
+ * was points; else the last of the points that came before something else, which is not in *out: a
+ * parser that finds an error there finds it at the byte where it is in the whole document.
+ * Memory: at most 48 bytes a point, and no less than 1.5 KB.  On failure *out is empty; ST_ELIMIT: more
+ * than max points. */
+static enum status read_points(const char *p, const char *end, size_t max,
+                               struct json_points *out, const char **rest)
 {
     size_t room = 0;
     struct dvec3 point;
@@ -126,7 +135,7 @@ static enum status take_array(struct json_text *t, size_t depth, size_t *i,
 
     if (t->cuts == t->max_cuts || depth == t->max_depth)
         return ST_OK;
-    st = json_points_read(first, t->bytes + t->len, t->max_values / 4, &points, &rest);
+    st = read_points(first, t->bytes + t->len, t->max_values / 4, &points, &rest);
     if (st == ST_ELIMIT)
         return too_many(t, e);
     if (st != ST_OK)
@@ -149,7 +158,7 @@ static enum status take_token(struct json_text *t, bool *quoted, size_t *depth, 
 
     if (*quoted && (unsigned char)*p < 0x20)
         return errinfo_set(e, ST_EINVAL, "a control character in a text at byte %zu", *i);
-    if (*p == '\0' || (number && !json_points_number(p)))
+    if (*p == '\0' || (number && !is_number(p)))
         return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", *i);
     if (*p == '"') {
         *quoted = !*quoted;

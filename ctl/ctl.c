@@ -83,14 +83,6 @@ void ctl_say(const struct ctl *c, const char *fmt, ...)
     va_end(args);
 }
 
-bool ctl_print(FILE *to, char *text)
-{
-    const bool ok = text != NULL && fprintf(to, "%s\n", text) >= 0;
-
-    free(text);
-    return ok;
-}
-
 /* ---- files */
 
 /* None of the shared options' files, nor what belongs to the database. */

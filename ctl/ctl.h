@@ -100,12 +100,9 @@ enum status ctl_confirm(struct ctl *c, const char *what, const char *word);
 const char *ctl_bytes(uint64_t n, char out[32]);
 
 /* A command's result is JSON, in c->out, or text.
- * ctl_say(c, ...): print text, unless it is JSON; to standard error if c->piped.
- * ctl_print(to, text): print a line of JSON and free() it.  false: it is NULL (out of
- * memory), or cannot be written. */
+ * ctl_say(c, ...): print text, unless it is JSON; to standard error if c->piped. */
 __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,
                                                    ...);
-bool ctl_print(FILE *to, char *text);
 
 /* Files that a command writes, by the rules of outfile.h.  Before anything is computed: may it write
  * there?  Failures are in c->e.

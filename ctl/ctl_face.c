@@ -66,7 +66,8 @@ void ctl_face_regions(FILE *to, const struct surface_parts *p)
     }
 }
 
-void ctl_face_known(FILE *to, double turn_deg, double shift_mm)
+/* Without the line's end. */
+static void known(FILE *to, double turn_deg, double shift_mm)
 {
     if (isfinite(turn_deg) && isfinite(shift_mm))
         (void)fprintf(to, "known to %.2f degrees and %.2f mm (one standard deviation)",
@@ -105,7 +106,7 @@ void ctl_face_scan(FILE *to, const struct surface_face *f)
 void ctl_face_alignment(FILE *to, const struct surface_disparity *a)
 {
     (void)fprintf(to, "alignment    ");
-    ctl_face_known(to, a->turn_deg, a->shift_mm);
+    known(to, a->turn_deg, a->shift_mm);
     if (isfinite(a->rival_mm))
         (void)fprintf(to, "; mean gap %.2f mm, %.2f mm at the next best", a->cost_mm,
                       a->rival_mm);

@@ -50,9 +50,7 @@ enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
 
 int ctl_face_exit(enum surface_decision d);
 
-/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)"; how
- * well a pose is known, without its end. */
-void ctl_face_known(FILE *to, double turn_deg, double shift_mm);
+/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)". */
 void ctl_face_score(FILE *to, const struct surface_comparison *r);
 void ctl_face_minimal(FILE *to, const struct surface_disparity *d);
 void ctl_face_scan(FILE *to, const struct surface_face *f);

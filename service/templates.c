@@ -13,7 +13,9 @@
 
 /* ---- reading */
 
-enum templates_admit templates_admit(const struct store_subject *one, struct errinfo *e)
+/* May the subject be verified and enrolled?  If not, *e says what to do. */
+static enum templates_admit may_be_used(const struct store_subject *one,
+                                        struct errinfo *e)
 {
     if (one->disabled) {
         (void)errinfo_set(e, ST_EDENIED, "subject %s is disabled: enable it first",
@@ -34,7 +36,7 @@ static enum status admit(const struct store_limits *limits, struct templates *t,
 {
     struct templates_refusal *why = &t->refusal;
 
-    why->admit = templates_admit(&t->of.subject, e);
+    why->admit = may_be_used(&t->of.subject, e);
     if (why->admit != TEMPLATES_ADMITTED)
         return ST_EDENIED;
     if (t->of.n > 0)

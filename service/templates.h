@@ -55,11 +55,6 @@ struct templates {
     struct errinfo passed_over; /* the last of those; ST_OK: none */
 };
 
-/* templates_admit(one, e): whether the subject may be verified and enrolled. A subject
- * that is disabled or has expired may not; then *e is set: ST_EDENIED, with what to do.
- * */
-enum templates_admit templates_admit(const struct store_subject *one, struct errinfo *e);
-
 /* templates_read(c, ask, out, e): read the templates; c->work decides by the calibration
  * in force.  Returns ST_OK; ST_EDENIED: out->refusal says why; or as
  * store_snapshot_begin(), store_snapshot_face().  A subject without a template is

@@ -54,7 +54,8 @@ static void fine_relief(const float z[GRID_N], float out[GRID_N], float count[GR
         out[i] = isnan(z[i]) ? 0.0f : z[i] - out[i] / count[i];
 }
 
-void shape_detail_prepare(const float mean[GRID_N], float fine[GRID_N])
+/* The fine relief of the mean face, mm, of which NAN is not used; 0 where it has none, as at its rim. */
+static void mean_relief(const float mean[GRID_N], float fine[GRID_N])
 {
     float count[GRID_N];
 
@@ -108,7 +109,7 @@ void shape_work_prepare(const struct surface_model *m, struct shape_work *out)
         out->cells += used;
     }
     compare_rests(out);
-    shape_detail_prepare(out->mean, out->fine);
+    mean_relief(out->mean, out->fine);
     for (uint32_t i = 0; i < GRID_N; i++) {
         float x, y, flat;
 

@@ -17,11 +17,6 @@
  * against the gate as well or a little less well. */
 #define SHAPE_FINE 2
 
-/* shape_detail_prepare(mean, fine): the fine relief of the mean face, mm; 0 where it has none, as
- * at its rim.
- * mean  mm; NAN: not used */
-void shape_detail_prepare(const float mean[GRID_N], float fine[GRID_N]);
-
 /* shape_detail(fine, weight, over): the fine relief of a surface that lies over[] mm in front of
  * the mean face (NAN: not seen there), as a multiple of the mean face's: both multiplied and
  * summed over what is seen, over the sum of the mean face's squared, weighed.  1 for the mean

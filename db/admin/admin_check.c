@@ -212,8 +212,9 @@ static void keep_first(void *arg, const char *line)
         (void)errinfo_set(first, ST_ECORRUPT, "%s", line);
 }
 
-enum status admin_verify(struct store *s, bool decode, struct admin_copied *found,
-                         struct errinfo *e)
+/* admin_check(); ST_ECORRUPT: the first problem. */
+static enum status verify(struct store *s, bool decode, struct admin_copied *found,
+                          struct errinfo *e)
 {
     struct errinfo first = {ST_OK, ""};
     struct store_stats stats;
@@ -267,7 +268,7 @@ enum status admin_open(const char *path, const struct store_key *key,
         return st;
     store_use_model(s, model);
     if ((st = is_whole(s, &why)) == ST_OK &&
-        (st = admin_verify(s, model != NULL, found, &why)) == ST_OK) {
+        (st = verify(s, model != NULL, found, &why)) == ST_OK) {
         *out = s;
         return ST_OK;
     }

@@ -20,13 +20,10 @@ struct admin_copied { /* what is in a store that was verified */
     uint64_t subjects, templates, events, bytes;
 };
 
-/* admin_verify(s, decode, found, e): admin_check(); ST_ECORRUPT: the first problem.
- * admin_open(path, key, model, out, found, e): a copy that may come from anyone, for reading and
+/* admin_open(path, key, model, out, found, e): a copy that may come from anyone, for reading and
  * verified whole; with a model, which is borrowed, the templates are decoded too.  key->anchor is
  * not asked: a copy is older than the database.  ST_ECORRUPT: damaged, cut short or with more bytes
  * than it should have; as store_open(). */
-enum status admin_verify(struct store *s, bool decode, struct admin_copied *found,
-                         struct errinfo *e);
 enum status admin_open(const char *path, const struct store_key *key,
                        const struct surface_model *model, struct store **out,
                        struct admin_copied *found, struct errinfo *e);

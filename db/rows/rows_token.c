@@ -72,16 +72,6 @@ enum status rows_token_find(struct log_txn *t, const unsigned char hash[ROWS_TOK
                            -1, sql_blob(hash, ROWS_TOKEN_HASH), "of this secret", out, e);
 }
 
-enum status rows_token_list(struct log_txn *t, struct rows_token **out, size_t *n,
-                            struct errinfo *e)
-{
-    void *list;
-    const enum status st = rows_table_all(t, &rows_tokens, sizeof **out, &list, n, e);
-
-    *out = list;
-    return st;
-}
-
 static void prepare(struct rows_token *one)
 {
     rows_scopes_write(one->token.scopes, one->scopes);

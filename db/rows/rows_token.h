@@ -19,7 +19,6 @@ extern const struct rows_table rows_tokens;
 
 /* rows_token_get(t, id, out, e), rows_token_find(t, hash, out, e): by id, by the hash of the
  * secret or of the one before the last rotation.  ST_ENOTFOUND, ST_ECORRUPT.
- * rows_token_list(t, out, n, e): oldest first; released by free().
  * rows_token_add(t, one, e): a new row.
  * rows_token_write(t, one, e): what *one says by now.
  * rows_token_used(t, id, at, e): it was used; this is not authenticated. */
@@ -27,8 +26,6 @@ enum status rows_token_get(struct log_txn *t, const char *id, struct rows_token 
                            struct errinfo *e);
 enum status rows_token_find(struct log_txn *t, const unsigned char hash[ROWS_TOKEN_HASH],
                             struct rows_token *out, struct errinfo *e);
-enum status rows_token_list(struct log_txn *t, struct rows_token **out, size_t *n,
-                            struct errinfo *e);
 enum status rows_token_add(struct log_txn *t, struct rows_token *one, struct errinfo *e);
 enum status rows_token_write(struct log_txn *t, struct rows_token *one,
                              struct errinfo *e);

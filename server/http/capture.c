@@ -190,12 +190,6 @@ bool capture_admit(struct request *r)
     return judge(r, &c, is);
 }
 
-bool capture_refused(const struct request *r)
-{
-    return r->response.problem >= ERRMAP_CAPTURE_REQUIRED &&
-           r->response.problem <= ERRMAP_LIVENESS;
-}
-
 const char *capture_outcome(const struct request *r, const char *outcome,
                             char out[CAPTURE_OUTCOME])
 {

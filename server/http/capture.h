@@ -26,10 +26,8 @@ void capture_take(struct request *r, const char *value);
 void capture_digest(struct request *r);
 
 /* capture_admit(r): true: the header is right and its nonce is used by now, or there is none
- * and none is required.  False: r->response says why not.
- * capture_refused(r): it says that. */
+ * and none is required.  False: r->response says why not. */
 bool capture_admit(struct request *r);
-bool capture_refused(const struct request *r);
 
 #define CAPTURE_OUTCOME (STORE_NAME_MAX + 1)
 

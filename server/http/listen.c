@@ -61,8 +61,8 @@ static bool bind_port(struct listen_socket *s)
            getsockname(s->fd, sa, &s->len) == 0;
 }
 
-enum status listen_open(const struct sockaddr_storage *ss, socklen_t len,
-                        struct listen_socket *out, struct errinfo *e)
+static enum status open_address(const struct sockaddr_storage *ss, socklen_t len,
+                                struct listen_socket *out, struct errinfo *e)
 {
     char url[ADDRESS_URL_MAX];
     enum status st;
@@ -77,7 +77,9 @@ enum status listen_open(const struct sockaddr_storage *ss, socklen_t len,
     return st;
 }
 
-enum status listen_adopt(int fd, struct listen_socket *out, struct errinfo *e)
+/* Takes over a socket that listens already; a Unix socket's file stays when it is closed, for it is
+ * another's. */
+static enum status adopt(int fd, struct listen_socket *out, struct errinfo *e)
 {
     *out = (struct listen_socket){.fd = fd, .len = sizeof out->ss};
     if (getsockname(fd, (struct sockaddr *)&out->ss, &out->len) == 0)
@@ -121,8 +123,8 @@ enum status listen_start(const struct options *o, struct listen_socket *s,
     enum status st = passed_socket(&fd, e);
 
     if (st != ST_OK || fd < 0)
-        return st != ST_OK ? st : listen_open(&o->listen, o->listen_len, s, e);
-    st = listen_adopt(fd, s, e);
+        return st != ST_OK ? st : open_address(&o->listen, o->listen_len, s, e);
+    st = adopt(fd, s, e);
     if (st == ST_OK && !address_is_local(&s->ss) &&
         (o->no_auth || (o->tls_cert == NULL && !o->plaintext)))
         st = errinfo_set(e, ST_EINVAL,

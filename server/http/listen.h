@@ -17,19 +17,10 @@ struct listen_socket {
     ino_t inode;
 };
 
-/* listen_open(ss, len, out, e): bind and listen, non-blocking; nothing is accepted yet.  A
- * Unix socket gets the mode 0660; a file of its name is replaced only if it is a socket that
- * nobody listens on any more.
- * Returns ST_OK; ST_EIO: the message says why, and out->fd is -1. */
-enum status listen_open(const struct sockaddr_storage *ss, socklen_t len,
-                        struct listen_socket *out, struct errinfo *e);
-
-/* listen_adopt(fd, out, e): take over a socket that listens already; a Unix socket's file
- * stays when it is closed, for it is another's.  Returns as listen_open(). */
-enum status listen_adopt(int fd, struct listen_socket *out, struct errinfo *e);
-
 /* listen_start(o, s, e): the socket that was passed to the process (service.h), or one at the
- * address of the options.  Returns as listen_open(); ST_EINVAL. */
+ * address of the options: bound, listening, non-blocking; nothing is accepted yet.  A Unix socket
+ * gets the mode 0660; a file of its name is replaced only if it is a socket that nobody listens on
+ * any more.  ST_EIO, ST_EINVAL: the message says why, and s->fd is -1. */
 enum status listen_start(const struct options *o, struct listen_socket *s,
                          struct errinfo *e);
 

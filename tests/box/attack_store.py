@@ -334,7 +334,7 @@ def cascade(t):
     s.replace('tokens', ') STRICT', ', FOREIGN KEY (name) REFERENCES devices (name) ON DELETE CASCADE) STRICT')
     t.run("UPDATE tokens SET name = 'front' WHERE name = 'lost'")
 
-@attack('pages', 'harmless')
+@attack('pages', 'found')
 def defaults_and_triggers(t):
     """Another's secret, more scopes: of each new token."""
     s = Schema(t)
@@ -344,7 +344,7 @@ def defaults_and_triggers(t):
     t.run('CREATE TRIGGER keep BEFORE DELETE ON devices BEGIN SELECT RAISE(IGNORE); END')
     t.run('CREATE TRIGGER twice AFTER UPDATE ON tokens BEGIN INSERT INTO tokens SELECT * FROM tokens; END')
 
-@attack('pages', 'harmless')
+@attack('pages', 'found')
 def no_checks(t):
     s = Schema(t)
     sql = s.sql('change_log')
@@ -409,6 +409,33 @@ def second_leaf(t):
     leaf = p.page(p.root['tokens'])
     a, b = p.add(leaf), p.add(leaf)
     p.put(p.root['tokens'], p.interior([(a, 100)], b))
+    p.write()
+
+@attack('pages', 'found')
+def key_misleads(t):
+    """Two leaves in their order, and above them a key by which the last row of the first is looked for in the second."""
+    keys = [row[0] for row in t.run('SELECT token_key FROM tokens ORDER BY token_key')]
+    p = Pages(t)
+    leaf = p.page(p.root['tokens'])
+    n = struct.unpack('>H', leaf[3:5])[0]
+    half = n // 2
+    assert leaf[0] == 13 and half > 0
+    def part(first, last):
+        page = bytearray(leaf)
+        page[3:5] = struct.pack('>H', last - first)
+        page[8:8 + 2 * (last - first)] = leaf[8 + 2 * first:8 + 2 * last]
+        return p.add(page)
+    p.put(p.root['tokens'], p.interior([(part(0, half), keys[half - 1] - 1)], part(half, n)))
+    p.write()
+
+@attack('pages', 'found')
+def index_out_of_order(t):
+    """Every key is there, but a search takes the wrong way."""
+    p = Pages(t)
+    page = p.page(p.root['sqlite_autoindex_tokens_1'])
+    assert page[0] == 10
+    page[8:12] = page[10:12] + page[8:10]
+    p.put(p.root['sqlite_autoindex_tokens_1'], page)
     p.write()
 
 @attack('pages', 'found')
