@@ -5,6 +5,7 @@
 #include "log_anchor.h"
 #include "rows_digest.h"
 #include "sql_file.h"
+#include "sql_file_index.h"
 #include "utc.h"
 
 /* ---- is the database as it was written? */
@@ -56,7 +57,7 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
 
     sql_file_forget(t->sql);
     if ((st = rows_digest(t, tell, to, sum, &bad, &why)) != ST_OK ||
-        (st = sql_file_check_indexes(t->sql, tell, to, &lost, &why)) != ST_OK ||
+        (st = sql_file_index_check(t->sql, tell, to, &lost, &why)) != ST_OK ||
         (st = log_txn_agrees(t, sum, &same, &why)) != ST_OK) {
         if (may_pass(st))
             return errinfo_set(e, st, "%s", why.msg);

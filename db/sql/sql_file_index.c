@@ -1,9 +1,10 @@
+#include "sql_file_index.h"
+
 #include <sodium.h>
 #include <string.h>
 
 #include "errinfo.h"
 #include "schema_sql.h"
-#include "sql_file.h"
 #include "sql_sqlite.h"
 
 /* PRAGMA integrity_check looks for each row in each index, so at a random place: of more rows than its
@@ -11,9 +12,8 @@
  * an index that is in its order, and has the keys of its table's rows and no others, leads every
  * search to where it should. */
 
-#define KEY_MAX                                                                          \
-    1024 /* bytes of an index's key, as it is compared here; those of ours have half */
-#define INDEXES 8 /* of a table, at most */
+#define KEY_MAX 1024 /* bytes of an index's key as it is compared: twice what ours have */
+#define INDEXES 8    /* of a table, at most */
 
 struct walk {
     struct sql_txn *t;
@@ -301,9 +301,9 @@ static enum status check_table(struct walk *w, const char *table, struct errinfo
     return st == ST_OK ? ST_OK : sql_sqlite_conn_fail(w->t, "cannot check", e);
 }
 
-enum status sql_file_check_indexes(struct sql_txn *t,
-                                   void (*report)(void *arg, const char *line), void *arg,
-                                   uint64_t *problems, struct errinfo *e)
+enum status sql_file_index_check(struct sql_txn *t,
+                                 void (*report)(void *arg, const char *line), void *arg,
+                                 uint64_t *problems, struct errinfo *e)
 {
     static const char *const tables[] = {"subjects", "templates", "tokens", "devices",
                                          "calibrations"};
