@@ -169,7 +169,12 @@ class Log:
                 change_bytes(files[c.file] if c.file is not None else None, c, None if synced else rng)
         shutil.rmtree(DIR, ignore_errors=True)
         os.mkdir(DIR)
+        first = {}  # name of a file: its other names are links to it, as they were
         for name, file in names.items():
+            if file in first:
+                os.link(DIR + '/' + first[file], DIR + '/' + name)
+                continue
+            first[file] = name
             with open(DIR + '/' + name, 'wb') as f:
                 f.write(files[file])
 
