@@ -392,15 +392,19 @@ class Pages:
             f.write(self.data)
 
 
+def exchange_cells(t, name, kind):
+    """The first two of a leaf, of a table (13) or an index (10)."""
+    p = Pages(t)
+    page = p.page(p.root[name])
+    assert page[0] == kind
+    page[8:12] = page[10:12] + page[8:10]
+    p.put(p.root[name], page)
+    p.write()
+
 @attack('pages', 'found')
 def cells_out_of_order(t):
     """Found by a scan, but not by its key."""
-    p = Pages(t)
-    page = p.page(p.root['tokens'])
-    assert page[0] == 13
-    page[8:12] = page[10:12] + page[8:10]
-    p.put(p.root['tokens'], page)
-    p.write()
+    exchange_cells(t, 'tokens', 13)
 
 @attack('pages', 'found')
 def second_leaf(t):
@@ -431,12 +435,7 @@ def key_misleads(t):
 @attack('pages', 'found')
 def index_out_of_order(t):
     """Every key is there, but a search takes the wrong way."""
-    p = Pages(t)
-    page = p.page(p.root['sqlite_autoindex_tokens_1'])
-    assert page[0] == 10
-    page[8:12] = page[10:12] + page[8:10]
-    p.put(p.root['sqlite_autoindex_tokens_1'], page)
-    p.write()
+    exchange_cells(t, 'sqlite_autoindex_tokens_1', 10)
 
 @attack('pages', 'found')
 def endless(t):
