@@ -4,7 +4,8 @@
 -- A row of subjects, templates, tokens, devices and calibrations has a revision, one more each
 -- time it is changed, and a MAC over the table's name and every column before the MAC
 -- (db/rows/rows_table.h).  What is behind the MAC changes without an entry in the change log and
--- is not authenticated.
+-- is not authenticated.  Each table's text, comments included, is compared with this one whenever the
+-- rows are verified: another text is another version (user_version, and SQL_SQLITE_VERSION).
 
 PRAGMA application_id = 0x53524644; -- "SRFD"
 PRAGMA user_version = 1;

@@ -5,6 +5,7 @@
 #include "log_anchor.h"
 #include "rows_digest.h"
 #include "sql_file.h"
+#include "sql_file_index.h"
 #include "utc.h"
 
 /* ---- is the database as it was written? */
@@ -50,14 +51,13 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     store_report *const tell = report != NULL ? report : count;
     void *const to = report != NULL ? arg : &first;
     unsigned char sum[LOG_DIGEST];
-    uint64_t bad, lost, twice = 0;
+    uint64_t bad, lost;
     bool same = false;
     enum status st;
 
     sql_file_forget(t->sql);
     if ((st = rows_digest(t, tell, to, sum, &bad, &why)) != ST_OK ||
-        (st = sql_file_check_indexes(t->sql, tell, to, &lost, &why)) != ST_OK ||
-        (lost == 0 && (st = rows_digest_twice(t, tell, to, &twice, &why)) != ST_OK) ||
+        (st = sql_file_index_check(t->sql, tell, to, &lost, &why)) != ST_OK ||
         (st = log_txn_agrees(t, sum, &same, &why)) != ST_OK) {
         if (may_pass(st))
             return errinfo_set(e, st, "%s", why.msg);
@@ -66,7 +66,7 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     }
     if (!same)
         tell(to, rows_digest_problem);
-    if (bad == 0 && lost == 0 && twice == 0 && same)
+    if (bad == 0 && lost == 0 && same)
         return ST_OK;
     return errinfo_set(e, ST_EREFUSED, "the database is not as it was written%s%s: %s",
                        first.msg[0] != '\0' ? ": " : "", first.msg, advice);

@@ -102,10 +102,10 @@ void sql_file_forget(struct sql_txn *t)
     sql_sqlite_conn_forget(t);
 }
 
-/* Every row of a pragma that names a problem a row, as "name: a, b, c"; or the first alone. */
+/* Every row of a pragma that names a problem a row, as "name: a, b, c". */
 static enum status check_pragma(struct sql_txn *t, const char *sql, const char *name,
                                 void (*report)(void *arg, const char *line), void *arg,
-                                bool first, uint64_t *problems, struct errinfo *e)
+                                struct errinfo *e)
 {
     sqlite3_stmt *stmt = NULL;
     enum status st = ST_OK;
@@ -113,7 +113,7 @@ static enum status check_pragma(struct sql_txn *t, const char *sql, const char *
 
     if (sqlite3_prepare_v2(t->db, sql, -1, &stmt, NULL) != SQLITE_OK)
         return sql_sqlite_conn_fail(t, "cannot check", e);
-    while (!(first && *problems > 0) && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+    while ((rc = sqlite3_step(stmt)) == SQLITE_ROW) {
         char line[400];
         size_t n;
 
@@ -133,31 +133,10 @@ static enum status check_pragma(struct sql_txn *t, const char *sql, const char *
             if ((unsigned char)*p < ' ')
                 *p = ' '; /* one line a problem */
         report(arg, line);
-        ++*problems;
     }
-    if (rc != SQLITE_DONE && rc != SQLITE_ROW)
+    if (rc != SQLITE_DONE)
         st = sql_sqlite_conn_fail(t, "cannot check", e);
     (void)sqlite3_finalize(stmt);
-    return st;
-}
-
-enum status sql_file_check_indexes(struct sql_txn *t,
-                                   void (*report)(void *arg, const char *line), void *arg,
-                                   uint64_t *problems, struct errinfo *e)
-{
-    static const char *const text[] = {
-        "PRAGMA integrity_check('subjects')", "PRAGMA integrity_check('templates')",
-        "PRAGMA integrity_check('tokens')", "PRAGMA integrity_check('devices')",
-        "PRAGMA integrity_check('calibrations')"};
-    /* Each row is looked for in each index: with the usual small cache it takes twice as long. */
-    enum status st =
-        sql_sqlite_conn_exec(t, "PRAGMA cache_size=-8192", "cannot check", e);
-
-    *problems = 0;
-    for (size_t i = 0; i < sizeof text / sizeof *text && st == ST_OK && *problems == 0;
-         i++)
-        st = check_pragma(t, text[i], "integrity", report, arg, true, problems, e);
-    (void)sql_sqlite_conn_exec(t, SQL_SQLITE_CACHE "; PRAGMA shrink_memory", "", NULL);
     return st;
 }
 
@@ -165,14 +144,12 @@ enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const ch
                            void *arg, struct errinfo *e)
 {
     struct errinfo why;
-    uint64_t n = 0;
     enum status st =
-        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, false, &n, e);
+        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, e);
 
     if (st != ST_OK)
         return st;
-    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, false, &n,
-                      &why);
+    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, &why);
     if (st == ST_EDB) { /* tables of another's making, which cannot refer to each other */
         report(arg, why.msg);
         return ST_OK;

@@ -32,15 +32,9 @@ enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e);
 void sql_file_forget(struct sql_txn *t);
 
 /* sql_file_check(t, report, arg, e): pages, indexes, references; report() is called once a
- * problem with a line of text.
- * sql_file_check_indexes(t, report, arg, problems, e): does each index have the rows of its table,
- * and no others?  But those of the faces and the logs.  Somebody who writes the file can hide a row
- * from an index.  It ends with the first problem.  2 microseconds a row. */
+ * problem with a line of text. */
 enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const char *line),
                            void *arg, struct errinfo *e);
-enum status sql_file_check_indexes(struct sql_txn *t,
-                                   void (*report)(void *arg, const char *line), void *arg,
-                                   uint64_t *problems, struct errinfo *e);
 
 /* sql_file_reindex(t, e): every index built again from its table.  ST_EDB: a UNIQUE one cannot. */
 enum status sql_file_reindex(struct sql_txn *t, struct errinfo *e);

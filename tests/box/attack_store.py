@@ -334,7 +334,7 @@ def cascade(t):
     s.replace('tokens', ') STRICT', ', FOREIGN KEY (name) REFERENCES devices (name) ON DELETE CASCADE) STRICT')
     t.run("UPDATE tokens SET name = 'front' WHERE name = 'lost'")
 
-@attack('pages', 'harmless')
+@attack('pages', 'found')
 def defaults_and_triggers(t):
     """Another's secret, more scopes: of each new token."""
     s = Schema(t)
@@ -344,7 +344,7 @@ def defaults_and_triggers(t):
     t.run('CREATE TRIGGER keep BEFORE DELETE ON devices BEGIN SELECT RAISE(IGNORE); END')
     t.run('CREATE TRIGGER twice AFTER UPDATE ON tokens BEGIN INSERT INTO tokens SELECT * FROM tokens; END')
 
-@attack('pages', 'harmless')
+@attack('pages', 'found')
 def no_checks(t):
     s = Schema(t)
     sql = s.sql('change_log')
