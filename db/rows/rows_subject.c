@@ -64,7 +64,7 @@ static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
 const struct rows_table rows_subjects = {
     .name = "subjects",
     .noun = "subject ",
-    .all = "SELECT uid, " REST ", subject_key FROM subjects ORDER BY subject_key",
+    .all = "SELECT uid, " REST ", subject_key, seen FROM subjects ORDER BY subject_key",
     .insert = "INSERT INTO subjects (uid, " REST ") VALUES ($1, " REST_VALUES ")",
     .update = "UPDATE subjects SET (" REST ") = (" REST_VALUES ") "
               "WHERE uid = $1 AND mac = $11",

@@ -13,8 +13,9 @@
 
 struct rows_table {
     const char *name, *noun; /* noun: before an id, where there is no such row */
-    const char
-        *all; /* a query of all rows: the columns of the fields, the MAC, the row's key */
+    const char *
+        all; /* a query of all rows: the columns of the fields, the MAC, the row's key, and what is
+               * not authenticated, since a row that cannot be read whole is a damaged one */
     const char *insert,
         *update; /* the fields and the MAC; of the row with the id and MAC before */
     const char *remove;  /* the row of an id and a MAC */

@@ -12,8 +12,9 @@
  * an index that is in its order, and has the keys of its table's rows and no others, leads every
  * search to where it should. */
 
-#define KEY_MAX 1024 /* bytes of an index's key as it is compared: twice what ours have */
-#define INDEXES 8    /* of a table, at most */
+#define KEY_MAX   1024 /* bytes of an index's key as it is compared: twice what ours have */
+#define ROW_BYTES 8    /* of them, the last ones: the row's own key */
+#define INDEXES   8    /* of a table, at most */
 
 struct walk {
     struct sql_txn *t;
@@ -142,13 +143,14 @@ static bool put_column(struct key *k, sqlite3_stmt *stmt, int col)
 }
 
 /* The key in n columns, then the row's; false: it cannot be one of ours. */
-static bool read_key(struct key *k, sqlite3_stmt *stmt, int col, int n, int row)
+static bool read_key(struct key *k, sqlite3_stmt *stmt, int col, int n, int64_t row)
 {
     k->n = 0;
     for (int i = 0; i < n; i++)
         if (!put_column(k, stmt, col + i))
             return false;
-    return put_column(k, stmt, row);
+    put_bytes(k, (uint64_t)row ^ (uint64_t)1 << 63, ROW_BYTES);
+    return true;
 }
 
 static uint64_t hash(const struct walk *w, const struct key *k)
@@ -162,10 +164,10 @@ static uint64_t hash(const struct walk *w, const struct key *k)
     return h;
 }
 
-/* Of a unique index without the row's key, which is the last 9 bytes; but NULL is not unique. */
+/* Of a unique index without the row's key, which is last; but NULL is not unique. */
 static bool is_before(const struct key *a, const struct key *b, bool unique)
 {
-    const size_t less = unique && a->bytes[0] != 0 ? 9 : 0;
+    const size_t less = unique && a->bytes[0] != 0 ? ROW_BYTES : 0;
     const size_t an = a->n - less, bn = b->n - less;
     const int order = memcmp(a->bytes, b->bytes, an < bn ? an : bn);
 
@@ -199,7 +201,7 @@ static enum status walk_index(struct walk *w, const char *table, struct index *x
     while (st == ST_OK && ordered && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
         struct key *k = &key[now], *last = &key[now = !now];
 
-        ordered = read_key(k, stmt, 0, x->n, x->n);
+        ordered = read_key(k, stmt, 0, x->n, sqlite3_column_int64(stmt, x->n));
         if (ordered && last->n != 0)
             ordered = is_before(last, k, x->unique);
         x->sum += hash(w, k);
@@ -211,8 +213,7 @@ static enum status walk_index(struct walk *w, const char *table, struct index *x
 }
 
 /* Each row is looked for by its key, the last first: SQLite goes down the tree for each then, where
- * going up it would only take the next one.  And it is read whole (b.*): the digest leaves out what
- * no change entry records, which can keep a row from being read all the same. */
+ * going up it would only take the next one. */
 static enum status walk_table(struct walk *w, const char *table, struct index *x,
                               size_t n)
 {
@@ -223,27 +224,30 @@ static enum status walk_table(struct walk *w, const char *table, struct index *x
     enum status st;
 
     sqlite3_str_appendf(text, "SELECT b.rowid");
-    for (size_t i = 0; i < n; i++)
-        sqlite3_str_appendf(text, ", %s, %s",
-                            x[i].where[0] != '\0' ? x[i].where + strlen(" WHERE ") : "1",
-                            x[i].columns);
+    for (size_t i = 0; i < n; i++) {
+        sqlite3_str_appendf(text, ", %s", x[i].columns);
+        if (x[i].where[0] != '\0')
+            sqlite3_str_appendf(text, ", %s", x[i].where + strlen(" WHERE "));
+    }
     sqlite3_str_appendf(text,
-                        ", b.* FROM (SELECT rowid AS r FROM %s) AS a LEFT JOIN %s AS b ON "
+                        " FROM (SELECT rowid AS r FROM %s) AS a LEFT JOIN %s AS b ON "
                         "b.rowid = a.r ORDER BY a.r DESC",
                         table, table);
     st = prepared(w, text, &stmt);
     while (st == ST_OK && good && (rc = sqlite3_step(stmt)) == SQLITE_ROW) {
+        const int64_t row = sqlite3_column_int64(stmt, 0);
         int col = 1;
 
         good = sqlite3_column_type(stmt, 0) == SQLITE_INTEGER;
         for (size_t i = 0; i < n && good; i++) {
+            const int first = col;
             struct key k;
 
-            if (sqlite3_column_int(stmt, col) != 0) {
-                good = read_key(&k, stmt, col + 1, x[i].n, 0);
-                x[i].sum -= good ? hash(w, &k) : 0;
-            }
-            col += 1 + x[i].n;
+            col += x[i].n;
+            if (x[i].where[0] != '\0' && sqlite3_column_int(stmt, col++) == 0)
+                continue;
+            good = read_key(&k, stmt, first, x[i].n, row);
+            x[i].sum -= good ? hash(w, &k) : 0;
         }
     }
     (void)sqlite3_finalize(stmt);
