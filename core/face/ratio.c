@@ -79,13 +79,36 @@ static struct evidence evidence(double h[N][N], uint32_t n, double *g)
     return out;
 }
 
+/* Rows of the inverse that are summed together: a sum waits for its last addition. */
+#define ROWS 4
+
+typedef double lanes __attribute__((vector_size(16)));
+
+/* The products of column i with columns k..k+ROWS-1 of L^-1, from row i on: the sums of the even rows
+ * and of the odd ones.  A column is 0 above its diagonal, and below row n. */
+static inline void products(double l[N][N], uint32_t k, uint32_t i, uint32_t n,
+                            lanes sum[ROWS])
+{
+    for (uint32_t j = i - i % 2; j < n; j += 2) {
+        lanes column;
+
+        memcpy(&column, &l[i][j], sizeof column);
+        for (uint32_t q = 0; q < ROWS; q++) {
+            lanes row;
+
+            memcpy(&row, &l[k + q][j], sizeof row);
+            sum[q] += row * column;
+        }
+    }
+}
+
 /* inverse = L^-T L^-1, from the factor in h. */
 static void invert(struct ratio_probe *r, uint32_t n)
 {
     double(*l)[N] = r->inverse; /* first L^-1, by columns */
 
+    memset(r->inverse, 0, sizeof r->inverse);
     for (uint32_t k = 0; k < n; k++) {
-        memset(l[k], 0, sizeof l[k]);
         l[k][k] = 1;
         for (uint32_t j = k; j < n; j++) {
             const double *col = r->h[j], v = l[k][j] / col[j];
@@ -95,14 +118,14 @@ static void invert(struct ratio_probe *r, uint32_t n)
                 l[k][i] -= v * col[i];
         }
     }
-    for (uint32_t k = 0; k < n; k++)
+    for (uint32_t k = 0; k < n; k += ROWS)
         for (uint32_t i = k; i < n; i++) {
-            double sum[2] = {0, 0};
+            lanes sum[ROWS] = {{0, 0}};
 
-            for (uint32_t j = i; j < n; j++)
-                sum[j % 2] += l[k][j] * l[i][j];
-            /* Column i is still wanted from row i on, row k of it only here. */
-            l[k][i] = sum[0] + sum[1];
+            products(l, k, i, n, sum);
+            /* Column i is still wanted from row i on, row i of those before it only here. */
+            for (uint32_t q = 0; q < ROWS && k + q <= i; q++)
+                l[k + q][i] = sum[q][0] + sum[q][1];
         }
 }
 
