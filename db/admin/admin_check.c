@@ -241,8 +241,7 @@ static enum status is_whole(struct store *s, struct errinfo *e)
     uint64_t bytes = 0;
     enum status st = store_begin(s, SQL_READ, &t, e);
 
-    if (st != ST_OK ||
-        (st = store_end(s, &t, sql_file_bytes(t.sql, &bytes, e), e)) != ST_OK ||
+    if (st != ST_OK || (st = store_end(s, &t, sql_bytes(t.sql, &bytes, e), e)) != ST_OK ||
         sql_file_has_wal(s->path))
         return st;
     if (stat(s->path, &sb) != 0 || (uint64_t)sb.st_size != bytes)

@@ -18,6 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "sql_read.h"
 #include "store_txn.h"
 
@@ -32,7 +33,7 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
 {
     struct log_entry entry;
     struct sql_rows *r;
-    enum status st = sql_query(
+    enum status st = sql_stream(
         from->sql,
         log == LOG_CHANGES ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq"
                            : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq",
@@ -150,7 +151,7 @@ static enum status copy_table(struct log_txn *from, const struct copying *c,
 {
     unsigned char *row = malloc(table->size);
     struct sql_rows *r = NULL;
-    enum status st = row != NULL ? sql_query(from->sql, table->all, NULL, 0, &r, e)
+    enum status st = row != NULL ? sql_stream(from->sql, table->all, NULL, 0, &r, e)
                                  : errinfo_set(e, ST_ENOMEM, "out of memory");
 
     while (st == ST_OK && sql_next(r))
@@ -168,7 +169,7 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
 {
     struct sql_value value[4];
     struct sql_rows *r;
-    enum status st = sql_query(from->sql, list, NULL, 0, &r, e);
+    enum status st = sql_stream(from->sql, list, NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         for (int i = 0; i < n; i++)

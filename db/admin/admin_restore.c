@@ -18,6 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "store.h"
 #include "store_txn.h"
 
@@ -249,7 +250,7 @@ static enum status count_lost(struct restoring *r, struct log_txn *to, struct er
 
     if (st != ST_OK)
         return st;
-    st = sql_query(t.sql, "SELECT uid FROM subjects", NULL, 0, &rows, e);
+    st = sql_stream(t.sql, "SELECT uid FROM subjects", NULL, 0, &rows, e);
     while (st == ST_OK && sql_next(rows)) {
         struct sql_rows *found;
 
