@@ -17,16 +17,16 @@
 
 #define RATIO_MOST 9999.0
 
-/* What depends on one of the two alone: for comparing it with many. */
+/* What depends on the probe alone: computed once, to compare it with many templates. */
 struct ratio_probe;
 
-/* ratio_probe(p, rho, s): ready to compare p, borrowed; in s until its next use.  NULL: out of
- * memory.  O(n^3), n modes: 0.2 ms.
+/* ratio_probe(p, rho, s): prepares p, which is borrowed.  The result is in s, and valid until s is
+ * used again.  NULL: out of memory.  O(n^3), n modes: 0.15 ms.
  * ratio_score(r, t, expected): the score of the probe against the encoding t; symmetric but for
- * rounding; about -100 to 60, within -RATIO_MOST, which stands for what is no encoding, and
- * RATIO_MOST.  Two Cholesky factors: 0.1 ms.
- * expected  what the score of two such scans of one person is on the average (with rho 0
- *           exactly): how much they can tell at all
+ * rounding; about -100 to 60, always between -RATIO_MOST and RATIO_MOST; -RATIO_MOST also where t
+ * is damaged (not positive definite).  Two Cholesky factors: 0.1 ms.
+ * expected  the mean score of two such scans of one person (exact with rho 0): how much they can
+ *           tell at all
  * Both are 0 where an encoding has no modes (n = 0) or another number of them. */
 struct ratio_probe *ratio_probe(const struct encoding *p, double rho, struct scratch *s);
 double ratio_score(struct ratio_probe *r, const struct encoding *t, double *expected);

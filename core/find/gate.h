@@ -1,7 +1,7 @@
-/* gate.h -- is it a face, and for an enrolment one that may be compared with for years?  Judged
- * over the mean face's cells alone, by the fit of a face's shape (shape.h).  The gate is for
- * things, not for people: what is rare in a face, its size and proportions included, is no
- * evidence against it; only too little evidence that there is a face at all is. */
+/* gate.h -- decides whether a scan shows a face, and whether it shows enough of it to be a template.
+ * Only the mean face's cells are judged, by the fit of a face's shape (shape.h).  The gate keeps
+ * things out, not people: a face is never refused for being unusual, in size and proportions
+ * either; a scan is refused that has too little evidence of a face. */
 #ifndef FIND_GATE_H
 #define FIND_GATE_H
 #include <stdbool.h>
@@ -16,8 +16,8 @@
 struct shape_fit;  /* shape.h */
 struct shape_work; /* shape.h */
 
-/* gate_judge(w, fit, enrolment, out): what shape_fit() found, from out->support to
- * out->forehead, with the least that is wanted (shape.h has how it is measured).
+/* gate_judge(w, fit, enrolment, out): judges what shape_fit() found.  Sets out->support to
+ * out->forehead, each with the least that is wanted of it (shape.h says how they are measured).
  * Returns ST_OK; ST_ENOTFACE; ST_EQUALITY: a face, but too little of it, too much covered, or too
  * noisy. */
 enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,

@@ -42,7 +42,7 @@ export function openTokens(body, who, actions) {
     ["", (t) => !t.revoked_at && el("span.row.end", {},
       el("button", { type: "button", "aria-label": `Rotate ${t.name}`, onclick: () => rotate(t) }, "Rotate"),
       t.id !== who.id && el("button.quiet", { type: "button", "aria-label": `Revoke ${t.name}`, onclick: () => ask(`Revoke ${t.name}?`,
-        "Whoever uses this token is refused from now on. That cannot be undone; a new token can be made.", "Revoke",
+        "Requests with this token are refused from now on. This cannot be undone, but you can create a new token.", "Revoke",
         () => request("DELETE", `/v1/tokens/${t.id}`).then(load), { danger: true }) }, "Revoke")) || "", "acts"],
   ]);
 

@@ -11,8 +11,8 @@ struct response;
  * r->token.  Without a usable one r->response is set.  Does not read the store. */
 void auth_take(struct request *r, const char *header);
 
-/* auth_admit(r): true: the token may be checked.  False: r->address is rate-limited for wrong
- * tokens, and r->response is set.  Does not read the store. */
+/* auth_admit(r): may the token be checked?  False: r->address has sent too many wrong ones, and
+ * r->response is set.  Does not read the store. */
 bool auth_admit(struct request *r);
 
 /* auth_check(r): is r->token one of the store's, with the scope of r->route?  Then r->actor
@@ -23,16 +23,16 @@ void auth_check(struct request *r);
  * auth_check(). */
 bool auth_has(const struct request *r, unsigned scopes);
 
-/* auth_exact(r): whether the response may have exact scores: r's token has detail or
- * manage.  Many of them would rebuild a face. */
+/* auth_exact(r): may the response have exact scores?  r's token must have detail or manage: from
+ * many exact scores a face can be reconstructed. */
 bool auth_exact(const struct request *r);
 
 /* auth_may(r, scopes): auth_has(); where it is false, r->response is a 403 that names
  * the scopes. */
 bool auth_may(struct request *r, unsigned scopes);
 
-/* auth_gives(r, scopes): has r's token all of these scopes, as who gives them must have, or is no
- * token needed?  Else a 403 as well. */
+/* auth_gives(r, scopes): may r give these scopes to a token?  Its own token must have all of them,
+ * where one is needed.  False: r->response is a 403. */
 bool auth_gives(struct request *r, unsigned scopes);
 
 #define AUTH_CHALLENGE_MAX 160

@@ -53,7 +53,7 @@ void body_refuse_room(struct request *r)
     request_problem(r, ERRMAP_OVERLOAD, "no room for the body now");
 }
 
-/* Whoever sends one means something by it, which must not be ignored. */
+/* A client that sends one means something by it: it must not be ignored. */
 void body_refuse_any(struct request *r)
 {
     request_problem(r, ST_EINVAL, "this method of this path takes no body");

@@ -15,16 +15,16 @@ void body_check(struct request *r, bool has_length, uint64_t length);
 /* body_refuse_size(r): the response to a body over the limit. */
 void body_refuse_size(struct request *r);
 
-/* body_refuse_room(r): the response to one that there is no room for now. */
+/* body_refuse_room(r): the response to a body that there is no memory for now. */
 void body_refuse_room(struct request *r);
 
 /* body_refuse_any(r): the response to a body where r->route has none. */
 void body_refuse_any(struct request *r);
 
-/* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies; of a
- * form (multipart.h) its one file becomes the body, with its media type and coding; a form with
- * several, where r->route takes them, stays the body, and r->media REQUEST_FORM.  On a worker: it
- * computes.  False: r->response is set: damaged, too large, empty. */
+/* body_unpack(r): decompresses r->body, if it is compressed, within the limit for bodies.  A form
+ * (multipart.h) with one file is replaced by that file, its media type and its coding; a form with
+ * several, where r->route takes them, stays as it is, with REQUEST_FORM in r->media.  On a worker,
+ * since it computes.  False: the body is damaged, too large or empty, and r->response is set. */
 bool body_unpack(struct request *r);
 
 #endif

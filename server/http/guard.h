@@ -2,8 +2,8 @@
  * each may take over what it does.  libmicrohttpd's own timeout starts again with every byte,
  * so a client that sends or reads one now and then could stay for ever; here each step of a
  * request has a deadline.  A thread shuts down the sockets that are past theirs, and
- * libmicrohttpd then closes them as if the client had gone.  It also finds out which clients
- * have gone while the daemon works for them, which libmicrohttpd does not look at then. */
+ * libmicrohttpd then closes them as if the client had gone.  It also notices clients that go
+ * while the daemon works for them: libmicrohttpd does not watch their sockets meanwhile. */
 #ifndef SERVER_GUARD_H
 #define SERVER_GUARD_H
 #include <stdbool.h>
@@ -23,9 +23,9 @@ struct guard_rules {
     unsigned timeout_s;
 };
 
-/* A body and a response may take timeout_s, and a second more for each GUARD_BYTES_PER_S,
- * but are never more than timeout_s ahead: who has sent much and then nothing is closed
- * like others. */
+/* A body or a response may take timeout_s, and a second more for each GUARD_BYTES_PER_S that were
+ * transferred; no more than timeout_s is saved up: a client that sends much and then nothing is
+ * closed like others. */
 #define GUARD_BYTES_PER_S 8192.0
 /* An open connection without a request is kept this many times timeout_s. */
 #define GUARD_IDLE_FACTOR 3

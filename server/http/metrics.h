@@ -1,6 +1,6 @@
 /* metrics.h -- metrics for Prometheus (exposition format 0.0.4).  Any thread may count.
  * Base units (seconds, bytes); no label names a person, a token or an address.
- * Whoever reaches the daemon may read them: they tell what it does, not how it is configured,
+ * Anyone who reaches the daemon can read them: they tell what it does, not how it is configured,
  * nor how much is enrolled. */
 #ifndef SERVER_METRICS_H
 #define SERVER_METRICS_H

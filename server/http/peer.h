@@ -17,8 +17,8 @@ struct tls;
 struct peer_host {
     struct guard *guard;
     struct tls *tls; /* NULL: plain HTTP */
-    /* refuse(arg, p, current, status): libmicrohttpd refuses by itself what p has sent; to be
-     * responded to by peer_respond_amid(), after which the connection sends no more.  current: of peer_set_current(). */
+    /* refuse(arg, p, current, status): libmicrohttpd is about to refuse what p has sent.  Respond by
+     * peer_respond_amid(): the connection sends no more then.  current: of peer_set_current(). */
     void (*refuse)(void *arg, struct peer *p, void *current, unsigned status);
     void *arg;
 };
@@ -27,13 +27,11 @@ struct peer_host {
  * force.  NULL: out of memory, and the connection is shut down. */
 struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn);
 
-/* peer_close(p): its TLS session is no more, but its socket is still open.  NULL is
+/* peer_close(p): called while p's socket is still open, but its TLS session has ended.  NULL is
  * allowed. */
 void peer_close(struct peer *p);
 
-/* peer_begin(p, step): the step begins; peer_more(): bytes more bytes were transferred.
- * See
- * guard_begin(), guard_more(). */
+/* peer_begin(p, step): guard_begin(); peer_more(p, bytes): guard_more(). */
 void peer_begin(struct peer *p, enum guard_step step);
 void peer_more(struct peer *p, size_t bytes);
 
@@ -53,8 +51,8 @@ enum status peer_init(struct errinfo *e);
  * one. */
 bool peer_respond(struct peer *p, struct response *a, const char *id, bool close);
 
-/* peer_respond_amid(p, a, id): the same at any time, past libmicrohttpd, whose connection is
- * to be closed then.  True: all of it went into the socket's buffer. */
+/* peer_respond_amid(p, a, id): writes the response past libmicrohttpd, at any time; the connection
+ * must be closed afterwards.  True: all of it went into the socket's buffer. */
 bool peer_respond_amid(struct peer *p, const struct response *a, const char *id);
 
 #endif

@@ -28,9 +28,9 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
                         void (*run)(struct worker *w, struct request *r),
                         struct queue **out);
 
-/* queue_push(q, r, kind, sender): returns NULL; or the request for which there is no place: r, or,
- * where the queue is full, the last one of the sender that has most waiting, and more than r's;
- * it is no longer the queue's.  A queue that is closed takes none.
+/* queue_push(q, r, kind, sender): adds r.  Returns NULL, or the request that gets no place and is no
+ * longer the queue's: r itself, or, in a full queue, the last one of the sender with the most
+ * waiting, if these are more than r's sender has.  A queue that is stopped takes none.
  * sender: any number that is the same for those who share turns.  O(limit). */
 struct request *queue_push(struct queue *q, struct request *r, enum queue_kind kind,
                            uint64_t sender);
