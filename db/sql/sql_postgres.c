@@ -7,11 +7,27 @@
 
 #include "bytes.h"
 #include "schema_postgres_sql.h"
+#include "sql_server.h"
 
 #define VERSION  1     /* of schema_postgres.sql */
 #define PROVE_MS 10000 /* to find out what became of a commit */
+#define ALONE_MS                                                                         \
+    2000 /* for the last of others to end; a server notices that a moment later */
 
 /* ---- connections */
+
+static int64_t now_ms(void)
+{
+    struct timespec t;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
+}
+
+static void wait_a_while(void)
+{
+    (void)nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+}
 
 static void close_conn(struct sql_postgres_conn *c)
 {
@@ -43,11 +59,36 @@ static PGconn *dial(const char *url)
     return PQconnectdbParams(key, value, 1);
 }
 
-static enum status connect_to(struct sql_postgres *d, struct sql_postgres_conn **out,
-                              struct errinfo *e)
+/* Every connection has a lock that is shared, of the session: who has the database alone waits for
+ * the last of them to end, and keeps others out. */
+#define SETTINGS  "SET synchronous_commit = on; SET lock_timeout = '5s'; "
+#define IN_USE    SETTINGS "SELECT pg_advisory_lock_shared(" SQL_SERVER_IN_USE ")"
+#define IF_UNUSED SETTINGS "SELECT 1 WHERE pg_try_advisory_lock(" SQL_SERVER_IN_USE ")"
+
+static enum status set_up(struct sql_postgres_conn *c, const char *settings,
+                          struct errinfo *e)
+{
+    PGresult *r = PQexec(c->pg, settings);
+    const char *code = PQresultErrorField(r, PG_DIAG_SQLSTATE);
+    enum status st = ST_OK;
+
+    if (code != NULL && strcmp(code, "55P03") == 0)
+        st = errinfo_set(e, ST_EBUSY, "%s: another process has it for itself alone",
+                         c->of->url);
+    else if (PQresultStatus(r) != PGRES_COMMAND_OK &&
+             PQresultStatus(r) != PGRES_TUPLES_OK)
+        st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be used",
+                                   PQerrorMessage(c->pg));
+    else if (settings[sizeof SETTINGS - 1] != '\0' && PQntuples(r) == 0)
+        st = errinfo_set(e, ST_EBUSY, "%s: another process has it open", c->of->url);
+    PQclear(r);
+    return st;
+}
+
+static enum status connect_to(struct sql_postgres *d, const char *settings,
+                              struct sql_postgres_conn **out, struct errinfo *e)
 {
     struct sql_postgres_conn *c = calloc(1, sizeof *c);
-    PGresult *r;
     enum status st = ST_OK;
 
     if (c == NULL)
@@ -60,11 +101,9 @@ static enum status connect_to(struct sql_postgres *d, struct sql_postgres_conn *
                                    PQerrorMessage(c->pg));
     } else {
         (void)PQsetNoticeProcessor(c->pg, say_nothing, NULL);
-        r = PQexec(c->pg, "SET synchronous_commit = on; SET lock_timeout = '5s'");
-        if (PQresultStatus(r) != PGRES_COMMAND_OK || PQenterPipelineMode(c->pg) != 1)
+        if ((st = set_up(c, settings, e)) == ST_OK && PQenterPipelineMode(c->pg) != 1)
             st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be used",
                                        PQerrorMessage(c->pg));
-        PQclear(r);
     }
     if (st == ST_OK)
         *out = c;
@@ -85,7 +124,7 @@ static enum status take(struct sql_postgres *d, struct sql_postgres_conn **out,
             d->idle = c->next;
         (void)pthread_mutex_unlock(&d->lock);
         if (c == NULL)
-            return connect_to(d, out, e);
+            return connect_to(d, d->alone != NULL ? SETTINGS : IN_USE, out, e);
         if (sql_postgres_conn_good(c)) {
             *out = c;
             return ST_OK;
@@ -165,10 +204,9 @@ static enum status lock(struct sql_txn *t, uint32_t key, struct errinfo *e)
 {
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
 
-    /* "SRFD" before it: other programs may lock too. */
     c->lock = key + 1;
     return SQL_RUN(t, e, "SELECT pg_advisory_xact_lock($1)",
-                   sql_int((INT64_C(0x53524644) << 32) + key));
+                   sql_int(SQL_SERVER_LOCK + key));
 }
 
 static void prove(struct sql_txn *t, const char *text, const struct sql_value *value,
@@ -207,14 +245,6 @@ static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
     return sql_end(t, st, e);
 }
 
-static int64_t now_ms(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}
-
 /* The connection was lost amid the commit. */
 static enum status find_out(const struct sql_postgres_conn *lost, struct errinfo *e)
 {
@@ -224,7 +254,7 @@ static enum status find_out(const struct sql_postgres_conn *lost, struct errinfo
     close_idle(lost->of);
     while (lost->proof != NULL && now_ms() < until && st == ST_EBUSY)
         if ((st = look(lost, e)) == ST_EBUSY)
-            (void)nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+            wait_a_while();
     if (st == ST_OK)
         return st;
     return errinfo_set(e, ST_EBUSY,
@@ -342,11 +372,22 @@ static enum status check_url(const char *url, struct errinfo *e)
                                  "certificate");
 }
 
+static enum status take_alone(struct sql_postgres *d, struct errinfo *e)
+{
+    const int64_t until = now_ms() + ALONE_MS;
+    enum status st;
+
+    while ((st = connect_to(d, IF_UNUSED, &d->alone, e)) == ST_EBUSY && now_ms() < until)
+        wait_a_while();
+    return st;
+}
+
 static void close_server(struct sql *of)
 {
     struct sql_postgres *d = (struct sql_postgres *)of;
 
     close_idle(d);
+    close_conn(d->alone);
     (void)pthread_mutex_destroy(&d->lock);
     free(d->url);
     free(d);
@@ -361,11 +402,6 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
 
     if (st != ST_OK)
         return st;
-    if (how == SQL_OPEN_ALONE)
-        return errinfo_set(e, ST_EINVAL,
-                           "%s is on a server: what takes a database for itself alone "
-                           "works on a file (docs/operation.md)",
-                           url);
     if ((d = calloc(1, sizeof *d)) == NULL || (d->url = strdup(url)) == NULL) {
         free(d);
         return errinfo_set(e, ST_ENOMEM, "out of memory");
@@ -373,7 +409,9 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
     d->base.driver = &sql_postgres_driver;
     d->read_only = how == SQL_OPEN_READ || how == SQL_OPEN_LOOK;
     (void)pthread_mutex_init(&d->lock, NULL);
-    if ((st = begin(&d->base, SQL_READ, &t, e)) == ST_OK)
+    if (how == SQL_OPEN_ALONE)
+        st = take_alone(d, e);
+    if (st == ST_OK && (st = begin(&d->base, SQL_READ, &t, e)) == ST_OK)
         st = end(t, version(t, &d->base.version, e), e);
     if (st == ST_OK)
         *out = &d->base;

@@ -79,6 +79,8 @@ struct sql_postgres {
     struct sql base;
     char *url;
     bool read_only;
+    struct sql_postgres_conn
+        *alone;           /* has the database for this process; NULL: others may use it */
     pthread_mutex_t lock; /* of idle */
     struct sql_postgres_conn *idle;
 };

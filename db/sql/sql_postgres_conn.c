@@ -172,10 +172,15 @@ static void receive(struct sql_postgres_conn *c)
     }
 }
 
+/* The server keeps small replies until it is asked for them. */
 static void push(struct sql_postgres_conn *c, struct sql_postgres_sent s)
 {
-    while (c->n == SQL_POSTGRES_SENT)
-        receive(c);
+    if (c->n == SQL_POSTGRES_SENT) {
+        if (PQsendFlushRequest(c->pg) != 1 || PQflush(c->pg) < 0)
+            lose(c);
+        while (c->n > SQL_POSTGRES_SENT / 2)
+            receive(c);
+    }
     c->sent[(c->first + c->n++) % SQL_POSTGRES_SENT] = s;
 }
 
