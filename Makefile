@@ -97,7 +97,7 @@ say  = @$(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),:,printf '  %-5s %s\
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
-TEST_SRC  := $(filter-out $(if $(filter 1,$(POSTGRES)),,tests/db/test_server.c),$(wildcard tests/*/test_*.c))
+TEST_SRC  := $(filter-out $(if $(filter 1,$(POSTGRES)),,tests/db/test_server.c tests/admin/test_move.c),$(wildcard tests/*/test_*.c))
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 # Fuzzers of tests/fuzz/cloud.c: fuzz_cloudNAME-FORMAT.
 CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ
@@ -345,13 +345,14 @@ unit: $(TEST_BIN) $(FUZZ_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN)
 
 # What runs on either engine: what is stored, and what the daemon makes of it.
-SERVED := $(foreach r,db log rows service,$(filter $(BUILD)/tests/$r/%,$(TEST_BIN)))
+SERVED := $(foreach r,db log rows service,$(filter $(BUILD)/tests/$r/%,$(TEST_BIN))) \
+          $(filter %/test_move,$(TEST_BIN))
 SERVED_BOX := routes consent limits tries scopes replay narrow parallel live full-subject console
 ## check-postgres: tests of the store and the daemon on a PostgreSQL of their own
 .PHONY: check-postgres
 check-postgres: all $(SERVED) $(BUILD)/forge
 	BUILD=$(BUILD) scripts/with_postgres scripts/run_tests.sh \
-	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode) $(SERVED)
+	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode server) $(SERVED)
 
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads

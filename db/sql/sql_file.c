@@ -82,12 +82,6 @@ static struct sql_sqlite_conn *in_file(struct sql_txn *t)
     return sql_file_is(t) ? (struct sql_sqlite_conn *)t : NULL;
 }
 
-static enum status on_server(const char *what, struct errinfo *e)
-{
-    return errinfo_set(e, ST_EINVAL,
-                       "the database is on a server: %s (docs/operation.md)", what);
-}
-
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
 {
     const struct sql_sqlite_conn *c = in_file(t);
@@ -232,8 +226,6 @@ enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e
 {
     enum status st;
 
-    if (in_file(t) == NULL)
-        return on_server("pg_dump or pgBackRest copies it", e);
     remove_wal(path);
     /* The copy counts only when it has its name: until then nothing has to wait for the
      * disk. */
@@ -261,7 +253,9 @@ enum status sql_file_compact(struct sql *of, struct errinfo *e)
     enum status st;
 
     if (!of->driver->file)
-        return on_server("its autovacuum frees what deleted rows left", e);
+        return errinfo_set(
+            e, ST_EINVAL,
+            "the database is on a server: its autovacuum frees what deleted rows left");
     if ((st = sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, e)) != ST_OK)
         return st;
     (void)sqlite3_limit(d->writer->db, SQLITE_LIMIT_ATTACHED, 1);

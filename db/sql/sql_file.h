@@ -1,5 +1,5 @@
 /* sql_file.h -- what a database in a file can do and one behind a server cannot, or does by
- * itself.  Errors as in sql.h; on a server a copy and a compaction are ST_EINVAL, and the rest does
+ * itself.  Errors as in sql.h; on a server there is no copy, a compaction is ST_EINVAL, and the rest does
  * nothing. */
 #ifndef DB_SQL_FILE_H
 #define DB_SQL_FILE_H
