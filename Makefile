@@ -352,7 +352,7 @@ SERVED_BOX := routes consent limits tries scopes replay narrow parallel live ful
 .PHONY: check-postgres
 check-postgres: all $(SERVED) $(BUILD)/forge
 	BUILD=$(BUILD) scripts/with_postgres scripts/run_tests.sh \
-	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode server) $(SERVED)
+	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode) $(SERVED)
 
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
