@@ -53,10 +53,14 @@ END
 door="postgresql://door@/$(basename "$T")"
 scan 1 0 "$T/a0.ply"
 scan 1 1 "$T/a1.ply" --pose 5 --shift 5
+scan 1 5 "$T/a5.ply" --pose 5 --shift 5
 scan 2 1 "$T/b1.ply" --pose 5 --shift 5
 AUTH=$(new_token all --anchor "$ANCHOR")
 OWNER=$DB DB=$door
+SHIM=$(cd "$BUILD" && pwd)/record_shim.so
+[ ! -f "$SHIM" ] || UNDER="env LD_PRELOAD=$SHIM RECORD_TRIPS=$T/trips"
 start_daemon --anchor "$ANCHOR"
+UNDER=''
 send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
 is "enroll" "$STATUS" 201
 id=$(get .template_id)
@@ -65,9 +69,38 @@ verify() {
     is "verify $1" "$STATUS" 200
     get '[.decision, .score, .threshold, .disparity_mm, .overlap, .template_id] | tojson'
 }
-match=$(verify a1) other=$(verify b1)
-ok "a match" matches "$match" '^\["match",.*'"$id"
-ok "a non-match" matches "$other" '^\["no_match"'
+ok "a match" matches "$(verify a1)" '^\["match",.*'"$id"
+ok "a non-match" matches "$(verify b1)" '^\["no_match"'
+
+# ---- what a request waits for
+trips() {
+    [ -f "$SHIM" ] || return
+    n=$(grep -c '^trip;' "$T/trips")
+    ok "$1: $n round trips, at most $2" test "$n" -ge 1 -a "$n" -le "$2"
+}
+for i in 2 3 4; do
+    scan 1 $i "$T/a$i.ply" --pose 5 --shift 5
+    scan $((i + 10)) 0 "$T/new$i.ply"
+    : >"$T/trips"
+    ok "a match" matches "$(verify a$i)" '^\["match"'
+    trips "a match" 6
+    : >"$T/trips"
+    ok "a non-match" matches "$(verify b1)" '^\["no_match"'
+    trips "a non-match" 6
+    : >"$T/trips"
+    send POST "/v1/subjects/new$i/templates" "$PLY" "$T/new$i.ply"
+    is "enroll another" "$STATUS" 201
+    trips "an enrolment" 8
+    : >"$T/trips"
+    send POST /v1/subjects/alice/templates "$PLY" "$T/a$i.ply"
+    is "enroll again, after a comparison" "$STATUS" 201
+    trips "one that is compared" 8
+done
+for i in 2 3 4; do
+    req DELETE "/v1/subjects/new$i"
+    is "erase new$i" "$STATUS" 200
+done
+
 ctl doctor
 is "doctor beside the daemon" "$CODE" 0
 ok "the server" finds ok database '^PostgreSQL 1[5-9]'
@@ -90,6 +123,7 @@ for command in "backup $T/b.db" "restore $T/b.db" "rekey --yes" vacuum; do
         'on a server: (pg_dump|restore it with|copy it into a file|its autovacuum)'
 done
 ok "nothing was made" test ! -e "$T/b.db"
+match=$(verify a5) other=$(verify b1)
 ctl accept-state --yes --anchor "$ANCHOR"
 ctl_failed "accept-state beside the daemon" 75 'another process has it open'
 ctl accept-state --dry-run --anchor "$ANCHOR"
@@ -114,7 +148,7 @@ ctl_exits 0 audit verify
 # ---- from the server to a file, and to another server
 was=$(what_is "$DB")
 ctl_exits 0 copy "$T/file.db"
-is "as much as there is" "$(said '[.subjects, .templates] | tojson')" '[1,1]'
+is "as much as there is" "$(said '[.subjects, .templates] | tojson')" '[1,4]'
 is "the file is the same database" "$(what_is "$T/file.db")" "$was"
 is "nobody else may read it" "$(stat -c %a "$T/file.db")" 600
 ctl copy "$T/file.db"
@@ -129,7 +163,7 @@ is "the second server's is the same" "$(what_is "$SECOND")" "$was"
 is "and this file as it was" "$(what_is "$T/file.db")" "$was"
 for DB in "$T/file.db" "$SECOND"; do
     start_daemon --anchor "$ANCHOR"
-    is "the same match" "$(verify a1)" "$match"
+    is "the same match" "$(verify a5)" "$match"
     is "the same non-match" "$(verify b1)" "$other"
     stop_daemon
     ctl_exits 0 check-database
@@ -139,7 +173,7 @@ openssl rand -hex 32 >"$T/archive.key"
 chmod 600 "$T/archive.key"
 ctl_exits 0 export --all -o "$T/archive" --archive-key "$T/archive.key"
 DB=$T/new.db SURFACED_KEY=$T/new.key ctl_exits 0 import "$T/archive" --archive-key "$T/archive.key"
-is "an archive from a server, into a file" "$(said '.added_templates // .templates')" 1
+is "an archive from a server, into a file" "$(said '.added_templates // .templates')" 4
 # What goes on leaves the others behind, by the anchor that they share.
 AUTH='' ctl_exits 0 --anchor "$ANCHOR" token create new --scope verify
 DB=$T/file.db start_fails "the copy is older now" 1 'older than its anchor' \
