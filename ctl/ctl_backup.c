@@ -79,6 +79,12 @@ static void tell_restored(const struct ctl *c, const struct admin_restored *r)
             CTL_COUNT(r->had_subjects), CTL_COUNT(r->had_templates), CTL_COUNT(r->lost),
             CTL_COUNT(r->erased), CTL_COUNT(r->revoked));
     ctl_say(c, "\n");
+    if (r->missed != 0)
+        ctl_say(c,
+                "change %" PRIu64 " of the anchor is missing in the database and in the "
+                "backup: what the missing changes erased, revoked or disabled is back; "
+                "receipts name the erased subjects\n",
+                r->missed);
     if (c->dry_run)
         ctl_say(c, "nothing was changed\n");
     else if (r->was_there)
@@ -110,6 +116,7 @@ static enum status restore(struct ctl *c)
     json_number(c->out, "subjects_lost", (double)r.lost);
     json_number(c->out, "subjects_erased", (double)r.erased);
     json_number(c->out, "tokens_revoked", (double)r.revoked);
+    json_number(c->out, "missed_change", (double)r.missed);
     json_flag(c->out, "restored", !c->dry_run);
     tell_restored(c, &r);
     return ST_OK;

@@ -485,9 +485,9 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
 
 enum status store_vacuum(struct store *s, struct errinfo *e)
 {
-    const enum status st = sql_file_compact(s->sql, e);
+    enum status st = store_verify(s, NULL, NULL, e); /* each page is written */
 
-    if (st == ST_OK)
+    if (st == ST_OK && (st = sql_file_compact(s->sql, e)) == ST_OK)
         store_scrub(s);
     return st;
 }

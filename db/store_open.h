@@ -93,7 +93,7 @@ bool store_anchor_fault(struct store *s, struct errinfo *e);
 /* store_stats(s, sizes, out, e): counts, and with sizes what they take, for which all rows are read:
  * 0.7 s for 100,000 templates, else 10 ms.  events: by their numbers.
  * store_vacuum(s, e): rewrite the database without the room that deleted rows left, while
- * others read it; writers wait, up to 5 s. */
+ * others read it; writers wait, up to 5 s.  It verifies the rows first (store_verify()). */
 struct store_stats {
     uint64_t subjects, templates, tokens, devices, calibrations, events;
     uint64_t points, template_bytes, file_bytes;

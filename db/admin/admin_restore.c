@@ -337,16 +337,35 @@ static enum status choose_keys(struct restoring *r, struct errinfo *e)
     return st;
 }
 
+/* The database that is there may be an older one, whose log says nothing of what came later. */
+static enum status ask_anchor(struct restoring *r, struct errinfo *e)
+{
+    struct log_end said;
+    bool has = false;
+    enum status st = ST_OK;
+
+    if (r->key->anchor == NULL ||
+        log_anchor_read(r->key->anchor, r->crypt, &said, NULL) != ST_OK)
+        return ST_OK; /* it is made again */
+    if (r->held != NULL)
+        st = store_audit_has(r->held, &said, &has, e);
+    if (st == ST_OK && !has)
+        st = store_audit_has(r->backup, &said, &has, e);
+    r->out->missed = has ? 0 : said.seq;
+    return st;
+}
+
 static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo *e)
 {
-    struct admin_copy c = {.root = &r->root,
-                           .crypt = r->crypt,
-                           .key = r->key,
-                           .fill = fill,
-                           .arg = r,
-                           .by = &r->by,
-                           .kind = "restore",
-                           .outcome = "restored"};
+    struct admin_copy c = {
+        .root = &r->root,
+        .crypt = r->crypt,
+        .key = r->key,
+        .fill = fill,
+        .arg = r,
+        .by = &r->by,
+        .kind = "restore",
+        .outcome = r->out->missed == 0 ? "restored" : "restored, older than the anchor"};
     struct newfile n = NEWFILE_NONE;
     enum status st;
 
@@ -377,7 +396,8 @@ enum status admin_restore(const char *path, const char *from, const struct store
         return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
     if ((st = log_act(&r.by, actor, e)) == ST_OK &&
         (st = open_held(&r, dry, e)) == ST_OK && (st = open_backup(&r, e)) == ST_OK &&
-        (st = relate(&r, e)) == ST_OK && (st = choose_keys(&r, e)) == ST_OK)
+        (st = relate(&r, e)) == ST_OK && (st = choose_keys(&r, e)) == ST_OK &&
+        (st = ask_anchor(&r, e)) == ST_OK)
         st = copy_and_place(&r, dry, e);
     store_close(r.backup);
     store_close(r.held);

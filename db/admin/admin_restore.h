@@ -30,6 +30,8 @@ struct admin_restored {
     uint64_t
         revoked; /* tokens of the backup that were revoked or rotated since, and devices
                          that were removed: revoked and removed again */
+    uint64_t
+        missed; /* a change that the anchor names, and neither of the two has; or 0 */
 };
 
 /* admin_restore(path, from, key, from_key, actor, dry, out, e): the backup, verified, in the place
@@ -38,6 +40,8 @@ struct admin_restored {
  * the backup's: who was erased since is erased again, and tokens that were revoked or rotated since
  * are revoked: the backup has their old secrets.  key: of the database afterwards, with its path;
  * from_key: NULL where that opens the backup too, else its file.  A database that is missing is made.
+ * The anchor is made again.  Where it named a later change than both have, what that and others have
+ * erased or revoked is not known: *out and the entry of the restore say so.
  * ST_EBUSY: another process has the database open; ST_EMISMATCH: neither log goes on from the
  * other; ST_EDENIED: the backup has another key; ST_EREFUSED: the log of the database that is there
  * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as

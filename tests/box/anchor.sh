@@ -137,6 +137,26 @@ for command in "restore $T/backup" "rekey --yes"; do
     ctl_exits 0 $command
     ctl_exits 0 check-database
 done
+# ---- an older database is replaced by a backup: nobody knows what was erased since, which is not kept quiet
+rm -f "$DB.before-restore" "$T/backup"
+keep 'then'
+ctl_exits 0 backup "$T/backup"
+for way in newer older; do
+    ctl subject set erin --consent "$way"
+    ctl subject erase erin --yes
+    if [ $way = newer ]; then wanted=0 outcome=restored; else
+        wanted=$(sqlite3 "$DB" "SELECT max(seq) FROM change_log") outcome='restored, older than the anchor'
+        back 'then'
+    fi
+    for dry in --dry-run ''; do
+        # shellcheck disable=SC2086 # an option or none
+        ctl_exits 0 restore "$T/backup" $dry
+        is "$way ($dry): the change that is missed" "$(said .missed_change)" "$wanted"
+    done
+    is "$way: the log has it" "$(sqlite3 "$DB" "SELECT outcome FROM change_log ORDER BY seq DESC LIMIT 1")" "$outcome"
+    ctl_exits 0 check-database
+    rm "$DB.before-restore"
+done
 rm -f "$DB"
 ctl init
 ctl_failed "no new database where one was" 65 'an anchor .*, but not its database'

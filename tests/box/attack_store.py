@@ -8,6 +8,7 @@ An attack's class says what is to come of it (store-attacks.sh):
   harmless nothing: neither what it seeks nor a difference
   outright nothing can be opened any more
   anchor   an older state, which the anchor refuses (anchor.sh)
+  second   found, after another subject was enrolled under the id of one who was hidden meanwhile
 
 In `rows` are plain SQL statements, for any engine; in `pages` is what only SQLite has: its schema
 table, its b-trees, its journals."""
@@ -436,6 +437,29 @@ def key_misleads(t):
 def index_out_of_order(t):
     """Every key is there, but a search takes the wrong way."""
     exchange_cells(t, 'sqlite_autoindex_tokens_1', 10)
+
+def put_back(t, *trees):
+    """The first subject beside another of the same id, who was enrolled while she was hidden: each row is as it was
+    written, and none is missing.  In these trees both have the id's hash."""
+    lookup = t.old.execute('SELECT lookup FROM subjects WHERE subject_key = 1').fetchone()[0]
+    other = os.urandom(len(lookup))
+    t.run('UPDATE subjects SET lookup = ? WHERE lookup = ?', other, lookup)
+    for table, where in [('subjects', 'subject_key = 1'), *ALL_OF_ALICE]:
+        t.put(table, where)
+    p = Pages(t)
+    for name in trees:
+        page = p.page(p.root[name])
+        assert other in page
+        p.put(p.root[name], page.replace(other, lookup))
+    p.write()
+
+@attack('pages', 'second')
+def second_row(t):
+    put_back(t, 'subjects')
+
+@attack('pages', 'second')
+def second_row_and_key(t):
+    put_back(t, 'subjects', 'sqlite_autoindex_subjects_2')
 
 @attack('pages', 'found')
 def endless(t):

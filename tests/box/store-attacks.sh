@@ -26,9 +26,9 @@ fresh() {
     cp "$T/key" "$DB.key"
 }
 
-# attack NAME: on the database as it is.
+# attack NAME [OLDER]: on the database as it is.
 attack() {
-    env -u LD_PRELOAD python3 tests/box/attack_store.py "$1" "$DB" "$T/old.db" >"$T/out" 2>&1 ||
+    env -u LD_PRELOAD python3 tests/box/attack_store.py "$1" "$DB" "${2:-$T/old.db}" >"$T/out" 2>&1 ||
         ok "$1: it can be done: $(tail -n 1 "$T/out")" false
 }
 
@@ -101,6 +101,7 @@ for name in $(list rows found) $(list pages found); do
     refuses "$name" enroll erin "$T/s5.ply"
     refuses "$name" rekey --yes
     refuses "$name" backup "$T/b"
+    refuses "$name" vacuum
     timeout 5 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 >"$T/out" 2>&1
     r=$?
     ok "$name: the daemon does not start: $r" [ $r != 0 -a $r != 124 ]
@@ -195,6 +196,28 @@ if wanted older; then
     done
     AUTH=''
 fi
+
+# ---- a subject is hidden while another is enrolled under her id, and put back: no row is missing
+for name in $(list pages second); do
+    wanted "$name" || continue
+    fresh
+    AUTH=$DOOR start_daemon
+    swap "DELETE FROM main.faces WHERE template_key = 1; DELETE FROM main.templates WHERE template_key = 1;
+        DELETE FROM main.subjects WHERE subject_key = 1"
+    AUTH=$DOOR send POST /v1/subjects/alice/templates "$PLY" "$T/s5.ply"
+    is "$name: the daemon cannot know yet" "$STATUS" 201
+    attack "$name" "$T/now.db"
+    refuses "$name" enroll erin "$T/s5.ply"
+    kill_daemon
+    is "$name: two of them" "$(sqlite3 "$DB" "SELECT count(*) FROM subjects NOT INDEXED WHERE lookup =
+        (SELECT lookup FROM subjects NOT INDEXED WHERE subject_key = 1)")" 2
+    for command in 'rekey --yes' "backup $T/b" 'subject erase alice --yes'; do
+        # shellcheck disable=SC2086 # a command and its arguments
+        refuses "$name" $command
+    done
+    start_fails "$name" 1 'surfaced: the database is not as it was written' --db "$DB" --listen 127.0.0.1:0
+    checked "$name: after all that" 1
+done
 
 # ---- the digest of another history: of the one that a restore gave up
 if wanted history; then
