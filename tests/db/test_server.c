@@ -1,6 +1,7 @@
-/* A store on a PostgreSQL (scripts/with_postgres): how often it waits for the server, and what it does
- * when the server ends its connections, amid a commit too. */
-/* link: -Wl,--wrap=poll,--wrap=PQpipelineSync */
+/* A store on a PostgreSQL (scripts/with_postgres): how often it waits for the server, what it does when
+ * the server ends its connections, amid a commit too, and what it makes of another daemon's commit
+ * between any two of its statements. */
+/* link: -Wl,--wrap=poll,--wrap=PQpipelineSync,--wrap=PQsendPrepare,--wrap=PQsendQueryPrepared */
 #include <libpq-fe.h>
 #include <poll.h>
 #include <stdlib.h>
@@ -185,5 +186,111 @@ TEST(test_cut)
         must(store_verify(s, NULL, NULL, &e));
     }
     assert_int_equal(done_anyway, 1); /* the commit */
+    store_close(s);
+}
+
+/* ---- another daemon */
+
+static struct store *other;   /* which changes something before each statement of ours, */
+static bool inside, locked;   /* unless it would have to wait for our transaction */
+static char lock_name[32];    /* of the prepared statement that takes the lock */
+static char ends_name[2][32]; /* and of those that end a transaction */
+static unsigned others;       /* changes of the other's */
+
+/* Each adds to both logs, and every third changes rows that are there. */
+static void change_something(void)
+{
+    struct store_template t;
+    char name[16];
+
+    (void)snprintf(name, sizeof name, "o%u", ++others);
+    if (others % 3 != 0)
+        tempdb_add(other, name);
+    else
+        tempdb_enroll(other, name, "", &tempdb_face[1], &t);
+    must(tempdb_record(other, "alice", STORE_RECORD_FAILED, &e));
+    must(tempdb_record(other, "alice", STORE_RECORD_PASSED, &e));
+    if (others % 2 == 0)
+        must(tempdb_erase(other, "test", name, &e));
+}
+
+int __real_PQsendPrepare(PGconn *pg, const char *name, const char *text, int n,
+                         const Oid *type);
+int __wrap_PQsendPrepare(PGconn *pg, const char *name, const char *text, int n,
+                         const Oid *type);
+int __wrap_PQsendPrepare(PGconn *pg, const char *name, const char *text, int n,
+                         const Oid *type)
+{
+    if (strstr(text, "pg_advisory_xact_lock") != NULL)
+        (void)snprintf(lock_name, sizeof lock_name, "%s", name);
+    if (strcmp(text, "COMMIT") == 0 || strcmp(text, "ROLLBACK") == 0)
+        (void)snprintf(ends_name[text[0] == 'R'], sizeof *ends_name, "%s", name);
+    return __real_PQsendPrepare(pg, name, text, n, type);
+}
+
+int __real_PQsendQueryPrepared(PGconn *pg, const char *name, int n,
+                               const char *const *data, const int *len, const int *format,
+                               int result);
+int __wrap_PQsendQueryPrepared(PGconn *pg, const char *name, int n,
+                               const char *const *data, const int *len, const int *format,
+                               int result);
+int __wrap_PQsendQueryPrepared(PGconn *pg, const char *name, int n,
+                               const char *const *data, const int *len, const int *format,
+                               int result)
+{
+    if (other != NULL && !inside) {
+        if (!locked) {
+            (void)PQflush(pg); /* the server has what is before it */
+            inside = true;
+            change_something();
+            inside = false;
+        }
+        if (strcmp(name, lock_name) == 0)
+            locked = true;
+        else if (strcmp(name, ends_name[0]) == 0 || strcmp(name, ends_name[1]) == 0)
+            locked = false;
+    }
+    return __real_PQsendQueryPrepared(pg, name, n, data, len, format, result);
+}
+
+static void problem(void *arg, enum log_name log, uint64_t seq, const char *line)
+{
+    (void)arg, (void)log, (void)seq;
+    fail_msg("%s", line);
+}
+
+TEST(test_another_daemon)
+{
+    struct log_walk walk;
+    struct store_subject one;
+    struct store_token t;
+    struct store *s;
+    char secret[65];
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &t, &e));
+    (void)enroll(s, secret, "alice");
+    other = tempdb_open(STORE_WRITE);
+    for (int i = 0; i < 3; i++) {
+        char name[8] = "bob0";
+
+        name[3] = (char)('0' + i);
+        verify(s, secret, "alice", STORE_RECORD_PASSED, ST_OK);
+        verify(s, secret, "alice", STORE_RECORD_FAILED, ST_OK);
+        (void)enroll(s, secret, name);
+        must(store_subject_get(s, name, &one, &e));
+        must(tempdb_erase(s, "test", name, &e));
+        must(store_verify(s, NULL, NULL, &e));
+        must(store_audit_verify(s, problem, NULL, &walk, &e));
+    }
+    assert_in_range(others, 100, 10000);
+    store_close(other);
+    other = NULL;
+    store_close(s);
+    s = tempdb_open(STORE_WRITE);
+    must(store_verify(s, NULL, NULL, &e));
+    must(store_audit_verify(s, problem, NULL, &walk, &e));
     store_close(s);
 }
