@@ -6,8 +6,9 @@ if ! ldd "${BUILD:-build}/surfaced" | grep -q libpq; then
     echo "SKIP $0: built without PostgreSQL"
     exit
 fi
-[ -n "${PGHOST:-}" ] || PGFSYNC=on exec scripts/with_postgres sh "$0"
+[ -n "${PGTLS:-}" ] || PGFSYNC=on PGTLS=1 exec scripts/with_postgres sh "$0"
 . tests/box/lib.sh
+needs openssl
 
 # finds SEVERITY ABOUT PATTERN: doctor has one such finding.
 finds() {
@@ -144,6 +145,34 @@ ok "nothing was left" test -z "$(find "$T" -name 'refused.db*')"
 sql "INSERT INTO tokens SELECT * FROM aside.kept"
 ctl_exits 0 accept-state --yes --anchor "$ANCHOR"
 ctl_exits 0 audit verify
+
+# ---- over a network: the server proves its name, and the password is in a file
+PASSWORD=secret-$(openssl rand -hex 8)
+psql -X -q -d "$DB" -c "ALTER ROLE door PASSWORD '$PASSWORD'"
+net="postgresql://door@localhost:$PGPORT/$(basename "$T")"
+openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 2 -subj /CN=localhost \
+    -addext subjectAltName=DNS:localhost -keyout "$T/other.key" -out "$T/other.crt" 2>"$T/out"
+# over STATUS PATTERN URL: doctor of the database there.
+over() {
+    "$BUILD/surfacectl" --db "$3" --json doctor >"$T/ctl" 2>"$T/ctl.err"
+    CODE=$?
+    ok "$3: '$CODE $(cat "$T/ctl" "$T/ctl.err" | head -c 600)' like '$1' '$2'" \
+        sh -c "[ $CODE -eq $1 ] && cat '$T/ctl' '$T/ctl.err' | grep -q '$2'"
+}
+export PGPASSFILE="$T/pgpass" HOME="$T"
+over 1 'no password supplied' "$net?sslrootcert=$PGTLS"
+echo "localhost:*:*:door:$PASSWORD" >"$PGPASSFILE"
+echo "127.0.0.1:*:*:door:$PASSWORD" >>"$PGPASSFILE"
+chmod 600 "$PGPASSFILE"
+over 0 'encrypted by TLS' "$net?sslrootcert=$PGTLS"
+over 1 'root certificate file' "$net"
+over 1 'certificate verify failed' "$net?sslrootcert=$T/other.crt"
+over 1 'does not match host name' "postgresql://door@127.0.0.1:$PGPORT/$(basename "$T")?sslrootcert=$PGTLS"
+over 1 'is not encrypted' "$net?sslmode=disable"
+DB="$net?sslrootcert=$PGTLS" start_daemon --anchor "$ANCHOR"
+is "a match over the network" "$(verify a5)" "$match"
+stop_daemon
+ok "the password is nowhere" sh -c "! cat '$LOG' '$T/ctl' '$T/ctl.err' | grep -q '$PASSWORD'"
 
 # ---- from the server to a file, and to another server
 was=$(what_is "$DB")
