@@ -5,7 +5,7 @@
 # programs' main(); sim/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
 # tests/ROOM/test_*.c are unit tests, each linked only with its room and the rooms that it sees.
 # A test that needs a linker flag has a line:  /* link: -Wl,--wrap=f */
-# Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql),
+# Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql), schema_postgres.sql,
 # server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* likewise.
 
 ifeq ($(origin CC),default)
@@ -22,6 +22,8 @@ DESTDIR      ?=
 OPT          ?= -O3
 WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
+# 0: without the PostgreSQL driver, and without libpq.
+POSTGRES     ?= 1
 VERSION      := $(shell sed -n 's|.*SURFACE_VERSION  *"\(.*\)"|\1|p' core/basic/libsurface.h)
 # The version of the shared library's interface; counted up by an incompatible change.
 SOVERSION    := 0
@@ -66,7 +68,7 @@ LINKS_core   := core/find core/face core/measure core/mesh
 NEEDS_core/basic := -lm
 NEEDS_base   := -linih -lcjson -lz -lzstd -lpthread
 NEEDS_scan   := -lspng
-NEEDS_db/sql := -lsqlite3 -lpthread
+NEEDS_db/sql := -lsqlite3 $(if $(filter 1,$(POSTGRES)),-lpq) -lpthread
 NEEDS_db/crypt := -lsodium
 NEEDS_server/http := -lmicrohttpd -lgnutls -lsystemd
 
@@ -95,7 +97,7 @@ say  = @$(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),:,printf '  %-5s %s\
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
-TEST_SRC  := $(wildcard tests/*/test_*.c)
+TEST_SRC  := $(filter-out $(if $(filter 1,$(POSTGRES)),,tests/db/test_server.c tests/admin/test_move.c),$(wildcard tests/*/test_*.c))
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 # Fuzzers of tests/fuzz/cloud.c: fuzz_cloudNAME-FORMAT.
 CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ
@@ -122,12 +124,13 @@ PROGRAMS  := $(BUILD)/surfaced $(BUILD)/surfacectl $(BUILD)/surfacelab $(TOOL_BI
 .PHONY: all
 all: $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) $(PROGRAMS)
 
+LEFT_OUT   := $(if $(filter 1,$(POSTGRES)),,$(wildcard db/sql/sql_postgres*.c))
 # The core is in the shared library too; nothing of it but what libsurface.h declares can
 # be seen there, so that calls inside it cost no more than in a program.
 PIC        = $(if $(filter core core/%,$(1)),-fPIC -fvisibility=hidden)
 define room
 $(BUILD)/$(1)/%.o: FLAGS := $(call flags,$(1)) $(call PIC,$(1))
-$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c lab/main.c,$(wildcard $(1)/*.c)))
+$(call arch,$(1)): $(call obj,$(filter-out %_main.c server/main.c ctl/main.c lab/main.c $(LEFT_OUT),$(wildcard $(1)/*.c)))
 endef
 $(foreach r,$(ROOMS),$(eval $(call room,$r)))
 
@@ -148,6 +151,9 @@ $(BUILD)/tests/$(1)/%.o: FLAGS := $(if $(filter-out bench,$(1)),$(OPT:-O3=-O1)) 
 endef
 $(foreach r,$(TEST_ROOMS),$(eval $(call testroom,$r)))
 $(BUILD)/tests/lib/%.o: FLAGS := -Itests/lib -Isim $(call flags,db/admin) $(CORE:%=-I%)
+ifeq ($(POSTGRES),1)
+$(BUILD)/db/sql/%.o $(BUILD)/tests/lib/%.o $(BUILD)/tests/db/%.o: FLAGS += -DWITH_POSTGRES -isystem $(shell pg_config --includedir)
+endif
 
 $(BUILD)/%.o: %.c Makefile | $(GEN)
 	@mkdir -p $(@D)
@@ -339,6 +345,16 @@ check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(NEEDED))
 unit: $(TEST_BIN) $(FUZZ_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN)
 
+# What runs on either engine: what is stored, and what the daemon makes of it.
+SERVED := $(foreach r,db log rows service,$(filter $(BUILD)/tests/$r/%,$(TEST_BIN))) \
+          $(filter %/test_move,$(TEST_BIN))
+SERVED_BOX := routes consent limits tries scopes replay narrow parallel live full-subject console
+## check-postgres: tests of the store and the daemon on a PostgreSQL of their own
+.PHONY: check-postgres
+check-postgres: all $(SERVED) $(BUILD)/forge
+	BUILD=$(BUILD) scripts/with_postgres scripts/run_tests.sh \
+	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode) $(SERVED)
+
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
 threads: all $(AIDS) $(THREAD_BIN)
@@ -453,7 +469,7 @@ clean:
 ## help: this list
 .PHONY: help
 help:
-	@sed -n 's/^## \([a-z]*\): \(.*\)/  \1\t\2/p' Makefile | expand -t 12
+	@sed -n 's/^## \([a-z-]*\): \(.*\)/  \1\t\2/p' Makefile | expand -t 12
 	@echo "Variables: BUILD=$(BUILD) PREFIX=$(PREFIX) DESTDIR= CC=$(CC) OPT=$(OPT) EXTRA="
 
 .DELETE_ON_ERROR:

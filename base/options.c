@@ -16,7 +16,8 @@
  * too. */
 const struct setting options_table[] = {
     {"db", SETTING_PATH, NULL, offsetof(struct options, db), 0, 0, "PATH",
-     "the database; surfacectl init makes it"},
+     "the database, a file or postgresql://USER@HOST/NAME; surfacectl init\n"
+     "makes it"},
     {"key", SETTING_PATH, NULL, offsetof(struct options, key), 0, 0, "FILE",
      "the database's key or passphrase (PATH.key)"},
     {"anchor", SETTING_PATH, NULL, offsetof(struct options, anchor), 0, 0, "FILE",
@@ -125,6 +126,17 @@ static bool are_origins(const char *list)
     }
 }
 
+/* Has a database's URL a password?  Before anything prints it; who opens it looks closer. */
+static bool has_password(const char *url)
+{
+    const char *user = strstr(url, "://");
+    const char *at = user != NULL ? strchr(user + 3, '@') : NULL;
+
+    return user != NULL &&
+           (strstr(url, "password=") != NULL ||
+            (at != NULL && memchr(user + 3, ':', (size_t)(at - user - 3)) != NULL));
+}
+
 /* What a row cannot say: which settings are required, and which contradict each other. */
 static void check_together(struct options *o)
 {
@@ -137,6 +149,10 @@ static void check_together(struct options *o)
         settings_wrong(s,
                        "no database: give --db PATH, set SURFACED_DB or write db = PATH "
                        "into the configuration file");
+    else if (has_password(o->db))
+        settings_wrong(s,
+                       "the URL of the database has a password: put it into ~/.pgpass, "
+                       "or use a certificate");
     if (o->plaintext_database && o->key != NULL)
         settings_wrong(s, "--plaintext-database contradicts --key");
     if ((o->tls_cert == NULL) != (o->tls_key == NULL))

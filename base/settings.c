@@ -441,7 +441,8 @@ void settings_check_files(struct settings *s)
         const char *path = path_of(&s->value[i]);
         int why = 0;
 
-        if (path == NULL || (row->kind != SETTING_FILE && row->kind != SETTING_PATH))
+        if (path == NULL || strstr(path, "://") != NULL ||
+            (row->kind != SETTING_FILE && row->kind != SETTING_PATH))
             continue;
         if (access(path, row->kind == SETTING_FILE ? R_OK : R_OK | W_OK) != 0)
             why = errno;

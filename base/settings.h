@@ -69,7 +69,7 @@ __attribute__((format(printf, 2, 3))) void settings_wrong(struct settings *s,
 void settings_wrong_value(struct settings *s, const char *name, const char *why);
 
 /* settings_check_files(s): report each FILE that cannot be read, and each PATH that
- * neither can be written nor made.  Opens nothing. */
+ * neither can be written nor made, but those that are URLs.  Opens nothing. */
 void settings_check_files(struct settings *s);
 
 /* settings_problems(s): how many were reported; 0: all is well. */

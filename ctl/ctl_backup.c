@@ -39,6 +39,29 @@ static enum status backup(struct ctl *c)
     return ST_OK;
 }
 
+static enum status copy(struct ctl *c)
+{
+    const char *to = c->args[0];
+    struct admin_copied copied;
+    struct store_key key;
+    char size[32];
+    enum status st = ctl_model_key(c, c->db, &key);
+
+    if (st == ST_OK &&
+        (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
+        st = admin_move(c->store, to, &key, &copied, &c->e);
+    if (st != ST_OK)
+        return st;
+    json_text(c->out, "copy", to);
+    out_copied(c, &copied);
+    ctl_say(c, "%s: verified: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n", to,
+            CTL_COUNT(copied.subjects), CTL_COUNT(copied.templates),
+            ctl_bytes(copied.bytes, size));
+    if (key.given == NULL && !key.plaintext)
+        ctl_say(c, "It opens with the same key: --db %s --key %s\n", to, key.path);
+    return ST_OK;
+}
+
 static void tell_restored(const struct ctl *c, const struct admin_restored *r)
 {
     ctl_say(c, "%s: %" PRIu64 " subject%s, %" PRIu64 " template%s", c->args[0],
@@ -198,6 +221,20 @@ const struct ctl_command ctl_backup = {
         "and the audit log are verified. FILE is complete or absent; --force replaces an older\n"
         "backup of that name. The key is not in the backup.",
     .example = "surfacectl --db faces.db backup faces-monday.db"};
+
+const struct ctl_command ctl_backup_copy = {
+    .name = "copy",
+    .args = "TO",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .run = copy,
+    .summary = "copy the database to another engine or place, as it is",
+    .help =
+        "TO is a file that does not exist yet, or postgresql://USER@HOST/NAME, an empty database.\n"
+        "Rows, keys, logs and hashes stay the same, so that the copy opens with the same key and\n"
+        "the same anchor. It is verified, and complete or absent; after an interruption begin\n"
+        "again. Stop the daemon first: what it changes afterwards is not in the copy.",
+    .example = "surfacectl --db faces.db copy postgresql://owner@db1/faces"};
 
 const struct ctl_command ctl_backup_restore = {
     .name = "restore",

@@ -1,5 +1,6 @@
 /* doctor: what is wrong around a database, and what to do.  Nothing is changed. */
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -144,6 +145,51 @@ static void look_at_left(struct doctor *d)
     }
 }
 
+/* ---- a server */
+
+#define CLOCKS_MS 1000 /* that clocks may differ: limits and ends of consent go by them */
+
+static bool look_at_server(struct doctor *d)
+{
+    struct store_server is;
+    struct errinfo e;
+    const enum status st = store_server(d->c->db, &is, &e);
+
+    if (st != ST_OK) {
+        say(d, FINDINGS_ERROR, "database",
+            "start the server, or name the right one with --db; surfacectl init makes the tables",
+            "%s", e.msg);
+        return false;
+    }
+    say(d, FINDINGS_OK, "database", "", "PostgreSQL %s", is.version);
+    if (!is.encrypted && !is.local)
+        say(d, FINDINGS_ERROR, "network", "sslmode=verify-full in the URL, the default",
+            "the connection to the server is not encrypted");
+    else
+        say(d, FINDINGS_OK, "network", "",
+            is.local ? "a socket on this machine" : "encrypted by TLS");
+    if (!is.keeps)
+        say(d, FINDINGS_ERROR, "server", "fsync = on and full_page_writes = on",
+            "a power failure takes back what was committed, and may destroy the rest");
+    else
+        say(d, FINDINGS_OK, "server", "",
+            is.waits ? "a commit is on its disk, and on a standby"
+                     : "a commit is on its disk; no standby has it yet");
+    if (is.ahead_ms > CLOCKS_MS || is.ahead_ms < -CLOCKS_MS)
+        say(d, FINDINGS_ERROR, "clock", "set both by one source (chrony)",
+            "the server's is %.1f s %s of this machine's",
+            fabs((double)is.ahead_ms) / 1000, is.ahead_ms > 0 ? "ahead" : "behind");
+    if (is.may_define)
+        say(d, FINDINGS_WARNING, "role",
+            "own the tables by another role, and GRANT this one SELECT, INSERT, UPDATE, DELETE",
+            "the role of the URL may make and drop tables");
+    else
+        say(d, FINDINGS_OK, "role", "", "it may change rows, and no tables");
+    if (is.others > 0)
+        say(d, FINDINGS_OK, "in use", "", "by %u other connections", (unsigned)is.others);
+    return true;
+}
+
 /* ---- what is in them */
 
 static bool look_at_schema(struct doctor *d)
@@ -188,6 +234,19 @@ static void look_at_next(struct doctor *d)
     else
         say(d, FINDINGS_WARNING, "key", "remove it, or surfacectl rekey will",
             "%s was left by a rekey that did not finish", d->next);
+}
+
+/* Does what the database is in, with all that is beside it, let it be opened? */
+static bool look_around(struct doctor *d)
+{
+    if (store_on_server(d->c->db))
+        return look_at_server(d);
+    if (!look_at_file(d))
+        return false;
+    look_at_folder(d);
+    look_at_wal(d); /* before it is brought in */
+    look_at_left(d);
+    return true;
 }
 
 /* Is there a key that opens the database? */
@@ -288,18 +347,13 @@ static enum status run(struct ctl *c)
         (void)snprintf(d.key, sizeof d.key, "%s.key", c->db);
     (void)snprintf(d.next, sizeof d.next, "%.*s.new", (int)sizeof d.next - 5, d.key);
     json_array(c->out, "findings");
-    if (look_at_file(&d)) {
-        look_at_folder(&d);
-        look_at_wal(&d); /* before it is brought in */
-        look_at_left(&d);
-        if (look_at_schema(&d)) {
-            look_at_next(&d);
-            if (look_at_key(&d) && (s = look_at_anchor(&d)) != NULL) {
-                look_at_state(&d, s);
-                store_use_model(s, c->model);
-                findings_store(&d.found, s);
-                store_close(s);
-            }
+    if (look_around(&d) && look_at_schema(&d)) {
+        look_at_next(&d);
+        if (look_at_key(&d) && (s = look_at_anchor(&d)) != NULL) {
+            look_at_state(&d, s);
+            store_use_model(s, c->model);
+            findings_store(&d.found, s);
+            store_close(s);
         }
     }
     json_close(c->out);

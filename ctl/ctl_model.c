@@ -109,6 +109,9 @@ enum status ctl_model_key(struct ctl *c, const char *db, struct store_key *key)
         if (st != ST_OK)
             return st;
     }
+    if (c->key == NULL && c->asked == NULL && !c->plaintext && store_on_server(db))
+        return ctl_usage(c, "a database on a server has no usual place for its key: name "
+                            "it (--key FILE)");
     key->given = c->asked;
     return ST_OK;
 }

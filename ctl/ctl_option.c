@@ -69,8 +69,8 @@ static const char *read_expires(const char *text, void *value)
 
 static const struct command_option shared_options[] = {
     SHARED("db", "PATH", command_text, db, 0,
-           "the database; or set SURFACED_DB (default: the daemon's, by its\n"
-           "configuration)"),
+           "the database, a file or postgresql://USER@HOST/NAME; or set\n"
+           "SURFACED_DB (default: the daemon's, by its configuration)"),
     SHARED("config", "FILE", command_text, config, 0,
            "the daemon's configuration (/etc/surfaced.conf); or set\n"
            "SURFACED_CONFIG"),

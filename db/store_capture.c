@@ -93,6 +93,7 @@ static enum status use(struct store *s, const unsigned char nonce[STORE_NONCE],
                        struct errinfo *e)
 {
     struct log_txn t;
+    uint64_t n = 0;
     enum status st = store_begin(s, SQL_WRITE, &t, e);
 
     if (st != ST_OK)
@@ -101,7 +102,9 @@ static enum status use(struct store *s, const unsigned char nonce[STORE_NONCE],
                  "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2) "
                  "ON CONFLICT DO NOTHING",
                  sql_int(until_ms), sql_blob(nonce + 8, RANDOM));
-    *was_used = st == ST_OK && sql_changed(t.sql) == 0;
+    if (st == ST_OK)
+        st = sql_changed(t.sql, &n, e);
+    *was_used = st == ST_OK && n == 0;
     if (st == ST_OK) /* later than need be: another daemon's clock may be behind */
         st = SQL_RUN(t.sql, e, "DELETE FROM nonces WHERE until_ms < $1",
                      sql_int(now_ms - STORE_NONCE_LIFE_MS));

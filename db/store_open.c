@@ -11,6 +11,8 @@
 #include "log_anchor.h"
 #include "rows_root.h"
 #include "sql_file.h"
+#include "sql_open.h"
+#include "sql_server.h"
 #include "store_txn.h"
 
 /* ---- keys */
@@ -137,7 +139,7 @@ static enum status first_entry(struct store *s, struct log_txn *t, enum crypt_ki
  * so.  An anchor that is there is another database's, or of one that is lost. */
 static enum status make_database(struct store *s, struct opening *o, struct errinfo *e)
 {
-    struct log_txn t = {.log = &s->log, .how = SQL_SCHEMA};
+    struct log_txn t = {.log = &s->log, .how = SQL_SCHEMA, .added = LOGS};
     struct crypt_root root;
     int version = 0;
     enum status st;
@@ -150,7 +152,8 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
                            s->anchor);
     if ((st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e)) != ST_OK)
         return st;
-    if ((st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
+    if ((st = store_lock(t.sql, e)) == ST_OK &&
+        (st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
         if ((st = sql_create(t.sql, e)) == ST_OK &&
             (st = make_root(o, &root, &s->crypt, e)) == ST_OK &&
             (st = rows_root_write(t.sql, &root, e)) == ST_OK) {
@@ -275,12 +278,18 @@ enum status store_open(const char *path, enum store_mode mode,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     log_init(&s->log);
     store_use_model(s, NULL);
+    if (o.key->path == NULL && o.key->given == NULL && !o.key->plaintext &&
+        store_on_server(path))
+        st = errinfo_set(e, ST_EINVAL,
+                         "a database on a server has no usual place for its key: name "
+                         "it (--key FILE)");
     if (o.key->path != NULL)
         o.key_path = strdup(o.key->path);
     else if ((o.key_path = malloc(n)) != NULL)
         (void)snprintf(o.key_path, n, "%s.key", path);
-    if ((s->path = strdup(path)) == NULL || o.key_path == NULL ||
-        (o.key->anchor != NULL && (s->anchor = strdup(o.key->anchor)) == NULL))
+    if (st == ST_OK &&
+        ((s->path = strdup(path)) == NULL || o.key_path == NULL ||
+         (o.key->anchor != NULL && (s->anchor = strdup(o.key->anchor)) == NULL)))
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     if (st == ST_OK)
         st = open_all(s, &o, mode, e);
@@ -378,6 +387,36 @@ bool store_in_use(const char *path, int64_t *pid)
     return sql_file_in_use(path, pid);
 }
 
+bool store_on_server(const char *path)
+{
+    return sql_open_is_url(path);
+}
+
+enum status store_server(const char *path, struct store_server *out, struct errinfo *e)
+{
+    struct sql_server is;
+    struct sql_txn *t;
+    struct sql *d;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
+        return st;
+    if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK &&
+        (st = sql_end(t, sql_server_look(t, &is, e), e)) == ST_OK) {
+        *out = (struct store_server){.encrypted = is.encrypted,
+                                     .local = is.local,
+                                     .keeps = is.keeps,
+                                     .may_define = is.may_define,
+                                     .waits = is.waits,
+                                     .others = is.others,
+                                     .ahead_ms = is.ahead_ms};
+        memcpy(out->version, is.version, sizeof out->version);
+    }
+    sql_close(d);
+    return st;
+}
+
 enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e)
 {
     struct crypt_root root;
@@ -440,7 +479,7 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
                     "FROM templates), "
                     "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces)",
                     bytes, 2, e)) == ST_OK)
-        st = sql_file_bytes(t.sql, &out->file_bytes, e);
+        st = sql_bytes(t.sql, &out->file_bytes, e);
     return store_end(s, &t, st, e);
 }
 

@@ -46,6 +46,21 @@ void store_close(struct store *s); /* NULL is allowed */
  * ST_ENOTFOUND, also where it is empty; ST_EVERSION. */
 enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e);
 
+/* store_on_server(path): is it the URL of a database on a server, and not a file?
+ * store_server(path, out, e): what that server says of itself.  ST_EINVAL: it is a file. */
+struct store_server {
+    char version[32];
+    bool encrypted;   /* the connection, by TLS */
+    bool local;       /* by a socket on the same machine */
+    bool keeps;       /* what it has committed survives a power failure */
+    bool may_define;  /* the role may make and drop tables */
+    bool waits;       /* a commit waits for a standby */
+    uint32_t others;  /* connections of this program, without this one */
+    int64_t ahead_ms; /* its clock, against this machine's, within a round trip */
+};
+bool store_on_server(const char *path);
+enum status store_server(const char *path, struct store_server *out, struct errinfo *e);
+
 /* store_in_use(path, pid): has another process the database open?  *pid: one that has, 0 where
  * that is not known.  Not while this process has it open. */
 bool store_in_use(const char *path, int64_t *pid);

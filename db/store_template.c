@@ -82,13 +82,17 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
 static enum status enroll_row(struct enrolling *g, const struct store_sample *sample,
                               struct store_template *t, bool *created, struct errinfo *e)
 {
+    const char *read = sample->read != NULL ? sample->read : "";
     char id[STORE_ID_LEN + 1];
     struct rows_template old;
     struct rows_subject of;
-    enum status st = rows_template_same(&g->t, &g->of, t->digest,
-                                        sample->read != NULL ? sample->read : "", id, e);
+    enum status st;
 
-    if (st != ST_OK)
+    if (sql_ahead(g->t.sql, true)) {
+        (void)may_add(g, NULL);
+        (void)sql_ahead(g->t.sql, false);
+    }
+    if ((st = rows_template_same(&g->t, &g->of, t->digest, read, id, e)) != ST_OK)
         return st;
     if (id[0] == '\0') {
         *created = true;
@@ -125,9 +129,16 @@ static enum status describe(const struct store *s, const struct log_act *by,
 static enum status enroll_rows(struct store *s, struct enrolling *g,
                                struct store_template *t, bool *created, struct errinfo *e)
 {
-    enum status st = store_begin(s, SQL_WRITE, &g->t, e);
+    enum status st = store_start(s, SQL_WRITE, &g->t, e);
 
     if (st != ST_OK)
+        return st;
+    if (sql_ahead(g->t.sql, true)) {
+        (void)rows_subject_find(&g->t, g->what->subject, &g->of, NULL);
+        log_txn_ahead(&g->t);
+        (void)sql_ahead(g->t.sql, false);
+    }
+    if ((st = store_check(s, &g->t, e)) != ST_OK)
         return st;
     st = need_subject(g, e);
     for (size_t i = 0; st == ST_OK && i < g->what->n; i++)

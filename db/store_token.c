@@ -257,7 +257,13 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
         return errinfo_set(e, ST_EDENIED, "not a token");
     hash_secret(secret, hash);
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, &x, e)) != ST_OK)
+        return st;
+    if (sql_ahead(x.sql, true)) {
+        (void)rows_token_find(&x, hash, &one, NULL);
+        (void)sql_ahead(x.sql, false);
+    }
+    if ((st = store_check(s, &x, e)) != ST_OK)
         return st;
     st = store_end(s, &x, rows_token_find(&x, hash, &one, e), e);
     if (st == ST_ENOTFOUND)

@@ -51,13 +51,15 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     store_report *const tell = report != NULL ? report : count;
     void *const to = report != NULL ? arg : &first;
     unsigned char sum[LOG_DIGEST];
-    uint64_t bad, lost;
+    uint64_t bad, lost, twice = 0;
     bool same = false;
     enum status st;
 
     sql_file_forget(t->sql);
     if ((st = rows_digest(t, tell, to, sum, &bad, &why)) != ST_OK ||
         (st = sql_file_index_check(t->sql, tell, to, &lost, &why)) != ST_OK ||
+        (!sql_file_is(t->sql) &&
+         (st = rows_digest_twice(t, tell, to, &twice, &why)) != ST_OK) ||
         (st = log_txn_agrees(t, sum, &same, &why)) != ST_OK) {
         if (may_pass(st))
             return errinfo_set(e, st, "%s", why.msg);
@@ -66,7 +68,7 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     }
     if (!same)
         tell(to, rows_digest_problem);
-    if (bad == 0 && lost == 0 && same)
+    if (bad == 0 && lost == 0 && twice == 0 && same)
         return ST_OK;
     return errinfo_set(e, ST_EREFUSED, "the database is not as it was written%s%s: %s",
                        first.msg[0] != '\0' ? ": " : "", first.msg, advice);
@@ -86,13 +88,12 @@ enum status store_refuse(struct store *s, enum status st, const struct errinfo *
 }
 
 /* Nothing is written on top of what was not verified. */
-static enum status check(struct store *s, struct log_txn *t, const struct log_end *before,
-                         struct errinfo *e)
+static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
 {
     enum status st;
 
     if ((st = sql_file_in_place(t->sql, e)) != ST_OK ||
-        (st = log_txn_begin(t, before, e)) != ST_OK || t->how == SQL_READ ||
+        (st = log_txn_begin(t, e)) != ST_OK || t->how == SQL_READ ||
         atomic_load(&s->verified))
         return st;
     if (t->how == SQL_TRY)
@@ -102,22 +103,48 @@ static enum status check(struct store *s, struct log_txn *t, const struct log_en
     return st;
 }
 
-enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
+enum status store_lock(struct sql_txn *t, struct errinfo *e)
+{
+    return sql_lock(t, 0, e);
+}
+
+/* What a SQL_TRY writes is in no log, and no other row depends on it. */
+enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e)
 {
-    const struct log_end before = log_newest(&s->log);
     struct errinfo why;
     enum status st;
 
-    *t = (struct log_txn){.log = &s->log, .crypt = s->crypt, .how = how};
+    *t = (struct log_txn){.log = &s->log,
+                          .crypt = s->crypt,
+                          .how = how,
+                          .added = LOGS,
+                          .before = log_newest(&s->log)};
     if (store_fault_get(&s->refusal, &why))
         return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
-    if ((st = sql_begin(s->sql, how, &t->sql, e)) != ST_OK)
-        return st;
-    if ((st = check(s, t, &before, &why)) == ST_OK)
+    if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK && how != SQL_READ &&
+        how != SQL_TRY && (st = store_lock(t->sql, e)) != ST_OK)
+        (void)sql_end(t->sql, st, NULL);
+    return st;
+}
+
+enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e)
+{
+    struct errinfo why;
+    const enum status st = check(s, t, &why);
+
+    if (st == ST_OK)
         return ST_OK;
     (void)sql_end(t->sql, st, NULL);
     return store_refuse(s, st, &why, e);
+}
+
+enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
+                        struct errinfo *e)
+{
+    const enum status st = store_start(s, how, t, e);
+
+    return st == ST_OK ? store_check(s, t, e) : st;
 }
 
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
@@ -141,6 +168,8 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
         st = log_txn_check(t, e);
     if (st == ST_OK && atomic_exchange(&s->log.erasure, false))
         sql_file_scrub_later(s->sql);
+    if (st == ST_OK)
+        log_txn_prove(t);
     if ((st = sql_end(t->sql, st, e)) != ST_OK)
         return st;
     changed = t->changes.seq > log_newest(&s->log).seq;

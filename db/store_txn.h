@@ -29,8 +29,10 @@ struct store {
     struct store_fault refusal, anchor_fault;
 };
 
-/* store_begin(s, how, t, e): as sql_begin().  ST_EREFUSED: the database is not the one that was
- * opened, or an older one, or its rows are not those of the last change.
+/* store_begin(s, how, t, e): as sql_begin(), one that writes alone.  ST_EREFUSED: the database is not
+ * the one that was opened, or an older one, or its rows are not those of the last change.
+ * store_start(s, how, t, e), store_check(s, t, e): the same in two steps, between which queries may be
+ * sent ahead, and nothing else; where store_check() fails, t has ended.
  * store_end(s, t, st, e): as sql_end().
  * store_refuse(s, st, why, e): st, for why; where it is ST_EREFUSED, every other transaction fails
  * with it from now on.
@@ -41,6 +43,9 @@ struct store {
  * store_scrub(s): deleted bytes leave the file and its WAL, after an erasure. */
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
+enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
+                        struct errinfo *e);
+enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e);
 enum status store_end(struct store *s, struct log_txn *t, enum status st,
                       struct errinfo *e);
 enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
@@ -50,7 +55,9 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
                              struct errinfo *e);
 void store_scrub(struct store *s);
 
-/* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
+/* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin().
+ * store_lock(t, e): no other transaction that writes until t ends. */
+enum status store_lock(struct sql_txn *t, struct errinfo *e);
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);
 

@@ -33,8 +33,14 @@ static enum status read_templates(const struct store_snapshot_of *what,
     enum status st;
 
     if (what->subject != NULL) {
-        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK ||
-            (st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
+        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK)
+            return st;
+        if (sql_ahead(r->t.sql, true)) {
+            (void)rows_attempts_get(&r->t, &r->of.one, r->token, r->now, &out->attempts,
+                                    &r->future, NULL);
+            (void)sql_ahead(r->t.sql, false);
+        }
+        if ((st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
             return st;
     } else {
         if ((r->row = malloc(sizeof *r->row)) == NULL)
@@ -93,7 +99,17 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     (void)snprintf(r->token, sizeof r->token, "%s",
                    what->token != NULL ? what->token : "");
     if ((st = store_rules_now(&r->now, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &r->t, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, &r->t, e)) != ST_OK)
+        return st;
+    if (sql_ahead(r->t.sql, true)) {
+        struct store_calibration k;
+
+        if (what->subject != NULL)
+            (void)rows_subject_find(&r->t, what->subject, &r->of, NULL);
+        (void)rows_calibration_get(&r->t, &k, NULL);
+        (void)sql_ahead(r->t.sql, false);
+    }
+    if ((st = store_check(s, &r->t, e)) != ST_OK)
         return st;
     r->begun = true;
     return read_all(what, out, e);
@@ -245,13 +261,35 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
     if ((st = look_back(t, &what, out, e)) != ST_OK)
         return st;
     judge(&what, out);
-    if ((st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
-        (st = add_events(t, &what, by, out, e)) != ST_OK ||
-        (what.decision != NULL && !out->replayed &&
+    if ((what.decision != NULL && !out->replayed &&
          (st = rows_day_count(t, by->at, what.decision, what.score, e)) != ST_OK) ||
+        (st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
+        (st = add_events(t, &what, by, out, e)) != ST_OK ||
         store_rules_recent(what.subject->seen, by->ms))
         return st;
     return rows_subject_seen(t, what.subject->uid, by->at, e);
+}
+
+/* What write_all() reads, all at once. */
+static void read_ahead(struct log_txn *t, const struct store_record *what,
+                       const struct log_act *by)
+{
+    struct rows_subject of = {.one = *what->subject};
+    struct store_attempts now;
+    char id[STORE_ID_LEN + 1];
+    bool future;
+
+    if (!sql_ahead(t->sql, true))
+        return;
+    (void)rows_attempts_get(t, what->subject, what->actor, by->ms, &now, &future, NULL);
+    if (what->probe != NULL) {
+        (void)rows_template_same(t, &of, what->probe->used, what->probe->read, id, NULL);
+        (void)rows_subject_get(t, what->subject->uid, &of, NULL);
+    }
+    if (what->decision != NULL)
+        rows_day_ahead(t, by->at, what->decision);
+    log_txn_ahead(t);
+    (void)sql_ahead(t->sql, false);
 }
 
 enum status store_record_verification(struct store *s, const struct store_record *what,
@@ -262,9 +300,12 @@ enum status store_record_verification(struct store *s, const struct store_record
     enum status st;
 
     *out = (struct store_recorded){.why = STORE_WAIT_NONE};
-    if ((st = store_act_begin(s, what->actor,
-                              what->as == STORE_RECORD_FAILED ? SQL_WRITE : SQL_LAZY, &by,
-                              &t, e)) != ST_OK)
+    if ((st = log_act(&by, what->actor, e)) != ST_OK ||
+        (st = store_start(s, what->as == STORE_RECORD_FAILED ? SQL_WRITE : SQL_LAZY, &t,
+                          e)) != ST_OK)
+        return st;
+    read_ahead(&t, what, &by);
+    if ((st = store_check(s, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, write_all(&t, what, &by, out, e), e);
 }

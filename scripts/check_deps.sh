@@ -56,7 +56,7 @@ alone() {
     for source in "$1"/*.c; do
         case $source in
         core/libsurface.c | core/basic/calibration.c) ;; # libsurface.h declares them
-        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_sqlite_* | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_*_conn.c | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done
@@ -94,6 +94,7 @@ only() {
     done
 }
 only 'sqlite3.*' 99 db/sql SQLite
+only 'libpq.*' 1 db/sql libpq
 only '(cjson/)?cJSON.*' 1 base JSON
 only 'microhttpd.*' 2 server/http libmicrohttpd
 

@@ -14,7 +14,8 @@ alone() {
         [ -f "$header" ] || continue
         # shellcheck disable=SC2086 # several -I
         printf '#include "%s"\n#include "%s"\ntypedef int unit;\n' "$header" "$header" |
-            $cc -std=c11 -Wall -Wextra -Wpedantic -Werror -D_POSIX_C_SOURCE=200809L -I. $dirs \
+            $cc -std=c11 -Wall -Wextra -Wpedantic -Werror -D_POSIX_C_SOURCE=200809L \
+                -isystem "$(pg_config --includedir)" -I. $dirs \
                 -fsyntax-only -x c - || { echo "check_headers: $header"; bad=1; }
     done
 }

@@ -227,29 +227,27 @@ static enum status verify(struct store *s, bool decode, struct admin_copied *fou
     if (first.code != ST_OK)
         return errinfo_set(e, ST_ECORRUPT, "%s", first.msg);
     if ((st = store_stats(s, false, &stats, e)) == ST_OK)
-        *found = (struct admin_copied){stats.subjects, stats.templates, stats.events,
-                                       stats.file_bytes};
+        *found = (struct admin_copied){stats.subjects, stats.templates, stats.events, 0};
     return st;
 }
 
 /* SQLite takes what is missing of the last page for zeros, which is not noticed where they were
  * zeros, and does not look at what comes after the last page. */
-static enum status is_whole(struct store *s, struct errinfo *e)
+static enum status is_whole(struct store *s, uint64_t *bytes, struct errinfo *e)
 {
     struct log_txn t;
     struct stat sb;
-    uint64_t bytes = 0;
     enum status st = store_begin(s, SQL_READ, &t, e);
 
-    if (st != ST_OK ||
-        (st = store_end(s, &t, sql_file_bytes(t.sql, &bytes, e), e)) != ST_OK ||
-        sql_file_has_wal(s->path))
+    *bytes = 0;
+    if (st != ST_OK || (st = store_end(s, &t, sql_bytes(t.sql, bytes, e), e)) != ST_OK ||
+        store_on_server(s->path) || sql_file_has_wal(s->path))
         return st;
-    if (stat(s->path, &sb) != 0 || (uint64_t)sb.st_size != bytes)
+    if (stat(s->path, &sb) != 0 || (uint64_t)sb.st_size != *bytes)
         return errinfo_set(e, ST_ECORRUPT,
                            "it is cut short, or has something after its end: it should "
                            "have %" PRIu64 " bytes",
-                           bytes);
+                           *bytes);
     return ST_OK;
 }
 
@@ -260,6 +258,7 @@ enum status admin_open(const char *path, const struct store_key *key,
     struct store_key by = *key;
     struct errinfo why = {ST_OK, ""};
     struct store *s;
+    uint64_t bytes;
     enum status st;
 
     *out = NULL;
@@ -267,8 +266,9 @@ enum status admin_open(const char *path, const struct store_key *key,
     if ((st = store_open(path, STORE_READ, &by, &s, e)) != ST_OK)
         return st;
     store_use_model(s, model);
-    if ((st = is_whole(s, &why)) == ST_OK &&
+    if ((st = is_whole(s, &bytes, &why)) == ST_OK &&
         (st = verify(s, model != NULL, found, &why)) == ST_OK) {
+        found->bytes = bytes;
         *out = s;
         return ST_OK;
     }

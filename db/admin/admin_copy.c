@@ -18,6 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "sql_read.h"
 #include "store_txn.h"
 
@@ -32,7 +33,7 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
 {
     struct log_entry entry;
     struct sql_rows *r;
-    enum status st = sql_query(
+    enum status st = sql_stream(
         from->sql,
         log == LOG_CHANGES ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq"
                            : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq",
@@ -150,7 +151,7 @@ static enum status copy_table(struct log_txn *from, const struct copying *c,
 {
     unsigned char *row = malloc(table->size);
     struct sql_rows *r = NULL;
-    enum status st = row != NULL ? sql_query(from->sql, table->all, NULL, 0, &r, e)
+    enum status st = row != NULL ? sql_stream(from->sql, table->all, NULL, 0, &r, e)
                                  : errinfo_set(e, ST_ENOMEM, "out of memory");
 
     while (st == ST_OK && sql_next(r))
@@ -168,7 +169,7 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
 {
     struct sql_value value[4];
     struct sql_rows *r;
-    enum status st = sql_query(from->sql, list, NULL, 0, &r, e);
+    enum status st = sql_stream(from->sql, list, NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         for (int i = 0; i < n; i++)
@@ -178,27 +179,15 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
     return sql_done(r, st, e);
 }
 
-enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
-                           struct errinfo *e)
+/* What no MAC is of but the daemon's own memory: who was seen, who has failed, nonces that are used. */
+static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to,
+                                        struct errinfo *e)
 {
-    unsigned char sum[LOG_DIGEST] = {0};
-    struct copying c = {.to = to, .sum = sum};
-    bool same;
     enum status st;
 
-    (void)arg;
-    if ((st = copy_logs(from, to, e)) != ST_OK ||
-        (st = admin_each(from, copy_subject, &c, e)) != ST_OK ||
-        (st = copy_table(from, &c, &rows_tokens, e)) != ST_OK ||
-        (st = copy_plain(from, to, "SELECT used, id FROM tokens WHERE used IS NOT NULL",
+    if ((st = copy_plain(from, to, "SELECT used, id FROM tokens WHERE used IS NOT NULL",
                          "UPDATE tokens SET used = $1 WHERE id = $2", 2, e)) != ST_OK ||
-        (st = copy_table(from, &c, &rows_devices, e)) != ST_OK ||
-        (st = copy_table(from, &c, &rows_calibrations, e)) != ST_OK ||
-        (st = log_txn_agrees(from, sum, &same, e)) != ST_OK)
-        return st;
-    if (!same)
-        return errinfo_set(e, ST_EREFUSED, "%s", rows_digest_problem);
-    if ((st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
+        (st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
                          "INSERT INTO days (day, decision, bins) VALUES ($1, $2, $3)", 3,
                          e)) != ST_OK ||
         (st = copy_plain(from, to,
@@ -213,37 +202,128 @@ enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
                       "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e);
 }
 
+/* The rows that were read are those of the last change. */
+static enum status need_all(struct log_txn *from, const unsigned char sum[LOG_DIGEST],
+                            struct errinfo *e)
+{
+    bool same;
+    const enum status st = log_txn_agrees(from, sum, &same, e);
+
+    return st != ST_OK || same ? st
+                               : errinfo_set(e, ST_EREFUSED, "%s", rows_digest_problem);
+}
+
+enum status admin_copy_all(void *arg, struct log_txn *from, struct log_txn *to,
+                           struct errinfo *e)
+{
+    unsigned char sum[LOG_DIGEST] = {0};
+    struct copying c = {.to = to, .sum = sum};
+    enum status st;
+
+    (void)arg;
+    if ((st = copy_logs(from, to, e)) != ST_OK ||
+        (st = admin_each(from, copy_subject, &c, e)) != ST_OK ||
+        (st = copy_table(from, &c, &rows_tokens, e)) != ST_OK ||
+        (st = copy_table(from, &c, &rows_devices, e)) != ST_OK ||
+        (st = copy_table(from, &c, &rows_calibrations, e)) != ST_OK ||
+        (st = need_all(from, sum, e)) != ST_OK)
+        return st;
+    return copy_unauthenticated(from, to, e);
+}
+
+/* ---- as it is */
+
+/* Each row as it is written, in the order of its table: its MAC stays. */
+static enum status copy_rows(struct log_txn *from, struct log_txn *to,
+                             const struct rows_table *table,
+                             unsigned char sum[LOG_DIGEST], struct errinfo *e)
+{
+    struct sql_value value[ROWS_COLUMNS + 1];
+    unsigned char mac[CRYPT_HASH];
+    const int n = table->columns + 1;
+    struct sql_rows *r;
+    enum status st = sql_stream(from->sql, table->all, NULL, 0, &r, e);
+
+    while (st == ST_OK && sql_next(r)) {
+        if (!rows_table_is(from, table, r, 0, mac)) {
+            st = rows_table_damaged(table, r, 0, e);
+            break;
+        }
+        log_txn_sum(from->crypt, NULL, mac, sum);
+        for (int i = 0; i < n; i++)
+            value[i] = sql_column(r, i);
+        st = sql_run_one(to->sql, table->insert, value, (size_t)n, e);
+    }
+    return sql_done(r, st, e);
+}
+
+/* A file is verified when it has been written; on a server nobody sees it before the commit. */
+static enum status verify_copy(struct log_txn *to, struct errinfo *e)
+{
+    const enum status st = log_txn_begin(to, e);
+
+    return st != ST_OK || sql_file_is(to->sql) ? st : store_txn_verify(to, NULL, NULL, e);
+}
+
+enum status admin_copy_as_is(void *arg, struct log_txn *from, struct log_txn *to,
+                             struct errinfo *e)
+{
+    static const struct rows_table *const table[] = {
+        &rows_subjects, &rows_templates, &rows_tokens, &rows_devices, &rows_calibrations};
+    unsigned char sum[LOG_DIGEST] = {0};
+    enum status st = copy_logs(from, to, e);
+
+    (void)arg;
+    for (size_t i = 0; i < sizeof table / sizeof *table && st == ST_OK; i++)
+        st = copy_rows(from, to, table[i], sum, e);
+    if (st != ST_OK || (st = need_all(from, sum, e)) != ST_OK ||
+        (st = copy_plain(from, to,
+                         "SELECT t.id, f.face FROM templates t JOIN faces f "
+                         "USING (template_key) ORDER BY t.template_key",
+                         "INSERT INTO faces (template_key, face) VALUES "
+                         "((SELECT template_key FROM templates WHERE id = $1), $2)",
+                         2, e)) != ST_OK ||
+        (st =
+             copy_plain(from, to, "SELECT seen, uid FROM subjects WHERE seen IS NOT NULL",
+                        "UPDATE subjects SET seen = $1 WHERE uid = $2", 2, e)) != ST_OK ||
+        (st = copy_unauthenticated(from, to, e)) != ST_OK)
+        return st;
+    return verify_copy(to, e);
+}
+
 /* ---- the copy */
 
 static enum status write_copy(struct log_txn *from, struct log_txn *to,
                               const struct admin_copy *c, struct errinfo *e)
 {
-    enum status st;
+    struct crypt_root same;
+    enum status st = sql_create(to->sql, e);
 
-    if ((st = sql_create(to->sql, e)) != ST_OK ||
-        (st = rows_root_write(to->sql, c->root, e)) != ST_OK ||
-        (st = c->fill(c->arg, from, to, e)) != ST_OK)
+    if (st == ST_OK && c->root == NULL)
+        st = rows_root_read(from->sql, &same, e);
+    if (st != ST_OK ||
+        (st = rows_root_write(to->sql, c->root != NULL ? c->root : &same, e)) != ST_OK ||
+        (st = c->fill(c->arg, from, to, e)) != ST_OK || c->kind == NULL)
         return st;
     return log_change(to, c->by, c->kind, NULL, "", c->outcome, e);
 }
 
-static enum status fill_file(struct store *from, const char *part, struct admin_copy *c,
-                             struct errinfo *e)
+static enum status fill_one(struct store *from, struct sql *d, struct admin_copy *c,
+                            struct errinfo *e)
 {
     struct log seen;
-    struct log_txn source, to = {.log = &seen, .crypt = c->crypt, .how = SQL_COPY};
-    struct sql *d = NULL;
+    struct log_txn source, to = {.log = &seen,
+                                 .crypt = c->crypt != NULL ? c->crypt : from->crypt,
+                                 .how = SQL_COPY};
     enum status st;
 
     log_init(&seen);
     log_txn_create(&to);
-    if ((st = sql_open(part, SQL_OPEN_WRITE, &d, e)) == ST_OK &&
-        (st = store_begin(from, SQL_READ, &source, e)) == ST_OK) {
+    if ((st = store_begin(from, SQL_READ, &source, e)) == ST_OK) {
         if ((st = sql_begin(d, SQL_COPY, &to.sql, e)) == ST_OK)
             st = sql_end(to.sql, write_copy(&source, &to, c, e), e);
         st = store_end(from, &source, st, e);
     }
-    sql_close(d);
     log_free(&seen);
     c->end = to.changes;
     return st;
@@ -252,18 +332,35 @@ static enum status fill_file(struct store *from, const char *part, struct admin_
 enum status admin_copy(struct store *from, const char *path, struct admin_copy *c,
                        struct newfile *n, struct errinfo *e)
 {
+    const bool file = !store_on_server(path);
     struct store *copy;
-    enum status st;
+    struct sql *d = NULL;
+    enum status st = ST_OK;
 
     *n = (struct newfile)NEWFILE_NONE;
-    if ((st = newfile_open(path, n, e)) == ST_OK &&
-        (st = fill_file(from, n->part, c, e)) == ST_OK &&
-        (st = admin_open(n->part, c->key, NULL, &copy, &c->found, e)) == ST_OK)
+    if (file)
+        st = newfile_open(path, n, e);
+    path = file ? n->part : path;
+    if (st == ST_OK &&
+        (st = sql_open(path, file ? SQL_OPEN_WRITE : SQL_OPEN_CREATE, &d, e)) == ST_OK)
+        st = sql_version(d) == 0
+                 ? fill_one(from, d, c, e)
+                 : errinfo_set(e, ST_EEXISTS, "there is a database %.160s already", path);
+    sql_close(d);
+    if (st == ST_OK &&
+        (st = admin_open(path, c->key, NULL, &copy, &c->found, e)) == ST_OK)
         store_close(copy);
     return st;
 }
 
 /* ---- the swap */
+
+enum status admin_in_file(const char *path, const char *instead, struct errinfo *e)
+{
+    return !store_on_server(path)
+               ? ST_OK
+               : errinfo_set(e, ST_EINVAL, "%.160s is on a server: %s", path, instead);
+}
 
 char *admin_name(const char *path, const char *suffix)
 {

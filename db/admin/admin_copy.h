@@ -23,37 +23,43 @@ typedef enum status admin_fill(void *arg, struct log_txn *from, struct log_txn *
                                struct errinfo *e);
 
 struct admin_copy {
-    const struct crypt_root *root; /* of the copy, and what it opens */
-    const struct crypt *crypt;
-    const struct store_key *key; /* by which the copy is opened, to be verified */
-    admin_fill *fill;            /* admin_copy_all(), or more, or less */
-    void *arg;                   /* of fill() */
+    const struct crypt_root *root; /* of the copy, and what it opens; */
+    const struct crypt *crypt;     /* both NULL: the store's own */
+    const struct store_key *key;   /* by which the copy is opened, to be verified */
+    admin_fill *fill;              /* admin_copy_all(), or more, or less */
+    void *arg;                     /* of fill() */
     const struct log_act *by;
-    const char *kind, *outcome; /* of the copy's last change, which comes after fill() */
-    struct log_end end;         /* set: of the copy's change log */
-    struct admin_copied found;  /* set: what is in the copy */
+    const char *kind,
+        *outcome;       /* of the copy's last change, which comes after fill(); or NULL */
+    struct log_end end; /* set: of the copy's change log */
+    struct admin_copied found; /* set: what is in the copy */
 };
 
 /* admin_copy(from, path, c, n, e): a copy as n->part, which has yet to get the name `path`: one file
- * without a WAL, verified whole.  O(bytes); one transaction.
+ * without a WAL; or in the empty database of a server.  Verified whole.  O(bytes); one transaction.
+ * ST_EEXISTS: that is not empty.
  * After it newfile_close(n) follows, also on failure.
  * admin_copy_all(arg, from, to, e): every subject, template, token, device, calibration, attempt and
  * nonce, and both logs.  Subjects have new keys in the copy.  The logs have the same hashes, so that
  * the copy goes on from where `from` ends.  ST_EREFUSED: the rows that were read are not those of
  * the last change of `from`; ST_ECORRUPT: an entry is not as it was written.
+ * admin_copy_as_is(arg, from, to, e): the same rows with the same MACs, under the same keys, so that the
+ * digest is the same, and the same logs.  Errors likewise.
  * admin_copy_subject(to, from, of, e): with its templates. */
 enum status admin_copy(struct store *from, const char *path, struct admin_copy *c,
                        struct newfile *n, struct errinfo *e);
-admin_fill admin_copy_all;
+admin_fill admin_copy_all, admin_copy_as_is;
 enum status admin_copy_subject(struct log_txn *to, struct log_txn *from,
                                const struct rows_subject *of, struct errinfo *e);
 
-/* admin_swap(path, held, n, suffix, e): the file n->part gets the name `path`, in the place of the
+/* admin_in_file(path, instead, e): ST_EINVAL where the database is on a server: what to do there.
+ * admin_swap(path, held, n, suffix, e): the file n->part gets the name `path`, in the place of the
  * database that is open alone there, which is closed then; NULL: there is none.  What was there is
  * called path and suffix from then on.  ST_EEXISTS: there is another file of that name.
  * admin_discard(path, e): the bytes of a database that is not needed any more are overwritten, and
  * the file removed.
  * admin_name(path, suffix): a new text, released by free(); NULL: no memory. */
+enum status admin_in_file(const char *path, const char *instead, struct errinfo *e);
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,
                        const char *suffix, struct errinfo *e);
 enum status admin_discard(const char *path, struct errinfo *e);

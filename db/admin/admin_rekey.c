@@ -185,6 +185,11 @@ enum status admin_rekey(const char *path, const struct store_key *key,
     if (to->kind == CRYPT_PASSPHRASE && !to->weak &&
         (st = crypt_file_strong(to->given, e)) != ST_OK)
         return st;
+    if ((st = admin_in_file(path,
+                            "copy it into a file (surfacectl copy), rekey that, and copy "
+                            "it into an empty database",
+                            e)) != ST_OK)
+        return st;
     if (!name_files(&x))
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && (st = crypt_file_lock(key->path, &lock, e)) == ST_OK)

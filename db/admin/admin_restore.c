@@ -18,6 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "store.h"
 #include "store_txn.h"
 
@@ -52,7 +53,12 @@ enum status admin_backup(struct store *s, const char *path, const struct store_k
     struct log_txn t;
     enum status st;
 
-    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    if ((st =
+             admin_in_file(s->path,
+                           "pg_dump, pg_basebackup or pgBackRest backs it up; surfacectl "
+                           "copy FILE makes a file of it",
+                           e)) != ST_OK ||
+        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     if ((st = replaceable(path, s->path, e)) == ST_OK &&
         (st = newfile_open(path, &n, e)) == ST_OK)
@@ -63,6 +69,27 @@ enum status admin_backup(struct store *s, const char *path, const struct store_k
         st = newfile_commit(&n, e);
     }
     newfile_close(&n);
+    return st;
+}
+
+/* ---- a copy elsewhere */
+
+enum status admin_move(struct store *s, const char *path, const struct store_key *key,
+                       struct admin_copied *found, struct errinfo *e)
+{
+    struct admin_copy c = {.key = key, .fill = admin_copy_as_is};
+    struct newfile n = NEWFILE_NONE;
+    const bool file = !store_on_server(path);
+    enum status st = ST_OK;
+
+    if (file && access(path, F_OK) == 0)
+        st = errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
+    else if (file)
+        st = sql_file_may_be(path, e);
+    if (st == ST_OK && (st = admin_copy(s, path, &c, &n, e)) == ST_OK && file)
+        st = newfile_keep(&n, e);
+    newfile_close(&n);
+    *found = c.found;
     return st;
 }
 
@@ -249,7 +276,7 @@ static enum status count_lost(struct restoring *r, struct log_txn *to, struct er
 
     if (st != ST_OK)
         return st;
-    st = sql_query(t.sql, "SELECT uid FROM subjects", NULL, 0, &rows, e);
+    st = sql_stream(t.sql, "SELECT uid FROM subjects", NULL, 0, &rows, e);
     while (st == ST_OK && sql_next(rows)) {
         struct sql_rows *found;
 
@@ -359,6 +386,12 @@ enum status admin_restore(const char *path, const char *from, const struct store
     enum status st;
 
     memset(out, 0, sizeof *out);
+    if ((st = admin_in_file(path,
+                            "restore it with the server's own backup (pg_restore, "
+                            "pgBackRest); surfacectl copy puts a file into an empty "
+                            "database",
+                            e)) != ST_OK)
+        return st;
     if (sql_file_same(path, from))
         return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
     if ((st = log_act(&r.by, actor, e)) == ST_OK &&

@@ -1,5 +1,5 @@
-/* admin_restore.h -- a backup, which may be made beside a daemon; a backup in the place of the
- * database; and a database as it is, taken for the newest. */
+/* admin_restore.h -- a backup, which may be made beside a daemon; a copy in another place or engine; a
+ * backup in the place of the database; and a database as it is, taken for the newest. */
 #ifndef DB_ADMIN_RESTORE_H
 #define DB_ADMIN_RESTORE_H
 #include "admin_check.h"
@@ -11,6 +11,14 @@
  * ST_ECORRUPT: what is damaged in it. */
 enum status admin_backup(struct store *s, const char *path, const struct store_key *key,
                          struct admin_copied *out, struct errinfo *e);
+
+/* admin_move(s, path, key, found, e): s as it is, under the same key, in a file that is not there yet
+ * or an empty database of a server: the same rows with the same MACs, so the same digest, and the same
+ * logs, which the copy goes on from.  Whole or not at all, and verified; s is not changed.  key: as s
+ * was opened by, with its path.  ST_EEXISTS: there is something; ST_EREFUSED, ST_ECORRUPT: s is not as
+ * it was written. */
+enum status admin_move(struct store *s, const char *path, const struct store_key *key,
+                       struct admin_copied *found, struct errinfo *e);
 
 struct admin_restored {
     struct admin_copied

@@ -88,8 +88,9 @@ enum status log_rows(struct sql_txn *t, enum log_name log, bool newest, uint64_t
         [LOG_ACCESSES] = ROWS(LOG_ROW_ACCESS, "access_log")};
 #undef ROWS
 
-    return SQL_QUERY(t, out, e, text[log][newest],
-                     sql_int(newest && from == 0 ? INT64_MAX : bounded(from)));
+    return sql_stream(
+        t, text[log][newest],
+        SQL_VALUES(sql_int(newest && from == 0 ? INT64_MAX : bounded(from))), 1, out, e);
 }
 
 enum status log_rows_next(struct sql_rows *r, enum log_name log, struct log_entry *out,
@@ -121,7 +122,7 @@ static enum status walk_log(struct sql_txn *t, struct log_walk *w, const char *t
 {
     struct log_entry entry;
     struct sql_rows *r;
-    const enum status st = sql_query(t, text, NULL, 0, &r, e);
+    const enum status st = sql_stream(t, text, NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         if (log_row_read(r, w->log, &entry))

@@ -98,6 +98,22 @@ static void set_end(struct log_end *end, const struct log_entry *entry)
     memcpy(end->hash, entry->hash, LOG_HASH);
 }
 
+static enum status need_uses(struct log_txn *t, struct errinfo *e)
+{
+    struct log_entry last;
+    enum status st = ST_OK;
+
+    if (t->uses.seq == 0 && (st = read_last(t, LOG_ACCESSES, &last, e)) == ST_OK)
+        set_end(&t->uses, &last);
+    return st;
+}
+
+void log_txn_ahead(struct log_txn *t)
+{
+    t->appends = true;
+    (void)need_uses(t, NULL);
+}
+
 /* Each entry follows the one before, up to the end: a search for the entry itself could be led to
  * one that is no part of the log. */
 enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
@@ -106,10 +122,9 @@ enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
     struct log_end to = *at;
     struct log_entry entry;
     struct sql_rows *r;
-    enum status st =
-        SQL_QUERY(t->sql, &r, e,
-                  "SELECT " LOG_ROW_CHANGE " FROM change_log WHERE seq > $1 ORDER BY seq",
-                  sql_int((int64_t)at->seq));
+    enum status st = sql_stream(
+        t->sql, "SELECT " LOG_ROW_CHANGE " FROM change_log WHERE seq > $1 ORDER BY seq",
+        SQL_VALUES(sql_int((int64_t)at->seq)), 1, &r, e);
 
     *has = true;
     while (st == ST_OK && *has && sql_next(r)) {
@@ -131,9 +146,9 @@ static enum status refuse(const struct log_end *before, const char *what,
         what, before->seq);
 }
 
-enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
-                          struct errinfo *e)
+enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
 {
+    const struct log_end *before = &t->before;
     struct log_entry last;
     bool follows = true;
     enum status st;
@@ -147,6 +162,8 @@ enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
         return st == ST_ECORRUPT && before->seq != 0
                    ? refuse(before, "its log has no good end after", e)
                    : st;
+    if (t->appends && (st = need_uses(t, e)) != ST_OK)
+        return st;
     if (is_same(&t->changes, before))
         return ST_OK;
     if (before->seq != 0) {
@@ -174,6 +191,18 @@ enum status log_txn_check(const struct log_txn *t, struct errinfo *e)
 {
     return !t->unlogged ? ST_OK
                         : errinfo_set(e, ST_EINTERNAL, "a change without an entry");
+}
+
+#define HAS(log) "SELECT 1 FROM " log " WHERE seq = $1 AND hash = $2"
+
+void log_txn_prove(struct log_txn *t)
+{
+    const struct log_end *end = t->added == LOG_CHANGES ? &t->changes : &t->uses;
+
+    if (t->added != LOGS)
+        sql_prove(t->sql, t->added == LOG_CHANGES ? HAS("change_log") : HAS("access_log"),
+                  SQL_VALUES(sql_int((int64_t)end->seq), sql_blob(end->hash, LOG_HASH)),
+                  2);
 }
 
 void log_txn_committed(struct log_txn *t)
@@ -268,8 +297,10 @@ static enum status append(struct log_txn *t, struct log_entry *entry,
     if (entry->log == LOG_CHANGES &&
         (strcmp(kind, LOG_CHECKPOINT) == 0 || strcmp(kind, LOG_EXPORT) == 0))
         log_sign(t->crypt, entry);
-    if ((st = log_row_add(t->sql, entry, e)) == ST_OK)
+    if ((st = log_row_add(t->sql, entry, e)) == ST_OK) {
         set_end(end, entry);
+        t->added = entry->log;
+    }
     return st;
 }
 
@@ -277,13 +308,13 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_CHANGES}, last;
+    struct log_entry entry = {.log = LOG_CHANGES};
     unsigned char name[16];
     enum status st = need_digest(t, e);
 
-    if (st != ST_OK || (st = read_last(t, LOG_ACCESSES, &last, e)) != ST_OK)
+    if (st != ST_OK || (st = need_uses(t, e)) != ST_OK)
         return st;
-    set_end(&entry.accesses, &last);
+    entry.accesses = t->uses;
     name_of(t->changes.seq + 1, name);
     crypt_wrap(t->crypt, label, name, t->digest, entry.digest);
     if ((st = append(t, &entry, by, kind, uid, object, outcome, &t->changes, e)) != ST_OK)
@@ -297,10 +328,9 @@ enum status log_access(struct log_txn *t, const struct log_act *by, const char *
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_ACCESSES}, last;
-    const enum status st = read_last(t, LOG_ACCESSES, &last, e);
-    struct log_end end;
+    struct log_entry entry = {.log = LOG_ACCESSES};
+    const enum status st = need_uses(t, e);
 
-    set_end(&end, &last);
-    return st == ST_OK ? append(t, &entry, by, kind, uid, object, outcome, &end, e) : st;
+    return st == ST_OK ? append(t, &entry, by, kind, uid, object, outcome, &t->uses, e)
+                       : st;
 }

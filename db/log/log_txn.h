@@ -26,29 +26,34 @@ struct log_txn {
     enum sql_begin how;
     struct log_end changes;  /* the change log's end, with what it has added itself */
     struct log_end accesses; /* the access log's end at that change */
+    struct log_end uses;     /* and as it is now; seq 0: not read yet, or it is empty */
+    struct log_end before;   /* what this process had seen when it began */
     unsigned char wrapped[CRYPT_WRAPPED]; /* digest of that entry, */
     unsigned char digest[LOG_DIGEST];     /* and decrypted, with what was changed since */
     bool known;                           /* digest is set */
+    bool appends;                         /* log_txn_ahead() was called */
     bool unlogged;                        /* rows were changed after the last entry */
+    enum log_name added; /* the log of the last entry that it has added, LOGS: none */
 };
 
 void log_init(struct log *l);
 void log_free(struct log *l);
 
-/* log_newest(l): to be asked before the SQL transaction begins, which then sees that entry.
- * log_txn_begin(t, before, e): log, sql, crypt and how are set.  ST_EREFUSED: the database is
+/* log_newest(l): to be asked before the SQL transaction begins, which then sees that entry: `before`.
+ * log_txn_begin(t, e): log, sql, crypt, how and before are set.  ST_EREFUSED: the database is
  * older than `before`, or another one; ST_ECORRUPT: the last entry is missing, is not what was
  * written or has no good MAC.
  * O(entries since `before`).
  * log_txn_create(t): instead, of a new database.
  * log_txn_check(t, e): to be called before a commit.  ST_EINTERNAL: rows were changed without an
  * entry.
+ * log_txn_prove(t): sql_prove() by an entry that it has added.
  * log_txn_committed(t): the end of the log that t made is durable, or will be. */
 struct log_end log_newest(struct log *l);
-enum status log_txn_begin(struct log_txn *t, const struct log_end *before,
-                          struct errinfo *e);
+enum status log_txn_begin(struct log_txn *t, struct errinfo *e);
 void log_txn_create(struct log_txn *t);
 enum status log_txn_check(const struct log_txn *t, struct errinfo *e);
+void log_txn_prove(struct log_txn *t);
 void log_txn_committed(struct log_txn *t);
 
 /* log_txn_count(t, minus, plus, e): a row with the MAC `minus` is gone, one with the MAC `plus`
@@ -68,6 +73,7 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
  * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
  * log_access(t, by, kind, uid, object, outcome, e): append to the access log.  ST_ECORRUPT: its
  * last entry has no good MAC, or is an earlier one than the last change found there.
+ * log_txn_ahead(t): before log_txn_begin(), while sql_ahead() is on: what both will read.
  * log_has(t, at, has, e): has the change log this entry, and each after it as it was written?  All
  * zero: each from the first on.  O(entries since). */
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
@@ -76,6 +82,7 @@ enum status log_change(struct log_txn *t, const struct log_act *by, const char *
 enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);
+void log_txn_ahead(struct log_txn *t);
 enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
                     struct errinfo *e);
 

@@ -75,7 +75,8 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
                                const char *token, int64_t now, struct errinfo *e)
 {
-    const enum status st =
+    uint64_t n = 0;
+    enum status st =
         SQL_RUN(t->sql, e,
                 "INSERT INTO attempts (subject_key, token, failures, at_ms) "
                 "SELECT subject_key, CAST($2 AS text), 1, CAST($3 AS bigint) "
@@ -85,9 +86,9 @@ enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *su
                 "THEN attempts.failures + 1 ELSE 1000000 END, at_ms = excluded.at_ms",
                 sql_int(subject->key), sql_text(token), sql_int(now));
 
-    if (st != ST_OK)
+    if (st != ST_OK || (st = sql_changed(t->sql, &n, e)) != ST_OK)
         return st;
-    if (sql_changed(t->sql) == 0)
+    if (n == 0)
         return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject->id);
     return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE token = $1 AND at_ms < $2",
                    sql_text(token), sql_int(now - STORE_ATTEMPTS_DAYS * DAY));

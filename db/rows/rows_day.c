@@ -26,22 +26,39 @@ static int bin_of(double score)
     return !(at > 0) ? 0 : at >= STORE_DAY_BINS ? STORE_DAY_BINS - 1 : (int)at;
 }
 
-enum status rows_day_count(struct log_txn *t, const char *at, const char *decision,
-                           double score, struct errinfo *e)
+static enum status read_one(struct log_txn *t, const char *at, const char *decision,
+                            char day[STORE_DAY + 1], uint32_t bin[STORE_DAY_BINS],
+                            struct errinfo *e)
 {
-    unsigned char bytes[BINS_BYTES], *to = bytes;
-    uint32_t bin[STORE_DAY_BINS] = {0};
     struct sql_rows *r;
-    char day[STORE_DAY + 1];
     enum status st;
 
-    (void)snprintf(day, sizeof day, "%s", at);
+    (void)snprintf(day, STORE_DAY + 1, "%s", at);
     if ((st = SQL_QUERY(t->sql, &r, e,
                         "SELECT bins FROM days WHERE day = $1 AND decision = $2",
                         sql_text(day), sql_text(decision))) == ST_OK &&
         sql_next(r))
         read_bins(r, 0, bin);
-    if ((st = sql_done(r, st, e)) != ST_OK)
+    return sql_done(r, st, e);
+}
+
+void rows_day_ahead(struct log_txn *t, const char *at, const char *decision)
+{
+    uint32_t bin[STORE_DAY_BINS];
+    char day[STORE_DAY + 1];
+
+    (void)read_one(t, at, decision, day, bin, NULL);
+}
+
+enum status rows_day_count(struct log_txn *t, const char *at, const char *decision,
+                           double score, struct errinfo *e)
+{
+    unsigned char bytes[BINS_BYTES], *to = bytes;
+    uint32_t bin[STORE_DAY_BINS] = {0};
+    char day[STORE_DAY + 1];
+    const enum status st = read_one(t, at, decision, day, bin, e);
+
+    if (st != ST_OK)
         return st;
     bin[bin_of(score)]++;
     for (int i = 0; i < STORE_DAY_BINS; i++)

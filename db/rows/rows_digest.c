@@ -54,7 +54,7 @@ static enum status add_table(struct adding *a, const struct rows_table *table,
     struct sql_rows *r;
     int64_t key = INT64_MIN, last;
     bool first = true;
-    enum status st = sql_query(a->t->sql, table->all, NULL, 0, &r, e);
+    enum status st = sql_stream(a->t->sql, table->all, NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         last = key;
@@ -113,7 +113,9 @@ enum status rows_digest_orphans(struct log_txn *t,
         t->sql, "DELETE FROM templates WHERE uid NOT IN (SELECT uid FROM subjects)", NULL,
         0, e);
 
-    *removed = st == ST_OK ? sql_changed(t->sql) : 0;
+    *removed = 0;
+    if (st == ST_OK)
+        st = sql_changed(t->sql, removed, e);
     if (*removed > 0) {
         (void)snprintf(line, sizeof line, "templates: %llu rows are of no subject",
                        (unsigned long long)*removed);

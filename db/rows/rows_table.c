@@ -194,18 +194,6 @@ enum status rows_table_all(struct log_txn *t, const struct rows_table *table, si
 
 /* ---- changes */
 
-static enum status one_row(struct log_txn *t, const unsigned char *minus,
-                           const unsigned char *plus, struct errinfo *e)
-{
-    const uint64_t n = sql_changed(t->sql);
-
-    if (n != 1)
-        return errinfo_set(e, ST_ECORRUPT,
-                           "a change of one row changed %llu: the database is damaged",
-                           (unsigned long long)n);
-    return log_txn_count(t, minus, plus, e);
-}
-
 /* old: the MAC of the row before, the last parameter; NULL: there is none. */
 static enum status write_row(struct log_txn *t, const struct rows_table *table,
                              const char *text, const unsigned char *old, void *row,
@@ -223,8 +211,8 @@ static enum status write_row(struct log_txn *t, const struct rows_table *table,
     v[n] = sql_blob(mac, CRYPT_HASH);
     if (old != NULL)
         v[n + 1] = sql_blob(old, CRYPT_HASH);
-    st = sql_run(t->sql, text, v, n + (old != NULL ? 2 : 1), e);
-    return st == ST_OK ? one_row(t, old, mac, e) : st;
+    st = sql_run_one(t->sql, text, v, n + (old != NULL ? 2 : 1), e);
+    return st == ST_OK ? log_txn_count(t, old, mac, e) : st;
 }
 
 enum status rows_table_insert(struct log_txn *t, const struct rows_table *table,
@@ -252,8 +240,8 @@ enum status rows_table_delete(struct log_txn *t, const struct rows_table *table,
 
     sql_field_values(table->field, 1, row, v);
     v[1] = sql_blob(mac, CRYPT_HASH);
-    st = sql_run(t->sql, table->remove, v, 2, e);
-    return st == ST_OK ? one_row(t, mac, NULL, e) : st;
+    st = sql_run_one(t->sql, table->remove, v, 2, e);
+    return st == ST_OK ? log_txn_count(t, mac, NULL, e) : st;
 }
 
 /* ---- what is encrypted */

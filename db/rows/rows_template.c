@@ -295,12 +295,12 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
     struct errinfo why;
     struct sql_rows *r;
     enum status st =
-        SQL_QUERY(t->sql, &r, e,
-                  "SELECT " COLUMNS ", " ROWS_SUBJECT ", f.face FROM templates t "
-                  "LEFT JOIN subjects s ON s.uid = t.uid "
-                  "LEFT JOIN faces f ON f.template_key = t.template_key "
-                  "WHERE " SHARE " = $1 ORDER BY t.template_key",
-                  sql_int(part), sql_int(parts));
+        sql_stream(t->sql,
+                   "SELECT " COLUMNS ", " ROWS_SUBJECT ", f.face FROM templates t "
+                   "LEFT JOIN subjects s ON s.uid = t.uid "
+                   "LEFT JOIN faces f ON f.template_key = t.template_key "
+                   "WHERE " SHARE " = $1 ORDER BY t.template_key",
+                   SQL_VALUES(sql_int(part), sql_int(parts)), 2, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         unsigned char *face = NULL;

@@ -71,22 +71,24 @@ bool sql_file_same(const char *a, const char *b)
            sa.st_ino == sb.st_ino;
 }
 
-enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e)
+bool sql_file_is(const struct sql_txn *t)
 {
-    int64_t pages = 0, size = 0;
-    enum status st;
+    return t->driver->file;
+}
 
-    if ((st = sql_sqlite_conn_int(t, "PRAGMA page_count", &pages, e)) == ST_OK &&
-        (st = sql_sqlite_conn_int(t, "PRAGMA page_size", &size, e)) == ST_OK)
-        *bytes = (uint64_t)pages * (uint64_t)size;
-    return st;
+/* NULL: it is behind a server, which takes care of itself. */
+static struct sql_sqlite_conn *in_file(struct sql_txn *t)
+{
+    return sql_file_is(t) ? (struct sql_sqlite_conn *)t : NULL;
 }
 
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
 {
+    const struct sql_sqlite_conn *c = in_file(t);
     int moved = 0;
 
-    if (sqlite3_file_control(t->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
+    if (c != NULL &&
+        sqlite3_file_control(c->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
             SQLITE_OK &&
         moved)
         return errinfo_set(e, ST_EREFUSED,
@@ -98,12 +100,17 @@ enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
 
 void sql_file_forget(struct sql_txn *t)
 {
-    (void)atomic_fetch_add(&t->of->fresh, 1);
-    sql_sqlite_conn_forget(t);
+    struct sql_sqlite_conn *c = in_file(t);
+
+    if (c == NULL)
+        return;
+    (void)atomic_fetch_add(&c->of->fresh, 1);
+    sql_sqlite_conn_forget(c);
 }
 
 /* Every row of a pragma that names a problem a row, as "name: a, b, c". */
-static enum status check_pragma(struct sql_txn *t, const char *sql, const char *name,
+static enum status check_pragma(struct sql_sqlite_conn *t, const char *sql,
+                                const char *name,
                                 void (*report)(void *arg, const char *line), void *arg,
                                 struct errinfo *e)
 {
@@ -143,13 +150,16 @@ static enum status check_pragma(struct sql_txn *t, const char *sql, const char *
 enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const char *line),
                            void *arg, struct errinfo *e)
 {
+    struct sql_sqlite_conn *c = in_file(t);
     struct errinfo why;
-    enum status st =
-        check_pragma(t, "PRAGMA integrity_check", "integrity", report, arg, e);
+    enum status st;
 
+    if (c == NULL)
+        return ST_OK;
+    st = check_pragma(c, "PRAGMA integrity_check", "integrity", report, arg, e);
     if (st != ST_OK)
         return st;
-    st = check_pragma(t, "PRAGMA foreign_key_check", "reference", report, arg, &why);
+    st = check_pragma(c, "PRAGMA foreign_key_check", "reference", report, arg, &why);
     if (st == ST_EDB) { /* tables of another's making, which cannot refer to each other */
         report(arg, why.msg);
         return ST_OK;
@@ -159,12 +169,17 @@ enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const ch
 
 enum status sql_file_reindex(struct sql_txn *t, struct errinfo *e)
 {
-    return sql_sqlite_conn_exec(t, "REINDEX", "cannot build the indexes again", e);
+    struct sql_sqlite_conn *c = in_file(t);
+
+    return c != NULL
+               ? sql_sqlite_conn_exec(c, "REINDEX", "cannot build the indexes again", e)
+               : ST_OK;
 }
 
 /* ---- copying */
 
-static enum status copy_pages(struct sql_txn *from, struct sql_txn *to, struct errinfo *e)
+static enum status copy_pages(struct sql_sqlite_conn *from, struct sql_sqlite_conn *to,
+                              struct errinfo *e)
 {
     sqlite3_backup *b = sqlite3_backup_init(to->db, "main", from->db, "main");
     int rc;
@@ -193,10 +208,10 @@ static void remove_wal(const char *path)
 }
 
 /* Run the driver's own statements on a connection of its own. */
-static enum status with(const char *path, const char *sql, struct sql_txn *from,
+static enum status with(const char *path, const char *sql, struct sql_sqlite_conn *from,
                         struct errinfo *e)
 {
-    struct sql_txn *to;
+    struct sql_sqlite_conn *to;
     enum status st = sql_sqlite_conn_open(path, SQLITE_OPEN_READWRITE, false, &to, e);
 
     if (st != ST_OK)
@@ -214,7 +229,7 @@ enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e
     remove_wal(path);
     /* The copy counts only when it has its name: until then nothing has to wait for the
      * disk. */
-    st = with(path, "PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF", t, e);
+    st = with(path, "PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF", in_file(t), e);
     if (st != ST_OK)
         return st;
     /* One file, which can be read where nothing can be written. */
@@ -225,18 +240,23 @@ enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e
 
 enum status sql_file_fold(struct sql *d, struct errinfo *e)
 {
-    return sql_sqlite_conn_exec(d->writer, "PRAGMA journal_mode=DELETE", "cannot write",
-                                e);
+    return sql_sqlite_conn_exec(((struct sql_sqlite *)d)->writer,
+                                "PRAGMA journal_mode=DELETE", "cannot write", e);
 }
 
 /* ---- free pages, deleted bytes */
 
 /* SQLite writes into a database of its own, which it has to attach, and copies it back. */
-enum status sql_file_compact(struct sql *d, struct errinfo *e)
+enum status sql_file_compact(struct sql *of, struct errinfo *e)
 {
-    enum status st = sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, e);
+    struct sql_sqlite *d = (struct sql_sqlite *)of;
+    enum status st;
 
-    if (st != ST_OK)
+    if (!of->driver->file)
+        return errinfo_set(
+            e, ST_EINVAL,
+            "the database is on a server: its autovacuum frees what deleted rows left");
+    if ((st = sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, e)) != ST_OK)
         return st;
     (void)sqlite3_limit(d->writer->db, SQLITE_LIMIT_ATTACHED, 1);
     st = sql_sqlite_conn_exec(d->writer, "VACUUM", "cannot rewrite the file", e);
@@ -245,8 +265,12 @@ enum status sql_file_compact(struct sql *d, struct errinfo *e)
     return st;
 }
 
-void sql_file_scrub(struct sql *d, int ms)
+void sql_file_scrub(struct sql *of, int ms)
 {
+    struct sql_sqlite *d = (struct sql_sqlite *)of;
+
+    if (!of->driver->file)
+        return;
     atomic_store(&d->scrub, true); /* also where the writer cannot be had */
     if (sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, NULL) != ST_OK)
         return;
@@ -254,7 +278,8 @@ void sql_file_scrub(struct sql *d, int ms)
     sql_sqlite_unlock(d);
 }
 
-void sql_file_scrub_later(struct sql *d)
+void sql_file_scrub_later(struct sql *of)
 {
-    atomic_store(&d->scrub, true);
+    if (of->driver->file)
+        atomic_store(&((struct sql_sqlite *)of)->scrub, true);
 }

@@ -1,5 +1,6 @@
 /* sql_file.h -- what a database in a file can do and one behind a server cannot, or does by
- * itself.  Errors as in sql.h. */
+ * itself.  Errors as in sql.h; on a server there is no copy, a compaction is ST_EINVAL, and the rest does
+ * nothing. */
 #ifndef DB_SQL_FILE_H
 #define DB_SQL_FILE_H
 #include <stdbool.h>
@@ -21,9 +22,10 @@ bool sql_file_has_wal(const char *path);
 enum status sql_file_may_be(const char *path, struct errinfo *e);
 bool sql_file_same(const char *a, const char *b);
 
-/* sql_file_bytes(t, bytes, e): the size of the database, without its WAL.
- * sql_file_in_place(t, e): ST_EREFUSED: the file was moved, removed or replaced. */
-enum status sql_file_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
+/* sql_file_is(t): is the database in a file? */
+bool sql_file_is(const struct sql_txn *t);
+
+/* sql_file_in_place(t, e): ST_EREFUSED: the file was moved, removed or replaced. */
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e);
 
 /* sql_file_forget(t): what t reads from here on is read from the file, not from memory: a page that

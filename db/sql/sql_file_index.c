@@ -5,6 +5,7 @@
 
 #include "errinfo.h"
 #include "schema_sql.h"
+#include "sql_file.h"
 #include "sql_sqlite.h"
 
 /* PRAGMA integrity_check looks for each row in each index, so at a random place: of more rows than its
@@ -17,7 +18,7 @@
 #define INDEXES   8    /* of a table, at most */
 
 struct walk {
-    struct sql_txn *t;
+    struct sql_sqlite_conn *c;
     void (*report)(void *arg, const char *line);
     void *arg;
     uint64_t problems;
@@ -66,7 +67,7 @@ static enum status compare_schemas(struct walk *w, sqlite3 *own)
     int rc = SQLITE_ERROR;
 
     if (prepare(own, "SELECT DISTINCT tbl_name FROM sqlite_schema", &names) != ST_OK ||
-        prepare(own, of_table, &a) != ST_OK || prepare(w->t->db, of_table, &b) != ST_OK)
+        prepare(own, of_table, &a) != ST_OK || prepare(w->c->db, of_table, &b) != ST_OK)
         st = ST_EDB;
     while (st == ST_OK && (rc = sqlite3_step(names)) == SQLITE_ROW) {
         const char *name = (const char *)sqlite3_column_text(names, 0);
@@ -101,7 +102,7 @@ static enum status check_schema(struct walk *w, struct errinfo *e)
     if (st != ST_OK && sqlite3_errcode(own) == SQLITE_NOMEM)
         st = errinfo_set(e, ST_ENOMEM, "no memory for the schema");
     else if (st != ST_OK)
-        st = sql_sqlite_conn_fail(w->t, "cannot check the schema", e);
+        st = sql_sqlite_conn_fail(w->c, "cannot check the schema", e);
     (void)sqlite3_close(own);
     return st;
 }
@@ -179,7 +180,7 @@ static bool is_before(const struct key *a, const struct key *b, bool unique)
 static enum status prepared(struct walk *w, sqlite3_str *text, sqlite3_stmt **out)
 {
     char *const sql = sqlite3_str_finish(text);
-    const enum status st = sql != NULL ? prepare(w->t->db, sql, out) : ST_ENOMEM;
+    const enum status st = sql != NULL ? prepare(w->c->db, sql, out) : ST_ENOMEM;
 
     sqlite3_free(sql);
     return st;
@@ -266,7 +267,7 @@ static enum status read_indexes(struct walk *w, const char *table, struct index 
         "CASE l.partial WHEN 0 THEN '' ELSE substr(s.sql, instr(s.sql, ' WHERE ')) END "
         "FROM pragma_index_list($1) l JOIN sqlite_schema s ON s.name = l.name";
     sqlite3_stmt *stmt = NULL;
-    enum status st = prepare(w->t->db, text, &stmt);
+    enum status st = prepare(w->c->db, text, &stmt);
     int rc = SQLITE_ERROR;
 
     *n = 0;
@@ -303,7 +304,7 @@ static enum status check_table(struct walk *w, const char *table, struct errinfo
             problem(w, x[i].name, "the index has not the rows of its table");
     if (st == ST_ENOMEM)
         return errinfo_set(e, st, "no memory for a statement");
-    return st == ST_OK ? ST_OK : sql_sqlite_conn_fail(w->t, "cannot check", e);
+    return st == ST_OK ? ST_OK : sql_sqlite_conn_fail(w->c, "cannot check", e);
 }
 
 enum status sql_file_index_check(struct sql_txn *t,
@@ -312,9 +313,13 @@ enum status sql_file_index_check(struct sql_txn *t,
 {
     static const char *const tables[] = {"subjects", "templates", "tokens", "devices",
                                          "calibrations"};
-    struct walk w = {.t = t, .report = report, .arg = arg};
-    enum status st = check_schema(&w, e);
+    struct walk w = {.c = (struct sql_sqlite_conn *)t, .report = report, .arg = arg};
+    enum status st;
 
+    *problems = 0;
+    if (!sql_file_is(t))
+        return ST_OK;
+    st = check_schema(&w, e);
     crypto_shorthash_keygen(w.hash_key);
     for (size_t i = 0;
          i < sizeof tables / sizeof *tables && st == ST_OK && w.problems == 0; i++)

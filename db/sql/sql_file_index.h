@@ -12,7 +12,7 @@ struct sql_txn;
  * of a table with MACs the rows of its table, and no others, in their order, a unique one each key
  * once?  report() is called once a problem with a line of text; it ends with the first table that
  * has one.  Each table and each index is read once, in its order: 2 microseconds a row; memory
- * constant.  Errors as in sql.h. */
+ * constant.  On a server it does nothing.  Errors as in sql.h. */
 enum status sql_file_index_check(struct sql_txn *t,
                                  void (*report)(void *arg, const char *line), void *arg,
                                  uint64_t *problems, struct errinfo *e);

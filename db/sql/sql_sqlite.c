@@ -13,7 +13,8 @@
 
 /* ---- the reading connections: as many as threads read at a time */
 
-static enum status open_query(struct sql *d, struct sql_txn **c, struct errinfo *e)
+static enum status open_query(struct sql_sqlite *d, struct sql_sqlite_conn **c,
+                              struct errinfo *e)
 {
     enum status st = sql_sqlite_conn_open(d->path, d->flags, false, c, e);
 
@@ -26,7 +27,8 @@ static enum status open_query(struct sql *d, struct sql_txn **c, struct errinfo 
     return st;
 }
 
-static enum status take(struct sql *d, struct sql_txn **c, struct errinfo *e)
+static enum status take(struct sql_sqlite *d, struct sql_sqlite_conn **c,
+                        struct errinfo *e)
 {
     pthread_mutex_lock(&d->lock);
     if ((*c = d->idle) != NULL)
@@ -35,7 +37,7 @@ static enum status take(struct sql *d, struct sql_txn **c, struct errinfo *e)
     return *c != NULL ? ST_OK : open_query(d, c, e);
 }
 
-static void give_back(struct sql *d, struct sql_txn *c)
+static void give_back(struct sql_sqlite *d, struct sql_sqlite_conn *c)
 {
     pthread_mutex_lock(&d->lock);
     c->next = d->idle;
@@ -47,7 +49,7 @@ static void give_back(struct sql *d, struct sql_txn *c)
 
 /* Threads wait for one another here, and not in SQLite, so that their waiting does not add
  * up. */
-enum status sql_sqlite_lock(struct sql *d, long ms, struct errinfo *e)
+enum status sql_sqlite_lock(struct sql_sqlite *d, long ms, struct errinfo *e)
 {
     struct timespec until, now;
     long left;
@@ -76,7 +78,7 @@ enum status sql_sqlite_lock(struct sql *d, long ms, struct errinfo *e)
     return ST_OK;
 }
 
-void sql_sqlite_unlock(struct sql *d)
+void sql_sqlite_unlock(struct sql_sqlite *d)
 {
     pthread_mutex_lock(&d->lock);
     d->writing = false;
@@ -96,7 +98,7 @@ static bool sync_wal(sqlite3 *db)
            wal->pMethods->xSync(wal, SQLITE_SYNC_NORMAL) == SQLITE_OK;
 }
 
-void sql_sqlite_truncate(struct sql *d, int ms)
+void sql_sqlite_truncate(struct sql_sqlite *d, int ms)
 {
     (void)sqlite3_busy_timeout(d->writer->db, ms);
     if (sqlite3_wal_checkpoint_v2(d->writer->db, NULL, SQLITE_CHECKPOINT_TRUNCATE, NULL,
@@ -108,9 +110,9 @@ void sql_sqlite_truncate(struct sql *d, int ms)
 /* ---- transactions */
 
 /* BEGIN and its like are the driver's own, and the commonest of all. */
-static enum status step(struct sql_txn *c, const char *text, struct errinfo *e)
+static enum status step(struct sql_sqlite_conn *c, const char *text, struct errinfo *e)
 {
-    return sql_run(c, text, NULL, 0, e);
+    return sql_run(&c->base, text, NULL, 0, e);
 }
 
 /* Deleted bytes are overwritten. */
@@ -133,7 +135,7 @@ static const struct {
                   "BEGIN EXCLUSIVE"},
 };
 
-static void release(struct sql_txn *t)
+static void release(struct sql_sqlite_conn *t)
 {
     if (t != t->of->writer)
         give_back(t->of, t);
@@ -141,55 +143,71 @@ static void release(struct sql_txn *t)
         sql_sqlite_unlock(t->of);
 }
 
-enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
-                      struct errinfo *e)
+static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
+                         struct errinfo *e)
 {
+    struct sql_sqlite *d = (struct sql_sqlite *)of;
+    struct sql_sqlite_conn *c = d->writer;
     enum status st;
 
-    *t = d->writer;
     if (how == SQL_READ && !d->single)
-        st = take(d, t, e);
+        st = take(d, &c, e);
     else
         st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
     if (st != ST_OK)
         return st;
-    sql_sqlite_conn_forget(*t);
-    (*t)->writes = how != SQL_READ;
-    (*t)->makes = how == SQL_SCHEMA || how == SQL_COPY;
-    st = sql_sqlite_conn_exec(*t, transaction[how].configure, "cannot configure", e);
-    if (st != ST_OK || (st = step(*t, transaction[how].begin, e)) != ST_OK)
-        release(*t);
+    sql_sqlite_conn_forget(c);
+    c->writes = how != SQL_READ;
+    c->makes = how == SQL_SCHEMA || how == SQL_COPY;
+    st = sql_sqlite_conn_exec(c, transaction[how].configure, "cannot configure", e);
+    if (st != ST_OK || (st = step(c, transaction[how].begin, e)) != ST_OK)
+        release(c);
+    *t = &c->base;
     return st;
 }
 
-enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e)
+static enum status end(struct sql_txn *t, enum status st, struct errinfo *e)
 {
-    struct sql *d = t->of;
+    struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
+    struct sql_sqlite *d = c->of;
 
-    if (st == ST_OK && t->writes)
-        st = step(t, "COMMIT", e);
-    if (!sqlite3_get_autocommit(t->db))
-        (void)step(t, "ROLLBACK", NULL); /* a reader's, which has changed nothing, too */
-    if (st == ST_OK && t->makes)
+    if (st == ST_OK && c->writes)
+        st = step(c, "COMMIT", e);
+    if (!sqlite3_get_autocommit(c->db))
+        (void)step(c, "ROLLBACK", NULL); /* a reader's, which has changed nothing, too */
+    if (st == ST_OK && c->makes)
         d->made = false;
-    if (t->writes && atomic_load(&d->scrub)) /* costs little while the reader is there */
+    if (c->writes && atomic_load(&d->scrub)) /* costs little while the reader is there */
         sql_sqlite_truncate(d, 0);
-    release(t);
+    release(c);
     return st;
 }
 
-enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e)
+static enum status version(struct sql_txn *t, int *out, struct errinfo *e)
 {
-    return sql_sqlite_conn_version(t, version, e);
+    return sql_sqlite_conn_version((struct sql_sqlite_conn *)t, out, e);
 }
 
-enum status sql_create(struct sql_txn *t, struct errinfo *e)
+static enum status create(struct sql_txn *t, struct errinfo *e)
 {
+    struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
     const enum status st =
-        sql_sqlite_conn_exec(t, schema_sql, "cannot create the tables", e);
+        sql_sqlite_conn_exec(c, schema_sql, "cannot create the tables", e);
 
     if (st == ST_OK)
-        t->of->version = SQL_SQLITE_VERSION;
+        c->of->base.version = SQL_SQLITE_VERSION;
+    return st;
+}
+
+static enum status bytes(struct sql_txn *t, uint64_t *out, struct errinfo *e)
+{
+    struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
+    int64_t pages = 0, size = 0;
+    enum status st;
+
+    if ((st = sql_sqlite_conn_int(c, "PRAGMA page_count", &pages, e)) == ST_OK &&
+        (st = sql_sqlite_conn_int(c, "PRAGMA page_size", &size, e)) == ST_OK)
+        *out = (uint64_t)pages * (uint64_t)size;
     return st;
 }
 
@@ -197,7 +215,7 @@ enum status sql_create(struct sql_txn *t, struct errinfo *e)
 
 /* Look at the file before SQLite does, for errors that say what is wrong, and make a new
  * one ourselves: SQLite would let others read it. */
-static enum status check_file(struct sql *d, enum sql_open how, struct errinfo *e)
+static enum status check_file(struct sql_sqlite *d, enum sql_open how, struct errinfo *e)
 {
     const bool read = how == SQL_OPEN_READ || how == SQL_OPEN_LOOK;
     const char *path = d->path;
@@ -228,15 +246,16 @@ static enum status check_file(struct sql *d, enum sql_open how, struct errinfo *
     return ST_OK;
 }
 
-static enum status new_database(const char *path, enum sql_open how, struct sql **out,
-                                struct errinfo *e)
+static enum status new_database(const char *path, enum sql_open how,
+                                struct sql_sqlite **out, struct errinfo *e)
 {
-    struct sql *d = calloc(1, sizeof *d);
+    struct sql_sqlite *d = calloc(1, sizeof *d);
     pthread_condattr_t monotonic;
 
     *out = d;
     if (d == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
+    d->base.driver = &sql_sqlite_driver;
     d->flags = SQLITE_OPEN_READONLY;
     d->single = how == SQL_OPEN_LOOK || how == SQL_OPEN_ALONE;
     (void)pthread_mutex_init(&d->lock, NULL);
@@ -249,7 +268,7 @@ static enum status new_database(const char *path, enum sql_open how, struct sql 
 }
 
 /* What another program began and was killed amid is taken back first, where it may be. */
-static enum status open_writer(struct sql *d, enum sql_open how, struct errinfo *e)
+static enum status open_writer(struct sql_sqlite *d, enum sql_open how, struct errinfo *e)
 {
     enum status st = sql_sqlite_conn_open(d->path, SQLITE_OPEN_READWRITE,
                                           how == SQL_OPEN_ALONE, &d->writer, e);
@@ -257,17 +276,17 @@ static enum status open_writer(struct sql *d, enum sql_open how, struct errinfo 
     if (st != ST_OK)
         return st;
     d->writer->of = d;
-    st = sql_sqlite_conn_version(d->writer, &d->version, e);
-    return st == ST_OK && d->version > 0 && !d->single
+    st = sql_sqlite_conn_version(d->writer, &d->base.version, e);
+    return st == ST_OK && d->base.version > 0 && !d->single
                ? sql_sqlite_conn_exec(d->writer, USE_WAL, "cannot configure", e)
                : st;
 }
 
 /* The last to close the database brings in its WAL and removes it, and has to be able to write for
  * that; query_only keeps it from changing anything else. */
-static enum status open_reader(struct sql *d, struct errinfo *e)
+static enum status open_reader(struct sql_sqlite *d, struct errinfo *e)
 {
-    struct sql_txn *c;
+    struct sql_sqlite_conn *c;
     enum status st;
 
     if (faccessat(AT_FDCWD, d->path, W_OK, AT_EACCESS) == 0)
@@ -275,33 +294,16 @@ static enum status open_reader(struct sql *d, struct errinfo *e)
     st = take(d, &c, e);
     if (st != ST_OK)
         return st;
-    st = sql_sqlite_conn_version(c, &d->version, e);
+    st = sql_sqlite_conn_version(c, &d->base.version, e);
     give_back(d, c);
     return st;
 }
 
-enum status sql_open(const char *path, enum sql_open how, struct sql **out,
-                     struct errinfo *e)
+static void close_all(struct sql *of)
 {
-    struct sql *d;
-    enum status st = new_database(path, how, &d, e);
+    struct sql_sqlite *d = (struct sql_sqlite *)of;
+    struct sql_sqlite_conn *c;
 
-    *out = NULL;
-    if (st == ST_OK && (st = check_file(d, how, e)) == ST_OK)
-        st = how == SQL_OPEN_READ ? open_reader(d, e) : open_writer(d, how, e);
-    if (st == ST_OK)
-        *out = d;
-    else
-        sql_close(d);
-    return st;
-}
-
-void sql_close(struct sql *d)
-{
-    struct sql_txn *c;
-
-    if (d == NULL)
-        return;
     while ((c = d->idle) != NULL) {
         d->idle = c->next;
         sql_sqlite_conn_close(c);
@@ -316,7 +318,33 @@ void sql_close(struct sql *d)
     free(d);
 }
 
-int sql_version(const struct sql *d)
+enum status sql_sqlite_open(const char *path, enum sql_open how, struct sql **out,
+                            struct errinfo *e)
 {
-    return d->version;
+    struct sql_sqlite *d;
+    enum status st = new_database(path, how, &d, e);
+
+    if (st == ST_OK && (st = check_file(d, how, e)) == ST_OK)
+        st = how == SQL_OPEN_READ ? open_reader(d, e) : open_writer(d, how, e);
+    if (st == ST_OK)
+        *out = &d->base;
+    else if (d != NULL)
+        close_all(&d->base);
+    return st;
 }
+
+const struct sql_driver sql_sqlite_driver = {
+    .file = true,
+    .close = close_all,
+    .begin = begin,
+    .end = end,
+    .version = version,
+    .create = create,
+    .bytes = bytes,
+    .run = sql_sqlite_conn_run,
+    .changed = sql_sqlite_conn_changed,
+    .query = sql_sqlite_conn_query,
+    .next = sql_sqlite_conn_next,
+    .column = sql_sqlite_conn_column,
+    .done = sql_sqlite_conn_done,
+};

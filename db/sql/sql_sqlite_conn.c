@@ -35,7 +35,7 @@ static enum status status_of(int rc)
     }
 }
 
-enum status sql_sqlite_conn_fail(const struct sql_txn *c, const char *what,
+enum status sql_sqlite_conn_fail(const struct sql_sqlite_conn *c, const char *what,
                                  struct errinfo *e)
 {
     const int rc = sqlite3_extended_errcode(c->db), sys = sqlite3_system_errno(c->db);
@@ -51,8 +51,8 @@ enum status sql_sqlite_conn_fail(const struct sql_txn *c, const char *what,
                        st == ST_EIO && sys != 0 ? strerror(sys) : "");
 }
 
-enum status sql_sqlite_conn_exec(struct sql_txn *c, const char *sql, const char *what,
-                                 struct errinfo *e)
+enum status sql_sqlite_conn_exec(struct sql_sqlite_conn *c, const char *sql,
+                                 const char *what, struct errinfo *e)
 {
     return sqlite3_exec(c->db, sql, NULL, NULL, NULL) == SQLITE_OK
                ? ST_OK
@@ -61,7 +61,7 @@ enum status sql_sqlite_conn_exec(struct sql_txn *c, const char *sql, const char 
 
 /* ---- connections */
 
-void sql_sqlite_conn_close(struct sql_txn *c)
+void sql_sqlite_conn_close(struct sql_sqlite_conn *c)
 {
     if (c == NULL)
         return;
@@ -71,7 +71,7 @@ void sql_sqlite_conn_close(struct sql_txn *c)
     free(c);
 }
 
-void sql_sqlite_conn_forget(struct sql_txn *c)
+void sql_sqlite_conn_forget(struct sql_sqlite_conn *c)
 {
     const unsigned fresh = atomic_load(&c->of->fresh);
 
@@ -84,7 +84,7 @@ void sql_sqlite_conn_forget(struct sql_txn *c)
 
 /* Nothing in the file is trusted: no triggers or views, no functions from its schema, no
  * writing to the schema; cells are checked as they are read. */
-static enum status harden(struct sql_txn *c, struct errinfo *e)
+static enum status harden(struct sql_sqlite_conn *c, struct errinfo *e)
 {
     static const struct {
         int option, value;
@@ -108,7 +108,8 @@ static enum status harden(struct sql_txn *c, struct errinfo *e)
 
 /* Before anything is read: a WAL that is opened for sharing stays shared.  A process that has
  * opened the database holds a lock on its file, also at rest. */
-static enum status lock_out(struct sql_txn *c, const char *path, struct errinfo *e)
+static enum status lock_out(struct sql_sqlite_conn *c, const char *path,
+                            struct errinfo *e)
 {
     const enum status st = sql_sqlite_conn_exec(
         c, "PRAGMA locking_mode=EXCLUSIVE; BEGIN EXCLUSIVE; COMMIT", "cannot lock", e);
@@ -121,14 +122,15 @@ static enum status lock_out(struct sql_txn *c, const char *path, struct errinfo 
 }
 
 enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
-                                 struct sql_txn **out, struct errinfo *e)
+                                 struct sql_sqlite_conn **out, struct errinfo *e)
 {
-    struct sql_txn *c = calloc(1, sizeof *c);
+    struct sql_sqlite_conn *c = calloc(1, sizeof *c);
     enum status st = ST_OK;
 
     *out = NULL;
     if (c == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
+    c->base.driver = &sql_sqlite_driver;
     if (sqlite3_open_v2(path, &c->db, flags | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE,
                         NULL) != SQLITE_OK)
         st = c->db == NULL ? errinfo_set(e, ST_ENOMEM, "out of memory")
@@ -146,7 +148,7 @@ enum status sql_sqlite_conn_open(const char *path, int flags, bool alone,
 
 /* ---- the schema's version */
 
-enum status sql_sqlite_conn_int(struct sql_txn *c, const char *sql, int64_t *out,
+enum status sql_sqlite_conn_int(struct sql_sqlite_conn *c, const char *sql, int64_t *out,
                                 struct errinfo *e)
 {
     sqlite3_stmt *stmt = NULL;
@@ -161,7 +163,8 @@ enum status sql_sqlite_conn_int(struct sql_txn *c, const char *sql, int64_t *out
     return st;
 }
 
-enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct errinfo *e)
+enum status sql_sqlite_conn_version(struct sql_sqlite_conn *c, int *version,
+                                    struct errinfo *e)
 {
     const char *path = sqlite3_db_filename(c->db, "main");
     int64_t application = 0, user = 0, objects = 0;
@@ -194,12 +197,12 @@ enum status sql_sqlite_conn_version(struct sql_txn *c, int *version, struct erri
 
 /* The slot of this text, or an empty one for it; NULL: all are taken.  The highest bits of a
  * product depend on all bits of the address. */
-static struct sql_rows *find_slot(struct sql_txn *c, const char *text)
+static struct sql_sqlite_rows *find_slot(struct sql_sqlite_conn *c, const char *text)
 {
     size_t at = (uint64_t)(uintptr_t)text * 0x9e3779b97f4a7c15U >> 56;
 
     for (size_t tries = 0; tries < SQL_SQLITE_SLOTS; tries++) {
-        struct sql_rows *r = &c->slot[(at + tries) % SQL_SQLITE_SLOTS];
+        struct sql_sqlite_rows *r = &c->slot[(at + tries) % SQL_SQLITE_SLOTS];
 
         if (r->text == text || r->text == NULL)
             return r;
@@ -208,10 +211,10 @@ static struct sql_rows *find_slot(struct sql_txn *c, const char *text)
 }
 
 /* The statement of this text, ready to bind. */
-static enum status prepare(struct sql_txn *c, const char *text, struct sql_rows **out,
-                           struct errinfo *e)
+static enum status prepare(struct sql_sqlite_conn *c, const char *text,
+                           struct sql_sqlite_rows **out, struct errinfo *e)
 {
-    struct sql_rows *r = *out = find_slot(c, text);
+    struct sql_sqlite_rows *r = *out = find_slot(c, text);
 
     if (r == NULL)
         return errinfo_set(e, ST_EINTERNAL, "too many statements: %.80s", text);
@@ -222,6 +225,7 @@ static enum status prepare(struct sql_txn *c, const char *text, struct sql_rows 
     if (sqlite3_prepare_v3(c->db, text, -1, SQLITE_PREPARE_PERSISTENT, &r->stmt, NULL) !=
         SQLITE_OK)
         return sql_sqlite_conn_fail(c, "cannot prepare a statement", e);
+    r->base.driver = c->base.driver;
     r->text = text;
     r->conn = c;
     return ST_OK;
@@ -246,9 +250,9 @@ static int bind_value(sqlite3_stmt *stmt, int at, const struct sql_value *v,
     return sqlite3_bind_null(stmt, at);
 }
 
-static enum status start(struct sql_txn *c, const char *text,
+static enum status start(struct sql_sqlite_conn *c, const char *text,
                          const struct sql_value *value, size_t n,
-                         sqlite3_destructor_type copied, struct sql_rows **out,
+                         sqlite3_destructor_type copied, struct sql_sqlite_rows **out,
                          struct errinfo *e)
 {
     const enum status st = prepare(c, text, out, e);
@@ -267,55 +271,63 @@ static enum status start(struct sql_txn *c, const char *text,
     return st;
 }
 
-enum status sql_run(struct sql_txn *t, const char *text, const struct sql_value *value,
-                    size_t n, struct errinfo *e)
+enum status sql_sqlite_conn_run(struct sql_txn *t, const char *text,
+                                const struct sql_value *value, size_t n, bool one,
+                                struct errinfo *e)
 {
-    struct sql_rows *r;
-    enum status st = start(t, text, value, n, SQLITE_STATIC, &r, e);
+    struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
+    struct sql_sqlite_rows *r;
+    enum status st = start(c, text, value, n, SQLITE_STATIC, &r, e);
 
-    t->changed = 0;
+    c->changed = 0;
     if (st == ST_OK && sqlite3_step(r->stmt) != SQLITE_DONE)
-        st = sql_sqlite_conn_fail(t, "cannot write", e);
+        st = sql_sqlite_conn_fail(c, "cannot write", e);
     if (st == ST_OK)
-        t->changed = (uint64_t)sqlite3_changes64(t->db);
+        c->changed = (uint64_t)sqlite3_changes64(c->db);
     if (r != NULL && r->stmt != NULL && !r->open) {
         (void)sqlite3_reset(r->stmt);
         (void)sqlite3_clear_bindings(r->stmt); /* the values are the caller's */
     }
-    return st;
+    return st == ST_OK && one && c->changed != 1 ? sql_one_row(c->changed, e) : st;
 }
 
-uint64_t sql_changed(const struct sql_txn *t)
+enum status sql_sqlite_conn_changed(struct sql_txn *t, uint64_t *n, struct errinfo *e)
 {
-    return t->changed;
+    (void)e;
+    *n = ((struct sql_sqlite_conn *)t)->changed;
+    return ST_OK;
 }
 
 /* ---- rows */
 
-enum status sql_query(struct sql_txn *t, const char *text, const struct sql_value *value,
-                      size_t n, struct sql_rows **out, struct errinfo *e)
+enum status sql_sqlite_conn_query(struct sql_txn *t, const char *text,
+                                  const struct sql_value *value, size_t n, bool stream,
+                                  struct sql_rows **out, struct errinfo *e)
 {
-    struct sql_rows *r;
-    const enum status st = start(t, text, value, n, SQLITE_TRANSIENT, &r, e);
+    struct sql_sqlite_rows *r;
+    const enum status st =
+        start((struct sql_sqlite_conn *)t, text, value, n, SQLITE_TRANSIENT, &r, e);
 
+    (void)stream; /* rows are read as they are asked for */
     *out = NULL;
     if (st != ST_OK)
         return st;
     r->open = true;
     r->rc = SQLITE_ROW;
-    *out = r;
+    *out = &r->base;
     return ST_OK;
 }
 
-bool sql_next(struct sql_rows *r)
+bool sql_sqlite_conn_next(struct sql_rows *rows)
 {
-    if (r == NULL || r->rc != SQLITE_ROW)
-        return false;
-    return (r->rc = sqlite3_step(r->stmt)) == SQLITE_ROW;
+    struct sql_sqlite_rows *r = (struct sql_sqlite_rows *)rows;
+
+    return r->rc == SQLITE_ROW && (r->rc = sqlite3_step(r->stmt)) == SQLITE_ROW;
 }
 
-struct sql_value sql_column(const struct sql_rows *r, int i)
+struct sql_value sql_sqlite_conn_column(const struct sql_rows *rows, int i)
 {
+    const struct sql_sqlite_rows *r = (const struct sql_sqlite_rows *)rows;
     struct sql_value v = {.type = SQL_NULL};
 
     switch (sqlite3_column_type(r->stmt, i)) {
@@ -344,25 +356,13 @@ struct sql_value sql_column(const struct sql_rows *r, int i)
     return v;
 }
 
-enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e)
+enum status sql_sqlite_conn_done(struct sql_rows *rows, enum status st, struct errinfo *e)
 {
-    if (r == NULL)
-        return st;
+    struct sql_sqlite_rows *r = (struct sql_sqlite_rows *)rows;
+
     if (st == ST_OK && r->rc != SQLITE_ROW && r->rc != SQLITE_DONE)
         st = sql_sqlite_conn_fail(r->conn, "cannot read", e);
     (void)sqlite3_reset(r->stmt);
     r->open = false;
     return st;
-}
-
-enum status sql_first(struct sql_txn *t, const char *text, const struct sql_value *value,
-                      size_t n, struct sql_rows **out, struct errinfo *e)
-{
-    enum status st = sql_query(t, text, value, n, out, e);
-
-    if (st != ST_OK || sql_next(*out))
-        return st;
-    st = sql_done(*out, st, e);
-    *out = NULL;
-    return st == ST_OK ? ST_ENOTFOUND : st;
 }

@@ -95,6 +95,9 @@ TEST(test_defaults)
 TEST(test_together)
 {
     refused("queue = 9\n", "no database: give --db PATH");
+    refused("db = postgresql://u:secret@h/f\n", "the URL of the database has a password");
+    refused("db = postgresql://u@h/f?password=secret\n",
+            "the URL of the database has a password");
     refused("db = x\ntls-cert = c\n", "--tls-cert and --tls-key go together");
     refused("db = x\ntls-client-ca = c\n", "--tls-client-ca needs --tls-cert");
     refused("db = x\nplaintext = 1\ntls-cert = c\ntls-key = k\n",

@@ -33,7 +33,7 @@ back() {
 }
 
 # accepted: how often a state was.
-accepted() { sqlite3 "$DB" "SELECT count(*) FROM change_log WHERE kind = 'accept_state'"; }
+accepted() { sql "SELECT count(*) FROM change_log WHERE kind = 'accept_state'"; }
 
 # last_logged: the numbers of the last change that the daemon's log tells, at its start and stop.
 last_logged() { sed -n 's/.*last change of the database" seq=\([0-9]*\) hash=[0-9a-f]*$/\1/p' "$LOG" | paste -sd ' '; }

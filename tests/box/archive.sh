@@ -56,7 +56,7 @@ ok "it holds no plaintext" sh -c "! grep -aq 'alice\|left camera\|SURF\|surfacec
 on_exits 65 "$DB" export alice -o "$T/a" --archive-key "$T/akey" # an archive is not overwritten
 on "$DB" export --all -o "$T/all" --archive-key "$T/phrase"
 is "all, by a passphrase" "$CODE $(said .subjects)" "0 3"
-is "who was exported is in the events" "$(sqlite3 "$DB" "SELECT count(*) FROM access_log
+is "who was exported is in the events" "$(sql "SELECT count(*) FROM access_log
     WHERE kind = 'export'" | tr -d '\n')" 5
 
 # ---- import
@@ -139,7 +139,7 @@ on "$TO" init
 # The same id under another subject: what an import must not mix up.
 on "$DB" export bob -o "$T/bob" --archive-key "$T/akey"
 on "$TO" import "$T/bob" --archive-key "$T/akey"
-"$BUILD/forge" "$TO" "UPDATE templates SET id = '$template'"
+"$BUILD/forge" "$TO" "$TO.key" "UPDATE templates SET id = '$template'"
 on_exits 65 "$TO" import "$T/a" --archive-key "$T/akey" # an id that is another's
 on "$TO" subject list
 is "nobody came" "$(said '[.subjects[].subject] | join(" ")')" bob

@@ -23,7 +23,7 @@ ctl verify bob "$T/b1.ply"
 ctl audit checkpoint
 is "signed" "$CODE $(said .checkpoint)" "0 7"
 # As they are in the file: the subject's wrapped key, and some of the encrypted face.
-encrypted=$(sqlite3 "$DB" "SELECT hex(s.key), hex(substr(f.face, 3000, 40)) FROM templates t
+encrypted=$(sql "SELECT hex(s.key), hex(substr(f.face, 3000, 40)) FROM templates t
     JOIN subjects s USING (uid) JOIN faces f USING (template_key) WHERE t.id = '$id'" | tr '|' ' ')
 for one in $encrypted; do
     ok "what is looked for is found" holds "$one" "$DB" "$DB-wal"
@@ -35,7 +35,7 @@ for one in $encrypted; do
     if holds "$one" "$DB" "$DB-wal" "$T/backup"; then found=yes; else found=no; fi
     is "the key and the face are nowhere any more" "$found" no
 done
-ctl template delete "$(sqlite3 "$DB" 'SELECT id FROM templates')" --yes
+ctl template delete "$(sql 'SELECT id FROM templates')" --yes
 ctl token revoke "$DOOR"
 ctl audit show
 is "who did what" "$(said '.entries[] | [.kind, (.actor | sub(":.*"; "")), .outcome] | join(" ")')" "\
@@ -186,7 +186,7 @@ wrong 1 "/$A/d"
 # ---- a changed row: `audit verify` says where, and nobody takes it for a backup
 stop_daemon
 cp "$DB" "$T/whole"
-sqlite3 "$DB" "UPDATE access_log SET outcome = 'x' WHERE seq = 2"
+sql "UPDATE access_log SET outcome = 'x' WHERE seq = 2"
 ctl audit verify
 is "found" "$CODE $(said '[.first_log, .first_entry] | join(" ")')" "1 accesses 2"
 ctl backup "$T/backup2"

@@ -84,7 +84,7 @@ is "who was there is, but for the erased" "$(people)" \
     "$(printf '%s' "$before" | sed 's/ bob//; s/ carol//')"
 ctl_exits 0 check-database
 ctl_exits 0 verify alice "$T/p1.ply"
-is "the events say so" "$(sqlite3 "$DB" "SELECT group_concat(kind || ':' || outcome, ' ')
+is "the events say so" "$(sql "SELECT group_concat(kind || ':' || outcome, ' ')
     FROM (SELECT * FROM change_log ORDER BY seq DESC LIMIT 3)")" \
     "restore:restored revoke_token:front delete_subject:erased again"
 of "$DB.before-restore" subject list

@@ -39,7 +39,7 @@ is "check beside the daemon" "$?/$(jq -r .ok "$T/ctl")" 0/true
 # Erased by surfacectl while another reads, so that it cannot cut the log: the daemon does, at
 # its next changes after the reader.
 ctl enroll erased "$T/a.ply"
-key=$(sqlite3 "$DB" 'SELECT hex(key) FROM subjects ORDER BY subject_key DESC LIMIT 1')
+key=$(sql 'SELECT hex(key) FROM subjects ORDER BY subject_key DESC LIMIT 1')
 hold_db BEGIN
 ctl --yes subject erase erased
 is "erased beside a reader" $? 0

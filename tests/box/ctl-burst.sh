@@ -12,7 +12,7 @@ echo 'no scan' >none.ply
 "$ctl" --db "$DB" init >init.out
 DB=$T/faces.db
 list() { said '[.templates[] | if .refusal then .refusal.code elif .new then "new" else "same" end] | join(" ")'; }
-stored() { sqlite3 "$DB" 'SELECT count(*) FROM templates'; }
+stored() { sql 'SELECT count(*) FROM templates'; }
 
 # ---- files
 ctl_exits 65 enroll alice a0.ply b.ply none.ply a1.ply a0.ply --label sitting

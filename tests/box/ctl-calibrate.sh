@@ -91,17 +91,17 @@ ok "by it" near "$(get .threshold)"
 jq '{a: ., b: .}' "$T/c.json" >"$T/two.json"
 send POST /v1/compare "$JSON" "$T/two.json"
 ok "and compares" near "$(get .threshold)"
-is "which is what the log says" "$(sqlite3 "$DB" "SELECT kind, outcome FROM $ENTRIES
+is "which is what the log says" "$(sql "SELECT kind, outcome FROM $ENTRIES
     WHERE kind IN ('verify', 'compare') ORDER BY log, seq DESC LIMIT 2" | paste -sd ' ')" \
     'compare|match verify|match'
 ctl verify s2 "$T/probe.ply"
 is "surfacectl too" "$CODE" 0
 ok "by it too" near "$(said .threshold)"
-is "an event tells" "$(sqlite3 "$DB" "SELECT actor, outcome FROM $ENTRIES WHERE kind = 'calibrate'")" \
+is "an event tells" "$(sql "SELECT actor, outcome FROM $ENTRIES WHERE kind = 'calibrate'")" \
     "surfacectl:$(id -un)|version 1"
 
 # A threshold that nothing reaches: enrolment is judged by it too.
-"$BUILD/forge" "$DB" "INSERT INTO calibrations (revision, created, actor, engine, shipped, fmr, threshold,
+"$BUILD/forge" "$DB" "$KEY" "INSERT INTO calibrations (revision, created, actor, engine, shipped, fmr, threshold,
     low, high, subjects, impostors, genuine, knots, mac) SELECT 1, created, actor, engine, shipped,
     fmr, 1000, 0, 1000, subjects, impostors, genuine, knots, zeroblob(32) FROM calibrations"
 send POST /v1/subjects/s2/templates "$PLY" "$T/probe.ply"
@@ -136,7 +136,7 @@ ok "as text too" grep -q 'surfacectl dedup lists them' "$T/text"
 
 # ---- altered by somebody else: nobody decides (store-attacks.sh has more)
 stop_daemon
-sqlite3 "$DB" "UPDATE calibrations SET threshold = threshold + 1, high = high + 1 WHERE calibration_key = 3"
+sql "UPDATE calibrations SET threshold = threshold + 1, high = high + 1 WHERE calibration_key = 3"
 start_fails "another threshold" 1 'calibration' --no-auth --db "$DB" --listen 127.0.0.1:0
 ctl verify s2 "$T/probe.ply"
 is "surfacectl says so" $CODE 65

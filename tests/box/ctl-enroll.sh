@@ -30,7 +30,7 @@ ctl_exits 0 template list s3
 is "the kind is the label" "$(said '[.templates[].label] | join(" ")')" 'enroll later'
 ctl_exits 65 enroll "$T/scans"
 is "again: nothing is enrolled" "$(counts)" '11 0 9 2 0'
-is "nor an event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll'")" 8
+is "nor an event" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll'")" 8
 "$BUILD/surfacectl" --db "$DB" enroll "$T/scans" >"$T/text" 2>/dev/null
 ok "as text" grep -q '^11 scans of .*: 0 enrolled, 9 already enrolled, 2 failed; ' "$T/text"
 ok "no bar but on a terminal" test "$(tr -d '\n' <"$T/ctl.err" | grep -c '#')" -eq 0

@@ -12,7 +12,7 @@ for id in -x --json --yes -o; do
     while read -r wanted command; do
         # shellcheck disable=SC2086 # words
         set -- $command
-        before=$(sqlite3 "$DB" 'SELECT max(seq) FROM change_log')
+        before=$(sql 'SELECT max(seq) FROM change_log')
         ctl "$@" "$id" "$T/a2.ply"
         is "$id is no id of $command: exit" "$CODE" 64
         case $command in # that have more arguments behind it
@@ -22,7 +22,7 @@ for id in -x --json --yes -o; do
         back) set -- subject rename -- "to$id" "$id" ;;
         *) set -- "$@" -- "$id" ;;
         esac
-        is "$id: nothing has changed" "$(sqlite3 "$DB" 'SELECT max(seq) FROM change_log')" "$before"
+        is "$id: nothing has changed" "$(sql 'SELECT max(seq) FROM change_log')" "$before"
         ctl_exits "$wanted" "$@"
     done <<END
 0 enroll

@@ -61,11 +61,11 @@ ctl_exits 0 subject set alice --expires 2031-01-01T12:00:00+01:00
 is "a time" "$(said .expires_at)" 2031-01-01T11:00:00.000Z
 
 # ---- seen
-sqlite3 "$DB" "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
+sql "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
 ctl_exits 0 verify alice "$T/a2.ply"
 ctl_exits 0 subject show alice
 ok "seen by surfacectl" test "$(said .last_seen)" != 2026-01-01T00:00:00.000Z
-sqlite3 "$DB" "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
+sql "UPDATE subjects SET seen = '2026-01-01T00:00:00.000Z'"
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 ctl_exits 0 subject show alice
 ok "seen by the daemon" test "$(said .last_seen)" != 2026-01-01T00:00:00.000Z
@@ -104,7 +104,7 @@ ctl_exits 0 template export "$id" --out "$T/out.ply"
 is "its file's mode" "$(stat -c %a "$T/out.ply")" 600
 "$BUILD/surfacectl" compare "$T/a.ply" "$T/out.ply" >"$T/text"
 is "it is the face" "$?$(sed -n 's/^decision *//p' "$T/text")" 0match
-is "an event of it" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'export_template'")" 1
+is "an event of it" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'export_template'")" 1
 ctl_exits 66 template export 00000000000000000000000000000000 --out "$T/none.ply"
 ok "no file" test ! -e "$T/none.ply"
 ctl_exits 64 template delete "$id"

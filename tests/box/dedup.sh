@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.." || exit 1
 unset SURFACED_DB SURFACED_MODEL
 
 who() { said '[.duplicates[] | .subject_a + "=" + .subject_b] | join(" ")'; }
-rows() { sqlite3 "$DB" "SELECT (SELECT count(*) FROM $ENTRIES), (SELECT count(*) FROM templates)"; }
+rows() { sql "SELECT (SELECT count(*) FROM $ENTRIES), (SELECT count(*) FROM templates)"; }
 
 for n in 1 2 3 4 5 6; do
     scan $n 0 "$T/s$n.ply" --points 1000

@@ -32,7 +32,7 @@ is "as text" "$?" 0
 ok "a line each" grep -q '^ok  *key  *.*opens the database' "$T/text"
 
 # ---- guessing and lock-outs
-sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch() FROM subjects"
+sql "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch() FROM subjects"
 doctor
 is "failures are no trouble" "$CODE" 0
 finds "a lock-out" warning attempts '^1 times in the last day'
@@ -41,15 +41,15 @@ while [ $i -lt 10 ]; do
     "$BUILD/surfacectl" --db "$DB" enroll "tried-$i" "$T/s1.ply" >"$T/text"
     i=$((i + 1))
 done
-sqlite3 "$DB" "DELETE FROM attempts; INSERT INTO attempts
+sql "DELETE FROM attempts; INSERT INTO attempts
     SELECT subject_key, 'thief', 1, 1000 * unixepoch() FROM subjects LIMIT 9"
 doctor
 ok "9 subjects are not yet many" jq_true '[.findings[] | select(.about == "attempts")] == []' "$T/ctl"
-sqlite3 "$DB" "DELETE FROM attempts; INSERT INTO attempts
+sql "DELETE FROM attempts; INSERT INTO attempts
     SELECT subject_key, 'thief', 1, 1000 * unixepoch() FROM subjects LIMIT 10"
 doctor
 finds "one face on many" warning attempts 'token thief tried 10 subjects'
-sqlite3 "$DB" "DELETE FROM attempts"
+sql "DELETE FROM attempts"
 i=0
 while [ $i -lt 10 ]; do
     "$BUILD/surfacectl" --db "$DB" subject erase --yes "tried-$i" >"$T/text" 2>&1
@@ -128,7 +128,7 @@ finds "plaintext, and not said so" error key 'plaintext'
 export SURFACED_PLAINTEXT_DATABASE=1
 doctor
 finds "plaintext" warning key 'has no key'
-sqlite3 "$DB" "UPDATE templates SET points = points - 1"
+sql "UPDATE templates SET points = points - 1"
 doctor
 finds "damaged" error state 'not as it was written'
 finish

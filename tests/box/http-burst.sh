@@ -27,8 +27,8 @@ burst() {
     LIST=$(get '[.templates[] | if .refusal then .refusal.code elif .new then "new" else "same" end]
         | join(" ")')
 }
-stored() { sqlite3 "$DB" "SELECT count(*) FROM $1"; }
-mismatches() { sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll_mismatch'"; }
+stored() { sql "SELECT count(*) FROM $1"; }
+mismatches() { sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll_mismatch'"; }
 
 start_daemon --attempts 4 --max-body 2000000 --workers 2
 AUTH=$(new_token one)
@@ -53,7 +53,7 @@ is "between the samples no attempt is counted" "$(mismatches) $(stored attempts)
 ids=$(get '[.templates[].template_id | values] | unique | join(" ")')
 req GET /v1/subjects/alice
 is "they are there" "$(get '[.templates[].template_id] | sort | join(" ")')" "$ids"
-is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll'")" 3
+is "an event each" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll'")" 3
 send POST /v1/subjects/alice/verify "$PLY" "$T/a3.ply"
 is "verified by them" "$STATUS $(get '[.decision, .templates_compared] | @csv')" '200 "match",3'
 burst alice a0.ply b.ply none.ply a1.ply

@@ -177,7 +177,7 @@ jq -c -n --slurpfile a "$T/a2.json" '{a: $a[0], b: $a[0]}' >"$T/aa.json"
 send POST /v1/compare "$JSON" "$T/aa.json" -H "$MIN"
 only "compare" match null null
 is "the minimal disparity is not computed" "$(minima)" "$before"
-is "each is recorded" "$(sqlite3 "$DB" "SELECT group_concat(kind || ' ' || outcome) FROM
+is "each is recorded" "$(sql "SELECT group_concat(kind || ' ' || outcome) FROM
     (SELECT * FROM $ENTRIES ORDER BY at DESC, seq DESC LIMIT 3)")" 'compare match,verify no_match,verify match'
 send POST /v1/subjects/min/verify "$JSON" "$T/a2.json" -H 'Prefer: return=representation'
 is "representation" "$STATUS $(get '.disparity_mm > 0') $(field Preference-Applied)" "200 true "

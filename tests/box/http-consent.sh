@@ -58,10 +58,10 @@ shows '["C-17 ä",null,"2031-01-31T11:00:00.000Z",false,false]'
 change alice '{"consent": "", "expires_at": null}' -H 'Prefer: return=minimal'
 is "no body if it is not wanted" "$STATUS $(field Preference-Applied)" '204 return=minimal'
 shows '[null,null,null,false,false]'
-before=$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES")
+before=$(sql "SELECT count(*) FROM $ENTRIES")
 change alice '{}'
 is "nothing to change" "$STATUS" 200
-is "no audit event" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES")" "$before"
+is "no audit event" "$(sql "SELECT count(*) FROM $ENTRIES")" "$before"
 req PATCH /v1/subjects/alice -H "$JSON" -d '{"expires_at": "2031-01-31"}'
 is "plain JSON, a date" "$STATUS $(get .expires_at)" '200 2031-01-31T23:59:59.999Z'
 ctl subject set alice --expires never --consent C-1

@@ -88,7 +88,7 @@ glb "a template"
 is "the node of a template" "$(jq -r '[.nodes[].name] | join(" ")' "$T/glb")" face
 req GET "/v1/templates/$id/surface?format=ply"
 is "as PLY" "$STATUS $(head -n 1 "$T/body")" '200 ply'
-is "each is recorded" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'surface'")" 3
+is "each is recorded" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'surface'")" 3
 
 # ---- who may have them
 AUTH=$VERIFY

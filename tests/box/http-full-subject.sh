@@ -45,7 +45,7 @@ send POST /v1/subjects/alice/templates "$PLY" "$T/7.ply"
 is "one that is there" "$STATUS" 200
 send POST /v1/subjects/alice/verify "$PLY" "$T/20.ply"
 is "verified" "$STATUS $(get .decision) $(get .templates_compared)" '200 match 20'
-is "no failed attempts" "$(sqlite3 "$DB" 'SELECT count(*) FROM attempts')" 0
+is "no failed attempts" "$(sql 'SELECT count(*) FROM attempts')" 0
 
 # ---- by surfacectl
 ctl_exits 65 enroll alice "$T/20.ply"

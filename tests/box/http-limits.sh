@@ -25,7 +25,7 @@ locked_out() {
 
 # later SECONDS: moves all subjects' last failures that far into the past.
 later() {
-    sqlite3 "$DB" "UPDATE attempts SET at_ms = at_ms - $1 * 1000"
+    sql "UPDATE attempts SET at_ms = at_ms - $1 * 1000"
 }
 
 # failures SUBJECT: the number that counts towards its lock-out.
@@ -58,7 +58,7 @@ decides "a failure" no_match
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/swapped.xyz"
 problem "its own, left and right swapped" 422 mirrored
 is "it is an attempt" "$(failures alice)" 2
-is "and an event" "$(sqlite3 "$DB" "SELECT kind, outcome FROM $ENTRIES ORDER BY at DESC, seq DESC LIMIT 1")" 'verify|no_match'
+is "and an event" "$(sql "SELECT kind, outcome FROM $ENTRIES ORDER BY at DESC, seq DESC LIMIT 1")" 'verify|no_match'
 verify alice "$T/a1.ply"
 decides "its own" match
 verify alice "$T/b.ply"
@@ -183,7 +183,7 @@ req GET /v1/subjects
 problem "no token" 401 unauthorized
 req GET /healthz
 is "a path that needs none" "$STATUS" 200
-ctl token revoke "$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'known'")"
+ctl token revoke "$(sql "SELECT id FROM tokens WHERE name = 'known'")"
 AUTH=$known
 req GET /v1/subjects
 problem "a revoked token" 401 unauthorized

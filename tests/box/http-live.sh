@@ -35,7 +35,7 @@ req DELETE /v1/subjects/alice/attempts
 is "the lock-out ends" "$STATUS" 204
 req POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/a2.ply"
 is "at once" "$STATUS $(get .decision)" '200 match'
-is "and is recorded" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind LIKE '%attempts%'")" 1
+is "and is recorded" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind LIKE '%attempts%'")" 1
 req DELETE /v1/subjects/nobody/attempts
 problem "of nobody" 404 not_found
 AUTH=$(new_token door --scope verify,read,enroll,delete,detail)

@@ -62,7 +62,7 @@ done
 sqlite3 "$DB" "CREATE TABLE saved AS SELECT mac FROM templates; UPDATE templates SET mac = zeroblob(32)"
 req GET '/v1/subjects?limit=1'
 is "a damaged template" "$STATUS $(get '.subjects[0].quality')" '200 null'
-sqlite3 "$DB" "UPDATE templates SET mac = (SELECT mac FROM saved); DROP TABLE saved"
+sql "UPDATE templates SET mac = (SELECT mac FROM saved); DROP TABLE saved"
 
 # ---- attempts
 send POST /v1/subjects/Alice@home/verify "$PLY" "$T/b.ply"
@@ -86,7 +86,7 @@ req DELETE /v1/subjects/bob
 req GET '/v1/audit?limit=1000'
 cp "$T/body" "$T/whole"
 is "newest first" "$(get '[.entries[:3][].kind] | join(" ")')" 'delete_subject reset_attempts locked_out'
-is "all of it" "$(get '.entries | length') $(get .next_cursor)" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES") null"
+is "all of it" "$(get '.entries | length') $(get .next_cursor)" "$(sql "SELECT count(*) FROM $ENTRIES") null"
 ctl audit show --limit 1000
 is "the command says the same" "$(said '.entries | reverse | tojson')" "$(get '.entries | tojson')"
 is "who is erased has no name" "$(get '.entries[] | select(.kind == "delete_subject") | [.subject, .erased, (.subject_uid | length), .actor_name] | tojson')" '[null,true,32,"me"]'
@@ -109,10 +109,10 @@ for limit in 1 2 5; do
     is "pages of $limit" "$(cat "$T/back")" "$(jq -r '.entries[] | tojson' "$T/whole")"
     is "pages of $limit, forward" "$(tac "$T/pages")" "$(cat "$T/back")"
 done
-is "after the last one can ask again" "$cursor" "$(sqlite3 "$DB" 'SELECT (SELECT max(seq) FROM change_log) || "-" || (SELECT max(seq) FROM access_log)')"
+is "after the last one can ask again" "$cursor" "$(sql 'SELECT (SELECT max(seq) FROM change_log) || "-" || (SELECT max(seq) FROM access_log)')"
 req GET '/v1/audit?kind=verify,reset_attempts&subject=Alice@home'
 is "two kinds of a subject" "$(kinds)" 'reset_attempts verify verify verify'
-req GET "/v1/audit?actor=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'door'")"
+req GET "/v1/audit?actor=$(sql "SELECT id FROM tokens WHERE name = 'door'")"
 is "of an actor" "$(get '[.entries[] | .kind + " " + .actor_name] | join(" ")')" 'locked_out door verify door verify door'
 day=$(date -u +%F)
 req GET "/v1/audit?since=$day&until=$day&limit=1000"
@@ -129,13 +129,13 @@ for query in before=x before=1 before=0-5 after=1-1-1 after=-1-2 after=01-1 'bef
     ok "$query: $STATUS $(get .code)" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
 done
 # what is looked at in a request is bounded, and the cursor goes on behind it
-sqlite3 "$DB" "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+sql "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
     FROM generate_series(1, 30000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
 req GET '/v1/audit?kind=create_token'
 is "nothing yet" "$(kinds)" ''
 req GET "/v1/audit?kind=create_token&before=$(get .next_cursor)"
 is "behind it" "$(kinds) $(get .next_cursor)" 'create_token create_token null'
-sqlite3 "$DB" "DELETE FROM access_log WHERE kind = 'filler'"
+sql "DELETE FROM access_log WHERE kind = 'filler'"
 
 # ---- tokens
 post() { req POST "$1" -H "$JSON" -d "$2"; }
@@ -176,15 +176,15 @@ done <<'END'
 {"name": "a", "scopes": ["verify"], "expires_at": "9000-01-01"}
 {"name": "a", "scopes": ["verify"], "id": "x"}
 END
-is "none of these was made" "$(sqlite3 "$DB" 'SELECT count(*) FROM tokens')" 5
+is "none of these was made" "$(sql 'SELECT count(*) FROM tokens')" 5
 req GET /v1/tokens
 ctl token list
 is "the list is the command's" "$(get '.tokens | map(del(.last_used)) | tojson')" "$(said '.tokens | map(del(.last_used)) | tojson')"
 is "without a secret" "$(get '[.tokens[] | has("secret")] | any')" false
 # nobody gives, or gets, what he has not
 manager=$(new_token manager --scope manage,verify)
-managing=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'manager'")
-mine=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'me'")
+managing=$(sql "SELECT id FROM tokens WHERE name = 'manager'")
+mine=$(sql "SELECT id FROM tokens WHERE name = 'me'")
 AUTH=$manager
 post /v1/tokens '{"name": "more", "scopes": ["verify", "detail", "delete"]}'
 problem "more than his own" 403 insufficient_scope 'delete,detail'
@@ -240,7 +240,7 @@ ok "no secret is in the log" sh -c "! grep -Eq '$secret|$new|$manager' '$LOG'"
 # ---- stats
 req GET /v1/stats
 cp "$T/body" "$T/stats"
-is "counts" "$(get '.counts | [.subjects, .templates, .tokens, .devices] | tojson')" "$(sqlite3 "$DB" "SELECT json_array(
+is "counts" "$(get '.counts | [.subjects, .templates, .tokens, .devices] | tojson')" "$(sql "SELECT json_array(
     (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), (SELECT count(*) FROM tokens), 0)")"
 is "calibration" "$(get '.calibration | [.source, .fmr, .made_at, .threshold, (.knots | length > 3)] | tojson')" '["shipped",null,null,8,true]'
 is "what was decided" "$(get '.rates | [.verifications, .decisions.no_match, .enrollments, .refusals.unauthorized] | tojson')" '[3,3,1,2]'
@@ -265,7 +265,7 @@ is "of today" "$(get '[.days[] | .decision + " " + (.bins | add | tostring)] | j
 bin() { awk "BEGIN { b = int(($1 + 40) / 2); print ($1 < -40 ? 0 : (b > 63 ? 63 : b)) }"; }
 is "both matches in their bin" "$(get ".days[0].bins[$(bin "$score")]")" 2
 ok "the other's too" test "$(get ".days[1].bins[$(bin "$low")]")" -ge 1
-is "a small row each" "$(sqlite3 "$DB" 'SELECT count(*), max(length(bins)) FROM days')" '2|256'
+is "a small row each" "$(sql 'SELECT count(*), max(length(bins)) FROM days')" '2|256'
 "$BUILD/surfacectl" --db "$DB" stats >"$T/out"
 contains "as text" "$T/out" "^$day *no_match *4, half of them with a score of -?[0-9]+ or more"
 # what the file says that is no row of ours misleads nobody's verification
@@ -275,24 +275,24 @@ is "damaged" "$STATUS $(get '[.days[] | select(.day < "3") | .bins | add] | tojs
 req DELETE /v1/subjects/Alice@home/attempts
 send POST /v1/subjects/Alice@home/verify "$PLY" "$T/a2.ply"
 is "and a verification goes on" "$STATUS" 200
-sqlite3 "$DB" "DELETE FROM days WHERE day = '<b>'"
+sql "DELETE FROM days WHERE day = '<b>'"
 
 # ---- verified, and as files
 req POST /v1/audit/verify
 is "verified" "$STATUS $(get '[.ok, .changes, .accesses, .findings, .head.seq] | tojson')" \
-    "200 $(sqlite3 "$DB" "SELECT json_array(json('true'), (SELECT count(*) FROM change_log), (SELECT count(*) FROM access_log), json('[]'), (SELECT max(seq) FROM change_log))")"
-is "each row" "$(get .rows)" "$(sqlite3 "$DB" 'SELECT (SELECT count(*) FROM subjects) + (SELECT count(*) FROM templates) + (SELECT count(*) FROM tokens)')"
+    "200 $(sql "SELECT json_array(json('true'), (SELECT count(*) FROM change_log), (SELECT count(*) FROM access_log), json('[]'), (SELECT max(seq) FROM change_log))")"
+is "each row" "$(get .rows)" "$(sql 'SELECT (SELECT count(*) FROM subjects) + (SELECT count(*) FROM templates) + (SELECT count(*) FROM tokens)')"
 req GET /v1/audit/export
 is "a file" "$STATUS $(field Content-Type) $(field Content-Disposition)" '200 application/jsonl attachment; filename="audit.jsonl"'
 cp "$T/body" "$T/export.jsonl"
 "$BUILD/surfacectl" --json audit verify "$T/export.jsonl" --public-key "$(head -n 1 "$T/body" | jq -r .public_key)" >"$T/ctl"
-is "which the command verifies" "$(said '[.ok, .entries] | tojson')" "[true,$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES")]"
+is "which the command verifies" "$(said '[.ok, .entries] | tojson')" "[true,$(sql "SELECT count(*) FROM $ENTRIES")]"
 ok "without ids" sh -c "! grep -q Alice '$T/export.jsonl'"
-is "recorded" "$(sqlite3 "$DB" "SELECT kind, actor = '$mine' FROM change_log ORDER BY seq DESC LIMIT 1")" 'export_audit|1'
+is "recorded" "$(sql "SELECT kind, actor = '$mine' FROM change_log ORDER BY seq DESC LIMIT 1")" 'export_audit|1'
 req GET '/v1/audit/export?format=csv'
 is "a table" "$STATUS $(field Content-Type) $(field Content-Disposition)" '200 text/csv; charset=utf-8 attachment; filename="audit.csv"'
 is "a row an entry" "$(python3 -c 'import csv,sys; r=list(csv.DictReader(open(sys.argv[1], newline=""))); print(len(r), r[0]["kind"], r[-1]["kind"])' "$T/body")" \
-    "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES") create_database export_audit"
+    "$(sql "SELECT count(*) FROM $ENTRIES") create_database export_audit"
 contains "with names" "$T/body" '"verify","[0-9a-f]{32}","door","Alice@home"'
 req GET '/v1/audit/export?format=csv&kind=create_token,add_subject'
 contains "no formula" "$T/body" "\"'--\"|\"'=cmd"
@@ -303,7 +303,7 @@ for query in format=xml 'format=jsonl&kind=verify' subject=alice.2 'format=csv&s
     ok "$query: $STATUS" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
 done
 # one at a time: a logs' worth of rows keeps one busy meanwhile
-sqlite3 "$DB" "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+sql "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
     FROM generate_series(1, 1000000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
 beside walk POST /v1/audit/verify
 sleep 0.3
@@ -316,14 +316,14 @@ req GET /v1/subjects
 is "others go on" "$STATUS" 200
 all_sent
 is "the first one found it" "$TALLY $(jq -r '[.ok, (.findings | length)] | tojson' "$T/o.walk")" '200x1 [false,1]'
-sqlite3 "$DB" "DELETE FROM access_log WHERE kind = 'filler'"
+sql "DELETE FROM access_log WHERE kind = 'filler'"
 req POST /v1/audit/verify
 is "and then another" "$STATUS $(get .ok)" '200 true'
 beside gone GET /v1/audit/export -m 0.01
 all_sent
 ok "who goes leaves the place" soon sh -c "test \"\$(curl -sS -o /dev/null -w '%{http_code}' -X POST -H 'Authorization: Bearer $AUTH' '$URL/v1/audit/verify')\" = 200"
 # rows that are not the last change's: it says so once, and the daemon stops
-sqlite3 "$DB" "UPDATE subjects SET hold = 1 - hold WHERE subject_key = 1"
+sql "UPDATE subjects SET hold = 1 - hold WHERE subject_key = 1"
 req POST /v1/audit/verify
 is "a changed row" "$STATUS $(get '[.ok, .problems] | tojson')" '200 [false,2]'
 req GET /v1/audit

@@ -73,7 +73,7 @@ for name in threshold Threshold score fmr decision force; do
     send POST "/v1/subjects/alice/verify?$name=-1000" "$PLY" "$T/mallory.ply"
     problem "?$name" 400 invalid_parameter "unknown query parameter $name;"
 done
-is "no match is recorded of a stranger" "$(sqlite3 "$DB" \
+is "no match is recorded of a stranger" "$(sql \
     "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'match'")" 4
 jq -c '.threshold = -1000' "$T/mallory.json" >"$T/with.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/with.json"
@@ -111,7 +111,7 @@ for i in $(seq 3 10); do
     fi
     ok "no score in it" sh -c "! grep -Eq '_mm|score|disparity|[0-9][.][0-9]|decision' '$T/body'"
 done
-is "each is recorded" "$(sqlite3 "$DB" \
+is "each is recorded" "$(sql \
     "SELECT count(*), min(outcome) FROM $ENTRIES WHERE kind = 'enroll_mismatch'")" "3|no_match"
 is "and counted" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 3
 send POST /v1/subjects/alice/templates "$PLY" "$T/alice2.ply"
@@ -125,7 +125,7 @@ problem "by force" 403 insufficient_scope 'scope manage'
 AUTH=$(new_token manage --scope manage)
 send POST '/v1/subjects/alice/templates?force=true' "$PLY" "$T/mallory.ply"
 problem "manage alone" 403 insufficient_scope 'scope enroll'
-is "alice has one template" "$(sqlite3 "$DB" 'SELECT count(*) FROM templates')" 1
+is "alice has one template" "$(sql 'SELECT count(*) FROM templates')" 1
 "$BUILD/surfacectl" --db "$DB" attempts reset alice >/dev/null 2>&1
 # Many at once are no way round it: a wrong face is told so three times at most.
 AUTH=$enroll
@@ -145,7 +145,7 @@ is "with both, by force" "$STATUS" 201
 ctl token create door
 is "a token without a scope" $CODE 64
 contains "says which there are" "$T/ctl.err" "needs --scope: one or more of $ALL"
-is "and is not made" "$(sqlite3 "$DB" "SELECT count(*) FROM tokens WHERE name = 'door'")" 0
+is "and is not made" "$(sql "SELECT count(*) FROM tokens WHERE name = 'door'")" 0
 ctl_exits 0 token create door --scope verify
 is "with the one, for a year" "$(said '[.scopes[], ((.expires_at[:19] + "Z" | fromdate) -
     (.created[:19] + "Z" | fromdate)) / 86400] | @csv')" '"verify",365'

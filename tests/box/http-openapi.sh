@@ -335,14 +335,14 @@ wait $clients
 # ---- a damaged database, before the daemon looks through it (a minute after its start)
 stop_daemon
 start_daemon --workers 1 --queue 1 --max-body $LIMIT
-sqlite3 "$DB" 'UPDATE tokens SET name = name || 1'
+sql 'UPDATE tokens SET name = name || 1'
 each 500 '.responses["500"]' -d x
 
 # ---- lock-out and rate limit
-sqlite3 "$DB" 'UPDATE tokens SET name = substr(name, 1, length(name) - 1)'
+sql 'UPDATE tokens SET name = substr(name, 1, length(name) - 1)'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
-sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch()
+sql "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch()
     FROM tokens, templates JOIN subjects USING (uid) WHERE templates.id = '$id'"
 put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
 put POST /v1/subjects/carol/templates 429 "$PLY" "$T/b.ply"

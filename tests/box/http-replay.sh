@@ -64,7 +64,7 @@ is "in another order: the same template" "$STATUS $(get .template_id)" "200 $den
 req DELETE /v1/subjects/dan
 verify alice "$XYZ" "$T/moved.xyz" # what is not found, as docs/threat-model.md says
 decides "other points" match
-is "they are events" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'replayed'")" 8
+is "they are events" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'replayed'")" 8
 is "and counted" "$(metric surfaced_replayed_total)" 8
 is "but no decisions" "$(metric 'surfaced_decisions_total{decision="match"}')" 2
 ctl verify alice "$T/shuffled.xyz"
@@ -84,7 +84,7 @@ verify alice "$PLY" "$T/a1.ply"
 problem "the new one's" 422 replayed
 req DELETE /v1/subjects/alice
 req DELETE /v1/subjects/bob
-is "nothing is left" "$(sqlite3 "$DB" "SELECT count(*) FROM faces")" 0
+is "nothing is left" "$(sql "SELECT count(*) FROM faces")" 0
 stop_daemon
 
 # ---- it counts as a failure

@@ -204,7 +204,7 @@ is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
 is "what was removed" "$(get '.template_ids | @csv')" "\"$id\""
 is "its digest" "$(get .digest)" \
     "$(get '"surface erasure 2", .subject, .subject_uid, .erased_at, .template_ids[]' | sha256sum | cut -c 1-64)"
-is "its entry in the audit log" "$(sqlite3 "$DB" "SELECT kind, at, lower(hex(hash)) FROM $ENTRIES
+is "its entry in the audit log" "$(sql "SELECT kind, at, lower(hex(hash)) FROM $ENTRIES
     WHERE log = 0 AND seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
 req DELETE /v1/subjects/alice
 problem "erase again" 404 not_found

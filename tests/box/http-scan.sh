@@ -100,7 +100,7 @@ is "the file's own unit wins" "$STATUS $(get '[.decision, .scan.units] | tojson'
 
 # ---- check
 logged() {
-    sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES; SELECT count(*) FROM templates" | paste -sd ' '
+    sql "SELECT count(*) FROM $ENTRIES; SELECT count(*) FROM templates" | paste -sd ' '
 }
 before=$(logged)
 send POST /v1/check "$PLY" "$T/a.ply"

@@ -64,7 +64,7 @@ is "no other in the table of the program" "$(grep -c '{REQUEST_' server/api/rout
 enrolled() {
     if [ -z "$token" ]; then
         new_token other --scope manage >"$T/other"
-        token=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'other' AND revoked IS NULL")
+        token=$(sql "SELECT id FROM tokens WHERE name = 'other' AND revoked IS NULL")
     fi
     [ -z "$template" ] || return
     e_auth=$AUTH AUTH=$all
@@ -194,7 +194,7 @@ while read -r verb route needs; do
         ;;
     esac
 done <"$T/matrix"
-is "alice was not held" "$(sqlite3 "$DB" 'SELECT count(*) FROM subjects')" 1
+is "alice was not held" "$(sql 'SELECT count(*) FROM subjects')" 1
 
 # ---- a stranger
 AUTH=

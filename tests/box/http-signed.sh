@@ -174,14 +174,14 @@ is "failed liveness" "$(metric 'surfaced_captures_total{outcome="liveness_failed
 is "replayed" "$(metric 'surfaced_captures_total{outcome="capture_replayed"}')" 3
 
 # ---- the database is written by an attacker: another key for the device
-sqlite3 "$DB" "UPDATE devices SET public = x'$(key_bits door-1 | od -An -v -tx1 | tr -d ' \n')'
+sql "UPDATE devices SET public = x'$(key_bits door-1 | od -An -v -tx1 | tr -d ' \n')'
     WHERE name = 'door-2'"
 client door-2 door-1 "$VERIFY" "$T/a1.ply"
 is "a key that was put there" "$STATUS $(get .code)" "500 internal"
 stop_daemon
 ctl_exits 1 audit verify
 ok "is found" jq_true '[.problems[] | tostring] | any(contains("devices"))' "$T/ctl"
-sqlite3 "$DB" "UPDATE devices SET public = x'$(key_bits door-2 | od -An -v -tx1 | tr -d ' \n')'
+sql "UPDATE devices SET public = x'$(key_bits door-2 | od -An -v -tx1 | tr -d ' \n')'
     WHERE name = 'door-2'"
 ctl_exits 0 audit verify
 
@@ -250,5 +250,5 @@ done
 clock +400s
 client door-2 door-2 "$VERIFY" "$T/a1.ply"
 is "later" "$(get .decision)" match
-is "nonces that have expired are not kept" "$(sqlite3 "$DB" 'SELECT count(*) FROM nonces')" 1
+is "nonces that have expired are not kept" "$(sql 'SELECT count(*) FROM nonces')" 1
 finish

@@ -49,10 +49,10 @@ req GET /v1/subjects -H "authorization: bearer $mine"
 problem "two tokens" 400 malformed 'more than one Authorization'
 req GET /v1/subjects/a%20b
 problem "a malformed id, with a token" 400 invalid_parameter
-is "the actor in the audit log" "$(sqlite3 "$DB" "SELECT DISTINCT actor FROM $ENTRIES WHERE kind IN ('enroll', 'verify')")" \
+is "the actor in the audit log" "$(sql "SELECT DISTINCT actor FROM $ENTRIES WHERE kind IN ('enroll', 'verify')")" \
     "$token_id"
 ok "the token is not in the database" sh -c "! grep -aq '$AUTH' '$DB' '$DB-wal'"
-ok "its last use is recorded" test -n "$(sqlite3 "$DB" 'SELECT used FROM tokens')"
+ok "its last use is recorded" test -n "$(sql 'SELECT used FROM tokens')"
 
 # ---- rotated
 all=$AUTH
@@ -87,10 +87,10 @@ ctl token create --scope read --expires 1h short
 AUTH=$(jq -r .secret "$T/ctl")
 req GET /v1/subjects
 is "before it expires" "$STATUS" 200
-sqlite3 "$DB" "UPDATE tokens SET expires = NULL WHERE name = 'short'"
+sql "UPDATE tokens SET expires = NULL WHERE name = 'short'"
 req GET /v1/subjects
 problem "an expiry that was changed without the key" 500 internal
-"$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
+"$BUILD/forge" "$DB" "$KEY" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'short'"
 req GET /v1/subjects
 problem "expired, at once" 401 unauthorized
 ctl token rotate "$(jq -r .id "$T/ctl")" --expires 1h
@@ -118,7 +118,7 @@ done
 new_token ends-revoked --scope verify --expires 3d >/dev/null
 ctl token revoke ends-revoked
 new_token ends-past --scope verify --expires 1d >/dev/null
-"$BUILD/forge" "$DB" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'ends-past'"
+"$BUILD/forge" "$DB" "$KEY" "UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE name = 'ends-past'"
 ctl doctor
 is "doctor names those that will, and it is no trouble" \
     "$CODE $(said '[.findings[] | select(.about == "token") | .what | sub("^[^(]*"; "") | sub(" expires.*"; "")] | join(" ")')" \

@@ -23,7 +23,7 @@ locked_out() {
 }
 
 events() {
-    sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES WHERE kind = '$1'"
+    sql "SELECT count(*) FROM $ENTRIES WHERE kind = '$1'"
 }
 
 scan 1 0 "$T/a.ply"
@@ -36,7 +36,7 @@ done
 thief=$(new_token thief --scope verify)
 door=$(new_token door --scope verify)
 start_daemon --attempt-wait 1000 --attempt-subjects 4
-thief_id=$(sqlite3 "$DB" "SELECT id FROM tokens WHERE name = 'thief'")
+thief_id=$(sql "SELECT id FROM tokens WHERE name = 'thief'")
 
 # ---- three bad scans keep nobody else out
 for i in 1 2 3; do
@@ -52,7 +52,7 @@ ok "and a line in the log" grep -q 'level=warn .*locked out.*token='"$thief_id" 
 is "and counted" "$(metric 'surfaced_attempt_warnings_total{kind="locked_out"}')" 1
 is "what was refused too" "$(metric 'surfaced_attempts_refused_total{reason="token"}')" 1
 is "for others" "$(metric 'surfaced_attempts_refused_total{reason="others"}')" 1
-sqlite3 "$DB" "UPDATE attempts SET at_ms = at_ms - 61000"
+sql "UPDATE attempts SET at_ms = at_ms - 61000"
 verify "$door" alice "$T/a1.ply"
 decides "another token a minute later" match
 verify "$thief" alice "$T/a1.ply"
@@ -94,7 +94,7 @@ verify "$thief" erin "$T/a1.ply"
 problem "for one" 429 too_many_subjects
 
 # ---- many at once are no way round it
-sqlite3 "$DB" "DELETE FROM attempts"
+sql "DELETE FROM attempts"
 AUTH=$thief
 for i in alice bob carol dave erin frank; do
     beside "$i" POST "/v1/subjects/$i/verify" -H "$PLY" --data-binary "@$T/b.ply"
@@ -103,7 +103,7 @@ all_sent
 is "6 subjects at once" "$TALLY" "200x4 429x2"
 
 # ---- by enrolments too, with verifications
-sqlite3 "$DB" "DELETE FROM attempts"
+sql "DELETE FROM attempts"
 before=$(events many_subjects) warned=$(metric 'surfaced_attempt_warnings_total{kind="many_subjects"}')
 both=$(new_token both --scope verify,enroll)
 AUTH=$both
@@ -130,14 +130,14 @@ ctl subject erase --yes alice
 ctl subject erase --yes bob
 ctl subject erase --yes carol
 ctl subject erase --yes dave
-ok "with the subjects" test "$(sqlite3 "$DB" "SELECT count(*) FROM attempts")" -le 2
+ok "with the subjects" test "$(sql "SELECT count(*) FROM attempts")" -le 2
 ctl token revoke "$thief_id"
-is "with the token" "$(sqlite3 "$DB" "SELECT count(*) FROM attempts WHERE token = '$thief_id'")" 0
+is "with the token" "$(sql "SELECT count(*) FROM attempts WHERE token = '$thief_id'")" 0
 stop_daemon
 
 # ---- by default, the third failure on one subject is a warning (docs/threat-model.md)
 warned=3
-sqlite3 "$DB" "DELETE FROM attempts"
+sql "DELETE FROM attempts"
 start_daemon
 before=$(events locked_out)
 climber=$(new_token climber --scope verify)

@@ -50,7 +50,7 @@ for way in $ways; do
     case $way in
     older) sqlite3 "$DB" "ATTACH '$T/old.db' AS old; DELETE FROM main.tokens; INSERT INTO main.tokens
         SELECT * FROM old.tokens" ;;
-    hidden) sqlite3 "$DB" "DELETE FROM subjects WHERE subject_key = 2" ;;
+    hidden) sql "DELETE FROM subjects WHERE subject_key = 2" ;;
     unread) sqlite3 "$DB" "ATTACH '$T/old.db' AS old; DELETE FROM main.tokens; INSERT INTO main.tokens
         SELECT * FROM old.tokens; ALTER TABLE devices RENAME TO others" ;;
     bytes)

@@ -108,7 +108,7 @@ stop_daemon
 
 # a calibration holds for the model that it was made with, and who ignores it says so
 expect 0 "a calibration" "$ctl" --db "$DB" calibrate --reset
-"$BUILD/forge" "$DB" "UPDATE calibrations SET shipped = 0"
+"$BUILD/forge" "$DB" "$KEY" "UPDATE calibrations SET shipped = 0"
 "$ctl" --db "$DB" verify anna "$b" >"$T/out" 2>"$T/err"
 is "holds: silence" "$(cat "$T/err")" ""
 "$ctl" --db "$DB" verify anna "$b" --model "$m" --json >"$T/ctl" 2>"$T/err"

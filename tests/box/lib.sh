@@ -6,14 +6,14 @@
 BUILD=${BUILD:-build}
 T=$(mktemp -d "${TMPDIR:-/tmp}/surfaced-test.XXXXXX")
 passed=0 failed=0
-PID='' URL='' DB=$T/faces.db LOG=$T/log AUTH=''
+PID='' URL='' DB=$T/faces.db KEY=$T/faces.db.key LOG=$T/log AUTH=''
 PLY='Content-Type: model/x-ply' JSON='Content-Type: application/json'
 BYTES='Content-Type: application/octet-stream'
 # The tests must not read the machine's own configuration.
 export SURFACED_CONFIG=/dev/null
 # The entries of both logs, for SQL.
 ENTRIES="(SELECT 0 AS log, seq, at, kind, actor, uid, object, outcome, hash FROM change_log
-    UNION ALL SELECT 1, seq, at, kind, actor, uid, object, outcome, hash FROM access_log)"
+    UNION ALL SELECT 1, seq, at, kind, actor, uid, object, outcome, hash FROM access_log) AS entries"
 # Every scope that a token may have.
 ALL=enroll,verify,identify,read,delete,manage,detail
 
@@ -46,6 +46,21 @@ needs_section() {
 # sanitized: the daemon was built with a sanitizer.
 sanitized() {
     nm "$BUILD/surfaced" 2>/dev/null | grep -Eq '__(asan|tsan|ubsan)_'
+}
+
+# Under scripts/with_postgres the database is one on that server.
+if [ -n "${PGHOST:-}" ]; then
+    DB=postgresql:///$(basename "$T")
+    export SURFACED_KEY="$KEY"
+    psql -X -q -d postgres -c "CREATE DATABASE \"$(basename "$T")\"" || exit 1
+fi
+
+# sql STATEMENTS: on $DB, as another program runs them; a row a line, columns with | between.
+sql() {
+    case $DB in
+    postgresql:*) psql -X -q -A -t -v ON_ERROR_STOP=1 -d "$DB" -c "$1" ;;
+    *) sqlite3 "$DB" "$1" ;;
+    esac
 }
 
 # jq ARGUMENT...: by gojq, which starts in an eighth of jq's time; it sorts the members of objects.

@@ -3,10 +3,13 @@
  *                    added to: the store's, whose driver alone uses that call
  * RECORD_BEGINS      a file that each transaction's first statement is added to, as it runs,
  *                    except those of the thread that looks for erasures now and then
+ * RECORD_TRIPS       a file that a line is added to for each round trip to a PostgreSQL server that a
+ *                    thread waits for, but that one
  * A line each, which ends with a semicolon if it is whole. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <sqlite3.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -89,4 +92,34 @@ int sqlite3_step(sqlite3_stmt *stmt)
     if (text != NULL && strncmp(text, "BEGIN", 5) == 0 && !looks_for_erasures())
         add_line("RECORD_BEGINS", text);
     return real(stmt);
+}
+
+/* ---- libpq */
+
+static _Thread_local int sent; /* and not waited for */
+
+int PQpipelineSync(void *pg);
+int PQpipelineSync(void *pg)
+{
+    int (*real)(void *);
+    void *symbol = dlsym(RTLD_NEXT, "PQpipelineSync");
+
+    memcpy(&real, &symbol, sizeof real);
+    sent = 1;
+    return real(pg);
+}
+
+int poll(struct pollfd *fd, nfds_t n, int ms)
+{
+    static int (*real)(struct pollfd *, nfds_t, int);
+    void *symbol;
+
+    if (real == NULL) {
+        symbol = dlsym(RTLD_NEXT, "poll");
+        memcpy(&real, &symbol, sizeof real);
+    }
+    if (sent && !looks_for_erasures())
+        add_line("RECORD_TRIPS", "trip");
+    sent = 0;
+    return real(fd, n, ms);
 }

@@ -92,7 +92,7 @@ is "what is current" "$(counts)" '1 0 1 0 0'
 ctl_exits 66 template reencode "$alice" 00000000000000000000000000000000
 verdicts >"$T/after"
 ok "the daemon goes on with the same digits" cmp "$T/wanted" "$T/after"
-is "an event each" "$(sqlite3 "$DB" "SELECT count(*) FROM $ENTRIES
+is "an event each" "$(sql "SELECT count(*) FROM $ENTRIES
     WHERE kind = 'reencode' AND outcome = 'reencoded' AND actor LIKE 'surfacectl%'")" 2
 ctl_exits 0 template list
 is "by this engine" "$(said .templates[0].engine)" "$engine"

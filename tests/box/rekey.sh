@@ -75,7 +75,7 @@ is "plaintext" "$(said .kind)" plaintext
 ok "its file is gone" test ! -e "$T/phrase"
 rm -f "$DB.key"
 ctl_exits 0 verify s1 "$T/p1.ply" --plaintext-database
-open=$(sqlite3 "$DB" 'SELECT hex(plaintext) FROM root')
+open=$(sql 'SELECT hex(plaintext) FROM root')
 ok "the key is in the file" holds "$open" "$DB"
 ctl_exits 0 rekey --yes --plaintext-database
 is "its first key" "$(said .kind)" file

@@ -87,7 +87,7 @@ ctl_exits 0 subject hold dave
 ctl_exits 0 template delete "$second" --yes
 ctl_exits 0 device remove gone
 ctl_exits 0 calibrate --reset --yes
-sqlite3 "$DB" "INSERT INTO attempts SELECT subject_key, '', 2, 1 FROM subjects"
+sql "INSERT INTO attempts SELECT subject_key, '', 2, 1 FROM subjects"
 sqlite3 "$DB" "VACUUM INTO '$T/now.db'"
 checked "as it was written" 0
 
@@ -145,7 +145,7 @@ for name in $(list rows harmless) $(list pages harmless); do
         ctl_exits 0 enroll erin "$T/s5.ply"
         ctl_exits 0 token create new --scope verify
         is "$name, at $at: a token as it was meant" \
-            "$(sqlite3 "$DB" "SELECT scopes, old_hash IS NULL FROM tokens WHERE name = 'new' LIMIT 1")" 'verify|1'
+            "$(sql "SELECT scopes, old_hash IS NULL FROM tokens WHERE name = 'new' LIMIT 1")" 'verify|1'
         ctl device list
         ctl device remove "$(said '.devices[0].name')"
         ctl_exits 0 device add front "$T/front.pem"

@@ -1,6 +1,5 @@
 /* Tokens and failed attempts: scopes, expiry, rotation, revocation, forged rows. */
 #include <time.h>
-#include <sqlite3.h>
 
 #include "forge.h"
 #include "store.h"
@@ -12,7 +11,7 @@ static struct errinfo e;
 /* tempdb_sql(), with the MACs set again. */
 static void forge(const char *text)
 {
-    if (forge_sql(tempdb_path, text, &e) != ST_OK)
+    if (forge_sql(tempdb_path, &tempdb_key, text, &e) != ST_OK)
         fail_msg("%s: %s", text, e.msg);
 }
 
@@ -132,7 +131,7 @@ TEST(test_used)
     struct store *s = tempdb_fresh();
     struct store_token t, got;
     char secret[65], once[32];
-    sqlite3 *db;
+    struct rawdb *other;
     struct timespec before, after;
 
     create(s, "gate", STORE_SCOPE_ALL, 0, secret, &t);
@@ -152,15 +151,14 @@ TEST(test_used)
 
     /* Another process holds the lock for long. */
     tempdb_sql("UPDATE tokens SET used = NULL");
-    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
-    assert_int_equal(sqlite3_exec(db, "BEGIN IMMEDIATE", NULL, NULL, NULL), SQLITE_OK);
+    other = tempdb_raw();
+    must(rawdb_run(other, "BEGIN; UPDATE tokens SET used = NULL", &e));
     (void)clock_gettime(CLOCK_MONOTONIC, &before);
     must(store_token_check(s, secret, &got, &e));
     (void)clock_gettime(CLOCK_MONOTONIC, &after);
     assert_string_equal(got.used, "");
     assert_true(after.tv_sec - before.tv_sec < 4); /* a write would wait for 5 s */
-    assert_int_equal(sqlite3_exec(db, "ROLLBACK", NULL, NULL, NULL), SQLITE_OK);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    rawdb_close(other);
     must(store_token_check(s, secret, &got, &e));
     assert_true(got.used[0] != '\0');
     store_close(s);
@@ -250,7 +248,7 @@ TEST(test_by_token)
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
     assert_int_equal(tempdb_attempts(s, "thief", "dave").tried_warn, 0);
     assert_int_equal(tempdb_attempts(s, "thief", "alice").failures, 4);
-    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 28 * 86400000");
+    tempdb_sql("UPDATE attempts SET at_ms = at_ms - 2419200000");
     (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_count("attempts"), 3);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");

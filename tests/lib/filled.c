@@ -7,7 +7,6 @@
 
 #include <cmocka.h>
 #include <sodium.h>
-#include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,19 +133,19 @@ static void say_subjects(struct store *s, char *out)
     free(list);
 }
 
+static void say_line(void *out, const char *data, size_t n)
+{
+    (void)n;
+    say(out, "%s\n", data);
+}
+
 /* A query's only column, a line each. */
 static void say_query(const char *text, char *out)
 {
-    sqlite3_stmt *stmt;
-    sqlite3 *db;
+    struct rawdb *d = tempdb_raw();
 
-    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
-    if (sqlite3_prepare_v2(db, text, -1, &stmt, NULL) != SQLITE_OK)
-        fail_msg("%s: %s", text, sqlite3_errmsg(db));
-    while (sqlite3_step(stmt) == SQLITE_ROW)
-        say(out, "%s\n", (const char *)sqlite3_column_text(stmt, 0));
-    (void)sqlite3_finalize(stmt);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    must(rawdb_each(d, text, say_line, out, &e));
+    rawdb_close(d);
 }
 
 /* What no key encrypts; the revision and the MAC of a row are the copy's own. */

@@ -1,9 +1,9 @@
 #include "forge.h"
 
-#include <sqlite3.h>
 #include <string.h>
 
 #include "bytes.h"
+#include "rawdb.h"
 #include "rows_calibration.h"
 #include "rows_device.h"
 #include "rows_digest.h"
@@ -14,14 +14,12 @@
 
 static enum status run(const char *path, const char *sql, struct errinfo *e)
 {
-    enum status st = ST_OK;
-    sqlite3 *db = NULL;
+    struct rawdb *d;
+    enum status st = rawdb_open(path, &d, e);
 
-    if (sqlite3_open(path, &db) != SQLITE_OK ||
-        sqlite3_busy_timeout(db, 5000) != SQLITE_OK ||
-        sqlite3_exec(db, sql, NULL, NULL, NULL) != SQLITE_OK)
-        st = errinfo_set(e, ST_EDB, "%.120s: %s", sql, sqlite3_errmsg(db));
-    (void)sqlite3_close(db);
+    if (st == ST_OK)
+        st = rawdb_run(d, sql, e);
+    rawdb_close(d);
     return st;
 }
 
@@ -99,7 +97,8 @@ static enum status forge(struct log_txn *t, const struct log_act *by, struct err
     return log_change(t, by, "forge", NULL, "", "", e);
 }
 
-enum status forge_sql(const char *path, const char *sql, struct errinfo *e)
+enum status forge_sql(const char *path, const struct store_key *key, const char *sql,
+                      struct errinfo *e)
 {
     struct log_act by;
     struct log_txn t;
@@ -107,7 +106,7 @@ enum status forge_sql(const char *path, const char *sql, struct errinfo *e)
     enum status st;
 
     if ((st = run(path, sql, e)) != ST_OK ||
-        (st = store_open(path, STORE_WRITE, NULL, &s, e)) != ST_OK)
+        (st = store_open(path, STORE_WRITE, key, &s, e)) != ST_OK)
         return st;
     atomic_store(&s->verified, true);
     if ((st = store_act_begin(s, "forge", SQL_WRITE, &by, &t, e)) == ST_OK)

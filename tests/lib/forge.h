@@ -6,8 +6,11 @@
 
 struct errinfo;
 
-/* forge_sql(path, sql, e): run statements on a database; then every row that has not its MAC gets
+struct store_key; /* store_open.h */
+
+/* forge_sql(path, key, sql, e): run statements on a database; then every row that has not its MAC gets
  * it, and a change of kind "forge" has the digest of the rows as they are. */
-enum status forge_sql(const char *path, const char *sql, struct errinfo *e);
+enum status forge_sql(const char *path, const struct store_key *key, const char *sql,
+                      struct errinfo *e);
 
 #endif

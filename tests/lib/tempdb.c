@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <time.h>
 #include <unistd.h>
-#include <sqlite3.h>
 
 #include "clouds.h"
 #include "errinfo.h"
@@ -15,6 +14,8 @@
 #define POINTS 1500
 
 char tempdb_dir[32], tempdb_path[40];
+bool tempdb_server;
+struct store_key tempdb_key = {.make = CRYPT_FILE};
 struct surface_face tempdb_face[TEMPDB_FACES];
 struct surface_work *tempdb_work;
 
@@ -34,9 +35,34 @@ static bool emptied(void)
     return done;
 }
 
+static void on_server(const char *database, const char *text)
+{
+    struct rawdb *d;
+    struct errinfo e;
+
+    must(rawdb_open(database, &d, &e));
+    must(rawdb_run(d, text, &e));
+    rawdb_close(d);
+}
+
 void tempdb_remove(void)
 {
     assert_true(emptied());
+    if (tempdb_server)
+        on_server(tempdb_path, "DROP SCHEMA IF EXISTS main, aside CASCADE;"
+                               "CREATE SCHEMA main; CREATE SCHEMA aside");
+}
+
+static void make_server(const char *name)
+{
+    static char key[sizeof tempdb_path];
+    char text[200];
+
+    (void)snprintf(key, sizeof key, "%s/db.key", tempdb_dir);
+    tempdb_key.path = key;
+    (void)snprintf(tempdb_path, sizeof tempdb_path, "postgresql:///%s", name);
+    (void)snprintf(text, sizeof text, "CREATE DATABASE \"%s\"", name);
+    on_server("postgresql:///postgres", text);
 }
 
 static void begin(void)
@@ -46,6 +72,8 @@ static void begin(void)
     (void)snprintf(tempdb_dir, sizeof tempdb_dir, "/tmp/surfaced-test.XXXXXX");
     assert_non_null(mkdtemp(tempdb_dir));
     (void)snprintf(tempdb_path, sizeof tempdb_path, "%s/db", tempdb_dir);
+    if ((tempdb_server = getenv("PGHOST") != NULL))
+        make_server(strrchr(tempdb_dir, '/') + 1);
     assert_non_null(tempdb_work = surface_work_new(NULL));
     for (uint64_t i = 0; i < TEMPDB_FACES; i++) {
         const size_t n = clouds_scan(i + 1, 0, POINTS, pts);
@@ -77,7 +105,7 @@ struct store *tempdb_open(enum store_mode mode)
     struct store *s = NULL;
     struct errinfo e;
 
-    must(store_open(tempdb_path, mode, NULL, &s, &e));
+    must(store_open(tempdb_path, mode, &tempdb_key, &s, &e));
     return s;
 }
 
@@ -87,42 +115,84 @@ struct store *tempdb_fresh(void)
     return tempdb_open(STORE_CREATE);
 }
 
-static sqlite3 *open_file(void)
+struct rawdb *tempdb_raw(void)
 {
-    sqlite3 *db;
+    struct rawdb *d;
+    struct errinfo e;
+    char aside[100];
 
-    assert_int_equal(sqlite3_open(tempdb_path, &db), SQLITE_OK);
-    (void)sqlite3_busy_timeout(db, 5000);
-    return db;
+    must(rawdb_open(tempdb_path, &d, &e));
+    (void)snprintf(aside, sizeof aside, "ATTACH '%s/aside' AS aside", tempdb_dir);
+    if (!tempdb_server)
+        must(rawdb_run(d, aside, &e));
+    return d;
 }
 
 void tempdb_sql(const char *text)
 {
-    sqlite3 *db = open_file();
-    char aside[100], *why = NULL;
+    struct rawdb *d = tempdb_raw();
+    struct errinfo e;
 
-    (void)snprintf(aside, sizeof aside,
-                   "PRAGMA ignore_check_constraints = ON; ATTACH '%s/aside' AS aside",
-                   tempdb_dir);
-    assert_int_equal(sqlite3_exec(db, aside, NULL, NULL, NULL), SQLITE_OK);
-    if (sqlite3_exec(db, text, NULL, NULL, &why) != SQLITE_OK)
-        fail_msg("%s: %s", text, why);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    if (tempdb_server) /* as rawdb_open() has it of a file */
+        must(rawdb_run(d,
+                       "DO $$ DECLARE c record; BEGIN "
+                       "FOR c IN SELECT CAST(conrelid AS regclass) AS t, conname "
+                       "FROM pg_constraint WHERE contype = 'c' "
+                       "AND connamespace = CAST('main' AS regnamespace) "
+                       "LOOP EXECUTE format('ALTER TABLE %s DROP CONSTRAINT %I', c.t, "
+                       "c.conname); END LOOP; END $$",
+                       &e));
+    must(rawdb_run(d, text, &e));
+    rawdb_close(d);
+}
+
+static void to_number(void *out, const char *data, size_t n)
+{
+    (void)n;
+    *(int64_t *)out = strtoll(data, NULL, 10);
 }
 
 int64_t tempdb_number(const char *text)
 {
-    sqlite3 *db = open_file();
-    sqlite3_stmt *stmt;
-    int64_t n;
+    struct rawdb *d = tempdb_raw();
+    struct errinfo e;
+    int64_t n = INT64_MIN;
 
-    if (sqlite3_prepare_v2(db, text, -1, &stmt, NULL) != SQLITE_OK ||
-        sqlite3_step(stmt) != SQLITE_ROW)
-        fail_msg("%s: %s", text, sqlite3_errmsg(db));
-    n = sqlite3_column_int64(stmt, 0);
-    (void)sqlite3_finalize(stmt);
-    assert_int_equal(sqlite3_close(db), SQLITE_OK);
+    must(rawdb_each(d, text, to_number, &n, &e));
+    if (n == INT64_MIN)
+        fail_msg("%s: no row", text);
+    rawdb_close(d);
     return n;
+}
+
+static const char *const kept[] = {"subjects", "change_log", "access_log"};
+
+void tempdb_keep(const char *name)
+{
+    char text[300];
+
+    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
+        (void)snprintf(text, sizeof text,
+                       "CREATE TABLE aside.%s_%s AS SELECT * FROM main.%s", name, kept[i],
+                       kept[i]);
+        tempdb_sql(text);
+    }
+}
+
+void tempdb_put_back(const char *name)
+{
+    char text[600] = "BEGIN;";
+
+    for (size_t i = 0; i < sizeof kept / sizeof *kept; i++) {
+        const size_t n = strlen(text);
+
+        (void)snprintf(text + n, sizeof text - n,
+                       "DELETE FROM main.%s; INSERT INTO main.%s SELECT * FROM "
+                       "aside.%s_%s;",
+                       kept[i], kept[i], name, kept[i]);
+    }
+    (void)strcat(text, "COMMIT");
+    tempdb_sql(text);
 }
 
 int64_t tempdb_count(const char *rows)

@@ -7,10 +7,14 @@
 #include <stdbool.h>
 #include <stdint.h>
 #include "face.h"
+#include "rawdb.h"
 #include "store.h"
 
-extern char tempdb_dir[32];  /* the folder, under /tmp */
-extern char tempdb_path[40]; /* the database in it; its key is what store_open() makes */
+extern char tempdb_dir[32]; /* the folder, under /tmp */
+extern char
+    tempdb_path[40]; /* the database in it, or with PGHOST set (scripts/with_postgres) */
+extern bool tempdb_server;          /* the URL of one on that server, of the same name */
+extern struct store_key tempdb_key; /* its key, in the folder */
 
 /* Scans of different people, 1,500 points each, and working memory to compare them. */
 #define TEMPDB_FACES 4
@@ -24,13 +28,20 @@ void tempdb_remove(void);
 struct store *tempdb_fresh(void);
 struct store *tempdb_open(enum store_mode mode);
 
-/* tempdb_sql(text): run statements on the file, as another program would, which does not
- * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.
+/* tempdb_sql(text): run statements on the database, as another program would, which does not
+ * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.  Its tables are
+ * in the schema main; another, aside, is empty.
+ * tempdb_raw(): that program's connection, to be closed by rawdb_close().
+ * tempdb_keep(name), tempdb_put_back(name): subjects and logs are copied aside, as NAME_subjects, and
+ * so on; and are again what they were then.
  * tempdb_number(text): the first number that a query gives.
  * tempdb_count(rows): how many there are of "TABLE", or "TABLE WHERE ...".
  * tempdb_mislead(index, rows): an index of one column gets other contents, as a query gives them:
  * the rows' keys, and what each is found by.  Its table stays as it is. */
 void tempdb_sql(const char *text);
+struct rawdb *tempdb_raw(void);
+void tempdb_keep(const char *name);
+void tempdb_put_back(const char *name);
 int64_t tempdb_number(const char *text);
 int64_t tempdb_count(const char *rows);
 void tempdb_mislead(const char *index, const char *rows);

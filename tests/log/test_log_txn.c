@@ -1,3 +1,4 @@
+/* link: -Wl,--wrap=sql_prove */
 /* What a transaction sees of the logs: an open store refuses for good what is older than it has
  * seen or another branch, and takes what others add; no store takes an end that is not authentic. */
 #include <sys/wait.h>
@@ -10,33 +11,24 @@
 
 static struct errinfo e;
 
+static unsigned proofs; /* of commits, each asked for at the end of its transaction */
+
+void __wrap_sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n);
+void __wrap_sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
+                      size_t n)
+{
+    struct sql_rows *r;
+
+    const enum status st = sql_first(t, text, value, n, &r, &e);
+
+    must(sql_done(r, st, &e));
+    proofs++;
+}
+
 static void use(struct store *s)
 {
     must(store_event(s, "verify", "test", "", "", "match", &e));
-}
-
-/* All tables as they are, and as they were. */
-static void keep(const char *name)
-{
-    char text[100];
-
-    (void)snprintf(text, sizeof text, "VACUUM INTO '%s-%s'", tempdb_path, name);
-    tempdb_sql(text);
-}
-
-static void put_back(const char *name)
-{
-    static const char *const table[] = {"subjects", "change_log", "access_log"};
-    char text[600];
-    int n =
-        snprintf(text, sizeof text, "ATTACH '%s-%s' AS old; BEGIN;", tempdb_path, name);
-
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++)
-        n += snprintf(text + n, sizeof text - (size_t)n,
-                      "DELETE FROM main.%s; INSERT INTO main.%s SELECT * FROM old.%s;",
-                      table[i], table[i], table[i]);
-    (void)snprintf(text + n, sizeof text - (size_t)n, "COMMIT");
-    tempdb_sql(text);
 }
 
 static uint64_t last(struct store *s)
@@ -77,7 +69,7 @@ TEST(test_follow)
         struct store_subject one = {.id = "carol"};
         struct store *mine;
 
-        _exit(store_open(tempdb_path, STORE_WRITE, NULL, &mine, &e) == ST_OK &&
+        _exit(store_open(tempdb_path, STORE_WRITE, &tempdb_key, &mine, &e) == ST_OK &&
                       store_subject_add(mine, "test", &one, &e) == ST_OK
                   ? 0
                   : 1);
@@ -96,11 +88,11 @@ TEST(test_older)
     struct store *s = tempdb_fresh(), *late, *other;
 
     tempdb_add(s, "alice");
-    keep("old");
+    tempdb_keep("old");
     tempdb_add(s, "bob");
     late = tempdb_open(STORE_WRITE);
     assert_int_equal(last(late), 3);
-    put_back("old");
+    tempdb_put_back("old");
     assert_refused(s, "it is an older one, without change 3");
     other = tempdb_open(STORE_WRITE); /* which cannot know */
     tempdb_add(other, "c1");
@@ -154,30 +146,26 @@ TEST(test_end)
         "UPDATE change_log SET mac = zeroblob(32) WHERE seq = 3",
         "UPDATE change_log SET seq = 4 WHERE seq = 3",
         "UPDATE change_log SET digest = (SELECT digest FROM change_log WHERE seq = 2)",
-        ("UPDATE change_log SET digest = (SELECT digest FROM branch.change_log WHERE seq = 3)"
+        ("UPDATE change_log SET digest = (SELECT digest FROM branch_change_log WHERE seq = 3)"
          " WHERE seq = 3"), /* of the same number, by the same key */
         "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 2",
         "DELETE FROM change_log",
     };
 
     for (size_t i = 0; i < sizeof sql / sizeof *sql; i++) {
-        const struct store_key key = {.make = CRYPT_FILE};
         struct store *s = tempdb_fresh(), *other;
-        char text[300];
 
         use(s);
         tempdb_add(s, "alice");
-        keep("old");
+        tempdb_keep("old");
         tempdb_add(s, "carol");
-        keep("branch");
+        tempdb_keep("branch");
         store_close(s);
-        put_back("old");
+        tempdb_put_back("old");
         s = tempdb_open(STORE_WRITE);
         tempdb_add(s, "bob");
-        (void)snprintf(text, sizeof text, "ATTACH '%s-branch' AS branch; %s", tempdb_path,
-                       sql[i]);
-        tempdb_sql(text);
-        fails(store_open(tempdb_path, STORE_READ, &key, &other, &e), ST_ECORRUPT);
+        tempdb_sql(sql[i]);
+        fails(store_open(tempdb_path, STORE_READ, &tempdb_key, &other, &e), ST_ECORRUPT);
         assert_refused(s, "");
         store_close(s);
     }
@@ -237,5 +225,21 @@ TEST(test_unlogged)
     must(log_txn_agrees(&t, sum, &same, &e));
     assert_false(same);
     must(store_end(s, &t, ST_OK, &e));
+    store_close(s);
+}
+
+/* A commit whose reply is lost is proved by the entry that it has added. */
+TEST(test_proof)
+{
+    struct store *s = tempdb_fresh();
+    struct log_txn t;
+
+    proofs = 0;
+    use(s);
+    tempdb_add(s, "alice");
+    assert_int_equal(proofs, 2);
+    must(store_begin(s, SQL_LAZY, &t, &e)); /* which adds none */
+    must(store_end(s, &t, ST_OK, &e));
+    assert_int_equal(proofs, 2);
     store_close(s);
 }

@@ -1,0 +1,154 @@
+#!/bin/sh
+# Goal: two daemons share one PostgreSQL: what one has done is in force at the other with the next
+# request, limits are those of one daemon, a nonce is good once, and when one is killed the other goes
+# on; what both have written verifies.
+if ! ldd "${BUILD:-build}/surfaced" | grep -q libpq; then
+    echo "SKIP $0: built without PostgreSQL"
+    exit
+fi
+[ -n "${PGHOST:-}" ] || exec scripts/with_postgres sh "$0"
+. tests/box/lib.sh
+needs openssl
+ROUNDS=12
+
+# Each has its own anchor and its own log.
+start_two() {
+    LOG=$T/log1
+    start_daemon --anchor "$T/anchor1" "$@"
+    ONE=$PID URL1=$URL
+    LOG=$T/log2
+    start_daemon --anchor "$T/anchor2" "$@"
+    TWO=$PID URL2=$URL
+    trap 'kill -9 $ONE $TWO 2>/dev/null; cleanup' EXIT
+}
+
+# to N METHOD PATH [CURL-OPTION...]: req to the daemon N.
+to() {
+    if [ "$1" = 1 ]; then URL=$URL1; else URL=$URL2; fi
+    shift
+    req "$@"
+}
+
+verify() {
+    to "$1" POST "/v1/subjects/$2/verify" -H "$PLY" --data-binary "@$T/$3.ply"
+}
+
+for i in 0 1 2 3; do scan 1 $i "$T/a$i.ply"; done
+scan 2 0 "$T/b.ply"
+ctl_exits 0 init --anchor "$T/anchor1"
+cp "$T/anchor1" "$T/anchor2"
+AUTH=$(new_token all --anchor "$T/anchor1")
+start_two --attempts 3 --attempt-wait 3600 --attempt-subjects 1000
+
+# ---- what one has done is in force at the other
+to 1 POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a0.ply"
+is "enrolled by one" "$STATUS" 201
+verify 2 alice a1
+is "verified by the other" "$STATUS $(get .decision)" "200 match"
+verify 1 alice a1
+is "and by the first" "$STATUS $(get .decision)" "200 match"
+to 2 PATCH /v1/subjects/alice -H 'Content-Type: application/merge-patch+json' -d '{"disabled": true}'
+is "disabled by the other" "$STATUS" 200
+verify 1 alice a1
+is "is no more verified" "$STATUS" 403
+to 1 PATCH /v1/subjects/alice -H 'Content-Type: application/merge-patch+json' -d '{"disabled": false}'
+verify 2 alice a2
+is "enabled again" "$STATUS $(get .decision)" "200 match"
+to 2 DELETE /v1/subjects/alice
+is "erased by the other" "$STATUS" 200
+verify 1 alice a1
+is "who is erased is gone, also from memory" "$STATUS" 404
+to 1 POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a0.ply"
+verify 2 alice a3
+is "enrolled anew" "$STATUS $(get .decision)" "200 match"
+ALL_TOKEN=$AUTH
+AUTH=$(new_token door --scope verify)
+for i in 1 2; do
+    verify $i alice a1
+    is "a new token" "$STATUS" 200
+done
+ctl_exits 0 token revoke "$(sql "SELECT id FROM tokens WHERE name = 'door'")"
+for i in 1 2; do
+    verify $i alice a1
+    is "which is revoked" "$STATUS" 401
+done
+AUTH=$ALL_TOKEN
+
+# ---- limits: 12 at once, at both, are as many as at one
+for n in $(seq $ROUNDS); do
+    to 1 POST "/v1/subjects/s$n/templates" -H "$PLY" --data-binary "@$T/a0.ply"
+    rm -f "$T"/[soh].*
+    for k in $(seq 12); do
+        if [ $((k % 2)) -eq 0 ]; then URL=$URL1; else URL=$URL2; fi
+        beside "$k" POST "/v1/subjects/s$n/verify" -H "$PLY" --data-binary "@$T/b.ply"
+    done
+    all_sent
+    is "round $n: exactly the limit" "$TALLY" "200x3 429x9"
+done
+is "and so it is written" "$(sql 'SELECT min(failures), max(failures), count(*) FROM attempts')" "3|3|$ROUNDS"
+
+# ---- a nonce is good once, wherever
+openssl genpkey -algorithm ed25519 -out "$T/door.key" 2>"$T/out"
+openssl pkey -in "$T/door.key" -pubout -out "$T/door.pem"
+ctl_exits 0 device add door "$T/door.pem"
+for n in 1 2 3 4 5 6; do
+    to $((n % 2 + 1)) POST /v1/challenge
+    nonce=$(get .nonce)
+    printf 'surfaced capture 1\nPOST %s\n%s\n%s\n%s\n%s\n' /v1/subjects/alice/verify door "$nonce" pass \
+        "$(sha256sum "$T/a1.ply" | cut -d ' ' -f 1)" >"$T/text"
+    openssl pkeyutl -sign -rawin -inkey "$T/door.key" -in "$T/text" -out "$T/sig"
+    capture="Capture-Signature: device=door; nonce=$nonce; liveness=pass; sig=$(openssl base64 -A -in "$T/sig")"
+    rm -f "$T"/[soh].*
+    for k in 1 2; do
+        if [ $k = 1 ]; then URL=$URL1; else URL=$URL2; fi
+        beside $k POST /v1/subjects/alice/verify -H "$PLY" -H "$capture" --data-binary "@$T/a1.ply"
+    done
+    all_sent
+    is "nonce $n, at both at once" "$TALLY" "200x1 403x1"
+done
+
+# ---- work at both, while one is killed
+# worker N: enrolls, verifies and erases subjects of its own at either daemon; a line for each that
+# was not as it should be, where its daemon was not killed.
+worker() {
+    w=$1
+    for j in $(seq 12); do
+        for step in enroll verify erase; do
+            d=$(((w + j) % 2 + 1))
+            if [ $d = 1 ]; then base=$URL1; else base=$URL2; fi
+            case $step in
+            enroll) set -- 201 -X POST "$base/v1/subjects/w$w-$j/templates" --data-binary "@$T/a0.ply" ;;
+            verify) set -- 200 -X POST "$base/v1/subjects/w$w-$j/verify" --data-binary "@$T/a1.ply" ;;
+            erase) set -- 200 -X DELETE "$base/v1/subjects/w$w-$j" ;;
+            esac
+            wanted=$1
+            shift
+            got=$(curl -sS -m 60 -o /dev/null -w '%{http_code}' -H "Authorization: Bearer $AUTH" -H "$PLY" "$@" 2>/dev/null)
+            [ "$got" = "$wanted" ] || [ "$d" = 2 ] || echo "w$w-$j $step: $got"
+        done
+    done
+}
+: >"$T/wrong"
+workers=''
+for w in 1 2 3 4 5 6; do
+    worker $w >>"$T/wrong" &
+    workers="$workers $!"
+done
+sleep 0.7
+kill -9 "$TWO"
+# shellcheck disable=SC2086 # a list
+wait $workers
+is "all that the first daemon was asked for was done" "$(cat "$T/wrong")" ''
+LOG=$T/log1
+verify 1 alice a2
+is "it goes on" "$STATUS $(get .decision)" "200 match"
+LOG=$T/log2
+start_daemon --anchor "$T/anchor2"
+URL2=$URL TWO=$PID
+verify 2 alice a1
+is "the other is there again" "$STATUS $(get .decision)" "200 match"
+ctl_exits 0 audit verify
+ctl_exits 0 check-database
+stop_daemon
+PID=$ONE LOG=$T/log1
+finish
