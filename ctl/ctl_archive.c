@@ -7,7 +7,8 @@
 #include "ctl_command.h"
 #include "ctl_model.h"
 
-static bool all; /* --all */
+static bool all;   /* --all */
+static bool force; /* --force of import */
 
 static enum status export_subjects(struct ctl *c)
 {
@@ -45,7 +46,8 @@ static enum status import_subjects(struct ctl *c)
 
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
         (st = ctl_model_archive_key(c, false, &k)) == ST_OK)
-        st = admin_import(c->store, c->actor, c->args[0], k, c->dry_run, &m, &c->e);
+        st =
+            admin_import(c->store, c->actor, c->args[0], k, c->dry_run, force, &m, &c->e);
     crypt_file_free(k);
     if (st != ST_OK)
         return st;
@@ -91,11 +93,15 @@ const struct ctl_command ctl_archive_import = {
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL | CTL_ARCHIVE_KEY | CTL_DRY_RUN,
+    .options = {CTL_OPTION("force", NULL, command_flag, &force,
+                           "add templates to subjects who are enrolled here")},
     .run = import_subjects,
     .summary = "read subjects from an archive",
     .help =
         "The archive is verified, then imported whole or not at all. Existing subjects and\n"
-        "templates do not change, so a second import changes nothing. Subjects that were erased\n"
-        "here are skipped, whatever their id: enroll them again. Templates of another engine are\n"
-        "imported unchanged (see template reencode).",
+        "templates do not change, so a second import changes nothing. A new template of a subject\n"
+        "that exists is refused without --force, because no import compares faces: whoever made\n"
+        "the archive decides whose face it is. Subjects that were erased here are skipped, whatever\n"
+        "their id: enroll them again. Templates of another engine are imported unchanged (see\n"
+        "template reencode).",
     .example = "surfacectl --db faces.db import moving.archive --dry-run"};

@@ -126,13 +126,14 @@ static enum status erase_all(struct ctl *c, const struct store_subject *due, siz
     return ST_OK;
 }
 
+/* It verifies although nothing may be due: a subject who is hidden is not due either. */
 static enum status purge(struct ctl *c)
 {
     struct store_subject *due = NULL;
     size_t n = 0;
-    enum status st = store_subject_due(c->store, &due, &n, &c->e);
+    enum status st = store_verify(c->store, NULL, NULL, &c->e);
 
-    if (st == ST_OK)
+    if (st == ST_OK && (st = store_subject_due(c->store, &due, &n, &c->e)) == ST_OK)
         st = erase_all(c, due, n);
     free(due);
     return st;

@@ -105,9 +105,11 @@ struct importing {
     struct log_act by;
     const char *made_by;
     struct admin_imported *out;
-    struct rows_subject as;   /* the last subject, as it is here */
-    size_t templates;         /* that it has */
-    bool left_out;            /* it was erased here */
+    struct rows_subject as; /* the last subject, as it is here */
+    size_t templates;       /* that it has */
+    bool left_out;          /* it was erased here */
+    bool enrolled;          /* it was here before */
+    bool force;
     struct log_entry *erased; /* [nerased], the changes that say who was */
     size_t nerased;
 };
@@ -170,6 +172,13 @@ static enum status import_template(void *arg, struct rows_template *row, const v
     if (st == ST_OK || st == ST_ECORRUPT)
         return errinfo_set(e, ST_EEXISTS,
                            "there is another template with the id %s already", t->id);
+    if (st == ST_ENOTFOUND && m->enrolled && !m->force)
+        return errinfo_set(
+            e, ST_EEXISTS,
+            "subject %s is enrolled here, and the archive has a template of "
+            "theirs that is not: no import compares faces, so add it by "
+            "--force if you know who made the archive; nothing was imported",
+            m->as.one.id);
     if (st != ST_ENOTFOUND ||
         (st = store_rules_room(m->as.one.id, m->templates, e)) != ST_OK ||
         (st = rows_template_add(m->to, &m->as, row, face, len, e)) != ST_OK)
@@ -183,12 +192,14 @@ static enum status import_subject(void *arg, struct log_txn *from,
                                   const struct rows_subject *of, struct errinfo *e)
 {
     struct importing *m = arg;
-    enum status st = ST_OK;
+    enum status st;
 
     m->out->subjects++;
     m->left_out = was_erased(m, of->one.uid);
     m->out->erased += m->left_out;
-    if (!m->left_out && (st = find_subject(m, &of->one, e)) == ST_ENOTFOUND &&
+    st = m->left_out ? ST_OK : find_subject(m, &of->one, e);
+    m->enrolled = st == ST_OK;
+    if (st == ST_ENOTFOUND &&
         (st = rows_subject_add(m->to, &of->one, &m->as, e)) == ST_OK) {
         m->out->new_subjects++;
         st = log_change(m->to, &m->by, "import", of->one.uid, "", "created", e);
@@ -240,10 +251,10 @@ static enum status open_archive(const char *path, const struct crypt_file *k,
 }
 
 enum status admin_import(struct store *s, const char *actor, const char *path,
-                         const struct crypt_file *k, bool dry, struct admin_imported *out,
-                         struct errinfo *e)
+                         const struct crypt_file *k, bool dry, bool force,
+                         struct admin_imported *out, struct errinfo *e)
 {
-    struct importing m = {.made_by = s->made_by, .out = out};
+    struct importing m = {.made_by = s->made_by, .out = out, .force = force};
     struct store *archive;
     struct log_txn t;
     enum status st;

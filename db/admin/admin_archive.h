@@ -19,17 +19,18 @@ struct admin_imported {
     uint64_t outdated; /* of the templates: of another engine */
 };
 
-/* admin_import(s, actor, path, k, dry, out, e): an archive as a whole, or nothing of it;
+/* admin_import(s, actor, path, k, dry, force, out, e): an archive as a whole, or nothing of it;
  * what is there already is left as it is, also a subject that has another id here by now.  Left
  * out are subjects that were erased here, under whatever id.  All of it is verified and decoded
  * first; with dry nothing else is done.  Templates of another engine are taken as they are, and
  * outdated.
+ * force: a subject who was here before may get another template: no faces are compared.
  * ST_EDENIED: not its key; ST_ECORRUPT: no archive, or it is damaged; ST_EVERSION: of a newer
- * version; ST_EEXISTS: a template's id is another's here, or a subject's id is another person's:
+ * version; ST_EEXISTS: without force, such a template; a template's id is another's here, or a subject's id is another person's:
  * whom an id means here is not for an archive to say; ST_EFULL: a subject would have more than
  * STORE_TEMPLATES_MAX. */
 enum status admin_import(struct store *s, const char *actor, const char *path,
-                         const struct crypt_file *k, bool dry, struct admin_imported *out,
-                         struct errinfo *e);
+                         const struct crypt_file *k, bool dry, bool force,
+                         struct admin_imported *out, struct errinfo *e);
 
 #endif

@@ -95,7 +95,9 @@ req GET /v1/subjects/bob
 is "he is not there" "$STATUS" 404
 template=$("$BUILD/surfacectl" --db "$TO" --json subject show alice | jq -r '.templates[0].template_id')
 on "$TO" template delete --yes "$template"
-on "$TO" import "$T/all" --archive-key "$T/phrase"
+on_exits 65 "$TO" import "$T/all" --archive-key "$T/phrase" # of somebody who is enrolled
+contains "it says what to do" "$T/ctl.err" 'subject alice is enrolled here.*--force'
+on "$TO" import "$T/all" --archive-key "$T/phrase" --force
 is "a deleted template does" "$CODE $(said .templates_new)" "0 1"
 send POST /v1/subjects/alice/verify "$PLY" "$T/p1.ply"
 is "the daemon sees it" "$STATUS $(get .decision)" "200 match"

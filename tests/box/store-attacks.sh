@@ -102,6 +102,7 @@ for name in $(list rows found) $(list pages found); do
     refuses "$name" rekey --yes
     refuses "$name" backup "$T/b"
     refuses "$name" vacuum
+    refuses "$name" purge --yes
     timeout 5 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 >"$T/out" 2>&1
     r=$?
     ok "$name: the daemon does not start: $r" [ $r != 0 -a $r != 124 ]
