@@ -305,9 +305,33 @@ def wrong_tokens(out):
     in_threads(8, one)
 
 
+def open_pages(out):
+    """Forty consoles that were left open at Live, which ask every two seconds."""
+    def page():
+        c = http.client.HTTPConnection(HOST, PORT, timeout=60, source_address=("127.0.0.2", 0))
+        while True:
+            c.request("GET", "/v1/recent?limit=50", headers={"Authorization": "Bearer " + TOKENS["page"]})
+            r = c.getresponse()
+            r.read()
+            out[str(r.status)] += 1
+            time.sleep(2)
+    in_threads(40, page)
+
+
+def audit_walks(out):
+    """Walks over both logs, and a digest of all rows, as many as it can."""
+    def one():
+        s = connect()
+        s.sendall(head("POST", "/v1/audit/verify", 0, token="page"))
+        told(out, s)
+        s.close()
+    in_threads(4, one)
+
+
 ATTACKS = [half_bodies, deaf_heat_maps, million_points, slow_headers, slow_bodies,
            chunked_trickles, deaf_pipelines, pipelines, connections, idle_hoard, gone,
-           gone_million, gzip_bombs, zstd_bombs, endless_form, flood, wrong_tokens]
+           gone_million, gzip_bombs, zstd_bombs, endless_form, flood, wrong_tokens, open_pages,
+           audit_walks]
 # Which take more than half a second to take hold, as the daemon works or waits for them.
 HEAVY = [half_bodies, deaf_heat_maps, million_points, gone_million, gzip_bombs]
 
@@ -378,7 +402,7 @@ def prepare(build, db, folder):
     pack("bomb.gz", [bytes(1 << 20)] * 256, "gzip", "-1")
     ctl("init", stdout=subprocess.DEVNULL)
     ctl("enroll", "alice", os.path.join(folder, "enroll.ply"), stdout=subprocess.DEVNULL)
-    for who, scope in (("ordinary", "verify"), ("attacker", "verify,detail")):
+    for who, scope in (("ordinary", "verify"), ("attacker", "verify,detail"), ("page", "read,manage")):
         with open(os.path.join(folder, who + ".token"), "wb") as f:
             ctl("token", "create", who, "--scope", scope, stdout=f)
 
@@ -391,7 +415,7 @@ def main():
     HOST, port = sys.argv[1].rsplit(":", 1)
     PORT, FOLDER, count = int(port), sys.argv[2], int(sys.argv[3])
     wanted = sys.argv[4:]
-    for who in ("ordinary", "attacker"):
+    for who in ("ordinary", "attacker", "page"):
         TOKENS[who] = read(who + ".token").decode().strip()
     verify(5)  # warm
     print(json.dumps({"attack": "idle", **verify(count)}), flush=True)

@@ -17,7 +17,7 @@ jq -r '[.attack, .lost, (.refused | tojson), (.attacker // {} | tojson)] | @tsv'
 while IFS="$(printf '\t')" read -r name lost refused told; do
     is "$name: lost and refused beside it (the attacker: $told)" "$lost $refused" '0 {}'
 done <"$T/list"
-ok "all attacks ran" test "$(wc -l <"$T/list")" -ge 18
+ok "all attacks ran" test "$(wc -l <"$T/list")" -ge 20
 req GET /metrics
 for reason in client_gone crowded_out; do
     ok "the metrics count $reason" \
