@@ -72,11 +72,11 @@ chmod 600 "$T/archive.key"
 ctl_exits 0 export carol -o "$T/carol.archive" --archive-key "$T/archive.key"
 ctl_exits 0 template delete "$(ctl template list carol && said '.templates[3].template_id')" --yes
 ctl_exits 0 enroll carol "$T/24.ply" # another one in its place
-ctl_exits 65 import "$T/carol.archive" --archive-key "$T/archive.key"
+ctl_exits 65 import "$T/carol.archive" --archive-key "$T/archive.key" --force
 ok "it says so" grep -q 'carol would have more than 20 templates' "$T/ctl.err"
 is "nothing was imported" "$(templates carol)" 20
 ctl_exits 0 template delete "$(ctl template list carol && said '.templates[19].template_id')" --yes
-ctl_exits 0 import "$T/carol.archive" --archive-key "$T/archive.key"
+ctl_exits 0 import "$T/carol.archive" --archive-key "$T/archive.key" --force
 is "as many as there is room for" "$(said .templates_new) $(templates carol)" "1 20"
 ctl_exits 0 check-database
 finish
