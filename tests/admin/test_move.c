@@ -98,7 +98,7 @@ static void fill(const char *where)
     struct store_template t;
     struct store_token token;
     struct store *s;
-    char secret[65], name[16];
+    char secret[65], name[24];
 
     must(store_open(where, STORE_CREATE, &key, &s, &e));
     for (int i = 0; i < TOKENS; i++) {
