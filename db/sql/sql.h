@@ -1,13 +1,13 @@
 /* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.  What the
  * statements say is the caller's, in the subset that SQLite 3.40 and PostgreSQL 15 both know
  * (scripts/check_statements.sh has both prepare every one); how they get there is a driver's
- * (sql_open.h opens one): sql_sqlite.c of a file, sql_postgres.c of a URL.  What only a database in a file can
- * do is in sql_file.h.
+ * (sql_open.h opens one): sql_sqlite.c of a file, sql_postgres.c of a URL.  What only a database in a
+ * file can do is in sql_file.h.
  *
  * Calls return ST_OK or fill *e (may be NULL), an error of a change perhaps at a later call or at the
  * commit, after which only sql_end() is possible: ST_ECORRUPT (damaged, or no database),
- * ST_EBUSY (locked for longer than 5 s, the server cannot be reached, or was lost), ST_EIO (disk full, not writable), ST_ELIMIT,
- * ST_ENOMEM, ST_EDB. */
+ * ST_EBUSY (locked for longer than 5 s, the server cannot be reached, or was lost), ST_EIO (disk
+ * full, not writable), ST_ELIMIT, ST_ENOMEM, ST_EDB. */
 #ifndef DB_SQL_H
 #define DB_SQL_H
 #include <stdbool.h>
@@ -22,12 +22,13 @@ struct sql_txn;  /* a transaction.  One thread at a time */
 struct sql_rows; /* what a query gives */
 struct sql_value;
 
-enum sql_open {                /* sql_open.h */
-                SQL_OPEN_READ, /* nothing can be changed, nor does it have to be writable */
-                SQL_OPEN_WRITE,  /* it must be there */
-                SQL_OPEN_CREATE, /* made if it is missing, readable by its owner alone */
-                SQL_OPEN_LOOK, /* one connection, for a look at any version; not to be written to */
-                SQL_OPEN_ALONE /* one connection, while no other process has it open or can open it */
+/* How sql_open.h opens one. */
+enum sql_open {
+    SQL_OPEN_READ,   /* nothing can be changed, nor does it have to be writable */
+    SQL_OPEN_WRITE,  /* it must be there */
+    SQL_OPEN_CREATE, /* made if it is missing, readable by its owner alone */
+    SQL_OPEN_LOOK,   /* one connection, for a look at any version; not to be written to */
+    SQL_OPEN_ALONE /* one connection, while no other process has it open or can open it */
 };
 
 /* sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
