@@ -330,8 +330,8 @@ def audit_walks(out):
 
 ATTACKS = [half_bodies, deaf_heat_maps, million_points, slow_headers, slow_bodies,
            chunked_trickles, deaf_pipelines, pipelines, connections, idle_hoard, gone,
-           gone_million, gzip_bombs, zstd_bombs, endless_form, flood, wrong_tokens, open_pages,
-           audit_walks]
+           gone_million, gzip_bombs, zstd_bombs, endless_form, flood, open_pages, audit_walks,
+           wrong_tokens]  # the last: its address may send no more for a while
 # Which take more than half a second to take hold, as the daemon works or waits for them.
 HEAVY = [half_bodies, deaf_heat_maps, million_points, gone_million, gzip_bombs]
 
