@@ -81,6 +81,7 @@ static struct evidence evidence(double h[N][N], uint32_t n, double *g)
 
 /* Rows of the inverse that are summed together: a sum waits for its last addition. */
 #define ROWS 4
+_Static_assert(N % ROWS == 0, "the rows behind the last are there, and 0");
 
 typedef double lanes __attribute__((vector_size(16)));
 
