@@ -12,7 +12,6 @@
 #include "rows_root.h"
 #include "sql_file.h"
 #include "sql_open.h"
-#include "sql_server.h"
 #include "store_txn.h"
 
 /* ---- keys */
@@ -390,31 +389,6 @@ bool store_in_use(const char *path, int64_t *pid)
 bool store_on_server(const char *path)
 {
     return sql_open_is_url(path);
-}
-
-enum status store_server(const char *path, struct store_server *out, struct errinfo *e)
-{
-    struct sql_server is;
-    struct sql_txn *t;
-    struct sql *d;
-    enum status st;
-
-    memset(out, 0, sizeof *out);
-    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
-        return st;
-    if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK &&
-        (st = sql_end(t, sql_server_look(t, &is, e), e)) == ST_OK) {
-        *out = (struct store_server){.encrypted = is.encrypted,
-                                     .local = is.local,
-                                     .keeps = is.keeps,
-                                     .may_define = is.may_define,
-                                     .waits = is.waits,
-                                     .others = is.others,
-                                     .ahead_ms = is.ahead_ms};
-        memcpy(out->version, is.version, sizeof out->version);
-    }
-    sql_close(d);
-    return st;
 }
 
 enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e)

@@ -58,8 +58,12 @@ enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
 /* sql_lock(t, key, e): no other transaction has this lock until t ends.  Where several processes write
  * to one database, to be called before what must not change meanwhile is read; one that reads after
  * it sees what the one before has committed.  ST_EBUSY: not within 5 s, perhaps at a later call.
+ * Advisory locks of PostgreSQL are numbers, which other programs may use too: ours begin with "SRFD",
+ * and the last of them is held, shared, by each connection to a database.
  * sql_prove(t, text, value, n): a query of at most 4 values that gives a row where t was committed and
  * none where it was not: where the connection is lost amid the commit, sql_end() finds out by it. */
+#define SQL_LOCKS  (INT64_C(0x53524644) << 32)
+#define SQL_IN_USE "6003938515404980223" /* SQL_LOCKS + 0xffffffff */
 enum status sql_lock(struct sql_txn *t, uint32_t key, struct errinfo *e);
 void sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
                size_t n);

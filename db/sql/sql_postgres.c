@@ -7,7 +7,6 @@
 
 #include "bytes.h"
 #include "schema_postgres_sql.h"
-#include "sql_server.h"
 
 #define VERSION  1     /* of schema_postgres.sql */
 #define PROVE_MS 10000 /* to find out what became of a commit */
@@ -62,8 +61,8 @@ static PGconn *dial(const char *url)
 /* Every connection has a lock that is shared, of the session: who has the database alone waits for
  * the last of them to end, and keeps others out. */
 #define SETTINGS  "SET synchronous_commit = on; SET lock_timeout = '5s'; "
-#define IN_USE    SETTINGS "SELECT pg_advisory_lock_shared(" SQL_SERVER_IN_USE ")"
-#define IF_UNUSED SETTINGS "SELECT 1 WHERE pg_try_advisory_lock(" SQL_SERVER_IN_USE ")"
+#define IN_USE    SETTINGS "SELECT pg_advisory_lock_shared(" SQL_IN_USE ")"
+#define IF_UNUSED SETTINGS "SELECT 1 WHERE pg_try_advisory_lock(" SQL_IN_USE ")"
 
 static enum status set_up(struct sql_postgres_conn *c, const char *settings,
                           struct errinfo *e)
@@ -206,7 +205,7 @@ static enum status lock(struct sql_txn *t, uint32_t key, struct errinfo *e)
 
     c->lock = key + 1;
     return SQL_RUN(t, e, "SELECT pg_advisory_xact_lock($1)",
-                   sql_int(SQL_SERVER_LOCK + key));
+                   sql_int(SQL_LOCKS + key));
 }
 
 static void prove(struct sql_txn *t, const char *text, const struct sql_value *value,

@@ -1,7 +1,8 @@
-#include "sql_server.h"
+#include "store_open.h"
 
 #include "errinfo.h"
 #include "sql_file.h"
+#include "sql_open.h"
 #include "sql_read.h"
 #include "utc.h"
 
@@ -13,18 +14,17 @@ static const char text[] =
     "has_schema_privilege(current_schema(), 'CREATE'), "
     "(SELECT count(DISTINCT pid) FROM pg_locks WHERE locktype = 'advisory' AND database = "
     "(SELECT oid FROM pg_database WHERE datname = current_database()) AND "
-    "CAST(classid AS bigint) << 32 | CAST(objid AS bigint) = " SQL_SERVER_IN_USE
+    "CAST(classid AS bigint) << 32 | CAST(objid AS bigint) = " SQL_IN_USE
     " AND pid <> pg_backend_pid()), "
     "current_setting('synchronous_standby_names') <> '', "
     "CAST(extract(epoch FROM clock_timestamp()) * 1000 AS bigint)";
 
-enum status sql_server_look(struct sql_txn *t, struct sql_server *out, struct errinfo *e)
+static enum status look(struct sql_txn *t, struct store_server *out, struct errinfo *e)
 {
     int64_t now = 0, at = 0;
     struct sql_rows *r;
     enum status st;
 
-    *out = (struct sql_server){.local = false};
     if (sql_file_is(t))
         return errinfo_set(e, ST_EINVAL, "the database is in a file");
     st = sql_first(t, text, NULL, 0, &r, e);
@@ -41,4 +41,19 @@ enum status sql_server_look(struct sql_txn *t, struct sql_server *out, struct er
         out->ahead_ms = at - now;
     }
     return sql_done(r, st, e);
+}
+
+enum status store_server(const char *path, struct store_server *out, struct errinfo *e)
+{
+    struct sql_txn *t;
+    struct sql *d;
+    enum status st;
+
+    *out = (struct store_server){.local = false};
+    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
+        return st;
+    if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK)
+        st = sql_end(t, look(t, out, e), e);
+    sql_close(d);
+    return st;
 }
