@@ -94,16 +94,19 @@ CREATE TABLE change_log (
     object      TEXT NOT NULL CHECK (length(object) <= 64), -- id of a template, token, device
     outcome     TEXT NOT NULL CHECK (length(outcome) <= 64),
     digest      BLOB NOT NULL CHECK (length(digest) = 72), -- of all rows with a MAC, encrypted
-    access_seq  INTEGER NOT NULL CHECK (access_seq >= 0), -- the end of the access log, and
-    access_hash BLOB NOT NULL CHECK (length(access_hash) = 32), -- its hash
+    daemon      INTEGER NOT NULL CHECK (daemon BETWEEN 0 AND 63), -- the end of whose access log
+    access_seq  INTEGER NOT NULL CHECK (access_seq >= 0), -- it names
+    access_hash BLOB NOT NULL CHECK (length(access_hash) = 32), -- and that one's hash
     hash        BLOB NOT NULL CHECK (length(hash) = 32),
     mac         BLOB NOT NULL CHECK (length(mac) = 32),
     signature   BLOB CHECK (signature IS NULL OR length(signature) = 64) -- Ed25519
 ) STRICT;
 
--- The access log: verifications, refusals, exports.  The oldest entries may be cut off.
+-- The access logs: verifications, refusals, exports.  One for each daemon that shares the database, so
+-- that none waits for another.  The oldest entries of each may be cut off.
 CREATE TABLE access_log (
-    seq       INTEGER PRIMARY KEY CHECK (seq >= 1),
+    daemon    INTEGER NOT NULL CHECK (daemon BETWEEN 0 AND 63),
+    seq       INTEGER NOT NULL CHECK (seq >= 1),
     at        TEXT NOT NULL CHECK (at GLOB '????-??-??T??:??:??.???Z'),
     kind      TEXT NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
     actor     TEXT NOT NULL CHECK (length(actor) <= 64),
@@ -112,8 +115,9 @@ CREATE TABLE access_log (
     outcome   TEXT NOT NULL CHECK (length(outcome) <= 64),
     hash      BLOB NOT NULL CHECK (length(hash) = 32),
     mac       BLOB NOT NULL CHECK (length(mac) = 32),
-    signature BLOB CHECK (signature IS NULL OR length(signature) = 64)
-) STRICT;
+    signature BLOB CHECK (signature IS NULL OR length(signature) = 64),
+    PRIMARY KEY (daemon, seq)
+) STRICT, WITHOUT ROWID;
 
 -- Bearer tokens: 256 random bits each, of which only a hash is stored; and the hash of the
 -- secret before the last rotation, while that is still accepted.
@@ -159,7 +163,8 @@ CREATE TABLE days (
     day      TEXT NOT NULL CHECK (day GLOB '????-??-??'),
     decision TEXT NOT NULL CHECK (decision IN ('match', 'no_match', 'inconclusive')),
     bins     BLOB NOT NULL CHECK (length(bins) = 256), -- little-endian, 4 bytes each
-    PRIMARY KEY (day, decision)
+    daemon   INTEGER NOT NULL CHECK (daemon BETWEEN 0 AND 63), -- that counted them
+    PRIMARY KEY (day, decision, daemon)
 ) STRICT;
 
 -- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever

@@ -90,16 +90,19 @@ CREATE TABLE change_log (
     object      TEXT COLLATE "C" NOT NULL CHECK (length(object) <= 64), -- id of a template, token, device
     outcome     TEXT COLLATE "C" NOT NULL CHECK (length(outcome) <= 64),
     digest      BYTEA NOT NULL CHECK (length(digest) = 72), -- of all rows with a MAC, encrypted
-    access_seq  BIGINT NOT NULL CHECK (access_seq >= 0), -- the end of the access log, and
-    access_hash BYTEA NOT NULL CHECK (length(access_hash) = 32), -- its hash
+    daemon      BIGINT NOT NULL CHECK (daemon BETWEEN 0 AND 63), -- the end of whose access log
+    access_seq  BIGINT NOT NULL CHECK (access_seq >= 0), -- it names
+    access_hash BYTEA NOT NULL CHECK (length(access_hash) = 32), -- and that one's hash
     hash        BYTEA NOT NULL CHECK (length(hash) = 32),
     mac         BYTEA NOT NULL CHECK (length(mac) = 32),
     signature   BYTEA CHECK (signature IS NULL OR length(signature) = 64) -- Ed25519
 );
 
--- The access log: verifications, refusals, exports.  The oldest entries may be cut off.
+-- The access logs: verifications, refusals, exports.  One for each daemon that shares the database, so
+-- that none waits for another.  The oldest entries of each may be cut off.
 CREATE TABLE access_log (
-    seq       BIGINT PRIMARY KEY CHECK (seq >= 1),
+    daemon    BIGINT NOT NULL CHECK (daemon BETWEEN 0 AND 63),
+    seq       BIGINT NOT NULL CHECK (seq >= 1),
     at        TEXT COLLATE "C" NOT NULL CHECK (at LIKE '____-__-__T__:__:__.___Z'),
     kind      TEXT COLLATE "C" NOT NULL CHECK (length(kind) BETWEEN 1 AND 64),
     actor     TEXT COLLATE "C" NOT NULL CHECK (length(actor) <= 64),
@@ -108,7 +111,8 @@ CREATE TABLE access_log (
     outcome   TEXT COLLATE "C" NOT NULL CHECK (length(outcome) <= 64),
     hash      BYTEA NOT NULL CHECK (length(hash) = 32),
     mac       BYTEA NOT NULL CHECK (length(mac) = 32),
-    signature BYTEA CHECK (signature IS NULL OR length(signature) = 64)
+    signature BYTEA CHECK (signature IS NULL OR length(signature) = 64),
+    PRIMARY KEY (daemon, seq)
 );
 
 -- Bearer tokens: 256 random bits each, of which only a hash is stored; and the hash of the
@@ -155,7 +159,8 @@ CREATE TABLE days (
     day      TEXT NOT NULL CHECK (day LIKE '____-__-__'),
     decision TEXT NOT NULL CHECK (decision IN ('match', 'no_match', 'inconclusive')),
     bins     BYTEA NOT NULL CHECK (length(bins) = 256), -- little-endian, 4 bytes each
-    PRIMARY KEY (day, decision)
+    daemon   BIGINT NOT NULL CHECK (daemon BETWEEN 0 AND 63), -- that counted them
+    PRIMARY KEY (day, decision, daemon)
 );
 
 -- From a score to a decision (docs/decision.md): the newest is in force.  Rows are only ever

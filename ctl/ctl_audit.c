@@ -43,13 +43,15 @@ static const char *who(const struct store_audit_entry *a, char out[16])
 static void show_entry(struct ctl *c, const struct store_audit_entry *a, bool by_name)
 {
     const struct log_entry *entry = &a->entry;
-    char name[16];
+    char name[16], log[24];
 
+    (void)snprintf(log, sizeof log, entry->daemon > 0 ? "%s/%" PRIu32 : "%s",
+                   log_word(entry->log), entry->daemon);
     json_object(c->out, NULL);
     audit_describe(c->out, a);
     json_close(c->out);
-    ctl_say(c, "%-8s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
-            log_word(entry->log), entry->seq, entry->at, entry->at + 11, entry->kind,
+    ctl_say(c, "%-10s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
+            log, entry->seq, entry->at, entry->at + 11, entry->kind,
             who(a, name), entry->object, entry->outcome,
             by_name && a->actor_name[0] != '\0' ? a->actor_name : entry->actor);
 }
@@ -68,7 +70,7 @@ static enum status show_list(struct ctl *c, struct store_audit_filter wanted,
         return st;
     json_array(c->out, "entries");
     if (n > 0)
-        ctl_say(c, "%-8s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
+        ctl_say(c, "%-10s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
                 "TIME (UTC)", "KIND", "SUBJECT", "OBJECT", "OUTCOME", "ACTOR");
     for (size_t i = n; i > 0; i--)
         show_entry(c, &a[i - 1], by_name);
@@ -111,7 +113,7 @@ static enum status checkpoint(struct ctl *c)
     char hash[2 * LOG_HASH + 1], signature[2 * CRYPT_SIGN + 1], key[2 * CRYPT_KEY + 1];
     enum status st = store_audit_public(c->store, public, &c->e);
 
-    if (st != ST_OK || (st = store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry,
+    if (st != ST_OK || (st = store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry, NULL,
                                               &c->e)) != ST_OK)
         return st;
     hex_of(entry.hash, LOG_HASH, hash);

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "admin_check.h"
+#include "admin_join.h"
 #include "admin_restore.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
@@ -247,3 +248,34 @@ const struct ctl_command ctl_database_accept = {
         "not authentic and records that in the change log. Every later change is lost, erasures\n"
         "included. If there is a backup, use surfacectl restore, which repeats the erasures.",
     .example = "surfacectl --db faces.db accept-state --dry-run"};
+
+/* ---- join */
+
+static enum status join(struct ctl *c)
+{
+    struct store_key key;
+    uint32_t daemon;
+    enum status st = ctl_model_key(c, c->db, &key);
+
+    if (st != ST_OK || (st = admin_join(c->db, &key, c->actor, &daemon, &c->e)) != ST_OK)
+        return st;
+    json_text(c->out, "database", c->db);
+    json_text(c->out, "anchor", key.anchor);
+    json_number(c->out, "daemon", daemon);
+    ctl_say(c, "%s: daemon %" PRIu32 "; start it with --anchor %s\n", c->db, daemon,
+            key.anchor);
+    return ST_OK;
+}
+
+const struct ctl_command ctl_database_join = {
+    .name = "join",
+    .database = CTL_NEEDS_DATABASE,
+    .run = join,
+    .summary = "let another daemon share a database on a server",
+    .help =
+        "On the machine of the new daemon, with a copy of the database's key. Verifies the\n"
+        "database and makes the new daemon's anchor (--anchor FILE), by which it writes its\n"
+        "accesses into a log of its own and waits for no other daemon. Each daemon has its own\n"
+        "anchor; the first has that of init.",
+    .example = "surfacectl --db postgresql://surfaced@db1,db2/faces --key key --anchor "
+               "anchor join"};

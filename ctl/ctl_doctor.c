@@ -147,8 +147,6 @@ static void look_at_left(struct doctor *d)
 
 /* ---- a server */
 
-#define CLOCKS_MS 1000 /* that clocks may differ: limits and ends of consent go by them */
-
 static bool look_at_server(struct doctor *d)
 {
     struct store_server is;
@@ -175,7 +173,7 @@ static bool look_at_server(struct doctor *d)
         say(d, FINDINGS_OK, "server", "",
             is.waits ? "a commit is on its disk, and on a standby"
                      : "a commit is on its disk; no standby has it yet");
-    if (is.ahead_ms > CLOCKS_MS || is.ahead_ms < -CLOCKS_MS)
+    if (is.ahead_ms > STORE_CLOCKS_MS || is.ahead_ms < -STORE_CLOCKS_MS)
         say(d, FINDINGS_ERROR, "clock", "set both by one source (chrony)",
             "the server's is %.1f s %s of this machine's",
             fabs((double)is.ahead_ms) / 1000, is.ahead_ms > 0 ? "ahead" : "behind");

@@ -75,6 +75,7 @@ static bool walk_line(struct log_walk *w, const struct json_value *v)
 {
     struct log_entry entry = {.seq = 0};
     char word[16];
+    uint64_t daemon;
     size_t n;
 
     if (!take_text(v, "log", word, sizeof word))
@@ -83,7 +84,8 @@ static bool walk_line(struct log_walk *w, const struct json_value *v)
         entry.log = LOG_ACCESSES;
     else if (strcmp(word, log_word(LOG_CHANGES)) != 0 || w->log == LOG_ACCESSES)
         return false;
-    if (!json_get_count(json_member(v, "seq"), &entry.seq) ||
+    if (!json_get_count(json_member(v, "daemon"), &daemon) || daemon >= LOG_DAEMONS ||
+        !json_get_count(json_member(v, "seq"), &entry.seq) ||
         !take_text(v, "at", entry.at, sizeof entry.at) ||
         !take_text(v, "kind", entry.kind, sizeof entry.kind) ||
         !take_text(v, "actor", entry.actor, sizeof entry.actor) ||
@@ -94,6 +96,7 @@ static bool walk_line(struct log_walk *w, const struct json_value *v)
         (entry.log == LOG_CHANGES && !take_change(v, &entry)) ||
         !take_bytes(v, "hash", entry.hash, sizeof entry.hash))
         return false;
+    entry.daemon = (uint32_t)daemon;
     if (entry.log != w->log)
         log_walk_accesses(w);
     log_walk_step(w, &entry);

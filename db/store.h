@@ -234,16 +234,18 @@ struct store_audit_entry {
     bool erased;                         /* the subject was */
 };
 
-struct store_audit_place { /* in both logs at once */
-    uint64_t seq[LOGS];
-    bool end; /* there is nothing more */
+struct store_audit_place { /* in all logs at once */
+    uint64_t changes, accesses[LOG_DAEMONS];
+    uint32_t daemons; /* of accesses[], what counts; the others are 0 */
+    bool end;         /* there is nothing more */
 };
 
 struct store_audit_filter {   /* all zero: everything, in the order of writing */
-    const enum log_name *log; /* NULL: both, in that order */
+    const enum log_name *log; /* NULL: both; of several daemons by their clocks */
+    const uint32_t *daemon;   /* of accesses, whose; NULL: of all */
     bool newest;              /* the last ones, the newest first */
     struct store_audit_place
-        from;            /* behind it, with newest before it (0, 0: from the end) */
+        from;            /* behind it, with newest before it (zeros: from the end) */
     uint64_t limit;      /* 0: as many as there are */
     uint64_t most;       /* entries that are looked at, wanted or not; 0: any number */
     const char *subject; /* an id; of one that was erased: */
@@ -262,14 +264,16 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
                              struct store_audit_entry **out, size_t *n,
                              struct store_audit_place *next, struct errinfo *e);
 
-/* store_audit_sign(s, actor, kind, out, e): append a signed change of this kind,
- * LOG_CHECKPOINT or LOG_EXPORT.
+/* store_audit_sign(s, actor, kind, out, to, e): append a signed change of this kind,
+ * LOG_CHECKPOINT or LOG_EXPORT; before it, where other daemons have written since, a change for each
+ * that names the end of its accesses.  *to (or NULL): the last entries that the signature covers.
  * store_audit_public(s, public, e): the public key of the signatures.
  * store_audit_has(s, at, has, e): whether the change log has this entry.
  * store_audit_verify(s, report, arg, out, e): verify every entry of both logs, and the
  * rows (store_verify()), which are reported as of the last change. *out: the walk. */
 enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
-                             struct log_entry *out, struct errinfo *e);
+                             struct log_entry *out, struct store_audit_place *to,
+                             struct errinfo *e);
 enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
                                struct errinfo *e);
 enum status store_audit_has(struct store *s, const struct log_end *at, bool *has,

@@ -15,7 +15,8 @@ static enum status reset(struct log_txn *t, const struct log_act *by, const char
     enum status st = rows_subject_find(t, subject, &of, e);
 
     sodium_memzero(of.key, sizeof of.key);
-    if (st != ST_OK || (st = rows_attempts_clear(t, &of.one, e)) != ST_OK)
+    if (st != ST_OK || (st = store_lock_subject(t, of.one.key, e)) != ST_OK ||
+        (st = rows_attempts_clear(t, &of.one, e)) != ST_OK)
         return st;
     return log_change(t, by, "reset_attempts", of.one.uid, "", "", e);
 }

@@ -57,13 +57,22 @@ static enum status find_names(struct log_txn *t, struct store_audit_entry *a,
     return st == ST_ENOTFOUND || st == ST_ECORRUPT ? ST_OK : st;
 }
 
+#define PAGE 250 /* entries of a stream that are in memory */
+
+struct stream {              /* the changes, or a daemon's accesses */
+    struct log_place place;  /* of what comes behind the page */
+    struct log_entry *page;  /* [n] */
+    size_t n;
+    const struct log_entry *at; /* the next one, NULL: there is none */
+    uint64_t *next;             /* the place behind which it lies */
+};
+
 struct listing {
     struct log_txn *t;
     const struct store_audit_filter *filter;
     unsigned char uid[LOG_UID];
-    struct sql_rows *rows[LOGS];
-    struct log_entry at[LOGS]; /* the next one of each, */
-    bool there[LOGS];          /* if there is one */
+    struct stream *stream; /* [n] */
+    uint32_t nstreams;
     struct store_audit_entry *out;
     size_t n, room;
     struct store_audit_place next;
@@ -92,37 +101,65 @@ static bool is_wanted(const struct listing *l, const struct log_entry *entry)
            (f->until == NULL || strncmp(entry->at, f->until, strlen(f->until)) <= 0);
 }
 
-static enum status advance(struct listing *l, enum log_name log, struct errinfo *e)
+static enum status advance(struct listing *l, struct stream *x, struct errinfo *e)
 {
-    return l->rows[log] == NULL
-               ? ST_OK
-               : log_rows_next(l->rows[log], log, &l->at[log], &l->there[log], e);
-}
+    enum status st = ST_OK;
 
-static enum status begin(struct listing *l, enum log_name log, struct errinfo *e)
-{
-    const struct store_audit_filter *f = l->filter;
-    enum status st;
-
-    l->next.seq[log] = f->from.seq[log];
-    if (f->log != NULL && *f->log != log)
+    if (x->at != NULL && x->at + 1 < x->page + x->n) {
+        x->at++;
         return ST_OK;
-    if ((st = log_rows(l->t->sql, log, f->newest, f->from.seq[log], &l->rows[log], e)) ==
-        ST_OK)
-        st = advance(l, log, e);
-    if (f->newest && f->from.seq[log] == 0) /* before all, or of an empty log */
-        l->next.seq[log] = l->there[log] ? l->at[log].seq + 1 : 1;
+    }
+    free(x->page);
+    x->page = NULL;
+    st = log_page(l->t->sql, &x->place, PAGE, &x->page, &x->n, e);
+    x->at = x->n > 0 ? x->page : NULL;
+    if (x->n > 0)
+        x->place.seq = x->page[x->n - 1].seq;
     return st;
 }
 
-/* The log whose entry is the next of both: a change says how many accesses came before it. */
-static enum log_name choose(const struct listing *l)
+static enum status begin(struct listing *l, struct stream *x, struct errinfo *e)
 {
-    const bool access_first = l->at[LOG_ACCESSES].seq <= l->at[LOG_CHANGES].accesses.seq;
+    const struct store_audit_filter *f = l->filter;
+    const enum log_name log = x->place.log;
+    const uint32_t daemon = x->place.daemon;
+    enum status st = ST_OK;
 
-    if (!l->there[LOG_CHANGES] || !l->there[LOG_ACCESSES])
-        return l->there[LOG_CHANGES] ? LOG_CHANGES : LOG_ACCESSES;
-    return access_first != l->filter->newest ? LOG_ACCESSES : LOG_CHANGES;
+    x->place.newest = f->newest;
+    x->place.seq = log == LOG_CHANGES ? f->from.changes : f->from.accesses[daemon];
+    if (f->newest && f->from.daemons > 0 && daemon >= f->from.daemons)
+        x->place.seq = 1; /* it has joined since: all that it wrote is newer */
+    *x->next = x->place.seq;
+    if ((f->log != NULL && *f->log != log) ||
+        (f->daemon != NULL && (log != LOG_ACCESSES || *f->daemon != daemon)))
+        return ST_OK;
+    if ((st = advance(l, x, e)) == ST_OK && f->newest && *x->next == 0)
+        *x->next = x->at != NULL ? x->at->seq + 1 : 1; /* before all, or of an empty log */
+    return st;
+}
+
+/* A change says how many accesses of a daemon came before it; else clocks decide. */
+static bool is_before(const struct log_entry *a, const struct log_entry *b)
+{
+    if (a->log != b->log && a->daemon == b->daemon)
+        return a->log == LOG_CHANGES ? a->accesses.seq < b->seq
+                                     : a->seq <= b->accesses.seq;
+    return strcmp(a->at, b->at) < 0;
+}
+
+/* The one whose entry is the next of all; NULL: there are no more. */
+static struct stream *choose(const struct listing *l)
+{
+    struct stream *best = NULL;
+
+    for (uint32_t i = 0; i < l->nstreams; i++) {
+        struct stream *x = &l->stream[i];
+
+        if (x->at != NULL &&
+            (best == NULL || is_before(x->at, best->at) != l->filter->newest))
+            best = x;
+    }
+    return best;
 }
 
 static enum status keep(struct listing *l, const struct log_entry *entry,
@@ -145,20 +182,19 @@ static enum status keep(struct listing *l, const struct log_entry *entry,
 static enum status list(struct listing *l, struct errinfo *e)
 {
     const struct store_audit_filter *f = l->filter;
+    struct stream *x;
     enum status st = ST_OK;
 
-    for (uint64_t looked = 0; l->there[LOG_CHANGES] || l->there[LOG_ACCESSES]; looked++) {
-        const enum log_name log = choose(l);
-        const struct log_entry *entry = &l->at[log];
-        const bool wanted = is_wanted(l, entry);
+    for (uint64_t looked = 0; (x = choose(l)) != NULL; looked++) {
+        const bool wanted = is_wanted(l, x->at);
 
         if ((f->most != 0 && looked == f->most) ||
             (wanted && f->limit != 0 && l->n == f->limit))
             return ST_OK;
-        if (wanted && (st = keep(l, entry, e)) != ST_OK)
+        if (wanted && (st = keep(l, x->at, e)) != ST_OK)
             return st;
-        l->next.seq[log] = entry->seq;
-        if ((st = advance(l, log, e)) != ST_OK)
+        *x->next = x->at->seq;
+        if ((st = advance(l, x, e)) != ST_OK)
             return st;
     }
     l->next.end = true;
@@ -180,17 +216,37 @@ static enum status find_uid(struct listing *l, struct errinfo *e)
     return st;
 }
 
+static enum status open_streams(struct listing *l, struct errinfo *e)
+{
+    uint32_t n;
+    enum status st = log_daemons(l->t->sql, &n, e);
+
+    if (st != ST_OK)
+        return st;
+    if (n < l->filter->from.daemons) /* all of one's were cut off since */
+        n = l->filter->from.daemons;
+    if ((l->stream = calloc(1 + n, sizeof *l->stream)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    l->nstreams = 1 + n;
+    l->next.daemons = n;
+    l->stream[0].next = &l->next.changes;
+    for (uint32_t i = 0; i < n; i++)
+        l->stream[1 + i] = (struct stream){.place = {.log = LOG_ACCESSES, .daemon = i},
+                                           .next = &l->next.accesses[i]};
+    for (uint32_t i = 0; i < l->nstreams && st == ST_OK; i++)
+        st = begin(l, &l->stream[i], e);
+    return st;
+}
+
 static enum status list_all(struct listing *l, struct errinfo *e)
 {
-    enum status st = find_uid(l, e);
+    enum status st;
 
-    for (int i = 0; i < LOGS && st == ST_OK; i++)
-        st = begin(l, (enum log_name)i, e);
-    if (st == ST_OK)
+    if ((st = find_uid(l, e)) == ST_OK && (st = open_streams(l, e)) == ST_OK)
         st = list(l, e);
-    for (int i = 0; i < LOGS; i++)
-        if (l->rows[i] != NULL)
-            st = sql_done(l->rows[i], st, e);
+    for (uint32_t i = 0; i < l->nstreams; i++)
+        free(l->stream[i].page);
+    free(l->stream);
     for (size_t i = 0; st == ST_OK && l->filter->names && i < l->n; i++)
         st = find_names(l->t, &l->out[i], e);
     return st;
@@ -307,27 +363,49 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
                            LOG_TEXT);
     if (subject[0] != '\0' && (st = ident_subject(subject, e)) != ST_OK)
         return st;
-    if ((st = store_act_begin(s, actor, SQL_LAZY, &by, &t, e)) != ST_OK)
+    if ((st = log_act(&by, actor, e)) != ST_OK ||
+        (st = store_begin_use(s, SQL_LAZY, &(struct store_use){.appends = true}, &t,
+                              e)) != ST_OK)
         return st;
     return store_end(s, &t, add_access(&t, &by, kind, subject, object, outcome, e), e);
 }
 
-enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
-                             struct log_entry *out, struct errinfo *e)
+static enum status sign(struct log_txn *t, const struct log_act *by, const char *kind,
+                        struct log_entry *out, struct store_audit_place *to,
+                        struct errinfo *e)
 {
-    struct sql_rows *r = NULL;
+    const struct log_place last = {.log = LOG_CHANGES, .newest = true};
+    struct log_entry *made = NULL;
+    size_t n = 0;
+    enum status st = log_daemons(t->sql, &to->daemons, e);
+
+    for (uint32_t i = 0; i < to->daemons && st == ST_OK; i++)
+        st = log_found(t, by, i, &to->accesses[i], e);
+    if (st != ST_OK || (st = log_change(t, by, kind, NULL, "", "", e)) != ST_OK ||
+        (st = log_page(t->sql, &last, 1, &made, &n, e)) != ST_OK)
+        return st;
+    *out = made[0];
+    to->changes = out->seq;
+    to->accesses[out->daemon] = out->accesses.seq;
+    free(made);
+    return ST_OK;
+}
+
+enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
+                             struct log_entry *out, struct store_audit_place *to,
+                             struct errinfo *e)
+{
+    struct store_audit_place end = {.changes = 0};
     struct log_act by;
     struct log_txn t;
-    bool there;
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
-        return st;
-    if ((st = log_change(&t, &by, kind, NULL, "", "", e)) == ST_OK &&
-        (st = log_rows(t.sql, LOG_CHANGES, true, 0, &r, e)) == ST_OK)
-        st = sql_done(r, log_rows_next(r, LOG_CHANGES, out, &there, e), e);
-    return store_end(s, &t, st, e);
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK)
+        st = store_end(s, &t, sign(&t, &by, kind, out, &end, e), e);
+    if (to != NULL)
+        *to = end;
+    return st;
 }
 
 /* ---- how long accesses are kept */
@@ -335,35 +413,35 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
 #define BATCH 20000 /* entries: other writers wait for about 0.1 s */
 #define DAY   INT64_C(86400000)
 
-/* What the oldest access that is left follows: the last one that was cut off. */
-static enum status find_first(struct log_txn *t, struct log_end *before,
+/* What the oldest access that is left follows: the last one that was cut off, of each daemon. */
+static enum status find_first(struct log_txn *t, struct log_end before[LOG_DAEMONS],
                               struct errinfo *e)
 {
     struct log_entry *trim = NULL;
     size_t n;
     const enum status st = log_list(t->sql, LOG_TRIM, 0, &trim, &n, e);
 
-    *before = (struct log_end){.seq = 0};
-    if (n > 0)
-        (void)log_trimmed(&trim[n - 1], before);
+    for (size_t i = 0; i < n; i++)
+        (void)log_trimmed(&trim[i], before);
     free(trim);
     return st;
 }
 
-/* The accesses after *last that are from before `until` and not the last of all, at most a batch, as
+/* The daemon's accesses after *last that are from before `until` and not its last, at most a batch, as
  * they were written: else somebody could make them older.  *last: the last of them; n: how many.
  * Their times follow each other but where the clock was set. */
-static enum status find_last(struct log_txn *t, const char *until, struct log_end *last,
-                             uint64_t *n, struct errinfo *e)
+static enum status find_last(struct log_txn *t, uint32_t daemon, const char *until,
+                             struct log_end *last, uint64_t *n, struct errinfo *e)
 {
     struct log_end at = *last;
     struct log_entry entry;
     struct sql_rows *r;
-    enum status st = SQL_QUERY(t->sql, &r, e,
-                               "SELECT " LOG_ROW_ACCESS " FROM access_log WHERE seq > $1 "
-                               "AND seq < (SELECT max(seq) FROM access_log) "
-                               "ORDER BY seq LIMIT $2",
-                               sql_int((int64_t)last->seq), sql_int(BATCH));
+    enum status st = SQL_QUERY(
+        t->sql, &r, e,
+        "SELECT " LOG_ROW_ACCESS " FROM access_log WHERE daemon = $1 AND seq > $2 "
+        "AND seq < (SELECT max(seq) FROM access_log WHERE daemon = $1) "
+        "ORDER BY seq LIMIT $3",
+        sql_int(daemon), sql_int((int64_t)last->seq), sql_int(BATCH));
 
     *n = 0;
     while (st == ST_OK && sql_next(r)) {
@@ -383,25 +461,62 @@ static enum status find_last(struct log_txn *t, const char *until, struct log_en
     return sql_done(r, st, e);
 }
 
-static enum status cut_off(struct log_txn *t, const struct log_act *by,
+static enum status cut_off(struct log_txn *t, const struct log_act *by, uint32_t daemon,
                            const struct log_end *last, struct errinfo *e)
 {
-    char outcome[32], hash[2 * LOG_HASH + 1];
-    const enum status st = SQL_RUN(t->sql, e, "DELETE FROM access_log WHERE seq <= $1",
-                                   sql_int((int64_t)last->seq));
+    char outcome[LOG_TEXT + 1], hash[2 * LOG_HASH + 1];
+    const enum status st =
+        SQL_RUN(t->sql, e, "DELETE FROM access_log WHERE daemon = $1 AND seq <= $2",
+                sql_int(daemon), sql_int((int64_t)last->seq));
 
-    (void)snprintf(outcome, sizeof outcome, "%" PRIu64, last->seq);
+    log_trim_text(daemon, last->seq, outcome);
     (void)sodium_bin2hex(hash, sizeof hash, last->hash, LOG_HASH);
     return st == ST_OK ? log_change(t, by, LOG_TRIM, NULL, hash, outcome, e) : st;
+}
+
+struct trimming { /* of one daemon's */
+    struct store *store;
+    const char *actor;
+    unsigned days;
+    bool dry;
+    uint32_t daemon;
+    struct log_end last; /* that was cut off */
+};
+
+static enum status trim_batch(struct trimming *x, uint64_t *n, struct errinfo *e)
+{
+    struct log_end first[LOG_DAEMONS] = {{.seq = 0}};
+    char until[UTC_TEXT];
+    struct log_act by;
+    struct log_txn t;
+    enum status st;
+
+    *n = 0;
+    if ((st = store_act_begin(x->store, x->actor, x->dry ? SQL_READ : SQL_WRITE, &by, &t,
+                              e)) != ST_OK)
+        return st;
+    utc_print(by.ms > x->days * DAY ? by.ms - x->days * DAY : 0, until);
+    if (x->last.seq == 0 && (st = find_first(&t, first, e)) == ST_OK)
+        x->last = first[x->daemon];
+    if (st == ST_OK)
+        st = find_last(&t, x->daemon, until, &x->last, n, e);
+    if (st == ST_OK && *n > 0 && !x->dry)
+        st = cut_off(&t, &by, x->daemon, &x->last, e);
+    return store_end(x->store, &t, st, e);
+}
+
+static enum status count_daemons(struct store *s, uint32_t *n, struct errinfo *e)
+{
+    struct log_txn t;
+    const enum status st = store_begin(s, SQL_READ, &t, e);
+
+    return st == ST_OK ? store_end(s, &t, log_daemons(t.sql, n, e), e) : st;
 }
 
 enum status store_audit_trim(struct store *s, const char *actor, unsigned days, bool dry,
                              uint64_t *cut, struct errinfo *e)
 {
-    struct log_end last = {.seq = 0};
-    char until[UTC_TEXT];
-    struct log_act by;
-    struct log_txn t;
+    uint32_t daemons = 0;
     uint64_t n;
     enum status st;
 
@@ -409,18 +524,15 @@ enum status store_audit_trim(struct store *s, const char *actor, unsigned days, 
     if (days < 1 || days > STORE_TRIM_MAX)
         return errinfo_set(e, ST_EINVAL, "accesses are kept for 1 to %d days",
                            STORE_TRIM_MAX);
-    do {
-        n = 0;
-        if ((st = store_act_begin(s, actor, dry ? SQL_READ : SQL_WRITE, &by, &t, e)) !=
-            ST_OK)
-            return st;
-        utc_print(by.ms > days * DAY ? by.ms - days * DAY : 0, until);
-        if (*cut > 0 || (st = find_first(&t, &last, e)) == ST_OK)
-            st = find_last(&t, until, &last, &n, e);
-        if (st == ST_OK && n > 0 && !dry)
-            st = cut_off(&t, &by, &last, e);
-        if ((st = store_end(s, &t, st, e)) == ST_OK)
-            *cut += n;
-    } while (st == ST_OK && n == BATCH);
+    st = count_daemons(s, &daemons, e);
+    for (uint32_t i = 0; i < daemons && st == ST_OK; i++) {
+        struct trimming x = {
+            .store = s, .actor = actor, .days = days, .dry = dry, .daemon = i};
+
+        do {
+            if ((st = trim_batch(&x, &n, e)) == ST_OK)
+                *cut += n;
+        } while (st == ST_OK && n == BATCH);
+    }
     return st;
 }

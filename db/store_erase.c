@@ -101,9 +101,11 @@ enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
 {
     struct rows_template *row = NULL;
     size_t n;
-    enum status st = rows_template_list(t, of, &row, &n, e);
+    enum status st = store_lock_subject(t, of->one.key, e);
 
-    if (st == ST_OK && out != NULL)
+    if (st != ST_OK || (st = rows_template_list(t, of, &row, &n, e)) != ST_OK)
+        return st;
+    if (out != NULL)
         st = list_ids(row, n, out, e);
     for (size_t i = 0; st == ST_OK && i < n; i++)
         if ((st = rows_table_delete(t, &rows_templates, &row[i], e)) == ST_OK)

@@ -151,7 +151,7 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
                            s->anchor);
     if ((st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e)) != ST_OK)
         return st;
-    if ((st = store_lock(t.sql, e)) == ST_OK &&
+    if ((st = sql_lock(t.sql, LOG_LOCK_CHANGES, e)) == ST_OK &&
         (st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
         if ((st = sql_create(t.sql, e)) == ST_OK &&
             (st = make_root(o, &root, &s->crypt, e)) == ST_OK &&
@@ -163,7 +163,8 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
     if ((st = sql_end(t.sql, st, e)) == ST_OK && version == 0) {
         log_txn_committed(&t);
         if (s->anchor != NULL)
-            st = log_anchor_write(s->anchor, s->crypt, &t.changes, true, e);
+            st = log_anchor_write(s->anchor, s->crypt,
+                                  &(struct log_anchor){.end = t.changes}, true, e);
     }
     if (st != ST_OK && o->made)
         (void)unlink(o->key_path);
@@ -205,38 +206,49 @@ static enum status open_keys(struct store *s, const struct opening *o, struct er
     return open_root(o, &root, &s->crypt, e);
 }
 
-static enum status check_anchor(struct store *s, struct log_txn *t, struct errinfo *e)
+static enum status read_anchor(struct store *s, struct log_anchor *said,
+                               struct errinfo *e)
 {
-    struct log_end said;
-    bool has = false;
-    enum status st = log_anchor_read(s->anchor, s->crypt, &said, e);
+    const enum status st = log_anchor_read(s->anchor, s->crypt, said, e);
 
-    if (st == ST_ENOTFOUND)
-        return errinfo_set(
-            e, ST_EREFUSED,
-            "there is no anchor %.160s: surfacectl accept-state makes one, if "
-            "the database is the newest",
-            s->anchor);
-    if (st != ST_OK || (st = log_has(t, &said, &has, e)) != ST_OK || has)
+    s->log.daemon = said->daemon;
+    return st != ST_ENOTFOUND
+               ? st
+               : errinfo_set(e, ST_EREFUSED,
+                             "there is no anchor %.160s: surfacectl accept-state makes "
+                             "one, if the database is the newest",
+                             s->anchor);
+}
+
+static enum status check_anchor(const struct store *s, struct log_txn *t,
+                                const struct log_end *said, struct errinfo *e)
+{
+    bool has = false;
+    const enum status st = log_has(t, said, &has, e);
+
+    if (st != ST_OK || has)
         return st;
     return errinfo_set(
         e, ST_EREFUSED,
         "%.120s is older than its anchor says, or another one: it has not the "
         "change %" PRIu64 "; restore the newest backup, or take it as it is "
         "(surfacectl accept-state)",
-        s->path, said.seq);
+        s->path, said->seq);
 }
 
 /* Fail now rather than at the first change or request. */
 static enum status try_it(struct store *s, enum store_mode mode, struct errinfo *e)
 {
+    struct log_anchor said;
     struct log_txn t;
     enum status st;
 
+    if (s->anchor != NULL && (st = read_anchor(s, &said, e)) != ST_OK)
+        return st;
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     if (s->anchor != NULL)
-        st = check_anchor(s, &t, e);
+        st = check_anchor(s, &t, &said.end, e);
     st = store_end(s, &t, st, e);
     if (st == ST_OK && mode != STORE_READ)
         sql_file_scrub(s->sql, 0); /* of a process that was killed amid an erasure */
@@ -362,6 +374,11 @@ bool store_refused(struct store *s, struct errinfo *e)
     return store_fault_get(&s->refusal, e);
 }
 
+bool store_behind(struct store *s)
+{
+    return atomic_load(&s->behind);
+}
+
 bool store_anchor_fault(struct store *s, struct errinfo *e)
 {
     return store_fault_get(&s->anchor_fault, e);
@@ -443,9 +460,12 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
               "SELECT (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), "
               "(SELECT count(*) FROM tokens), (SELECT count(*) FROM devices), "
               "(SELECT count(*) FROM calibrations), "
-              "(SELECT coalesce(max(seq), 0) FROM change_log) + "
-              "(SELECT coalesce(max(seq), 0) FROM access_log) - "
-              "(SELECT coalesce(min(seq), 1) - 1 FROM access_log)",
+              "(SELECT coalesce(max(seq), 0) FROM change_log) + (WITH RECURSIVE d(i) AS "
+              "(SELECT 0 UNION ALL SELECT i + 1 FROM d "
+              "WHERE i < (SELECT max(daemon) FROM access_log)) "
+              "SELECT CAST(coalesce(sum("
+              "(SELECT max(seq) FROM access_log WHERE daemon = i) + 1 - "
+              "(SELECT min(seq) FROM access_log WHERE daemon = i)), 0) AS bigint) FROM d)",
               rows, 6, e);
     if (st == ST_OK && sizes &&
         (st = count(t.sql,

@@ -58,6 +58,7 @@ struct store_server {
     uint32_t others;  /* connections of this program, without this one */
     int64_t ahead_ms; /* its clock, against this machine's, within a round trip */
 };
+#define STORE_CLOCKS_MS 1000 /* that clocks may differ: limits and ends of consent go by them */
 bool store_on_server(const char *path);
 enum status store_server(const char *path, struct store_server *out, struct errinfo *e);
 
@@ -81,12 +82,16 @@ const char *store_made_by(const struct store *s);
  * store_refused(s, e): has a call found that the database is not as it was written, or not the one
  * that was opened?  Then every other one fails with ST_EREFUSED until the store is opened again,
  * and e says why.
+ * store_behind(s): is that because a server has no more what this process has seen there, and is there
+ * an anchor?  After a failover it may be a change that was never acknowledged: opened again, the
+ * store is good where the anchor says so.
  * store_last_change(s, out, e): where the change log ends, for the daemon's log.
  * store_anchor_fault(s, e): could the anchor not be written?  e says why; changes go on. */
 enum status store_ready(struct store *s, struct errinfo *e);
 enum status store_verify(struct store *s, store_report *report, void *arg,
                          struct errinfo *e);
 bool store_refused(struct store *s, struct errinfo *e);
+bool store_behind(struct store *s);
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e);
 bool store_anchor_fault(struct store *s, struct errinfo *e);
 

@@ -137,6 +137,7 @@ static enum status revoke(struct log_txn *x, const struct log_act *by, const cha
         return st;
     memcpy(one.token.revoked, by->at, sizeof by->at);
     if ((st = rows_token_write(x, &one, e)) != ST_OK ||
+        (st = store_lock_token(x, id, e)) != ST_OK ||
         (st = rows_attempts_revoke(x, id, e)) != ST_OK)
         return st;
     return log_change(x, by, "revoke_token", NULL, id, one.token.name, e);

@@ -2,10 +2,12 @@
 
 #include <sodium.h>
 
+#include "bytes.h"
 #include "log_anchor.h"
 #include "rows_digest.h"
 #include "sql_file.h"
 #include "sql_file_index.h"
+#include "store_open.h"
 #include "utc.h"
 
 /* ---- is the database as it was written? */
@@ -92,9 +94,12 @@ static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
 {
     enum status st;
 
-    if ((st = sql_file_in_place(t->sql, e)) != ST_OK ||
-        (st = log_txn_begin(t, e)) != ST_OK || t->how == SQL_READ ||
-        atomic_load(&s->verified))
+    if ((st = sql_file_in_place(t->sql, e)) != ST_OK)
+        return st;
+    st = log_txn_begin(t, e);
+    if (st == ST_EREFUSED && !sql_file_is(t->sql) && s->anchor != NULL)
+        atomic_store(&s->behind, true);
+    if (st != ST_OK || t->how == SQL_READ || atomic_load(&s->verified))
         return st;
     if (t->how == SQL_TRY)
         return errinfo_set(e, ST_EBUSY, "the rows are not verified yet");
@@ -103,17 +108,10 @@ static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
     return st;
 }
 
-enum status store_lock(struct sql_txn *t, struct errinfo *e)
-{
-    return sql_lock(t, 0, e);
-}
-
-/* What a SQL_TRY writes is in no log, and no other row depends on it. */
-enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
-                        struct errinfo *e)
+static enum status start(struct store *s, enum sql_begin how, struct log_txn *t,
+                         struct errinfo *e)
 {
     struct errinfo why;
-    enum status st;
 
     *t = (struct log_txn){.log = &s->log,
                           .crypt = s->crypt,
@@ -122,10 +120,66 @@ enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
                           .before = log_newest(&s->log)};
     if (store_fault_get(&s->refusal, &why))
         return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
-    if ((st = sql_begin(s->sql, how, &t->sql, e)) == ST_OK && how != SQL_READ &&
-        how != SQL_TRY && (st = store_lock(t->sql, e)) != ST_OK)
+    return sql_begin(s->sql, how, &t->sql, e);
+}
+
+/* What a SQL_TRY writes is in no log, and no other row depends on it. */
+enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
+                        struct errinfo *e)
+{
+    enum status st = start(s, how, t, e);
+
+    if (st == ST_OK && how != SQL_READ && how != SQL_TRY &&
+        (st = sql_lock(t->sql, LOG_LOCK_CHANGES, e)) != ST_OK)
         (void)sql_end(t->sql, st, NULL);
     return st;
+}
+
+/* Tokens have names of their own. */
+static uint32_t hash_token(const char *token)
+{
+    unsigned char hash[crypto_generichash_BYTES_MIN];
+
+    (void)crypto_generichash(hash, sizeof hash, (const unsigned char *)token,
+                             strlen(token), NULL, 0);
+    return (uint32_t)bytes_number(hash, 4);
+}
+
+enum status store_lock_subject(struct log_txn *t, int64_t key, struct errinfo *e)
+{
+    return sql_lock(t->sql, LOG_LOCK_SUBJECT(key), e);
+}
+
+enum status store_lock_token(struct log_txn *t, const char *token, struct errinfo *e)
+{
+    return sql_lock(t->sql, LOG_LOCK_TOKEN(hash_token(token)), e);
+}
+
+enum status store_start_use(struct store *s, enum sql_begin how,
+                            const struct store_use *use, struct log_txn *t,
+                            struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    if (!atomic_load(&s->verified))
+        st = store_verify(s, NULL, NULL, e);
+    if (st != ST_OK || (st = start(s, how, t, e)) != ST_OK)
+        return st;
+    if ((use->subject != 0 &&
+         (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
+        (use->token != NULL && (st = store_lock_token(t, use->token, e)) != ST_OK) ||
+        (use->appends && (st = log_txn_appends(t, e)) != ST_OK))
+        (void)sql_end(t->sql, st, NULL);
+    return st;
+}
+
+enum status store_begin_use(struct store *s, enum sql_begin how,
+                            const struct store_use *use, struct log_txn *t,
+                            struct errinfo *e)
+{
+    const enum status st = store_start_use(s, how, use, t, e);
+
+    return st == ST_OK ? store_check(s, t, e) : st;
 }
 
 enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e)
@@ -155,13 +209,24 @@ enum status store_act_begin(struct store *s, const char *actor, enum sql_begin h
     return st == ST_OK ? store_begin(s, how, t, e) : st;
 }
 
+/* What a durable commit has seen is durable too, whoever wrote it. */
+static void advance_anchor(struct store *s, const struct log_end *to)
+{
+    const struct log_anchor at = {.daemon = s->log.daemon, .end = *to};
+    struct errinfo why;
+
+    if (s->anchor == NULL || to->seq <= atomic_load(&s->anchored))
+        return;
+    if (log_anchor_write(s->anchor, s->crypt, &at, false, &why) == ST_OK)
+        atomic_store(&s->anchored, to->seq);
+    else
+        set_fault(&s->anchor_fault, &why);
+}
+
 /* Another process may have erased, and ended before the bytes had left the WAL. */
 enum status store_end(struct store *s, struct log_txn *t, enum status st,
                       struct errinfo *e)
 {
-    struct errinfo why;
-    bool changed;
-
     if (t->how == SQL_READ)
         return sql_end(t->sql, st, e);
     if (st == ST_OK)
@@ -172,11 +237,9 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
         log_txn_prove(t);
     if ((st = sql_end(t->sql, st, e)) != ST_OK)
         return st;
-    changed = t->changes.seq > log_newest(&s->log).seq;
     log_txn_committed(t);
-    if (changed && s->anchor != NULL &&
-        log_anchor_write(s->anchor, s->crypt, &t->changes, false, &why) != ST_OK)
-        set_fault(&s->anchor_fault, &why);
+    if (t->how != SQL_LAZY && t->added != LOGS)
+        advance_anchor(s, &t->changes);
     return ST_OK;
 }
 

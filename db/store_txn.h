@@ -24,8 +24,10 @@ struct store {
     struct crypt *crypt;
     struct log log;
     char *anchor;         /* its file; NULL: there is none */
+    atomic_uint_least64_t anchored; /* how far it has come, at least */
     atomic_bool verified; /* the rows, against the digest */
     bool open;            /* store_open() has succeeded */
+    atomic_bool behind;   /* store_behind() */
     struct store_fault refusal, anchor_fault;
 };
 
@@ -55,11 +57,30 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
                              struct errinfo *e);
 void store_scrub(struct store *s);
 
-/* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin().
- * store_lock(t, e): no other transaction that writes until t ends. */
-enum status store_lock(struct sql_txn *t, struct errinfo *e);
+/* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);
+
+/* A transaction that makes no entry in the change log, and waits for none that does: only for those
+ * that use the same subject or token, or that append to the same access log. */
+struct store_use {
+    int64_t subject;   /* the key of one whose attempts it reads and writes; 0: of none */
+    const char *token; /* whose attempts, of all subjects; NULL: of none */
+    bool appends;      /* to the access log */
+};
+
+/* store_start_use(s, how, use, t, e), store_begin_use(s, how, use, t, e): as store_start() and
+ * store_begin().
+ * store_lock_subject(t, key, e), store_lock_token(t, token, e): also where a change writes to these
+ * attempts; in this order, the subject's before anything of it is written. */
+enum status store_start_use(struct store *s, enum sql_begin how,
+                            const struct store_use *use, struct log_txn *t,
+                            struct errinfo *e);
+enum status store_begin_use(struct store *s, enum sql_begin how,
+                            const struct store_use *use, struct log_txn *t,
+                            struct errinfo *e);
+enum status store_lock_subject(struct log_txn *t, int64_t key, struct errinfo *e);
+enum status store_lock_token(struct log_txn *t, const char *token, struct errinfo *e);
 
 /* store_erase_rows(t, by, of, outcome, out, e): the subject's row and its templates' are deleted,
  * with a change for each; out: NULL, or receives the templates' ids. */

@@ -133,8 +133,9 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
 static enum status move_future(const struct store_reading *r,
                                const struct store_subject *one, struct errinfo *e)
 {
+    const struct store_use use = {.subject = one->key, .token = r->token};
     struct log_txn t;
-    const enum status st = store_begin(r->store, SQL_LAZY, &t, e);
+    const enum status st = store_begin_use(r->store, SQL_LAZY, &use, &t, e);
 
     if (st != ST_OK)
         return st;
@@ -295,14 +296,17 @@ static void read_ahead(struct log_txn *t, const struct store_record *what,
 enum status store_record_verification(struct store *s, const struct store_record *what,
                                       struct store_recorded *out, struct errinfo *e)
 {
+    const bool failed = what->as == STORE_RECORD_FAILED;
+    const struct store_use use = {.subject = what->subject->key,
+                                  .token = failed ? what->actor : NULL,
+                                  .appends = true};
     struct log_act by;
     struct log_txn t;
     enum status st;
 
     *out = (struct store_recorded){.why = STORE_WAIT_NONE};
     if ((st = log_act(&by, what->actor, e)) != ST_OK ||
-        (st = store_start(s, what->as == STORE_RECORD_FAILED ? SQL_WRITE : SQL_LAZY, &t,
-                          e)) != ST_OK)
+        (st = store_start_use(s, failed ? SQL_WRITE : SQL_LAZY, &use, &t, e)) != ST_OK)
         return st;
     read_ahead(&t, what, &by);
     if ((st = store_check(s, &t, e)) != ST_OK)

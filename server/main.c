@@ -267,6 +267,7 @@ int main(int argc, char **argv)
     struct errinfo e = {0};
     char url[HTTP_URL_MAX];
     struct daemon d = {.app = &app};
+    bool behind;
     int sig, status = 1;
 
     switch (flags_read(argc, argv, stderr, &o)) {
@@ -312,9 +313,10 @@ int main(int argc, char **argv)
     stop_workers(&app); /* queued requests are still handled */
     http_quiesce(http, FLUSH_MS);
     say_last_change(app.store);
+    behind = store_behind(app.store);
     stop(&app, http);
     logger_line("info", "stopped");
-    status = 0;
+    status = behind ? EX_TEMPFAIL : 0; /* which a service manager starts again */
 out:
     options_free(&o);
     return status;

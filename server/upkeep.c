@@ -1,10 +1,12 @@
 #include "upkeep.h"
 
 #include <pthread.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <sys/prctl.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "app.h"
 #include "errinfo.h"
@@ -24,7 +26,7 @@ struct upkeep {
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t changed; /* by the monotonic clock */
-    bool stopping;
+    bool stopping, ended;
 };
 
 static void trim(struct upkeep *u)
@@ -54,9 +56,22 @@ static void verify(struct upkeep *u)
         refusal_tell(u->app);
 }
 
+/* A failover can lose a change that was seen and not yet acknowledged.  Whether it was that, and no
+ * older state, the anchor decides, when the daemon starts again. */
+static void end(struct upkeep *u)
+{
+    refusal_tell(u->app);
+    logger_line("warn", "the database server went back: the daemon ends, to be started again");
+    u->ended = true;
+    (void)kill(getpid(), SIGTERM);
+}
+
 static void look(struct upkeep *u)
 {
     const double now = logger_clock_ms();
+
+    if (!u->ended && store_behind(u->app->store))
+        end(u);
 
     if (u->days > 0 && now >= u->trim_ms) {
         trim(u);

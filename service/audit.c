@@ -37,6 +37,7 @@ static void describe_what(struct json *j, const struct log_entry *entry)
     uid_of(entry, uid);
     json_text(j, "log", log_word(entry->log));
     json_number(j, "seq", (double)entry->seq);
+    json_number(j, "daemon", entry->daemon);
     json_text(j, "at", entry->at);
     json_text(j, "kind", entry->kind);
     json_text(j, "actor", entry->actor);
@@ -64,7 +65,7 @@ enum status audit_export_begin(struct store *s, const char *actor, struct audit_
 
     *x = (struct audit_export){.store = s};
     (void)sodium_bin2hex(x->public_key, sizeof x->public_key, public, sizeof public);
-    return st == ST_OK ? store_audit_sign(s, actor, LOG_EXPORT, &x->end, e) : st;
+    return st == ST_OK ? store_audit_sign(s, actor, LOG_EXPORT, &x->end, &x->to, e) : st;
 }
 
 static enum status put(FILE *to, const char *text, struct errinfo *e)
@@ -104,6 +105,12 @@ static enum status put_entry(FILE *to, const struct store_audit_entry *a,
     return put_line(to, j, e);
 }
 
+static bool is_covered(const struct store_audit_place *to, const struct log_entry *entry)
+{
+    return entry->seq <=
+           (entry->log == LOG_CHANGES ? to->changes : to->accesses[entry->daemon]);
+}
+
 /* What the filter leaves, up to the signed entry. */
 static enum status
 put_all(FILE *to, const struct audit_export *x, const struct store_audit_filter *filter,
@@ -111,7 +118,6 @@ put_all(FILE *to, const struct audit_export *x, const struct store_audit_filter 
                                struct errinfo *e),
         struct errinfo *e)
 {
-    const uint64_t last[LOGS] = {x->end.seq, x->end.accesses.seq};
     struct store_audit_filter wanted = *filter;
     enum status st = ST_OK;
 
@@ -127,7 +133,7 @@ put_all(FILE *to, const struct audit_export *x, const struct store_audit_filter 
                                x->most >> 20);
         st = store_audit_list(x->store, &wanted, &a, &n, &wanted.from, e);
         for (size_t i = 0; i < n && st == ST_OK; i++)
-            if (a[i].entry.seq <= last[a[i].entry.log]) /* else it came since */
+            if (is_covered(&x->to, &a[i].entry)) /* else it came since */
                 st = put_one(to, &a[i], e);
         free(a);
     }
@@ -136,6 +142,7 @@ put_all(FILE *to, const struct audit_export *x, const struct store_audit_filter 
 
 enum status audit_export_lines(FILE *to, const void *arg, struct errinfo *e)
 {
+    static const enum log_name changes = LOG_CHANGES;
     const struct audit_export *x = arg;
     struct json *j = json_new();
     enum status st;
@@ -145,8 +152,10 @@ enum status audit_export_lines(FILE *to, const void *arg, struct errinfo *e)
     json_text(j, "at", x->end.at);
     json_number(j, "changes", (double)x->end.seq);
     st = put_line(to, j, e);
-    for (enum log_name log = LOG_CHANGES; log < LOGS && st == ST_OK; log++)
-        st = put_all(to, x, &(struct store_audit_filter){.log = &log}, put_entry, e);
+    if (st == ST_OK)
+        st = put_all(to, x, &(struct store_audit_filter){.log = &changes}, put_entry, e);
+    for (uint32_t i = 0; i < x->to.daemons && st == ST_OK; i++)
+        st = put_all(to, x, &(struct store_audit_filter){.daemon = &i}, put_entry, e);
     return st;
 }
 
@@ -165,13 +174,15 @@ static void put_field(FILE *to, const char *text, char after)
 static enum status put_row(FILE *to, const struct store_audit_entry *a, struct errinfo *e)
 {
     const struct log_entry *entry = &a->entry;
-    char uid[2 * LOG_UID + 1], seq[24];
-    const char *const field[] = {
-        log_word(entry->log), seq,        entry->at, entry->kind,   entry->actor,
-        a->actor_name,        a->subject, uid,       entry->object, entry->outcome};
+    char uid[2 * LOG_UID + 1], daemon[16], seq[24];
+    const char *const field[] = {log_word(entry->log), seq,           entry->at,
+                                 entry->kind,          entry->actor,  a->actor_name,
+                                 a->subject,           uid,           entry->object,
+                                 entry->outcome,       daemon};
     const size_t n = sizeof field / sizeof *field;
 
     uid_of(entry, uid);
+    (void)snprintf(daemon, sizeof daemon, "%" PRIu32, entry->daemon);
     (void)snprintf(seq, sizeof seq, "%" PRIu64, entry->seq);
     for (size_t i = 0; i < n; i++)
         put_field(to, field[i], i + 1 < n ? ',' : '\r');
@@ -184,7 +195,7 @@ enum status audit_export_table(FILE *to, const void *arg, struct errinfo *e)
     const enum status st =
         put(to,
             "\"log\",\"seq\",\"at\",\"kind\",\"actor\",\"actor_name\",\"subject\","
-            "\"subject_uid\",\"object\",\"outcome\"\r\n",
+            "\"subject_uid\",\"object\",\"outcome\",\"daemon\"\r\n",
             e);
 
     return st == ST_OK ? put_all(to, x, x->filter, put_row, e) : st;

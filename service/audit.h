@@ -15,7 +15,8 @@ void audit_describe(struct json *j, const struct store_audit_entry *a);
 
 struct audit_export {
     struct store *store;
-    struct log_entry end; /* the signed change that says so */
+    struct log_entry end;        /* the signed change that says so */
+    struct store_audit_place to; /* what it covers */
     char public_key[2 * CRYPT_KEY + 1];
     const struct store_audit_filter *filter; /* of a table: what is in it */
     size_t most;                             /* bytes of a table; 0: any number */

@@ -31,7 +31,8 @@ static enum status export_subject(void *arg, struct log_txn *from,
     enum status st;
 
     if ((st = admin_copy_subject(x->to, from, of, e)) != ST_OK ||
-        (st = store_begin(x->s, SQL_LAZY, &t, e)) != ST_OK)
+        (st = store_begin_use(x->s, SQL_LAZY, &(struct store_use){.appends = true}, &t,
+                              e)) != ST_OK)
         return st;
     return store_end(x->s, &t,
                      log_access(&t, &x->by, "export", of->one.uid, "", "exported", e), e);

@@ -26,7 +26,8 @@
 
 /* ---- the logs */
 
-/* Each entry is as it was written: its MAC is made anew. */
+/* Each entry is as it was written: its MAC is made anew.  at[LOG_DAEMONS]: what those of each daemon
+ * follow; of changes the first alone. */
 static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_name log,
                             struct log_end *at, struct log_end *trimmed,
                             struct errinfo *e)
@@ -36,15 +37,20 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
     enum status st = sql_stream(
         from->sql,
         log == LOG_CHANGES ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq"
-                           : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq",
+                           : "SELECT " LOG_ROW_ACCESS
+                             " FROM access_log ORDER BY daemon, seq",
         NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
-        if (!log_row_read(r, log, &entry) || !log_follows(from->crypt, at, &entry)) {
+        struct log_end *after = NULL;
+
+        if (log_row_read(r, log, &entry))
+            after = &at[log == LOG_CHANGES ? 0 : entry.daemon];
+        if (after == NULL || !log_follows(from->crypt, after, &entry)) {
             st = errinfo_set(e, ST_ECORRUPT,
                              "entry %" PRIu64 " of the audit log (%s) is not as it was "
                              "written",
-                             at->seq + 1, log_word(log));
+                             after != NULL ? after->seq + 1 : entry.seq, log_word(log));
             break;
         }
         (void)log_trimmed(&entry, trimmed);
@@ -56,13 +62,13 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
 
 static enum status copy_logs(struct log_txn *from, struct log_txn *to, struct errinfo *e)
 {
-    struct log_end none, trimmed = {.seq = 0};
-    enum status st = copy_log(from, to, LOG_CHANGES, &to->changes, &trimmed, e);
+    struct log_end none[LOG_DAEMONS], trimmed[LOG_DAEMONS] = {{.seq = 0}};
+    enum status st = copy_log(from, to, LOG_CHANGES, &to->changes, trimmed, e);
 
     if (st == ST_OK && memcmp(to->changes.hash, from->changes.hash, LOG_HASH) != 0)
         st = errinfo_set(e, ST_ECORRUPT, "the change log has no end");
     to->accesses = from->accesses;
-    return st == ST_OK ? copy_log(from, to, LOG_ACCESSES, &trimmed, &none, e) : st;
+    return st == ST_OK ? copy_log(from, to, LOG_ACCESSES, trimmed, none, e) : st;
 }
 
 /* ---- subjects */
@@ -187,8 +193,10 @@ static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to
 
     if ((st = copy_plain(from, to, "SELECT used, id FROM tokens WHERE used IS NOT NULL",
                          "UPDATE tokens SET used = $1 WHERE id = $2", 2, e)) != ST_OK ||
-        (st = copy_plain(from, to, "SELECT day, decision, bins FROM days",
-                         "INSERT INTO days (day, decision, bins) VALUES ($1, $2, $3)", 3,
+        (st = copy_plain(from, to, "SELECT day, decision, daemon, bins FROM days",
+                         "INSERT INTO days (day, decision, daemon, bins) "
+                         "VALUES ($1, $2, $3, $4)",
+                         4,
                          e)) != ST_OK ||
         (st = copy_plain(from, to,
                          "SELECT s.uid, a.token, a.failures, a.at_ms "

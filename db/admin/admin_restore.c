@@ -340,7 +340,7 @@ static enum status choose_keys(struct restoring *r, struct errinfo *e)
 /* The database that is there may be an older one, whose log says nothing of what came later. */
 static enum status ask_anchor(struct restoring *r, struct errinfo *e)
 {
-    struct log_end said;
+    struct log_anchor said;
     bool has = false;
     enum status st = ST_OK;
 
@@ -348,10 +348,10 @@ static enum status ask_anchor(struct restoring *r, struct errinfo *e)
         log_anchor_read(r->key->anchor, r->crypt, &said, NULL) != ST_OK)
         return ST_OK; /* it is made again */
     if (r->held != NULL)
-        st = store_audit_has(r->held, &said, &has, e);
+        st = store_audit_has(r->held, &said.end, &has, e);
     if (st == ST_OK && !has)
-        st = store_audit_has(r->backup, &said, &has, e);
-    r->out->missed = has ? 0 : said.seq;
+        st = store_audit_has(r->backup, &said.end, &has, e);
+    r->out->missed = has ? 0 : said.end.seq;
     return st;
 }
 
@@ -372,7 +372,8 @@ static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo 
     if ((st = admin_copy(r->backup, r->path, &c, &n, e)) == ST_OK && !dry &&
         (st = admin_swap(r->path, r->held, &n, ".before-restore", e)) == ST_OK &&
         r->key->anchor != NULL)
-        st = log_anchor_write(r->key->anchor, r->crypt, &c.end, true, e);
+        st = log_anchor_write(r->key->anchor, r->crypt,
+                              &(struct log_anchor){.end = c.end}, true, e);
     newfile_close(&n);
     return st;
 }
@@ -457,7 +458,7 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
                          struct admin_accepted *out, struct errinfo *e)
 {
     struct store_key by_key = *key;
-    struct log_end end = {.seq = 0};
+    struct log_anchor at = {.daemon = 0};
     struct log_act by;
     struct log_txn t;
     struct store *s;
@@ -468,16 +469,18 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
     if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
         return st;
     atomic_store(&s->verified, true); /* what is found is accepted */
+    if (key->anchor != NULL)
+        (void)log_anchor_read(key->anchor, s->crypt, &at, NULL); /* whose it is */
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
         st = accept_rows(&t, &by, report, arg, out, e);
-        end = t.changes;
+        at.end = t.changes;
         if (st == ST_OK && dry)
             (void)store_end(s, &t, ST_EDENIED, NULL); /* rolled back */
         else
             st = store_end(s, &t, st, e);
     }
     if (st == ST_OK && !dry && key->anchor != NULL)
-        st = log_anchor_write(key->anchor, s->crypt, &end, true, e);
+        st = log_anchor_write(key->anchor, s->crypt, &at, true, e);
     store_close(s);
     return st;
 }

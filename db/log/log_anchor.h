@@ -6,13 +6,18 @@
 #define DB_LOG_ANCHOR_H
 #include "log_entry.h"
 
+struct log_anchor {
+    uint32_t daemon; /* whose it is */
+    struct log_end end;
+};
+
 /* log_anchor_read(path, c, out, e): the later of the two.  ST_ENOTFOUND: there is no file;
  * ST_EREFUSED: no place is authentic; ST_EIO.
- * log_anchor_write(path, c, end, e): it never goes back, unless `force`.  Not synced: after a loss
+ * log_anchor_write(path, c, at, force, e): it never goes back, unless `force`.  Not synced: after a loss
  * of power it may lag, which refuses nothing.  ST_EIO. */
-enum status log_anchor_read(const char *path, const struct crypt *c, struct log_end *out,
-                            struct errinfo *e);
+enum status log_anchor_read(const char *path, const struct crypt *c,
+                            struct log_anchor *out, struct errinfo *e);
 enum status log_anchor_write(const char *path, const struct crypt *c,
-                             const struct log_end *end, bool force, struct errinfo *e);
+                             const struct log_anchor *at, bool force, struct errinfo *e);
 
 #endif

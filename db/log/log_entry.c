@@ -55,6 +55,7 @@ void log_hash(const unsigned char before[LOG_HASH], const struct log_entry *entr
     (void)crypto_generichash_update(&h, (const unsigned char *)"surface entry 2", 16);
     (void)crypto_generichash_update(&h, before, LOG_HASH);
     add_number(&h, (uint64_t)entry->log);
+    add_number(&h, entry->daemon);
     add_number(&h, entry->seq);
     (void)crypto_generichash_update(&h, entry->uid, sizeof entry->uid);
     for (size_t i = 0; i < sizeof text / sizeof *text; i++)
@@ -124,13 +125,28 @@ bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *e
 
 bool log_trimmed(const struct log_entry *entry, struct log_end *to)
 {
+    char again[LOG_TEXT + 1];
+    unsigned daemon = 0;
+    struct log_end end;
     size_t n = 0;
 
     if (entry->log != LOG_CHANGES || strcmp(entry->kind, LOG_TRIM) != 0 ||
-        sodium_hex2bin(to->hash, LOG_HASH, entry->object, strlen(entry->object), NULL, &n,
+        sscanf(entry->outcome, "%18" SCNu64 " of daemon %4u", &end.seq, &daemon) < 1 ||
+        daemon >= LOG_DAEMONS ||
+        sodium_hex2bin(end.hash, LOG_HASH, entry->object, strlen(entry->object), NULL, &n,
                        NULL) != 0 ||
         n != LOG_HASH)
         return false;
-    to->seq = strtoull(entry->outcome, NULL, 10);
-    return true;
+    log_trim_text(daemon, end.seq, again);
+    if (strcmp(again, entry->outcome) == 0)
+        to[daemon] = end;
+    return strcmp(again, entry->outcome) == 0;
+}
+
+void log_trim_text(uint32_t daemon, uint64_t seq, char out[LOG_TEXT + 1])
+{
+    if (daemon == 0)
+        (void)snprintf(out, LOG_TEXT + 1, "%" PRIu64, seq);
+    else
+        (void)snprintf(out, LOG_TEXT + 1, "%" PRIu64 " of daemon %" PRIu32, seq, daemon);
 }

@@ -17,6 +17,9 @@ struct errinfo;
 #define LOG_UID    16
 #define LOG_TEXT   64 /* bytes of a kind, actor, object, outcome: printable ASCII */
 #define LOG_DIGEST 32 /* of all rows with a MAC (log_txn.h) */
+/* Daemons that share a database have an access log each, so that none waits for another; they are
+ * numbered as they joined (store_join()).  The first, and a database in a file, has 0. */
+#define LOG_DAEMONS 64
 
 enum log_name { LOG_CHANGES, LOG_ACCESSES, LOGS }; /* hashed, so never renumbered */
 
@@ -40,7 +43,8 @@ struct log_end { /* of a log; all zero: it is empty */
 
 struct log_entry {
     enum log_name log;
-    uint64_t seq; /* in its log: 1, 2, ... */
+    uint32_t daemon; /* whose access log it is in, or, of a change, whose it names the end of */
+    uint64_t seq;    /* in its log: 1, 2, ... */
     char at[UTC_TEXT];
     char kind[LOG_TEXT + 1], actor[LOG_TEXT + 1];
     unsigned char uid[LOG_UID]; /* of the subject; zeros: of none */
@@ -49,17 +53,20 @@ struct log_entry {
     unsigned char hash[LOG_HASH], mac[CRYPT_HASH];
     /* Of changes alone: */
     unsigned char digest[CRYPT_WRAPPED]; /* of the rows after the change, encrypted */
-    struct log_end accesses;             /* the end of the access log at that time */
+    struct log_end accesses;             /* the end of that access log at that time */
     bool is_signed;
     unsigned char signature[CRYPT_SIGN];
 };
 
 /* Kinds of changes with a meaning of their own: a request for a signed entry; an export, which
- * ends with a signed entry; the oldest accesses were cut off, up to the one that outcome numbers
- * and whose hash object is, in hexadecimal; one at least is left. */
+ * ends with a signed entry; the oldest accesses of a daemon were cut off, up to the one that outcome
+ * numbers and whose hash object is, in hexadecimal; one at least is left; a daemon has joined; the
+ * end of another daemon's access log, so that a signature covers that too. */
 #define LOG_CHECKPOINT "checkpoint"
 #define LOG_EXPORT     "export_audit"
 #define LOG_TRIM       "trim_accesses"
+#define LOG_JOIN       "join"
+#define LOG_FOUND      "accesses_found"
 
 /* log_hash(before, entry, out): BLAKE2b-256; out may be before.
  * log_mac(c, hash, out): of an entry with this hash.
@@ -76,7 +83,10 @@ bool log_signed(const unsigned char public[CRYPT_KEY], const struct log_entry *e
 bool log_follows(const struct crypt *c, struct log_end *at,
                  const struct log_entry *entry);
 
-/* log_trimmed(entry, to): is it a LOG_TRIM?  *to: the access that the rest follows. */
+/* log_trimmed(entry, to): is it a LOG_TRIM?  to[LOG_DAEMONS]: the access that the rest of that
+ * daemon's follows; of the others unchanged.
+ * log_trim_text(daemon, seq, out): the outcome of one. */
 bool log_trimmed(const struct log_entry *entry, struct log_end *to);
+void log_trim_text(uint32_t daemon, uint64_t seq, char out[LOG_TEXT + 1]);
 
 #endif

@@ -9,9 +9,10 @@
 
 #define F(kind, member) SQL_FIELD(kind, struct log_entry, member)
 
-enum { COL_ACCESS = 9, COL_CHANGE = 13 }; /* columns of either log */
+enum { COL_ACCESS = 10, COL_CHANGE = 14 }; /* columns of either log */
 
 static const struct sql_field columns[COL_CHANGE] = {
+    SQL_FIELD_IN(COUNT, struct log_entry, daemon, 0, LOG_DAEMONS - 1),
     SQL_FIELD_IN(NUMBER, struct log_entry, seq, 1, DBL_MAX),
     F(TEXT, at),
     F(TEXT, kind),
@@ -51,9 +52,9 @@ enum status log_row_add(struct sql_txn *t, const struct log_entry *entry,
         t,
         entry->log == LOG_ACCESSES
             ? "INSERT INTO access_log (" LOG_ROW_ACCESS
-              ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)"
+              ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10)"
             : "INSERT INTO change_log (" LOG_ROW_CHANGE
-              ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13)",
+              ") VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)",
         v, columns_of(entry->log), e);
 }
 
@@ -75,29 +76,45 @@ static int64_t bounded(uint64_t v)
     return v < INT64_MAX ? (int64_t)v : INT64_MAX;
 }
 
-enum status log_rows(struct sql_txn *t, enum log_name log, bool newest, uint64_t from,
-                     struct sql_rows **out, struct errinfo *e)
+enum status log_daemons(struct sql_txn *t, uint32_t *n, struct errinfo *e)
 {
-#define ROWS(columns, table)                                                             \
-    {                                                                                    \
-        "SELECT " columns " FROM " table " WHERE seq > $1 ORDER BY seq",                 \
-            "SELECT " columns " FROM " table " WHERE seq < $1 ORDER BY seq DESC"         \
-    }
-    static const char *const text[LOGS][2] = {
-        [LOG_CHANGES] = ROWS(LOG_ROW_CHANGE, "change_log"),
-        [LOG_ACCESSES] = ROWS(LOG_ROW_ACCESS, "access_log")};
-#undef ROWS
+    struct sql_rows *r;
+    enum status st = sql_first(t, "SELECT coalesce(max(daemon), 0) FROM access_log", NULL,
+                               0, &r, e);
 
-    return sql_stream(
-        t, text[log][newest],
-        SQL_VALUES(sql_int(newest && from == 0 ? INT64_MAX : bounded(from))), 1, out, e);
+    *n = 0;
+    if (st == ST_OK && !sql_read_count(r, 0, LOG_DAEMONS - 1, n))
+        st = errinfo_set(e, ST_ECORRUPT, "an access log of an impossible daemon");
+    ++*n;
+    return sql_done(r, st, e);
 }
 
-enum status log_rows_next(struct sql_rows *r, enum log_name log, struct log_entry *out,
-                          bool *there, struct errinfo *e)
+enum status log_page(struct sql_txn *t, const struct log_place *at, size_t limit,
+                     struct log_entry **out, size_t *n, struct errinfo *e)
 {
-    *there = sql_next(r);
-    return *there ? read_row(&log, r, out, e) : ST_OK;
+#define PAGE(columns, table, of)                                                         \
+    {                                                                                    \
+        "SELECT " columns " FROM " table " WHERE " of                                    \
+        "seq > $1 ORDER BY seq LIMIT $2",                                                \
+            "SELECT " columns " FROM " table " WHERE " of                                \
+            "seq < $1 ORDER BY seq DESC LIMIT $2"                                        \
+    }
+    static const char *const text[LOGS][2] = {
+        [LOG_CHANGES] = PAGE(LOG_ROW_CHANGE, "change_log", ""),
+        [LOG_ACCESSES] = PAGE(LOG_ROW_ACCESS, "access_log", "daemon = $3 AND ")};
+#undef PAGE
+    const struct sql_value v[] = {
+        sql_int(at->newest && at->seq == 0 ? INT64_MAX : bounded(at->seq)),
+        sql_int(bounded(limit)), sql_int(at->daemon)};
+    enum log_name log = at->log;
+    struct sql_rows *r;
+    void *list = NULL;
+    enum status st =
+        sql_query(t, text[log][at->newest], v, log == LOG_CHANGES ? 2 : 3, &r, e);
+
+    st = sql_read_list(r, st, read_row, &log, sizeof **out, &list, n, e);
+    *out = list;
+    return st;
 }
 
 enum status log_list(struct sql_txn *t, const char *kind, uint64_t after,
@@ -141,8 +158,7 @@ enum status log_walk_all(struct sql_txn *t, struct log_walk *w, struct errinfo *
     if (st != ST_OK)
         return st;
     log_walk_accesses(w);
-    if ((st = walk_log(t, w, "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq",
-                       e)) == ST_OK)
+    if ((st = walk_log(t, w, "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY daemon, seq", e)) == ST_OK)
         log_walk_end(w);
     return st;
 }

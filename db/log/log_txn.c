@@ -31,11 +31,25 @@ struct log_end log_newest(struct log *l)
     return now;
 }
 
-static void remember(struct log *l, const struct log_end *end)
+/* A transaction that began before another's change ended may have seen less. */
+static struct log_end found(struct log *l)
+{
+    struct log_end at;
+
+    (void)pthread_mutex_lock(&l->lock);
+    at = l->found;
+    (void)pthread_mutex_unlock(&l->lock);
+    return at;
+}
+
+static void remember(struct log *l, const struct log_end *end,
+                     const struct log_end *accesses)
 {
     (void)pthread_mutex_lock(&l->lock);
     if (end->seq > l->newest.seq)
         l->newest = *end;
+    if (accesses->seq > l->found.seq)
+        l->found = *accesses;
     (void)pthread_mutex_unlock(&l->lock);
 }
 
@@ -53,19 +67,24 @@ static bool erases(const char *kind)
 
 /* The last entry, seq 0 where there is none: its MAC authenticates the log up to it.  Of a change,
  * whose fields are used, the hash is made again; that takes the entry before. */
-static enum status read_last(struct log_txn *t, enum log_name log, struct log_entry *last,
-                             struct errinfo *e)
+static enum status read_last(struct log_txn *t, enum log_name log, uint32_t daemon,
+                             struct log_entry *last, struct errinfo *e)
 {
     unsigned char hash[LOG_HASH], mac[CRYPT_HASH];
     struct log_entry before = {.seq = 0};
     struct sql_rows *r;
     bool good = true;
-    enum status st = sql_query(
-        t->sql,
+    const struct sql_value of = sql_int(daemon);
+    enum status st =
         log == LOG_CHANGES
-            ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq DESC LIMIT 2"
-            : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY seq DESC LIMIT 1",
-        NULL, 0, &r, e);
+            ? sql_query(t->sql,
+                        "SELECT " LOG_ROW_CHANGE
+                        " FROM change_log ORDER BY seq DESC LIMIT 2",
+                        NULL, 0, &r, e)
+            : sql_query(t->sql,
+                        "SELECT " LOG_ROW_ACCESS " FROM access_log WHERE daemon = $1 "
+                        "ORDER BY seq DESC LIMIT 1",
+                        &of, 1, &r, e);
 
     *last = (struct log_entry){.log = log};
     if (st == ST_OK && sql_next(r)) {
@@ -78,11 +97,11 @@ static enum status read_last(struct log_txn *t, enum log_name log, struct log_en
             good = good && memcmp(hash, last->hash, sizeof hash) == 0;
         }
     }
-    if (log == LOG_ACCESSES) /* it has the one that the last change found */
+    if (log == LOG_CHANGES)
+        good = good && last->seq != 0;
+    else if (daemon == t->log->daemon) /* it has the one that the last change found */
         good = good && (last->seq > t->accesses.seq ||
                         memcmp(last->hash, t->accesses.hash, LOG_HASH) == 0);
-    else
-        good = good && last->seq != 0;
     st = sql_done(r, st, e);
     return st != ST_OK || good
                ? st
@@ -103,19 +122,29 @@ static enum status need_uses(struct log_txn *t, struct errinfo *e)
     struct log_entry last;
     enum status st = ST_OK;
 
-    if (t->uses.seq == 0 && (st = read_last(t, LOG_ACCESSES, &last, e)) == ST_OK)
+    if (t->uses.seq == 0 &&
+        (st = read_last(t, LOG_ACCESSES, t->log->daemon, &last, e)) == ST_OK)
         set_end(&t->uses, &last);
     return st;
 }
 
+/* What was read before may be the end no more. */
+enum status log_txn_appends(struct log_txn *t, struct errinfo *e)
+{
+    if (t->appends)
+        return ST_OK;
+    t->appends = true;
+    t->uses.seq = 0;
+    return sql_lock(t->sql, LOG_LOCK_ACCESSES(t->log->daemon), e);
+}
+
 void log_txn_ahead(struct log_txn *t)
 {
-    t->appends = true;
     (void)need_uses(t, NULL);
 }
 
 /* Each entry follows the one before, up to the end: a search for the entry itself could be led to
- * one that is no part of the log. */
+ * one that is no part of the log.  Another daemon may have added some since the end was read. */
 enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
                     struct errinfo *e)
 {
@@ -123,8 +152,11 @@ enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
     struct log_entry entry;
     struct sql_rows *r;
     enum status st = sql_stream(
-        t->sql, "SELECT " LOG_ROW_CHANGE " FROM change_log WHERE seq > $1 ORDER BY seq",
-        SQL_VALUES(sql_int((int64_t)at->seq)), 1, &r, e);
+        t->sql,
+        "SELECT " LOG_ROW_CHANGE
+        " FROM change_log WHERE seq > $1 AND seq <= $2 ORDER BY seq",
+        SQL_VALUES(sql_int((int64_t)at->seq), sql_int((int64_t)t->changes.seq)), 2, &r,
+        e);
 
     *has = true;
     while (st == ST_OK && *has && sql_next(r)) {
@@ -154,9 +186,9 @@ enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
     enum status st;
 
     t->known = t->unlogged = false;
-    st = read_last(t, LOG_CHANGES, &last, e);
+    st = read_last(t, LOG_CHANGES, 0, &last, e);
     set_end(&t->changes, &last);
-    t->accesses = last.accesses;
+    t->accesses = last.daemon == t->log->daemon ? last.accesses : found(t->log);
     memcpy(t->wrapped, last.digest, sizeof t->wrapped);
     if (st != ST_OK)
         return st == ST_ECORRUPT && before->seq != 0
@@ -174,7 +206,7 @@ enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
         if (!follows)
             return refuse(before, "its log is another one from", e);
     }
-    remember(t->log, &t->changes);
+    remember(t->log, &t->changes, &t->accesses);
     return ST_OK;
 }
 
@@ -207,7 +239,7 @@ void log_txn_prove(struct log_txn *t)
 
 void log_txn_committed(struct log_txn *t)
 {
-    remember(t->log, &t->changes);
+    remember(t->log, &t->changes, &t->accesses);
 }
 
 /* ---- the digest */
@@ -304,33 +336,78 @@ static enum status append(struct log_txn *t, struct log_entry *entry,
     return st;
 }
 
+/* *entry names the end of a daemon's accesses. */
+static enum status change(struct log_txn *t, struct log_entry *entry,
+                          const struct log_act *by, const char *kind,
+                          const unsigned char *uid, const char *object,
+                          const char *outcome, struct errinfo *e)
+{
+    unsigned char name[16];
+    enum status st = need_digest(t, e);
+
+    if (st != ST_OK)
+        return st;
+    name_of(t->changes.seq + 1, name);
+    crypt_wrap(t->crypt, label, name, t->digest, entry->digest);
+    if ((st = append(t, entry, by, kind, uid, object, outcome, &t->changes, e)) == ST_OK)
+        t->unlogged = false;
+    return st;
+}
+
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_CHANGES};
-    unsigned char name[16];
-    enum status st = need_digest(t, e);
+    struct log_entry entry = {.log = LOG_CHANGES, .daemon = t->log->daemon};
+    enum status st = need_uses(t, e);
 
-    if (st != ST_OK || (st = need_uses(t, e)) != ST_OK)
+    if (st != ST_OK)
         return st;
     entry.accesses = t->uses;
-    name_of(t->changes.seq + 1, name);
-    crypt_wrap(t->crypt, label, name, t->digest, entry.digest);
-    if ((st = append(t, &entry, by, kind, uid, object, outcome, &t->changes, e)) != ST_OK)
+    if ((st = change(t, &entry, by, kind, uid, object, outcome, e)) == ST_OK)
+        t->accesses = entry.accesses;
+    return st;
+}
+
+/* The last change that names an end of this daemon's. */
+static enum status read_bound(struct log_txn *t, uint32_t daemon, uint64_t *seq,
+                              struct errinfo *e)
+{
+    struct sql_rows *r;
+    enum status st = SQL_FIRST(t->sql, &r, e,
+                               "SELECT access_seq FROM change_log WHERE daemon = $1 "
+                               "ORDER BY seq DESC LIMIT 1",
+                               sql_int(daemon));
+
+    *seq = st == ST_OK ? (uint64_t)sql_column(r, 0).i : 0;
+    return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
+}
+
+enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daemon,
+                      uint64_t *to, struct errinfo *e)
+{
+    struct log_entry entry = {.log = LOG_CHANGES, .daemon = daemon}, last;
+    enum status st;
+
+    *to = 0;
+    if (daemon == t->log->daemon)
+        return ST_OK; /* any change of its own names it */
+    if ((st = read_last(t, LOG_ACCESSES, daemon, &last, e)) != ST_OK ||
+        (st = read_bound(t, daemon, to, e)) != ST_OK || last.seq <= *to)
         return st;
-    t->accesses = entry.accesses;
-    t->unlogged = false;
-    return ST_OK;
+    *to = last.seq;
+    set_end(&entry.accesses, &last);
+    return change(t, &entry, by, LOG_FOUND, NULL, "", "", e);
 }
 
 enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e)
 {
-    struct log_entry entry = {.log = LOG_ACCESSES};
-    const enum status st = need_uses(t, e);
+    struct log_entry entry = {.log = LOG_ACCESSES, .daemon = t->log->daemon};
+    enum status st = log_txn_appends(t, e);
 
-    return st == ST_OK ? append(t, &entry, by, kind, uid, object, outcome, &t->uses, e)
-                       : st;
+    if (st != ST_OK || (st = need_uses(t, e)) != ST_OK)
+        return st;
+    return append(t, &entry, by, kind, uid, object, outcome, &t->uses, e);
 }

@@ -16,8 +16,17 @@
 struct log { /* what this process has seen of an open database */
     pthread_mutex_t lock;
     struct log_end newest; /* of the change log; seq 0: nothing yet */
+    struct log_end found;  /* the end of the daemon's accesses, by its last change seen */
+    uint32_t daemon;       /* whose accesses it writes */
     atomic_bool erasure;   /* another process has erased something */
 };
+
+/* What sql_lock() takes, in this order: all changes; a subject's attempts; a token's; a daemon's
+ * accesses.  Different subjects or tokens may share a lock. */
+#define LOG_LOCK_CHANGES    0U
+#define LOG_LOCK_SUBJECT(k) (0x40000000U | ((uint32_t)(k) & 0x3fffffffU))
+#define LOG_LOCK_TOKEN(k)   (0x80000000U | ((uint32_t)(k) & 0x3fffffffU))
+#define LOG_LOCK_ACCESSES(daemon) (1U + (daemon))
 
 struct log_txn {
     struct log *log;
@@ -25,13 +34,13 @@ struct log_txn {
     const struct crypt *crypt;
     enum sql_begin how;
     struct log_end changes;  /* the change log's end, with what it has added itself */
-    struct log_end accesses; /* the access log's end at that change */
+    struct log_end accesses; /* the daemon's access log's end at its last change that is known */
     struct log_end uses;     /* and as it is now; seq 0: not read yet, or it is empty */
     struct log_end before;   /* what this process had seen when it began */
     unsigned char wrapped[CRYPT_WRAPPED]; /* digest of that entry, */
     unsigned char digest[LOG_DIGEST];     /* and decrypted, with what was changed since */
     bool known;                           /* digest is set */
-    bool appends;                         /* log_txn_ahead() was called */
+    bool appends;                         /* log_txn_appends() was called */
     bool unlogged;                        /* rows were changed after the last entry */
     enum log_name added; /* the log of the last entry that it has added, LOGS: none */
 };
@@ -71,18 +80,24 @@ void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
 
 /* log_change(t, by, kind, uid, object, outcome, e): append to the change log; signed where kind
  * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
- * log_access(t, by, kind, uid, object, outcome, e): append to the access log.  ST_ECORRUPT: its
- * last entry has no good MAC, or is an earlier one than the last change found there.
- * log_txn_ahead(t): before log_txn_begin(), while sql_ahead() is on: what both will read.
- * log_has(t, at, has, e): has the change log this entry, and each after it as it was written?  All
- * zero: each from the first on.  O(entries since). */
+ * log_access(t, by, kind, uid, object, outcome, e): append to the daemon's access log.  ST_ECORRUPT:
+ * its last entry has no good MAC, or is an earlier one than the last change found there.
+ * log_found(t, by, daemon, to, e): a change that names the end of another daemon's accesses, where the
+ * last that did names an earlier one.  *to: that end, 0 of t's own daemon.
+ * log_txn_appends(t, e): takes the lock of the accesses now, that log_access() takes otherwise.
+ * log_txn_ahead(t): before log_txn_begin(), while sql_ahead() is on: what these will read.
+ * log_has(t, at, has, e): has the change log this entry, and each after it as it was written, up to
+ * the end that t has seen?  All zero: each from the first on.  O(entries since). */
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);
 enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);
+enum status log_txn_appends(struct log_txn *t, struct errinfo *e);
 void log_txn_ahead(struct log_txn *t);
+enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daemon,
+                      uint64_t *to, struct errinfo *e);
 enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
                     struct errinfo *e);
 

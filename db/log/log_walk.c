@@ -23,17 +23,25 @@ void log_walk_problem(struct log_walk *w, uint64_t seq, const char *line)
     w->report(w->arg, w->log, seq, line);
 }
 
-/* "entry 5 is", "entries 5 to 9 are", and what is said of them. */
+/* "entry 5 is", "entries 5 to 9 of daemon 1 are", and what is said of them. */
+static void tell_of(struct log_walk *w, uint32_t daemon, uint64_t from, uint64_t to,
+                    const char *what)
+{
+    char line[160], whose[24] = "";
+
+    if (daemon != 0)
+        (void)snprintf(whose, sizeof whose, " of daemon %" PRIu32, daemon);
+    if (from == to)
+        (void)snprintf(line, sizeof line, "entry %" PRIu64 "%s is %s", from, whose, what);
+    else
+        (void)snprintf(line, sizeof line, "entries %" PRIu64 " to %" PRIu64 "%s are %s",
+                       from, to, whose, what);
+    log_walk_problem(w, from, line);
+}
+
 static void tell(struct log_walk *w, uint64_t from, uint64_t to, const char *what)
 {
-    char line[160];
-
-    if (from == to)
-        (void)snprintf(line, sizeof line, "entry %" PRIu64 " is %s", from, what);
-    else
-        (void)snprintf(line, sizeof line, "entries %" PRIu64 " to %" PRIu64 " are %s",
-                       from, to, what);
-    log_walk_problem(w, from, line);
+    tell_of(w, w->daemon, from, to, what);
 }
 
 /* The run of wrong entries, if there is one, ends with the last. */
@@ -73,8 +81,8 @@ static bool has_mac(const struct log_walk *w, const struct log_entry *entry)
 /* A signature of the key before a rekey is none of this key's, and proves nothing any more. */
 static void note_change(struct log_walk *w, const struct log_entry *entry)
 {
-    w->accesses = entry->accesses;
-    (void)log_trimmed(entry, &w->trimmed);
+    w->accesses[entry->daemon] = entry->accesses;
+    (void)log_trimmed(entry, w->trimmed);
     if (log_signed(w->public, entry)) {
         w->checkpoints++;
         w->signed_to = entry->seq;
@@ -84,10 +92,30 @@ static void note_change(struct log_walk *w, const struct log_entry *entry)
 /* The entry that the last change found at the end of the accesses. */
 static void check_bound(struct log_walk *w, const struct log_entry *entry)
 {
-    if (entry->seq == w->accesses.seq &&
-        memcmp(entry->hash, w->accesses.hash, LOG_HASH) != 0)
+    const struct log_end *bound = &w->accesses[entry->daemon];
+
+    if (entry->seq == bound->seq && memcmp(entry->hash, bound->hash, LOG_HASH) != 0)
         tell(w, entry->seq, entry->seq,
              "not the one that was the last when the last change was made");
+}
+
+/* The accesses of the daemon have ended. */
+static void end_accesses(struct log_walk *w)
+{
+    const struct log_end *bound = &w->accesses[w->daemon];
+
+    end_run(w);
+    if (w->at.seq < bound->seq)
+        tell(w, w->at.seq + 1, bound->seq, "cut off the end");
+    else if (w->crypt == NULL && w->at.seq > bound->seq)
+        tell(w, bound->seq + 1, w->at.seq, "not signed by any change");
+}
+
+static void begin_accesses(struct log_walk *w, uint32_t daemon)
+{
+    w->daemon = daemon;
+    w->at = w->trimmed[daemon];
+    w->lost = false;
 }
 
 void log_walk_step(struct log_walk *w, const struct log_entry *entry)
@@ -96,6 +124,15 @@ void log_walk_step(struct log_walk *w, const struct log_entry *entry)
     bool good;
 
     w->entries++;
+    while (w->log == LOG_ACCESSES && entry->daemon > w->daemon) {
+        end_accesses(w);
+        begin_accesses(w, w->daemon + 1);
+    }
+    if (w->log == LOG_ACCESSES && entry->daemon < w->daemon) {
+        end_run(w);
+        tell_of(w, entry->daemon, entry->seq, entry->seq, "behind another daemon's");
+        return;
+    }
     if (!come_to(w, entry->seq))
         return;
     log_hash(w->at.hash, entry, made);
@@ -130,15 +167,18 @@ void log_walk_accesses(struct log_walk *w)
     w->changes = w->entries;
     w->head = w->at;
     w->log = LOG_ACCESSES;
-    w->at = w->trimmed;
-    w->lost = false;
+    begin_accesses(w, 0);
 }
 
 void log_walk_end(struct log_walk *w)
 {
-    end_run(w);
-    if (w->log == LOG_ACCESSES && w->at.seq < w->accesses.seq)
-        tell(w, w->at.seq + 1, w->accesses.seq, "cut off the end");
-    else if (w->log == LOG_ACCESSES && w->crypt == NULL && w->at.seq > w->accesses.seq)
-        tell(w, w->accesses.seq + 1, w->at.seq, "not signed by any change");
+    if (w->log == LOG_CHANGES) {
+        end_run(w);
+        return;
+    }
+    end_accesses(w);
+    while (w->daemon + 1 < LOG_DAEMONS) {
+        begin_accesses(w, w->daemon + 1);
+        end_accesses(w);
+    }
 }

@@ -12,9 +12,10 @@ struct log_walk {
     const struct crypt *crypt;       /* NULL: MACs are not verified */
     unsigned char public[CRYPT_KEY]; /* that signs the changes */
     enum log_name log;               /* that it walks along: first the changes */
+    uint32_t daemon;                 /* whose accesses */
     struct log_end at;               /* the last entry */
-    struct log_end accesses;         /* the end of the accesses by the last change */
-    struct log_end trimmed;          /* what the accesses follow, by the last trim */
+    struct log_end accesses[LOG_DAEMONS]; /* the end of each by the last change that names it */
+    struct log_end trimmed[LOG_DAEMONS];  /* what they follow, by the last trim */
     uint64_t entries, problems;      /* walked, reported */
     uint64_t changes;                /* of the entries, and the last of them: */
     struct log_end head;
@@ -27,7 +28,8 @@ struct log_walk {
 };
 
 /* log_walk_begin(w, crypt, public, report, arg): from the first change.
- * log_walk_accesses(w): the changes have ended; from here on the accesses.
+ * log_walk_accesses(w): the changes have ended; from here on the accesses, a daemon's after the
+ * other's.
  * log_walk_step(w, entry): the next entry.  A run of wrong ones is one report.
  * log_walk_damaged(w, seq): an entry that cannot be read.
  * log_walk_end(w): the accesses have ended too, or they are not walked.  Without keys, those after

@@ -35,8 +35,10 @@ static enum status read_one(struct log_txn *t, const char *at, const char *decis
 
     (void)snprintf(day, STORE_DAY + 1, "%s", at);
     if ((st = SQL_QUERY(t->sql, &r, e,
-                        "SELECT bins FROM days WHERE day = $1 AND decision = $2",
-                        sql_text(day), sql_text(decision))) == ST_OK &&
+                        "SELECT bins FROM days WHERE day = $1 AND decision = $2 "
+                        "AND daemon = $3",
+                        sql_text(day), sql_text(decision), sql_int(t->log->daemon))) ==
+            ST_OK &&
         sql_next(r))
         read_bins(r, 0, bin);
     return sql_done(r, st, e);
@@ -64,9 +66,10 @@ enum status rows_day_count(struct log_txn *t, const char *at, const char *decisi
     for (int i = 0; i < STORE_DAY_BINS; i++)
         bytes_put_number(&to, bin[i], 4);
     return SQL_RUN(t->sql, e,
-                   "INSERT INTO days (day, decision, bins) VALUES ($1, $2, $3) "
-                   "ON CONFLICT (day, decision) DO UPDATE SET bins = excluded.bins",
-                   sql_text(day), sql_text(decision), sql_blob(bytes, sizeof bytes));
+                   "INSERT INTO days (day, decision, daemon, bins) VALUES ($1, $2, $3, $4) "
+                   "ON CONFLICT (day, decision, daemon) DO UPDATE SET bins = excluded.bins",
+                   sql_text(day), sql_text(decision), sql_int(t->log->daemon),
+                   sql_blob(bytes, sizeof bytes));
 }
 
 static enum status read_row(void *arg, const struct sql_rows *r, void *out,
@@ -83,6 +86,22 @@ static enum status read_row(void *arg, const struct sql_rows *r, void *out,
     return ST_OK;
 }
 
+/* Each daemon has its own; one behind the other. */
+static size_t add_up(struct store_day *day, size_t n)
+{
+    size_t to = 0;
+
+    for (size_t i = 0; i < n; i++) {
+        if (i == 0 || strcmp(day[to - 1].day, day[i].day) != 0 ||
+            strcmp(day[to - 1].decision, day[i].decision) != 0)
+            day[to++] = day[i];
+        else
+            for (int k = 0; k < STORE_DAY_BINS; k++)
+                day[to - 1].bin[k] += day[i].bin[k];
+    }
+    return to;
+}
+
 enum status rows_day_list(struct log_txn *t, const char *since, struct store_day **out,
                           size_t *n, struct errinfo *e)
 {
@@ -91,10 +110,12 @@ enum status rows_day_list(struct log_txn *t, const char *since, struct store_day
     enum status st = SQL_QUERY(t->sql, &r, e,
                                "SELECT day, decision, bins FROM days WHERE day >= $1 "
                                "AND decision IN ('match', 'no_match', 'inconclusive') "
-                               "ORDER BY day, decision LIMIT $2",
-                               sql_text(since), sql_int(3 * (STORE_DAYS + 1)));
+                               "ORDER BY day, decision, daemon LIMIT $2",
+                               sql_text(since),
+                               sql_int(3 * (STORE_DAYS + 1) * LOG_DAEMONS));
 
     st = sql_read_list(r, st, read_row, NULL, sizeof **out, &list, n, e);
     *out = list;
+    *n = add_up(*out, *n);
     return st;
 }

@@ -35,9 +35,14 @@ static void close_conn(struct sql_postgres_conn *c)
     free(c);
 }
 
-static void say_nothing(void *arg, const char *text)
+/* Nothing is printed.  What a server has to say of a commit is that it did not wait for a standby,
+ * as somebody has cancelled that. */
+static void take_notice(void *arg, const PGresult *r)
 {
-    (void)arg, (void)text;
+    struct sql_postgres_conn *c = arg;
+
+    (void)r;
+    c->warned = c->committing;
 }
 
 /* A server that is another machine proves its name, unless the URL says otherwise; the one of several
@@ -99,7 +104,7 @@ static enum status connect_to(struct sql_postgres *d, const char *settings,
         st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be reached",
                                    PQerrorMessage(c->pg));
     } else {
-        (void)PQsetNoticeProcessor(c->pg, say_nothing, NULL);
+        (void)PQsetNoticeReceiver(c->pg, take_notice, c);
         if ((st = set_up(c, settings, e)) == ST_OK && PQenterPipelineMode(c->pg) != 1)
             st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be used",
                                        PQerrorMessage(c->pg));
@@ -187,7 +192,7 @@ static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
     if ((st = take(d, &c, e)) != ST_OK)
         return st;
     c->writes = how != SQL_READ;
-    c->ahead = c->committing = c->committed = false;
+    c->ahead = c->committing = c->committed = c->warned = false;
     c->cursors = c->lock = 0;
     c->proof = NULL;
     st = sql_postgres_conn_run(&c->base, begins[how][0], NULL, 0, false, e);
@@ -227,7 +232,8 @@ static void prove(struct sql_txn *t, const char *text, const struct sql_value *v
 }
 
 /* ST_OK: it was committed; ST_ENOTFOUND: it was not, nor will it be, as the lock that it held is
- * free. */
+ * free.  What is seen may not be on a standby yet: a commit that has something to write waits for all
+ * before it. */
 static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
 {
     struct sql_postgres *d = lost->of;
@@ -241,6 +247,9 @@ static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
         st = sql_first(t, lost->proof, lost->proof_value, lost->proof_n, &r, e);
         st = sql_done(r, st, e);
     }
+    if (st == ST_OK)
+        st = sql_run(t, "SELECT pg_logical_emit_message(true, 'surfaced', '')", NULL, 0,
+                     e);
     return sql_end(t, st, e);
 }
 
@@ -270,6 +279,10 @@ static enum status end(struct sql_txn *t, enum status st, struct errinfo *e)
     if (c->writes && st == ST_OK && (st = sql_postgres_conn_commit(c, e)) != ST_OK &&
         c->committing && sql_postgres_conn_lost(c))
         st = find_out(c, e);
+    else if (st == ST_OK && c->committed && c->warned)
+        st = errinfo_set(e, ST_EBUSY,
+                         "the database server did not wait for its standby: a failover may "
+                         "undo the change");
     if (!c->committed)
         sql_postgres_conn_rollback(c);
     give_back(c);

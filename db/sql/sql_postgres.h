@@ -63,6 +63,7 @@ struct sql_postgres_conn { /* a connection, and its transaction */
     bool unproved;     /* a RUN_ONE is on its way */
     bool lost;
     bool writes, ahead, committing, committed;
+    bool warned; /* while committing */
     unsigned cursors;
     uint64_t changed;                 /* by the last RUN */
     struct sql_postgres_rows *parked; /* sent ahead, and not asked for yet */

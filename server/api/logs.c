@@ -21,7 +21,7 @@
 #define PAGE_DEFAULT 100
 #define PAGE_MAX     1000
 #define LOOKED       20000 /* entries that a request looks at, at most: some 50 ms */
-#define PLACE_MAX    40    /* bytes of one */
+#define PLACE_MAX    ((1 + LOG_DAEMONS) * 21) /* bytes of one */
 #define FINDINGS_MAX 100
 #define TABLE_MAX    ((size_t)64 << 20) /* bytes of CSV, which are in memory */
 
@@ -54,25 +54,41 @@ static bool ask(struct request *r, struct asked *a)
            take(r, "until", a->until, sizeof a->until, &f->until);
 }
 
+/* Numbers with hyphens: of the changes, and of each daemon's accesses. */
+static void print_place(const struct store_audit_place *p, char out[PLACE_MAX])
+{
+    int n = snprintf(out, PLACE_MAX, "%" PRIu64, p->changes);
+
+    for (uint32_t i = 0; i < p->daemons; i++)
+        n += snprintf(out + n, PLACE_MAX - (size_t)n, "-%" PRIu64, p->accesses[i]);
+}
+
+static bool read_place(const char *text, uint64_t least, struct store_audit_place *out)
+{
+    char again[PLACE_MAX];
+    int n = 0, more;
+
+    *out = (struct store_audit_place){.daemons = 0};
+    if (sscanf(text, "%18" SCNu64 "%n", &out->changes, &n) != 1 || out->changes < least)
+        return false;
+    for (; text[n] == '-' && out->daemons < LOG_DAEMONS; n += more)
+        if (sscanf(text + n, "-%18" SCNu64 "%n", &out->accesses[out->daemons], &more) !=
+                1 ||
+            out->accesses[out->daemons++] < least)
+            return false;
+    print_place(out, again);
+    return out->daemons > 0 && strcmp(again, text) == 0;
+}
+
 static bool take_place(struct request *r, const char *name, uint64_t least,
                        struct store_audit_place *out, bool *given)
 {
-    char text[PLACE_MAX] = "", again[PLACE_MAX];
-    uint64_t *const seq = out->seq;
+    char text[PLACE_MAX] = "";
 
     if (!params_text(r, name, text, sizeof text))
         return false;
-    if (!(*given = text[0] != '\0'))
+    if (!(*given = text[0] != '\0') || read_place(text, least, out))
         return true;
-    if (strspn(text, "0123456789-") == strlen(text) && strlen(text) < 2 * 18 + 2 &&
-        sscanf(text, "%18" SCNu64 "-%18" SCNu64, &seq[LOG_CHANGES], &seq[LOG_ACCESSES]) ==
-            2 &&
-        seq[LOG_CHANGES] >= least && seq[LOG_ACCESSES] >= least) {
-        (void)snprintf(again, sizeof again, "%" PRIu64 "-%" PRIu64, seq[LOG_CHANGES],
-                       seq[LOG_ACCESSES]);
-        if (strcmp(again, text) == 0)
-            return true;
-    }
     request_problem(r, ERRMAP_PARAMETER, "%s is not the next_cursor of a page", name);
     return false;
 }
@@ -81,7 +97,7 @@ static char *write_page(const struct store_audit_entry *a, size_t n,
                         const struct store_audit_place *next, bool more)
 {
     struct json *j = json_new();
-    char place[2 * PLACE_MAX];
+    char place[PLACE_MAX];
 
     json_array(j, "entries");
     for (size_t i = 0; i < n; i++) {
@@ -90,8 +106,7 @@ static char *write_page(const struct store_audit_entry *a, size_t n,
         json_close(j);
     }
     json_close(j);
-    (void)snprintf(place, sizeof place, "%" PRIu64 "-%" PRIu64, next->seq[LOG_CHANGES],
-                   next->seq[LOG_ACCESSES]);
+    print_place(next, place);
     json_text(j, "next_cursor", more ? place : NULL);
     return json_compact(j);
 }

@@ -144,7 +144,7 @@ TEST(test_poisoned_log)
 {
     static const char *const damage[] = {
         ("INSERT INTO change_log SELECT seq + 1, at, 'delete_subject', actor, (SELECT uid FROM "
-         "subjects LIMIT 1), object, outcome, digest, access_seq, access_hash, hash, mac, NULL "
+         "subjects LIMIT 1), object, outcome, digest, daemon, access_seq, access_hash, hash, mac, NULL "
          "FROM change_log ORDER BY seq DESC LIMIT 1"),
         ("UPDATE change_log SET uid = (SELECT uid FROM subjects LIMIT 1) WHERE kind = "
          "'delete_subject'"),

@@ -129,14 +129,14 @@ FOUND = {
                               'WHERE seq = ' + LAST],
     'log_older_entry_last': ['UPDATE change_log SET seq = 9999 WHERE seq = 3'],
     'log_forged': ["INSERT INTO change_log SELECT seq + 1, at, 'enable_subject', actor, uid, object, outcome, digest, "
-                   'access_seq, access_hash, zeroblob(32), mac, signature FROM change_log WHERE seq = ' + LAST],
+                   'daemon, access_seq, access_hash, zeroblob(32), mac, signature FROM change_log WHERE seq = ' + LAST],
 }
 WALK = {
     'log_changed': ["UPDATE change_log SET actor = 'somebody' WHERE seq = 3"],
     'log_entry_removed': ['DELETE FROM change_log WHERE seq = 3'],
     'log_last_changed': ["UPDATE change_log SET outcome = 'x' WHERE seq = " + LAST],
     'access_changed': ["UPDATE access_log SET outcome = 'no_match' WHERE seq = 1"],
-    'access_forged': ["INSERT INTO access_log SELECT seq + 1, at, kind, actor, uid, object, 'match', zeroblob(32), "
+    'access_forged': ["INSERT INTO access_log SELECT daemon, seq + 1, at, kind, actor, uid, object, 'match', zeroblob(32), "
                       'mac, NULL FROM access_log ORDER BY seq DESC LIMIT 1'],
     'access_cut': ['DELETE FROM access_log'],
     'faces_exchanged': ['CREATE TEMP TABLE was AS SELECT * FROM faces WHERE template_key IN (1, 2)',

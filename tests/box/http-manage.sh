@@ -123,13 +123,13 @@ req GET "/v1/audit?since=$(date -u -d tomorrow +%F)"
 is "since tomorrow" "$(kinds)" ''
 req GET '/v1/audit?subject=bob'
 problem "of who is erased" 404 not_found
-for query in before=x before=1 before=0-5 after=1-1-1 after=-1-2 after=01-1 'before=1-1&after=1-1' limit=0 since=soon kind= \
+for query in before=x before=1 before=0-5 after=1-1- after=-1-2 after=01-1 'before=1-1&after=1-1' limit=0 since=soon kind= \
     actor= 'subject=a%20b' "kind=$(printf 'a%.0s' $(seq 257))"; do
     req GET "/v1/audit?$query"
     ok "$query: $STATUS $(get .code)" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
 done
 # what is looked at in a request is bounded, and the cursor goes on behind it
-sql "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+sql "INSERT INTO access_log SELECT daemon, seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
     FROM generate_series(1, 30000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
 req GET '/v1/audit?kind=create_token'
 is "nothing yet" "$(kinds)" ''
@@ -269,7 +269,7 @@ is "a small row each" "$(sql 'SELECT count(*), max(length(bins)) FROM days')" '2
 "$BUILD/surfacectl" --db "$DB" stats >"$T/out"
 contains "as text" "$T/out" "^$day *no_match *4, half of them with a score of -?[0-9]+ or more"
 # what the file says that is no row of ours misleads nobody's verification
-sqlite3 "$DB" "PRAGMA ignore_check_constraints = 1; UPDATE days SET bins = x'00'; INSERT INTO days VALUES ('<b>', 'match', zeroblob(256))"
+sqlite3 "$DB" "PRAGMA ignore_check_constraints = 1; UPDATE days SET bins = x'00'; INSERT INTO days VALUES ('<b>', 'match', zeroblob(256), 0)"
 req GET /v1/stats
 is "damaged" "$STATUS $(get '[.days[] | select(.day < "3") | .bins | add] | tojson')" '200 [0,0]'
 req DELETE /v1/subjects/Alice@home/attempts
@@ -303,7 +303,7 @@ for query in format=xml 'format=jsonl&kind=verify' subject=alice.2 'format=csv&s
     ok "$query: $STATUS" matches "$STATUS $(get .code)" '^400 (invalid_parameter|malformed)$'
 done
 # one at a time: a logs' worth of rows keeps one busy meanwhile
-sql "INSERT INTO access_log SELECT seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
+sql "INSERT INTO access_log SELECT daemon, seq + value, at, 'filler', actor, uid, object, outcome, hash, mac, NULL
     FROM generate_series(1, 1000000), (SELECT * FROM access_log ORDER BY seq DESC LIMIT 1)"
 beside walk POST /v1/audit/verify
 sleep 0.3

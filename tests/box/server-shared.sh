@@ -36,7 +36,7 @@ verify() {
 for i in 0 1 2 3; do scan 1 $i "$T/a$i.ply"; done
 scan 2 0 "$T/b.ply"
 ctl_exits 0 init --anchor "$T/anchor1"
-cp "$T/anchor1" "$T/anchor2"
+ctl_exits 0 join --anchor "$T/anchor2"
 AUTH=$(new_token all --anchor "$T/anchor1")
 start_two --attempts 3 --attempt-wait 3600 --attempt-subjects 1000
 

@@ -57,7 +57,7 @@ static void put(FILE *f, const struct log_entry *entry)
     (void)sodium_bin2hex(uid, sizeof uid, entry->uid, LOG_UID);
     (void)fprintf(
         f,
-        "{\"log\":\"%s\",\"seq\":%d,\"at\":\"%s\",\"kind\":\"%s\",\"actor\":\"%s\","
+        "{\"log\":\"%s\",\"daemon\":0,\"seq\":%d,\"at\":\"%s\",\"kind\":\"%s\",\"actor\":\"%s\","
         "\"subject_uid\":\"%s\",\"object\":null,\"outcome\":\"%s\",\"hash\":\"%s\"",
         log_word(entry->log), (int)entry->seq, entry->at, entry->kind, entry->actor, uid,
         entry->outcome, hash);

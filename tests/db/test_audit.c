@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "store.h"
+#include "store_txn.h"
 #include "tempdb.h"
 #include "unit.h"
 
@@ -65,7 +66,7 @@ static struct store *written(int old)
         if (i == 6)
             tempdb_add(s, "alice");
         if (i == 4 || i == 8)
-            must(store_audit_sign(s, "t", LOG_CHECKPOINT, &signed_one, &e));
+            must(store_audit_sign(s, "t", LOG_CHECKPOINT, &signed_one, NULL, &e));
     }
     long_ago = false;
     return s;
@@ -166,4 +167,90 @@ TEST(test_trim)
         assert_int_equal(f.w.first, gone + 1);
         store_close(s);
     }
+}
+
+/* ---- several daemons' accesses */
+
+#define DAEMONS 3
+#define EACH    300 /* entries of each daemon: more than are in memory at a time */
+
+/* Of three daemons in turn; the last one's are all from long ago.  A change after each daemon's
+ * third, which names that one. */
+static struct store *written_by_several(void)
+{
+    struct store *s = tempdb_fresh();
+    char id[16];
+
+    for (int i = 0; i < DAEMONS * EACH; i++) {
+        s->log.daemon = (uint32_t)(i % DAEMONS);
+        s->log.found = (struct log_end){.seq = 0}; /* another process would have its own */
+        long_ago = i % DAEMONS == DAEMONS - 1;
+        event(s);
+        (void)snprintf(id, sizeof id, "s%d", i);
+        if (i / DAEMONS == 2)
+            tempdb_add(s, id);
+    }
+    long_ago = false;
+    s->log.daemon = 0;
+    return s;
+}
+
+/* The pages of a filter are all entries, each once and those of a log in their order; how many. */
+static size_t count_pages(struct store *s, bool newest, uint64_t limit)
+{
+    struct store_audit_filter f = {.newest = newest, .limit = limit};
+    uint64_t last[1 + DAEMONS] = {0};
+    size_t all = 0;
+
+    if (newest)
+        memset(last, 0xff, sizeof last);
+    while (!f.from.end) {
+        struct store_audit_entry *a;
+        size_t n;
+
+        must(store_audit_list(s, &f, &a, &n, &f.from, &e));
+        for (size_t i = 0; i < n; i++) {
+            const struct log_entry *entry = &a[i].entry;
+            uint64_t *was =
+                entry->log == LOG_CHANGES ? &last[0] : &last[1 + entry->daemon];
+
+            assert_true(newest ? entry->seq < *was : entry->seq > *was);
+            *was = entry->seq;
+        }
+        all += n;
+        free(a);
+    }
+    return all;
+}
+
+TEST(test_several)
+{
+    struct store *s = written_by_several();
+    const int entries = DAEMONS * EACH + 1 + DAEMONS;
+    struct store_audit_place to;
+    struct log_entry signed_one;
+    struct found f = verify(s);
+    uint64_t cut;
+
+    assert_string_equal(f.lines, "");
+    assert_int_equal(f.w.entries, entries);
+    for (int newest = 0; newest < 2; newest++) {
+        assert_int_equal(count_pages(s, newest != 0, 7), entries);
+        assert_int_equal(count_pages(s, newest != 0, 1000), entries);
+    }
+    must(store_audit_sign(s, "t", LOG_CHECKPOINT, &signed_one, &to, &e));
+    assert_int_equal(to.daemons, DAEMONS); /* it covers all, by a change for each of the others */
+    for (int i = 0; i < DAEMONS; i++)
+        assert_int_equal(to.accesses[i], EACH);
+    assert_int_equal(to.changes, 1 + DAEMONS + DAEMONS);
+    must(store_audit_sign(s, "t", LOG_CHECKPOINT, &signed_one, &to, &e));
+    assert_int_equal(to.changes, 1 + DAEMONS + DAEMONS + 1); /* nothing has come since */
+    must(store_audit_trim(s, "test", 30, false, &cut, &e));
+    assert_int_equal(cut, EACH - 1);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM access_log WHERE daemon = 2"), 1);
+    assert_string_equal(verify(s).lines, "");
+    tempdb_sql("DELETE FROM access_log WHERE daemon = 1 AND seq = 300");
+    f = verify(s);
+    assert_string_equal(f.lines, "accesses 300: entry 300 of daemon 1 is cut off the end\n");
+    store_close(s);
 }

@@ -80,7 +80,7 @@ static enum status write_log(struct store *s, int sort)
     case 0:
         return store_event(s, "verify", "test", "", "", "match", &e);
     case 1:
-        return store_audit_sign(s, "test", LOG_CHECKPOINT, &entry, &e);
+        return store_audit_sign(s, "test", LOG_CHECKPOINT, &entry, NULL, &e);
     default:
         return store_audit_trim(s, "test", 1, false, &cut, &e);
     }

@@ -79,7 +79,7 @@ static void fill(struct store *s)
     MUST(store_token_revoke(s, "test", t.id, &hostile_e) == ST_OK);
     MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t,
                             &hostile_e) == ST_OK);
-    MUST(store_audit_sign(s, "test", "checkpoint", &mark, &hostile_e) == ST_OK);
+    MUST(store_audit_sign(s, "test", "checkpoint", &mark, NULL, &hostile_e) == ST_OK);
 }
 
 unsigned char *hostile_make(const char *path, const struct store_key *key, size_t n,

@@ -17,6 +17,7 @@ static unsigned char start[LOG_HASH]; /* the hash before */
 static struct log_entry example(enum log_name log)
 {
     struct log_entry entry = {.log = log,
+                              .daemon = 3,
                               .seq = 5,
                               .at = "2026-11-23T20:00:00.000Z",
                               .kind = "enroll",
@@ -47,15 +48,15 @@ TEST(test_golden)
     struct log_entry change = example(LOG_CHANGES), access = example(LOG_ACCESSES);
 
     assert_hex(change.hash, LOG_HASH,
-               "e42b80e59c7d3b9403241f49ec8e56ff522ad15ead77a35c1a75580d8c2be8fd");
+               "9da30bb4801fd01ff9df309cffb28cbc25a46954934c752cb109ba220fba3666");
     assert_hex(access.hash, LOG_HASH,
-               "8ac7088a91cb76624a4f8b2492936dba863a25ce15b3632b39883fe382195295");
+               "138a7fcd074623a633f3c448d9bf564cb1e6f1332a023abf82f1cae8468f1753");
     assert_hex(change.mac, CRYPT_HASH,
-               "721ea9485881bf86f9948ee2a88d6abad245326cce308c762e62d3becc030222");
+               "46074d360e8b8b502e2504e04fc0ee86a51a88e6e25c54d551c85d95a9843ff1");
     log_sign(keys, &change);
     assert_hex(change.signature, CRYPT_SIGN,
-               "fcb7a812c637cb48cfe6d726482ba985f739c0e33fd0d7578d33d26f67d595fc"
-               "109eab1e79c07224f52fcd3c30bbad1b1191847fc2a21c705e82c37774b8770a");
+               "b0e111258c4f52e72fc0c5ef3d72ca7e670ce0674fba8b385087841375df9490"
+               "6e44ca4ac7b5660fdf4b446ac1f0a818b3c2283debaabc4dd8bc064c73095d00");
 }
 
 /* Every byte of an entry counts, and a text's end: no two entries have the same hash. */
@@ -66,6 +67,7 @@ TEST(test_hash)
         size_t at, n;
     } field[] = {
         {offsetof(struct log_entry, log), 1},
+        {offsetof(struct log_entry, daemon), sizeof was.daemon},
         {offsetof(struct log_entry, seq), sizeof was.seq},
         {offsetof(struct log_entry, at), strlen(was.at)},
         {offsetof(struct log_entry, kind), strlen(was.kind)},
@@ -377,7 +379,87 @@ TEST(test_cut_off)
     l.n[LOG_CHANGES]--;
     f = walk(&l, false);
     assert_int_equal(f.w.signed_to, 4); /* not the last */
-    assert_int_equal(f.w.at.seq, ACCESSES);
+    assert_int_equal(f.w.entries, CHANGES - 1 + ACCESSES - CUT);
+}
+
+/* Three accesses each of the daemons 0 and 2, and two changes, one of each, that name the second. */
+struct fleet {
+    struct log_entry change[2], access[6];
+    size_t n; /* of accesses */
+};
+
+static void fleet(struct fleet *f)
+{
+    *f = (struct fleet){.n = 6};
+    for (size_t i = 0; i < 6; i++) {
+        f->access[i] = (struct log_entry){.log = LOG_ACCESSES,
+                                          .daemon = i < 3 ? 0 : 2,
+                                          .seq = i % 3 + 1,
+                                          .at = "2026-11-23T20:00:00.000Z",
+                                          .kind = "verify"};
+        chain(&f->access[i], i % 3 > 0 ? &f->access[i - 1] : NULL, true);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        const struct log_entry *const last = &f->access[3 * i + 1];
+
+        f->change[i] = (struct log_entry){.log = LOG_CHANGES,
+                                          .daemon = last->daemon,
+                                          .seq = i + 1,
+                                          .at = "2026-11-23T20:00:00.000Z",
+                                          .kind = "add_subject",
+                                          .accesses = {.seq = last->seq}};
+        memcpy(f->change[i].accesses.hash, last->hash, LOG_HASH);
+        chain(&f->change[i], i > 0 ? &f->change[0] : NULL, true);
+    }
+    log_sign(keys, &f->change[1]);
+}
+
+static struct found walk_fleet(const struct fleet *l, bool with_keys)
+{
+    struct found f = {.lines = ""};
+
+    log_walk_begin(&f.w, with_keys ? keys : NULL, public, note, &f);
+    for (size_t i = 0; i < 2; i++)
+        log_walk_step(&f.w, &l->change[i]);
+    log_walk_accesses(&f.w);
+    for (size_t i = 0; i < l->n; i++)
+        log_walk_step(&f.w, &l->access[i]);
+    log_walk_end(&f.w);
+    return f;
+}
+
+static void assert_fleet(const struct fleet *l, bool with_keys, const char *lines)
+{
+    const struct found f = walk_fleet(l, with_keys);
+
+    assert_string_equal(f.lines, lines);
+}
+
+/* Each daemon's accesses begin at 1, and end where its own change says, or later. */
+TEST(test_fleet)
+{
+    struct fleet l;
+
+    fleet(&l);
+    assert_fleet(&l, true, "");
+    assert_fleet(&l, false,
+                 "accesses 3: entry 3 is not signed by any change\n"
+                 "accesses 3: entry 3 of daemon 2 is not signed by any change\n");
+    l.n = 5; /* the last was not yet named */
+    assert_fleet(&l, true, "");
+    l.n = 4;
+    assert_fleet(&l, true, "accesses 2: entry 2 of daemon 2 is cut off the end\n");
+    l.n = 3;
+    assert_fleet(&l, true, "accesses 1: entries 1 to 2 of daemon 2 are cut off the end\n");
+    fleet(&l);
+    memmove(&l.access[1], &l.access[3], 3 * sizeof *l.access); /* of the first, one is left */
+    l.n = 4;
+    assert_fleet(&l, true, "accesses 2: entry 2 is cut off the end\n");
+    fleet(&l);
+    l.access[4].daemon = 1; /* as if another's */
+    assert_fleet(&l, true,
+                 "accesses 2: entry 2 of daemon 1 is behind another daemon's\n"
+                 "accesses 2: entry 2 of daemon 2 is missing\n");
 }
 
 /* Entries replaced and added with hashes that fit, without the keys. */

@@ -12,35 +12,36 @@
 
 #define STEP 512
 #define LINE                                                                             \
-    (18 + 1 + 1 + 64 + 1 + 64 + 1 - 1) /* of a number below 10, with its newline */
+    (16 + 1 + 1 + 1 + 1 + 1 + 64 + 1 + 64 + 1) /* of numbers below 10, with its newline */
 
 static struct errinfo e;
 static struct crypt *keys;
 static char path[64];
 
-static struct log_end at(uint64_t seq)
+static struct log_anchor at(uint64_t seq)
 {
-    struct log_end a = {.seq = seq};
+    struct log_anchor a = {.daemon = 7, .end = {.seq = seq}};
 
-    memset(a.hash, (int)seq, sizeof a.hash);
+    memset(a.end.hash, (int)seq, sizeof a.end.hash);
     return a;
 }
 
 static void say(uint64_t seq, bool force)
 {
-    const struct log_end a = at(seq);
+    const struct log_anchor a = at(seq);
 
     must(log_anchor_write(path, keys, &a, force, &e));
 }
 
 static void assert_says(uint64_t seq)
 {
-    const struct log_end wanted = at(seq);
-    struct log_end a;
+    const struct log_anchor wanted = at(seq);
+    struct log_anchor a;
 
     must(log_anchor_read(path, keys, &a, &e));
-    assert_int_equal(a.seq, seq);
-    assert_memory_equal(a.hash, wanted.hash, sizeof a.hash);
+    assert_int_equal(a.daemon, 7);
+    assert_int_equal(a.end.seq, seq);
+    assert_memory_equal(a.end.hash, wanted.end.hash, sizeof a.end.hash);
 }
 
 static void read_file(char bytes[2 * STEP])
@@ -62,15 +63,15 @@ static void write_file(const char *bytes, size_t n)
 TEST(test_order)
 {
     static const char line[] =
-        "surface anchor 2 5 "
+        "surface anchor 3 7 5 "
         "e42b80e59c7d3b9403241f49ec8e56ff522ad15ead77a35c1a75580d8c2be8fd "
-        "89bf173600fd48259374617272ea2325f7de67ad708057702030a48f6c54a4c6\n";
+        "2c963886da067df6dec0ed314de99923c4c4f46aae041998829a6a6243233ed7\n";
     static const unsigned char hash[] = {0xe4, 0x2b, 0x80, 0xe5, 0x9c, 0x7d, 0x3b, 0x94,
                                          0x03, 0x24, 0x1f, 0x49, 0xec, 0x8e, 0x56, 0xff,
                                          0x52, 0x2a, 0xd1, 0x5e, 0xad, 0x77, 0xa3, 0x5c,
                                          0x1a, 0x75, 0x58, 0x0d, 0x8c, 0x2b, 0xe8, 0xfd};
     static char bytes[2 * STEP];
-    struct log_end a;
+    struct log_anchor a;
     struct stat sb;
 
     tempdb_remove();
@@ -88,8 +89,8 @@ TEST(test_order)
     say(5, true); /* back, on purpose */
     assert_says(5);
     /* As db/FORMAT.md says. */
-    a.seq = 5;
-    memcpy(a.hash, hash, sizeof hash);
+    a = at(5);
+    memcpy(a.end.hash, hash, sizeof hash);
     must(log_anchor_write(path, keys, &a, true, &e));
     read_file(bytes);
     assert_string_equal(bytes + STEP, line);
@@ -123,7 +124,7 @@ TEST(test_torn)
         write_file(after, sizeof after);
     }
     for (size_t n = 0; n < STEP + LINE; n += 7) { /* cut off */
-        struct log_end a;
+        struct log_anchor a;
 
         write_file(after, n);
         assert_int_equal(log_anchor_read(path, keys, &a, &e),

@@ -141,6 +141,7 @@ TEST(test_end)
         "UPDATE change_log SET object = 'x' WHERE seq = 3",
         "UPDATE change_log SET outcome = 'x' WHERE seq = 3",
         "UPDATE change_log SET access_seq = 0 WHERE seq = 3",
+        "UPDATE change_log SET daemon = 1 WHERE seq = 3",
         "UPDATE change_log SET access_hash = zeroblob(32) WHERE seq = 3",
         "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 3",
         "UPDATE change_log SET mac = zeroblob(32) WHERE seq = 3",
