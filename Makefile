@@ -323,7 +323,7 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 # too; those that count basic blocks, which are others there; crash, whose preloaded library would
 # be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
 LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash \
-    console attack store-attacks
+    console attack store-attacks http-same formats ctl-hyphen ctl-output dedup page phone shape
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
@@ -359,7 +359,7 @@ THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
 threads: all $(AIDS) $(THREAD_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) \
-	    $(patsubst %,tests/box/http-%.sh,routes same parallel) tests/box/ctl-calibrate.sh \
+	    $(patsubst %,tests/box/http-%.sh,routes parallel) tests/box/ctl-calibrate.sh \
 	    tests/box/ctl-explain.sh
 
 ## demo: enroll and verify faces over HTTP (scripts/demo)

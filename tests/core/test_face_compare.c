@@ -1,7 +1,5 @@
 /* Comparing faces: the score depends on the two faces alone, the decision on that and the
  * threshold; parts of cells and regions add up to it. */
-#include <pthread.h>
-
 #include "clouds.h"
 #include "libsurface.h"
 #include "face.h"
@@ -560,65 +558,6 @@ TEST(test_heatmap)
     assert_int_equal(heatmap_gaps(&f.surface, odd, 3, up, gap), ST_OK);
     assert_true(isnan(gap[0]) && isnan(gap[1]) && isnan(gap[2]));
     face_free(&f);
-}
-
-/* ---- threads */
-
-#define THREADS 4
-
-struct thread {
-    pthread_t id;
-    const struct surface_face *tmpl;
-    struct surface_face probe;
-    struct surface_comparison r;
-    struct align_result align;
-    struct surface_parts parts;
-    enum status st;
-};
-
-/* Each has its own memory, and builds the same probe. */
-static void *compare(void *arg)
-{
-    struct thread *t = arg;
-    struct surface_work *w = surface_work_new(NULL);
-
-    t->st = w == NULL ? ST_ENOMEM : face_build(cloud.pts, cloud.n, w, &t->probe, NULL);
-    if (t->st == ST_OK)
-        t->st = face_compare(t->tmpl, &t->probe, (double)NAN, w, &t->r);
-    if (t->st == ST_OK)
-        t->st = face_align(t->tmpl, &t->probe, w, &t->align);
-    if (t->st == ST_OK)
-        t->st = face_field(t->tmpl, &t->probe, w, &t->parts);
-    surface_work_free(w);
-    return NULL;
-}
-
-TEST(test_threads)
-{
-    static struct thread t[THREADS], alone;
-    struct surface_face a = {0};
-
-    make(19, 0, &a);
-    scan(19, 1, POINTS);
-    alone.tmpl = &a;
-    (void)compare(&alone);
-    assert_int_equal(alone.st, ST_OK);
-    for (int i = 0; i < THREADS; i++) {
-        t[i].tmpl = &a;
-        assert_int_equal(pthread_create(&t[i].id, NULL, compare, &t[i]), 0);
-    }
-    for (int i = 0; i < THREADS; i++) {
-        assert_int_equal(pthread_join(t[i].id, NULL), 0);
-        assert_int_equal(t[i].st, ST_OK);
-        check_same(&alone.r, &t[i].r);
-        assert_memory_equal(&alone.align, &t[i].align, sizeof alone.align);
-        assert_memory_equal(&alone.parts, &t[i].parts, sizeof alone.parts);
-        assert_memory_equal(&alone.probe.encoding, &t[i].probe.encoding,
-                            sizeof alone.probe.encoding);
-        face_free(&t[i].probe);
-    }
-    face_free(&alone.probe);
-    face_free(&a);
 }
 
 /* ---- sparse scans */
