@@ -51,8 +51,8 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a, bool by
     audit_describe(c->out, a);
     json_close(c->out);
     ctl_say(c, "%-10s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
-            log, entry->seq, entry->at, entry->at + 11, entry->kind,
-            who(a, name), entry->object, entry->outcome,
+            log, entry->seq, entry->at, entry->at + 11, entry->kind, who(a, name),
+            entry->object, entry->outcome,
             by_name && a->actor_name[0] != '\0' ? a->actor_name : entry->actor);
 }
 
@@ -113,8 +113,8 @@ static enum status checkpoint(struct ctl *c)
     char hash[2 * LOG_HASH + 1], signature[2 * CRYPT_SIGN + 1], key[2 * CRYPT_KEY + 1];
     enum status st = store_audit_public(c->store, public, &c->e);
 
-    if (st != ST_OK || (st = store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry, NULL,
-                                              &c->e)) != ST_OK)
+    if (st != ST_OK || (st = store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry,
+                                              NULL, &c->e)) != ST_OK)
         return st;
     hex_of(entry.hash, LOG_HASH, hash);
     hex_of(entry.signature, sizeof entry.signature, signature);

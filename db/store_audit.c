@@ -59,9 +59,9 @@ static enum status find_names(struct log_txn *t, struct store_audit_entry *a,
 
 #define PAGE 250 /* entries of a stream that are in memory */
 
-struct stream {              /* the changes, or a daemon's accesses */
-    struct log_place place;  /* of what comes behind the page */
-    struct log_entry *page;  /* [n] */
+struct stream {             /* the changes, or a daemon's accesses */
+    struct log_place place; /* of what comes behind the page */
+    struct log_entry *page; /* [n] */
     size_t n;
     const struct log_entry *at; /* the next one, NULL: there is none */
     uint64_t *next;             /* the place behind which it lies */
@@ -134,7 +134,8 @@ static enum status begin(struct listing *l, struct stream *x, struct errinfo *e)
         (f->daemon != NULL && (log != LOG_ACCESSES || *f->daemon != daemon)))
         return ST_OK;
     if ((st = advance(l, x, e)) == ST_OK && f->newest && *x->next == 0)
-        *x->next = x->at != NULL ? x->at->seq + 1 : 1; /* before all, or of an empty log */
+        *x->next =
+            x->at != NULL ? x->at->seq + 1 : 1; /* before all, or of an empty log */
     return st;
 }
 

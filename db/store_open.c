@@ -455,18 +455,18 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
     out->schema = (uint32_t)sql_version(s->sql);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st =
-        count(t.sql,
-              "SELECT (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), "
-              "(SELECT count(*) FROM tokens), (SELECT count(*) FROM devices), "
-              "(SELECT count(*) FROM calibrations), "
-              "(SELECT coalesce(max(seq), 0) FROM change_log) + (WITH RECURSIVE d(i) AS "
-              "(SELECT 0 UNION ALL SELECT i + 1 FROM d "
-              "WHERE i < (SELECT max(daemon) FROM access_log)) "
-              "SELECT CAST(coalesce(sum("
-              "(SELECT max(seq) FROM access_log WHERE daemon = i) + 1 - "
-              "(SELECT min(seq) FROM access_log WHERE daemon = i)), 0) AS bigint) FROM d)",
-              rows, 6, e);
+    st = count(
+        t.sql,
+        "SELECT (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), "
+        "(SELECT count(*) FROM tokens), (SELECT count(*) FROM devices), "
+        "(SELECT count(*) FROM calibrations), "
+        "(SELECT coalesce(max(seq), 0) FROM change_log) + (WITH RECURSIVE d(i) AS "
+        "(SELECT 0 UNION ALL SELECT i + 1 FROM d "
+        "WHERE i < (SELECT max(daemon) FROM access_log)) "
+        "SELECT CAST(coalesce(sum("
+        "(SELECT max(seq) FROM access_log WHERE daemon = i) + 1 - "
+        "(SELECT min(seq) FROM access_log WHERE daemon = i)), 0) AS bigint) FROM d)",
+        rows, 6, e);
     if (st == ST_OK && sizes &&
         (st = count(t.sql,
                     "SELECT (SELECT CAST(coalesce(sum(points), 0) AS bigint) "

@@ -58,7 +58,8 @@ struct store_server {
     uint32_t others;  /* connections of this program, without this one */
     int64_t ahead_ms; /* its clock, against this machine's, within a round trip */
 };
-#define STORE_CLOCKS_MS 1000 /* that clocks may differ: limits and ends of consent go by them */
+#define STORE_CLOCKS_MS                                                                  \
+    1000 /* that clocks may differ: limits and ends of consent go by them */
 bool store_on_server(const char *path);
 enum status store_server(const char *path, struct store_server *out, struct errinfo *e);
 

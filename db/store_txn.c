@@ -165,8 +165,7 @@ enum status store_start_use(struct store *s, enum sql_begin how,
         st = store_verify(s, NULL, NULL, e);
     if (st != ST_OK || (st = start(s, how, t, e)) != ST_OK)
         return st;
-    if ((use->subject != 0 &&
-         (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
+    if ((use->subject != 0 && (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
         (use->token != NULL && (st = store_lock_token(t, use->token, e)) != ST_OK) ||
         (use->appends && (st = log_txn_appends(t, e)) != ST_OK))
         (void)sql_end(t->sql, st, NULL);

@@ -23,11 +23,11 @@ struct store {
     char made_by[SURFACE_ENGINE_SIZE];
     struct crypt *crypt;
     struct log log;
-    char *anchor;         /* its file; NULL: there is none */
+    char *anchor;                   /* its file; NULL: there is none */
     atomic_uint_least64_t anchored; /* how far it has come, at least */
-    atomic_bool verified; /* the rows, against the digest */
-    bool open;            /* store_open() has succeeded */
-    atomic_bool behind;   /* store_behind() */
+    atomic_bool verified;           /* the rows, against the digest */
+    bool open;                      /* store_open() has succeeded */
+    atomic_bool behind;             /* store_behind() */
     struct store_fault refusal, anchor_fault;
 };
 

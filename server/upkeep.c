@@ -61,7 +61,8 @@ static void verify(struct upkeep *u)
 static void end(struct upkeep *u)
 {
     refusal_tell(u->app);
-    logger_line("warn", "the database server went back: the daemon ends, to be started again");
+    logger_line("warn",
+                "the database server went back: the daemon ends, to be started again");
     u->ended = true;
     (void)kill(getpid(), SIGTERM);
 }

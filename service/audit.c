@@ -175,9 +175,9 @@ static enum status put_row(FILE *to, const struct store_audit_entry *a, struct e
 {
     const struct log_entry *entry = &a->entry;
     char uid[2 * LOG_UID + 1], daemon[16], seq[24];
-    const char *const field[] = {log_word(entry->log), seq,           entry->at,
-                                 entry->kind,          entry->actor,  a->actor_name,
-                                 a->subject,           uid,           entry->object,
+    const char *const field[] = {log_word(entry->log), seq,          entry->at,
+                                 entry->kind,          entry->actor, a->actor_name,
+                                 a->subject,           uid,          entry->object,
                                  entry->outcome,       daemon};
     const size_t n = sizeof field / sizeof *field;
 

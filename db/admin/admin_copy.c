@@ -34,12 +34,12 @@ static enum status copy_log(struct log_txn *from, struct log_txn *to, enum log_n
 {
     struct log_entry entry;
     struct sql_rows *r;
-    enum status st = sql_stream(
-        from->sql,
-        log == LOG_CHANGES ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq"
-                           : "SELECT " LOG_ROW_ACCESS
-                             " FROM access_log ORDER BY daemon, seq",
-        NULL, 0, &r, e);
+    enum status st =
+        sql_stream(from->sql,
+                   log == LOG_CHANGES
+                       ? "SELECT " LOG_ROW_CHANGE " FROM change_log ORDER BY seq"
+                       : "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY daemon, seq",
+                   NULL, 0, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         struct log_end *after = NULL;
@@ -196,8 +196,7 @@ static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to
         (st = copy_plain(from, to, "SELECT day, decision, daemon, bins FROM days",
                          "INSERT INTO days (day, decision, daemon, bins) "
                          "VALUES ($1, $2, $3, $4)",
-                         4,
-                         e)) != ST_OK ||
+                         4, e)) != ST_OK ||
         (st = copy_plain(from, to,
                          "SELECT s.uid, a.token, a.failures, a.at_ms "
                          "FROM attempts a JOIN subjects s USING (subject_key)",

@@ -141,8 +141,8 @@ static enum status finish(struct rekeying *x, bool fits, const struct log_end *e
     enum status st = place_key(x, fits, &why);
 
     if (st == ST_OK && x->key->anchor != NULL)
-        st = log_anchor_write(x->key->anchor, x->crypt,
-                              &(struct log_anchor){.end = *end}, true, &why);
+        st = log_anchor_write(x->key->anchor, x->crypt, &(struct log_anchor){.end = *end},
+                              true, &why);
     if (st == ST_OK && !x->to->keep)
         st = admin_discard(x->aside, &why);
     return st == ST_OK ? st

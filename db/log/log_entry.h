@@ -43,8 +43,9 @@ struct log_end { /* of a log; all zero: it is empty */
 
 struct log_entry {
     enum log_name log;
-    uint32_t daemon; /* whose access log it is in, or, of a change, whose it names the end of */
-    uint64_t seq;    /* in its log: 1, 2, ... */
+    uint32_t
+        daemon; /* whose access log it is in, or, of a change, whose it names the end of */
+    uint64_t seq; /* in its log: 1, 2, ... */
     char at[UTC_TEXT];
     char kind[LOG_TEXT + 1], actor[LOG_TEXT + 1];
     unsigned char uid[LOG_UID]; /* of the subject; zeros: of none */

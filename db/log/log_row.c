@@ -79,8 +79,8 @@ static int64_t bounded(uint64_t v)
 enum status log_daemons(struct sql_txn *t, uint32_t *n, struct errinfo *e)
 {
     struct sql_rows *r;
-    enum status st = sql_first(t, "SELECT coalesce(max(daemon), 0) FROM access_log", NULL,
-                               0, &r, e);
+    enum status st =
+        sql_first(t, "SELECT coalesce(max(daemon), 0) FROM access_log", NULL, 0, &r, e);
 
     *n = 0;
     if (st == ST_OK && !sql_read_count(r, 0, LOG_DAEMONS - 1, n))
@@ -94,8 +94,7 @@ enum status log_page(struct sql_txn *t, const struct log_place *at, size_t limit
 {
 #define PAGE(columns, table, of)                                                         \
     {                                                                                    \
-        "SELECT " columns " FROM " table " WHERE " of                                    \
-        "seq > $1 ORDER BY seq LIMIT $2",                                                \
+        "SELECT " columns " FROM " table " WHERE " of "seq > $1 ORDER BY seq LIMIT $2",  \
             "SELECT " columns " FROM " table " WHERE " of                                \
             "seq < $1 ORDER BY seq DESC LIMIT $2"                                        \
     }
@@ -158,7 +157,9 @@ enum status log_walk_all(struct sql_txn *t, struct log_walk *w, struct errinfo *
     if (st != ST_OK)
         return st;
     log_walk_accesses(w);
-    if ((st = walk_log(t, w, "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY daemon, seq", e)) == ST_OK)
+    if ((st = walk_log(t, w,
+                       "SELECT " LOG_ROW_ACCESS " FROM access_log ORDER BY daemon, seq",
+                       e)) == ST_OK)
         log_walk_end(w);
     return st;
 }

@@ -14,10 +14,11 @@ struct log_walk {
     enum log_name log;               /* that it walks along: first the changes */
     uint32_t daemon;                 /* whose accesses */
     struct log_end at;               /* the last entry */
-    struct log_end accesses[LOG_DAEMONS]; /* the end of each by the last change that names it */
-    struct log_end trimmed[LOG_DAEMONS];  /* what they follow, by the last trim */
-    uint64_t entries, problems;      /* walked, reported */
-    uint64_t changes;                /* of the entries, and the last of them: */
+    struct log_end
+        accesses[LOG_DAEMONS]; /* the end of each by the last change that names it */
+    struct log_end trimmed[LOG_DAEMONS]; /* what they follow, by the last trim */
+    uint64_t entries, problems;          /* walked, reported */
+    uint64_t changes;                    /* of the entries, and the last of them: */
     struct log_end head;
     uint64_t checkpoints;    /* with a signature of the key */
     uint64_t signed_to;      /* the last of them, 0: none */

@@ -65,11 +65,12 @@ enum status rows_day_count(struct log_txn *t, const char *at, const char *decisi
     bin[bin_of(score)]++;
     for (int i = 0; i < STORE_DAY_BINS; i++)
         bytes_put_number(&to, bin[i], 4);
-    return SQL_RUN(t->sql, e,
-                   "INSERT INTO days (day, decision, daemon, bins) VALUES ($1, $2, $3, $4) "
-                   "ON CONFLICT (day, decision, daemon) DO UPDATE SET bins = excluded.bins",
-                   sql_text(day), sql_text(decision), sql_int(t->log->daemon),
-                   sql_blob(bytes, sizeof bytes));
+    return SQL_RUN(
+        t->sql, e,
+        "INSERT INTO days (day, decision, daemon, bins) VALUES ($1, $2, $3, $4) "
+        "ON CONFLICT (day, decision, daemon) DO UPDATE SET bins = excluded.bins",
+        sql_text(day), sql_text(decision), sql_int(t->log->daemon),
+        sql_blob(bytes, sizeof bytes));
 }
 
 static enum status read_row(void *arg, const struct sql_rows *r, void *out,
@@ -107,12 +108,12 @@ enum status rows_day_list(struct log_txn *t, const char *since, struct store_day
 {
     void *list = NULL;
     struct sql_rows *r;
-    enum status st = SQL_QUERY(t->sql, &r, e,
-                               "SELECT day, decision, bins FROM days WHERE day >= $1 "
-                               "AND decision IN ('match', 'no_match', 'inconclusive') "
-                               "ORDER BY day, decision, daemon LIMIT $2",
-                               sql_text(since),
-                               sql_int(3 * (STORE_DAYS + 1) * LOG_DAEMONS));
+    enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT day, decision, bins FROM days WHERE day >= $1 "
+                  "AND decision IN ('match', 'no_match', 'inconclusive') "
+                  "ORDER BY day, decision, daemon LIMIT $2",
+                  sql_text(since), sql_int(3 * (STORE_DAYS + 1) * LOG_DAEMONS));
 
     st = sql_read_list(r, st, read_row, NULL, sizeof **out, &list, n, e);
     *out = list;

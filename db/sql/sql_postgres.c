@@ -209,8 +209,7 @@ static enum status lock(struct sql_txn *t, uint32_t key, struct errinfo *e)
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
 
     c->lock = key + 1;
-    return SQL_RUN(t, e, "SELECT pg_advisory_xact_lock($1)",
-                   sql_int(SQL_LOCKS + key));
+    return SQL_RUN(t, e, "SELECT pg_advisory_xact_lock($1)", sql_int(SQL_LOCKS + key));
 }
 
 static void prove(struct sql_txn *t, const char *text, const struct sql_value *value,
@@ -280,9 +279,10 @@ static enum status end(struct sql_txn *t, enum status st, struct errinfo *e)
         c->committing && sql_postgres_conn_lost(c))
         st = find_out(c, e);
     else if (st == ST_OK && c->committed && c->warned)
-        st = errinfo_set(e, ST_EBUSY,
-                         "the database server did not wait for its standby: a failover may "
-                         "undo the change");
+        st = errinfo_set(
+            e, ST_EBUSY,
+            "the database server did not wait for its standby: a failover may "
+            "undo the change");
     if (!c->committed)
         sql_postgres_conn_rollback(c);
     give_back(c);

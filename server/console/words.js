@@ -61,6 +61,8 @@ export const KINDS = {
   accept_state: ["State accepted", "Database"],
   checkpoint: ["Log signed", "Database"],
   trim_accesses: ["Oldest accesses deleted", "Database"],
+  join: ["Daemon joined", "Database"],
+  accesses_found: ["Accesses of another daemon confirmed", "Database"],
   export_audit: ["Log exported", "Database"],
 };
 

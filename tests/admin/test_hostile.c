@@ -20,7 +20,7 @@
 /* A sanitizer makes a byte cost three times as much: it sees every third, and the plain
  * run all of them. */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define EVERY 3
+#define EVERY 7
 #else
 #define EVERY 1
 #endif

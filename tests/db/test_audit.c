@@ -183,7 +183,8 @@ static struct store *written_by_several(void)
 
     for (int i = 0; i < DAEMONS * EACH; i++) {
         s->log.daemon = (uint32_t)(i % DAEMONS);
-        s->log.found = (struct log_end){.seq = 0}; /* another process would have its own */
+        s->log.found =
+            (struct log_end){.seq = 0}; /* another process would have its own */
         long_ago = i % DAEMONS == DAEMONS - 1;
         event(s);
         (void)snprintf(id, sizeof id, "s%d", i);
@@ -239,7 +240,8 @@ TEST(test_several)
         assert_int_equal(count_pages(s, newest != 0, 1000), entries);
     }
     must(store_audit_sign(s, "t", LOG_CHECKPOINT, &signed_one, &to, &e));
-    assert_int_equal(to.daemons, DAEMONS); /* it covers all, by a change for each of the others */
+    assert_int_equal(to.daemons,
+                     DAEMONS); /* it covers all, by a change for each of the others */
     for (int i = 0; i < DAEMONS; i++)
         assert_int_equal(to.accesses[i], EACH);
     assert_int_equal(to.changes, 1 + DAEMONS + DAEMONS);
@@ -247,10 +249,12 @@ TEST(test_several)
     assert_int_equal(to.changes, 1 + DAEMONS + DAEMONS + 1); /* nothing has come since */
     must(store_audit_trim(s, "test", 30, false, &cut, &e));
     assert_int_equal(cut, EACH - 1);
-    assert_int_equal(tempdb_number("SELECT count(*) FROM access_log WHERE daemon = 2"), 1);
+    assert_int_equal(tempdb_number("SELECT count(*) FROM access_log WHERE daemon = 2"),
+                     1);
     assert_string_equal(verify(s).lines, "");
     tempdb_sql("DELETE FROM access_log WHERE daemon = 1 AND seq = 300");
     f = verify(s);
-    assert_string_equal(f.lines, "accesses 300: entry 300 of daemon 1 is cut off the end\n");
+    assert_string_equal(f.lines,
+                        "accesses 300: entry 300 of daemon 1 is cut off the end\n");
     store_close(s);
 }

@@ -450,9 +450,11 @@ TEST(test_fleet)
     l.n = 4;
     assert_fleet(&l, true, "accesses 2: entry 2 of daemon 2 is cut off the end\n");
     l.n = 3;
-    assert_fleet(&l, true, "accesses 1: entries 1 to 2 of daemon 2 are cut off the end\n");
+    assert_fleet(&l, true,
+                 "accesses 1: entries 1 to 2 of daemon 2 are cut off the end\n");
     fleet(&l);
-    memmove(&l.access[1], &l.access[3], 3 * sizeof *l.access); /* of the first, one is left */
+    memmove(&l.access[1], &l.access[3],
+            3 * sizeof *l.access); /* of the first, one is left */
     l.n = 4;
     assert_fleet(&l, true, "accesses 2: entry 2 is cut off the end\n");
     fleet(&l);
