@@ -191,27 +191,55 @@ TEST(test_cut)
 
 /* ---- another daemon */
 
-static struct store *other;   /* which changes something before each statement of ours, */
-static bool inside, locked;   /* unless it would have to wait for our transaction */
-static char lock_name[32];    /* of the prepared statement that takes the lock */
+static struct store *other;   /* which commits something before each statement of ours, */
+static bool inside;           /* but not what would have to wait for our transaction */
+static bool changes, uses;    /* we have the lock of all changes, one of the others */
+static char lock_name[32];    /* of the prepared statement that takes a lock */
 static char ends_name[2][32]; /* and of those that end a transaction */
-static unsigned others;       /* changes of the other's */
+static unsigned others, held; /* times that it did so, and with a lock of ours */
 
-/* Each adds to both logs, and every third changes rows that are there. */
+/* Both add to the other's accesses; ours may have the lock of alice. */
+static void use_something(void)
+{
+    const char *who = uses || changes ? "zoe" : "alice";
+
+    must(tempdb_record(other, who, STORE_RECORD_FAILED, &e));
+    must(tempdb_record(other, who, STORE_RECORD_PASSED, &e));
+}
+
+/* Every third changes rows that are there. */
 static void change_something(void)
 {
     struct store_template t;
     char name[16];
 
-    (void)snprintf(name, sizeof name, "o%u", ++others);
+    (void)snprintf(name, sizeof name, "o%u", others);
     if (others % 3 != 0)
         tempdb_add(other, name);
     else
         tempdb_enroll(other, name, "", &tempdb_face[1], &t);
-    must(tempdb_record(other, "alice", STORE_RECORD_FAILED, &e));
-    must(tempdb_record(other, "alice", STORE_RECORD_PASSED, &e));
     if (others % 2 == 0)
         must(tempdb_erase(other, "test", name, &e));
+}
+
+static void commit_something(void)
+{
+    inside = true;
+    others++;
+    held += changes || uses;
+    use_something();
+    if (!changes)
+        change_something();
+    inside = false;
+}
+
+/* By what is locked: its key, as it is sent. */
+static void note_lock(const char *data)
+{
+    if (memcmp(data + 4, (const char[4]){0}, 4) == 0)
+        changes = true;
+    else
+        uses = true;
 }
 
 int __real_PQsendPrepare(PGconn *pg, const char *name, const char *text, int n,
@@ -239,16 +267,12 @@ int __wrap_PQsendQueryPrepared(PGconn *pg, const char *name, int n,
                                int result)
 {
     if (other != NULL && !inside) {
-        if (!locked) {
-            (void)PQflush(pg); /* the server has what is before it */
-            inside = true;
-            change_something();
-            inside = false;
-        }
+        (void)PQflush(pg); /* the server has what is before it */
+        commit_something();
         if (strcmp(name, lock_name) == 0)
-            locked = true;
+            note_lock(data[0]);
         else if (strcmp(name, ends_name[0]) == 0 || strcmp(name, ends_name[1]) == 0)
-            locked = false;
+            changes = uses = false;
     }
     return __real_PQsendQueryPrepared(pg, name, n, data, len, format, result);
 }
@@ -272,7 +296,10 @@ TEST(test_another_daemon)
     s = tempdb_fresh();
     must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &t, &e));
     (void)enroll(s, secret, "alice");
+    tempdb_add(s, "zoe");
     other = tempdb_open(STORE_WRITE);
+    other->log.daemon = 1;
+    other->log.found = (struct log_end){.seq = 0};
     for (int i = 0; i < 3; i++) {
         char name[8] = "bob0";
 
@@ -286,6 +313,7 @@ TEST(test_another_daemon)
         must(store_audit_verify(s, problem, NULL, &walk, &e));
     }
     assert_in_range(others, 100, 10000);
+    assert_in_range(held, 50, others - 50);
     store_close(other);
     other = NULL;
     store_close(s);
