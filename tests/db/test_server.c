@@ -1,7 +1,7 @@
 /* A store on a PostgreSQL (scripts/with_postgres): how often it waits for the server, what it does when
  * the server ends its connections, amid a commit too, and what it makes of another daemon's commit
  * between any two of its statements. */
-/* link: -Wl,--wrap=poll,--wrap=PQpipelineSync,--wrap=PQsendPrepare,--wrap=PQsendQueryPrepared */
+/* link: -Wl,--wrap=poll,--wrap=PQpipelineSync,--wrap=PQsendPrepare,--wrap=PQsendQueryPrepared,--wrap=PQsendQueryParams */
 #include <libpq-fe.h>
 #include <poll.h>
 #include <stdlib.h>
@@ -275,6 +275,23 @@ int __wrap_PQsendQueryPrepared(PGconn *pg, const char *name, int n,
             changes = uses = false;
     }
     return __real_PQsendQueryPrepared(pg, name, n, data, len, format, result);
+}
+
+int __real_PQsendQueryParams(PGconn *pg, const char *text, int n, const Oid *type,
+                             const char *const *data, const int *len, const int *format,
+                             int result);
+int __wrap_PQsendQueryParams(PGconn *pg, const char *text, int n, const Oid *type,
+                             const char *const *data, const int *len, const int *format,
+                             int result);
+int __wrap_PQsendQueryParams(PGconn *pg, const char *text, int n, const Oid *type,
+                             const char *const *data, const int *len, const int *format,
+                             int result)
+{
+    if (other != NULL && !inside) {
+        (void)PQflush(pg);
+        commit_something();
+    }
+    return __real_PQsendQueryParams(pg, text, n, type, data, len, format, result);
 }
 
 static void problem(void *arg, enum log_name log, uint64_t seq, const char *line)
