@@ -185,6 +185,7 @@ static enum status verify_database(struct ctl *c, struct log_walk *out,
 
 static enum status verify(struct ctl *c)
 {
+    const struct ctl_review how = {.report = tell_problem};
     struct log_walk found;
     char public_key[2 * CRYPT_KEY + 1] = "";
     enum status st;
@@ -194,7 +195,7 @@ static enum status verify(struct ctl *c)
     if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return ST_EINVAL;
     json_array(c->out, "problems");
-    st = c->nargs > 0 ? ctl_review_file(c, tell_problem, &found)
+    st = c->nargs > 0 ? ctl_review_file(c, &how, &found)
                       : verify_database(c, &found, public_key);
     json_close(c->out);
     if (st != ST_OK)
@@ -215,6 +216,39 @@ static enum status verify(struct ctl *c)
             CTL_COUNT(found.problems), public_key[0] != '\0' ? "; public key " : "",
             public_key);
     return ST_OK;
+}
+
+/* ---- compare */
+
+static enum status compare(struct ctl *c)
+{
+    unsigned differ = 0;
+    enum status st = ST_OK;
+
+    json_array(c->out, "anchors");
+    for (int i = 0; i < c->nargs && st == ST_OK; i++) {
+        struct log_end at;
+        uint32_t daemon;
+        bool has;
+
+        st = store_audit_anchor(c->store, c->args[i], &daemon, &at, &has, &c->e);
+        if (st != ST_OK)
+            break;
+        differ += !has;
+        json_object(c->out, NULL);
+        json_text(c->out, "anchor", c->args[i]);
+        json_number(c->out, "daemon", daemon);
+        json_number(c->out, "change", (double)at.seq);
+        json_flag(c->out, "in_log", has);
+        json_close(c->out);
+        ctl_say(c, "%s: daemon %" PRIu32 ", change %" PRIu64 ": %s\n", c->args[i], daemon,
+                at.seq,
+                has ? "in the log" : "NOT in the log: this daemon saw another database");
+    }
+    json_close(c->out);
+    json_flag(c->out, "ok", differ == 0);
+    c->code = differ == 0 ? EXIT_FINE : EXIT_NO;
+    return st;
 }
 
 /* ---- trim */
@@ -323,3 +357,18 @@ const struct ctl_command ctl_audit_trim = {
         "accesses begin, so that audit verify finds every other loss. The setting audit-days\n"
         "makes surfaced do this.",
     .example = "surfacectl --db faces.db audit trim --keep 400"};
+
+const struct ctl_command ctl_audit_compare = {
+    .name = "audit compare",
+    .args = "ANCHOR...",
+    .takes = {1, CTL_MANY},
+    .database = CTL_READS_DATABASE,
+    .exits = {"the log has what every anchor names", "it has not"},
+    .run = compare,
+    .summary = "hold the anchors of other daemons against the log",
+    .help =
+        "Copies of the anchors of the daemons that share a database on a server. Each names the\n"
+        "newest change that its daemon knows: one that the log lacks was made in another history,\n"
+        "which the server has shown to that daemon alone, or from which it has gone back.",
+    .example = "surfacectl --db postgresql://surfaced@db1/faces audit compare door1.anchor "
+               "door2.anchor"};

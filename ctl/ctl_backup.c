@@ -1,6 +1,9 @@
 /* The database copied, put back, copied under another key. */
 #include <inttypes.h>
+#include <sodium.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "admin_rekey.h"
@@ -8,6 +11,7 @@
 #include "crypt_file.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
+#include "ctl_review.h"
 
 static const char *backup_key; /* --backup-key */
 
@@ -119,6 +123,108 @@ static enum status restore(struct ctl *c)
     json_number(c->out, "missed_change", (double)r.missed);
     json_flag(c->out, "restored", !c->dry_run);
     tell_restored(c, &r);
+    return ST_OK;
+}
+
+/* ---- restored */
+
+struct later { /* of an export of the log */
+    struct log_end after; /* the end of the database's own log */
+    bool has;             /* that change */
+    bool full;            /* no memory for more */
+    uint64_t to;          /* the last one */
+    struct log_entry *list;
+    size_t n, room;
+};
+
+static void take_change(void *arg, const struct log_entry *entry)
+{
+    struct later *l = arg;
+
+    l->to = entry->seq;
+    if (entry->seq == l->after.seq)
+        l->has = memcmp(entry->hash, l->after.hash, LOG_HASH) == 0;
+    if (entry->seq <= l->after.seq || !admin_again_is(entry) || l->full)
+        return;
+    if (l->n == l->room) {
+        const size_t room = 2 * l->room + 64;
+        struct log_entry *more = realloc(l->list, room * sizeof *more);
+
+        if ((l->full = more == NULL))
+            return;
+        l->list = more;
+        l->room = room;
+    }
+    l->list[l->n++] = *entry;
+}
+
+static void tell_problem(void *arg, enum log_name log, uint64_t seq, const char *line)
+{
+    struct ctl *c = arg;
+
+    ctl_say(c, "%s, at entry %" PRIu64 ": %s\n", log_word(log), seq, line);
+}
+
+/* What the file says after the end of the database's log, whose key has signed it. */
+static enum status read_later(struct ctl *c, struct later *l)
+{
+    char public_key[2 * CRYPT_KEY + 1];
+    unsigned char public[CRYPT_KEY];
+    const struct ctl_review how = {tell_problem, take_change, l};
+    struct log_walk found;
+    enum status st;
+
+    c->anchor = "none"; /* it names what is not there any more */
+    if ((st = ctl_model_open(c, STORE_READ)) != ST_OK ||
+        (st = store_audit_public(c->store, public, &c->e)) != ST_OK ||
+        (st = store_last_change(c->store, &l->after, &c->e)) != ST_OK)
+        return st;
+    (void)sodium_bin2hex(public_key, sizeof public_key, public, sizeof public);
+    c->public_key = public_key;
+    st = ctl_review_file(c, &how, &found);
+    c->public_key = NULL;
+    if (st != ST_OK)
+        return st;
+    if (l->full)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (found.problems > 0)
+        return errinfo_set(&c->e, ST_EREFUSED, "%.120s is not as the database signed it",
+                           c->args[0]);
+    return l->has ? ST_OK
+                  : errinfo_set(&c->e, ST_EMISMATCH,
+                                "%.120s does not go on from this database: it lacks its "
+                                "last change, %" PRIu64,
+                                c->args[0], l->after.seq);
+}
+
+static enum status restored(struct ctl *c)
+{
+    const char *anchor = c->anchor;
+    struct admin_restored r = {.erased = 0};
+    struct later l = {.has = false};
+    struct store_key key;
+    enum status st = read_later(c, &l);
+
+    store_close(c->store);
+    c->store = NULL;
+    c->anchor = anchor;
+    if (st == ST_OK && (st = ctl_model_key(c, c->db, &key)) == ST_OK)
+        st = admin_again(c->db, &key, c->actor,
+                         &(struct admin_later){l.after, l.list, l.n}, c->dry_run, &r,
+                         &c->e);
+    free(l.list);
+    if (st != ST_OK)
+        return st;
+    json_number(c->out, "from_change", (double)l.after.seq);
+    json_number(c->out, "to_change", (double)l.to);
+    json_number(c->out, "subjects_erased", (double)r.erased);
+    json_number(c->out, "tokens_revoked", (double)r.revoked);
+    json_flag(c->out, "dry_run", c->dry_run);
+    ctl_say(c,
+            "changes %" PRIu64 " to %" PRIu64 ": %" PRIu64 " subject%s erased again, %" PRIu64
+            " token%s or devices revoked again%s\n",
+            l.after.seq + 1, l.to, CTL_COUNT(r.erased), CTL_COUNT(r.revoked),
+            c->dry_run ? "; nothing was changed" : "");
     return ST_OK;
 }
 
@@ -252,6 +358,22 @@ const struct ctl_command ctl_backup_restore = {
         "repeated. The result opens with the present key, even if the backup was made under\n"
         "another. The replaced database is renamed to PATH.before-restore. Stop the daemon first.",
     .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"};
+
+const struct ctl_command ctl_backup_restored = {
+    .name = "restored",
+    .args = "LOG",
+    .takes = {1, 1},
+    .database = CTL_NEEDS_DATABASE,
+    .shared = CTL_DRY_RUN,
+    .run = restored,
+    .summary = "after a server's restore, erase again who was erased since",
+    .help =
+        "For a database that its server has restored. LOG is the newest audit export of the\n"
+        "database as it was before: it is verified, and what it erased, revoked, rotated or\n"
+        "removed since the restored state is so again. The anchor is made again. Stop all\n"
+        "daemons first; afterwards run accept-state for the anchor of each other daemon.",
+    .example = "surfacectl --db postgresql://surfaced@db1/faces --key key --anchor anchor "
+               "restored log.jsonl"};
 
 const struct ctl_command ctl_backup_rekey = {
     .name = "rekey",

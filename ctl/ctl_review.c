@@ -71,7 +71,8 @@ static bool take_change(const struct json_value *v, struct log_entry *entry)
 }
 
 /* False: it is no entry, or one of the changes behind the accesses. */
-static bool walk_line(struct log_walk *w, const struct json_value *v)
+static bool walk_line(struct log_walk *w, const struct ctl_review *how,
+                      const struct json_value *v)
 {
     struct log_entry entry = {.seq = 0};
     char word[16];
@@ -100,6 +101,8 @@ static bool walk_line(struct log_walk *w, const struct json_value *v)
     if (entry.log != w->log)
         log_walk_accesses(w);
     log_walk_step(w, &entry);
+    if (entry.log == LOG_CHANGES && how->change != NULL)
+        how->change(how->arg, &entry);
     return true;
 }
 
@@ -120,7 +123,8 @@ static enum status walk_head(struct ctl *c, FILE *in)
     return st;
 }
 
-static enum status walk_file(struct ctl *c, FILE *in, struct log_walk *w)
+static enum status walk_file(struct ctl *c, FILE *in, const struct ctl_review *how,
+                             struct log_walk *w)
 {
     char line[LINE], text[80];
     uint64_t changes = 0;
@@ -131,7 +135,7 @@ static enum status walk_file(struct ctl *c, FILE *in, struct log_walk *w)
     for (unsigned long n = 2; fgets(line, sizeof line, in) != NULL; n++) {
         struct json_value *v = read_line(line);
 
-        if (v == NULL || !walk_line(w, v)) {
+        if (v == NULL || !walk_line(w, how, v)) {
             (void)snprintf(text, sizeof text, "line %lu of the file is malformed", n);
             log_walk_problem(w, w->at.seq + 1, text);
         }
@@ -154,22 +158,23 @@ static enum status walk_file(struct ctl *c, FILE *in, struct log_walk *w)
     return ST_OK;
 }
 
-enum status ctl_review_file(struct ctl *c, log_report *report, struct log_walk *out)
+enum status ctl_review_file(struct ctl *c, const struct ctl_review *how,
+                            struct log_walk *out)
 {
     unsigned char public[CRYPT_KEY] = {0};
     size_t n = 0;
     FILE *in;
     enum status st;
 
-    log_walk_begin(out, NULL, public, report, c);
+    log_walk_begin(out, NULL, public, how->report, c);
     if (sodium_hex2bin(public, sizeof public, c->public_key, strlen(c->public_key), NULL,
                        &n, NULL) != 0 ||
         n != sizeof public)
         return errinfo_set(&c->e, ST_EINVAL, "a public key is 64 hexadecimal digits");
     if ((in = fopen(c->args[0], "rb")) == NULL)
         return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
-    log_walk_begin(out, NULL, public, report, c);
-    st = walk_file(c, in, out);
+    log_walk_begin(out, NULL, public, how->report, c);
+    st = walk_file(c, in, how, out);
     (void)fclose(in);
     return st;
 }

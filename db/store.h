@@ -269,6 +269,8 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
  * that names the end of its accesses.  *to (or NULL): the last entries that the signature covers.
  * store_audit_public(s, public, e): the public key of the signatures.
  * store_audit_has(s, at, has, e): whether the change log has this entry.
+ * store_audit_anchor(s, path, daemon, at, has, e): the same of what an anchor says, a file of another
+ * daemon.  *daemon: whose it is.
  * store_audit_verify(s, report, arg, out, e): verify every entry of both logs, and the
  * rows (store_verify()), which are reported as of the last change. *out: the walk. */
 enum status store_audit_sign(struct store *s, const char *actor, const char *kind,
@@ -278,6 +280,8 @@ enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
                                struct errinfo *e);
 enum status store_audit_has(struct store *s, const struct log_end *at, bool *has,
                             struct errinfo *e);
+enum status store_audit_anchor(struct store *s, const char *path, uint32_t *daemon,
+                               struct log_end *at, bool *has, struct errinfo *e);
 enum status store_audit_verify(struct store *s, log_report *report, void *arg,
                                struct log_walk *out, struct errinfo *e);
 

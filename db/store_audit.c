@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "log_anchor.h"
 #include "log_row.h"
 #include "rows_subject.h"
 #include "rows_token.h"
@@ -293,6 +294,18 @@ enum status store_audit_has(struct store *s, const struct log_end *at, bool *has
 
     *has = false;
     return st == ST_OK ? store_end(s, &t, log_has(&t, at, has, e), e) : st;
+}
+
+enum status store_audit_anchor(struct store *s, const char *path, uint32_t *daemon,
+                               struct log_end *at, bool *has, struct errinfo *e)
+{
+    struct log_anchor said;
+    const enum status st = log_anchor_read(path, s->crypt, &said, e);
+
+    *has = false;
+    *daemon = said.daemon;
+    *at = said.end;
+    return st == ST_OK ? store_audit_has(s, at, has, e) : st;
 }
 
 struct at_end { /* of the changes */

@@ -87,6 +87,8 @@ const char *store_made_by(const struct store *s);
  * an anchor?  After a failover it may be a change that was never acknowledged: opened again, the
  * store is good where the anchor says so.
  * store_last_change(s, out, e): where the change log ends, for the daemon's log.
+ * store_follow(s): the anchor names what this process has seen others change too, once that is
+ * durable.  To be called now and then, and before the store is closed; costs nothing where it does.
  * store_anchor_fault(s, e): could the anchor not be written?  e says why; changes go on. */
 enum status store_ready(struct store *s, struct errinfo *e);
 enum status store_verify(struct store *s, store_report *report, void *arg,
@@ -94,6 +96,7 @@ enum status store_verify(struct store *s, store_report *report, void *arg,
 bool store_refused(struct store *s, struct errinfo *e);
 bool store_behind(struct store *s);
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e);
+void store_follow(struct store *s);
 bool store_anchor_fault(struct store *s, struct errinfo *e);
 
 /* store_stats(s, sizes, out, e): counts, and with sizes what they take, for which all rows are read:

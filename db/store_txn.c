@@ -237,9 +237,23 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
     if ((st = sql_end(t->sql, st, e)) != ST_OK)
         return st;
     log_txn_committed(t);
-    if (t->how != SQL_LAZY && t->added != LOGS)
+    if (t->how != SQL_LAZY && (t->added != LOGS || t->settled))
         advance_anchor(s, &t->changes);
     return ST_OK;
+}
+
+void store_follow(struct store *s)
+{
+    const struct store_use nothing = {.subject = 0};
+    struct log_txn t;
+    enum status st;
+
+    if (s->anchor == NULL || log_newest(&s->log).seq <= atomic_load(&s->anchored) ||
+        store_begin_use(s, SQL_WRITE, &nothing, &t, NULL) != ST_OK)
+        return;
+    st = sql_settle(t.sql, NULL);
+    t.settled = st == ST_OK;
+    (void)store_end(s, &t, st, NULL);
 }
 
 void store_scrub(struct store *s)

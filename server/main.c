@@ -313,6 +313,7 @@ int main(int argc, char **argv)
     stop_workers(&app); /* queued requests are still handled */
     http_quiesce(http, FLUSH_MS);
     say_last_change(app.store);
+    store_follow(app.store);
     behind = store_behind(app.store);
     stop(&app, http);
     logger_line("info", "stopped");

@@ -74,6 +74,7 @@ static void look(struct upkeep *u)
     if (!u->ended && store_behind(u->app->store))
         end(u);
 
+    store_follow(u->app->store);
     if (u->days > 0 && now >= u->trim_ms) {
         trim(u);
         u->trim_ms = logger_clock_ms() + TRIM_MS;

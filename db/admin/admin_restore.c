@@ -288,6 +288,25 @@ static enum status count_lost(struct restoring *r, struct log_txn *to, struct er
     return store_end(r->held, &t, sql_done(rows, st, e), e);
 }
 
+static enum status do_again(struct restoring *r, struct log_txn *to,
+                            const struct log_entry *c, struct errinfo *e)
+{
+    if (strcmp(c->kind, "delete_subject") == 0)
+        return erase_again(r, to, c->uid, e);
+    if (strcmp(c->kind, "revoke_token") == 0 || strcmp(c->kind, "rotate_token") == 0)
+        return revoke_again(r, to, c->object, e);
+    if (strcmp(c->kind, "remove_device") == 0)
+        return remove_again(r, to, c->object, e);
+    return ST_OK;
+}
+
+bool admin_again_is(const struct log_entry *c)
+{
+    return strcmp(c->kind, "delete_subject") == 0 ||
+           strcmp(c->kind, "revoke_token") == 0 ||
+           strcmp(c->kind, "rotate_token") == 0 || strcmp(c->kind, "remove_device") == 0;
+}
+
 /* All of the backup, and what was erased, revoked or removed since is so again. */
 static enum status fill(void *arg, struct log_txn *from, struct log_txn *to,
                         struct errinfo *e)
@@ -295,17 +314,8 @@ static enum status fill(void *arg, struct log_txn *from, struct log_txn *to,
     struct restoring *r = arg;
     enum status st = admin_copy_all(NULL, from, to, e);
 
-    for (size_t i = 0; i < r->n && st == ST_OK; i++) {
-        const struct log_entry *c = &r->since[i];
-
-        if (strcmp(c->kind, "delete_subject") == 0)
-            st = erase_again(r, to, c->uid, e);
-        else if (strcmp(c->kind, "revoke_token") == 0 ||
-                 strcmp(c->kind, "rotate_token") == 0)
-            st = revoke_again(r, to, c->object, e);
-        else if (strcmp(c->kind, "remove_device") == 0)
-            st = remove_again(r, to, c->object, e);
-    }
+    for (size_t i = 0; i < r->n && st == ST_OK; i++)
+        st = do_again(r, to, &r->since[i], e);
     return st == ST_OK && r->held != NULL ? count_lost(r, to, e) : st;
 }
 
@@ -404,6 +414,45 @@ enum status admin_restore(const char *path, const char *from, const struct store
     store_close(r.held);
     crypt_free(r.made);
     free(r.since);
+    return st;
+}
+
+/* ---- what a server has restored by itself */
+
+enum status admin_again(const char *path, const struct store_key *key, const char *actor,
+                        const struct admin_later *later, bool dry,
+                        struct admin_restored *out, struct errinfo *e)
+{
+    struct store_key by_key = *key;
+    struct restoring r = {.path = path, .key = key, .out = out};
+    struct log_anchor at = {.daemon = 0};
+    struct log_txn t;
+    struct store *s;
+    enum status st;
+
+    memset(out, 0, sizeof *out);
+    by_key.anchor = NULL; /* it names what is not there any more */
+    if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
+        return st;
+    if (key->anchor != NULL)
+        (void)log_anchor_read(key->anchor, s->crypt, &at, NULL); /* whose it is */
+    s->log.daemon = at.daemon;
+    if ((st = store_act_begin(s, actor, SQL_WRITE, &r.by, &t, e)) == ST_OK) {
+        if (memcmp(&t.changes, &later->after, sizeof t.changes) != 0)
+            st = errinfo_set(e, ST_EBUSY, "another process has changed the database");
+        for (size_t i = 0; i < later->n && st == ST_OK; i++)
+            st = do_again(&r, &t, &later->change[i], e);
+        if (st == ST_OK)
+            st = log_change(&t, &r.by, "restore", NULL, "", "restored by the server", e);
+        at.end = t.changes;
+        if (st == ST_OK && dry)
+            (void)store_end(s, &t, ST_EDENIED, NULL); /* rolled back */
+        else
+            st = store_end(s, &t, st, e);
+    }
+    if (st == ST_OK && !dry && key->anchor != NULL)
+        st = log_anchor_write(key->anchor, s->crypt, &at, true, e);
+    store_close(s);
     return st;
 }
 

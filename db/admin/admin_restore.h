@@ -3,6 +3,7 @@
 #ifndef DB_ADMIN_RESTORE_H
 #define DB_ADMIN_RESTORE_H
 #include "admin_check.h"
+#include "log_entry.h"
 
 /* admin_backup(s, path, key, out, e): a copy of one moment while others write, whole or not
  * at all and readable by its owner alone.  Before it gets its name it is verified: pages, rows, both
@@ -49,6 +50,23 @@ struct admin_restored {
 enum status admin_restore(const char *path, const char *from, const struct store_key *key,
                           const char *from_key, const char *actor, bool dry,
                           struct admin_restored *out, struct errinfo *e);
+
+/* The changes of a later state of a database, which no longer exists, by its signed log. */
+struct admin_later {
+    struct log_end after;           /* where the database's own log ends */
+    const struct log_entry *change; /* [n] of those behind it for which admin_again_is() */
+    size_t n;
+};
+
+/* admin_again_is(c): does it take something away that a restored database has again?
+ * admin_again(path, key, actor, later, dry, out, e): of a database that a server has restored: who was
+ * erased later is erased again, and tokens and devices are revoked and removed; a change of kind
+ * "restore" says so, and the anchor is made again: it goes on from here.  out: erased, revoked.
+ * ST_EBUSY: another process has it open, or its log does not end at later->after. */
+bool admin_again_is(const struct log_entry *c);
+enum status admin_again(const char *path, const struct store_key *key, const char *actor,
+                        const struct admin_later *later, bool dry,
+                        struct admin_restored *out, struct errinfo *e);
 
 struct admin_accepted {
     bool differed;    /* the rows were not those of the last change */

@@ -43,6 +43,7 @@ struct log_txn {
     bool known;                           /* digest is set */
     bool appends;                         /* log_txn_appends() was called */
     bool unlogged;                        /* rows were changed after the last entry */
+    bool settled;                         /* sql_settle() was called */
     enum log_name added; /* the log of the last entry that it has added, LOGS: none */
 };
 

@@ -44,6 +44,11 @@ enum status sql_lock(struct sql_txn *t, uint32_t key, struct errinfo *e)
     return t->driver->lock != NULL ? t->driver->lock(t, key, e) : ST_OK;
 }
 
+enum status sql_settle(struct sql_txn *t, struct errinfo *e)
+{
+    return t->driver->settle != NULL ? t->driver->settle(t, e) : ST_OK;
+}
+
 bool sql_ahead(struct sql_txn *t, bool on)
 {
     if (t->driver->ahead == NULL)

@@ -61,12 +61,15 @@ enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
  * Advisory locks of PostgreSQL are numbers, which other programs may use too: ours begin with "SRFD",
  * and the last of them is held, shared, by each connection to a database.
  * sql_prove(t, text, value, n): a query of at most 4 values that gives a row where t was committed and
- * none where it was not: where the connection is lost amid the commit, sql_end() finds out by it. */
+ * none where it was not: where the connection is lost amid the commit, sql_end() finds out by it.
+ * sql_settle(t, e): of a SQL_WRITE that changes nothing: its commit waits until all that it has seen is
+ * as durable as what it had changed would be. */
 #define SQL_LOCKS  (INT64_C(0x53524644) << 32)
 #define SQL_IN_USE "6003938515404980223" /* SQL_LOCKS + 0xffffffff */
 enum status sql_lock(struct sql_txn *t, uint32_t key, struct errinfo *e);
 void sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
                size_t n);
+enum status sql_settle(struct sql_txn *t, struct errinfo *e);
 
 /* sql_ahead(t, on): from here to sql_ahead(t, false) a query is only sent, and gives no rows; the same
  * query with the same values later in t has them.  So several cost one round trip to a server.  Not
@@ -185,6 +188,7 @@ struct sql_driver {
     void (*ahead)(struct sql_txn *t, bool on);
     void (*prove)(struct sql_txn *t, const char *text, const struct sql_value *value,
                   size_t n);
+    enum status (*settle)(struct sql_txn *t, struct errinfo *e);
     /* one: of exactly one row. */
     enum status (*run)(struct sql_txn *t, const char *text, const struct sql_value *value,
                        size_t n, bool one, struct errinfo *e);

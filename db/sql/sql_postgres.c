@@ -230,9 +230,14 @@ static void prove(struct sql_txn *t, const char *text, const struct sql_value *v
     }
 }
 
+/* A commit waits for what it has to write, and so for all before that. */
+static enum status settle(struct sql_txn *t, struct errinfo *e)
+{
+    return sql_run(t, "SELECT pg_logical_emit_message(true, 'surfaced', '')", NULL, 0, e);
+}
+
 /* ST_OK: it was committed; ST_ENOTFOUND: it was not, nor will it be, as the lock that it held is
- * free.  What is seen may not be on a standby yet: a commit that has something to write waits for all
- * before it. */
+ * free.  What is seen may not be on a standby yet. */
 static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
 {
     struct sql_postgres *d = lost->of;
@@ -247,8 +252,7 @@ static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
         st = sql_done(r, st, e);
     }
     if (st == ST_OK)
-        st = sql_run(t, "SELECT pg_logical_emit_message(true, 'surfaced', '')", NULL, 0,
-                     e);
+        st = settle(t, e);
     return sql_end(t, st, e);
 }
 
@@ -442,6 +446,7 @@ const struct sql_driver sql_postgres_driver = {
     .lock = lock,
     .ahead = sql_postgres_conn_ahead,
     .prove = prove,
+    .settle = settle,
     .run = sql_postgres_conn_run,
     .changed = sql_postgres_conn_changed,
     .query = sql_postgres_conn_query,

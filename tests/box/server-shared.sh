@@ -149,6 +149,54 @@ verify 2 alice a1
 is "the other is there again" "$STATUS $(get .decision)" "200 match"
 ctl_exits 0 audit verify
 ctl_exits 0 check-database
+ctl_exits 0 audit verify --anchor "$T/anchor1"
+ok "each has an access log of its own" test "$(sql 'SELECT count(DISTINCT daemon) FROM access_log')" -eq 2
+ctl_exits 0 audit compare "$T/anchor1" "$T/anchor2"
+
+# ---- the server is put back to an older state
+to 1 POST /v1/subjects/carol/templates -H "$PLY" --data-binary "@$T/b.ply"
+is "enrolled before the backup" "$STATUS" 201
 stop_daemon
 PID=$ONE LOG=$T/log1
+stop_daemon
+OLD=$DB-old
+psql -X -q -d postgres -c "CREATE DATABASE \"${OLD##*/}\" TEMPLATE \"${DB##*/}\""
+start_two
+to 2 DELETE /v1/subjects/carol
+is "erased after it" "$STATUS" 200
+verify 1 alice a3
+is "and a verification, which the log has" "$STATUS" 200
+ctl_exits 0 token revoke "$(sql "SELECT id FROM tokens WHERE name = 'all'")"
+ctl_exits 0 audit export -o "$T/log.jsonl"
+public=$(head -n 1 "$T/log.jsonl" | gojq -r .public_key)
+stop_daemon
+PID=$ONE LOG=$T/log1
+stop_daemon
+"$BUILD/surfacectl" audit verify "$T/log.jsonl" --public-key "$public" >"$T/out" 2>&1
+is "the export of both daemons verifies" $? 0
+DB=$OLD
+start_fails "the older state is refused" 1 'older than its anchor' --db "$DB" --key "$KEY" --anchor "$T/anchor1" \
+    --listen 127.0.0.1:0
+ctl_exits 1 audit compare "$T/anchor1" "$T/anchor2"
+is "both daemons have seen a later one" "$(said '[.anchors[].in_log] | tojson')" '[false,false]'
+sed 's/"outcome":"deleted"/"outcome":"dElEted"/' "$T/log.jsonl" >"$T/forged.jsonl"
+ctl restored "$T/forged.jsonl" --anchor "$T/anchor1"
+ctl_failed "an export that was changed" 77 'not as the database signed it'
+ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor1" --dry-run
+is "who would be erased" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
+ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor1"
+is "who is erased again" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
+ctl restored "$T/log.jsonl" --anchor "$T/anchor1"
+ctl_failed "a second time" 65 'does not go on from this database'
+ctl_exits 0 accept-state --yes --anchor "$T/anchor2"
+ctl_exits 0 audit compare "$T/anchor1" "$T/anchor2"
+start_two
+verify 1 alice a1
+is "the token is revoked again" "$STATUS" 401
+AUTH=$(new_token again --anchor "$T/anchor1")
+to 2 GET /v1/subjects/carol
+is "who was erased is gone" "$STATUS" 404
+verify 2 alice a1
+is "the others are there" "$STATUS $(get .decision)" "200 match"
+ctl_exits 0 audit verify
 finish
