@@ -212,6 +212,7 @@ static enum status read_anchor(struct store *s, struct log_anchor *said,
     const enum status st = log_anchor_read(s->anchor, s->crypt, said, e);
 
     s->log.daemon = said->daemon;
+    atomic_store(&s->anchored, said->end.seq);
     return st != ST_ENOTFOUND
                ? st
                : errinfo_set(e, ST_EREFUSED,

@@ -126,6 +126,8 @@ is "a change goes on where it cannot be written" "$STATUS" 200
 contains "the log warns" "$LOG" "anchor is not up to date"
 rmdir "$ANCHOR"
 stop_daemon
+ok "it is made up for" test -s "$ANCHOR"
+rm "$ANCHOR"
 refused "and is missed" 'there is no anchor'
 ctl accept-state --yes
 
