@@ -36,16 +36,21 @@ static void arrays_free(struct arrays *a)
     mem_free(a->point);
 }
 
-/* Moved by m into a face's frame, to 1/256 mm, which no scanner resolves, so that the file packs
- * well; NULL: as it is. */
+/* To 1/256, of a mm or of a part of the score, which no scanner resolves and no picture shows, so
+ * that the file packs well. */
+static float coarse(double v)
+{
+    return (float)(nearbyint(256 * v) / 256);
+}
+
+/* Moved by m into a face's frame; NULL: as it is. */
 static void put(float to[3], const double m[16], const double p[3])
 {
     for (int i = 0; i < 3; i++)
         to[i] = m == NULL
                     ? (float)p[i]
-                    : (float)(nearbyint(256 * (m[4 * i] * p[0] + m[4 * i + 1] * p[1] +
-                                               m[4 * i + 2] * p[2] + m[4 * i + 3])) /
-                              256);
+                    : coarse(m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] +
+                             m[4 * i + 3]);
 }
 
 /* first, then m */
@@ -140,9 +145,9 @@ static enum status differences(const struct surface_face *tmpl,
     for (uint32_t v = 0; st == ST_OK && v < node->n; v++) {
         const double x = (double)a->at[v][0] * by, y = (double)a->at[v][1] * by;
 
-        a->gap[v] = (float)gap[v];
-        a->rest[v] = between(parts->rest_mm, x, y);
-        a->part[v] = between(parts->part, x, y);
+        a->gap[v] = coarse(gap[v]);
+        a->rest[v] = coarse((double)between(parts->rest_mm, x, y));
+        a->part[v] = coarse((double)between(parts->part, x, y));
         if (isnan(a->gap[v]) || isnan(a->rest[v]) || isnan(a->part[v])) {
             a->gap[v] = a->rest[v] = a->part[v] = 0.0f;
             memset(a->color[v], 0, sizeof a->color[v]);
