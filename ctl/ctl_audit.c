@@ -370,5 +370,6 @@ const struct ctl_command ctl_audit_compare = {
         "Copies of the anchors of the daemons that share a database on a server. Each names the\n"
         "newest change that its daemon knows: one that the log lacks was made in another history,\n"
         "which the server has shown to that daemon alone, or from which it has gone back.",
-    .example = "surfacectl --db postgresql://surfaced@db1/faces audit compare door1.anchor "
-               "door2.anchor"};
+    .example =
+        "surfacectl --db postgresql://surfaced@db1/faces audit compare door1.anchor "
+        "door2.anchor"};

@@ -128,7 +128,7 @@ static enum status restore(struct ctl *c)
 
 /* ---- restored */
 
-struct later { /* of an export of the log */
+struct later {            /* of an export of the log */
     struct log_end after; /* the end of the database's own log */
     bool has;             /* that change */
     bool full;            /* no memory for more */
@@ -221,8 +221,8 @@ static enum status restored(struct ctl *c)
     json_number(c->out, "tokens_revoked", (double)r.revoked);
     json_flag(c->out, "dry_run", c->dry_run);
     ctl_say(c,
-            "changes %" PRIu64 " to %" PRIu64 ": %" PRIu64 " subject%s erased again, %" PRIu64
-            " token%s or devices revoked again%s\n",
+            "changes %" PRIu64 " to %" PRIu64 ": %" PRIu64
+            " subject%s erased again, %" PRIu64 " token%s or devices revoked again%s\n",
             l.after.seq + 1, l.to, CTL_COUNT(r.erased), CTL_COUNT(r.revoked),
             c->dry_run ? "; nothing was changed" : "");
     return ST_OK;
@@ -372,8 +372,9 @@ const struct ctl_command ctl_backup_restored = {
         "database as it was before: it is verified, and what it erased, revoked, rotated or\n"
         "removed since the restored state is so again. The anchor is made again. Stop all\n"
         "daemons first; afterwards run accept-state for the anchor of each other daemon.",
-    .example = "surfacectl --db postgresql://surfaced@db1/faces --key key --anchor anchor "
-               "restored log.jsonl"};
+    .example =
+        "surfacectl --db postgresql://surfaced@db1/faces --key key --anchor anchor "
+        "restored log.jsonl"};
 
 const struct ctl_command ctl_backup_rekey = {
     .name = "rekey",

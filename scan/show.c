@@ -47,10 +47,9 @@ static float coarse(double v)
 static void put(float to[3], const double m[16], const double p[3])
 {
     for (int i = 0; i < 3; i++)
-        to[i] = m == NULL
-                    ? (float)p[i]
-                    : coarse(m[4 * i] * p[0] + m[4 * i + 1] * p[1] + m[4 * i + 2] * p[2] +
-                             m[4 * i + 3]);
+        to[i] = m == NULL ? (float)p[i]
+                          : coarse(m[4 * i] * p[0] + m[4 * i + 1] * p[1] +
+                                   m[4 * i + 2] * p[2] + m[4 * i + 3]);
 }
 
 /* first, then m */

@@ -303,8 +303,8 @@ static enum status do_again(struct restoring *r, struct log_txn *to,
 bool admin_again_is(const struct log_entry *c)
 {
     return strcmp(c->kind, "delete_subject") == 0 ||
-           strcmp(c->kind, "revoke_token") == 0 ||
-           strcmp(c->kind, "rotate_token") == 0 || strcmp(c->kind, "remove_device") == 0;
+           strcmp(c->kind, "revoke_token") == 0 || strcmp(c->kind, "rotate_token") == 0 ||
+           strcmp(c->kind, "remove_device") == 0;
 }
 
 /* All of the backup, and what was erased, revoked or removed since is so again. */

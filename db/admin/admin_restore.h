@@ -53,8 +53,9 @@ enum status admin_restore(const char *path, const char *from, const struct store
 
 /* The changes of a later state of a database, which no longer exists, by its signed log. */
 struct admin_later {
-    struct log_end after;           /* where the database's own log ends */
-    const struct log_entry *change; /* [n] of those behind it for which admin_again_is() */
+    struct log_end after; /* where the database's own log ends */
+    const struct log_entry
+        *change; /* [n] of those behind it for which admin_again_is() */
     size_t n;
 };
 
