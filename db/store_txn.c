@@ -135,7 +135,7 @@ enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
     return st;
 }
 
-/* Tokens have names of their own. */
+/* An id is text, the key of a lock a number. */
 static uint32_t hash_token(const char *token)
 {
     unsigned char hash[crypto_generichash_BYTES_MIN];
