@@ -199,4 +199,9 @@ is "who was erased is gone" "$STATUS" 404
 verify 2 alice a1
 is "the others are there" "$STATUS $(get .decision)" "200 match"
 ctl_exits 0 audit verify
+was=$(said .entries)
+ctl_exits 0 copy "$T/file.db"
+DB=$T/file.db ctl_exits 0 audit verify
+is "a file has the accesses of both too" "$(said .entries)" "$was"
+DB=$T/file.db ctl_exits 0 check-database
 finish
