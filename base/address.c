@@ -143,3 +143,101 @@ void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_U
         (void)snprintf(url, ADDRESS_URL_MAX, "unix:%s", address_path(ss));
     }
 }
+
+/* ---- lists */
+
+/* A prefix of IPv6 addresses, among which IPv4 is ::ffff:0:0/96; or all Unix sockets. */
+struct network {
+    int family; /* AF_INET6, AF_UNIX */
+    unsigned char prefix[16];
+    unsigned bits;
+};
+
+static bool read_bits(const char *s, unsigned most, unsigned *out)
+{
+    const unsigned long n = strtoul(s, NULL, 10);
+    const size_t digits = strspn(s, "0123456789");
+
+    *out = (unsigned)n;
+    return digits > 0 && digits <= 3 && s[digits] == '\0' && n <= most;
+}
+
+static bool no_bit_beyond(const struct network *w)
+{
+    for (unsigned i = w->bits; i < 128; i++)
+        if ((w->prefix[i / 8] >> (7 - i % 8) & 1) != 0)
+            return false;
+    return true;
+}
+
+/* The first of the list.  *next: behind its comma; NULL: it was the last. */
+static bool read_network(const char *list, struct network *out, const char **next)
+{
+    static const unsigned char ipv4[12] = {[10] = 0xff, [11] = 0xff};
+    const size_t n = strcspn(list, ",");
+    char text[64], *slash;
+    unsigned most = 128;
+
+    *next = list[n] == ',' ? list + n + 1 : NULL;
+    if (n >= sizeof text)
+        return false;
+    memcpy(text, list, n);
+    text[n] = '\0';
+    *out = (struct network){.family = AF_UNIX};
+    if (strcmp(text, "unix") == 0)
+        return true;
+    out->family = AF_INET6;
+    if ((slash = strchr(text, '/')) != NULL)
+        *slash = '\0';
+    if (inet_pton(AF_INET, text, out->prefix + sizeof ipv4) == 1) {
+        memcpy(out->prefix, ipv4, sizeof ipv4);
+        most = 32;
+    } else if (inet_pton(AF_INET6, text, out->prefix) != 1) {
+        return false;
+    }
+    out->bits = most;
+    if (slash != NULL && !read_bits(slash + 1, most, &out->bits))
+        return false;
+    out->bits += 128 - most;
+    return no_bit_beyond(out);
+}
+
+bool address_is_list(const char *list)
+{
+    struct network w;
+
+    while (list != NULL)
+        if (!read_network(list, &w, &list))
+            return false;
+    return true;
+}
+
+/* As a network of one address. */
+static bool network_of(const struct sockaddr *sa, struct network *out)
+{
+    char host[ADDRESS_HOST_MAX];
+    const char *end;
+
+    address_host(sa, host);
+    return read_network(host, out, &end);
+}
+
+static bool is_within(const struct network *one, const struct network *w)
+{
+    const unsigned whole = w->bits / 8, rest = w->bits % 8;
+
+    return one->family == w->family && memcmp(one->prefix, w->prefix, whole) == 0 &&
+           (rest == 0 || (one->prefix[whole] ^ w->prefix[whole]) >> (8 - rest) == 0);
+}
+
+bool address_in_list(const char *list, const struct sockaddr *sa)
+{
+    struct network one, w;
+
+    if (!network_of(sa, &one))
+        return false;
+    while (list != NULL)
+        if (read_network(list, &w, &list) && is_within(&one, &w))
+            return true;
+    return false;
+}

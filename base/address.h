@@ -1,5 +1,5 @@
-/* address.h -- addresses as text, that to listen on and those of clients: IPv4 or IPv6 and a
- * port, or a Unix socket. */
+/* address.h -- addresses as text, that to listen on, those of clients, and lists of trusted ones:
+ * IPv4 or IPv6, or a Unix socket. */
 #ifndef BASE_ADDRESS_H
 #define BASE_ADDRESS_H
 #include <stdbool.h>
@@ -25,5 +25,14 @@ void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_U
 /* address_host(sa, host): without the port, "192.0.2.1" (also of an IPv6 socket's IPv4 peer) or
  * "2001:db8::1"; "unix"; "" for NULL and other families. */
 void address_host(const struct sockaddr *sa, char host[ADDRESS_HOST_MAX]);
+
+/* address_is_list(list): is it a list of addresses and networks: "192.0.2.1", "10.0.0.0/8",
+ * "2001:db8::/32", "unix", with commas between them and no spaces?  No bit may be set beyond a
+ * network's prefix. */
+bool address_is_list(const char *list);
+
+/* address_in_list(list, sa): is sa one of them?  "unix": any Unix socket; an IPv6 socket's IPv4
+ * peer counts as IPv4.  list: address_is_list(); it is read anew: O(length). */
+bool address_in_list(const char *list, const struct sockaddr *sa);
 
 #endif

@@ -40,6 +40,11 @@ const struct setting options_table[] = {
      "FILE", "clients need a certificate issued by one of these CAs (PEM)"},
     {"plaintext", SETTING_BOOL, "0", offsetof(struct options, plaintext), 0, 0, NULL,
      "allow other addresses than loopback without TLS"},
+    {"proxy-protocol", SETTING_TEXT, NULL, offsetof(struct options, proxy_protocol), 0, 0,
+     "ADDRESS[,ADDRESS...]",
+     "connections of these proxies (192.0.2.1, 10.0.0.0/8, unix) begin with\n"
+     "a PROXY protocol header, version 2, whose client is rate-limited and\n"
+     "logged instead of the proxy"},
     {"no-auth", SETTING_BOOL, "0", offsetof(struct options, no_auth), 0, 0, NULL,
      "accept requests without a token"},
     {"no-console", SETTING_BOOL, "0", offsetof(struct options, no_console), 0, 0, NULL,
@@ -164,6 +169,10 @@ static void check_together(struct options *o)
             s, "cors-origin",
             "not origins like https://desk.example.org, without a path, with "
             "commas between them");
+    if (o->proxy_protocol != NULL && !address_is_list(o->proxy_protocol))
+        settings_wrong_value(s, "proxy-protocol",
+                             "not addresses like 192.0.2.1, 2001:db8::1, 10.0.0.0/8 or "
+                             "unix, with commas between them");
     if (o->plaintext && o->tls_cert != NULL)
         settings_wrong(s, "--plaintext contradicts --tls-cert");
     if (address_is_local(&o->listen))

@@ -14,7 +14,7 @@
 #define OPTIONS_UNSET      UINT_MAX
 #define OPTIONS_WAIT_MAX   86400 /* s, of attempt_wait */
 #define OPTIONS_ORIGIN_MAX 255   /* bytes */
-#define OPTIONS_ROWS       29
+#define OPTIONS_ROWS       30
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -45,6 +45,7 @@ struct options {
     unsigned audit_days;        /* that uses are kept in the audit log; 0: for ever */
     const char *tls_cert, *tls_key, *tls_client_ca;
     bool plaintext;
+    const char *proxy_protocol; /* proxies, as address_in_list(); NULL: none */
     unsigned max_connections;
     unsigned max_connections_per_address; /* OPTIONS_UNSET: not given */
     unsigned timeout_s;

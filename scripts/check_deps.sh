@@ -96,7 +96,7 @@ only() {
 only 'sqlite3.*' 99 db/sql SQLite
 only 'libpq.*' 1 db/sql libpq
 only '(cjson/)?cJSON.*' 1 base JSON
-only 'microhttpd.*' 2 server/http libmicrohttpd
+only 'microhttpd.*' 3 server/http libmicrohttpd
 
 # The libc functions that the compiled core uses.
 memory='malloc|calloc|realloc|aligned_alloc|posix_memalign|free|strdup'

@@ -251,6 +251,13 @@ void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
     (void)pthread_mutex_unlock(&l->lock);
 }
 
+void guard_note_header(struct guard *l)
+{
+    (void)pthread_mutex_lock(&l->lock);
+    l->state.proxy_header++;
+    (void)pthread_mutex_unlock(&l->lock);
+}
+
 void guard_look(struct guard *l, struct guard_state *out)
 {
     (void)pthread_mutex_lock(&l->lock);
@@ -403,9 +410,9 @@ static void *run(void *arg)
 /* ---- start and stop */
 
 /* As many connections as there may be open files, and no more than wanted. */
-static unsigned ask_for_files(unsigned wanted)
+static unsigned ask_for_files(unsigned wanted, rlim_t others)
 {
-    rlim_t need = (rlim_t)wanted + OTHER_FILES;
+    rlim_t need = wanted + others;
     struct logger_line line;
     struct rlimit r;
 
@@ -418,7 +425,7 @@ static unsigned ask_for_files(unsigned wanted)
     }
     if (r.rlim_cur >= need)
         return wanted;
-    need = r.rlim_cur > 2 * OTHER_FILES ? r.rlim_cur - OTHER_FILES : r.rlim_cur / 2;
+    need = r.rlim_cur > 2 * others ? r.rlim_cur - others : r.rlim_cur / 2;
     logger_begin(&line, "warn",
                  "fewer connections than wanted: too few open files are allowed");
     logger_count(&line, "wanted", wanted);
@@ -439,7 +446,8 @@ enum status guard_start(const struct guard_rules *rules, struct guard **out,
     if (l == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     l->rules = *rules;
-    l->rules.connections = ask_for_files(rules->connections);
+    l->rules.connections =
+        ask_for_files(rules->connections, OTHER_FILES + rules->waiting);
     (void)pthread_mutex_init(&l->lock, NULL);
     (void)pthread_condattr_init(&attr);
     (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);

@@ -21,6 +21,7 @@ struct guard_rules {
     unsigned per_address; /* 0: no limit; an IPv6 address counts by its first 64 bits */
     bool local_too;       /* per_address is for loopback addresses, too */
     unsigned timeout_s;
+    unsigned waiting; /* sockets that are not counted yet: those of proxies (proxy.h) */
 };
 
 /* A body or a response may take timeout_s, and a second more for each GUARD_BYTES_PER_S that were
@@ -47,6 +48,7 @@ struct guard_state {
     uint64_t late[GUARD_NSTEPS]; /* closed past a deadline, by step */
     uint64_t crowded_out;        /* closed to make room for a new one */
     uint64_t gone; /* clients that went while they sent a body or were worked for */
+    uint64_t proxy_header; /* closed before they began: guard_note_header() */
 };
 
 /* guard_start(rules, out, e): the limit of open files is raised to what is needed; where that
@@ -85,6 +87,9 @@ void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg),
  * closed with unread bytes in it is reset, and a client that is still sending may lose the response
  * that it has not read yet. */
 void guard_linger(struct guard *l, int fd);
+
+/* guard_note_header(l): a proxy's connection was closed because of its header (proxy.h). */
+void guard_note_header(struct guard *l);
 
 void guard_look(struct guard *l, struct guard_state *out);
 

@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -26,6 +27,7 @@
 #include "metrics.h"
 #include "options.h"
 #include "peer.h"
+#include "proxy.h"
 #include "queue.h"
 #include "quota.h"
 #include "recent.h"
@@ -82,6 +84,8 @@ struct http {
     struct app *app;
     struct MHD_Daemon *daemon;
     struct listen_socket socket;
+    const char *proxies; /* NULL: none, and libmicrohttpd itself accepts connections */
+    struct proxy *proxy;
     struct peer_host host;
     unsigned connections;
     atomic_uint exchanges;
@@ -521,6 +525,7 @@ static void on_connection(void *cls, struct MHD_Connection *conn, void **context
 
     if (what == MHD_CONNECTION_NOTIFY_STARTED) {
         *context = peer_open(&h->host, conn);
+        proxy_taken(h->proxy);
     } else {
         peer_close(*context);
         *context = NULL;
@@ -535,7 +540,8 @@ enum status http_listen(const struct options *o, struct http **out,
     struct guard_rules rules = {.connections = o->max_connections,
                                 .per_address = o->max_connections_per_address,
                                 .local_too = true,
-                                .timeout_s = o->timeout_s};
+                                .timeout_s = o->timeout_s,
+                                .waiting = o->proxy_protocol != NULL ? PROXY_WAITING : 0};
     const struct quota_limits limits = {
         .all = {SMALL_AT_ONCE, LARGE_AT_ONCE * (o->max_body + 1)},
         .one = {SMALL_AT_ONCE / 2, LARGE_OF_ONE * (o->max_body + 1)}};
@@ -547,6 +553,7 @@ enum status http_listen(const struct options *o, struct http **out,
     if (h == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     h->socket.fd = -1;
+    h->proxies = o->proxy_protocol;
     h->connections = o->max_connections;
     if (rules.per_address == OPTIONS_UNSET) {
         rules.per_address = PER_ADDRESS;
@@ -584,6 +591,14 @@ void http_reload(struct http *h)
 
 enum status http_start(struct http *h, struct app *app, struct errinfo *e)
 {
+    const bool behind = h->proxies != NULL;
+    struct MHD_OptionItem listening[] = {
+        {behind ? MHD_OPTION_END : MHD_OPTION_LISTEN_SOCKET, h->socket.fd, NULL},
+        {MHD_OPTION_END, 0, NULL}};
+    /* Where a connection that was added is beyond this limit, libmicrohttpd (0.9.75) closes it
+     * with a mutex locked, and hangs: there the guard's limit is the only one. */
+    const unsigned limit = behind ? UINT_MAX : h->connections + CONNECTIONS_CLOSING;
+
     h->app = app;
     app->guard = h->host.guard;
     app->quota = h->quota;
@@ -594,17 +609,20 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
         return e->code;
     h->daemon = MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME |
-            (h->host.tls != NULL ? MHD_USE_TLS : 0),
-        0, on_accept, h, on_request, h, MHD_OPTION_LISTEN_SOCKET, h->socket.fd,
+            (h->host.tls != NULL ? MHD_USE_TLS : 0) |
+            (behind ? MHD_USE_NO_LISTEN_SOCKET : 0),
+        0, on_accept, h, on_request, h, MHD_OPTION_ARRAY, listening,
         MHD_OPTION_URI_LOG_CALLBACK, on_uri, h, MHD_OPTION_NOTIFY_COMPLETED, on_completed,
         h, MHD_OPTION_NOTIFY_CONNECTION, on_connection, h, MHD_OPTION_UNESCAPE_CALLBACK,
         keep_encoded, NULL, MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)CONNECTION_MEMORY,
-        MHD_OPTION_CONNECTION_LIMIT, h->connections + CONNECTIONS_CLOSING,
+        MHD_OPTION_CONNECTION_LIMIT, limit,
         h->host.tls != NULL ? MHD_OPTION_HTTPS_CERT_CALLBACK : MHD_OPTION_END, tls_none,
         MHD_OPTION_HTTPS_PRIORITIES, tls_priorities, MHD_OPTION_END);
-    return h->daemon != NULL
-               ? ST_OK
-               : errinfo_set(e, ST_EIO, "cannot start serving: %s", strerror(errno));
+    if (h->daemon == NULL)
+        return errinfo_set(e, ST_EIO, "cannot start serving: %s", strerror(errno));
+    return behind ? proxy_start(h->proxies, h->socket.fd, h->daemon, h->host.guard,
+                                &h->proxy, e)
+                  : ST_OK;
 }
 
 void http_quiesce(struct http *h, double ms)
@@ -614,7 +632,8 @@ void http_quiesce(struct http *h, double ms)
 
     atomic_store(&h->app->stopping, true);
     if (h->socket.fd >= 0) {
-        (void)MHD_quiesce_daemon(h->daemon);
+        (void)MHD_quiesce_daemon(h->daemon); /* nothing where it does not listen */
+        proxy_stop(h->proxy);
         listen_close(&h->socket);
     }
     now = busy = logger_clock_ms();
@@ -630,8 +649,10 @@ void http_stop(struct http *h)
 {
     if (h == NULL)
         return;
+    proxy_stop(h->proxy);
     if (h->daemon != NULL)
         MHD_stop_daemon(h->daemon);
+    proxy_free(h->proxy);
     listen_close(&h->socket);
     guard_stop(h->host.guard);
     tls_close(h->host.tls);

@@ -480,6 +480,7 @@ static void print_connections(FILE *f, const struct app *app)
         {"slow_body", g.late[GUARD_BODY]},
         {"slow_reader", g.late[GUARD_RESPONSE]},
         {"client_gone", g.gone},
+        {"proxy_header", g.proxy_header},
     };
 
     print_one(f, "surfaced_connections", "gauge", g.open, "Open connections.");
@@ -490,7 +491,8 @@ static void print_connections(FILE *f, const struct app *app)
                 i == QUOTA_IS_LARGE ? "large" : "small",
                 quota_held(app->quota, (enum quota_size)i));
     head(f, "surfaced_connections_closed_total", "counter",
-         "Connections closed because of a limit on number or time.");
+         "Connections closed because of a limit on number or time, or of a proxy's "
+         "header.");
     for (size_t i = 0; i < sizeof closed / sizeof *closed; i++)
         fprintf(f, "surfaced_connections_closed_total{reason=\"%s\"} %" PRIu64 "\n",
                 closed[i].reason, closed[i].n);

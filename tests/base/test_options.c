@@ -107,6 +107,9 @@ TEST(test_together)
             "--no-auth is for loopback only");
     assert_true(load("db = x\nlisten = 0.0.0.0:1\nplaintext = 1\n", false));
     assert_true(load("db = x\nno-auth = 1\n", false));
+    refused("db = x\nproxy-protocol = 10.0.0.1/8\n",
+            "proxy-protocol = 10.0.0.1/8: not addresses like 192.0.2.1");
+    assert_true(load("db = x\nproxy-protocol = 10.0.0.0/8,::1,unix\n", false));
 }
 
 TEST(test_files)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Many slow connections: hold.py IPv4:PORT N [--drip MS] [--deaf] < TEXT
+"""Many slow connections: hold.py IPv4:PORT N [--drip MS] [--deaf] [--from ADDRESS] < TEXT
 Opens N connections and sends TEXT on each.  --drip: then sends an "x" every MS milliseconds;
---deaf: reads nothing.  Prints "sent" once TEXT is sent on all of them, "answered" once all have
+--deaf: reads nothing; --from: the connections' own address.  Prints "sent" once TEXT is sent on all of them, "answered" once all have
 received something, and "closed K" whenever the number of connections that the other side has
 closed grows to K.  Ends when all are closed."""
 import resource
@@ -13,6 +13,7 @@ import time
 host, port = sys.argv[1].split(":")
 n, deaf = int(sys.argv[2]), "--deaf" in sys.argv
 every = int(sys.argv[sys.argv.index("--drip") + 1]) / 1000 if "--drip" in sys.argv else None
+own = sys.argv[sys.argv.index("--from") + 1] if "--from" in sys.argv else None
 text = sys.stdin.buffer.read()
 try:
     resource.setrlimit(resource.RLIMIT_NOFILE, (4050, 4050))
@@ -23,6 +24,8 @@ poll = select.poll()
 for _ in range(n):
     s = socket.socket()
     s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # so that little of a response fits in
+    if own is not None:
+        s.bind((own, 0))
     s.connect((host, int(port)))
     try:
         s.send(text)

@@ -15,7 +15,10 @@ static struct guard *g;
 
 static void start(unsigned connections, unsigned per_address, bool local_too)
 {
-    const struct guard_rules rules = {connections, per_address, local_too, 1};
+    const struct guard_rules rules = {.connections = connections,
+                                      .per_address = per_address,
+                                      .local_too = local_too,
+                                      .timeout_s = 1};
     struct errinfo e = {0};
 
     assert_int_equal(guard_start(&rules, &g, &e), ST_OK);
@@ -206,7 +209,8 @@ TEST(test_gone)
     int fd[5][2];
 
     assert_int_equal(
-        guard_start(&(struct guard_rules){100, 0, false, 100}, &g, &(struct errinfo){0}),
+        guard_start(&(struct guard_rules){.connections = 100, .timeout_s = 100}, &g,
+                    &(struct errinfo){0}),
         ST_OK);
     for (int i = 0; i < 5; i++) {
         assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
@@ -250,7 +254,7 @@ TEST(test_gone)
 TEST(test_crowded)
 {
     const struct timespec while_ = {1, 100 * 1000 * 1000};
-    const struct guard_rules rules = {3, 0, false, 100};
+    const struct guard_rules rules = {.connections = 3, .timeout_s = 100};
     struct guard_peer *p[3];
     struct guard_state s;
     struct errinfo e = {0};
@@ -356,7 +360,8 @@ TEST(test_half)
     int fd[3][2];
 
     assert_int_equal(
-        guard_start(&(struct guard_rules){100, 0, false, 100}, &g, &(struct errinfo){0}),
+        guard_start(&(struct guard_rules){.connections = 100, .timeout_s = 100}, &g,
+                    &(struct errinfo){0}),
         ST_OK);
     for (int i = 0; i < 3; i++) {
         p[i] = connect_from("192.0.2.1", fd[i]);
