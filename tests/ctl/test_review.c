@@ -100,6 +100,8 @@ static void note(void *arg, enum log_name log, uint64_t seq, const char *line)
                    line);
 }
 
+static const struct ctl_review how = {.report = note};
+
 static struct log_walk review(const char *key)
 {
     char *args[] = {path};
@@ -107,7 +109,7 @@ static struct log_walk review(const char *key)
     struct log_walk w;
 
     said[0] = '\0';
-    if (ctl_review_file(&c, note, &w) != ST_OK)
+    if (ctl_review_file(&c, &how, &w) != ST_OK)
         fail_msg("%s", c.e.msg);
     return w;
 }
@@ -182,12 +184,12 @@ TEST(test_malformed)
         assert_string_equal(said, "accesses 5: line 11 of the file is malformed\n");
     }
     c.public_key = "abc";
-    assert_int_equal(ctl_review_file(&c, note, &w), ST_EINVAL);
+    assert_int_equal(ctl_review_file(&c, &how, &w), ST_EINVAL);
     c.public_key = hex_key;
     assert_int_equal(truncate(path, 0), 0);
-    assert_int_equal(ctl_review_file(&c, note, &w), ST_EINVAL);
+    assert_int_equal(ctl_review_file(&c, &how, &w), ST_EINVAL);
     assert_int_equal(unlink(path), 0);
-    assert_int_equal(ctl_review_file(&c, note, &w), ST_ENOTFOUND);
+    assert_int_equal(ctl_review_file(&c, &how, &w), ST_ENOTFOUND);
 }
 
 BEFORE_ALL(begin)
