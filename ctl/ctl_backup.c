@@ -150,8 +150,10 @@ static void take_change(void *arg, const struct log_entry *entry)
         const size_t room = 2 * l->room + 64;
         struct log_entry *more = realloc(l->list, room * sizeof *more);
 
-        if ((l->full = more == NULL))
+        if (more == NULL) {
+            l->full = true;
             return;
+        }
         l->list = more;
         l->room = room;
     }

@@ -356,18 +356,7 @@ enum status store_ready(struct store *s, struct errinfo *e)
 enum status store_verify(struct store *s, store_report *report, void *arg,
                          struct errinfo *e)
 {
-    struct errinfo why;
-    struct log_txn t;
-    enum status st = store_begin(s, SQL_READ, &t, e);
-
-    if (st != ST_OK)
-        return st;
-    st = store_txn_verify(&t, report, arg, &why);
-    (void)store_end(s, &t, st, NULL);
-    if (st != ST_OK)
-        return store_refuse(s, st, &why, e);
-    atomic_store(&s->verified, true);
-    return ST_OK;
+    return store_verify_rows(s, report, arg, e);
 }
 
 bool store_refused(struct store *s, struct errinfo *e)
@@ -378,6 +367,20 @@ bool store_refused(struct store *s, struct errinfo *e)
 bool store_behind(struct store *s)
 {
     return atomic_load(&s->behind);
+}
+
+void store_follow(struct store *s)
+{
+    const struct store_use nothing = {.subject = 0};
+    struct log_txn t;
+    enum status st;
+
+    if (s->anchor == NULL || log_newest(&s->log).seq <= atomic_load(&s->anchored) ||
+        store_begin_use(s, SQL_WRITE, &nothing, &t, NULL) != ST_OK)
+        return;
+    st = sql_settle(t.sql, NULL);
+    t.settled = st == ST_OK;
+    (void)store_end(s, &t, st, NULL);
 }
 
 bool store_anchor_fault(struct store *s, struct errinfo *e)

@@ -7,7 +7,6 @@
 #include "rows_digest.h"
 #include "sql_file.h"
 #include "sql_file_index.h"
-#include "store_open.h"
 #include "utc.h"
 
 /* ---- is the database as it was written? */
@@ -155,6 +154,23 @@ enum status store_lock_token(struct log_txn *t, const char *token, struct errinf
     return sql_lock(t->sql, LOG_LOCK_TOKEN(hash_token(token)), e);
 }
 
+enum status store_verify_rows(struct store *s, store_report *report, void *arg,
+                              struct errinfo *e)
+{
+    struct errinfo why;
+    struct log_txn t;
+    enum status st = store_begin(s, SQL_READ, &t, e);
+
+    if (st != ST_OK)
+        return st;
+    st = store_txn_verify(&t, report, arg, &why);
+    (void)store_end(s, &t, st, NULL);
+    if (st != ST_OK)
+        return store_refuse(s, st, &why, e);
+    atomic_store(&s->verified, true);
+    return ST_OK;
+}
+
 enum status store_start_use(struct store *s, enum sql_begin how,
                             const struct store_use *use, struct log_txn *t,
                             struct errinfo *e)
@@ -162,7 +178,7 @@ enum status store_start_use(struct store *s, enum sql_begin how,
     enum status st = ST_OK;
 
     if (!atomic_load(&s->verified))
-        st = store_verify(s, NULL, NULL, e);
+        st = store_verify_rows(s, NULL, NULL, e);
     if (st != ST_OK || (st = start(s, how, t, e)) != ST_OK)
         return st;
     if ((use->subject != 0 && (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
@@ -240,20 +256,6 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
     if (t->how != SQL_LAZY && (t->added != LOGS || t->settled))
         advance_anchor(s, &t->changes);
     return ST_OK;
-}
-
-void store_follow(struct store *s)
-{
-    const struct store_use nothing = {.subject = 0};
-    struct log_txn t;
-    enum status st;
-
-    if (s->anchor == NULL || log_newest(&s->log).seq <= atomic_load(&s->anchored) ||
-        store_begin_use(s, SQL_WRITE, &nothing, &t, NULL) != ST_OK)
-        return;
-    st = sql_settle(t.sql, NULL);
-    t.settled = st == ST_OK;
-    (void)store_end(s, &t, st, NULL);
 }
 
 void store_scrub(struct store *s)

@@ -42,6 +42,7 @@ struct store {
  * store_txn_verify(t, report, arg, e): all rows with a MAC against the digest of the last change, and
  * the indexes by which they are found.  ST_EREFUSED: a difference; report() (or NULL) is called once
  * a problem.
+ * store_verify_rows(s, report, arg, e): store_verify().
  * store_scrub(s): deleted bytes leave the file and its WAL, after an erasure. */
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
@@ -55,6 +56,8 @@ enum status store_refuse(struct store *s, enum status st, const struct errinfo *
 bool store_fault_get(struct store_fault *f, struct errinfo *e);
 enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
                              struct errinfo *e);
+enum status store_verify_rows(struct store *s, store_report *report, void *arg,
+                              struct errinfo *e);
 void store_scrub(struct store *s);
 
 /* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
