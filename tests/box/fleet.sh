@@ -21,9 +21,10 @@ fleet() {
     is "fleet $* ($(tail -n 3 "$T/out"))" $? "$f_wanted"
 }
 
-# left: processes that name the folder.
+# left: processes that name the folder; grep itself does not.
 left() {
-    grep -laF "$FLEET/" /proc/[0-9]*/cmdline 2>/dev/null | wc -l
+    # shellcheck disable=SC2062 # the names of files
+    echo "$FLEET/" | grep -laF --file=- /proc/[0-9]*/cmdline 2>/dev/null | wc -l
 }
 
 fleet 1 status
