@@ -89,6 +89,18 @@ static enum status set_up(struct sql_postgres_conn *c, const char *settings,
     return st;
 }
 
+/* libpq has a line for each host of the URL. */
+static enum status say_unreached(const PGconn *pg, struct errinfo *e)
+{
+    char text[200];
+
+    (void)snprintf(text, sizeof text, "%s", PQerrorMessage(pg));
+    for (char *p = text; *p != '\0'; p++)
+        if (*p == '\n')
+            *p = p[1] == '\0' ? '\0' : ';';
+    return sql_postgres_conn_say(e, ST_EBUSY, "it cannot be reached", text);
+}
+
 static enum status connect_to(struct sql_postgres *d, const char *settings,
                               struct sql_postgres_conn **out, struct errinfo *e)
 {
@@ -101,8 +113,7 @@ static enum status connect_to(struct sql_postgres *d, const char *settings,
     c->of = d;
     c->pg = dial(d->url);
     if (PQstatus(c->pg) != CONNECTION_OK) {
-        st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be reached",
-                                   PQerrorMessage(c->pg));
+        st = say_unreached(c->pg, e);
     } else {
         (void)PQsetNoticeReceiver(c->pg, take_notice, c);
         if ((st = set_up(c, settings, e)) == ST_OK && PQenterPipelineMode(c->pg) != 1)
