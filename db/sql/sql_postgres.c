@@ -89,15 +89,19 @@ static enum status set_up(struct sql_postgres_conn *c, const char *settings,
     return st;
 }
 
-/* libpq has a line for each host of the URL. */
+/* libpq has a line for each host of the URL, and others that begin with a tab. */
 static enum status say_unreached(const PGconn *pg, struct errinfo *e)
 {
-    char text[200];
+    char text[400] = "";
+    size_t n;
 
-    (void)snprintf(text, sizeof text, "%s", PQerrorMessage(pg));
-    for (char *p = text; *p != '\0'; p++)
-        if (*p == '\n')
-            *p = p[1] == '\0' ? '\0' : ';';
+    for (const char *p = PQerrorMessage(pg); *p != '\0'; p += n + (p[n] != '\0')) {
+        n = strcspn(p, "\n");
+        if (p[0] != '\t' && strlen(text) + n + 3 < sizeof text) {
+            (void)strcat(text, text[0] != '\0' ? "; " : "");
+            (void)strncat(text, p, n);
+        }
+    }
     return sql_postgres_conn_say(e, ST_EBUSY, "it cannot be reached", text);
 }
 
