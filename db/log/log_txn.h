@@ -24,8 +24,8 @@ struct log { /* what this process has seen of an open database */
 /* What sql_lock() takes, in this order: all changes; a subject's attempts; a token's; a daemon's
  * accesses.  Different subjects or tokens may share a lock. */
 #define LOG_LOCK_CHANGES          0U
-#define LOG_LOCK_SUBJECT(k)       (0x40000000U | ((uint32_t)(k)&0x3fffffffU))
-#define LOG_LOCK_TOKEN(k)         (0x80000000U | ((uint32_t)(k)&0x3fffffffU))
+#define LOG_LOCK_SUBJECT(k)       (0x40000000U + (uint32_t)(k) % 0x40000000U)
+#define LOG_LOCK_TOKEN(k)         (0x80000000U + (uint32_t)(k) % 0x40000000U)
 #define LOG_LOCK_ACCESSES(daemon) (1U + (daemon))
 
 struct log_txn {
@@ -33,11 +33,10 @@ struct log_txn {
     struct sql_txn *sql;
     const struct crypt *crypt;
     enum sql_begin how;
-    struct log_end changes; /* the change log's end, with what it has added itself */
-    struct log_end
-        accesses; /* the daemon's access log's end at its last change that is known */
-    struct log_end uses;   /* and as it is now; seq 0: not read yet, or it is empty */
-    struct log_end before; /* what this process had seen when it began */
+    struct log_end changes;  /* the change log's end, with what it has added itself */
+    struct log_end accesses; /* the end of its accesses, by its last known change */
+    struct log_end uses;     /* and as it is now; seq 0: not read yet, or it is empty */
+    struct log_end before;   /* what this process had seen when it began */
     unsigned char wrapped[CRYPT_WRAPPED]; /* digest of that entry, */
     unsigned char digest[LOG_DIGEST];     /* and decrypted, with what was changed since */
     bool known;                           /* digest is set */
