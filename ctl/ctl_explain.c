@@ -144,7 +144,9 @@ static enum status write_page(struct ctl *c, const struct explanation *x)
     (void)snprintf(about, sizeof about, "template %.8s, enrolled", x->stored.id);
     json_object(j, "extras");
     comparison(j, c, x);
+    json_object(j, "calibration");
     describe_calibration(j, surface_work_calibration(c->work));
+    json_close(j);
     page_side(j, "a", x->stored.subject, about, x->stored.created,
               surface_face_quality(x->tmpl).score);
     page_file(j, "b", c->args[1], surface_face_quality(x->probe).score);

@@ -6,15 +6,19 @@ const PARTS = { SCALAR: 1, VEC3: 3, VEC4: 4 };
 /** What there is to see in a response: a file's nodes and extras, or without one the JSON as extras. */
 export const readSeen = (response) => (response instanceof ArrayBuffer ? readGlb(response) : { extras: response, nodes: null });
 
-/** Parses a file (ArrayBuffer) into {extras, nodes: {name: {at, index, color, _GAP_MM, ...}}}. */
-export function readGlb(file) {
+/** Where a file's (ArrayBuffer) arrays begin, and what it says of them. */
+export function openGlb(file) {
   const head = new DataView(file);
   if (head.byteLength < 20 || head.getUint32(0, true) !== 0x46546c67)
     throw new Error("the response is no 3D file");
   const size = head.getUint32(12, true);
   const document = JSON.parse(new TextDecoder().decode(new Uint8Array(file, 20, size)));
-  const start = 20 + size + 8;
+  return { document, start: 20 + size + 8 };
+}
 
+/** Parses a file into {extras, nodes: {name: {at, index, color, _GAP_MM, ...}}}. */
+export function readGlb(file) {
+  const { document, start } = openGlb(file);
   const array = (number) => {
     const accessor = document.accessors[number];
     const view = document.bufferViews[accessor.bufferView];
