@@ -47,6 +47,8 @@ for n in 1 2; do
     ok "the anchor of the daemon $n agreed each time" sh -c "! grep -q 'older than its anchor' '$FLEET/d$n/log'"
     is "it was started again after each lost commit" "$(grep -c 'server went back' "$FLEET/d$n/log")" 2
 done
+fleet 0 faults 20
+cat "$T/out"
 fleet 0 kill-primary
 fleet 1 kill-primary
 ok "a standby is missing" grep -q rejoin "$T/out"
