@@ -107,6 +107,7 @@ def main():
     says("match", d, ".slot", "alice", "enrolled " + CREATED, HOSTILE, "file of 20")
     check("match: a hostile name is no element", not d.find_elements(By.CSS_SELECTOR, ".slot img"))
     check("match: its title", d.title == "alice and " + HOSTILE, d.title)
+    check("match: the curve of other people's scores", len(d.find_elements(By.CSS_SELECTOR, ".gauge .others")) == 1)
     says("match", d, ".regions", "nose")
     check("match: something is drawn", picture["drawn"] > 0.08, picture)
     ActionChains(d).drag_and_drop_by_offset(d.find_element(By.TAG_NAME, "canvas"), 120, 20).perform()
