@@ -225,16 +225,20 @@ enum status log_txn_check(const struct log_txn *t, struct errinfo *e)
                         : errinfo_set(e, ST_EINTERNAL, "a change without an entry");
 }
 
-#define HAS(log) "SELECT 1 FROM " log " WHERE seq = $1 AND hash = $2"
-
 void log_txn_prove(struct log_txn *t)
 {
-    const struct log_end *end = t->added == LOG_CHANGES ? &t->changes : &t->uses;
+    const bool change = t->added == LOG_CHANGES;
+    const struct log_end *end = change ? &t->changes : &t->uses;
+    const struct sql_value v[] = {sql_int((int64_t)end->seq),
+                                  sql_blob(end->hash, LOG_HASH),
+                                  sql_int(t->log->daemon)};
 
     if (t->added != LOGS)
-        sql_prove(t->sql, t->added == LOG_CHANGES ? HAS("change_log") : HAS("access_log"),
-                  SQL_VALUES(sql_int((int64_t)end->seq), sql_blob(end->hash, LOG_HASH)),
-                  2);
+        sql_prove(t->sql,
+                  change ? "SELECT 1 FROM change_log WHERE seq = $1 AND hash = $2"
+                         : "SELECT 1 FROM access_log WHERE daemon = $3 AND seq = $1 "
+                           "AND hash = $2",
+                  v, change ? 2 : 3);
 }
 
 void log_txn_committed(struct log_txn *t)
