@@ -113,7 +113,7 @@ begin=$(date +%s%N)
 is "another is served" "$(via 192.0.2.7 /healthz)" 200
 req GET /healthz
 is "and one from elsewhere" "$STATUS" 200
-ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
+sanitized || ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
 ok "the others are closed in time" soon grep -qx 'closed 1500' "$T/held"
 let_go
 stop_daemon
