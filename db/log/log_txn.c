@@ -230,8 +230,7 @@ void log_txn_prove(struct log_txn *t)
     const bool change = t->added == LOG_CHANGES;
     const struct log_end *end = change ? &t->changes : &t->uses;
     const struct sql_value v[] = {sql_int((int64_t)end->seq),
-                                  sql_blob(end->hash, LOG_HASH),
-                                  sql_int(t->log->daemon)};
+                                  sql_blob(end->hash, LOG_HASH), sql_int(t->log->daemon)};
 
     if (t->added != LOGS)
         sql_prove(t->sql,
