@@ -323,7 +323,8 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 # too; those that count basic blocks, which are others there; crash, whose preloaded library would
 # be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
 LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash \
-    console attack store-attacks http-same formats ctl-hyphen ctl-output dedup fleet page phone shape
+    console attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
+    http-examples page phone shape
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
@@ -378,7 +379,7 @@ studies:
 	BUILD=$(BUILD) scripts/studies
 
 # Each sanitizer has its own build, in which the tests run.
-SANE := -fno-omit-frame-pointer -fno-sanitize-recover=all
+SANE := -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
 .PHONY: asan ubsan tsan sanitize
 ## asan: the tests under the address and leak sanitizers
 asan:
