@@ -417,6 +417,24 @@ enum status admin_restore(const char *path, const char *from, const struct store
     return st;
 }
 
+/* Committed, or with dry rolled back; then the anchor, whoever's it is, goes on from here. */
+static enum status end_alone(struct store *s, struct log_txn *t,
+                             const struct store_key *key, bool dry, enum status st,
+                             struct errinfo *e)
+{
+    struct log_anchor at = {.daemon = 0};
+
+    if (st == ST_OK && dry) {
+        (void)store_end(s, t, ST_EDENIED, NULL);
+        return ST_OK;
+    }
+    if ((st = store_end(s, t, st, e)) != ST_OK || key->anchor == NULL)
+        return st;
+    (void)log_anchor_read(key->anchor, s->crypt, &at, NULL);
+    at.end = t->changes;
+    return log_anchor_write(key->anchor, s->crypt, &at, true, e);
+}
+
 /* ---- what a server has restored by itself */
 
 enum status admin_again(const char *path, const struct store_key *key, const char *actor,
@@ -425,7 +443,6 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
 {
     struct store_key by_key = *key;
     struct restoring r = {.path = path, .key = key, .out = out};
-    struct log_anchor at = {.daemon = 0};
     struct log_txn t;
     struct store *s;
     enum status st;
@@ -434,9 +451,6 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
     by_key.anchor = NULL; /* it names what is not there any more */
     if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
         return st;
-    if (key->anchor != NULL)
-        (void)log_anchor_read(key->anchor, s->crypt, &at, NULL); /* whose it is */
-    s->log.daemon = at.daemon;
     if ((st = store_act_begin(s, actor, SQL_WRITE, &r.by, &t, e)) == ST_OK) {
         if (memcmp(&t.changes, &later->after, sizeof t.changes) != 0)
             st = errinfo_set(e, ST_EBUSY, "another process has changed the database");
@@ -444,14 +458,8 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
             st = do_again(&r, &t, &later->change[i], e);
         if (st == ST_OK)
             st = log_change(&t, &r.by, "restore", NULL, "", "restored by the server", e);
-        at.end = t.changes;
-        if (st == ST_OK && dry)
-            (void)store_end(s, &t, ST_EDENIED, NULL); /* rolled back */
-        else
-            st = store_end(s, &t, st, e);
+        st = end_alone(s, &t, key, dry, st, e);
     }
-    if (st == ST_OK && !dry && key->anchor != NULL)
-        st = log_anchor_write(key->anchor, s->crypt, &at, true, e);
     store_close(s);
     return st;
 }
@@ -507,7 +515,6 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
                          struct admin_accepted *out, struct errinfo *e)
 {
     struct store_key by_key = *key;
-    struct log_anchor at = {.daemon = 0};
     struct log_act by;
     struct log_txn t;
     struct store *s;
@@ -518,18 +525,10 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
     if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
         return st;
     atomic_store(&s->verified, true); /* what is found is accepted */
-    if (key->anchor != NULL)
-        (void)log_anchor_read(key->anchor, s->crypt, &at, NULL); /* whose it is */
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
         st = accept_rows(&t, &by, report, arg, out, e);
-        at.end = t.changes;
-        if (st == ST_OK && dry)
-            (void)store_end(s, &t, ST_EDENIED, NULL); /* rolled back */
-        else
-            st = store_end(s, &t, st, e);
+        st = end_alone(s, &t, key, dry, st, e);
     }
-    if (st == ST_OK && !dry && key->anchor != NULL)
-        st = log_anchor_write(key->anchor, s->crypt, &at, true, e);
     store_close(s);
     return st;
 }

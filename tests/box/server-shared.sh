@@ -180,15 +180,15 @@ start_fails "the older state is refused" 1 'older than its anchor' --db "$DB" --
 ctl_exits 1 audit compare "$T/anchor1" "$T/anchor2"
 is "both daemons have seen a later one" "$(said '[.anchors[].in_log] | tojson')" '[false,false]'
 sed 's/"outcome":"deleted"/"outcome":"dElEted"/' "$T/log.jsonl" >"$T/forged.jsonl"
-ctl restored "$T/forged.jsonl" --anchor "$T/anchor1"
+ctl restored "$T/forged.jsonl" --anchor "$T/anchor2"
 ctl_failed "an export that was changed" 77 'not as the database signed it'
-ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor1" --dry-run
+ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2" --dry-run
 is "who would be erased" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
-ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor1"
+ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2"
 is "who is erased again" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
-ctl restored "$T/log.jsonl" --anchor "$T/anchor1"
+ctl restored "$T/log.jsonl" --anchor "$T/anchor2"
 ctl_failed "a second time" 65 'does not go on from this database'
-ctl_exits 0 accept-state --yes --anchor "$T/anchor2"
+ctl_exits 0 accept-state --yes --anchor "$T/anchor1"
 ctl_exits 0 audit compare "$T/anchor1" "$T/anchor2"
 start_two
 verify 1 alice a1
