@@ -145,7 +145,7 @@ static enum status write_page(struct ctl *c, const struct explanation *x)
     json_object(j, "extras");
     comparison(j, c, x);
     json_object(j, "calibration");
-    describe_calibration(j, surface_work_calibration(c->work));
+    show_calibration(j, surface_work_calibration(c->work));
     json_close(j);
     page_side(j, "a", x->stored.subject, about, x->stored.created,
               surface_face_quality(x->tmpl).score);

@@ -12,6 +12,7 @@
 
 struct explanation {
     const char *a, *b, *engine;
+    const struct surface_calibration *calibration; /* whose decided */
     struct surface_face tmpl, probe;
     struct surface_comparison result;
     struct surface_disparity minimal;
@@ -144,6 +145,9 @@ static enum status write_page(FILE *to, const void *arg, struct errinfo *e)
 
     json_object(j, "extras");
     comparison(j, x);
+    json_object(j, "calibration");
+    show_calibration(j, x->calibration);
+    json_close(j);
     page_file(j, "a", x->a, surface_face_quality(&x->tmpl).score);
     page_file(j, "b", x->b, surface_face_quality(&x->probe).score);
     page_made(j);
@@ -198,7 +202,10 @@ static enum status compare(struct lab *c, struct explanation *x)
 enum status lab_explain(struct lab *c)
 {
     const char *folder = c->out != NULL ? c->out : "explanation";
-    struct explanation x = {.a = c->args[0], .b = c->args[1], .engine = c->engine};
+    struct explanation x = {.a = c->args[0],
+                            .b = c->args[1],
+                            .engine = c->engine,
+                            .calibration = surface_work_calibration(c->work)};
     char path[PATH_MAX];
     enum status st = ST_OK;
 

@@ -5,7 +5,7 @@
 import { count, el, icon, mm, percent, plain, time } from "./dom.js";
 import { openGlb, readGlb } from "./glb.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, regions } from "./verdict.js";
+import { advice, checked, decided, facts, failure, notes, regions } from "./verdict.js";
 
 /** Puts the bytes of each array back: scan/page.c has first all first bytes of its elements, then all
  *  second ones, and so on, each as the difference from the one before, which packs better. */
@@ -39,7 +39,7 @@ const comparison = (r) => [decided(r), regions(r.regions),
   facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
     ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`]])];
 
-const check = (r) => [checked(r, false), advice([...r.advice, ...r.notes]),
+const check = (r) => [checked(r, false), advice(r), notes(r),
   r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points read", count(r.scan.points_read)],
     ["Points on the face", count(r.scan.points_used)],
     r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],

@@ -164,6 +164,19 @@ static enum status differences(const struct surface_face *tmpl,
     return ST_OK;
 }
 
+void show_calibration(struct json *j, const struct surface_calibration *c)
+{
+    json_number(j, "threshold", c->threshold);
+    json_array(j, "knots");
+    for (uint32_t i = 0; i < c->n; i++) {
+        json_object(j, NULL);
+        json_score(j, "score", c->knot[i].score);
+        json_rate(j, "rate", c->knot[i].rate);
+        json_close(j);
+    }
+    json_close(j);
+}
+
 enum status show_comparison(const struct surface_face *tmpl,
                             const struct surface_face *probe, const double transform[16],
                             const struct surface_parts *parts, struct json *j,

@@ -6,16 +6,21 @@
 #include <stddef.h>
 #include "status.h"
 
-struct dvec3;         /* vec.h */
-struct json;          /* json.h */
-struct surface_face;  /* libsurface.h */
-struct surface_parts; /* libsurface.h */
+struct dvec3;               /* vec.h */
+struct json;                /* json.h */
+struct surface_calibration; /* libsurface.h */
+struct surface_face;        /* libsurface.h */
+struct surface_parts;       /* libsurface.h */
 
 /* What is shown: a file as glbwrite() makes it. */
 struct show {
     unsigned char *glb; /* heap, for free(); NULL: none */
     size_t len;
 };
+
+/* show_calibration(j, c): what a viewer draws the curve of other people's scores from: the threshold,
+ * and their share at or above each of some scores, as members. */
+void show_calibration(struct json *j, const struct surface_calibration *c);
 
 /* show_comparison(tmpl, probe, transform, parts, j, out): the node "template", and over it, moved
  * by transform, the node "probe", which has for each of its points

@@ -291,19 +291,6 @@ static void qualities(struct json *j, const struct describe_comparison *c)
     json_close(j);
 }
 
-void describe_calibration(struct json *j, const struct surface_calibration *c)
-{
-    json_number(j, "threshold", c->threshold);
-    json_array(j, "knots");
-    for (uint32_t i = 0; i < c->n; i++) {
-        json_object(j, NULL);
-        json_score(j, "score", c->knot[i].score);
-        json_rate(j, "rate", c->knot[i].rate);
-        json_close(j);
-    }
-    json_close(j);
-}
-
 void describe_comparison(struct json *j, const struct describe_comparison *c)
 {
     const struct surface_comparison *r = c->result;

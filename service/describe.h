@@ -84,10 +84,6 @@ struct describe_comparison {
 
 void describe_comparison(struct json *j, const struct describe_comparison *c);
 
-/* describe_calibration(j, c): the threshold, and the share of other people's scores at or above
- * each of some scores, as members. */
-void describe_calibration(struct json *j, const struct surface_calibration *c);
-
 /* describe_cells(j, p): what each cell added to the score, by rows from the lower left, and where
  * the cells are. */
 void describe_cells(struct json *j, const struct surface_parts *p);

@@ -6,6 +6,7 @@
 #include "findings.h"
 #include "in_force.h"
 #include "json.h"
+#include "show.h"
 
 static void describe_counts(struct json *j, const struct store_stats *all)
 {
@@ -23,7 +24,7 @@ static void describe_in_force(struct json *j, const struct store_calibration *k)
     json_text(j, "source", k->shipped ? "shipped" : "calibrated");
     json_rate(j, "fmr", k->shipped ? (double)NAN : k->fmr);
     json_text(j, "made_at", k->shipped ? NULL : k->created);
-    describe_calibration(j, &k->table);
+    show_calibration(j, &k->table);
     json_close(j);
 }
 

@@ -117,7 +117,7 @@ static void surfaces(struct request *r, const struct worker *w,
     json_object(j, "extras");
     describe_comparison(j, c);
     json_object(j, "calibration");
-    describe_calibration(j, surface_work_calibration(w->compare.work));
+    show_calibration(j, surface_work_calibration(w->compare.work));
     json_close(j);
     json_close(j);
     (void)verify_show(v, j, &show);

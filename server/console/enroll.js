@@ -26,7 +26,7 @@ function scanning(d, file, verifying, ready) {
       if (nodes) stage.show(nodes, false);
       else stage.clear();
       slot.label(r.scan, r.quality?.score);
-      said.replaceChildren(...[checked(r, verifying), advice(r.advice)].filter(Boolean));
+      said.replaceChildren(...[checked(r, verifying), advice(r)].filter(Boolean));
       ready(f, r);
     } catch (e) {
       if (e.name === "AbortError") return;

@@ -108,7 +108,7 @@ export function openPerson(main, who, subject) {
 
   function lately() {
     const error = el("p.dim"), list = table("What happened lately", [
-      ["What happened lately", (e) => kind(e.kind)], ["Outcome", cameOf, "dim"], ["By", (e) => e.actor_name ?? e.actor, "by"], ["When", (e) => when(e.at), "dim"],
+      ["What happened lately", (e) => kind(e.kind)], ["Outcome", cameOf, "dim"], ["By", (e) => e.actor_name ?? e.actor, "by"], ["When", (e) => when(e.at), "dim.when"],
     ]);
     get(`/v1/audit${query({ subject, limit: LATELY })}`).then(({ entries }) => list.set(entries), (e) => (error.textContent = e.message));
     return [list.element, error, el("p.row.end", {}, el("a", { href: `#audit${query({ subject })}` }, "All of it in Audit"))];

@@ -5,7 +5,7 @@ import { count, el, icon, mm, percent, plain, save } from "./dom.js";
 import { readSeen } from "./glb.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, pairs, regions } from "./verdict.js";
+import { advice, checked, decided, facts, failure, notes, pairs, regions } from "./verdict.js";
 
 const SAMPLES = [
   ["The same person, twice", "one.ply", "one-again.ply"],
@@ -77,7 +77,7 @@ export function open(main, who) {
     s.label(r.scan, r.quality?.score);
     side.replaceChildren(
       ...[checked(r, false, verifies && el("p.dim", {}, "Drop a second scan to compare them.")),
-        advice([...r.advice, ...r.notes]),
+        advice(r), notes(r),
         r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
           r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
           r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]]),

@@ -65,12 +65,13 @@ export function regions(of) {
 export const pairs = (rows) => rows.filter(Boolean).flatMap(([k, v]) => [el("dt", {}, k), el("dd", {}, v)]);
 export const facts = (rows) => el("dl.card.facts", {}, pairs(rows));
 
-/** What to change at the scanner, in the daemon's words. */
-export function advice(lines) {
-  if (!lines.length) return null;
-  return el("section.card", {}, el("h2", {}, "What to do at the scanner"),
-    lines.map((line) => el("p.advice", {}, icon("warning", 18), line)));
+function lines(title, kind, all) {
+  return all.length > 0 && el("section.card", {}, el("h2", {}, title), all.map((line) => el(`p${kind}`, {}, kind && icon("warning", 18), line)));
 }
+
+/** What to change at the scanner, and what was done with the scan, in the daemon's words. */
+export const advice = (r) => lines("What to do at the scanner", ".advice", r.advice);
+export const notes = (r) => lines("What was done with the scan", "", r.notes);
 
 /** The share of other people at or above a score: between the knots, a straight line of its logarithm. */
 export function shareAbove(knots, score) {

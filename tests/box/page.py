@@ -100,6 +100,10 @@ def says(title, driver, selector, *parts):
         check("%s: %s" % (title, part), part in found, found)
 
 
+def curve(driver, title):
+    check("%s: the curve of other people's scores" % title, len(driver.find_elements(By.CSS_SELECTOR, ".gauge .others")) == 1)
+
+
 def main():
     d = browser()
     picture = show(d, "match")
@@ -107,7 +111,7 @@ def main():
     says("match", d, ".slot", "alice", "enrolled " + CREATED, HOSTILE, "file of 20")
     check("match: a hostile name is no element", not d.find_elements(By.CSS_SELECTOR, ".slot img"))
     check("match: its title", d.title == "alice and " + HOSTILE, d.title)
-    check("match: the curve of other people's scores", len(d.find_elements(By.CSS_SELECTOR, ".gauge .others")) == 1)
+    curve(d, "match")
     says("match", d, ".regions", "nose")
     check("match: something is drawn", picture["drawn"] > 0.08, picture)
     ActionChains(d).drag_and_drop_by_offset(d.find_element(By.TAG_NAME, "canvas"), 120, 20).perform()
@@ -127,6 +131,7 @@ def main():
     picture = show(d, "files")
     says("two files", d, ".slot", "a.ply", "a2.ply")
     says("two files", d, ".verdict h2", "Same face")
+    curve(d, "two files")
     check("two files: something is drawn", picture["drawn"] > 0.08, picture)
     picture = show(d, "scan")
     says("scan", d, ".verdict h2", "Good to enroll")
