@@ -35,11 +35,6 @@ static enum status read_templates(const struct store_snapshot_of *what,
     if (what->subject != NULL) {
         if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK)
             return st;
-        if (sql_ahead(r->t.sql, true)) {
-            (void)rows_attempts_get(&r->t, &r->of.one, r->token, r->now, &out->attempts,
-                                    &r->future, NULL);
-            (void)sql_ahead(r->t.sql, false);
-        }
         if ((st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
             return st;
     } else {
@@ -71,8 +66,8 @@ static enum status read_all(const struct store_snapshot_of *what,
         return st;
     out->subject = r->of.one;
     out->subject.expired = store_rules_past(out->subject.expires, r->now);
-    if ((st = rows_attempts_get(&r->t, &out->subject, r->token, r->now, &out->attempts,
-                                &r->future, e)) != ST_OK)
+    if ((st = rows_attempts_find(&r->t, out->subject.id, r->token, r->now, &out->attempts,
+                                 &r->future, e)) != ST_OK)
         return st;
     if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
         return st == ST_ENOTFOUND ? ST_OK : st;
@@ -80,6 +75,29 @@ static enum status read_all(const struct store_snapshot_of *what,
     if (k.version != what->calibration)
         out->k = k;
     return ST_OK;
+}
+
+/* What read_all() reads, all at once. */
+static void snapshot_ahead(struct store_reading *r, const struct store_snapshot_of *what)
+{
+    struct store_calibration k;
+    struct store_attempts now;
+    struct rows_template one;
+    size_t n;
+
+    if (!sql_ahead(r->t.sql, true))
+        return;
+    if (what->subject != NULL) {
+        (void)snprintf(r->of.one.id, sizeof r->of.one.id, "%s", what->subject);
+        (void)rows_template_list(&r->t, &r->of, &r->row, &n, NULL);
+        (void)rows_attempts_find(&r->t, what->subject, r->token, r->now, &now, &r->future,
+                                 NULL);
+        (void)rows_subject_find(&r->t, what->subject, &r->of, NULL);
+    } else {
+        (void)rows_template_get(&r->t, what->template_id, &one, &r->of, NULL);
+    }
+    (void)rows_calibration_get(&r->t, &k, NULL);
+    (void)sql_ahead(r->t.sql, false);
 }
 
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
@@ -101,14 +119,7 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     if ((st = store_rules_now(&r->now, e)) != ST_OK ||
         (st = store_start(s, SQL_READ, &r->t, e)) != ST_OK)
         return st;
-    if (sql_ahead(r->t.sql, true)) {
-        struct store_calibration k;
-
-        if (what->subject != NULL)
-            (void)rows_subject_find(&r->t, what->subject, &r->of, NULL);
-        (void)rows_calibration_get(&r->t, &k, NULL);
-        (void)sql_ahead(r->t.sql, false);
-    }
+    snapshot_ahead(r, what);
     if ((st = store_check(s, &r->t, e)) != ST_OK)
         return st;
     r->begun = true;
@@ -272,8 +283,8 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
 }
 
 /* What write_all() reads, all at once. */
-static void read_ahead(struct log_txn *t, const struct store_record *what,
-                       const struct log_act *by)
+static void record_ahead(struct log_txn *t, const struct store_record *what,
+                         const struct log_act *by)
 {
     struct rows_subject of = {.one = *what->subject};
     struct store_attempts now;
@@ -308,7 +319,7 @@ enum status store_record_verification(struct store *s, const struct store_record
     if ((st = log_act(&by, what->actor, e)) != ST_OK ||
         (st = store_start_use(s, failed ? SQL_WRITE : SQL_LAZY, &use, &t, e)) != ST_OK)
         return st;
-    read_ahead(&t, what, &by);
+    record_ahead(&t, what, &by);
     if ((st = store_check(s, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, write_all(&t, what, &by, out, e), e);

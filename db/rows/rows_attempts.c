@@ -31,28 +31,31 @@ static void set_own(struct store_attempts *out, int64_t at, int64_t now)
     utc_print(now - out->age_ms, out->at);
 }
 
-enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
-                              const char *token, int64_t now, struct store_attempts *out,
-                              bool *future, struct errinfo *e)
+/* Of the subject whose key this is. */
+#define OF(KEY)                                                                          \
+    "SELECT CAST(coalesce(sum(CASE WHEN here AND mine THEN failures END), 0) AS "        \
+    "bigint), "                                                                          \
+    "coalesce(max(CASE WHEN here AND mine THEN at_ms END), 0), "                         \
+    "CAST(coalesce(sum(CASE WHEN here AND NOT mine AND at_ms > $4 THEN failures END), "  \
+    "0) AS bigint), coalesce(max(CASE WHEN here AND NOT mine THEN at_ms END), 0), "      \
+    "count(CASE WHEN mine AND NOT here AND at_ms > $4 THEN 1 END), "                     \
+    "coalesce(min(CASE WHEN mine AND NOT here AND at_ms > $4 THEN at_ms END), 0), "      \
+    "count(CASE WHEN mine AND NOT here THEN 1 END), coalesce(max(at_ms), 0) "            \
+    "FROM (SELECT failures, at_ms, subject_key = " KEY " AS here, token = $2 AS mine "   \
+    "FROM attempts WHERE subject_key = " KEY " OR (token = $2 AND at_ms > $3)) AS a"
+
+static enum status get(struct log_txn *t, const char *text, struct sql_value of,
+                       const char *id, const char *token, int64_t now,
+                       struct store_attempts *out, bool *future, struct errinfo *e)
 {
     struct sql_rows *r;
     int64_t own = 0, others = 0, first = 0, last = 0;
-    enum status st = SQL_FIRST(
-        t->sql, &r, e,
-        "SELECT CAST(coalesce(sum(CASE WHEN here AND mine THEN failures END), 0) AS bigint), "
-        "coalesce(max(CASE WHEN here AND mine THEN at_ms END), 0), "
-        "CAST(coalesce(sum(CASE WHEN here AND NOT mine AND at_ms > $4 THEN failures END), 0) "
-        "AS bigint), coalesce(max(CASE WHEN here AND NOT mine THEN at_ms END), 0), "
-        "count(CASE WHEN mine AND NOT here AND at_ms > $4 THEN 1 END), "
-        "coalesce(min(CASE WHEN mine AND NOT here AND at_ms > $4 THEN at_ms END), 0), "
-        "count(CASE WHEN mine AND NOT here THEN 1 END), coalesce(max(at_ms), 0) "
-        "FROM (SELECT failures, at_ms, subject_key = $1 AS here, token = $2 AS mine "
-        "FROM attempts WHERE subject_key = $1 OR (token = $2 AND at_ms > $3)) AS a",
-        sql_int(subject->key), sql_text(token), sql_int(now - STORE_TRIED_WARN_MS),
-        sql_int(now - STORE_TRIED_MS));
+    const struct sql_value v[] = {of, sql_text(token), sql_int(now - STORE_TRIED_WARN_MS),
+                                  sql_int(now - STORE_TRIED_MS)};
+    enum status st = sql_first(t->sql, text, v, 4, &r, e);
 
     memset(out, 0, sizeof *out);
-    (void)snprintf(out->subject, sizeof out->subject, "%s", subject->id);
+    (void)snprintf(out->subject, sizeof out->subject, "%s", id);
     (void)snprintf(out->token, sizeof out->token, "%s", token);
     if (st == ST_OK &&
         !(sql_read_count(r, 0, UINT32_MAX, &out->failures) &&
@@ -70,6 +73,25 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
     if (out->tried > 0)
         out->tried_age_ms = age(first, now);
     return sql_done(r, st, e);
+}
+
+enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
+                              const char *token, int64_t now, struct store_attempts *out,
+                              bool *future, struct errinfo *e)
+{
+    return get(t, OF("$1"), sql_int(subject->key), subject->id, token, now, out, future,
+               e);
+}
+
+enum status rows_attempts_find(struct log_txn *t, const char *id, const char *token,
+                               int64_t now, struct store_attempts *out, bool *future,
+                               struct errinfo *e)
+{
+    unsigned char lookup[CRYPT_HASH];
+
+    rows_subject_lookup(t, id, lookup);
+    return get(t, OF("(SELECT s.subject_key FROM subjects s WHERE s.lookup = $1)"),
+               sql_blob(lookup, sizeof lookup), id, token, now, out, future, e);
 }
 
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,

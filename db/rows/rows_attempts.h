@@ -6,7 +6,7 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
-/* rows_attempts_get(t, subject, token, now, out, future, e): failures, others and tried are 0
+/* rows_attempts_get(t, subject, token, now, out, future, e), rows_attempts_find(t, id, ...): failures, others and tried are 0
  * where there are none, else the ages are set.  *future: a failure lies after now, by which it is
  * read as now.
  * rows_attempts_not_after(t, subject, token, now, e): those of the subject or of the token were
@@ -14,6 +14,9 @@
 enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,
                               const char *token, int64_t now, struct store_attempts *out,
                               bool *future, struct errinfo *e);
+enum status rows_attempts_find(struct log_txn *t, const char *id, const char *token,
+                               int64_t now, struct store_attempts *out, bool *future,
+                               struct errinfo *e);
 enum status rows_attempts_not_after(struct log_txn *t,
                                     const struct store_subject *subject,
                                     const char *token, int64_t now, struct errinfo *e);

@@ -82,8 +82,8 @@ const struct rows_table rows_subjects = {
 
 /* ---- reading */
 
-static void set_lookup(const struct log_txn *t, const char *subject,
-                       unsigned char out[CRYPT_HASH])
+void rows_subject_lookup(const struct log_txn *t, const char *subject,
+                         unsigned char out[CRYPT_HASH])
 {
     crypt_lookup(t->crypt, "subject", subject, strlen(subject), out);
 }
@@ -93,7 +93,7 @@ enum status rows_subject_find(struct log_txn *t, const char *subject,
 {
     unsigned char lookup[CRYPT_HASH];
 
-    set_lookup(t, subject, lookup);
+    rows_subject_lookup(t, subject, lookup);
     return rows_table_find(t, &rows_subjects,
                            "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.lookup = $1",
                            COL_LOOKUP, sql_blob(lookup, sizeof lookup), subject, out, e);
@@ -148,7 +148,7 @@ static void encrypt(const struct log_txn *t, struct rows_subject *p)
 {
     const struct sql_field_blob label = label_of(p);
 
-    set_lookup(t, p->one.id, p->lookup);
+    rows_subject_lookup(t, p->one.id, p->lookup);
     rows_table_encrypt(p->key, &label, about, ABOUT, p, &p->about);
 }
 

@@ -181,12 +181,16 @@ static enum status list(struct log_txn *t, const struct rows_subject *of,
                         unsigned char sum[LOG_DIGEST], struct errinfo *e)
 {
     struct listing l = {t, of};
+    unsigned char lookup[CRYPT_HASH];
     struct sql_rows *r;
     void *rows = NULL;
-    enum status st =
-        SQL_QUERY(t->sql, &r, e, "SELECT " COLUMNS " FROM templates t WHERE t.uid = $1",
-                  sql_blob(of->one.uid, STORE_UID));
+    enum status st;
 
+    rows_subject_lookup(t, of->one.id, lookup);
+    st = SQL_QUERY(t->sql, &r, e,
+                   "SELECT " COLUMNS " FROM templates t "
+                   "WHERE t.uid = (SELECT s.uid FROM subjects s WHERE s.lookup = $1)",
+                   sql_blob(lookup, sizeof lookup));
     st = sql_read_list(r, st, list_row, &l, sizeof **out, &rows, n, e);
     *out = rows;
     if (*n > 1)
