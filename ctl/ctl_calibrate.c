@@ -124,6 +124,12 @@ static enum status learn(struct ctl *c, struct result *r)
                                 &k->high);
     if (st == ST_OK)
         st = rates_bootstrap(r->rates, threshold, RATES_REPLICATES, SEED, &low, &high);
+    if (st == ST_ETOOFEW)
+        return errinfo_set(&c->e, st,
+                           "no score is reached by %g of the %zu comparisons alone: too "
+                           "many score the same; are people enrolled more than once? "
+                           "surfacectl dedup lists them",
+                           c->fmr, r->cross.nscore);
     if (st != ST_OK)
         return errinfo_set(&c->e, st, "calibrating: %s", status_message(st));
     k->low = fmin(k->low, threshold);

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Goal: two daemons share one PostgreSQL: what one has done is in force at the other with the next
-# request, limits are those of one daemon, a nonce is good once, and when one is killed the other goes
-# on; what both have written verifies.
+# Goal: two daemons share one PostgreSQL: what one has done, a calibration too, is in force at the other
+# with the next request, limits are those of one daemon, a nonce is good once, and when one is killed the
+# other goes on; what both have written verifies.
 if ! ldd "${BUILD:-build}/surfaced" | grep -q libpq; then
     echo "SKIP $0: built without PostgreSQL"
     exit
@@ -9,15 +9,18 @@ fi
 [ -n "${PGHOST:-}" ] || exec scripts/with_postgres sh "$0"
 . tests/box/lib.sh
 needs openssl
-ROUNDS=12
+ROUNDS=50
+
+limits='--attempts 3 --attempt-wait 3600 --attempt-subjects 1000'
 
 # Each has its own anchor and its own log.
+# shellcheck disable=SC2086 # options
 start_two() {
     LOG=$T/log1
-    start_daemon --anchor "$T/anchor1" "$@"
+    start_daemon --anchor "$T/anchor1" $limits
     ONE=$PID URL1=$URL
     LOG=$T/log2
-    start_daemon --anchor "$T/anchor2" "$@"
+    start_daemon --anchor "$T/anchor2" $limits
     TWO=$PID URL2=$URL
     trap 'kill -9 $ONE $TWO 2>/dev/null; cleanup' EXIT
 }
@@ -34,11 +37,12 @@ verify() {
 }
 
 for i in 0 1 2 3; do scan 1 $i "$T/a$i.ply"; done
+for i in 1 2 3 4; do scan 2 $i "$T/b$i.ply"; done
 scan 2 0 "$T/b.ply"
 ctl_exits 0 init --anchor "$T/anchor1"
 ctl_exits 0 join --anchor "$T/anchor2"
 AUTH=$(new_token all --anchor "$T/anchor1")
-start_two --attempts 3 --attempt-wait 3600 --attempt-subjects 1000
+start_two
 
 # ---- what one has done is in force at the other
 to 1 POST /v1/subjects/alice/templates -H "$PLY" --data-binary "@$T/a0.ply"
@@ -76,7 +80,8 @@ AUTH=$ALL_TOKEN
 
 # ---- limits: 12 at once, at both, are as many as at one
 for n in $(seq $ROUNDS); do
-    to 1 POST "/v1/subjects/s$n/templates" -H "$PLY" --data-binary "@$T/a0.ply"
+    scan $((n + 100)) 0 "$T/s.ply"
+    to 1 POST "/v1/subjects/s$n/templates" -H "$PLY" --data-binary "@$T/s.ply"
     rm -f "$T"/[soh].*
     for k in $(seq 12); do
         if [ $((k % 2)) -eq 0 ]; then URL=$URL1; else URL=$URL2; fi
@@ -105,6 +110,33 @@ for n in 1 2 3 4 5 6; do
     done
     all_sent
     is "nonce $n, at both at once" "$TALLY" "200x1 403x1"
+done
+
+# ---- a calibration is in force at both at once; templates are re-encoded beside both
+ctl_exits 0 calibrate --fmr 0.05 --yes
+new=$(said '.threshold * 10 | round')
+for i in 1 2; do
+    verify $i alice a1
+    is "the new threshold, at the daemon $i" "$(get '.threshold * 10 | round')" "$new"
+done
+ok "which is another" test "$new" -ne 80
+ctl_exits 0 calibrate --reset --yes
+for i in 1 2; do
+    verify $i alice a$((i + 1))
+    is "the shipped one again, at the daemon $i" "$(get .decision) $(get .threshold)" "match 8"
+done
+awk '/^change/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".") $i += 1500 } /^mean/ { on = 1 }
+    { print }' core/face/default.model >"$T/raised.model"
+ctl_exits 0 enroll bob "$T/b.ply" --model "$T/raised.model"
+for i in 1 2; do
+    verify $i bob "b$i"
+    is "a template of another engine, at the daemon $i" "$STATUS $(get .decision)" "200 match"
+done
+ctl_exits 0 template reencode
+is "one was re-encoded" "$(said '[.templates, .current, .failed] | tojson')" '[1,0,0]'
+for i in 1 2; do
+    verify $i bob "b$((i + 2))"
+    is "which both use" "$STATUS $(get .decision)" "200 match"
 done
 
 # ---- work at both, while one is killed
@@ -143,7 +175,8 @@ LOG=$T/log1
 verify 1 alice a2
 is "it goes on" "$STATUS $(get .decision)" "200 match"
 LOG=$T/log2
-start_daemon --anchor "$T/anchor2"
+# shellcheck disable=SC2086 # options
+start_daemon --anchor "$T/anchor2" $limits
 URL2=$URL TWO=$PID
 verify 2 alice a1
 is "the other is there again" "$STATUS $(get .decision)" "200 match"
