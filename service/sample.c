@@ -161,13 +161,18 @@ static double scale_of(const struct cloudpoints *c)
     return most > 1 / FAR && most < FAR ? UNITS / most : 0;
 }
 
+/* A coordinate on the lattice; 0 for what is no number, or beyond it: such a cloud is refused. */
+static uint64_t place_of(double at)
+{
+    return fabs(at) <= HALF ? (uint64_t)(at + HALF + 0.5) : 0;
+}
+
 /* Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", mix64(): one to
  * one, so that different points have different hashes. */
 static uint64_t hash_of(const struct dvec3 *p, double scale)
 {
-    uint64_t h = (uint64_t)(p->x * scale + HALF + 0.5) << 42 ^
-                 (uint64_t)(p->y * scale + HALF + 0.5) << 21 ^
-                 (uint64_t)(p->z * scale + HALF + 0.5);
+    uint64_t h = place_of(p->x * scale) << 42 ^ place_of(p->y * scale) << 21 ^
+                 place_of(p->z * scale);
 
     h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9U;
     h = (h ^ h >> 27) * 0x94d049bb133111ebU;

@@ -17,9 +17,9 @@
 #define PAGE      512 /* of hostile_make() */
 #define AROUND    8
 
-/* A sanitizer makes a byte cost three times as much: it sees every third, and the plain
+/* A sanitizer makes a byte cost three times as much: it sees every seventh, and the plain
  * run all of them. */
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SANITIZED
 #define EVERY 7
 #else
 #define EVERY 1

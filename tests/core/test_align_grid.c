@@ -31,11 +31,12 @@ static bool under(double x, double y, double *z, double *zx, double *zy, double 
 {
     const double i = (x - GRID_LEFT) / GRID_MM - 0.5,
                  j = (y - GRID_BOTTOM) / GRID_MM - 0.5;
-    const uint32_t cell = (uint32_t)j * GRID_NX + (uint32_t)i;
+    uint32_t cell;
     double k[4], missing = 0, a = i - floor(i), b = j - floor(j), mx, my;
 
     if (!(i >= 0 && i < GRID_NX - 1 && j >= 0 && j < GRID_NY - 1))
         return false;
+    cell = (uint32_t)j * GRID_NX + (uint32_t)i;
     *u = 0;
     for (uint32_t c = 0; c < 4; c++) {
         const uint32_t at = cell + c % 2 + c / 2 * GRID_NX;
