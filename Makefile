@@ -104,7 +104,9 @@ CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-
 CLOUD_BIN := $(foreach c,$(CLOUDS),$(BUILD)/tests/fuzz/fuzz_cloud$(firstword $(subst -, ,$c)))
 FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c)) $(CLOUD_BIN)
 BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))
-BLACK_BOX := $(filter-out tests/box/lib.sh,$(wildcard tests/box/*.sh))
+# The longest first.
+FLEET     := tests/box/fleet.sh
+BLACK_BOX := $(FLEET) $(filter-out $(FLEET) tests/box/lib.sh,$(wildcard tests/box/*.sh))
 TOOL_BIN  := $(call programs,$(filter-out sim/model_main.c,$(wildcard sim/*_main.c)))
 AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
