@@ -92,7 +92,7 @@ static enum status enroll_row(struct enrolling *g, const struct store_sample *sa
         (void)may_add(g, NULL);
         (void)sql_ahead(g->t.sql, false);
     }
-    if ((st = rows_template_same(&g->t, &g->of, t->digest, read, id, e)) != ST_OK)
+    if ((st = rows_template_same(&g->t, g->of.one.uid, t->digest, read, id, e)) != ST_OK)
         return st;
     if (id[0] == '\0') {
         *created = true;

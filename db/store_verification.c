@@ -189,14 +189,12 @@ static enum status look_back(struct log_txn *t, struct store_record *what,
                              struct store_recorded *out, struct errinfo *e)
 {
     char id[STORE_ID_LEN + 1] = "";
-    struct rows_subject of;
     enum status st;
 
     if (what->probe == NULL)
         return ST_OK;
-    if ((st = rows_subject_get(t, what->subject->uid, &of, e)) == ST_OK)
-        st = rows_template_same(t, &of, what->probe->used, what->probe->read, id, e);
-    sodium_memzero(of.key, sizeof of.key);
+    st = rows_template_same(t, what->subject->uid, what->probe->used, what->probe->read,
+                            id, e);
     if (st != ST_OK || id[0] == '\0')
         return st;
     out->replayed = true;
@@ -286,7 +284,6 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
 static void record_ahead(struct log_txn *t, const struct store_record *what,
                          const struct log_act *by)
 {
-    struct rows_subject of = {.one = *what->subject};
     struct store_attempts now;
     char id[STORE_ID_LEN + 1];
     bool future;
@@ -294,10 +291,9 @@ static void record_ahead(struct log_txn *t, const struct store_record *what,
     if (!sql_ahead(t->sql, true))
         return;
     (void)rows_attempts_get(t, what->subject, what->actor, by->ms, &now, &future, NULL);
-    if (what->probe != NULL) {
-        (void)rows_template_same(t, &of, what->probe->used, what->probe->read, id, NULL);
-        (void)rows_subject_get(t, what->subject->uid, &of, NULL);
-    }
+    if (what->probe != NULL)
+        (void)rows_template_same(t, what->subject->uid, what->probe->used,
+                                 what->probe->read, id, NULL);
     if (what->decision != NULL)
         rows_day_ahead(t, by->at, what->decision);
     log_txn_ahead(t);

@@ -224,17 +224,17 @@ enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
 
 /* A keyed hash of the digest, for this subject alone. */
 static void hash_digest(const struct log_txn *t, const char *what,
-                        const struct rows_subject *of, const char *digest,
+                        const unsigned char uid[STORE_UID], const char *digest,
                         unsigned char out[CRYPT_HASH])
 {
     unsigned char data[STORE_UID + DIGITS] = {0};
 
-    memcpy(data, of->one.uid, STORE_UID);
+    memcpy(data, uid, STORE_UID);
     memcpy(data + STORE_UID, digest, strnlen(digest, DIGITS));
     crypt_lookup(t->crypt, what, data, sizeof data, out);
 }
 
-enum status rows_template_same(struct log_txn *t, const struct rows_subject *of,
+enum status rows_template_same(struct log_txn *t, const unsigned char uid[STORE_UID],
                                const char *used, const char *read,
                                char id[STORE_ID_LEN + 1], struct errinfo *e)
 {
@@ -242,18 +242,21 @@ enum status rows_template_same(struct log_txn *t, const struct rows_subject *of,
     struct sql_rows *r;
     enum status st;
 
-    hash_digest(t, "used", of, used, by_used);
-    hash_digest(t, "read", of, read[0] != '\0' ? read : "unknown", by_read);
+    hash_digest(t, "used", uid, used, by_used);
+    hash_digest(t, "read", uid, read[0] != '\0' ? read : "unknown", by_read);
     id[0] = '\0';
     st = SQL_FIRST(t->sql, &r, e,
-                   "SELECT t.id FROM templates t WHERE t.uid = $1 "
-                   "AND (t.used = $2 OR t.read = $3) LIMIT 1",
-                   sql_blob(of->one.uid, STORE_UID), sql_blob(by_used, sizeof by_used),
+                   "SELECT (SELECT t.id FROM templates t WHERE t.uid = s.uid "
+                   "AND (t.used = $2 OR t.read = $3) LIMIT 1) "
+                   "FROM subjects s WHERE s.uid = $1",
+                   sql_blob(uid, STORE_UID), sql_blob(by_used, sizeof by_used),
                    sql_blob(by_read, sizeof by_read));
-    if (st == ST_OK &&
+    if (st == ST_OK && sql_column(r, 0).type != SQL_NULL &&
         (!sql_read_text(r, 0, id, STORE_ID_LEN + 1) || !ident_id_valid(id)))
         st = errinfo_set(e, ST_ECORRUPT, "a template's row is not authentic");
-    return sql_done(r, st == ST_ENOTFOUND ? ST_OK : st, e);
+    else if (st == ST_ENOTFOUND)
+        (void)errinfo_set(e, st, "there is no subject of this uid");
+    return sql_done(r, st, e);
 }
 
 /* ---- faces */
@@ -335,8 +338,8 @@ static void encrypt(const struct log_txn *t, struct rows_template *row,
     const struct sql_field_blob label = label_of(row, of, false);
 
     memcpy(row->uid, of->one.uid, STORE_UID);
-    hash_digest(t, "used", of, row->one.digest, row->by_used);
-    hash_digest(t, "read", of, row->read, row->by_read);
+    hash_digest(t, "used", of->one.uid, row->one.digest, row->by_used);
+    hash_digest(t, "read", of->one.uid, row->read, row->by_read);
     rows_table_encrypt(of->key, &label, about, ABOUT, row, &row->about);
 }
 

@@ -24,15 +24,15 @@ typedef enum status rows_template_use(void *arg, const struct rows_template *row
 /* rows_template_get(t, id, out, of, e): with its subject.  ST_ENOTFOUND, ST_ECORRUPT.
  * rows_template_list(t, of, out, n, e): the subject's, oldest first; released by free().
  * ST_ECORRUPT also where they are not all: one that is hidden must not make another the oldest.
- * rows_template_same(t, of, used, read, id, e): the id of the subject's template that was made of
+ * rows_template_same(t, uid, used, read, id, e): the id of the subject's template that was made of
  * these points as they were used or as they were read (64 digits each, "" for unknown); "" where
- * there is none. */
+ * there is none.  ST_ENOTFOUND: there is no such subject. */
 enum status rows_template_get(struct log_txn *t, const char *id,
                               struct rows_template *out, struct rows_subject *of,
                               struct errinfo *e);
 enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
                                struct rows_template **out, size_t *n, struct errinfo *e);
-enum status rows_template_same(struct log_txn *t, const struct rows_subject *of,
+enum status rows_template_same(struct log_txn *t, const unsigned char uid[STORE_UID],
                                const char *used, const char *read,
                                char id[STORE_ID_LEN + 1], struct errinfo *e);
 
