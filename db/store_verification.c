@@ -33,9 +33,8 @@ static enum status read_templates(const struct store_snapshot_of *what,
     enum status st;
 
     if (what->subject != NULL) {
-        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK)
-            return st;
-        if ((st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
+        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK ||
+            (st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
             return st;
     } else {
         if ((r->row = malloc(sizeof *r->row)) == NULL)

@@ -35,8 +35,9 @@
 
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
 #define STALLED_MS 60000.0 /* without a response from any worker: something is wrong */
-#define TOLD       20      /* problems of a database in the log */
-#define FLUSH_MS   2000.0  /* for the responses that are ready by then */
+#define SERVER_S   60     /* that a start waits for a database server that takes writes */
+#define TOLD       20     /* problems of a database in the log */
+#define FLUSH_MS   2000.0 /* for the responses that are ready by then */
 
 static void tell_problem(void *arg, const char *line)
 {
@@ -50,8 +51,9 @@ static void tell_problem(void *arg, const char *line)
     logger_end(&l);
 }
 
-static enum status start(const struct options *o, struct app *app, struct http **http,
-                         char url[HTTP_URL_MAX], struct errinfo *e)
+/* While a failover lasts, or all machines start at once, no server takes writes yet. */
+static enum status open_store(const struct options *o, struct store **out,
+                              struct errinfo *e)
 {
     const struct store_key key = {
         .path = o->key,
@@ -59,14 +61,32 @@ static enum status start(const struct options *o, struct app *app, struct http *
         .make = o->plaintext_database ? CRYPT_PLAINTEXT : CRYPT_FILE,
         .plaintext = o->plaintext_database,
     };
+    struct logger_line l;
+    enum status st;
+
+    for (int s = 0;; s++) {
+        st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, out, e);
+        if (st != ST_EBUSY || !store_on_server(o->db) || s == SERVER_S ||
+            service_pause(1000))
+            return st;
+        if (s == 0) {
+            logger_begin(&l, "warn", "the database server is waited for");
+            logger_text(&l, "reason", e->msg);
+            logger_end(&l);
+        }
+    }
+}
+
+static enum status start(const struct options *o, struct app *app, struct http **http,
+                         char url[HTTP_URL_MAX], struct errinfo *e)
+{
     unsigned told = 0;
     enum status st = ST_OK;
 
     if (o->model != NULL)
         st = modelfile_read(o->model, &app->model, e);
     if (st == ST_OK)
-        st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, &app->store,
-                        e);
+        st = open_store(o, &app->store, e);
     if (st != ST_OK || (st = store_verify(app->store, tell_problem, &told, e)) != ST_OK)
         return st;
     store_use_model(app->store, app->model);

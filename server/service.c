@@ -32,6 +32,17 @@ void service_begin(void)
     (void)pthread_sigmask(SIG_BLOCK, &set, NULL);
 }
 
+bool service_pause(unsigned ms)
+{
+    const struct timespec pause = {ms / 1000, (long)(ms % 1000) * 1000000};
+    sigset_t set;
+    int sig;
+
+    waited_for(&set);
+    sig = sigtimedwait(&set, NULL, &pause);
+    return sig == SIGTERM || sig == SIGINT;
+}
+
 void service_ready(const char *url)
 {
     (void)sd_notifyf(0, "READY=1\nSTATUS=listening on %s", url);

@@ -23,6 +23,9 @@ void service_begin(void);
 /* service_ready(url): the start is over, what it serves is at url. */
 void service_ready(const char *url);
 
+/* service_pause(ms): waits so long.  true: SIGTERM or SIGINT came. */
+bool service_pause(unsigned ms);
+
 /* service_wait(hooks): until SIGTERM or SIGINT, which it returns; the manager knows then that
  * the daemon stops.  Meanwhile SIGHUP reloads, and a healthy daemon notifies the
  * watchdog twice in each of its periods. */

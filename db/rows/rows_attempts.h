@@ -6,9 +6,9 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
-/* rows_attempts_get(t, subject, token, now, out, future, e), rows_attempts_find(t, id, ...): failures, others and tried are 0
- * where there are none, else the ages are set.  *future: a failure lies after now, by which it is
- * read as now.
+/* rows_attempts_get(t, subject, token, now, out, future, e), rows_attempts_find(t, id, token, now, out,
+ * future, e): of a subject, of the one with this id.  failures, others and tried are 0 where there are
+ * none, else the ages are set.  *future: a failure lies after now, by which it is read as now.
  * rows_attempts_not_after(t, subject, token, now, e): those of the subject or of the token were
  * no later than that. */
 enum status rows_attempts_get(struct log_txn *t, const struct store_subject *subject,

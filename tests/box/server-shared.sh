@@ -238,4 +238,24 @@ ctl_exits 0 copy "$T/file.db"
 DB=$T/file.db ctl_exits 0 audit verify
 is "a file has the accesses of both too" "$(said .entries)" "$was"
 DB=$T/file.db ctl_exits 0 check-database
+
+# ---- a new key for all, by way of the file
+stop_daemon
+PID=$ONE LOG=$T/log1
+stop_daemon
+DB=$T/file.db
+ctl_exits 0 rekey --yes
+DB=$OLD ctl subject list
+ctl_failed "the new key does not open the former database" 77 key
+createdb "${OLD##*/}-new"
+ctl_exits 0 copy "$OLD-new"
+DB=$OLD-new
+rm "$T/anchor1" "$T/anchor2"
+for i in 1 2; do ctl_exits 0 join --anchor "$T/anchor$i"; done
+start_two
+for i in 1 2; do
+    verify $i alice "a$((i + 1))"
+    is "under the new key, at the daemon $i" "$STATUS $(get .decision)" "200 match"
+done
+ctl_exits 0 audit verify --anchor "$T/anchor1"
 finish

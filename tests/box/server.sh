@@ -60,8 +60,18 @@ AUTH=$(new_token all --anchor "$ANCHOR")
 OWNER=$DB DB=$door
 SHIM=$(cd "$BUILD" && pwd)/record_shim.so
 [ ! -f "$SHIM" ] || UNDER="env LD_PRELOAD=$SHIM RECORD_TRIPS=$T/trips"
+mkdir "$T/later"
+(sleep 1.5 && ln -s "$PGHOST/.s.PGSQL.${PGPORT:-5432}" "$T/later") &
+DB="$door?host=$T/later"
 start_daemon --anchor "$ANCHOR"
-UNDER=''
+contains "a start waits for the server" "$LOG" 'level=warn msg="the database server is waited for" reason=.*reached'
+UNDER='' DB=$door
+"$BUILD/surfaced" --db "$door?host=$T/none" --anchor "$ANCHOR" --listen 127.0.0.1:0 2>"$T/out" &
+waits=$!
+ok "another one waits" soon grep -q 'waited for' "$T/out"
+kill $waits
+wait $waits
+is "until it is stopped" $? 1
 send POST /v1/subjects/alice/templates "$PLY" "$T/a0.ply"
 is "enroll" "$STATUS" 201
 id=$(get .template_id)
