@@ -10,7 +10,7 @@ fi
 . tests/box/lib.sh
 needs openssl
 ROUNDS=50
-! sanitized || ROUNDS=10
+! sanitized || ROUNDS=12
 
 limits='--attempts 3 --attempt-wait 3600 --attempt-subjects 1000'
 
