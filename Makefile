@@ -327,7 +327,7 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 # be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
 LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash \
     console attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
-    http-examples page phone shape
+    http-examples http-scopes page phone shape
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
     $(BLACK_BOX)),$(BLACK_BOX)) $(if $(findstring sanitize,$(EXTRA)),\
