@@ -11,6 +11,7 @@
 #include "ctl_command.h"
 #include "ctl_cross.h"
 #include "ctl_model.h"
+#include "show.h"
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
@@ -164,14 +165,7 @@ static void out_calibration(struct json *o, const struct store_calibration *k)
         json_number(o, "non_mated", (double)k->impostors);
         json_number(o, "mated", (double)k->genuine);
     }
-    json_array(o, "table");
-    for (uint32_t i = 0; i < d->n; i++) {
-        json_object(o, NULL);
-        json_score(o, "score", d->knot[i].score);
-        json_rate(o, "rate", d->knot[i].rate);
-        json_close(o);
-    }
-    json_close(o);
+    show_knots(o, "table", d);
 }
 
 static void out_result(struct ctl *c, const struct result *r)

@@ -164,10 +164,9 @@ static enum status differences(const struct surface_face *tmpl,
     return ST_OK;
 }
 
-void show_calibration(struct json *j, const struct surface_calibration *c)
+void show_knots(struct json *j, const char *name, const struct surface_calibration *c)
 {
-    json_number(j, "threshold", c->threshold);
-    json_array(j, "knots");
+    json_array(j, name);
     for (uint32_t i = 0; i < c->n; i++) {
         json_object(j, NULL);
         json_score(j, "score", c->knot[i].score);
@@ -175,6 +174,12 @@ void show_calibration(struct json *j, const struct surface_calibration *c)
         json_close(j);
     }
     json_close(j);
+}
+
+void show_calibration(struct json *j, const struct surface_calibration *c)
+{
+    json_number(j, "threshold", c->threshold);
+    show_knots(j, "knots", c);
 }
 
 enum status show_comparison(const struct surface_face *tmpl,

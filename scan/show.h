@@ -18,8 +18,9 @@ struct show {
     size_t len;
 };
 
-/* show_calibration(j, c): what a viewer draws the curve of other people's scores from: the threshold,
- * and their share at or above each of some scores, as members. */
+/* show_calibration(j, c): what a viewer draws the curve of other people's scores from: the members
+ * "threshold" and "knots".  show_knots(j, name, c): their share at or above each of some scores. */
+void show_knots(struct json *j, const char *name, const struct surface_calibration *c);
 void show_calibration(struct json *j, const struct surface_calibration *c);
 
 /* show_comparison(tmpl, probe, transform, parts, j, out): the node "template", and over it, moved
