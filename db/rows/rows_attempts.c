@@ -31,8 +31,8 @@ static void set_own(struct store_attempts *out, int64_t at, int64_t now)
     utc_print(now - out->age_ms, out->at);
 }
 
-/* Of the subject whose key this is. */
-#define OF(KEY)                                                                          \
+/* Of the subject whose key this is, and of the token $2. */
+#define ATTEMPTS(KEY)                                                                    \
     "SELECT CAST(coalesce(sum(CASE WHEN here AND mine THEN failures END), 0) AS "        \
     "bigint), "                                                                          \
     "coalesce(max(CASE WHEN here AND mine THEN at_ms END), 0), "                         \
@@ -79,8 +79,8 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
                               const char *token, int64_t now, struct store_attempts *out,
                               bool *future, struct errinfo *e)
 {
-    return get(t, OF("$1"), sql_int(subject->key), subject->id, token, now, out, future,
-               e);
+    return get(t, ATTEMPTS("$1"), sql_int(subject->key), subject->id, token, now, out,
+               future, e);
 }
 
 enum status rows_attempts_find(struct log_txn *t, const char *id, const char *token,
@@ -90,7 +90,7 @@ enum status rows_attempts_find(struct log_txn *t, const char *id, const char *to
     unsigned char lookup[CRYPT_HASH];
 
     rows_subject_lookup(t, id, lookup);
-    return get(t, OF("(SELECT s.subject_key FROM subjects s WHERE s.lookup = $1)"),
+    return get(t, ATTEMPTS("(SELECT s.subject_key FROM subjects s WHERE s.lookup = $1)"),
                sql_blob(lookup, sizeof lookup), id, token, now, out, future, e);
 }
 
