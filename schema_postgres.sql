@@ -148,6 +148,14 @@ CREATE TABLE devices (
     mac        BYTEA NOT NULL CHECK (length(mac) = 32)
 );
 
+-- How much of the templates and subjects that a token may add in an hour it has used up, as of
+-- at_ms: in microseconds, the time until all of it has come back.
+CREATE TABLE allowances (
+    token   TEXT COLLATE "C" PRIMARY KEY CHECK (length(token) <= 64),
+    used_us BIGINT NOT NULL CHECK (used_us BETWEEN 0 AND 86400000000),
+    at_ms   BIGINT NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
+);
+
 -- The nonces of captures that were taken, until they expire: each is good once.
 CREATE TABLE nonces (
     until_ms BIGINT NOT NULL CHECK (until_ms >= 0), -- since 1970, UTC

@@ -11,8 +11,6 @@
 #define CODING sodium_base64_VARIANT_URLSAFE_NO_PADDING
 #define RANDOM 16
 #define MAC    16
-/* Another daemon on this database may have a clock that is as much ahead. */
-#define AHEAD_MS 5000
 
 static const char label[16] = "surface nonce";
 
@@ -124,7 +122,7 @@ enum status store_capture_take(struct store *s, const struct store_capture *c,
         (st = store_rules_now(&ms, e)) != ST_OK)
         return st;
     made_ms = (int64_t)bytes_number(nonce, 8);
-    if (made_ms > ms + AHEAD_MS || made_ms + STORE_NONCE_LIFE_MS < ms) {
+    if (made_ms > ms + STORE_AHEAD_MS || made_ms + STORE_NONCE_LIFE_MS < ms) {
         *out = STORE_CAPTURE_STALE;
         return ST_OK;
     }

@@ -15,7 +15,6 @@
 #include "expiry.h"
 #include "flags.h"
 #include "http.h"
-#include "intake.h"
 #include "libsurface.h"
 #include "logger.h"
 #include "mem.h"
@@ -97,9 +96,11 @@ static enum status start(const struct options *o, struct app *app, struct http *
         (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
     app->throttle = throttle_new(o->rate_limit_tokens);
     app->recent = recent_new();
-    app->intake = intake_new(o->enrollments, o->db, o->disk_reserve);
+    app->enrollments = o->enrollments;
+    app->db = o->db;
+    app->disk_reserve = o->disk_reserve;
     if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||
-        app->intake == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -132,7 +133,6 @@ static void stop(struct app *app, struct http *http)
     cache_free(app->cache);
     metrics_free(app->metrics);
     throttle_free(app->throttle);
-    intake_free(app->intake);
     recent_free(app->recent);
     store_close(app->store);
     surface_model_free(app->model);

@@ -185,7 +185,8 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
     return sql_done(r, st, e);
 }
 
-/* What no MAC is of but the daemon's own memory: who was seen, who has failed, nonces that are used. */
+/* What no MAC is of but the daemon's own memory: who was seen, who has failed, what was
+ * added, nonces that are used. */
 static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to,
                                         struct errinfo *e)
 {
@@ -204,6 +205,11 @@ static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to
                          "VALUES ((SELECT subject_key FROM subjects WHERE uid = $1), $2, "
                          "$3, $4)",
                          4, e)) != ST_OK)
+        return st;
+    if ((st = copy_plain(from, to, "SELECT token, used_us, at_ms FROM allowances",
+                         "INSERT INTO allowances (token, used_us, at_ms) "
+                         "VALUES ($1, $2, $3)",
+                         3, e)) != ST_OK)
         return st;
     return copy_plain(from, to, "SELECT until_ms, nonce FROM nonces",
                       "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e);

@@ -114,6 +114,9 @@ struct store_device { /* a scanner that signs what it captures */
     char created[32];                /* RFC 3339, UTC */
 };
 
+/* A time that another daemon has written may be ahead by this much. */
+#define STORE_AHEAD_MS 5000
+
 #define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
 
 /* In which the subjects count that a token tries, and in which for a warning; and after which
@@ -137,6 +140,13 @@ struct store_attempts {
                                the last STORE_TRIED_MS */
     int64_t tried_age_ms; /* since the first of them */
     uint32_t tried_warn;  /* as tried, in the last STORE_TRIED_WARN_MS */
+};
+
+/* How many templates and subjects a token may add in an hour. */
+struct store_allowance {
+    unsigned per_hour; /* 0: any number */
+    int64_t wait_ms;   /* 0: there is room for one; else until there is */
+    int64_t used_us;   /* the store's own */
 };
 
 /* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,

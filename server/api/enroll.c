@@ -52,6 +52,7 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                    const struct store_sample *sample, size_t n,
                    struct enrolment_result *each, struct enrolment_outcome *out)
 {
+    struct store_allowance allowance;
     struct enrolment x = {.actor = r->actor,
                           .subject = r->subject,
                           .label = ask->label,
@@ -60,23 +61,22 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                           .captured = r->capture.captured,
                           .manager = auth_has(r, STORE_SCOPE_MANAGE),
                           .force = ask->force,
+                          .allowance = &allowance,
                           .limits = r->app->limits.failures > 0 ? &r->app->limits : NULL};
     struct errinfo e = {0};
-    unsigned added = 0;
     enum status st;
 
-    if (!intake_admit(r, (unsigned)n))
+    if (!intake_admit(r, &allowance))
         return false;
     st = enrolment_add(&w->compare, &x, each, out, &e);
-    for (size_t i = 0; i < n; i++)
-        added += each[i].created;
-    intake_give(r->app->intake, r->actor, (unsigned)n - added);
     compare_warn(r, out->locked_out, out->many_subjects);
     if (out->nearest.compared > 0)
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
     if (st == ST_OK || out->none)
         tally(r, each, n, out->none);
-    if (st != ST_OK)
+    if (out->over_allowance)
+        intake_refuse(r, &allowance, &e);
+    else if (st != ST_OK)
         compare_refuse(r, &out->refusal, &e);
     return st == ST_OK;
 }

@@ -10,7 +10,6 @@
 struct cache;         /* cache.h */
 struct erasures;      /* erasures.h */
 struct guard;         /* guard.h */
-struct intake;        /* intake.h */
 struct metrics;       /* metrics.h */
 struct surface_model; /* libsurface.h */
 struct queue;         /* queue.h */
@@ -28,7 +27,9 @@ struct app {
     struct cache *cache;
     struct metrics *metrics;
     struct store_limits limits; /* of failed verifications */
-    struct intake *intake;
+    unsigned enrollments;       /* that a token may add in an hour; 0: any number */
+    const char *db;             /* the database's file, */
+    size_t disk_reserve;        /* and bytes that must be free on its disk to add more */
     struct throttle *throttle;
     struct queue *queue;
     struct queue *slow; /* of one worker: what walks along everything, one at a time */

@@ -457,7 +457,8 @@ static void print_gauges(FILE *f, const struct app *app)
               "Templates read that another engine made, re-encoded in memory: surfacectl "
               "template reencode stores the result.");
     print_one(
-        f, "surfaced_storage_full", "gauge", intake_full(app->intake, NULL),
+        f, "surfaced_storage_full", "gauge",
+        intake_full(app->db, app->disk_reserve, NULL),
         "1: less than the reserve is free on the disk, and enrolments are refused.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
               "Decoded templates evicted from the cache.");

@@ -18,7 +18,8 @@ trap 'umount -l "$T/disk" 2>/dev/null; cleanup' EXIT
 # ---- the budget: 7 an hour, one more every 514 s
 start_daemon --enrollments 7
 TWO=$(new_token two)
-AUTH=$(new_token one)
+ONE=$(new_token one)
+AUTH=$ONE
 for i in 0 1 2; do
     enroll alice "$i"
     is "enrolment $i" "$STATUS" 201
@@ -44,6 +45,8 @@ ok "to be tried again when what was too much and one more have leaked out: $(fie
     matches "$(field Retry-After)" '^1(5[0-4])[0-9]$'
 req POST /v1/subjects -H "$JSON" -d '{"subject": "carol"}'
 problem "a subject" 429 too_many_enrollments
+enroll alice 0
+is "what is there already" "$STATUS" 200
 send POST /v1/subjects/alice/verify "$PLY" "$T/9.ply"
 is "verifications go on" "$STATUS $(get .decision)" '200 match'
 AUTH=$TWO
@@ -51,6 +54,14 @@ enroll alice 8
 is "another token" "$STATUS" 201
 is "as a metric" "$(refused too_many_enrollments) $(refused storage_full)" '2 0'
 ctl_exits 0 enroll alice "$T/9.ply"
+stop_daemon
+start_daemon --enrollments 7
+AUTH=$ONE
+req POST /v1/subjects -H "$JSON" -d '{"subject": "carol"}'
+problem "a restart gives nothing back" 429 too_many_enrollments
+AUTH=$TWO
+req POST /v1/subjects -H "$JSON" -d '{"subject": "carol"}'
+is "nor does it take anything" "$STATUS" 201
 stop_daemon
 AUTH=''
 start_daemon --no-auth --enrollments 0

@@ -92,12 +92,23 @@ static void verify(struct store *s, const char *secret, const char *subject,
 
 static unsigned enroll(struct store *s, const char *secret, const char *subject)
 {
+    const struct store_sample sample = {.face = &tempdb_face[0]};
+    struct store_allowance allowance = {.per_hour = 1000};
     struct store_template t;
     struct store_token token;
+    bool created;
 
     waits = 0;
     must(store_token_check(s, secret, &token, &e));
-    tempdb_enroll(s, subject, "", &tempdb_face[0], &t);
+    must(store_enroll(s,
+                      &(struct store_enroll){.actor = "t",
+                                             .subject = subject,
+                                             .label = "",
+                                             .sample = &sample,
+                                             .n = 1,
+                                             .allowance = &allowance},
+                      &t, &created, &e));
+    assert_true(created);
     return waits;
 }
 
@@ -153,7 +164,7 @@ TEST(test_lost)
               log_access(&x, &(struct log_act){.actor = "t"}, "verify", NULL, "", "", &e),
               &e),
           ST_EBUSY);
-    must(store_subject_add(s, "test", &one, &e));
+    must(store_subject_add(s, "test", NULL, &one, &e));
     assert_int_equal(tempdb_count("subjects"), 2);
     must(store_verify(s, NULL, NULL, &e));
     store_close(s);
@@ -176,7 +187,7 @@ TEST(test_cut)
 
         (void)snprintf(one.id, sizeof one.id, "s%u", n);
         cut_at = n;
-        st = store_subject_add(s, "test", &one, &e);
+        st = store_subject_add(s, "test", NULL, &one, &e);
         cut_it = cut_at == 0;
         cut_at = 0;
         done_anyway += cut_it && st == ST_OK;
