@@ -1,38 +1,38 @@
 /* delay FROM TO MICROSECONDS: a network that is slower than this machine's: whoever connects to the Unix
- * socket FROM talks to the one at TO, and each byte arrives so much later.  Until it is killed. */
-#define _GNU_SOURCE /* ppoll */
-#include <errno.h>
-#include <poll.h>
+ * socket FROM talks to the one at TO, and each byte arrives so much later.  Until it is killed.
+ * It shares the cores with what is measured: so it looks only at what has come, and all chunks wait in
+ * one queue, as all wait equally long. */
+#define _GNU_SOURCE /* epoll_pwait2 */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/epoll.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
-#define ENDS  512 /* of connections, two each */
-#define CHUNK 65536
+#define ENDS   512 /* of connections, two each */
+#define CHUNK  65536
+#define EVENTS 64
 
 struct chunk {
     struct chunk *next;
     int64_t due_ns;
-    size_t n, sent;
-    char data[CHUNK];
+    int to; /* an end; -1: it was closed */
+    size_t n;
+    char data[];
 };
 
-struct end {
-    int fd;             /* -1: closed */
-    int other;          /* its index */
-    struct chunk *head; /* to be sent here */
-    struct chunk **tail;
-};
-
-static struct end end[ENDS];
+static struct end {
+    int fd;    /* -1: closed */
+    int other; /* its index */
+} end[ENDS];
 static int ends;
+static struct chunk *head, **tail = &head;
 static int64_t delay_ns;
 
 static int64_t now(void)
@@ -60,7 +60,15 @@ static int open_socket(const char *path, bool listens)
     return fd;
 }
 
-static int new_end(int fd)
+static void watch(int poller, int fd, int name)
+{
+    struct epoll_event on = {.events = EPOLLIN, .data.fd = name};
+
+    if (fd < 0 || epoll_ctl(poller, EPOLL_CTL_ADD, fd, &on) != 0)
+        exit(1);
+}
+
+static int new_end(int poller, int fd)
 {
     int i = 0;
 
@@ -69,103 +77,93 @@ static int new_end(int fd)
     if (i == ENDS)
         exit(1);
     ends = i < ends ? ends : i + 1;
-    end[i] = (struct end){.fd = fd};
-    end[i].tail = &end[i].head;
+    end[i].fd = fd;
+    watch(poller, fd, i);
     return i;
 }
 
 static void close_both(int i)
 {
-    const int pair[] = {i, end[i].other};
+    const int k = end[i].other;
 
-    for (int k = 0; k < 2; k++) {
-        struct end *x = &end[pair[k]];
-        struct chunk *c;
-
-        while ((c = x->head) != NULL) {
-            x->head = c->next;
-            free(c);
-        }
-        (void)close(x->fd);
-        x->fd = -1;
-    }
+    for (struct chunk *c = head; c != NULL; c = c->next)
+        if (c->to == i || c->to == k)
+            c->to = -1;
+    (void)close(end[i].fd);
+    (void)close(end[k].fd);
+    end[i].fd = end[k].fd = -1;
 }
 
 static void take(int i)
 {
-    struct chunk *c = malloc(sizeof *c);
-    struct end *to = &end[end[i].other];
-    const ssize_t n = c == NULL ? -1 : read(end[i].fd, c->data, sizeof c->data);
+    static char data[CHUNK];
+    const ssize_t n = read(end[i].fd, data, sizeof data);
+    struct chunk *c = n <= 0 ? NULL : malloc(sizeof *c + (size_t)n);
 
-    if (n <= 0) {
-        free(c);
+    if (c == NULL) {
         close_both(i);
         return;
     }
-    c->next = NULL;
-    c->due_ns = now() + delay_ns;
-    c->n = (size_t)n;
-    c->sent = 0;
-    *to->tail = c;
-    to->tail = &c->next;
+    *c = (struct chunk){.due_ns = now() + delay_ns, .to = end[i].other, .n = (size_t)n};
+    memcpy(c->data, data, c->n);
+    *tail = c;
+    tail = &c->next;
+}
+
+static void give(struct chunk *c)
+{
+    ssize_t n;
+
+    for (size_t sent = 0; c->to >= 0 && sent < c->n; sent += (size_t)n)
+        if ((n = send(end[c->to].fd, c->data + sent, c->n - sent, MSG_NOSIGNAL)) < 0) {
+            close_both(c->to);
+            return;
+        }
 }
 
 /* What is due; when the next will be, in ns from now. */
-static int64_t give(int i, int64_t least)
+static int64_t give_due(void)
 {
-    struct end *x = &end[i];
     struct chunk *c;
+    int64_t wait;
 
-    while (x->fd >= 0 && (c = x->head) != NULL) {
-        const int64_t wait = c->due_ns - now();
-        ssize_t n;
-
-        if (wait > 0)
-            return wait < least ? wait : least;
-        if ((n = send(x->fd, c->data + c->sent, c->n - c->sent, MSG_NOSIGNAL)) < 0) {
-            close_both(i);
-            return least;
-        }
-        if ((c->sent += (size_t)n) < c->n)
-            continue;
-        if ((x->head = c->next) == NULL)
-            x->tail = &x->head;
+    while ((c = head) != NULL) {
+        if ((wait = c->due_ns - now()) > 0)
+            return wait;
+        give(c);
+        if ((head = c->next) == NULL)
+            tail = &head;
         free(c);
     }
-    return least;
+    return 1000000000;
 }
 
 int main(int argc, char **argv)
 {
-    int listener;
+    struct epoll_event ready[EVENTS];
+    int listener, poller;
 
     if (argc != 4)
         return 64;
     delay_ns = atoll(argv[3]) * 1000;
     listener = open_socket(argv[1], true);
+    poller = epoll_create1(0);
+    watch(poller, listener, -1);
     (void)prctl(PR_SET_TIMERSLACK, 1);
     for (;;) {
-        struct pollfd fd[ENDS + 1] = {{.fd = listener, .events = POLLIN}};
-        const int n = ends;
-        int64_t wait = 1000000000;
-        struct timespec t;
+        const int64_t wait = give_due();
+        const struct timespec t = {wait / 1000000000, wait % 1000000000};
+        const int n = epoll_pwait2(poller, ready, EVENTS, &t, NULL);
 
         for (int i = 0; i < n; i++)
-            wait = give(i, wait);
-        for (int i = 0; i < n; i++)
-            fd[i + 1] = (struct pollfd){.fd = end[i].fd, .events = POLLIN};
-        t = (struct timespec){wait / 1000000000, wait % 1000000000};
-        if (ppoll(fd, (nfds_t)n + 1, &t, NULL) < 0 && errno != EINTR)
-            return 1;
-        for (int i = 0; i < n; i++)
-            if (fd[i + 1].revents != 0 && end[i].fd >= 0)
-                take(i);
-        if (fd[0].revents != 0) {
-            const int a = new_end(accept(listener, NULL, NULL));
-            const int b = new_end(open_socket(argv[2], false));
+            if (ready[i].data.fd < 0) {
+                const int a = new_end(poller, accept(listener, NULL, NULL));
+                const int b = new_end(poller, open_socket(argv[2], false));
 
-            end[a].other = b;
-            end[b].other = a;
-        }
+                end[a].other = b;
+                end[b].other = a;
+            } else if (end[ready[i].data.fd].fd >= 0) {
+                take(ready[i].data.fd);
+            }
     }
 }
