@@ -4,8 +4,8 @@
 #include "sql_read.h"
 
 #define HOUR_US INT64_C(3600000000)
-#define MOST_US                                                                          \
-    (24 * HOUR_US) /* in a row: a form of 20 where one an hour is allowed uses 20 */
+/* In a row: a form of 20 uses 20 of them where one an hour is allowed. */
+#define MOST_US (24 * HOUR_US)
 
 /* In which one comes back.  All of them may take some microseconds less than an hour. */
 static int64_t one_us(const struct store_allowance *a)
