@@ -630,11 +630,10 @@ void http_quiesce(struct http *h, double ms)
     const struct timespec pause = {0, 5 * 1000 * 1000};
     double now, end, busy;
 
-    atomic_store(&h->app->stopping, true);
-    if (h->socket.fd >= 0) {
+    if (!atomic_exchange(&h->app->stopping, true)) {
         (void)MHD_quiesce_daemon(h->daemon); /* nothing where it does not listen */
         proxy_stop(h->proxy);
-        listen_close(&h->socket);
+        listen_end(&h->socket); /* not closed: the I/O thread may be at it */
     }
     now = busy = logger_clock_ms();
     end = now + ms;

@@ -81,15 +81,13 @@ static enum status open_address(const struct sockaddr_storage *ss, socklen_t len
  * another's. */
 static enum status adopt(int fd, struct listen_socket *out, struct errinfo *e)
 {
-    *out = (struct listen_socket){.fd = fd, .len = sizeof out->ss};
+    *out = (struct listen_socket){.fd = fd, .len = sizeof out->ss, .passed = true};
     if (getsockname(fd, (struct sockaddr *)&out->ss, &out->len) == 0)
         return ST_OK;
     listen_close(out);
     return errinfo_set(e, ST_EIO, "the socket that was passed: %s", strerror(errno));
 }
 
-/* The one that was passed, or one at the address of the options.  They have been checked
- * to go together; where a socket was passed, its address is known only now. */
 /* The one listening stream socket that a service manager passed, made non-blocking and
  * close-on-exec.  *fd is -1 when none was.  ST_EINVAL: more than one, or something else. */
 static enum status passed_socket(int *fd, struct errinfo *e)
@@ -116,6 +114,8 @@ static enum status passed_socket(int *fd, struct errinfo *e)
     return ST_OK;
 }
 
+/* The options have been checked to go together; where a socket was passed, its address is known only
+ * now. */
 enum status listen_start(const struct options *o, struct listen_socket *s,
                          struct errinfo *e)
 {
@@ -133,16 +133,24 @@ enum status listen_start(const struct options *o, struct listen_socket *s,
     return st;
 }
 
-void listen_close(struct listen_socket *s)
+void listen_end(struct listen_socket *s)
 {
     const char *path = address_path(&s->ss);
     struct stat sb;
 
-    if (s->fd < 0)
+    if (s->fd < 0 || s->passed)
         return;
     if (path != NULL && s->inode != 0 && lstat(path, &sb) == 0 &&
         sb.st_dev == s->device && sb.st_ino == s->inode)
         (void)unlink(path);
+    (void)shutdown(s->fd, SHUT_RD);
+}
+
+void listen_close(struct listen_socket *s)
+{
+    if (s->fd < 0)
+        return;
+    listen_end(s);
     (void)close(s->fd);
     s->fd = -1;
 }

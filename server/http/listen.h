@@ -15,6 +15,7 @@ struct listen_socket {
     socklen_t len;
     dev_t device; /* of a Unix socket's file, so that no other's is removed */
     ino_t inode;
+    bool passed; /* another's, who goes on listening when it is closed here */
 };
 
 /* listen_start(o, s, e): the socket that was passed to the process (service.h), or one at the
@@ -24,8 +25,13 @@ struct listen_socket {
 enum status listen_start(const struct options *o, struct listen_socket *s,
                          struct errinfo *e);
 
-/* listen_close(s): a Unix socket's file is removed, if it is still the one that was made.
- * Closing twice is allowed. */
+/* listen_end(s): who connects from now on is refused, but where the socket was passed: there they
+ * wait for the next process that accepts.  A Unix socket's file is removed, if it is still the one
+ * that was made.  s->fd stays open, for a thread that may still be using it. */
+void listen_end(struct listen_socket *s);
+
+/* listen_close(s): listen_end(), and s->fd is closed: no thread uses it any more.  Closing twice is
+ * allowed. */
 void listen_close(struct listen_socket *s);
 
 #endif

@@ -111,6 +111,14 @@ ok "the stop is logged" grep -q 'msg="stopped"' "$LOG"
 req GET /healthz
 is "the daemon does not listen" "$STATUS" 000
 
+# A client that connects just then has the I/O thread look at the socket as it is closed.
+UNDER="env LD_PRELOAD=$BUILD/slow_shim.so" start_daemon --no-auth
+kill -TERM "$PID"
+sleep 0.1
+req GET /healthz
+is "a client during a stop" "$STATUS" 000
+stop_daemon
+
 # SIGINT stops it too, even while a client sends its body.
 start_daemon --no-auth
 curl -sS -m 20 --limit-rate 3000 -o /dev/null -H "$PLY" --data-binary "@$T/probe.ply" \
