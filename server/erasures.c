@@ -1,24 +1,20 @@
 #include "erasures.h"
 
-#include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
-#include <sys/prctl.h>
-#include <time.h>
 
 #include "app.h"
 #include "cache.h"
+#include "every.h"
 #include "store.h"
 
 #define LOOK_MS 400 /* between two looks */
 
 struct erasures {
     struct app *app;
-    pthread_t thread;
-    pthread_mutex_t lock;
-    pthread_cond_t wake;
-    bool stopping;
+    int64_t since;
+    struct every *thread;
 };
 
 /* Is it known not to be there?  Not so where the store is busy. */
@@ -39,58 +35,24 @@ static void drop_templates(const struct app *app)
     free(ids);
 }
 
-static bool wait_a_while(struct erasures *x)
-{
-    struct timespec t;
-    bool goes_on;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    t.tv_nsec += LOOK_MS * 1000000L;
-    t.tv_sec += t.tv_nsec / 1000000000L;
-    t.tv_nsec %= 1000000000L;
-    (void)pthread_mutex_lock(&x->lock);
-    while (!x->stopping && pthread_cond_timedwait(&x->wake, &x->lock, &t) == 0)
-        ;
-    goes_on = !x->stopping;
-    (void)pthread_mutex_unlock(&x->lock);
-    return goes_on;
-}
-
-static void *run(void *arg)
+static void look(void *arg)
 {
     struct erasures *x = arg;
-    int64_t since = 0;
     bool erased;
 
-    (void)prctl(PR_SET_NAME, "erasures");
-    while (wait_a_while(x))
-        if (store_erased_since(x->app->store, &since, &erased, NULL) == ST_OK && erased)
-            drop_templates(x->app);
-    return NULL;
-}
-
-static void release(struct erasures *x)
-{
-    (void)pthread_cond_destroy(&x->wake);
-    (void)pthread_mutex_destroy(&x->lock);
-    free(x);
+    if (store_erased_since(x->app->store, &x->since, &erased, NULL) == ST_OK && erased)
+        drop_templates(x->app);
 }
 
 struct erasures *erasures_start(struct app *app)
 {
     struct erasures *x = calloc(1, sizeof *x);
-    pthread_condattr_t attr;
 
     if (x == NULL)
         return NULL;
     x->app = app;
-    (void)pthread_mutex_init(&x->lock, NULL);
-    (void)pthread_condattr_init(&attr);
-    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&x->wake, &attr);
-    (void)pthread_condattr_destroy(&attr);
-    if (pthread_create(&x->thread, NULL, run, x) != 0) {
-        release(x);
+    if ((x->thread = every_start("erasures", LOOK_MS, look, x)) == NULL) {
+        free(x);
         return NULL;
     }
     return x;
@@ -98,12 +60,7 @@ struct erasures *erasures_start(struct app *app)
 
 void erasures_stop(struct erasures *x)
 {
-    if (x == NULL)
-        return;
-    (void)pthread_mutex_lock(&x->lock);
-    x->stopping = true;
-    (void)pthread_cond_signal(&x->wake);
-    (void)pthread_mutex_unlock(&x->lock);
-    (void)pthread_join(x->thread, NULL);
-    release(x);
+    if (x != NULL)
+        every_stop(x->thread);
+    free(x);
 }

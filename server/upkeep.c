@@ -1,20 +1,19 @@
 #include "upkeep.h"
 
-#include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdlib.h>
-#include <sys/prctl.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "app.h"
 #include "errinfo.h"
+#include "every.h"
 #include "logger.h"
 #include "metrics.h"
 #include "refusal.h"
 #include "store.h"
 
+#define LOOK_MS        1000
 #define TRIM_MS        3600000.0
 #define VERIFY_MS      60000.0 /* at most so often, */
 #define VERIFY_PER_RUN 50.0    /* and after so many times as long as it took */
@@ -23,10 +22,8 @@ struct upkeep {
     struct app *app;
     unsigned days;
     double trim_ms, verify_ms; /* when they are due */
-    pthread_t thread;
-    pthread_mutex_t lock;
-    pthread_cond_t changed; /* by the monotonic clock */
-    bool stopping, ended;
+    struct every *thread;
+    bool ended;
 };
 
 static void trim(struct upkeep *u)
@@ -67,13 +64,13 @@ static void end(struct upkeep *u)
     (void)kill(getpid(), SIGTERM);
 }
 
-static void look(struct upkeep *u)
+static void look(void *arg)
 {
+    struct upkeep *u = arg;
     const double now = logger_clock_ms();
 
     if (!u->ended && store_behind(u->app->store))
         end(u);
-
     store_follow(u->app->store);
     if (u->days > 0 && now >= u->trim_ms) {
         trim(u);
@@ -90,37 +87,9 @@ static void look(struct upkeep *u)
     }
 }
 
-static void *run(void *arg)
-{
-    struct upkeep *u = arg;
-    struct timespec next;
-
-    (void)prctl(PR_SET_NAME, "upkeep");
-    (void)pthread_mutex_lock(&u->lock);
-    while (!u->stopping) {
-        (void)pthread_mutex_unlock(&u->lock);
-        look(u);
-        (void)clock_gettime(CLOCK_MONOTONIC, &next);
-        next.tv_sec++;
-        (void)pthread_mutex_lock(&u->lock);
-        while (!u->stopping && pthread_cond_timedwait(&u->changed, &u->lock, &next) == 0)
-            continue;
-    }
-    (void)pthread_mutex_unlock(&u->lock);
-    return NULL;
-}
-
-static void release(struct upkeep *u)
-{
-    (void)pthread_cond_destroy(&u->changed);
-    (void)pthread_mutex_destroy(&u->lock);
-    free(u);
-}
-
 struct upkeep *upkeep_start(struct app *app, unsigned days)
 {
     struct upkeep *u = calloc(1, sizeof *u);
-    pthread_condattr_t attr;
 
     if (u == NULL)
         return NULL;
@@ -128,13 +97,8 @@ struct upkeep *upkeep_start(struct app *app, unsigned days)
     u->days = days;
     u->verify_ms = logger_clock_ms() + VERIFY_MS;
     metrics_rows_verified(app->metrics);
-    (void)pthread_mutex_init(&u->lock, NULL);
-    (void)pthread_condattr_init(&attr);
-    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&u->changed, &attr);
-    (void)pthread_condattr_destroy(&attr);
-    if (pthread_create(&u->thread, NULL, run, u) != 0) {
-        release(u);
+    if ((u->thread = every_start("upkeep", LOOK_MS, look, u)) == NULL) {
+        free(u);
         return NULL;
     }
     return u;
@@ -142,12 +106,7 @@ struct upkeep *upkeep_start(struct app *app, unsigned days)
 
 void upkeep_stop(struct upkeep *u)
 {
-    if (u == NULL)
-        return;
-    (void)pthread_mutex_lock(&u->lock);
-    u->stopping = true;
-    (void)pthread_cond_signal(&u->changed);
-    (void)pthread_mutex_unlock(&u->lock);
-    (void)pthread_join(u->thread, NULL);
-    release(u);
+    if (u != NULL)
+        every_stop(u->thread);
+    free(u);
 }

@@ -18,10 +18,10 @@ struct listen_socket {
     bool passed; /* another's, who goes on listening when it is closed here */
 };
 
-/* listen_start(o, s, e): the socket that was passed to the process (service.h), or one at the
- * address of the options: bound, listening, non-blocking; nothing is accepted yet.  A Unix socket
- * gets the mode 0660; a file of its name is replaced only if it is a socket that nobody listens on
- * any more.  ST_EIO, ST_EINVAL: the message says why, and s->fd is -1. */
+/* listen_start(o, s, e): the socket that a service manager passed, or one at the address of the
+ * options: bound, listening, non-blocking; nothing is accepted yet.  A Unix socket gets the mode
+ * 0660; a file of its name is replaced only if it is a socket that nobody listens on any more.
+ * ST_EIO, ST_EINVAL: the message says why, and s->fd is -1. */
 enum status listen_start(const struct options *o, struct listen_socket *s,
                          struct errinfo *e);
 
