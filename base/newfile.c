@@ -28,26 +28,22 @@ static int open_directory(int dir, const char *path)
     return openat(dir, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
-static int sync_directory(int dir, const char *path)
-{
-    const int fd = open_directory(dir, path);
-    int rc;
-
-    if (fd < 0)
-        return -1;
-    rc = fsync(fd);
-    (void)close(fd);
-    return rc;
-}
-
 int newfile_open_directory(const char *path)
 {
     return open_directory(AT_FDCWD, path);
 }
 
-int newfile_sync_directory(const char *path)
+/* A file system that has no flush of a folder (EINVAL) keeps its names in order by itself. */
+bool newfile_sync_directory(int folder)
 {
-    return sync_directory(AT_FDCWD, path);
+    return fsync(folder) == 0 || errno == EINVAL;
+}
+
+char *newfile_target(const char *path)
+{
+    char *target = realpath(path, NULL);
+
+    return target != NULL || errno == ENOMEM ? target : strdup(path);
 }
 
 static enum status fail(const struct newfile *n, const char *what, struct errinfo *e)
@@ -136,7 +132,7 @@ enum status newfile_open_at(int dir, const char *name, struct newfile *n,
     const size_t len = strlen(name) + sizeof ".part";
     enum status st;
 
-    n->fd = -1;
+    n->fd = n->folder = -1;
     n->dir = dir;
     n->path = strdup(name);
     if ((n->part = malloc(len)) == NULL || n->path == NULL) {
@@ -144,7 +140,11 @@ enum status newfile_open_at(int dir, const char *name, struct newfile *n,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
     (void)snprintf(n->part, len, "%s.part", name);
-    if ((st = open_part(n, e)) != ST_OK)
+    if ((n->folder = open_directory(dir, name)) < 0)
+        st = fail(n, "open the folder of", e);
+    else
+        st = open_part(n, e);
+    if (st != ST_OK)
         newfile_close(n);
     return st;
 }
@@ -195,11 +195,15 @@ static enum status named(struct newfile *n, struct errinfo *e)
 {
     (void)close(n->fd);
     n->fd = -1;
-    return sync_directory(n->dir, n->path) == 0 ? ST_OK : fail(n, "write", e);
+    return newfile_sync_directory(n->folder)
+               ? ST_OK
+               : errinfo_set(e, ST_EUNSYNCED,
+                             "%.160s is written, but its folder cannot be flushed to the "
+                             "disk (%s): a loss of power may take its name back",
+                             n->path, strerror(errno));
 }
 
-/* On the disk, and nobody has put another file in its place. */
-static enum status sync_part(const struct newfile *n, struct errinfo *e)
+enum status newfile_sync(const struct newfile *n, struct errinfo *e)
 {
     if (fsync(n->fd) != 0)
         return fail(n, "write", e);
@@ -212,7 +216,7 @@ static enum status sync_part(const struct newfile *n, struct errinfo *e)
 
 enum status newfile_commit(struct newfile *n, struct errinfo *e)
 {
-    const enum status st = sync_part(n, e);
+    const enum status st = newfile_sync(n, e);
 
     if (st != ST_OK)
         return st;
@@ -221,41 +225,69 @@ enum status newfile_commit(struct newfile *n, struct errinfo *e)
     return named(n, e);
 }
 
-/* In one step where the file system supports it; else a process that is killed between
- * the two leaves both names. */
-static int rename_new(const struct newfile *n)
+/* In one step if the file system supports it.  If it does not, a process that is killed between
+ * the two steps leaves both names. */
+static int rename_new(int dir, const char *from, const char *to)
 {
-    if (renameat2(n->dir, n->part, n->dir, n->path, RENAME_NOREPLACE) == 0)
+    if (renameat2(dir, from, dir, to, RENAME_NOREPLACE) == 0)
         return 0;
-    if ((errno != EINVAL && errno != ENOSYS) ||
-        linkat(n->dir, n->part, n->dir, n->path, 0) != 0)
+    if ((errno != EINVAL && errno != ENOSYS) || linkat(dir, from, dir, to, 0) != 0)
         return -1;
-    (void)unlinkat(n->dir, n->part, 0);
+    (void)unlinkat(dir, from, 0);
     return 0;
 }
 
 enum status newfile_keep(struct newfile *n, struct errinfo *e)
 {
-    const enum status st = sync_part(n, e);
+    const enum status st = newfile_sync(n, e);
 
     if (st != ST_OK)
         return st;
-    if (rename_new(n) != 0)
+    if (rename_new(n->dir, n->part, n->path) != 0)
         return errno == EEXIST
                    ? errinfo_set(e, ST_EEXISTS, "the file %.160s exists already", n->path)
                    : fail(n, "write", e);
     return named(n, e);
 }
 
-void newfile_close(struct newfile *n)
+enum status newfile_rename(const char *from, const char *to, struct errinfo *e)
 {
-    if (n->fd >= 0) {
-        if (is_named(n))
-            (void)unlinkat(n->dir, n->part, 0);
+    const int folder = newfile_open_directory(to);
+    enum status st = ST_OK;
+
+    if (folder < 0 || rename_new(AT_FDCWD, from, to) != 0)
+        st = errinfo_set(e, errno == EEXIST ? ST_EEXISTS : ST_EIO,
+                         "cannot rename %.150s to %.150s: %s", from, to, strerror(errno));
+    else if (!newfile_sync_directory(folder))
+        st = errinfo_set(e, ST_EUNSYNCED,
+                         "%.120s is now %.120s, but its folder cannot be flushed to the "
+                         "disk (%s): a loss of power may take that back",
+                         from, to, strerror(errno));
+    if (folder >= 0)
+        (void)close(folder);
+    return st;
+}
+
+static void release(struct newfile *n)
+{
+    if (n->fd >= 0)
         (void)close(n->fd);
-    }
-    n->fd = -1;
+    if (n->folder >= 0)
+        (void)close(n->folder);
+    n->fd = n->folder = -1;
     free(n->path);
     free(n->part);
     n->path = n->part = NULL;
+}
+
+void newfile_close(struct newfile *n)
+{
+    if (n->fd >= 0 && is_named(n))
+        (void)unlinkat(n->dir, n->part, 0);
+    release(n);
+}
+
+void newfile_leave(struct newfile *n)
+{
+    release(n);
 }

@@ -89,7 +89,10 @@ static void tell_restored(const struct ctl *c, const struct admin_restored *r)
                 "backup: what the missing changes erased, revoked or disabled is back; "
                 "receipts name the erased subjects\n",
                 r->missed);
-    if (c->dry_run)
+    if (r->already)
+        ctl_say(c, "the database is this backup, restored by an earlier run, and has not "
+                   "changed since: there was nothing left to do\n");
+    else if (c->dry_run)
         ctl_say(c, "nothing was changed\n");
     else if (r->was_there)
         ctl_say(
@@ -121,6 +124,7 @@ static enum status restore(struct ctl *c)
     json_number(c->out, "subjects_erased", (double)r.erased);
     json_number(c->out, "tokens_revoked", (double)r.revoked);
     json_number(c->out, "missed_change", (double)r.missed);
+    json_flag(c->out, "already", r.already);
     json_flag(c->out, "restored", !c->dry_run);
     tell_restored(c, &r);
     return ST_OK;
@@ -205,8 +209,17 @@ static enum status restored(struct ctl *c)
     struct admin_restored r = {.erased = 0};
     struct later l = {.has = false};
     struct store_key key;
-    enum status st = read_later(c, &l);
+    enum status st = ctl_model_key(c, c->db, &key);
 
+    if (st != ST_OK)
+        return st;
+    if (admin_again_done(c->db, &key)) {
+        ctl_say(c, "nothing was left to do: an earlier run has done it, and nothing has "
+                   "changed since\n");
+        json_flag(c->out, "already", true);
+        return ST_OK;
+    }
+    st = read_later(c, &l);
     store_close(c->store);
     c->store = NULL;
     c->anchor = anchor;
@@ -260,13 +273,17 @@ static enum status read_new(struct ctl *c, struct admin_rekey *to,
     return st;
 }
 
-static void tell_rekeyed(struct ctl *c, const struct admin_rekey *to, const char *path)
+static void tell_rekeyed(struct ctl *c, const struct admin_rekey *to, const char *path,
+                         bool completed)
 {
     static const char *const word[] = {"plaintext", "file", "passphrase"};
     const bool in_file = to->in_file || to->kind == CRYPT_FILE;
 
     json_text(c->out, "database", c->db);
     json_text(c->out, "kind", word[to->kind]);
+    json_flag(c->out, "completed", completed);
+    if (completed)
+        ctl_say(c, "An earlier rekey, which was interrupted, is now complete.\n");
     if (in_file)
         json_text(c->out, "key", path);
     if (in_file)
@@ -301,6 +318,7 @@ static enum status rekey(struct ctl *c)
     struct crypt_file *owned = NULL;
     struct store_key key;
     const bool passphrase = c->passphrase;
+    bool completed;
     enum status st;
 
     c->passphrase = false; /* it is of the new key, not of how the database is opened */
@@ -308,8 +326,8 @@ static enum status rekey(struct ctl *c)
     c->passphrase = passphrase;
     if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK &&
         (st = confirm_loss(c)) == ST_OK &&
-        (st = admin_rekey(c->db, &key, &to, c->actor, &c->e)) == ST_OK)
-        tell_rekeyed(c, &to, key.path);
+        (st = admin_rekey(c->db, &key, &to, c->actor, &completed, &c->e)) == ST_OK)
+        tell_rekeyed(c, &to, key.path, completed);
     crypt_file_free(owned);
     return st;
 }
@@ -397,5 +415,5 @@ const struct ctl_command ctl_backup_rekey = {
         "A new random key replaces PATH.key (or --key); or give a key with --new-key, a\n"
         "passphrase with --passphrase (asked for, or read from --new-key), or none with\n"
         "--plaintext. Stop the daemon first. Older backups need the old key: unless --keep-old is\n"
-        "given, its removal must be confirmed. An interrupted run starts from the beginning.",
+        "given, its removal must be confirmed. If it is interrupted, run it again: it completes.",
     .example = "surfacectl --db faces.db rekey --keep-old"};

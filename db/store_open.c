@@ -9,6 +9,7 @@
 
 #include "crypt_file.h"
 #include "log_anchor.h"
+#include "newfile.h"
 #include "rows_root.h"
 #include "sql_file.h"
 #include "sql_open.h"
@@ -40,15 +41,13 @@ static enum status open_by_file(const char *path, const struct crypt_root *r,
 static enum status open_by_files(const char *path, const struct crypt_root *r,
                                  struct crypt **out, struct errinfo *e)
 {
-    const size_t n = strlen(path) + sizeof ".new";
     enum status st = open_by_file(path, r, out, e);
     char *next;
 
     if (st != ST_EDENIED && st != ST_ENOTFOUND && st != ST_EINVAL)
         return st;
-    if ((next = malloc(n)) == NULL)
+    if ((next = crypt_file_beside(path, STORE_KEY_NEW)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    (void)snprintf(next, n, "%s.new", path);
     if (open_by_file(next, r, out, NULL) == ST_OK)
         st = ST_OK;
     free(next);
@@ -134,12 +133,48 @@ static enum status first_entry(struct store *s, struct log_txn *t, enum crypt_ki
                        : st;
 }
 
-/* Tables, keys and the first entry, in one transaction; nothing if another process has just done
- * so.  An anchor that is there is another database's, or of one that is lost. */
+/* Tables, keys and the first entry. */
+static enum status fill_database(struct store *s, struct opening *o, struct log_txn *t,
+                                 struct errinfo *e)
+{
+    struct crypt_root root;
+    enum status st;
+
+    if ((st = sql_create(t->sql, e)) != ST_OK ||
+        (st = make_root(o, &root, &s->crypt, e)) != ST_OK ||
+        (st = rows_root_write(t->sql, &root, e)) != ST_OK)
+        return st;
+    t->crypt = s->crypt;
+    return first_entry(s, t, o->key->make, e);
+}
+
+/* The commit may have been done even if it failed: a server that was lost amid it, a WAL whose flush
+ * failed.  The key and the part of the anchor then stay, as the database may need them. */
+static enum status commit_made(struct store *s, struct log_txn *t, struct newfile *anchor,
+                               struct errinfo *e)
+{
+    struct errinfo why;
+    enum status st;
+
+    log_txn_prove(t);
+    if ((st = sql_end(t->sql, ST_OK, e)) == ST_OK) {
+        log_txn_committed(t);
+        if (s->anchor != NULL && (st = newfile_commit(anchor, &why)) != ST_OK)
+            (void)errinfo_set(e, st,
+                              "the database %.120s was made, but its anchor is not in "
+                              "place yet: %.200s; run the command again",
+                              s->path, why.msg);
+    }
+    newfile_leave(anchor);
+    return st;
+}
+
+/* In one transaction; nothing if another process has just done so.  An anchor that is there is
+ * another database's, or of one that is lost. */
 static enum status make_database(struct store *s, struct opening *o, struct errinfo *e)
 {
     struct log_txn t = {.log = &s->log, .how = SQL_SCHEMA, .added = LOGS};
-    struct crypt_root root;
+    struct newfile anchor = NEWFILE_NONE;
     int version = 0;
     enum status st;
 
@@ -152,21 +187,16 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
     if ((st = sql_begin(s->sql, SQL_SCHEMA, &t.sql, e)) != ST_OK)
         return st;
     if ((st = sql_lock(t.sql, LOG_LOCK_CHANGES, e)) == ST_OK &&
-        (st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0) {
-        if ((st = sql_create(t.sql, e)) == ST_OK &&
-            (st = make_root(o, &root, &s->crypt, e)) == ST_OK &&
-            (st = rows_root_write(t.sql, &root, e)) == ST_OK) {
-            t.crypt = s->crypt;
-            st = first_entry(s, &t, o->key->make, e);
-        }
-    }
-    if ((st = sql_end(t.sql, st, e)) == ST_OK && version == 0) {
-        log_txn_committed(&t);
-        if (s->anchor != NULL)
-            st = log_anchor_write(s->anchor, s->crypt,
-                                  &(struct log_anchor){.end = t.changes}, true, e);
-    }
-    if (st != ST_OK && o->made)
+        (st = sql_file_in_place(t.sql, e)) == ST_OK &&
+        (st = sql_version_now(t.sql, &version, e)) == ST_OK && version == 0 &&
+        (st = fill_database(s, o, &t, e)) == ST_OK && s->anchor != NULL)
+        st = log_anchor_prepare(s->anchor, s->crypt,
+                                &(struct log_anchor){.end = t.changes}, &anchor, e);
+    if (st == ST_OK && version == 0)
+        return commit_made(s, &t, &anchor, e);
+    st = sql_end(t.sql, st, e);
+    newfile_close(&anchor);
+    if (o->made) /* no database has it */
         (void)unlink(o->key_path);
     return st;
 }
@@ -206,50 +236,77 @@ static enum status open_keys(struct store *s, const struct opening *o, struct er
     return open_root(o, &root, &s->crypt, e);
 }
 
-static enum status read_anchor(struct store *s, struct log_anchor *said,
-                               struct errinfo *e)
-{
-    const enum status st = log_anchor_read(s->anchor, s->crypt, said, e);
+/* The anchor, and the part of a new one: that of a command which was killed behind its commit. */
+struct anchors {
+    enum status read, read_left; /* outcomes of reading the two */
+    struct log_anchor said, left;
+    struct errinfo why; /* the reason of read */
+};
 
-    s->log.daemon = said->daemon;
-    atomic_store(&s->anchored, said->end.seq);
-    return st != ST_ENOTFOUND
-               ? st
-               : errinfo_set(e, ST_EREFUSED,
-                             "there is no anchor %.160s: surfacectl accept-state makes "
-                             "one, if the database is the newest",
-                             s->anchor);
+/* Whose accesses the store writes is known before its first transaction. */
+static void read_anchors(struct store *s, struct anchors *a)
+{
+    a->read = log_anchor_read(s->anchor, s->crypt, &a->said, &a->why);
+    a->read_left = log_anchor_left(s->anchor, s->crypt, &a->left, NULL);
+    s->log.daemon = a->read == ST_OK ? a->said.daemon : a->left.daemon;
 }
 
-static enum status check_anchor(const struct store *s, struct log_txn *t,
-                                const struct log_end *said, struct errinfo *e)
+static enum status say_older(const struct store *s, const struct anchors *a,
+                             struct errinfo *e)
 {
-    bool has = false;
-    const enum status st = log_has(t, said, &has, e);
-
-    if (st != ST_OK || has)
-        return st;
+    if (a->read == ST_ENOTFOUND)
+        return errinfo_set(e, ST_EREFUSED,
+                           "there is no anchor %.160s: is its disk there?  surfacectl "
+                           "accept-state makes one, if the database is the newest",
+                           s->anchor);
+    if (a->read == ST_EREFUSED)
+        return errinfo_set(e, ST_EREFUSED,
+                           "%.250s: surfacectl accept-state makes a new one, if the "
+                           "database is the newest",
+                           a->why.msg);
+    if (a->read != ST_OK)
+        return errinfo_set(e, a->read, "%s", a->why.msg);
     return errinfo_set(
         e, ST_EREFUSED,
         "%.120s is older than its anchor says, or another one: it has not the "
         "change %" PRIu64 "; restore the newest backup, or take it as it is "
         "(surfacectl accept-state)",
-        s->path, said->seq);
+        s->path, a->said.end.seq);
+}
+
+static enum status check_anchors(struct store *s, struct log_txn *t,
+                                 const struct anchors *a, bool adopt, struct errinfo *e)
+{
+    bool has = false, has_left = false;
+    enum status st = ST_OK;
+
+    if (a->read == ST_OK)
+        st = log_has(t, &a->said.end, &has, e);
+    if (st == ST_OK && !has && a->read_left == ST_OK && a->left.daemon == s->log.daemon)
+        st = log_has(t, &a->left.end, &has_left, e);
+    if (st != ST_OK)
+        return st;
+    if (!has && !has_left)
+        return say_older(s, a, e);
+    if (!has && adopt)
+        log_anchor_adopt(s->anchor);
+    atomic_store(&s->anchored, has ? a->said.end.seq : a->left.end.seq);
+    return ST_OK;
 }
 
 /* Fail now rather than at the first change or request. */
 static enum status try_it(struct store *s, enum store_mode mode, struct errinfo *e)
 {
-    struct log_anchor said;
+    struct anchors a;
     struct log_txn t;
     enum status st;
 
-    if (s->anchor != NULL && (st = read_anchor(s, &said, e)) != ST_OK)
-        return st;
+    if (s->anchor != NULL)
+        read_anchors(s, &a);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     if (s->anchor != NULL)
-        st = check_anchor(s, &t, &said.end, e);
+        st = check_anchors(s, &t, &a, mode != STORE_READ, e);
     st = store_end(s, &t, st, e);
     if (st == ST_OK && mode != STORE_READ)
         sql_file_scrub(s->sql, 0); /* of a process that was killed amid an erasure */
@@ -289,6 +346,7 @@ enum status store_open(const char *path, enum store_mode mode,
     if (s == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     log_init(&s->log);
+    (void)pthread_mutex_init(&s->anchor_lock, NULL);
     store_use_model(s, NULL);
     if (o.key->path == NULL && o.key->given == NULL && !o.key->plaintext &&
         store_on_server(path))
@@ -322,6 +380,7 @@ void store_close(struct store *s)
     sql_close(s->sql);
     crypt_free(s->crypt);
     log_free(&s->log);
+    (void)pthread_mutex_destroy(&s->anchor_lock);
     free(s->anchor);
     free(s->path);
     free(s);
@@ -385,7 +444,14 @@ void store_follow(struct store *s)
 
 bool store_anchor_fault(struct store *s, struct errinfo *e)
 {
-    return store_fault_get(&s->anchor_fault, e);
+    bool behind;
+
+    (void)pthread_mutex_lock(&s->anchor_lock);
+    behind = s->anchor_why.code != ST_OK;
+    if (behind && e != NULL)
+        *e = s->anchor_why;
+    (void)pthread_mutex_unlock(&s->anchor_lock);
+    return behind;
 }
 
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e)

@@ -17,6 +17,8 @@ enum store_mode {
     STORE_ALONE   /* as STORE_WRITE, while no other process has it open or can open it */
 };
 
+#define STORE_KEY_NEW ".new" /* behind the name of a key's file: a rekey's next key */
+
 struct store_key {    /* where the master key comes from */
     const char *path; /* its file; NULL: PATH.key of the database */
     const struct crypt_file
@@ -30,13 +32,18 @@ struct store_key {    /* where the master key comes from */
     const char *anchor;
 };
 
-/* store_open(path, mode, key, out, e): ST_ENOTFOUND when there is no such file.  key: NULL
- * for {.make = CRYPT_FILE}.  A key's file that is missing is made with a new database, and so is
- * the anchor.  ST_EDENIED: not the database's key; or the database is plaintext and key->plaintext
- * does not say so: with access to the file alone another one could be put in its place.
- * ST_EVERSION: of another version than this program's.  ST_EREFUSED: it is older than the anchor
- * says, or the anchor is missing or damaged.  ST_ECORRUPT: the log does not end with an entry of
- * this key.  ST_EBUSY: STORE_ALONE, and another process has it open. */
+/* store_open(path, mode, key, out, e): Opens a database, by its key's file or else by a KEY.new that an
+ * interrupted rekey left.  key: NULL for {.make = CRYPT_FILE}.  With a new database it makes the key's
+ * file and the anchor if they are missing.  If that fails behind the commit, the key stays.
+ *   ST_ENOTFOUND   there is no database, or it is empty, and mode does not make one
+ *   ST_EDENIED     not the database's key; or the database is plaintext and key->plaintext is not
+ *                  set: with access to the file alone another one could be put in its place
+ *   ST_EVERSION    another version than this program's
+ *   ST_EREFUSED    older than the anchor says, or the anchor is missing or damaged, and no PATH.part
+ *                  of it names a change that the database has
+ *   ST_ECORRUPT    the log does not end with an entry of this key
+ *   ST_EBUSY       STORE_ALONE, and another process has it open
+ *   ST_EUNSYNCED   made, but the anchor may not be on the disk */
 enum status store_open(const char *path, enum store_mode mode,
                        const struct store_key *key, struct store **out,
                        struct errinfo *e);
@@ -88,8 +95,7 @@ const char *store_made_by(const struct store *s);
  * store is good where the anchor says so.
  * store_last_change(s, out, e): where the change log ends, for the daemon's log.
  * store_follow(s): the anchor names what this process has seen others change too, once that is
- * durable.  To be called now and then, and before the store is closed; costs nothing where it does.
- * store_anchor_fault(s, e): could the anchor not be written?  e says why; changes go on. */
+ * durable.  To be called now and then, and before the store is closed; costs nothing where it does. */
 enum status store_ready(struct store *s, struct errinfo *e);
 enum status store_verify(struct store *s, store_report *report, void *arg,
                          struct errinfo *e);
@@ -97,6 +103,9 @@ bool store_refused(struct store *s, struct errinfo *e);
 bool store_behind(struct store *s);
 enum status store_last_change(struct store *s, struct log_end *out, struct errinfo *e);
 void store_follow(struct store *s);
+
+/* store_anchor_fault(s, e): Returns true while the anchor lags behind a change because it cannot be
+ * written, and fills *e with the reason.  Changes go on meanwhile. */
 bool store_anchor_fault(struct store *s, struct errinfo *e);
 
 /* store_stats(s, sizes, out, e): counts, and with sizes what they take, for which all rows are read:

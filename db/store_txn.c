@@ -228,14 +228,15 @@ enum status store_act_begin(struct store *s, const char *actor, enum sql_begin h
 static void advance_anchor(struct store *s, const struct log_end *to)
 {
     const struct log_anchor at = {.daemon = s->log.daemon, .end = *to};
-    struct errinfo why;
+    struct errinfo why = {ST_OK, ""};
 
     if (s->anchor == NULL || to->seq <= atomic_load(&s->anchored))
         return;
-    if (log_anchor_write(s->anchor, s->crypt, &at, false, &why) == ST_OK)
+    (void)pthread_mutex_lock(&s->anchor_lock);
+    if (log_anchor_advance(s->anchor, s->crypt, &at, &why) == ST_OK)
         atomic_store(&s->anchored, to->seq);
-    else
-        set_fault(&s->anchor_fault, &why);
+    s->anchor_why = why;
+    (void)pthread_mutex_unlock(&s->anchor_lock);
 }
 
 /* Another process may have erased, and ended before the bytes had left the WAL. */

@@ -23,12 +23,14 @@ struct store {
     char made_by[SURFACE_ENGINE_SIZE];
     struct crypt *crypt;
     struct log log;
-    char *anchor;                   /* its file; NULL: there is none */
-    atomic_uint_least64_t anchored; /* how far it has come, at least */
+    char *anchor;                   /* file of the anchor; NULL: no anchor */
+    pthread_mutex_t anchor_lock;    /* held to write the anchor, and for anchor_why */
+    atomic_uint_least64_t anchored; /* number of a change that the anchor has reached */
+    struct errinfo anchor_why;      /* why it lags; code ST_OK: it does not */
     atomic_bool verified;           /* the rows, against the digest */
     bool open;                      /* store_open() has succeeded */
     atomic_bool behind;             /* store_behind() */
-    struct store_fault refusal, anchor_fault;
+    struct store_fault refusal;
 };
 
 /* store_begin(s, how, t, e): as sql_begin(), one that writes alone.  ST_EREFUSED: the database is not

@@ -32,6 +32,7 @@ const char *status_message(enum status st)
         [ST_EFULL] = "the subject has the greatest number of templates",
         [ST_EBUSY] = "busy",
         [ST_EIO] = "input or output failed",
+        [ST_EUNSYNCED] = "done, but not flushed to the disk",
         [ST_EDB] = "the database failed",
         [ST_EINTERNAL] = "internal error",
     };

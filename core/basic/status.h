@@ -37,7 +37,8 @@ enum status {
     ST_EIO,                           /* reading or writing failed */
     ST_EDB,                           /* the database failed */
     ST_EINTERNAL = SURFACE_EINTERNAL, /* a defect of this program */
-    ST_COUNT                          /* number of codes; not a code */
+    ST_EUNSYNCED, /* done, but perhaps not on the disk: a loss of power may undo it */
+    ST_COUNT      /* number of codes; not a code */
 };
 
 /* status_from(st): what a function of the library returned. */

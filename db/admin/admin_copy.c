@@ -333,8 +333,12 @@ static enum status fill_one(struct store *from, struct sql *d, struct admin_copy
     log_init(&seen);
     log_txn_create(&to);
     if ((st = store_begin(from, SQL_READ, &source, e)) == ST_OK) {
-        if ((st = sql_begin(d, SQL_COPY, &to.sql, e)) == ST_OK)
-            st = sql_end(to.sql, write_copy(&source, &to, c, e), e);
+        if ((st = sql_begin(d, SQL_COPY, &to.sql, e)) == ST_OK) {
+            st = write_copy(&source, &to, c, e);
+            to.added = LOG_CHANGES; /* the last of them proves the commit */
+            log_txn_prove(&to);
+            st = sql_end(to.sql, st, e);
+        }
         st = store_end(from, &source, st, e);
     }
     log_free(&seen);
@@ -397,18 +401,18 @@ static enum status clear_name(const char *path, const char *aside, struct errinf
 }
 
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,
-                       const char *suffix, struct errinfo *e)
+                       const char *aside, struct errinfo *e)
 {
-    char *aside = admin_name(path, suffix);
-    enum status st = aside != NULL ? ST_OK : errinfo_set(e, ST_ENOMEM, "out of memory");
+    enum status st = ST_OK;
 
-    if (st == ST_OK && held != NULL && (st = clear_name(path, aside, e)) == ST_OK &&
+    if (held != NULL && (st = clear_name(path, aside, e)) == ST_OK &&
         (st = sql_file_fold(held->sql, e)) == ST_OK && link(path, aside) != 0)
         st = errinfo_set(e, ST_EIO, "cannot call %.150s %.150s: %s", path, aside,
                          strerror(errno));
-    if (st == ST_OK && (st = newfile_commit(n, e)) != ST_OK && held != NULL)
-        (void)unlink(aside);
-    free(aside);
+    if (st != ST_OK || (st = newfile_commit(n, e)) == ST_OK)
+        return st;
+    if (st != ST_EUNSYNCED && held != NULL && sql_file_same(path, aside))
+        (void)unlink(aside); /* its other name is still there */
     return st;
 }
 
@@ -431,15 +435,22 @@ static bool overwrite(int fd, off_t size)
 enum status admin_discard(const char *path, struct errinfo *e)
 {
     const int fd = open(path, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+    const int folder = newfile_open_directory(path);
     struct stat sb;
-    bool done = fd >= 0 && fstat(fd, &sb) == 0 && S_ISREG(sb.st_mode) &&
-                overwrite(fd, sb.st_size) && unlink(path) == 0 &&
-                newfile_sync_directory(path) == 0;
+    enum status st = ST_OK;
 
-    if (!done)
-        (void)errinfo_set(e, ST_EIO, "cannot overwrite and remove %.160s: %s", path,
-                          strerror(errno));
+    if (fd < 0 || folder < 0 || fstat(fd, &sb) != 0 || !S_ISREG(sb.st_mode) ||
+        !overwrite(fd, sb.st_size) || unlink(path) != 0)
+        st = errinfo_set(e, ST_EIO, "cannot overwrite and remove %.160s: %s", path,
+                         strerror(errno));
+    else if (!newfile_sync_directory(folder))
+        st = errinfo_set(e, ST_EUNSYNCED,
+                         "%.160s is overwritten and removed, but its folder cannot be "
+                         "flushed to the disk: %s",
+                         path, strerror(errno));
     if (fd >= 0)
         (void)close(fd);
-    return done ? ST_OK : ST_EIO;
+    if (folder >= 0)
+        (void)close(folder);
+    return st;
 }

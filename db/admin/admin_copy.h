@@ -52,17 +52,22 @@ admin_fill admin_copy_all, admin_copy_as_is;
 enum status admin_copy_subject(struct log_txn *to, struct log_txn *from,
                                const struct rows_subject *of, struct errinfo *e);
 
-/* admin_in_file(path, instead, e): ST_EINVAL where the database is on a server: what to do there.
- * admin_swap(path, held, n, suffix, e): the file n->part gets the name `path`, in the place of the
- * database that is open alone there, which is closed then; NULL: there is none.  What was there is
- * called path and suffix from then on.  ST_EEXISTS: there is another file of that name.
- * admin_discard(path, e): the bytes of a database that is not needed any more are overwritten, and
- * the file removed.
- * admin_name(path, suffix): a new text, released by free(); NULL: no memory. */
+/* admin_in_file(path, instead, e): Returns ST_EINVAL if the database is on a server; the message says
+ * what to do there instead. */
 enum status admin_in_file(const char *path, const char *instead, struct errinfo *e);
+
+/* admin_swap(path, held, n, aside, e): Gives the file n->part the name `path`.  If there is a database of
+ * that name, held is it, open alone, and it is called `aside` from then on; held may be NULL.
+ * ST_EEXISTS: there is another file `aside`.  ST_EUNSYNCED: swapped, but perhaps not on the disk; both
+ * databases are there, and the caller removes nothing.  Otherwise nothing was changed. */
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,
-                       const char *suffix, struct errinfo *e);
+                       const char *aside, struct errinfo *e);
+
+/* admin_discard(path, e): Overwrites a file that is not needed any more, and removes it.
+ * ST_EUNSYNCED: removed, but perhaps not on the disk. */
 enum status admin_discard(const char *path, struct errinfo *e);
+
+/* admin_name(path, suffix): Returns a new text, to be released by free().  NULL: out of memory. */
 char *admin_name(const char *path, const char *suffix);
 
 #endif

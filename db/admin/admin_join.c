@@ -9,6 +9,7 @@
 #include "errinfo.h"
 #include "log_anchor.h"
 #include "log_row.h"
+#include "newfile.h"
 #include "store_open.h"
 #include "store_txn.h"
 
@@ -77,11 +78,49 @@ static enum status join(struct log_txn *t, const struct log_act *by, uint32_t *o
     return log_change(t, by, LOG_JOIN, NULL, "", outcome, e);
 }
 
+/* The commit, with an anchor that is on the disk before it.  If the commit fails it may have been done
+ * all the same, and the part of the anchor be needed. */
+static enum status commit(struct store *s, struct log_txn *t, const char *anchor,
+                          uint32_t daemon, struct errinfo *e)
+{
+    const struct log_anchor at = {.daemon = daemon, .end = t->changes};
+    struct newfile n = NEWFILE_NONE;
+    struct errinfo why;
+    enum status st = log_anchor_prepare(anchor, s->crypt, &at, &n, e);
+
+    if (st != ST_OK) {
+        (void)store_end(s, t, st, NULL);
+        newfile_close(&n);
+        return st;
+    }
+    if ((st = store_end(s, t, ST_OK, e)) == ST_OK &&
+        (st = newfile_commit(&n, &why)) != ST_OK)
+        (void)errinfo_set(e, st,
+                          "daemon %" PRIu32 " has joined, but its anchor is not in place "
+                          "yet: %.300s; run the command again",
+                          daemon, why.msg);
+    newfile_leave(&n);
+    return st;
+}
+
+/* A call that was interrupted behind its commit has left the anchor as a part.  *daemon: its number. */
+static enum status complete(const char *path, const struct store_key *key,
+                            uint32_t *daemon, struct errinfo *e)
+{
+    struct store *s;
+    const enum status st = store_open(path, STORE_WRITE, key, &s, e);
+
+    if (st != ST_OK)
+        return st;
+    *daemon = s->log.daemon;
+    store_close(s);
+    return ST_OK;
+}
+
 enum status admin_join(const char *path, const struct store_key *key, const char *actor,
                        uint32_t *daemon, struct errinfo *e)
 {
     struct store_key by_key = *key;
-    struct log_anchor at = {.daemon = 0};
     struct log_act by;
     struct log_txn t;
     struct store *s;
@@ -90,15 +129,15 @@ enum status admin_join(const char *path, const struct store_key *key, const char
     *daemon = 0;
     by_key.anchor = NULL; /* there is none yet */
     if ((st = check(path, key, e)) != ST_OK ||
+        complete(path, key, daemon, NULL) == ST_OK ||
         (st = store_open(path, STORE_WRITE, &by_key, &s, e)) != ST_OK)
         return st;
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
-        st = join(&t, &by, daemon, e);
-        at = (struct log_anchor){.daemon = *daemon, .end = t.changes};
-        st = store_end(s, &t, st, e);
+        if ((st = join(&t, &by, daemon, e)) == ST_OK)
+            st = commit(s, &t, key->anchor, *daemon, e);
+        else
+            (void)store_end(s, &t, st, NULL);
     }
-    if (st == ST_OK)
-        st = log_anchor_write(key->anchor, s->crypt, &at, true, e);
     store_close(s);
     return st;
 }

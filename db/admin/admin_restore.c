@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "admin_copy.h"
+#include "admin_rekey.h"
 #include "crypt_file.h"
 #include "log_anchor.h"
 #include "log_row.h"
@@ -365,6 +366,38 @@ static enum status ask_anchor(struct restoring *r, struct errinfo *e)
     return st;
 }
 
+/* What comes after the swap: the work is done, and the anchor is found as a part too. */
+static enum status say_unfinished(enum status st, const struct errinfo *why,
+                                  struct errinfo *e)
+{
+    return st == ST_OK
+               ? ST_OK
+               : errinfo_set(
+                     e, st,
+                     "the database was restored, but %.300s; nothing was removed: "
+                     "run the command again",
+                     why->msg);
+}
+
+static enum status place(const struct restoring *r, struct newfile *n,
+                         struct newfile *anchor, struct errinfo *e)
+{
+    char *aside = admin_name(r->path, ".before-restore");
+    struct errinfo why;
+    enum status st;
+
+    if (aside == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    st = admin_swap(r->path, r->held, n, aside, &why);
+    free(aside);
+    if (st != ST_OK && st != ST_EUNSYNCED)
+        return errinfo_set(e, st, "%s", why.msg);
+    if (st == ST_OK && r->key->anchor != NULL)
+        st = newfile_commit(anchor, &why);
+    newfile_leave(anchor);
+    return say_unfinished(st, &why, e);
+}
+
 static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo *e)
 {
     struct admin_copy c = {
@@ -376,66 +409,160 @@ static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo 
         .by = &r->by,
         .kind = "restore",
         .outcome = r->out->missed == 0 ? "restored" : "restored, older than the anchor"};
-    struct newfile n = NEWFILE_NONE;
+    struct newfile n = NEWFILE_NONE, anchor = NEWFILE_NONE;
     enum status st;
 
     if ((st = admin_copy(r->backup, r->path, &c, &n, e)) == ST_OK && !dry &&
-        (st = admin_swap(r->path, r->held, &n, ".before-restore", e)) == ST_OK &&
         r->key->anchor != NULL)
-        st = log_anchor_write(r->key->anchor, r->crypt,
-                              &(struct log_anchor){.end = c.end}, true, e);
+        st = log_anchor_prepare(r->key->anchor, r->crypt,
+                                &(struct log_anchor){.end = c.end}, &anchor, e);
+    if (st == ST_OK && !dry)
+        st = place(r, &n, &anchor, e);
+    newfile_close(&anchor);
     newfile_close(&n);
     return st;
+}
+
+/* Is the database that is there this backup, restored by an earlier call, and unchanged since?  All that
+ * a restore writes behind the backup's log has one time. */
+static bool is_restored(const struct restoring *r)
+{
+    const struct log_entry *last = r->n > 0 ? &r->since[r->n - 1] : NULL;
+    bool same = last != NULL && strcmp(last->kind, "restore") == 0;
+
+    for (size_t i = 0; i < r->n && same; i++)
+        same = strcmp(r->since[i].at, last->at) == 0 &&
+               strcmp(r->since[i].actor, last->actor) == 0;
+    return same;
+}
+
+/* The anchor too?  A part of it is given its name by opening the database. */
+static enum status settle(struct restoring *r, bool dry, struct errinfo *e)
+{
+    struct errinfo why;
+    struct store *s;
+
+    store_close(r->held);
+    r->held = NULL;
+    r->out->already =
+        store_open(r->path, dry ? STORE_READ : STORE_WRITE, r->key, &s, &why) == ST_OK;
+    if (r->out->already) {
+        store_close(s);
+        return ST_OK;
+    }
+    return open_held(r, dry, e);
+}
+
+/* A backup takes the place of a database whose key is known, and stays known. */
+static enum status check_key(const struct restoring *r, struct errinfo *e)
+{
+    enum admin_left left;
+
+    if (admin_rekey_left(r->path, r->key, &left, NULL) == ST_OK && left == ADMIN_LEFT_KEY)
+        return errinfo_set(
+            e, ST_EBUSY,
+            "a rekey of %.160s was interrupted: run surfacectl rekey first, "
+            "which completes it",
+            r->path);
+    return ST_OK;
+}
+
+static enum status restore(struct restoring *r, bool dry, struct errinfo *e)
+{
+    enum status st;
+
+    if ((st = check_key(r, e)) != ST_OK || (st = open_held(r, dry, e)) != ST_OK ||
+        (st = open_backup(r, e)) != ST_OK || (st = relate(r, e)) != ST_OK)
+        return st;
+    if (is_restored(r) && ((st = settle(r, dry, e)) != ST_OK || r->out->already))
+        return st;
+    if ((st = choose_keys(r, e)) != ST_OK || (st = ask_anchor(r, e)) != ST_OK)
+        return st;
+    return copy_and_place(r, dry, e);
 }
 
 enum status admin_restore(const char *path, const char *from, const struct store_key *key,
                           const char *from_key, const char *actor, bool dry,
                           struct admin_restored *out, struct errinfo *e)
 {
+    char *target = newfile_target(path);
     struct restoring r = {
-        .path = path, .from = from, .key = key, .from_key = from_key, .out = out};
+        .path = target, .from = from, .key = key, .from_key = from_key, .out = out};
     enum status st;
 
     memset(out, 0, sizeof *out);
-    if ((st = admin_in_file(path,
-                            "restore it with the server's own backup (pg_restore, "
-                            "pgBackRest); surfacectl copy puts a file into an empty "
-                            "database",
-                            e)) != ST_OK)
-        return st;
+    if (target == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
     if (sql_file_same(path, from))
-        return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
-    if ((st = log_act(&r.by, actor, e)) == ST_OK &&
-        (st = open_held(&r, dry, e)) == ST_OK && (st = open_backup(&r, e)) == ST_OK &&
-        (st = relate(&r, e)) == ST_OK && (st = choose_keys(&r, e)) == ST_OK &&
-        (st = ask_anchor(&r, e)) == ST_OK)
-        st = copy_and_place(&r, dry, e);
+        st = errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
+    else if ((st = admin_in_file(path,
+                                 "restore it with the server's own backup (pg_restore, "
+                                 "pgBackRest); surfacectl copy puts a file into an empty "
+                                 "database",
+                                 e)) == ST_OK &&
+             (st = log_act(&r.by, actor, e)) == ST_OK)
+        st = restore(&r, dry, e);
     store_close(r.backup);
     store_close(r.held);
     crypt_free(r.made);
     free(r.since);
+    free(target);
     return st;
 }
 
-/* Committed, or with dry rolled back; then the anchor, whoever's it is, goes on from here. */
+/* Committed, or with dry rolled back.  The anchor, whose daemon stays the same, goes on from here.  If
+ * the commit fails it may have been done all the same, and the part of the anchor be needed. */
 static enum status end_alone(struct store *s, struct log_txn *t,
                              const struct store_key *key, bool dry, enum status st,
                              struct errinfo *e)
 {
+    struct newfile anchor = NEWFILE_NONE;
     struct log_anchor at = {.daemon = 0};
+    struct errinfo why;
 
-    if (st == ST_OK && dry) {
-        (void)store_end(s, t, ST_EDENIED, NULL);
-        return ST_OK;
+    if (st == ST_OK && !dry && key->anchor != NULL) {
+        (void)log_anchor_read(key->anchor, s->crypt, &at, NULL);
+        at.end = t->changes;
+        st = log_anchor_prepare(key->anchor, s->crypt, &at, &anchor, e);
     }
-    if ((st = store_end(s, t, st, e)) != ST_OK || key->anchor == NULL)
+    if (st != ST_OK || dry) {
+        (void)store_end(s, t, st != ST_OK ? st : ST_EDENIED, NULL);
+        newfile_close(&anchor);
         return st;
-    (void)log_anchor_read(key->anchor, s->crypt, &at, NULL);
-    at.end = t->changes;
-    return log_anchor_write(key->anchor, s->crypt, &at, true, e);
+    }
+    if ((st = store_end(s, t, ST_OK, e)) == ST_OK && key->anchor != NULL &&
+        (st = newfile_commit(&anchor, &why)) != ST_OK)
+        (void)errinfo_set(e, st,
+                          "the change was made, but its anchor is not in place yet: "
+                          "%.300s; run the command again",
+                          why.msg);
+    newfile_leave(&anchor);
+    return st;
 }
 
 /* ---- what a server has restored by itself */
+
+#define BY_SERVER "restored by the server"
+
+bool admin_again_done(const char *path, const struct store_key *key)
+{
+    struct log_entry *list = NULL;
+    struct log_txn t;
+    struct store *s;
+    bool done = false;
+    size_t n = 0;
+
+    if (store_open(path, STORE_WRITE, key, &s, NULL) != ST_OK)
+        return false;
+    if (store_begin(s, SQL_READ, &t, NULL) == ST_OK) {
+        (void)log_list(t.sql, "restore", t.changes.seq - 1, &list, &n, NULL);
+        done = n > 0 && strcmp(list[0].outcome, BY_SERVER) == 0;
+        (void)store_end(s, &t, ST_OK, NULL);
+    }
+    free(list);
+    store_close(s);
+    return done;
+}
 
 enum status admin_again(const char *path, const struct store_key *key, const char *actor,
                         const struct admin_later *later, bool dry,
@@ -457,7 +584,7 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
         for (size_t i = 0; i < later->n && st == ST_OK; i++)
             st = do_again(&r, &t, &later->change[i], e);
         if (st == ST_OK)
-            st = log_change(&t, &r.by, "restore", NULL, "", "restored by the server", e);
+            st = log_change(&t, &r.by, "restore", NULL, "", BY_SERVER, e);
         st = end_alone(s, &t, key, dry, st, e);
     }
     store_close(s);

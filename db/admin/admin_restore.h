@@ -24,6 +24,7 @@ enum status admin_move(struct store *s, const char *path, const struct store_key
 struct admin_restored {
     struct admin_copied
         backup;     /* as it was verified, before subjects were erased again */
+    bool already;   /* an earlier call has restored it, and nothing has changed since */
     bool was_there; /* there was a database, and it is PATH.before-restore */
     uint64_t had_subjects, had_templates; /* their numbers */
     uint64_t lost;   /* subjects of it that the backup does not have */
@@ -43,10 +44,13 @@ struct admin_restored {
  * from_key: NULL where that opens the backup too, else its file.  A database that is missing is made.
  * The anchor is made again.  Where it named a later change than both have, what that and others have
  * erased or revoked is not known: *out and the entry of the restore say so.
- * ST_EBUSY: another process has the database open; ST_EMISMATCH: neither log goes on from the
- * other; ST_EDENIED: the backup has another key; ST_EREFUSED: the log of the database that is there
- * is not as it was written; ST_EEXISTS: there is a PATH.before-restore; as
- * admin_open(). */
+ *
+ * If the call is interrupted, the database is the one before or the restored one, and opens in either
+ * case; a further call completes it (out->already: there was nothing left to do).
+ * ST_EBUSY: another process has the database open, or a rekey of it was interrupted; ST_EMISMATCH:
+ * neither log goes on from the other; ST_EDENIED: the backup has another key; ST_EREFUSED: the log of
+ * the database that is there is not as it was written; ST_EEXISTS: there is a PATH.before-restore;
+ * ST_EUNSYNCED: restored, but perhaps not on the disk; as admin_open(). */
 enum status admin_restore(const char *path, const char *from, const struct store_key *key,
                           const char *from_key, const char *actor, bool dry,
                           struct admin_restored *out, struct errinfo *e);
@@ -59,15 +63,21 @@ struct admin_later {
     size_t n;
 };
 
-/* admin_again_is(c): does it take something away that a restored database has again?
- * admin_again(path, key, actor, later, dry, out, e): of a database that a server has restored: who was
- * erased later is erased again, and tokens and devices are revoked and removed; a change of kind
- * "restore" says so, and the anchor is made again: it goes on from here.  out: erased, revoked.
- * ST_EBUSY: another process has it open, or its log does not end at later->after. */
+/* admin_again_is(c): Returns true if the change takes something away that a restored database has
+ * again: an erasure, a revocation, a rotation, a removed device. */
 bool admin_again_is(const struct log_entry *c);
+
+/* admin_again(path, key, actor, later, dry, out, e): For a database that its server has restored:
+ * repeats the erasures, revocations and removals of `later`, appends a change of kind "restore", and
+ * makes the anchor anew.  Sets the counts erased and revoked of *out.
+ * ST_EBUSY: another process has it open, or its log does not end at later->after. */
 enum status admin_again(const char *path, const struct store_key *key, const char *actor,
                         const struct admin_later *later, bool dry,
                         struct admin_restored *out, struct errinfo *e);
+
+/* admin_again_done(path, key): Returns true if the newest change is that of an admin_again() and the
+ * anchor agrees: an earlier call was interrupted behind its commit, and nothing is left to do. */
+bool admin_again_done(const char *path, const struct store_key *key);
 
 struct admin_accepted {
     bool differed;    /* the rows were not those of the last change */

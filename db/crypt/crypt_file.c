@@ -73,12 +73,15 @@ enum status crypt_file_lock(const char *path, int *fd, struct errinfo *e)
     return ST_EIO;
 }
 
-enum status crypt_file_move(const char *from, const char *to, struct errinfo *e)
+char *crypt_file_beside(const char *path, const char *suffix)
 {
-    if (rename(from, to) != 0 || newfile_sync_directory(to) != 0)
-        return errinfo_set(e, ST_EIO, "cannot rename %.100s to %.100s: %s", from, to,
-                           strerror(errno));
-    return ST_OK;
+    char *target = newfile_target(path), *name = NULL;
+    const size_t n = target != NULL ? strlen(target) + strlen(suffix) + 1 : 0;
+
+    if (target != NULL && (name = malloc(n)) != NULL)
+        (void)snprintf(name, n, "%s%s", target, suffix);
+    free(target);
+    return name;
 }
 
 static enum status read_line(int fd, const char *path, struct crypt_file *k,
@@ -191,6 +194,26 @@ enum status crypt_file_open(const struct crypt_file *k, const char *path,
         st = crypt_open(root, key, sizeof key, out, &why);
     sodium_memzero(key, sizeof key);
     return st == ST_OK ? st : errinfo_set(e, st, "%.100s: %.120s", path, why.msg);
+}
+
+enum status crypt_file_fits(const char *path, const struct crypt_root *root, bool *fits,
+                            struct errinfo *e)
+{
+    struct crypt_file *k;
+    struct crypt *c = NULL;
+    enum status st = crypt_file_read(path, &k, e);
+
+    *fits = false;
+    if (st != ST_OK)
+        return st;
+    if (root->kind == CRYPT_PLAINTEXT) /* which no secret is needed for */
+        st = ST_EDENIED;
+    else
+        st = crypt_file_open(k, path, root, &c, e);
+    *fits = st == ST_OK;
+    crypt_free(c);
+    crypt_file_free(k);
+    return st == ST_EDENIED || st == ST_EINVAL ? ST_OK : st; /* what it says is another */
 }
 
 enum status crypt_file_root(const struct crypt_file *k, const char *path,

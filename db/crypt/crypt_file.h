@@ -2,6 +2,7 @@
  * digits, or a passphrase. */
 #ifndef DB_CRYPT_FILE_H
 #define DB_CRYPT_FILE_H
+#include <stdbool.h>
 #include <stddef.h>
 #include "status.h"
 #include "crypt.h"
@@ -25,8 +26,9 @@ enum status crypt_file_copy(const struct crypt_file *k, const char *path,
  * folder; released by close(fd). */
 enum status crypt_file_lock(const char *path, int *fd, struct errinfo *e);
 
-/* crypt_file_move(from, to, e): in the place of what was there, and on the disk. */
-enum status crypt_file_move(const char *from, const char *to, struct errinfo *e);
+/* crypt_file_beside(path, suffix): Returns the name of a file beside the key's file, wherever a symbolic
+ * link puts that; to be released by free().  NULL: out of memory. */
+char *crypt_file_beside(const char *path, const char *suffix);
 
 /* crypt_file_read(path, out, e): the file's one line; *out is released by crypt_file_free().
  * ST_EDENIED: strangers may read or change it, or it belongs neither to root nor to this
@@ -43,6 +45,12 @@ enum status crypt_file_strong(const struct crypt_file *k, struct errinfo *e);
  * crypt_open(); the text names the file. */
 enum status crypt_file_open(const struct crypt_file *k, const char *path,
                             const struct crypt_root *root, struct crypt **out,
+                            struct errinfo *e);
+
+/* crypt_file_fits(path, root, fits, e): Sets *fits to true if the key in the file opens root, and to
+ * false if it does not.  Any other status than ST_OK proves nothing about the key: as
+ * crypt_file_read(); ST_ECORRUPT: root is damaged; ST_ENOMEM. */
+enum status crypt_file_fits(const char *path, const struct crypt_root *root, bool *fits,
                             struct errinfo *e);
 
 /* crypt_file_root(k, path, kind, root, out, e): new secrets under what the file says, as

@@ -12,6 +12,7 @@
 
 #include "bytes.h"
 #include "errinfo.h"
+#include "newfile.h"
 
 #define PLACE 512 /* bytes from one place to the next: a sector each */
 #define LINE  192 /* bytes of a line, with the NUL */
@@ -79,7 +80,8 @@ static enum status read_places(int fd, const char *path, const struct crypt *c,
     return found
                ? ST_OK
                : errinfo_set(e, ST_EREFUSED,
-                             "the anchor %.160s is damaged, or another database's", path);
+                             "the anchor %.160s is empty, damaged, or another database's",
+                             path);
 }
 
 enum status log_anchor_read(const char *path, const struct crypt *c,
@@ -97,6 +99,65 @@ enum status log_anchor_read(const char *path, const struct crypt *c,
     return st;
 }
 
+/* Of the size that it keeps: what is written later replaces bytes of it, and allocates none. */
+enum status log_anchor_prepare(const char *path, const struct crypt *c,
+                               const struct log_anchor *at, struct newfile *n,
+                               struct errinfo *e)
+{
+    char *target = newfile_target(path), places[2][PLACE] = {"", ""};
+    enum status st;
+
+    if (target == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    print(c, at, places[0]);
+    print(c, at, places[1]);
+    if ((st = newfile_open(target, n, e)) == ST_OK &&
+        (st = newfile_put(n, places, sizeof places, e)) == ST_OK)
+        st = newfile_sync(n, e);
+    free(target);
+    return st;
+}
+
+static char *part_of(const char *path)
+{
+    char *target = newfile_target(path), *part = NULL;
+    const size_t n = target != NULL ? strlen(target) + sizeof ".part" : 0;
+
+    if (target != NULL && (part = malloc(n)) != NULL)
+        (void)snprintf(part, n, "%s.part", target);
+    free(target);
+    return part;
+}
+
+enum status log_anchor_left(const char *path, const struct crypt *c,
+                            struct log_anchor *out, struct errinfo *e)
+{
+    char *part = part_of(path);
+    const enum status st = part != NULL ? log_anchor_read(part, c, out, e)
+                                        : errinfo_set(e, ST_ENOMEM, "out of memory");
+
+    free(part);
+    return st;
+}
+
+/* Its lock is held by the command that writes it, which will give it its name. */
+void log_anchor_adopt(const char *path)
+{
+    char *target = newfile_target(path), *part = part_of(path);
+    const int fd = part != NULL ? open(part, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
+    const int folder = part != NULL ? newfile_open_directory(part) : -1;
+
+    if (fd >= 0 && folder >= 0 && target != NULL && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
+        rename(part, target) == 0)
+        (void)newfile_sync_directory(folder);
+    if (fd >= 0)
+        (void)close(fd);
+    if (folder >= 0)
+        (void)close(folder);
+    free(target);
+    free(part);
+}
+
 static bool write_place(int fd, const struct crypt *c, const struct log_anchor *at)
 {
     char line[PLACE] = "";
@@ -106,24 +167,37 @@ static bool write_place(int fd, const struct crypt *c, const struct log_anchor *
            (ssize_t)sizeof line;
 }
 
-enum status log_anchor_write(const char *path, const struct crypt *c,
-                             const struct log_anchor *at, bool force, struct errinfo *e)
+/* It was removed or damaged since the database was opened by it. */
+static enum status make_again(const char *path, const struct crypt *c,
+                              const struct log_anchor *at, struct errinfo *e)
 {
-    const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+    struct newfile n = NEWFILE_NONE;
+    enum status st = log_anchor_prepare(path, c, at, &n, e);
+
+    if (st == ST_OK)
+        st = newfile_commit(&n, e);
+    newfile_close(&n);
+    return st;
+}
+
+enum status log_anchor_advance(const char *path, const struct crypt *c,
+                               const struct log_anchor *at, struct errinfo *e)
+{
+    const int fd = open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC);
     struct log_anchor now;
-    bool done = false;
+    enum status st = ST_OK;
 
-    if (fd >= 0 && flock(fd, LOCK_EX) == 0) {
-        const bool known = !force && read_places(fd, path, c, &now, NULL) == ST_OK;
-
-        done = known && now.end.seq >= at->end.seq;
-        if (!done && (known || ftruncate(fd, 0) == 0))
-            done = write_place(fd, c, at);
-    }
-    if (!done)
-        (void)errinfo_set(e, ST_EIO, "cannot write the anchor %.160s: %s", path,
-                          strerror(errno));
+    if (fd < 0 && errno == ENOENT)
+        return make_again(path, c, at, e);
+    if (fd < 0 || flock(fd, LOCK_EX) != 0)
+        st = errinfo_set(e, ST_EIO, "cannot write the anchor %.160s: %s", path,
+                         strerror(errno));
+    else if ((st = read_places(fd, path, c, &now, e)) == ST_EREFUSED)
+        st = make_again(path, c, at, e);
+    else if (st == ST_OK && now.end.seq < at->end.seq && !write_place(fd, c, at))
+        st = errinfo_set(e, ST_EIO, "cannot write the anchor %.160s: %s", path,
+                         strerror(errno));
     if (fd >= 0)
         (void)close(fd);
-    return done ? ST_OK : ST_EIO;
+    return st;
 }

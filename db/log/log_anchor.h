@@ -1,23 +1,47 @@
-/* log_anchor.h -- a file outside of the database, best on another disk or host, which says how far
- * the change log has come: who has only the database cannot put all of it back to an older state.
- * One line in each of two places, written in turn, so that a torn write leaves the one before;
- * each with a MAC of the database's key. */
+/* log_anchor.h -- a file outside the database, best on another disk or host, which records how far the
+ * change log has come: an attacker who has only the database cannot put all of it back to an older
+ * state.
+ *
+ * The file has two places of one line each, written in turn, so that a torn write leaves the line
+ * before it.  Each line has a MAC by the database's key.  A new anchor is written whole as PATH.part
+ * before the change that it names is committed, and renamed after that.  If the command is killed
+ * between the two, PATH.part is the database's anchor: it names a change that the database has.  A
+ * symbolic link at PATH is followed and kept. */
 #ifndef DB_LOG_ANCHOR_H
 #define DB_LOG_ANCHOR_H
 #include "log_entry.h"
 
+struct newfile; /* newfile.h */
+
 struct log_anchor {
-    uint32_t daemon; /* whose it is */
-    struct log_end end;
+    uint32_t daemon;    /* number of the daemon whose anchor it is */
+    struct log_end end; /* the newest change */
 };
 
-/* log_anchor_read(path, c, out, e): the later of the two.  ST_ENOTFOUND: there is no file;
- * ST_EREFUSED: no place is authentic; ST_EIO.
- * log_anchor_write(path, c, at, force, e): it never goes back, unless `force`.  Not synced: after a loss
- * of power it may lag, which refuses nothing.  ST_EIO. */
+/* log_anchor_read(path, c, out, e): Reads the later of the two lines.  ST_ENOTFOUND: there is no file.
+ * ST_EREFUSED: neither line is authentic.  ST_EIO. */
 enum status log_anchor_read(const char *path, const struct crypt *c,
                             struct log_anchor *out, struct errinfo *e);
-enum status log_anchor_write(const char *path, const struct crypt *c,
-                             const struct log_anchor *at, bool force, struct errinfo *e);
+
+/* log_anchor_left(path, c, out, e): Like log_anchor_read(), but reads PATH.part. */
+enum status log_anchor_left(const char *path, const struct crypt *c,
+                            struct log_anchor *out, struct errinfo *e);
+
+/* log_anchor_adopt(path): Renames PATH.part to PATH if no command is writing it.  A failure changes
+ * nothing, as the part is found again. */
+void log_anchor_adopt(const char *path);
+
+/* log_anchor_prepare(path, c, at, n, e): Writes a new anchor as PATH.part and flushes it to the disk.
+ * After the commit the caller gives it its name by newfile_commit(n).  Errors as newfile_open() and
+ * newfile_sync(); newfile_close(n) or newfile_leave(n) follows in any case. */
+enum status log_anchor_prepare(const char *path, const struct crypt *c,
+                               const struct log_anchor *at, struct newfile *n,
+                               struct errinfo *e);
+
+/* log_anchor_advance(path, c, at, e): Writes *at unless the anchor has a later change.  Makes the anchor
+ * anew if it is missing or damaged.  Does not flush an existing anchor: after a loss of power it may be
+ * older than the database, which is accepted.  ST_EIO, ST_EDENIED, ST_EBUSY, ST_EUNSYNCED, ST_ENOMEM. */
+enum status log_anchor_advance(const char *path, const struct crypt *c,
+                               const struct log_anchor *at, struct errinfo *e);
 
 #endif

@@ -35,6 +35,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ST_EHELD] = {409, "on_hold", "The subject is on hold"},
     [ST_EBUSY] = {503, "busy", "Busy for now"},
     [ST_EIO] = {503, "storage", "The storage cannot be used for now"},
+    [ST_EUNSYNCED] = {503, "storage", "The storage cannot be used for now"},
     [ST_EDB] = {500, "internal", "Internal error"},
     [ST_EINTERNAL] = {500, "internal", "Internal error"},
     [ERRMAP_ROUTE] = {404, "no_such_route", "No such route"},

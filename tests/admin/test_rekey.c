@@ -14,6 +14,7 @@
 #include "unit.h"
 
 static struct errinfo e;
+static bool completed; /* by admin_rekey() */
 static char key_path[80];
 static const struct store_key usual = {.path = key_path, .make = CRYPT_FILE};
 
@@ -124,7 +125,8 @@ TEST(test_same)
     must(store_last_change(s, &end, &e));
     store_close(s);
     must(admin_rekey(tempdb_path, &usual,
-                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me", &e));
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me",
+                     &completed, &e));
 
     s = tempdb_open(STORE_WRITE);
     filled_look(s, after);
@@ -165,15 +167,20 @@ TEST(test_files)
 
     store_close(filled_fresh(&f));
     must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "me",
-                     &e));
-    assert_false(is_there(".before-rekey") || is_there(".key.old") ||
-                 is_there(".key.new"));
+                     &completed, &e));
+    assert_false(completed || is_there(".before-rekey") || is_there(".discard") ||
+                 is_there(".key.old") || is_there(".key.new"));
     must(admin_rekey(tempdb_path, &usual,
-                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me", &e));
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me",
+                     &completed, &e));
     assert_true(is_there(".before-rekey") && is_there(".key.old"));
     fails(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE},
-                      "me", &e),
+                      "me", &completed, &e),
           ST_EEXISTS);
+    must(admin_rekey(tempdb_path, &usual,
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "me",
+                     &completed, &e)); /* asked for again, as if it had been killed */
+    assert_true(completed && is_there(".before-rekey") && is_there(".key.old"));
 }
 
 /* What is copied is what was written, also where somebody changes it after it was verified. */
@@ -220,31 +227,86 @@ TEST(test_copied)
     }
 }
 
-/* A rekey that was killed has left a key. */
-TEST(test_interrupted)
+static void move(const char *from, const char *to)
+{
+    char a[80], b[80];
+
+    (void)snprintf(a, sizeof a, "%s%s", tempdb_path, from);
+    (void)snprintf(b, sizeof b, "%s%s", tempdb_path, to);
+    assert_int_equal(rename(a, b), 0);
+}
+
+static void make_key(const char *suffix)
+{
+    char path[80];
+
+    (void)snprintf(path, sizeof path, "%s%s", tempdb_path, suffix);
+    must(crypt_file_make(path, &e));
+}
+
+static enum admin_left left_now(void)
+{
+    enum admin_left left;
+
+    must(admin_rekey_left(tempdb_path, &usual, &left, &e));
+    return left;
+}
+
+static void rekey_again(bool keep)
+{
+    must(admin_rekey(tempdb_path, &usual,
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = keep}, "",
+                     &completed, &e));
+}
+
+/* A rekey that was killed has left a key: what it is of is tried, and decides. */
+TEST(test_left)
 {
     struct filled f;
-    char next[80];
+    enum admin_left left;
 
     store_close(filled_fresh(&f));
-    (void)snprintf(next, sizeof next, "%s.key.new", tempdb_path);
-    must(crypt_file_make(next, &e)); /* of nothing */
-    must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
-                     &e));
+    assert_int_equal(left_now(), ADMIN_LEFT_NOTHING);
+    make_key(".key.new"); /* before the swap */
+    assert_int_equal(left_now(), ADMIN_LEFT_USELESS);
+    rekey_again(false);
+    assert_false(completed || is_there(".key.new"));
     store_close(tempdb_open(STORE_READ));
-    (void)snprintf(next, sizeof next, "%s.key", tempdb_path);
-    {
-        char moved[80];
 
-        (void)snprintf(moved, sizeof moved, "%s.key.new", tempdb_path);
-        assert_int_equal(rename(next, moved), 0); /* before it was moved to its place */
-    }
+    move(".key", ".key.new"); /* behind it */
+    assert_int_equal(left_now(), ADMIN_LEFT_KEY);
     store_close(tempdb_open(STORE_READ));
-    must(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
-                     &e));
-    assert_true(is_there(".key"));
+    make_key(".key"); /* the old one, still in its place */
+    assert_int_equal(left_now(), ADMIN_LEFT_KEY);
+    store_close(tempdb_open(STORE_READ));
+    rekey_again(false);
+    assert_true(completed && is_there(".key") && is_there(".key.old"));
     assert_false(is_there(".key.new"));
     store_close(tempdb_open(STORE_READ));
+    move(".key.old", ".elsewhere");
+
+    make_key(".key.new"); /* it would be useless, could the database be read */
+    move("", ".away");
+    fails(admin_rekey_left(tempdb_path, &usual, &left, &e), ST_ENOTFOUND);
+    fails(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
+                      &completed, &e),
+          ST_ENOTFOUND);
+    assert_true(is_there(".key") && is_there(".key.new"));
+    move(".away", "");
+    move(".key", ".moved"); /* or were the database's own key there */
+    assert_int_equal(left_now(), ADMIN_LEFT_UNKNOWN);
+    fails(admin_rekey(tempdb_path, &usual, &(struct admin_rekey){.kind = CRYPT_FILE}, "",
+                      &completed, &e),
+          ST_EEXISTS);
+    assert_true(is_there(".key.new"));
+    move(".moved", ".key");
+    assert_int_equal(left_now(), ADMIN_LEFT_USELESS);
+
+    /* The key of a database beside it is needed. */
+    move(".key.new", ".useless");
+    rekey_again(true);
+    move(".key.old", ".key.new");
+    assert_int_equal(left_now(), ADMIN_LEFT_UNKNOWN);
 }
 
 BEFORE_ALL(begin)

@@ -14,6 +14,7 @@
 #include "unit.h"
 
 static struct errinfo e;
+static bool completed; /* by admin_rekey() */
 static char backup[80], aside[80], key_path[80];
 static const struct store_key usual = {.path = key_path, .make = CRYPT_FILE};
 static struct filled have;
@@ -296,7 +297,8 @@ TEST(test_rekeyed)
     make_backup(s);
     store_close(s);
     must(admin_rekey(tempdb_path, &usual,
-                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "", &e));
+                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "",
+                     &completed, &e));
     (void)snprintf(old, sizeof old, "%s.old", key_path);
     s = tempdb_open(STORE_WRITE);
     must(tempdb_erase(s, "test", "bob", &e));

@@ -90,8 +90,14 @@ is "the events say so" "$(sql "SELECT group_concat(kind || ':' || outcome, ' ')
 of "$DB.before-restore" subject list
 is "what was there is kept" "$(said '.subjects[].subject' | grep -c '^dave$')" 1
 is "for its owner alone" "$(stat -c %a "$DB.before-restore")" 600
+cp "$DB.before-restore" "$T/was"
+last=$(sql "SELECT max(seq) FROM change_log")
+ctl_exits 0 restore "$T/back" # as one that was interrupted at its very end
+is "nothing was left to do" "$(said .already) $(sql "SELECT max(seq) FROM change_log")" "true $last"
+ctl_exits 0 token create since --scope verify
 ctl_exits 65 restore "$T/back"
 contains "it is not overwritten" "$T/ctl.err" 'before-restore.*move it away first'
+ok "what was there is as it was" cmp -s "$DB.before-restore" "$T/was"
 rm "$DB.before-restore"
 
 # ---- a subject that was renamed and then erased

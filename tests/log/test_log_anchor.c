@@ -7,6 +7,7 @@
 #include "errinfo.h"
 #include "fixed_keys.h"
 #include "log_anchor.h"
+#include "newfile.h"
 #include "tempdb.h"
 #include "unit.h"
 
@@ -26,11 +27,22 @@ static struct log_anchor at(uint64_t seq)
     return a;
 }
 
-static void say(uint64_t seq, bool force)
+static void say(uint64_t seq)
 {
     const struct log_anchor a = at(seq);
 
-    must(log_anchor_write(path, keys, &a, force, &e));
+    must(log_anchor_advance(path, keys, &a, &e));
+}
+
+/* A new one, up to its part or with its name. */
+static void make(const struct log_anchor *a, bool named)
+{
+    struct newfile n = NEWFILE_NONE;
+
+    must(log_anchor_prepare(path, keys, a, &n, &e));
+    if (named)
+        must(newfile_commit(&n, &e));
+    newfile_leave(&n);
 }
 
 static void assert_says(uint64_t seq)
@@ -76,23 +88,27 @@ TEST(test_order)
 
     tempdb_remove();
     fails(log_anchor_read(path, keys, &a, &e), ST_ENOTFOUND);
-    say(3, false);
+    say(3);
     assert_int_equal(stat(path, &sb), 0);
     assert_int_equal(sb.st_mode & 0777, 0600);
     assert_says(3);
-    say(2, false); /* by a process that came late */
+    say(2); /* by a process that came late */
     assert_says(3);
     for (uint64_t n = 4; n < 20; n++) {
-        say(n, false);
+        say(n);
         assert_says(n);
     }
-    say(5, true); /* back, on purpose */
+    a = at(5);
+    make(&a, true); /* back, on purpose */
     assert_says(5);
+    assert_int_equal(stat(path, &sb), 0);
+    assert_int_equal(sb.st_size, 2 * STEP); /* what follows allocates no block */
     /* As db/FORMAT.md says. */
     a = at(5);
     memcpy(a.end.hash, hash, sizeof hash);
-    must(log_anchor_write(path, keys, &a, true, &e));
+    make(&a, true);
     read_file(bytes);
+    assert_string_equal(bytes, line);
     assert_string_equal(bytes + STEP, line);
 }
 
@@ -102,13 +118,13 @@ TEST(test_torn)
     static char before[2 * STEP], after[2 * STEP], torn[2 * STEP];
 
     tempdb_remove();
-    say(1, false);
-    say(2, false);
+    say(1);
+    say(2);
     for (uint64_t n = 3; n < 7; n++) {
         const size_t place = (size_t)(n % 2) * STEP;
 
         read_file(before);
-        say(n, false);
+        say(n);
         read_file(after);
         assert_memory_equal(before + STEP - place, after + STEP - place, STEP);
         for (size_t k = 0; k < LINE; k++) {
@@ -130,6 +146,55 @@ TEST(test_torn)
         assert_int_equal(log_anchor_read(path, keys, &a, &e),
                          n < LINE - 1 ? ST_EREFUSED : ST_OK);
     }
+}
+
+/* A command that was killed behind its commit: the part is found, and given its name; not while the
+ * command still writes it. */
+TEST(test_left)
+{
+    const struct log_anchor a = at(3), b = at(2);
+    struct newfile n = NEWFILE_NONE;
+    struct log_anchor left;
+
+    tempdb_remove();
+    say(7);
+    fails(log_anchor_left(path, keys, &left, &e), ST_ENOTFOUND);
+    make(&a, false);
+    assert_says(7);
+    must(log_anchor_left(path, keys, &left, &e));
+    assert_int_equal(left.end.seq, 3);
+    log_anchor_adopt(path);
+    assert_says(3);
+    fails(log_anchor_left(path, keys, &left, &e), ST_ENOTFOUND);
+    log_anchor_adopt(path); /* there is none */
+    assert_says(3);
+
+    must(log_anchor_prepare(path, keys, &b, &n, &e));
+    log_anchor_adopt(path);
+    assert_says(3);
+    must(newfile_commit(&n, &e));
+    newfile_close(&n);
+    assert_says(2);
+}
+
+/* A symbolic link is followed, and stays. */
+TEST(test_link)
+{
+    char target[80];
+    struct stat sb;
+
+    tempdb_remove();
+    (void)snprintf(target, sizeof target, "%s-elsewhere", path);
+    say(1);
+    assert_int_equal(rename(path, target), 0);
+    assert_int_equal(symlink(target, path), 0);
+    say(2);
+    make(&(struct log_anchor){.daemon = 7, .end = at(1).end}, true);
+    assert_says(1);
+    assert_int_equal(lstat(path, &sb), 0);
+    assert_true(S_ISLNK(sb.st_mode));
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(unlink(target), 0);
 }
 
 BEFORE_ALL(begin)
