@@ -299,6 +299,22 @@ static enum status open_reader(struct sql_sqlite *d, struct errinfo *e)
     return st;
 }
 
+/* The file is new: it goes, unless another process has it open or has made a database in it.  Without
+ * a WAL, which SQLite would leave beside a file that is not there any more. */
+static void remove_made(struct sql_sqlite *d)
+{
+    int version = 1;
+
+    if (sql_sqlite_conn_exec(d->writer,
+                             "PRAGMA locking_mode=EXCLUSIVE; PRAGMA journal_mode=DELETE; "
+                             "BEGIN EXCLUSIVE",
+                             "cannot lock", NULL) != ST_OK)
+        return;
+    if (sql_sqlite_conn_version(d->writer, &version, NULL) == ST_OK && version == 0)
+        (void)unlink(d->path);
+    (void)sql_sqlite_conn_exec(d->writer, "ROLLBACK", "cannot end", NULL);
+}
+
 static void close_all(struct sql *of)
 {
     struct sql_sqlite *d = (struct sql_sqlite *)of;
@@ -308,10 +324,10 @@ static void close_all(struct sql *of)
         d->idle = c->next;
         sql_sqlite_conn_close(c);
     }
+    if (d->made && d->writer != NULL)
+        remove_made(d);
     /* Last: with it SQLite brings in the WAL and removes it. */
     sql_sqlite_conn_close(d->writer);
-    if (d->made)
-        (void)unlink(d->path); /* nothing was ever in it */
     (void)pthread_cond_destroy(&d->write_free);
     (void)pthread_mutex_destroy(&d->lock);
     free(d->path);
