@@ -36,9 +36,7 @@ static void count(void *arg, const char *line)
         (void)errinfo_set(first, ST_EREFUSED, "%s", line);
 }
 
-/* Is it worth another try?  Whoever writes the file can keep the rows from being read: a table of
- * another name, a row that is too large. */
-static bool may_pass(enum status st)
+bool store_txn_may_pass(enum status st)
 {
     return st == ST_EBUSY || st == ST_EIO || st == ST_ENOMEM;
 }
@@ -60,14 +58,14 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     if ((st = rows_digest(t, tell, to, sum, &bad, &why)) != ST_OK ||
         (st = sql_file_index_check(t->sql, tell, to, &lost, &why)) != ST_OK ||
         (!sql_file_is(t->sql) &&
-         (st = rows_digest_twice(t, tell, to, &twice, &why)) != ST_OK) ||
-        (st = log_txn_agrees(t, sum, &same, &why)) != ST_OK) {
-        if (may_pass(st))
-            return errinfo_set(e, st, "%s", why.msg);
-        tell(to, why.msg);
-        return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
+         (st = rows_digest_twice(t, tell, to, &twice, &why)) != ST_OK)) {
+        if (!store_txn_may_pass(st))
+            tell(to, why.msg);
+        return errinfo_set(e, st, "%s", why.msg);
     }
-    if (!same)
+    if (log_txn_agrees(t, sum, &same, &why) != ST_OK)
+        tell(to, why.msg);
+    else if (!same)
         tell(to, rows_digest_problem);
     if (bad == 0 && lost == 0 && twice == 0 && same)
         return ST_OK;
@@ -79,7 +77,8 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
 
 #define SCRUB_MS 200 /* that an erasure waits for readers */
 
-/* What was found of the database as a whole stands until it is opened again. */
+/* A difference stands until the database is opened again.  Any other error of its engine is the
+ * caller's alone: the next transaction may succeed. */
 enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
                          struct errinfo *e)
 {
@@ -165,10 +164,10 @@ enum status store_verify_rows(struct store *s, store_report *report, void *arg,
         return st;
     st = store_txn_verify(&t, report, arg, &why);
     (void)store_end(s, &t, st, NULL);
-    if (st != ST_OK)
-        return store_refuse(s, st, &why, e);
-    atomic_store(&s->verified, true);
-    return ST_OK;
+    /* Rows that cannot be read may hide a difference: nothing is used until they were. */
+    if (st == ST_OK || !store_txn_may_pass(st))
+        atomic_store(&s->verified, st == ST_OK);
+    return st == ST_OK ? ST_OK : store_refuse(s, st, &why, e);
 }
 
 enum status store_start_use(struct store *s, enum sql_begin how,

@@ -41,9 +41,6 @@ struct store {
  * store_refuse(s, st, why, e): st, for why; where it is ST_EREFUSED, every other transaction fails
  * with it from now on.
  * store_fault_get(f, e): does one stand?  e: why.
- * store_txn_verify(t, report, arg, e): all rows with a MAC against the digest of the last change, and
- * the indexes by which they are found.  ST_EREFUSED: a difference; report() (or NULL) is called once
- * a problem.
  * store_verify_rows(s, report, arg, e): store_verify().
  * store_scrub(s): deleted bytes leave the file and its WAL, after an erasure. */
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
@@ -56,6 +53,14 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
 enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
                          struct errinfo *e);
 bool store_fault_get(struct store_fault *f, struct errinfo *e);
+
+/* store_txn_may_pass(st): Returns true if st is an error of the engine that may be over soon: a lock, a
+ * lost server, a full disk, no memory. */
+bool store_txn_may_pass(enum status st);
+
+/* store_txn_verify(t, report, arg, e): Verifies all rows with a MAC against the digest of the last
+ * change, and the indexes.  Calls report() (or NULL) once a problem.  ST_EREFUSED: a difference.  Any
+ * other error: the rows could not be read, which proves nothing; they were not verified. */
 enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
                              struct errinfo *e);
 enum status store_verify_rows(struct store *s, store_report *report, void *arg,

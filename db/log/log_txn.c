@@ -65,10 +65,10 @@ static bool erases(const char *kind)
 
 /* ---- where a log ends */
 
-/* The last entry, seq 0 where there is none: its MAC authenticates the log up to it.  Of a change,
+/* The last entry, seq 0 if there is none.  *authentic: false if one was read that is not: its MAC authenticates the log up to it.  Of a change,
  * whose fields are used, the hash is made again; that takes the entry before. */
 static enum status read_last(struct log_txn *t, enum log_name log, uint32_t daemon,
-                             struct log_entry *last, struct errinfo *e)
+                             struct log_entry *last, bool *authentic, struct errinfo *e)
 {
     unsigned char hash[LOG_HASH], mac[CRYPT_HASH];
     struct log_entry before = {.seq = 0};
@@ -103,7 +103,8 @@ static enum status read_last(struct log_txn *t, enum log_name log, uint32_t daem
         good = good && (last->seq > t->accesses.seq ||
                         memcmp(last->hash, t->accesses.hash, LOG_HASH) == 0);
     st = sql_done(r, st, e);
-    return st != ST_OK || good
+    *authentic = st != ST_OK || good; /* of what cannot be read nothing is known */
+    return *authentic
                ? st
                : errinfo_set(e, ST_ECORRUPT,
                              "the last entry of the %s log is not authenticated by the "
@@ -120,10 +121,11 @@ static void set_end(struct log_end *end, const struct log_entry *entry)
 static enum status need_uses(struct log_txn *t, struct errinfo *e)
 {
     struct log_entry last;
+    bool authentic;
     enum status st = ST_OK;
 
     if (t->uses.seq == 0 &&
-        (st = read_last(t, LOG_ACCESSES, t->log->daemon, &last, e)) == ST_OK)
+        (st = read_last(t, LOG_ACCESSES, t->log->daemon, &last, &authentic, e)) == ST_OK)
         set_end(&t->uses, &last);
     return st;
 }
@@ -182,16 +184,16 @@ enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
 {
     const struct log_end *before = &t->before;
     struct log_entry last;
-    bool follows = true;
+    bool follows = true, authentic;
     enum status st;
 
     t->known = t->unlogged = false;
-    st = read_last(t, LOG_CHANGES, 0, &last, e);
+    st = read_last(t, LOG_CHANGES, 0, &last, &authentic, e);
     set_end(&t->changes, &last);
     t->accesses = last.daemon == t->log->daemon ? last.accesses : found(t->log);
     memcpy(t->wrapped, last.digest, sizeof t->wrapped);
     if (st != ST_OK)
-        return st == ST_ECORRUPT && before->seq != 0
+        return !authentic && before->seq != 0
                    ? refuse(before, "its log has no good end after", e)
                    : st;
     if (t->appends && (st = need_uses(t, e)) != ST_OK)
@@ -390,12 +392,13 @@ enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daem
                       uint64_t *to, struct errinfo *e)
 {
     struct log_entry entry = {.log = LOG_CHANGES, .daemon = daemon}, last;
+    bool authentic;
     enum status st;
 
     *to = 0;
     if (daemon == t->log->daemon)
         return ST_OK; /* any change of its own names it */
-    if ((st = read_last(t, LOG_ACCESSES, daemon, &last, e)) != ST_OK ||
+    if ((st = read_last(t, LOG_ACCESSES, daemon, &last, &authentic, e)) != ST_OK ||
         (st = read_bound(t, daemon, to, e)) != ST_OK || last.seq <= *to)
         return st;
     *to = last.seq;

@@ -1,7 +1,9 @@
 #include "sql_file.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -85,15 +87,20 @@ static struct sql_sqlite_conn *in_file(struct sql_txn *t)
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e)
 {
     const struct sql_sqlite_conn *c = in_file(t);
+    struct stat sb;
     int moved = 0;
 
-    if (c != NULL &&
-        sqlite3_file_control(c->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) ==
-            SQLITE_OK &&
-        moved)
-        return errinfo_set(e, ST_EREFUSED,
-                           "the database file was moved, removed or replaced");
-    return ST_OK;
+    if (c == NULL ||
+        sqlite3_file_control(c->db, "main", SQLITE_FCNTL_HAS_MOVED, &moved) !=
+            SQLITE_OK ||
+        !moved)
+        return ST_OK;
+    /* SQLite says so too if the file system has failed for a moment. */
+    if (stat(c->of->path, &sb) != 0 && errno != ENOENT && errno != ENOTDIR)
+        return errinfo_set(e, ST_EIO, "cannot look at %.160s: %s", c->of->path,
+                           strerror(errno));
+    return errinfo_set(e, ST_EREFUSED,
+                       "the database file was moved, removed or replaced");
 }
 
 /* ---- checking */

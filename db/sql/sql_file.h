@@ -25,7 +25,8 @@ bool sql_file_same(const char *a, const char *b);
 /* sql_file_is(t): is the database in a file? */
 bool sql_file_is(const struct sql_txn *t);
 
-/* sql_file_in_place(t, e): ST_EREFUSED: the file was moved, removed or replaced. */
+/* sql_file_in_place(t, e): Returns ST_EREFUSED if the file was moved, removed or replaced since it was
+ * opened; ST_EIO if that cannot be found out for now. */
 enum status sql_file_in_place(struct sql_txn *t, struct errinfo *e);
 
 /* sql_file_forget(t): what t reads from here on is read from the file, not from memory: a page that
