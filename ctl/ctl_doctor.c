@@ -8,7 +8,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include "crypt_file.h"
+#include "admin_rekey.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
 #include "findings.h"
@@ -19,8 +19,7 @@
 struct doctor {
     struct ctl *c;
     struct findings found;
-    char key[PATH_MAX],
-        next[PATH_MAX]; /* the key's file, and where rekey puts a new one */
+    char key[PATH_MAX]; /* the key's file */
     bool used;          /* another process has the database open */
 };
 
@@ -132,6 +131,8 @@ static void look_at_left(struct doctor *d)
         {".before-restore", "is the database from before a restore",
          "delete it when you no longer need it: it may contain subjects that are now "
          "erased"},
+        {".discard", "is the old database of a rekey that was interrupted",
+         "surfacectl rekey completes it; keep the file until then"},
         {".before-restore.part", "was left by a restore that was killed",
          "nothing: the next one overwrites it; or delete it while none is running"},
     };
@@ -190,6 +191,16 @@ static bool look_at_server(struct doctor *d)
 
 /* ---- what is in them */
 
+/* What to do about an error that says nothing of the database itself. */
+static const char *todo_of(enum status st)
+{
+    return st == ST_EBUSY
+               ? "try again when the other process has ended, or the server answers"
+           : st == ST_ENOMEM ? "try again with more memory"
+           : st == ST_EIO    ? "look after the disk and the permissions, then try again"
+                             : "surfacectl check-database says more";
+}
+
 static bool look_at_schema(struct doctor *d)
 {
     enum crypt_kind kind;
@@ -201,9 +212,11 @@ static bool look_at_schema(struct doctor *d)
             "%s", e.msg);
     else if (st == ST_ENOTFOUND)
         say(d, FINDINGS_ERROR, "schema", "surfacectl init", "the database is empty");
-    else if (st != ST_OK)
+    else if (st == ST_ECORRUPT)
         say(d, FINDINGS_ERROR, "schema", "restore a backup: surfacectl restore", "%s",
             e.msg);
+    else if (st != ST_OK)
+        say(d, FINDINGS_ERROR, "schema", todo_of(st), "%s", e.msg);
     else
         say(d, FINDINGS_OK, "schema", "", "the version of this program");
     return st == ST_OK;
@@ -221,17 +234,27 @@ static enum status try_key(struct doctor *d, const char *path, struct errinfo *e
     return st;
 }
 
+/* As rekey itself decides: a key is useless only if it was tried, and does not fit. */
 static void look_at_next(struct doctor *d)
 {
-    if (access(d->next, F_OK) != 0)
-        return;
-    if (try_key(d, d->next, NULL) == ST_OK)
+    const struct store_key key = {.path = d->key, .plaintext = d->c->plaintext};
+    enum admin_left left;
+    struct errinfo e;
+
+    if (admin_rekey_left(d->c->db, &key, &left, &e) != ST_OK)
+        say(d, FINDINGS_ERROR, "key", "keep both, and try again when it can be read",
+            "whether %s.new is needed is not known: %s", d->key, e.msg);
+    else if (left == ADMIN_LEFT_KEY)
         say(d, FINDINGS_ERROR, "key",
-            "rename it over the old key: nothing else opens the database",
-            "rekey was interrupted: the key is %s", d->next);
-    else
-        say(d, FINDINGS_WARNING, "key", "remove it, or surfacectl rekey will",
-            "%s was left by a rekey that did not finish", d->next);
+            "surfacectl rekey completes it; keep the file: nothing else opens the database",
+            "rekey was interrupted: the key is %s.new", d->key);
+    else if (left == ADMIN_LEFT_UNKNOWN)
+        say(d, FINDINGS_ERROR, "key", "keep it, but move it away",
+            "%s.new is not this database's key, and may be another's", d->key);
+    else if (left == ADMIN_LEFT_USELESS)
+        say(d, FINDINGS_WARNING, "key", "surfacectl rekey removes it",
+            "%s.new was left by a rekey that did not finish, and opens nothing here",
+            d->key);
 }
 
 /* Does what the database is in, with all that is beside it, let it be opened? */
@@ -283,7 +306,7 @@ static bool look_at_key(struct doctor *d)
         say(d, FINDINGS_ERROR, "key",
             "chmod 600 and chown it, or name the right one with --key", "%s", e.msg);
     else
-        say(d, FINDINGS_ERROR, "key", "surfacectl check-database says more", "%s", e.msg);
+        say(d, FINDINGS_ERROR, "key", todo_of(st), "%s", e.msg);
     return st == ST_OK;
 }
 
@@ -307,12 +330,14 @@ static struct store *look_at_anchor(struct doctor *d)
             return s;
         }
         say(d, FINDINGS_ERROR, "anchor",
-            "find out who restored it; operation.md, \"A difference was found\"", "%s",
-            e.msg);
+            e.code == ST_EREFUSED
+                ? "find out who restored it; operation.md, \"A difference was found\""
+                : todo_of(e.code),
+            "%s", e.msg);
         key.anchor = NULL;
     }
     if (store_open(d->c->db, STORE_READ, &key, &s, &e) != ST_OK)
-        say(d, FINDINGS_ERROR, "database", "surfacectl check-database", "%s", e.msg);
+        say(d, FINDINGS_ERROR, "database", todo_of(e.code), "%s", e.msg);
     return s;
 }
 
@@ -330,7 +355,10 @@ static void look_at_state(struct doctor *d, struct store *s)
             (unsigned long long)end.seq);
     else
         say(d, FINDINGS_ERROR, "state",
-            "surfacectl check-database lists what is wrong; restore a backup from before",
+            st == ST_EREFUSED
+                ? "surfacectl check-database lists what is wrong; restore a "
+                  "backup from before"
+                : todo_of(st),
             "%s", e.msg);
 }
 
@@ -343,7 +371,6 @@ static enum status run(struct ctl *c)
         (void)snprintf(d.key, sizeof d.key, "%s", c->key);
     else
         (void)snprintf(d.key, sizeof d.key, "%s.key", c->db);
-    (void)snprintf(d.next, sizeof d.next, "%.*s.new", (int)sizeof d.next - 5, d.key);
     json_array(c->out, "findings");
     if (look_around(&d) && look_at_schema(&d)) {
         look_at_next(&d);
