@@ -1,4 +1,4 @@
-/* link: -Wl,--wrap=sql_run,--wrap=sql_run_one */
+/* link: -Wl,--wrap=sql_run,--wrap=sql_run_one,--wrap=sql_done */
 /* Nothing is written on top of what was not verified: the first write of an open store verifies the
  * rows, and one that differs refuses it, whatever write it is; the file stays as it is.  And what
  * fails halfway has not happened. */
@@ -304,6 +304,88 @@ TEST(test_failed)
     }
     print_message("  %u failures\n", failed);
     assert_true(failed > 40);
+}
+
+/* ---- reading fails, once or for a while */
+
+static unsigned done_fails_at, done_fails_for; /* from the n-th on, so often */
+static enum status done_fails;
+
+enum status __real_sql_done(struct sql_rows *r, enum status st, struct errinfo *why);
+enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *why);
+
+enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *why)
+{
+    const enum status is = __real_sql_done(r, st, why);
+
+    if (done_fails_at > 1) {
+        done_fails_at--;
+        return is;
+    }
+    if (done_fails_at == 0 || done_fails_for == 0)
+        return is;
+    done_fails_for--;
+    return errinfo_set(why, done_fails, "the engine has failed");
+}
+
+static void fail_reading(unsigned at, unsigned times, enum status st)
+{
+    done_fails_at = at;
+    done_fails_for = times;
+    done_fails = st;
+}
+
+/* An error of the engine is that of one call: only a difference is taken for tampering.  Whatever
+ * the error, the next call is served. */
+TEST(test_not_read)
+{
+    static const enum status kind[] = {ST_EBUSY, ST_EIO,      ST_ENOMEM,
+                                       ST_EDB,   ST_ECORRUPT, ST_ELIMIT};
+    struct store *s = written();
+    unsigned failed = 0;
+
+    for (size_t k = 0; k < sizeof kind / sizeof *kind; k++) {
+        bool done = false;
+
+        for (unsigned n = 1; !done; n++) {
+            struct store_token t;
+
+            fail_reading(n, 1, kind[k]);
+            if (store_verify(s, NULL, NULL, &e) != ST_OK) {
+                failed++;
+                assert_int_equal(e.code, kind[k]);
+            }
+            done = done_fails_for > 0; /* it has no n-th */
+            fail_reading(0, 0, ST_OK);
+            assert_false(store_refused(s, &e));
+            must(store_token_check(s, secret, &t, &e));
+            must(store_ready(s, &e));
+            must(write_other(s, 0));
+        }
+    }
+    print_message("  %u failures\n", failed);
+    assert_true(failed >= 6 * sizeof kind / sizeof *kind);
+
+    /* Rows that cannot be read may hide a difference: what uses them waits until they were. */
+    for (size_t k = 0; k < sizeof kind / sizeof *kind; k++) {
+        const bool passes =
+            kind[k] == ST_EBUSY || kind[k] == ST_EIO || kind[k] == ST_ENOMEM;
+        const struct store_use use = {.appends = true};
+        struct log_txn t;
+
+        must(store_verify(s, NULL, NULL, &e));
+        fail_reading(2, 1, kind[k]); /* behind the end of the log, the first table */
+        fails(store_verify(s, NULL, NULL, &e), kind[k]);
+        fail_reading(2, 1, kind[k]);
+        assert_int_equal(store_start_use(s, SQL_READ, &use, &t, &e),
+                         passes ? ST_OK : kind[k]);
+        if (passes)
+            must(sql_end(t.sql, ST_OK, &e));
+        fail_reading(0, 0, ST_OK);
+        must(store_start_use(s, SQL_READ, &use, &t, &e));
+        must(sql_end(t.sql, ST_OK, &e));
+    }
+    store_close(s);
 }
 
 struct lines {
