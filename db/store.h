@@ -106,9 +106,9 @@ enum status store_subject_erase(struct store *s, const char *actor, const char *
 enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
                                 struct errinfo *e);
 
-/* store_erased_since(s, since, erased, e): whether any process has erased a subject or a
- * template since the last call with this *since, at first 0. The caller then drops its
- * copies in memory. O(changes since). */
+/* store_erased_since(s, since, erased, e): Sets *erased to true if any process has erased a subject or
+ * a template after change *since (0 at first), and *since to the last change.  The caller then drops
+ * its copies in memory.  On failure *since is unchanged.  O(changes since). */
 enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
                                struct errinfo *e);
 

@@ -184,6 +184,7 @@ enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
 {
     struct sql_rows *r;
     struct log_txn t;
+    int64_t last;
     enum status st = store_begin(s, SQL_READ, &t, e);
 
     *erased = false;
@@ -194,6 +195,8 @@ enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
                    "AND kind IN ('delete_subject', 'delete_template') LIMIT 1",
                    sql_int(*since));
     *erased = st == ST_OK && sql_next(r);
-    *since = (int64_t)t.changes.seq;
-    return store_end(s, &t, sql_done(r, st, e), e);
+    last = (int64_t)t.changes.seq;
+    if ((st = store_end(s, &t, sql_done(r, st, e), e)) == ST_OK)
+        *since = last;
+    return st;
 }

@@ -44,7 +44,7 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" \
         names = module "_.*|" module
         if (source ~ /^core\//)
             names = names "|" public # what libsurface.h declares
-        if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/(fail_alloc|unit)$)/)
+        if (source ~ /^tests\/([a-z]*\/test_|bench\/|lib\/(fail_alloc|fail_sql|unit)$)/)
             names = "main|__wrap_.*|" names
         # A room below db/ has names of its own: db/log/log_txn.c exports log_*.
         if (folder ~ /^db\/[a-z]+\/$/)

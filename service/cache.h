@@ -43,9 +43,9 @@ void cache_release(struct cache *c, const struct cache_held *held); /* NULL is a
  * called after the store has deleted the template: nobody who reads it just then brings it back. */
 void cache_forget(struct cache *c, const char *id);
 
-/* cache_list(c, n): the ids of all entries, by free(), for a caller that finds out which
- * of them others have deleted, and calls cache_forget() for those; what is read at this
- * moment is not kept, as in cache_forget().  NULL: out of memory, or *n is 0. */
+/* cache_list(c, n): Returns the ids of all *n entries, to be released by free(); NULL: out of
+ * memory.  The caller finds out which of these templates other processes have deleted, and calls
+ * cache_forget() for them.  The cache does not keep a model that is being read at this moment. */
 char (*cache_list(struct cache *c, size_t *n))[STORE_ID_LEN + 1];
 
 struct cache_state {

@@ -1,0 +1,105 @@
+#include "fail_sql.h"
+
+#include <stdbool.h>
+
+#include "errinfo.h"
+#include "sql.h"
+
+static unsigned long count, fail;
+static enum status fault;
+static bool reading_failed; /* the last sql_next() */
+
+void fail_sql_at(unsigned long n, enum status st)
+{
+    count = 0;
+    fail = n;
+    fault = st;
+}
+
+unsigned long fail_sql_count(void)
+{
+    return count;
+}
+
+static bool fails(void)
+{
+    return ++count == fail;
+}
+
+static enum status failed(struct errinfo *e)
+{
+    return errinfo_set(e, fault, "failed by the test");
+}
+
+/* The linker knows those of them that the test wraps. */
+__attribute__((weak)) enum status __real_sql_begin(struct sql *d, enum sql_begin how,
+                                                   struct sql_txn **t, struct errinfo *e);
+__attribute__((weak)) enum status __real_sql_query(struct sql_txn *t, const char *text,
+                                                   const struct sql_value *value,
+                                                   size_t n, struct sql_rows **out,
+                                                   struct errinfo *e);
+__attribute__((weak)) enum status __real_sql_first(struct sql_txn *t, const char *text,
+                                                   const struct sql_value *value,
+                                                   size_t n, struct sql_rows **out,
+                                                   struct errinfo *e);
+__attribute__((weak)) bool __real_sql_next(struct sql_rows *r);
+__attribute__((weak)) enum status __real_sql_done(struct sql_rows *r, enum status st,
+                                                  struct errinfo *e);
+__attribute__((weak)) enum status __real_sql_end(struct sql_txn *t, enum status st,
+                                                 struct errinfo *e);
+enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *e);
+enum status __wrap_sql_query(struct sql_txn *t, const char *text,
+                             const struct sql_value *value, size_t n,
+                             struct sql_rows **out, struct errinfo *e);
+enum status __wrap_sql_first(struct sql_txn *t, const char *text,
+                             const struct sql_value *value, size_t n,
+                             struct sql_rows **out, struct errinfo *e);
+bool __wrap_sql_next(struct sql_rows *r);
+enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *e);
+enum status __wrap_sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
+
+enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
+                             struct errinfo *e)
+{
+    return fails() ? failed(e) : __real_sql_begin(d, how, t, e);
+}
+
+enum status __wrap_sql_query(struct sql_txn *t, const char *text,
+                             const struct sql_value *value, size_t n,
+                             struct sql_rows **out, struct errinfo *e)
+{
+    *out = NULL;
+    return fails() ? failed(e) : __real_sql_query(t, text, value, n, out, e);
+}
+
+enum status __wrap_sql_first(struct sql_txn *t, const char *text,
+                             const struct sql_value *value, size_t n,
+                             struct sql_rows **out, struct errinfo *e)
+{
+    *out = NULL;
+    return fails() ? failed(e) : __real_sql_first(t, text, value, n, out, e);
+}
+
+bool __wrap_sql_next(struct sql_rows *r)
+{
+    reading_failed = fails();
+    return !reading_failed && __real_sql_next(r);
+}
+
+enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *e)
+{
+    const bool now = fails() || reading_failed;
+
+    st = __real_sql_done(r, st, e);
+    reading_failed = false;
+    return now && st == ST_OK ? failed(e) : st;
+}
+
+enum status __wrap_sql_end(struct sql_txn *t, enum status st, struct errinfo *e)
+{
+    const bool now = fails() && st == ST_OK;
+
+    st = __real_sql_end(t, st, e);
+    return now && st == ST_OK ? failed(e) : st;
+}
