@@ -46,8 +46,8 @@ static void tally(struct request *r, const struct enrolment_result *each, size_t
     }
 }
 
-/* enrolment_add(): true where one of the samples is a template now.  False: r->response says why
- * not. */
+/* Calls enrolment_add().  Returns true if at least one sample became a template.  On false
+ * r->response says why not, unless out->none is set and there are several samples. */
 static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                    const struct store_sample *sample, size_t n,
                    struct enrolment_result *each, struct enrolment_outcome *out)
@@ -66,6 +66,7 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
     struct errinfo e = {0};
     enum status st;
 
+    *out = (struct enrolment_outcome){.none = false};
     if (!intake_admit(r, &allowance))
         return false;
     st = enrolment_add(&w->compare, &x, each, out, &e);

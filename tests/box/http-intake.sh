@@ -82,9 +82,14 @@ req POST /v1/subjects -H "$JSON" -d '{"subject": "erin"}'
 problem "a subject" 503 storage_full
 send POST /v1/subjects/dave/verify "$PLY" "$T/other.ply"
 is "a verification" "$STATUS $(get .decision)" '200 no_match'
+for i in 1 2 3; do
+    req POST "/v1/subjects/frank$i/templates" -F "file=@$T/0.ply" -F "file=@$T/other.ply"
+    problem "several files, $i" 503 storage_full
+    is "several files, $i: not soon" "$(field Retry-After)" 60
+done
 req GET /readyz
 is "it is ready" "$STATUS" 200
-is "as metrics" "$(metric surfaced_storage_full) $(refused storage_full)" '1 2'
+is "as metrics" "$(metric surfaced_storage_full) $(refused storage_full)" '1 5'
 req DELETE /v1/subjects/dave
 is "an erasure" "$STATUS" 200
 stop_daemon
