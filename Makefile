@@ -111,7 +111,7 @@ TOOL_BIN  := $(call programs,$(filter-out sim/model_main.c,$(wildcard sim/*_main
 AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
 # Preloaded into finished programs; the recorder not into sanitized ones.
-SHIM_BIN  := $(BUILD)/crash_shim.so $(BUILD)/slow_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUILD)/record_shim.so)
+SHIM_BIN  := $(BUILD)/crash_shim.so $(BUILD)/slow_shim.so $(BUILD)/alloc_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUILD)/record_shim.so)
 SAMPLES   := one one_again one_glasses other
 EMBED     := json html css js svg
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \

@@ -100,7 +100,7 @@ static enum status start(const struct options *o, struct app *app, struct http *
     app->db = o->db;
     app->disk_reserve = o->disk_reserve;
     if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||
-        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+        app->recent == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
