@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include "json.h"
+#include "outfile.h"
 
 #define LONG 256 /* what getopt_long() returns for the first option */
 
@@ -69,7 +70,7 @@ int command_end(const char *program, struct json *out, bool usage,
         written = text != NULL && puts(text) >= 0;
         free(text);
     }
-    if (written && fflush(stdout) == 0)
+    if (outfile_flush(stdout) && written)
         return code;
     (void)fprintf(stderr, "%s: the output cannot be written\n", program);
     return code > EXIT_INCONCLUSIVE ? code : EXIT_IOERR;

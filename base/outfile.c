@@ -1,8 +1,10 @@
+#define _GNU_SOURCE /* fopencookie() */
 #include "outfile.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -59,6 +61,47 @@ static enum status fail(struct errinfo *e, const char *name)
     return errinfo_set(e, st, "%.120s: %s", name, strerror(errno));
 }
 
+/* ---- standard output */
+
+/* Returns n, or less if an error ended it. */
+static ssize_t write_and_wait(void *none, const char *data, size_t n)
+{
+    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
+    size_t done = 0;
+
+    (void)none;
+    while (done < n) {
+        const ssize_t more = write(STDOUT_FILENO, data + done, n - done);
+
+        if (more < 0 && errno != EAGAIN)
+            break;
+        if (more < 0)
+            (void)poll(&out, 1, -1);
+        else
+            done += (size_t)more;
+    }
+    return (ssize_t)done;
+}
+
+void outfile_wait(void)
+{
+    const int flags = fcntl(STDOUT_FILENO, F_GETFL);
+    FILE *waits;
+
+    if (flags < 0 || (flags & O_NONBLOCK) == 0)
+        return;
+    waits = fopencookie(NULL, "w", (cookie_io_functions_t){.write = write_and_wait});
+    if (waits != NULL)
+        stdout = waits;
+}
+
+bool outfile_flush(FILE *to)
+{
+    return fflush(to) == 0 && !ferror(to);
+}
+
+/* ---- writing */
+
 enum status outfile_write(const char *path, bool force, newfile_writer *write,
                           const void *arg, struct errinfo *e)
 {
@@ -70,7 +113,9 @@ enum status outfile_write(const char *path, bool force, newfile_writer *write,
 
     if (path == NULL) {
         st = write(stdout, arg, e);
-        return st == ST_OK && fflush(stdout) != 0 ? fail(e, "standard output") : st;
+        return st == ST_OK && !outfile_flush(stdout)
+                   ? errinfo_set(e, ST_EIO, "standard output cannot be written")
+                   : st;
     }
     if (slash != NULL)
         (void)snprintf(folder, sizeof folder, "%.*s", (int)(slash - path) + 1, path);

@@ -4,6 +4,7 @@
 #ifndef BASE_OUTFILE_H
 #define BASE_OUTFILE_H
 #include <stdbool.h>
+#include <stdio.h>
 #include "newfile.h"
 #include "status.h"
 
@@ -22,5 +23,13 @@ enum status outfile_may(const char *path, bool force, struct errinfo *e);
  * not everything could be written, nothing has changed.  ST_EIO, ST_EDENIED, ST_ENOMEM. */
 enum status outfile_write(const char *path, bool force, newfile_writer *write,
                           const void *arg, struct errinfo *e);
+
+/* outfile_wait(): Lets each write to standard output wait for a slow reader if another process has
+ * made it non-blocking.  stdio would lose bytes there.  Before the first output. */
+void outfile_wait(void);
+
+/* outfile_flush(to): Writes out all that was printed to `to`.  Returns true if no byte was lost, neither
+ * now nor before: fflush() alone does not tell of an earlier failure. */
+bool outfile_flush(FILE *to);
 
 #endif

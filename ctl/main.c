@@ -12,6 +12,7 @@
 #include "ctl_config.h"
 #include "ctl_model.h"
 #include "ctl_table.h"
+#include "outfile.h"
 
 struct line {
     struct ctl c;
@@ -177,9 +178,10 @@ int main(int argc, char **argv)
     int code = EXIT_USAGE;
 
     nodump_begin();
+    outfile_wait();
     if (ok && (c->help || c->version)) {
         ctl_table_print(c->version, l.cmd, l.group);
-        return EXIT_FINE;
+        return command_end("surfacectl", NULL, false, &c->e, EXIT_FINE);
     }
     ok = ok && read_environment(&l);
     c->json = command_line_given(&l.typed, "json"); /* of a wrong command line too */

@@ -13,6 +13,7 @@
 #include "model.h"
 #include "modelfile.h"
 #include "nodump.h"
+#include "outfile.h"
 
 enum { /* a bit for each command */
        ASYMMETRY = 1,
@@ -290,6 +291,7 @@ int main(int argc, char **argv)
     int code = EXIT_USAGE;
 
     nodump_begin();
+    outfile_wait();
     if (read_line(argc, argv, &typed, &c, &k)) {
         if (c.version)
             (void)printf("surfacelab (%s)\n", SURFACE_ENGINE);

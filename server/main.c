@@ -22,6 +22,7 @@
 #include "nodump.h"
 #include "modelfile.h"
 #include "options.h"
+#include "outfile.h"
 #include "queue.h"
 #include "recent.h"
 #include "routes.h"
@@ -264,6 +265,15 @@ static bool check_files(const struct options *o)
     return true;
 }
 
+/* Returns the exit status after what was asked for is printed. */
+static int end_of_output(void)
+{
+    if (outfile_flush(stdout))
+        return 0;
+    (void)fputs("surfaced: the output cannot be written\n", stderr);
+    return EX_IOERR;
+}
+
 /* An ordinary request allocates no block of MEM_MAPPED; and what it frees is kept, up to so much
  * in each arena, instead of being asked for again. */
 #define KEPT_FREE (8 << 20)
@@ -292,10 +302,10 @@ int main(int argc, char **argv)
 
     switch (flags_read(argc, argv, stderr, &o)) {
     case FLAGS_CHECK:
-        status = check_files(&o) ? 0 : EX_USAGE;
+        status = check_files(&o) ? end_of_output() : EX_USAGE;
         goto out;
     case FLAGS_DONE:
-        status = 0;
+        status = end_of_output();
         goto out;
     case FLAGS_BAD:
         status = EX_USAGE;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "facegen.h"
+#include "outfile.h"
 
 static const char usage[] =
     "usage: facegen [OPTION]... [-o FILE]\n"
@@ -213,7 +214,7 @@ int main(int argc, char **argv)
         return rc;
     if (rc < 0) {
         (void)fputs(usage, stdout);
-        return 0;
+        return outfile_flush(stdout) ? 0 : 1;
     }
     o.scan.scan = (uint64_t)o.number;
     o.scan.points = (uint32_t)o.points;

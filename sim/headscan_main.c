@@ -10,6 +10,7 @@
 #include "errinfo.h"
 #include "face.h"
 #include "headscan.h"
+#include "outfile.h"
 #include "pose.h"
 #include "scan.h"
 
@@ -273,7 +274,7 @@ int main(int argc, char **argv)
 
     if (argc == 2 && strcmp(argv[1], "--help") == 0) {
         (void)fputs(usage, stdout);
-        rc = 0;
+        rc = outfile_flush(stdout) ? 0 : 1;
     } else if (!read_command(argc, argv, &c)) {
         (void)fputs(usage, stderr);
         rc = 2;

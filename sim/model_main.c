@@ -86,5 +86,5 @@ int main(void)
         return EXIT_FAILURE;
     }
     print_model(&m);
-    return fflush(stdout) == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+    return fflush(stdout) == 0 && !ferror(stdout) ? EXIT_SUCCESS : EXIT_FAILURE;
 }

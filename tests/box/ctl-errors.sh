@@ -85,8 +85,14 @@ refuse 74 'cannot create no/such/dir/f.db: No such file' "$ctl" --db no/such/dir
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply subject list
 refuse 65 'good.ply is not a database' "$ctl" --db good.ply init
 refuse 66 'no database empty' "$ctl" --db empty subject list
-"$ctl" --db f.db subject list >/dev/full 2>err
-ok "a full output is reported" [ $? -eq 74 ]
+for line in "$ctl --db f.db subject list" "$ctl --help" "$ctl --version" "$lab --help" \
+    "$BUILD/surfaced --help" "$BUILD/surfaced --version" "$BUILD/surfaced --print-config --db f.db" \
+    "$BUILD/surfaced --check-config --db f.db"; do
+    # shellcheck disable=SC2086 # words
+    $line >/dev/full 2>err
+    is "a full output is reported: $line" $? 74
+    contains "$line" err 'the output cannot be written'
+done
 
 # bytes changed in the middle of the face: reported by check-database and by verify, as text and JSON
 cp f.db damaged.db
