@@ -158,7 +158,7 @@ CREATE TABLE allowances (
     at_ms   INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 ) STRICT, WITHOUT ROWID;
 
--- The nonces of captures that were taken, until they expire: each is good once.
+-- The nonces of captures that were taken, until a day after they expire: each is good once.
 CREATE TABLE nonces (
     until_ms INTEGER NOT NULL CHECK (until_ms >= 0), -- since 1970, UTC
     nonce    BLOB NOT NULL CHECK (length(nonce) = 16), -- its random part

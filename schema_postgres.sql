@@ -156,7 +156,7 @@ CREATE TABLE allowances (
     at_ms   BIGINT NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
 );
 
--- The nonces of captures that were taken, until they expire: each is good once.
+-- The nonces of captures that were taken, until a day after they expire: each is good once.
 CREATE TABLE nonces (
     until_ms BIGINT NOT NULL CHECK (until_ms >= 0), -- since 1970, UTC
     nonce    BYTEA NOT NULL CHECK (length(nonce) = 16), -- its random part

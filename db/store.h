@@ -172,12 +172,14 @@ bool store_device_valid(const char *name);
 /* ---- captures that a device signed */
 
 /* A nonce for each.  It is a time, 128 random bits and a MAC by the database's key:
- * nothing is stored until it is used, so that requesting many costs no space; a used
- * nonce is stored until it expires, so that each is valid once, for all processes. Bytes,
- * as base64url without padding: */
+ * nothing is stored until it is used, so that requesting many costs no space.  A used nonce stays
+ * stored for STORE_NONCE_KEPT_MS after its end, so that each is valid once, for all processes.  A
+ * clock that was wrong by less than that, and is set right again, makes no used nonce valid.
+ * Bytes, as base64url without padding: */
 #define STORE_NONCE         40 /* bytes: i64 ms since 1970, 16 random, 16 of the MAC */
 #define STORE_NONCE_TEXT    54
 #define STORE_NONCE_LIFE_MS 120000
+#define STORE_NONCE_KEPT_MS 86400000 /* more than a wrong time zone shifts a clock */
 
 /* store_capture_nonce(s, nonce, expires, e): a new nonce. */
 enum status store_capture_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1],

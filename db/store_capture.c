@@ -104,9 +104,9 @@ static enum status use(struct store *s, const unsigned char nonce[STORE_NONCE],
     if (st == ST_OK)
         st = sql_changed(t.sql, &n, e);
     *was_used = st == ST_OK && n == 0;
-    if (st == ST_OK) /* later than need be: another daemon's clock may be behind */
+    if (st == ST_OK)
         st = SQL_RUN(t.sql, e, "DELETE FROM nonces WHERE until_ms < $1",
-                     sql_int(now_ms - STORE_NONCE_LIFE_MS));
+                     sql_int(now_ms - STORE_NONCE_KEPT_MS));
     return store_end(s, &t, st, e);
 }
 

@@ -247,8 +247,19 @@ for step in +100s +130s -10s; do
     *) problem "after $step" 403 capture_stale ;;
     esac
 done
-clock +400s
+clock +0 # and three hours ahead for a while, as after a start by a wrong time zone
+challenge
+once=$(sign door-2 door-2 "$VERIFY" "$T/a1.ply" "$NONCE" pass)
+send POST "$VERIFY" "$PLY" "$T/a1.ply" -H "Capture-Signature: $once"
+is "before the clock is wrong" "$(get .decision)" match
+clock +3h
 client door-2 door-2 "$VERIFY" "$T/a1.ply"
-is "later" "$(get .decision)" match
-is "nonces that have expired are not kept" "$(sql 'SELECT count(*) FROM nonces')" 1
+is "while it is wrong" "$(get .decision)" match
+clock +0
+send POST "$VERIFY" "$PLY" "$T/a1.ply" -H "Capture-Signature: $once"
+problem "when it is right again" 403 capture_replayed
+clock +28h
+client door-2 door-2 "$VERIFY" "$T/a1.ply"
+is "a day later" "$(get .decision)" match
+is "nonces that expired a day ago are not kept" "$(sql 'SELECT count(*) FROM nonces')" 1
 finish
