@@ -71,7 +71,8 @@ struct exchange {
     struct http *http;
     struct MHD_Connection *conn;
     struct peer *peer;
-    enum state state;
+    enum state state;    /* of the I/O thread; of a worker while it has the request */
+    struct queue *queue; /* to which it was handed last; NULL: to none yet */
     struct upload upload;
     struct headers_framing framing;
     bool unframed;    /* nobody knows where the next request begins */
@@ -218,18 +219,11 @@ static bool begin_slow(struct exchange *x)
     return false;
 }
 
+/* Frees the one place of the slow routes if x has it. */
 static void end_slow(struct exchange *x)
 {
-    if (x->r.route->where == ROUTE_SLOW)
+    if (x->queue == x->http->app->slow)
         atomic_flag_clear(&x->http->app->slow_taken);
-}
-
-static struct queue *queue_of(const struct exchange *x)
-{
-    const struct app *app = x->http->app;
-
-    return x->state == WORKING && x->r.route->where == ROUTE_SLOW ? app->slow
-                                                                  : app->queue;
 }
 
 /* x is suspended.  On any thread; x may be done when it returns. */
@@ -239,14 +233,13 @@ static void queue_up(struct exchange *x, enum queue_kind kind)
     struct request *out;
 
     x->queued_ms = logger_clock_ms();
-    out = queue_push(queue_of(x), &x->r, kind, request_sender(&x->r));
+    out = queue_push(x->queue, &x->r, kind, request_sender(&x->r));
     if (out == NULL)
         return;
     request_problem(out, ERRMAP_OVERLOAD, "%s",
                     atomic_load(&app->stopping) ? "the daemon is stopping"
                                                 : "the queue is full");
-    if (((struct exchange *)out)->state == WORKING)
-        end_slow((struct exchange *)out);
+    end_slow((struct exchange *)out);
     MHD_resume_connection(((struct exchange *)out)->conn);
 }
 
@@ -272,28 +265,33 @@ void http_run(struct worker *w, struct request *r)
         w->large = w->large || upload_is_large(&x->upload);
         handle(w, r);
         w->large = w->large || r->len > QUOTA_SMALL;
-        end_slow(x);
     }
+    end_slow(x);
     refusal_tell(r->app);
     MHD_resume_connection(x->conn);
 }
 
-/* The client has gone (guard_work()).  A worker that has x finds out by itself. */
+/* The client has gone (guard_work()).  A worker that has x finds out by itself.  The guard's thread
+ * calls this, perhaps while the I/O thread changes x->state: so it is not read here. */
 static void on_gone(void *arg)
 {
     struct exchange *x = arg;
 
     atomic_store(&x->r.gone, true);
-    if (queue_drop(queue_of(x), &x->r)) {
+    if (queue_drop(x->queue, &x->r)) {
         end_slow(x);
         MHD_resume_connection(x->conn);
     }
 }
 
-/* Hand x over to a worker; on_request() is called again when it is done. */
+/* Hands x over to a worker; on_request() is called again when it is done. */
 static void to_worker(struct exchange *x, enum state state)
 {
+    const struct app *app = x->http->app;
+
     x->state = state;
+    x->queue =
+        state == WORKING && x->r.route->where == ROUTE_SLOW ? app->slow : app->queue;
     peer_work(x->peer, on_gone, x);
     MHD_suspend_connection(x->conn); /* first: the worker may be faster than we */
     queue_up(x, state == ADMITTED             ? QUEUE_TOKEN
