@@ -44,13 +44,11 @@ static void trim(struct upkeep *u)
     logger_end(&l);
 }
 
-/* A difference stands, and all of /v1 is refused from now on. */
+/* After a difference all of /v1 is refused: refusal_tell() reports it. */
 static void verify(struct upkeep *u)
 {
     if (store_verify(u->app->store, NULL, NULL, NULL) == ST_OK)
         metrics_rows_verified(u->app->metrics);
-    else
-        refusal_tell(u->app);
 }
 
 /* A failover can lose a change that was seen and not yet acknowledged.  Whether it was that, and no
@@ -85,6 +83,7 @@ static void look(void *arg)
         pause = (end - begin) * VERIFY_PER_RUN;
         u->verify_ms = end + (pause > VERIFY_MS ? pause : VERIFY_MS);
     }
+    refusal_tell(u->app);
 }
 
 struct upkeep *upkeep_start(struct app *app, unsigned days)

@@ -1,5 +1,5 @@
 /* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
- * released after the last; nothing but the atomic members changes in between. */
+ * released after the last; nothing but the atomic members and anchor_behind changes in between. */
 #ifndef SERVER_APP_H
 #define SERVER_APP_H
 #include <stdatomic.h>
@@ -49,7 +49,9 @@ struct app {
     bool signed_captures; /* nothing else is taken (capture.h) */
     size_t max_body;      /* bytes */
     atomic_bool stopping;
-    atomic_flag refusal_told, anchor_told;
+    atomic_flag refusal_told;
+    bool
+        anchor_behind; /* the log's last word on the anchor; refusal_tell() alone uses it */
 };
 
 #endif

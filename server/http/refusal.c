@@ -1,5 +1,7 @@
 #include "refusal.h"
 
+#include <pthread.h>
+
 #include "app.h"
 #include "errinfo.h"
 #include "logger.h"
@@ -37,13 +39,28 @@ static void tell(const char *level, const char *what, const struct errinfo *e)
     logger_end(&l);
 }
 
+/* The lock keeps the lines of several threads in the order of what they report. */
+static void tell_anchor(struct app *app)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    struct errinfo e;
+    bool behind;
+
+    (void)pthread_mutex_lock(&lock);
+    behind = store_anchor_fault(app->store, &e);
+    if (behind && !app->anchor_behind)
+        tell("warn", "the database's anchor is not up to date", &e);
+    else if (!behind && app->anchor_behind)
+        logger_line("info", "the database's anchor is up to date again");
+    app->anchor_behind = behind;
+    (void)pthread_mutex_unlock(&lock);
+}
+
 void refusal_tell(struct app *app)
 {
     struct errinfo e;
 
     if (store_refused(app->store, &e) && !atomic_flag_test_and_set(&app->refusal_told))
         tell("error", "the database is refused until the daemon is restarted", &e);
-    if (store_anchor_fault(app->store, &e) &&
-        !atomic_flag_test_and_set(&app->anchor_told))
-        tell("warn", "the database's anchor is not up to date", &e);
+    tell_anchor(app);
 }
