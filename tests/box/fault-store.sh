@@ -50,5 +50,15 @@ send POST /v1/subjects/s2/templates "$PLY" "$T/s2.ply"
 is "enrolled after it" "$STATUS" 201
 req GET '/v1/subjects?limit=100'
 is "nothing of the refused is there" "$(get '[.subjects[].subject] | join(" ")')" "s1 s2"
+errors() {
+    metric "surfaced_database_errors_total{kind=\"$1\"}"
+}
+is "each refused request is counted" "$(errors busy) $(errors io) $(errors corrupt) $(errors other)" "8 0 0 0"
+
+# ---- damaged
+damage_faces 1
+send POST /v1/subjects/s2/verify "$PLY" "$T/p2.ply"
+problem "a damaged template" 500 internal
+is "it is counted too" "$(errors busy) $(errors io) $(errors corrupt) $(errors other)" "8 0 1 0"
 
 finish

@@ -43,6 +43,8 @@ for _ in $(seq 40); do # an event alone takes less room than a verification
 done
 is "without its event" "$(metric surfaced_lost_events_total)" 1
 ok "as the log says" grep -q 'msg="event lost".*event=compare' "$LOG"
+is "as errors of the database: an enrolment, a verification, an event" \
+    "$(metric 'surfaced_database_errors_total{kind="io"}')" 3
 alive "a full disk"
 stop_daemon
 
