@@ -87,22 +87,40 @@ enum status store_refuse(struct store *s, enum status st, const struct errinfo *
     return errinfo_set(e, st, "%s", why->msg);
 }
 
-/* Nothing is written on top of what was not verified. */
-static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
+/* Is it the database that was opened, and no older one? */
+static enum status check_end(struct store *s, struct log_txn *t, struct errinfo *e)
 {
-    enum status st;
+    enum status st = sql_file_in_place(t->sql, e);
 
-    if ((st = sql_file_in_place(t->sql, e)) != ST_OK)
+    if (st != ST_OK)
         return st;
     st = log_txn_begin(t, e);
     if (st == ST_EREFUSED && !sql_file_is(t->sql) && s->anchor != NULL)
         atomic_store(&s->behind, true);
-    if (st != ST_OK || t->how == SQL_READ || atomic_load(&s->verified))
+    return st;
+}
+
+/* Rows that cannot be read may hide a difference: nothing is used until they were read. */
+static void note_verified(struct store *s, enum status st)
+{
+    if (st == ST_OK || !store_txn_may_pass(st)) {
+        atomic_store(&s->verified, st == ST_OK);
+        atomic_store(&s->unread, st != ST_OK);
+    }
+}
+
+/* Nothing is written on top of what was not verified. */
+static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
+{
+    enum status st = check_end(s, t, e);
+
+    if (st != ST_OK || atomic_load(&s->verified) ||
+        (t->how == SQL_READ && !atomic_load(&s->unread)))
         return st;
     if (t->how == SQL_TRY)
         return errinfo_set(e, ST_EBUSY, "the rows are not verified yet");
-    if ((st = store_txn_verify(t, NULL, NULL, e)) == ST_OK)
-        atomic_store(&s->verified, true);
+    st = store_txn_verify(t, NULL, NULL, e);
+    note_verified(s, st);
     return st;
 }
 
@@ -158,15 +176,15 @@ enum status store_verify_rows(struct store *s, store_report *report, void *arg,
 {
     struct errinfo why;
     struct log_txn t;
-    enum status st = store_begin(s, SQL_READ, &t, e);
+    enum status st = start(s, SQL_READ, &t, e);
 
     if (st != ST_OK)
         return st;
-    st = store_txn_verify(&t, report, arg, &why);
-    (void)store_end(s, &t, st, NULL);
-    /* Rows that cannot be read may hide a difference: nothing is used until they were. */
-    if (st == ST_OK || !store_txn_may_pass(st))
-        atomic_store(&s->verified, st == ST_OK);
+    if ((st = check_end(s, &t, &why)) == ST_OK) {
+        st = store_txn_verify(&t, report, arg, &why);
+        note_verified(s, st);
+    }
+    (void)sql_end(t.sql, st, NULL);
     return st == ST_OK ? ST_OK : store_refuse(s, st, &why, e);
 }
 

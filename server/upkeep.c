@@ -24,6 +24,7 @@ struct upkeep {
     double trim_ms, verify_ms; /* when they are due */
     struct every *thread;
     bool ended;
+    bool unread; /* the last verification could not read the rows */
 };
 
 static void trim(struct upkeep *u)
@@ -44,11 +45,25 @@ static void trim(struct upkeep *u)
     logger_end(&l);
 }
 
-/* After a difference all of /v1 is refused: refusal_tell() reports it. */
+/* After a difference all of /v1 is refused: refusal_tell() reports it.  Rows that could not be read are
+ * reported once, until they were. */
 static void verify(struct upkeep *u)
 {
-    if (store_verify(u->app->store, NULL, NULL, NULL) == ST_OK)
+    struct errinfo e;
+    const enum status st = store_verify(u->app->store, NULL, NULL, &e);
+    struct logger_line l;
+
+    if (st == ST_OK)
         metrics_rows_verified(u->app->metrics);
+    if (st == ST_OK && u->unread)
+        logger_line("info", "the rows were verified again");
+    if (st != ST_OK && st != ST_EREFUSED && !u->unread) {
+        metrics_database_error(u->app->metrics, st);
+        logger_begin(&l, "warn", "the rows could not be verified");
+        logger_text(&l, "reason", e.msg);
+        logger_end(&l);
+    }
+    u->unread = st != ST_OK && st != ST_EREFUSED;
 }
 
 /* A failover can lose a change that was seen and not yet acknowledged.  Whether it was that, and no

@@ -125,6 +125,16 @@ req DELETE /v1/subjects/carol
 is "a change goes on where it cannot be written" "$STATUS" 200
 contains "the log warns" "$LOG" "anchor is not up to date"
 rmdir "$ANCHOR"
+send POST /v1/subjects/carol/templates "$PLY" "$T/s2.ply"
+contains "the log tells the recovery" "$LOG" "anchor is up to date again"
+rm "$ANCHOR"
+mkdir "$ANCHOR"
+for _ in 1 2; do
+    req DELETE /v1/subjects/carol
+    send POST /v1/subjects/carol/templates "$PLY" "$T/s2.ply"
+done
+is "and the second outage, once" "$(grep -c 'anchor is not up to date' "$LOG")" 2
+rmdir "$ANCHOR"
 stop_daemon
 ok "it is made up for" test -s "$ANCHOR"
 rm "$ANCHOR"

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Goal: a daemon under verifications finds by itself that its database is not as it was written,
-# within two of its verification periods: an older row, one that is hidden, a table that cannot be
-# read, and bytes that were changed in the file without SQLite.  From then on all of /v1 gives 503
-# with a clear line in the log.  Here the periods pass: 130 s, for four daemons at once.
+# within two of its verification periods: an older row, one that is hidden, and bytes that were
+# changed in the file without SQLite.  From then on all of /v1 gives 503 with a clear line in the log.
+# While a table cannot be read, which may hide a difference, no request is served; when it can, the
+# difference is found.  Here the periods pass: 130 s, for four daemons at once.
 . tests/box/lib.sh
 
 PERIOD=60 # VERIFY_MS of server/upkeep.c
@@ -68,7 +69,7 @@ all_refuse() {
         [ -e "$T/$way.found" ] && continue
         [ "$way" = bytes ] && ! grep -q 'is refused' "$T/$way.log" && return 1
         ask "$way"
-        [ "$STATUS" = 503 ] || return 1
+        [ "$STATUS" = 503 ] || { [ "$way" = unread ] && [ "$STATUS" = 500 ]; } || return 1
         date +%s >"$T/$way.found"
     done
 }
@@ -78,6 +79,16 @@ done
 for way in $ways; do
     URL=$(cat "$T/$way.url") PID=$(cat "$T/$way.pid")
     ok "$way: found within two periods" [ -e "$T/$way.found" ]
+    if [ "$way" = unread ]; then
+        for path in subjects subjects/alice; do
+            req GET "/v1/$path"
+            problem "$way: GET $path" 500 internal
+        done
+        contains "$way: the log says why" "$T/unread.log" 'level=warn msg="the rows could not be verified" .*devices'
+        is "$way: and nothing of a difference" "$(grep -c 'is refused until' "$T/unread.log")" 0
+        sqlite3 "$T/unread.db" "ALTER TABLE others RENAME TO devices"
+        ask "$way"
+    fi
     for path in subjects subjects/alice templates/00000000000000000000000000000000; do
         req GET "/v1/$path"
         problem "$way: GET $path" 503 database_refused
@@ -100,6 +111,6 @@ for way in $ways; do
 done
 contains "older" "$T/older.log" 'is refused .*reason="the database is not as it was written: the rows are not those of the last change'
 contains "hidden" "$T/hidden.log" 'reason="the database is not as it was written: the rows are not those'
-contains "unread" "$T/unread.log" 'is refused .*devices'
+contains "unread" "$T/unread.log" 'is refused .*reason="the database is not as it was written: '
 contains "bytes" "$T/bytes.log" 'reason="the database is not as it was written: ' 
 finish

@@ -381,6 +381,8 @@ TEST(test_not_read)
                          passes ? ST_OK : kind[k]);
         if (passes)
             must(sql_end(t.sql, ST_OK, &e));
+        fail_reading(2, 1, kind[k]); /* a read too */
+        assert_int_equal(store_ready(s, &e), passes ? ST_OK : kind[k]);
         fail_reading(0, 0, ST_OK);
         must(store_start_use(s, SQL_READ, &use, &t, &e));
         must(sql_end(t.sql, ST_OK, &e));
