@@ -203,6 +203,14 @@ static enum status named(struct newfile *n, struct errinfo *e)
                              n->path, strerror(errno));
 }
 
+void newfile_like(int fd, const char *path)
+{
+    struct stat sb;
+
+    if (stat(path, &sb) == 0 && fchown(fd, sb.st_uid, sb.st_gid) == 0)
+        (void)fchmod(fd, 0600 | (sb.st_mode & 0040));
+}
+
 enum status newfile_sync(const struct newfile *n, struct errinfo *e)
 {
     if (fsync(n->fd) != 0)

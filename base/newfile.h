@@ -48,6 +48,11 @@ typedef enum status newfile_writer(FILE *to, const void *arg, struct errinfo *e)
 enum status newfile_fill(struct newfile *n, newfile_writer *write, const void *arg,
                          struct errinfo *e);
 
+/* newfile_like(fd, path): Gives an open file the owner and group of the file at path, and its bits for
+ * reading by the group, as far as this process may: root that replaces another user's file leaves it to
+ * that user.  Does nothing if there is no file at path. */
+void newfile_like(int fd, const char *path);
+
 /* newfile_sync(n, e): Flushes the part's bytes to the disk.  ST_EIO, also if the part was removed or
  * replaced meanwhile. */
 enum status newfile_sync(const struct newfile *n, struct errinfo *e);

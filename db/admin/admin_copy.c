@@ -409,7 +409,10 @@ enum status admin_swap(const char *path, struct store *held, struct newfile *n,
         (st = sql_file_fold(held->sql, e)) == ST_OK && link(path, aside) != 0)
         st = errinfo_set(e, ST_EIO, "cannot call %.150s %.150s: %s", path, aside,
                          strerror(errno));
-    if (st != ST_OK || (st = newfile_commit(n, e)) == ST_OK)
+    if (st != ST_OK)
+        return st;
+    newfile_like(n->fd, path);
+    if ((st = newfile_commit(n, e)) == ST_OK)
         return st;
     if (st != ST_EUNSYNCED && held != NULL && sql_file_same(path, aside))
         (void)unlink(aside); /* its other name is still there */

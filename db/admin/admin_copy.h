@@ -58,6 +58,7 @@ enum status admin_in_file(const char *path, const char *instead, struct errinfo 
 
 /* admin_swap(path, held, n, aside, e): Gives the file n->part the name `path`.  If there is a database of
  * that name, held is it, open alone, and it is called `aside` from then on; held may be NULL.
+ * Owner and group stay.
  * ST_EEXISTS: there is another file `aside`.  ST_EUNSYNCED: swapped, but perhaps not on the disk; both
  * databases are there, and the caller removes nothing.  Otherwise nothing was changed. */
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,

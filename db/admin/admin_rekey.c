@@ -169,6 +169,17 @@ enum status admin_rekey_left(const char *path, const struct store_key *key,
 
 /* ---- the end of a rekey, which is also that of one that was interrupted */
 
+/* The new key is for the users that the old one is for. */
+static void own_as(const char *path, const char *like)
+{
+    const int fd = open(path, O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+
+    if (fd >= 0) {
+        newfile_like(fd, like);
+        (void)close(fd);
+    }
+}
+
 /* The new key into its place.  An old one in that place becomes KEY.old; what is neither stays. */
 static enum status place_key(const struct rekeying *x, const char *aside,
                              struct errinfo *e)
@@ -181,6 +192,8 @@ static enum status place_key(const struct rekeying *x, const char *aside,
         is_old = true;
     else if (!comes && (st = fits(x->key_path, x->path, &is_new, e)) == ST_OK && !is_new)
         st = fits(x->key_path, aside, &is_old, e);
+    if (comes && is_old)
+        own_as(x->key_new, x->key_path);
     if (st == ST_OK && is_old)
         st = newfile_rename(x->key_path, x->key_old, e);
     return st == ST_OK && comes ? newfile_rename(x->key_new, x->key_path, e) : st;

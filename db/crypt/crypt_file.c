@@ -59,8 +59,8 @@ enum status crypt_file_lock(const char *path, int *fd, struct errinfo *e)
     int rc;
 
     if ((*fd = newfile_open_directory(path)) < 0)
-        return errinfo_set(e, ST_EIO, "cannot open the folder of %.160s: %s", path,
-                           strerror(errno));
+        return errinfo_set(e, errno == EACCES ? ST_EDENIED : ST_EIO,
+                           "cannot open the folder of %.160s: %s", path, strerror(errno));
     do
         rc = flock(*fd, LOCK_EX);
     while (rc != 0 && errno == EINTR);

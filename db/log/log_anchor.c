@@ -112,8 +112,10 @@ enum status log_anchor_prepare(const char *path, const struct crypt *c,
     print(c, at, places[0]);
     print(c, at, places[1]);
     if ((st = newfile_open(target, n, e)) == ST_OK &&
-        (st = newfile_put(n, places, sizeof places, e)) == ST_OK)
+        (st = newfile_put(n, places, sizeof places, e)) == ST_OK) {
+        newfile_like(n->fd, target);
         st = newfile_sync(n, e);
+    }
     free(target);
     return st;
 }

@@ -82,6 +82,72 @@ is "its first key" "$(said .kind)" file
 if holds "$open" "$DB" "$DB-wal"; then found=yes; else found=no; fi
 is "the plaintext key is gone" "$found" no
 ctl_exits 66 rekey --yes --key "$T/nowhere"
+
+# ---- where the files are: links lead to them, and stay
+L=$T/links
+mkdir "$L" "$L/keys" "$L/data" "$L/anchors"
+linked() { "$BUILD/surfacectl" --db "$L/db" --key "$L/key" --anchor "$L/anchor" "$@" >"$T/ctl" 2>"$T/ctl.err"; }
+linked init
+mv "$L/db" "$L/data/real"
+mv "$L/key" "$L/keys/real"
+mv "$L/anchor" "$L/anchors/real"
+ln -s data/real "$L/db"
+ln -s keys/real "$L/key"
+ln -s anchors/real "$L/anchor"
+linked enroll s1 "$T/s1.ply"
+for way in --yes --keep-old; do
+    linked rekey $way
+    is "rekey $way through links" $? 0
+    linked verify s1 "$T/p1.ply"
+    is "and it opens" $? 0
+done
+is "the links are there" "$(readlink "$L/db") $(readlink "$L/key") $(readlink "$L/anchor")" "data/real keys/real anchors/real"
+is "what is kept is beside the files" "$(files "$L/data") $(files "$L/keys")" "real real.before-rekey real real.old"
+
+# ---- whose they are
+mkfifo "$T/pipe"
+cat "$DB.key" >"$T/pipe" &
+ctl_exits 65 rekey --yes --key "$T/pipe"
+contains "a pipe" "$T/ctl.err" 'is not a file, so another cannot be put in its place'
+kill $! 2>/dev/null
+if [ "$(id -u)" = 0 ]; then
+    W=$T/owned
+    mkdir "$W" "$W/d"
+    chmod 711 "$T" "$W"
+    chown 65534:65534 "$W/d"
+    cp "$BUILD/surfacectl" "$W/"
+    as() { setpriv --reuid "$1" --regid "$1" --clear-groups "$W/surfacectl" --db "$W/d/db" --anchor "$W/d/anchor" $2 >"$T/ctl" 2>"$T/ctl.err"; }
+    as 65534 init
+    chown 0:65534 "$W/d/db.key"
+    chmod 640 "$W/d/db.key"
+    as 65534 "rekey --yes"
+    is "a key that cannot be overwritten" "$?" 77
+    contains "it is said whose it is" "$T/ctl.err" 'belongs to user 0, and this user may not replace and overwrite it.*--keep-old'
+    is "nothing was changed" "$(files "$W/d")" "anchor db db.key"
+    as 0 "rekey --yes"
+    is "root may" $? 0
+    is "owners and groups stay" "$(stat -c %u:%g:%a "$W/d/db" "$W/d/db.key" "$W/d/anchor" | paste -sd ' ')" \
+        "65534:65534:600 0:65534:640 65534:65534:600"
+    as 65534 "rekey --keep-old"
+    is "and with --keep-old its reader" $? 0
+    as 65534 check-database
+    is "it opens" $? 0
+    rm "$W/d/db.before-rekey" "$W/d/db.key.old"
+    for mode in 0300 0500; do # it cannot be flushed; nothing can be made in it
+        chmod $mode "$W/d"
+        as 65534 "rekey --keep-old"
+        is "a folder of mode $mode" $? 77
+    done
+    chmod 1777 "$W/d" # sticky, another's key
+    chown 0:0 "$W/d"
+    chown 0:65534 "$W/d/db.key"
+    chmod 640 "$W/d/db.key"
+    as 65534 "rekey --keep-old"
+    is "a sticky folder" $? 77
+    is "nothing was changed" "$(files "$W/d")" "anchor db db.key"
+    as 65534 check-database
+    is "it opens" $? 0
+fi
 ctl_exits 0 check-database
 is "all is well" "$(said .templates)" 1
 finish
