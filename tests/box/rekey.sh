@@ -116,7 +116,11 @@ if [ "$(id -u)" = 0 ]; then
     chmod 711 "$T" "$W"
     chown 65534:65534 "$W/d"
     cp "$BUILD/surfacectl" "$W/"
-    as() { setpriv --reuid "$1" --regid "$1" --clear-groups "$W/surfacectl" --db "$W/d/db" --anchor "$W/d/anchor" $2 >"$T/ctl" 2>"$T/ctl.err"; }
+    as() {
+        # shellcheck disable=SC2086 # a command and its options
+        setpriv --reuid "$1" --regid "$1" --clear-groups "$W/surfacectl" --db "$W/d/db" --anchor "$W/d/anchor" \
+            $2 >"$T/ctl" 2>"$T/ctl.err"
+    }
     as 65534 init
     chown 0:65534 "$W/d/db.key"
     chmod 640 "$W/d/db.key"
