@@ -165,6 +165,7 @@ static void receive(struct sql_postgres_conn *c)
     c->first = (c->first + 1) % SQL_POSTGRES_SENT;
     c->n--;
     take_result(c, &s, r);
+    r = NULL; /* its owner is another one now */
     if (s.kind != SQL_POSTGRES_SYNC &&
         (!wait_for_input(c) || (r = PQgetResult(c->pg)) != NULL)) {
         PQclear(r);

@@ -1,7 +1,7 @@
 /* A store on a PostgreSQL (scripts/with_postgres): how often it waits for the server, what it does when
- * the server ends its connections, amid a commit too, and what it makes of another daemon's commit
- * between any two of its statements. */
-/* link: -Wl,--wrap=poll,--wrap=PQpipelineSync,--wrap=PQsendPrepare,--wrap=PQsendQueryPrepared,--wrap=PQsendQueryParams */
+ * the server ends its connections, amid a commit too, sends no more or reads no more, and what it makes
+ * of another daemon's commit between any two of its statements. */
+/* link: -Wl,--wrap=poll,--wrap=clock_gettime,--wrap=PQisBusy,--wrap=PQgetResult,--wrap=PQfinish,--wrap=PQpipelineSync,--wrap=PQsendPrepare,--wrap=PQsendQueryPrepared,--wrap=PQsendQueryParams */
 #include <libpq-fe.h>
 #include <poll.h>
 #include <stdlib.h>
@@ -21,26 +21,84 @@ static unsigned waits; /* for a round trip, or what is left of one */
 static bool waiting;   /* since the last statements were sent */
 
 static unsigned cut_at; /* what is sent for the n-th time is not replied to; 0: none */
+static PGconn *last;    /* the connection that was last sent to */
+
+static unsigned silent_at; /* after so many results a connection has no more; 0: never */
+static PGconn *silent;     /* that connection */
+static bool hurry;         /* a wait ends after 50 ms, as if its whole time had passed */
+static time_t passed_s;    /* by such waits, on the monotonic clock */
+
+/* Connects fd to a socket that no process reads.  Returns the other end. */
+static int divert(int fd)
+{
+    int ends[2];
+
+    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends), 0);
+    assert_int_equal(dup2(ends[0], fd), fd);
+    (void)close(ends[0]);
+    return ends[1];
+}
 
 /* The server has done what it was sent; its reply is lost. */
 static void cut(int fd)
 {
-    int ends[2];
-
     (void)nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
-    assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
-    assert_int_equal(dup2(ends[0], fd), fd);
-    (void)close(ends[0]);
-    (void)close(ends[1]);
+    (void)close(divert(fd));
+}
+
+int __real_clock_gettime(clockid_t clock, struct timespec *t);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *t);
+int __wrap_clock_gettime(clockid_t clock, struct timespec *t)
+{
+    const int done = __real_clock_gettime(clock, t);
+
+    if (clock == CLOCK_MONOTONIC)
+        t->tv_sec += passed_s;
+    return done;
 }
 
 int __real_poll(struct pollfd *fd, nfds_t n, int ms);
 int __wrap_poll(struct pollfd *fd, nfds_t n, int ms);
 int __wrap_poll(struct pollfd *fd, nfds_t n, int ms)
 {
+    const bool mute = silent != NULL && fd->fd == PQsocket(silent);
+    int ready = 0;
+
     waits += !waiting;
     waiting = true;
-    return __real_poll(fd, n, ms);
+    if (!mute && !hurry)
+        return __real_poll(fd, n, ms);
+    if (!mute)
+        ready = __real_poll(fd, n, 50);
+    if (ready == 0)
+        passed_s += (ms + 999) / 1000;
+    return ready;
+}
+
+int __real_PQisBusy(PGconn *pg);
+int __wrap_PQisBusy(PGconn *pg);
+int __wrap_PQisBusy(PGconn *pg)
+{
+    return pg == silent ? 1 : __real_PQisBusy(pg);
+}
+
+PGresult *__real_PQgetResult(PGconn *pg);
+PGresult *__wrap_PQgetResult(PGconn *pg);
+PGresult *__wrap_PQgetResult(PGconn *pg)
+{
+    PGresult *r = __real_PQgetResult(pg);
+
+    if (r != NULL && silent_at > 0 && --silent_at == 0)
+        silent = pg;
+    return r;
+}
+
+void __real_PQfinish(PGconn *pg);
+void __wrap_PQfinish(PGconn *pg);
+void __wrap_PQfinish(PGconn *pg)
+{
+    silent = pg == silent ? NULL : silent;
+    __real_PQfinish(pg);
 }
 
 /* Every other connection to the database. */
@@ -56,6 +114,7 @@ int __wrap_PQpipelineSync(PGconn *pg)
 {
     const int done = __real_PQpipelineSync(pg);
 
+    last = pg;
     waiting = false;
     if (cut_at > 0 && --cut_at == 0)
         cut(PQsocket(pg));
@@ -197,6 +256,37 @@ TEST(test_cut)
         must(store_verify(s, NULL, NULL, &e));
     }
     assert_int_equal(done_anyway, 1); /* the commit */
+    store_close(s);
+}
+
+/* Whichever result is the last in time: what became of the commit is known. */
+TEST(test_silent)
+{
+    unsigned done_anyway = 0;
+    struct store *s;
+    bool fell = true;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    tempdb_add(s, "first");
+    for (unsigned n = 1; fell; n++) {
+        struct store_subject one = {.reference = ""}, got;
+        enum status st;
+
+        (void)snprintf(one.id, sizeof one.id, "s%u", n);
+        silent_at = n;
+        st = store_subject_add(s, "test", NULL, &one, &e);
+        fell = silent_at == 0;
+        silent_at = 0;
+        silent = NULL;
+        assert_true(st == ST_OK || (fell && st == ST_EBUSY));
+        done_anyway += fell && st == ST_OK;
+        assert_int_equal(store_subject_get(s, one.id, &got, NULL),
+                         st == ST_OK ? ST_OK : ST_ENOTFOUND);
+    }
+    assert_in_range(done_anyway, 1, 5); /* from the commit on */
+    must(store_verify(s, NULL, NULL, &e));
     store_close(s);
 }
 
