@@ -367,7 +367,7 @@ static enum status fetch(struct sql_postgres_rows *r, struct errinfo *e)
     char text[64];
 
     (void)snprintf(text, sizeof text, "FETCH FORWARD %d FROM c%u", r->batch, r->cursor);
-    r->here = false;
+    r->here = true; /* without a result: an error, until they are asked for */
     r->at = -1;
     PQclear(r->result);
     r->result = NULL;
@@ -378,6 +378,7 @@ static enum status fetch(struct sql_postgres_rows *r, struct errinfo *e)
         lose(r->conn);
         return sql_postgres_conn_failed(r->conn, e);
     }
+    r->here = false;
     push(r->conn, (struct sql_postgres_sent){.kind = SQL_POSTGRES_QUERY, .rows = r});
     return ST_OK;
 }

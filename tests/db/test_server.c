@@ -23,6 +23,8 @@ static bool waiting;   /* since the last statements were sent */
 static unsigned cut_at; /* what is sent for the n-th time is not replied to; 0: none */
 static PGconn *last;    /* the connection that was last sent to */
 
+static unsigned fetch_at; /* the n-th FETCH cannot be sent; 0: none */
+
 static unsigned silent_at; /* after so many results a connection has no more; 0: never */
 static PGconn *silent;     /* that connection */
 static bool hurry;         /* a wait ends after 50 ms, as if its whole time had passed */
@@ -290,6 +292,48 @@ TEST(test_silent)
     store_close(s);
 }
 
+/* A stream of 40 numbers whose first batch was read. */
+static struct sql_rows *stream(struct store *s, struct log_txn *x)
+{
+    struct sql_rows *r;
+
+    must(store_begin(s, SQL_READ, x, &e));
+    must(sql_stream(x->sql, "SELECT CAST(n AS bigint) FROM generate_series(1, 40) n",
+                    NULL, 0, &r, &e));
+    for (int64_t i = 1; i <= 16; i++) {
+        assert_true(sql_next(r));
+        assert_int_equal(sql_column(r, 0).i, i);
+    }
+    return r;
+}
+
+TEST(test_stream_cut)
+{
+    struct sql_rows *r;
+    struct log_txn x;
+    struct store *s;
+    uint64_t n;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    r = stream(s, &x);
+    for (int64_t i = 17; i <= 40; i++)
+        assert_true(sql_next(r));
+    assert_false(sql_next(r));
+    must(store_end(s, &x, sql_done(r, ST_OK, &e), &e));
+    fetch_at = 2;
+    r = stream(s, &x);
+    assert_false(sql_next(r));
+    fails(store_end(s, &x, sql_done(r, ST_OK, &e), NULL), ST_EBUSY);
+    r = stream(s, &x);
+    must(sql_run(x.sql, "SELECT 1 / 0", NULL, 0, &e));
+    fails(sql_changed(x.sql, &n, &e), ST_EDB);
+    assert_false(sql_next(r));
+    fails(store_end(s, &x, sql_done(r, ST_OK, &e), NULL), ST_EDB);
+    store_close(s);
+}
+
 /* ---- another daemon */
 
 static struct store *other;   /* which commits something before each statement of ours, */
@@ -392,6 +436,8 @@ int __wrap_PQsendQueryParams(PGconn *pg, const char *text, int n, const Oid *typ
         (void)PQflush(pg);
         commit_something();
     }
+    if (fetch_at > 0 && strncmp(text, "FETCH", 5) == 0 && --fetch_at == 0)
+        return 0;
     return __real_PQsendQueryParams(pg, text, n, type, data, len, format, result);
 }
 
