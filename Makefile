@@ -97,7 +97,7 @@ say  = @$(if $(V)$(findstring s,$(firstword -$(MAKEFLAGS))),:,printf '  %-5s %s\
 
 obj        = $(patsubst %.c,$(BUILD)/%.o,$(1))
 programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
-TEST_SRC  := $(filter-out $(if $(filter 1,$(POSTGRES)),,tests/db/test_server.c tests/admin/test_move.c),$(wildcard tests/*/test_*.c))
+TEST_SRC  := $(filter-out $(if $(filter 1,$(POSTGRES)),,tests/db/test_server% tests/admin/test_move.c),$(wildcard tests/*/test_*.c))
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 # Fuzzers of tests/fuzz/cloud.c: fuzz_cloudNAME-FORMAT.
 CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ

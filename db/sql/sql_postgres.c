@@ -164,13 +164,13 @@ static void close_idle(struct sql_postgres *d)
     (void)pthread_mutex_unlock(&d->lock);
 }
 
-/* Where one was lost, the others of that server are probably too. */
+/* If a connection is lost or of no more use, the idle ones of the same server probably are too. */
 static void give_back(struct sql_postgres_conn *c)
 {
     struct sql_postgres *d = c->of;
 
     if (sql_postgres_conn_lost(c) || c->error.code != ST_OK) {
-        if (sql_postgres_conn_lost(c))
+        if (sql_postgres_conn_lost(c) || c->closing)
             close_idle(d);
         close_conn(c);
         return;

@@ -62,6 +62,7 @@ struct sql_postgres_conn { /* a connection, and its transaction */
     bool unsynced;     /* something was sent since the last SYNC */
     bool unproved;     /* a RUN_ONE is on its way */
     bool lost;
+    bool closing; /* an error was one that a rollback does not repair: closed after it */
     bool writes, ahead, committing, committed;
     bool warned; /* while committing */
     unsigned cursors;

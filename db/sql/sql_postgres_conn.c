@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "bytes.h"
+#include "sql_postgres_state.h"
 
 #define VALUES     20     /* of a statement, at most */
 #define WAIT_MS    120000 /* for any result: a query over all rows takes a while */
@@ -33,25 +34,6 @@ struct values { /* of a statement, as they are sent: binary */
 
 /* ---- errors */
 
-static enum status status_of(const char *code)
-{
-    static const struct {
-        const char *begins;
-        enum status st;
-    } of[] = {
-        {"08", ST_EBUSY},       {"40", ST_EBUSY},       {"55P03", ST_EBUSY},
-        {"57", ST_EBUSY},       {"53300", ST_EBUSY},    {"25006", ST_EBUSY},
-        {"53200", ST_ENOMEM},   {"53", ST_EIO},         {"58", ST_EIO},
-        {"42501", ST_EIO},      {"28", ST_EIO},         {"54", ST_ELIMIT},
-        {"XX001", ST_ECORRUPT}, {"XX002", ST_ECORRUPT}, {"42", ST_ECORRUPT},
-    };
-
-    for (size_t i = 0; i < sizeof of / sizeof *of; i++)
-        if (strncmp(code, of[i].begins, strlen(of[i].begins)) == 0)
-            return of[i].st;
-    return ST_EDB;
-}
-
 /* The first line alone. */
 enum status sql_postgres_conn_say(struct errinfo *e, enum status st, const char *what,
                                   const char *text)
@@ -65,20 +47,23 @@ bool sql_postgres_conn_lost(const struct sql_postgres_conn *c)
     return c->lost || PQstatus(c->pg) != CONNECTION_OK;
 }
 
-/* Keeps the first: what follows only follows from it. */
+/* Keeps the first error: the others follow from it. */
 void sql_postgres_conn_error(struct sql_postgres_conn *c, const PGresult *r)
 {
     const char *code = r != NULL ? PQresultErrorField(r, PG_DIAG_SQLSTATE) : NULL;
     const char *text = r != NULL ? PQresultErrorField(r, PG_DIAG_MESSAGE_PRIMARY) : NULL;
+    const struct sql_postgres_state *is =
+        code != NULL && text != NULL ? sql_postgres_state_of(code) : NULL;
 
+    if (is != NULL && !is->keep)
+        c->closing = true;
     if (c->error.code != ST_OK)
         return;
-    if (code == NULL || text == NULL)
+    if (is == NULL)
         (void)sql_postgres_conn_say(&c->error, ST_EBUSY, "the connection was lost",
                                     PQerrorMessage(c->pg));
     else
-        (void)sql_postgres_conn_say(&c->error, status_of(code), "it refused a statement",
-                                    text);
+        (void)sql_postgres_conn_say(&c->error, is->st, "it refused a statement", text);
 }
 
 enum status sql_postgres_conn_failed(const struct sql_postgres_conn *c, struct errinfo *e)
@@ -132,7 +117,7 @@ static uint64_t count_changed(PGresult *r)
 static void take_result(struct sql_postgres_conn *c, const struct sql_postgres_sent *s,
                         PGresult *r)
 {
-    if (!is_good(r) && PQresultStatus(r) != PGRES_PIPELINE_ABORTED)
+    if (!is_good(r))
         sql_postgres_conn_error(c, r);
     if (!is_good(r) && s->kind == SQL_POSTGRES_PREPARE)
         s->slot->prepared = false;
@@ -581,7 +566,7 @@ void sql_postgres_conn_rollback(struct sql_postgres_conn *c)
     unpark_all(c);
     if (c->error.code != ST_OK)
         sql_postgres_conn_settle(c, NULL);
-    if (sql_postgres_conn_lost(c))
+    if (sql_postgres_conn_lost(c) || c->closing)
         return;
     c->error.code = ST_OK;
     (void)post(c, "ROLLBACK", NULL, 0, SQL_POSTGRES_RUN, NULL, NULL);

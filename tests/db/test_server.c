@@ -292,6 +292,56 @@ TEST(test_silent)
     store_close(s);
 }
 
+/* The transaction that finds it fails, and its connection is closed: the next one succeeds. */
+TEST(test_stale_plan)
+{
+    struct store_subject one;
+    struct store *s;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    tempdb_add(s, "first");
+    must(store_subject_get(s, "first", &one, &e));
+    tempdb_sql("ALTER TABLE main.subjects ALTER COLUMN hold TYPE integer");
+    fails(store_subject_get(s, "first", &one, &e), ST_EBUSY);
+    assert_non_null(strstr(e.msg, "cached plan"));
+    must(store_subject_get(s, "first", &one, &e));
+    store_close(s);
+}
+
+static void set_timeout(const char *value)
+{
+    char text[200];
+
+    (void)snprintf(text, sizeof text,
+                   "DO $$ BEGIN EXECUTE format('ALTER DATABASE %%I SET "
+                   "idle_in_transaction_session_timeout = %s', current_database()); "
+                   "END $$",
+                   value);
+    tempdb_sql(text);
+}
+
+TEST(test_idle_in_transaction)
+{
+    struct log_txn x;
+    struct store *s;
+    uint64_t n;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    set_timeout("100");
+    end_connections();
+    must(store_begin(s, SQL_READ, &x, &e));
+    (void)nanosleep(&(struct timespec){.tv_nsec = 300000000}, NULL);
+    fails(store_end(s, &x, sql_bytes(x.sql, &n, &e), NULL), ST_EBUSY);
+    assert_non_null(strstr(e.msg, "idle-in-transaction timeout"));
+    must(store_verify(s, NULL, NULL, &e));
+    set_timeout("DEFAULT");
+    store_close(s);
+}
+
 /* A stream of 40 numbers whose first batch was read. */
 static struct sql_rows *stream(struct store *s, struct log_txn *x)
 {
