@@ -56,7 +56,7 @@ alone() {
     for source in "$1"/*.c; do
         case $source in
         core/libsurface.c | core/basic/calibration.c) ;; # libsurface.h declares them
-        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_*_conn.c | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
+        */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_*_conn.c | db/sql/sql_postgres_wait.c | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac
     done

@@ -8,20 +8,14 @@
 #include "bytes.h"
 #include "schema_postgres_sql.h"
 
-#define VERSION  1     /* of schema_postgres.sql */
-#define PROVE_MS 10000 /* to find out what became of a commit */
+#define VERSION   1      /* of schema_postgres.sql */
+#define SET_UP_MS 10000  /* longer than lock_timeout */
+#define WAIT_MS   120000 /* for each result: a query over all rows takes a while */
+#define PROVE_MS  10000  /* to find out what became of a commit */
 #define ALONE_MS                                                                         \
     2000 /* for the last of others to end; a server notices that a moment later */
 
 /* ---- connections */
-
-static int64_t now_ms(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_MONOTONIC, &t);
-    return (int64_t)t.tv_sec * 1000 + t.tv_nsec / 1000000;
-}
 
 static void wait_a_while(void)
 {
@@ -72,17 +66,15 @@ static PGconn *dial(const char *url)
 static enum status set_up(struct sql_postgres_conn *c, const char *settings,
                           struct errinfo *e)
 {
-    PGresult *r = PQexec(c->pg, settings);
+    PGresult *r = sql_postgres_conn_exec(c, settings);
     const char *code = PQresultErrorField(r, PG_DIAG_SQLSTATE);
     enum status st = ST_OK;
 
     if (code != NULL && strcmp(code, "55P03") == 0)
         st = errinfo_set(e, ST_EBUSY, "%s: another process has it for itself alone",
                          c->of->url);
-    else if (PQresultStatus(r) != PGRES_COMMAND_OK &&
-             PQresultStatus(r) != PGRES_TUPLES_OK)
-        st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be used",
-                                   PQerrorMessage(c->pg));
+    else if (c->error.code != ST_OK)
+        st = sql_postgres_conn_failed(c, e);
     else if (settings[sizeof SETTINGS - 1] != '\0' && PQntuples(r) == 0)
         st = errinfo_set(e, ST_EBUSY, "%s: another process has it open", c->of->url);
     PQclear(r);
@@ -105,7 +97,7 @@ static enum status say_unreached(const PGconn *pg, struct errinfo *e)
     return sql_postgres_conn_say(e, ST_EBUSY, "it cannot be reached", text);
 }
 
-static enum status connect_to(struct sql_postgres *d, const char *settings,
+static enum status connect_to(struct sql_postgres *d, const char *settings, int64_t until,
                               struct sql_postgres_conn **out, struct errinfo *e)
 {
     struct sql_postgres_conn *c = calloc(1, sizeof *c);
@@ -115,11 +107,14 @@ static enum status connect_to(struct sql_postgres *d, const char *settings,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     c->base.driver = &sql_postgres_driver;
     c->of = d;
+    c->wait_ms = SET_UP_MS;
+    c->until = until;
     c->pg = dial(d->url);
     if (PQstatus(c->pg) != CONNECTION_OK) {
         st = say_unreached(c->pg, e);
     } else {
         (void)PQsetNoticeReceiver(c->pg, take_notice, c);
+        (void)PQsetnonblocking(c->pg, 1);
         if ((st = set_up(c, settings, e)) == ST_OK && PQenterPipelineMode(c->pg) != 1)
             st = sql_postgres_conn_say(e, ST_EBUSY, "it cannot be used",
                                        PQerrorMessage(c->pg));
@@ -131,9 +126,9 @@ static enum status connect_to(struct sql_postgres *d, const char *settings,
     return st;
 }
 
-/* One at rest that is still good, or a new one. */
-static enum status take(struct sql_postgres *d, struct sql_postgres_conn **out,
-                        struct errinfo *e)
+/* One at rest that is still good, or a new one.  until: as c->until. */
+static enum status take(struct sql_postgres *d, int64_t until,
+                        struct sql_postgres_conn **out, struct errinfo *e)
 {
     struct sql_postgres_conn *c;
 
@@ -143,7 +138,7 @@ static enum status take(struct sql_postgres *d, struct sql_postgres_conn **out,
             d->idle = c->next;
         (void)pthread_mutex_unlock(&d->lock);
         if (c == NULL)
-            return connect_to(d, d->alone != NULL ? SETTINGS : IN_USE, out, e);
+            return connect_to(d, d->alone != NULL ? SETTINGS : IN_USE, until, out, e);
         if (sql_postgres_conn_good(c)) {
             *out = c;
             return ST_OK;
@@ -195,17 +190,19 @@ static const char *const begins[][2] = {
     [SQL_COPY] = {"BEGIN", NULL},
 };
 
-static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
-                         struct errinfo *e)
+/* until: as c->until. */
+static enum status begin_until(struct sql_postgres *d, enum sql_begin how, int64_t until,
+                               struct sql_txn **t, struct errinfo *e)
 {
-    struct sql_postgres *d = (struct sql_postgres *)of;
     struct sql_postgres_conn *c = NULL;
     enum status st;
 
     if (how != SQL_READ && d->read_only)
         return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", d->url);
-    if ((st = take(d, &c, e)) != ST_OK)
+    if ((st = take(d, until, &c, e)) != ST_OK)
         return st;
+    c->wait_ms = WAIT_MS;
+    c->until = until;
     c->writes = how != SQL_READ;
     c->ahead = c->committing = c->committed = c->warned = false;
     c->cursors = c->lock = 0;
@@ -217,6 +214,12 @@ static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
         close_conn(c);
     *t = &c->base;
     return st;
+}
+
+static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
+                         struct errinfo *e)
+{
+    return begin_until((struct sql_postgres *)of, how, INT64_MAX, t, e);
 }
 
 static enum status lock(struct sql_txn *t, uint32_t key, struct errinfo *e)
@@ -253,12 +256,12 @@ static enum status settle(struct sql_txn *t, struct errinfo *e)
 
 /* ST_OK: it was committed; ST_ENOTFOUND: it was not, nor will it be, as the lock that it held is
  * free.  What is seen may not be on a standby yet. */
-static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
+static enum status look(const struct sql_postgres_conn *lost, int64_t until,
+                        struct errinfo *e)
 {
-    struct sql_postgres *d = lost->of;
     struct sql_rows *r;
     struct sql_txn *t;
-    enum status st = begin(&d->base, SQL_WRITE, &t, e);
+    enum status st = begin_until(lost->of, SQL_WRITE, until, &t, e);
 
     if (st != ST_OK)
         return st;
@@ -274,12 +277,12 @@ static enum status look(const struct sql_postgres_conn *lost, struct errinfo *e)
 /* The connection was lost amid the commit. */
 static enum status find_out(const struct sql_postgres_conn *lost, struct errinfo *e)
 {
-    const int64_t until = now_ms() + PROVE_MS;
+    const int64_t until = sql_postgres_wait_clock() + PROVE_MS;
     enum status st = ST_EBUSY;
 
     close_idle(lost->of);
-    while (lost->proof != NULL && now_ms() < until && st == ST_EBUSY)
-        if ((st = look(lost, e)) == ST_EBUSY)
+    while (lost->proof != NULL && sql_postgres_wait_clock() < until && st == ST_EBUSY)
+        if ((st = look(lost, until, e)) == ST_EBUSY)
             wait_a_while();
     if (st == ST_OK)
         return st;
@@ -352,15 +355,13 @@ static enum status version(struct sql_txn *t, int *out, struct errinfo *e)
 static enum status create(struct sql_txn *t, struct errinfo *e)
 {
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
-    PGresult *r;
 
     sql_postgres_conn_settle(c, NULL);
-    if (c->error.code != ST_OK || PQexitPipelineMode(c->pg) != 1)
+    if (c->error.code == ST_OK && PQexitPipelineMode(c->pg) != 1)
+        sql_postgres_conn_error(c, NULL);
+    if (c->error.code != ST_OK)
         return sql_postgres_conn_failed(c, e);
-    r = PQexec(c->pg, schema_postgres_sql);
-    if (PQresultStatus(r) != PGRES_COMMAND_OK)
-        sql_postgres_conn_error(c, r);
-    PQclear(r);
+    PQclear(sql_postgres_conn_exec(c, schema_postgres_sql));
     if (PQenterPipelineMode(c->pg) != 1)
         sql_postgres_conn_error(c, NULL);
     if (c->error.code != ST_OK)
@@ -405,10 +406,11 @@ static enum status check_url(const char *url, struct errinfo *e)
 
 static enum status take_alone(struct sql_postgres *d, struct errinfo *e)
 {
-    const int64_t until = now_ms() + ALONE_MS;
+    const int64_t until = sql_postgres_wait_clock() + ALONE_MS;
     enum status st;
 
-    while ((st = connect_to(d, IF_UNUSED, &d->alone, e)) == ST_EBUSY && now_ms() < until)
+    while ((st = connect_to(d, IF_UNUSED, INT64_MAX, &d->alone, e)) == ST_EBUSY &&
+           sql_postgres_wait_clock() < until)
         wait_a_while();
     return st;
 }

@@ -6,7 +6,11 @@
  * Each statement of a transaction that writes sees what is committed by then (READ COMMITTED): what
  * must not change meanwhile is read after sql_lock().  A transaction that reads sees one moment
  * (REPEATABLE READ).  Of an error there is the first line that the server gave, without its detail,
- * which may have values; a connection that is lost is ST_EBUSY. */
+ * which may have values; a connection that is lost is ST_EBUSY.
+ *
+ * Connections are nonblocking, and each wait for the server has a limit.  A server that does not answer
+ * in time counts as lost.  libpq waits by itself only to connect: up to connect_timeout for each address
+ * of a host, and for the resolver. */
 #ifndef DB_SQL_POSTGRES_H
 #define DB_SQL_POSTGRES_H
 #include <libpq-fe.h>
@@ -62,7 +66,9 @@ struct sql_postgres_conn { /* a connection, and its transaction */
     bool unsynced;     /* something was sent since the last SYNC */
     bool unproved;     /* a RUN_ONE is on its way */
     bool lost;
-    bool closing; /* an error was one that a rollback does not repair: closed after it */
+    bool closing;  /* an error was one that a rollback does not repair: closed after it */
+    int wait_ms;   /* limit of the wait for each result */
+    int64_t until; /* limit of all waits, by sql_postgres_wait_clock(); INT64_MAX: none */
     bool writes, ahead, committing, committed;
     bool warned; /* while committing */
     unsigned cursors;
@@ -91,6 +97,20 @@ extern const struct sql_driver sql_postgres_driver;
 enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **out,
                               struct errinfo *e);
 
+/* sql_postgres_wait_clock(): Returns the monotonic clock, in ms. */
+int64_t sql_postgres_wait_clock(void);
+
+/* sql_postgres_wait(pg, until): Sends what libpq has not sent yet, and waits until PQgetResult(pg)
+ * returns without waiting.
+ *   pg      nonblocking (PQsetnonblocking())
+ *   until   latest end of the wait, by sql_postgres_wait_clock(), at most INT_MAX ms from now
+ * Returns false if the server did not answer until then, or if the connection is lost. */
+bool sql_postgres_wait(PGconn *pg, int64_t until);
+
+/* sql_postgres_wait_sent(pg, until): Waits until libpq has sent everything.  Arguments and result are
+ * those of sql_postgres_wait(). */
+bool sql_postgres_wait_sent(PGconn *pg, int64_t until);
+
 /* sql_postgres_conn_say(e, st, what, text): st, and what the server or libpq says of it.
  * sql_postgres_conn_lost(c): is the connection of no use any more?
  * sql_postgres_conn_good(c): is one at rest still good, as far as is known without waiting?
@@ -111,6 +131,11 @@ void sql_postgres_conn_settle(struct sql_postgres_conn *c,
                               const struct sql_postgres_rows *r);
 enum status sql_postgres_conn_commit(struct sql_postgres_conn *c, struct errinfo *e);
 void sql_postgres_conn_rollback(struct sql_postgres_conn *c);
+
+/* sql_postgres_conn_exec(c, text): Runs statements without parameters, outside pipeline mode, within
+ * c->wait_ms in all.  c->error is their first error.
+ * Returns the last result, for PQclear(); NULL if there is none. */
+PGresult *sql_postgres_conn_exec(struct sql_postgres_conn *c, const char *text);
 
 /* The functions of the driver's table for statements and rows. */
 enum status sql_postgres_conn_run(struct sql_txn *t, const char *text,

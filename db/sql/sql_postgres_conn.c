@@ -1,16 +1,15 @@
 #include "sql_postgres.h"
 
 #include <inttypes.h>
-#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "bytes.h"
 #include "sql_postgres_state.h"
 
-#define VALUES     20     /* of a statement, at most */
-#define WAIT_MS    120000 /* for any result: a query over all rows takes a while */
-#define COMMIT_MS  10000
+#define VALUES     20      /* of a statement, at most */
+#define COMMIT_MS  10000   /* limit of the wait for each result, from COMMIT on */
+#define LARGE      8192    /* bytes of a statement that are sent before the next one */
 #define BATCH_MIN  16      /* rows of a stream that are fetched at a time: as many as */
 #define BATCH_SIZE 1000000 /* have about so many bytes, but not more than */
 #define BATCH_MAX  5000
@@ -26,6 +25,7 @@ enum {
 
 struct values { /* of a statement, as they are sent: binary */
     int n;
+    size_t size; /* bytes of texts and blobs */
     Oid type[VALUES];
     const char *data[VALUES];
     int len[VALUES], format[VALUES];
@@ -91,15 +91,39 @@ static void lose(struct sql_postgres_conn *c)
     c->unsynced = c->unproved = false;
 }
 
-static bool wait_for_input(struct sql_postgres_conn *c)
+static int64_t limit(const struct sql_postgres_conn *c, int64_t from)
 {
-    struct pollfd fd = {.fd = PQsocket(c->pg), .events = POLLIN};
+    return from + c->wait_ms < c->until ? from + c->wait_ms : c->until;
+}
 
-    while (PQisBusy(c->pg))
-        if (poll(&fd, 1, c->committing ? COMMIT_MS : WAIT_MS) <= 0 ||
-            PQconsumeInput(c->pg) == 0)
-            return false;
-    return true;
+/* The end of a wait in vain, until the time `until` or until the connection failed. */
+static void give_up(struct sql_postgres_conn *c, int64_t until)
+{
+    if (sql_postgres_wait_clock() >= until && c->error.code == ST_OK)
+        (void)errinfo_set(&c->error, ST_EBUSY,
+                          "the database server: %s did not answer within %d s",
+                          PQhost(c->pg), c->wait_ms / 1000);
+    lose(c);
+}
+
+/* Waits until PQgetResult() returns without waiting.  The time limit begins at `from`.  Returns false if
+ * the connection was lost. */
+static bool await(struct sql_postgres_conn *c, int64_t from)
+{
+    const bool here = sql_postgres_wait(c->pg, limit(c, from));
+
+    if (!here)
+        give_up(c, limit(c, from));
+    return here;
+}
+
+/* libpq keeps what the socket does not take: memory, which it also moves with each statement. */
+static void send_all(struct sql_postgres_conn *c)
+{
+    const int64_t until = limit(c, sql_postgres_wait_clock());
+
+    if (!sql_postgres_wait_sent(c->pg, until))
+        give_up(c, until);
 }
 
 static bool is_good(const PGresult *r)
@@ -136,13 +160,15 @@ static void take_result(struct sql_postgres_conn *c, const struct sql_postgres_s
         PQclear(r);
 }
 
-/* The oldest that is on its way. */
+/* Receives the result of the oldest statement on its way, and the NULL that libpq has behind it. */
 static void receive(struct sql_postgres_conn *c)
 {
     const struct sql_postgres_sent s = c->sent[c->first];
-    PGresult *r = wait_for_input(c) ? PQgetResult(c->pg) : NULL;
+    const int64_t from = sql_postgres_wait_clock();
+    PGresult *r = await(c, from) ? PQgetResult(c->pg) : NULL;
 
     if (r == NULL || sql_postgres_conn_lost(c)) {
+        sql_postgres_conn_error(c, r);
         PQclear(r);
         lose(c);
         return;
@@ -150,9 +176,9 @@ static void receive(struct sql_postgres_conn *c)
     c->first = (c->first + 1) % SQL_POSTGRES_SENT;
     c->n--;
     take_result(c, &s, r);
-    r = NULL; /* its owner is another one now */
-    if (s.kind != SQL_POSTGRES_SYNC &&
-        (!wait_for_input(c) || (r = PQgetResult(c->pg)) != NULL)) {
+    if (s.kind == SQL_POSTGRES_SYNC)
+        return;
+    if (await(c, from) && (r = PQgetResult(c->pg)) != NULL) {
         PQclear(r);
         lose(c);
     }
@@ -167,7 +193,10 @@ static void push(struct sql_postgres_conn *c, struct sql_postgres_sent s)
         while (c->n > SQL_POSTGRES_SENT / 2)
             receive(c);
     }
-    c->sent[(c->first + c->n++) % SQL_POSTGRES_SENT] = s;
+    if (!c->lost)
+        c->sent[(c->first + c->n++) % SQL_POSTGRES_SENT] = s;
+    else if (s.rows != NULL)
+        s.rows->here = true;
 }
 
 /* Has the server answer, without waiting for it: a round trip begins. */
@@ -182,7 +211,6 @@ static void flush(struct sql_postgres_conn *c)
         lose(c);
 }
 
-/* Until these rows are here, or (NULL) everything. */
 void sql_postgres_conn_settle(struct sql_postgres_conn *c,
                               const struct sql_postgres_rows *r)
 {
@@ -191,6 +219,22 @@ void sql_postgres_conn_settle(struct sql_postgres_conn *c,
         receive(c);
     if (r == NULL)
         c->unproved = false;
+}
+
+PGresult *sql_postgres_conn_exec(struct sql_postgres_conn *c, const char *text)
+{
+    const int64_t from = sql_postgres_wait_clock();
+    PGresult *r = NULL, *next;
+
+    if (PQsendQuery(c->pg, text) != 1)
+        lose(c);
+    while (!c->lost && await(c, from) && (next = PQgetResult(c->pg)) != NULL) {
+        if (!is_good(next))
+            sql_postgres_conn_error(c, next);
+        PQclear(r);
+        r = next;
+    }
+    return r;
 }
 
 /* A server that ends a connection says so, and then closes it: the second call finds that.  The end
@@ -209,6 +253,7 @@ bool sql_postgres_conn_good(struct sql_postgres_conn *c)
 static bool set_values(struct values *p, const struct sql_value *value, size_t n)
 {
     p->n = (int)n;
+    p->size = 0;
     for (size_t i = 0; i < n && n <= VALUES; i++) {
         const struct sql_value *v = &value[i];
         uint64_t bits = (uint64_t)v->i;
@@ -227,6 +272,7 @@ static bool set_values(struct values *p, const struct sql_value *value, size_t n
             p->type[i] = v->type == SQL_TEXT ? OID_TEXT : OID_BYTEA;
             p->data[i] = v->n > 0 ? v->data : "";
             p->len[i] = (int)v->n;
+            p->size += v->n;
         } else if (v->type == SQL_NULL) {
             p->type[i] = 0;
             p->data[i] = NULL;
@@ -290,6 +336,8 @@ static enum status post(struct sql_postgres_conn *c, const char *text,
         return sql_postgres_conn_failed(c, e);
     c->unproved = c->unproved || kind == SQL_POSTGRES_RUN_ONE;
     push(c, (struct sql_postgres_sent){.kind = kind, .rows = rows});
+    if (p.size > LARGE)
+        send_all(c);
     return ST_OK;
 }
 
@@ -551,6 +599,7 @@ enum status sql_postgres_conn_commit(struct sql_postgres_conn *c, struct errinfo
     if (c->unproved)
         sql_postgres_conn_settle(c, NULL);
     c->committing = c->error.code == ST_OK;
+    c->wait_ms = COMMIT_MS;
     if (post(c, "COMMIT", NULL, 0, SQL_POSTGRES_COMMIT, NULL, NULL) == ST_OK)
         sql_postgres_conn_settle(c, NULL);
     if (c->committed)
@@ -560,7 +609,8 @@ enum status sql_postgres_conn_commit(struct sql_postgres_conn *c, struct errinfo
                : errinfo_set(e, ST_EDB, "the database server rolled back");
 }
 
-/* It is the one statement that a failed transaction takes. */
+/* ROLLBACK is the one statement that a failed transaction takes.  If it is not sent, the server keeps
+ * the transaction and its locks until the connection is closed. */
 void sql_postgres_conn_rollback(struct sql_postgres_conn *c)
 {
     unpark_all(c);
@@ -571,4 +621,6 @@ void sql_postgres_conn_rollback(struct sql_postgres_conn *c)
     c->error.code = ST_OK;
     (void)post(c, "ROLLBACK", NULL, 0, SQL_POSTGRES_RUN, NULL, NULL);
     flush(c);
+    if (PQflush(c->pg) != 0)
+        lose(c);
 }

@@ -261,10 +261,10 @@ TEST(test_cut)
     store_close(s);
 }
 
-/* Whichever result is the last in time: what became of the commit is known. */
+/* Whichever result is the last in time: the error says so, or what became of the commit is known. */
 TEST(test_silent)
 {
-    unsigned done_anyway = 0;
+    unsigned late = 0, done_anyway = 0;
     struct store *s;
     bool fell = true;
 
@@ -283,12 +283,60 @@ TEST(test_silent)
         silent_at = 0;
         silent = NULL;
         assert_true(st == ST_OK || (fell && st == ST_EBUSY));
+        late += st == ST_EBUSY && strstr(e.msg, "did not answer within 120 s") != NULL;
         done_anyway += fell && st == ST_OK;
         assert_int_equal(store_subject_get(s, one.id, &got, NULL),
                          st == ST_OK ? ST_OK : ST_ENOTFOUND);
     }
+    assert_in_range(late, 5, 100);
     assert_in_range(done_anyway, 1, 5); /* from the commit on */
     must(store_verify(s, NULL, NULL, &e));
+    store_close(s);
+}
+
+static const char much[1 << 20]; /* more than a socket takes */
+
+/* Nor does it wait as it closes the connection. */
+TEST(test_reads_no_more)
+{
+    struct log_txn x;
+    struct store *s;
+    uint64_t n;
+    int end;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    must(store_begin(s, SQL_READ, &x, &e));
+    end = divert(PQsocket(last));
+    hurry = true;
+    must(SQL_RUN(x.sql, &e, "SELECT length($1)", sql_blob(much, sizeof much)));
+    fails(sql_changed(x.sql, &n, &e), ST_EBUSY);
+    assert_non_null(strstr(e.msg, "did not answer within 120 s"));
+    fails(store_end(s, &x, ST_EBUSY, NULL), ST_EBUSY);
+    hurry = false;
+    (void)close(end);
+    tempdb_add(s, "first");
+    store_close(s);
+}
+
+/* A connection whose rollback cannot be sent is closed: the server would keep the transaction. */
+TEST(test_rollback_unsent)
+{
+    struct log_txn x;
+    struct store *s;
+    int end;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    must(store_begin(s, SQL_READ, &x, &e));
+    end = divert(PQsocket(last));
+    for (int i = 0; i < 100; i++)
+        must(SQL_RUN(x.sql, &e, "SELECT length($1)", sql_blob(much, 8000)));
+    fails(store_end(s, &x, ST_ENOTFOUND, NULL), ST_ENOTFOUND);
+    tempdb_add(s, "first");
+    (void)close(end);
     store_close(s);
 }
 
