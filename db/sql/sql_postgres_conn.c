@@ -421,19 +421,20 @@ static enum status declare(struct sql_postgres_rows *r, const struct sql_value *
 {
     const size_t size = strlen(r->text) + 64;
     struct sql_postgres_conn *c = r->conn;
-    char *text = malloc(size);
     struct values p;
-    bool sent = false;
+    bool sent;
+    char *text;
 
-    if (text == NULL || !set_values(&p, value, n)) {
+    if (c->error.code != ST_OK)
+        return sql_postgres_conn_failed(c, e);
+    if ((text = malloc(size)) == NULL || !set_values(&p, value, n)) {
         free(text);
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
     r->cursor = ++c->cursors;
     r->batch = BATCH_MIN;
     (void)snprintf(text, size, "DECLARE c%u NO SCROLL CURSOR FOR %s", r->cursor, r->text);
-    sent = c->error.code == ST_OK &&
-           PQsendQueryParams(c->pg, text, p.n, p.type, p.data, p.len, p.format, 1) == 1;
+    sent = PQsendQueryParams(c->pg, text, p.n, p.type, p.data, p.len, p.format, 1) == 1;
     free(text);
     if (!sent) {
         lose(c);
@@ -613,14 +614,16 @@ enum status sql_postgres_conn_commit(struct sql_postgres_conn *c, struct errinfo
  * the transaction and its locks until the connection is closed. */
 void sql_postgres_conn_rollback(struct sql_postgres_conn *c)
 {
+    enum status st;
+
     unpark_all(c);
     if (c->error.code != ST_OK)
         sql_postgres_conn_settle(c, NULL);
     if (sql_postgres_conn_lost(c) || c->closing)
         return;
     c->error.code = ST_OK;
-    (void)post(c, "ROLLBACK", NULL, 0, SQL_POSTGRES_RUN, NULL, NULL);
+    st = post(c, "ROLLBACK", NULL, 0, SQL_POSTGRES_RUN, NULL, NULL);
     flush(c);
-    if (PQflush(c->pg) != 0)
+    if (st != ST_OK || PQflush(c->pg) != 0)
         lose(c);
 }

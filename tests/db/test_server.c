@@ -296,7 +296,7 @@ TEST(test_silent)
 
 static const char much[1 << 20]; /* more than a socket takes */
 
-/* Nor does it wait as it closes the connection. */
+/* The driver waits with a limit to send, and not at all to close the connection. */
 TEST(test_reads_no_more)
 {
     struct log_txn x;
@@ -429,6 +429,30 @@ TEST(test_stream_cut)
     fails(sql_changed(x.sql, &n, &e), ST_EDB);
     assert_false(sql_next(r));
     fails(store_end(s, &x, sql_done(r, ST_OK, &e), NULL), ST_EDB);
+    store_close(s);
+}
+
+/* An error of a statement, and a stream after it, do not cost the connection. */
+TEST(test_error_keeps_connection)
+{
+    struct sql_rows *r;
+    struct log_txn x;
+    struct store *s;
+    uint64_t n;
+    int pid;
+
+    if (!tempdb_server)
+        skip();
+    s = tempdb_fresh();
+    must(store_begin(s, SQL_READ, &x, &e));
+    pid = PQbackendPID(last);
+    must(sql_run(x.sql, "SELECT 1 / 0", NULL, 0, &e));
+    fails(sql_changed(x.sql, &n, &e), ST_EDB);
+    fails(sql_stream(x.sql, "SELECT 1", NULL, 0, &r, &e), ST_EDB);
+    fails(store_end(s, &x, ST_EDB, NULL), ST_EDB);
+    must(store_begin(s, SQL_READ, &x, &e));
+    assert_int_equal(PQbackendPID(last), pid);
+    must(store_end(s, &x, ST_OK, &e));
     store_close(s);
 }
 
