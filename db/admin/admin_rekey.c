@@ -254,6 +254,16 @@ static enum status flush_names(const char *path, struct errinfo *e)
     return done ? ST_OK : ST_EUNSYNCED;
 }
 
+/* Is KEY.old that of the old database?  It was not there before; one that holds no key any more was
+ * overwritten by a call that could not remove it then. */
+static enum status is_old_key(const struct rekeying *x, bool *out, struct errinfo *e)
+{
+    const enum status st = fits(x->key_old, x->discard, out, e);
+
+    *out = *out || st == ST_EINVAL;
+    return st == ST_EINVAL ? ST_OK : st;
+}
+
 /* Keys are placed, the database is opened by them and read, and only then the old ones go. */
 static enum status finish(const struct rekeying *x, bool *last, struct errinfo *e)
 {
@@ -266,7 +276,7 @@ static enum status finish(const struct rekeying *x, bool *last, struct errinfo *
     if ((st = flush_names(x->path, &why)) == ST_OK &&
         (st = place_key(x, aside, &why)) == ST_OK &&
         (st = open_and_read(x, last, &why)) == ST_OK && discard &&
-        (st = fits(x->key_old, x->discard, &old, &why)) == ST_OK) {
+        (st = is_old_key(x, &old, &why)) == ST_OK) {
         if (old)
             st = admin_discard(x->key_old, &why);
         if (st == ST_OK)
