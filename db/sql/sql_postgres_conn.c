@@ -38,8 +38,8 @@ struct values { /* of a statement, as they are sent: binary */
 enum status sql_postgres_conn_say(struct errinfo *e, enum status st, const char *what,
                                   const char *text)
 {
-    return errinfo_set(e, st, "the database server: %s: %.*s", what,
-                       (int)strcspn(text, "\n"), text);
+    return errinfo_set(e, st, "the database server: %s%s%.*s", what,
+                       text[0] != '\0' ? ": " : "", (int)strcspn(text, "\n"), text);
 }
 
 bool sql_postgres_conn_lost(const struct sql_postgres_conn *c)
