@@ -288,8 +288,7 @@ static enum status check_anchors(struct store *s, struct log_txn *t,
         return st;
     if (!has && !has_left)
         return say_older(s, a, e);
-    if (!has && adopt)
-        log_anchor_adopt(s->anchor);
+    s->anchor_left = !has && (!adopt || log_anchor_adopt(s->anchor, NULL) != ST_OK);
     atomic_store(&s->anchored, has ? a->said.end.seq : a->left.end.seq);
     return ST_OK;
 }

@@ -250,7 +250,9 @@ static void advance_anchor(struct store *s, const struct log_end *to)
     if (s->anchor == NULL || to->seq <= atomic_load(&s->anchored))
         return;
     (void)pthread_mutex_lock(&s->anchor_lock);
-    if (log_anchor_advance(s->anchor, s->crypt, &at, &why) == ST_OK)
+    if (s->anchor_left)
+        s->anchor_left = log_anchor_adopt(s->anchor, &why) != ST_OK;
+    if (!s->anchor_left && log_anchor_advance(s->anchor, s->crypt, &at, &why) == ST_OK)
         atomic_store(&s->anchored, to->seq);
     s->anchor_why = why;
     (void)pthread_mutex_unlock(&s->anchor_lock);

@@ -27,6 +27,7 @@ struct store {
     pthread_mutex_t anchor_lock;    /* held to write the anchor, and for anchor_why */
     atomic_uint_least64_t anchored; /* number of a change that the anchor has reached */
     struct errinfo anchor_why;      /* why it lags; code ST_OK: it does not */
+    bool anchor_left;               /* it is still called PATH.part */
     atomic_bool verified;           /* the rows were verified against the digest */
     atomic_bool unread;             /* they could not be, as the last attempt has found */
     bool open;                      /* store_open() has succeeded */

@@ -143,21 +143,37 @@ enum status log_anchor_left(const char *path, const struct crypt *c,
 }
 
 /* Its lock is held by the command that writes it, which will give it its name. */
-void log_anchor_adopt(const char *path)
+static enum status adopt(const char *part, const char *target, struct errinfo *e)
 {
-    char *target = newfile_target(path), *part = part_of(path);
-    const int fd = part != NULL ? open(part, O_RDONLY | O_CLOEXEC | O_NOFOLLOW) : -1;
-    const int folder = part != NULL ? newfile_open_directory(part) : -1;
+    const int fd = open(part, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int folder = newfile_open_directory(part);
+    enum status st = ST_OK;
 
-    if (fd >= 0 && folder >= 0 && target != NULL && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
-        rename(part, target) == 0)
-        (void)newfile_sync_directory(folder);
+    if (fd < 0 && errno == ENOENT)
+        st = ST_OK; /* it has its name */
+    else if (fd < 0 || folder < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0 ||
+             rename(part, target) != 0)
+        st = errinfo_set(e, ST_EIO, "the anchor is still called %.160s: %s", part,
+                         strerror(errno));
+    else
+        (void)newfile_sync_directory(folder); /* or it is found as a part again */
     if (fd >= 0)
         (void)close(fd);
     if (folder >= 0)
         (void)close(folder);
+    return st;
+}
+
+enum status log_anchor_adopt(const char *path, struct errinfo *e)
+{
+    char *target = newfile_target(path), *part = part_of(path);
+    const enum status st = target != NULL && part != NULL
+                               ? adopt(part, target, e)
+                               : errinfo_set(e, ST_ENOMEM, "out of memory");
+
     free(target);
     free(part);
+    return st;
 }
 
 static bool write_place(int fd, const struct crypt *c, const struct log_anchor *at)

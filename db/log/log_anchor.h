@@ -27,9 +27,9 @@ enum status log_anchor_read(const char *path, const struct crypt *c,
 enum status log_anchor_left(const char *path, const struct crypt *c,
                             struct log_anchor *out, struct errinfo *e);
 
-/* log_anchor_adopt(path): Renames PATH.part to PATH if no command is writing it.  A failure changes
- * nothing, as the part is found again. */
-void log_anchor_adopt(const char *path);
+/* log_anchor_adopt(path, e): Renames PATH.part to PATH, if there is a part.  ST_EIO: that failed, or a
+ * command is writing the part; it is found again.  ST_ENOMEM. */
+enum status log_anchor_adopt(const char *path, struct errinfo *e);
 
 /* log_anchor_prepare(path, c, at, n, e): Writes a new anchor as PATH.part and flushes it to the disk.
  * After the commit the caller gives it its name by newfile_commit(n).  Errors as newfile_open() and

@@ -163,14 +163,14 @@ TEST(test_left)
     assert_says(7);
     must(log_anchor_left(path, keys, &left, &e));
     assert_int_equal(left.end.seq, 3);
-    log_anchor_adopt(path);
+    must(log_anchor_adopt(path, &e));
     assert_says(3);
     fails(log_anchor_left(path, keys, &left, &e), ST_ENOTFOUND);
-    log_anchor_adopt(path); /* there is none */
+    must(log_anchor_adopt(path, &e)); /* there is none */
     assert_says(3);
 
     must(log_anchor_prepare(path, keys, &b, &n, &e));
-    log_anchor_adopt(path);
+    fails(log_anchor_adopt(path, &e), ST_EIO);
     assert_says(3);
     must(newfile_commit(&n, &e));
     newfile_close(&n);
