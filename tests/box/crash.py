@@ -15,7 +15,6 @@ latter, and no bytes of deleted keys and templates may be left.  After a daemon 
 all responses that were received.
 Trial i of seed S is trial 0 of seed S + i, except for the timing of a daemon's threads.  Exit
 status 1: a trial failed; WORK is kept."""
-import json
 import os
 import random
 import shutil
@@ -29,6 +28,8 @@ import threading
 import time
 from types import SimpleNamespace
 
+from contents import Failure, look, names
+
 BUILD, BASE, WORK, KIND, SEED, TRIALS, *COMMAND = sys.argv[1:]
 POWER, SEED, TRIALS = KIND == 'power', int(SEED), int(TRIALS)
 DIR, LOG, SOCKET = WORK + '/trial', WORK + '/log', WORK + '/socket'
@@ -36,10 +37,7 @@ CLIENTS, SUBJECTS = 4, 25  # of each client
 LOG_EVERY = 50  # trials of one log: another one has other random bytes and times
 SECTOR = 512
 NEVER = float('inf')
-
-
-class Failure(Exception):
-    pass
+ANCHOR = ['--anchor', DIR + '/anchor'] if '--anchor' in COMMAND else []
 
 
 def start(log=False, at=0, torn=False):
@@ -61,9 +59,8 @@ def copy_base():
 
 # ---- what is in the database
 
-def look():
-    """All that it has of subjects and tokens, without random ids; it is opened with db.key, or what
-    the store finds instead, and checked."""
+def look_at_db():
+    """Opened with db.key, or what the store finds instead, and with the command's anchor."""
     db = DIR + '/db'
     if not os.path.exists(db):
         return ['none']
@@ -74,17 +71,8 @@ def look():
         plaintext = d.execute('SELECT kind FROM root').fetchone()[0] == 0
         d.close()
     except sqlite3.Error as e:
-        raise Failure('the database: %s' % e)
-    told = []
-    for command in 'check-database', 'subject list', 'template list', 'token list':
-        r = subprocess.run([BUILD + '/surfacectl', '--db', db, '--json', *command.split(),
-                            *['--plaintext-database'] * plaintext], capture_output=True, check=False)
-        if r.returncode != 0:
-            raise Failure('%s: %d %s' % (command, r.returncode, (r.stdout + r.stderr).decode()))
-        told.append(json.loads(r.stdout))
-    keep = {'subjects': ('subject', 'consent', 'hold', 'disabled'),
-            'templates': ('subject', 'digest', 'engine', 'label'), 'tokens': ('name', 'scopes', 'revoked_at')}
-    return [[one[k] for k in keep[what]] for t, what in zip(told[1:], keep) for one in t[what]]
+        raise Failure('the database: %s' % e) from e
+    return look([BUILD + '/surfacectl', '--db', db, *ANCHOR, *['--plaintext-database'] * plaintext])
 
 
 def secrets():
@@ -209,26 +197,17 @@ def change_bytes(b, c, rng):
 def settled(ended, t):
     if ended:
         assert_gone('it ended well')
-    now = look()
+    now = look_at_db()
     if now != after and (ended or now != before):
         raise Failure('neither before nor after: %s' % now)
     t['ended well'] += ended
     t['done' if now == after else 'as before'] += 1
-    # What the manual says to remove before: a key that is not the database's, and an old one.
-    new, kept = DIR + '/db.key.new', DIR + '/kept'
-    if os.path.exists(new):
-        os.rename(new, kept)
-        try:
-            look()
-            os.unlink(kept)
-        except Failure:
-            os.rename(kept, new)
-    if os.path.exists(DIR + '/db.key.old'):
-        os.unlink(DIR + '/db.key.old')
     start().wait()
-    now = look()
+    now = look_at_db()
     if now != after:
         raise Failure('run again: not the contents after: %s' % now)
+    if names(DIR) not in files:
+        raise Failure('run again: the files are %s, and should be %s' % (names(DIR), files[0]))
     assert_gone('run again')
 
 
@@ -320,7 +299,7 @@ def serve(seed, log=False, at=0, torn=False):
 
 def kept(at, t):
     """Does the database agree with the responses received before length `at` of the log?"""
-    there = {row[0] for row in look()}
+    there = {row[0] for row in look_at_db()}
     for p in [p for c in clients for p in c.subjects]:
         if p.enrolled <= at < p.erase_sent and p.id not in there:
             raise Failure('%s is lost' % p.id)
@@ -376,16 +355,19 @@ if COMMAND[0] == '--clients':
     SCANS = [open(path, 'rb').read() for path in COMMAND[1:3]]
     COMMAND = COMMAND[3:]
 dead, clients = threading.Event(), []
-before, after, gone, log = [], [], set(), None
+before, after, gone, files, log = [], [], set(), [], None
 tally = {'responses confirmed': 0} if SCANS else {'ended well': 0, 'as before': 0, 'done': 0}
 try:
     for i in range(TRIALS):
         if i % LOG_EVERY == 0:
             log = record(SEED + i)
             if i == 0 and not SCANS:
-                after, there = look(), secrets()
+                after, there = look_at_db(), secrets()
+                files.append(names(DIR))
+                start().wait()  # and of a second run
+                files.append(names(DIR))
                 copy_base()
-                before, gone = look(), secrets() - there
+                before, gone = look_at_db(), secrets() - there
         trial(log, SEED + i, tally)
 except Failure as e:
     print('FAIL: %s' % e)

@@ -11,6 +11,7 @@ command -v python3 >/dev/null || {
     echo "SKIP $0: python3 is not installed"
     exit 0
 }
+export PYTHONDONTWRITEBYTECODE=1
 trials=${CRASH_TRIALS:-6} seed=${SEED:-$(date +%s)}
 admin() {
     "$BUILD/surfacectl" --db "$@" >"$T/ctl" 2>&1 || {
@@ -32,17 +33,18 @@ awk '/^change/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".") $i = $i 
 # ---- what there is before
 mkdir "$T/full" "$T/lost"
 db=$T/full/db
-admin "$db" init
-admin "$db" enroll alice "$T/s1.ply"
+admin "$db" --anchor "$T/full/anchor" init
+admin "$db" --anchor "$T/full/anchor" enroll alice "$T/s1.ply"
 id=$(sqlite3 "$db" 'SELECT id FROM templates')
-admin "$db" enroll bob "$T/s2.ply"
-admin "$db" token create gate --scope verify
-admin "$db" backup "$T/full/copy"
+admin "$db" --anchor "$T/full/anchor" enroll bob "$T/s2.ply"
+admin "$db" --anchor "$T/full/anchor" token create gate --scope verify
+admin "$db" --anchor "$T/full/anchor" backup "$T/full/copy"
 cp "$T/full/copy" "$T/backup"
 cp "$db.key" "$T/lost/"
-admin "$db" subject erase --yes bob
-admin "$db" enroll carol "$T/s3.ply"
-admin "$db" enroll bob "$T/s2.ply"
+admin "$db" --anchor "$T/full/anchor" subject erase --yes bob
+admin "$db" --anchor "$T/full/anchor" enroll carol "$T/s3.ply"
+admin "$db" --anchor "$T/full/anchor" enroll bob "$T/s2.ply"
+cp "$T/full/anchor" "$T/lost/"
 admin "$T/other" init
 admin "$T/other" enroll dave "$T/s4.ply"
 admin "$T/other" enroll erin "$T/s1.ply"
@@ -57,7 +59,7 @@ crash() {
     [ -z "${CRASH_ONLY:-}" ] || [ "$CRASH_ONLY" = "$name" ] || return 0
     for kind in kill power; do
         env -u LD_PRELOAD python3 tests/box/crash.py "$BUILD" "$base" "$T/work" "$kind" "$seed" "$trials" \
-            "$BUILD/surfacectl" --db @db "$@" >"$T/said" 2>&1
+            "$BUILD/surfacectl" --db @db --anchor @anchor "$@" >"$T/said" 2>&1
         code=$?
         echo "$name, $kind: $(cat "$T/said")"
         is "$name, $kind, from seed $seed" "$code" 0
@@ -85,7 +87,7 @@ crash reencode full template reencode "$id" --model "$T/raised.model"
 if [ "${CRASH_ONLY:-daemon}" = daemon ]; then
     for kind in kill power; do
         env -u LD_PRELOAD python3 tests/box/crash.py "$BUILD" "$T/full" "$T/work" "$kind" "$seed" \
-            "$trials" --clients "$T/s4.ply" "$T/p4.ply" "$BUILD/surfaced" --db @db --listen "unix:$T/work/socket" \
+            "$trials" --clients "$T/s4.ply" "$T/p4.ply" "$BUILD/surfaced" --db @db --anchor @anchor --listen "unix:$T/work/socket" \
             --no-auth --workers 2 >"$T/said" 2>&1
         code=$?
         echo "daemon, $kind: $(cat "$T/said")"
