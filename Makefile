@@ -324,8 +324,9 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 
 # Left out under a sanitizer: tests that would take minutes, of code that other tests run there
 # too; those that count basic blocks, which are others there; crash, whose preloaded library would
-# be loaded before the sanitizer's; and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
-LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash \
+# be loaded before the sanitizer's; faults, because the leak sanitizer does not run under strace;
+# and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
+LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi accuracy http-hostile studies fault-client crash faults \
     console attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
     http-examples http-scopes page phone shape
 # The black-box tests first: they wait much and take longest, and others run beside the last.
@@ -357,7 +358,7 @@ SERVED_BOX := routes consent limits tries scopes replay narrow parallel live ful
 .PHONY: check-postgres
 check-postgres: all $(SERVED) $(BUILD)/forge
 	BUILD=$(BUILD) scripts/with_postgres scripts/run_tests.sh \
-	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode) $(SERVED)
+	    $(SERVED_BOX:%=tests/box/http-%.sh) $(patsubst %,tests/box/%.sh,ctl-life ctl-explain reencode faults) $(SERVED)
 
 THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
