@@ -46,6 +46,11 @@ char *newfile_target(const char *path)
     return target != NULL || errno == ENOMEM ? target : strdup(path);
 }
 
+bool newfile_missing(const char *path)
+{
+    return access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
+}
+
 static enum status fail(const struct newfile *n, const char *what, struct errinfo *e)
 {
     const enum status st = errno == EACCES || errno == EPERM ? ST_EDENIED : ST_EIO;

@@ -79,6 +79,10 @@ enum status newfile_rename(const char *from, const char *to, struct errinfo *e);
  * there is no file; to be released by free().  NULL: out of memory. */
 char *newfile_target(const char *path);
 
+/* newfile_missing(path): Returns true if there is certainly no file at path, and false if there is one
+ * or that cannot be found out. */
+bool newfile_missing(const char *path);
+
 /* newfile_open_directory(path): Returns the open folder of a file; -1 and errno on failure. */
 int newfile_open_directory(const char *path);
 

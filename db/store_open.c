@@ -93,7 +93,7 @@ static enum status make_root(struct opening *o, struct crypt_root *r, struct cry
     enum status st;
 
     if (o->key->make == CRYPT_PLAINTEXT) {
-        if (access(o->key_path, F_OK) == 0)
+        if (!newfile_missing(o->key_path))
             return errinfo_set(
                 e, ST_EDENIED,
                 "there is a key %.160s: move it away if the database is meant "
@@ -178,7 +178,7 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
     int version = 0;
     enum status st;
 
-    if (s->anchor != NULL && access(s->anchor, F_OK) == 0)
+    if (s->anchor != NULL && !newfile_missing(s->anchor))
         return errinfo_set(e, ST_EEXISTS,
                            "there is an anchor %.160s, but not its database: restore a "
                            "backup (surfacectl restore); if a new one is meant, remove "
@@ -206,7 +206,7 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
 /* There is no database, and this program may not make one.  Where it had one, that is lost. */
 static enum status nothing_there(const struct opening *o, struct errinfo *e)
 {
-    if (access(o->key_path, F_OK) == 0)
+    if (!newfile_missing(o->key_path))
         return errinfo_set(
             e, ST_ENOTFOUND,
             "there is no database %.150s, but its key %.150s is there: restore "
@@ -218,8 +218,7 @@ static enum status nothing_there(const struct opening *o, struct errinfo *e)
 
 static bool may_make(const struct opening *o, enum store_mode mode)
 {
-    return mode == STORE_CREATE ||
-           (mode == STORE_BEGIN && access(o->key_path, F_OK) != 0);
+    return mode == STORE_CREATE || (mode == STORE_BEGIN && newfile_missing(o->key_path));
 }
 
 static enum status open_keys(struct store *s, const struct opening *o, struct errinfo *e)

@@ -83,7 +83,7 @@ enum status admin_export(struct store *s, const char *actor, char *const *subjec
     enum status st;
 
     sodium_memzero(digits, sizeof digits);
-    if (!replace && access(path, F_OK) == 0)
+    if (!replace && !newfile_missing(path))
         return errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
     if ((st = sql_file_may_be(path, e)) == ST_OK &&
         (st = log_act(&x.by, actor, e)) == ST_OK &&

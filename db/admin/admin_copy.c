@@ -392,7 +392,7 @@ char *admin_name(const char *path, const char *suffix)
 /* Another link to the database that is there, of a swap that was killed before it replaced it. */
 static enum status clear_name(const char *path, const char *aside, struct errinfo *e)
 {
-    if (access(aside, F_OK) != 0 && errno == ENOENT)
+    if (newfile_missing(aside))
         return ST_OK;
     if (sql_file_same(path, aside) && unlink(aside) == 0)
         return ST_OK;

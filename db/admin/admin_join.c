@@ -24,7 +24,7 @@ static enum status check(const char *path, const struct store_key *key, struct e
     if (key->anchor == NULL)
         return errinfo_set(e, ST_EINVAL,
                            "name the file that will be the daemon's anchor (--anchor)");
-    if (access(key->anchor, F_OK) == 0)
+    if (!newfile_missing(key->anchor))
         return errinfo_set(e, ST_EEXISTS,
                            "there is an anchor %.160s: its daemon has joined already",
                            key->anchor);

@@ -83,7 +83,7 @@ enum status admin_move(struct store *s, const char *path, const struct store_key
     const bool file = !store_on_server(path);
     enum status st = ST_OK;
 
-    if (file && access(path, F_OK) == 0)
+    if (file && !newfile_missing(path))
         st = errinfo_set(e, ST_EEXISTS, "there is a file %.160s already", path);
     else if (file)
         st = sql_file_may_be(path, e);
@@ -149,7 +149,7 @@ static enum status open_held(struct restoring *r, bool dry, struct errinfo *e)
     struct errinfo why;
     enum status st;
 
-    if (access(r->path, F_OK) != 0 && errno == ENOENT)
+    if (newfile_missing(r->path))
         return sql_file_may_be(r->path, e);
     by.anchor = NULL; /* it may be the older one that is to be replaced */
     st = store_open(r->path, dry ? STORE_READ : STORE_ALONE, &by, &r->held, &why);

@@ -138,7 +138,7 @@ ctl_exits 0 calibrate --fmr 0.05 --yes
 new=$(said '.threshold * 10 | round')
 for i in 1 2; do
     verify $i alice a1
-    is "the new threshold, at the daemon $i" "$(get '.threshold * 10 | round')" "$new"
+    is "the new threshold, at the daemon $i" "$(get ".threshold * 10 - $new | fabs < 1")" true # it is rounded
 done
 ok "which is another" test "$new" -ne 80
 ctl_exits 0 calibrate --reset --yes
@@ -240,8 +240,8 @@ ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2" --dry-run
 is "who would be erased" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
 ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2"
 is "who is erased again" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
-ctl restored "$T/log.jsonl" --anchor "$T/anchor2"
-ctl_failed "a second time" 65 'does not go on from this database'
+ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2" # as one that was interrupted at its end
+is "a second time there is nothing left to do" "$(said .already)" true
 ctl_exits 0 accept-state --yes --anchor "$T/anchor1"
 ctl_exits 0 audit compare "$T/anchor1" "$T/anchor2"
 start_two
