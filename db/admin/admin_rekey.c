@@ -382,6 +382,11 @@ static enum status check_old_key(const struct rekeying *x, struct errinfo *e)
         return errinfo_set(e, ST_EEXISTS,
                            "there is a key %.200s already: move it away first",
                            x->key_old);
+    if (faccessat(AT_FDCWD, x->key_path, W_OK, AT_EACCESS) != 0 && errno == EROFS)
+        return errinfo_set(e, ST_EDENIED,
+                           "the key %.160s is on a read-only file system, as a systemd "
+                           "credential is: name the file that it comes from with --key",
+                           x->key_path);
     if (!may_rename(x->key_path) ||
         (!x->to->keep && faccessat(AT_FDCWD, x->key_path, W_OK, AT_EACCESS) != 0))
         return errinfo_set(e, ST_EDENIED,

@@ -6,8 +6,8 @@
 /* ST_EBUSY: the next attempt may succeed, on a new connection if this one is not kept.
  * ST_EIO, ST_ENOMEM: the server lacks disk, memory or a permission; its operator can help.
  * ST_ECORRUPT: the server has found damage, or its tables are not those of the schema.
- * ST_EDB: neither, so what the database holds cannot be trusted: triggers or functions that are not
- * ours, or a defect of the server.
+ * ST_EDB: the request fails, and says nothing of the next: a value, a constraint, a limit, a trigger or
+ * function that is not ours, a defect of the server.
  * A connection is kept only if a rollback alone makes it good: its prepared statements, its session and
  * its process are then known to be as they were.  A code stands before its class. */
 static const struct sql_postgres_state table[] = {
@@ -16,15 +16,13 @@ static const struct sql_postgres_state table[] = {
     {"0A", ST_EBUSY, false}, /* cached plan must not change result type */
     {"0B", ST_EBUSY, false},
     {"24", ST_EBUSY, false},
-    {"25", ST_EBUSY,
-     false}, /* timeouts, a failed transaction, a server that takes no writes */
+    {"25", ST_EBUSY, false}, /* timeouts, a failed transaction, a standby */
     {"26", ST_EBUSY, false},
     {"2D", ST_EBUSY, false},
     {"34", ST_EBUSY, false},
     {"3B", ST_EBUSY, false},
-    {"42P03", ST_EBUSY,
-     false}, /* a cursor, or a prepared statement, of this name exists */
-    {"42P05", ST_EBUSY, false},
+    {"42P03", ST_EBUSY, false}, /* a cursor of this name exists */
+    {"42P05", ST_EBUSY, false}, /* a prepared statement of this name exists */
     /* other transactions, the operator */
     {"40", ST_EBUSY, true},
     {"53300", ST_EBUSY, false},
@@ -40,7 +38,6 @@ static const struct sql_postgres_state table[] = {
     {"42501", ST_EIO, false},
     {"53200", ST_ENOMEM, false},
     {"53", ST_EIO, false},
-    {"54", ST_ELIMIT, false},
     {"58", ST_EIO, false},
     {"F0", ST_EIO, false},
     /* damage, other tables */
@@ -50,6 +47,7 @@ static const struct sql_postgres_state table[] = {
     /* values, constraints */
     {"22", ST_EDB, true},
     {"23", ST_EDB, true},
+    {"54", ST_EDB, false}, /* a limit of the server */
     /* no errors, or none that our statements can cause */
     {"00", ST_EDB, false},
     {"01", ST_EDB, false},

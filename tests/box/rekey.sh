@@ -142,6 +142,14 @@ if [ "$(id -u)" = 0 ]; then
         as 65534 "rekey --keep-old"
         is "a folder of mode $mode" $? 77
     done
+    chmod 0700 "$W/d"
+    if unshare -m true 2>/dev/null; then # as a credential
+        unshare -m sh -c "mkdir '$W/c' && mount -t tmpfs none '$W/c' && cp -p '$W/d/db.key' '$W/c/key' &&
+            mount -o remount,ro '$W/c' && '$W/surfacectl' --db '$W/d/db' --anchor '$W/d/anchor' --key '$W/c/key' \
+            rekey --yes" >"$T/ctl" 2>"$T/ctl.err"
+        is "a credential" $? 77
+        contains "it is said what to name" "$T/ctl.err" 'read-only file system.*name the file that it comes from'
+    fi
     chmod 1777 "$W/d" # sticky, another's key
     chown 0:0 "$W/d"
     chown 0:65534 "$W/d/db.key"

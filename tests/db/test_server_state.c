@@ -56,7 +56,7 @@ static const struct {
     {"53200", ST_ENOMEM, false},   /* out of memory */
     {"53300", ST_EBUSY, false},    /* too many connections */
     {"53400", ST_EIO, false},      /* configuration limit exceeded */
-    {"54000", ST_ELIMIT, false},   /* program limit exceeded */
+    {"54000", ST_EDB, false},      /* program limit exceeded */
     {"55000", ST_EBUSY, false},    /* object not in prerequisite state */
     {"55P03", ST_EBUSY, true},     /* lock not available */
     {"57014", ST_EBUSY, true},     /* operator intervention: query cancelled */
