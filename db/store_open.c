@@ -292,6 +292,26 @@ static enum status check_anchors(struct store *s, struct log_txn *t,
     return ST_OK;
 }
 
+enum status store_settle_anchor(struct store *s, const char *path, struct errinfo *e)
+{
+    struct log_anchor said, left;
+    bool has = false, has_left = false;
+    struct log_txn t;
+    enum status st;
+
+    if (path == NULL || log_anchor_left(path, s->crypt, &left, NULL) != ST_OK)
+        return ST_OK;
+    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        return st;
+    if (log_anchor_read(path, s->crypt, &said, NULL) == ST_OK)
+        st = log_has(&t, &said.end, &has, e);
+    if (st == ST_OK && !has)
+        st = log_has(&t, &left.end, &has_left, e);
+    if ((st = store_end(s, &t, st, e)) != ST_OK || !has_left)
+        return st;
+    return log_anchor_adopt(path, e);
+}
+
 /* Fail now rather than at the first change or request. */
 static enum status try_it(struct store *s, enum store_mode mode, struct errinfo *e)
 {

@@ -69,6 +69,11 @@ enum status store_verify_rows(struct store *s, store_report *report, void *arg,
                               struct errinfo *e);
 void store_scrub(struct store *s);
 
+/* store_settle_anchor(s, path, e): If PATH.part, and not PATH, is the anchor of s, which was opened without
+ * one, gives it its name: a new part would replace it.  path may be NULL.  Errors as store_begin();
+ * ST_EIO: it could not be renamed. */
+enum status store_settle_anchor(struct store *s, const char *path, struct errinfo *e);
+
 /* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);

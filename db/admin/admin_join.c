@@ -103,7 +103,8 @@ static enum status commit(struct store *s, struct log_txn *t, const char *anchor
     return st;
 }
 
-/* A call that was interrupted behind its commit has left the anchor as a part.  *daemon: its number. */
+/* A call that was interrupted behind its commit has left the anchor as a part.  *daemon: its number.
+ * ST_EREFUSED: there is no such part. */
 static enum status complete(const char *path, const struct store_key *key,
                             uint32_t *daemon, struct errinfo *e)
 {
@@ -129,7 +130,7 @@ enum status admin_join(const char *path, const struct store_key *key, const char
     *daemon = 0;
     by_key.anchor = NULL; /* there is none yet */
     if ((st = check(path, key, e)) != ST_OK ||
-        complete(path, key, daemon, NULL) == ST_OK ||
+        (st = complete(path, key, daemon, e)) != ST_EREFUSED ||
         (st = store_open(path, STORE_WRITE, &by_key, &s, e)) != ST_OK)
         return st;
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {

@@ -180,7 +180,8 @@ static void own_as(const char *path, const char *like)
     }
 }
 
-/* The new key into its place.  An old one in that place becomes KEY.old; what is neither stays. */
+/* The new key into its place.  An old one in that place becomes KEY.old, also if no other comes, but
+ * only if that was asked for: whoever may write the database's folder can make it look so. */
 static enum status place_key(const struct rekeying *x, const char *aside,
                              struct errinfo *e)
 {
@@ -190,7 +191,8 @@ static enum status place_key(const struct rekeying *x, const char *aside,
 
     if (comes && is_there(x->key_path))
         is_old = true;
-    else if (!comes && (st = fits(x->key_path, x->path, &is_new, e)) == ST_OK && !is_new)
+    else if (!comes && !in_file(x->to) &&
+             (st = fits(x->key_path, x->path, &is_new, e)) == ST_OK && !is_new)
         st = fits(x->key_path, aside, &is_old, e);
     if (comes && is_old)
         own_as(x->key_new, x->key_path);
@@ -199,7 +201,8 @@ static enum status place_key(const struct rekeying *x, const char *aside,
     return st == ST_OK && comes ? newfile_rename(x->key_new, x->key_path, e) : st;
 }
 
-/* How the database is opened under its new key.  One that nobody keeps in a file is given. */
+/* How the database is opened under its new key: by the key's file, or as it was given.  Plaintext only
+ * if that was asked for. */
 static enum status opening(const struct rekeying *x, struct store_key *out,
                            struct errinfo *e)
 {
@@ -212,7 +215,9 @@ static enum status opening(const struct rekeying *x, struct store_key *out,
         return st;
     *out = (struct store_key){.path = x->key_path,
                               .anchor = x->key->anchor,
-                              .plaintext = kind == CRYPT_PLAINTEXT,
+                              .plaintext =
+                                  kind == CRYPT_PLAINTEXT &&
+                                  (x->key->plaintext || x->to->kind == CRYPT_PLAINTEXT),
                               .given = by_file || kind == CRYPT_PLAINTEXT ? NULL
                                        : x->to->given != NULL             ? x->to->given
                                                               : x->key->given};
@@ -254,13 +259,16 @@ static enum status flush_names(const char *path, struct errinfo *e)
     return done ? ST_OK : ST_EUNSYNCED;
 }
 
-/* Is KEY.old that of the old database?  It was not there before; one that holds no key any more was
- * overwritten by a call that could not remove it then. */
+/* Is KEY.old that of the old database, and of none that is kept?  It was not there before; one that
+ * holds no key any more was overwritten by a call that could not remove it then. */
 static enum status is_old_key(const struct rekeying *x, bool *out, struct errinfo *e)
 {
-    const enum status st = fits(x->key_old, x->discard, out, e);
+    bool kept = false;
+    enum status st = fits(x->key_old, x->discard, out, e);
 
-    *out = *out || st == ST_EINVAL;
+    if (st == ST_OK && *out && is_there(x->kept))
+        st = fits(x->key_old, x->kept, &kept, e);
+    *out = (*out && !kept) || st == ST_EINVAL;
     return st == ST_EINVAL ? ST_OK : st;
 }
 

@@ -160,6 +160,8 @@ static enum status open_held(struct restoring *r, bool dry, struct errinfo *e)
                            "%.300s: move it away first; then those who were erased since "
                            "the backup are back",
                            why.msg);
+    if (!dry && (st = store_settle_anchor(r->held, r->key->anchor, e)) != ST_OK)
+        return st;
     return walk_held(r, e);
 }
 
@@ -439,18 +441,17 @@ static bool is_restored(const struct restoring *r)
 /* The anchor too?  A part of it is given its name by opening the database. */
 static enum status settle(struct restoring *r, bool dry, struct errinfo *e)
 {
-    struct errinfo why;
     struct store *s;
+    enum status st;
 
     store_close(r->held);
     r->held = NULL;
-    r->out->already =
-        store_open(r->path, dry ? STORE_READ : STORE_WRITE, r->key, &s, &why) == ST_OK;
-    if (r->out->already) {
-        store_close(s);
-        return ST_OK;
-    }
-    return open_held(r, dry, e);
+    st = store_open(r->path, dry ? STORE_READ : STORE_WRITE, r->key, &s, e);
+    if (st == ST_EREFUSED)
+        return open_held(r, dry, e);
+    r->out->already = st == ST_OK;
+    store_close(s);
+    return st;
 }
 
 /* A backup takes the place of a database whose key is known, and stays known. */
@@ -578,7 +579,8 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
     by_key.anchor = NULL; /* it names what is not there any more */
     if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
         return st;
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &r.by, &t, e)) == ST_OK) {
+    if ((st = store_settle_anchor(s, key->anchor, e)) == ST_OK &&
+        (st = store_act_begin(s, actor, SQL_WRITE, &r.by, &t, e)) == ST_OK) {
         if (memcmp(&t.changes, &later->after, sizeof t.changes) != 0)
             st = errinfo_set(e, ST_EBUSY, "another process has changed the database");
         for (size_t i = 0; i < later->n && st == ST_OK; i++)
@@ -652,7 +654,8 @@ enum status admin_accept(const char *path, const struct store_key *key, const ch
     if ((st = store_open(path, STORE_ALONE, &by_key, &s, e)) != ST_OK)
         return st;
     atomic_store(&s->verified, true); /* what is found is accepted */
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
+    if ((st = store_settle_anchor(s, key->anchor, e)) == ST_OK &&
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
         st = accept_rows(&t, &by, report, arg, out, e);
         st = end_alone(s, &t, key, dry, st, e);
     }

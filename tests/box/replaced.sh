@@ -176,6 +176,23 @@ ctl restore "$T/evil.db"
 denied "restoring a plaintext copy" "is plaintext: restore a backup"
 ctl_exits 0 verify alice "$T/again.ply" # nothing was changed
 
+# ---- a rekey that seems to have been interrupted: the true database as what is to be discarded
+for kind in evil keyed; do
+    cp "$T/$kind.db" "$DB"
+    cp "$T/whole.db" "$DB.discard"
+    ctl rekey --yes
+    ok "rekey, with a planted $kind database: $CODE" [ "$CODE" = 77 -o "$CODE" = 65 ]
+    ok "the key and the true database are there" cmp -s "$DB.key" "$T/credential"
+    ok "as they were" cmp -s "$DB.discard" "$T/whole.db"
+    mv "$DB.discard" "$DB"
+done
+cp "$DB.key" "$DB.key.old" # kept, with its database; a second copy of that is planted
+cp "$DB" "$DB.before-rekey"
+cp "$DB" "$DB.discard"
+ctl rekey --yes
+ok "nor does a kept key go" cmp -s "$DB.key.old" "$T/credential"
+rm -f "$DB.key.old" "$DB.before-rekey" "$DB.discard"
+
 # ---- a database that the operator makes plaintext
 ctl_exits 0 rekey --plaintext --yes
 ok "removes the key" test ! -e "$DB.key" -a ! -e "$DB.key.new"
