@@ -157,6 +157,8 @@ enum status admin_rekey_left(const char *path, const struct store_key *key,
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     else if (sodium_init() < 0)
         st = errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
+    else if (crypt_file_wiped(key_new))
+        none = true;
     else if (is_there(key_new) && (st = fits(key_new, target, &is_key, e)) == ST_OK &&
              !is_key && (st = opens(key, target, &other_is, e)) == ST_OK && other_is)
         st = fits_none(key_new, target, &none, e);
@@ -259,17 +261,18 @@ static enum status flush_names(const char *path, struct errinfo *e)
     return done ? ST_OK : ST_EUNSYNCED;
 }
 
-/* Is KEY.old that of the old database, and of none that is kept?  It was not there before; one that
- * holds no key any more was overwritten by a call that could not remove it then. */
+/* Is KEY.old that of the old database, and of none that is kept?  Or was it overwritten by a call that
+ * could not remove it then? */
 static enum status is_old_key(const struct rekeying *x, bool *out, struct errinfo *e)
 {
     bool kept = false;
-    enum status st = fits(x->key_old, x->discard, out, e);
+    enum status st = ST_OK;
 
-    if (st == ST_OK && *out && is_there(x->kept))
+    if (!(*out = crypt_file_wiped(x->key_old)) &&
+        (st = fits(x->key_old, x->discard, out, e)) == ST_OK && *out && is_there(x->kept))
         st = fits(x->key_old, x->kept, &kept, e);
-    *out = (*out && !kept) || st == ST_EINVAL;
-    return st == ST_EINVAL ? ST_OK : st;
+    *out = *out && !kept;
+    return st;
 }
 
 /* Keys are placed, the database is opened by them and read, and only then the old ones go. */

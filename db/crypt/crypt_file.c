@@ -196,6 +196,22 @@ enum status crypt_file_open(const struct crypt_file *k, const char *path,
     return st == ST_OK ? st : errinfo_set(e, st, "%.100s: %.120s", path, why.msg);
 }
 
+bool crypt_file_wiped(const char *path)
+{
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+    char text[CRYPT_SECRET_MAX + 1];
+    ssize_t n = -1;
+    bool wiped;
+
+    if (fd >= 0) {
+        n = read(fd, text, sizeof text);
+        (void)close(fd);
+    }
+    wiped = n > 0 && memchr(text, '\0', (size_t)n) != NULL;
+    sodium_memzero(text, sizeof text);
+    return wiped;
+}
+
 enum status crypt_file_fits(const char *path, const struct crypt_root *root, bool *fits,
                             struct errinfo *e)
 {

@@ -53,6 +53,10 @@ enum status crypt_file_open(const struct crypt_file *k, const char *path,
 enum status crypt_file_fits(const char *path, const struct crypt_root *root, bool *fits,
                             struct errinfo *e);
 
+/* crypt_file_wiped(path): Returns true if the file was a key's and was overwritten, at least in part: it
+ * has a NUL, as no key has. */
+bool crypt_file_wiped(const char *path);
+
 /* crypt_file_root(k, path, kind, root, out, e): new secrets under what the file says, as
  * crypt_make(). */
 enum status crypt_file_root(const struct crypt_file *k, const char *path,

@@ -1,6 +1,7 @@
 /* Every secret made anew: all that a store tells stays, the logs go on, and nothing of the old keys
  * is left or good for anything.  That what is not as it was written is not rekeyed is in
  * tests/box/store-attacks.sh. */
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "admin_copy.h"
@@ -302,8 +303,21 @@ TEST(test_left)
     move(".moved", ".key");
     assert_int_equal(left_now(), ADMIN_LEFT_USELESS);
 
+    /* One that was overwritten, and could not be removed then. */
+    {
+        char name[80];
+        int fd;
+
+        (void)snprintf(name, sizeof name, "%s.key.new", tempdb_path);
+        assert_true((fd = open(name, O_WRONLY)) >= 0);
+        assert_int_equal(pwrite(fd, "\0\0\0", 3, 0), 3);
+        assert_int_equal(close(fd), 0);
+    }
+    assert_int_equal(left_now(), ADMIN_LEFT_USELESS);
+    rekey_again(false);
+    assert_false(completed || is_there(".key.new"));
+
     /* The key of a database beside it is needed. */
-    move(".key.new", ".useless");
     rekey_again(true);
     move(".key.old", ".key.new");
     assert_int_equal(left_now(), ADMIN_LEFT_UNKNOWN);
