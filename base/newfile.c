@@ -14,6 +14,8 @@
 
 #include "errinfo.h"
 
+#define LINKS 40 /* as many as the kernel follows */
+
 /* The folder of a file, whose name is relative to dir. */
 static int open_directory(int dir, const char *path)
 {
@@ -39,11 +41,52 @@ bool newfile_sync_directory(int folder)
     return fsync(folder) == 0 || errno == EINVAL;
 }
 
-char *newfile_target(const char *path)
+/* The name that the link at *path has for its target; relative ones are so to the link's folder.  false: it
+ * is no link, or (errno is not 0) cannot be read. */
+static bool follow(char **path)
 {
-    char *target = realpath(path, NULL);
+    const char *slash = strrchr(*path, '/');
+    const size_t folder = slash != NULL ? (size_t)(slash - *path) + 1 : 0;
+    char to[PATH_MAX], *next;
+    const ssize_t n = readlink(*path, to, sizeof to - 1);
+    size_t size;
 
-    return target != NULL || errno == ENOMEM ? target : strdup(path);
+    if (n < 0 && (errno == EINVAL || errno == ENOENT || errno == ENOTDIR))
+        errno = 0;
+    if (n < 0)
+        return false;
+    to[n] = '\0';
+    size = folder + (size_t)n + 1;
+    if ((next = malloc(size)) == NULL)
+        return false;
+    (void)snprintf(next, size, "%.*s%s", to[0] == '/' ? 0 : (int)folder, *path, to);
+    free(*path);
+    *path = next;
+    return true;
+}
+
+enum status newfile_beside(const char *path, const char *suffix, char **out,
+                           struct errinfo *e)
+{
+    char *at = strdup(path);
+    size_t size;
+    int links = 0;
+
+    *out = NULL;
+    while (at != NULL && links < LINKS && follow(&at))
+        links++;
+    if (links == LINKS)
+        errno = ELOOP;
+    if (at != NULL && errno == 0) {
+        size = strlen(at) + strlen(suffix) + 1;
+        if ((*out = malloc(size)) != NULL)
+            (void)snprintf(*out, size, "%s%s", at, suffix);
+    }
+    free(at);
+    return *out != NULL ? ST_OK
+                        : errinfo_set(e, errno == ENOMEM ? ST_ENOMEM : ST_EIO,
+                                      "cannot follow the links of %.160s: %s", path,
+                                      strerror(errno));
 }
 
 bool newfile_missing(const char *path)

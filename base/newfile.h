@@ -75,9 +75,11 @@ void newfile_leave(struct newfile *n);
  * ST_EEXISTS: there is a file `to`.  ST_EUNSYNCED as above.  Not done: ST_EIO. */
 enum status newfile_rename(const char *from, const char *to, struct errinfo *e);
 
-/* newfile_target(path): Returns the file that path leads to through symbolic links, or path itself if
- * there is no file; to be released by free().  NULL: out of memory. */
-char *newfile_target(const char *path);
+/* newfile_beside(path, suffix, out, e): Sets *out to the name, with suffix appended, of the file that path
+ * leads to through symbolic links; that need not exist.  *out is released by free().  ST_EIO: a link
+ * cannot be read; ST_ENOMEM. */
+enum status newfile_beside(const char *path, const char *suffix, char **out,
+                           struct errinfo *e);
 
 /* newfile_missing(path): Returns true if there is certainly no file at path, and false if there is one
  * or that cannot be found out. */

@@ -46,8 +46,8 @@ static enum status open_by_files(const char *path, const struct crypt_root *r,
 
     if (st != ST_EDENIED && st != ST_ENOTFOUND && st != ST_EINVAL)
         return st;
-    if ((next = crypt_file_beside(path, STORE_KEY_NEW)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (newfile_beside(path, STORE_KEY_NEW, &next, NULL) != ST_OK)
+        return st;
     if (open_by_file(next, r, out, NULL) == ST_OK)
         st = ST_OK;
     free(next);
@@ -239,15 +239,21 @@ static enum status open_keys(struct store *s, const struct opening *o, struct er
 struct anchors {
     enum status read, read_left; /* outcomes of reading the two */
     struct log_anchor said, left;
-    struct errinfo why; /* the reason of read */
+    struct errinfo why, why_left; /* their reasons */
 };
 
 /* Whose accesses the store writes is known before its first transaction. */
 static void read_anchors(struct store *s, struct anchors *a)
 {
     a->read = log_anchor_read(s->anchor, s->crypt, &a->said, &a->why);
-    a->read_left = log_anchor_left(s->anchor, s->crypt, &a->left, NULL);
+    a->read_left = log_anchor_left(s->anchor, s->crypt, &a->left, &a->why_left);
     s->log.daemon = a->read == ST_OK ? a->said.daemon : a->left.daemon;
+}
+
+/* Is there perhaps a part, that could not be read? */
+static bool is_unknown(enum status read_left)
+{
+    return read_left != ST_OK && read_left != ST_ENOTFOUND && read_left != ST_EREFUSED;
 }
 
 static enum status say_older(const struct store *s, const struct anchors *a,
@@ -285,6 +291,8 @@ static enum status check_anchors(struct store *s, struct log_txn *t,
         st = log_has(t, &a->left.end, &has_left, e);
     if (st != ST_OK)
         return st;
+    if (!has && !has_left && is_unknown(a->read_left))
+        return errinfo_set(e, a->read_left, "%s", a->why_left.msg);
     if (!has && !has_left)
         return say_older(s, a, e);
     s->anchor_left = !has && (!adopt || log_anchor_adopt(s->anchor, NULL) != ST_OK);
@@ -297,10 +305,11 @@ enum status store_settle_anchor(struct store *s, const char *path, struct errinf
     struct log_anchor said, left;
     bool has = false, has_left = false;
     struct log_txn t;
-    enum status st;
+    enum status st =
+        path != NULL ? log_anchor_left(path, s->crypt, &left, e) : ST_ENOTFOUND;
 
-    if (path == NULL || log_anchor_left(path, s->crypt, &left, NULL) != ST_OK)
-        return ST_OK;
+    if (st != ST_OK)
+        return is_unknown(st) ? st : ST_OK;
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     if (log_anchor_read(path, s->crypt, &said, NULL) == ST_OK)

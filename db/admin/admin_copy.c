@@ -379,16 +379,6 @@ enum status admin_in_file(const char *path, const char *instead, struct errinfo 
                : errinfo_set(e, ST_EINVAL, "%.160s is on a server: %s", path, instead);
 }
 
-char *admin_name(const char *path, const char *suffix)
-{
-    const size_t n = strlen(path) + strlen(suffix) + 1;
-    char *name = malloc(n);
-
-    if (name != NULL)
-        (void)snprintf(name, n, "%s%s", path, suffix);
-    return name;
-}
-
 /* Another link to the database that is there, of a swap that was killed before it replaced it. */
 static enum status clear_name(const char *path, const char *aside, struct errinfo *e)
 {

@@ -68,7 +68,4 @@ enum status admin_swap(const char *path, struct store *held, struct newfile *n,
  * ST_EUNSYNCED: removed, but perhaps not on the disk. */
 enum status admin_discard(const char *path, struct errinfo *e);
 
-/* admin_name(path, suffix): Returns a new text, to be released by free().  NULL: out of memory. */
-char *admin_name(const char *path, const char *suffix);
-
 #endif

@@ -39,18 +39,24 @@ static bool is_there(const char *path)
     return lstat(path, &sb) == 0 || errno != ENOENT;
 }
 
-static bool name_files(struct rekeying *x, const char *path)
+static enum status name_files(struct rekeying *x, const char *path, struct errinfo *e)
 {
-    x->path = newfile_target(path);
-    x->key_path = newfile_target(x->key->path);
-    x->key_new = crypt_file_beside(x->key->path, STORE_KEY_NEW);
-    x->key_old = crypt_file_beside(x->key->path, ".old");
-    if (x->path != NULL) {
-        x->discard = admin_name(x->path, ".discard");
-        x->kept = admin_name(x->path, ".before-rekey");
-    }
-    return x->path != NULL && x->key_path != NULL && x->key_new != NULL &&
-           x->key_old != NULL && x->discard != NULL && x->kept != NULL;
+    const struct {
+        const char *path, *suffix;
+        char **out;
+    } name[] = {
+        {path, "", &x->path},
+        {path, ".discard", &x->discard},
+        {path, ".before-rekey", &x->kept},
+        {x->key->path, "", &x->key_path},
+        {x->key->path, STORE_KEY_NEW, &x->key_new},
+        {x->key->path, ".old", &x->key_old},
+    };
+    enum status st = ST_OK;
+
+    for (size_t i = 0; i < sizeof name / sizeof *name && st == ST_OK; i++)
+        st = newfile_beside(name[i].path, name[i].suffix, name[i].out, e);
+    return st;
 }
 
 static void free_files(struct rekeying *x)
@@ -132,12 +138,11 @@ static enum status fits_none(const char *key, const char *path, bool *none,
 
     *none = true;
     for (size_t i = 0; i < sizeof beside / sizeof *beside && st == ST_OK && *none; i++) {
-        char *name = admin_name(path, beside[i]);
         bool it = false;
+        char *name;
 
-        if (name == NULL)
-            return errinfo_set(e, ST_ENOMEM, "out of memory");
-        if (is_there(name) && (st = fits(key, name, &it, e)) == ST_OK)
+        if ((st = newfile_beside(path, beside[i], &name, e)) == ST_OK && is_there(name) &&
+            (st = fits(key, name, &it, e)) == ST_OK)
             *none = !it;
         free(name);
     }
@@ -147,24 +152,22 @@ static enum status fits_none(const char *key, const char *path, bool *none,
 enum status admin_rekey_left(const char *path, const struct store_key *key,
                              enum admin_left *out, struct errinfo *e)
 {
-    char *target = store_on_server(path) ? strdup(path) : newfile_target(path);
-    char *key_new = crypt_file_beside(key->path, STORE_KEY_NEW);
     bool is_key = false, other_is = false, none = false;
-    enum status st = ST_OK;
+    char *key_new;
+    enum status st = newfile_beside(key->path, STORE_KEY_NEW, &key_new, e);
 
     *out = ADMIN_LEFT_NOTHING;
-    if (target == NULL || key_new == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    else if (sodium_init() < 0)
+    if (st != ST_OK)
+        return st;
+    if (sodium_init() < 0)
         st = errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
     else if (crypt_file_wiped(key_new))
         none = true;
-    else if (is_there(key_new) && (st = fits(key_new, target, &is_key, e)) == ST_OK &&
-             !is_key && (st = opens(key, target, &other_is, e)) == ST_OK && other_is)
-        st = fits_none(key_new, target, &none, e);
+    else if (is_there(key_new) && (st = fits(key_new, path, &is_key, e)) == ST_OK &&
+             !is_key && (st = opens(key, path, &other_is, e)) == ST_OK && other_is)
+        st = fits_none(key_new, path, &none, e);
     if (st == ST_OK && is_there(key_new))
         *out = is_key ? ADMIN_LEFT_KEY : none ? ADMIN_LEFT_USELESS : ADMIN_LEFT_UNKNOWN;
-    free(target);
     free(key_new);
     return st;
 }
@@ -551,9 +554,8 @@ enum status admin_rekey(const char *path, const struct store_key *key,
                             "it into an empty database",
                             e)) != ST_OK)
         return st;
-    if (!name_files(&x, path))
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && (st = crypt_file_lock(x.key_path, &lock, e)) == ST_OK)
+    if ((st = name_files(&x, path, e)) == ST_OK &&
+        (st = crypt_file_lock(x.key_path, &lock, e)) == ST_OK)
         st = rekey(&x, actor, completed, e);
     if (lock >= 0)
         (void)close(lock);

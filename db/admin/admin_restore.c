@@ -384,12 +384,12 @@ static enum status say_unfinished(enum status st, const struct errinfo *why,
 static enum status place(const struct restoring *r, struct newfile *n,
                          struct newfile *anchor, struct errinfo *e)
 {
-    char *aside = admin_name(r->path, ".before-restore");
+    char *aside;
     struct errinfo why;
-    enum status st;
+    enum status st = newfile_beside(r->path, ".before-restore", &aside, e);
 
-    if (aside == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st != ST_OK)
+        return st;
     st = admin_swap(r->path, r->held, n, aside, &why);
     free(aside);
     if (st != ST_OK && st != ST_EUNSYNCED)
@@ -486,14 +486,14 @@ enum status admin_restore(const char *path, const char *from, const struct store
                           const char *from_key, const char *actor, bool dry,
                           struct admin_restored *out, struct errinfo *e)
 {
-    char *target = newfile_target(path);
-    struct restoring r = {
-        .path = target, .from = from, .key = key, .from_key = from_key, .out = out};
-    enum status st;
+    char *target;
+    struct restoring r = {.from = from, .key = key, .from_key = from_key, .out = out};
+    enum status st = newfile_beside(path, "", &target, e);
 
     memset(out, 0, sizeof *out);
-    if (target == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st != ST_OK)
+        return st;
+    r.path = target;
     if (sql_file_same(path, from))
         st = errinfo_set(e, ST_EINVAL, "%.160s is the database itself", from);
     else if ((st = admin_in_file(path,

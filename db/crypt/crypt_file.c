@@ -73,17 +73,6 @@ enum status crypt_file_lock(const char *path, int *fd, struct errinfo *e)
     return ST_EIO;
 }
 
-char *crypt_file_beside(const char *path, const char *suffix)
-{
-    char *target = newfile_target(path), *name = NULL;
-    const size_t n = target != NULL ? strlen(target) + strlen(suffix) + 1 : 0;
-
-    if (target != NULL && (name = malloc(n)) != NULL)
-        (void)snprintf(name, n, "%s%s", target, suffix);
-    free(target);
-    return name;
-}
-
 static enum status read_line(int fd, const char *path, struct crypt_file *k,
                              struct errinfo *e)
 {

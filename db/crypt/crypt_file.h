@@ -26,10 +26,6 @@ enum status crypt_file_copy(const struct crypt_file *k, const char *path,
  * folder; released by close(fd). */
 enum status crypt_file_lock(const char *path, int *fd, struct errinfo *e);
 
-/* crypt_file_beside(path, suffix): Returns the name of a file beside the key's file, wherever a symbolic
- * link puts that; to be released by free().  NULL: out of memory. */
-char *crypt_file_beside(const char *path, const char *suffix);
-
 /* crypt_file_read(path, out, e): the file's one line; *out is released by crypt_file_free().
  * ST_EDENIED: strangers may read or change it, or it belongs neither to root nor to this
  * process's user.  ST_ENOTFOUND; ST_EINVAL: empty, too long or more than a line; ST_EIO,

@@ -104,11 +104,11 @@ enum status log_anchor_prepare(const char *path, const struct crypt *c,
                                const struct log_anchor *at, struct newfile *n,
                                struct errinfo *e)
 {
-    char *target = newfile_target(path), places[2][PLACE] = {"", ""};
-    enum status st;
+    char *target, places[2][PLACE] = {"", ""};
+    enum status st = newfile_beside(path, "", &target, e);
 
-    if (target == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st != ST_OK)
+        return st;
     print(c, at, places[0]);
     print(c, at, places[1]);
     if ((st = newfile_open(target, n, e)) == ST_OK &&
@@ -120,24 +120,15 @@ enum status log_anchor_prepare(const char *path, const struct crypt *c,
     return st;
 }
 
-static char *part_of(const char *path)
-{
-    char *target = newfile_target(path), *part = NULL;
-    const size_t n = target != NULL ? strlen(target) + sizeof ".part" : 0;
-
-    if (target != NULL && (part = malloc(n)) != NULL)
-        (void)snprintf(part, n, "%s.part", target);
-    free(target);
-    return part;
-}
-
 enum status log_anchor_left(const char *path, const struct crypt *c,
                             struct log_anchor *out, struct errinfo *e)
 {
-    char *part = part_of(path);
-    const enum status st = part != NULL ? log_anchor_read(part, c, out, e)
-                                        : errinfo_set(e, ST_ENOMEM, "out of memory");
+    char *part;
+    enum status st = newfile_beside(path, ".part", &part, e);
 
+    memset(out, 0, sizeof *out);
+    if (st == ST_OK)
+        st = log_anchor_read(part, c, out, e);
     free(part);
     return st;
 }
@@ -166,11 +157,11 @@ static enum status adopt(const char *part, const char *target, struct errinfo *e
 
 enum status log_anchor_adopt(const char *path, struct errinfo *e)
 {
-    char *target = newfile_target(path), *part = part_of(path);
-    const enum status st = target != NULL && part != NULL
-                               ? adopt(part, target, e)
-                               : errinfo_set(e, ST_ENOMEM, "out of memory");
+    char *target, *part = NULL;
+    enum status st = newfile_beside(path, "", &target, e);
 
+    if (st == ST_OK && (st = newfile_beside(path, ".part", &part, e)) == ST_OK)
+        st = adopt(part, target, e);
     free(target);
     free(part);
     return st;

@@ -14,11 +14,18 @@ int __real_fsync(int fd);
 int __wrap_fsync(int fd);
 
 static int synced;
-static bool full; /* fsync() fails: the disk is full */
+static bool full;        /* fsync() fails: the disk is full */
+static int folder_errno; /* fsync() of a folder fails so; 0: it does not */
 
 int __wrap_fsync(int fd)
 {
+    struct stat sb;
+
     synced++;
+    if (folder_errno != 0 && fstat(fd, &sb) == 0 && S_ISDIR(sb.st_mode)) {
+        errno = folder_errno;
+        return -1;
+    }
     errno = ENOSPC;
     return full ? -1 : __real_fsync(fd);
 }
@@ -40,6 +47,7 @@ BEFORE_EACH(begin)
     strcpy(folder, "/tmp/newfile.XXXXXX");
     assert_non_null(mkdtemp(folder));
     full = false;
+    folder_errno = 0;
     synced = 0;
 }
 
@@ -251,4 +259,72 @@ TEST(test_memory)
     assert_int_equal(failing, 3);
     fail_alloc_at(0);
     newfile_close(&n);
+}
+
+/* What was renamed is there, and nobody removes it, also if its folder could not be flushed. */
+TEST(test_unsynced)
+{
+    char other[128];
+
+    for (int way = 0; way < 3; way++) {
+        must(newfile_open(in_folder("x"), &n, &e));
+        must(newfile_put(&n, "good", 4, &e));
+        folder_errno = EIO;
+        fails(way == 0 ? newfile_keep(&n, &e) : newfile_commit(&n, &e), ST_EUNSYNCED);
+        newfile_close(&n);
+        holds("good");
+        assert_false(is_there("x.part"));
+        folder_errno = 0;
+    }
+    (void)snprintf(other, sizeof other, "%s/y", folder);
+    folder_errno = EIO;
+    fails(newfile_rename(in_folder("x"), other, &e), ST_EUNSYNCED);
+    assert_false(is_there("x"));
+    folder_errno = EINVAL; /* a file system that has no such flush */
+    must(newfile_rename(other, in_folder("x"), &e));
+    holds("good");
+    must(newfile_open(other, &n, &e));
+    must(newfile_keep(&n, &e));
+    newfile_close(&n);
+    fails(newfile_rename(other, in_folder("x"), &e), ST_EEXISTS);
+    holds("good");
+    assert_int_equal(unlink(other), 0);
+    fails(newfile_rename(other, in_folder("z"), &e), ST_EIO);
+
+    must(newfile_open(in_folder("x"), &n, &e));
+    newfile_leave(&n);
+    assert_true(is_there("x.part"));
+    assert_int_equal(unlink(in_folder("x.part")), 0);
+}
+
+static void assert_beside(const char *path, const char *wanted)
+{
+    char *name;
+
+    must(newfile_beside(in_folder(path), ".new", &name, &e));
+    assert_string_equal(name, wanted);
+    free(name);
+}
+
+/* Names are beside the file that links lead to, whether that is there or not. */
+TEST(test_beside)
+{
+    char wanted[128], target[128];
+    char *name;
+
+    (void)snprintf(wanted, sizeof wanted, "%s.new", in_folder("x"));
+    assert_beside("x", wanted); /* no file */
+    assert_int_equal(symlink("x", in_folder("relative")), 0);
+    assert_beside("relative", wanted); /* to no file */
+    (void)snprintf(target, sizeof target, "%s", in_folder("relative"));
+    assert_int_equal(symlink(target, in_folder("absolute")), 0);
+    assert_beside("absolute", wanted);
+    assert_int_equal(symlink("loop", in_folder("loop")), 0);
+    fails(newfile_beside(in_folder("loop"), "", &name, &e), ST_EIO);
+    assert_int_equal(unlink(in_folder("relative")), 0);
+    assert_int_equal(unlink(in_folder("absolute")), 0);
+    assert_int_equal(unlink(in_folder("loop")), 0);
+    must(newfile_beside("postgresql://user@host/name", "", &name, &e));
+    assert_string_equal(name, "postgresql://user@host/name");
+    free(name);
 }
