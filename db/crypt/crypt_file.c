@@ -188,7 +188,7 @@ enum status crypt_file_open(const struct crypt_file *k, const char *path,
 bool crypt_file_wiped(const char *path)
 {
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-    char text[CRYPT_SECRET_MAX + 1];
+    char text[CRYPT_SECRET_MAX + 1] = "";
     ssize_t n = -1;
     bool wiped;
 
