@@ -69,7 +69,7 @@ def wait(driver, what, seconds=15):
     return None
 
 
-def one(driver, selector, text=None, seconds=15):
+def one(driver, selector, text=None, seconds=40):
     def found(d):
         for e in d.find_elements(By.CSS_SELECTOR, selector):
             if e.is_displayed() and (text is None or text in e.text):
