@@ -37,7 +37,7 @@ import time
 from contents import Failure, look, names, tell
 
 BUILD, WORK, ENGINE, *ONLY = sys.argv[1:]
-POINTS, SEED = os.environ.get('FAULT_POINTS', '4'), int(os.environ.get('SEED') or time.time())
+POINTS, SEED = os.environ.get('FAULT_POINTS', '3'), int(os.environ.get('SEED') or time.time())
 SERVER = ENGINE == 'server'
 LIMIT = 30  # seconds of a command
 SHOWN = 12  # failed trials of a case
