@@ -505,23 +505,28 @@ bool store_on_server(const char *path)
     return sql_open_is_url(path);
 }
 
-enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e)
+enum status store_root(const char *path, struct crypt_root *root, struct errinfo *e)
 {
-    struct crypt_root root;
     struct sql_txn *t;
     struct sql *d;
     enum status st;
 
-    *kind = CRYPT_PLAINTEXT;
     if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
         return st;
-    if (sql_version(d) == 0) {
+    if (sql_version(d) == 0)
         st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised", path);
-    } else if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK &&
-               (st = sql_end(t, rows_root_read(t, &root, e), e)) == ST_OK) {
-        *kind = root.kind;
-    }
+    else if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK)
+        st = sql_end(t, rows_root_read(t, root, e), e);
     sql_close(d);
+    return st;
+}
+
+enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e)
+{
+    struct crypt_root root = {.kind = CRYPT_PLAINTEXT};
+    const enum status st = store_root(path, &root, e);
+
+    *kind = st == ST_OK ? root.kind : CRYPT_PLAINTEXT;
     return st;
 }
 

@@ -49,6 +49,10 @@ enum status store_open(const char *path, enum store_mode mode,
                        struct errinfo *e);
 void store_close(struct store *s); /* NULL is allowed */
 
+/* store_root(path, root, e): Reads the key record of a database without its key.  ST_ENOTFOUND: there is
+ * no database, or it is empty; ST_EVERSION. */
+enum status store_root(const char *path, struct crypt_root *root, struct errinfo *e);
+
 /* store_kind(path, kind, e): how the database's master key is kept, which takes no key.
  * ST_ENOTFOUND, also where it is empty; ST_EVERSION. */
 enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *e);

@@ -12,9 +12,7 @@
 #include "crypt_file.h"
 #include "log_anchor.h"
 #include "log_row.h"
-#include "rows_root.h"
 #include "sql_file.h"
-#include "sql_open.h"
 #include "store_txn.h"
 
 #define STICKY 01000 /* S_ISVTX, which POSIX leaves to XSI */
@@ -78,22 +76,6 @@ static bool in_file(const struct admin_rekey *to)
 
 /* ---- whose key is it? */
 
-static enum status read_root(const char *path, struct crypt_root *root, struct errinfo *e)
-{
-    struct sql_txn *t;
-    struct sql *d;
-    enum status st;
-
-    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
-        return st;
-    if (sql_version(d) == 0)
-        st = errinfo_set(e, ST_ENOTFOUND, "%.160s is empty", path);
-    else if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK)
-        st = sql_end(t, rows_root_read(t, root, e), e);
-    sql_close(d);
-    return st;
-}
-
 /* Is there a key file, and does it open the database at path? */
 static enum status fits(const char *key, const char *path, bool *out, struct errinfo *e)
 {
@@ -103,7 +85,7 @@ static enum status fits(const char *key, const char *path, bool *out, struct err
     *out = false;
     if (!is_there(key))
         return ST_OK;
-    if ((st = read_root(path, &root, e)) != ST_OK)
+    if ((st = store_root(path, &root, e)) != ST_OK)
         return st;
     return crypt_file_fits(key, &root, out, e);
 }
@@ -118,7 +100,7 @@ static enum status opens(const struct store_key *key, const char *path, bool *ou
 
     if (key->given == NULL && !key->plaintext)
         return fits(key->path, path, out, e);
-    if ((st = read_root(path, &root, e)) != ST_OK)
+    if ((st = store_root(path, &root, e)) != ST_OK)
         return st;
     *out = root.kind == CRYPT_PLAINTEXT
                ? key->plaintext
@@ -278,6 +260,17 @@ static enum status is_old_key(const struct rekeying *x, bool *out, struct errinf
     return st;
 }
 
+/* What comes behind the swap. */
+static enum status say_unfinished(enum status st, const struct errinfo *why,
+                                  struct errinfo *e)
+{
+    return st == ST_OK ? ST_OK
+                       : errinfo_set(e, st,
+                                     "the key was changed, but %.300s; nothing that is "
+                                     "needed was removed: run the command again",
+                                     why->msg);
+}
+
 /* Keys are placed, the database is opened by them and read, and only then the old ones go. */
 static enum status finish(const struct rekeying *x, bool *last, struct errinfo *e)
 {
@@ -296,11 +289,7 @@ static enum status finish(const struct rekeying *x, bool *last, struct errinfo *
         if (st == ST_OK)
             st = admin_discard(x->discard, &why);
     }
-    return st == ST_OK ? st
-                       : errinfo_set(e, st,
-                                     "the key was changed, but %.300s; what is left is "
-                                     "needed until the command was run again",
-                                     why.msg);
+    return say_unfinished(st, &why, e);
 }
 
 /* ---- what one that was interrupted has left */
@@ -319,7 +308,7 @@ static enum status is_asked(const struct rekeying *x, bool *out, struct errinfo 
 {
     struct crypt_root root;
     struct crypt *c = NULL;
-    enum status st = read_root(x->path, &root, e);
+    enum status st = store_root(x->path, &root, e);
 
     *out = st == ST_OK && root.kind == x->to->kind &&
            (x->to->given == NULL ||
@@ -467,11 +456,7 @@ static enum status swap(struct rekeying *x, struct store *s, struct newfile *n,
     if (st == ST_OK && x->key->anchor != NULL)
         st = newfile_commit(anchor, &why);
     newfile_leave(anchor);
-    return st == ST_OK ? st
-                       : errinfo_set(e, st,
-                                     "the key was changed, but %.300s; nothing was "
-                                     "removed: run the command again",
-                                     why.msg);
+    return say_unfinished(st, &why, e);
 }
 
 static enum status copy_and_swap(struct rekeying *x, struct store *s,
