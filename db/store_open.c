@@ -242,18 +242,37 @@ struct anchors {
     struct errinfo why, why_left; /* their reasons */
 };
 
-/* Whose accesses the store writes is known before its first transaction. */
-static void read_anchors(struct store *s, struct anchors *a)
+static void read_anchors(const char *path, const struct crypt *c, struct anchors *a)
 {
-    a->read = log_anchor_read(s->anchor, s->crypt, &a->said, &a->why);
-    a->read_left = log_anchor_left(s->anchor, s->crypt, &a->left, &a->why_left);
-    s->log.daemon = a->read == ST_OK ? a->said.daemon : a->left.daemon;
+    a->read = log_anchor_read(path, c, &a->said, &a->why);
+    a->read_left = log_anchor_left(path, c, &a->left, &a->why_left);
 }
 
-/* Is there perhaps a part, that could not be read? */
-static bool is_unknown(enum status read_left)
+/* Is there perhaps a file, that could not be read? */
+static bool is_unknown(enum status read)
 {
-    return read_left != ST_OK && read_left != ST_ENOTFOUND && read_left != ST_EREFUSED;
+    return read != ST_OK && read != ST_ENOTFOUND && read != ST_EREFUSED;
+}
+
+/* Which of the two names a change that the database has?  The part counts only if it is known that the
+ * anchor does not. */
+static enum status find_anchor(struct log_txn *t, const struct anchors *a, bool *has,
+                               bool *has_left, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    *has = *has_left = false;
+    if (is_unknown(a->read))
+        return errinfo_set(e, a->read, "%s", a->why.msg);
+    if (a->read == ST_OK)
+        st = log_has(t, &a->said.end, has, e);
+    if (st != ST_OK || *has)
+        return st;
+    if (is_unknown(a->read_left))
+        return errinfo_set(e, a->read_left, "%s", a->why_left.msg);
+    if (a->read_left == ST_OK && (a->read != ST_OK || a->left.daemon == a->said.daemon))
+        st = log_has(t, &a->left.end, has_left, e);
+    return st;
 }
 
 static enum status say_older(const struct store *s, const struct anchors *a,
@@ -269,8 +288,6 @@ static enum status say_older(const struct store *s, const struct anchors *a,
                            "%.250s: surfacectl accept-state makes a new one, if the "
                            "database is the newest",
                            a->why.msg);
-    if (a->read != ST_OK)
-        return errinfo_set(e, a->read, "%s", a->why.msg);
     return errinfo_set(
         e, ST_EREFUSED,
         "%.120s is older than its anchor says, or another one: it has not the "
@@ -282,17 +299,11 @@ static enum status say_older(const struct store *s, const struct anchors *a,
 static enum status check_anchors(struct store *s, struct log_txn *t,
                                  const struct anchors *a, bool adopt, struct errinfo *e)
 {
-    bool has = false, has_left = false;
-    enum status st = ST_OK;
+    bool has, has_left;
+    const enum status st = find_anchor(t, a, &has, &has_left, e);
 
-    if (a->read == ST_OK)
-        st = log_has(t, &a->said.end, &has, e);
-    if (st == ST_OK && !has && a->read_left == ST_OK && a->left.daemon == s->log.daemon)
-        st = log_has(t, &a->left.end, &has_left, e);
     if (st != ST_OK)
         return st;
-    if (!has && !has_left && is_unknown(a->read_left))
-        return errinfo_set(e, a->read_left, "%s", a->why_left.msg);
     if (!has && !has_left)
         return say_older(s, a, e);
     s->anchor_left = !has && (!adopt || log_anchor_adopt(s->anchor, NULL) != ST_OK);
@@ -302,23 +313,20 @@ static enum status check_anchors(struct store *s, struct log_txn *t,
 
 enum status store_settle_anchor(struct store *s, const char *path, struct errinfo *e)
 {
-    struct log_anchor said, left;
-    bool has = false, has_left = false;
+    bool has, has_left;
+    struct anchors a;
     struct log_txn t;
-    enum status st =
-        path != NULL ? log_anchor_left(path, s->crypt, &left, e) : ST_ENOTFOUND;
+    enum status st;
 
-    if (st != ST_OK)
-        return is_unknown(st) ? st : ST_OK;
+    if (path == NULL)
+        return ST_OK;
+    read_anchors(path, s->crypt, &a);
+    if (a.read_left == ST_ENOTFOUND || a.read_left == ST_EREFUSED)
+        return ST_OK;
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    if (log_anchor_read(path, s->crypt, &said, NULL) == ST_OK)
-        st = log_has(&t, &said.end, &has, e);
-    if (st == ST_OK && !has)
-        st = log_has(&t, &left.end, &has_left, e);
-    if ((st = store_end(s, &t, st, e)) != ST_OK || !has_left)
-        return st;
-    return log_anchor_adopt(path, e);
+    st = store_end(s, &t, find_anchor(&t, &a, &has, &has_left, e), e);
+    return st == ST_OK && has_left ? log_anchor_adopt(path, e) : st;
 }
 
 /* Fail now rather than at the first change or request. */
@@ -328,8 +336,11 @@ static enum status try_it(struct store *s, enum store_mode mode, struct errinfo 
     struct log_txn t;
     enum status st;
 
-    if (s->anchor != NULL)
-        read_anchors(s, &a);
+    if (s->anchor !=
+        NULL) { /* whose accesses it writes is known before its first transaction */
+        read_anchors(s->anchor, s->crypt, &a);
+        s->log.daemon = a.read == ST_OK ? a.said.daemon : a.left.daemon;
+    }
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     if (s->anchor != NULL)
