@@ -94,6 +94,29 @@ keep now
 back 'then'
 refused "which counts again" 'is older than its anchor'
 
+# ---- an anchor that cannot be read for now is none of another: an older part does not take its place
+back now
+cp "$T/then.anchor" "$ANCHOR.part"
+mv "$ANCHOR" "$T/aside"
+mkdir "$ANCHOR"
+for command in "subject list" "token create z --scope verify" "accept-state --yes"; do
+    # shellcheck disable=SC2086 # a command and its arguments
+    ctl $command
+    ctl_failed "$command: the anchor cannot be read" 74 'cannot read the anchor'
+done
+rmdir "$ANCHOR"
+mv "$T/aside" "$ANCHOR"
+ctl_exits 0 subject list
+ok "the part is still one" cmp -s "$ANCHOR.part" "$T/then.anchor"
+rm "$ANCHOR" # the part names a change that the database has
+ctl_exits 0 subject list
+ok "to read changes nothing" test ! -e "$ANCHOR"
+ctl_exits 0 token create z --scope verify
+ok "to write gives it its name" test -s "$ANCHOR" -a ! -e "$ANCHOR.part"
+keep now
+back 'then'
+refused "which counts again" 'is older than its anchor'
+
 # ---- accepted, once
 ctl_exits 64 accept-state # it has to be confirmed
 ctl_exits 0 accept-state --dry-run
