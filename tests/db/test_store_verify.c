@@ -4,6 +4,7 @@
  * fails halfway has not happened. */
 #include <sodium.h>
 
+#include "fail_sql.h"
 #include "sql.h"
 #include "store.h"
 #include "store_txn.h"
@@ -244,36 +245,6 @@ TEST(test_first_write)
 
 /* ---- a statement fails */
 
-static unsigned fail_at; /* the n-th that gives no rows, a commit too; 0: none */
-
-enum status __real_sql_run(struct sql_txn *t, const char *text,
-                           const struct sql_value *value, size_t n, struct errinfo *why);
-enum status __wrap_sql_run(struct sql_txn *t, const char *text,
-                           const struct sql_value *value, size_t n, struct errinfo *why);
-enum status __real_sql_run_one(struct sql_txn *t, const char *text,
-                               const struct sql_value *value, size_t n,
-                               struct errinfo *why);
-enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
-                               const struct sql_value *value, size_t n,
-                               struct errinfo *why);
-
-enum status __wrap_sql_run(struct sql_txn *t, const char *text,
-                           const struct sql_value *value, size_t n, struct errinfo *why)
-{
-    if (strcmp(text, "ROLLBACK") != 0 && fail_at > 0 && --fail_at == 0)
-        return errinfo_set(why, ST_EIO, "no room");
-    return __real_sql_run(t, text, value, n, why);
-}
-
-enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
-                               const struct sql_value *value, size_t n,
-                               struct errinfo *why)
-{
-    if (fail_at > 0 && --fail_at == 0)
-        return errinfo_set(why, ST_EIO, "no room");
-    return __real_sql_run_one(t, text, value, n, why);
-}
-
 TEST(test_failed)
 {
     unsigned failed = 0;
@@ -285,10 +256,10 @@ TEST(test_failed)
         bool done = false;
 
         for (unsigned n = 1; !done; n++) {
-            fail_at = n;
+            fail_sql_at(n, ST_EIO);
             (void)write_it(s, i);
-            done = fail_at > 0; /* it has no n-th */
-            fail_at = 0;
+            done = fail_sql_count() < n; /* it has no n-th */
+            fail_sql_at(0, ST_OK);
             if (!done) {
                 failed++;
                 assert_int_equal(e.code, ST_EIO);
@@ -308,33 +279,6 @@ TEST(test_failed)
 
 /* ---- reading fails, once or for a while */
 
-static unsigned done_fails_at, done_fails_for; /* from the n-th on, so often */
-static enum status done_fails;
-
-enum status __real_sql_done(struct sql_rows *r, enum status st, struct errinfo *why);
-enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *why);
-
-enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *why)
-{
-    const enum status is = __real_sql_done(r, st, why);
-
-    if (done_fails_at > 1) {
-        done_fails_at--;
-        return is;
-    }
-    if (done_fails_at == 0 || done_fails_for == 0)
-        return is;
-    done_fails_for--;
-    return errinfo_set(why, done_fails, "the engine has failed");
-}
-
-static void fail_reading(unsigned at, unsigned times, enum status st)
-{
-    done_fails_at = at;
-    done_fails_for = times;
-    done_fails = st;
-}
-
 /* An error of the engine is that of one call: only a difference is taken for tampering.  Whatever
  * the error, the next call is served. */
 TEST(test_not_read)
@@ -350,13 +294,13 @@ TEST(test_not_read)
         for (unsigned n = 1; !done; n++) {
             struct store_token t;
 
-            fail_reading(n, 1, kind[k]);
+            fail_sql_at(n, kind[k]);
             if (store_verify(s, NULL, NULL, &e) != ST_OK) {
                 failed++;
                 assert_int_equal(e.code, kind[k]);
             }
-            done = done_fails_for > 0; /* it has no n-th */
-            fail_reading(0, 0, ST_OK);
+            done = fail_sql_count() < n; /* it has no n-th */
+            fail_sql_at(0, ST_OK);
             assert_false(store_refused(s, &e));
             must(store_token_check(s, secret, &t, &e));
             must(store_ready(s, &e));
@@ -371,19 +315,20 @@ TEST(test_not_read)
         const bool passes =
             kind[k] == ST_EBUSY || kind[k] == ST_EIO || kind[k] == ST_ENOMEM;
         const struct store_use use = {.appends = true};
+        const unsigned table = tempdb_server ? 2 : 3; /* behind BEGIN and the log's end */
         struct log_txn t;
 
         must(store_verify(s, NULL, NULL, &e));
-        fail_reading(2, 1, kind[k]); /* behind the end of the log, the first table */
+        fail_sql_at(table, kind[k]);
         fails(store_verify(s, NULL, NULL, &e), kind[k]);
-        fail_reading(2, 1, kind[k]);
+        fail_sql_at(table, kind[k]);
         assert_int_equal(store_start_use(s, SQL_READ, &use, &t, &e),
                          passes ? ST_OK : kind[k]);
         if (passes)
             must(sql_end(t.sql, ST_OK, &e));
-        fail_reading(2, 1, kind[k]); /* a read too */
+        fail_sql_at(table, kind[k]); /* a read too */
         assert_int_equal(store_ready(s, &e), passes ? ST_OK : kind[k]);
-        fail_reading(0, 0, ST_OK);
+        fail_sql_at(0, ST_OK);
         must(store_start_use(s, SQL_READ, &use, &t, &e));
         must(sql_end(t.sql, ST_OK, &e));
     }

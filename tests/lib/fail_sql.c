@@ -1,6 +1,7 @@
 #include "fail_sql.h"
 
 #include <stdbool.h>
+#include <string.h>
 
 #include "errinfo.h"
 #include "sql.h"
@@ -47,8 +48,19 @@ __attribute__((weak)) enum status __real_sql_done(struct sql_rows *r, enum statu
                                                   struct errinfo *e);
 __attribute__((weak)) enum status __real_sql_end(struct sql_txn *t, enum status st,
                                                  struct errinfo *e);
+__attribute__((weak)) enum status __real_sql_run(struct sql_txn *t, const char *text,
+                                                 const struct sql_value *value, size_t n,
+                                                 struct errinfo *e);
+__attribute__((weak)) enum status __real_sql_run_one(struct sql_txn *t, const char *text,
+                                                     const struct sql_value *value,
+                                                     size_t n, struct errinfo *e);
 enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
                              struct errinfo *e);
+enum status __wrap_sql_run(struct sql_txn *t, const char *text,
+                           const struct sql_value *value, size_t n, struct errinfo *e);
+enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
+                               const struct sql_value *value, size_t n,
+                               struct errinfo *e);
 enum status __wrap_sql_query(struct sql_txn *t, const char *text,
                              const struct sql_value *value, size_t n,
                              struct sql_rows **out, struct errinfo *e);
@@ -89,7 +101,7 @@ bool __wrap_sql_next(struct sql_rows *r)
 
 enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *e)
 {
-    const bool now = fails() || reading_failed;
+    const bool now = (st == ST_OK && fails()) || reading_failed;
 
     st = __real_sql_done(r, st, e);
     reading_failed = false;
@@ -102,4 +114,18 @@ enum status __wrap_sql_end(struct sql_txn *t, enum status st, struct errinfo *e)
 
     st = __real_sql_end(t, st, e);
     return now && st == ST_OK ? failed(e) : st;
+}
+
+enum status __wrap_sql_run(struct sql_txn *t, const char *text,
+                           const struct sql_value *value, size_t n, struct errinfo *e)
+{
+    return strcmp(text, "ROLLBACK") != 0 && fails()
+               ? failed(e)
+               : __real_sql_run(t, text, value, n, e);
+}
+
+enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
+                               const struct sql_value *value, size_t n, struct errinfo *e)
+{
+    return fails() ? failed(e) : __real_sql_run_one(t, text, value, n, e);
 }

@@ -1,5 +1,6 @@
 /* fail_sql.h -- a database that fails at one call, in tests that are linked with -Wl,--wrap=F for each
- * F of sql_begin, sql_query, sql_first, sql_next, sql_done and sql_end that may fail. */
+ * F of sql_begin, sql_run, sql_run_one, sql_query, sql_first, sql_next, sql_done and sql_end that may
+ * fail.  The driver's own "ROLLBACK" never does. */
 #ifndef TESTS_FAIL_SQL_H
 #define TESTS_FAIL_SQL_H
 #include "status.h"
