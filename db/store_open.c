@@ -385,6 +385,7 @@ enum status store_open(const char *path, enum store_mode mode,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     log_init(&s->log);
     (void)pthread_mutex_init(&s->anchor_lock, NULL);
+    (void)pthread_mutex_init(&s->anchor_why_lock, NULL);
     store_use_model(s, NULL);
     if (o.key->path == NULL && o.key->given == NULL && !o.key->plaintext &&
         store_on_server(path))
@@ -419,6 +420,7 @@ void store_close(struct store *s)
     crypt_free(s->crypt);
     log_free(&s->log);
     (void)pthread_mutex_destroy(&s->anchor_lock);
+    (void)pthread_mutex_destroy(&s->anchor_why_lock);
     free(s->anchor);
     free(s->path);
     free(s);
@@ -484,11 +486,11 @@ bool store_anchor_fault(struct store *s, struct errinfo *e)
 {
     bool behind;
 
-    (void)pthread_mutex_lock(&s->anchor_lock);
+    (void)pthread_mutex_lock(&s->anchor_why_lock);
     behind = s->anchor_why.code != ST_OK;
     if (behind && e != NULL)
         *e = s->anchor_why;
-    (void)pthread_mutex_unlock(&s->anchor_lock);
+    (void)pthread_mutex_unlock(&s->anchor_why_lock);
     return behind;
 }
 

@@ -254,7 +254,9 @@ static void advance_anchor(struct store *s, const struct log_end *to)
         s->anchor_left = log_anchor_adopt(s->anchor, &why) != ST_OK;
     if (!s->anchor_left && log_anchor_advance(s->anchor, s->crypt, &at, &why) == ST_OK)
         atomic_store(&s->anchored, to->seq);
+    (void)pthread_mutex_lock(&s->anchor_why_lock);
     s->anchor_why = why;
+    (void)pthread_mutex_unlock(&s->anchor_why_lock);
     (void)pthread_mutex_unlock(&s->anchor_lock);
 }
 

@@ -23,15 +23,16 @@ struct store {
     char made_by[SURFACE_ENGINE_SIZE];
     struct crypt *crypt;
     struct log log;
-    char *anchor;                   /* file of the anchor; NULL: no anchor */
-    pthread_mutex_t anchor_lock;    /* held to write the anchor, and for anchor_why */
-    atomic_uint_least64_t anchored; /* number of a change that the anchor has reached */
-    struct errinfo anchor_why;      /* why it lags; code ST_OK: it does not */
-    bool anchor_left;               /* it is still called PATH.part */
-    atomic_bool verified;           /* the rows were verified against the digest */
-    atomic_bool unread;             /* they could not be, as the last attempt has found */
-    bool open;                      /* store_open() has succeeded */
-    atomic_bool behind;             /* store_behind() */
+    char *anchor;                    /* file of the anchor; NULL: no anchor */
+    pthread_mutex_t anchor_lock;     /* held to write the anchor, which may take long */
+    pthread_mutex_t anchor_why_lock; /* held for a moment, for anchor_why */
+    atomic_uint_least64_t anchored;  /* number of a change that the anchor has reached */
+    struct errinfo anchor_why;       /* why it lags; code ST_OK: it does not */
+    bool anchor_left;                /* it is still called PATH.part */
+    atomic_bool verified;            /* the rows were verified against the digest */
+    atomic_bool unread; /* they could not be, as the last attempt has found */
+    bool open;          /* store_open() has succeeded */
+    atomic_bool behind; /* store_behind() */
     struct store_fault refusal;
 };
 
