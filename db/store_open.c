@@ -248,12 +248,6 @@ static void read_anchors(const char *path, const struct crypt *c, struct anchors
     a->read_left = log_anchor_left(path, c, &a->left, &a->why_left);
 }
 
-/* Is there perhaps a file, that could not be read? */
-static bool is_unknown(enum status read)
-{
-    return read != ST_OK && read != ST_ENOTFOUND && read != ST_EREFUSED;
-}
-
 /* Which of the two names a change that the database has?  The part counts only if it is known that the
  * anchor does not. */
 static enum status find_anchor(struct log_txn *t, const struct anchors *a, bool *has,
@@ -262,13 +256,13 @@ static enum status find_anchor(struct log_txn *t, const struct anchors *a, bool 
     enum status st = ST_OK;
 
     *has = *has_left = false;
-    if (is_unknown(a->read))
+    if (log_anchor_unknown(a->read))
         return errinfo_set(e, a->read, "%s", a->why.msg);
     if (a->read == ST_OK)
         st = log_has(t, &a->said.end, has, e);
     if (st != ST_OK || *has)
         return st;
-    if (is_unknown(a->read_left))
+    if (log_anchor_unknown(a->read_left))
         return errinfo_set(e, a->read_left, "%s", a->why_left.msg);
     if (a->read_left == ST_OK && (a->read != ST_OK || a->left.daemon == a->said.daemon))
         st = log_has(t, &a->left.end, has_left, e);
@@ -322,7 +316,7 @@ enum status store_settle_anchor(struct store *s, const char *path, struct errinf
         return ST_OK;
     read_anchors(path, s->crypt, &a);
     if (a.read_left == ST_ENOTFOUND || a.read_left == ST_EREFUSED)
-        return ST_OK;
+        return ST_OK; /* there is no part of it */
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     st = store_end(s, &t, find_anchor(&t, &a, &has, &has_left, e), e);

@@ -355,11 +355,12 @@ static enum status ask_anchor(struct restoring *r, struct errinfo *e)
 {
     struct log_anchor said;
     bool has = false;
-    enum status st = ST_OK;
+    enum status st = r->key->anchor != NULL
+                         ? log_anchor_read(r->key->anchor, r->crypt, &said, e)
+                         : ST_ENOTFOUND;
 
-    if (r->key->anchor == NULL ||
-        log_anchor_read(r->key->anchor, r->crypt, &said, NULL) != ST_OK)
-        return ST_OK; /* it is made again */
+    if (st != ST_OK)
+        return log_anchor_unknown(st) ? st : ST_OK; /* it is made again */
     if (r->held != NULL)
         st = store_audit_has(r->held, &said.end, &has, e);
     if (st == ST_OK && !has)
@@ -522,9 +523,10 @@ static enum status end_alone(struct store *s, struct log_txn *t,
     struct errinfo why;
 
     if (st == ST_OK && !dry && key->anchor != NULL) {
-        (void)log_anchor_read(key->anchor, s->crypt, &at, NULL);
+        st = log_anchor_read(key->anchor, s->crypt, &at, e);
         at.end = t->changes;
-        st = log_anchor_prepare(key->anchor, s->crypt, &at, &anchor, e);
+        if (!log_anchor_unknown(st))
+            st = log_anchor_prepare(key->anchor, s->crypt, &at, &anchor, e);
     }
     if (st != ST_OK || dry) {
         (void)store_end(s, t, st != ST_OK ? st : ST_EDENIED, NULL);

@@ -133,6 +133,11 @@ enum status log_anchor_left(const char *path, const struct crypt *c,
     return st;
 }
 
+bool log_anchor_unknown(enum status read)
+{
+    return read != ST_OK && read != ST_ENOTFOUND && read != ST_EREFUSED;
+}
+
 /* Its lock is held by the command that writes it, which will give it its name. */
 static enum status adopt(const char *part, const char *target, struct errinfo *e)
 {

@@ -27,6 +27,10 @@ enum status log_anchor_read(const char *path, const struct crypt *c,
 enum status log_anchor_left(const char *path, const struct crypt *c,
                             struct log_anchor *out, struct errinfo *e);
 
+/* log_anchor_unknown(read): Returns true if this status of log_anchor_read() or log_anchor_left() leaves
+ * open what the file says: neither was it read, nor is it missing, damaged or another database's. */
+bool log_anchor_unknown(enum status read);
+
 /* log_anchor_adopt(path, e): Renames PATH.part to PATH, if there is a part.  ST_EIO: that failed, or a
  * command is writing the part; it is found again.  ST_ENOMEM. */
 enum status log_anchor_adopt(const char *path, struct errinfo *e);

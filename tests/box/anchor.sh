@@ -105,6 +105,17 @@ for command in "subject list" "token create z --scope verify" "accept-state --ye
     ctl_failed "$command: the anchor cannot be read" 74 'cannot read the anchor'
 done
 rmdir "$ANCHOR"
+mkdir "$ANCHOR"
+mv "$ANCHOR.part" "$T/part"
+ctl_exits 0 backup "$T/backup" --anchor none
+for command in "restore $T/backup" "accept-state --yes"; do # nothing tells whose it is
+    # shellcheck disable=SC2086 # a command and its arguments
+    ctl $command
+    ctl_failed "$command: the anchor cannot be read, and has no part" 74 'cannot read the anchor'
+done
+rm "$T/backup"
+mv "$T/part" "$ANCHOR.part"
+rmdir "$ANCHOR"
 mv "$T/aside" "$ANCHOR"
 ctl_exits 0 subject list
 ok "the part is still one" cmp -s "$ANCHOR.part" "$T/then.anchor"
