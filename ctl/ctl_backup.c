@@ -209,14 +209,16 @@ static enum status restored(struct ctl *c)
     struct admin_restored r = {.erased = 0};
     struct later l = {.has = false};
     struct store_key key;
+    bool already;
     enum status st = ctl_model_key(c, c->db, &key);
 
     if (st != ST_OK)
         return st;
-    if (admin_again_done(c->db, &key)) {
+    already = admin_again_done(c->db, &key, c->dry_run);
+    json_flag(c->out, "already", already);
+    if (already) {
         ctl_say(c, "nothing was left to do: an earlier run has done it, and nothing has "
                    "changed since\n");
-        json_flag(c->out, "already", true);
         return ST_OK;
     }
     st = read_later(c, &l);

@@ -12,6 +12,7 @@
 #include "ctl_command.h"
 #include "ctl_model.h"
 #include "findings.h"
+#include "newfile.h"
 
 #define LEAST_FREE (UINT64_C(64) << 20) /* bytes */
 #define STICKY     01000                /* S_ISVTX, which POSIX leaves to XSI */
@@ -192,7 +193,7 @@ static bool look_at_server(struct doctor *d)
 /* ---- what is in them */
 
 /* What to do about an error that says nothing of the database itself. */
-static const char *todo_of(enum status st)
+static const char *advice_on(enum status st)
 {
     return st == ST_EBUSY
                ? "try again when the other process has ended, or the server answers"
@@ -216,7 +217,7 @@ static bool look_at_schema(struct doctor *d)
         say(d, FINDINGS_ERROR, "schema", "restore a backup: surfacectl restore", "%s",
             e.msg);
     else if (st != ST_OK)
-        say(d, FINDINGS_ERROR, "schema", todo_of(st), "%s", e.msg);
+        say(d, FINDINGS_ERROR, "schema", advice_on(st), "%s", e.msg);
     else
         say(d, FINDINGS_OK, "schema", "", "the version of this program");
     return st == ST_OK;
@@ -239,22 +240,25 @@ static void look_at_next(struct doctor *d)
 {
     const struct store_key key = {.path = d->key, .plaintext = d->c->plaintext};
     enum admin_left left;
+    char *next = NULL;
     struct errinfo e;
 
-    if (admin_rekey_left(d->c->db, &key, &left, &e) != ST_OK)
-        say(d, FINDINGS_ERROR, "key", "keep both, and try again when it can be read",
-            "whether %s.new is needed is not known: %s", d->key, e.msg);
+    if (newfile_beside(d->key, STORE_KEY_NEW, &next, &e) != ST_OK ||
+        admin_rekey_left(d->c->db, &key, &left, &e) != ST_OK)
+        say(d, FINDINGS_ERROR, "key",
+            "keep it and a new key beside it, and try again when both can be read",
+            "whether rekey was interrupted is not known: %s", e.msg);
     else if (left == ADMIN_LEFT_KEY)
         say(d, FINDINGS_ERROR, "key",
             "surfacectl rekey completes it; keep the file: nothing else opens the database",
-            "rekey was interrupted: the key is %s.new", d->key);
+            "rekey was interrupted: the key is %s", next);
     else if (left == ADMIN_LEFT_UNKNOWN)
         say(d, FINDINGS_ERROR, "key", "keep it, but move it away",
-            "%s.new is not this database's key, and may be another's", d->key);
+            "%s is not this database's key, and may be another's", next);
     else if (left == ADMIN_LEFT_USELESS)
         say(d, FINDINGS_WARNING, "key", "surfacectl rekey removes it",
-            "%s.new was left by a rekey that did not finish, and opens nothing here",
-            d->key);
+            "%s was left by a rekey that did not finish, and opens nothing here", next);
+    free(next);
 }
 
 /* Does what the database is in, with all that is beside it, let it be opened? */
@@ -306,7 +310,7 @@ static bool look_at_key(struct doctor *d)
         say(d, FINDINGS_ERROR, "key",
             "chmod 600 and chown it, or name the right one with --key", "%s", e.msg);
     else
-        say(d, FINDINGS_ERROR, "key", todo_of(st), "%s", e.msg);
+        say(d, FINDINGS_ERROR, "key", advice_on(st), "%s", e.msg);
     return st == ST_OK;
 }
 
@@ -332,12 +336,12 @@ static struct store *look_at_anchor(struct doctor *d)
         say(d, FINDINGS_ERROR, "anchor",
             e.code == ST_EREFUSED
                 ? "find out who restored it; operation.md, \"A difference was found\""
-                : todo_of(e.code),
+                : advice_on(e.code),
             "%s", e.msg);
         key.anchor = NULL;
     }
     if (store_open(d->c->db, STORE_READ, &key, &s, &e) != ST_OK)
-        say(d, FINDINGS_ERROR, "database", todo_of(e.code), "%s", e.msg);
+        say(d, FINDINGS_ERROR, "database", advice_on(e.code), "%s", e.msg);
     return s;
 }
 
@@ -358,7 +362,7 @@ static void look_at_state(struct doctor *d, struct store *s)
             st == ST_EREFUSED
                 ? "surfacectl check-database lists what is wrong; restore a "
                   "backup from before"
-                : todo_of(st),
+                : advice_on(st),
             "%s", e.msg);
 }
 

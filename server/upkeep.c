@@ -57,8 +57,9 @@ static void verify(struct upkeep *u)
         metrics_rows_verified(u->app->metrics);
     if (st == ST_OK && u->unread)
         logger_line("info", "the rows were verified again");
-    if (st != ST_OK && st != ST_EREFUSED && !u->unread) {
+    if (st != ST_OK)
         metrics_database_error(u->app->metrics, st);
+    if (st != ST_OK && st != ST_EREFUSED && !u->unread) {
         logger_begin(&l, "warn", "the rows could not be verified");
         logger_text(&l, "reason", e.msg);
         logger_end(&l);

@@ -30,13 +30,6 @@ struct rekeying {
     bool swapped;                 /* the copy may have the database's name */
 };
 
-static bool is_there(const char *path)
-{
-    struct stat sb;
-
-    return lstat(path, &sb) == 0 || errno != ENOENT;
-}
-
 static enum status name_files(struct rekeying *x, const char *path, struct errinfo *e)
 {
     const struct {
@@ -83,7 +76,7 @@ static enum status fits(const char *key, const char *path, bool *out, struct err
     enum status st;
 
     *out = false;
-    if (!is_there(key))
+    if (newfile_missing(key))
         return ST_OK;
     if ((st = store_root(path, &root, e)) != ST_OK)
         return st;
@@ -123,8 +116,8 @@ static enum status fits_none(const char *key, const char *path, bool *none,
         bool it = false;
         char *name;
 
-        if ((st = newfile_beside(path, beside[i], &name, e)) == ST_OK && is_there(name) &&
-            (st = fits(key, name, &it, e)) == ST_OK)
+        if ((st = newfile_beside(path, beside[i], &name, e)) == ST_OK &&
+            !newfile_missing(name) && (st = fits(key, name, &it, e)) == ST_OK)
             *none = !it;
         free(name);
     }
@@ -145,10 +138,11 @@ enum status admin_rekey_left(const char *path, const struct store_key *key,
         st = errinfo_set(e, ST_EINTERNAL, "the cryptographic library does not start");
     else if (crypt_file_wiped(key_new))
         none = true;
-    else if (is_there(key_new) && (st = fits(key_new, path, &is_key, e)) == ST_OK &&
-             !is_key && (st = opens(key, path, &other_is, e)) == ST_OK && other_is)
+    else if (!newfile_missing(key_new) &&
+             (st = fits(key_new, path, &is_key, e)) == ST_OK && !is_key &&
+             (st = opens(key, path, &other_is, e)) == ST_OK && other_is)
         st = fits_none(key_new, path, &none, e);
-    if (st == ST_OK && is_there(key_new))
+    if (st == ST_OK && !newfile_missing(key_new))
         *out = is_key ? ADMIN_LEFT_KEY : none ? ADMIN_LEFT_USELESS : ADMIN_LEFT_UNKNOWN;
     free(key_new);
     return st;
@@ -172,11 +166,11 @@ static void own_as(const char *path, const char *like)
 static enum status place_key(const struct rekeying *x, const char *aside,
                              struct errinfo *e)
 {
-    const bool comes = is_there(x->key_new);
+    const bool comes = !newfile_missing(x->key_new);
     bool is_new = false, is_old = false;
     enum status st = ST_OK;
 
-    if (comes && is_there(x->key_path))
+    if (comes && !newfile_missing(x->key_path))
         is_old = true;
     else if (!comes && !in_file(x->to) &&
              (st = fits(x->key_path, x->path, &is_new, e)) == ST_OK && !is_new)
@@ -254,7 +248,8 @@ static enum status is_old_key(const struct rekeying *x, bool *out, struct errinf
     enum status st = ST_OK;
 
     if (!(*out = crypt_file_wiped(x->key_old)) &&
-        (st = fits(x->key_old, x->discard, out, e)) == ST_OK && *out && is_there(x->kept))
+        (st = fits(x->key_old, x->discard, out, e)) == ST_OK && *out &&
+        !newfile_missing(x->kept))
         st = fits(x->key_old, x->kept, &kept, e);
     *out = *out && !kept;
     return st;
@@ -274,7 +269,7 @@ static enum status say_unfinished(enum status st, const struct errinfo *why,
 /* Keys are placed, the database is opened by them and read, and only then the old ones go. */
 static enum status finish(const struct rekeying *x, bool *last, struct errinfo *e)
 {
-    const bool discard = is_there(x->discard);
+    const bool discard = !newfile_missing(x->discard);
     const char *aside = discard ? x->discard : x->kept;
     bool old = false;
     struct errinfo why;
@@ -321,7 +316,8 @@ static enum status is_asked(const struct rekeying *x, bool *out, struct errinfo 
 static enum status is_kept(const struct rekeying *x, bool *out, struct errinfo *e)
 {
     *out = false;
-    return x->to->keep && is_there(x->kept) ? fits(x->key_old, x->kept, out, e) : ST_OK;
+    return x->to->keep && !newfile_missing(x->kept) ? fits(x->key_old, x->kept, out, e)
+                                                    : ST_OK;
 }
 
 /* *done: it was this very rekey, and nothing has changed since. */
@@ -345,7 +341,7 @@ static enum status settle(struct rekeying *x, bool *done, struct errinfo *e)
             x->key_new);
     if (left == ADMIN_LEFT_USELESS && (st = admin_discard(x->key_new, e)) != ST_OK)
         return st;
-    if (left != ADMIN_LEFT_KEY && !is_there(x->discard) && !kept)
+    if (left != ADMIN_LEFT_KEY && newfile_missing(x->discard) && !kept)
         return ST_OK;
     if ((st = finish(x, &last, e)) != ST_OK || !last)
         return st;
@@ -381,7 +377,7 @@ static enum status check_old_key(const struct rekeying *x, struct errinfo *e)
                            "the key %.160s is not a file, so another cannot be put in "
                            "its place: name a file with --key",
                            x->key_path);
-    if (is_there(x->key_old))
+    if (!newfile_missing(x->key_old))
         return errinfo_set(e, ST_EEXISTS,
                            "there is a key %.200s already: move it away first",
                            x->key_old);
@@ -405,14 +401,14 @@ static enum status check_files(const struct rekeying *x, struct errinfo *e)
 {
     const char *aside = x->to->keep ? x->kept : x->discard;
 
-    if (is_there(aside))
+    if (!newfile_missing(aside))
         return errinfo_set(e, ST_EEXISTS,
                            "there is a database %.200s already: move it away first, or "
                            "overwrite and remove it (shred -u)",
                            aside);
     if (x->key->given == NULL && !x->key->plaintext)
         return check_old_key(x, e);
-    if (in_file(x->to) && is_there(x->key_path))
+    if (in_file(x->to) && !newfile_missing(x->key_path))
         return errinfo_set(e, ST_EEXISTS,
                            "there is a file %.160s, where the new key would be: move it "
                            "away first",

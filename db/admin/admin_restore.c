@@ -547,7 +547,7 @@ static enum status end_alone(struct store *s, struct log_txn *t,
 
 #define BY_SERVER "restored by the server"
 
-bool admin_again_done(const char *path, const struct store_key *key)
+bool admin_again_done(const char *path, const struct store_key *key, bool dry)
 {
     struct log_entry *list = NULL;
     struct log_txn t;
@@ -555,7 +555,7 @@ bool admin_again_done(const char *path, const struct store_key *key)
     bool done = false;
     size_t n = 0;
 
-    if (store_open(path, STORE_WRITE, key, &s, NULL) != ST_OK)
+    if (store_open(path, dry ? STORE_READ : STORE_WRITE, key, &s, NULL) != ST_OK)
         return false;
     if (store_begin(s, SQL_READ, &t, NULL) == ST_OK) {
         (void)log_list(t.sql, "restore", t.changes.seq - 1, &list, &n, NULL);

@@ -75,9 +75,10 @@ enum status admin_again(const char *path, const struct store_key *key, const cha
                         const struct admin_later *later, bool dry,
                         struct admin_restored *out, struct errinfo *e);
 
-/* admin_again_done(path, key): Returns true if the newest change is that of an admin_again() and the
- * anchor agrees: an earlier call was interrupted behind its commit, and nothing is left to do. */
-bool admin_again_done(const char *path, const struct store_key *key);
+/* admin_again_done(path, key, dry): Returns true if the newest change is that of an admin_again() and the
+ * anchor agrees: an earlier call was interrupted behind its commit, and nothing is left to do.  Unless
+ * dry, the part of an anchor is given its name. */
+bool admin_again_done(const char *path, const struct store_key *key, bool dry);
 
 struct admin_accepted {
     bool differed;    /* the rows were not those of the last change */
