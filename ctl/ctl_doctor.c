@@ -127,15 +127,13 @@ static void look_at_left(struct doctor *d)
     static const struct {
         const char *suffix, *finding, *todo;
     } left[] = {
-        {".part", "was left by a restore or an upgrade that was killed",
+        {".part", "was left by a restore or a rekey that was killed",
          "nothing: the next one overwrites it; or delete it while none is running"},
         {".before-restore", "is the database from before a restore",
          "delete it when you no longer need it: it may contain subjects that are now "
          "erased"},
         {".discard", "is the old database of a rekey that was interrupted",
          "surfacectl rekey completes it; keep the file until then"},
-        {".before-restore.part", "was left by a restore that was killed",
-         "nothing: the next one overwrites it; or delete it while none is running"},
     };
     char name[PATH_MAX];
 
