@@ -324,7 +324,7 @@ enum status newfile_rename(const char *from, const char *to, struct errinfo *e)
     return st;
 }
 
-static void release(struct newfile *n)
+void newfile_leave(struct newfile *n)
 {
     if (n->fd >= 0)
         (void)close(n->fd);
@@ -340,10 +340,5 @@ void newfile_close(struct newfile *n)
 {
     if (n->fd >= 0 && is_named(n))
         (void)unlinkat(n->dir, n->part, 0);
-    release(n);
-}
-
-void newfile_leave(struct newfile *n)
-{
-    release(n);
+    newfile_leave(n);
 }

@@ -145,10 +145,8 @@ static enum status adopt(const char *part, const char *target, struct errinfo *e
     const int folder = newfile_open_directory(part);
     enum status st = ST_OK;
 
-    if (fd < 0 && errno == ENOENT)
-        st = ST_OK; /* it has its name */
-    else if (fd < 0 || folder < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0 ||
-             rename(part, target) != 0)
+    if (fd < 0 || folder < 0 || flock(fd, LOCK_EX | LOCK_NB) != 0 ||
+        rename(part, target) != 0)
         st = errinfo_set(e, ST_EIO, "the anchor is still called %.160s: %s", part,
                          strerror(errno));
     else
@@ -165,7 +163,8 @@ enum status log_anchor_adopt(const char *path, struct errinfo *e)
     char *target, *part = NULL;
     enum status st = newfile_beside(path, "", &target, e);
 
-    if (st == ST_OK && (st = newfile_beside(path, ".part", &part, e)) == ST_OK)
+    if (st == ST_OK && (st = newfile_beside(path, ".part", &part, e)) == ST_OK &&
+        !newfile_missing(part)) /* or it has its name */
         st = adopt(part, target, e);
     free(target);
     free(part);
