@@ -1,4 +1,4 @@
-/* link: -Wl,--wrap=sql_run,--wrap=sql_run_one,--wrap=sql_done */
+/* link: -Wl,--wrap=sql_run,--wrap=sql_run_one,--wrap=sql_done,--wrap=sql_ahead */
 /* Nothing is written on top of what was not verified: the first write of an open store verifies the
  * rows, and one that differs refuses it, whatever write it is; the file stays as it is.  And what
  * fails halfway has not happened. */

@@ -9,6 +9,7 @@
 static unsigned long count, fail;
 static enum status fault;
 static bool reading_failed; /* the last sql_next() */
+static bool ahead;          /* what is only sent has no result yet that could fail */
 
 void fail_sql_at(unsigned long n, enum status st)
 {
@@ -24,7 +25,7 @@ unsigned long fail_sql_count(void)
 
 static bool fails(void)
 {
-    return ++count == fail;
+    return !ahead && ++count == fail;
 }
 
 static enum status failed(struct errinfo *e)
@@ -54,8 +55,10 @@ __attribute__((weak)) enum status __real_sql_run(struct sql_txn *t, const char *
 __attribute__((weak)) enum status __real_sql_run_one(struct sql_txn *t, const char *text,
                                                      const struct sql_value *value,
                                                      size_t n, struct errinfo *e);
+__attribute__((weak)) bool __real_sql_ahead(struct sql_txn *t, bool on);
 enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
                              struct errinfo *e);
+bool __wrap_sql_ahead(struct sql_txn *t, bool on);
 enum status __wrap_sql_run(struct sql_txn *t, const char *text,
                            const struct sql_value *value, size_t n, struct errinfo *e);
 enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
@@ -128,4 +131,10 @@ enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
                                const struct sql_value *value, size_t n, struct errinfo *e)
 {
     return fails() ? failed(e) : __real_sql_run_one(t, text, value, n, e);
+}
+
+bool __wrap_sql_ahead(struct sql_txn *t, bool on)
+{
+    ahead = __real_sql_ahead(t, on) && on;
+    return ahead;
 }
