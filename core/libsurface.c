@@ -322,17 +322,11 @@ uint32_t surface_face_measured(const struct surface_face *face, uint32_t (*out)[
     return n;
 }
 
-double surface_face_frame(const struct surface_face *face, double transform[16])
+void surface_face_frame(const struct surface_face *face, double transform[16])
 {
     const struct pose rigid = pose_unscaled(&face->frame.pose);
-    double length[2] = {0, 0};
 
     pose_to_matrix(&rigid, transform);
-    for (int i = 0; i < 3; i++) {
-        length[0] += face->frame.pose.r[i] * face->frame.pose.r[i];
-        length[1] += rigid.r[i] * rigid.r[i];
-    }
-    return sqrt(length[0] / length[1]);
 }
 
 size_t surface_face_memory(const struct surface_face *face)

@@ -64,7 +64,8 @@ static enum status write_points(FILE *to, const void *arg, struct errinfo *e)
     (void)fprintf(to, "x,y,z,gap_mm,part\n");
     for (size_t i = 0; i < x->n; i++) {
         const struct dvec3 p = vec_transform(x->minimal.align_transform, x->pts[i]);
-        const struct dvec3 q = pose_apply(&x->tmpl.frame.pose, p);
+        const struct dvec3 q = vec_along((struct dvec3){0, 0, 0}, x->field.scale,
+                                         vec_transform(x->field.frame, p));
 
         (void)fprintf(to, "%.3f,%.3f,%.3f", p.x, p.y, p.z);
         field(to, x->gap[i]);

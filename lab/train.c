@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "place.h"
 #include "pose.h"
 #include "corpus.h"
 #include "csv.h"
@@ -154,7 +155,7 @@ static enum status place(void *arg, size_t i, struct surface_work *work,
     if (w->half != BOTH && half_of(w, (uint32_t)i) != w->half)
         return ST_OK;
     s->placed = w->t->face[s->scan];
-    st = face_place(&s->placed, work);
+    st = place_find(&s->placed, work);
     if (st == ST_OK && w->p != NULL) {
         st = heights_of(&s->placed.surface, &s->placed.frame.pose, &room, z);
         w->gap[i].subject = s->subject;

@@ -124,9 +124,9 @@ static void paint(float part, unsigned char out[4])
     out[3] = 255;
 }
 
-/* What each point of the probe differs by.  by: surface_face_frame(). */
+/* What each point of the probe differs by. */
 static enum status differences(const struct surface_face *tmpl,
-                               const double transform[16], double by,
+                               const double transform[16],
                                const struct surface_parts *parts, struct arrays *a,
                                struct glbwrite_node *node)
 {
@@ -142,7 +142,8 @@ static enum status differences(const struct surface_face *tmpl,
         st = status_from(
             surface_gaps(tmpl, (const double(*)[3])a->point, node->n, transform, gap));
     for (uint32_t v = 0; st == ST_OK && v < node->n; v++) {
-        const double x = (double)a->at[v][0] * by, y = (double)a->at[v][1] * by;
+        const double x = (double)a->at[v][0] * parts->scale,
+                     y = (double)a->at[v][1] * parts->scale;
 
         a->gap[v] = coarse(gap[v]);
         a->rest[v] = coarse((double)between(parts->rest_mm, x, y));
@@ -189,16 +190,15 @@ enum status show_comparison(const struct surface_face *tmpl,
 {
     struct glbwrite_node node[2];
     struct arrays a[2] = {0};
-    double frame[16], both[16];
-    const double by = surface_face_frame(tmpl, frame);
-    enum status st = surface_node(tmpl, frame, "template", &a[0], &node[0]);
+    double both[16];
+    enum status st = surface_node(tmpl, parts->frame, "template", &a[0], &node[0]);
 
     *out = (struct show){0};
-    after(frame, transform, both);
+    after(parts->frame, transform, both);
     if (st == ST_OK)
         st = surface_node(probe, both, "probe", &a[1], &node[1]);
     if (st == ST_OK)
-        st = differences(tmpl, transform, by, parts, &a[1], &node[1]);
+        st = differences(tmpl, transform, parts, &a[1], &node[1]);
     if (st == ST_OK)
         st = glbwrite(node, 2, j, &out->glb, &out->len);
     else
@@ -236,7 +236,7 @@ enum status show_scan(const struct surface_face *face, const struct dvec3 *at, s
 
     *out = (struct show){0};
     if (face != NULL) {
-        (void)surface_face_frame(face, frame);
+        surface_face_frame(face, frame);
         st = surface_node(face, frame, "face", &a[0], &node[nodes++]);
     }
     if (st == ST_OK && n > 0) {

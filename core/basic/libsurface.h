@@ -332,11 +332,9 @@ SURFACE_API uint32_t surface_face_triangles(const struct surface_face *face,
 SURFACE_API uint32_t surface_face_measured(const struct surface_face *face,
                                            uint32_t (*out)[3]);
 
-/* From the face's frontal view to the frame that surface_parts has its cells in, but for the size of
- * the head: a rigid transform.  Returns what its millimetres are to be multiplied by for the cells:
- * 1 for adults. */
-SURFACE_API double surface_face_frame(const struct surface_face *face,
-                                      double transform[16]);
+/* From the face's frontal view to its canonical frame, nose tip at the origin: a rigid transform. */
+SURFACE_API void surface_face_frame(const struct surface_face *face,
+                                    double transform[16]);
 
 /* The memory that the face takes, about, in bytes. */
 SURFACE_API size_t surface_face_memory(const struct surface_face *face);
@@ -472,6 +470,10 @@ SURFACE_API const char *surface_region_name(enum surface_region region); /* "nos
 /* What a comparison was decided on, for each cell. */
 struct surface_parts {
     size_t size;
+    /* from the template's frontal view to the frame that has the cells: a rigid transform, whose
+     * millimetres are to be multiplied by scale: 1 for adults */
+    double frame[16];
+    double scale;
     double region[SURFACE_REGIONS]; /* of the score */
     /* probe minus template, each at its own frame, at right angles to the mean face; NaN where
      * either has none */

@@ -16,25 +16,12 @@
 #include "minimal.h"
 #include "model.h"
 #include "model_digest.h"
+#include "pair.h"
+#include "place.h"
 #include "quality.h"
 #include "ratio.h"
-#include "shape.h"
 #include "shape_work.h"
-
-struct surface_work {
-    struct measure_work measure; /* its scratch serves the builders too */
-    struct align_work align;
-    struct surface upright; /* asymmetry_find()'s */
-    struct scratch normal;  /* of encodings, and of ratios */
-    const struct surface_model *model;
-    struct frame_mean mean;  /* the model's */
-    struct fit_basis change; /* the model's, for alignment */
-    struct encode_basis encode;
-    float weight[GRID_N]; /* how well each place separates people (face_weigh()) */
-    struct shape_work shape;
-    struct surface_calibration calibration;
-    double (*clock_ms)(void); /* NULL: none */
-};
+#include "face_work.h"
 
 void surface_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE])
 {
@@ -51,20 +38,6 @@ int surface_same_engine(const char *a, const char *b)
 
     return x != NULL && y != NULL && strcmp(x, y) == 0;
 }
-
-/* Support from which on a face lies where it was fitted. */
-#define FACE_SURE 0.6
-
-/* Where a face is looked for: where it lies, as what comes from a search does; with its centre at the
- * mean face's, as most do; anywhere. */
-enum { STARTS = 3 };
-
-/* What is not explained to SURE is tried at other sizes, and a head taken for one of another size
- * where that explains GAIN cells more: with less adults of two scans have two sizes, with more
- * children look like each other.  STEP: of the sizes about the best. */
-#define FACE_SIZE_SURE 0.8
-#define FACE_SIZE_GAIN 120.0
-#define FACE_SIZE_STEP 0.04
 
 /* Support below which nothing is a face, or whoever looks at more than its surface would know. */
 #define FACE_SUPPORT 0.15
@@ -187,164 +160,9 @@ void face_free(struct surface_face *f)
     memset(f, 0, sizeof *f);
 }
 
-/* Search and measure use one block in turns: before and after a search. */
-static void exchange(struct surface_work *w)
-{
-    const struct scratch block = w->measure.scratch;
-
-    w->measure.scratch = w->align.field;
-    w->align.field = block;
-}
-
 static void clear(struct surface_face *f)
 {
     f->surface.mesh.nv = f->surface.mesh.nt = 0;
-}
-
-/* The share of what is seen that a face's shape explains. */
-static double support(const struct surface_work *w, const struct shape_fit *fit)
-{
-    const uint32_t seen = fit->skin + fit->cover + fit->apart;
-
-    return seen > 0 ? fit->support * w->shape.cells / seen : -1;
-}
-
-/* What a fit explains, in cells of a whole face. */
-static double worth(const struct surface_work *w, const struct shape_fit *fit)
-{
-    return fit->worth * w->shape.cells / (fit->skin + fit->cover + fit->apart + 1);
-}
-
-/* shape_place() as if the head were so large, from the start; *fit becomes what is plainly a face and
- * worth more. */
-static enum status place_size(struct surface_face *f, struct surface_work *w,
-                              const struct pose *start, double size,
-                              struct shape_fit *fit)
-{
-    const struct pose shrunk = pose_scale(start, 1 / size);
-    struct shape_fit one;
-    const enum status st = shape_place(&w->shape, &f->surface, &shrunk, &one);
-
-    if (st != ST_OK || !(worth(w, &one) > worth(w, fit)) || support(w, &one) < FACE_SURE)
-        return st;
-    *fit = one;
-    fit->size = size;
-    return ST_OK;
-}
-
-/* What shape_place() is worth at the size; 0: it is no face. */
-static enum status worth_at(struct surface_face *f, struct surface_work *w,
-                            const struct pose *start, double size, double *out)
-{
-    struct shape_fit fit = {.worth = 0};
-    const enum status st = place_size(f, w, start, size, &fit);
-
-    *out = worth(w, &fit);
-    return st;
-}
-
-/* The fit at the size where the worth is greatest, by the parabola through three. */
-static enum status refine_size(struct surface_face *f, struct surface_work *w,
-                               struct shape_fit *fit)
-{
-    const struct pose start = pose_scale(&fit->pose, fit->size);
-    const double size = fit->size;
-    double less, more, bend, way;
-    enum status st = worth_at(f, w, &start, size * (1 - FACE_SIZE_STEP), &less);
-
-    if (st == ST_OK)
-        st = worth_at(f, w, &start, size * (1 + FACE_SIZE_STEP), &more);
-    if (st != ST_OK || !(less > 0 && more > 0))
-        return st;
-    bend = 2 * worth(w, fit) - less - more;
-    way = fmax(-1, fmin((more - less) / (2 * fmax(bend, 1)), 1));
-    return place_size(f, w, &start, size * (1 + way * FACE_SIZE_STEP), fit);
-}
-
-/* What is hardly a face as large as the model's may be a child's; from where it is, or, where it is
- * none, from each start.  The first two sizes say whether the others are worth a look. */
-static enum status place_sizes(struct surface_face *f, struct surface_work *w,
-                               const struct pose start[STARTS], struct shape_fit *fit)
-{
-    static const double size[] = SHAPE_SIZES;
-    const struct pose own[1] = {fit->pose};
-    const bool lost = support(w, fit) < FACE_SURE;
-    const struct pose *from = lost ? start : own;
-    const size_t n = lost ? STARTS : 1;
-    struct shape_fit best = *fit;
-    enum status st = ST_OK;
-
-    for (size_t k = 0; st == ST_OK && k < n * (sizeof size / sizeof *size); k++) {
-        if (!lost && k == 2 && best.size == 1)
-            return ST_OK;
-        st = place_size(f, w, &from[k % n], size[k / n], &best);
-    }
-    if (st != ST_OK || !(worth(w, &best) > worth(w, fit) + FACE_SIZE_GAIN))
-        return st;
-    *fit = best;
-    return refine_size(f, w, fit);
-}
-
-/* Where the k-th start is. */
-static enum status start_at(struct surface_face *f, struct surface_work *w, int k,
-                            struct pose *out)
-{
-    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    const struct dvec3 from = pose_centre(&f->surface.mesh);
-    const struct dvec3 way = vec_sub(w->mean.axes.centre, from);
-    enum status st;
-
-    *out = still;
-    if (k == 1)
-        *out = (struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {way.x, way.y, way.z}};
-    if (k < 2)
-        return ST_OK;
-    exchange(w);
-    st = frame_find(&w->mean, &f->surface, &w->align, &f->frame);
-    exchange(w);
-    *out = f->frame.pose;
-    return st;
-}
-
-/* The frame and the encoding; with the builders' block to take heights in. */
-static enum status place(struct surface_face *f, struct surface_work *w)
-{
-    struct pose start[STARTS];
-    struct shape_fit fit = {.worth = -INFINITY}, one;
-    enum status st = ST_OK;
-
-    for (int k = 0;
-         st == ST_OK && (k == 0 || (k < STARTS && support(w, &fit) < FACE_SURE)); k++) {
-        if ((st = start_at(f, w, k, &start[k])) == ST_OK &&
-            (st = shape_place(&w->shape, &f->surface, &start[k], &one)) == ST_OK &&
-            one.worth > fit.worth)
-            fit = one;
-    }
-    if (st == ST_OK && support(w, &fit) < FACE_SIZE_SURE)
-        st = place_sizes(f, w, start, &fit);
-    if (st != ST_OK)
-        return st;
-    f->frame = (struct frame){
-        .pose = fit.pose, .mean_id = w->mean.mean_id, .support = support(w, &fit)};
-    return encode_heights(&w->encode, fit.z, fit.residual_mm, &w->normal, &f->encoding);
-}
-
-static void lend(struct surface_work *w)
-{
-    const struct scratch block = w->measure.scratch;
-
-    w->measure.scratch = w->shape.points;
-    w->shape.points = block;
-}
-
-enum status face_place(struct surface_face *f, struct surface_work *w)
-{
-    enum status st;
-
-    lend(w);
-    st = place(f, w);
-    lend(w);
-    return st;
 }
 
 enum status face_adopt(struct surface_face *f, struct surface_work *w)
@@ -354,7 +172,7 @@ enum status face_adopt(struct surface_face *f, struct surface_work *w)
     if (st == ST_OK)
         st = surface_derive(&f->surface, &w->measure.scratch);
     if (st == ST_OK && f->frame.mean_id != w->mean.mean_id)
-        st = face_place(f, w);
+        st = place_find(f, w);
     if (st != ST_OK)
         clear(f);
     return st;
@@ -375,7 +193,7 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
     if (out->surface.mesh.nv < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
     if ((st = quality_rate(&out->surface, s, &out->quality)) != ST_OK ||
-        (st = face_place(out, w)) != ST_OK)
+        (st = place_find(out, w)) != ST_OK)
         return st;
     return out->frame.support > FACE_SUPPORT ? ST_OK : ST_ENOTFACE;
 }
@@ -423,16 +241,19 @@ enum status face_rebuild(struct surface_face *f, struct surface_work *w)
 enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
                        struct surface_work *w, struct align_result *out)
 {
-    const struct pose a = pose_unscaled(&tmpl->frame.pose);
-    const struct pose b = pose_unscaled(&probe->frame.pose);
+    struct pair pair;
+    enum status st = pair_make(tmpl, probe, w, &pair);
+    const struct pose a = pose_unscaled(&pair.tmpl.pose);
+    const struct pose b = pose_unscaled(&pair.probe.pose);
     const struct pose first = pose_after(&a, &b);
-    const struct align_weight u = {w->mean.rigid, tmpl->frame.pose};
+    const struct align_weight u = {w->mean.rigid, pair.tmpl.pose};
     const struct align_how how = {.start = &first, .u = &u, .motion = &w->change};
-    enum status st;
 
-    exchange(w);
+    if (st != ST_OK)
+        return st;
+    face_work_exchange(w);
     st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, out);
-    exchange(w);
+    face_work_exchange(w);
     return st;
 }
 
@@ -472,9 +293,12 @@ enum status face_compare(const struct surface_face *tmpl,
                          const struct surface_face *probe, double threshold,
                          struct surface_work *w, struct surface_comparison *out)
 {
-    const enum status st = (memset(out, 0, sizeof *out),
-                            score_of(&tmpl->encoding, &probe->encoding, w, out));
+    struct pair pair;
+    enum status st = pair_make(tmpl, probe, w, &pair);
 
+    memset(out, 0, sizeof *out);
+    if (st == ST_OK)
+        st = score_of(pair.tmpl.encoding, pair.probe.encoding, w, out);
     out->threshold = isnan(threshold) ? w->calibration.threshold : threshold;
     out->decision = decide(out);
     out->false_match_rate = surface_calibration_rate(&w->calibration, out->score);
@@ -518,18 +342,18 @@ enum status face_compare_mirrored(const struct surface_face *tmpl,
 {
     struct encoding mirrored;
     float z[GRID_N], swapped[GRID_N];
-    enum status st =
-        heights_of(&probe->surface, &probe->frame.pose, &w->measure.scratch, z);
+    struct pair pair;
+    enum status st = pair_make(tmpl, probe, w, &pair);
 
     memset(out, 0, sizeof *out);
-    if (st != ST_OK)
+    if (st != ST_OK || (st = pair_heights(&pair.probe, w, z)) != ST_OK)
         return st;
     for (uint32_t i = 0; i < GRID_N; i++)
         swapped[i] = z[grid_mirror(i)];
-    st = encode_heights(&w->encode, swapped, (double)probe->encoding.residual_mm,
+    st = encode_heights(&w->encode, swapped, (double)pair.probe.encoding->residual_mm,
                         &w->normal, &mirrored);
     if (st == ST_OK)
-        st = score_of(&tmpl->encoding, &mirrored, w, out);
+        st = score_of(pair.tmpl.encoding, &mirrored, w, out);
     out->threshold = w->calibration.threshold;
     out->decision = decide(out);
     out->false_match_rate = surface_calibration_rate(&w->calibration, out->score);
@@ -595,48 +419,53 @@ enum status face_weigh(const struct surface_face *tmpl, const struct surface_fac
     return st;
 }
 
-static bool counts(const struct surface_face *tmpl, const struct surface_face *probe,
-                   uint32_t cell)
+/* Has either scan the cell? */
+static bool counts(const struct encoding *a, const struct encoding *b, uint32_t cell)
 {
-    const int either = tmpl->encoding.there[cell / 8] | probe->encoding.there[cell / 8];
-
-    return (either >> cell % 8 & 1) != 0;
+    return ((a->there[cell / 8] | b->there[cell / 8]) >> cell % 8 & 1) != 0;
 }
 
 enum status face_field(const struct surface_face *tmpl, const struct surface_face *probe,
                        struct surface_work *w, struct surface_parts *out)
 {
-    const struct surface_face *const face[] = {tmpl, probe};
+    struct pair pair;
+    enum status st = pair_make(tmpl, probe, w, &pair);
+    const struct pair_side *const side[] = {&pair.tmpl, &pair.probe};
+    const struct encoding *const of[] = {pair.tmpl.encoding, pair.probe.encoding};
     float z[2][GRID_N];
     double slope[2][MODEL_MODES], part[GRID_N] = {0}, rest = 0, all = 0;
     struct ratio_probe *r;
-    enum status st = ST_OK;
+    struct pose rigid;
 
     memset(out, 0, sizeof *out);
-    if ((r = ratio_probe(&probe->encoding, w->model->kinship, &w->normal)) == NULL)
+    if (st != ST_OK)
+        return st;
+    rigid = pose_unscaled(&pair.tmpl.pose);
+    pose_to_matrix(&rigid, out->frame);
+    out->scale = 1 / place_size(&pair.tmpl.pose);
+    if ((r = ratio_probe(of[1], w->model->kinship, &w->normal)) == NULL)
         return ST_ENOMEM;
-    rest = ratio_slopes(r, &tmpl->encoding, slope[0], slope[1]);
+    rest = ratio_slopes(r, of[0], slope[0], slope[1]);
     for (int i = 0; st == ST_OK && i < 2; i++) {
-        st = heights_of(&face[i]->surface, &face[i]->frame.pose, &w->measure.scratch,
-                        z[i]);
+        st = pair_heights(side[i], w, z[i]);
         if (st == ST_OK)
-            st = encode_parts(&w->encode, z[i], (double)face[i]->encoding.residual_mm,
-                              slope[i], &w->normal, part);
+            st = encode_parts(&w->encode, z[i], (double)of[i]->residual_mm, slope[i],
+                              &w->normal, part);
     }
     if (st == ST_OK)
-        st = encode_rest(&w->encode, z[0], z[1],
-                         (const double[]){(double)tmpl->encoding.residual_mm,
-                                          (double)probe->encoding.residual_mm},
-                         &w->normal, out->rest_mm);
+        st = encode_rest(
+            &w->encode, z[0], z[1],
+            (const double[]){(double)of[0]->residual_mm, (double)of[1]->residual_mm},
+            &w->normal, out->rest_mm);
     for (uint32_t i = 0; st == ST_OK && i < GRID_N; i++) {
         const float flat = w->encode.normal_z[i];
 
         out->gap_mm[i] = flat > 0.0f ? (z[1][i] - z[0][i]) * flat : (float)NAN;
-        all += counts(tmpl, probe, i) ? (double)w->weight[i] : 0;
+        all += counts(of[0], of[1], i) ? (double)w->weight[i] : 0;
         rest -= part[i];
     }
     for (uint32_t i = 0; st == ST_OK && i < GRID_N; i++) {
-        if (counts(tmpl, probe, i) && all > 0)
+        if (counts(of[0], of[1], i) && all > 0)
             part[i] += rest * (double)w->weight[i] / all;
         out->part[i] = part[i] != 0 ? (float)part[i] : (float)NAN;
         out->region[grid_region_of(i)] += part[i];

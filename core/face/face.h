@@ -1,5 +1,4 @@
 /* face.h -- a face from a scan's points, and the comparison of two faces.
- * A face is immutable once built: any number of threads may compare it at the same time.
  * "Model" is what is known of faces in general (model.h), never a face. */
 #ifndef CORE_FACE_H
 #define CORE_FACE_H
@@ -7,21 +6,13 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "align.h"
-#include "encode.h"
-#include "frame.h"
+#include "face_data.h"
 #include "grid.h"
 #include "libsurface.h"
 #include "quality.h"
 #include "status.h"
 #include "surface.h"
 #include "vec.h"
-
-struct surface_face {
-    struct surface surface;
-    struct surface_quality quality;
-    struct frame frame;       /* its canonical frame */
-    struct encoding encoding; /* what is compared (encode.h) */
-};
 
 struct cells;         /* cells.h */
 struct surface_model; /* model.h */
@@ -97,9 +88,6 @@ enum status face_align(const struct surface_face *tmpl, const struct surface_fac
 enum status face_minimal(const struct surface_face *tmpl,
                          const struct surface_face *probe, struct surface_work *w,
                          struct surface_disparity *out);
-
-/* face_place(f, w): find f->frame and f->encoding by w's model.  ST_OK, ST_ENOMEM. */
-enum status face_place(struct surface_face *f, struct surface_work *w);
 
 /* face_field(tmpl, probe, w, out): what face_compare() decided on.  The score is a quadratic
  * form of the heights of both scans and a constant; a cell's part is half of its height times

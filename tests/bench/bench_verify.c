@@ -8,6 +8,7 @@
 
 #include "align.h"
 #include "align_field.h"
+#include "place.h"
 #include "pose.h"
 #include "clouds.h"
 #include "cloudpoints.h"
@@ -190,7 +191,7 @@ static void pass(struct pair *pair, size_t k)
     p = turn(pair, k, PROBE);
     timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
     t = lap(PROBE, t);
-    timing_must(face_place(&turn(pair, k, FRAME)->probe, work));
+    timing_must(place_find(&turn(pair, k, FRAME)->probe, work));
     t = lap(FRAME, t);
     p = turn(pair, k, SEARCH);
     find_pose(&p->tmpl, &p->probe, &found);

@@ -498,8 +498,9 @@ static enum surface_status call(const struct calls *c, struct surface_work *w,
     }
     assert_true((face != NULL) == (st == SURFACE_OK));
     if (st == SURFACE_OK) {
-        got[0] = surface_face_frame(face, view);
-        got[1] = view[3] + surface_face_points(face, NULL);
+        surface_face_frame(face, view);
+        got[0] = view[3];
+        got[1] = surface_face_points(face, NULL);
     }
     surface_face_free(face);
     return st;

@@ -1,0 +1,17 @@
+/* face_data.h -- what a face consists of.  Immutable once built: any number of threads may compare it
+ * at the same time. */
+#ifndef CORE_FACE_DATA_H
+#define CORE_FACE_DATA_H
+#include "encode.h"
+#include "frame.h"
+#include "libsurface.h"
+#include "surface.h"
+
+struct surface_face {
+    struct surface surface;
+    struct surface_quality quality;
+    struct frame frame;       /* its canonical frame */
+    struct encoding encoding; /* what is compared (encode.h) */
+};
+
+#endif

@@ -1,0 +1,38 @@
+/* face_work.h -- a worker's reusable memory: what struct surface_work of the library is.  One thread at a
+ * time. */
+#ifndef CORE_FACE_WORK_H
+#define CORE_FACE_WORK_H
+#include "align.h"
+#include "encode.h"
+#include "fit.h"
+#include "frame.h"
+#include "grid.h"
+#include "libsurface.h"
+#include "measure.h"
+#include "mem.h"
+#include "shape_work.h"
+#include "surface.h"
+
+struct surface_model; /* model.h */
+
+struct surface_work {
+    struct measure_work measure; /* its scratch serves the builders too */
+    struct align_work align;
+    struct surface upright; /* asymmetry_find()'s */
+    struct scratch normal;  /* of encodings, and of ratios */
+    const struct surface_model *model;
+    struct frame_mean mean;  /* the model's */
+    struct fit_basis change; /* the model's, for alignment */
+    struct encode_basis encode;
+    float weight[GRID_N]; /* how well each place separates people (face_weigh()) */
+    struct shape_work shape;
+    struct surface_calibration calibration;
+    double (*clock_ms)(void); /* NULL: none */
+};
+
+/* face_work_exchange(w): search and measure use one block in turns: before and after a search.
+ * face_work_lend(w): so do fits to a surface and the builders: before and after a fit. */
+void face_work_exchange(struct surface_work *w);
+void face_work_lend(struct surface_work *w);
+
+#endif

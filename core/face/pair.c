@@ -1,0 +1,60 @@
+#include "pair.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "heights.h"
+#include "place.h"
+#include "shape_work.h"
+#include "face_work.h"
+
+/* Sizes that differ by less are one but for rounding. */
+#define PAIR_SAME 1e-6
+
+static struct pair_side as_it_is(const struct surface_face *f)
+{
+    return (struct pair_side){&f->surface, &f->encoding, f->frame.pose};
+}
+
+/* How many cells more than at the size of the other fit a scan explains at its own. */
+static double gain(const struct shape_fit *own, const struct shape_fit *other)
+{
+    return place_seen(own) * (place_explained(own) - place_explained(other));
+}
+
+enum status pair_make(const struct surface_face *tmpl, const struct surface_face *probe,
+                      struct surface_work *w, struct pair *out)
+{
+    const double size = place_size(&tmpl->frame.pose),
+                 other = place_size(&probe->frame.pose);
+    struct shape_fit own[2], at_other[2];
+    const struct shape_fit *fit;
+    struct pair_side *side;
+    enum status st;
+
+    out->tmpl = as_it_is(tmpl);
+    out->probe = as_it_is(probe);
+    if (fabs(size - other) < PAIR_SAME || tmpl->encoding.n == 0 || probe->encoding.n == 0)
+        return ST_OK;
+    if ((st = place_at(tmpl, size, w, &own[0])) != ST_OK ||
+        (st = place_at(probe, other, w, &own[1])) != ST_OK ||
+        (st = place_at(tmpl, other, w, &at_other[0])) != ST_OK ||
+        (st = place_at(probe, size, w, &at_other[1])) != ST_OK)
+        return st;
+    if (gain(&own[0], &at_other[0]) > gain(&own[1], &at_other[1])) {
+        side = &out->probe;
+        fit = &at_other[1];
+    } else {
+        side = &out->tmpl;
+        fit = &at_other[0];
+    }
+    side->pose = fit->pose;
+    side->encoding = &out->other;
+    return encode_heights(&w->encode, fit->z, fit->residual_mm, &w->normal, &out->other);
+}
+
+enum status pair_heights(const struct pair_side *s, struct surface_work *w,
+                         float z[GRID_N])
+{
+    return heights_of(s->surface, &s->pose, &w->measure.scratch, z);
+}

@@ -1,0 +1,150 @@
+/* Pairs: heads of one person are compared at one size, whatever each scan was taken for. */
+/* link: -Wl,--wrap=aligned_alloc */
+#include "pair.h"
+
+#include "clouds.h"
+#include "face.h"
+#include "fail_alloc.h"
+#include "place.h"
+#include "unit.h"
+#include "face_work.h"
+
+#define POINTS 3000
+
+static struct surface_work *work;
+
+static void make(uint64_t subject, uint64_t number, double size, struct surface_face *f)
+{
+    static struct dvec3 pts[2 * POINTS];
+    const size_t n = clouds_scan(subject, number, POINTS, pts);
+
+    for (size_t i = 0; i < n; i++)
+        pts[i] = (struct dvec3){size * pts[i].x, size * pts[i].y, size * pts[i].z};
+    assert_int_equal(face_build(pts, n, work, f, NULL), ST_OK);
+}
+
+/* As if f had been taken for a head so large. */
+static void mistake(struct surface_face *f, double size)
+{
+    struct shape_fit fit;
+
+    assert_int_equal(place_at(f, size, work, &fit), ST_OK);
+    f->frame.pose = fit.pose;
+    assert_int_equal(encode_heights(&work->encode, fit.z, fit.residual_mm, &work->normal,
+                                    &f->encoding),
+                     ST_OK);
+}
+
+static double score(const struct surface_face *a, const struct surface_face *b)
+{
+    struct surface_comparison ab, ba;
+
+    assert_int_equal(face_compare(a, b, (double)NAN, work, &ab), ST_OK);
+    assert_int_equal(face_compare(b, a, (double)NAN, work, &ba), ST_OK);
+    assert_true(fabs(ab.score - ba.score) < 1e-6);
+    return ab.score;
+}
+
+/* Whichever size one of two scans was mistaken for, the score is nearly what it is without: not that
+ * of a stranger. */
+TEST(test_one_size)
+{
+    static const double wrong[] = {0.8, 0.9, 0.96, 1.05, 1.145, 1.3};
+    struct surface_face a = {0}, b = {0}, other = {0};
+
+    for (uint64_t k = 0; k < 6; k++) {
+        const double size = k % 2 == 0 ? 1 : 0.8;
+
+        make(k, 0, size, &a);
+        make(k + 100, 0, size, &other);
+        for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+            double right;
+
+            make(k, 1, size, &b);
+            right = score(&a, &b);
+            mistake(&b, place_size(&b.frame.pose) * wrong[i]);
+            assert_true(right > 8);
+            assert_true(score(&a, &b) > right / 2);
+            assert_true(score(&other, &b) < 8);
+        }
+    }
+    face_free(&a);
+    face_free(&b);
+    face_free(&other);
+}
+
+/* What is shown is of what was compared: the parts add up to the score, and the minimal disparity
+ * starts from the common frame. */
+TEST(test_all_of_one_pair)
+{
+    struct surface_face a = {0}, b = {0};
+    struct surface_parts parts;
+    struct surface_disparity d, want;
+    double sum = 0;
+
+    make(3, 0, 1, &a);
+    make(3, 1, 1, &b);
+    assert_int_equal(face_minimal(&a, &b, work, &want), ST_OK);
+    mistake(&b, 1.2);
+    assert_int_equal(face_field(&a, &b, work, &parts), ST_OK);
+    for (int i = 0; i < SURFACE_REGIONS; i++)
+        sum += parts.region[i];
+    assert_true(fabs(sum - score(&a, &b)) < 1e-3);
+    assert_true(fabs(parts.scale - 1) < 1e-9);
+    assert_int_equal(face_minimal(&a, &b, work, &d), ST_OK);
+    assert_true(fabs(d.disparity_mm - want.disparity_mm) < 0.01 * want.disparity_mm);
+    face_free(&a);
+    face_free(&b);
+}
+
+/* The mirror image of a scan taken for another size is compared at the common one too. */
+TEST(test_mirrored)
+{
+    struct surface_face a = {0}, b = {0};
+    struct surface_comparison right, mistaken;
+
+    make(4, 0, 1, &a);
+    make(4, 1, 1, &b);
+    assert_int_equal(face_compare_mirrored(&a, &b, work, &right), ST_OK);
+    mistake(&b, 0.85);
+    assert_int_equal(face_compare_mirrored(&a, &b, work, &mistaken), ST_OK);
+    assert_true(fabs(right.score - mistaken.score) < 8);
+    face_free(&a);
+    face_free(&b);
+}
+
+static struct surface_face failing[2];
+
+static enum status compare(void *arg)
+{
+    struct surface_comparison r;
+    struct surface_work *w = surface_work_new(NULL);
+    enum status st = ST_ENOMEM;
+
+    (void)arg;
+    if (w != NULL)
+        st = face_compare(&failing[0], &failing[1], (double)NAN, w, &r);
+    surface_work_free(w);
+    return st;
+}
+
+/* Each allocation fails. */
+TEST(test_allocations)
+{
+    make(5, 0, 1, &failing[0]);
+    make(5, 1, 1, &failing[1]);
+    mistake(&failing[1], 1.1);
+    assert_true(fail_alloc_walk(compare, NULL) > 1);
+    face_free(&failing[0]);
+    face_free(&failing[1]);
+}
+
+BEFORE_ALL(set_up)
+{
+    assert_non_null(work = surface_work_new(NULL));
+}
+
+AFTER_ALL(tear_down)
+{
+    surface_work_free(work);
+}
