@@ -54,7 +54,7 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 #define SURFACE_NOISY_MM      0.6
 #define SURFACE_YAW_DEG       30
 #define SURFACE_TILT_DEG      20   /* of pitch and roll */
-#define SURFACE_OCCLUDED_MOST 0.25 /* share of an enrolled face */
+#define SURFACE_OCCLUDED_MOST 0.40 /* share of an enrolled face */
 
 /* The values never change; the numbers left out are the program's own statuses
  * (status.h). */

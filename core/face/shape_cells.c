@@ -371,9 +371,9 @@ static double correlation(const float *z, const float *h, const uint32_t *cell,
 
 /* The likeness round an eye, to the right or to the left of the nose (side -1). */
 static double eye(const struct shape_work *w, const float *z, const uint8_t *cell,
-                  double side)
+                  double side, bool *hidden)
 {
-    uint32_t list[GRID_N], n = 0, all = 0;
+    uint32_t list[GRID_N], n = 0, covered = 0, all = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
         const double x = side * grid_x(i), y = grid_y(i);
@@ -382,10 +382,24 @@ static double eye(const struct shape_work *w, const float *z, const uint8_t *cel
             y < SHAPE_EYE_BOTTOM || y > SHAPE_EYE_TOP)
             continue;
         all++;
+        covered += cell[i] == SHAPE_COVER;
         if (cell[i] == SHAPE_SKIN)
             list[n++] = i;
     }
+    *hidden = n < SHAPE_EYE_LEAST * all && covered > all / 2;
     return n < SHAPE_EYE_LEAST * all ? -1 : correlation(z, w->mean, list, n);
+}
+
+/* The lesser of both; of one that is covered nothing is known, if the other looks like an eye. */
+static double eyes(const struct shape_work *w, const float *z, const uint8_t *cell)
+{
+    bool hidden[2];
+    const double left = eye(w, z, cell, -1, &hidden[0]),
+                 right = eye(w, z, cell, 1, &hidden[1]);
+
+    if ((hidden[0] && right > 0) || (hidden[1] && left > 0))
+        return 0;
+    return fmin(left, right);
 }
 
 /* The likeness of the forehead to the fitted one. */
@@ -468,7 +482,8 @@ static void classify(const struct shape_work *w, const float *gap, uint8_t *cell
     }
 }
 
-static double residual(const float *gap)
+/* What covers the face is no noise of what is left of it. */
+static double residual(const float *gap, const uint8_t *cell)
 {
     double sum = 0;
     uint32_t n = 0;
@@ -476,7 +491,7 @@ static double residual(const float *gap)
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float left = fminf(fabsf(gap[i]), (float)SHAPE_RESIDUAL_MM);
 
-        if (isnan(gap[i]))
+        if (isnan(gap[i]) || cell[i] == SHAPE_COVER)
             continue;
         sum += (double)left * (double)left;
         n++;
@@ -495,9 +510,9 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
         gap[i] = over[i] * w->normal[i][2];
         z[i] = fit->height[i] + over[i];
     }
-    fit->residual_mm = residual(gap);
     classify(w, gap, fit->cell, &near, &behind);
     fit->sure = shape_cover_mark(w, gap, z, fit->height, fit->cell);
+    fit->residual_mm = residual(gap, fit->cell);
     fit->skin = fit->cover = fit->apart = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
         fit->cover += fit->cell[i] == SHAPE_COVER;
@@ -508,7 +523,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
     for (uint32_t k = 0; k < w->modes->n; k++)
         a += fit->a[k] * fit->a[k];
     fit->support = (near - 2.0 * behind - 4 * a) / w->cells;
-    fit->eyes = fmin(eye(w, z, fit->cell, 1), eye(w, z, fit->cell, -1));
+    fit->eyes = eyes(w, z, fit->cell);
     fit->forehead = forehead(w, z, fit);
     fit->detail = detail(w, z, fit->cell);
     fit->likeness = 0.5 * log((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /

@@ -54,8 +54,8 @@ struct shape_fit {
     float height[GRID_N];  /* of the fitted face, mm; NAN off it */
     float z[GRID_N];       /* of the points; NAN: none */
     uint8_t cell[GRID_N];  /* enum shape_cell */
-    /* root mean square of what the fit leaves of the cells with points, each up to
-     * SHAPE_RESIDUAL_MM */
+    /* root mean square of what the fit leaves of the cells with points that nothing covers, each
+     * up to SHAPE_RESIDUAL_MM */
     double residual_mm;
     uint32_t skin, cover, apart; /* cells of each kind */
     double worth;   /* by which fits to the same points are chosen (shape.h) */
@@ -63,7 +63,8 @@ struct shape_fit {
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
-     * face's; -1: less than SHAPE_EYE_LEAST of it is skin */
+     * face's; -1: less than SHAPE_EYE_LEAST of it is skin.  0 where a cover hides one of them and
+     * the other is like an eye */
     double eyes;
     /* the likeness of the forehead to the fitted one; -1, as for the eyes */
     double forehead;

@@ -86,7 +86,7 @@ static void measure_cell(const struct crop_view *v, uint32_t cell, bool rim, int
     r->before[k] = steep * (float)(rim ? CROP_RIM_BEFORE_MM : CROP_BEFORE_MM);
     r->behind[k] = steep * (float)(rim ? CROP_RIM_BEHIND_MM : CROP_BEHIND_MM);
     r->skin[k] = !rim && v->cell[cell] == SHAPE_SKIN;
-    r->other[k] = v->cell[cell] == SHAPE_COVER || v->cell[cell] == SHAPE_APART;
+    r->other[k] = v->cell[cell] == SHAPE_COVER;
 }
 
 static void measure_room(const struct crop_view *v, struct room *r)

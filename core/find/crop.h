@@ -34,8 +34,8 @@ struct crop_count {
  * c  c->at and c->normal are then in the canonical frame, the order as before; c->index says
  *    each point's place among those read.  On failure c is unchanged
  * Left out are, in this order: what is farther from the face's outline than CROP_RIM cells, or
- * before or behind the face there; what points before it hide from the front; what is
- * not skin, but covers the face or is not explained; and what is more than enough, thinned
+ * before or behind the face there; what points before it hide from the front; what covers the
+ * face (strays stay: the comparison weighs them); and what is more than enough, thinned
  * evenly: the points kept become, along z, the means of those that they stand for (thin.h).
  * The result does not depend on the order.  O(n); memory 20 bytes a point, freed at the end.
  * Returns ST_OK, ST_ENOMEM. */
