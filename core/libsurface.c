@@ -255,7 +255,8 @@ const char *surface_warning_name(enum surface_warning warning)
     static const char *const name[SURFACE_WARNINGS] = {
         [SURFACE_SEVERAL] = "several_faces",   [SURFACE_MIRRORED] = "mirrored",
         [SURFACE_BEHIND] = "points_elsewhere", [SURFACE_TURNED] = "turned",
-        [SURFACE_OCCLUDED] = "occluded",       [SURFACE_THINNED] = "thinned"};
+        [SURFACE_OCCLUDED] = "occluded",       [SURFACE_THINNED] = "thinned",
+        [SURFACE_STEPPED] = "stepped"};
 
     return (unsigned)warning < SURFACE_WARNINGS ? name[warning] : NULL;
 }

@@ -135,6 +135,11 @@ static void found(enum status st, const struct surface_found *f, struct advice *
     if (st == ST_EQUALITY && f->residual_mm > f->residual_most)
         add(a, "move nearer, hold still, and let the scanner average several frames: the "
                "scan is too noisy to tell people apart");
+    if (warns(f, SURFACE_STEPPED))
+        add(a,
+            "use a finer depth mode, move nearer, or let the scanner average several frames: "
+            "its depths are %.1f mm apart, %.1f mm or less is good",
+            f->step_mm, SURFACE_STEP_MM);
     if (warns(f, SURFACE_TURNED))
         turned(f, a);
     if (st == ST_OK && warns(f, SURFACE_BEHIND))
@@ -151,7 +156,7 @@ static void quality(const struct surface_found *f, const struct surface_face *fa
     const struct surface_quality *q = &f->quality;
     const uint32_t bits = surface_quality_reasons(q, face);
 
-    if ((bits & 1U << SURFACE_NOISY) != 0)
+    if ((bits & 1U << SURFACE_NOISY) != 0 && !warns(f, SURFACE_STEPPED))
         add(a, "hold still and scan again: the noise is %.1f mm, %.1f mm or less is good",
             q->noise_mm, SURFACE_NOISY_MM);
     if ((bits & 1U << SURFACE_SPARSE) != 0)

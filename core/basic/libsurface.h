@@ -52,6 +52,7 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 #define SURFACE_EXTENT_MAX_MM 500
 #define SURFACE_SPARSE_MM     3.0 /* between neighbouring points */
 #define SURFACE_NOISY_MM      0.6
+#define SURFACE_STEP_MM       1.2 /* between neighbouring depths of the sensor */
 #define SURFACE_YAW_DEG       30
 #define SURFACE_TILT_DEG      20   /* of pitch and roll */
 #define SURFACE_OCCLUDED_MOST 0.40 /* share of an enrolled face */
@@ -223,6 +224,7 @@ enum surface_warning {
     SURFACE_TURNED,   /* farther from the scanner's view than an enrolment may be */
     SURFACE_OCCLUDED, /* something covers a part of the face */
     SURFACE_THINNED,  /* more points than the measure needs */
+    SURFACE_STEPPED,  /* step_mm above SURFACE_STEP_MM: its noise is that of the step */
     SURFACE_WARNINGS
 };
 /* "several_faces", "mirrored", ...; static; NULL for another value. */
@@ -233,7 +235,8 @@ struct surface_quality {
     double score;      /* 0..1, the least of its parts */
     double coverage;   /* share of the outline's area that was measured, 0..1 */
     double density_mm; /* typical distance between neighbours */
-    double noise_mm;   /* white noise, estimated from the surface itself */
+    /* white noise, estimated from the surface itself; of depths in steps half a step at least */
+    double noise_mm;
 };
 
 /* What was found in a scan, also on failure as far as the search came; the rest is 0. */
@@ -272,6 +275,9 @@ struct surface_found {
     double forehead;  /* how much like a fitted face's it is, -1..1 */
     /* of the surface, also of one that is refused */
     struct surface_quality quality;
+    /* distance between neighbouring depths at the face, along the sensor's axis; 0: the depths are
+     * continuous, or the cloud is turned against the sensor's axes */
+    double step_mm;
 };
 
 /* Build a face from a scan.

@@ -9,7 +9,7 @@
 
 /* The layout: db/FORMAT.md. */
 #define MAGIC   "SURF"
-#define VERSION 3
+#define VERSION 4
 #define NARROW  65535 /* the largest number that fits 2 bytes */
 
 enum {
@@ -22,7 +22,8 @@ enum {
     AT_SCALE = 24,
     AT_MARK = 28,
     AT_FRAME = 32, /* 9 + 3 doubles: rotation and shift, scanner -> canonical frame */
-    HEADER = 128,
+    AT_STEP = 128,
+    HEADER = 132,
     THERE = GRID_N / 8
 };
 
@@ -236,6 +237,7 @@ void surface_encode(const struct surface_face *f, void *bytes)
     put32(buf + AT_SCALE, (uint32_t)LATTICE_PER_MM);
     put32(buf + AT_MARK, f->frame.mean_id);
     put_frame(buf + AT_FRAME, &f->frame.pose);
+    (void)put_float(buf + AT_STEP, f->step_mm);
     p = put_encoding(p, &f->encoding);
     for (uint32_t v = 0; v < m->nv; v++, p += 8) {
         put32(p, (uint32_t)m->xy[v].x);
@@ -293,6 +295,7 @@ enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
         return st;
     out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
     good = get_frame(p + AT_FRAME, &out->frame.pose) || out->frame.mean_id == 0;
+    good &= get_floats(p + AT_STEP, &out->step_mm, 1) && out->step_mm >= 0.0f;
     p += HEADER;
     if (!good || !get_encoding(p, modes, &out->encoding))
         return ST_ECORRUPT;

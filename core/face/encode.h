@@ -6,7 +6,7 @@
  * deviation 1, and the noise independent per cell with the variance
  *     s^2 = floor^2 + (factor * residual)^2,
  * of the model's floor and factor and the scan's own residual: what the shape of a face leaves of
- * it (shape.h).  A cell without a height is a missing observation; other rules for holes, covers
+ * it (shape.h), and what steps of its depths add (encode_noise()).  A cell without a height is a missing observation; other rules for holes, covers
  * and noisy sensors are not needed.
  * With S the covariance of all but the identity, over the cells that are there, the scan enters
  * any comparison only by
@@ -34,7 +34,7 @@
 struct encoding {
     float a[ENCODE_PAIRS]; /* A's lower triangle, row by row */
     float b[MODEL_MODES];
-    float residual_mm;         /* of the scan (shape.h) */
+    float residual_mm;         /* of the scan, by encode_noise() */
     uint32_t cells;            /* that were there */
     uint8_t there[GRID_N / 8]; /* which: a bit each */
     uint32_t n; /* modes of identity: rows of A; 0: nothing is known of the face */
@@ -54,6 +54,12 @@ struct encode_basis {
 
 /* encode_prepare(m, out): m is borrowed.  About 5 ms. */
 void encode_prepare(const struct surface_model *m, struct encode_basis *out);
+
+/* encode_noise(residual_mm, step_mm): Returns the residual, in mm, that a scan's own residual and the
+ * steps of its depths count as together.  Neighbouring cells share the error of a step, and the noise
+ * of the model is independent per cell, so that a step counts by more than its deviation,
+ * step / sqrt(12): by ENCODE_STEP. */
+double encode_noise(double residual_mm, double step_mm);
 
 /* encode_heights(e, z, residual_mm, s, out): the encoding of heights z (heights.h, at the face's
  * canonical frame; NAN: none), of which the shape of a face leaves that residual.

@@ -192,7 +192,8 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
         return st;
     if (out->surface.mesh.nv < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if ((st = quality_rate(&out->surface, s, &out->quality)) != ST_OK ||
+    if ((st = quality_rate(&out->surface, (double)out->step_mm, s, &out->quality)) !=
+            ST_OK ||
         (st = place_find(out, w)) != ST_OK)
         return st;
     return out->frame.support > FACE_SUPPORT ? ST_OK : ST_ENOTFACE;

@@ -32,7 +32,7 @@ struct shape_work *face_work_shape(struct surface_work *w);
  * The gate is a coarse one: the quality's (quality.h), and ST_ENOTFACE where no face explains the
  * surface at all.  Whether the points are a face, core/find/gate.h judges.
  * out   all zero, or a former face, whose memory is used again; on failure it is empty but
- *       may still hold memory: face_free().
+ *       may still hold memory: face_free().  out->step_mm is the caller's: it counts as noise
  * bad   the index of the offending point for ST_ENOTFINITE and ST_ERANGE; may be NULL
  * Returns ST_OK; ST_ETOOFEW (< SURFACE_MIN_POINTS usable); ST_ENOTFINITE; ST_ERANGE;
  * ST_EDEGENERATE; ST_EUNITS (extent outside 60-500 mm); ST_ENOTFACE; ST_EQUALITY;

@@ -12,6 +12,7 @@ struct surface_face {
     struct surface_quality quality;
     struct frame frame;       /* its canonical frame */
     struct encoding encoding; /* what is compared (encode.h) */
+    float step_mm; /* between neighbouring depths of the sensor; 0: they are continuous */
 };
 
 #endif

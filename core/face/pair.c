@@ -50,7 +50,7 @@ enum status pair_make(const struct surface_face *tmpl, const struct surface_face
     }
     side->pose = fit->pose;
     side->encoding = &out->other;
-    return encode_heights(&w->encode, fit->z, fit->residual_mm, &w->normal, &out->other);
+    return place_encode(fit == &at_other[0] ? tmpl : probe, fit, w, &out->other);
 }
 
 enum status pair_heights(const struct pair_side *s, struct surface_work *w,

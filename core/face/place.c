@@ -124,6 +124,14 @@ static enum status start_at(struct surface_face *f, struct surface_work *w, int 
     return st;
 }
 
+enum status place_encode(const struct surface_face *f, const struct shape_fit *fit,
+                         struct surface_work *w, struct encoding *out)
+{
+    return encode_heights(&w->encode, fit->z,
+                          encode_noise(fit->residual_mm, (double)f->step_mm), &w->normal,
+                          out);
+}
+
 /* The frame and the encoding; with the builders' block to take heights in. */
 static enum status place(struct surface_face *f, struct surface_work *w)
 {
@@ -144,7 +152,7 @@ static enum status place(struct surface_face *f, struct surface_work *w)
         return st;
     f->frame = (struct frame){
         .pose = fit.pose, .mean_id = w->mean.mean_id, .support = support(w, &fit)};
-    return encode_heights(&w->encode, fit.z, fit.residual_mm, &w->normal, &f->encoding);
+    return place_encode(f, &fit, w, &f->encoding);
 }
 
 enum status place_find(struct surface_face *f, struct surface_work *w)

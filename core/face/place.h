@@ -2,6 +2,7 @@
  * A head is taken for one of the mean face's size unless another explains much more of it. */
 #ifndef CORE_PLACE_H
 #define CORE_PLACE_H
+#include "encode.h"
 #include "face_data.h"
 #include "pose.h"
 #include "shape_work.h"
@@ -14,6 +15,10 @@ enum status place_find(struct surface_face *f, struct surface_work *w);
  * were so large, over the mean face's.  About 0.8 ms.  Returns ST_OK, ST_ENOMEM. */
 enum status place_at(const struct surface_face *f, double size, struct surface_work *w,
                      struct shape_fit *fit);
+
+/* place_encode(f, fit, w, out): the encoding of f as fit lays it.  Returns ST_OK, ST_ENOMEM. */
+enum status place_encode(const struct surface_face *f, const struct shape_fit *fit,
+                         struct surface_work *w, struct encoding *out);
 
 /* place_size(pose): the size of the head that a canonical frame takes it for. */
 double place_size(const struct pose *pose);

@@ -25,6 +25,10 @@
  * 100 have less than 0.51. */
 #define QUALITY_NOISE_MAX_MM 3.0
 
+/* Steps of depth: up to NONE nothing counts, from ALL on all of it. */
+#define QUALITY_STEP_NONE_MM 1.0
+#define QUALITY_STEP_ALL_MM  1.4
+
 /* Noise is estimated from every n-th point: enough for a median, a quarter of the time. */
 #define QUALITY_NOISE_STRIDE 4
 
@@ -151,7 +155,15 @@ static double hull_area(const struct mesh *m)
     return twice / 2;
 }
 
-enum status quality_rate(const struct surface *f, struct scratch *s,
+double quality_step(double step_mm)
+{
+    const double way =
+        (step_mm - QUALITY_STEP_NONE_MM) / (QUALITY_STEP_ALL_MM - QUALITY_STEP_NONE_MM);
+
+    return step_mm * fmax(0, fmin(way, 1));
+}
+
+enum status quality_rate(const struct surface *f, double step_mm, struct scratch *s,
                          struct surface_quality *q)
 {
     const struct mesh *m = &f->mesh;
@@ -163,7 +175,7 @@ enum status quality_rate(const struct surface *f, struct scratch *s,
     rough = relief(m);
     q->coverage = fmin(1, f->measured / area);
     q->density_mm = sqrt(f->measured / m->nv) / LATTICE_PER_MM;
-    q->noise_mm = noise(m, r) / LATTICE_PER_MM;
+    q->noise_mm = fmax(noise(m, r) / LATTICE_PER_MM, quality_step(step_mm) / 2);
     dense = fmin(1, SURFACE_SPARSE_MM / q->density_mm);
     smooth = fmax(0, 1 - q->noise_mm / QUALITY_NOISE_MAX_MM);
     q->score = fmin(q->coverage, fmin(dense, smooth));

@@ -24,11 +24,17 @@ struct surface; /* surface.h */
  * Returns ST_OK, ST_EUNITS, ST_ENOMEM. */
 enum status quality_extent(const struct ivec3 *pts, size_t n, struct scratch *s);
 
-/* quality_rate(f, s, q): fill q, and the gate.  O(nv).
+/* quality_step(step_mm): Returns the part, in mm, of a step between neighbouring depths that counts.
+ * Files in whole millimetres have steps of 1 mm, which the sensor's own noise hides: nothing of a step
+ * counts up to 1 mm, all of it from 1.4 mm on. */
+double quality_step(double step_mm);
+
+/* quality_rate(f, step_mm, s, q): fill q, and the gate.  The noise is half of a step that counts at
+ * least: the greatest error of a depth.  O(nv).
  * Returns ST_OK; ST_ENOTFACE where the surface is within 3 mm (root mean square) of a plane;
  * ST_EQUALITY where the noise is above 3 mm, a quarter of the points are spikes, or less than
  * a tenth of the outline was measured; ST_ENOMEM. */
-enum status quality_rate(const struct surface *f, struct scratch *s,
+enum status quality_rate(const struct surface *f, double step_mm, struct scratch *s,
                          struct surface_quality *q);
 
 /* quality_reasons(q, frame): the defects as bits, 1 << enum surface_reason each; 0: none.

@@ -14,6 +14,7 @@
 #include "quality.h"
 #include "shape.h"
 #include "sight.h"
+#include "step.h"
 #include "vec.h"
 
 /* What is plainly a face seen from the front, and is left as it is where nothing covers it: how far
@@ -81,11 +82,21 @@ static void begin(struct scan *s)
     s->out->quality = (struct surface_quality){0};
     s->out->frame = (struct frame){0};
     s->out->surface.mesh.nv = s->out->surface.mesh.nt = 0;
+    s->out->step_mm = 0;
 }
 
 static void warn(struct scan *s, enum surface_warning k, bool when)
 {
     s->found->warnings |= when ? 1U << k : 0;
+}
+
+/* The steps of the depths, which count as noise, seen by view (step.h).  To be told before a model is
+ * made. */
+static void tell_step(struct scan *s, const struct pose *view)
+{
+    s->found->step_mm = step_of(s->c->at, s->c->n, view);
+    s->out->step_mm = (float)s->found->step_mm;
+    warn(s, SURFACE_STEPPED, s->found->step_mm > SURFACE_STEP_MM);
 }
 
 /* From the file's unit to mm by the pose. */
@@ -322,6 +333,7 @@ static enum status build_agreed(struct scan *s, struct scan_search *k)
     warn(s, SURFACE_THINNED, s->c->n < n);
     if (st != ST_OK)
         return st;
+    tell_step(s, NULL);
     return build_as_it_is(s, k);
 }
 
@@ -378,6 +390,8 @@ static enum status build_found(struct scan *s, struct scan_search *k)
     s->fit = k->fit;
     s->found->faces = k->find.faces;
     s->found->unit_mm = k->find.pose[0].unit_mm;
+    s->view = pose_scale(&s->fit.pose, s->fit.size);
+    tell_step(s, &s->view);
     s->found->cropped = !plain(s);
     if (s->found->cropped || s->c->n > SCAN_FULL)
         return build_crop(s);

@@ -12,8 +12,8 @@
 #include "mst.h"
 #include "unit.h"
 
-#define GOLDEN   "tests/golden/face_v3.bin"
-#define HEADER   128
+#define GOLDEN   "tests/golden/face_v4.bin"
+#define HEADER   132
 #define ENCODING 172 /* with no modes */
 #define MODES    6   /* where the number of modes is, */
 #define MARK     28  /* where the frame's mark is */
@@ -232,12 +232,13 @@ TEST(test_golden)
         assert_int_equal(f.surface.mesh.z[v], v == 1 ? 20000 : -1000);
     assert_true(f.frame.mean_id != 0 &&
                 f.frame.mean_id != frame.mean_id); /* found again */
+    assert_float_equal(f.step_mm, 2.5f, 0);
     f.frame = frame;
     f.encoding = encoding;
     assert_int_equal(surface_encoded_size(&f), len);
     surface_encode(&f, again);
     assert_memory_equal(buf, again, len);
-    buf[4] = 4; /* a version to come */
+    buf[4] = 5; /* a version to come */
     assert_int_equal(codec_decode(buf, len, work, &f), ST_EVERSION);
     buf[4] = 2;
     assert_int_equal(codec_decode(buf, len, work, &f), ST_EVERSION);
@@ -364,7 +365,8 @@ TEST(test_bad_encoding)
 {
     static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
                                     0x7f800001}; /* NAN, infinite, ... */
-    const size_t residual = HEADER, cells = HEADER + 4, there = HEADER + 8;
+    const size_t step = HEADER - 4, residual = HEADER, cells = HEADER + 4,
+                 there = HEADER + 8;
     struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
@@ -379,8 +381,15 @@ TEST(test_bad_encoding)
                      none[k]);
             assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
         }
-    for (int i = 0; i < 5; i++) {
+    for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
         memcpy(other, buf, len);
+        put_bits(other + step, none[k]);
+        assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
+    }
+    for (int i = 0; i < 6; i++) {
+        memcpy(other, buf, len);
+        if (i == 5)
+            put_bits(other + step, 0xbf800000);
         if (i == 0)
             put_bits(other + residual, 0xbf800000); /* -1 */
         if (i == 1)

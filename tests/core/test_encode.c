@@ -206,6 +206,17 @@ static void check_plain(double residual)
     check(&want, 2e-4);
 }
 
+/* Whole millimetres are not noise; the steps of a coarse sensor are, beside the residual. */
+TEST(test_noise)
+{
+    assert_true(encode_noise(0.7, 0) == 0.7);
+    assert_true(encode_noise(0.7, 1) == 0.7);
+    assert_true(encode_noise(0.7, 1.2) > 0.7 &&
+                encode_noise(0.7, 1.2) < encode_noise(0.7, 1.4));
+    assert_float_equal(encode_noise(1.2, 2), 2, 1e-12);
+    assert_float_equal(encode_noise(0, 4), 3.2, 1e-12);
+}
+
 /* Whole faces and what is left of them, quiet and noisy. */
 TEST(test_definition)
 {

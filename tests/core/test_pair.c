@@ -30,9 +30,7 @@ static void mistake(struct surface_face *f, double size)
 
     assert_int_equal(place_at(f, size, work, &fit), ST_OK);
     f->frame.pose = fit.pose;
-    assert_int_equal(encode_heights(&work->encode, fit.z, fit.residual_mm, &work->normal,
-                                    &f->encoding),
-                     ST_OK);
+    assert_int_equal(place_encode(f, &fit, work, &f->encoding), ST_OK);
 }
 
 static double score(const struct surface_face *a, const struct surface_face *b)

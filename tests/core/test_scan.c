@@ -283,6 +283,43 @@ TEST(test_turn)
     assert_true(isnan(found.yaw_deg) && isnan(found.roll_deg));
 }
 
+/* Depths in steps of 3 mm: the noise is that of the step, whether the face is found or lies as agreed, and
+ * no person is told from himself.  A rebuilt face knows its steps. */
+TEST(test_stepped)
+{
+    const double step = 3;
+    struct surface_comparison r;
+
+    for (uint64_t subject = 5; subject < 9; subject++) {
+        enroll(subject - subject % 2); /* another person's, or the same's */
+        sample(subject, 1, 5000);
+        for (size_t i = 0; i < n; i++)
+            pts[i].z = step * rint(pts[i].z / step);
+        for (int k = 0; k < 2; k++) {
+            float residual;
+
+            assert_int_equal(build(k == 0 ? &probe : &agreed), ST_OK);
+            assert_true(warned(SURFACE_STEPPED) && fabs(found.step_mm - step) < 1e-6);
+            assert_true(found.quality.noise_mm >= step / 2);
+            assert_true(face.encoding.residual_mm > 2);
+            assert_int_equal(face_compare(&tmpl, &face, (double)NAN, work, &r), ST_OK);
+            assert_int_not_equal(r.decision,
+                                 subject % 2 ? SURFACE_MATCH : SURFACE_NO_MATCH);
+            residual = face.encoding.residual_mm;
+            assert_int_equal(face_rebuild(&face, work), ST_OK);
+            assert_true(face.encoding.residual_mm == residual);
+        }
+    }
+    sample(5, 1, 5000); /* in the memory of the last */
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(!warned(SURFACE_STEPPED) && found.step_mm == 0 && face.step_mm == 0);
+    for (size_t i = 0; i < n; i++)
+        pts[i].z = rint(pts[i].z);
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(!warned(SURFACE_STEPPED) && fabs(found.step_mm - 1) < 1e-6);
+    assert_true(found.quality.noise_mm < SURFACE_NOISY_MM);
+}
+
 /* A tenth of the points are of the back of the head. */
 TEST(test_elsewhere)
 {

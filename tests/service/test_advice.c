@@ -181,6 +181,23 @@ TEST(test_noisy)
            "scan is too noisy to tell people apart");
 }
 
+/* Steps are told in place of the noise that they are. */
+TEST(test_stepped)
+{
+    struct surface_found f = plain;
+
+    good();
+    face.quality.noise_mm = f.quality.noise_mm = 1.5;
+    f.step_mm = 3;
+    f.warnings = 1U << SURFACE_STEPPED;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 1);
+    assert_line(
+        0,
+        "use a finer depth mode, move nearer, or let the scanner average several frames: "
+        "its depths are 3.0 mm apart, 1.2 mm or less is good");
+}
+
 /* Each refusal of a scan has its advice, and so does everything at once. */
 TEST(test_refusals)
 {
