@@ -230,15 +230,16 @@ static enum status fit_closely(struct finder *f, const struct find_grid *g,
     return st;
 }
 
-/* Follow the best starts roughly, and the best of these to the end; once a face is plain, those
+/* Follow the best starts from one on roughly, `left` of them, and the best of these to the end; once a face is plain, those
  * elsewhere that may well be another. */
 static enum status seek(struct finder *f, const struct find_grid *g, double unit_mm,
-                        uint32_t left, uint32_t most)
+                        uint32_t from, uint32_t left, uint32_t most)
 {
     enum status st = ST_OK;
 
     f->rough.n = 0;
-    for (uint32_t k = 0; k < f->starts.n && left > 0 && st == ST_OK && !stopped(f); k++) {
+    for (uint32_t k = from; k < f->starts.n && left > 0 && st == ST_OK && !stopped(f);
+         k++) {
         const struct find_start *start = &f->starts.start[k];
         struct found one = found_at(f, g, unit_mm, &start->pose, 0);
 
@@ -248,8 +249,10 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
         st = fit_roughly(f, g, unit_mm, &start->pose, &one);
         if (st == ST_OK && one.pose.worth >= FIND_SURE)
             st = fit_closely(f, g, &one);
-        else
+        else {
+            one.pose.worth /= (double)start->odds;
             take(&f->rough, &one);
+        }
     }
     for (uint32_t k = 0; k < f->rough.n && k < most && st == ST_OK && !stopped(f); k++)
         if (!taken(f, &f->rough.at[k]))
@@ -313,12 +316,14 @@ static enum status search_grid(struct finder *f, const struct find_grid *g,
     if (st != ST_OK)
         return st;
     look(f, g, false, &r);
-    st = seek(f, g, unit_mm, FIND_SEEKS, FIND_FITS);
+    st = seek(f, g, unit_mm, 0, FIND_SEEKS, FIND_FITS);
+    if (st == ST_OK && f->size == 1 && !found(f, FIND_PLAIN) && !upright(f))
+        st = seek(f, g, unit_mm, FIND_SEEKS, FIND_SEEKS_MORE, FIND_FITS_MORE);
     if (st == ST_OK)
         st = turn_over(f, g, unit_mm);
     if (st == ST_OK && f->size == 1 && !found(f, FIND_PLAIN) && !upright(f)) {
         look(f, g, true, &r);
-        st = seek(f, g, unit_mm, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
+        st = seek(f, g, unit_mm, 0, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
         if (st == ST_OK)
             st = turn_over(f, g, unit_mm);
     }

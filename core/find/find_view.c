@@ -159,6 +159,11 @@ void find_grid_free(struct find_grid *g)
 #define FIND_CAP_MM         6.0
 #define FIND_STEEP          0.6
 
+/* A start with something above it is followed after others whose cost is not so many times as much; and
+ * so is one that does not stand upright before a scanner, of agreed axes or a camera's, as most do. */
+#define FIND_ABOVE_COST  1.3
+#define FIND_ASLANT_COST 1.15
+
 #define ROLLS FIND_VIEW_ROLLS
 #define NONE  (-1e9f)
 
@@ -548,6 +553,11 @@ static struct pose pose_of(const struct find_view_face *f, const struct map *m, 
     return out;
 }
 
+static bool enters(const struct find_starts *s, float cost)
+{
+    return s->n < FIND_STARTS || cost < s->start[FIND_STARTS - 1].cost;
+}
+
 static void keep(struct find_starts *s, const struct find_start *start)
 {
     uint32_t i = s->n < FIND_STARTS ? s->n++ : FIND_STARTS - 1;
@@ -555,6 +565,41 @@ static void keep(struct find_starts *s, const struct find_start *start)
     for (; i > 0 && start->cost < s->start[i - 1].cost; i--)
         s->start[i] = s->start[i - 1];
     s->start[i] = *start;
+}
+
+/* Is there something above a head whose nose is in the cell, turned by the roll? */
+static bool above(const struct map *m, int at, int roll)
+{
+    const double low = FIND_ABOVE_LOW_MM, step = (FIND_ABOVE_HIGH_MM - low) / 2;
+    const float before = (float)FIND_ABOVE_BEFORE_MM,
+                behind = (float)FIND_ABOVE_BEHIND_MM;
+    const int i = at % m->nx, j = at / m->nx;
+    double c, s;
+    int taken = 0;
+
+    turn_of(roll, &c, &s);
+    for (int k = 0; k < 12; k++) {
+        const double x = FIND_ABOVE_SIDE_MM * (k % 4 - 1.5) / 1.5,
+                     y = low + step * (k / 4);
+        const int a = i + (int)rint((c * x - s * y) / FIND_CELL_MM);
+        const int b = j + (int)rint((s * x + c * y) / FIND_CELL_MM);
+        float d;
+
+        if (a < 0 || a >= m->nx || b < 0 || b >= m->ny)
+            continue;
+        d = m->z[b * m->nx + a] - m->z[at];
+        taken += (d < before) & (d > -behind);
+    }
+    return taken > 6;
+}
+
+/* Within one roll of upright before a scanner: y up as it looks along -z, down along z (seen_from())? */
+static bool upright(const struct map *m, int roll)
+{
+    const double z = m->to.r[8];
+    const int from_up = (roll + (z < 0 ? ROLLS / 2 : 0)) % ROLLS;
+
+    return (from_up <= 1 || from_up == ROLLS - 1) && z != 0;
 }
 
 /* The rolls that fit better than those beside them. */
@@ -565,11 +610,17 @@ static void take(const struct find_view_face *f, const struct map *m, int at,
 
     lay(f, m, at, &l);
     for (int r = 0; r < ROLLS; r++) {
-        const float cost = l.cost[r];
+        float cost = l.cost[r], odds = 1.0f;
 
-        if (cost <= l.cost[(r + 1) % ROLLS] && cost < l.cost[(r + ROLLS - 1) % ROLLS] &&
-            (s->n < FIND_STARTS || cost < s->start[FIND_STARTS - 1].cost))
-            keep(s, &(struct find_start){cost, pose_of(f, m, at, r, &l)});
+        if (!(cost <= l.cost[(r + 1) % ROLLS] &&
+              cost < l.cost[(r + ROLLS - 1) % ROLLS]) ||
+            !enters(s, cost))
+            continue;
+        odds *= above(m, at, r) ? (float)FIND_ABOVE_COST : 1.0f;
+        odds *= upright(m, r) ? 1.0f : (float)FIND_ASLANT_COST;
+        cost *= odds;
+        if (enters(s, cost))
+            keep(s, &(struct find_start){cost, odds, pose_of(f, m, at, r, &l)});
     }
 }
 

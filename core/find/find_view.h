@@ -42,20 +42,22 @@ enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
 void find_grid_free(struct find_grid *g);
 
 /* Starts that are kept; of these followed roughly at most, and of what that finds to the end: of
- * those along a scanner's axes, and of the others.  What is worth SURE roughly is followed at
+ * those along a scanner's axes, where nothing is plain MORE of them, and of the others.  What is worth SURE roughly is followed at
  * once. */
 #define FIND_STARTS       64
 #define FIND_SEEKS        12
+#define FIND_SEEKS_MORE   16
 #define FIND_FITS         4
-#define FIND_SEEKS_OTHERS 40
-#define FIND_FITS_OTHERS  8
+#define FIND_FITS_MORE    5
+#define FIND_SEEKS_OTHERS 30
+#define FIND_FITS_OTHERS  6
 #define FIND_SURE         400.0
 
 /* The search ends with what it has once it has spent what SPENT noses cost, some 4 us each, and
  * one more for PER points each.  A view costs one for CUBES cubes and one for CELLS cells that
  * are seen; a fit costs FIT and one for CUBES cubes. */
-#define FIND_SPENT       5000
-#define FIND_SPENT_SMALL 2000
+#define FIND_SPENT       4600
+#define FIND_SPENT_SMALL 1800
 #define FIND_SPENT_PER   12
 #define FIND_SPENT_CUBES 512
 #define FIND_SPENT_CELLS 96
@@ -64,6 +66,15 @@ void find_grid_free(struct find_grid *g);
 
 #define FIND_VIEW_SAMPLES 96
 #define FIND_VIEW_ROLLS   16
+
+/* mm from the tip of the nose: above LOW the crown has ended, and hair nearly always.  Where most of a
+ * band from there to HIGH, SIDE to each side, has points no more than BEFORE before the nose and BEHIND
+ * behind it, there is something else above: of a place on a chest or a shoulder the head, or the body. */
+#define FIND_ABOVE_LOW_MM    210.0
+#define FIND_ABOVE_HIGH_MM   270.0
+#define FIND_ABOVE_SIDE_MM   45.0
+#define FIND_ABOVE_BEFORE_MM 80.0
+#define FIND_ABOVE_BEHIND_MM 140.0
 
 /* Samples of the mean face from its tip, by the roll of the face. */
 struct find_view_face {
@@ -80,7 +91,8 @@ struct find_view_face {
 void find_view_prepare(const struct frame_mean *mean, struct find_view_face *out);
 
 struct find_start {
-    float cost;       /* mm^2: of what is left of the gap once it is levelled */
+    float cost; /* mm^2: of what is left of the gap once it is levelled, times odds */
+    float odds; /* 1, or more where a head stands so less often */
     struct pose pose; /* cloud, mm from its corner -> canonical frame */
 };
 
@@ -107,7 +119,8 @@ void find_view_close(struct find_view_room *r);
  * The cloud becomes a map of the heights that are nearest to the eye.  Where a cell of it stands
  * out from a ring about it as the tip of a nose does, samples of the mean face are laid on the
  * map, their tip on that cell, at each of the rolls; of what is left once the best plane is
- * taken out, the mean square, up to FIND_CAP_MM each, is the cost.  The plane tilts the start:
+ * taken out, the mean square, up to FIND_CAP_MM each, is the cost; times FIND_ABOVE_COST where the place
+ * above the head is taken, and FIND_ASLANT_COST where the head is not upright.  The plane tilts the start:
  * axis need be right to some 30 degrees alone.
  * O(g->n + noses), however large g is. */
 void find_view_all(const struct find_view_face *f, const struct find_grid *g,
