@@ -9,6 +9,7 @@
 #include "cloudfile.h"
 
 #define NEARLY_A_FACE    0.5 /* of the support that is wanted */
+#define ON_ITS_SIDE_DEG  45  /* a head is not tilted so far */
 #define HALF_PROFILE_DEG 55  /* beyond it less than half of a face is seen */
 
 __attribute__((format(printf, 2, 3))) static void add(struct advice *a, const char *fmt,
@@ -102,6 +103,8 @@ static void reason(enum status st, const struct surface_found *f, struct advice 
 /* "turn the head ...: 38° to the left now". */
 static void turned(const struct surface_found *f, struct advice *a)
 {
+    const double tilt = f->roll_deg - 90 * rint(f->roll_deg / 90);
+
     if (fabs(f->yaw_deg) > SURFACE_YAW_DEG)
         add(a,
             "turn the head towards the scanner: %.0f° to the %s now, up to %d° for "
@@ -111,9 +114,9 @@ static void turned(const struct surface_found *f, struct advice *a)
         add(a, "%s the chin: the face looks %.0f° %s now, up to %d° is good",
             f->pitch_deg > 0 ? "lower" : "raise", fabs(f->pitch_deg),
             f->pitch_deg > 0 ? "up" : "down", SURFACE_TILT_DEG);
-    if (fabs(f->roll_deg) > SURFACE_TILT_DEG)
+    if (fabs(tilt) > SURFACE_TILT_DEG)
         add(a, "hold the head upright: tilted by %.0f° to the %s now, up to %d° is good",
-            fabs(f->roll_deg), f->roll_deg > 0 ? "right" : "left", SURFACE_TILT_DEG);
+            fabs(tilt), tilt > 0 ? "right" : "left", SURFACE_TILT_DEG);
 }
 
 static void found(enum status st, const struct surface_found *f, struct advice *a)
@@ -145,6 +148,11 @@ static void found(enum status st, const struct surface_found *f, struct advice *
     if (st == ST_OK && warns(f, SURFACE_BEHIND))
         note(a, "%.0f %% of the points are outside the face and were ignored",
              100 * f->elsewhere);
+    if (st == ST_OK && fabs(f->roll_deg) > ON_ITS_SIDE_DEG)
+        note(
+            a,
+            "the picture is turned by %.0f°: hold the scanner upright, or turn its pictures",
+            fabs(f->roll_deg));
     if (st == ST_OK && f->unit_found && f->unit_mm != 1)
         note(a, "detected %s; units=%s skips the detection", cloudunit_plural(f->unit_mm),
              cloudunit_name(f->unit_mm));

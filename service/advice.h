@@ -7,7 +7,7 @@
 #include "status.h"
 
 #define ADVICE_LINES 8
-#define ADVICE_NOTES 2
+#define ADVICE_NOTES 3
 #define ADVICE_MAX   144
 
 struct advice {

@@ -255,8 +255,9 @@ struct surface_found {
     /* from the points' unit and axes to the frontal view in mm, in which the face lies: a
      * similarity */
     double view[16];
-    /* of the face's front, seen from the scanner: positive to the image's right, upwards,
-     * anticlockwise; NaN where that is unknown */
+    /* of the face against a scanner that looks along z: positive to the face's own left (the image's
+     * right), upwards, and anticlockwise in the image.  Yaw and pitch do not depend on the roll, which is
+     * near 90, -90 or 180 if the scanner was not upright.  NaN where they are unknown */
     double yaw_deg, pitch_deg, roll_deg;
     double occluded;  /* share of the face's area that something covers, 0..1 */
     double elsewhere; /* share of the points that are neither of the face nor cover it */

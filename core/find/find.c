@@ -406,10 +406,8 @@ static bool another(const struct finder *f, uint32_t i)
  * and z away), if the face is turned to it; else false. */
 static bool nearness(const struct found *f, double side, double *near)
 {
-    const double *r = f->pose.pose.r;
-
     *near = side * f->nose.z;
-    return r[0] + side * (r[4] + r[8]) >= FIND_AXES_TRACE;
+    return side * f->pose.pose.r[8] >= FIND_FACING;
 }
 
 /* Is a nearer than b, where both are seen along the same axes? */

@@ -18,9 +18,9 @@
 #include "status.h"
 #include "vec.h"
 
-/* A view is reported relative to a scanner's axes that it is within 75 degrees of: the trace of the
- * rotation, 1 + 2 cos 75. */
-#define FIND_AXES_TRACE 1.5176
+/* A face looks at a scanner within 75 degrees (the cosine) of its axis, whichever way up the scanner
+ * stands. */
+#define FIND_FACING 0.2588
 
 /* The worth of a fit (shape.h), and of eyes that are as the mean face's: what is plainly a face, as
  * neither the smooth back of a head is nor one the wrong way up; what is one if it is within 45

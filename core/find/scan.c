@@ -108,37 +108,36 @@ static void tell_view(struct surface_found *f, const struct pose *pose)
             f->view[4 * i + k] *= f->unit_mm;
 }
 
-/* The turn of the face against a scanner with these axes: x as in the image, y and z by the
- * sign of `side`; how far, as the trace of the rotation. */
-static double turn_of(const double r[9], double side, struct surface_found *f)
+/* The turn of the face against a scanner whose axes are the agreed ones (side 1) or a camera's (-1: y
+ * down, z away).  Yaw and pitch are where the scanner is as the face sees it, so that they do not depend
+ * on which way up the scanner stands; the roll is that of the face about the scanner's axis. */
+static void turn_of(const double r[9], double side, struct surface_found *f)
 {
-    const double x = r[6], y = side * r[7], z = side * r[8];
+    const double x = -side * r[2], y = -side * r[5], z = side * r[8];
 
     f->yaw_deg = atan2(x, z) * VEC_DEGREES;
     f->pitch_deg = atan2(y, sqrt(x * x + z * z)) * VEC_DEGREES;
     f->roll_deg = atan2(-r[3], side * r[4]) * VEC_DEGREES;
-    return r[0] + side * (r[4] + r[8]);
 }
 
-/* Against the agreed axes, or a camera's: y down and z away; of points that are all seen from
- * there, as those of a frontal scan are. */
+/* Against the side that the face looks to, along z; of points that are all seen from there, as those of a
+ * frontal scan are.  A picture may lie on its side or upside down: what is left of its quarter turns is the
+ * tilt of the head. */
 static void tell_turn(struct scan *s, bool frontal)
 {
     const struct pose *pose = &s->view;
     struct surface_found *f = s->found;
-    const double camera = turn_of(pose->r, -1, f);
-    struct surface_found seen = *f;
-    const double agreed = turn_of(pose->r, 1, &seen);
-    const struct dvec3 nose = pose_origin(pose);
+    const double side = pose->r[8] > 0 ? 1 : -1;
+    double tilt;
 
-    if (agreed > camera)
-        *f = seen;
-    if (fmax(agreed, camera) < FIND_AXES_TRACE ||
-        !(frontal || sight_single(s->c->at, s->c->n, nose, agreed > camera ? 1 : -1)))
-        f->yaw_deg = f->pitch_deg = f->roll_deg = (double)NAN;
+    if (side * pose->r[8] < FIND_FACING ||
+        !(frontal || sight_single(s->c->at, s->c->n, pose_origin(pose), side)))
+        return;
+    turn_of(pose->r, side, f);
+    tilt = f->roll_deg - 90 * rint(f->roll_deg / 90);
     warn(s, SURFACE_TURNED,
          fabs(f->yaw_deg) > SURFACE_YAW_DEG || fabs(f->pitch_deg) > SURFACE_TILT_DEG ||
-             fabs(f->roll_deg) > SURFACE_TILT_DEG);
+             fabs(tilt) > SURFACE_TILT_DEG);
 }
 
 /* What the fit shows, where the points are seen by view. */

@@ -280,7 +280,37 @@ TEST(test_turn)
     sample(5, 1, 3000);
     turn(0, 0, 100, 1);
     assert_int_equal(build(&probe), ST_OK);
+    assert_true(fabs(found.yaw_deg) < 6 && fabs(found.pitch_deg) < 6);
+    assert_true(fabs(found.roll_deg - 100) < 6);
+    turn(0, 90, 0, 1); /* it looks up: no scanner along z */
+    assert_int_equal(build(&probe), ST_OK);
     assert_true(isnan(found.yaw_deg) && isnan(found.roll_deg));
+}
+
+/* Whichever way up the scanner stands, a face has the same yaw and pitch, and is refused if it is turned
+ * too far; the quarter turn alone is no reason. */
+TEST(test_on_its_side)
+{
+    static const double roll[] = {0, 90, 180, -90, 50};
+
+    for (size_t k = 0; k < sizeof roll / sizeof *roll; k++)
+        for (int far = 0; far < 2; far++) {
+            const double yaw = far ? 42 : 20;
+            size_t kept = 0;
+
+            sample(5, 1, 5000);
+            for (size_t i = 0; i < n; i++)
+                if (!far || pts[i].x < 22)
+                    pts[kept++] = pts[i];
+            n = kept;
+            turn(yaw, 0, 0, 1);
+            turn(0, 0, roll[k], 1);
+            assert_int_equal(build(&enrolment), far ? ST_EQUALITY : ST_OK);
+            assert_true(fabs(found.yaw_deg - yaw) < 8 && fabs(found.pitch_deg) < 8);
+            assert_true(cos((found.roll_deg - roll[k]) / VEC_DEGREES) >
+                        cos(8 / VEC_DEGREES));
+            assert_int_equal(warned(SURFACE_TURNED), far || k == 4);
+        }
 }
 
 /* Depths in steps of 3 mm: the noise is that of the step, whether the face is found or lies as agreed, and

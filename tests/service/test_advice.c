@@ -181,6 +181,28 @@ TEST(test_noisy)
            "scan is too noisy to tell people apart");
 }
 
+/* A picture on its side is no tilted head; what is beyond the quarter turn is. */
+TEST(test_on_its_side)
+{
+    struct surface_found f = plain;
+
+    good();
+    f.yaw_deg = f.pitch_deg = 0;
+    f.roll_deg = 93;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 0);
+    assert_int_equal(a.nnote, 1);
+    assert_string_equal(
+        a.note[0],
+        "the picture is turned by 93°: hold the scanner upright, or turn its pictures");
+    f.roll_deg = -120;
+    f.warnings = 1U << SURFACE_TURNED;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 1);
+    assert_line(
+        0, "hold the head upright: tilted by 30° to the left now, up to 20° is good");
+}
+
 /* Steps are told in place of the noise that they are. */
 TEST(test_stepped)
 {
