@@ -100,7 +100,8 @@ static enum status check_cloud(const struct surface_cloud *c)
                    whole && (c->width == 0 || pixels >= c->n) &&
                    (c->kept == NULL) == (c->kept_place == NULL) && isfinite(c->unit_mm) &&
                    c->unit_mm >= 0 &&
-                   (c->flags & ~(uint32_t)(SURFACE_FRONTAL | SURFACE_ENROLMENT)) == 0
+                   (c->flags & ~(uint32_t)(SURFACE_FRONTAL | SURFACE_ENROLMENT |
+                                           SURFACE_PINHOLE)) == 0
                ? ST_OK
                : ST_EINVAL;
 }
@@ -116,7 +117,8 @@ static enum status copy_cloud(const struct surface_cloud *from, struct cloudpoin
                               .index = from->kept_place,
                               .unit_mm = from->unit_mm,
                               .width = from->width,
-                              .height = from->height};
+                              .height = from->height,
+                              .pinhole = (from->flags & SURFACE_PINHOLE) != 0};
     if (from->kept == NULL) {
         c->at = mem_array(room, sizeof *c->at);
         c->index = mem_array(room, sizeof *c->index);
@@ -256,7 +258,7 @@ const char *surface_warning_name(enum surface_warning warning)
         [SURFACE_SEVERAL] = "several_faces",   [SURFACE_MIRRORED] = "mirrored",
         [SURFACE_BEHIND] = "points_elsewhere", [SURFACE_TURNED] = "turned",
         [SURFACE_OCCLUDED] = "occluded",       [SURFACE_THINNED] = "thinned",
-        [SURFACE_STEPPED] = "stepped"};
+        [SURFACE_STEPPED] = "stepped",         [SURFACE_FOCAL] = "focal_length"};
 
     return (unsigned)warning < SURFACE_WARNINGS ? name[warning] : NULL;
 }

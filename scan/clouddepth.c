@@ -28,6 +28,7 @@ enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camer
     list->out.unit_mm = 1;
     list->out.width = width;
     list->out.height = height;
+    list->out.pinhole = true;
     return ST_OK;
 }
 

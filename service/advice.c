@@ -143,6 +143,12 @@ static void found(enum status st, const struct surface_found *f, struct advice *
             "use a finer depth mode, move nearer, or let the scanner average several frames: "
             "its depths are %.1f mm apart, %.1f mm or less is good",
             f->step_mm, SURFACE_STEP_MM);
+    if (warns(f, SURFACE_FOCAL))
+        add(a,
+            "check fx and fy: the face is too %s for its depth, as if they should be %.2f times "
+            "those given or %s",
+            f->focal_times > 1 ? "wide" : "narrow", f->focal_times,
+            f->focal_times > 1 ? "more" : "less");
     if (warns(f, SURFACE_TURNED))
         turned(f, a);
     if (st == ST_OK && warns(f, SURFACE_BEHIND))

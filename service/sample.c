@@ -241,18 +241,18 @@ struct surface_cloud sample_cloud(const struct cloudpoints *c,
 {
     const bool frontal = c->axes_given || o->frontal;
 
-    return (struct surface_cloud){.size = sizeof(struct surface_cloud),
-                                  .points = (const double(*)[3])c->at,
-                                  .normals = (const double(*)[3])c->normal,
-                                  .n = c->n,
-                                  .width = c->width,
-                                  .height = c->height,
-                                  .unit_mm = frontal && c->unit_mm == 0 ? c->usual_mm
-                                                                        : c->unit_mm,
-                                  .flags = (frontal ? SURFACE_FRONTAL : 0U) |
-                                           (o->enrolment ? SURFACE_ENROLMENT : 0U),
-                                  .place = c->index,
-                                  .stop = stop};
+    return (struct surface_cloud){
+        .size = sizeof(struct surface_cloud),
+        .points = (const double(*)[3])c->at,
+        .normals = (const double(*)[3])c->normal,
+        .n = c->n,
+        .width = c->width,
+        .height = c->height,
+        .unit_mm = frontal && c->unit_mm == 0 ? c->usual_mm : c->unit_mm,
+        .flags = (frontal ? SURFACE_FRONTAL : 0U) | (c->pinhole ? SURFACE_PINHOLE : 0U) |
+                 (o->enrolment ? SURFACE_ENROLMENT : 0U),
+        .place = c->index,
+        .stop = stop};
 }
 
 void sample_refuse(const char *name, enum status st, const struct sample_found *found,

@@ -29,6 +29,8 @@ struct cloudpoints {
     /* either says: x to the image's right, y up, z towards the scanner */
     bool axes_given;
     uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
+    bool
+        pinhole; /* x and y were computed from depths by a focal length that was stated */
 };
 
 /* It is empty again. */

@@ -52,6 +52,8 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 #define SURFACE_EXTENT_MAX_MM 500
 #define SURFACE_SPARSE_MM     3.0 /* between neighbouring points */
 #define SURFACE_NOISY_MM      0.6
+#define SURFACE_FOCAL_MOST    1.085 /* surface_found.focal_times of a face */
+#define SURFACE_FOCAL_LEAST   0.85
 #define SURFACE_STEP_MM       1.2 /* between neighbouring depths of the sensor */
 #define SURFACE_YAW_DEG       30
 #define SURFACE_TILT_DEG      20   /* of pitch and roll */
@@ -180,7 +182,10 @@ enum {
      * around it and whatever its pose. */
     SURFACE_FRONTAL = 1,
     /* with the stricter gate for faces that others are compared with */
-    SURFACE_ENROLMENT = 2
+    SURFACE_ENROLMENT = 2,
+    /* x and y were computed from a depth image, by a focal length that may be wrong: the proportions
+     * of the face are looked at too */
+    SURFACE_PINHOLE = 4
 };
 
 /* Asked before each step of the search; when it returns other than 0 the build ends with
@@ -203,7 +208,7 @@ struct surface_cloud {
     uint32_t width, height;
     /* millimetres for each unit of the points; 0: it is found, or with SURFACE_FRONTAL 1 */
     double unit_mm;
-    uint32_t flags; /* SURFACE_FRONTAL | SURFACE_ENROLMENT */
+    uint32_t flags; /* SURFACE_FRONTAL | SURFACE_ENROLMENT | SURFACE_PINHOLE */
     /* of an image of which only some points are given: the place of each, ascending, and n is
      * their number; NULL: all are given */
     const uint32_t *place;
@@ -225,6 +230,7 @@ enum surface_warning {
     SURFACE_OCCLUDED, /* something covers a part of the face */
     SURFACE_THINNED,  /* more points than the measure needs */
     SURFACE_STEPPED,  /* step_mm above SURFACE_STEP_MM: its noise is that of the step */
+    SURFACE_FOCAL,    /* focal_times beyond SURFACE_FOCAL_MOST or _LEAST */
     SURFACE_WARNINGS
 };
 /* "several_faces", "mirrored", ...; static; NULL for another value. */
@@ -279,6 +285,9 @@ struct surface_found {
     /* distance between neighbouring depths at the face, along the sensor's axis; 0: the depths are
      * continuous, or the cloud is turned against the sensor's axes */
     double step_mm;
+    /* with SURFACE_PINHOLE, of a face that looks at the camera: the focal length over the one that was
+     * used, by which the face has usual proportions; its deviation over people is 0.04.  0: unknown */
+    double focal_times;
 };
 
 /* Build a face from a scan.

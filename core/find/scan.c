@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "aspect.h"
 #include "cloudpoints.h"
 #include "crop.h"
 #include "face.h"
@@ -34,6 +35,11 @@
  * to which it is turned is seen nevertheless, as of a frontal scan in other axes.  Of half
  * profiles from 35 degrees on 0.73 at most is, of frontal scans 0.93 and more. */
 #define SCAN_FAR_SIDE 0.8
+
+/* The proportions are looked at of a face that looks so far (the cosine of 20 degrees) past the camera at
+ * most, and that is explained to so much. */
+#define SCAN_ASPECT_FACING  0.94
+#define SCAN_ASPECT_SUPPORT 0.6
 
 static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
@@ -356,6 +362,23 @@ static enum status search(struct scan *s, struct scan_search *k)
     return shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &k->fit);
 }
 
+/* Is the focal length wrong by which a depth image became points? */
+static enum status judge_aspect(struct scan *s, struct scan_search *k)
+{
+    const bool plainly = s->fit.support >= SCAN_ASPECT_SUPPORT && s->fit.cover == 0 &&
+                         fabs(s->view.r[8]) >= SCAN_ASPECT_FACING;
+    enum status st = ST_OK;
+
+    if (!s->c->pinhole || !plainly)
+        return ST_OK;
+    if (k->focal_times == 0)
+        st = aspect_of(s->shape, s->c->at, s->c->n, &s->fit, &k->focal_times);
+    s->found->focal_times = k->focal_times;
+    warn(s, SURFACE_FOCAL,
+         k->focal_times > SURFACE_FOCAL_MOST || k->focal_times < SURFACE_FOCAL_LEAST);
+    return st;
+}
+
 /* Where no face is found the points may be too small a part of one, or something is wrong with
  * them as they are. */
 static enum status build_unfound(struct scan *s, struct scan_search *k)
@@ -391,6 +414,8 @@ static enum status build_found(struct scan *s, struct scan_search *k)
     s->found->unit_mm = k->find.pose[0].unit_mm;
     s->view = pose_scale(&s->fit.pose, s->fit.size);
     tell_step(s, &s->view);
+    if ((st = judge_aspect(s, k)) != ST_OK)
+        return st;
     s->found->cropped = !plain(s);
     if (s->found->cropped || s->c->n > SCAN_FULL)
         return build_crop(s);

@@ -22,6 +22,7 @@ struct scan_search {
     enum status st;       /* of the search */
     struct find find;     /* where st is ST_OK, as is the fit */
     struct shape_fit fit; /* to the points in find's unit */
+    double focal_times;   /* of surface_found */
 
     bool as_is;                 /* a model was made of the points as they are */
     enum status st_as_is;       /* of that */

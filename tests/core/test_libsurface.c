@@ -458,8 +458,8 @@ static enum surface_status call(const struct calls *c, struct surface_work *w,
     const struct surface_cloud cloud = {.size = sizeof cloud,
                                         .points = (const double(*)[3])xyz,
                                         .n = c->n,
-                                        .flags =
-                                            c->k == BUILD_FRONTAL ? SURFACE_FRONTAL : 0};
+                                        .flags = c->k == BUILD_FRONTAL ? SURFACE_FRONTAL
+                                                                       : SURFACE_PINHOLE};
     struct surface_comparison r = {.size = sizeof r};
     struct surface_parts parts = {.size = sizeof parts};
     struct surface_disparity d = {.size = sizeof d};

@@ -10,7 +10,8 @@
 #include "toy.h"
 #include "unit.h"
 
-#define ROOM 60000
+#define ROOM         60000
+#define FOCAL_PEOPLE 16
 
 static struct surface_work *work;
 static struct surface_face tmpl, face, plain;
@@ -348,6 +349,48 @@ TEST(test_stepped)
     assert_int_equal(build(&probe), ST_OK);
     assert_true(!warned(SURFACE_STEPPED) && fabs(found.step_mm - 1) < 1e-6);
     assert_true(found.quality.noise_mm < SURFACE_NOISY_MM);
+}
+
+/* Points of a depth image whose focal length is right, too small or too large: people differ, so that not
+ * every face shows it. */
+static unsigned focal_warnings(double wide, double *mean)
+{
+    unsigned warnings = 0, known = 0;
+
+    *mean = 0;
+    for (uint64_t subject = 1; subject <= FOCAL_PEOPLE; subject++) {
+        sample(subject, 1, 4000);
+        for (size_t i = 0; i < n; i++) {
+            pts[i].x *= wide;
+            pts[i].y *= wide;
+        }
+        assert_true(take());
+        c.pinhole = true;
+        assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_OK);
+        warnings += warned(SURFACE_FOCAL);
+        known += found.focal_times > 0;
+        *mean += found.focal_times;
+    }
+    assert_true(known >= FOCAL_PEOPLE / 2);
+    *mean /= known;
+    return warnings;
+}
+
+TEST(test_focal)
+{
+    double usual, wide, narrow;
+    const unsigned none = focal_warnings(1, &usual);
+    const unsigned many = focal_warnings(1.16, &wide);
+
+    (void)focal_warnings(0.9, &narrow);
+    print_message("%u, %u of %d: mean %.3f, wide %.3f, narrow %.3f\n", none, many,
+                  FOCAL_PEOPLE, usual, wide, narrow);
+    assert_int_equal(none, 0);
+    assert_true(many >= FOCAL_PEOPLE / 2);
+    assert_true(narrow < usual && usual < wide);
+    sample(1, 1, 4000); /* not of a depth image */
+    assert_int_equal(build(&probe), ST_OK);
+    assert_true(found.focal_times == 0 && !warned(SURFACE_FOCAL));
 }
 
 /* A tenth of the points are of the back of the head. */

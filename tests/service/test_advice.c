@@ -181,6 +181,27 @@ TEST(test_noisy)
            "scan is too noisy to tell people apart");
 }
 
+TEST(test_focal)
+{
+    struct surface_found f = plain;
+
+    good();
+    f.focal_times = 1.12;
+    f.warnings = 1U << SURFACE_FOCAL;
+    give(ST_OK, f);
+    assert_int_equal(a.n, 1);
+    assert_line(
+        0,
+        "check fx and fy: the face is too wide for its depth, as if they should be 1.12 times "
+        "those given or more");
+    f.focal_times = 0.84;
+    give(ST_OK, f);
+    assert_line(
+        0,
+        "check fx and fy: the face is too narrow for its depth, as if they should be 0.84 times "
+        "those given or less");
+}
+
 /* A picture on its side is no tilted head; what is beyond the quarter turn is. */
 TEST(test_on_its_side)
 {
