@@ -109,4 +109,19 @@ fits "a check of both" Check
 is "a check of both" "$STATUS $(get '[.usable, .enrollable, .code] | tojson')" '200 [true,false,"several_faces"]'
 is "counted" "$(metric 'surfaced_scans_refused_total{code="several_faces"}')" 1
 is "counted" "$(metric 'surfaced_checks_total{outcome="usable"}')" 1
+
+# ---- depths in steps, a picture on its side, a wrong focal length
+scan 2 3 "$T/steps.xyz" --points 6000
+awk '{ printf "%.4f %.4f %.4f\n", $1, $2, 3 * int($3 / 3 + 1000.5) - 3000 }' "$T/steps.xyz" >"$T/steps"
+send POST /v1/check "$TEXT" "$T/steps"
+fits "a check of depths in steps" Check
+ok "steps are told" jq_true '.usable and (.scan.warnings | contains(["stepped"])) and .quality.noise_mm >= 1.5' "$T/body"
+contains "what to change" "$T/body" 'its depths are 3.0 mm apart, 1.2 mm or less is good'
+send POST /v1/check "$TEXT" "$T/steps.xyz"
+ok "none are told of continuous ones" jq_true '.scan.warnings | contains(["stepped"]) | not' "$T/body"
+moved "$T/b.xyz" '0 - y, x, z' >"$T/side"
+send POST /v1/check "$TEXT" "$T/side"
+ok "on its side" jq_true '.usable and .enrollable and (.scan.yaw_deg | fabs < 15)' "$T/body"
+contains "it is told" "$T/body" 'the picture is turned by [89][0-9]°: hold the scanner upright'
+
 finish
