@@ -31,6 +31,7 @@ static const char usage[] =
     "  --units U      of the points: mm, cm, m, in, um or millimetres (found)\n"
     "  --camera C     of depth images: FX,FY,CX,CY[,SCALE[,WIDTH,HEIGHT]]\n"
     "  --axes A       auto, or scanner: kinds that leave the agreed axes are skipped\n"
+    "  --list         a line for each copy, not only for those that fail\n"
     "  --write DIR    the copies that fail, as DIR/FILE-KIND-SEED.ply\n"
     "Kinds: %s\n"
     "Exit status: 0 if nothing failed, 1 if a copy failed, 2 if there is no result.\n";
@@ -101,11 +102,18 @@ struct scan {
 struct jitter {
     double copies, seed, threads, unit_mm;
     int kind; /* -1: all */
-    bool frontal;
+    bool frontal, list;
     struct clouddepth_camera camera;
     const char *write; /* folder; NULL: none is written */
     struct scan *scan;
     size_t n;
+};
+
+/* How the points move, and which are left. */
+struct change {
+    struct dvec3 axis, about, view, shift;
+    double rad, noise, by, far, drop;
+    size_t step, first;
 };
 
 /* A scan and a copy while they are compared. */
@@ -120,6 +128,7 @@ struct pair {
     double
         frame[16]; /* from the scan's points to the frame with the nose at its origin */
     FILE *lines;
+    struct change change; /* to the copy */
 
     struct surface_cloud copy; /* whose memory is this, [cloud.n] each: */
     double (*at)[3], (*normal)[3];
@@ -142,15 +151,16 @@ static void multiply(const double a[16], const double b[16], double out[16])
         }
 }
 
-/* The place in the scan of what m, a similarity, moves to the origin. */
-static struct dvec3 origin_of(const double m[16])
+/* The place in the scan of what m, a similarity, moves to q. */
+static struct dvec3 back(const double m[16], struct dvec3 q)
 {
-    const struct dvec3 x = {m[0], m[1], m[2]}, t = {m[3], m[7], m[11]};
+    const struct dvec3 x = {m[0], m[1], m[2]};
+    const struct dvec3 t = vec_sub(q, (struct dvec3){m[3], m[7], m[11]});
     const double square = vec_dot(x, x);
 
-    return (struct dvec3){-(m[0] * t.x + m[4] * t.y + m[8] * t.z) / square,
-                          -(m[1] * t.x + m[5] * t.y + m[9] * t.z) / square,
-                          -(m[2] * t.x + m[6] * t.y + m[10] * t.z) / square};
+    return (struct dvec3){(m[0] * t.x + m[4] * t.y + m[8] * t.z) / square,
+                          (m[1] * t.x + m[5] * t.y + m[9] * t.z) / square,
+                          (m[2] * t.x + m[6] * t.y + m[10] * t.z) / square};
 }
 
 /* From where the face is seen, in the scan: a unit vector. */
@@ -211,13 +221,6 @@ static double limit(const struct pair *p, double share)
     return n > 0 ? p->rank[(size_t)((double)(n - 1) * (1 - share))] : INFINITY;
 }
 
-/* How the points move, and which are left. */
-struct change {
-    struct dvec3 axis, about, view, shift;
-    double rad, noise, by, far, drop;
-    size_t step, first;
-};
-
 static struct change draw_change(const struct pair *p, const struct kind *k,
                                  struct draw *r)
 {
@@ -226,7 +229,7 @@ static struct change draw_change(const struct pair *p, const struct kind *k,
     const double quarters = 1 + (double)(draw_next(r) % 3);
     const double far = draw_uniform(r, 0, 1);
     struct change c = {.axis = draw_axis(r),
-                       .about = origin_of(p->frame),
+                       .about = back(p->frame, (struct dvec3){0, 0, 0}),
                        .view = view_of(p->frame),
                        .shift = draw_axis(r),
                        .rad = draw_uniform(r, 0, k->turn_deg) / VEC_DEGREES,
@@ -247,11 +250,19 @@ static struct change draw_change(const struct pair *p, const struct kind *k,
     return c;
 }
 
-static void put(double out[3], struct dvec3 p, double by)
+static struct dvec3 change_apply(const struct change *c, struct dvec3 p)
 {
-    out[0] = p.x * by;
-    out[1] = p.y * by;
-    out[2] = p.z * by;
+    const struct dvec3 q = turn(vec_sub(p, c->about), c->axis, c->rad);
+    const struct dvec3 at = vec_along(vec_along(q, 1, c->about), 1, c->shift);
+
+    return vec_along((struct dvec3){0, 0, 0}, c->by, at);
+}
+
+static void put(double out[3], struct dvec3 p)
+{
+    out[0] = p.x;
+    out[1] = p.y;
+    out[2] = p.z;
 }
 
 /* Fills p->copy, whose points are in the order of the scan's. */
@@ -259,29 +270,28 @@ static void make_copy(struct pair *p, const struct kind *k, uint64_t seed)
 {
     const struct cloudpoints *from = &p->cloud;
     uint64_t name = 14695981039346656037U; /* FNV-1a: the same wherever the file is */
+    struct change *c = &p->change;
     struct draw r;
-    struct change c;
     size_t n = 0;
 
     for (const char *s = p->s->name; *s != '\0'; s++)
         name = (name ^ (unsigned char)*s) * 1099511628211U;
     r = draw_stream(seed, name, (uint64_t)(k - kinds));
-    c = draw_change(p, k, &r);
+    *c = draw_change(p, k, &r);
     for (size_t i = 0; i < from->n; i++) {
-        const bool drop = draw_uniform(&r, 0, 1) < c.drop;
-        const double noise = c.noise > 0 ? c.noise * draw_normal(&r) : 0;
-        struct dvec3 at = from->at[i];
+        const bool drop = draw_uniform(&r, 0, 1) < c->drop;
+        const double noise = c->noise > 0 ? c->noise * draw_normal(&r) : 0;
+        const struct dvec3 at = from->at[i];
 
-        if (drop || i % c.step != c.first || far_out(p, at) > c.far)
+        if (drop || i % c->step != c->first || far_out(p, at) > c->far)
             continue;
-        at = turn(vec_sub(vec_along(at, noise, c.view), c.about), c.axis, c.rad);
-        put(p->at[n], vec_along(vec_along(at, 1, c.about), 1, c.shift), c.by);
+        put(p->at[n], change_apply(c, vec_along(at, noise, c->view)));
         if (from->normal != NULL)
-            put(p->normal[n], turn(from->normal[i], c.axis, c.rad), 1);
+            put(p->normal[n], turn(from->normal[i], c->axis, c->rad));
         p->place[n++] = from->index != NULL ? from->index[i] : (uint32_t)i;
     }
     p->copy.n = n;
-    p->copy.unit_mm = p->cloud.unit_mm / c.by;
+    p->copy.unit_mm = p->cloud.unit_mm / c->by;
 }
 
 /* ---- the file of a copy */
@@ -338,82 +348,126 @@ static const char *const decisions[] = {
     [SURFACE_INCONCLUSIVE] = "inconclusive",
 };
 
-/* Compares the copy's face with the scan's, in both directions. */
+/* Compares the copy's face with the scan's, in both directions.  *fault: NULL, if it matches. */
 static enum status judge(struct pair *p, const struct surface_face *copy, struct count *c,
-                         const char **fault, char *more, size_t room)
+                         struct surface_comparison *one, const char **fault)
 {
-    struct surface_comparison one = {.size = sizeof one}, other = {.size = sizeof other};
-    struct surface_disparity least = {.size = sizeof least};
-    struct surface_parts parts = {.size = sizeof parts};
-    enum surface_status st = surface_compare(p->w, p->face, copy, &one);
-    double to[16], size[2];
+    struct surface_comparison other = {.size = sizeof other};
     bool lopsided, vague;
 
-    if (st == SURFACE_OK)
-        st = surface_compare(p->w, copy, p->face, &other);
-    if (st != SURFACE_OK)
+    one->size = sizeof *one;
+    if (surface_compare(p->w, p->face, copy, one) != SURFACE_OK ||
+        surface_compare(p->w, copy, p->face, &other) != SURFACE_OK)
         return ST_ENOMEM;
-    lopsided = fabs(one.score - other.score) > SAME_SCORE;
-    vague = one.decision == SURFACE_INCONCLUSIVE && one.score < ENOUGH * p->self;
-    c->no_match += one.decision == SURFACE_NO_MATCH;
+    lopsided = fabs(one->score - other.score) > SAME_SCORE;
+    vague = one->decision == SURFACE_INCONCLUSIVE && one->score < ENOUGH * p->self;
+    c->no_match += one->decision == SURFACE_NO_MATCH;
     c->inconclusive += vague;
     c->lopsided += lopsided;
-    if (one.decision == SURFACE_NO_MATCH || vague)
-        *fault = decisions[one.decision];
+    if (one->decision == SURFACE_NO_MATCH || vague)
+        *fault = decisions[one->decision];
     else if (lopsided)
         *fault = "lopsided";
-    if (*fault == NULL && one.score >= c->score)
-        return ST_OK;
+    return ST_OK;
+}
+
+/* How far at most the face's corners lie apart in both frames, mm. */
+static double frames_apart(const struct pair *p, const double frame[16])
+{
+    double most = 0;
+
+    for (int i = 0; i < 4; i++) {
+        const struct dvec3 corner = {i % 2 != 0 ? ELLIPSE_X : -ELLIPSE_X,
+                                     i / 2 != 0 ? ELLIPSE_Y : -ELLIPSE_Y, 0};
+        const struct dvec3 at = back(p->frame, corner);
+        const struct dvec3 off =
+            vec_sub(vec_transform(frame, change_apply(&p->change, at)), corner);
+
+        most = fmax(most, sqrt(vec_dot(off, off)));
+    }
+    return most;
+}
+
+/* What is known of a copy that was compared: the least score, and where it is wanted a line. */
+static enum status tell(struct pair *p, const struct surface_face *copy,
+                        const struct surface_found *found,
+                        const struct surface_comparison *one, struct count *c, bool aloud)
+{
+    struct surface_disparity least = {.size = sizeof least};
+    struct surface_parts parts = {.size = sizeof parts};
+    double to[16], frame[16];
+    const double size = surface_face_frame(p->face, to);
+    const double other = surface_face_frame(copy, to);
+
     if (surface_disparity(p->w, p->face, copy, &least) != SURFACE_OK ||
         surface_parts(p->w, p->face, copy, &parts) != SURFACE_OK)
         return ST_ENOMEM;
-    if (one.score < c->score) {
-        c->score = one.score;
+    if (one->score < c->score) {
+        c->score = one->score;
         c->disparity_mm = least.disparity_mm;
     }
-    size[0] = surface_face_frame(p->face, to);
-    size[1] = surface_face_frame(copy, to);
-    (void)snprintf(more, room, "score %.1f %.1f disparity %.3f size %.3f %.3f cells %u",
-                   one.score, other.score, least.disparity_mm, size[0], size[1],
-                   cells_of(&parts));
+    if (!aloud)
+        return ST_OK;
+    multiply(to, found->view, frame);
+    (void)fprintf(p->lines,
+                  "score %.1f disparity %.3f size %.3f %.3f cells %u frame %.1f crop %d "
+                  "%d covered %.2f %.2f\n",
+                  one->score, least.disparity_mm, size, other, cells_of(&parts),
+                  frames_apart(p, frame), p->found.cropped, found->cropped,
+                  p->found.occluded, found->occluded);
+    return ST_OK;
+}
+
+static void tell_refused(struct pair *p, const struct surface_found *f)
+{
+    (void)fprintf(p->lines,
+                  "support %.2f likeness %.2f seen %.2f covered %.2f size %.3f\n",
+                  f->support, f->likeness, f->seen, f->occluded, f->head_size);
+}
+
+/* Builds the copy, compares it and tells what came of it. */
+static enum status judge_copy(struct pair *p, const struct kind *k, uint64_t seed,
+                              struct surface_face **copy, const char **fault)
+{
+    struct count *c = &p->s->count[k - kinds];
+    struct surface_found why = {.size = sizeof why}, found = {.size = sizeof found};
+    struct surface_comparison one = {.score = INFINITY};
+    enum surface_status refused, st;
+
+    st = surface_check(p->w, &p->copy, copy, &refused, &why, &found);
+    if (st == SURFACE_ENOMEM ||
+        (st == SURFACE_OK && judge(p, *copy, c, &one, fault) != ST_OK))
+        return ST_ENOMEM;
+    c->copies++;
+    c->not_enrolled += refused != SURFACE_OK && !p->s->lenient;
+    c->refused += st != SURFACE_OK;
+    if (st != SURFACE_OK)
+        *fault = surface_message(st);
+    if (*fault == NULL && !p->j->list && one.score >= c->score)
+        return ST_OK;
+    if (*fault != NULL || p->j->list)
+        (void)fprintf(p->lines, "%s %s %s %llu: %s ", *fault != NULL ? "FAIL" : "FINE",
+                      p->s->path, k->name, (unsigned long long)seed,
+                      *fault != NULL ? *fault : decisions[one.decision]);
+    if (st == SURFACE_OK)
+        return tell(p, *copy, &found, &one, c, *fault != NULL || p->j->list);
+    tell_refused(p, &found);
     return ST_OK;
 }
 
 static enum status try_copy(struct pair *p, const struct kind *k, uint64_t seed,
                             struct errinfo *e)
 {
-    struct count *c = &p->s->count[k - kinds];
     struct surface_face *copy = NULL;
-    struct surface_found why = {.size = sizeof why}, found = {.size = sizeof found};
-    enum surface_status refused = SURFACE_OK, st;
     const char *fault = NULL;
-    enum status rc = ST_OK;
-    char more[256] = "";
+    enum status st;
 
     make_copy(p, k, seed);
-    st = surface_check(p->w, &p->copy, &copy, &refused, &why, &found);
-    if (st == SURFACE_ENOMEM)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    c->copies++;
-    c->not_enrolled += refused != SURFACE_OK && !p->s->lenient;
-    if (st == SURFACE_OK) {
-        rc = judge(p, copy, c, &fault, more, sizeof more);
-    } else {
-        c->refused++;
-        fault = surface_message(st);
-        (void)snprintf(more, sizeof more,
-                       "support %.2f likeness %.2f seen %.2f covered %.2f size %.3f",
-                       found.support, found.likeness, found.seen, found.occluded,
-                       found.head_size);
-    }
+    st = judge_copy(p, k, seed, &copy, &fault);
     surface_face_free(copy);
-    if (rc != ST_OK)
-        return errinfo_set(e, rc, "out of memory");
-    if (fault == NULL)
-        return ST_OK;
-    (void)fprintf(p->lines, "FAIL %s %s %llu: %s %s\n", p->s->path, k->name,
-                  (unsigned long long)seed, fault, more);
-    return write_copy(p, k->name, seed, e);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "out of memory");
+    return fault != NULL ? write_copy(p, k->name, seed, e) : ST_OK;
 }
 
 /* ---- a scan */
@@ -684,7 +738,9 @@ static int read_command(int argc, char **argv, struct jitter *j)
     for (int i = 1; i < argc; i++) {
         const bool option = strncmp(argv[i], "--", 2) == 0;
 
-        if (option && i + 1 < argc && read_option(j, argv[i], argv[i + 1])) {
+        if (strcmp(argv[i], "--list") == 0) {
+            j->list = true;
+        } else if (option && i + 1 < argc && read_option(j, argv[i], argv[i + 1])) {
             i++;
         } else if (option) {
             for (size_t k = 0; k < KINDS; k++)
