@@ -254,7 +254,7 @@ struct surface_found {
     size_t bad;     /* the offending point's number for SURFACE_ENOTFINITE and _ERANGE */
     double unit_mm; /* the unit that was taken; 0: none */
     int unit_found; /* the caller did not give it */
-    int cropped;    /* the face was taken out of what it lay in; else it lies as given */
+    int cropped;    /* the face was taken out of the points; else it lies as given */
     uint32_t faces; /* in the cloud */
     uint32_t warnings; /* bits */
     double extent[3];  /* of the points, in their unit */

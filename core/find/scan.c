@@ -18,19 +18,6 @@
 #include "step.h"
 #include "vec.h"
 
-/* What is plainly a face seen from the front, and is left as it is where nothing covers it: how far
- * it is turned from upright (1 + 2 cos 25 degrees), the least support of its shape, and the most
- * spikes: points of the back of a head, seen through, become such.  Of 1,400 scans of faces the
- * least has a support of 0.30. */
-#define SCAN_PLAIN        0.28
-#define SCAN_PLAIN_TRACE  2.8126
-#define SCAN_PLAIN_SPIKES 0.03
-
-/* mm, along x and y: larger than any head; and so near each other are two places for one nose.  By
- * hand. */
-#define SCAN_PLAIN_SIDE_MM 300
-#define SCAN_SAME_MM       10.0
-
 /* A face that is turned by more than SURFACE_YAW_DEG is enrolled where so much of the side
  * to which it is turned is seen nevertheless, as of a frontal scan in other axes.  Of half
  * profiles from 35 degrees on 0.73 at most is, of frontal scans 0.93 and more. */
@@ -209,28 +196,6 @@ static enum status build(struct scan *s)
     return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
 }
 
-/* Is it plainly one uncovered face seen from the front, without much else?  Beyond a head's
- * size there may be shoulders, or another person. */
-static bool plain(const struct scan *s)
-{
-    const double *r = s->fit.pose.r;
-    const double side = fmax(s->found->extent[0], s->found->extent[1]);
-
-    return side * s->found->unit_mm <= SCAN_PLAIN_SIDE_MM &&
-           (r[0] + r[4] + r[8]) * s->fit.size >= SCAN_PLAIN_TRACE &&
-           s->fit.support >= SCAN_PLAIN && s->fit.cover == 0;
-}
-
-/* Is the model's nose where the fit's is?  A neck may have led it astray. */
-static bool same_place(const struct scan *s)
-{
-    const struct pose a = pose_unscaled(&s->out->frame.pose);
-    const struct pose b = pose_unscaled(&s->fit.pose);
-    const struct dvec3 way = vec_sub(pose_origin(&a), pose_origin(&b));
-
-    return vec_dot(way, way) < SCAN_SAME_MM * SCAN_SAME_MM;
-}
-
 /* Is a point where none can be, which says more than that there is no face? */
 static bool beyond(const struct scan *s)
 {
@@ -398,9 +363,6 @@ static enum status build_unfound(struct scan *s, struct scan_search *k)
 
 static enum status build_found(struct scan *s, struct scan_search *k)
 {
-    const struct surface *f = &s->out->surface;
-    enum status st;
-
     if (s->c->n < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
     k->st = search(s, k);
@@ -416,14 +378,8 @@ static enum status build_found(struct scan *s, struct scan_search *k)
     tell_step(s, &s->view);
     if ((st = judge_aspect(s, k)) != ST_OK)
         return st;
-    s->found->cropped = !plain(s);
-    if (s->found->cropped || s->c->n > SCAN_FULL)
-        return build_crop(s);
-    if ((st = build(s)) == ST_OK && f->spikes <= SCAN_PLAIN_SPIKES * f->mesh.nv &&
-        same_place(s))
-        return keep(s);
     s->found->cropped = true;
-    return st != ST_ENOMEM ? build_crop(s) : st;
+    return build_crop(s);
 }
 
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,

@@ -58,9 +58,11 @@ struct scan_options {
  *        read.  On failure unspecified, but still to be freed
  * out    as in face_build()
  * bad    as in face_build(), of the points before; may be NULL
- * A scan that is plainly one uncovered frontal face, of SCAN_FULL points at most, is left as
- * it is, but for its unit.  Of all others the points of the face become a template, and nothing
- * else of the scan is kept: db/FORMAT.md, "What is kept of the raw scan", has why that is enough.
+ * With SCAN_AXES_SCANNER the points stay as they are, but for their unit, and are thinned where there
+ * are more than SCAN_FULL.  With SCAN_AXES_AUTO the points of the face become a template, and nothing
+ * else of the scan is kept: db/FORMAT.md, "What is kept of the raw scan", has why that is enough.  That
+ * a scan is a frontal face already makes no difference, so that two scans of a person are not cut by
+ * two rules.
  * Which points these are depends on their order by rounding only.  Memory: 16 bytes a point,
  * and what find_face() takes, freed at the end.
  * found->points and ->kept are left to the caller.

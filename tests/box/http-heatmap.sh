@@ -5,10 +5,12 @@
 # shellcheck disable=SC2016 # the variables are jq's
 . tests/box/lib.sh
 
-# The template lacks one cheek of the probe.
+# The template lacks one cheek of the probe.  With the scanner's axes, so that each point sent is one of
+# the face.
 scan 1 1 "$T/b.json" --pose 8 --shift 10
 scan 1 1 "$T/b.xyz" --pose 8 --shift 10
-jq -c '{points: .points | map(select(.[0] < 25))}' "$T/b.json" >"$T/a.json"
+jq -c '{axes: "scanner", points}' "$T/b.json" >"$T/frontal.json" && mv "$T/frontal.json" "$T/b.json"
+jq -c '.points |= map(select(.[0] < 25))' "$T/b.json" >"$T/a.json"
 jq -c -n --slurpfile a "$T/a.json" --slurpfile b "$T/b.json" '{a: $a[0], b: $b[0]}' >"$T/ab.json"
 start_daemon --no-auth
 
@@ -63,14 +65,14 @@ for route in "subjects/a" "templates/$id"; do
     ok "the heatmap of compare" jq_true --slurpfile a "$T/first" \
         '.heatmap == $a[0].heatmap and .cells == $a[0].cells' "$T/body"
 done
-send POST '/v1/subjects/a/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
+send POST '/v1/subjects/a/verify?axes=scanner&detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
 heatmap "a file: a gap for each of its points" '($m | length) == ($b | length)'
 
 # The figures of surfacectl explain are those of the heatmap.
 scan 2 0 "$T/c.xyz"
-send POST /v1/subjects/c/templates 'Content-Type: text/plain' "$T/c.xyz"
-send POST '/v1/subjects/c/verify?detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
-ctl_exits 1 explain c "$T/b.xyz"
+send POST '/v1/subjects/c/templates?axes=scanner' 'Content-Type: text/plain' "$T/c.xyz"
+send POST '/v1/subjects/c/verify?axes=scanner&detail=heatmap' 'Content-Type: text/plain' "$T/b.xyz"
+ctl_exits 1 explain c "$T/b.xyz" --axes scanner
 ok "explain's figures" jq_true --slurpfile m "$T/body" \
     'def near(x): . - x | fabs < 1e-4; .gap as $g
     | ($m[0].heatmap | map(numbers | fabs) | sort) as $size | ($size | length) as $n

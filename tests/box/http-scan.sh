@@ -16,12 +16,12 @@ start_daemon --attempts 0 --max-body 2000000
 AUTH=$(new_token one)
 
 # ---- what was found: the same object wherever a scan is taken
-FRONTAL='{"points_dropped":0,"points_read":3000,"points_used":3000,"units":"mm"}'
+FRONTAL='{"face":true,"points_dropped":0,"points_read":3000,"units":"mm"}'
 # found TITLE [FILTER]: the last response has it as .scan, or where FILTER says.
 found() {
     is "$1: status" "$STATUS" "${3:-200}"
-    is "$1: what was found" "$(get "${2:-.scan} | {points_dropped, points_read, points_used, units}" |
-        jq -c .)" "$FRONTAL"
+    is "$1: what was found" "$(get "${2:-.scan} | {points_dropped, points_read, units,
+        face: (.points_used > 2800 and .points_used <= 3000)}" | jq -c .)" "$FRONTAL"
     ok "$1: the view is a rigid one" jq_true "${2:-.scan} | .view | length == 16 and .[12:] == [0, 0, 0, 1]
         and ([.[0:3], .[4:7], .[8:11]] | map(map(. * .) | add) | all(. > 0.99999 and . < 1.00001))" \
         "$T/body"

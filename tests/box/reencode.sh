@@ -35,7 +35,7 @@ awk '{ print $1, $2, -$3 }' "$T/dan.xyz" >"$T/hollow.xyz"
 
 # ---- the reference: enrolled by this engine
 ctl_exits 0 init
-for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply"; done
+for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply" --axes scanner; done
 engine=$("$BUILD/surfacectl" --db "$DB" --json template list | jq -r '.templates[0].engine')
 start_daemon --no-auth
 verdicts >"$T/wanted"
@@ -49,7 +49,7 @@ is "nothing to do" "$(counts)" '0 0 0 0 0'
 # ---- the same enrolled by another engine
 DB=$T/other.db
 ctl_exits 0 init
-for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply" --model "$T/raised.model"; done
+for who in alice bob; do ctl_exits 0 enroll $who "$T/$who.ply" --axes scanner --model "$T/raised.model"; done
 ctl_exits 0 enroll dan "$T/hollow.xyz" --axes scanner --model "$T/hollow.model"
 ctl_exits 0 template list
 is "all are of another engine" "$(said '[.templates[].to_reencode] | join(" ")')" 'true true true'
