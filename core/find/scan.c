@@ -28,6 +28,15 @@
 #define SCAN_ASPECT_FACING  0.94
 #define SCAN_ASPECT_SUPPORT 0.6
 
+/* Where something covers the face the search may take the mouth or the chin for the nose: the head
+ * turned about its middle.  Tangents of half of the turns that are tried: 15 and 30 degrees, up and
+ * down; where less than SUPPORT of the face is explained.  Of 80 made-up pairs of glasses 53 match
+ * without them, 76 with them. */
+/* clang-format off */
+#define SCAN_TURNS { 0.1317, 0.2679, -0.1317, -0.2679 }
+/* clang-format on */
+#define SCAN_TURN_SUPPORT 0.6
+
 static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* One call. */
@@ -307,11 +316,53 @@ static enum status build_agreed(struct scan *s, struct scan_search *k)
     return build_as_it_is(s, k);
 }
 
+/* The quick fit that explains most, from a pose that is turned up and down. */
+static enum status seek_turned(struct scan *s, const struct pose *from, struct pose *out)
+{
+    static const double turn[] = SCAN_TURNS;
+    const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
+    double most = -INFINITY;
+    enum status st = ST_OK;
+    struct shape_fit one;
+
+    for (size_t i = 0; st == ST_OK && i < sizeof turn / sizeof *turn; i++) {
+        struct pose start = *from;
+
+        pose_tilt(&start, centre, 0, turn[i]);
+        st = shape_seek(s->shape, s->c->at, s->c->n, &start, false, &one);
+        if (st == ST_OK)
+            st = shape_seek(s->shape, s->c->at, s->c->n, &one.pose, true, &one);
+        if (st == ST_OK && one.worth > most) {
+            most = one.worth;
+            *out = one.pose;
+        }
+    }
+    return st;
+}
+
+/* The fit from the n poses, turned; *fit becomes it if it explains more. */
+static enum status fit_turned(struct scan *s, const struct pose *from, uint32_t n,
+                              struct shape_fit *fit)
+{
+    struct pose start[FIND_POSES];
+    struct shape_fit other;
+    enum status st = ST_OK;
+
+    for (uint32_t i = 0; st == ST_OK && i < n; i++)
+        st = seek_turned(s, &from[i], &start[i]);
+    if (st == ST_OK)
+        st = shape_fit(s->shape, s->c->at, s->c->n, start, n, false, &other);
+    if (st != ST_OK || !(other.worth > fit->worth))
+        return st;
+    return shape_fit(s->shape, s->c->at, s->c->n, &other.pose, 1, true, fit);
+}
+
 /* Nothing is known of unit and axes; c is as it was read.  Leaves it in the unit found. */
 static enum status search(struct scan *s, struct scan_search *k)
 {
     const struct find_pose *pose = k->find.pose;
     struct pose start[FIND_POSES];
+    enum status st;
     uint32_t n = 0;
 
     if (!k->done)
@@ -324,7 +375,10 @@ static enum status search(struct scan *s, struct scan_search *k)
     for (uint32_t i = 0; i < k->find.n; i++)
         if (pose[i].unit_mm == pose[0].unit_mm)
             start[n++] = pose[i].pose;
-    return shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &k->fit);
+    st = shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &k->fit);
+    return st == ST_OK && pose[0].worth < FIND_PLAIN && k->fit.support < SCAN_TURN_SUPPORT
+               ? fit_turned(s, start, n, &k->fit)
+               : st;
 }
 
 /* Is the focal length wrong by which a depth image became points? */
@@ -363,6 +417,8 @@ static enum status build_unfound(struct scan *s, struct scan_search *k)
 
 static enum status build_found(struct scan *s, struct scan_search *k)
 {
+    enum status st;
+
     if (s->c->n < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
     k->st = search(s, k);

@@ -240,6 +240,53 @@ TEST(test_half)
     assert_true(warned(SURFACE_TURNED));
 }
 
+/* The points become those of the kind that headscan makes of them, from the pose that they lie in. */
+static void cover(const char *kind, uint64_t seed)
+{
+    struct headscan_options o;
+    struct headscan s;
+    struct head h = {0};
+    unsigned k = 0;
+
+    while (strcmp(headscan_name(k), kind) != 0)
+        k++;
+    headscan_kind(k, seed, true, &o);
+    for (size_t i = 0; i < n; i++)
+        head_add(&h, pts[i], HEAD_SKIN);
+    head_measure(&h);
+    headscan_render(&h, &h, &o, &s);
+    assert_true((n = s.n) <= ROOM);
+    memcpy(pts, s.at, n * sizeof *pts);
+    headscan_free(&s);
+    head_free(&h);
+}
+
+/* Glasses hide the bridge of the nose and both eyes, so that the search often begins at the mouth.  The
+ * chin lies nevertheless where it lies without them. */
+TEST(test_glasses)
+{
+    const struct dvec3 chin = {0, -80, -20};
+    unsigned lost = 0;
+
+    for (uint64_t subject = 1; subject <= 24; subject++) {
+        struct pose bare;
+        struct dvec3 off;
+
+        enroll(subject);
+        bare = pose_unscaled(&tmpl.frame.pose);
+        for (size_t i = 0; i < n; i++)
+            pts[i] = pose_apply(&bare, pts[i]);
+        cover("glasses", subject);
+        assert_int_equal(build(&probe), ST_OK);
+        off = pose_apply(&face.frame.pose, vec_transform(found.view, chin));
+        off = vec_sub(off, chin);
+        if (vec_dot(off, off) > 8 * 8)
+            lost++;
+    }
+    print_message("%u lie elsewhere\n", lost);
+    assert_true(lost <= 1);
+}
+
 /* What is left of a half profile lies askew to its own axes, and its nose at its edge: it stays
  * where it was found. */
 TEST(test_half_profile)
