@@ -345,7 +345,7 @@ static enum status fit_turned(struct scan *s, const struct pose *from, uint32_t 
                               struct shape_fit *fit)
 {
     struct pose start[FIND_POSES];
-    struct shape_fit other;
+    struct shape_fit other = {.worth = 0};
     enum status st = ST_OK;
 
     for (uint32_t i = 0; st == ST_OK && i < n; i++)

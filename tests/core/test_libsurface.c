@@ -220,7 +220,7 @@ TEST(test_ways)
     cloud.kept = xyz;
     assert_int_equal(surface_build(work, &cloud, &other, &found), SURFACE_OK);
     assert_memory_equal(kept, xyz, found.kept * sizeof *kept);
-    cloud.n = scan(3, 0); /* over what was kept in their place */
+    cloud.n = scan(3, 0);                /* over what was kept in their place */
     for (size_t i = 0; i < cloud.n; i++) /* half of a face, which nobody enrolls */
         xyz[i][0] = pts[i].x < -5 ? (double)NAN : pts[i].x;
     cloud.kept = NULL;
