@@ -396,9 +396,8 @@ static enum status tell(struct pair *p, const struct surface_face *copy,
     struct surface_disparity least = {.size = sizeof least};
     struct surface_parts parts = {.size = sizeof parts};
     double to[16], frame[16];
-    const double size = surface_face_frame(p->face, to);
-    const double other = surface_face_frame(copy, to);
 
+    surface_face_frame(copy, to);
     if (surface_disparity(p->w, p->face, copy, &least) != SURFACE_OK ||
         surface_parts(p->w, p->face, copy, &parts) != SURFACE_OK)
         return ST_ENOMEM;
@@ -410,9 +409,9 @@ static enum status tell(struct pair *p, const struct surface_face *copy,
         return ST_OK;
     multiply(to, found->view, frame);
     (void)fprintf(p->lines,
-                  "score %.1f disparity %.3f size %.3f %.3f cells %u frame %.1f crop %d "
+                  "score %.1f disparity %.3f size %.3f cells %u frame %.1f crop %d "
                   "%d covered %.2f %.2f\n",
-                  one->score, least.disparity_mm, size, other, cells_of(&parts),
+                  one->score, least.disparity_mm, parts.scale, cells_of(&parts),
                   frames_apart(p, frame), p->found.cropped, found->cropped,
                   p->found.occluded, found->occluded);
     return ST_OK;
