@@ -8,6 +8,7 @@
 #include "cloudpoints.h"
 #include "codec.h"
 #include "face.h"
+#include "frames.h"
 #include "heatmap.h"
 #include "lattice.h"
 #include "mem.h"
@@ -20,7 +21,7 @@
 /* Of the program's other statuses the core returns none. */
 static enum surface_status library(enum status st)
 {
-    const bool others = st == ST_ESIZE || st >= ST_ENOTFOUND;
+    const bool others = st == ST_ESIZE || (st >= ST_ENOTFOUND && st <= ST_EUNSYNCED);
 
     return others && st != ST_EBUSY ? SURFACE_EINTERNAL : (enum surface_status)st;
 }
@@ -143,34 +144,52 @@ static enum status copy_cloud(const struct surface_cloud *from, struct cloudpoin
     return ST_OK;
 }
 
+static void free_copy(const struct surface_cloud *from, struct cloudpoints *c)
+{
+    if (from->kept == NULL) {
+        mem_free(c->at);
+        mem_free(c->index);
+    }
+    mem_free(c->normal);
+}
+
+/* c: a copy of `from`, of so many points, and now what the search has left of it. */
+static void tell_points(const struct surface_cloud *from, const struct cloudpoints *c,
+                        size_t points, enum status st, size_t bad,
+                        struct surface_found *about)
+{
+    about->points = points;
+    about->kept = c->n;
+    if (st == ST_ENOTFINITE || st == ST_ERANGE)
+        about->bad = from->place == NULL && bad < c->n ? c->index[bad] : bad;
+}
+
+static struct scan_options options(const struct surface_cloud *from)
+{
+    return (struct scan_options){
+        .axes = from->flags & SURFACE_FRONTAL ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO,
+        .enrolment = (from->flags & SURFACE_ENROLMENT) != 0,
+        .stop = from->stop};
+}
+
 /* scan_build() on a copy of the cloud. */
 static enum status build(struct surface_work *work, const struct surface_cloud *from,
                          struct scan_search *search, struct surface_face *f,
                          struct surface_found *about)
 {
-    const struct scan_options how = {
-        .axes = from->flags & SURFACE_FRONTAL ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO,
-        .enrolment = (from->flags & SURFACE_ENROLMENT) != 0,
-        .search = search,
-        .stop = from->stop};
+    struct scan_options how = options(from);
     struct cloudpoints c;
     size_t bad = 0, points;
     enum status st = copy_cloud(from, &c);
 
     *about = (struct surface_found){.size = sizeof *about};
+    how.search = search;
     if (st == ST_OK) {
         points = c.n;
         st = scan_build(&c, &how, work, f, &bad, about);
-        about->points = points;
-        about->kept = c.n;
-        if (st == ST_ENOTFINITE || st == ST_ERANGE)
-            about->bad = from->place == NULL && bad < c.n ? c.index[bad] : bad;
+        tell_points(from, &c, points, st, bad, about);
     }
-    if (from->kept == NULL) {
-        mem_free(c.at);
-        mem_free(c.index);
-    }
-    mem_free(c.normal);
+    free_copy(from, &c);
     return st;
 }
 
@@ -210,6 +229,113 @@ enum surface_status surface_build(struct surface_work *work,
     if (found != NULL)
         give(found, &about, sizeof about);
     return finish(st, f, out);
+}
+
+/* ---- several frames */
+
+/* The i-th of an array of structs of the caller's size. */
+static void *nth(void *first, uint32_t i)
+{
+    size_t known;
+
+    memcpy(&known, first, sizeof known);
+    return (char *)first + i * known;
+}
+
+static enum status add_frame(struct frames *f, const struct surface_cloud *from)
+{
+    struct frames_one *one = &f->one[f->n];
+    struct cloudpoints c;
+    size_t bad = 0, points;
+    enum status st = copy_cloud(from, &c);
+
+    if (st == ST_OK) {
+        points = c.n;
+        st = frames_add(f, &c, &bad);
+        tell_points(from, &c, points, one->st, bad, &one->found);
+    }
+    free_copy(from, &c);
+    return st;
+}
+
+/* The points that the base kept, on the fused face. */
+static enum status keep_fused(const struct surface_face *f, size_t n, double (*kept)[3])
+{
+    static const double still[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    double *gap = mem_array(n, sizeof *gap);
+    enum status st = ST_ENOMEM;
+
+    if (gap != NULL)
+        st = heatmap_gaps(&f->surface, (const struct dvec3 *)kept, n, still, gap);
+    for (size_t i = 0; st == ST_OK && i < n; i++)
+        kept[i][2] -= isnan(gap[i]) ? 0 : gap[i];
+    mem_free(gap);
+    return st;
+}
+
+static void give_frames(const struct frames *f, struct surface_frame *frame)
+{
+    for (uint32_t i = 0; i < f->n; i++) {
+        const struct frames_one *one = &f->one[i];
+        struct surface_frame full = {.size = sizeof full,
+                                     .status = library(one->st),
+                                     .score = one->score,
+                                     .gap_mm = i == f->base ? 0 : one->at.gap_mm,
+                                     .found = one->found};
+
+        full.found.size = sizeof full.found;
+        give(nth(frame, i), &full, sizeof full);
+    }
+}
+
+/* f: all zero. */
+static enum status fuse(struct frames *f, struct surface_work *work, uint32_t n,
+                        const struct surface_cloud *cloud, struct surface_face *out,
+                        struct surface_found *about)
+{
+    struct surface_cloud from;
+    enum status st = ST_OK;
+
+    f->w = work;
+    for (uint32_t i = 0; st == ST_OK && i < n; i++) {
+        take(&from, nth((void *)(uintptr_t)cloud, i), sizeof from);
+        f->how = options(&from);
+        f->how.frame = n > 1;
+        if ((st = check_cloud(&from)) == ST_OK)
+            st = add_frame(f, &from);
+    }
+    if (st == ST_OK)
+        st = frames_fuse(f, out, about);
+    take(&from, nth((void *)(uintptr_t)cloud, f->base), sizeof from);
+    return st == ST_OK && from.kept != NULL ? keep_fused(out, about->kept, from.kept)
+                                            : st;
+}
+
+enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
+                                 const struct surface_cloud *cloud,
+                                 struct surface_frame *frame, uint32_t *base,
+                                 struct surface_face **out, struct surface_found *found)
+{
+    struct frames *f = mem_array(1, sizeof *f);
+    struct surface_face *face = face_for(out);
+    struct surface_found about = {.size = sizeof about};
+    enum status st = f == NULL || face == NULL             ? ST_ENOMEM
+                     : n == 0 || n > SURFACE_FRAMES_MAX ? ST_EINVAL
+                                                           : ST_OK;
+
+    *base = 0;
+    if (f != NULL)
+        memset(f, 0, sizeof *f);
+    if (st == ST_OK) {
+        st = fuse(f, work, n, cloud, face, &about);
+        give_frames(f, frame);
+        *base = f->base;
+        frames_free(f);
+    }
+    mem_free(f);
+    if (found != NULL)
+        give(found, &about, sizeof about);
+    return finish(st, face, out);
 }
 
 enum surface_status surface_check(struct surface_work *work,

@@ -80,7 +80,9 @@ enum surface_status {
     SURFACE_ECORRUPT = 15, /* bytes that are not a face, or a text that is not a model */
     SURFACE_EVERSION = 16, /* bytes or a text of another version */
     SURFACE_ESTOPPED = 25, /* the caller stopped the call */
-    SURFACE_EINTERNAL = 28 /* a defect of the library */
+    SURFACE_EINTERNAL = 28, /* a defect of the library */
+    SURFACE_EPEOPLE = 30,   /* frames of more than one person */
+    SURFACE_EAPART = 31     /* a frame that does not lie on the others */
 };
 
 /* A phrase for a status, static, never NULL. */
@@ -302,6 +304,43 @@ SURFACE_API enum surface_status surface_build(struct surface_work *work,
                                               struct surface_face **out,
                                               struct surface_found *found);
 SURFACE_API void surface_face_free(struct surface_face *face); /* NULL is allowed */
+
+#define SURFACE_FRAMES_MAX 20
+
+/* What became of a frame. */
+struct surface_frame {
+    size_t size;
+    /* SURFACE_OK: it is part of the fused face.  SURFACE_EPEOPLE: it shows another person than
+     * the base.  SURFACE_EAPART: it cannot be laid on the base, or has too little in common with
+     * it to tell whether it shows the same person.  Else why no face was built of it, as
+     * surface_build() returns it */
+    enum surface_status status;
+    double score;  /* against the base (surface_comparison); 0 of the base itself */
+    double gap_mm; /* median distance from the base, once laid on it; INFINITY: it could not be */
+    struct surface_found found;
+};
+
+/* Build one face from the frames of one capture session: those of one person, who hardly moves.
+ * The face of the best frame, the base, is kept, but for its heights: each becomes a robust mean of
+ * what all frames measured there.  So the noise falls with the square root of their number; with
+ * one frame the face is that of surface_build().  The frames need not be aligned.
+ * n      1..SURFACE_FRAMES_MAX
+ * cloud  [n], each of cloud[0].size bytes, with the same flags and the same stop.  The face is
+ *        searched for in the first frame in which one is found, and then looked for near that
+ *        place.  With SURFACE_ENROLMENT each must show exactly one face, not mirrored, from the
+ *        front; the strict gate judges the fused face.  kept receives the points of each frame's face,
+ *        and of the base's the fused ones
+ * frame  [n], each of frame[0].size bytes: the report on each
+ * base   the number of the base, on success and with SURFACE_EPEOPLE
+ * out    as in surface_build()
+ * found  the base's report, with what the gate measured of the fused face; may be NULL
+ * Returns SURFACE_OK; SURFACE_EPEOPLE, with the frame that is not of the person most are of; if no
+ * frame has a face the first one's status; or the status of the fused face.
+ * Cost  of five frames of 3,000 points about three times one. */
+SURFACE_API enum surface_status
+surface_fuse(struct surface_work *work, uint32_t n, const struct surface_cloud *cloud,
+             struct surface_frame *frame, uint32_t *base, struct surface_face **out,
+             struct surface_found *found);
 
 /* Build a face from a scan as for an enrolment and, where that is refused, as for a
  * verification, with one search.  SURFACE_ENROLMENT has no meaning.

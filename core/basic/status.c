@@ -35,6 +35,8 @@ const char *status_message(enum status st)
         [ST_EUNSYNCED] = "done, but not flushed to the disk",
         [ST_EDB] = "the database failed",
         [ST_EINTERNAL] = "internal error",
+        [ST_EPEOPLE] = "frames of more than one person",
+        [ST_EAPART] = "the frame does not lie on the others",
     };
 
     if ((unsigned)st >= ST_COUNT)
@@ -50,7 +52,8 @@ const char *status_refusal(enum status st)
         [ST_EDEGENERATE] = "degenerate", [ST_EUNITS] = "units_suspicious",
         [ST_ENOFACE] = "no_face",        [ST_ESEVERAL] = "several_faces",
         [ST_EMIRRORED] = "mirrored",     [ST_ENOTFACE] = "not_a_face",
-        [ST_EQUALITY] = "low_quality"};
+        [ST_EQUALITY] = "low_quality",   [ST_EPEOPLE] = "several_people",
+        [ST_EAPART] = "apart"};
 
     return st == ST_OK ? NULL : code[st] != NULL ? code[st] : "malformed";
 }

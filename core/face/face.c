@@ -131,6 +131,16 @@ struct shape_work *face_work_shape(struct surface_work *w)
     return &w->shape;
 }
 
+const struct encode_basis *face_work_encode(const struct surface_work *w)
+{
+    return &w->encode;
+}
+
+struct measure_work *face_work_measure(struct surface_work *w)
+{
+    return &w->measure;
+}
+
 void surface_work_free(struct surface_work *w)
 {
     if (w == NULL)

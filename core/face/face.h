@@ -15,6 +15,7 @@
 #include "vec.h"
 
 struct cells;         /* cells.h */
+struct measure_work;  /* measure.h */
 struct surface_model; /* model.h */
 struct shape_work;    /* shape_work.h */
 
@@ -22,10 +23,12 @@ struct shape_work;    /* shape_work.h */
  * worked on without allocating again.  It takes O(bytes used since the last time). */
 #define FACE_WORK_KEEP ((size_t)4 << 20)
 
-/* The mean face of the model that w was made with, ready to align to, and its shape ready to be
- * fitted. */
+/* The mean face of the model that w was made with, ready to align to, its shape ready to be fitted,
+ * and what encodings are made by; the memory of measures. */
 const struct frame_mean *face_work_mean(const struct surface_work *w);
 struct shape_work *face_work_shape(struct surface_work *w);
+const struct encode_basis *face_work_encode(const struct surface_work *w);
+struct measure_work *face_work_measure(struct surface_work *w);
 
 /* face_build(pts, n, w, out, bad): a face from a scanner's points (mm, any order): lattice,
  * surface, quality gate, canonical frame.

@@ -39,6 +39,10 @@
 #define SCAN_UP_LEAST   0.3
 #define SCAN_UP_POSES   2
 
+/* Support from which on a face is where it lay in another frame: the plainly frontal ones of most
+ * sensors have it. */
+#define SCAN_NEAR 0.45
+
 static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 /* One call. */
@@ -161,7 +165,7 @@ static enum status judge_face(struct scan *s)
 {
     s->found->occluded = (double)s->fit.cover / s->shape->cells;
     s->view = pose_scale(&s->fit.pose, s->fit.size);
-    return gate_judge(s->shape, &s->fit, s->o->enrolment, s->found);
+    return gate_judge(s->shape, &s->fit, s->o->enrolment && !s->o->frame, s->found);
 }
 
 /* The share of the face that is seen of the side to which it is turned, 0..1. */
@@ -340,6 +344,30 @@ static enum status fit_up(struct scan *s, const struct pose *from, uint32_t n,
     return shape_fit(s->shape, s->c->at, s->c->n, &one.pose, 1, true, fit);
 }
 
+/* Is the face near the place where it lay in another frame?  Then k has it as of a search, and c is
+ * in its unit; else c is as before. */
+static enum status look_near(struct scan *s, struct scan_search *k)
+{
+    const struct scan_near *near = s->o->near;
+    struct shape_fit rough, close;
+    enum status st;
+
+    scale(s->c, near->unit_mm);
+    st = shape_seek(s->shape, s->c->at, s->c->n, &near->pose, false, &rough);
+    if (st == ST_OK)
+        st = shape_seek(s->shape, s->c->at, s->c->n, &rough.pose, true, &close);
+    if (st == ST_OK)
+        st = shape_fit(s->shape, s->c->at, s->c->n, &close.pose, 1, true, &k->fit);
+    k->done = st == ST_OK && k->fit.support >= SCAN_NEAR;
+    if (k->done)
+        k->find = (struct find){.pose = {{near->unit_mm, k->fit.pose, k->fit.worth}},
+                                .n = 1,
+                                .faces = 1};
+    else
+        scale(s->c, 1 / near->unit_mm);
+    return st;
+}
+
 /* Nothing is known of unit and axes; c is as it was read.  Leaves it in the unit found. */
 static enum status search(struct scan *s, struct scan_search *k)
 {
@@ -348,6 +376,11 @@ static enum status search(struct scan *s, struct scan_search *k)
     enum status st;
     uint32_t n = 0;
 
+    if (!k->done && s->o->near != NULL) {
+        st = look_near(s, k);
+        if (st != ST_OK || k->done)
+            return st;
+    }
     if (!k->done)
         k->st = find_face(s->c->at, s->c->n, s->c->unit_mm, s->w, s->o->stop, &k->find);
     if (k->st != ST_OK)

@@ -44,9 +44,18 @@ enum scan_axes {
                          turned or cropped */
 };
 
+/* Where the face lay in another frame of the same capture session. */
+struct scan_near {
+    double unit_mm;
+    struct pose pose; /* points times unit_mm -> canonical frame */
+};
+
 struct scan_options {
     enum scan_axes axes;
-    bool enrolment;             /* the strict gate */
+    bool enrolment; /* the strict gate, and exactly one face, not mirrored, from the front */
+    bool frame;     /* with enrolment: all but the strict gate, which is for the fused face */
+    /* a face is looked for near it, and searched for only if there is none; NULL: not known */
+    const struct scan_near *near;
     struct scan_search *search; /* kept from the first call to the second for the same
                                    points; NULL: not kept */
     const struct surface_stop *stop; /* NULL: none */

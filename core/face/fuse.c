@@ -1,0 +1,246 @@
+#include "fuse.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "encode.h"
+#include "face.h"
+#include "heights.h"
+#include "holes.h"
+#include "lattice.h"
+#include "locate.h"
+#include "measure.h"
+#include "mem.h"
+#include "model.h"
+#include "pose.h"
+#include "select.h"
+#include "solve.h"
+
+/* Registration: looks at the heights, and reweightings at each; Huber's limit, about twice the noise
+ * of a cell of a depth camera. */
+#define FUSE_LOOKS    3
+#define FUSE_PASSES   4
+#define FUSE_HUBER_MM 1.5
+
+/* Averaging: Huber's limit about the median, and the distance beyond which a height is of
+ * something else. */
+#define FUSE_NEAR_MM 2.0
+#define FUSE_FAR_MM  8.0
+
+/* mm: the residual of a frame counts as no less: what is left of the best is not noise. */
+#define FUSE_RESIDUAL_MM 0.2
+
+/* The gaps of the cells that both have, and what they depend on. */
+struct gaps {
+    uint32_t n;
+    float gap[GRID_N]; /* mm, at right angles to the mean face */
+    uint32_t cell[GRID_N];
+};
+
+double fuse_worth(const struct surface_face *f, const struct surface_work *w)
+{
+    const struct surface_model *m = face_work_encode(w)->m;
+    const double noise = m->noise_factor * (double)f->encoding.residual_mm;
+
+    return f->encoding.cells / (m->noise_floor_mm * m->noise_floor_mm + noise * noise);
+}
+
+enum status fuse_cells(const struct surface_face *f, struct surface_work *w,
+                       float z[GRID_N])
+{
+    return heights_of(&f->surface, &f->frame.pose, &face_work_measure(w)->scratch, z);
+}
+
+static void take_gaps(const struct encode_basis *e, const float *base, const float *frame,
+                      struct gaps *out)
+{
+    out->n = 0;
+    for (uint32_t i = 0; i < GRID_N; i++) {
+        const float gap = (frame[i] - base[i]) * e->normal_z[i];
+
+        if (!(e->normal_z[i] > 0.0f) || isnan(gap))
+            continue;
+        out->gap[out->n] = gap;
+        out->cell[out->n++] = i;
+    }
+}
+
+/* The motion of the frame that explains most of the gaps. */
+static void solve(const struct encode_basis *e, const struct gaps *g, double x[6])
+{
+    memset(x, 0, 6 * sizeof *x);
+    for (int pass = 0; pass < FUSE_PASSES; pass++) {
+        struct solve_normal sum = {{0}, {0}};
+
+        for (uint32_t k = 0; k < g->n; k++) {
+            const float *row = e->motion[g->cell[k]];
+            double j[6], left = (double)g->gap[k];
+
+            for (int i = 0; i < 6; i++) {
+                j[i] = (double)row[i];
+                left += j[i] * x[i];
+            }
+            solve_add(&sum, j, (double)g->gap[k],
+                      fmin(1, FUSE_HUBER_MM / fmax(fabs(left), 1e-9)));
+        }
+        if (!solve_equations(&sum, SOLVE_DAMPING, x))
+            return;
+    }
+    for (int i = 0; i < 6; i++)
+        x[i] *= i < 3 ? ENCODE_MOTION_MM / POSE_LEVER_MM : ENCODE_MOTION_MM;
+}
+
+static double median_gap(const struct gaps *g)
+{
+    double size[GRID_N];
+
+    for (uint32_t k = 0; k < g->n; k++)
+        size[k] = fabs((double)g->gap[k]);
+    return g->n >= FUSE_CELLS ? select_kth(size, g->n, g->n / 2) : (double)INFINITY;
+}
+
+/* The frame's canonical frame, at the size of the base's. */
+static struct pose start_of(const struct surface_face *base, const struct surface_face *f)
+{
+    const double *r = base->frame.pose.r;
+    const struct pose rigid = pose_unscaled(&f->frame.pose);
+
+    return pose_scale(&rigid, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
+}
+
+enum status fuse_register(const struct surface_face *base, const float z[GRID_N],
+                          const struct surface_face *f, struct surface_work *w,
+                          struct fuse_place *out)
+{
+    const struct encode_basis *e = face_work_encode(w);
+    const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
+    const struct pose onto = pose_unscaled(&base->frame.pose);
+    struct pose move = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct pose pose = start_of(base, f), there;
+    struct heights h;
+    float own[GRID_N];
+    struct gaps g;
+    double x[6];
+    const enum status st =
+        heights_take(&f->surface, &pose, &face_work_measure(w)->scratch, &h);
+
+    if (st != ST_OK)
+        return st;
+    for (int look = 0; look < FUSE_LOOKS; look++) {
+        heights_at(&h, &move, own);
+        take_gaps(e, z, own, &g);
+        if (g.n < FUSE_CELLS)
+            break;
+        solve(e, &g, x);
+        pose_move(&move, centre, x);
+        pose_move(&pose, centre, x);
+    }
+    heights_at(&h, &move, own);
+    take_gaps(e, z, own, &g);
+    out->gap_mm = median_gap(&g);
+    there = pose_unscaled(&pose);
+    there = pose_after(&onto, &there);
+    pose_to_matrix(&there, out->transform);
+    return ST_OK;
+}
+
+/* above[v]: how far the frame lies above the base at its vertex v, mm; NAN where it has not
+ * measured anything. */
+static enum status above_base(const struct surface_face *base,
+                              const struct surface_face *f, const double transform[16],
+                              struct measure_work *m, float *above)
+{
+    const struct mesh *b = &base->surface.mesh;
+    struct location *at = scratch_need(&m->arrays, b->nv * sizeof *at);
+    enum status st = at == NULL ? ST_ENOMEM : ST_OK;
+
+    for (uint32_t v = 0; v < b->nv; v++)
+        above[v] = (float)NAN;
+    if (st == ST_OK)
+        st = surface_move(&f->surface, transform, &m->points, &m->scratch, &m->moved);
+    if (st != ST_OK)
+        return st == ST_ENOMEM ? st : ST_OK; /* seen edge-on: it has nothing to say */
+    if ((st = locate_mesh(&m->moved.mesh, b, at)) != ST_OK)
+        return st;
+    for (uint32_t v = 0; v < b->nv; v++)
+        if (at[v].where != LOCATE_OUTSIDE &&
+            holes_measured(&m->moved.mesh, m->moved.bridge, at[v]))
+            above[v] =
+                (float)((locate_height(&m->moved.mesh, at[v], b->xy[v]) - b->z[v]) /
+                        LATTICE_PER_MM);
+    return ST_OK;
+}
+
+/* The median of n values that are sorted here. */
+static float median(float *value, uint32_t n)
+{
+    for (uint32_t i = 1; i < n; i++) {
+        const float one = value[i];
+        uint32_t k = i;
+
+        for (; k > 0 && value[k - 1] > one; k--)
+            value[k] = value[k - 1];
+        value[k] = one;
+    }
+    return (value[(n - 1) / 2] + value[n / 2]) / 2.0f;
+}
+
+/* The robust mean of the heights at vertex v above the base's, with its own: above[0], which is
+ * 0. */
+static double mean_at(const float *above, const double *weight, uint32_t n, uint32_t nv,
+                      uint32_t v)
+{
+    float sorted[SURFACE_FRAMES_MAX], middle;
+    double sum = 0, all = 0;
+    uint32_t k = 0;
+
+    for (uint32_t i = 0; i < n; i++)
+        if (!isnan(above[(size_t)i * nv + v]))
+            sorted[k++] = above[(size_t)i * nv + v];
+    middle = median(sorted, k);
+    for (uint32_t i = 0; i < n; i++) {
+        const float one = above[(size_t)i * nv + v];
+        const double far = fabs((double)(one - middle));
+
+        if (far <= FUSE_FAR_MM) { /* NAN is not */
+            const double by = weight[i] * fmin(1, FUSE_NEAR_MM / fmax(far, 1e-9));
+
+            sum += by * (double)one;
+            all += by;
+        }
+    }
+    return all > 0 ? sum / all : 0;
+}
+
+static double weight_of(const struct surface_face *f)
+{
+    const double left = fmax((double)f->encoding.residual_mm, FUSE_RESIDUAL_MM);
+
+    return 1 / (left * left);
+}
+
+enum status fuse_heights(const struct surface_face *base, uint32_t n,
+                         const struct surface_face *const f[],
+                         const struct fuse_place at[], struct surface_work *w,
+                         struct dvec3 *pts)
+{
+    const struct mesh *b = &base->surface.mesh;
+    float *above = mem_array((size_t)(n + 1) * b->nv, sizeof *above);
+    double weight[SURFACE_FRAMES_MAX] = {weight_of(base)};
+    enum status st = above == NULL ? ST_ENOMEM : ST_OK;
+
+    for (uint32_t v = 0; st == ST_OK && v < b->nv; v++)
+        above[v] = 0.0f;
+    for (uint32_t i = 0; st == ST_OK && i < n; i++) {
+        weight[i + 1] = weight_of(f[i]);
+        st = above_base(base, f[i], at[i].transform, face_work_measure(w),
+                        above + (size_t)(i + 1) * b->nv);
+    }
+    for (uint32_t v = 0; st == ST_OK && v < b->nv; v++) {
+        pts[v] = lattice_to_mm(b->xy[v], b->z[v]);
+        pts[v].z += mean_at(above, weight, n + 1, b->nv, v);
+    }
+    mem_free(above);
+    return st;
+}
