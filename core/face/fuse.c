@@ -6,6 +6,7 @@
 
 #include "encode.h"
 #include "face.h"
+#include "heatmap.h"
 #include "heights.h"
 #include "holes.h"
 #include "lattice.h"
@@ -145,31 +146,22 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
     return ST_OK;
 }
 
-/* above[v]: how far the frame lies above the base at its vertex v, mm; NAN where it has not
+/* above[v]: how far `other`, seen from above, lies above vertex v of `own`, mm; NAN where it has not
  * measured anything. */
-static enum status above_base(const struct surface_face *base,
-                              const struct surface_face *f, const double transform[16],
-                              struct measure_work *m, float *above)
+static enum status above_vertices(const struct surface *own, const struct surface *other,
+                                  struct measure_work *m, float *above)
 {
-    const struct mesh *b = &base->surface.mesh;
-    struct location *at = scratch_need(&m->arrays, b->nv * sizeof *at);
-    enum status st = at == NULL ? ST_ENOMEM : ST_OK;
+    const struct mesh *a = &own->mesh, *b = &other->mesh;
+    struct location *at = scratch_need(&m->arrays, a->nv * sizeof *at);
+    const enum status st = at != NULL ? locate_mesh(b, a, at) : ST_ENOMEM;
 
-    for (uint32_t v = 0; v < b->nv; v++)
-        above[v] = (float)NAN;
-    if (st == ST_OK)
-        st = surface_move(&f->surface, transform, &m->points, &m->scratch, &m->moved);
-    if (st != ST_OK)
-        return st == ST_ENOMEM ? st : ST_OK; /* seen edge-on: it has nothing to say */
-    if ((st = locate_mesh(&m->moved.mesh, b, at)) != ST_OK)
-        return st;
-    for (uint32_t v = 0; v < b->nv; v++)
-        if (at[v].where != LOCATE_OUTSIDE &&
-            holes_measured(&m->moved.mesh, m->moved.bridge, at[v]))
-            above[v] =
-                (float)((locate_height(&m->moved.mesh, at[v], b->xy[v]) - b->z[v]) /
-                        LATTICE_PER_MM);
-    return ST_OK;
+    for (uint32_t v = 0; v < a->nv; v++)
+        above[v] = st == ST_OK && at[v].where != LOCATE_OUTSIDE &&
+                           holes_measured(b, other->bridge, at[v])
+                       ? (float)((locate_height(b, at[v], a->xy[v]) - a->z[v]) /
+                                 LATTICE_PER_MM)
+                       : (float)NAN;
+    return st;
 }
 
 /* The median of n values that are sorted here. */
@@ -220,27 +212,146 @@ static double weight_of(const struct surface_face *f)
     return 1 / (left * left);
 }
 
-enum status fuse_heights(const struct surface_face *base, uint32_t n,
-                         const struct surface_face *const f[],
-                         const struct fuse_place at[], struct surface_work *w,
-                         struct dvec3 *pts)
-{
-    const struct mesh *b = &base->surface.mesh;
-    float *above = mem_array((size_t)(n + 1) * b->nv, sizeof *above);
-    double weight[SURFACE_FRAMES_MAX] = {weight_of(base)};
-    enum status st = above == NULL ? ST_ENOMEM : ST_OK;
+/* One fusion. */
+struct fusing {
+    const struct surface_face *base;
+    const struct surface_face *const *f; /* [n] */
+    const struct fuse_place *at;         /* [n] */
+    uint32_t n;
+    struct measure_work *m;
+    double weight[SURFACE_FRAMES_MAX]; /* the base's first */
+    size_t room, npts;
+    struct dvec3 *pts; /* [room] */
+    float *above;      /* [(n + 1) room of a frame] */
+};
 
-    for (uint32_t v = 0; st == ST_OK && v < b->nv; v++)
-        above[v] = 0.0f;
-    for (uint32_t i = 0; st == ST_OK && i < n; i++) {
-        weight[i + 1] = weight_of(f[i]);
-        st = above_base(base, f[i], at[i].transform, face_work_measure(w),
-                        above + (size_t)(i + 1) * b->nv);
+/* Frame i over the base: m->moved.  It is empty where it is seen edge-on. */
+static enum status move(struct fusing *g, uint32_t i)
+{
+    struct measure_work *m = g->m;
+    const enum status st = surface_move(&g->f[i]->surface, g->at[i].transform, &m->points,
+                                        &m->scratch, &m->moved);
+
+    return st == ST_ENOMEM ? st : ST_OK;
+}
+
+/* The base's points. */
+static enum status fuse_base(struct fusing *g)
+{
+    const struct mesh *b = &g->base->surface.mesh;
+    enum status st = ST_OK;
+
+    for (uint32_t v = 0; v < b->nv; v++)
+        g->above[v] = 0.0f;
+    for (uint32_t i = 0; st == ST_OK && i < g->n; i++) {
+        float *above = g->above + (size_t)(i + 1) * b->nv;
+
+        if ((st = move(g, i)) == ST_OK && g->m->moved.mesh.nv > 0)
+            st = above_vertices(&g->base->surface, &g->m->moved, g->m, above);
+        else
+            for (uint32_t v = 0; v < b->nv; v++)
+                above[v] = (float)NAN;
     }
     for (uint32_t v = 0; st == ST_OK && v < b->nv; v++) {
-        pts[v] = lattice_to_mm(b->xy[v], b->z[v]);
-        pts[v].z += mean_at(above, weight, n + 1, b->nv, v);
+        g->pts[v] = lattice_to_mm(b->xy[v], b->z[v]);
+        g->pts[v].z += mean_at(g->above, g->weight, g->n + 1, b->nv, v);
     }
-    mem_free(above);
+    g->npts = b->nv;
+    return st;
+}
+
+/* Those vertices of frame i, over the base, where the base has not measured anything: into pts. */
+static enum status take_others(struct fusing *g, uint32_t i, struct dvec3 *pts, size_t *n)
+{
+    const struct mesh *b = &g->m->moved.mesh;
+    enum status st = move(g, i);
+
+    *n = 0;
+    if (st != ST_OK || b->nv == 0)
+        return st;
+    st = above_vertices(&g->m->moved, &g->base->surface, g->m, g->above);
+    for (uint32_t v = 0; st == ST_OK && v < b->nv; v++)
+        if (isnan(g->above[v]))
+            pts[(*n)++] = lattice_to_mm(b->xy[v], b->z[v]);
+    return st;
+}
+
+/* How far frame i lies above n points in the base's frame, mm.  (Along its own z, which differs
+ * from the base's by a few degrees.) */
+static enum status above_points(struct fusing *g, uint32_t i, const struct dvec3 *pts,
+                                size_t n, float *above)
+{
+    double *gap = scratch_need(&g->m->arrays, n * sizeof *gap), back[16];
+    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    struct pose there;
+    enum status st = ST_ENOMEM;
+
+    pose_from_matrix(g->at[i].transform, &there);
+    there = pose_after(&there, &still);
+    pose_to_matrix(&there, back);
+    if (gap != NULL)
+        st = heatmap_gaps(&g->f[i]->surface, pts, n, back, gap);
+    for (size_t k = 0; st == ST_OK && k < n; k++)
+        above[k] = (float)-gap[k];
+    return st;
+}
+
+/* The points of frame i where neither the base nor a frame before it has measured anything. */
+static enum status fuse_other(struct fusing *g, uint32_t i)
+{
+    struct dvec3 *pts = g->pts + g->npts;
+    float before[SURFACE_FRAMES_MAX];
+    size_t n;
+    enum status st = take_others(g, i, pts, &n);
+
+    for (uint32_t k = 0; st == ST_OK && n > 0 && k < g->n; k++)
+        if (k != i)
+            st = above_points(g, k, pts, n, g->above + (k + 1) * n);
+    for (size_t p = 0; st == ST_OK && p < n; p++) {
+        bool theirs = false;
+
+        for (uint32_t k = 0; k < i; k++)
+            theirs = theirs || !isnan(g->above[(k + 1) * n + p]);
+        if (theirs)
+            continue;
+        for (uint32_t k = i; k < g->n; k++)
+            before[k - i] = k == i ? 0.0f : g->above[(k + 1) * n + p];
+        g->pts[g->npts] = pts[p];
+        g->pts[g->npts++].z += mean_at(before, g->weight + 1 + i, g->n - i, 1, 0);
+    }
+    return st;
+}
+
+enum status fuse_points(const struct surface_face *base, uint32_t n,
+                        const struct surface_face *const f[],
+                        const struct fuse_place at[], struct surface_work *w,
+                        struct dvec3 **out, size_t *npts)
+{
+    struct fusing g = {.base = base, .f = f, .at = at, .n = n, .m = face_work_measure(w)};
+    uint32_t most = base->surface.mesh.nv;
+    enum status st = ST_ENOMEM;
+
+    g.weight[0] = weight_of(base);
+    g.room = most;
+    for (uint32_t i = 0; i < n; i++) {
+        const uint32_t nv = f[i]->surface.mesh.nv;
+
+        g.weight[i + 1] = weight_of(f[i]);
+        g.room += nv;
+        most = nv > most ? nv : most;
+    }
+    g.pts = mem_array(g.room, sizeof *g.pts);
+    g.above = mem_array((size_t)(n + 1) * most, sizeof *g.above);
+    if (g.pts != NULL && g.above != NULL)
+        st = fuse_base(&g);
+    for (uint32_t i = 0; st == ST_OK && i < n; i++)
+        st = fuse_other(&g, i);
+    mem_free(g.above);
+    if (st != ST_OK) {
+        mem_free(g.pts);
+        g.pts = NULL;
+    }
+    *out = g.pts;
+    *npts = g.npts;
     return st;
 }

@@ -1,9 +1,8 @@
 /* fuse.h -- the frames of one capture session as one surface.
- * One frame is the base, and its points stay where they are seen.  The others are registered to it
- * by the six motions of the canonical frame, located in it along its spanning tree and interpolated
- * at its points as paper 1 does for two meshes (sections 3.3 and 3.4); then each height becomes a
- * robust mean of all frames: of n frames of equal noise about a square root of n times less is
- * left.
+ * One frame is the base.  The others are registered to it by the six motions of the canonical
+ * frame; then its points are located in each of them along the spanning tree, and the height there
+ * interpolated, as paper 1 does for two meshes (sections 3.3 and 3.4).  The height of a point
+ * becomes a robust mean of all frames: the noise falls with the square root of their number.
  * All sums are in a fixed order: the same digits everywhere. */
 #ifndef CORE_FUSE_H
 #define CORE_FUSE_H
@@ -41,16 +40,17 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
                           const struct surface_face *f, struct surface_work *w,
                           struct fuse_place *out);
 
-/* fuse_heights(base, n, f, at, w, pts): the points of the base, numbered as in its mesh, with the
- * robust mean of the heights of all.
+/* fuse_points(base, n, f, at, w, out, npts): the points of the fused surface, in the base's frame, mm:
+ * those of the base, numbered as in its mesh; then those of the others where no frame before has
+ * measured anything.  (Where cells are missing there is nothing that tells other people.)
  * f, at  [n] the other frames, and where each lies over the base
- * pts    [points of the base]
- * A frame weighs by the square of 1 / its residual, and less where it is far from the median of
- * all.  Where a frame has not measured anything, or only bridges missing points, it does not
- * count.  O(n nv).  Returns ST_OK, ST_ENOMEM. */
-enum status fuse_heights(const struct surface_face *base, uint32_t n,
-                         const struct surface_face *const f[],
-                         const struct fuse_place at[], struct surface_work *w,
-                         struct dvec3 *pts);
+ * out    *npts points, to be released by mem_free(); NULL on failure
+ * The height of each is the robust mean of all frames that have measured there: a frame weighs by
+ * the square of 1 / its residual, and less where it is far from the median.
+ * Cost  two locations for each of the others.  Returns ST_OK, ST_ENOMEM. */
+enum status fuse_points(const struct surface_face *base, uint32_t n,
+                        const struct surface_face *const f[],
+                        const struct fuse_place at[], struct surface_work *w,
+                        struct dvec3 **out, size_t *npts);
 
 #endif
