@@ -12,8 +12,11 @@
  * of a depth camera's frames from five sides none of 231 of the same person was taken for
  * another's, of 1,845 of other people's two thirds were, and the others left out. */
 #define FRAMES_SAME  0.0
-#define FRAMES_OTHER (-10.0)
+#define FRAMES_OTHER (-25.0)
 #define FRAMES_TELLS 14.0
+
+/* degrees, of yaw and pitch: the base's view is that of the fused face.  By hand. */
+#define FRAMES_TURN_DEG 15.0
 
 enum status frames_add(struct frames *f, struct cloudpoints *c, size_t *bad)
 {
@@ -57,6 +60,17 @@ static enum status count_alike(struct frames *f, uint32_t base, uint32_t *alike)
     return st;
 }
 
+/* How good a base a frame is: by what it tells, and half as good if it is turned by TURN. */
+static double worth(const struct frames *f, uint32_t i)
+{
+    const struct frames_one *one = &f->one[i];
+    const double yaw = one->found.yaw_deg / FRAMES_TURN_DEG;
+    const double pitch = one->found.pitch_deg / FRAMES_TURN_DEG;
+    const double turned = yaw * yaw + pitch * pitch;
+
+    return fuse_worth(&one->face, f->w) / (1 + (isnan(turned) ? 0 : turned));
+}
+
 /* The frame that tells most of those that half of the others agree with; where there is none, of
  * all. */
 static enum status choose_base(struct frames *f, uint32_t built)
@@ -71,8 +85,8 @@ static enum status choose_base(struct frames *f, uint32_t built)
         for (uint32_t i = 0; i < f->n; i++) {
             if (!f->one[i].built || seen[i])
                 continue;
-            if (fuse_worth(&f->one[i].face, f->w) > most) {
-                most = fuse_worth(&f->one[i].face, f->w);
+            if (worth(f, i) > most) {
+                most = worth(f, i);
                 best = i;
             }
         }
