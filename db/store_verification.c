@@ -183,6 +183,19 @@ void store_snapshot_free(struct store_snapshot *out)
 
 /* ---- what it writes */
 
+/* The id of the template that one of the probe's frames was made into; "": none was. */
+static enum status find_same(struct log_txn *t, const struct store_record *what,
+                             char id[STORE_ID_LEN + 1], struct errinfo *e)
+{
+    const struct store_probe *p = what->probe;
+    enum status st = ST_OK;
+
+    id[0] = '\0';
+    for (size_t i = 0; st == ST_OK && id[0] == '\0' && p->read[i] != NULL; i++)
+        st = rows_template_same(t, what->subject->uid, p->used, p->read[i], id, e);
+    return st;
+}
+
 /* A match by a scan that is no new one is no match. */
 static enum status look_back(struct log_txn *t, struct store_record *what,
                              struct store_recorded *out, struct errinfo *e)
@@ -192,8 +205,7 @@ static enum status look_back(struct log_txn *t, struct store_record *what,
 
     if (what->probe == NULL)
         return ST_OK;
-    st = rows_template_same(t, what->subject->uid, what->probe->used, what->probe->read,
-                            id, e);
+    st = find_same(t, what, id, e);
     if (st != ST_OK || id[0] == '\0')
         return st;
     out->replayed = true;
@@ -291,8 +303,7 @@ static void record_ahead(struct log_txn *t, const struct store_record *what,
         return;
     (void)rows_attempts_get(t, what->subject, what->actor, by->ms, &now, &future, NULL);
     if (what->probe != NULL)
-        (void)rows_template_same(t, what->subject->uid, what->probe->used,
-                                 what->probe->read, id, NULL);
+        (void)find_same(t, what, id, NULL);
     if (what->decision != NULL)
         rows_day_ahead(t, by->at, what->decision);
     log_txn_ahead(t);

@@ -7,6 +7,7 @@
 #include "cloudformat.h"
 #include "json.h"
 #include "sample.h"
+#include "session.h"
 #include "store.h"
 #include "dry_run.h"
 #include "templates.h"
@@ -310,6 +311,8 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     ids(j, c);
     json_number(j, "templates_compared", c->templates_compared);
     scans(j, c);
+    if (c->frames != NULL)
+        session_describe(j, c->frames);
     qualities(j, c);
     json_text(j, "engine", c->engine);
     if (c->parts != NULL)

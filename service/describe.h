@@ -11,6 +11,7 @@
 struct enrolment_result; /* enrolment.h */
 struct json;             /* json.h */
 struct sample_found;     /* sample.h */
+struct session;          /* session.h */
 struct store_receipt;    /* store.h */
 struct store_subject;    /* store.h */
 struct store_template;   /* store.h */
@@ -67,6 +68,7 @@ struct describe_comparison {
     const struct surface_disparity *minimal;
     const struct surface_face *probe;
     const struct sample_found *scan; /* the probe's; NULL: left out */
+    const struct session *frames;    /* that the probe was fused from; NULL: it was not */
     const struct sample_found
         *other; /* of what is compared with it in a template's place;
                                          NULL: that is a template */

@@ -266,27 +266,40 @@ void sample_refuse(const char *name, enum status st, const struct sample_found *
     tell_advice(&advice, e);
 }
 
+bool sample_open(struct cloudpoints *c, const struct sample_options *o,
+                 const struct surface_stop *stop, struct surface_cloud *cloud,
+                 struct sample_found *found)
+{
+    *found = sample_begin(c);
+    digest_points(c, found->digest);
+    *cloud = sample_cloud(c, o, stop);
+    if (c->index == NULL)
+        c->index = mem_array(c->n + 1, sizeof *c->index);
+    cloud->kept = (double(*)[3])c->at;
+    cloud->kept_place = c->index;
+    return c->index != NULL;
+}
+
+void sample_close(struct cloudpoints *c, struct sample_found *found)
+{
+    found->scan.unit_found = c->unit_mm == 0;
+    c->n = found->scan.kept;
+    mem_free(c->normal);
+    c->normal = NULL;
+}
+
 enum status sample_build(const char *name, struct cloudpoints *c,
                          const struct sample_options *o, struct surface_work *w,
                          struct surface_face **out, struct sample_found *found,
                          struct errinfo *e)
 {
     const struct surface_stop stop = sample_stop(o);
-    struct surface_cloud cloud = sample_cloud(c, o, &stop);
+    struct surface_cloud cloud;
     enum status st = ST_ENOMEM;
 
-    *found = sample_begin(c);
-    digest_points(c, found->digest);
-    if (c->index == NULL)
-        c->index = mem_array(c->n + 1, sizeof *c->index);
-    cloud.kept = (double(*)[3])c->at;
-    cloud.kept_place = c->index;
-    if (c->index != NULL)
+    if (sample_open(c, o, &stop, &cloud, found))
         st = status_from(surface_build(w, &cloud, out, &found->scan));
-    found->scan.unit_found = c->unit_mm == 0;
-    c->n = found->scan.kept;
-    mem_free(c->normal);
-    c->normal = NULL;
+    sample_close(c, found);
     if (st != ST_OK)
         sample_refuse(name, st, found, e);
     return st;

@@ -42,6 +42,13 @@ struct surface_stop sample_stop(const struct sample_options *o);
 struct surface_cloud sample_cloud(const struct cloudpoints *c,
                                   const struct sample_options *o,
                                   const struct surface_stop *stop);
+/* sample_open(c, o, stop, cloud, found): c for a build that leaves its face's points in it, and found
+ * with the digest.  False: no memory.
+ * sample_close(c, found): after that build, found->scan of which is set. */
+bool sample_open(struct cloudpoints *c, const struct sample_options *o,
+                 const struct surface_stop *stop, struct surface_cloud *cloud,
+                 struct sample_found *found);
+void sample_close(struct cloudpoints *c, struct sample_found *found);
 void sample_refuse(const char *name, enum status st, const struct sample_found *found,
                    struct errinfo *e);
 

@@ -2,11 +2,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "digest.h"
 #include "in_force.h"
 #include "mem.h"
 #include "sample.h"
+#include "session.h"
 #include "show.h"
 
 static double now(const struct templates_context *c)
@@ -50,6 +52,20 @@ static enum status read_points(struct templates_context *c, struct verification 
     return st;
 }
 
+/* The fused face; its points become those of s. */
+static enum status fuse(struct templates_context *c, struct verify_scan *s,
+                        const struct sample_options *o, struct errinfo *e)
+{
+    const enum status st = session_build(s->frames, o, c->work, s->face, &s->found, e);
+    struct cloudpoints *base = &s->frames->frame[s->frames->base].points;
+
+    if (st == ST_OK) {
+        s->points = *base;
+        *base = (struct cloudpoints){0};
+    }
+    return st;
+}
+
 static enum status build_face(struct templates_context *c, struct verification *v,
                               struct verify_scan *s, struct errinfo *e)
 {
@@ -58,7 +74,9 @@ static enum status build_face(struct templates_context *c, struct verification *
     enum status st = not_stopped(v->request, e);
 
     s->points.axes_given = s->points.axes_given || s->axes_given;
-    if (st == ST_OK)
+    if (st == ST_OK && s->frames != NULL)
+        st = fuse(c, s, &o, e);
+    else if (st == ST_OK)
         st = sample_build(s->name, &s->points, &o, c->work, s->face, &s->found, e);
     v->times.prepare += now(c) - start;
     return st;
@@ -114,7 +132,9 @@ static enum status digest_probe(const struct verification *v, struct store_probe
     const struct verify_scan *s = &v->request->probe;
     const struct surface_face *f = *s->face;
 
-    *out = (struct store_probe){.read = s->found.digest};
+    *out = (struct store_probe){.read = {s->found.digest}};
+    if (s->frames != NULL)
+        memcpy(out->read, s->frames->digest, s->frames->ndigest * sizeof *out->read);
     if (surface_face_points(f, NULL) == v->templates.of.t[v->best.index].points &&
         digest_points(f, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
@@ -128,7 +148,7 @@ static enum status record(struct templates_context *c, struct verification *v,
     const enum surface_decision decision = v->best.result.decision;
     const struct store_limits *limits = r->of.limits;
     char outcome[STORE_NAME_MAX + 1];
-    struct store_probe probe = {.read = NULL};
+    struct store_probe probe = {.read = {NULL}};
     const struct store_record what = {
         .subject = &v->templates.of.subject,
         .as = limits == NULL || limits->failures == 0 ? STORE_RECORD_UNCOUNTED
@@ -219,6 +239,7 @@ struct describe_comparison verify_describe(const struct verification *v,
         .minimal = r->detail == VERIFY_DECISION ? NULL : &v->least,
         .probe = *r->probe.face,
         .scan = &r->probe.found,
+        .frames = r->probe.frames,
         .other = stored ? NULL : &r->other->found,
         .other_face = stored ? NULL : *r->other->face,
         .engine = engine,

@@ -9,7 +9,8 @@
 #include "sample.h"
 #include "templates.h"
 
-struct show; /* show.h */
+struct session; /* session.h */
+struct show;    /* show.h */
 
 enum verify_detail {                  /* what is wanted of a comparison */
                      VERIFY_DECISION, /* the decision and the ids alone */
@@ -22,7 +23,8 @@ enum verify_detail {                  /* what is wanted of a comparison */
 struct verify_scan {
     const char *name;          /* begins what is said of it */
     unsigned char *bytes;      /* by mem_array(), taken; bytes[len] is 0; or NULL and */
-    struct cloudpoints points; /* taken */
+    struct cloudpoints points; /* taken; or */
+    struct session *frames;    /* those of several files, borrowed */
     size_t len;
     struct cloudfile_options how; /* to read bytes */
     bool axes_given;              /* or the file says so */

@@ -149,11 +149,13 @@ struct store_allowance {
     int64_t used_us;   /* the store's own */
 };
 
+#define STORE_FRAMES_MAX SURFACE_FRAMES_MAX
+
 /* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,
  * functions of the set of points alone. */
 struct store_probe {
-    const char *read;
-    char used[65]; /* digest_points(); "": they are no template's */
+    const char *read[STORE_FRAMES_MAX + 1]; /* of each frame; NULL ends them */
+    char used[65];                          /* digest_points(); "": they are no template's */
 };
 
 struct store_calibration {

@@ -29,13 +29,8 @@ static enum status take_file(struct cloud_reading *g, struct surface_work *w,
     enum status st = cloud_read_file(g, &b->file[i], &c, e);
 
     request_stage(g->r, REQUEST_PARSE, (parsed = logger_clock_ms()) - start);
-    if (st == ST_ELIMIT)
-        return errinfo_set(e, st, "the files together have more than %d points",
-                           CLOUDFILE_POINTS);
-    if (st == ST_ESIZE)
-        return errinfo_set(e, st,
-                           "the limit is %zu bytes of all files together when unpacked",
-                           g->r->app->max_body);
+    if (st == ST_ELIMIT || st == ST_ESIZE)
+        return st;
     if (st == ST_OK) {
         st = sample_build("points", &c, &o, w, &b->face[i], &b->found[i], e);
         request_stage(g->r, REQUEST_PREPARE, logger_clock_ms() - parsed);

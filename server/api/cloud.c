@@ -95,8 +95,8 @@ static enum status read_packed(struct cloud_reading *g, enum inflate_coding codi
     return st;
 }
 
-enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file *f,
-                            struct cloudpoints *out, struct errinfo *e)
+static enum status read_file(struct cloud_reading *g, const struct multipart_file *f,
+                             struct cloudpoints *out, struct errinfo *e)
 {
     static const unsigned char gzip[2] = {0x1f, 0x8b};
     enum inflate_coding coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
@@ -112,6 +112,21 @@ enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file
     if (coding != INFLATE_NONE)
         return read_packed(g, coding, f, out, e);
     return read_bytes(g, g->r->body + (f->data - g->r->body), f->len, out, e);
+}
+
+enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file *f,
+                            struct cloudpoints *out, struct errinfo *e)
+{
+    const enum status st = read_file(g, f, out, e);
+
+    if (st == ST_ELIMIT)
+        return errinfo_set(e, st, "the files together have more than %d points",
+                           CLOUDFILE_POINTS);
+    if (st == ST_ESIZE)
+        return errinfo_set(e, st,
+                           "the limit is %zu bytes of all files together when unpacked",
+                           g->r->app->max_body);
+    return st;
 }
 
 static enum status read_pair(struct cloud_reading *g, struct cloudpoints *a,

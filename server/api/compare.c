@@ -7,7 +7,9 @@
 #include "auth.h"
 #include "capture.h"
 #include "cloud.h"
+#include "dry_run.h"
 #include "errmap.h"
+#include "form.h"
 #include "json.h"
 #include "access.h"
 #include "logger.h"
@@ -162,8 +164,21 @@ static void note(struct request *r, const struct verification *v)
     memcpy(r->subject, v->templates.of.subject.id, sizeof r->subject);
 }
 
+/* A refusal of the frames of a form tells what became of each. */
+static void refuse(struct request *r, const struct verification *v,
+                   const struct form *form, const struct errinfo *e)
+{
+    const bool scan = dry_run_is_refusal(e->code) || e->code == ST_EPEOPLE;
+
+    if (form != NULL && scan && v->best.compared == 0)
+        form_refuse(r, form, e);
+    else
+        compare_refuse(r, &v->refusal, e);
+}
+
+/* form: with the probe; NULL: it is of one file. */
 static void run(struct request *r, struct worker *w, struct verify_request *ask,
-                double parse_ms)
+                const struct form *form, double parse_ms)
 {
     struct verification v;
     struct errinfo e = {0};
@@ -186,8 +201,20 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
     if (st == ST_OK)
         respond(r, w, &v);
     else if (!request_gone(r))
-        compare_refuse(r, &v.refusal, &e);
+        refuse(r, &v, form, &e);
     verify_free(&v);
+}
+
+/* The frames of a form are one probe, and one attempt. */
+static void verify_form(struct request *r, struct worker *w, struct verify_request *ask)
+{
+    struct form *f = form_read(r, FORM_FRAMES_VERIFY);
+
+    if (f == NULL)
+        return;
+    ask->probe.frames = &f->session;
+    run(r, w, ask, f, f->parse_ms);
+    form_free(f);
 }
 
 /* One of subject and template_id is NULL. */
@@ -204,11 +231,15 @@ static void verify(struct request *r, struct worker *w, const char *subject,
     if (!params_detail(r, STORE_SCOPE_DETAIL, &ask.detail) ||
         !cloud_options(r, &ask.probe.how, &ask.probe.axes_given) || !capture_admit(r))
         return;
+    if (r->media == REQUEST_FORM) {
+        verify_form(r, w, &ask);
+        return;
+    }
     ask.probe.bytes = r->body;
     ask.probe.len = r->len;
     r->body = NULL;
     r->len = 0;
-    run(r, w, &ask, 0);
+    run(r, w, &ask, NULL, 0);
 }
 
 void compare_subject(struct request *r, struct worker *w)
@@ -231,5 +262,5 @@ void compare_scans(struct request *r, struct worker *w)
         return;
     start = logger_clock_ms();
     if (cloud_read_two(r, &a.points, &ask.probe.points) == ST_OK)
-        run(r, w, &ask, logger_clock_ms() - start);
+        run(r, w, &ask, NULL, logger_clock_ms() - start);
 }

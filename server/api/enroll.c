@@ -12,6 +12,7 @@
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "form.h"
 #include "intake.h"
 #include "json.h"
 #include "describe.h"
@@ -25,7 +26,7 @@
 /* What the request asks for, beside the samples. */
 struct asked {
     char label[STORE_LABEL_MAX + 1];
-    bool force;
+    bool force, fuse; /* fuse: of several files one template */
 };
 
 static void tally(struct request *r, const struct enrolment_result *each, size_t n,
@@ -88,61 +89,94 @@ static bool read_parameters(struct request *r, struct asked *ask)
     const enum status st = request_query(r, "label", ask->label, sizeof ask->label);
 
     ask->force = false;
+    ask->fuse = true;
     if (st != ST_OK && st != ST_ENOTFOUND) {
         request_problem(r, ERRMAP_PARAMETER, "label is malformed or longer than %d bytes",
                         STORE_LABEL_MAX);
         return false;
     }
-    return params_flag(r, "force", &ask->force) &&
+    return params_flag(r, "force", &ask->force) && params_flag(r, "fuse", &ask->fuse) &&
            (!ask->force || auth_may(r, STORE_SCOPE_MANAGE)) && capture_admit(r);
 }
 
-/* ---- one file */
+/* ---- one template */
 
-static void enroll_one(struct request *r, struct worker *w)
+/* Of one face, from one file or from the frames of a form; NULL: from one file. */
+static void enroll_face(struct request *r, struct worker *w, const struct asked *ask,
+                        const struct sample_found *found, const struct session *frames)
 {
     struct enrolment_result x = {.created = false};
     struct enrolment_outcome out;
+    struct json *j;
+
+    if (!enroll(r, w, ask,
+                &(struct store_sample){.face = w->probe, .read = found->digest}, 1, &x,
+                &out))
+        return;
+    r->result.outcome = x.created ? "enrolled" : "known";
+    j = json_new();
+    describe_template(j, &x.tmpl, w->probe, auth_exact(r));
+    describe_scan(j, "scan", found);
+    if (frames != NULL) {
+        session_describe(j, frames);
+        request_respond(r, x.created ? 201 : 200, json_compact(j));
+    } else {
+        request_written(r, x.created ? 201 : 200, json_compact(j));
+    }
+    if (r->response.http < 300)
+        request_template(r, x.tmpl.id);
+}
+
+static void enroll_one(struct request *r, struct worker *w, const struct asked *ask)
+{
     struct sample_found found;
     struct cloudpoints c;
-    struct asked ask;
-    struct json *j;
     double start = logger_clock_ms(), parsed;
     enum status st;
 
-    if (!read_parameters(r, &ask) || cloud_read(r, &c) != ST_OK)
+    if (cloud_read(r, &c) != ST_OK)
         return;
     parsed = logger_clock_ms();
     request_stage(r, REQUEST_PARSE, parsed - start);
     st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe, &found);
     request_stage(r, REQUEST_PREPARE, logger_clock_ms() - parsed);
     cloudpoints_free(&c);
-    if (st != ST_OK ||
-        !enroll(r, w, &ask,
-                &(struct store_sample){.face = w->probe, .read = found.digest}, 1, &x,
-                &out))
-        return;
-    r->result.outcome = x.created ? "enrolled" : "known";
-    j = json_new();
-    describe_template(j, &x.tmpl, w->probe, auth_exact(r));
-    describe_scan(j, "scan", &found);
-    request_written(r, x.created ? 201 : 200, json_compact(j));
-    if (r->response.http < 300)
-        request_template(r, x.tmpl.id);
+    if (st == ST_OK)
+        enroll_face(r, w, ask, &found, NULL);
 }
 
-/* ---- several */
-
-static void enroll_several(struct request *r, struct worker *w)
+static void enroll_fused(struct request *r, struct worker *w, const struct asked *ask)
 {
-    struct enrolment_outcome out;
-    struct asked ask;
-    struct burst *b;
+    const struct sample_options o = {.enrolment = true, .stop = &r->gone};
+    struct form *f = form_read(r, MULTIPART_FILES_MAX);
+    const double start = logger_clock_ms();
+    struct sample_found found;
+    struct errinfo e = {0};
+    enum status st;
 
-    if (!read_parameters(r, &ask) || (b = burst_read(r, w->compare.work)) == NULL)
+    if (f == NULL)
+        return;
+    request_stage(r, REQUEST_PARSE, f->parse_ms);
+    st = session_build(&f->session, &o, w->compare.work, &w->probe, &found, &e);
+    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - start);
+    if (st == ST_OK)
+        enroll_face(r, w, ask, &found, &f->session);
+    else if (!request_gone(r))
+        form_refuse(r, f, &e);
+    form_free(f);
+}
+
+/* ---- a template of each file */
+
+static void enroll_each(struct request *r, struct worker *w, const struct asked *ask)
+{
+    struct burst *b = burst_read(r, w->compare.work);
+    struct enrolment_outcome out;
+
+    if (b == NULL)
         return;
     r->result.outcome = "enrolled";
-    if (enroll(r, w, &ask, b->sample, b->n, b->each, &out))
+    if (enroll(r, w, ask, b->sample, b->n, b->each, &out))
         burst_respond(r, b);
     else if (out.none)
         burst_refuse(r, b);
@@ -151,9 +185,15 @@ static void enroll_several(struct request *r, struct worker *w)
 
 void enroll_handle(struct request *r, struct worker *w)
 {
+    struct asked ask;
+
     r->result.kind = "enroll";
-    if (r->media == REQUEST_FORM)
-        enroll_several(r, w);
+    if (!read_parameters(r, &ask))
+        return;
+    if (r->media != REQUEST_FORM)
+        enroll_one(r, w, &ask);
+    else if (ask.fuse)
+        enroll_fused(r, w, &ask);
     else
-        enroll_one(r, w);
+        enroll_each(r, w, &ask);
 }

@@ -17,6 +17,7 @@ static const char *wants(const struct request *r)
     switch (r->route->body) {
     case ROUTE_CLOUD:
     case ROUTE_CLOUDS:
+    case ROUTE_FRAMES:
         return r->media == REQUEST_OTHER_MEDIA || r->media == REQUEST_MERGE
                    ? cloudformat_media_list()
                    : NULL;
@@ -79,8 +80,9 @@ void body_check(struct request *r, bool has_length, uint64_t length)
         request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s%s", types,
                         r->route->body == ROUTE_CLOUD
                             ? ", or multipart/form-data with one file"
-                        : r->route->body == ROUTE_CLOUDS
-                            ? ", or multipart/form-data with 1 to 20 files"
+                        : r->route->body == ROUTE_CLOUDS ||
+                                r->route->body == ROUTE_FRAMES
+                            ? ", or multipart/form-data with files"
                             : "");
     else if (r->media == REQUEST_FORM && r->boundary[0] == '\0')
         request_problem(r, ST_EINVAL,
@@ -123,8 +125,10 @@ static bool take_files(struct request *r)
     struct errinfo e = {0};
     size_t n;
 
+    if (r->route->body == ROUTE_CLOUDS)
+        return true;
     if (multipart_read(r->body, r->len, r->boundary,
-                       r->route->body == ROUTE_CLOUDS ? MULTIPART_FILES_MAX : 1, f, &n,
+                       r->route->body == ROUTE_FRAMES ? MULTIPART_FILES_MAX : 1, f, &n,
                        &e) != ST_OK) {
         request_fail(r, &e);
         return false;

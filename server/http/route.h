@@ -10,7 +10,8 @@ struct worker; /* worker.h */
 enum route_body {
     ROUTE_NO_BODY,
     ROUTE_CLOUD,  /* JSON or a scanner's file */
-    ROUTE_CLOUDS, /* the same, or several in a form */
+    ROUTE_CLOUDS, /* the same; of a form also several files, and one is as several */
+    ROUTE_FRAMES, /* the same as ROUTE_CLOUD; of a form also several files */
     ROUTE_PAIR,   /* JSON, or a form with the files a and b */
     ROUTE_JSON,   /* JSON alone */
     ROUTE_MERGE   /* a JSON merge patch, or JSON */

@@ -37,7 +37,7 @@ static double now_ms(void)
 static enum status verify(const struct thread *x, double *ms, struct errinfo *e)
 {
     const struct store_probe probe = {
-        .read = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"};
+        .read = {"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"}};
     const double begin = now_ms();
     struct store_recorded out;
     struct store_snapshot is;

@@ -128,7 +128,7 @@ static void verify(struct store *s, const char *secret, const char *subject,
 {
     const struct store_snapshot_of of = {.subject = subject, .token = "t"};
     const struct store_probe probe = {
-        .read = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"};
+        .read = {"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"}};
     struct store_snapshot is;
     struct store_recorded out;
     struct store_token t;
