@@ -4,6 +4,7 @@
 #include <sodium.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "bytes.h"
 #include "libsurface.h"
@@ -40,4 +41,28 @@ enum status digest_points(const struct surface_face *f, char hex[65])
     (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
     free(mm);
     return ST_OK;
+}
+
+void digest_read_add(char read[STORE_READ_MAX + 1], const char *digest)
+{
+    const size_t len = strlen(read), more = len == 0 ? 64 : STORE_READ_OTHER;
+
+    if (len + more > STORE_READ_MAX || strlen(digest) < more)
+        return;
+    memcpy(read + len, digest, more);
+    read[len + more] = '\0';
+}
+
+bool digest_read_has(const char *read, const char *digest)
+{
+    const size_t len = strlen(read);
+
+    if (len < 64 || strlen(digest) < 64)
+        return false;
+    if (memcmp(read, digest, 64) == 0)
+        return true;
+    for (size_t at = 64; at + STORE_READ_OTHER <= len; at += STORE_READ_OTHER)
+        if (memcmp(read + at, digest, STORE_READ_OTHER) == 0)
+            return true;
+    return false;
 }

@@ -74,7 +74,7 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
     if (st != ST_OK)
         return st;
     if (sample->read != NULL)
-        (void)snprintf(row.read, sizeof row.read, "%s", sample->read);
+        (void)snprintf(row.one.read, sizeof row.one.read, "%s", sample->read);
     surface_encode(sample->face, g->encoded);
     g->newest = NULL;
     g->added++;

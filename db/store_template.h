@@ -8,7 +8,7 @@
 
 struct store_sample {
     const struct surface_face *face;
-    const char *read;   /* digest of its points as they were read; NULL: not known */
+    const char *read;   /* as in struct store_template; NULL: not known */
     double first_score; /* as in struct store_template */
 };
 

@@ -206,7 +206,7 @@ static enum status look_back(struct log_txn *t, struct store_record *what,
     if (what->probe == NULL)
         return ST_OK;
     st = find_same(t, what, id, e);
-    if (st != ST_OK || id[0] == '\0')
+    if (st != ST_OK || (id[0] == '\0' && !what->replayed))
         return st;
     out->replayed = true;
     what->outcome = "replayed";

@@ -59,6 +59,7 @@ struct store_record {
     /* A probe that matched, which is refused where it is no new scan: the cloud of a template of
      * the subject.  NULL: not asked. */
     const struct store_probe *probe;
+    bool replayed; /* with probe: it is known to be no new scan */
 
     /* By the attempts as they are now, may the verification still be answered?  Others of the
      * subject may have failed since the snapshot.  Of one that failed, an event more where the

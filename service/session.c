@@ -51,6 +51,17 @@ static void report(struct session *s, const struct surface_frame *frame,
     }
 }
 
+static void put_read(struct session *s)
+{
+    const char *base = s->frame[s->base].found.digest;
+
+    s->read[0] = '\0';
+    digest_read_add(s->read, base);
+    for (size_t i = 0; i < s->ndigest; i++)
+        if (s->digest[i] != base)
+            digest_read_add(s->read, s->digest[i]);
+}
+
 /* What is said of them all. */
 static enum status conclude(const struct session *s, enum status st,
                             const struct sample_found *found, struct errinfo *e)
@@ -67,8 +78,8 @@ static enum status conclude(const struct session *s, enum status st,
             sample_refuse("the fused frames", st, found, e);
             return st;
         }
-    return errinfo_set(e, st, "none of the %zu frames has a face; %s", s->n,
-                       s->frame[0].why.msg);
+    return errinfo_set(e, st, "none of the %zu frames shows a face; %.80s: %s", s->n,
+                       name_of(s, 0), s->frame[0].why.msg);
 }
 
 enum status session_build(struct session *s, const struct sample_options *o,
@@ -100,6 +111,7 @@ enum status session_build(struct session *s, const struct sample_options *o,
     st = status_from(surface_fuse(w, n, cloud, frame, &base, out, &fused));
     s->base = number[base];
     report(s, frame, number, n);
+    put_read(s);
     *found = s->frame[s->base].found;
     fused.unit_found = found->scan.unit_found;
     found->scan = fused;

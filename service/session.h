@@ -4,6 +4,7 @@
 #define SERVICE_SESSION_H
 #include <stddef.h>
 #include "cloudpoints.h"
+#include "digest.h"
 #include "errinfo.h"
 #include "libsurface.h"
 #include "sample.h"
@@ -25,6 +26,7 @@ struct session {
     size_t base; /* the frame whose points are, after session_build(), those of the fused face */
     const char *digest[SURFACE_FRAMES_MAX]; /* of each frame that was read; [ndigest] */
     size_t ndigest;
+    char read[STORE_READ_MAX + 1]; /* those of all, the base's first (digest.h) */
 };
 
 /* session_build(s, o, w, out, found, e): the face of all frames that were read, and why the others

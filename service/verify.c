@@ -141,6 +141,17 @@ static enum status digest_probe(const struct verification *v, struct store_probe
     return ST_OK;
 }
 
+/* Was one of the probe's frames among those that a template was fused from?  (The first of each is
+ * looked for when the attempt is recorded.) */
+static bool is_frame(const struct verification *v, const struct store_probe *probe)
+{
+    for (size_t i = 0; i < v->templates.of.n; i++)
+        for (size_t k = 0; probe->read[k] != NULL; k++)
+            if (digest_read_has(v->templates.of.t[i].read, probe->read[k]))
+                return true;
+    return false;
+}
+
 static enum status record(struct templates_context *c, struct verification *v,
                           struct errinfo *e)
 {
@@ -149,7 +160,7 @@ static enum status record(struct templates_context *c, struct verification *v,
     const struct store_limits *limits = r->of.limits;
     char outcome[STORE_NAME_MAX + 1];
     struct store_probe probe = {.read = {NULL}};
-    const struct store_record what = {
+    struct store_record what = {
         .subject = &v->templates.of.subject,
         .as = limits == NULL || limits->failures == 0 ? STORE_RECORD_UNCOUNTED
               : decision == SURFACE_MATCH             ? STORE_RECORD_PASSED
@@ -168,8 +179,10 @@ static enum status record(struct templates_context *c, struct verification *v,
         return st;
     (void)snprintf(outcome, sizeof outcome, "%s%s", templates_decision(decision),
                    r->captured != NULL ? r->captured : "");
-    if ((st = digest_probe(v, &probe, e)) != ST_OK ||
-        (st = store_record_verification(c->store, &what, &v->recorded, e)) != ST_OK)
+    if ((st = digest_probe(v, &probe, e)) != ST_OK)
+        return st;
+    what.replayed = is_frame(v, &probe);
+    if ((st = store_record_verification(c->store, &what, &v->recorded, e)) != ST_OK)
         return st;
     v->refusal.why = v->recorded.why;
     v->refusal.wait_ms = v->recorded.wait_ms;

@@ -36,7 +36,7 @@ static const struct sql_field columns[COL_MAC] = {
 static const struct sql_field about[] = {
     F(TEXT, one.label),
     F(TEXT, one.digest),
-    F(TEXT, read),
+    F(TEXT, one.read),
     F(NUMBER, number),
     F(BOOL, one.manager),
     REAL(one.first_score, -DBL_MAX, DBL_MAX),
@@ -339,7 +339,7 @@ static void encrypt(const struct log_txn *t, struct rows_template *row,
 
     memcpy(row->uid, of->one.uid, STORE_UID);
     hash_digest(t, "used", of->one.uid, row->one.digest, row->by_used);
-    hash_digest(t, "read", of->one.uid, row->read, row->by_read);
+    hash_digest(t, "read", of->one.uid, row->one.read, row->by_read);
     rows_table_encrypt(of->key, &label, about, ABOUT, row, &row->about);
 }
 

@@ -8,7 +8,6 @@ struct rows_template { /* a row as it was read and found authentic */
     int64_t revision;
     uint64_t number; /* of its subject's, in the order of enrolment */
     unsigned char mac[CRYPT_HASH];
-    char read[65]; /* digest of the scan's points as they were read; "": unknown */
     /* Set when the row is written: keyed hashes of both digests, what is encrypted. */
     unsigned char uid[STORE_UID], by_used[CRYPT_HASH], by_read[CRYPT_HASH];
     struct sql_field_blob about;
@@ -50,7 +49,7 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
                                void (*report)(void *arg, const char *line), void *arg,
                                struct errinfo *e);
 
-/* rows_template_add(t, of, row, face, len, e): a new row of row->one and row->read.
+/* rows_template_add(t, of, row, face, len, e): a new row of row->one.
  * rows_template_write(t, of, row, face, len, e): what row->one says by now, and another face.
  * rows_template_delete(t, of, row, e): and its face.
  * Each writes the subject's row, *of, too.

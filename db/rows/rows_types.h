@@ -11,6 +11,11 @@
 
 #define STORE_SUBJECT_MAX IDENT_SUBJECT
 #define STORE_ID_LEN      IDENT_ID
+/* Digests of the scans that a template was made from (digest.h): 64 digits of the first, and
+ * STORE_READ_OTHER of each other. */
+#define STORE_READ_OTHER 16
+#define STORE_READ_MAX   (64 + (SURFACE_FRAMES_MAX - 1) * STORE_READ_OTHER)
+
 #define STORE_LABEL_MAX   256 /* bytes of UTF-8, no control characters */
 #define STORE_NAME_MAX    64  /* of a token or an actor, printable ASCII */
 #define STORE_NOTE_MAX    128 /* bytes of UTF-8, no control characters */
@@ -26,6 +31,8 @@ struct store_template { /* everything about a template but its face */
     char label[STORE_LABEL_MAX + 1];
     char created[32]; /* RFC 3339, UTC */
     char digest[65];  /* digest_points(): SHA-256 of the canonical points */
+    /* digests of the scans' points as they were read (digest_read_add()); "": unknown */
+    char read[STORE_READ_MAX + 1];
     char engine[SURFACE_ENGINE_SIZE];
     uint32_t points, triangles; /* triangles: real ones, no ghosts */
     struct surface_quality quality;

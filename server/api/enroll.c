@@ -109,8 +109,9 @@ static void enroll_face(struct request *r, struct worker *w, const struct asked 
     struct enrolment_outcome out;
     struct json *j;
 
-    if (!enroll(r, w, ask,
-                &(struct store_sample){.face = w->probe, .read = found->digest}, 1, &x,
+    const char *read = frames != NULL ? frames->read : found->digest;
+
+    if (!enroll(r, w, ask, &(struct store_sample){.face = w->probe, .read = read}, 1, &x,
                 &out))
         return;
     r->result.outcome = x.created ? "enrolled" : "known";
