@@ -142,8 +142,7 @@ static enum status find_first(struct enrolling *g, struct errinfo *e)
     return e->code;
 }
 
-/* Sample i behind the first, where that one is what a sample has to fit: it is the subject's oldest
- * template to be, or a manager's. */
+/* Sample i behind the first.  oldest: the first is the subject's oldest template to be. */
 static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest,
                                       struct surface_comparison *r, struct errinfo *e)
 {
@@ -158,23 +157,43 @@ static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest
     return ST_OK;
 }
 
-/* That it does not fit is not counted as a failed attempt: who sends a scan that matches learns
- * nothing of the subject by others that he could not find out from that scan. */
+/* Against the subject's templates, where they are what a sample has to fit. */
+static enum status fit_templates(struct enrolling *g, const struct templates *a, size_t i,
+                                 struct errinfo *e)
+{
+    struct nearest *n = &g->out->nearest;
+    enum status st = hold_against(g, a, i, n, e);
+
+    if (st != ST_OK || n->compared == 0 || n->result.decision == SURFACE_MATCH)
+        return st;
+    if ((st = record(g, a, e)) != ST_EMISMATCH)
+        return st;
+    g->each[i].why = *e;
+    return ST_OK;
+}
+
+/* It has to match the first one, too: that says nothing of the subject, so that a scan that matches
+ * does not allow to try others, uncounted. */
 static enum status fit_other(struct enrolling *g, const struct templates *a, size_t i,
                              struct errinfo *e)
 {
     const bool none = a->of.n == 0;
-    struct nearest n;
-    enum status st = hold_against(g, a, i, &n, e);
+    struct surface_comparison r = {.size = sizeof r};
+    enum status st;
 
-    if (st == ST_OK && (none || g->x->manager))
-        st = compare_with_first(g, i, none, &n.result, e);
-    if (st != ST_OK)
-        return st;
     g->each[i].why = (struct errinfo){.code = ST_OK};
-    if (!g->x->force && n.result.decision != SURFACE_MATCH)
-        (void)does_not_fit(&n.result, none || g->x->manager, &g->each[i].why);
-    return ST_OK;
+    if (g->x->force && !none) {
+        struct nearest n;
+
+        return hold_against(g, a, i, &n, e);
+    }
+    if ((st = compare_with_first(g, i, none, &r, e)) != ST_OK || g->x->force)
+        return st;
+    if (r.decision != SURFACE_MATCH) {
+        (void)does_not_fit(&r, true, &g->each[i].why);
+        return ST_OK;
+    }
+    return none || g->x->manager ? ST_OK : fit_templates(g, a, i, e);
 }
 
 static enum status fit_others(struct enrolling *g, struct errinfo *e)

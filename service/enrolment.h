@@ -2,9 +2,9 @@
  * subject's oldest template, or one that was enrolled with scope manage: matching any
  * template is not enough, since a series of samples, each like the one before, would lead
  * to another person. An inconclusive sample is refused too, since an enrolled one decides
- * like the others. Several samples of one sitting are compared with the same templates;
- * if the subject has none yet, or they come with scope manage, with the first accepted
- * sample. All that match are stored in one transaction. */
+ * like the others. Of several samples of one capture session those behind the first accepted one
+ * must match it; then also the same templates, unless the subject has none yet or they come
+ * with scope manage. All that match are stored in one transaction. */
 #ifndef SERVICE_ENROLMENT_H
 #define SERVICE_ENROLMENT_H
 #include <stdbool.h>
@@ -51,9 +51,9 @@ struct enrolment_outcome {
  * each  [x->n], all zero, except why of a sample without a face
  * Returns ST_OK, also if some are refused; if all are, out->none is set and the first one's
  * status is returned (ST_EMISMATCH: it does not match).
- * Each sample that does not match, up to the first that does, is recorded like a failed
- * verification (store_record_verification()), as enroll_mismatch.  Later ones are not: a
- * client with a matching scan learns nothing about the subject by comparing others with it.
+ * Each sample that does not match the templates is recorded like a failed verification
+ * (store_record_verification()), as enroll_mismatch.  One that does not match the first accepted
+ * sample is not compared with them, and not recorded.
  * On failure nothing is stored.  ST_EDENIED: out->over_allowance, or out->refusal says why; or as
  * templates_nearest(), store_record_verification(), store_enroll(). */
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,

@@ -209,7 +209,7 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
 /* The frames of a form are one probe, and one attempt. */
 static void verify_form(struct request *r, struct worker *w, struct verify_request *ask)
 {
-    struct form *f = form_read(r, FORM_FRAMES_VERIFY);
+    struct form *f = form_read(r, MULTIPART_FRAMES_MAX);
 
     if (f == NULL)
         return;

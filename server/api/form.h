@@ -9,8 +9,6 @@
 struct errinfo; /* errinfo.h */
 struct request; /* request.h */
 
-#define FORM_FRAMES_VERIFY 10 /* of a probe at most; of a template MULTIPART_FILES_MAX */
-
 struct form {
     struct multipart_file file[MULTIPART_FILES_MAX]; /* their data has gone */
     struct session session;

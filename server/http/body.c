@@ -128,7 +128,7 @@ static bool take_files(struct request *r)
     if (r->route->body == ROUTE_CLOUDS)
         return true;
     if (multipart_read(r->body, r->len, r->boundary,
-                       r->route->body == ROUTE_FRAMES ? MULTIPART_FILES_MAX : 1, f, &n,
+                       r->route->body == ROUTE_FRAMES ? MULTIPART_FRAMES_MAX : 1, f, &n,
                        &e) != ST_OK) {
         request_fail(r, &e);
         return false;

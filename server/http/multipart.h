@@ -12,7 +12,8 @@ struct errinfo; /* errinfo.h */
 
 #define MULTIPART_BOUNDARY_MAX 70 /* RFC 2046 section 5.1.1 */
 #define MULTIPART_VALUE_MAX    128
-#define MULTIPART_FILES_MAX    20
+#define MULTIPART_FILES_MAX    20 /* of a template */
+#define MULTIPART_FRAMES_MAX   10 /* of a probe */
 
 /* multipart_boundary(type, out): the parameter boundary of a Content-Type's value.  False: it
  * has none that RFC 2046 allows, and out is "". */

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: several files of a form are enrolled together: each that matches the first accepted sample
+# Goal: with fuse=false several files of a form are enrolled together: each that matches the first accepted sample
 # becomes a template, the response lists them all, and a request takes full effect or none.
 # shellcheck disable=SC2016 # the variables are jq's
 . tests/box/lib.sh
@@ -17,7 +17,8 @@ head -c 1500 "$T/a1.ply" >"$T/cut.ply"
 
 # burst SUBJECT[?QUERY] FILE...: enrolls them; the template ids or refusals are in $LIST.
 burst() {
-    b_subject=${1%%\?*} b_query=${1#"$b_subject"}
+    b_subject=${1%%\?*} b_query=?fuse=false
+    [ "$1" = "$b_subject" ] || b_query="$b_query&${1#*\?}"
     shift
     for b_file; do
         set -- "$@" -F "file=@$T/$b_file"
@@ -99,9 +100,9 @@ is "with force" "$STATUS $LIST" '201 new new malformed same'
 AUTH=$(new_token enrolls --scope enroll)
 burst dave?force=true c.ply a1.ply
 problem "without manage" 403 insufficient_scope
-req POST /v1/subjects/erin/templates -F "file=@$T/a0.ply" -F "file=@$T/a1.ply" -H 'Prefer: return=minimal'
+req POST /v1/subjects/erin/templates?fuse=false -F "file=@$T/a0.ply" -F "file=@$T/a1.ply" -H 'Prefer: return=minimal'
 is "what was refused is told whatever is preferred" "$STATUS $(get '.templates | length') $(field Preference-Applied)" '201 2 '
-req POST /v1/subjects/erin/templates -F "file=@$T/a0.ply" -F "file=@$T/a1.ply"
+req POST /v1/subjects/erin/templates?fuse=false -F "file=@$T/a0.ply" -F "file=@$T/a1.ply"
 is "sent again" "$STATUS" 200
 
 # ---- the form
@@ -112,21 +113,19 @@ problem "21 files" 400 malformed 'send 1 to 20 files, each with a file name, wit
 shift
 burst frank "$@"
 is "20 files" "$STATUS $LIST" "201 new$(printf ' same%.0s' $(seq 19))"
-req POST /v1/subjects/gina/templates -F "file=@$T/a0.ply" -F units=mm
+req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply" -F units=mm
 problem "a parameter" 400 malformed 'the parts file, units: send 1 to 20 files'
-req POST /v1/subjects/gina/templates -F "file=@$T/a0.ply" -F "file=<$T/a1.ply"
+req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply" -F "file=<$T/a1.ply"
 problem "a part without a name" 400 malformed 'each with a file name'
 AUTH=$(new_token two)
-req POST /v1/subjects/alice/verify -F "file=@$T/a0.ply" -F "file=@$T/a1.ply"
-problem "verify takes one" 400 malformed 'the parts file, file: send one file alone'
 burst 'gina?units=parsec' a0.ply a1.ply
 problem "a wrong parameter" 400 invalid_parameter '^units'
-req POST /v1/subjects/gina/templates -F "file=@$T/a0.ply;headers=Content-Encoding: br" \
+req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply;headers=Content-Encoding: br" \
     -F 'file=@/dev/null;filename=empty.ply' -F "file=@$T/a3.ply.gz;headers=Content-Encoding: gzip"
 is "codings and an empty one" "$STATUS $(get '[.templates[].refusal.detail] | tojson')" \
     '201 ["Content-Encoding may be gzip or zstd, one of them and once","the file is empty",null]'
 name=$(printf 'a\033\377"b.ply')
-req POST /v1/subjects/gina/templates -F "file=@$T/a0.ply;filename=$name" -F "file=@$T/none.ply;filename=$name"
+req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply;filename=$name" -F "file=@$T/none.ply;filename=$name"
 is "an odd name is told, and harmless" "$STATUS $(get '.templates[1].file')" "201 $(printf 'a\033\357\277\275%%22b.ply')"
 
 # ---- the limits are for all together

@@ -57,7 +57,7 @@ AUTH=$NARROW
 send POST /v1/subjects/bob/templates "$XYZ" "$T/10.xyz"
 last=0.14
 for share in $STEPS; do
-    req POST '/v1/subjects/bob/templates?axes=scanner' -F "file=@$T/$last.xyz" -F "file=@$T/$share.xyz"
+    req POST '/v1/subjects/bob/templates?fuse=false&axes=scanner' -F "file=@$T/$last.xyz" -F "file=@$T/$share.xyz"
     ok "a form, a share of $share: $STATUS" matches "$STATUS" '^20[01]$'
     [ "$(get '.templates[1].template_id')" = null ] || last=$share
 done

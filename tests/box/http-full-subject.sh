@@ -22,7 +22,7 @@ form() {
         shift
         set -- "$@" -F "file=@$T/$f_file.ply"
     done
-    req POST "/v1/subjects/$f_subject/templates" "$@"
+    req POST "/v1/subjects/$f_subject/templates?fuse=false" "$@"
 }
 
 start_daemon --no-auth

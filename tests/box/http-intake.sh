@@ -35,9 +35,9 @@ problem "one that is there takes nothing" 409 exists
 scan 2 0 "$T/other.ply"
 enroll alice other
 problem "what does not fit takes nothing" 409 sample_mismatch
-req POST /v1/subjects/alice/templates -F "file=@$T/2.ply" -F "file=@$T/3.ply" -F "file=@$T/4.ply"
+req POST /v1/subjects/alice/templates?fuse=false -F "file=@$T/2.ply" -F "file=@$T/3.ply" -F "file=@$T/4.ply"
 is "two new ones of three" "$STATUS $(get '[.templates[].new] | tojson')" '201 [false,true,true]'
-req POST /v1/subjects/alice/templates -F "file=@$T/5.ply" -F "file=@$T/6.ply" -F "file=@$T/7.ply"
+req POST /v1/subjects/alice/templates?fuse=false -F "file=@$T/5.ply" -F "file=@$T/6.ply" -F "file=@$T/7.ply"
 is "with room for one a form is taken whole" "$STATUS $(get '[.templates[].new] | tojson')" '201 [true,true,true]'
 enroll alice 8
 problem "beyond it" 429 too_many_enrollments 'has added 7 templates and subjects within an hour'
@@ -83,7 +83,7 @@ problem "a subject" 503 storage_full
 send POST /v1/subjects/dave/verify "$PLY" "$T/other.ply"
 is "a verification" "$STATUS $(get .decision)" '200 no_match'
 for i in 1 2 3; do
-    req POST "/v1/subjects/frank$i/templates" -F "file=@$T/0.ply" -F "file=@$T/other.ply"
+    req POST "/v1/subjects/frank$i/templates?fuse=false" -F "file=@$T/0.ply" -F "file=@$T/other.ply"
     problem "several files, $i" 503 storage_full
     is "several files, $i: not soon" "$(field Retry-After)" 60
 done
