@@ -62,7 +62,7 @@ static void put_read(struct session *s)
             digest_read_add(s->read, s->digest[i]);
 }
 
-/* What is said of them all. */
+/* What is said of them all: of the first frame with that status, if there is one. */
 static enum status conclude(const struct session *s, enum status st,
                             const struct sample_found *found, struct errinfo *e)
 {
@@ -78,8 +78,11 @@ static enum status conclude(const struct session *s, enum status st,
             sample_refuse("the fused frames", st, found, e);
             return st;
         }
-    return errinfo_set(e, st, "none of the %zu frames shows a face; %.80s: %s", s->n,
-                       name_of(s, 0), s->frame[0].why.msg);
+    for (size_t i = 0; i < s->n; i++)
+        if (s->frame[i].why.code == st)
+            return errinfo_set(e, st, "none of the %zu frames shows a face; %s", s->n,
+                               s->frame[i].why.msg);
+    return e->code = st;
 }
 
 enum status session_build(struct session *s, const struct sample_options *o,

@@ -21,8 +21,7 @@ static enum status read_frame(struct cloud_reading *g, const struct multipart_fi
     st = cloud_read_file(g, file, &to->points, e);
     if (st == ST_ELIMIT || st == ST_ESIZE || !(dry_run_is_refusal(st) || st == ST_EINVAL))
         return st;
-    to->why = *e;
-    to->why.code = st;
+    (void)errinfo_set(&to->why, st, "%.80s: %s", file->name, e->msg);
     return ST_OK;
 }
 

@@ -22,7 +22,6 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ST_ENOTFACE] = {422, "not_a_face", "The surface is not a face"},
     [ST_EQUALITY] = {422, "low_quality", "The quality of the scan is too low"},
     [ST_EPEOPLE] = {422, "several_people", "The frames are of more than one person"},
-    [ST_EAPART] = {422, "apart", "The frame does not lie on the others"},
     [ST_ECORRUPT] = {500, "internal", "Internal error"},
     [ST_EVERSION] = {500, "internal", "Internal error"},
     [ST_ENOTFOUND] = {404, "not_found", "Not found"},

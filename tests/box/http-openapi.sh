@@ -168,13 +168,13 @@ other=$(field Location)
 # several files: taken, there already, and none of them
 jq -c '{points: .points[:3]}' "$T/a2.json" >"$T/few.json"
 for status in 201 200; do
-    ask POST /v1/subjects/erin/templates $status -F "file=@$T/a.ply" -F "file=@$T/few.json" \
+    ask POST /v1/subjects/erin/templates?fuse=false $status -F "file=@$T/a.ply" -F "file=@$T/few.json" \
         -F "file=@$T/b.ply" -F "file=@$T/a2.json"
 done
-ask POST /v1/subjects/erin/templates 409 -F "file=@$T/b.ply" -F "file=@$T/few.json"
-ask POST /v1/subjects/erin/templates 422 -F "file=@$T/few.json" -F "file=@$T/b.ply"
+ask POST /v1/subjects/erin/templates?fuse=false 409 -F "file=@$T/b.ply" -F "file=@$T/few.json"
+ask POST /v1/subjects/erin/templates?fuse=false 422 -F "file=@$T/few.json" -F "file=@$T/b.ply"
 head -c 50000 "$T/api" >"$T/odd"
-ask POST /v1/subjects/erin/templates 400 -F "file=@$T/odd" -F "file=@$T/b.ply"
+ask POST /v1/subjects/erin/templates?fuse=false 400 -F "file=@$T/odd" -F "file=@$T/b.ply"
 ask DELETE /v1/subjects/erin 200
 for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify" 200 "$JSON" "$T/a2.json"

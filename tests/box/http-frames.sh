@@ -1,0 +1,103 @@
+#!/bin/sh
+# Goal: the files of a form are the frames of one capture session: fused into one template or one
+# probe, one attempt; what is left out is told, and another person's frame refuses the form.
+# shellcheck disable=SC2016 # the variables are jq's
+. tests/box/lib.sh
+
+for k in 0 1 2 3 4 5 6; do
+    scan 1 $k "$T/a$k.ply" --pose 5 --shift 5 --noise 0.8
+    scan 2 $k "$T/b$k.ply" --pose 5 --shift 5 --noise 0.8
+done
+scan 1 8 "$T/noisy.ply" --noise 6
+echo 'no scan' >"$T/none.ply"
+awk 'BEGIN { for (i = 0; i < 2000; i++) print i % 50 * 3, int(i / 50) * 4, 0 }' >"$T/plane.xyz"
+
+# form PATH FILE...: of each file what became of it in $LIST
+form() {
+    f_path=$1
+    shift
+    for f_file; do
+        set -- "$@" -F "file=@$T/$f_file"
+        shift
+    done
+    req POST "/v1/$f_path" "$@"
+    LIST=$(get '[.frames[]? | if .used then "used" else .reason.code end] | join(" ")')
+}
+stored() { sql "SELECT count(*) FROM $1"; }
+events() { sql "SELECT count(*) FROM $ENTRIES WHERE kind = '$1'"; }
+
+start_daemon --attempts 4 --max-body 2000000 --workers 2
+AUTH=$(new_token one)
+
+# ---- enrolment
+form subjects/alice/templates a0.ply a1.ply none.ply a2.ply plane.xyz
+is "three frames" "$STATUS $LIST" '201 used used malformed used not_a_face'
+fits "a template" Template
+is "one template" "$(stored templates)" 1
+is "its location" "$(field Location)" "/v1/templates/$(get .template_id)"
+is "with their names" "$(get '[.frames[].file] | join(" ")')" 'a0.ply a1.ply none.ply a2.ply plane.xyz'
+fused=$(get .quality.noise_mm)
+id=$(get .template_id)
+send POST /v1/subjects/single/templates "$PLY" "$T/a0.ply"
+is "one frame is enrolled" "$STATUS" 201
+ok "it has more noise" jq_true "$fused < 0.8 * .quality.noise_mm" "$T/body"
+form subjects/alice/templates a0.ply a1.ply none.ply a2.ply plane.xyz
+is "again: the same template" "$STATUS $(get .template_id)" "200 $id"
+form subjects/carol/templates a0.ply
+is "a form with one file" "$STATUS $LIST" '201 used'
+is "is the scan itself" "$(get .digest)" "$(req GET /v1/subjects/single && get '.templates[0].digest')"
+form 'subjects/dave/templates?fuse=false' a0.ply a1.ply
+is "without fusing" "$STATUS $(get '.templates | length') $(get '.frames')" '201 2 null'
+form 'subjects/dave/templates?fuse=maybe' a0.ply a1.ply
+problem "a wrong parameter" 400 invalid_parameter '^fuse'
+before=$(stored templates)
+form subjects/erin/templates a0.ply b1.ply a2.ply
+problem "two people" 422 several_people '^b1.ply shows another person than a[02].ply'
+is "each is listed" "$LIST" 'used several_people used'
+form subjects/erin/templates none.ply plane.xyz
+problem "no frame has a face" 422 not_a_face 'none of the 2 frames shows a face; plane.xyz: the surface'
+is "each is listed" "$LIST" 'malformed not_a_face'
+is "nothing was stored" "$(stored templates)" "$before"
+form subjects/alice/templates b0.ply b1.ply b2.ply
+problem "another person's session" 409 sample_mismatch
+is "is one attempt" "$(events enroll_mismatch)" 1
+form subjects/alice/templates a3.ply a4.ply
+is "a further one" "$STATUS $LIST" '201 used used'
+
+# ---- verification
+form subjects/alice/verify a5.ply none.ply a6.ply
+is "verified" "$STATUS $(get .decision) $LIST" '200 match used malformed used'
+fits "a comparison" Verdict
+form "templates/$id/verify" a5.ply a6.ply
+is "against one template" "$STATUS $(get .decision) $LIST" '200 match used used'
+square='[.heatmap[] | select(. != null) | . * .] | add / length'
+form 'subjects/alice/verify?detail=heatmap' a5.ply
+one=$(get "$square")
+form 'subjects/alice/verify?detail=heatmap' a5.ply a6.ply
+is "its heat map is of the points of the base" "$STATUS $(get '.heatmap | length')" "200 $(get .scan.points_read)"
+ok "of the fused surface" jq_true "($square) < 0.9 * $one" "$T/body"
+before=$(events verify)
+form subjects/alice/verify b3.ply b4.ply b5.ply b6.ply
+is "another person" "$STATUS $(get .decision) $LIST" '200 no_match used used used used'
+is "one event" "$(events verify)" $((before + 1))
+req GET /v1/subjects/alice
+is "one failed attempt" "$(get .attempts.failures)" 1
+before=$(events verify)
+form subjects/alice/verify a5.ply b4.ply a6.ply
+problem "two people" 422 several_people '^b4.ply shows another person'
+is "each is listed" "$LIST" 'used several_people used'
+is "which is compared with nobody" "$(events verify)" "$before"
+form subjects/alice/verify plane.xyz none.ply
+problem "no face" 422 not_a_face 'none of the 2 frames shows a face; plane.xyz: '
+form subjects/alice/verify a5.ply a1.ply
+problem "a frame of a template" 422 replayed
+form subjects/alice/verify a2.ply
+problem "by itself" 422 replayed
+form subjects/alice/verify b3.ply b4.ply
+form subjects/alice/verify a5.ply a6.ply
+problem "locked out" 429 too_many_attempts
+set --
+for _ in $(seq 11); do set -- "$@" a0.ply; done
+form subjects/single/verify "$@"
+problem "11 files" 400 malformed 'send 1 to 10 files, each with a file name'
+finish
