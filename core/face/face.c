@@ -188,9 +188,9 @@ enum status face_adopt(struct surface_face *f, struct surface_work *w)
     return st;
 }
 
-/* What face_build() does once the points are on the lattice.  flatten: lay spikes flat. */
-static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
-                         struct surface_work *w, struct surface_face *out)
+/* The surface of points on the lattice, and its quality.  flatten: lay spikes flat. */
+static enum status prepare(const struct ivec3 *pts, size_t n, bool flatten,
+                           struct surface_work *w, struct surface_face *out)
 {
     struct scratch *s = &w->measure.scratch;
     enum status st;
@@ -202,33 +202,67 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
         return st;
     if (out->surface.mesh.nv < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
-    if ((st = quality_rate(&out->surface, (double)out->step_mm, s, &out->quality)) !=
-            ST_OK ||
-        (st = place_find(out, w)) != ST_OK)
+    return quality_rate(&out->surface, (double)out->step_mm, s, &out->quality);
+}
+
+/* What face_build() does once the points are on the lattice. */
+static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
+                         struct surface_work *w, struct surface_face *out)
+{
+    enum status st = prepare(pts, n, flatten, w, out);
+
+    if (st != ST_OK || (st = place_find(out, w)) != ST_OK)
         return st;
     return out->frame.support > FACE_SUPPORT ? ST_OK : ST_ENOTFACE;
 }
 
-enum status face_build(const struct dvec3 *pts, size_t n, struct surface_work *w,
-                       struct surface_face *out, size_t *bad)
+/* The points on the lattice, in w. */
+static enum status load(const struct dvec3 *pts, size_t n, struct surface_work *w,
+                        struct surface_face *out, size_t *bad, struct ivec3 **lattice)
 {
-    struct ivec3 *lattice;
-    enum status st;
-
     clear(out);
     out->frame = (struct frame){0};
     if (n < SURFACE_MIN_POINTS)
         return ST_ETOOFEW;
     if (n > SURFACE_MAX_POINTS)
         return ST_ELIMIT;
-    if ((lattice = scratch_need(&w->measure.points, n * sizeof *lattice)) == NULL)
+    if ((*lattice = scratch_need(&w->measure.points, n * sizeof **lattice)) == NULL)
         return ST_ENOMEM;
-    st = lattice_from_mm(pts, n, LATTICE_PER_MM, lattice, bad);
+    return lattice_from_mm(pts, n, LATTICE_PER_MM, *lattice, bad);
+}
+
+enum status face_build(const struct dvec3 *pts, size_t n, struct surface_work *w,
+                       struct surface_face *out, size_t *bad)
+{
+    struct ivec3 *lattice;
+    enum status st = load(pts, n, w, out, bad, &lattice);
+
     if (st == ST_OK)
         st = build(lattice, n, true, w, out);
     if (st != ST_OK)
         clear(out);
     return st;
+}
+
+enum status face_lay(const struct dvec3 *pts, size_t n, const struct pose *pose,
+                     struct surface_work *w, struct surface_face *out, size_t *bad)
+{
+    struct ivec3 *lattice;
+    enum status st = load(pts, n, w, out, bad, &lattice);
+
+    if (st == ST_OK)
+        st = prepare(lattice, n, true, w, out);
+    if (st != ST_OK)
+        clear(out);
+    out->frame = (struct frame){.pose = *pose, .mean_id = w->mean.mean_id};
+    out->encoding.n = 0;
+    return st;
+}
+
+enum status face_encode(const float z[GRID_N], double residual_mm, struct surface_work *w,
+                        struct surface_face *f)
+{
+    return encode_heights(&w->encode, z, residual_mm, &w->normal, &f->encoding);
 }
 
 enum status face_rebuild(struct surface_face *f, struct surface_work *w)

@@ -42,6 +42,16 @@ struct measure_work *face_work_measure(struct surface_work *w);
  * ST_ENOMEM; ST_ELIMIT. */
 enum status face_build(const struct dvec3 *pts, size_t n, struct surface_work *w,
                        struct surface_face *out, size_t *bad);
+
+/* face_lay(pts, n, pose, w, out, bad): as face_build(), but the canonical frame is pose (points, mm ->
+ * canonical frame), and there is no encoding: half the cost.
+ * face_encode(z, residual_mm, w, f): the encoding of the heights z (heights.h) becomes f's.
+ * Returns ST_OK, ST_ENOMEM. */
+enum status face_lay(const struct dvec3 *pts, size_t n, const struct pose *pose,
+                     struct surface_work *w, struct surface_face *out, size_t *bad);
+enum status face_encode(const float z[GRID_N], double residual_mm, struct surface_work *w,
+                        struct surface_face *f);
+
 void face_free(struct surface_face *f); /* NULL and empty ones are allowed */
 
 /* face_adopt(f, w): for decoding: mesh_link(), then everything that follows from the mesh.

@@ -112,7 +112,7 @@ static struct pose start_of(const struct surface_face *base, const struct surfac
 
 enum status fuse_register(const struct surface_face *base, const float z[GRID_N],
                           const struct surface_face *f, struct surface_work *w,
-                          struct fuse_place *out)
+                          struct fuse_place *out, float own[GRID_N])
 {
     const struct encode_basis *e = face_work_encode(w);
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
@@ -120,7 +120,6 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
     struct pose move = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct pose pose = start_of(base, f), there;
     struct heights h;
-    float own[GRID_N];
     struct gaps g;
     double x[6];
     const enum status st =

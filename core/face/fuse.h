@@ -33,12 +33,13 @@ double fuse_worth(const struct surface_face *f, const struct surface_work *w);
 enum status fuse_cells(const struct surface_face *f, struct surface_work *w,
                        float z[GRID_N]);
 
-/* fuse_register(base, z, f, w, out): lays f on the base, whose cells are z, from where their
+/* fuse_register(base, z, f, w, out, own): lays f on the base, whose cells are z, from where their
  * canonical frames coincide: reweighted Gauss-Newton steps on the gaps of the cells, at right
- * angles to the mean face, by the six motions.  Returns ST_OK, ST_ENOMEM. */
+ * angles to the mean face, by the six motions.  own receives the heights of f there, in the base's
+ * cells.  Returns ST_OK, ST_ENOMEM. */
 enum status fuse_register(const struct surface_face *base, const float z[GRID_N],
                           const struct surface_face *f, struct surface_work *w,
-                          struct fuse_place *out);
+                          struct fuse_place *out, float own[GRID_N]);
 
 /* fuse_points(base, n, f, at, w, out, npts): the points of the fused surface, in the base's frame, mm:
  * those of the base, numbered as in its mesh; then those of the others where no frame before has

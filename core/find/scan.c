@@ -206,9 +206,17 @@ static void scale(struct cloudpoints *c, double by)
         c->at[i] = (struct dvec3){c->at[i].x * by, c->at[i].y * by, c->at[i].z * by};
 }
 
-static enum status build(struct scan *s)
+/* pose: of the points' canonical frame, by the fit. */
+static enum status build(struct scan *s, const struct pose *pose)
 {
-    return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
+    enum status st;
+
+    if (!s->o->frame)
+        return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
+    st = face_lay(s->c->at, s->c->n, pose, s->w, s->out, s->bad);
+    s->out->encoding.residual_mm = (float)s->fit.residual_mm;
+    s->out->encoding.cells = s->fit.skin;
+    return st;
 }
 
 /* Is a point where none can be, which says more than that there is no face? */
@@ -232,10 +240,11 @@ static enum status build_crop(struct scan *s)
     const size_t n = s->c->n, most = n > SCAN_FULL ? SCAN_ENOUGH : SCAN_FULL;
     struct crop_count count;
     const enum status judged = judge_face(s);
+    struct pose mm;
     enum status st;
 
     if (judged == ST_ENOTFACE && beyond(s))
-        return build(s);
+        return build(s, &still);
     tell_turn(s, false);
     if ((st = crop_face(s->c, &view, most, &count)) != ST_OK)
         return st;
@@ -247,7 +256,8 @@ static enum status build_crop(struct scan *s)
     st = judge_enrolment(s);
     if (judged != ST_OK || st != ST_OK)
         return judged != ST_OK ? judged : st;
-    return build(s);
+    mm = pose_scale(&still, 1 / s->fit.size);
+    return build(s, &mm);
 }
 
 /* The points stay as they are, and their model. */
