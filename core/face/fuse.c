@@ -20,7 +20,7 @@
 
 /* Registration: looks at the heights, and reweightings at each; Huber's limit, about twice the noise
  * of a cell of a depth camera. */
-#define FUSE_LOOKS    3
+#define FUSE_LOOKS    2
 #define FUSE_PASSES   4
 #define FUSE_HUBER_MM 1.5
 
@@ -219,59 +219,53 @@ struct fusing {
     uint32_t n;
     struct measure_work *m;
     double weight[SURFACE_FRAMES_MAX]; /* the base's first */
-    size_t room, npts;
-    struct dvec3 *pts; /* [room] */
-    float *above;      /* [(n + 1) room of a frame] */
+    struct dvec3 *pts;                 /* the base's points, then those of the others that
+                                          are not over what the base has measured */
+    size_t end[SURFACE_FRAMES_MAX];    /* in pts, of the base's, and of each other's */
+    float *above;                      /* [n + 1] of each of so many points */
 };
 
-/* Frame i over the base: m->moved.  It is empty where it is seen edge-on. */
-static enum status move(struct fusing *g, uint32_t i)
+/* Lays frame i over the base: how far it lies above the base's points, and its own points where the
+ * base has not measured anything. */
+static enum status lay(struct fusing *g, uint32_t i, float *above, float *base_above)
 {
+    const struct mesh *b = &g->base->surface.mesh;
     struct measure_work *m = g->m;
-    const enum status st = surface_move(&g->f[i]->surface, g->at[i].transform, &m->points,
-                                        &m->scratch, &m->moved);
+    const struct mesh *own = &m->moved.mesh;
+    enum status st = surface_move(&g->f[i]->surface, g->at[i].transform, &m->points,
+                                  &m->scratch, &m->moved);
 
-    return st == ST_ENOMEM ? st : ST_OK;
+    g->end[i + 1] = g->end[i];
+    if (st != ST_OK) { /* seen edge-on: it has nothing to say */
+        for (uint32_t v = 0; v < b->nv; v++)
+            above[v] = (float)NAN;
+        return st == ST_ENOMEM ? st : ST_OK;
+    }
+    st = above_vertices(&g->base->surface, &m->moved, m, above);
+    if (st == ST_OK)
+        st = above_vertices(&m->moved, &g->base->surface, m, base_above);
+    for (uint32_t v = 0; st == ST_OK && v < own->nv; v++)
+        if (isnan(base_above[v]))
+            g->pts[g->end[i + 1]++] = lattice_to_mm(own->xy[v], own->z[v]);
+    return st;
 }
 
 /* The base's points. */
 static enum status fuse_base(struct fusing *g)
 {
     const struct mesh *b = &g->base->surface.mesh;
+    float *const last = g->above + (size_t)(g->n + 1) * b->nv;
     enum status st = ST_OK;
 
-    for (uint32_t v = 0; v < b->nv; v++)
-        g->above[v] = 0.0f;
-    for (uint32_t i = 0; st == ST_OK && i < g->n; i++) {
-        float *above = g->above + (size_t)(i + 1) * b->nv;
-
-        if ((st = move(g, i)) == ST_OK && g->m->moved.mesh.nv > 0)
-            st = above_vertices(&g->base->surface, &g->m->moved, g->m, above);
-        else
-            for (uint32_t v = 0; v < b->nv; v++)
-                above[v] = (float)NAN;
-    }
-    for (uint32_t v = 0; st == ST_OK && v < b->nv; v++) {
+    for (uint32_t v = 0; v < b->nv; v++) {
         g->pts[v] = lattice_to_mm(b->xy[v], b->z[v]);
-        g->pts[v].z += mean_at(g->above, g->weight, g->n + 1, b->nv, v);
+        g->above[v] = 0.0f;
     }
-    g->npts = b->nv;
-    return st;
-}
-
-/* Those vertices of frame i, over the base, where the base has not measured anything: into pts. */
-static enum status take_others(struct fusing *g, uint32_t i, struct dvec3 *pts, size_t *n)
-{
-    const struct mesh *b = &g->m->moved.mesh;
-    enum status st = move(g, i);
-
-    *n = 0;
-    if (st != ST_OK || b->nv == 0)
-        return st;
-    st = above_vertices(&g->m->moved, &g->base->surface, g->m, g->above);
+    g->end[0] = b->nv;
+    for (uint32_t i = 0; st == ST_OK && i < g->n; i++)
+        st = lay(g, i, g->above + (size_t)(i + 1) * b->nv, last);
     for (uint32_t v = 0; st == ST_OK && v < b->nv; v++)
-        if (isnan(g->above[v]))
-            pts[(*n)++] = lattice_to_mm(b->xy[v], b->z[v]);
+        g->pts[v].z += mean_at(g->above, g->weight, g->n + 1, b->nv, v);
     return st;
 }
 
@@ -280,8 +274,8 @@ static enum status take_others(struct fusing *g, uint32_t i, struct dvec3 *pts, 
 static enum status above_points(struct fusing *g, uint32_t i, const struct dvec3 *pts,
                                 size_t n, float *above)
 {
-    double *gap = scratch_need(&g->m->arrays, n * sizeof *gap), back[16];
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+    double *gap = scratch_need(&g->m->arrays, n * sizeof *gap), back[16];
     struct pose there;
     enum status st = ST_ENOMEM;
 
@@ -295,29 +289,44 @@ static enum status above_points(struct fusing *g, uint32_t i, const struct dvec3
     return st;
 }
 
-/* The points of frame i where neither the base nor a frame before it has measured anything. */
-static enum status fuse_other(struct fusing *g, uint32_t i)
+/* The height of point p of frame i, one of n, over it: by its own frame and those behind it.  False: a
+ * frame before it has measured there, too. */
+static bool fuse_one(const struct fusing *g, uint32_t i, size_t p, size_t n, double *over)
 {
-    struct dvec3 *pts = g->pts + g->npts;
-    float before[SURFACE_FRAMES_MAX];
-    size_t n;
-    enum status st = take_others(g, i, pts, &n);
+    float later[SURFACE_FRAMES_MAX] = {0.0f}; /* the first: its own */
 
+    for (uint32_t k = 0; k < i; k++)
+        if (!isnan(g->above[k * n + p]))
+            return false;
+    for (uint32_t k = i + 1; k < g->n; k++)
+        later[k - i] = g->above[k * n + p];
+    *over = mean_at(later, g->weight + 1 + i, g->n - i, 1, 0);
+    return true;
+}
+
+/* The points of the others where no frame before has measured anything, behind the base's: *npts in
+ * all. */
+static enum status fuse_others(struct fusing *g, size_t *npts)
+{
+    const struct dvec3 *pts = g->pts + g->end[0];
+    const size_t n = g->end[g->n] - g->end[0];
+    enum status st = ST_OK;
+    double over;
+
+    *npts = g->end[0];
+    mem_free(g->above);
+    if ((g->above = mem_array(g->n * n, sizeof *g->above)) == NULL)
+        return ST_ENOMEM;
     for (uint32_t k = 0; st == ST_OK && n > 0 && k < g->n; k++)
-        if (k != i)
-            st = above_points(g, k, pts, n, g->above + (k + 1) * n);
-    for (size_t p = 0; st == ST_OK && p < n; p++) {
-        bool theirs = false;
+        st = above_points(g, k, pts, n, g->above + k * n);
+    for (uint32_t i = 0; st == ST_OK && i < g->n; i++)
+        for (size_t p = g->end[i] - g->end[0]; p < g->end[i + 1] - g->end[0]; p++)
+            if (fuse_one(g, i, p, n, &over)) {
+                struct dvec3 one = pts[p]; /* it does not move backwards */
 
-        for (uint32_t k = 0; k < i; k++)
-            theirs = theirs || !isnan(g->above[(k + 1) * n + p]);
-        if (theirs)
-            continue;
-        for (uint32_t k = i; k < g->n; k++)
-            before[k - i] = k == i ? 0.0f : g->above[(k + 1) * n + p];
-        g->pts[g->npts] = pts[p];
-        g->pts[g->npts++].z += mean_at(before, g->weight + 1 + i, g->n - i, 1, 0);
-    }
+                one.z += over;
+                g->pts[(*npts)++] = one;
+            }
     return st;
 }
 
@@ -327,30 +336,28 @@ enum status fuse_points(const struct surface_face *base, uint32_t n,
                         struct dvec3 **out, size_t *npts)
 {
     struct fusing g = {.base = base, .f = f, .at = at, .n = n, .m = face_work_measure(w)};
-    uint32_t most = base->surface.mesh.nv;
+    size_t most = base->surface.mesh.nv, room = most;
     enum status st = ST_ENOMEM;
 
     g.weight[0] = weight_of(base);
-    g.room = most;
     for (uint32_t i = 0; i < n; i++) {
-        const uint32_t nv = f[i]->surface.mesh.nv;
+        const size_t nv = f[i]->surface.mesh.nv;
 
         g.weight[i + 1] = weight_of(f[i]);
-        g.room += nv;
+        room += nv;
         most = nv > most ? nv : most;
     }
-    g.pts = mem_array(g.room, sizeof *g.pts);
-    g.above = mem_array((size_t)(n + 1) * most, sizeof *g.above);
+    g.pts = mem_array(room, sizeof *g.pts);
+    g.above = mem_array((n + 2) * most, sizeof *g.above);
     if (g.pts != NULL && g.above != NULL)
         st = fuse_base(&g);
-    for (uint32_t i = 0; st == ST_OK && i < n; i++)
-        st = fuse_other(&g, i);
+    if (st == ST_OK)
+        st = fuse_others(&g, npts);
     mem_free(g.above);
     if (st != ST_OK) {
         mem_free(g.pts);
         g.pts = NULL;
     }
     *out = g.pts;
-    *npts = g.npts;
     return st;
 }

@@ -39,9 +39,10 @@
 #define SCAN_UP_LEAST   0.3
 #define SCAN_UP_POSES   2
 
-/* Support from which on a face is where it lay in another frame: the plainly frontal ones of most
- * sensors have it. */
-#define SCAN_NEAR 0.45
+/* Support from which on a face is where it lay in another frame, and from which on, uncovered, it
+ * has hardly moved. */
+#define SCAN_NEAR  0.45
+#define SCAN_STILL 0.7
 
 static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
@@ -363,11 +364,14 @@ static enum status look_near(struct scan *s, struct scan_search *k)
     enum status st;
 
     scale(s->c, near->unit_mm);
-    st = shape_seek(s->shape, s->c->at, s->c->n, &near->pose, false, &rough);
-    if (st == ST_OK)
-        st = shape_seek(s->shape, s->c->at, s->c->n, &rough.pose, true, &close);
-    if (st == ST_OK)
-        st = shape_fit(s->shape, s->c->at, s->c->n, &close.pose, 1, true, &k->fit);
+    st = shape_fit(s->shape, s->c->at, s->c->n, &near->pose, 1, false, &k->fit);
+    if (st == ST_OK && (k->fit.support < SCAN_STILL || k->fit.cover > 0)) {
+        st = shape_seek(s->shape, s->c->at, s->c->n, &near->pose, false, &rough);
+        if (st == ST_OK)
+            st = shape_seek(s->shape, s->c->at, s->c->n, &rough.pose, true, &close);
+        if (st == ST_OK)
+            st = shape_fit(s->shape, s->c->at, s->c->n, &close.pose, 1, true, &k->fit);
+    }
     k->done = st == ST_OK && k->fit.support >= SCAN_NEAR;
     if (k->done)
         k->find = (struct find){.pose = {{near->unit_mm, k->fit.pose, k->fit.worth}},
