@@ -17,95 +17,27 @@
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
+#include "ctl_session.h"
 #include "describe.h"
 #include "pool.h"
 #include "utf8.h"
 
-static bool force;       /* --force */
+static bool force, each; /* --force, --each */
 static const char *kind; /* --kind */
 
 /* The scans of a subject that are enrolled together. */
 struct burst {
-    char *path[ENROLMENT_SAMPLES];
+    struct ctl_session files; /* and, fused, the session */
     struct surface_face *face[ENROLMENT_SAMPLES];
     struct sample_found found[ENROLMENT_SAMPLES];
     struct enrolment_result each[ENROLMENT_SAMPLES];
-    size_t n; /* files named; may exceed the room for them */
+    size_t n; /* of face, found and each: of the files, or 1, fused */
 };
-
-/* ---- which files */
-
-static enum status add_path(struct ctl *c, struct burst *b, const char *folder,
-                            const char *name)
-{
-    const size_t size = strlen(folder) + strlen(name) + 2;
-    char *path;
-
-    if (b->n++ >= ENROLMENT_SAMPLES)
-        return ST_OK;
-    if ((path = malloc(size)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    (void)snprintf(path, size, "%s%s%s", folder, folder[0] != '\0' ? "/" : "", name);
-    b->path[b->n - 1] = path;
-    return ST_OK;
-}
-
-static int is_scan(const struct dirent *d)
-{
-    return d->d_name[0] != '.' && cloudformat_ending(d->d_name) != NULL;
-}
-
-static int by_name(const struct dirent **a, const struct dirent **b)
-{
-    return strcmp((*a)->d_name, (*b)->d_name);
-}
-
-static enum status add_folder(struct ctl *c, struct burst *b, const char *folder)
-{
-    struct dirent **list;
-    const int n = scandir(folder, &list, is_scan, by_name);
-    enum status st = ST_OK;
-
-    if (n < 0)
-        return errinfo_set(&c->e, ST_EIO, "%.200s: the folder cannot be read", folder);
-    if (n == 0)
-        st = errinfo_set(
-            &c->e, ST_ENOTFOUND,
-            "%.200s: no file in the folder has the extension of a scan format", folder);
-    for (int i = 0; i < n; i++) {
-        if (st == ST_OK && !utf8_is_text(list[i]->d_name, sizeof list[i]->d_name))
-            st = errinfo_set(&c->e, ST_EINVAL,
-                             "%.200s: the name of scan %d in the folder has a control "
-                             "character, or is not UTF-8",
-                             folder, i + 1);
-        if (st == ST_OK)
-            st = add_path(c, b, folder, list[i]->d_name);
-        free(list[i]);
-    }
-    free(list);
-    return st;
-}
-
-static enum status list_files(struct ctl *c, struct burst *b)
-{
-    enum status st = ST_OK;
-    struct stat sb;
-
-    for (int i = 1; st == ST_OK && i < c->nargs; i++)
-        st = stat(c->args[i], &sb) == 0 && S_ISDIR(sb.st_mode)
-                 ? add_folder(c, b, c->args[i])
-                 : add_path(c, b, "", c->args[i]);
-    if (st == ST_OK && b->n > ENROLMENT_SAMPLES)
-        return ctl_usage(c, "%zu scans: at most %d are enrolled at once", b->n,
-                         ENROLMENT_SAMPLES);
-    return st;
-}
 
 /* ---- enrolling them */
 
-static enum status enroll_burst(struct ctl *c, struct burst *b)
+static enum status add(struct ctl *c, struct burst *b, const struct store_sample *sample)
 {
-    struct store_sample sample[ENROLMENT_SAMPLES] = {{.face = NULL}};
     const struct enrolment x = {.actor = c->actor,
                                 .subject = c->args[0],
                                 .label = c->label != NULL ? c->label : "",
@@ -115,10 +47,20 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
                                 .force = force};
     struct templates_context with = ctl_face_context(c, c->work);
     struct enrolment_outcome out;
-    enum status st;
+    const enum status st = enrolment_add(&with, &x, b->each, &out, &c->e);
 
+    return out.none ? ST_OK : st;
+}
+
+static enum status enroll_each(struct ctl *c, struct burst *b)
+{
+    struct store_sample sample[ENROLMENT_SAMPLES] = {{.face = NULL}};
+
+    b->n = b->files.n;
     for (size_t i = 0; i < b->n; i++) { /* one bad scan does not stop the others */
-        st = ctl_face_read(c, b->path[i], true, c->work, &b->face[i], &b->found[i]);
+        const enum status st = ctl_face_read(c, b->files.path[i], true, c->work,
+                                             &b->face[i], &b->found[i]);
+
         if (st == ST_ENOMEM)
             return st;
         if (st == ST_OK)
@@ -127,8 +69,25 @@ static enum status enroll_burst(struct ctl *c, struct burst *b)
         else
             b->each[i].why = c->e;
     }
-    st = enrolment_add(&with, &x, b->each, &out, &c->e);
-    return out.none ? ST_OK : st;
+    return add(c, b, sample);
+}
+
+static enum status enroll_fused(struct ctl *c, struct burst *b)
+{
+    const struct sample_options o = {.frontal = c->scans.frontal, .enrolment = true};
+    struct session *s = &b->files.session;
+    struct store_sample sample = {.face = NULL};
+    enum status st = ctl_session_read(c, &b->files);
+
+    b->n = 1;
+    if (st == ST_OK)
+        st = session_build(s, &o, c->work, &b->face[0], &b->found[0], &c->e);
+    ctl_session_tell(s);
+    session_describe(c->out, s);
+    if (st != ST_OK)
+        return st;
+    sample = (struct store_sample){.face = b->face[0], .read = s->read};
+    return add(c, b, &sample);
 }
 
 /* Returns how many were refused, and the status of the last in *worst. */
@@ -141,12 +100,14 @@ static size_t report_burst(struct ctl *c, const struct burst *b, enum status *wo
     for (size_t i = 0; i < b->n; i++) {
         const struct enrolment_result *x = &b->each[i];
         const struct surface_face *f = b->face[i];
+        const struct session *session = &b->files.session;
+        const char *path = b->files.path[session->n > 0 ? session->base : i];
 
         json_object(c->out, NULL);
-        describe_enrolled(c->out, b->path[i], x, &b->found[i], f);
+        describe_enrolled(c->out, path, x, &b->found[i], f);
         json_close(c->out);
         if (x->why.code == ST_OK) {
-            ctl_say(c, "%s  %s  %u points, quality %.2f%s", x->tmpl.id, b->path[i],
+            ctl_say(c, "%s  %s  %u points, quality %.2f%s", x->tmpl.id, path,
                     x->tmpl.points, x->tmpl.quality.score,
                     x->created ? "" : " (already enrolled)");
             if (!c->json)
@@ -154,7 +115,7 @@ static size_t report_burst(struct ctl *c, const struct burst *b, enum status *wo
             continue;
         }
         (void)fprintf(stderr, "surfacectl: %s%s%s\n",
-                      x->why.code == ST_EMISMATCH ? b->path[i] : "",
+                      x->why.code == ST_EMISMATCH ? path : "",
                       x->why.code == ST_EMISMATCH ? ": " : "", x->why.msg);
         *worst = x->why.code;
         failed++;
@@ -174,15 +135,15 @@ static enum status enroll_files(struct ctl *c)
         return st;
     if ((b = calloc(1, sizeof *b)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if ((st = list_files(c, b)) == ST_OK &&
-        (st = ctl_model_open(c, STORE_WRITE)) == ST_OK &&
-        (st = enroll_burst(c, b)) == ST_OK && (failed = report_burst(c, b, &worst)) > 0)
+    if ((st = ctl_session_list(c, &b->files)) == ST_OK &&
+        (st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
+        st = each || b->files.n == 1 ? enroll_each(c, b) : enroll_fused(c, b);
+    if (st == ST_OK && (failed = report_burst(c, b, &worst)) > 0)
         st =
             errinfo_set(&c->e, worst, "%zu of %zu scans were not enrolled", failed, b->n);
-    for (size_t i = 0; i < ENROLMENT_SAMPLES; i++) {
+    for (size_t i = 0; i < ENROLMENT_SAMPLES; i++)
         surface_face_free(b->face[i]);
-        free(b->path[i]);
-    }
+    ctl_session_free(&b->files);
     free(b);
     return st;
 }
@@ -463,16 +424,21 @@ const struct ctl_command ctl_enroll = {
     .shared = CTL_SCANS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
     .options = {CTL_OPTION("force", NULL, command_flag, &force,
                            "enroll scans that do not match the subject's other samples"),
+                CTL_OPTION("each", NULL, command_flag, &each,
+                           "make each file a template of its own"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
                            "enroll only the scans of this kind (folder or table)")},
     .run = run,
     .summary = "enroll scans of one subject, or of many subjects",
     .help =
-        "Each FILE (any format in the manual; -: standard input; a folder: the scans in it)\n"
-        "becomes a template, at most 20 at once, in one transaction. The first face must match\n"
-        "the subject's oldest template or one enrolled by this command or with scope manage; the\n"
-        "others must match the first. A scan that does not match, or is inconclusive, is refused\n"
-        "unless --force is given. Enrolling the same scan again changes nothing.\n"
+        "The FILEs (any format in the manual; -: standard input; a folder: the scans in it) are\n"
+        "frames of one capture session, at most 20: fused into one face with less noise, which\n"
+        "becomes one template. A frame that shows no face, or cannot be laid on the others, is\n"
+        "left out; if one shows another person, nothing is enrolled. With --each each file becomes\n"
+        "a template, all in one transaction; those behind the first must match it. A sample must\n"
+        "match the subject's oldest template or one enrolled by this command or with scope manage;\n"
+        "one that does not, or is inconclusive, is refused unless --force is given. Enrolling the\n"
+        "same scan again changes nothing.\n"
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table with\n"
         "the columns file and subject. These scans are enrolled on all cores; an interrupted run\n"
         "continues when it is started again. Refused scans are listed at the end with the reason\n"

@@ -1,10 +1,12 @@
 /* verify and compare: a scan against a subject, or against another scan. */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "verify.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
+#include "ctl_session.h"
 
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
@@ -34,7 +36,9 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
     struct surface_face *face = NULL;
-    enum status st = ctl_face_parse(c, probe, &r->probe.points);
+    enum status st = r->probe.frames != NULL
+                         ? ST_OK
+                         : ctl_face_parse(c, probe, &r->probe.points);
 
     *v = (struct verification){.request = r, .templates = {.context = &with}};
     r->probe.name = probe;
@@ -44,6 +48,8 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     if (st == ST_OK)
         st = verify_run(&with, r, v, &c->e);
     ctl_face_passed_over(&v->templates);
+    if (r->probe.frames != NULL)
+        ctl_session_tell(r->probe.frames);
     if (st == ST_OK) {
         v->times.parse = NAN;
         v->times.total = command_clock_ms() - start;
@@ -65,9 +71,21 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
 static enum status verify(struct ctl *c)
 {
     struct verify_request r = {.of = {.subject = c->args[0], .token = c->actor}};
+    struct ctl_session *s = calloc(1, sizeof *s);
     struct verification v;
+    enum status st = s != NULL ? ctl_session_list(c, s)
+                               : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
 
-    return run(c, c->args[1], &r, &v);
+    if (st == ST_OK && s->n > 1) {
+        st = ctl_session_read(c, s);
+        r.probe.frames = &s->session;
+    }
+    if (st == ST_OK)
+        st = run(c, s->path[0], &r, &v);
+    if (s != NULL)
+        ctl_session_free(s);
+    free(s);
+    return st;
 }
 
 static enum status compare(struct ctl *c)
@@ -87,14 +105,16 @@ static enum status compare(struct ctl *c)
 
 const struct ctl_command ctl_verify = {
     .name = "verify",
-    .args = "SUBJECT FILE",
-    .takes = {2, 2},
+    .args = "SUBJECT FILE...",
+    .takes = {2, CTL_MANY},
     .database = CTL_WRITES_DATABASE,
     .shared = CTL_SCANS | CTL_MODEL,
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = verify,
     .summary = "compare a scan with a subject's templates",
     .help =
+        "Several FILEs, or a folder, are the frames of one capture session, at most 20: they are\n"
+        "fused into one probe, as by enroll.\n"
         "The template with the highest score decides; of n templates the score is lowered by\n"
         "ln n, since each is a chance for a false match.",
     .example = "surfacectl --db faces.db verify alice probe.ply"};

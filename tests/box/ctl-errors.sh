@@ -68,7 +68,6 @@ printf '0 0 0\n1 0 0\n0 1 0\n' >three.xyz
 head -c 4000 good.ply >cut.ply
 head -c 3000 /dev/zero >zeros
 refuse 66 'missing.ply: No such file' "$ctl" --db f.db verify alice missing.ply
-refuse 74 "$T: Is a directory" "$ctl" --db f.db verify alice "$T"
 refuse 65 'empty' "$ctl" --db f.db verify alice empty
 refuse 65 'three.xyz: 3 points' "$ctl" --db f.db verify alice three.xyz
 refuse 65 'good.ply: the extent' "$ctl" --db f.db --units cm verify alice good.ply

@@ -167,38 +167,40 @@ class Client:
         """Whether a scan can be enrolled and verified, and what to change at the scanner; nothing is
         stored.  detail="surface": binary glTF.  how, here and below: units, axes, and of a depth
         image fx, fy, cx, cy, depth_scale, width, height."""
-        return self._post("/v1/check", cloud, {**how, "detail": detail})
+        return self._post("/v1/check", [cloud], {**how, "detail": detail})
 
-    def enroll(self, subject: str, cloud: Cloud, *, label: str | None = None, force: bool | None = None,
+    def enroll(self, subject: str, *frames: Cloud, label: str | None = None, force: bool | None = None,
                capture: Capture | None = None, **how: Query) -> Template:
-        """A template of this scan; the same scan again: the template that is there.  force: also where
-        it does not match the subject's others (takes the scope manage)."""
-        return self._post(f"/v1/subjects/{quote(subject, safe='')}/templates", cloud,
+        """A template of this scan, or of several (up to 20) that are frames of one capture session and
+        are fused; the same again: the template that is there.  force: also where it does not match the
+        subject's others (takes the scope manage)."""
+        return self._post(f"/v1/subjects/{quote(subject, safe='')}/templates", frames,
                           {**how, "label": label, "force": force}, capture)
 
-    def enroll_burst(self, subject: str, clouds: Sequence[Cloud], *, label: str | None = None,
-                     force: bool | None = None, capture: Capture | None = None, **how: Query) -> Burst:
-        """As enroll, of up to 20 scans of one sitting: what became of each."""
-        return self._post(f"/v1/subjects/{quote(subject, safe='')}/templates", list(clouds),
-                          {**how, "label": label, "force": force}, capture, form=True)
+    def enroll_each(self, subject: str, *clouds: Cloud, label: str | None = None, force: bool | None = None,
+                    capture: Capture | None = None, **how: Query) -> Burst:
+        """A template of each of up to 20 scans that match the first: what became of each."""
+        return self._post(f"/v1/subjects/{quote(subject, safe='')}/templates", clouds,
+                          {**how, "label": label, "force": force, "fuse": False}, capture, form=True)
 
     @overload
-    def verify(self, subject: str, cloud: Cloud, *, detail: Detail | None = None,
+    def verify(self, subject: str, *frames: Cloud, detail: Detail | None = None,
                capture: Capture | None = None, **how: Query) -> Verdict: ...
     @overload
-    def verify(self, subject: str, cloud: Cloud, *, detail: Literal["surface"],
+    def verify(self, subject: str, *frames: Cloud, detail: Literal["surface"],
                capture: Capture | None = None, **how: Query) -> bytes: ...
 
-    def verify(self, subject: str, cloud: Cloud, *, detail: str | None = None,
+    def verify(self, subject: str, *frames: Cloud, detail: str | None = None,
                capture: Capture | None = None, **how: Query) -> Any:
-        """Is this the subject?  detail: "measure", "heatmap" or "surface" (takes the scope detail)."""
-        return self._post(f"/v1/subjects/{quote(subject, safe='')}/verify", cloud,
+        """Is this the subject?  Several scans (up to 10) are frames of one capture session: one probe.
+        detail: "measure", "heatmap" or "surface" (takes the scope detail)."""
+        return self._post(f"/v1/subjects/{quote(subject, safe='')}/verify", frames,
                           {**how, "detail": detail}, capture)
 
-    def verify_template(self, template_id: str, cloud: Cloud, *, detail: Detail | None = None,
+    def verify_template(self, template_id: str, *frames: Cloud, detail: Detail | None = None,
                         capture: Capture | None = None, **how: Query) -> Verdict:
         """As verify, by one template alone."""
-        return self._post(f"/v1/templates/{quote(template_id, safe='')}/verify", cloud,
+        return self._post(f"/v1/templates/{quote(template_id, safe='')}/verify", frames,
                           {**how, "detail": detail}, capture)
 
     @overload
@@ -211,11 +213,11 @@ class Client:
     def compare(self, a: Cloud, b: Cloud, *, detail: str | None = None,
                 capture: Capture | None = None, **how: Query) -> Any:
         """Two scans; nothing is stored.  detail: as of verify, with the scope verify alone."""
-        return self._post("/v1/compare", {"a": a, "b": b}, {**how, "detail": detail}, capture, form=True)
+        return self._post("/v1/compare", {"a": a, "b": b}, {**how, "detail": detail}, capture)
 
     def asymmetry(self, cloud: Cloud, **how: Query) -> Asymmetry:
         """A face against its own mirror image."""
-        return self._post("/v1/asymmetry", cloud, how)
+        return self._post("/v1/asymmetry", [cloud], how)
 
     def challenge(self) -> Nonce:
         """A nonce for a signed capture; Capture asks for one by itself."""
@@ -308,12 +310,13 @@ class Client:
 
     # ---- requests
 
-    def _post(self, path: str, clouds: Any, query: Mapping[str, Query], capture: Capture | None = None, *,
-              form: bool = False) -> Any:
-        if form:
+    def _post(self, path: str, clouds: Mapping[str, Cloud] | Sequence[Cloud], query: Mapping[str, Query],
+              capture: Capture | None = None, *, form: bool = False) -> Any:
+        """A form, also of one cloud, or the one cloud itself."""
+        if isinstance(clouds, Mapping) or form or len(clouds) != 1:
             body, content_type = _form(clouds)
         else:
-            _, body, content_type = _file(clouds)
+            _, body, content_type = _file(clouds[0])
         return self.request("POST", path, query=query, body=body, content_type=content_type, capture=capture)
 
     def request(self, method: str, path: str, *, query: Mapping[str, Query] | None = None,

@@ -50,11 +50,18 @@ class Template(TypedDict):
     manager: NotRequired[bool]
     first_score: NotRequired[float]
     scan: NotRequired[Scan]
+    frames: NotRequired[list["Frame"]]
 
 
 class Refusal(TypedDict):
     code: str
     detail: str
+
+
+class Frame(TypedDict):
+    file: str
+    used: bool
+    reason: Refusal | None
 
 
 class BurstFile(TypedDict):
@@ -83,6 +90,7 @@ class Verdict(TypedDict):
     subject: str | None
     template_id: str | None
     templates_compared: int
+    frames: NotRequired[list[Frame]]
     scan: Any
     quality: Any
     engine: str

@@ -146,11 +146,19 @@ class TestRequests(Served):
         self.assertEqual(self.client.compare(hostile, self.path("a2.ply"))["decision"], "match")
 
     def test_burst(self):
-        burst = self.client.enroll_burst("burst", [self.path("a1.ply"), self.path("b1.ply"), self.path("a2.ply")])
+        burst = self.client.enroll_each("burst", self.path("a1.ply"), self.path("b1.ply"), self.path("a2.ply"))
         self.assertEqual([f["file"] for f in burst["templates"]], ["a1.ply", "b1.ply", "a2.ply"])
         self.assertEqual([f["new"] for f in burst["templates"]], [True, False, True])
         self.assertEqual(burst["templates"][1]["refusal"]["code"], "sample_mismatch")
         self.client.erase_subject("burst")
+
+    def test_frames(self):
+        made = self.client.enroll("frames", self.path("a1.ply"), self.path("a2.ply"))
+        self.assertEqual([f["used"] for f in made["frames"]], [True, True])
+        with self.assertRaises(SurfacedError) as raised:
+            self.client.verify("frames", self.path("a1.ply"), self.path("b1.ply"))
+        self.assertEqual(raised.exception.code, "several_people")
+        self.client.erase_subject("frames")
 
     def test_subjects(self):
         names = [f"s{i}" for i in range(7)]
@@ -419,7 +427,7 @@ class TestContract(unittest.TestCase):
         operations = {re.sub("[A-Z]", lambda c: "_" + c[0].lower(), operation["operationId"])
                       for path, methods in self.api["paths"].items() if path.startswith("/v1")
                       for operation in methods.values() if isinstance(operation, dict) and "operationId" in operation}
-        own = {"close", "request", "enroll_burst"}  # the latter another body of enroll
+        own = {"close", "request", "enroll_each"}  # the latter another body of enroll
         methods = {name for name, of in vars(Client).items() if not name.startswith("_") and callable(of)} - own
         self.assertEqual(methods, operations)
 
