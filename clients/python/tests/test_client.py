@@ -412,6 +412,7 @@ class TestContract(unittest.TestCase):
         schemas = self.api["components"]["schemas"]
         rows = {"Listed": schemas["SubjectPage"]["properties"]["subjects"]["items"],
                 "BurstFile": schemas["Burst"]["properties"]["templates"]["items"]}
+        rows["Frame"] = schemas["Frames"]["items"]
         rows["Refusal"] = rows["BurstFile"]["properties"]["refusal"]
         rows["Attempts"] = schemas["Subject"]["properties"]["attempts"]
         rows["AuditEntry"] = schemas["Erased"]["properties"]["audit"]
