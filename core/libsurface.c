@@ -166,10 +166,10 @@ static void tell_points(const struct surface_cloud *from, const struct cloudpoin
 
 static struct scan_options options(const struct surface_cloud *from)
 {
-    return (struct scan_options){
-        .axes = from->flags & SURFACE_FRONTAL ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO,
-        .enrolment = (from->flags & SURFACE_ENROLMENT) != 0,
-        .stop = from->stop};
+    return (struct scan_options){.axes = from->flags & SURFACE_FRONTAL ? SCAN_AXES_SCANNER
+                                                                       : SCAN_AXES_AUTO,
+                                 .enrolment = (from->flags & SURFACE_ENROLMENT) != 0,
+                                 .stop = from->stop};
 }
 
 /* scan_build() on a copy of the cloud. */
@@ -319,9 +319,9 @@ enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
     struct frames *f = mem_array(1, sizeof *f);
     struct surface_face *face = face_for(out);
     struct surface_found about = {.size = sizeof about};
-    enum status st = f == NULL || face == NULL             ? ST_ENOMEM
+    enum status st = f == NULL || face == NULL          ? ST_ENOMEM
                      : n == 0 || n > SURFACE_FRAMES_MAX ? ST_EINVAL
-                                                           : ST_OK;
+                                                        : ST_OK;
 
     *base = 0;
     if (f != NULL)

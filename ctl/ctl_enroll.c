@@ -58,8 +58,8 @@ static enum status enroll_each(struct ctl *c, struct burst *b)
 
     b->n = b->files.n;
     for (size_t i = 0; i < b->n; i++) { /* one bad scan does not stop the others */
-        const enum status st = ctl_face_read(c, b->files.path[i], true, c->work,
-                                             &b->face[i], &b->found[i]);
+        const enum status st =
+            ctl_face_read(c, b->files.path[i], true, c->work, &b->face[i], &b->found[i]);
 
         if (st == ST_ENOMEM)
             return st;

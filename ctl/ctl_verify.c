@@ -36,9 +36,8 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
     struct surface_face *face = NULL;
-    enum status st = r->probe.frames != NULL
-                         ? ST_OK
-                         : ctl_face_parse(c, probe, &r->probe.points);
+    enum status st =
+        r->probe.frames != NULL ? ST_OK : ctl_face_parse(c, probe, &r->probe.points);
 
     *v = (struct verification){.request = r, .templates = {.context = &with}};
     r->probe.name = probe;

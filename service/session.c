@@ -26,11 +26,12 @@ static void tell_apart(struct session *s, size_t i, const struct surface_frame *
                           "hold the head still",
                           own, base);
     else
-        (void)errinfo_set(why, ST_EAPART,
-                          "%.80s does not lie on %.80s well enough to show the same person "
-                          "(median gap %.1f mm, score %.1f): it is too noisy, another "
-                          "expression, or somebody else",
-                          own, base, f->gap_mm, f->score);
+        (void)errinfo_set(
+            why, ST_EAPART,
+            "%.80s does not lie on %.80s well enough to show the same person "
+            "(median gap %.1f mm, score %.1f): it is too noisy, another "
+            "expression, or somebody else",
+            own, base, f->gap_mm, f->score);
 }
 
 /* The report on the frames that were read: number[k] is that of the k-th. */

@@ -13,17 +13,20 @@
 struct json; /* json.h */
 
 struct session_frame {
-    const char *name;          /* of its file; borrowed */
-    struct cloudpoints points; /* as they were read; then those of its face, as sample_build() has
+    const char *name; /* of its file; borrowed */
+    struct cloudpoints
+        points; /* as they were read; then those of its face, as sample_build() has
                                   them */
     struct sample_found found;
-    struct errinfo why; /* ST_OK: it was fused, or why not; set before where it was not read */
+    struct errinfo
+        why; /* ST_OK: it was fused, or why not; set before where it was not read */
 };
 
 struct session {
     size_t n; /* 1..SURFACE_FRAMES_MAX */
     struct session_frame frame[SURFACE_FRAMES_MAX];
-    size_t base; /* the frame whose points are, after session_build(), those of the fused face */
+    size_t
+        base; /* the frame whose points are, after session_build(), those of the fused face */
     const char *digest[SURFACE_FRAMES_MAX]; /* of each frame that was read; [ndigest] */
     size_t ndigest;
     char read[STORE_READ_MAX + 1]; /* those of all, the base's first (digest.h) */

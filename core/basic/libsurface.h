@@ -77,9 +77,9 @@ enum surface_status {
     SURFACE_ENOTFACE = 13,   /* the surface does not have the shape of a face */
     SURFACE_EQUALITY =
         14, /* the quality of the scan is too low: noise, spikes, holes, covers */
-    SURFACE_ECORRUPT = 15, /* bytes that are not a face, or a text that is not a model */
-    SURFACE_EVERSION = 16, /* bytes or a text of another version */
-    SURFACE_ESTOPPED = 25, /* the caller stopped the call */
+    SURFACE_ECORRUPT = 15,  /* bytes that are not a face, or a text that is not a model */
+    SURFACE_EVERSION = 16,  /* bytes or a text of another version */
+    SURFACE_ESTOPPED = 25,  /* the caller stopped the call */
     SURFACE_EINTERNAL = 28, /* a defect of the library */
     SURFACE_EPEOPLE = 30,   /* frames of more than one person */
     SURFACE_EAPART = 31     /* a frame that does not lie on the others */
@@ -315,8 +315,9 @@ struct surface_frame {
      * it to tell whether it shows the same person.  Else why no face was built of it, as
      * surface_build() returns it */
     enum surface_status status;
-    double score;  /* against the base (surface_comparison); 0 of the base itself */
-    double gap_mm; /* median distance from the base, once laid on it; INFINITY: it could not be */
+    double score; /* against the base (surface_comparison); 0 of the base itself */
+    double
+        gap_mm; /* median distance from the base, once laid on it; INFINITY: it could not be */
     struct surface_found found;
 };
 
@@ -337,10 +338,11 @@ struct surface_frame {
  * Returns SURFACE_OK; SURFACE_EPEOPLE, with the frame that is not of the person most are of; if no
  * frame has a face the first one's status; or the status of the fused face.
  * Cost  of five frames of 3,000 points about three times one. */
-SURFACE_API enum surface_status
-surface_fuse(struct surface_work *work, uint32_t n, const struct surface_cloud *cloud,
-             struct surface_frame *frame, uint32_t *base, struct surface_face **out,
-             struct surface_found *found);
+SURFACE_API enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
+                                             const struct surface_cloud *cloud,
+                                             struct surface_frame *frame, uint32_t *base,
+                                             struct surface_face **out,
+                                             struct surface_found *found);
 
 /* Build a face from a scan as for an enrolment and, where that is refused, as for a
  * verification, with one search.  SURFACE_ENROLMENT has no meaning.

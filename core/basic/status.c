@@ -46,14 +46,19 @@ const char *status_message(enum status st)
 
 const char *status_refusal(enum status st)
 {
-    static const char *const code[ST_COUNT] = {
-        [ST_ELIMIT] = "too_many_points", [ST_ETOOFEW] = "too_few_points",
-        [ST_ENOTFINITE] = "not_finite",  [ST_ERANGE] = "out_of_range",
-        [ST_EDEGENERATE] = "degenerate", [ST_EUNITS] = "units_suspicious",
-        [ST_ENOFACE] = "no_face",        [ST_ESEVERAL] = "several_faces",
-        [ST_EMIRRORED] = "mirrored",     [ST_ENOTFACE] = "not_a_face",
-        [ST_EQUALITY] = "low_quality",   [ST_EPEOPLE] = "several_people",
-        [ST_EAPART] = "apart"};
+    static const char *const code[ST_COUNT] = {[ST_ELIMIT] = "too_many_points",
+                                               [ST_ETOOFEW] = "too_few_points",
+                                               [ST_ENOTFINITE] = "not_finite",
+                                               [ST_ERANGE] = "out_of_range",
+                                               [ST_EDEGENERATE] = "degenerate",
+                                               [ST_EUNITS] = "units_suspicious",
+                                               [ST_ENOFACE] = "no_face",
+                                               [ST_ESEVERAL] = "several_faces",
+                                               [ST_EMIRRORED] = "mirrored",
+                                               [ST_ENOTFACE] = "not_a_face",
+                                               [ST_EQUALITY] = "low_quality",
+                                               [ST_EPEOPLE] = "several_people",
+                                               [ST_EAPART] = "apart"};
 
     return st == ST_OK ? NULL : code[st] != NULL ? code[st] : "malformed";
 }

@@ -155,11 +155,11 @@ static enum status above_vertices(const struct surface *own, const struct surfac
     const enum status st = at != NULL ? locate_mesh(b, a, at) : ST_ENOMEM;
 
     for (uint32_t v = 0; v < a->nv; v++)
-        above[v] = st == ST_OK && at[v].where != LOCATE_OUTSIDE &&
-                           holes_measured(b, other->bridge, at[v])
-                       ? (float)((locate_height(b, at[v], a->xy[v]) - a->z[v]) /
-                                 LATTICE_PER_MM)
-                       : (float)NAN;
+        above[v] =
+            st == ST_OK && at[v].where != LOCATE_OUTSIDE &&
+                    holes_measured(b, other->bridge, at[v])
+                ? (float)((locate_height(b, at[v], a->xy[v]) - a->z[v]) / LATTICE_PER_MM)
+                : (float)NAN;
     return st;
 }
 

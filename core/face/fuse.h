@@ -22,7 +22,7 @@ struct surface_work; /* face.h */
 /* Where a frame lies over the base. */
 struct fuse_place {
     double transform[16]; /* frame (mm) -> base (mm), row-major 4 x 4, rigid */
-    double gap_mm;        /* the median there of the cells' gaps; INFINITY: too few in common */
+    double gap_mm; /* the median there of the cells' gaps; INFINITY: too few in common */
 };
 
 /* fuse_worth(f, w): how much f tells of a face: its cells over the variance of its noise. */

@@ -12,9 +12,9 @@
  * of its residual: a noisy frame scores less than its noise explains.  Of a depth camera's frames
  * from nine sides none of 405 was taken for somebody else's; of those of other people half were,
  * of a good scanner's six in seven, and nearly all others were left out. */
-#define FRAMES_SAME   0.0
-#define FRAMES_OTHER  (-20.0)
-#define FRAMES_TELLS  14.0
+#define FRAMES_SAME  0.0
+#define FRAMES_OTHER (-20.0)
+#define FRAMES_TELLS 14.0
 
 /* mm: a frame whose median gap to the base is less shows the same surface.  Of 1,061 pairs of people
  * the nearest lie 0.5 mm apart, which is a false match; frames of a good scanner 0.2. */
@@ -62,9 +62,8 @@ static enum status score(struct frames *f, uint32_t i, const float own[GRID_N],
                          double *out)
 {
     struct surface_face *face = &f->one[i].face;
-    struct surface_comparison c;
-    enum status st =
-        face_encode(own, (double)face->encoding.residual_mm, f->w, face);
+    struct surface_comparison c = {.score = 0};
+    enum status st = face_encode(own, (double)face->encoding.residual_mm, f->w, face);
 
     if (st == ST_OK)
         st = face_compare(&f->one[f->base].face, face, (double)NAN, f->w, &c);
@@ -232,9 +231,8 @@ static enum status build(struct frames *f, struct surface_face *out,
                          struct surface_found *found)
 {
     const struct surface_found *base = &f->one[f->base].found;
-    const struct scan_options how = {.axes = SCAN_AXES_SCANNER,
-                                     .enrolment = f->how.enrolment,
-                                     .stop = f->how.stop};
+    const struct scan_options how = {
+        .axes = SCAN_AXES_SCANNER, .enrolment = f->how.enrolment, .stop = f->how.stop};
     struct surface_found fused;
     struct cloudpoints c;
     enum status st = fuse(f, &c);

@@ -26,7 +26,8 @@ struct frames_one {
 /* One session.  All zero but w and how is an empty one. */
 struct frames {
     struct surface_work *w;
-    struct scan_options how; /* of a frame: frame unless it is the only one; not search, near */
+    struct scan_options
+        how; /* of a frame: frame unless it is the only one; not search, near */
     uint32_t n, base;
     bool placed;           /* near is known */
     struct scan_near near; /* where the first face was found */

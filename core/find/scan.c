@@ -374,9 +374,8 @@ static enum status look_near(struct scan *s, struct scan_search *k)
     }
     k->done = st == ST_OK && k->fit.support >= SCAN_NEAR;
     if (k->done)
-        k->find = (struct find){.pose = {{near->unit_mm, k->fit.pose, k->fit.worth}},
-                                .n = 1,
-                                .faces = 1};
+        k->find = (struct find){
+            .pose = {{near->unit_mm, k->fit.pose, k->fit.worth}}, .n = 1, .faces = 1};
     else
         scale(s->c, 1 / near->unit_mm);
     return st;

@@ -52,8 +52,9 @@ struct scan_near {
 
 struct scan_options {
     enum scan_axes axes;
-    bool enrolment; /* the strict gate, and exactly one face, not mirrored, from the front */
-    bool frame;     /* with enrolment: all but the strict gate, which is for the fused face */
+    bool
+        enrolment; /* the strict gate, and exactly one face, not mirrored, from the front */
+    bool frame; /* with enrolment: all but the strict gate, which is for the fused face */
     /* a face is looked for near it, and searched for only if there is none; NULL: not known */
     const struct scan_near *near;
     struct scan_search *search; /* kept from the first call to the second for the same

@@ -165,8 +165,8 @@ static enum status import_template(void *arg, struct rows_template *row, const v
     m->out->outdated += !surface_same_engine(t->engine, m->made_by);
     if (m->left_out)
         return ST_OK;
-    if ((st = rows_template_same(m->to, m->as.one.uid, t->digest, row->one.read, id, e)) !=
-            ST_OK ||
+    if ((st = rows_template_same(m->to, m->as.one.uid, t->digest, row->one.read, id,
+                                 e)) != ST_OK ||
         id[0] != '\0')
         return st; /* it is left as it is */
     st = rows_template_get(m->to, t->id, &there, &other, e);

@@ -16,10 +16,10 @@
 #define STORE_READ_OTHER 16
 #define STORE_READ_MAX   (64 + (SURFACE_FRAMES_MAX - 1) * STORE_READ_OTHER)
 
-#define STORE_LABEL_MAX   256 /* bytes of UTF-8, no control characters */
-#define STORE_NAME_MAX    64  /* of a token or an actor, printable ASCII */
-#define STORE_NOTE_MAX    128 /* bytes of UTF-8, no control characters */
-#define STORE_UID         16
+#define STORE_LABEL_MAX 256 /* bytes of UTF-8, no control characters */
+#define STORE_NAME_MAX  64  /* of a token or an actor, printable ASCII */
+#define STORE_NOTE_MAX  128 /* bytes of UTF-8, no control characters */
+#define STORE_UID       16
 
 /* Of a subject, at most: each takes time of each verification, and is one more chance for a
  * false match. */
@@ -162,7 +162,7 @@ struct store_allowance {
  * functions of the set of points alone. */
 struct store_probe {
     const char *read[STORE_FRAMES_MAX + 1]; /* of each frame; NULL ends them */
-    char used[65];                          /* digest_points(); "": they are no template's */
+    char used[65]; /* digest_points(); "": they are no template's */
 };
 
 struct store_calibration {

@@ -168,8 +168,8 @@ static void note(struct request *r, const struct verification *v)
 static void refuse(struct request *r, const struct verification *v,
                    const struct form *form, const struct errinfo *e)
 {
-    const bool scan = dry_run_is_refusal(e->code) || e->code == ST_EPEOPLE ||
-                      e->code == ST_EINVAL;
+    const bool scan =
+        dry_run_is_refusal(e->code) || e->code == ST_EPEOPLE || e->code == ST_EINVAL;
 
     if (form != NULL && scan && v->best.compared == 0)
         form_refuse(r, form, e);

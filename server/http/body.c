@@ -80,8 +80,7 @@ void body_check(struct request *r, bool has_length, uint64_t length)
         request_problem(r, ERRMAP_MEDIA_TYPE, "Content-Type must be %s%s", types,
                         r->route->body == ROUTE_CLOUD
                             ? ", or multipart/form-data with one file"
-                        : r->route->body == ROUTE_CLOUDS ||
-                                r->route->body == ROUTE_FRAMES
+                        : r->route->body == ROUTE_CLOUDS || r->route->body == ROUTE_FRAMES
                             ? ", or multipart/form-data with files"
                             : "");
     else if (r->media == REQUEST_FORM && r->boundary[0] == '\0')

@@ -240,10 +240,10 @@ enum status multipart_read(const unsigned char *body, size_t len, const char *bo
     }
     (void)snprintf(files, sizeof files, "1 to %zu files, each with a file name", most);
     if (*n == 0 || *n > most || (*n > 1 && !named))
-        return errinfo_set(
-            e, ST_EINVAL, "the form has %s%s%s: send %s, with all else in the query",
-            *n == 0 ? "no parts" : "the parts ", names, last ? "" : ", ...",
-            most == 1 ? "one file alone" : files);
+        return errinfo_set(e, ST_EINVAL,
+                           "the form has %s%s%s: send %s, with all else in the query",
+                           *n == 0 ? "no parts" : "the parts ", names,
+                           last ? "" : ", ...", most == 1 ? "one file alone" : files);
     while (r.p < r.end && strchr(" \t\r\n", *r.p) != NULL && *r.p != '\0')
         r.p++;
     return r.p == r.end ? ST_OK : wrong(&r, "there is more behind the last boundary");

@@ -17,7 +17,7 @@ head -c 1500 "$T/a1.ply" >"$T/cut.ply"
 
 # burst SUBJECT[?QUERY] FILE...: enrolls them; the template ids or refusals are in $LIST.
 burst() {
-    b_subject=${1%%\?*} b_query=?fuse=false
+    b_subject=${1%%\?*} b_query='?fuse=false'
     [ "$1" = "$b_subject" ] || b_query="$b_query&${1#*\?}"
     shift
     for b_file; do

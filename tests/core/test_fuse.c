@@ -259,9 +259,9 @@ TEST(test_kept)
     }
     assert_int_equal(fuse(FRAMES), SURFACE_OK);
     assert_true(found.kept > 2000 && found.kept <= cloud[base].n);
-    assert_int_equal(surface_gaps(fused, (const double(*)[3])kept[base], found.kept,
-                                  still, gap),
-                     SURFACE_OK);
+    assert_int_equal(
+        surface_gaps(fused, (const double(*)[3])kept[base], found.kept, still, gap),
+        SURFACE_OK);
     for (size_t i = 0; i < found.kept; i++)
         if (!isnan(gap[i])) {
             measured++;
