@@ -3,17 +3,19 @@
 #include <math.h>
 #include <string.h>
 
-/* The two loops that matter are compiled twice, for processors with wider vectors too.  A lane
- * does the same operations on the same numbers either way, and nothing is contracted: the digits
- * are the same. */
+/* The two loops that matter are compiled three times, for processors with wider vectors too.  A
+ * lane does the same operations on the same numbers in each, and nothing is contracted: the
+ * digits are the same. */
 #if defined __x86_64__ && !defined NORMAL_NARROW
-#define NORMAL_WIDE __attribute__((target("avx2")))
+#define NORMAL_WIDE  __attribute__((target("avx2")))
+#define NORMAL_WIDER __attribute__((target("avx512f,prefer-vector-width=512")))
 #endif
 #define EITHER static inline __attribute__((always_inline))
 
 #define TILE 4
 
 typedef float lanes __attribute__((vector_size(4 * NORMAL_LANES)));
+typedef float lanes2 __attribute__((vector_size(8 * NORMAL_LANES)));
 
 /* sum[k..k+3][l..l+7] += the products of some rows, in a tile that stays in registers. */
 EITHER void add_tile(const struct normal_rows *r, uint32_t k, uint32_t l, float *sum,
@@ -35,12 +37,50 @@ EITHER void add_tile(const struct normal_rows *r, uint32_t k, uint32_t l, float 
         memcpy(&sum[(k + i) * stride + l], &t[i], sizeof t[i]);
 }
 
+/* sum[k..k+3][l..l+15] += the same products, of two tiles at once. */
+EITHER void add_two_tiles(const struct normal_rows *r, uint32_t k, uint32_t l, float *sum,
+                          uint32_t stride)
+{
+    lanes2 t[TILE];
+
+    for (uint32_t i = 0; i < TILE; i++)
+        memcpy(&t[i], &sum[(k + i) * stride + l], sizeof t[i]);
+    for (uint32_t j = 0; j < r->n; j++) {
+        const float *a = &r->times[j][k];
+        lanes2 v;
+
+        memcpy(&v, &r->row[j][l], sizeof v);
+        for (uint32_t i = 0; i < TILE; i++)
+            t[i] += a[i] * v;
+    }
+    for (uint32_t i = 0; i < TILE; i++)
+        memcpy(&sum[(k + i) * stride + l], &t[i], sizeof t[i]);
+}
+
 EITHER void add_all(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
                     uint32_t stride)
 {
     for (uint32_t l = from; l < to; l += NORMAL_LANES)
         for (uint32_t k = 0; k < l + NORMAL_LANES; k += TILE)
             add_tile(r, k, l, sum, stride);
+}
+
+/* add_all() by pairs of tiles beside each other.  What only the right one of a pair has, beside
+ * the diagonal, and a last column of tiles without a pair are added by themselves. */
+EITHER void add_all_two(const struct normal_rows *r, uint32_t from, uint32_t to,
+                        float *sum, uint32_t stride)
+{
+    uint32_t l = from;
+
+    for (; l + 2 * NORMAL_LANES <= to; l += 2 * NORMAL_LANES) {
+        const uint32_t right = l + NORMAL_LANES;
+
+        for (uint32_t k = 0; k < right; k += TILE)
+            add_two_tiles(r, k, l, sum, stride);
+        for (uint32_t k = right; k < right + NORMAL_LANES; k += TILE)
+            add_tile(r, k, right, sum, stride);
+    }
+    add_all(r, l, to, sum, stride);
 }
 
 /* Columns at a time: what lies to their right is read and written once for all of them. */
@@ -94,23 +134,47 @@ NORMAL_WIDE static void add_wide(const struct normal_rows *r, uint32_t from, uin
     add_all(r, from, to, sum, stride);
 }
 
+NORMAL_WIDER static void add_wider(const struct normal_rows *r, uint32_t from,
+                                   uint32_t to, float *sum, uint32_t stride)
+{
+    add_all_two(r, from, to, sum, stride);
+}
+
 NORMAL_WIDE static void reduce_wide(double *h, uint32_t stride, uint32_t panel,
                                     uint32_t n)
 {
     reduce_all(h, stride, panel, n);
 }
 
-static bool is_wide(void)
+NORMAL_WIDER static void reduce_wider(double *h, uint32_t stride, uint32_t panel,
+                                      uint32_t n)
 {
-    return __builtin_cpu_supports("avx2") != 0;
+    reduce_all(h, stride, panel, n);
+}
+
+static void add(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+                uint32_t stride)
+{
+    if (__builtin_cpu_supports("avx512f"))
+        add_wider(r, from, to, sum, stride);
+    else if (__builtin_cpu_supports("avx2"))
+        add_wide(r, from, to, sum, stride);
+    else
+        add_all(r, from, to, sum, stride);
+}
+
+static void reduce_rest(double *h, uint32_t stride, uint32_t panel, uint32_t n)
+{
+    if (__builtin_cpu_supports("avx512f"))
+        reduce_wider(h, stride, panel, n);
+    else if (__builtin_cpu_supports("avx2"))
+        reduce_wide(h, stride, panel, n);
+    else
+        reduce_all(h, stride, panel, n);
 }
 #else
-#define add_wide    add_all
-#define reduce_wide reduce_all
-static bool is_wide(void)
-{
-    return false;
-}
+#define add         add_all
+#define reduce_rest reduce_all
 #endif
 
 void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
@@ -118,10 +182,7 @@ void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
 {
     if (r->n == 0)
         return;
-    if (is_wide())
-        add_wide(r, from, to, sum, stride);
-    else
-        add_all(r, from, to, sum, stride);
+    add(r, from, to, sum, stride);
     r->n = 0;
 }
 
@@ -132,10 +193,8 @@ bool normal_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint3
 
         if (!factor_panel(h, stride, k, end, n))
             return false;
-        if (end == k + PANEL && is_wide())
-            reduce_wide(h, stride, k, n);
-        else if (end == k + PANEL)
-            reduce_all(h, stride, k, n);
+        if (end == k + PANEL)
+            reduce_rest(h, stride, k, n);
         for (uint32_t p = k; p < end && end < k + PANEL; p++) /* the last columns */
             for (uint32_t j = end; j < n; j++)
                 for (uint32_t i = j; i < n; i++)

@@ -62,10 +62,9 @@ static void measure_extent(const struct dvec3 *pts, size_t n, size_t share,
 
         for (size_t i = 0; i < m; i++)
             v[i] = coordinate(pts[i * n / m], axis);
-        select_sort(v, m);
-        size = v[m - 1 - m / share] - v[m / share];
+        size = select_kth(v, m, m - 1 - m / share) - select_kth(v, m, m / share);
         out->size = size > out->size ? size : out->size;
-        middle[axis] = v[m / 2];
+        middle[axis] = select_kth(v, m, m / 2);
     }
     out->middle = (struct dvec3){middle[0], middle[1], middle[2]};
 }
