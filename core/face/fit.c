@@ -63,8 +63,6 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 
     block.n = 0;
     out->b = b;
-    out->prior = 1.0;
-    out->modes = b->n;
     memset(out->gram, 0, sizeof out->gram);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float over = b->rest[i] > 0.0f ? 1.0f / b->rest[i] : 0.0f;
@@ -83,7 +81,7 @@ static void load(struct work *w, const struct fit_basis *p, const struct cells *
     const struct model_basis *b = p->b;
 
     w->n = 0;
-    w->modes = padded(p->modes);
+    w->modes = padded(b->n);
     w->unknowns = w->modes + 6;
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float *m = c->normal[i];
@@ -192,15 +190,16 @@ static bool reweight(struct work *w, const struct model_basis *b, const float *y
     return changed;
 }
 
-/* The lower Cholesky factor of the sum plus the priors, in h.  False: not positive definite. */
-static bool factor(struct work *w, double prior, double tie)
+/* The lower Cholesky factor of the sum plus the prior of the modes, 1, and the tie, in h.  False: not
+ * positive definite. */
+static bool factor(struct work *w, double tie)
 {
     const uint32_t n = w->unknowns;
 
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t k = 0; k <= i; k++)
             w->h[k][i] = (double)w->sum[k][i]; /* h[column][row] */
-        w->h[i][i] += i < w->modes ? prior : tie;
+        w->h[i][i] += i < w->modes ? 1 : tie;
         w->g[i] = (double)w->sum[i][w->modes + GAP];
     }
     return normal_factor(w->h[0], WIDTH, 0, n, n);
@@ -246,13 +245,13 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
             add_first(w, p);
         else if (!reweight(w, p->b, y))
             break;
-        if (!(solved = factor(w, p->prior, tie)))
+        if (!(solved = factor(w, tie)))
             break;
         normal_forward(w->h[0], WIDTH, w->unknowns, w->unknowns, w->g);
         normal_backward(w->h[0], WIDTH, w->unknowns, w->g);
         for (uint32_t k = 0; k < w->unknowns; k++)
             y[k] = (float)-w->g[k];
-        memcpy(out->a, w->g, p->modes * sizeof *out->a);
+        memcpy(out->a, w->g, p->b->n * sizeof *out->a);
         for (uint32_t i = 0; i < 6; i++)
             out->x[i] = w->g[w->modes + i] / (i < 3 ? POSE_LEVER_MM : 1.0);
     }

@@ -3,7 +3,7 @@
  * change within one person (model.h), plus a rest:
  *     gap = B a - J x + rest.
  * Reweighted least squares minimise
- *     sum rho(rest / the cell's deviation) + prior |a|^2 + tie |x|^2
+ *     sum rho(rest / the cell's deviation) + |a|^2 + tie |x|^2
  * over the covered cells; rho is Huber's loss at FIT_HUBER.  To remove a learned change
  * before faces are compared: Al-Osaimi, Bennamoun and Mian, "An Expression Deformation
  * Approach to Non-rigid 3D Face Recognition", IJCV 81(3), 2009.
@@ -41,15 +41,11 @@ struct fit {
  * everywhere: the sum of their products over the cells in use, weighted by 1 / variance. */
 struct fit_basis {
     const struct model_basis *b;
-    double prior; /* strength of |a|^2; 1: as the modes' variance says */
-    /* The first n are fitted, a multiple of NORMAL_LANES or all; the others are 0. */
-    uint32_t modes;
     bool used[GRID_N]; /* cells that are fitted; all others are as not covered */
     float gram[MODEL_MODES][MODEL_MODES]; /* upper triangle, in tiles */
 };
 
-/* fit_prepare(b, out): once for many fits; again after a change of *b.  out->prior is 1, and
- * all modes are fitted.
+/* fit_prepare(b, out): once for many fits; again after a change of *b.
  * Cost  O(GRID_N n^2), n the number of modes. */
 void fit_prepare(const struct model_basis *b, struct fit_basis *out);
 

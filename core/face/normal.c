@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The two loops that matter are compiled three times, for processors with wider vectors too.  A
+/* The loops that matter are compiled two or three times, for processors with wider vectors too.  A
  * lane does the same operations on the same numbers in each, and nothing is contracted: the
  * digits are the same. */
 #if defined __x86_64__ && !defined NORMAL_NARROW
@@ -127,6 +127,49 @@ EITHER void reduce_all(double *h, uint32_t stride, uint32_t panel, uint32_t n)
         reduce(h + panel * stride, stride, j, n, h + j * stride);
 }
 
+/* Columns l..l + 8 many - 1 of normal_times(), in registers. */
+EITHER void times_some(const float *row, uint32_t stride, uint32_t n, const float *by,
+                       uint32_t l, uint32_t many, float *out)
+{
+    lanes t[TILE], v;
+
+    memset(t, 0, sizeof t);
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < many; k++) {
+            memcpy(&v, row + (size_t)i * stride + l + NORMAL_LANES * k, sizeof v);
+            t[k] += by[i] * v;
+        }
+    memcpy(out + l, t, many * sizeof v);
+}
+
+EITHER void times_all(const float *row, uint32_t stride, uint32_t n, const float *by,
+                      uint32_t width, float *out)
+{
+    uint32_t l = 0;
+
+    for (; l + TILE * NORMAL_LANES <= width; l += TILE * NORMAL_LANES)
+        times_some(row, stride, n, by, l, TILE, out);
+    for (; l < width; l += NORMAL_LANES)
+        times_some(row, stride, n, by, l, 1, out);
+}
+
+EITHER void dot_all(const float *row, uint32_t stride, uint32_t n, const float *by,
+                    uint32_t width, float *out)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        const float *r = row + (size_t)i * stride;
+        lanes s, a, b;
+
+        memset(&s, 0, sizeof s);
+        for (uint32_t k = 0; k < width; k += NORMAL_LANES) {
+            memcpy(&a, r + k, sizeof a);
+            memcpy(&b, by + k, sizeof b);
+            s += a * b;
+        }
+        out[i] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+    }
+}
+
 #ifdef NORMAL_WIDE
 NORMAL_WIDE static void add_wide(const struct normal_rows *r, uint32_t from, uint32_t to,
                                  float *sum, uint32_t stride)
@@ -152,8 +195,38 @@ NORMAL_WIDER static void reduce_wider(double *h, uint32_t stride, uint32_t panel
     reduce_all(h, stride, panel, n);
 }
 
-static void add(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
-                uint32_t stride)
+NORMAL_WIDE static void times_wide(const float *row, uint32_t stride, uint32_t n,
+                                   const float *by, uint32_t width, float *out)
+{
+    times_all(row, stride, n, by, width, out);
+}
+
+NORMAL_WIDE static void dot_wide(const float *row, uint32_t stride, uint32_t n,
+                                 const float *by, uint32_t width, float *out)
+{
+    dot_all(row, stride, n, by, width, out);
+}
+
+static void times_any(const float *row, uint32_t stride, uint32_t n, const float *by,
+                      uint32_t width, float *out)
+{
+    if (__builtin_cpu_supports("avx2"))
+        times_wide(row, stride, n, by, width, out);
+    else
+        times_all(row, stride, n, by, width, out);
+}
+
+static void dot_any(const float *row, uint32_t stride, uint32_t n, const float *by,
+                    uint32_t width, float *out)
+{
+    if (__builtin_cpu_supports("avx2"))
+        dot_wide(row, stride, n, by, width, out);
+    else
+        dot_all(row, stride, n, by, width, out);
+}
+
+static void add_any(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+                    uint32_t stride)
 {
     if (__builtin_cpu_supports("avx512f"))
         add_wider(r, from, to, sum, stride);
@@ -163,7 +236,7 @@ static void add(const struct normal_rows *r, uint32_t from, uint32_t to, float *
         add_all(r, from, to, sum, stride);
 }
 
-static void reduce_rest(double *h, uint32_t stride, uint32_t panel, uint32_t n)
+static void reduce_any(double *h, uint32_t stride, uint32_t panel, uint32_t n)
 {
     if (__builtin_cpu_supports("avx512f"))
         reduce_wider(h, stride, panel, n);
@@ -173,8 +246,10 @@ static void reduce_rest(double *h, uint32_t stride, uint32_t panel, uint32_t n)
         reduce_all(h, stride, panel, n);
 }
 #else
-#define add         add_all
-#define reduce_rest reduce_all
+#define add_any    add_all
+#define times_any  times_all
+#define dot_any    dot_all
+#define reduce_any reduce_all
 #endif
 
 void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
@@ -182,8 +257,20 @@ void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
 {
     if (r->n == 0)
         return;
-    add(r, from, to, sum, stride);
+    add_any(r, from, to, sum, stride);
     r->n = 0;
+}
+
+void normal_times(const float *row, uint32_t stride, uint32_t n, const float *by,
+                  uint32_t width, float *out)
+{
+    times_any(row, stride, n, by, width, out);
+}
+
+void normal_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
+                uint32_t width, float *out)
+{
+    dot_any(row, stride, n, by, width, out);
 }
 
 bool normal_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint32_t n)
@@ -194,7 +281,7 @@ bool normal_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint3
         if (!factor_panel(h, stride, k, end, n))
             return false;
         if (end == k + PANEL)
-            reduce_rest(h, stride, k, n);
+            reduce_any(h, stride, k, n);
         for (uint32_t p = k; p < end && end < k + PANEL; p++) /* the last columns */
             for (uint32_t j = end; j < n; j++)
                 for (uint32_t i = j; i < n; i++)

@@ -23,6 +23,16 @@ struct normal_rows {
 void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
                 uint32_t stride);
 
+/* normal_times(row, stride, n, by, width, out): out[k], k below width, is the sum over n rows of
+ * by[i] row[i stride + k], in the rows' order.  O(n width). */
+void normal_times(const float *row, uint32_t stride, uint32_t n, const float *by,
+                  uint32_t width, float *out);
+
+/* normal_dot(row, stride, n, by, width, out): out[i] is the product of the i-th of n rows with by,
+ * in NORMAL_LANES sums.  O(n width). */
+void normal_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
+                uint32_t width, float *out);
+
 /* normal_factor(h, stride, from, to, n): Cholesky's factor of the symmetric n x n matrix whose
  * lower triangle stands in h by columns (h[column * stride + row]), in place, for the columns
  * from..to-1; those before are factored already.  The columns from `to` on are then the Schur

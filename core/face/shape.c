@@ -4,12 +4,12 @@
 #include <string.h>
 
 #include "pose.h"
-#include "cells.h"
 #include "heights.h"
 #include "shape_cells.h"
 #include "shape_map.h"
+#include "shape_solve.h"
 
-/* The passes of a fit: {limit in mm, prior (fit.h)}; the first SHAPE_PART_PASSES see a part of
+/* The passes of a fit: {limit in mm, prior (shape_solve.h)}; the first SHAPE_PART_PASSES see a part of
  * the face alone.  Neighbouring cells are alike, so that the prior is stronger than 1: with a
  * third of it the worst of 20 faces with glasses has no more support than the best of 200 things
  * that are no faces; with twice as much 88 % of the cells of masks are recognised instead of 96. */
@@ -28,7 +28,7 @@
 #define SHAPE_PLACE { {12, 100, 88}, {8, 50, 88}, {5, 20, 88}, {3, 10, 88}, {3, 10, 88} }
 /* clang-format on */
 
-/* The prior on the motion, 1 / mm^2 (fit.h): next to none.  By hand. */
+/* The prior on the motion, 1 / mm^2 (shape_solve.h): next to none.  By hand. */
 #define SHAPE_TIE 1e-2
 
 /* The limit in front of the face is this share of the one behind: what covers a face lies in
@@ -49,7 +49,7 @@
 
 struct shape_pass {
     float limit_mm; /* beyond which a cell counts nothing */
-    double prior;   /* fit.h */
+    double prior;   /* on the coefficients (shape_solve.h) */
     uint32_t modes; /* at most */
 };
 
@@ -76,29 +76,6 @@ static bool in_part(enum part p, uint32_t cell)
     }
 }
 
-/* The surface that the first n coefficients say, the others being 0. */
-static void bend(const struct shape_work *w, const double *a, uint32_t n,
-                 float height[GRID_N])
-{
-    float by[MODEL_MODES] = {0.0f};
-
-    for (uint32_t k = 0; k < n; k++)
-        by[k] = (float)a[k];
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        const float *mode = w->modes->mode[i];
-        float sum[8] = {0.0f};
-
-        height[i] = w->mean[i];
-        if (isnan(height[i]))
-            continue;
-        for (uint32_t k = 0; k < n; k += 8)
-            for (uint32_t l = 0; l < 8; l++)
-                sum[l] += mode[k + l] * by[k + l];
-        height[i] += ((sum[0] + sum[4]) + (sum[2] + sum[6])) +
-                     ((sum[1] + sum[5]) + (sum[3] + sum[7]));
-    }
-}
-
 /* How much a cell counts whose points are r in front of the surface: all up to half of the
  * limit, nothing beyond it. */
 static float trust(float r, float limit)
@@ -108,25 +85,16 @@ static float trust(float r, float limit)
     return far < 0.5f ? 1.0f : far < 1.0f ? 2.0f - 2.0f * far : 0.0f;
 }
 
-/* The cells for fit_solve(), where the points are over[] in front of the surface height.  A
- * cell that is less trusted counts as less covered. */
+/* The weights of the cells, where the points are over[] in front of the surface height, and how
+ * far they are above the mean face. */
 static void weigh(const struct shape_work *w, const float *height, const float *over,
-                  enum part part, float limit, struct cells *c)
+                  enum part part, float limit, float *weight, float *above)
 {
-    const float full = (float)(GRID_MM * GRID_MM / 2);
-
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const float flat = w->normal[i][2];
-        float t = 0.0f;
+        const bool in = !isnan(over[i]) && in_part(part, i);
 
-        c->gap[i] = 0.0f;
-        if (!isnan(over[i]) && in_part(part, i)) {
-            t = trust(over[i] * flat, limit);
-            c->gap[i] = (height[i] - w->mean[i] + over[i]) * flat;
-        }
-        c->area[i] = t > 0.0f ? CELLS_COVERED + t * (full - CELLS_COVERED) : 0.0f;
-        c->z[i] = isnan(height[i]) ? 0.0f : w->mean[i];
-        memcpy(c->normal[i], w->normal[i], sizeof c->normal[i]);
+        weight[i] = in ? trust(over[i] * w->normal[i][2], limit) : 0.0f;
+        above[i] = in ? height[i] - w->mean[i] + over[i] : 0.0f;
     }
 }
 
@@ -208,27 +176,26 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
 {
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
-    float over[GRID_N];
-    struct cells cells;
-    struct fit fit;
+    struct shape_solve *solve = scratch_need(&w->solve, sizeof *solve);
+    float over[GRID_N], above[GRID_N], weight[GRID_N];
+    struct shape_solution by;
 
+    if (solve == NULL)
+        return ST_ENOMEM;
+    solve->width = 0;
     memset(out->a, 0, sizeof out->a);
     memcpy(out->height, w->mean, sizeof out->height);
     out->pose = still;
     look(t, &out->pose, out->height, over);
     for (uint32_t k = 0; k < passes; k++) {
-        enum status st;
+        const struct shape_prior prior = {pass[k].prior, SHAPE_TIE, pass[k].modes};
 
         weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE,
-              pass[k].limit_mm, &cells);
-        w->fit.prior = pass[k].prior;
-        w->fit.modes = pass[k].modes < w->modes->n ? pass[k].modes : w->modes->n;
-        st = fit_solve(&w->fit, &cells, SHAPE_TIE, 0, &w->solve, &fit);
-        if (st != ST_OK)
-            return st;
-        memcpy(out->a, fit.a, sizeof out->a);
-        bend(w, out->a, w->fit.modes, out->height);
-        pose_move(&out->pose, centre, fit.x);
+              pass[k].limit_mm, weight, above);
+        shape_solve(&w->basis, above, weight, &prior, solve, &by);
+        memcpy(out->a, by.a, sizeof out->a);
+        shape_bend(&w->basis, w->mean, out->a, pass[k].modes, out->height);
+        pose_move(&out->pose, centre, by.x);
         look(t, &out->pose, out->height, over);
     }
     out->worth = worth_of(w, over, out->a);

@@ -5,7 +5,7 @@
  * The points become a height for each cell of the canonical frame (grid.h), of the front-most
  * ones alone; then
  *     height - mean = modes a + rigid motion + rest
- * is solved for a and the motion by fit.h with the prior of the modes, again and again, while
+ * is solved for a and the motion by shape_solve.h with the prior of the modes, again and again, while
  * the limit beyond which a cell counts nothing shrinks (SHAPE_PASSES).  Points in front of the
  * surface are trusted less than those behind.
  * Morphable models: Blanz and Vetter, "A Morphable Model for the Synthesis of 3D Faces",

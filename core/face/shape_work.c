@@ -101,7 +101,6 @@ void shape_work_prepare(const struct surface_model *m, struct shape_work *out)
 {
     memset(out, 0, sizeof *out);
     out->modes = &m->shape;
-    out->basis.n = m->shape.n;
     for (uint32_t i = 0; i < GRID_N; i++) {
         const bool used = !isnan(m->mean[i]) && m->shape.rest[i] > 0.0f;
 
@@ -120,11 +119,9 @@ void shape_work_prepare(const struct surface_model *m, struct shape_work *out)
         out->normal[i][0] = -x * flat;
         out->normal[i][1] = -y * flat;
         out->normal[i][2] = flat;
-        out->basis.rest[i] = m->shape.rest[i] * flat;
-        for (uint32_t k = 0; k < m->shape.n; k++)
-            out->basis.mode[i][k] = m->shape.mode[i][k] * flat;
     }
-    fit_prepare(&out->basis, &out->fit);
+    shape_solve_prepare(&m->shape, out->mean, (const float(*)[3])out->normal,
+                        &out->basis);
 }
 
 void shape_work_free(struct shape_work *w)

@@ -3,10 +3,10 @@
 #define CORE_SHAPE_WORK_H
 #include <stdint.h>
 #include "pose.h"
-#include "fit.h"
 #include "grid.h"
 #include "mem.h"
 #include "model.h"
+#include "shape_solve.h"
 
 /* How much of a face's fine relief a surface has: the wings of the nose, the
  * corners of the eyes, the lips, the edges of the brow.  A few smooth humps and hollows in the
@@ -82,8 +82,7 @@ struct shape_work {
     float scale[GRID_N];      /* each cell's rest over the mean of all */
     float over_rest[GRID_N];  /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
     float fine[GRID_N];       /* the mean face's fine relief, mm; 0: none */
-    struct model_basis basis; /* the modes and the rest as gaps at right angles to it */
-    struct fit_basis fit;     /* that, prepared */
+    struct shape_basis basis; /* the modes and the motions, prepared */
     const struct model_basis *modes; /* of height, the model's */
     struct scratch points, solve;
 };

@@ -129,9 +129,6 @@ TEST(test_against_naive)
             if (brute_real(&rng) < 0.1 * (round % 5))
                 cells.area[i] = (float)(8 * brute_real(&rng)); /* some not covered */
         fit_prepare(&b, &p);
-        assert_int_equal(p.modes, b.n);
-        if (round % 3 == 1 && b.n > 16)
-            p.modes = b.n = 16; /* the first alone */
         assert_int_equal(fit_solve(&p, &cells, tie, passes, &scratch, &fit), ST_OK);
         naive(&b, &cells, tie, passes, y, rest);
         for (uint32_t k = 0; k < b.n + 6; k++)

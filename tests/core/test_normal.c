@@ -68,6 +68,43 @@ TEST(test_add)
     }
 }
 
+/* ---- products with a vector */
+
+TEST(test_products)
+{
+    enum { ROWS = 37 };
+    static float row[ROWS * STRIDE], by[STRIDE], got[STRIDE], narrow[STRIDE];
+
+    for (uint32_t i = 0; i < ROWS * STRIDE; i++)
+        row[i] = (float)(brute_real(&rng) - 0.5);
+    for (uint32_t width = NORMAL_LANES; width <= WIDTH; width += NORMAL_LANES) {
+        for (uint32_t k = 0; k < STRIDE; k++) {
+            by[k] = (float)(brute_real(&rng) - 0.5);
+            got[k] = narrow[k] = 7;
+        }
+        normal_times(row, STRIDE, ROWS, by, width, got);
+        narrow_times(row, STRIDE, ROWS, by, width, narrow);
+        assert_memory_equal(got, narrow, sizeof got);
+        for (uint32_t k = 0; k < STRIDE; k++) {
+            float want = k < width ? 0 : 7;
+
+            for (uint32_t i = 0; k < width && i < ROWS; i++)
+                want += by[i] * row[i * STRIDE + k];
+            assert_true(got[k] == want);
+        }
+        normal_dot(row, STRIDE, ROWS, by, width, got);
+        narrow_dot(row, STRIDE, ROWS, by, width, narrow);
+        assert_memory_equal(got, narrow, sizeof got);
+        for (uint32_t i = 0; i < ROWS; i++) {
+            double want = 0;
+
+            for (uint32_t k = 0; k < width; k++)
+                want += (double)row[i * STRIDE + k] * (double)by[k];
+            assert_true(fabs((double)got[i] - want) < 1e-5);
+        }
+    }
+}
+
 /* ---- factors */
 
 #define MOST 107 /* no multiple of a panel's columns */
