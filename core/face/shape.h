@@ -33,15 +33,16 @@ struct surface; /* surface.h */
  * starting poses (points -> canonical frame), each right to about 12 mm and 10 degrees.
  * pts   mm; any n; those far from the face do not matter, but cost a look at each
  * hard  unless SHAPE_GOOD of the cells with points are skin and the fit's worth is
- *       SHAPE_GOOD_WORTH, try again: from parts of the face that a cover may have left free (above it, below it, either
+ *       SHAPE_GOOD_WORTH, or nothing covers the face and all but SHAPE_LITTLE cells are explained, try
+ *       again: from parts of the face that a cover may have left free (above it, below it, either
  *       half, all but the eyes), then at the sizes of children and of large adults.  Such a fit is
  *       taken where it explains SHAPE_GAIN cells more (of sizes SHAPE_SIZE_GAIN of a whole face): as
  *       skin, or as a cover in front of what the rest of the face says
  * out->pose is a similarity then: rotation and shift in mm, both over out->size.
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: every n-th of these is taken.
- * Cost  O(n) for each start, and one fit; if hard up to 16 more: each about
- * 1 ms with 3,000 points and 2 with SHAPE_POINTS.
+ * Cost  O(n) for each start, and one fit; if hard up to 14 more: each about
+ * 0.8 ms with 3,000 points and 1.2 with SHAPE_POINTS.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct pose *start, uint32_t nstart, bool hard,
