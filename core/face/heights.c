@@ -147,8 +147,14 @@ enum status heights_take(const struct surface *f, const struct pose *pose,
     return ST_OK;
 }
 
+/* Of a cell: the area of its samples, and that times their height. */
+typedef float tally __attribute__((vector_size(8)));
+
 void heights_at(const struct heights *h, const struct pose *pose, float out[GRID_N])
 {
+    enum {
+        SOME = 64
+    }; /* samples at a time, so that the loop that computes has no branch */
     const double *d = pose->r, *t = pose->t;
     const float over = (float)(1 / GRID_MM);
     /* To cells, so that x and y are cut to whole numbers. */
@@ -157,24 +163,31 @@ void heights_at(const struct heights *h, const struct pose *pose, float out[GRID
     const float zx = (float)d[6], zy = (float)d[7], zz = (float)d[8], z0 = (float)t[2];
     const float x0 = ((float)t[0] - (float)GRID_LEFT) * over;
     const float y0 = ((float)t[1] - (float)GRID_BOTTOM) * over;
-    float area[GRID_N + 1], sum[GRID_N + 1]; /* the last: off the grid */
+    tally sum[GRID_N + 1]; /* the last: off the grid */
 
-    memset(area, 0, sizeof area);
     memset(sum, 0, sizeof sum);
-    for (uint32_t k = 0; k < h->n; k++) {
-        const float x = h->x[k], y = h->y[k], z = h->z[k];
-        const float i = xx * x + xy * y + xz * z + x0;
-        const float j = yx * x + yy * y + yz * z + y0;
-        const bool in =
-            i >= 0.0f && i < (float)GRID_NX && j >= 0.0f && j < (float)GRID_NY;
-        const uint32_t cell = in ? (uint32_t)j * GRID_NX + (uint32_t)i : GRID_N;
+    for (uint32_t from = 0; from < h->n; from += SOME) {
+        const uint32_t n = h->n - from < SOME ? h->n - from : SOME;
+        int32_t cell[SOME];
+        float at[SOME];
 
-        area[cell] += h->area[k];
-        sum[cell] += h->area[k] * (zx * x + zy * y + zz * z + z0);
+        for (uint32_t k = 0; k < n; k++) {
+            const float x = h->x[from + k], y = h->y[from + k], z = h->z[from + k];
+            const float i = xx * x + xy * y + xz * z + x0;
+            const float j = yx * x + yy * y + yz * z + y0;
+            const bool in =
+                (i >= 0.0f) & (i < (float)GRID_NX) & (j >= 0.0f) & (j < (float)GRID_NY);
+
+            cell[k] = in ? (int32_t)(in ? j : 0.0f) * GRID_NX + (int32_t)(in ? i : 0.0f)
+                         : GRID_N;
+            at[k] = h->area[from + k] * (zx * x + zy * y + zz * z + z0);
+        }
+        for (uint32_t k = 0; k < n; k++)
+            sum[cell[k]] += (tally){h->area[from + k], at[k]};
     }
     for (uint32_t i = 0; i < GRID_N; i++)
-        out[i] = area[i] >= HEIGHTS_COVERED * (float)(GRID_MM * GRID_MM)
-                     ? sum[i] / area[i]
+        out[i] = sum[i][0] >= HEIGHTS_COVERED * (float)(GRID_MM * GRID_MM)
+                     ? sum[i][1] / sum[i][0]
                      : (float)NAN;
 }
 

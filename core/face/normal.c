@@ -305,9 +305,14 @@ void normal_backward(const double *h, uint32_t stride, uint32_t n, double *v)
 {
     for (uint32_t k = n; k-- > 0;) {
         const double *col = h + k * stride;
+        double sum[4] = {0, 0, 0, 0}; /* one alone would wait for each addition */
+        uint32_t i = k + 1;
 
-        for (uint32_t i = k + 1; i < n; i++)
-            v[k] -= v[i] * col[i];
-        v[k] /= col[k];
+        for (; i + 4 <= n; i += 4)
+            for (uint32_t l = 0; l < 4; l++)
+                sum[l] += v[i + l] * col[i + l];
+        for (; i < n; i++)
+            sum[0] += v[i] * col[i];
+        v[k] = (v[k] - ((sum[0] + sum[1]) + (sum[2] + sum[3]))) / col[k];
     }
 }

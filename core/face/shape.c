@@ -17,6 +17,7 @@
 #define SHAPE_PASSES { {12, 100, 88}, {12, 100, 88}, {8, 50, 88}, {8, 50, 88}, {5, 20, 88}, {5, 20, 88}, {3, 10, 88}, {3, 10, 88} }
 #define SHAPE_ROUGH { {25, 100, 8}, {18, 100, 16} }
 #define SHAPE_SEEK { {12, 100, 16}, {12, 100, 16}, {8, 50, 16} }
+#define SHAPE_QUICK { {12, 100, 24}, {12, 100, 24}, {8, 50, 24}, {8, 50, 24}, {5, 20, 24}, {3, 10, 24} }
 #define SHAPE_FILL 1
 #define SHAPE_WORTH_MM 2.5
 #define SHAPE_WORTH_COST 2.5
@@ -45,6 +46,9 @@
 /* Cells that are seen and not explained, up to which nothing else is tried where nothing covers the
  * face: of 274 real and simulated scans where a fit from a part gained so much the least had 182. */
 #define SHAPE_LITTLE 120.0
+
+/* Cells by which a quick fit must explain more for the fit by all modes to be tried. */
+#define SHAPE_HINT 8.0
 
 /* Share of skin among the cells with points, and worth (shape.c), that need no other start: most
  * scans of uncovered faces of real people have both. */
@@ -81,24 +85,23 @@ static bool in_part(enum part p, uint32_t cell)
 }
 
 /* How much a cell counts whose points are r in front of the surface: all up to half of the
- * limit, nothing beyond it. */
+ * limit, nothing beyond it, nor if r is no number. */
 static float trust(float r, float limit)
 {
     const float far = fabsf(r) / (r > 0.0f ? limit * (float)SHAPE_FRONT : limit);
+    const float t = 2.0f - 2.0f * far;
 
-    return far < 0.5f ? 1.0f : far < 1.0f ? 2.0f - 2.0f * far : 0.0f;
+    return t > 0.0f ? t < 1.0f ? t : 1.0f : 0.0f;
 }
 
 /* The weights of the cells, where the points are over[] in front of the surface height, and how
- * far they are above the mean face. */
+ * far they are above the mean face.  Only cells for which in[] is 1 count. */
 static void weigh(const struct shape_work *w, const float *height, const float *over,
-                  enum part part, float limit, float *weight, float *above)
+                  const float *in, float limit, float *weight, float *above)
 {
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const bool in = !isnan(over[i]) && in_part(part, i);
-
-        weight[i] = in ? trust(over[i] * w->normal[i][2], limit) : 0.0f;
-        above[i] = in ? height[i] - w->mean[i] + over[i] : 0.0f;
+        weight[i] = in[i] * trust(over[i] * w->normal[i][2], limit);
+        above[i] = height[i] - w->mean[i] + over[i];
     }
 }
 
@@ -181,12 +184,14 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
     struct shape_solve *solve = scratch_need(&w->solve, sizeof *solve);
-    float over[GRID_N], above[GRID_N], weight[GRID_N];
+    float over[GRID_N], above[GRID_N], weight[GRID_N], in[GRID_N];
     struct shape_solution by;
 
     if (solve == NULL)
         return ST_ENOMEM;
     solve->width = 0;
+    for (uint32_t i = 0; i < GRID_N; i++)
+        in[i] = in_part(part, i) ? 1.0f : 0.0f;
     memset(out->a, 0, sizeof out->a);
     memcpy(out->height, w->mean, sizeof out->height);
     out->pose = still;
@@ -194,8 +199,9 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
     for (uint32_t k = 0; k < passes; k++) {
         const struct shape_prior prior = {pass[k].prior, SHAPE_TIE, pass[k].modes};
 
-        weigh(w, out->height, over, k < SHAPE_PART_PASSES ? part : WHOLE,
-              pass[k].limit_mm, weight, above);
+        for (uint32_t i = 0; k == SHAPE_PART_PASSES && i < GRID_N; i++)
+            in[i] = 1.0f;
+        weigh(w, out->height, over, in, pass[k].limit_mm, weight, above);
         shape_solve(&w->basis, above, weight, &prior, solve, &by);
         memcpy(out->a, by.a, sizeof out->a);
         shape_bend(&w->basis, w->mean, out->a, pass[k].modes, out->height);
@@ -240,6 +246,16 @@ static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size
     return st;
 }
 
+/* By few modes: whether the fit from a start may explain more than another. */
+static enum status fit_quickly(struct shape_work *w, struct shape_points *p,
+                               enum part part, struct shape_fit *out)
+{
+    static const struct shape_pass quick[] = SHAPE_QUICK;
+
+    return fit_from(w, &(struct target){.points = p}, part, quick,
+                    sizeof quick / sizeof *quick, INFINITY, out);
+}
+
 static uint32_t seen(const struct shape_fit *f)
 {
     return f->skin + f->cover + f->apart;
@@ -267,9 +283,14 @@ static enum status fit_parts(struct shape_work *w, const struct dvec3 *pts, size
     const double size = out->size;
     struct shape_points p;
     enum status st = shape_map_points(pts, n, start, w->mean, &w->points, &p);
-    struct shape_fit one;
+    struct shape_fit whole, one;
 
+    if (st == ST_OK)
+        st = fit_quickly(w, &p, WHOLE, &whole);
     for (enum part part = WHOLE + 1; st == ST_OK && part < PARTS; part++) {
+        if ((st = fit_quickly(w, &p, part, &one)) != ST_OK ||
+            !(one.explained > whole.explained + SHAPE_HINT))
+            continue;
         st = fit_from(w, &(struct target){.points = &p}, part, passes,
                       sizeof passes / sizeof *passes, least, &one);
         if (st != ST_OK || !(one.explained > least))

@@ -147,12 +147,17 @@ static void place(struct shape_points *p, const struct pose *pose, const struct 
     }
 }
 
+/* Of a cell: the sum of its front-most points, and how many. */
+typedef float tally __attribute__((vector_size(8)));
+typedef int32_t pair __attribute__((vector_size(8)));
+
 void shape_map_make(struct shape_points *p, const struct pose *pose,
                     const float height[GRID_N], float out[GRID_N])
 {
+    const float behind = (float)-SHAPE_BEHIND_MM;
     struct planes s;
-    float front[GRID_N + 1], sum[GRID_N + 1];
-    uint32_t count[GRID_N + 1];
+    float front[GRID_N + 1];
+    tally sum[GRID_N + 1];
 
     s.z[GRID_N] = (float)NAN;
     s.zx[GRID_N] = s.zy[GRID_N] = 0.0f;
@@ -163,24 +168,21 @@ void shape_map_make(struct shape_points *p, const struct pose *pose,
         s.zy[i] *= (float)GRID_MM;
     }
     place(p, pose, &s);
-    for (uint32_t i = 0; i <= GRID_N; i++) {
-        front[i] = (float)-SHAPE_BEHIND_MM;
-        sum[i] = 0.0f;
-        count[i] = 0;
-    }
+    for (uint32_t i = 0; i <= GRID_N; i++)
+        front[i] = behind;
+    memset(sum, 0, sizeof sum);
     for (uint32_t i = 0; i < p->n; i++) /* NAN is no larger */
         front[p->cell[i]] =
             p->over[i] > front[p->cell[i]] ? p->over[i] : front[p->cell[i]];
     for (uint32_t i = 0; i < p->n; i++) {
         const uint32_t c = p->cell[i];
-        const bool first = (p->over[i] > front[c] - (float)SHAPE_LAYER_MM) &
-                           (p->over[i] > (float)-SHAPE_BEHIND_MM);
+        const int32_t first = -((p->over[i] > front[c] - (float)SHAPE_LAYER_MM) &
+                                (p->over[i] > behind)); /* no branch */
 
-        sum[c] += first ? p->over[i] : 0.0f;
-        count[c] += first;
+        sum[c] += (tally)((pair){first, first} & (pair)(tally){p->over[i], 1.0f});
     }
     for (uint32_t i = 0; i < GRID_N; i++)
-        out[i] = count[i] > 0 ? sum[i] / (float)count[i] : (float)NAN;
+        out[i] = sum[i][1] > 0.0f ? sum[i][0] / sum[i][1] : (float)NAN;
 }
 
 void shape_map_fill(const float height[GRID_N], float over[GRID_N])
