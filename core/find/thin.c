@@ -105,20 +105,21 @@ struct mean {
     int64_t sum, n; /* of the heights over it */
 };
 
-/* The sums over each square, whose point is best[]. */
+/* The sums over each square, of its point, which is best[]. */
 static void add_up(const struct thin_point *p, size_t n, double size, double near_mm,
                    const uint32_t *best, struct mean *mean)
 {
     const double per_mm = 1 / size;
 
-    memset(mean, 0, SQUARES * sizeof *mean);
+    for (size_t i = 0; i < n; i++)
+        mean[best[square_of(&p[i], per_mm)]] = (struct mean){0, 0};
     for (size_t i = 0; i < n; i++) {
-        const uint32_t square = square_of(&p[i], per_mm);
-        const double up = (double)p[i].z - (double)p[best[square]].z;
+        const uint32_t b = best[square_of(&p[i], per_mm)];
+        const double up = (double)p[i].z - (double)p[b].z;
 
         if (fabs(up) <= near_mm) {
-            mean[square].sum += (int64_t)(up * PARTS);
-            mean[square].n++;
+            mean[b].sum += (int64_t)(up * PARTS);
+            mean[b].n++;
         }
     }
 }
@@ -138,13 +139,10 @@ static size_t keep(struct thin_point *p, size_t n, double size, double near_mm,
     }
     add_up(p, n, size, near_mm, best, mean);
     for (size_t i = 0; i < n; i++) {
-        const uint32_t square = square_of(&p[i], per_mm);
-        const struct mean *m = &mean[square];
-
-        if (best[square] != i)
+        if (best[square_of(&p[i], per_mm)] != i)
             continue;
         p[kept] = p[i];
-        p[kept++].off = (float)((double)m->sum / (PARTS * (double)m->n));
+        p[kept++].off = (float)((double)mean[i].sum / (PARTS * (double)mean[i].n));
     }
     return kept;
 }
@@ -160,7 +158,7 @@ enum status thin_points(struct thin_point *p, size_t *n, size_t most, double nea
         return ST_OK;
     s.seen = mem_array(SQUARES, sizeof *s.seen);
     best = mem_array(SQUARES, sizeof *best);
-    mean = mem_array(SQUARES, sizeof *mean);
+    mean = mem_array(*n, sizeof *mean); /* few are used, and touched */
     if ((room = s.seen != NULL && best != NULL && mean != NULL)) {
         memset(s.seen, 0, SQUARES * sizeof *s.seen);
         *n = keep(p, *n, choose(&s, p, *n, most), near_mm, best, mean);
