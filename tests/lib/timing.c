@@ -49,6 +49,14 @@ double timing_median(const struct timing *t)
     return (t->ms[t->n / 2] + t->ms[(t->n - 1) / 2]) / 2;
 }
 
+double timing_part(const struct timing *t, double share)
+{
+    if (t->n == 0)
+        return (double)NAN;
+    select_sort(t->ms, t->n);
+    return t->ms[(size_t)(share * (double)(t->n - 1) + 0.5)];
+}
+
 void timing_free(struct timing *t)
 {
     free(t->ms);

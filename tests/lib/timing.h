@@ -22,6 +22,8 @@ void timing_start(struct timing *t);
 void timing_stop(struct timing *t);           /* one more sample */
 void timing_add(struct timing *t, double ms); /* a sample measured elsewhere */
 double timing_median(const struct timing *t); /* NAN without samples */
+double timing_part(const struct timing *t,
+                   double share); /* the sample of this rank, 0..1 */
 void timing_free(struct timing *t);
 
 /* Calls and adds the time as a sample; the call's value is lost. */
