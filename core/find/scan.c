@@ -440,6 +440,11 @@ static enum status build_unfound(struct scan *s, struct scan_search *k)
         st = crop_thin(s->c, SCAN_ENOUGH);
     if (st == ST_OK)
         st = build_as_it_is(s, k);
+    if (st == ST_OK) { /* cropped as what was found is, in that model's memory */
+        k->as_is = false;
+        s->found->cropped = true;
+        return build_crop(s);
+    }
     /* of those thinned out nobody knows the place of one any more */
     return st == ST_ENOTFACE || (many && st == ST_ERANGE) ? ST_ENOFACE : st;
 }
