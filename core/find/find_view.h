@@ -46,10 +46,10 @@ void find_grid_free(struct find_grid *g);
  * once. */
 #define FIND_STARTS       64
 #define FIND_SEEKS        12
-#define FIND_SEEKS_MORE   12
+#define FIND_SEEKS_MORE   16
 #define FIND_FITS         4
-#define FIND_FITS_MORE    4
-#define FIND_SEEKS_OTHERS 28
+#define FIND_FITS_MORE    6
+#define FIND_SEEKS_OTHERS 30
 #define FIND_FITS_OTHERS  6
 #define FIND_SURE         400.0
 

@@ -9,7 +9,7 @@
 #include "unit.h"
 #include "work.h"
 
-#define MOST   15
+#define MOST   16
 #define POINTS 300000
 #define KINDS  7
 
