@@ -232,8 +232,7 @@ static bool mark_mask(const float *z, uint8_t *cell)
     for (uint32_t i = 0; i < top; i++)
         if (!isnan(z[i])) {
             seen++;
-            covered += cell[i] == SHAPE_COVER;
-        }
+            }
     if (covered <= SHAPE_MASK_SHARE * seen)
         return false;
     for (uint32_t x = 0; x < GRID_NX; x++) {
@@ -371,9 +370,9 @@ static double correlation(const float *z, const float *h, const uint32_t *cell,
 
 /* The likeness round an eye, to the right or to the left of the nose (side -1). */
 static double eye(const struct shape_work *w, const float *z, const uint8_t *cell,
-                  double side, bool *hidden)
+                  double side)
 {
-    uint32_t list[GRID_N], n = 0, covered = 0, all = 0;
+    uint32_t list[GRID_N], n = 0, all = 0;
 
     for (uint32_t i = 0; i < GRID_N; i++) {
         const double x = side * grid_x(i), y = grid_y(i);
@@ -382,23 +381,19 @@ static double eye(const struct shape_work *w, const float *z, const uint8_t *cel
             y < SHAPE_EYE_BOTTOM || y > SHAPE_EYE_TOP)
             continue;
         all++;
-        covered += cell[i] == SHAPE_COVER;
         if (cell[i] == SHAPE_SKIN)
             list[n++] = i;
     }
-    *hidden = n < SHAPE_EYE_LEAST * all && covered > all / 2;
-    return n < SHAPE_EYE_LEAST * all ? -1 : correlation(z, w->mean, list, n);
+    return n < SHAPE_EYE_LEAST * all ? (double)NAN : correlation(z, w->mean, list, n);
 }
 
-/* The lesser of both; of one that is covered nothing is known, if the other looks like an eye. */
+/* The lesser of both; of one that is not seen nothing is known, if the other looks like an eye. */
 static double eyes(const struct shape_work *w, const float *z, const uint8_t *cell)
 {
-    bool hidden[2];
-    const double left = eye(w, z, cell, -1, &hidden[0]),
-                 right = eye(w, z, cell, 1, &hidden[1]);
+    const double left = eye(w, z, cell, -1), right = eye(w, z, cell, 1);
 
-    if ((hidden[0] && right > 0) || (hidden[1] && left > 0))
-        return 0;
+    if (isnan(left) || isnan(right))
+        return fmax(left, right) > 0 ? SHAPE_EYE_UNKNOWN : -1; /* of NAN and x: x */
     return fmin(left, right);
 }
 

@@ -47,6 +47,8 @@ enum shape_cell {
     SHAPE_APART  /* not explained, and no cover: behind the fitted face, or strays */
 };
 
+#define SHAPE_EYE_UNKNOWN 0.0
+
 struct shape_fit {
     struct pose pose;      /* points -> canonical frame, mm, shrunk by size */
     double size;           /* of the head, over the mean face's */
@@ -64,8 +66,8 @@ struct shape_fit {
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
-     * face's; -1: less than SHAPE_EYE_LEAST of it is skin.  0 where a cover hides one of them and
-     * the other is like an eye */
+     * face's.  Where less than SHAPE_EYE_LEAST of it is skin: SHAPE_EYE_UNKNOWN if the other is
+     * like an eye, else -1 */
     double eyes;
     /* the likeness of the forehead to the fitted one; -1, as for the eyes */
     double forehead;
