@@ -32,7 +32,7 @@ struct lab {
     uint32_t threads; /* 0: one a core */
     bool force, json, help, version;
     const char *pairs, *enroll_kind; /* evaluate */
-    uint32_t non_mated;
+    uint32_t non_mated, burst; /* burst: frames of a session; 0: each scan by itself */
     bool minimal, regions, matrix;
     const char *name, *morphable, *calibrate; /* train */
     double weight;                            /* below 0: by the number of subjects */

@@ -227,8 +227,11 @@ static enum status check_usage(struct lab *c)
 
     if ((c->nargs == 0) != (c->pairs != NULL))
         return lab_usage(c, "usage: %s", usage);
-    if (c->pairs != NULL && (c->non_mated > 0 || c->enroll_kind != NULL))
-        return lab_usage(c, "--pairs takes neither --non-mated nor --enroll-kind");
+    if (c->pairs != NULL && (c->non_mated > 0 || c->enroll_kind != NULL || c->burst > 0))
+        return lab_usage(c,
+                         "--pairs takes neither --non-mated, --enroll-kind nor --burst");
+    if (c->burst > SURFACE_FRAMES_MAX)
+        return lab_usage(c, "--burst takes at most %d frames", SURFACE_FRAMES_MAX);
     for (int i = 0; i < c->nargs; i++)
         if (corpus_is_scan(c->args[i]))
             return lab_usage(c, "%.100s is one scan; usage: %s", c->args[i], usage);
@@ -253,6 +256,8 @@ static enum status read_sets(struct run *r, const char *out)
         s->source = c->pairs != NULL ? c->pairs : c->args[i];
         st = c->pairs != NULL ? corpus_pairs_read(c->pairs, &s->corpus, &c->e)
                               : corpus_read(s->source, &s->corpus, &c->e);
+        if (st == ST_OK && c->burst > 0)
+            st = corpus_sessions(s->corpus, c->burst, &c->e);
         if (st == ST_OK && c->enroll_kind != NULL)
             st = corpus_enroll(s->corpus, c->enroll_kind, &c->e);
         if (st == ST_OK && (s->dir = folder_of(r, i, out)) == NULL)

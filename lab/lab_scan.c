@@ -5,7 +5,9 @@
 
 #include "cloudfile.h"
 #include "corpus.h"
+#include "frames.h"
 #include "lab.h"
+#include "mem.h"
 #include "outfile.h"
 
 enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
@@ -44,16 +46,65 @@ enum status lab_scan_read(struct lab *c, const char *path, struct surface_face *
     return st;
 }
 
+/* The fused face of a session's frames; those that cannot be read count as not there. */
+static enum status build_session(const struct lab *c, const struct corpus_scan *scan,
+                                 struct frames *f, struct surface_face *out,
+                                 struct surface_found *found, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    for (uint32_t k = 0; st == ST_OK && k <= scan->nframe; k++) {
+        struct cloudpoints p;
+
+        st = lab_scan_parse(c, k == 0 ? scan->path : scan->frame[k - 1], &p, e);
+        if (st == ST_OK) {
+            f->how.axes = p.axes_given || c->frontal ? SCAN_AXES_SCANNER : SCAN_AXES_AUTO;
+            st = frames_add(f, &p, NULL);
+        } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
+            st = ST_OK;
+        }
+        cloudpoints_free(&p);
+    }
+    if (st == ST_OK && f->n == 0)
+        return e->code;
+    if (st == ST_OK)
+        st = frames_fuse(f, out, found);
+    return st == ST_OK ? st
+                       : errinfo_set(e, st, "%.100s and %u more frames: %s", scan->path,
+                                     scan->nframe, status_message(st));
+}
+
+static enum status read_session(const struct lab *c, const struct corpus_scan *scan,
+                                bool enrolment, struct surface_work *w,
+                                struct surface_face *out, struct surface_found *found,
+                                struct errinfo *e)
+{
+    struct frames *f = mem_array(1, sizeof *f);
+    enum status st;
+
+    if (f == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    memset(f, 0, sizeof *f);
+    f->w = w;
+    f->how = (struct scan_options){.enrolment = enrolment, .frame = true};
+    st = build_session(c, scan, f, out, found, e);
+    frames_free(f);
+    mem_free(f);
+    return st;
+}
+
 enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
                         bool enrolment, struct surface_work *w, struct surface_face *out,
                         struct surface_found *found, enum status *code, char **refused,
                         struct errinfo *e)
 {
-    struct cloudpoints p;
+    struct cloudpoints p = {.at = NULL};
     struct errinfo why = {.code = ST_OK};
-    enum status st = lab_scan_parse(c, scan->path, &p, &why);
+    enum status st;
 
-    if (st == ST_OK)
+    if (scan->nframe > 0)
+        st = read_session(c, scan, enrolment, w, out, found, &why);
+    else if ((st = lab_scan_parse(c, scan->path, &p, &why)) == ST_OK)
         st = lab_scan_build(c, scan->path, &p, enrolment, w, out, found, &why);
     cloudpoints_free(&p);
     if (st == ST_ENOMEM || st == ST_EIO || st == ST_ENOTFOUND)

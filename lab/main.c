@@ -146,6 +146,11 @@ static const struct taken {
       "comparisons)",
       IN(non_mated)}},
     {EVALUATE,
+     {"burst", "N", command_whole, NULL,
+      "fuse up to N frames of a session: scans whose names differ in\n"
+      "what is behind the last '-' (alice_smile-1.ply, ...-2.ply)",
+      IN(burst)}},
+    {EVALUATE,
      {"minimal", NULL, command_flag, NULL,
       "measure the minimal disparity of each comparison too", IN(minimal)}},
     {EVALUATE,

@@ -255,6 +255,67 @@ enum status corpus_build_end(struct corpus_build *b, enum status st, struct corp
 
 /* ---- once it is read (corpus.h) */
 
+/* Are both of one session? */
+static bool one_session(const struct corpus *c, const struct corpus_scan *a,
+                        const struct corpus_scan *b)
+{
+    const char *p = c->kind[a->kind], *q = c->kind[b->kind];
+    const char *end = strrchr(p, '-'), *other = strrchr(q, '-');
+
+    return a->subject == b->subject && end != NULL && other != NULL &&
+           end - p == other - q && memcmp(p, q, (size_t)(end - p)) == 0;
+}
+
+/* Scan b becomes a frame of a, or goes if a has enough. */
+static bool add_frame(struct corpus_scan *a, struct corpus_scan *b, uint32_t n)
+{
+    if (a->nframe + 1 < n) {
+        char **more = realloc(a->frame, (a->nframe + 1) * sizeof *more);
+
+        if (more == NULL)
+            return false;
+        a->frame = more;
+        a->frame[a->nframe++] = b->path;
+        b->path = NULL;
+    }
+    a->enrolled = a->enrolled || b->enrolled;
+    free(b->path);
+    free(b->file);
+    *b = (struct corpus_scan){.file = NULL};
+    return true;
+}
+
+enum status corpus_sessions(struct corpus *c, uint32_t n, struct errinfo *e)
+{
+    uint32_t kept = 0;
+    enum status st = ST_OK;
+
+    for (uint32_t i = 0; i < c->nscan; i++) {
+        struct corpus_scan *one = &c->scan[i],
+                           *last = kept > 0 ? &c->scan[kept - 1] : NULL;
+        struct corpus_subject *of = &c->subject[one->subject];
+
+        if (st == ST_OK && last != NULL && one_session(c, last, one)) {
+            of->nscan--;
+            if (of->enrolled == i)
+                of->enrolled = kept - 1;
+            if (!add_frame(last, one, n))
+                st = corpus_build_no_memory(e);
+            if (st == ST_OK)
+                continue;
+        }
+        if (of->enrolled == i)
+            of->enrolled = kept;
+        if (kept < i) {
+            c->scan[kept] = *one;
+            *one = (struct corpus_scan){.file = NULL};
+        }
+        kept++;
+    }
+    c->nscan = kept;
+    return st;
+}
+
 /* The kinds that there are, for a message. */
 static void list_kinds(const struct corpus *c, char *text, size_t room)
 {
@@ -308,6 +369,9 @@ void corpus_free(struct corpus *c)
     for (uint32_t i = 0; i < c->nscan; i++) {
         free(c->scan[i].file);
         free(c->scan[i].path);
+        for (uint32_t k = 0; k < c->scan[i].nframe; k++)
+            free(c->scan[i].frame[k]);
+        free(c->scan[i].frame);
     }
     for (uint32_t i = 0; i < c->nnamed; i++)
         free(c->subject[i].id);

@@ -20,6 +20,9 @@ struct corpus_scan {
     uint32_t subject; /* of corpus.subject */
     uint32_t kind;    /* of corpus.kind */
     bool enrolled;
+    char **
+        frame; /* [nframe] paths of the further frames of its session (corpus_sessions()) */
+    uint32_t nframe;
 };
 
 struct corpus_subject {
@@ -61,6 +64,12 @@ void corpus_free(struct corpus *c); /* NULL is allowed */
 /* corpus_enroll(c, kind, e): enroll of each subject the first scan of this kind instead, and
  * nothing of a subject that has none.  ST_EINVAL: nobody has one; c is as it was. */
 enum status corpus_enroll(struct corpus *c, const char *kind, struct errinfo *e);
+
+/* corpus_sessions(c, n, e): scans of one subject that follow each other and whose kinds differ only in
+ * what is behind the last '-' (alice_smile-1.ply, alice_smile-2.ply, ...) become one, with at most n
+ * frames; the others of the session are left out.  Not of a corpus with listed pairs, and before
+ * corpus_enroll().  Returns ST_OK, ST_ENOMEM. */
+enum status corpus_sessions(struct corpus *c, uint32_t n, struct errinfo *e);
 
 /* corpus_is_scan(path): whether path is a file with the extension of a scan, not of a table (.csv and
  * .txt may be either).  For usage messages: a scan was given where a collection is read. */
