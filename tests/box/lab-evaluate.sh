@@ -254,6 +254,20 @@ ok "nothing was written" [ ! -e none ]
 rm scans/p1_broken.ply scans/p9_enroll.xyz
 expect 74 "the output is no folder" "$lab" evaluate scans --out file
 
+# ---- frames of a session
+mkdir bursts
+for s in 1 2; do
+    for k in 0 1 2; do
+        scan $s $k bursts/p${s}_enroll-$k.ply --noise 1
+        scan $s $((k + 5)) bursts/p${s}_later-$k.ply --noise 1
+    done
+done
+expect 0 "sessions" "$lab" evaluate bursts --burst 3 --enroll-kind enroll-0 --out burst --json
+cut -d, -f1,2 burst/scores.csv | sed 1d | sort >pairs
+is "are one scan each" "$(wc -l <pairs)" 4
+expect 64 "too many frames" "$lab" evaluate bursts --burst 21
+expect 64 "of pairs" "$lab" evaluate --pairs scans/list --burst 2
+
 expect 0 "help" "$lab" evaluate --help
 has out '^Usage: surfacelab evaluate DIR'
 
