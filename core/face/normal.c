@@ -7,8 +7,12 @@
  * lane does the same operations on the same numbers in each, and nothing is contracted: the
  * digits are the same. */
 #if defined __x86_64__ && !defined NORMAL_NARROW
-#define NORMAL_WIDE  __attribute__((target("avx2")))
+#define NORMAL_WIDE __attribute__((target("avx2")))
+#ifdef __clang__
+#define NORMAL_WIDER __attribute__((target("avx512f")))
+#else
 #define NORMAL_WIDER __attribute__((target("avx512f,prefer-vector-width=512")))
+#endif
 #endif
 #define EITHER static inline __attribute__((always_inline))
 
