@@ -232,7 +232,7 @@ static bool mark_mask(const float *z, uint8_t *cell)
     for (uint32_t i = 0; i < top; i++)
         if (!isnan(z[i])) {
             seen++;
-            }
+        }
     if (covered <= SHAPE_MASK_SHARE * seen)
         return false;
     for (uint32_t x = 0; x < GRID_NX; x++) {
