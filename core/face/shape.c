@@ -341,7 +341,7 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
     uint32_t best = 0;
 
     out->worth = -INFINITY;
-    out->skin = out->cover = out->apart = out->sure = 0;
+    out->skin = out->cover = out->apart = 0;
     for (uint32_t i = 0; st == ST_OK && i < nstart; i++) {
         if ((st = fit_start(w, pts, n, &start[i], &one)) != ST_OK ||
             !(one.worth > out->worth))

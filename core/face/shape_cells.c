@@ -21,10 +21,8 @@
 #define SHAPE_COVER_CELLS 8
 #define SHAPE_HOLE        6
 
-/* mm: above the brows no expression moves the face, so that what stands WEAK in front of it from
- * the forehead's rim down is a cover, or FAR in front anywhere, as the peak of a cap.  By hand. */
+/* mm: hair is looked for above the brows. */
 #define SHAPE_BROW_Y 36.0
-#define SHAPE_FAR_MM 10.0
 
 /* Hair: a cell differs from the mean of those beside it by more than MM, and by more than TIMES
  * the median of the cheeks, as do SHARE of the known ones up to two cells away, LEAST at least; and
@@ -222,9 +220,8 @@ static void find_hair(const float *gap, const float *height, const uint8_t *cell
 /* ---- masks */
 
 /* Where most of the face below the eyes is covered, all is, from the cover's upper rim down: what
- * seems skin there is where cloth lies on it, or the fit was bent to the cloth.  Returns whether
- * it is. */
-static bool mark_mask(const float *z, uint8_t *cell)
+ * seems skin there is where cloth lies on it, or the fit was bent to the cloth. */
+static void mark_mask(const float *z, uint8_t *cell)
 {
     const uint32_t top = grid_cell(GRID_LEFT, SHAPE_MASK_TOP) / GRID_NX * GRID_NX;
     uint32_t seen = 0, covered = 0;
@@ -232,9 +229,10 @@ static bool mark_mask(const float *z, uint8_t *cell)
     for (uint32_t i = 0; i < top; i++)
         if (!isnan(z[i])) {
             seen++;
+            covered += cell[i] == SHAPE_COVER;
         }
     if (covered <= SHAPE_MASK_SHARE * seen)
-        return false;
+        return;
     for (uint32_t x = 0; x < GRID_NX; x++) {
         bool below = false;
 
@@ -245,26 +243,6 @@ static bool mark_mask(const float *z, uint8_t *cell)
                 cell[i] = SHAPE_COVER;
         }
     }
-    return true;
-}
-
-/* How many cells above the brows are in front of the face, from its upper rim down to the first
- * that is not; and of those that are below it, the ones that are far in front. */
-static uint32_t count_upper(const float *gap, const float *height, const uint8_t *hair)
-{
-    uint32_t n = 0;
-
-    for (uint32_t x = 0; x < GRID_NX; x++) {
-        bool rim = true;
-
-        for (uint32_t i = GRID_N - GRID_NX + x; grid_y(i) > SHAPE_BROW_Y; i -= GRID_NX) {
-            if (isnan(height[i]) || isnan(gap[i]))
-                continue;
-            rim = rim && (hair[i] || gap[i] > (float)SHAPE_WEAK_MM);
-            n += rim || gap[i] > (float)SHAPE_FAR_MM;
-        }
-    }
-    return n;
 }
 
 /* shape_cover_mark(w, gap, z, height, cell): mark the cells of what covers the face.
@@ -278,25 +256,18 @@ static uint32_t count_upper(const float *gap, const float *height, const uint8_t
  *   strong cells; then empty ones up to SHAPE_HOLE cells from a strong one, and what is between
  *   such cells, SHAPE_HOLE at most; then all beside;
  * - above the brows what is as rough as hair;
- * - all below its upper rim, where it covers most of the face below the eyes: a mask.
- * Returns how many cells are in front of the face as no expression is: those above the brows,
- * strays too, and all that a mask covers. */
-static uint32_t shape_cover_mark(const struct shape_work *w, const float gap[GRID_N],
-                                 const float z[GRID_N], const float height[GRID_N],
-                                 uint8_t cell[GRID_N])
+ * - all below its upper rim, where it covers most of the face below the eyes: a mask. */
+static void shape_cover_mark(const struct shape_work *w, const float gap[GRID_N],
+                             const float z[GRID_N], const float height[GRID_N],
+                             uint8_t cell[GRID_N])
 {
     uint8_t hair[GRID_N];
-    uint32_t sure;
 
     mark_front(w, gap, height, cell);
     find_hair(gap, height, cell, hair);
     for (uint32_t i = 0; i < GRID_N; i++)
         cell[i] = hair[i] ? SHAPE_COVER : cell[i];
-    sure = count_upper(gap, height, hair);
-    if (mark_mask(z, cell))
-        for (uint32_t i = 0; i < GRID_N; i++)
-            sure += cell[i] == SHAPE_COVER && grid_y(i) < SHAPE_MASK_TOP;
-    return sure;
+    mark_mask(z, cell);
 }
 
 /* mm: the most that a cell adds to the residual. */
@@ -506,7 +477,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
         z[i] = fit->height[i] + over[i];
     }
     classify(w, gap, fit->cell, &near, &behind);
-    fit->sure = shape_cover_mark(w, gap, z, fit->height, fit->cell);
+    shape_cover_mark(w, gap, z, fit->height, fit->cell);
     fit->residual_mm = residual(gap, fit->cell);
     fit->skin = fit->cover = fit->apart = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {

@@ -62,7 +62,6 @@ struct shape_fit {
     uint32_t skin, cover, apart; /* cells of each kind */
     double worth;     /* by which fits to the same points are chosen (shape.h) */
     double explained; /* worth, and what a cover explains, in cells */
-    uint32_t sure;    /* cells in front of the face as no expression is */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
     /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
