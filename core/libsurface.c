@@ -497,6 +497,20 @@ enum surface_status surface_compare(struct surface_work *work,
     return library(st);
 }
 
+enum surface_status surface_compare_again(struct surface_work *work,
+                                          const struct surface_face *tmpl,
+                                          const struct surface_face *probe,
+                                          struct surface_comparison *io)
+{
+    struct surface_comparison full;
+    enum status st;
+
+    take(&full, io, sizeof full);
+    st = face_compare_again(tmpl, probe, work, &full);
+    give(io, &full, sizeof full);
+    return library(st);
+}
+
 enum surface_status surface_compare_mirrored(struct surface_work *work,
                                              const struct surface_face *tmpl,
                                              const struct surface_face *probe,

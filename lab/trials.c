@@ -174,8 +174,9 @@ static enum status compare(const struct run *r, const struct surface_face *face,
     const double start = command_clock_ms();
     enum status st = face_compare(own, face, r->c->threshold, w, &f);
 
+    if (st == ST_OK)
+        st = face_compare_again(own, face, w, &f);
     x->score_ms = (float)(command_clock_ms() - start);
-
     if (st == ST_OK && r->how->regions)
         st = face_field(own, face, w, &parts);
     if (st == ST_OK && r->how->minimal)

@@ -148,6 +148,24 @@ static enum status find_mirrored(const struct templates *t,
     return ST_OK;
 }
 
+/* Does the surface of the template that decides say otherwise? */
+static enum status look_again(const struct templates *t, const struct surface_face *probe,
+                              struct nearest *of, struct errinfo *e)
+{
+    struct surface_comparison again = of->result;
+    struct surface_work *w = t->context->work;
+    const enum status st =
+        status_from(surface_compare_again(w, t->face[of->index], probe, &again));
+
+    if (st != ST_OK)
+        return errinfo_set(e, st, "a second look: %s", status_message(st));
+    if (again.score > of->result.score) {
+        surface_best_of(w, of->compared, &again);
+        of->result = again;
+    }
+    return ST_OK;
+}
+
 /* Of the results [n], template[k] being the k-th one's; each lowered, then the best. */
 static void choose(struct surface_comparison *r, const size_t *template, uint32_t n,
                    const struct surface_work *w, struct nearest *out)
@@ -171,11 +189,11 @@ enum status templates_nearest(const struct templates *t, bool fit,
     struct surface_comparison result[STORE_TEMPLATES_MAX];
     size_t template[STORE_TEMPLATES_MAX];
     uint32_t n = 0;
+    enum status st;
 
     *out = (struct nearest){.result = {.size = sizeof out->result}};
     for (size_t i = 0; i < t->of.n; i++) {
         double start;
-        enum status st;
 
         if (t->face[i] == NULL || (fit && n > 0 && !t->of.t[i].manager))
             continue;
@@ -190,6 +208,8 @@ enum status templates_nearest(const struct templates *t, bool fit,
     }
     if (n > 0) {
         choose(result, template, n, c->work, out);
+        if ((st = look_again(t, probe, out, e)) != ST_OK)
+            return st;
         return find_mirrored(t, probe, out, e);
     }
     if (t->of.n > 0)

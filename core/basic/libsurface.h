@@ -439,6 +439,18 @@ SURFACE_API enum surface_status surface_compare(struct surface_work *work,
                                                 const struct surface_face *probe,
                                                 struct surface_comparison *out);
 
+/* A second look at a result of surface_compare() that the surfaces contradict: where *io is a no_match
+ * with a score below SURFACE_DOUBT though the minimal disparity is SURFACE_DOUBT_MM at most, one of the
+ * two was laid on the mean face in a wrong place.  The probe is laid there anew, from where the
+ * template lies, and *io becomes what that gives if its score is higher.
+ * Next to nothing for other results, else about the cost of surface_disparity(). */
+#define SURFACE_DOUBT    (-20.0)
+#define SURFACE_DOUBT_MM 0.2
+SURFACE_API enum surface_status surface_compare_again(struct surface_work *work,
+                                                      const struct surface_face *tmpl,
+                                                      const struct surface_face *probe,
+                                                      struct surface_comparison *io);
+
 /* With the mirror image of the probe, to tell whether a scanner swaps left and right. */
 SURFACE_API enum surface_status surface_compare_mirrored(struct surface_work *work,
                                                          const struct surface_face *tmpl,

@@ -39,6 +39,10 @@ int surface_same_engine(const char *a, const char *b)
     return x != NULL && y != NULL && strcmp(x, y) == 0;
 }
 
+/* mm^2 that two surfaces must have in common before a small disparity says anything: a quarter of a
+ * face. */
+#define FACE_DOUBT_AREA_MM2 4000.0
+
 /* Support below which nothing is a face, or whoever looks at more than its surface would know. */
 #define FACE_SUPPORT 0.15
 
@@ -450,6 +454,49 @@ enum status face_minimal(const struct surface_face *tmpl,
     return st;
 }
 
+/* Where a score contradicts the surfaces, the pair whose probe is laid from the template's frame.
+ * more: there is one. */
+static enum status doubt(const struct surface_face *tmpl,
+                         const struct surface_face *probe, double score,
+                         struct surface_work *w, struct pair *pair, bool *more)
+{
+    struct surface_disparity least;
+    enum status st;
+
+    *more = false;
+    if (!(score < SURFACE_DOUBT) || pair->tmpl.encoding->n == 0 ||
+        pair->probe.encoding->n == 0)
+        return ST_OK;
+    if ((st = face_minimal(tmpl, probe, w, &least)) != ST_OK)
+        return st;
+    *more = least.disparity_mm <= SURFACE_DOUBT_MM &&
+            least.area_mm2 >= FACE_DOUBT_AREA_MM2;
+    return *more ? pair_again(probe, least.transform, w, pair) : ST_OK;
+}
+
+enum status face_compare_again(const struct surface_face *tmpl,
+                               const struct surface_face *probe, struct surface_work *w,
+                               struct surface_comparison *io)
+{
+    struct surface_comparison again = *io;
+    struct pair pair;
+    bool more;
+    enum status st;
+
+    if (io->decision != SURFACE_NO_MATCH || !(io->score < SURFACE_DOUBT))
+        return ST_OK;
+    if ((st = pair_make(tmpl, probe, w, &pair)) != ST_OK ||
+        (st = doubt(tmpl, probe, io->score, w, &pair, &more)) != ST_OK || !more)
+        return st;
+    st = score_of(pair.tmpl.encoding, pair.probe.encoding, w, &again);
+    if (st != ST_OK || !(again.score > io->score))
+        return st;
+    again.decision = decide(&again);
+    again.false_match_rate = surface_calibration_rate(&w->calibration, again.score);
+    *io = again;
+    return ST_OK;
+}
+
 enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
                        struct surface_work *w, struct surface_disparity *least)
 {
@@ -470,13 +517,32 @@ static bool counts(const struct encoding *a, const struct encoding *b, uint32_t 
     return ((a->there[cell / 8] | b->there[cell / 8]) >> cell % 8 & 1) != 0;
 }
 
+/* The pair on which face_compare() and face_compare_again() decide. */
+static enum status decided(const struct surface_face *tmpl,
+                           const struct surface_face *probe, struct surface_work *w,
+                           struct pair *pair)
+{
+    const struct pair_side first = pair->probe;
+    struct surface_comparison r, again;
+    bool more;
+    enum status st = score_of(pair->tmpl.encoding, first.encoding, w, &r);
+
+    if (st != ST_OK || (st = doubt(tmpl, probe, r.score, w, pair, &more)) != ST_OK ||
+        !more)
+        return st;
+    st = score_of(pair->tmpl.encoding, pair->probe.encoding, w, &again);
+    if (st == ST_OK && !(again.score > r.score))
+        pair->probe = first;
+    return st;
+}
+
 enum status face_field(const struct surface_face *tmpl, const struct surface_face *probe,
                        struct surface_work *w, struct surface_parts *out)
 {
     struct pair pair;
     enum status st = pair_make(tmpl, probe, w, &pair);
     const struct pair_side *const side[] = {&pair.tmpl, &pair.probe};
-    const struct encoding *const of[] = {pair.tmpl.encoding, pair.probe.encoding};
+    const struct encoding *of[2];
     float z[2][GRID_N];
     double slope[2][MODEL_MODES], part[GRID_N] = {0}, rest = 0, all = 0;
     struct ratio_probe *r;
@@ -488,6 +554,10 @@ enum status face_field(const struct surface_face *tmpl, const struct surface_fac
     rigid = pose_unscaled(&pair.tmpl.pose);
     pose_to_matrix(&rigid, out->frame);
     out->scale = 1 / place_size(&pair.tmpl.pose);
+    if ((st = decided(tmpl, probe, w, &pair)) != ST_OK)
+        return st;
+    of[0] = pair.tmpl.encoding;
+    of[1] = pair.probe.encoding;
     if ((r = ratio_probe(of[1], w->model->kinship, &w->normal)) == NULL)
         return ST_ENOMEM;
     rest = ratio_slopes(r, of[0], slope[0], slope[1]);

@@ -79,6 +79,15 @@ enum status face_compare(const struct surface_face *tmpl,
                          const struct surface_face *probe, double threshold,
                          struct surface_work *w, struct surface_comparison *out);
 
+/* face_compare_again(tmpl, probe, w, io): a second look where score and surfaces contradict each other:
+ * where *io is a no_match of less than SURFACE_DOUBT and the minimal disparity SURFACE_DOUBT_MM at
+ * most, the probe is laid on the mean face from the template's frame, and what that gives is *io if
+ * its score is higher.  Next to nothing for other scores, else as face_minimal().
+ * Returns ST_OK, ST_ENOMEM. */
+enum status face_compare_again(const struct surface_face *tmpl,
+                               const struct surface_face *probe, struct surface_work *w,
+                               struct surface_comparison *io);
+
 /* As surface_best_of(), surface_shown(), surface_round(), surface_compare_mirrored() and
  * surface_weigh(). */
 void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface_work *w);

@@ -5,6 +5,7 @@
 
 #include "heights.h"
 #include "place.h"
+#include "pose.h"
 #include "shape_work.h"
 #include "face_work.h"
 
@@ -51,6 +52,25 @@ enum status pair_make(const struct surface_face *tmpl, const struct surface_face
     side->pose = fit->pose;
     side->encoding = &out->other;
     return place_encode(fit == &at_other[0] ? tmpl : probe, fit, w, &out->other);
+}
+
+enum status pair_again(const struct surface_face *probe, const double transform[16],
+                       struct surface_work *w, struct pair *io)
+{
+    struct surface_face moved = *probe;
+    const double size = place_size(&io->tmpl.pose);
+    const struct pose tmpl = pose_unscaled(&io->tmpl.pose);
+    struct shape_fit fit;
+    struct pose onto;
+    enum status st;
+
+    pose_from_matrix(transform, &onto);
+    moved.frame.pose = pose_follow(&tmpl, &onto);
+    if ((st = place_at(&moved, size, w, &fit)) != ST_OK)
+        return st;
+    io->probe.pose = fit.pose;
+    io->probe.encoding = &io->again;
+    return place_encode(probe, &fit, w, &io->again);
 }
 
 enum status pair_heights(const struct pair_side *s, struct surface_work *w,

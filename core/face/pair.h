@@ -19,6 +19,7 @@ struct pair_side {
 struct pair {
     struct pair_side tmpl, probe;
     struct encoding other; /* of the face that is taken at the other's size */
+    struct encoding again; /* of the probe, by pair_again() */
 };
 
 /* pair_make(tmpl, probe, w, out): both faces at one size: where they were taken for heads of different
@@ -28,6 +29,12 @@ struct pair {
  * Returns ST_OK, ST_ENOMEM. */
 enum status pair_make(const struct surface_face *tmpl, const struct surface_face *probe,
                       struct surface_work *w, struct pair *out);
+
+/* pair_again(probe, transform, w, io): the probe laid on the mean face anew, from the template's frame:
+ * where its surface is once it is moved by transform (4 x 4, row-major, rigid) onto the template's.
+ * A fit and an encoding.  Returns ST_OK, ST_ENOMEM. */
+enum status pair_again(const struct surface_face *probe, const double transform[16],
+                       struct surface_work *w, struct pair *io);
 
 /* pair_heights(s, w, z): the heights of a side in the canonical frame (heights.h), which
  * s->encoding encodes.  Returns ST_OK, ST_ENOMEM. */

@@ -138,22 +138,6 @@ static double covered(const struct shape_work *w, const float *over)
     return sum;
 }
 
-/* First b, then a. */
-static struct pose follow(const struct pose *a, const struct pose *b)
-{
-    struct pose out;
-
-    for (int i = 0; i < 3; i++) {
-        out.t[i] = a->t[i];
-        for (int k = 0; k < 3; k++) {
-            out.t[i] += a->r[3 * i + k] * b->t[k];
-            out.r[3 * i + k] = a->r[3 * i] * b->r[k] + a->r[3 * i + 1] * b->r[3 + k] +
-                               a->r[3 * i + 2] * b->r[6 + k];
-        }
-    }
-    return out;
-}
-
 /* What is fitted to, in the frame of the start: points, or samples of a surface. */
 struct target {
     struct shape_points *points; /* near the face */
@@ -226,7 +210,7 @@ enum status shape_seek(struct shape_work *w, const struct dvec3 *pts, size_t n,
         st = fit_from(w, &(struct target){.points = &p}, WHOLE, close ? fine : rough,
                       close ? sizeof fine / sizeof *fine : sizeof rough / sizeof *rough,
                       close ? -INFINITY : INFINITY, out);
-    out->pose = follow(&out->pose, start);
+    out->pose = pose_follow(&out->pose, start);
     return st;
 }
 
@@ -242,7 +226,7 @@ static enum status fit_start(struct shape_work *w, const struct dvec3 *pts, size
     if (st == ST_OK)
         st = fit_from(w, &(struct target){.points = &p}, WHOLE, passes,
                       sizeof passes / sizeof *passes, -INFINITY, out);
-    out->pose = follow(&out->pose, start);
+    out->pose = pose_follow(&out->pose, start);
     return st;
 }
 
@@ -296,7 +280,7 @@ static enum status fit_parts(struct shape_work *w, const struct dvec3 *pts, size
         if (st != ST_OK || !(one.explained > least))
             continue;
         *out = one;
-        out->pose = follow(&one.pose, start);
+        out->pose = pose_follow(&one.pose, start);
         out->size = size;
         least = one.explained;
     }
@@ -369,7 +353,7 @@ enum status shape_place(struct shape_work *w, const struct surface *f,
                       sizeof pass / sizeof *pass, -INFINITY, out);
     if (st != ST_OK)
         return st;
-    out->pose = follow(&out->pose, start);
+    out->pose = pose_follow(&out->pose, start);
     out->size = 1;
     /* As whoever knows the pose alone sees it. */
     return heights_of(f, &out->pose, &w->points, out->z);

@@ -119,6 +119,21 @@ struct pose pose_after(const struct pose *a, const struct pose *b)
     return out;
 }
 
+struct pose pose_follow(const struct pose *a, const struct pose *b)
+{
+    struct pose out;
+
+    for (int i = 0; i < 3; i++) {
+        out.t[i] = a->t[i];
+        for (int k = 0; k < 3; k++) {
+            out.t[i] += a->r[3 * i + k] * b->t[k];
+            out.r[3 * i + k] = a->r[3 * i] * b->r[k] + a->r[3 * i + 1] * b->r[3 + k] +
+                               a->r[3 * i + 2] * b->r[6 + k];
+        }
+    }
+    return out;
+}
+
 struct pose pose_scale(const struct pose *a, double by)
 {
     struct pose out;

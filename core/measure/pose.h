@@ -42,6 +42,9 @@ void pose_from_matrix(const double m[16], struct pose *a);
  * to the same frame, that moves b's surface to a's. */
 struct pose pose_after(const struct pose *a, const struct pose *b);
 
+/* pose_follow(a, b): first b, then a. */
+struct pose pose_follow(const struct pose *a, const struct pose *b);
+
 /* pose_scale(a, by): p -> by (r p + t), a similarity: where poses are applied or moved, one may
  * stand in their place.
  * pose_unscaled(a): the rigid motion of which a is a multiple. */

@@ -5,7 +5,9 @@
 #include "clouds.h"
 #include "face.h"
 #include "fail_alloc.h"
+#include "heights.h"
 #include "place.h"
+#include "pose.h"
 #include "unit.h"
 #include "face_work.h"
 
@@ -109,6 +111,48 @@ TEST(test_mirrored)
     assert_true(fabs(right.score - mistaken.score) < 8);
     face_free(&a);
     face_free(&b);
+}
+
+/* A frame that is off by a few mm makes a stranger of a scan; the surfaces say otherwise.  Of another
+ * person they do not. */
+TEST(test_doubt)
+{
+    const struct dvec3 nose = {0, 0, 0};
+    const double off[] = {0.12, -0.1, 0.06, 3, 9, -2};
+    struct surface_face a = {0}, b = {0}, other = {0};
+    struct surface_comparison r, again;
+    struct surface_parts parts;
+    struct shape_fit fit;
+    double sum = 0;
+
+    make(6, 0, 1, &a);
+    make(6, 0, 1, &b);
+    make(7, 0, 1, &other);
+    pose_move(&b.frame.pose, nose, off);
+    assert_int_equal(heights_of(&b.surface, &b.frame.pose, &work->measure.scratch, fit.z),
+                     ST_OK);
+    fit.residual_mm = 0.5;
+    assert_int_equal(place_encode(&b, &fit, work, &b.encoding), ST_OK);
+    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
+    assert_true(r.score < SURFACE_DOUBT && r.decision == SURFACE_NO_MATCH);
+    again = r;
+    assert_int_equal(face_compare_again(&a, &b, work, &again), ST_OK);
+    assert_true(again.score > 20 && again.decision == SURFACE_MATCH);
+    assert_true(again.threshold == r.threshold);
+    assert_true(again.false_match_rate < r.false_match_rate);
+    assert_int_equal(face_field(&a, &b, work, &parts), ST_OK);
+    for (int i = 0; i < SURFACE_REGIONS; i++)
+        sum += parts.region[i];
+    assert_true(fabs(sum - again.score) < 1e-3);
+
+    assert_int_equal(face_compare(&a, &other, (double)NAN, work, &r), ST_OK);
+    assert_true(r.score < SURFACE_DOUBT);
+    again = r;
+    assert_int_equal(face_compare_again(&a, &other, work, &again), ST_OK);
+    assert_memory_equal(&r, &again, sizeof r);
+    face_free(&a);
+    face_free(&b);
+    face_free(&other);
 }
 
 static struct surface_face failing[2];
