@@ -55,6 +55,12 @@ refused mirrored "$TEXT" "$T/x" '' alice/verify
 awk '{ print $1, $2, 20 * cos(sqrt($1 * $1 + $2 * $2) / 15) }' "$T/a.xyz" >"$T/x"
 refused not_a_face "$TEXT" "$T/x"
 refused low_quality "$PLY" "$T/noisy.ply" axes=scanner
+scan 1 2 "$T/frame-1.ply"
+scan 2 2 "$T/frame-2.ply" --noise 0.6
+req POST /v1/subjects/bob/templates -F "file=@$T/frame-1.ply" -F "file=@$T/frame-2.ply"
+is "a form of two people" "$(jq -c '.components.responses.EnrollUnusable.content["application/problem+json"].examples.several_people.value
+    | [.code, .detail]' "$T/api")" "$(jq -c '[.code, .detail]' "$T/body")"
+echo 'EnrollUnusable several_people' >>"$T/codes"
 is "every code of a refused scan" "$(sort "$T/codes")" "$(jq -r '.components.responses
     | {Unusable, EnrollUnusable} | to_entries[] | .key as $group
     | [.value | .. | objects | .code.enum? // empty | .[]] | .[]
