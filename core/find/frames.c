@@ -6,6 +6,7 @@
 #include "cloudpoints.h"
 #include "lattice.h"
 #include "mem.h"
+#include "quality.h"
 
 /* A frame that is more likely of the base's person than not is fused.  Another one shows somebody
  * else if it tells as much as TELLS, and its score against the fused face is below this for each mm
@@ -19,6 +20,9 @@
 /* mm: a frame whose median gap to the base is less shows the same surface.  Of 1,061 pairs of people
  * the nearest lie 0.5 mm apart, which is a false match; frames of a good scanner 0.2. */
 #define FRAMES_CLOSE_MM 0.4
+
+/* Share of a step of depth that is added to that: the greatest error of one. */
+#define FRAMES_STEP 0.5
 
 /* How many of the best frames are tried as the base. */
 #define FRAMES_BASES 3
@@ -71,6 +75,15 @@ static enum status score(struct frames *f, uint32_t i, const float own[GRID_N],
     return st;
 }
 
+/* Does the frame show the base's surface, as far as their depths can tell? */
+static bool near(const struct frames *f, uint32_t i)
+{
+    const float *step[] = {&f->one[f->base].face.step_mm, &f->one[i].face.step_mm};
+    const double coarser = fmax((double)*step[0], (double)*step[1]);
+
+    return f->one[i].at.gap_mm <= FRAMES_CLOSE_MM + FRAMES_STEP * quality_step(coarser);
+}
+
 /* Lays each on the base; *close: all are so near to it that no score is needed. */
 static enum status lay_all(struct frames *f, const float z[GRID_N], bool scored,
                            bool *close)
@@ -86,7 +99,7 @@ static enum status lay_all(struct frames *f, const float z[GRID_N], bool scored,
         if (!one->built || i == f->base)
             continue;
         st = fuse_register(&f->one[f->base].face, z, &one->face, f->w, &one->at, own);
-        *close = *close && one->at.gap_mm <= FRAMES_CLOSE_MM;
+        *close = *close && near(f, i);
         if (st == ST_OK && scored)
             st = score(f, i, own, &one->score);
     }
@@ -139,7 +152,8 @@ static enum status choose_base(struct frames *f, uint32_t built, bool *close)
         if ((st = compare_all(f, close)) != ST_OK || *close)
             return st;
         for (uint32_t i = 0; i < f->n; i++)
-            alike += f->one[i].built && i != f->base && f->one[i].score > FRAMES_SAME;
+            alike += f->one[i].built && i != f->base &&
+                     (f->one[i].score > FRAMES_SAME || near(f, i));
         if (2 * alike >= built - 1)
             return ST_OK;
     }
@@ -155,7 +169,7 @@ static enum status judge_all(struct frames *f, uint32_t built)
     for (uint32_t i = 0; st == ST_OK && !close && i < f->n; i++) {
         struct frames_one *one = &f->one[i];
 
-        if (one->built && i != f->base &&
+        if (one->built && i != f->base && !near(f, i) &&
             !(one->score > FRAMES_SAME && one->at.gap_mm <= FUSE_GAP_MM))
             one->st = ST_EAPART;
     }
@@ -224,15 +238,35 @@ static void put_found(const struct surface_found *base, const struct surface_fou
     out->eyes = fused->eyes;
     out->detail = fused->detail;
     out->forehead = fused->forehead;
+    out->step_mm = fused->step_mm;
+    out->warnings &= ~(1U << SURFACE_STEPPED);
+    out->warnings |= fused->warnings & 1U << SURFACE_STEPPED;
     out->quality = fused->quality;
+}
+
+/* Steps of depth that the fused face still has: of frames that are moved a little against each other
+ * their errors average as noise does. */
+static double step_left(const struct frames *f)
+{
+    double sum = 0;
+    uint32_t n = 0;
+
+    for (uint32_t i = 0; i < f->n; i++)
+        if (f->one[i].built && f->one[i].st == ST_OK) {
+            sum += (double)f->one[i].face.step_mm;
+            n++;
+        }
+    return n > 0 ? sum / n / sqrt(n) : 0;
 }
 
 static enum status build(struct frames *f, struct surface_face *out,
                          struct surface_found *found)
 {
     const struct surface_found *base = &f->one[f->base].found;
-    const struct scan_options how = {
-        .axes = SCAN_AXES_SCANNER, .enrolment = f->how.enrolment, .stop = f->how.stop};
+    const struct scan_options how = {.axes = SCAN_AXES_SCANNER,
+                                     .enrolment = f->how.enrolment,
+                                     .stop = f->how.stop,
+                                     .step_mm = step_left(f)};
     struct surface_found fused;
     struct cloudpoints c;
     enum status st = fuse(f, &c);

@@ -103,7 +103,7 @@ static void warn(struct scan *s, enum surface_warning k, bool when)
  * made. */
 static void tell_step(struct scan *s, const struct pose *view)
 {
-    s->found->step_mm = step_of(s->c->at, s->c->n, view);
+    s->found->step_mm = fmax(s->o->step_mm, step_of(s->c->at, s->c->n, view));
     s->out->step_mm = (float)s->found->step_mm;
     warn(s, SURFACE_STEPPED, s->found->step_mm > SURFACE_STEP_MM);
 }
@@ -215,7 +215,8 @@ static enum status build(struct scan *s, const struct pose *pose)
     if (!s->o->frame)
         return face_build(s->c->at, s->c->n, s->w, s->out, s->bad);
     st = face_lay(s->c->at, s->c->n, pose, s->w, s->out, s->bad);
-    s->out->encoding.residual_mm = (float)s->fit.residual_mm;
+    s->out->encoding.residual_mm =
+        (float)encode_noise(s->fit.residual_mm, (double)s->out->step_mm);
     s->out->encoding.cells = s->fit.skin;
     return st;
 }

@@ -133,6 +133,33 @@ TEST(test_noise)
     surface_face_free(one);
 }
 
+/* Frames whose depths are in steps lie farther apart, and are used nevertheless; what is left of the
+ * steps falls with the square root of their number, and counts as noise. */
+TEST(test_steps)
+{
+    struct surface_comparison one = {.size = sizeof one}, all = {.size = sizeof all};
+    struct surface_face *other = NULL, *single = NULL;
+
+    take_all(5, 0);
+    for (uint32_t k = 0; k < FRAMES; k++)
+        for (size_t i = 0; i < cloud[k].n; i++)
+            pts[k][i].z = 2.2 * round(pts[k][i].z / 2.2);
+    assert_int_equal(fuse(FRAMES), SURFACE_OK);
+    for (uint32_t k = 0; k < FRAMES; k++) {
+        assert_int_equal(frame[k].status, SURFACE_OK);
+        assert_true(fabs(frame[k].found.step_mm - 2.2) < 0.3);
+    }
+    assert_true(fabs(found.step_mm - 2.2 / sqrt(FRAMES)) < 0.2);
+    assert_int_equal(surface_build(work, &cloud[0], &single, NULL), SURFACE_OK);
+    take(0, 5, 0, 0.05);
+    assert_int_equal(surface_build(work, &cloud[0], &other, NULL), SURFACE_OK);
+    assert_int_equal(surface_compare(work, other, single, &one), SURFACE_OK);
+    assert_int_equal(surface_compare(work, other, fused, &all), SURFACE_OK);
+    assert_true(all.expected > 1.5 * one.expected && all.decision == SURFACE_MATCH);
+    surface_face_free(other);
+    surface_face_free(single);
+}
+
 /* One that is too noisy for an enrolment is fused all the same, and alone refused. */
 TEST(test_gate)
 {
