@@ -469,8 +469,8 @@ static enum status doubt(const struct surface_face *tmpl,
         return ST_OK;
     if ((st = face_minimal(tmpl, probe, w, &least)) != ST_OK)
         return st;
-    *more = least.disparity_mm <= SURFACE_DOUBT_MM &&
-            least.area_mm2 >= FACE_DOUBT_AREA_MM2;
+    *more =
+        least.disparity_mm <= SURFACE_DOUBT_MM && least.area_mm2 >= FACE_DOUBT_AREA_MM2;
     return *more ? pair_again(probe, least.transform, w, pair) : ST_OK;
 }
 

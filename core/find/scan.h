@@ -57,7 +57,8 @@ struct scan_options {
     bool frame; /* with enrolment: all but the strict gate, which is for the fused face */
     /* a face is looked for near it, and searched for only if there is none; NULL: not known */
     const struct scan_near *near;
-    double step_mm; /* between neighbouring depths at least, of frames that the points are of */
+    double
+        step_mm; /* between neighbouring depths at least, of frames that the points are of */
     struct scan_search *search; /* kept from the first call to the second for the same
                                    points; NULL: not kept */
     const struct surface_stop *stop; /* NULL: none */
