@@ -23,7 +23,8 @@ enum {
     AT_MARK = 28,
     AT_FRAME = 32, /* 9 + 3 doubles: rotation and shift, scanner -> canonical frame */
     AT_STEP = 128,
-    HEADER = 132,
+    AT_SEEN = 132, /* and what is explained of it */
+    HEADER = 140,
     THERE = GRID_N / 8
 };
 
@@ -191,6 +192,13 @@ static bool get_floats(const unsigned char *p, float *v, size_t n)
     return finite;
 }
 
+/* False: no fit sees or explains so much. */
+static bool get_fit(const unsigned char *p, struct frame *out)
+{
+    return get_floats(p, &out->seen, 1) && get_floats(p + 4, &out->explained, 1) &&
+           out->seen >= 0.0f && out->seen <= (float)GRID_N && out->explained <= 1.0f;
+}
+
 static unsigned char *put_encoding(unsigned char *p, const struct encoding *e)
 {
     p = put_float(p, e->residual_mm);
@@ -238,6 +246,7 @@ void surface_encode(const struct surface_face *f, void *bytes)
     put32(buf + AT_MARK, f->frame.mean_id);
     put_frame(buf + AT_FRAME, &f->frame.pose);
     (void)put_float(buf + AT_STEP, f->step_mm);
+    (void)put_float(put_float(buf + AT_SEEN, f->frame.seen), f->frame.explained);
     p = put_encoding(p, &f->encoding);
     for (uint32_t v = 0; v < m->nv; v++, p += 8) {
         put32(p, (uint32_t)m->xy[v].x);
@@ -296,6 +305,7 @@ enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
     out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
     good = get_frame(p + AT_FRAME, &out->frame.pose) || out->frame.mean_id == 0;
     good &= get_floats(p + AT_STEP, &out->step_mm, 1) && out->step_mm >= 0.0f;
+    good &= get_fit(p + AT_SEEN, &out->frame);
     p += HEADER;
     if (!good || !get_encoding(p, modes, &out->encoding))
         return ST_ECORRUPT;

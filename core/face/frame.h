@@ -31,10 +31,12 @@ struct frame {
     double cost_mm;   /* mean distance from the mean face there (capped, L1) */
     double within;    /* share of the face's points over the mean face */
     double support;   /* share of what is seen that a face's shape explains (shape.h) */
+    float seen;       /* cells of the face with points */
+    float explained;  /* what a face's shape explains of each of them, at most 1 (place.h) */
 };
 
 /* frame_find(mean, face, w, out): align the face to the mean face.  (Of a decoded template
- * only pose and mean_id are known; the rest is 0.)  Cost: a fraction of a triangulation.
+ * pose, mean_id, seen and explained are known; the rest is 0.)  Cost: a fraction of a triangulation.
  * Returns ST_OK, ST_ENOMEM. */
 enum status frame_find(const struct frame_mean *mean, const struct surface *face,
                        struct align_work *w, struct frame *out);

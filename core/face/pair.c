@@ -17,10 +17,20 @@ static struct pair_side as_it_is(const struct surface_face *f)
     return (struct pair_side){&f->surface, &f->encoding, f->frame.pose};
 }
 
-/* How many cells more than at the size of the other fit a scan explains at its own. */
-static double gain(const struct shape_fit *own, const struct shape_fit *other)
+/* How many cells more than at the size of the other scan one explains at its own. */
+static double gain(const struct surface_face *f, const struct shape_fit *other)
 {
-    return place_seen(own) * (place_explained(own) - place_explained(other));
+    return (double)f->frame.seen * ((double)f->frame.explained - place_explained(other));
+}
+
+/* The side becomes f as the fit lays it. */
+static enum status take(const struct surface_face *f, const struct shape_fit *fit,
+                        struct surface_work *w, struct pair_side *side,
+                        struct encoding *encoding)
+{
+    side->pose = fit->pose;
+    side->encoding = encoding;
+    return place_encode(f, fit, w, encoding);
 }
 
 enum status pair_make(const struct surface_face *tmpl, const struct surface_face *probe,
@@ -28,30 +38,19 @@ enum status pair_make(const struct surface_face *tmpl, const struct surface_face
 {
     const double size = place_size(&tmpl->frame.pose),
                  other = place_size(&probe->frame.pose);
-    struct shape_fit own[2], at_other[2];
-    const struct shape_fit *fit;
-    struct pair_side *side;
+    struct shape_fit at_other[2];
     enum status st;
 
     out->tmpl = as_it_is(tmpl);
     out->probe = as_it_is(probe);
     if (fabs(size - other) < PAIR_SAME || tmpl->encoding.n == 0 || probe->encoding.n == 0)
         return ST_OK;
-    if ((st = place_at(tmpl, size, w, &own[0])) != ST_OK ||
-        (st = place_at(probe, other, w, &own[1])) != ST_OK ||
-        (st = place_at(tmpl, other, w, &at_other[0])) != ST_OK ||
+    if ((st = place_at(tmpl, other, w, &at_other[0])) != ST_OK ||
         (st = place_at(probe, size, w, &at_other[1])) != ST_OK)
         return st;
-    if (gain(&own[0], &at_other[0]) > gain(&own[1], &at_other[1])) {
-        side = &out->probe;
-        fit = &at_other[1];
-    } else {
-        side = &out->tmpl;
-        fit = &at_other[0];
-    }
-    side->pose = fit->pose;
-    side->encoding = &out->other;
-    return place_encode(fit == &at_other[0] ? tmpl : probe, fit, w, &out->other);
+    if (gain(tmpl, &at_other[0]) > gain(probe, &at_other[1]))
+        return take(probe, &at_other[1], w, &out->probe, &out->other);
+    return take(tmpl, &at_other[0], w, &out->tmpl, &out->other);
 }
 
 enum status pair_again(const struct surface_face *probe, const double transform[16],

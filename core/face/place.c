@@ -152,6 +152,7 @@ static enum status place(struct surface_face *f, struct surface_work *w)
         return st;
     f->frame = (struct frame){
         .pose = fit.pose, .mean_id = w->mean.mean_id, .support = support(w, &fit)};
+    place_keep(&fit, &f->frame);
     return place_encode(f, &fit, w, &f->encoding);
 }
 
@@ -180,6 +181,12 @@ double place_seen(const struct shape_fit *fit)
 double place_explained(const struct shape_fit *fit)
 {
     return fit->worth / (place_seen(fit) + 1);
+}
+
+void place_keep(const struct shape_fit *fit, struct frame *out)
+{
+    out->seen = (float)place_seen(fit);
+    out->explained = (float)place_explained(fit);
 }
 
 enum status place_at(const struct surface_face *f, double size, struct surface_work *w,

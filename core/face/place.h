@@ -28,4 +28,7 @@ double place_size(const struct pose *pose);
 double place_seen(const struct shape_fit *fit);
 double place_explained(const struct shape_fit *fit);
 
+/* place_keep(fit, out): both, with the frame that the fit leads to, for pair.h. */
+void place_keep(const struct shape_fit *fit, struct frame *out);
+
 #endif

@@ -12,6 +12,7 @@
 #include "lattice.h"
 #include "mem.h"
 #include "mirror.h"
+#include "place.h"
 #include "quality.h"
 #include "shape.h"
 #include "sight.h"
@@ -218,6 +219,7 @@ static enum status build(struct scan *s, const struct pose *pose)
     s->out->encoding.residual_mm =
         (float)encode_noise(s->fit.residual_mm, (double)s->out->step_mm);
     s->out->encoding.cells = s->fit.skin;
+    place_keep(&s->fit, &s->out->frame);
     return st;
 }
 

@@ -13,7 +13,7 @@
 #include "unit.h"
 
 #define GOLDEN   "tests/golden/face_v4.bin"
-#define HEADER   132
+#define HEADER   140
 #define ENCODING 172 /* with no modes */
 #define MODES    6   /* where the number of modes is, */
 #define MARK     28  /* where the frame's mark is */
@@ -210,7 +210,7 @@ TEST(test_golden)
         {-50000, -50000}, {0, 0}, {-50000, 50000}, {50000, -50000}, {50000, 50000}};
     static const uint32_t parent[5] = {0, 0, 1, 1, 1};
     static const struct frame frame = {
-        {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, -2, 0.5}}, 0x04030201, 0, 0, 0};
+        {{0, -1, 0, 1, 0, 0, 0, 0, 1}, {1, -2, 0.5}}, 0x04030201, 0, 0, 0, 870, 0.75f};
     static const struct encoding encoding = {.a = {4, 0.5f, 9},
                                              .b = {1.5f, -2},
                                              .residual_mm = 0.75f,
@@ -365,7 +365,7 @@ TEST(test_bad_encoding)
 {
     static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
                                     0x7f800001}; /* NAN, infinite, ... */
-    const size_t step = HEADER - 4, residual = HEADER, cells = HEADER + 4,
+    const size_t step = HEADER - 12, seen = HEADER - 8, explained = HEADER - 4, residual = HEADER, cells = HEADER + 4,
                  there = HEADER + 8;
     struct surface_face f = {0}, g = {0};
     size_t len;
@@ -381,13 +381,20 @@ TEST(test_bad_encoding)
                      none[k]);
             assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
         }
-    for (size_t k = 0; k < sizeof none / sizeof *none; k++) {
+    for (size_t k = 0; k < sizeof none / sizeof *none; k++)
+        for (size_t i = step; i < HEADER; i += 4) {
+            memcpy(other, buf, len);
+            put_bits(other + i, none[k]);
+            assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
+        }
+    for (int i = 0; i < 9; i++) {
         memcpy(other, buf, len);
-        put_bits(other + step, none[k]);
-        assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
-    }
-    for (int i = 0; i < 6; i++) {
-        memcpy(other, buf, len);
+        if (i == 8)
+            put_bits(other + explained, 0x3f800001); /* 1 and a bit */
+        if (i == 7)
+            put_bits(other + seen, 0xbf800000);
+        if (i == 6)
+            put_bits(other + seen, 0x44a40100); /* 1312.03 */
         if (i == 5)
             put_bits(other + step, 0xbf800000);
         if (i == 0)

@@ -32,6 +32,7 @@ static void mistake(struct surface_face *f, double size)
 
     assert_int_equal(place_at(f, size, work, &fit), ST_OK);
     f->frame.pose = fit.pose;
+    place_keep(&fit, &f->frame);
     assert_int_equal(place_encode(f, &fit, work, &f->encoding), ST_OK);
 }
 
