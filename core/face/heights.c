@@ -74,7 +74,7 @@ static uint32_t parts(const struct corner *a, const struct corner *b,
 /* Where samples go. */
 struct list {
     float *x, *y, *z, *area;
-    uint32_t n;
+    size_t n, room;
 };
 
 static void add(struct list *l, const struct corner *a, const struct corner *b,
@@ -104,46 +104,50 @@ static void add_parts(struct list *l, const struct corner *a, const struct corne
         }
 }
 
-enum status heights_take(const struct surface *f, const struct pose *pose,
-                         struct scratch *s, struct heights *out)
+/* The samples of all triangles; where there is no room they are counted alone. */
+static void add_all(const struct surface *f, const struct corner *at, struct list *l)
 {
     const struct mesh *m = &f->mesh;
-    const size_t corners = mem_round(m->nv * sizeof(struct corner));
-    struct corner *at = scratch_need(s, corners);
-    struct list l = {0};
-    size_t n = 0, used = 0;
-    unsigned char *block;
     float twice;
 
-    if (at == NULL)
-        return ST_ENOMEM;
-    place(m, pose, at);
-    for (uint32_t t = 0; t < m->nt; t++) {
-        const uint32_t *v = &m->org[3 * t];
-        const size_t k =
-            f->bridge[t] ? 0 : parts(&at[v[0]], &at[v[1]], &at[v[2]], &twice);
-
-        n += k * k;
-    }
-    n = (n + 15) & ~(size_t)15;
-    block = scratch_need(s, corners + 4 * n * sizeof(float));
-    if (block == NULL)
-        return ST_ENOMEM;
-    at = mem_take(block, &used, m->nv, sizeof *at);
-    l.x = mem_take(block, &used, n, sizeof *l.x);
-    l.y = mem_take(block, &used, n, sizeof *l.y);
-    l.z = mem_take(block, &used, n, sizeof *l.z);
-    l.area = mem_take(block, &used, n, sizeof *l.area);
-    place(m, pose, at); /* a larger block does not keep what was in the smaller one */
+    l->n = 0;
     for (uint32_t t = 0; t < m->nt; t++) {
         const uint32_t *v = &m->org[3 * t];
         const uint32_t k =
             f->bridge[t] ? 0 : parts(&at[v[0]], &at[v[1]], &at[v[2]], &twice);
 
-        if (k > 0)
-            add_parts(&l, &at[v[0]], &at[v[1]], &at[v[2]], k, twice);
+        if (k > 0 && l->n + (size_t)k * k <= l->room)
+            add_parts(l, &at[v[0]], &at[v[1]], &at[v[2]], k, twice);
+        else
+            l->n += (size_t)k * k;
     }
-    *out = (struct heights){l.x, l.y, l.z, l.area, l.n};
+}
+
+enum status heights_take(const struct surface *f, const struct pose *pose,
+                         struct scratch *s, struct heights *out)
+{
+    const struct mesh *m = &f->mesh;
+    const size_t corners = mem_round(m->nv * sizeof(struct corner));
+    struct list l = {.n = 4 * (size_t)m->nt}; /* as many as most faces have at most */
+
+    do { /* a larger block does not keep what was in the smaller one */
+        size_t used = 0;
+        unsigned char *block;
+        struct corner *at;
+
+        l.room = (l.n + 15) & ~(size_t)15;
+        block = scratch_need(s, corners + 4 * l.room * sizeof(float));
+        if (block == NULL)
+            return ST_ENOMEM;
+        at = mem_take(block, &used, m->nv, sizeof *at);
+        l.x = mem_take(block, &used, l.room, sizeof *l.x);
+        l.y = mem_take(block, &used, l.room, sizeof *l.y);
+        l.z = mem_take(block, &used, l.room, sizeof *l.z);
+        l.area = mem_take(block, &used, l.room, sizeof *l.area);
+        place(m, pose, at);
+        add_all(f, at, &l);
+    } while (l.n > l.room);
+    *out = (struct heights){l.x, l.y, l.z, l.area, (uint32_t)l.n};
     return ST_OK;
 }
 

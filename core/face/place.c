@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "heights.h"
 #include "pose.h"
 #include "shape.h"
 #include "vec.h"
@@ -127,43 +128,55 @@ static enum status start_at(struct surface_face *f, struct surface_work *w, int 
 enum status place_encode(const struct surface_face *f, const struct shape_fit *fit,
                          struct surface_work *w, struct encoding *out)
 {
-    return encode_heights(&w->encode, fit->z,
-                          encode_noise(fit->residual_mm, (double)f->step_mm), &w->normal,
-                          out);
+    float z[GRID_N];
+    enum status st;
+
+    face_work_lend(w);
+    st = heights_of(&f->surface, &fit->pose, &w->shape.points, z);
+    face_work_lend(w);
+    return st != ST_OK
+               ? st
+               : encode_heights(&w->encode, z,
+                                encode_noise(fit->residual_mm, (double)f->step_mm),
+                                &w->normal, out);
 }
 
-/* The frame and the encoding; with the builders' block to take heights in. */
-static enum status place(struct surface_face *f, struct surface_work *w)
+/* The frame, and the fit that it is of; with the builders' block to take heights in. */
+static enum status place(struct surface_face *f, struct surface_work *w,
+                         struct shape_fit *fit)
 {
     struct pose start[STARTS];
-    struct shape_fit fit = {.worth = -INFINITY}, one;
+    struct shape_fit one;
     enum status st = ST_OK;
 
+    fit->worth = -INFINITY;
+    fit->skin = fit->cover = fit->apart = 0;
     for (int k = 0;
-         st == ST_OK && (k == 0 || (k < STARTS && support(w, &fit) < FACE_SURE)); k++) {
+         st == ST_OK && (k == 0 || (k < STARTS && support(w, fit) < FACE_SURE)); k++) {
         if ((st = start_at(f, w, k, &start[k])) == ST_OK &&
             (st = shape_place(&w->shape, &f->surface, &start[k], &one)) == ST_OK &&
-            one.worth > fit.worth)
-            fit = one;
+            one.worth > fit->worth)
+            *fit = one;
     }
-    if (st == ST_OK && support(w, &fit) < FACE_SIZE_SURE)
-        st = try_sizes(f, w, start, &fit);
+    if (st == ST_OK && support(w, fit) < FACE_SIZE_SURE)
+        st = try_sizes(f, w, start, fit);
     if (st != ST_OK)
         return st;
     f->frame = (struct frame){
-        .pose = fit.pose, .mean_id = w->mean.mean_id, .support = support(w, &fit)};
-    place_keep(&fit, &f->frame);
-    return place_encode(f, &fit, w, &f->encoding);
+        .pose = fit->pose, .mean_id = w->mean.mean_id, .support = support(w, fit)};
+    place_keep(fit, &f->frame);
+    return ST_OK;
 }
 
 enum status place_find(struct surface_face *f, struct surface_work *w)
 {
+    struct shape_fit fit;
     enum status st;
 
     face_work_lend(w);
-    st = place(f, w);
+    st = place(f, w, &fit);
     face_work_lend(w);
-    return st;
+    return st == ST_OK ? place_encode(f, &fit, w, &f->encoding) : st;
 }
 
 double place_size(const struct pose *pose)
