@@ -16,7 +16,7 @@ struct frame_mean; /* frame.h */
  * point in STRAY_IN at either end, or, where that finds nothing, one in STRAYS_IN.  The
  * smallest crops are 130 mm, busts 500.  Nothing farther than REACH from the median is looked
  * at. */
-#define FIND_HEAD_MIN_MM 110
+#define FIND_HEAD_MIN_MM 80
 #define FIND_ROOM_MIN_MM 900
 #define FIND_ROOM_MAX_MM 6000
 #define FIND_STRAY_IN    100
