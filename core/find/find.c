@@ -316,11 +316,11 @@ static enum status search_grid(struct finder *f, const struct find_grid *g,
         return st;
     look(f, g, false, &r);
     st = seek(f, g, unit_mm, 0, FIND_SEEKS, FIND_FITS);
-    if (st == ST_OK && f->size == 1 && !found(f, FIND_PLAIN) && !upright(f))
+    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f))
         st = seek(f, g, unit_mm, FIND_SEEKS, FIND_SEEKS_MORE, FIND_FITS_MORE);
     if (st == ST_OK)
         st = turn_over(f, g, unit_mm);
-    if (st == ST_OK && f->size == 1 && !found(f, FIND_PLAIN) && !upright(f)) {
+    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
         look(f, g, true, &r);
         st = seek(f, g, unit_mm, 0, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
         if (st == ST_OK)
@@ -344,16 +344,21 @@ static enum status search(struct finder *f, double unit_mm)
     return st;
 }
 
-/* By each unit that makes the cloud as large as that, until there may be a face; for a head that
- * may not be of the usual size, until one is plain. */
+/* Is there what need not be looked for in other units?  There may be a face; of a head that may not be
+ * of the usual size, plainly. */
+static bool enough(const struct finder *f)
+{
+    return f->size == 1 ? found(f, FIND_LIKELY) : found(f, FIND_PLAIN) || upright(f);
+}
+
+/* By each unit that makes the cloud as large as that, until there is enough. */
 static enum status search_units(struct finder *f, double from_mm, double to_mm)
 {
     static const double units[] = FIND_UNITS_MM;
     const size_t n = f->unit_mm > 0 ? 1 : sizeof units / sizeof *units;
-    const double enough = f->size == 1 ? FIND_LIKELY : FIND_PLAIN;
     enum status st = ST_OK;
 
-    for (size_t i = 0; i < n && st == ST_OK && !found(f, enough) && !stopped(f); i++) {
+    for (size_t i = 0; i < n && st == ST_OK && !enough(f) && !stopped(f); i++) {
         const double mm = f->unit_mm > 0 ? f->unit_mm : units[i];
 
         if (f->extent.size * mm >= from_mm && f->extent.size * mm < to_mm)
@@ -362,28 +367,42 @@ static enum status search_units(struct finder *f, double from_mm, double to_mm)
     return st;
 }
 
-/* As large as a head, then as a room; once more where there are many strays; and as if a child's
- * head were larger. */
+/* As large as a head, then as a room. */
+static enum status search_extent(struct finder *f)
+{
+    const enum status st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MIN_MM);
+
+    return st == ST_OK ? search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM) : st;
+}
+
+/* What is left to spend, up to what was allowed for the points alone. */
+static int64_t spare(const struct finder *f)
+{
+    const int64_t most = (int64_t)(f->n / FIND_SPENT_PER);
+
+    return f->starts.left < 0 ? 0 : f->starts.left < most ? f->starts.left : most;
+}
+
+/* As it is; once more where there are many strays; and as if a child's head were larger. */
 static enum status search_all(struct finder *f)
 {
     static const size_t strays[] = {FIND_STRAY_IN, FIND_STRAYS_IN};
-    double before = INFINITY;
     enum status st = ST_OK;
 
     for (int i = 0; i < 2 && st == ST_OK; i++) {
-        measure_extent(f->pts, f->n, strays[i], &f->extent);
-        if (!(f->extent.size < before / 2))
+        struct extent extent;
+
+        measure_extent(f->pts, f->n, strays[i], &extent);
+        if (i > 0 && !(extent.size < f->extent.size / 2))
             break;
-        before = f->extent.size;
-        st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MIN_MM);
-        if (st == ST_OK)
-            st = search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM);
+        f->extent = extent;
+        st = search_extent(f);
     }
     if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
         f->size = FIND_SMALL;
-        f->unit_mm = f->best.n > 0 ? f->best.at[0].pose.unit_mm : f->unit_mm;
-        f->starts.left = FIND_SPENT_SMALL;
-        st = search_units(f, FIND_HEAD_MIN_MM, FIND_ROOM_MAX_MM);
+        f->unit_mm = found(f, FIND_LIKELY) ? f->best.at[0].pose.unit_mm : f->unit_mm;
+        f->starts.left = spare(f) + FIND_SPENT_SMALL;
+        st = search_extent(f);
     }
     if (f->stop != NULL && f->stop->wanted(f->stop->arg))
         return ST_EBUSY;

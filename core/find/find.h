@@ -4,8 +4,8 @@
  *     large as a room.
  * (2) Starting poses: seen from some side, places that stand out as a nose does, with every roll,
  *     by how well the mean face lies there (find_view.h).  The sides are those from which
- *     scanners look along agreed axes; where nothing is plain, all others, and once more those
- *     along agreed axes as if a child's head were larger.
+ *     scanners look along agreed axes; where nothing is plain, all others, and all of them once
+ *     more as if a child's head were larger.
  * (3) The shape of a face is fitted from the best of them, roughly, and from the best of these
  *     more closely (shape_seek()).
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */

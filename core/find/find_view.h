@@ -14,7 +14,7 @@ struct frame_mean; /* frame.h */
 
 /* The largest side, mm, of what may be a head with shoulders, and of a room; leaving out one
  * point in STRAY_IN at either end, or, where that finds nothing, one in STRAYS_IN.  The
- * smallest crops are 130 mm, busts 500.  Nothing farther than REACH from the median is looked
+ * smallest crops are 130 mm, of a child of five 90, busts 500.  Nothing farther than REACH from the median is looked
  * at. */
 #define FIND_HEAD_MIN_MM 80
 #define FIND_ROOM_MIN_MM 900
