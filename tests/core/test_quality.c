@@ -5,7 +5,7 @@
 
 static const struct surface_quality good = {0.9, 0.95, 2.2, 0.3};
 static const struct frame still = {
-    {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, 1, 1.7, 0.9, 0.9};
+    .pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}, .mean_id = 1, .support = 0.9};
 
 /* The frame of a face turned so many degrees about axis 0 to 2 (pitch, yaw, roll). */
 static struct frame turned(int axis, double degrees)
