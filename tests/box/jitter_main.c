@@ -360,6 +360,8 @@ static enum status judge(struct pair *p, const struct surface_face *copy, struct
         surface_compare(p->w, copy, p->face, &other) != SURFACE_OK)
         return ST_ENOMEM;
     lopsided = fabs(one->score - other.score) > SAME_SCORE;
+    if (surface_compare_again(p->w, p->face, copy, one) != SURFACE_OK)
+        return ST_ENOMEM;
     vague = one->decision == SURFACE_INCONCLUSIVE && one->score < ENOUGH * p->self;
     c->no_match += one->decision == SURFACE_NO_MATCH;
     c->inconclusive += vague;
