@@ -22,7 +22,7 @@ TEST(test_by_hand)
 TEST(test_shipped)
 {
     const struct surface_calibration *c = &model_default.calibration;
-    double last = 1;
+    double last = surface_calibration_rate(c, -200);
 
     assert_true(surface_calibration_valid(c));
     for (int i = 0; i <= 50000; i++) {
