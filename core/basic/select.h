@@ -8,6 +8,8 @@
  * Cost  O(n) for any values in any order: at most 64 rounds over the values left. */
 double select_kth(double *v, size_t n, size_t k);
 
-void select_sort(double *v, size_t n); /* the least first; no value is a NAN */
+/* select_sort(v, n): the least first.  No value is a NAN.  In place, as a library's sort that takes memory
+ * would leave values of a face there.  Cost  as select_kth(), over all values in each round. */
+void select_sort(double *v, size_t n);
 
 #endif
