@@ -306,6 +306,26 @@ static void look(struct finder *f, const struct find_grid *g, bool others,
     }
 }
 
+/* Is there a face, so that nothing else is tried? */
+static bool sure(const struct finder *f)
+{
+    return found(f, FIND_PLAIN) || upright(f);
+}
+
+/* Among the starts of other sides that of a noisy face may be far behind; a head that may be small is not
+ * looked for so long. */
+static enum status seek_others(struct finder *f, const struct find_grid *g,
+                               double unit_mm)
+{
+    enum status st = seek(f, g, unit_mm, 0, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
+
+    if (st == ST_OK)
+        st = turn_over(f, g, unit_mm);
+    if (st == ST_OK && f->size == 1 && !sure(f))
+        st = seek(f, g, unit_mm, FIND_SEEKS_OTHERS, FIND_SEEKS_LAST, FIND_FITS_LAST);
+    return st;
+}
+
 static enum status search_grid(struct finder *f, const struct find_grid *g,
                                double unit_mm)
 {
@@ -316,15 +336,13 @@ static enum status search_grid(struct finder *f, const struct find_grid *g,
         return st;
     look(f, g, false, &r);
     st = seek(f, g, unit_mm, 0, FIND_SEEKS, FIND_FITS);
-    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f))
+    if (st == ST_OK && f->size == 1 && !sure(f))
         st = seek(f, g, unit_mm, FIND_SEEKS, FIND_SEEKS_MORE, FIND_FITS_MORE);
     if (st == ST_OK)
         st = turn_over(f, g, unit_mm);
-    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
+    if (st == ST_OK && !sure(f)) {
         look(f, g, true, &r);
-        st = seek(f, g, unit_mm, 0, FIND_SEEKS_OTHERS, FIND_FITS_OTHERS);
-        if (st == ST_OK)
-            st = turn_over(f, g, unit_mm);
+        st = seek_others(f, g, unit_mm);
     }
     find_view_close(&r);
     return st;
@@ -348,7 +366,7 @@ static enum status search(struct finder *f, double unit_mm)
  * of the usual size, plainly. */
 static bool enough(const struct finder *f)
 {
-    return f->size == 1 ? found(f, FIND_LIKELY) : found(f, FIND_PLAIN) || upright(f);
+    return f->size == 1 ? found(f, FIND_LIKELY) : sure(f);
 }
 
 /* By each unit that makes the cloud as large as that, until there is enough. */
@@ -398,7 +416,7 @@ static enum status search_all(struct finder *f)
         f->extent = extent;
         st = search_extent(f);
     }
-    if (st == ST_OK && !found(f, FIND_PLAIN) && !upright(f)) {
+    if (st == ST_OK && !sure(f)) {
         f->size = FIND_SMALL;
         f->unit_mm = found(f, FIND_LIKELY) ? f->best.at[0].pose.unit_mm : f->unit_mm;
         f->starts.left = spare(f) + FIND_SPENT_SMALL;

@@ -42,8 +42,8 @@ enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
 void find_grid_free(struct find_grid *g);
 
 /* Starts that are kept; of these followed roughly at most, and of what that finds to the end: of
- * those along a scanner's axes, where nothing is plain MORE of them, and of the others.  What is worth SURE roughly is followed at
- * once. */
+ * those along a scanner's axes, where nothing is plain MORE of them, and of the OTHERS, and the LAST
+ * of these.  What is worth SURE roughly is followed at once. */
 #define FIND_STARTS       64
 #define FIND_SEEKS        12
 #define FIND_SEEKS_MORE   16
@@ -51,13 +51,16 @@ void find_grid_free(struct find_grid *g);
 #define FIND_FITS_MORE    6
 #define FIND_SEEKS_OTHERS 30
 #define FIND_FITS_OTHERS  6
+#define FIND_SEEKS_LAST   16
+#define FIND_FITS_LAST    4
 #define FIND_SURE         400.0
 
 /* The search ends with what it has once it has spent what SPENT noses cost, some 4 us each, and
  * one more for PER points each.  A view costs one for CUBES cubes and one for CELLS cells that
- * are seen; a fit costs FIT and one for CUBES cubes. */
+ * are seen; a fit costs FIT and one for FAR cubes.  For a head that may be small there are SMALL, and
+ * what PER allowed for if it is left. */
 #define FIND_SPENT       4600
-#define FIND_SPENT_SMALL 1800
+#define FIND_SPENT_SMALL 1200
 #define FIND_SPENT_PER   12
 #define FIND_SPENT_CUBES 512
 #define FIND_SPENT_CELLS 96
