@@ -53,7 +53,7 @@ struct pair {
     size_t n_tmpl, n_probe, blob_size;
     struct surface_face tmpl, probe;
     unsigned char *blob, *larger; /* the template, and as a larger head */
-    double moved[16]; /* the motion of the probe */
+    double moved[16];             /* the motion of the probe */
     double score, larger_score;
     void *points; /* the template's, for the peer */
 };

@@ -365,8 +365,8 @@ TEST(test_bad_encoding)
 {
     static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
                                     0x7f800001}; /* NAN, infinite, ... */
-    const size_t step = HEADER - 12, seen = HEADER - 8, explained = HEADER - 4, residual = HEADER, cells = HEADER + 4,
-                 there = HEADER + 8;
+    const size_t step = HEADER - 12, seen = HEADER - 8, explained = HEADER - 4,
+                 residual = HEADER, cells = HEADER + 4, there = HEADER + 8;
     struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
