@@ -32,8 +32,7 @@ struct frame {
     double within;    /* share of the face's points over the mean face */
     double support;   /* share of what is seen that a face's shape explains (shape.h) */
     float seen;       /* cells of the face with points */
-    float
-        explained; /* what a face's shape explains of each of them, at most 1 (place.h) */
+    float explained;  /* of each of them, by a face's shape, at most 1 (place.h) */
 };
 
 /* frame_find(mean, face, w, out): align the face to the mean face.  (Of a decoded template
