@@ -11,6 +11,8 @@
 #define NEARLY_A_FACE    0.5 /* of the support that is wanted */
 #define ON_ITS_SIDE_DEG  45  /* a head is not tilted so far */
 #define HALF_PROFILE_DEG 55  /* beyond it less than half of a face is seen */
+#define FACE_MM          250 /* the longest side of a usual scan */
+#define ROOM_MM          6000
 
 __attribute__((format(printf, 2, 3))) static void add(struct advice *a, const char *fmt,
                                                       ...)
@@ -39,27 +41,40 @@ static bool warns(const struct surface_found *f, enum surface_warning k)
     return (f->warnings >> k & 1) != 0;
 }
 
-/* The unit by which the longest side is a face's; "": none of them, or the one taken. */
-static const char *likely_unit(const struct surface_found *f)
+/* The unit by which the longest side is so long at most, and a face's at least; 0: none of them, or
+ * `but`. */
+static double unit_of(const struct surface_found *f, double most, double but)
 {
     static const double mm[] = {1, 1000, 10, 25.4, 0.001};
     const double side = fmax(f->extent[0], fmax(f->extent[1], f->extent[2]));
 
     for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
-        if (mm[i] != f->unit_mm && side * mm[i] >= SURFACE_EXTENT_MIN_MM &&
-            side * mm[i] <= SURFACE_EXTENT_MAX_MM)
-            return cloudunit_plural(mm[i]);
-    return "";
+        if (mm[i] != but && side * mm[i] >= SURFACE_EXTENT_MIN_MM && side * mm[i] <= most)
+            return mm[i];
+    return 0;
 }
 
 static void unit(const struct surface_found *f, struct advice *a)
 {
-    const char *likely = likely_unit(f);
+    const double likely = unit_of(f, SURFACE_EXTENT_MAX_MM, f->unit_mm);
 
-    if (likely[0] != '\0')
-        add(a, "is it %s? Give the unit%s", likely, f->unit_found ? "" : ", or use auto");
+    if (likely != 0)
+        add(a, "is it %s? Give the unit%s", cloudunit_plural(likely),
+            f->unit_found ? "" : ", or use auto");
     else
         add(a, "is it one face, and the unit right?");
+}
+
+/* The usual units were tried. */
+static void no_unit(const struct surface_found *f, struct advice *a)
+{
+    const double side = fmax(f->extent[0], fmax(f->extent[1], f->extent[2]));
+
+    if (f->unit_found && side > 0 && unit_of(f, ROOM_MM, 0) == 0)
+        add(a,
+            "in no usual unit is that as large as a face: if it is one, give the unit, "
+            "of about %.2g mm",
+            FACE_MM / side);
 }
 
 /* The reasons that have nothing but the status to tell them by. */
@@ -88,6 +103,7 @@ static void reason(enum status st, const struct surface_found *f, struct advice 
         unit(f, a);
         break;
     case ST_ENOFACE:
+        no_unit(f, a);
         add(a,
             "let the scanner see the whole face, from the front or turned by up to %d°",
             HALF_PROFILE_DEG);

@@ -448,8 +448,12 @@ static enum status build_unfound(struct scan *s, struct scan_search *k)
         s->found->cropped = true;
         return build_crop(s);
     }
-    /* of those thinned out nobody knows the place of one any more */
-    return st == ST_ENOTFACE || (many && st == ST_ERANGE) ? ST_ENOFACE : st;
+    /* No unit was given that could be wrong; of those thinned out nobody knows the place of one any
+     * more. */
+    return st == ST_ENOTFACE || (st == ST_EUNITS && s->c->unit_mm == 0) ||
+                   (many && st == ST_ERANGE)
+               ? ST_ENOFACE
+               : st;
 }
 
 static enum status build_found(struct scan *s, struct scan_search *k)

@@ -190,6 +190,19 @@ TEST(test_units)
     }
 }
 
+/* Nobody gave the unit by which it is too large. */
+TEST(test_no_unit_given)
+{
+    sample(1, 0, 3000);
+    for (size_t i = 0; i < n; i++)
+        pts[i] = (struct dvec3){pts[i].x * 150, pts[i].y * 150, pts[i].z * 150};
+    assert_int_equal(build(&probe), ST_ENOFACE);
+    assert_true(found.unit_found);
+    assert_true(take());
+    c.unit_mm = 1;
+    assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_EUNITS);
+}
+
 /* Of more than SCAN_FULL points at most SCAN_ENOUGH are used. */
 TEST(test_dense)
 {

@@ -157,6 +157,20 @@ TEST(test_texts)
     }
 }
 
+/* Where nobody gave a unit, and none that was tried makes a face of it, there may be another. */
+TEST(test_no_usual_unit)
+{
+    told.extent[0] = told.extent[1] = told.extent[2] = 20000;
+    told.unit_found = true;
+    assert_int_equal(run(ST_ENOFACE, ST_OK), ST_OK);
+    assert_non_null(
+        strstr(t.why.msg, "give the unit, of about 0.013 mm; let the scanner"));
+    told.extent[0] = 2000;
+    told.extent[1] = told.extent[2] = 0;
+    assert_int_equal(run(ST_ENOFACE, ST_OK), ST_OK);
+    assert_null(strstr(t.why.msg, "give the unit"));
+}
+
 /* What covers less than an enrolment may have is no reason for a refusal, but advice. */
 TEST(test_covered_a_little)
 {
