@@ -27,6 +27,8 @@ try() {
         return
     fi
     send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
+    # after a start that needed fewer than the one that was counted it is the connection's own
+    [ "$STATUS" != 000 ] || send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
     ok "allocation $1: an enrolment: got '$STATUS'" matches "$STATUS" '^20[01]$'
     req GET /v1/recent
     is "allocation $1: the latest requests" "$STATUS $(get '.recent | length')" '200 1'

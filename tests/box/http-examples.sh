@@ -44,7 +44,7 @@ awk '{ print $1, $1, $1 }' "$T/a.xyz" >"$T/x"
 refused degenerate "$TEXT" "$T/x"
 awk '{ print $1 / 1000, $2 / 1000, $3 / 1000 }' "$T/a.xyz" >"$T/x"
 refused units_suspicious "$TEXT" "$T/x" units=mm
-awk 'BEGIN { srand(2); for (i = 0; i < 12000; i++) print 90000 * rand(), 90000 * rand(), 90000 * rand() }' >"$T/x"
+awk 'BEGIN { srand(2); for (i = 0; i < 12000; i++) print 900000 * rand(), 900000 * rand(), 900000 * rand() }' >"$T/x"
 refused no_face "$TEXT" "$T/x"
 awk '{ print; print $1 + 300, $2, $3 }' "$T/a.xyz" >"$T/x"
 refused several_faces "$TEXT" "$T/x" '' bob/templates
