@@ -222,12 +222,14 @@ enum status multipart_read(const unsigned char *body, size_t len, const char *bo
                        .e = e};
     char names[320] = "", files[64];
     bool last = false, named = true;
+    size_t parts = 0;
     enum status st;
 
     *n = 0;
     if (!take_delimiter(&r, &last))
         return wrong(&r, "the body does not begin with the boundary");
-    for (; !last && *n <= most; ++*n) { /* one more than there may be, to name them */
+    for (; !last && parts <= most;
+         parts++) { /* one more than there may be, to name them */
         struct multipart_file f = {.len = 0};
 
         if ((st = take_headers(&r, &f)) != ST_OK ||
@@ -235,16 +237,19 @@ enum status multipart_read(const unsigned char *body, size_t len, const char *bo
             return st;
         note(names, sizeof names, f.field);
         named = named && f.name[0] != '\0';
-        if (*n < most)
-            out[*n] = f;
+        if (parts < most)
+            out[parts] = f;
     }
     (void)snprintf(files, sizeof files, "1 to %zu files, each with a file name", most);
-    if (*n == 0 || *n > most || (*n > 1 && !named))
+    if (parts == 0 || parts > most || (parts > 1 && !named))
         return errinfo_set(e, ST_EINVAL,
                            "the form has %s%s%s: send %s, with all else in the query",
-                           *n == 0 ? "no parts" : "the parts ", names,
+                           parts == 0 ? "no parts" : "the parts ", names,
                            last ? "" : ", ...", most == 1 ? "one file alone" : files);
     while (r.p < r.end && strchr(" \t\r\n", *r.p) != NULL && *r.p != '\0')
         r.p++;
-    return r.p == r.end ? ST_OK : wrong(&r, "there is more behind the last boundary");
+    if (r.p != r.end)
+        return wrong(&r, "there is more behind the last boundary");
+    *n = parts;
+    return ST_OK;
 }

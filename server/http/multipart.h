@@ -33,7 +33,7 @@ struct multipart_file {
  * parameter among them is not taken for a file.  Nothing is before the first delimiter and nothing
  * but blanks and line ends after the last; each part has Content-Disposition: form-data with a
  * name.
- * Returns ST_OK, and their number in *n; ST_EINVAL malformed, or other parts than these, which *e
+ * Returns ST_OK, and their number in *n, which is 0 on failure; ST_EINVAL malformed, or other parts than these, which *e
  * names.  O(len). */
 enum status multipart_read(const unsigned char *body, size_t len, const char *boundary,
                            size_t most, struct multipart_file *out, size_t *n,

@@ -196,7 +196,8 @@ TEST(test_several)
         strcat(many, PART("x"));
         strcat(many, "--b--");
         assert_int_equal(take(many, strlen(many), "b"), i <= 20 ? ST_OK : ST_EINVAL);
-        assert_int_equal(files, i);
+        assert_int_equal(
+            files, i <= MULTIPART_FILES_MAX ? i : 0); /* no more than there is room for */
         many[strlen(many) - 5] = '\0';
     }
     assert_non_null(strstr(e.msg, "send 1 to 20 files"));
