@@ -1,15 +1,17 @@
 #include "fail_sql.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "errinfo.h"
 #include "sql.h"
 
-static unsigned long count, fail;
-static enum status fault;
-static bool reading_failed; /* the last sql_next() */
-static bool ahead;          /* what is only sent has no result yet that could fail */
+static atomic_ulong count, fail;
+static _Atomic enum status fault;
+static _Thread_local bool reading_failed; /* the last sql_next() */
+/* what is only sent has no result yet that could fail */
+static _Thread_local bool ahead;
 
 void fail_sql_at(unsigned long n, enum status st)
 {
@@ -25,7 +27,7 @@ unsigned long fail_sql_count(void)
 
 static bool fails(void)
 {
-    return !ahead && ++count == fail;
+    return !ahead && atomic_fetch_add(&count, 1) + 1 == fail;
 }
 
 static enum status failed(struct errinfo *e)
