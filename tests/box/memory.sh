@@ -26,6 +26,7 @@ gone() {
         in_memory "$@"
     done
     is "$g_title: points in memory" "$FOUND" '0 0 0'
+    [ "$FOUND" = '0 0 0' ] || head "$T/out" # where
 }
 
 # resident: in KB.
@@ -67,7 +68,7 @@ erased() {
     is "$how: checked" "$STATUS" 200
     gone "$how: of the probes nothing is, after a second" "$T/b.ply"
     in_memory "$T/a.ply"
-    is "$how: the template is in the cache" "${FOUND##* }" 3000
+    ok "$how: the template is in the cache" [ "${FOUND##* }" -gt 2900 ]
     req DELETE /v1/subjects/alice
     is "$how: erased over HTTP" "$STATUS" 200
     gone "$how: erased over HTTP" "$T/a.ply" "$T/b.ply"
@@ -78,7 +79,7 @@ erased() {
         id=$(get .template_id)
         send POST "/v1/subjects/carol/verify?axes=scanner" "$PLY" "$T/c.ply"
         in_memory "$T/c.ply"
-        is "$how: the template is in the cache" "${FOUND##* }" 3000
+        ok "$how: the template is in the cache" [ "${FOUND##* }" -gt 2900 ]
         case $by in
         subject) ctl_exits 0 --yes subject erase carol ;;
         template) ctl_exits 0 --yes template delete "$id" ;;
@@ -108,10 +109,10 @@ sleep 1 # what the worker had is given back
 before=$(resident)
 for points in 300000 1000000; do
     scan 1 2 "$T/large.ply" --points $points
-    send POST "/v1/subjects/alice/verify" "$PLY" "$T/large.ply"
+    send POST "/v1/subjects/alice/verify?axes=scanner" "$PLY" "$T/large.ply"
     is "$points points" "$STATUS $(get .decision)" "200 match"
     scan 1 2 "$T/large.json" --points $points
-    send POST /v1/subjects/alice/verify "$JSON" "$T/large.json"
+    send POST "/v1/subjects/alice/verify?axes=scanner" "$JSON" "$T/large.json"
     is "$points points as JSON" "$STATUS $(get .decision)" "200 match"
     rm "$T/large.json"
     ok "memory afterwards: $(resident) KB, before $before KB" soon small_again

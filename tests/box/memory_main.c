@@ -2,9 +2,10 @@
  *   memory PID FILE...
  * FILE: a binary PLY of float32, as facegen writes it; of a large scan some 3,000 points are looked
  * for, as of more some would be found by chance.  Prints how many are there as three float32, as
- * three doubles, and as x and y of an int32 lattice in um.  Exit: 1 where the memory must not be
- * read. */
+ * three doubles, and as x and y of an int32 lattice in um; where each is, on stderr.
+ * Exit: 1 where the memory must not be read. */
 #include <fcntl.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -21,6 +22,7 @@
 enum form { AS_FLOAT, AS_DOUBLE, AS_LATTICE, FORMS };
 
 static const size_t length[FORMS] = {12, 24, 8};
+static const char *const name[FORMS] = {"float32", "double", "lattice"};
 
 struct needle {
     unsigned char bytes[LONGEST];
@@ -72,6 +74,22 @@ static void add(enum form form, const void *bytes)
     begins[hash(first(needle[n++].bytes))] = 1;
 }
 
+/* Is it what the upper half of a pointer can be?  A number beside one would be a point by chance. */
+static bool half_pointer(int32_t um)
+{
+    const int32_t high = um >> 8;
+
+    return high == 0x55 || high == 0x56 || high == 0x7f;
+}
+
+static void add_lattice(const float *p)
+{
+    const int32_t um[] = {(int32_t)lround(1000.0 * p[0]), (int32_t)lround(1000.0 * p[1])};
+
+    if (!half_pointer(um[0]) && !half_pointer(um[1]))
+        add(AS_LATTICE, um);
+}
+
 static void add_file(const char *path)
 {
     FILE *f = fopen(path, "rb");
@@ -91,15 +109,15 @@ static void add_file(const char *path)
         if (i % step == 0) {
             add(AS_FLOAT, p);
             add(AS_DOUBLE, (const double[]){p[0], p[1], p[2]});
-            add(AS_LATTICE, (const int32_t[]){(int32_t)lround(1000.0 * p[0]),
-                                              (int32_t)lround(1000.0 * p[1])});
+            add_lattice(p);
         }
     }
     (void)fclose(f);
 }
 
-/* What begins in the first so many of the block's bytes. */
-static void look(const unsigned char *block, size_t begin, size_t size)
+/* What begins in the first so many of the block's bytes; where, goes to stderr. */
+static void look(const unsigned char *block, size_t begin, size_t size, uint64_t address,
+                 const char *mapping)
 {
     for (size_t at = 0; at < begin && at + 8 <= size; at += 4) {
         const uint64_t word = first(block + at);
@@ -118,13 +136,16 @@ static void look(const unsigned char *block, size_t begin, size_t size)
         for (; low < n && first(needle[low].bytes) == word; low++) {
             const size_t len = length[needle[low].form];
 
-            if (at + len <= size && memcmp(block + at, needle[low].bytes, len) == 0)
+            if (at + len <= size && memcmp(block + at, needle[low].bytes, len) == 0) {
                 needle[low].found = true;
+                (void)fprintf(stderr, "%s at %" PRIx64 " of %s", name[needle[low].form],
+                              address + at, mapping);
+            }
         }
     }
 }
 
-static void look_in(int mem, uint64_t from, uint64_t to)
+static void look_in(int mem, uint64_t from, uint64_t to, const char *mapping)
 {
     static unsigned char block[BLOCK + LONGEST];
 
@@ -134,7 +155,8 @@ static void look_in(int mem, uint64_t from, uint64_t to)
         const ssize_t got = pread(mem, block, most, (off_t)from);
 
         if (got > 0)
-            look(block, begin < (size_t)got ? begin : (size_t)got, (size_t)got);
+            look(block, begin < (size_t)got ? begin : (size_t)got, (size_t)got, from,
+                 mapping);
     }
 }
 
@@ -173,7 +195,7 @@ int main(int argc, char **argv)
                        to = strtoull(rest + 1, &rest, 16);
 
         if (strncmp(rest, " rw", 3) == 0)
-            look_in(mem, from, to);
+            look_in(mem, from, to, line);
     }
     for (size_t i = 0; i < n; i++)
         found[needle[i].form] += needle[i].found;
