@@ -96,6 +96,17 @@ TEST(test_sizes)
         }
 }
 
+/* Leaves the points below so many mm. */
+static size_t below(size_t n, double mm)
+{
+    size_t left = 0;
+
+    for (size_t i = 0; i < n; i++)
+        if (pts[i].y < mm)
+            pts[left++] = pts[i];
+    return left;
+}
+
 /* A band of a face is too little to enrol, and the part below the eyes is none without them. */
 TEST(test_parts)
 {
@@ -107,14 +118,40 @@ TEST(test_parts)
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_EQUALITY);
     assert_true(found.seen < found.seen_wanted && found.seen > 0.2);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
-    n = face(9);
-    left = 0;
-    for (size_t i = 0; i < n; i++)
-        if (pts[i].y < 8)
-            pts[left++] = pts[i];
+    left = below(face(9), 8);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, true), ST_ENOTFACE);
     assert_true(found.evidence < found.evidence_wanted);
     assert_int_equal(build(pts, left, SCAN_AXES_AUTO, false), ST_OK);
+}
+
+/* The lower half of a large face is no small face; a child's face is one, its forehead hidden or not. */
+TEST(test_lower_half)
+{
+    static const uint64_t large[][2] = {{5, 1}, {121, 3}, {150, 3}};
+    uint32_t hidden = 0;
+
+    for (size_t k = 0; k < sizeof large / sizeof *large; k++)
+        for (int mm = -14; mm <= -2; mm++) {
+            struct facegen_scan s;
+
+            facegen_default(&s);
+            s.subject = large[k][0];
+            s.scan = large[k][1];
+            facegen_pose(&s, 5, 5);
+            assert_int_equal(
+                build(pts, below(facegen_sample(&s, pts), mm), SCAN_AXES_AUTO, true),
+                ST_ENOTFACE);
+        }
+    for (uint64_t who = 20; who < 25; who++) {
+        const size_t n = below(face(who), 44);
+
+        for (size_t i = 0; i < n; i++)
+            pts[i] = (struct dvec3){0.72 * pts[i].x, 0.72 * pts[i].y, 0.72 * pts[i].z};
+        assert_int_equal(build(pts, n, SCAN_AXES_AUTO, true), ST_OK);
+        assert_true(found.head_size < 0.9);
+        hidden += found.forehead < 0;
+    }
+    assert_true(hidden >= 3);
 }
 
 /* Upside down it is no face where the axes are the scanner's; else it is found. */
