@@ -129,7 +129,7 @@ CREATE TABLE tokens (
     hash      BLOB NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
     created   TEXT NOT NULL CHECK (created GLOB '????-??-??T??:??:??.???Z'),
     revoked   TEXT CHECK (revoked IS NULL OR revoked GLOB '????-??-??T??:??:??.???Z'),
-    scopes    TEXT NOT NULL CHECK (length(scopes) BETWEEN 1 AND 64),
+    scopes    TEXT NOT NULL CHECK (length(scopes) BETWEEN 1 AND 128),
     expires   TEXT CHECK (expires IS NULL OR expires GLOB '????-??-??T??:??:??.???Z'),
     old_hash  BLOB CHECK (old_hash IS NULL OR length(old_hash) = 32),
     old_until TEXT CHECK (old_until IS NULL OR old_until GLOB '????-??-??T??:??:??.???Z'),

@@ -127,7 +127,7 @@ CREATE TABLE tokens (
     hash      BYTEA NOT NULL UNIQUE CHECK (length(hash) = 32), -- BLAKE2b-256 of the secret
     created   TEXT COLLATE "C" NOT NULL CHECK (created LIKE '____-__-__T__:__:__.___Z'),
     revoked   TEXT COLLATE "C" CHECK (revoked IS NULL OR revoked LIKE '____-__-__T__:__:__.___Z'),
-    scopes    TEXT COLLATE "C" NOT NULL CHECK (length(scopes) BETWEEN 1 AND 64),
+    scopes    TEXT COLLATE "C" NOT NULL CHECK (length(scopes) BETWEEN 1 AND 128),
     expires   TEXT COLLATE "C" CHECK (expires IS NULL OR expires LIKE '____-__-__T__:__:__.___Z'),
     old_hash  BYTEA CHECK (old_hash IS NULL OR length(old_hash) = 32),
     old_until TEXT COLLATE "C" CHECK (old_until IS NULL OR old_until LIKE '____-__-__T__:__:__.___Z'),

@@ -533,22 +533,12 @@ void surface_best_of(const struct surface_work *work, uint32_t n,
     give(c, &full, sizeof full);
 }
 
-void surface_shown(const struct surface_comparison *c, double steps, double *score,
-                   double *threshold)
+void surface_shown(const struct surface_comparison *c, double *score, double *threshold)
 {
     struct surface_comparison full;
 
     take(&full, c, sizeof full);
-    face_shown(&full, steps, score, threshold);
-}
-
-void surface_round(const struct surface_work *work, struct surface_comparison *c)
-{
-    struct surface_comparison full;
-
-    take(&full, c, sizeof full);
-    face_round(&full, work);
-    give(c, &full, sizeof full);
+    face_shown(&full, score, threshold);
 }
 
 enum surface_status surface_disparity(struct surface_work *work,

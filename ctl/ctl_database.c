@@ -147,7 +147,7 @@ static enum status stats(struct ctl *c)
     if ((st = store_stats(c->store, true, &t, &c->e)) == ST_OK &&
         (st = store_reencode_count(c->store, &other, &c->e)) == ST_OK &&
         (st = store_days(c->store, &days, &n, &c->e)) == ST_OK)
-        st = stats_describe(c->out, c->store, days, n, &c->e);
+        st = stats_describe(c->out, c->store, days, n, true, &c->e);
     if (st == ST_OK) {
         json_number(c->out, "to_reencode", (double)other);
         json_number(c->out, "points", (double)t.points);

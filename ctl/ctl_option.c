@@ -15,7 +15,7 @@ const char *ctl_option_scopes(const char *text, void *value)
 {
     return rows_scopes_read(text, value)
                ? NULL
-               : "a list of enroll,verify,identify,read,delete,manage,detail";
+               : "a list of verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail";
 }
 
 const char *ctl_option_duration(const char *text, void *value)

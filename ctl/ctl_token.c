@@ -116,7 +116,7 @@ static enum status list(struct ctl *c)
     if (st != ST_OK)
         return st;
     json_array(c->out, "tokens");
-    ctl_say(c, "%-32s  %-7s  %-16s  %-16s  %-16s  %-41s  %s\n", "TOKEN ID", "STATE",
+    ctl_say(c, "%-32s  %-7s  %-16s  %-16s  %-16s  %-73s  %s\n", "TOKEN ID", "STATE",
             "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
@@ -129,7 +129,7 @@ static enum status list(struct ctl *c)
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");
         print_time(t[i].used, "never");
-        (void)printf("  %-41s  %s\n", words, t[i].name);
+        (void)printf("  %-73s  %s\n", words, t[i].name);
     }
     json_close(c->out);
     free(t);
@@ -159,8 +159,8 @@ const struct ctl_command ctl_token_create = {
     .shared = CTL_EXPIRES,
     .options = {CTL_OPTION(
         "scope", "LIST", ctl_option_scopes, &scopes,
-        "what the token may do: some of enroll,verify,identify,read,delete,\n"
-        "manage,detail")},
+        "what the token may do: some of verify,enroll,identify,read,delete,\n"
+        "manage,tokens,audit,events,score,detail")},
     .run = create,
     .summary = "make a Bearer token for the daemon",
     .help =

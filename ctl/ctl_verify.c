@@ -44,6 +44,7 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     r->probe.frontal = c->scans.frontal;
     r->probe.face = &face;
     r->detail = VERIFY_MEASURE;
+    r->scores = true;
     if (st == ST_OK)
         st = verify_run(&with, r, v, &c->e);
     ctl_face_passed_over(&v->templates);

@@ -239,7 +239,8 @@ void describe_cells(struct json *j, const struct surface_parts *p)
     json_close(j);
 }
 
-static void times(struct json *j, const struct describe_times *t, bool scored)
+/* told: what took how long after the probe's face was made; scored: with score and align. */
+static void times(struct json *j, const struct describe_times *t, bool told, bool scored)
 {
     if (t == NULL)
         return;
@@ -250,8 +251,10 @@ static void times(struct json *j, const struct describe_times *t, bool scored)
         json_number(j, "score", t->score);
         json_number(j, "align", t->align);
     }
-    json_number(j, "minimal", t->minimal);
-    json_number(j, "total", t->total);
+    if (told) {
+        json_number(j, "minimal", t->minimal);
+        json_number(j, "total", t->total);
+    }
     json_close(j);
 }
 
@@ -292,24 +295,41 @@ static void qualities(struct json *j, const struct describe_comparison *c)
     json_close(j);
 }
 
-void describe_comparison(struct json *j, const struct describe_comparison *c)
+static void numbers(struct json *j, const struct describe_comparison *c)
 {
-    const struct surface_comparison *r = c->result;
     double score, threshold;
 
-    json_text(j, "decision", templates_decision(r->decision));
-    if (c->minimal == NULL) {
-        ids(j, c);
-        return;
-    }
-    surface_shown(r, 100, &score, &threshold);
+    surface_shown(c->result, &score, &threshold);
     json_score(j, "score", score);
     json_score(j, "threshold", threshold);
-    json_rate(j, "fmr_at_score", r->false_match_rate);
+    json_rate(j, "fmr_at_score", c->result->false_match_rate);
     json_number(j, "disparity_mm", c->minimal->disparity_mm);
-    json_number(j, "overlap", r->overlap);
+    json_number(j, "overlap", c->result->overlap);
+}
+
+static void heatmap(struct json *j, const struct describe_comparison *c)
+{
+    json_array(j, "heatmap");
+    for (size_t i = 0; i < c->n; i++)
+        json_number(j, NULL, c->gap_mm[i]);
+    json_close(j);
+    json_object(j, "cells");
+    describe_cells(j, c->parts);
+    json_close(j);
+}
+
+void describe_comparison(struct json *j, const struct describe_comparison *c)
+{
+    const bool told = c->minimal != NULL;
+
+    json_text(j, "decision", templates_decision(c->result->decision));
+    if (told)
+        numbers(j, c);
     ids(j, c);
-    json_number(j, "templates_compared", c->templates_compared);
+    if (c->probe == NULL)
+        return;
+    if (told)
+        json_number(j, "templates_compared", c->templates_compared);
     scans(j, c);
     if (c->frames != NULL)
         session_describe(j, c->frames);
@@ -317,16 +337,9 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     json_text(j, "engine", c->engine);
     if (c->parts != NULL)
         measure(j, c);
-    if (c->gap_mm != NULL) {
-        json_array(j, "heatmap");
-        for (size_t i = 0; i < c->n; i++)
-            json_number(j, NULL, c->gap_mm[i]);
-        json_close(j);
-        json_object(j, "cells");
-        describe_cells(j, c->parts);
-        json_close(j);
-    }
-    times(j, c->times, true);
+    if (c->gap_mm != NULL)
+        heatmap(j, c);
+    times(j, c->times, told, told);
 }
 
 void describe_asymmetry(struct json *j, const struct surface_asymmetry *a,
@@ -354,7 +367,7 @@ void describe_asymmetry(struct json *j, const struct surface_asymmetry *a,
     json_close(j);
     describe_quality(j, "quality", &q, f);
     json_text(j, "engine", engine);
-    times(j, t, false);
+    times(j, t, true, false);
 }
 
 void describe_dry_run(struct json *j, const struct dry_run *t,

@@ -63,12 +63,11 @@ struct describe_times {
 
 struct describe_comparison {
     const struct surface_comparison *result;
-    /* NULL: the decision and the ids alone; of the rest only subject and template_id
-     * are used */
+    /* NULL: no number of the comparison is told */
     const struct surface_disparity *minimal;
-    const struct surface_face *probe;
-    const struct sample_found *scan; /* the probe's; NULL: left out */
-    const struct session *frames;    /* that the probe was fused from; NULL: it was not */
+    const struct surface_face *probe; /* NULL: the decision and the ids alone */
+    const struct sample_found *scan;  /* the probe's; NULL: left out */
+    const struct session *frames; /* that the probe was fused from; NULL: it was not */
     const struct sample_found
         *other; /* of what is compared with it in a template's place;
                                          NULL: that is a template */

@@ -37,20 +37,29 @@ static void tell(void *arg, const struct finding *f)
     json_close(j);
 }
 
-static void describe_day(struct json *j, const struct store_day *d)
+static void describe_day(struct json *j, const struct store_day *d, bool scores)
 {
+    double n = 0;
+
+    for (int i = 0; i < STORE_DAY_BINS; i++)
+        n += d->bin[i];
     json_object(j, NULL);
     json_text(j, "day", d->day);
     json_text(j, "decision", d->decision);
-    json_array(j, "bins");
-    for (int i = 0; i < STORE_DAY_BINS; i++)
-        json_number(j, NULL, d->bin[i]);
-    json_close(j);
+    json_number(j, "n", n);
+    if (scores) {
+        json_array(j, "bins");
+        for (int i = 0; i < STORE_DAY_BINS; i++)
+            json_number(j, NULL, d->bin[i]);
+        json_close(j);
+    } else {
+        json_text(j, "bins", NULL);
+    }
     json_close(j);
 }
 
 enum status stats_describe(struct json *j, struct store *s, const struct store_day *days,
-                           size_t n, struct errinfo *e)
+                           size_t n, bool scores, struct errinfo *e)
 {
     struct findings found = {.tell = tell, .arg = j};
     struct store_calibration k;
@@ -68,7 +77,7 @@ enum status stats_describe(struct json *j, struct store *s, const struct store_d
     json_close(j);
     json_array(j, "days");
     for (size_t i = 0; i < n; i++)
-        describe_day(j, &days[i]);
+        describe_day(j, &days[i], scores);
     json_close(j);
     return ST_OK;
 }

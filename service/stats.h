@@ -5,9 +5,11 @@
 
 struct json; /* json.h */
 
-/* stats_describe(j, s, days, n, e): counts, engine, calibration, findings, and the n days of
- * store_days(), as members of the object that is open in j.  10 ms for 100,000 subjects. */
+/* stats_describe(j, s, days, n, scores, e): counts, engine, calibration, findings, and the n days of
+ * store_days(), as members of the object that is open in j; with scores also each day's histogram
+ * of them: who verifies and reads it would learn the score of a non-match.  10 ms for 100,000
+ * subjects. */
 enum status stats_describe(struct json *j, struct store *s, const struct store_day *days,
-                           size_t n, struct errinfo *e);
+                           size_t n, bool scores, struct errinfo *e);
 
 #endif

@@ -97,12 +97,19 @@ static enum status build_other(struct templates_context *c, struct verification 
     return st;
 }
 
+/* Is nothing told of the templates but that none of them matches? */
+static bool silent(const struct verification *v)
+{
+    return v->best.result.decision != SURFACE_MATCH && !v->request->scores &&
+           v->request->other == NULL;
+}
+
 static enum status minimal(struct verification *v, struct errinfo *e)
 {
     const struct verify_request *r = v->request;
     const enum status st = not_stopped(r, e);
 
-    if (st != ST_OK || r->detail == VERIFY_DECISION)
+    if (st != ST_OK || r->detail == VERIFY_DECISION || silent(v))
         return st;
     return templates_minimal(&v->templates, *r->probe.face, &v->best, &v->least,
                              r->detail >= VERIFY_MEASURE ? &v->parts : NULL, e);
@@ -249,15 +256,15 @@ struct describe_comparison verify_describe(const struct verification *v,
 
     return (struct describe_comparison){
         .result = &v->best.result,
-        .minimal = r->detail == VERIFY_DECISION ? NULL : &v->least,
-        .probe = *r->probe.face,
+        .minimal = r->detail == VERIFY_DECISION || silent(v) ? NULL : &v->least,
+        .probe = r->detail == VERIFY_DECISION ? NULL : *r->probe.face,
         .scan = &r->probe.found,
         .frames = r->probe.frames,
         .other = stored ? NULL : &r->other->found,
         .other_face = stored ? NULL : *r->other->face,
         .engine = engine,
         .subject = stored ? v->templates.of.subject.id : NULL,
-        .template_id = stored ? v->templates.of.t[v->best.index].id : NULL,
+        .template_id = stored && !silent(v) ? v->templates.of.t[v->best.index].id : NULL,
         .templates_compared = v->best.compared,
         .times = &v->times,
         .parts = r->detail >= VERIFY_MEASURE ? &v->parts : NULL,

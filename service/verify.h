@@ -39,6 +39,8 @@ struct verify_request {
         *other; /* a scan in a template's place; nothing is recorded then */
     struct verify_scan probe;
     enum verify_detail detail;
+    bool
+        scores; /* who asks may know how much like a template one is that does not match */
     const char *captured;    /* follows in the event on its outcome; NULL for nothing */
     const atomic_bool *stop; /* another thread sets it where nobody wants the result */
 };

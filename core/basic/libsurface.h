@@ -463,16 +463,10 @@ SURFACE_API enum surface_status surface_compare_mirrored(struct surface_work *wo
 SURFACE_API void surface_best_of(const struct surface_work *work, uint32_t n,
                                  struct surface_comparison *c);
 
-/* Score and threshold in steps of 1 / steps, the threshold rounded up, the score so that it agrees
- * with the decision: below the threshold stays below. */
-SURFACE_API void surface_shown(const struct surface_comparison *c, double steps,
-                               double *score, double *threshold);
-
-/* Round score and threshold as surface_shown() in steps of 0.1, the overlap to 0.01, and take the
- * rate of the rounded score: for those who may know the decision, and should not learn a face from
- * many scores. */
-SURFACE_API void surface_round(const struct surface_work *work,
-                               struct surface_comparison *c);
+/* Score and threshold in steps of 0.01, the threshold rounded up, the score so that it agrees with
+ * the decision: below the threshold stays below. */
+SURFACE_API void surface_shown(const struct surface_comparison *c, double *score,
+                               double *threshold);
 
 /* The minimal disparity of the papers, which does not decide. */
 struct surface_disparity {

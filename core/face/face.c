@@ -365,24 +365,16 @@ void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface
     r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
 }
 
-void face_shown(const struct surface_comparison *r, double steps, double *score,
-                double *threshold)
+#define SHOWN 100 /* steps a unit */
+
+void face_shown(const struct surface_comparison *r, double *score, double *threshold)
 {
-    const double least = ceil(r->threshold * steps - 1e-6); /* 8.3 is 8.3 */
-    const double near = round(r->score * steps);
+    const double least = ceil(r->threshold * SHOWN - 1e-6); /* 8.3 is 8.3 */
+    const double near = round(r->score * SHOWN);
     const bool fits = r->score >= r->threshold;
 
-    *threshold = least / steps;
-    *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / steps;
-}
-
-void face_round(struct surface_comparison *r, const struct surface_work *w)
-{
-    face_shown(r, 10, &r->score, &r->threshold);
-    r->overlap = round(r->overlap * 1e2) / 1e2;
-    if (r->false_match_rate <
-        1) /* else nothing was in common, or the score is the least */
-        r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
+    *threshold = least / SHOWN;
+    *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / SHOWN;
 }
 
 enum status face_compare_mirrored(const struct surface_face *tmpl,

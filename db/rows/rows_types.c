@@ -3,8 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const scope_name[] = {"enroll", "verify", "identify", /* bit 0 first */
-                                         "read",   "delete", "manage",   "detail"};
+static const char *const scope_name[] = {/* bit 0 first */
+                                         "verify", "enroll", "identify", "read",
+                                         "delete", "manage", "tokens",   "audit",
+                                         "events", "score",  "detail"};
 
 #define SCOPES (sizeof scope_name / sizeof *scope_name)
 

@@ -67,17 +67,22 @@ struct store_subject_change {        /* what is NULL stays as it is */
 
 /* What a token may do, a bit each. */
 enum store_scope {
-    STORE_SCOPE_ENROLL = 1,
-    STORE_SCOPE_VERIFY = 2,
+    STORE_SCOPE_VERIFY = 1,
+    STORE_SCOPE_ENROLL = 2,
     STORE_SCOPE_IDENTIFY = 4,
     STORE_SCOPE_READ = 8,
     STORE_SCOPE_DELETE = 16,
-    STORE_SCOPE_MANAGE = 32, /* consent, expiry, holds, disabled */
-    STORE_SCOPE_DETAIL = 64, /* measures and gaps: enough to rebuild a face */
-    STORE_SCOPE_ALL = 127
+    STORE_SCOPE_MANAGE =
+        32, /* subjects: consent, expiry, holds, disabled, force, lock-outs */
+    STORE_SCOPE_TOKENS = 64,
+    STORE_SCOPE_AUDIT = 128, /* the log, the latest requests, the statistics */
+    STORE_SCOPE_EVENTS = 256,
+    STORE_SCOPE_SCORE = 512,   /* the numbers of a non-match: enough to rebuild a face */
+    STORE_SCOPE_DETAIL = 1024, /* measures, gaps and surfaces; includes score */
+    STORE_SCOPE_ALL = 2047
 };
 
-#define STORE_SCOPES_MAX 64 /* bytes of their names, "enroll,verify", with the NUL */
+#define STORE_SCOPES_MAX 80 /* bytes of their names, "verify,enroll", with the NUL */
 
 /* rows_scopes_read(text, out): one or more names with commas between; false: another.
  * rows_scopes_write(scopes, out): the names of those that are set, in the order of their bits. */

@@ -128,27 +128,21 @@ static void surfaces(struct request *r, const struct worker *w,
         access_event(r, "surface", "sent");
 }
 
-/* Where the token gets no more than decisions (neither detail nor manage), the measures are
- * rounded: many exact scores would rebuild a face. */
 static void respond(struct request *r, struct worker *w, struct verification *v)
 {
-    struct describe_comparison c = verify_describe(v, store_made_by(r->app->store));
-    struct json *j;
-    double *mm = &v->least.disparity_mm;
+    const enum verify_detail detail = v->request->detail;
+    struct describe_comparison c;
+    struct json *j = json_new();
 
     v->times.total = logger_clock_ms() - r->start_ms;
-    if (!auth_exact(r)) {
-        surface_round(w->compare.work, &v->best.result);
-        *mm = round(*mm * 1e3) / 1e3;
-    }
-    j = json_new();
-    if (v->request->detail == VERIFY_SURFACE) {
+    c = verify_describe(v, store_made_by(r->app->store));
+    if (detail == VERIFY_SURFACE) {
         surfaces(r, w, v, &c, j);
         return;
     }
     describe_comparison(j, &c);
     request_respond(r, 200, json_compact(j));
-    r->response.minimal = c.minimal == NULL && r->response.http == 200;
+    r->response.minimal = detail == VERIFY_DECISION && r->response.http == 200;
 }
 
 static void note(struct request *r, const struct verification *v)
@@ -187,6 +181,7 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
 
     ask->captured = r->capture.captured;
     ask->stop = &r->gone;
+    ask->scores = auth_scores(r);
     ask->probe.face = &w->probe;
     st = verify_run(&w->compare, ask, &v, &e);
     v.times.parse += parse_ms;

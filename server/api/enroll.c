@@ -116,7 +116,7 @@ static void enroll_face(struct request *r, struct worker *w, const struct asked 
         return;
     r->result.outcome = x.created ? "enrolled" : "known";
     j = json_new();
-    describe_template(j, &x.tmpl, w->probe, auth_exact(r));
+    describe_template(j, &x.tmpl, w->probe, auth_scores(r));
     describe_scan(j, "scan", found);
     if (frames != NULL) {
         session_describe(j, frames);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "app.h"
+#include "auth.h"
 #include "cache.h"
 #include "in_force.h"
 #include "errinfo.h"
@@ -116,7 +117,7 @@ void health_stats(struct request *r, struct worker *w)
 
     (void)w;
     if (store_days(r->app->store, &days, &n, &e) == ST_OK &&
-        stats_describe(j, r->app->store, days, n, &e) == ST_OK) {
+        stats_describe(j, r->app->store, days, n, auth_scores(r), &e) == ST_OK) {
         describe_daemon(j, r->app);
         request_respond(r, 200, json_compact(j));
     } else {

@@ -2,8 +2,10 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "app.h"
+#include "auth.h"
 #include "errinfo.h"
 #include "json.h"
 #include "mem.h"
@@ -20,8 +22,10 @@ static void text_or_null(struct json *j, const char *key, const char *text)
     json_text(j, key, text[0] != '\0' ? text : NULL);
 }
 
-static void describe_entry(struct json *j, const struct recent_entry *e)
+/* scores: may those of what did not match be told? */
+static void describe_entry(struct json *j, const struct recent_entry *e, bool scores)
 {
+    const bool told = e->scored && (scores || strcmp(e->outcome, "match") == 0);
     char at[UTC_TEXT];
 
     utc_print(e->at_ms, at);
@@ -34,9 +38,9 @@ static void describe_entry(struct json *j, const struct recent_entry *e)
     json_text(j, "outcome", e->outcome);
     json_text(j, "code", e->code);
     text_or_null(j, "detail", e->detail);
-    json_score(j, "score", e->scored ? e->score : NAN);
-    json_score(j, "threshold", e->scored ? e->threshold : NAN);
-    json_number(j, "overlap", e->scored ? e->overlap : NAN);
+    json_score(j, "score", told ? e->score : NAN);
+    json_score(j, "threshold", told ? e->threshold : NAN);
+    json_number(j, "overlap", told ? e->overlap : NAN);
     json_text(j, "request_id", e->request_id);
     json_close(j);
 }
@@ -60,7 +64,7 @@ void live_recent(struct request *r, struct worker *w)
     j = json_new();
     json_array(j, "recent");
     for (size_t i = 0; i < n; i++)
-        describe_entry(j, &entry[i]);
+        describe_entry(j, &entry[i], auth_scores(r));
     json_close(j);
     json_number(j, "last", (double)last);
     request_respond(r, 200, json_compact(j));

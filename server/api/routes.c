@@ -21,7 +21,7 @@
 /* The query parameters of a cloud, and of a comparison with one. */
 #define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
 #define COMPARING CLOUD ", detail"
-#define AUDIT     "subject, kind, actor, since, until"
+#define ENTRIES   "subject, kind, actor, since, until"
 
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
@@ -31,6 +31,8 @@ enum { /* who may: those whose token has the scope */
        READ = STORE_SCOPE_READ,
        DELETE = STORE_SCOPE_DELETE,
        MANAGE = STORE_SCOPE_MANAGE,
+       TOKENS = STORE_SCOPE_TOKENS,
+       AUDIT = STORE_SCOPE_AUDIT,
        DETAIL = STORE_SCOPE_DETAIL,
        EVERY = STORE_SCOPE_ALL
 };
@@ -59,22 +61,21 @@ static const struct route table[] = {
      compare_scans, ROUTE_WORKER},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,
      ROUTE_WORKER},
-    {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, MANAGE, "after, limit", live_recent,
+    {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, AUDIT, "after, limit", live_recent,
      ROUTE_WORKER},
     {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset,
      ROUTE_WORKER},
-    {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, MANAGE, AUDIT ", before, after, limit",
+    {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, AUDIT, ENTRIES ", before, after, limit",
      logs_list, ROUTE_WORKER},
-    {REQUEST_POST, "/v1/audit/verify", ROUTE_NO_BODY, MANAGE, "", logs_verify,
-     ROUTE_SLOW},
-    {REQUEST_GET, "/v1/audit/export", ROUTE_NO_BODY, MANAGE, "format, " AUDIT,
+    {REQUEST_POST, "/v1/audit/verify", ROUTE_NO_BODY, AUDIT, "", logs_verify, ROUTE_SLOW},
+    {REQUEST_GET, "/v1/audit/export", ROUTE_NO_BODY, AUDIT, "format, " ENTRIES,
      logs_export, ROUTE_SLOW},
     {REQUEST_GET, "/v1/token", ROUTE_NO_BODY, EVERY, "", tokens_own, ROUTE_WORKER},
-    {REQUEST_GET, "/v1/stats", ROUTE_NO_BODY, MANAGE, "", health_stats, ROUTE_WORKER},
-    {REQUEST_GET, "/v1/tokens", ROUTE_NO_BODY, MANAGE, "", tokens_list, ROUTE_WORKER},
-    {REQUEST_POST, "/v1/tokens", ROUTE_JSON, MANAGE, "", tokens_create, ROUTE_WORKER},
-    {REQUEST_DELETE, TOKEN, ROUTE_NO_BODY, MANAGE, "", tokens_revoke, ROUTE_WORKER},
-    {REQUEST_POST, TOKEN "/rotate", ROUTE_JSON, MANAGE, "", tokens_rotate, ROUTE_WORKER},
+    {REQUEST_GET, "/v1/stats", ROUTE_NO_BODY, AUDIT, "", health_stats, ROUTE_WORKER},
+    {REQUEST_GET, "/v1/tokens", ROUTE_NO_BODY, TOKENS, "", tokens_list, ROUTE_WORKER},
+    {REQUEST_POST, "/v1/tokens", ROUTE_JSON, TOKENS, "", tokens_create, ROUTE_WORKER},
+    {REQUEST_DELETE, TOKEN, ROUTE_NO_BODY, TOKENS, "", tokens_revoke, ROUTE_WORKER},
+    {REQUEST_POST, TOKEN "/rotate", ROUTE_JSON, TOKENS, "", tokens_rotate, ROUTE_WORKER},
     {REQUEST_POST, "/v1/check", ROUTE_CLOUD, CHECK, CLOUD ", detail", scans_check,
      ROUTE_WORKER},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry,

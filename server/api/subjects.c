@@ -132,7 +132,7 @@ static void show(struct request *r, void (*respond)(struct request *, int, char 
         store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
-        respond(r, 200, write_subject(&s, &a, t, n, auth_exact(r)));
+        respond(r, 200, write_subject(&s, &a, t, n, auth_scores(r)));
     free(t);
 }
 
@@ -208,7 +208,7 @@ void subjects_template(struct request *r, struct worker *w)
     if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_respond(r, 200, write_template(&t, auth_exact(r)));
+        request_respond(r, 200, write_template(&t, auth_scores(r)));
 }
 
 void subjects_template_delete(struct request *r, struct worker *w)

@@ -85,6 +85,18 @@ void tokens_create(struct request *r, struct worker *w)
                        t.id);
 }
 
+/* The token of the path, where r's may change it. */
+static bool own_or_less(struct request *r, struct store_token *t)
+{
+    struct errinfo e = {0};
+
+    if (store_token_get(r->app->store, r->token_id, t, &e) != ST_OK) {
+        request_fail(r, &e);
+        return false;
+    }
+    return auth_gives(r, t->scopes); /* which never change */
+}
+
 void tokens_rotate(struct request *r, struct worker *w)
 {
     struct store_token t;
@@ -93,12 +105,11 @@ void tokens_rotate(struct request *r, struct worker *w)
     int64_t grace_s;
 
     (void)w;
-    if (parse_rotation((const char *)r->body, r->len, &grace_s, &e) != ST_OK ||
-        store_token_get(r->app->store, r->token_id, &t, &e) != ST_OK) {
+    if (parse_rotation((const char *)r->body, r->len, &grace_s, &e) != ST_OK) {
         request_fail(r, &e);
         return;
     }
-    if (!auth_gives(r, t.scopes)) /* which never change */
+    if (!own_or_less(r, &t))
         return;
     if (store_token_rotate(r->app->store, r->actor, r->token_id, grace_s, -1, secret, &t,
                            &e) == ST_OK)
@@ -111,15 +122,20 @@ void tokens_rotate(struct request *r, struct worker *w)
 
 void tokens_revoke(struct request *r, struct worker *w)
 {
+    struct store_token t;
     struct errinfo e = {0};
 
     (void)w;
-    if (strcmp(r->token_id, r->actor) == 0)
+    if (strcmp(r->token_id, r->actor) == 0) {
         request_problem(r, ERRMAP_OWN_TOKEN,
                         "a token does not revoke itself: use another one, or surfacectl "
                         "token revoke");
-    else if (store_token_revoke(r->app->store, r->actor, r->token_id, &e) != ST_OK)
-        request_fail(r, &e);
-    else
+        return;
+    }
+    if (!own_or_less(r, &t))
+        return;
+    if (store_token_revoke(r->app->store, r->actor, r->token_id, &e) == ST_OK)
         r->response.http = 204;
+    else
+        request_fail(r, &e);
 }

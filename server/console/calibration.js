@@ -58,11 +58,9 @@ function weeks(days) {
     if (!out.has(start)) out.set(start, { start, n: 0, ...Object.fromEntries(DECISIONS.map((k) => [k, 0])), bins: Object.fromEntries(DECISIONS.map((k) => [k, new Array(BINS).fill(0)])) });
     const w = out.get(start);
     if (!w.bins[d.decision]) continue;
-    d.bins.forEach((n, i) => {
-      w.bins[d.decision][i] += n;
-      w[d.decision] += n;
-      w.n += n;
-    });
+    d.bins?.forEach((n, i) => (w.bins[d.decision][i] += n));
+    w[d.decision] += d.n;
+    w.n += d.n;
   }
   return [...out.values()].sort((a, b) => (a.start < b.start ? 1 : -1)).slice(0, WEEKS);
 }
@@ -108,7 +106,8 @@ export function openCalibration(body) {
       el("div.stack", {},
         el("section.card", {}, el("h2", {}, "How many other people would match"), ...curve(c)),
         el("section.card", {}, el("h2", {}, "Scores of the last weeks"),
-          ...(all.length ? [legend(), history(all, c.threshold), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
+          ...(s.days.some((d) => d.bins) ? [legend(), history(all, c.threshold), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
+            : all.length ? [el("p.dim", {}, "Scores are shown to a token with the scope score."), asTable(all)]
             : [el("p.dim", {}, "No verification so far. A histogram a day is kept, of the scores alone: it names nobody.")]))),
       el("div.side", {},
         el("section.card", {}, el("h2", {}, "In force"), el("dl.facts", {}, pairs([

@@ -8,10 +8,10 @@ const IDLE_MS = 15 * 60 * 1000;
 /** Who has one of the scopes sees the page, which is the module of its name: loaded once it is opened. */
 const PAGES = [
   { name: "try", title: "Try", icon: "face", scopes: ["verify", "enroll", "identify"] },
-  { name: "live", title: "Live", icon: "live", scopes: ["manage"] },
+  { name: "live", title: "Live", icon: "live", scopes: ["audit"] },
   { name: "people", title: "People", icon: "people", scopes: ["read", "enroll"] },
-  { name: "audit", title: "Audit", icon: "audit", scopes: ["manage"] },
-  { name: "health", title: "Health", icon: "health", scopes: ["manage"] },
+  { name: "audit", title: "Audit", icon: "audit", scopes: ["audit"] },
+  { name: "health", title: "Health", icon: "health", scopes: ["audit", "tokens"] },
 ];
 
 let session = null; // {who, close(): what the open page has to stop}
@@ -54,7 +54,7 @@ function showLock(why) {
   const error = el("p.error", { role: "alert" }, why);
   const input = el("input.secret", {
     id: "token", type: "text", autocomplete: "off", spellcheck: false, autocapitalize: "off", required: true,
-    placeholder: "sfd_…",
+    placeholder: "64 characters",
   });
   const button = el("button.primary", { type: "submit" }, "Unlock");
   const form = el("form.lock", {

@@ -125,7 +125,7 @@ export function verifyHere({ who, subject, attempts, done }) {
     })) return;
     if (nodes) parts.stage.show(nodes, true);
     form.replaceChildren(...[decided(r), r.regions && regions(r.regions),
-      facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, detail ? 3 : 2)],
+      r.score !== undefined && facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, detail ? 3 : 2)],
         ["Templates compared", count(r.templates_compared)]]),
       el("div.buttons", {}, el("button.primary", { type: "button", onclick: d.close }, "Done"))].filter(Boolean));
     form.querySelector("button.primary").focus();

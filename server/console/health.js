@@ -9,14 +9,16 @@ import { failure } from "./verdict.js";
 import { choices } from "./widgets.js";
 import { WHY, outcome } from "./words.js";
 
-const TABS = [["", "Now"], ["tokens", "Tokens"], ["calibration", "Calibration"]], EVERY_MS = 5000;
+/** Name, title, and the scope that it takes. */
+const TABS = [["", "Now", "audit"], ["tokens", "Tokens", "tokens"], ["calibration", "Calibration", "audit"]], EVERY_MS = 5000;
 const at = (tab) => (tab ? `#health?tab=${tab}` : "#health");
 
 export function open(main, who, asked) {
-  const tab = TABS.some(([name]) => name === asked.get("tab")) ? asked.get("tab") : "";
+  const tabs = TABS.filter(([, , scope]) => who.scopes.includes(scope));
+  const tab = tabs.some(([name]) => name === asked.get("tab")) ? asked.get("tab") : tabs[0][0];
   const body = el("div.stack"), actions = el("div.row");
   main.replaceChildren(el("header", {}, el("h1", {}, "Health"), actions),
-    el("div.stack", {}, choices("Health", TABS, tab, at), body));
+    el("div.stack", {}, choices("Health", tabs, tab, at), body));
   return { "": openNow, tokens: openTokens, calibration: openCalibration }[tab](body, who, actions);
 }
 
@@ -40,7 +42,7 @@ const DAYS = 28, DECISIONS = ["match", "inconclusive", "no_match"];
 function daily(days) {
   const W = chartWidth(), H = 150, bottom = 20, left = 40, today = Date.now();
   const all = Array.from({ length: DAYS }, (_, i) => new Date(today - (DAYS - 1 - i) * 86400e3).toISOString().slice(0, 10))
-    .map((day) => [day, DECISIONS.map((k) => days.filter((d) => d.day === day && d.decision === k).reduce((n, d) => n + d.bins.reduce((a, b) => a + b, 0), 0))]);
+    .map((day) => [day, DECISIONS.map((k) => days.filter((d) => d.day === day && d.decision === k).reduce((n, d) => n + d.n, 0))]);
   const most = Math.max(...all.map(([, n]) => n[0] + n[1] + n[2]), 1), step = (W - left) / DAYS, y = (n) => (H - bottom - 8) * (n / most);
   const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img", "aria-label": `Verifications a day, ${all[0][0]} to ${all.at(-1)[0]}: ${count(most)} at most` },
     svg("line", { x1: left, x2: W, y1: H - bottom, y2: H - bottom, class: "grid" }), svg("line", { x1: left, x2: W, y1: 8, y2: 8, class: "grid" }),

@@ -195,7 +195,7 @@ export function openPerson(main, who, subject) {
     ].filter(Boolean));
     const looked = body.querySelector(".looked") ?? el("section.stack.looked");
     body.replaceChildren(el("div.try", {},
-      el("div.stack", {}, templates(), looked, may("manage") && lately()),
+      el("div.stack", {}, templates(), looked, may("audit") && lately()),
       el("div.side", {}, stateCard(), attemptsCard(), consentCard(), may("delete") && eraseCard())));
   }
 

@@ -22,8 +22,12 @@ export function failure(e) {
     e.wait && el("p.dim", {}, `It can be tried again in ${e.wait} s.`));
 }
 
+/** In the place of numbers that the token may not know. */
+export const NUMBERS = "The numbers of a non-match are shown to a token with the scope score.";
+
 /** What was decided, in a sentence. */
 function explain(r) {
+  if (r.score === undefined) return NUMBERS;
   const apart = `On average the two surfaces lie ${mm(r.disparity_mm)} apart.`;
   if (r.decision === "match")
     return `The shape speaks for one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
@@ -35,8 +39,8 @@ function explain(r) {
 /** Of a comparison: the verdict, why, the gauge, and the rate in words. */
 export function decided(r) {
   const v = VERDICTS[r.decision];
-  return verdict(v.kind, v.icon, v.title, el("p", {}, explain(r)), gauge(r, r.calibration?.knots),
-    el("p.dim", {}, `${oneIn(r.fmr_at_score)} other people would score this high or higher.`.replace(/^a/, "A")));
+  return verdict(v.kind, v.icon, v.title, el("p", {}, explain(r)), r.score !== undefined && gauge(r, r.calibration?.knots),
+    r.score !== undefined && el("p.dim", {}, `${oneIn(r.fmr_at_score)} other people would score this high or higher.`.replace(/^a/, "A")));
 }
 
 /** Of a scan alone, by a check; verifying: nobody is to be enrolled. */

@@ -75,7 +75,11 @@ export const SCOPES = {
   identify: "find out who a scan is of",
   read: "see who is enrolled",
   delete: "erase people",
-  manage: "hold, disable, see the audit log, make tokens",
+  manage: "consent, hold, disable, end lock-outs",
+  tokens: "make and revoke tokens",
+  audit: "see the audit log, live and health",
+  events: "follow what happens",
+  score: "see the numbers of a non-match",
   detail: "see enrolled faces in 3D",
 };
 

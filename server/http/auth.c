@@ -51,9 +51,9 @@ bool auth_has(const struct request *r, unsigned scopes)
     return r->app->no_auth || (r->scopes & scopes) != 0;
 }
 
-bool auth_exact(const struct request *r)
+bool auth_scores(const struct request *r)
 {
-    return auth_has(r, STORE_SCOPE_DETAIL | STORE_SCOPE_MANAGE);
+    return auth_has(r, STORE_SCOPE_SCORE | STORE_SCOPE_DETAIL | STORE_SCOPE_MANAGE);
 }
 
 bool auth_may(struct request *r, unsigned scopes)
@@ -83,7 +83,8 @@ bool auth_gives(struct request *r, unsigned scopes)
         return true;
     rows_scopes_write(lacks, words);
     request_problem(r, ERRMAP_SCOPE,
-                    "nobody gives what he may not do himself: this token lacks %s",
+                    "a token makes, renews and revokes only tokens that may do no more "
+                    "than it does: this one lacks %s",
                     words);
     r->response.lacks = lacks;
     r->response.challenge = true;

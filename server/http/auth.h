@@ -23,19 +23,19 @@ void auth_check(struct request *r);
  * auth_check(). */
 bool auth_has(const struct request *r, unsigned scopes);
 
-/* auth_exact(r): may the response have exact scores?  r's token must have detail or manage: from
- * many exact scores a face can be reconstructed. */
-bool auth_exact(const struct request *r);
+/* auth_scores(r): may the response say how much like an enrolled face one is that does not match?
+ * r's token must have score, detail or manage: from ten such scores the face can be computed. */
+bool auth_scores(const struct request *r);
 
 /* auth_may(r, scopes): auth_has(); where it is false, r->response is a 403 that names
  * the scopes. */
 bool auth_may(struct request *r, unsigned scopes);
 
-/* auth_gives(r, scopes): may r give these scopes to a token?  Its own token must have all of them,
- * where one is needed.  False: r->response is a 403. */
+/* auth_gives(r, scopes): may r make, renew or revoke a token of these scopes?  Its own token must have
+ * all of them, where one is needed.  False: r->response is a 403. */
 bool auth_gives(struct request *r, unsigned scopes);
 
-#define AUTH_CHALLENGE_MAX 160
+#define AUTH_CHALLENGE_MAX 200
 
 /* auth_challenge(a, out): the value of WWW-Authenticate, where a->challenge is set. */
 void auth_challenge(const struct response *a, char out[AUTH_CHALLENGE_MAX]);

@@ -29,7 +29,8 @@ export async function client(url: string, token: string, enrol: Blob, probe: Blo
   if ("type" in verified) throw new Error(verified.detail);
   const decision: "match" | "no_match" | "inconclusive" = verified.decision;
   lines.push(decision);
-  if ("score" in verified) lines.push(`above ${verified.score >= verified.threshold}`);
+  if ("score" in verified && verified.score !== undefined && verified.threshold !== undefined)
+    lines.push(`above ${verified.score >= verified.threshold}`);
   const nobody = await post("/v1/subjects/{subject}/verify", "nobody", probe);
   if (!("type" in nobody)) throw new Error("nobody was verified");
   const code: Problem["code"] = nobody.code;

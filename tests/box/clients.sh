@@ -50,9 +50,9 @@ tells() {
 start_daemon
 for language in curl python node go; do
     client "$language" "$language" "$T/a.ply" "$T/again.ply"
-    tells "one person" 0 '^enrolled [0-9a-f]{32}$' '^match, score [0-9.]+, needed 8$'
+    tells "one person" 0 '^enrolled [0-9a-f]{32}$' '^match$'
     client "$language" "$language" "$T/a.ply" "$T/other.ply"
-    tells "another" 1 '^no_match, score -[0-9.]+, needed 8$'
+    tells "another" 1 '^no_match$'
     client "$language" "$language" "$T/few.xyz" "$T/other.ply"
     tells "a scan that cannot be enrolled" 2 "^move nearer to the scanner"
     client "$language" "$language" "$T/a.ply" "$T/short.ply"

@@ -21,7 +21,7 @@ from selenium.webdriver.common.keys import Keys
 
 URL, FOLDER, ALL = sys.argv[1:4]
 ROOT = URL + "/"
-SCOPES = ["enroll", "verify", "identify", "read", "delete", "manage", "detail"]
+SCOPES = ["verify", "enroll", "identify", "read", "delete", "manage", "tokens", "audit", "events", "score", "detail"]
 
 
 def check(title, holds, got=""):
@@ -650,10 +650,10 @@ def test_tokens(d):
     press(d, Keys.ENTER)
     check("revoked", wait(d, lambda _: api("GET", "/v1/token", token=other)[0] == 401))
     some("as the list shows", d, "tbody tr", "Revoked")
-    unlock(d, token("manager", ["manage", "read"])["secret"], "health?tab=tokens")
+    unlock(d, token("maker", ["tokens", "read"])["secret"], "health?tab=tokens")
     one(d, "button", "Make a token").click()
     is_("never more than the maker's own", [e.get_attribute("value") for e in
-        d.find_elements(By.CSS_SELECTOR, "dialog [name=scope]")], ["read", "manage"])
+        d.find_elements(By.CSS_SELECTOR, "dialog [name=scope]")], ["read", "tokens"])
     press(d, Keys.ESCAPE)
     quiet("tokens", d)
 
@@ -676,7 +676,7 @@ def test_health(d):
 
 def test_scopes(d):
     pages = {"enroll": "Try People", "verify": "Try", "identify": "Try", "read": "People", "delete": "",
-             "manage": "Live Audit Health", "detail": ""}
+             "manage": "", "tokens": "Health", "audit": "Live Audit Health", "events": "", "score": "", "detail": ""}
     for scope in SCOPES:
         unlock(d, token("only " + scope, [scope])["secret"])
         is_("with %s alone" % scope, " ".join(a.text for a in d.find_elements(By.CSS_SELECTOR, "aside nav a")), pages[scope])

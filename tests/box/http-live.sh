@@ -1,6 +1,6 @@
 #!/bin/sh
 # Goal: whoever stands beside a door finds what was decided a moment ago, and why not, and can end a
-# lock-out; with the scope manage alone, and from the daemon's memory alone.
+# lock-out; with the scopes audit and manage alone, and from the daemon's memory alone.
 cd "$(dirname "$0")/../.." || exit 1
 . tests/box/lib.sh
 AUTH=
@@ -40,7 +40,7 @@ req DELETE /v1/subjects/nobody/attempts
 problem "of nobody" 404 not_found
 AUTH=$(new_token door --scope verify,read,enroll,delete,detail)
 req GET /v1/recent
-problem "without manage" 403 insufficient_scope manage
+problem "without audit" 403 insufficient_scope audit
 req DELETE /v1/subjects/alice/attempts
 problem "nor a reset" 403 insufficient_scope manage
 ok "nothing of it is in the log" sh -c "! grep -q alice '$LOG'"

@@ -150,7 +150,7 @@ AUTH=$secret
 req GET /v1/subjects
 is "it is good" "$STATUS" 200
 req GET /v1/tokens
-problem "but not for this" 403 insufficient_scope manage
+problem "but not for this" 403 insufficient_scope tokens
 AUTH=$me
 post /v1/tokens "{\"name\": \"day\", \"scopes\": [\"verify\"], \"expires_at\": \"$(date -u -d '+9 days' +%F)\"}"
 is "an end" "$(get '.expires_at[:10]')" "$(date -u -d '+9 days' +%F)"
@@ -182,7 +182,7 @@ ctl token list
 is "the list is the command's" "$(get '.tokens | map(del(.last_used)) | tojson')" "$(said '.tokens | map(del(.last_used)) | tojson')"
 is "without a secret" "$(get '[.tokens[] | has("secret")] | any')" false
 # nobody gives, or gets, what he has not
-manager=$(new_token manager --scope manage,verify)
+manager=$(new_token manager --scope tokens,verify)
 managing=$(sql "SELECT id FROM tokens WHERE name = 'manager'")
 mine=$(sql "SELECT id FROM tokens WHERE name = 'me'")
 AUTH=$manager
@@ -191,7 +191,9 @@ problem "more than his own" 403 insufficient_scope 'delete,detail'
 is "what it takes" "$(field WWW-Authenticate)" 'Bearer realm="surfaced", error="insufficient_scope", scope="delete detail"'
 post "/v1/tokens/$mine/rotate" '{}'
 problem "nor another's secret" 403 insufficient_scope
-post /v1/tokens '{"name": "same", "scopes": ["verify", "manage"]}'
+req DELETE "/v1/tokens/$mine"
+problem "nor the end of one that may do more" 403 insufficient_scope
+post /v1/tokens '{"name": "same", "scopes": ["verify", "tokens"]}'
 is "as much as his own" "$STATUS" 201
 other=$(get .id)
 post "/v1/tokens/$other/rotate" '{"grace_s": 60}'

@@ -10,9 +10,9 @@ POST /v1/subjects/{subject}/templates enroll
 POST /v1/subjects/{subject}/verify verify
 POST /v1/templates/{template_id}/verify verify
 POST /v1/compare verify
-POST /v1/check enroll,verify,identify
+POST /v1/check verify,enroll,identify
 POST /v1/asymmetry verify
-POST /v1/challenge enroll,verify
+POST /v1/challenge verify,enroll
 GET /v1/subjects read
 POST /v1/subjects enroll
 GET /v1/subjects/{subject} read
@@ -21,17 +21,17 @@ DELETE /v1/subjects/{subject} delete
 GET /v1/templates/{template_id} read
 DELETE /v1/templates/{template_id} delete
 GET /v1/templates/{template_id}/surface detail
-GET /v1/token enroll,verify,identify,read,delete,manage,detail
-GET /v1/recent manage
+GET /v1/token verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail
+GET /v1/recent audit
 DELETE /v1/subjects/{subject}/attempts manage
-GET /v1/audit manage
-POST /v1/audit/verify manage
-GET /v1/audit/export manage
-GET /v1/tokens manage
-POST /v1/tokens manage
-DELETE /v1/tokens/{token_id} manage
-POST /v1/tokens/{token_id}/rotate manage
-GET /v1/stats manage
+GET /v1/audit audit
+POST /v1/audit/verify audit
+GET /v1/audit/export audit
+GET /v1/tokens tokens
+POST /v1/tokens tokens
+DELETE /v1/tokens/{token_id} tokens
+POST /v1/tokens/{token_id}/rotate tokens
+GET /v1/stats audit
 GET /healthz -
 GET /readyz -
 GET /metrics -
@@ -46,7 +46,7 @@ scan 1 1 "$T/p.ply"
 jq -c '{a: ., b: .}' "$T/c.json" >"$T/two.json"
 echo '{"subject": "bob"}' >"$T/new.json"
 echo '{"hold": false}' >"$T/change.json"
-echo '{"name": "x", "scopes": ["manage"]}' >"$T/token.json"
+echo '{"name": "x", "scopes": ["tokens"]}' >"$T/token.json"
 echo '{"grace_s": 1}' >"$T/rotate.json"
 start_daemon --workers 3 --queue 77 --cache-mb 13 --max-body 7654321 --attempts 19 \
     --attempt-wait 71 --timeout 43 --max-connections 911 --rate-limit-tokens 1000
@@ -63,7 +63,7 @@ is "no other in the table of the program" "$(grep -c '{REQUEST_' server/api/rout
 # manages, whose id is $token.
 enrolled() {
     if [ -z "$token" ]; then
-        new_token other --scope manage >"$T/other"
+        new_token other --scope tokens >"$T/other"
         token=$(sql "SELECT id FROM tokens WHERE name = 'other' AND revoked IS NULL")
     fi
     [ -z "$template" ] || return

@@ -15,7 +15,7 @@ export SURFACED_CONFIG=/dev/null
 ENTRIES="(SELECT 0 AS log, seq, at, kind, actor, uid, object, outcome, hash FROM change_log
     UNION ALL SELECT 1, seq, at, kind, actor, uid, object, outcome, hash FROM access_log) AS entries"
 # Every scope that a token may have.
-ALL=enroll,verify,identify,read,delete,manage,detail
+ALL=verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail
 
 # needs PROGRAM...: without them the script ends, with exit status 0.
 needs() {

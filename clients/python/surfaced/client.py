@@ -269,7 +269,7 @@ class Client:
         """What this token may do."""
         return self.request("GET", "/v1/token")
 
-    # ---- of whoever runs the daemon: tokens with manage
+    # ---- of whoever runs the daemon: tokens with manage, tokens or audit
 
     def list_tokens(self) -> list[dict[str, Any]]:
         return self.request("GET", "/v1/tokens")["tokens"]

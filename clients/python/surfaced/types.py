@@ -79,17 +79,18 @@ class Burst(TypedDict):
 
 
 class Verdict(TypedDict):
-    """scan and quality: of a comparison {"a": ..., "b": ...}."""
+    """scan and quality: of a comparison {"a": ..., "b": ...}.  Of a non-match the numbers, and the
+    template, only to a token with score, detail or manage."""
 
     decision: Literal["match", "no_match", "inconclusive"]
-    score: float
-    threshold: float
-    fmr_at_score: float
-    disparity_mm: float
-    overlap: float
+    score: NotRequired[float]
+    threshold: NotRequired[float]
+    fmr_at_score: NotRequired[float]
+    disparity_mm: NotRequired[float]
+    overlap: NotRequired[float]
     subject: str | None
     template_id: str | None
-    templates_compared: int
+    templates_compared: NotRequired[int]
     frames: NotRequired[list[Frame]]
     scan: Any
     quality: Any

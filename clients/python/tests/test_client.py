@@ -21,7 +21,7 @@ import surfaced
 from surfaced import Capture, Client, SurfacedError, enroll_folder, types
 
 BUILD = os.path.abspath(os.environ["BUILD"])
-ALL = "enroll,verify,identify,read,delete,manage,detail"
+ALL = "verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail"
 
 
 def run(*command, **options):
