@@ -46,7 +46,8 @@ TEST(test_scopes)
         assert_true(rows_scopes_read(text, &scopes));
         assert_int_equal(scopes, i);
     }
-    assert_string_equal(text, "enroll,verify,identify,read,delete,manage,detail");
+    assert_string_equal(
+        text, "verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail");
     assert_true(rows_scopes_read("delete,enroll,delete", &scopes));
     assert_int_equal(scopes, STORE_SCOPE_DELETE | STORE_SCOPE_ENROLL);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
