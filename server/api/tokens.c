@@ -21,7 +21,7 @@ void tokens_own(struct request *r, struct worker *w)
     (void)w;
     json_text(j, "id", r->app->no_auth ? NULL : r->actor);
     json_text(j, "name", r->app->no_auth ? NULL : r->token_name);
-    describe_scopes(j, r->app->no_auth ? STORE_SCOPE_ALL : r->scopes);
+    describe_scopes(j, r->scopes);
     json_text(j, "expires_at", r->token_expires[0] != '\0' ? r->token_expires : NULL);
     request_respond(r, 200, json_compact(j));
 }

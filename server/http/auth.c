@@ -48,7 +48,7 @@ bool auth_admit(struct request *r)
 
 bool auth_has(const struct request *r, unsigned scopes)
 {
-    return r->app->no_auth || (r->scopes & scopes) != 0;
+    return (r->scopes & scopes) != 0;
 }
 
 bool auth_scores(const struct request *r)
@@ -64,11 +64,16 @@ bool auth_may(struct request *r, unsigned scopes)
         return true;
     rows_scopes_write(r->scopes, has);
     rows_scopes_write(scopes, lacks);
-    request_problem(r, ERRMAP_SCOPE,
-                    "this request needs a token with %s %s; yours has "
-                    "%s",
-                    strchr(lacks, ',') != NULL ? "one of the scopes" : "the scope", lacks,
-                    has);
+    if (r->app->no_auth)
+        request_problem(r, ERRMAP_SCOPE,
+                        "a daemon without tokens (--no-auth) makes and revokes none: "
+                        "surfacectl token does");
+    else
+        request_problem(r, ERRMAP_SCOPE,
+                        "this request needs a token with %s %s; yours has "
+                        "%s",
+                        strchr(lacks, ',') != NULL ? "one of the scopes" : "the scope",
+                        lacks, has);
     r->response.lacks = scopes;
     r->response.challenge = true;
     return false;
@@ -76,7 +81,7 @@ bool auth_may(struct request *r, unsigned scopes)
 
 bool auth_gives(struct request *r, unsigned scopes)
 {
-    const unsigned lacks = r->app->no_auth ? 0 : scopes & ~r->scopes;
+    const unsigned lacks = scopes & ~r->scopes;
     char words[STORE_SCOPES_MAX];
 
     if (lacks == 0)
@@ -89,6 +94,12 @@ bool auth_gives(struct request *r, unsigned scopes)
     r->response.lacks = lacks;
     r->response.challenge = true;
     return false;
+}
+
+bool auth_free(struct request *r)
+{
+    r->scopes = STORE_SCOPE_ALL & ~(unsigned)STORE_SCOPE_TOKENS;
+    return r->route->scope == 0 || auth_may(r, r->route->scope);
 }
 
 void auth_check(struct request *r)

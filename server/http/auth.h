@@ -19,8 +19,11 @@ bool auth_admit(struct request *r);
  * is its id, else r->response is set.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
 
-/* auth_has(r, scopes): has r's token one of these scopes, or is no token needed?  After
- * auth_check(). */
+/* auth_free(r): r needs no token (--no-auth): it may do everything but make and revoke tokens, which
+ * would outlive that.  False: r->response is set. */
+bool auth_free(struct request *r);
+
+/* auth_has(r, scopes): has r one of these scopes?  After auth_check() or auth_free(). */
 bool auth_has(const struct request *r, unsigned scopes);
 
 /* auth_scores(r): may the response say how much like an enrolled face one is that does not match?

@@ -55,6 +55,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
                        "decompressed"},
     [ERRMAP_NO_TOKEN] = {401, "unauthorized", "A valid token is needed"},
     [ERRMAP_SCOPE] = {403, "insufficient_scope", "The token lacks the scope"},
+    [ERRMAP_OTHER_SITE] = {403, "other_site", "The request comes from another site"},
     [ERRMAP_DISABLED] = {403, "subject_disabled", "The subject is disabled"},
     [ERRMAP_EXPIRED] = {403, "subject_expired", "The subject has expired"},
     [ERRMAP_TOKENS] = {429, "too_many_wrong_tokens", "Too many wrong tokens"},

@@ -20,6 +20,7 @@ enum errmap_kind {
     ERRMAP_PACKED,       /* the body cannot be unpacked */
     ERRMAP_NO_TOKEN,     /* no token, or not one of ours */
     ERRMAP_SCOPE,        /* the token lacks the scope */
+    ERRMAP_OTHER_SITE,   /* --no-auth, and another site's page */
     ERRMAP_DISABLED,     /* the subject is disabled */
     ERRMAP_EXPIRED,      /* it has expired */
     ERRMAP_TOKENS,       /* the address is rate-limited for wrong tokens */

@@ -1,6 +1,7 @@
 #include "headers.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -152,6 +153,11 @@ static bool accepts_gzip(const char *s)
     return false;
 }
 
+static void take_text(char *to, size_t size, const char *value)
+{
+    (void)snprintf(to, size, "%s", strlen(value) < size ? value : "?");
+}
+
 void headers_take(struct request *r, const char *name, const char *value)
 {
     if (value == NULL)
@@ -166,8 +172,12 @@ void headers_take(struct request *r, const char *name, const char *value)
         r->gzip = r->gzip || accepts_gzip(value);
     else if (strcasecmp(name, "Access-Control-Request-Method") == 0)
         r->preflight = true;
-    else if (strcasecmp(name, "Origin") == 0 && strlen(value) < sizeof r->origin)
-        memcpy(r->origin, value, strlen(value) + 1);
+    else if (strcasecmp(name, "Origin") == 0)
+        take_text(r->origin, sizeof r->origin, value);
+    else if (strcasecmp(name, "Host") == 0)
+        take_text(r->host, sizeof r->host, value);
+    else if (strcasecmp(name, "Sec-Fetch-Site") == 0)
+        r->cross_site = strcasecmp(value, "cross-site") == 0;
     else if (strcasecmp(name, "If-None-Match") == 0 &&
              strlen(value) < sizeof r->none_match)
         memcpy(r->none_match, value, strlen(value) + 1);

@@ -401,7 +401,11 @@ static enum MHD_Result arrive(struct exchange *x, const char *method, const char
     route_find(r->app->routes, r->app->nroutes, r);
     if (r->response.http != 0 || refusal_stands(r))
         return send_early(x);
-    if (r->route->scope == 0 || x->http->app->no_auth)
+    if (cors_refuse(r))
+        return send_early(x);
+    if (r->app->no_auth)
+        return auth_free(r) ? admit(x) : send_early(x);
+    if (r->route->scope == 0)
         return admit(x);
     auth_take(r, header(x, "Authorization"));
     if (r->response.http != 0 || !auth_admit(r))

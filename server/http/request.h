@@ -116,7 +116,9 @@ struct request {
     char token_name[STORE_NAME_MAX + 1], token_expires[32]; /* likewise; "": never */
     bool minimal, has_return; /* Prefer: return=minimal; return=anything */
     bool gzip;                /* Accept-Encoding has it */
-    char origin[256];         /* Origin; likewise */
+    char origin[256];         /* Origin; "" for none, "?" for a longer one */
+    char host[256];           /* Host; likewise */
+    bool cross_site;          /* Sec-Fetch-Site: cross-site */
     bool preflight;           /* Access-Control-Request-Method is there */
     char none_match[256];     /* If-None-Match; "" for none, or a longer one */
     struct request_capture capture;

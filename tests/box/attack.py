@@ -74,7 +74,7 @@ def connect():
 
 
 def head(method, path, length, *more, token="attacker"):
-    lines = ["%s %s HTTP/1.1" % (method, path), "Host: x",
+    lines = ["%s %s HTTP/1.1" % (method, path), "Host: localhost",
              "Authorization: Bearer " + TOKENS[token]]
     if length is not None:
         lines.append("Content-Length: %d" % length)
@@ -181,7 +181,7 @@ def million_points(out):
 
 
 def slow_headers(out):
-    held(500, b"GET /healthz HTTP/1.1\r\nHost: x\r\nA: ", b"x")
+    held(500, b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nA: ", b"x")
 
 
 def slow_bodies(out):
@@ -194,12 +194,12 @@ def chunked_trickles(out):
 
 def deaf_pipelines(out):
     """Many requests on a connection, whose responses are not read."""
-    held(100, b"GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n" * 200, b"", 0.5)
+    held(100, b"GET /openapi.json HTTP/1.1\r\nHost: localhost\r\n\r\n" * 200, b"", 0.5)
 
 
 def pipelines(out):
     """Many requests on a connection, which are read."""
-    many = b"GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n" * 500
+    many = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n" * 500
 
     def one():
         s = connect()
@@ -221,7 +221,7 @@ def connections(out):
 
 def idle_hoard(out):
     """More connections than there may be, idle after a request."""
-    held(400, b"GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n", b"", 0.5)
+    held(400, b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n", b"", 0.5)
 
 
 def gone(out):

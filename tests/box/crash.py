@@ -235,7 +235,7 @@ class Client(threading.Thread):
             return b''
         response = b''
         try:
-            s.sendall(b'%s /v1/subjects/%s HTTP/1.1\r\nHost: x\r\nConnection: close\r\nContent-Type: model/x-ply\r\n'
+            s.sendall(b'%s /v1/subjects/%s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Type: model/x-ply\r\n'
                       b'Content-Length: %d\r\n\r\n' % (method, path.encode(), len(body)) + body)
             while more := s.recv(65536):
                 response += more

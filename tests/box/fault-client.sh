@@ -17,12 +17,12 @@ if command -v nc >/dev/null 2>&1 && nc -h 2>&1 | grep -q -- ' *-N'; then
         timeout 60 nc -N 127.0.0.1 "$port" <"$1" >"$T/answer" 2>/dev/null
         STATUS=$(sed -n '1s/^HTTP\/1.1 \([0-9]*\).*/\1/p' "$T/answer")
     }
-    printf 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n' >"$T/q"
+    printf 'GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n' >"$T/q"
     half "$T/q"
     is "half-closed after a GET" "$STATUS" 200
     for n in 1 2 3 4 5; do
         {
-            printf 'POST /v1/subjects/alice/verify HTTP/1.1\r\nHost: x\r\n'
+            printf 'POST /v1/subjects/alice/verify HTTP/1.1\r\nHost: localhost\r\n'
             printf '%s\r\nContent-Length: %d\r\n\r\n' "$PLY" "$(wc -c <"$T/p.ply")"
             cat "$T/p.ply"
         } >"$T/q"

@@ -42,9 +42,9 @@ counts() {
     req GET /metrics
     grep -Eq "^surfaced_connections_closed_total\\{reason=\"$1\"\\} [1-9]" "$T/body"
 }
-idle='GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n'
-headers='GET /healthz HTTP/1.1\r\nHost: x\r\nA: '
-body='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: x\r\nContent-Type: model/x-ply\r\nContent-Length: 99999\r\n\r\nply\n'
+idle='GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n'
+headers='GET /healthz HTTP/1.1\r\nHost: localhost\r\nA: '
+body='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: localhost\r\nContent-Type: model/x-ply\r\nContent-Length: 99999\r\n\r\nply\n'
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/p.ply" --pose 8 --shift 10
 
@@ -101,7 +101,7 @@ hold 20 "$idle"
 held "idle: served" answered
 held "idle: closed after a while" 'closed 20'
 let_go
-large='GET /openapi.json HTTP/1.1\r\nHost: x\r\n\r\n'
+large='GET /openapi.json HTTP/1.1\r\nHost: localhost\r\n\r\n'
 many=
 for _ in $(seq 200); do many=$many$large; done
 hold 3 "$many" --deaf

@@ -13,7 +13,7 @@ record() {
     shift 3
     cat >"$T/raw"
     {
-        printf '%s\r\nHost: x\r\n' "$r_line"
+        printf '%s\r\nHost: localhost\r\n' "$r_line"
         [ -z "$AUTH" ] || printf 'Authorization: Bearer %s\r\n' "$AUTH"
         for r_header; do
             printf '%s\r\n' "$r_header"

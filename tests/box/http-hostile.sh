@@ -39,9 +39,9 @@ served() {
     raw "$2${get}Connection: close\r\n\r\n"
     is "$1" "$(statuses)" '404 200 '
 }
-get='GET /healthz HTTP/1.1\r\nHost: x\r\n'
+get='GET /healthz HTTP/1.1\r\nHost: localhost\r\n'
 next="$get\r\n"
-post='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: x\r\nContent-Type: application/json\r\n'
+post='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n'
 chunks='2\r\n{}\r\n0\r\n\r\n'
 
 # ---- where does the body end?
@@ -86,7 +86,7 @@ refused "a length made of two lines" 400 "${get}Content-: 40\r\n Length\r\n\r\n"
 refused "a coding made of two lines" 400 "${post}Transfer-: chunked\r\n\tEncoding\r\n\r\n$chunks"
 refused "a token made of two lines" 400 "${get}Author: Bearer x\r\n ization\r\n\r\n"
 refused "another header" 400 "${get}A: b\r\n c\r\n\r\n"
-refused "the first line is folded" 400 "GET /healthz HTTP/1.1\r\n Host: x\r\n\r\n"
+refused "the first line is folded" 400 "GET /healthz HTTP/1.1\r\n Host: localhost\r\n\r\n"
 refused "a blank before the colon" 400 "${post}Transfer-Encoding : chunked\r\n\r\n$chunks"
 refused "a blank in a name" 400 "${post}Content Length: 2\r\n\r\n{}"
 refused "a control character" 400 "${post}Transfer-Encoding: \013chunked\r\n\r\n$chunks"
@@ -109,7 +109,7 @@ is "no host in HTTP/1.0" "$(statuses)" '200 '
 
 # ---- paths and headers
 for id in . .. %%2e %%2E. ..%%3Fa; do
-    raw "DELETE /v1/subjects/$id HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    raw "DELETE /v1/subjects/$id HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
     is_problem "the subject $id" 400
     ok "$id: it is said why" grep -q 'and not \. or \.\.' "$T/body"
 done
@@ -118,28 +118,28 @@ for id in . ..; do
     problem "the new subject $id" 400 malformed 'and not \. or \.\.'
 done
 for path in /../../etc/passwd /docs/..%%2f..%%2fetc/passwd //etc/passwd /docs/../../etc/passwd; do
-    raw "GET $path HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    raw "GET $path HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
     ok "$path: $(statuses)" grep -aq '^HTTP/1.1 404 ' "$T/answer"
 done
 for path in /v1/subjects/a%%00b /v1/subjects/a%%0d%%0aSet-Cookie:%%20x=1; do
-    raw "GET $path HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"
+    raw "GET $path HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
     ok "$path: $(statuses)" grep -aq '^HTTP/1.1 400 ' "$T/answer"
     ok "$path: no injected header" sh -c "! grep -aiq '^Set-Cookie' '$T/answer'"
 done
-raw "GET /healthz HTTP/1.1\r\nHost: x\r\nX-Request-Id: a\tb<script>\r\nConnection: close\r\n\r\n"
+raw "GET /healthz HTTP/1.1\r\nHost: localhost\r\nX-Request-Id: a\tb<script>\r\nConnection: close\r\n\r\n"
 ok "an invalid request id is not sent back" sh -c "! grep -aq script '$T/answer'"
-raw "TRACE / HTTP/1.1\r\nHost: x\r\nCookie: secret\r\nConnection: close\r\n\r\n"
+raw "TRACE / HTTP/1.1\r\nHost: localhost\r\nCookie: secret\r\nConnection: close\r\n\r\n"
 ok "TRACE sends nothing back" sh -c "! grep -aq secret '$T/answer'"
 for line in 'GET /healthz' 'GET /healthz HTTX/1.1' 'GET /healthz HTTP/2.0' 'PRI * HTTP/2.0' \
     'CONNECT a:1 HTTP/1.1' 'GET http://other/healthz HTTP/1.1'; do
-    raw "$line\r\nHost: x\r\nConnection: close\r\n\r\n"
+    raw "$line\r\nHost: localhost\r\nConnection: close\r\n\r\n"
     ok "$line: $(statuses)" sh -c "! grep -aq 'HTTP/1.1 200' '$T/answer'"
 done
 for bytes in '\001\002\003\r\n\r\n' '\026\003\001\002\000\001\000\001' '\000\000\000\000' '\r\n\r\n'; do
     raw "$bytes"
     alive "junk"
 done
-raw "GET /healthz HTTP/1.1\r\nHost: x\r\nA: $(printf '%030000d' 1)\r\n\r\n"
+raw "GET /healthz HTTP/1.1\r\nHost: localhost\r\nA: $(printf '%030000d' 1)\r\n\r\n"
 is_problem "too many headers" 431
 
 # many TITLE BEFORE ONE BEHIND: with so many of one that libmicrohttpd has no memory left for them.
@@ -152,18 +152,18 @@ many() {
     done
     alive "$1"
 }
-close='Host: x\r\nConnection: close\r\n'
+close='Host: localhost\r\nConnection: close\r\n'
 many "many parameters" 'GET /healthz?' 'a&' " HTTP/1.1\r\n$close\r\n"
 many "many headers" "GET /healthz HTTP/1.1\r\n$close" 'a: b\r\n' '\r\n'
 many "many cookies" "GET /healthz HTTP/1.1\r\n${close}Cookie: " 'a=b;' '\r\n\r\n'
 many "many trailers" "POST /v1/check HTTP/1.1\r\n${close}Transfer-Encoding: chunked\r\n\r\n0\r\n" 'a: b\r\n' '\r\n'
 raw "POST /v1/check HTTP/1.1\r\n${close}Transfer-Encoding: chunked\r\n\r\n2;$(printf '%030000d' 1)\r\nab\r\n0\r\n\r\n"
 is_problem "a chunk's extension that is too long" 400
-raw "GET /$(printf '%030000d' 1) HTTP/1.1\r\nHost: x\r\n\r\n"
+raw "GET /$(printf '%030000d' 1) HTTP/1.1\r\nHost: localhost\r\n\r\n"
 is_problem "a path that is too long" 414
 raw "GET /healthz HTTP/1.1\r\nHost x\r\n\r\n"
 is_problem "a header without a colon" 400
-raw "GET /healthz HTTP/3.0\r\nHost: x\r\n\r\n"
+raw "GET /healthz HTTP/3.0\r\nHost: localhost\r\n\r\n"
 is_problem "another HTTP" 505
 stop_daemon
 finish

@@ -71,7 +71,7 @@ def talk(s):
     if arg.url.startswith("https:"):
         s = ssl.create_default_context(cafile=arg.ca).wrap_socket(s, server_hostname="localhost")
     token = f"Authorization: Bearer {arg.token}\r\n" if arg.token else ""
-    text = f"GET {arg.path} HTTP/1.1\r\nHost: x\r\n{token}Connection: close\r\n\r\n".encode()
+    text = f"GET {arg.path} HTTP/1.1\r\nHost: localhost\r\n{token}Connection: close\r\n\r\n".encode()
     s.sendall(text[: len(text) // 2])
     if arg.wait:
         while not os.path.exists(arg.wait):

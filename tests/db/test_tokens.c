@@ -47,7 +47,8 @@ TEST(test_scopes)
         assert_int_equal(scopes, i);
     }
     assert_string_equal(
-        text, "verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail");
+        text,
+        "verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail");
     assert_true(rows_scopes_read("delete,enroll,delete", &scopes));
     assert_int_equal(scopes, STORE_SCOPE_DELETE | STORE_SCOPE_ENROLL);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
