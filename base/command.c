@@ -17,11 +17,12 @@
 int command_exit(enum status st)
 {
     static const int code[ST_COUNT] = {
-        [ST_ENOMEM] = EXIT_OSERR,   [ST_ENOTFOUND] = EXIT_NOINPUT,
-        [ST_EDENIED] = EXIT_NOPERM, [ST_EREFUSED] = EXIT_NOPERM,
-        [ST_EHELD] = EXIT_NOPERM,   [ST_EBUSY] = EXIT_TEMPFAIL,
-        [ST_EIO] = EXIT_IOERR,      [ST_EUNSYNCED] = EXIT_IOERR,
-        [ST_EDB] = EXIT_SOFTWARE,   [ST_EINTERNAL] = EXIT_SOFTWARE,
+        [ST_ENOMEM] = EXIT_OSERR,       [ST_ENOTFOUND] = EXIT_NOINPUT,
+        [ST_EDENIED] = EXIT_NOPERM,     [ST_ETOKEN] = EXIT_NOPERM,
+        [ST_EREFUSED] = EXIT_NOPERM,    [ST_EHELD] = EXIT_NOPERM,
+        [ST_EBUSY] = EXIT_TEMPFAIL,     [ST_EIO] = EXIT_IOERR,
+        [ST_EUNSYNCED] = EXIT_IOERR,    [ST_EDB] = EXIT_SOFTWARE,
+        [ST_EINTERNAL] = EXIT_SOFTWARE,
     };
 
     return code[st] != 0 ? code[st] : EXIT_DATA;
@@ -39,6 +40,7 @@ static const char *word_of(enum status st)
                                                [ST_EMISMATCH] = "sample_mismatch",
                                                [ST_EREPLAYED] = "replayed",
                                                [ST_EDENIED] = "forbidden",
+                                               [ST_ETOKEN] = "unauthorized",
                                                [ST_EREFUSED] = "database_refused",
                                                [ST_EHELD] = "on_hold",
                                                [ST_EBUSY] = "busy",

@@ -139,6 +139,7 @@ static enum status enroll_rows(struct store *s, struct enrolling *g,
     if (st != ST_OK)
         return st;
     if (sql_ahead(g->t.sql, true)) {
+        (void)store_actor_may(&g->t, &g->by, NULL);
         (void)rows_subject_find(&g->t, g->what->subject, &g->of, NULL);
         (void)rows_allowance_get(&g->t, &g->by, g->what->allowance, NULL);
         log_txn_ahead(&g->t);
@@ -146,7 +147,8 @@ static enum status enroll_rows(struct store *s, struct enrolling *g,
     }
     if ((st = store_check(s, &g->t, e)) != ST_OK)
         return st;
-    if ((st = rows_allowance_get(&g->t, &g->by, g->what->allowance, e)) == ST_OK)
+    if ((st = store_actor_may(&g->t, &g->by, e)) == ST_OK &&
+        (st = rows_allowance_get(&g->t, &g->by, g->what->allowance, e)) == ST_OK)
         st = need_subject(g, e);
     for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
         st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);

@@ -4,7 +4,9 @@
 
 #include "bytes.h"
 #include "log_anchor.h"
+#include "ident.h"
 #include "rows_digest.h"
+#include "rows_token.h"
 #include "sql_file.h"
 #include "sql_file_index.h"
 #include "utc.h"
@@ -233,12 +235,31 @@ enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
     return st == ST_OK ? store_check(s, t, e) : st;
 }
 
+enum status store_actor_may(struct log_txn *t, const struct log_act *by,
+                            struct errinfo *e)
+{
+    struct rows_token one;
+    enum status st;
+
+    if (!ident_id_valid(by->actor))
+        return ST_OK;
+    st = rows_token_get(t, by->actor, &one, e);
+    if (st == ST_ENOTFOUND || (st == ST_OK && one.token.revoked[0] != '\0'))
+        return errinfo_set(e, ST_ETOKEN, "the token was revoked");
+    if (st == ST_OK && store_rules_past(one.token.expires, by->ms))
+        return errinfo_set(e, ST_ETOKEN, "the token has expired");
+    return st;
+}
+
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e)
 {
-    const enum status st = log_act(by, actor, e);
+    enum status st = log_act(by, actor, e);
 
-    return st == ST_OK ? store_begin(s, how, t, e) : st;
+    if (st == ST_OK && (st = store_begin(s, how, t, e)) == ST_OK &&
+        (st = store_actor_may(t, by, e)) != ST_OK)
+        return store_end(s, t, st, e);
+    return st;
 }
 
 /* What a durable commit has seen is durable too, whoever wrote it. */

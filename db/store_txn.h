@@ -75,7 +75,12 @@ void store_scrub(struct store *s);
  * ST_EIO: it could not be renamed. */
 enum status store_settle_anchor(struct store *s, const char *path, struct errinfo *e);
 
-/* store_act_begin(s, actor, how, by, t, e): log_act() and store_begin(). */
+/* store_actor_may(t, by, e): a request is as long as its client makes it: a token that was good when it
+ * began may have been revoked, or have expired, when it acts.  ST_ETOKEN; of other actors nothing is
+ * asked.
+ * store_act_begin(s, actor, how, by, t, e): log_act(), store_begin() and store_actor_may(). */
+enum status store_actor_may(struct log_txn *t, const struct log_act *by,
+                            struct errinfo *e);
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);
 

@@ -301,6 +301,7 @@ static void record_ahead(struct log_txn *t, const struct store_record *what,
 
     if (!sql_ahead(t->sql, true))
         return;
+    (void)store_actor_may(t, by, NULL);
     (void)rows_attempts_get(t, what->subject, what->actor, by->ms, &now, &future, NULL);
     if (what->probe != NULL)
         (void)find_same(t, what, id, NULL);
@@ -328,7 +329,9 @@ enum status store_record_verification(struct store *s, const struct store_record
     record_ahead(&t, what, &by);
     if ((st = store_check(s, &t, e)) != ST_OK)
         return st;
-    return store_end(s, &t, write_all(&t, what, &by, out, e), e);
+    if ((st = store_actor_may(&t, &by, e)) == ST_OK)
+        st = write_all(&t, what, &by, out, e);
+    return store_end(s, &t, st, e);
 }
 
 enum status store_days(struct store *s, struct store_day **out, size_t *n,

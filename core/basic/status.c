@@ -27,6 +27,7 @@ const char *status_message(enum status st)
         [ST_EMISMATCH] = "the sample does not fit the subject's others",
         [ST_EREPLAYED] = "a scan that was used before",
         [ST_EDENIED] = "not permitted",
+        [ST_ETOKEN] = "the token has ended",
         [ST_EREFUSED] = "not the database that it should be",
         [ST_EHELD] = "on hold",
         [ST_EFULL] = "the subject has the greatest number of templates",

@@ -30,6 +30,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
                       "The sample does not fit the subject's others"},
     [ST_EREPLAYED] = {422, "replayed", "The scan was enrolled before"},
     [ST_EDENIED] = {403, "forbidden", "Not permitted"},
+    [ST_ETOKEN] = {401, "unauthorized", "A valid token is needed"},
     [ST_EREFUSED] = {503, "database_refused", "The database was altered or replaced"},
     [ST_EFULL] = {409, "too_many_templates",
                   "The subject has the greatest number of templates"},

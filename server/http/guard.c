@@ -244,10 +244,14 @@ void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg), 
 
 void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
 {
+    const double timeout_ms = 1000.0 * l->rules.timeout_s;
+
     (void)pthread_mutex_lock(&l->lock);
     p->cut = false;
     p->end_ms = fmin(p->end_ms + 1000.0 * (double)bytes / GUARD_BYTES_PER_S,
-                     logger_clock_ms() + 1000.0 * l->rules.timeout_s);
+                     logger_clock_ms() + timeout_ms);
+    if (p->step == GUARD_BODY)
+        p->end_ms = fmin(p->end_ms, p->begin_ms + GUARD_BODY_FACTOR * timeout_ms);
     (void)pthread_mutex_unlock(&l->lock);
 }
 

@@ -28,6 +28,8 @@ struct guard_rules {
  * transferred; no more than timeout_s is saved up: a client that sends much and then nothing is
  * closed like others. */
 #define GUARD_BYTES_PER_S 8192.0
+/* A body as a whole may take this many times timeout_s: with 10 s and 64 MB that is 1.8 Mbit/s. */
+#define GUARD_BODY_FACTOR 30
 /* An open connection without a request is kept this many times timeout_s. */
 #define GUARD_IDLE_FACTOR 3
 

@@ -228,6 +228,8 @@ void request_refuse(struct request *r, unsigned kind, char *json)
         r->response.retry_after = 1;
     if (m->http == 401)
         r->response.challenge = true;
+    if (kind == ST_ETOKEN)
+        r->response.bad_token = true;
     r->response.location[0] = '\0';
     set_body(r, m->http, "application/problem+json", json);
     r->response.problem = kind;

@@ -48,6 +48,26 @@ body='POST /v1/subjects/a/verify HTTP/1.1\r\nHost: localhost\r\nContent-Type: mo
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/p.ply" --pose 8 --shift 10
 
+# ---- a body as a whole: 20 KB/s earn more time than they take, but not for ever.  Beside all below.
+"$BUILD/surfacectl" --db "$T/whole.db" init >"$T/out" 2>&1
+"$BUILD/surfaced" --db "$T/whole.db" --no-auth --timeout 1 --listen "unix:$T/whole" >"$T/whole.log" 2>&1 &
+whole=$!
+ok "it listens" soon test -S "$T/whole"
+python3 -c '
+import socket, sys, time
+s = socket.socket(socket.AF_UNIX)
+s.connect(sys.argv[1])
+s.sendall(b"POST /v1/check HTTP/1.1\r\nHost: localhost\r\nContent-Type: model/x-ply\r\nContent-Length: 9999999\r\n\r\n")
+begun = time.monotonic()
+try:
+    while time.monotonic() - begun < 60:
+        s.sendall(2000 * b"x")
+        time.sleep(0.1)
+except OSError:
+    pass
+print(int(time.monotonic() - begun))' "$T/whole" >"$T/lasted" 2>&1 &
+dripping=$!
+
 # ---- how many
 start_daemon --no-auth --max-connections-per-address 5
 hold 5 "$idle"
@@ -140,4 +160,9 @@ done
 ok "they are still connected" test "$(open_files)" -gt 200
 let_go
 stop_daemon
+
+wait $dripping
+ok "a body of 20 KB/s lasted $(cat "$T/lasted") s, of 30 that it may" test "$(cat "$T/lasted")" -ge 29 -a "$(cat "$T/lasted")" -lt 45
+kill $whole
+wait $whole
 finish

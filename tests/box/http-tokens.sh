@@ -133,4 +133,37 @@ is "the metrics count them" "$(metric surfaced_tokens_expiring)" 2
 first=$(metric surfaced_token_first_end_seconds)
 ok "and tell when the first ends: $first" test "$((20 * 86400 - first))" -lt 3600
 ok "not which it is" sh -c "! grep -q ends- '$T/body'"
+# ---- a request that outlives its token
+# late TITLE HOW METHOD PATH TYPE FILE: half of the body, the end of the token, the other half.
+late() {
+    AUTH=$(new_token late --scope verify,enroll,manage,delete --expires "$([ "$2" = expires ] && echo 2s || echo 1d)")
+    rm -f "$T/go" "$T/said"
+    mkfifo "$T/go"
+    python3 tests/box/late.py "${URL#*//}" "$3" "$4" "$AUTH" "$5" "$6" "$T/head" "$T/body" <"$T/go" >"$T/said" &
+    exec 9>"$T/go"
+    ok "$1, $2: the token was good" soon grep -q accepted "$T/said"
+    case $2 in
+    revoked) ctl token revoke "$(sql "SELECT id FROM tokens WHERE name = 'late' AND revoked IS NULL")" ;;
+    expires) sleep 2.2 ;;
+    esac
+    echo >&9
+    exec 9>&-
+    wait $!
+    STATUS=$(sed -n 's/^HTTP[^ ]* \([0-9]*\).*/\1/p' "$T/head") TARGET="$1, $2"
+    problem "$1, $2: refused" 401 unauthorized 'the token'
+    is "$1, $2: why" "$(field WWW-Authenticate)" 'Bearer realm="surfaced", error="invalid_token"'
+}
+AUTH=$all
+before=$(sql "SELECT count(*) FROM $ENTRIES WHERE outcome = 'match'") templates=$(sql 'SELECT count(*) FROM templates')
+subjects=$(sql 'SELECT count(*) FROM subjects')
+echo '{"hold": true}' >"$T/hold.json"
+echo '{"subject": "late"}' >"$T/late.json"
+for how in revoked expires; do
+    late "verify" $how POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
+    late "enroll" $how POST /v1/subjects/late/templates "$PLY" "$T/a.ply"
+    late "a subject" $how POST /v1/subjects "$JSON" "$T/late.json"
+    late "a change" $how PATCH /v1/subjects/alice 'Content-Type: application/merge-patch+json' "$T/hold.json"
+done
+is "nothing was done" "$(sql "SELECT count(*) FROM $ENTRIES WHERE outcome = 'match'") $(sql 'SELECT count(*) FROM templates') $(sql 'SELECT count(*) FROM subjects') $(sql "SELECT count(*) FROM subjects WHERE hold")" \
+    "$before $templates $subjects 0"
 finish

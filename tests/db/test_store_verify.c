@@ -353,6 +353,7 @@ TEST(test_verify)
 {
     struct lines l = {0};
     struct store *s = written();
+    char scopes[STORE_SCOPES_MAX], back[STORE_SCOPES_MAX + 40];
 
     must(store_verify(s, note, &l, &e));
     assert_int_equal(l.n, 0);
@@ -369,8 +370,9 @@ TEST(test_verify)
     s = tempdb_open(STORE_WRITE);
     fails(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
     assert_non_null(strstr(e.msg, token.id)); /* the first problem is told */
-    tempdb_sql(
-        "UPDATE tokens SET scopes = 'enroll,verify,identify,read,delete,manage,detail'");
+    rows_scopes_write(STORE_SCOPE_ALL, scopes);
+    (void)snprintf(back, sizeof back, "UPDATE tokens SET scopes = '%s'", scopes);
+    tempdb_sql(back);
     fails(store_verify(s, NULL, NULL, &e), ST_EREFUSED); /* for good */
     store_close(s);
     s = tempdb_open(STORE_WRITE);
