@@ -25,11 +25,32 @@ size_t utf8_character(const char *text, size_t len)
     return n;
 }
 
+static uint32_t number(const unsigned char *s)
+{
+    if (s[0] < 0x80)
+        return s[0];
+    if (s[0] < 0xe0)
+        return (s[0] & 0x1fU) << 6 | (s[1] & 0x3fU);
+    if (s[0] < 0xf0)
+        return (s[0] & 0xfU) << 12 | (s[1] & 0x3fU) << 6 | (s[2] & 0x3fU);
+    return (s[0] & 7U) << 18 | (s[1] & 0x3fU) << 12 | (s[2] & 0x3fU) << 6 |
+           (s[3] & 0x3fU);
+}
+
 bool utf8_is_control(const char *s)
 {
-    const unsigned char c = (unsigned char)s[0];
+    /* the controls; soft hyphen; bidi marks, isolates and overrides; what has no width; line and
+     * paragraph separator; tags */
+    static const uint32_t range[][2] = {
+        {0, 0x1f},        {0x7f, 0x9f},      {0xad, 0xad},     {0x61c, 0x61c},
+        {0x180e, 0x180e}, {0x200b, 0x200f},  {0x2028, 0x202e}, {0x2060, 0x2069},
+        {0xfeff, 0xfeff}, {0xe0000, 0xe007f}};
+    const uint32_t c = number((const unsigned char *)s);
 
-    return c < 0x20 || c == 0x7f || (c == 0xc2 && (unsigned char)s[1] < 0xa0);
+    for (size_t i = 0; i < sizeof range / sizeof *range; i++)
+        if (c >= range[i][0] && c <= range[i][1])
+            return true;
+    return false;
 }
 
 size_t utf8_valid(const char *s, size_t len)

@@ -9,8 +9,8 @@
  * there; 0: it is none.  NUL is a character. */
 size_t utf8_character(const char *s, size_t len);
 
-/* utf8_is_control(s): the character at s is U+0000 to U+001F or U+007F to U+009F, which
- * terminals obey. */
+/* utf8_is_control(s): the whole character at s is one that terminals obey (U+0000 to U+001F, U+007F to
+ * U+009F), or one that is not seen or changes the order of others, so that two texts look the same. */
 bool utf8_is_control(const char *s);
 
 /* utf8_valid(s, len): the number of bytes from s on that are whole characters; len where

@@ -19,7 +19,8 @@ static enum status need_note(const char *text, struct errinfo *e)
         return ST_OK;
     return errinfo_set(e, ST_EINVAL,
                        "a consent or a purpose is up to %d bytes of UTF-8 without "
-                       "control characters",
+                       "control characters, also those that are not seen or change the "
+                       "order of others",
                        STORE_NOTE_MAX);
 }
 

@@ -172,7 +172,9 @@ enum status store_enroll(struct store *s, const struct store_enroll *what,
         return st;
     if (!utf8_is_text(what->label, STORE_LABEL_MAX))
         return errinfo_set(
-            e, ST_EINVAL, "a label is up to %d bytes of UTF-8 without control characters",
+            e, ST_EINVAL,
+            "a label is up to %d bytes of UTF-8 without control characters, also those that "
+            "are not seen or change the order of others",
             STORE_LABEL_MAX);
     for (size_t i = 0; i < what->n; i++) {
         const size_t size = surface_encoded_size(what->sample[i].face);

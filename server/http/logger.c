@@ -37,7 +37,7 @@ static void put_quoted(struct logger_line *l, const char *s, size_t len)
     put(l, "\"", 1);
     for (size_t i = 0, n; i < len; i += n) {
         n = utf8_character(s + i, len - i);
-        if (n == 0 || (n == 2 && utf8_is_control(s + i))) {
+        if (n == 0 || (n > 1 && utf8_is_control(s + i))) {
             put(l, "\\ufffd", 6);
             n = 1;
         } else if (s[i] == '"' || s[i] == '\\') {

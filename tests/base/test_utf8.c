@@ -112,8 +112,10 @@ TEST(test_text)
         assert_false(utf8_is_text(s, n - 1));
         controls += utf8_is_control(s);
     }
-    assert_int_equal(controls, 0x1f + 1 + 0x20);
+    assert_int_equal(controls, 0x1f + 1 + 0x20 + 1 + 1 + 1 + 5 + 7 + 10 + 1 + 0x80);
     assert_true(utf8_is_control(""));
+    assert_true(utf8_is_control("\u202e") && utf8_is_control("\u200d"));
+    assert_false(utf8_is_text("Anna\u202e", 99));
     assert_true(utf8_is_text("", 0));
     assert_true(utf8_is_text("a\xc3\xa4", 3));
     assert_false(utf8_is_text("a\xc3\xa4", 2));

@@ -155,7 +155,7 @@ req GET "/healthz?$(printf '%08000d' 1)"
 problem "a long query" 400 invalid_parameter 'unknown query parameter 0{64};'
 req GET "/healthz?$(printf '%020000d' 1)"
 is "a query that is too long" "$STATUS" 414
-for label in "$(printf '%0257d' 1)" %01 %FF %00 %; do
+for label in "$(printf '%0257d' 1)" %01 %FF %00 % a%E2%80%AEply.exe %E2%80%8Bx a%D8%9C; do
     send POST "/v1/subjects/bob/templates?label=$label" "$PLY" "$T/a.ply"
     is "label $label" "$STATUS" 400
 done
