@@ -13,6 +13,7 @@
 
 static const char *consent, *purpose; /* --consent, --purpose */
 static const char *part, *state;      /* --match, --state */
+static const char *reset_token;       /* --token */
 
 /* What stands beside an id in a list. */
 static const char *state_of(const struct store_subject *one)
@@ -195,6 +196,38 @@ static enum status release(struct ctl *c)
 
 /* ---- failed verifications */
 
+static int by_token(const void *a, const void *b)
+{
+    return strcmp(((const struct store_attempts *)a)->token,
+                  ((const struct store_attempts *)b)->token);
+}
+
+/* How many subjects each token has failed at within the hour after which it may try others again. */
+static void list_tokens(struct ctl *c, struct store_attempts *a, size_t n)
+{
+    bool any = false;
+
+    qsort(a, n, sizeof *a, by_token);
+    json_array(c->out, "tokens");
+    for (size_t i = 0, tried = 0; i < n; i++) {
+        tried += a[i].age_ms < STORE_TRIED_MS;
+        if (i + 1 < n && by_token(&a[i], &a[i + 1]) == 0)
+            continue;
+        if (tried > 0 && a[i].token[0] != '\0') {
+            if (!any)
+                ctl_say(c, "\n%-32s %s\n", "TOKEN", "SUBJECTS WITHIN AN HOUR");
+            any = true;
+            json_object(c->out, NULL);
+            json_text(c->out, "token", a[i].token);
+            json_number(c->out, "subjects", (double)tried);
+            json_close(c->out);
+            ctl_say(c, "%-32s %zu\n", a[i].token, tried);
+        }
+        tried = 0;
+    }
+    json_close(c->out);
+}
+
 static enum status list_attempts(struct ctl *c)
 {
     struct store_attempts *a;
@@ -217,6 +250,7 @@ static enum status list_attempts(struct ctl *c)
                 a[i].token[0] != '\0' ? a[i].token : "-", a[i].failures, a[i].at);
     }
     json_close(c->out);
+    list_tokens(c, a, n);
     if (n == 0)
         ctl_say(c, "no failed verifications\n");
     free(a);
@@ -225,13 +259,18 @@ static enum status list_attempts(struct ctl *c)
 
 static enum status reset_attempts(struct ctl *c)
 {
-    enum status st = store_attempts_reset(c->store, c->actor, c->args[0], &c->e);
+    const char *of = reset_token != NULL ? reset_token : c->args[0];
+    enum status st;
 
+    if ((c->nargs > 0) == (reset_token != NULL))
+        return ctl_usage(c, "attempts reset takes a subject, or --token");
+    st = reset_token != NULL ? store_attempts_reset_token(c->store, c->actor, of, &c->e)
+                             : store_attempts_reset(c->store, c->actor, of, &c->e);
     if (st != ST_OK)
         return st;
-    json_text(c->out, "subject", c->args[0]);
+    json_text(c->out, reset_token != NULL ? "token" : "subject", of);
     json_number(c->out, "failures", 0);
-    ctl_say(c, "%s: failed verifications cleared\n", c->args[0]);
+    ctl_say(c, "%s: failed verifications cleared\n", of);
     return ST_OK;
 }
 
@@ -333,15 +372,20 @@ const struct ctl_command ctl_subject_attempts_list = {
     .help =
         "After some failures in a row the daemon locks a token out of a subject for a while, and\n"
         "after failures on many subjects in an hour out of all others. The list shows the number\n"
-        "of failures by each token and the time of the last.",
+        "of failures by each token and the time of the last, and at how many subjects each token\n"
+        "has failed within an hour.",
     .example = "surfacectl --db faces.db attempts list"};
 
 const struct ctl_command ctl_subject_attempts_reset = {
     .name = "attempts reset",
-    ONE_SUBJECT(CTL_WRITES_DATABASE),
+    .args = "[SUBJECT]",
+    .takes = {0, 1},
+    .database = CTL_WRITES_DATABASE,
+    .options = {CTL_OPTION("token", "ID", command_text, &reset_token,
+                           "of this token, on all subjects")},
     .run = reset_attempts,
-    .summary = "end a subject's lock-out",
+    .summary = "end a lock-out, of a subject or of a token",
     .help =
-        "Clears its failed verifications by every token, so that it can be verified at "
-        "once.",
+        "Clears the failed verifications of the subject by every token, or those by the token,\n"
+        "so that verifications go on at once.",
     .example = "surfacectl --db faces.db attempts reset alice"};

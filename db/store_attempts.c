@@ -6,6 +6,7 @@
 #include "options.h"
 #include "rows_attempts.h"
 #include "rows_subject.h"
+#include "rows_token.h"
 #include "store_txn.h"
 
 static enum status reset(struct log_txn *t, const struct log_act *by, const char *subject,
@@ -32,6 +33,31 @@ enum status store_attempts_reset(struct store *s, const char *actor, const char 
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, reset(&t, &by, subject, e), e);
+}
+
+static enum status reset_token(struct log_txn *t, const struct log_act *by,
+                               const char *token, struct errinfo *e)
+{
+    struct rows_token one;
+    enum status st = rows_token_get(t, token, &one, e);
+
+    if (st != ST_OK || (st = store_lock_token(t, token, e)) != ST_OK ||
+        (st = rows_attempts_revoke(t, token, e)) != ST_OK)
+        return st;
+    return log_change(t, by, "reset_attempts", NULL, token, one.token.name, e);
+}
+
+enum status store_attempts_reset_token(struct store *s, const char *actor,
+                                       const char *token, struct errinfo *e)
+{
+    struct log_act by;
+    struct log_txn t;
+    enum status st;
+
+    if ((st = ident_id(token, "token", e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
+        return st;
+    return store_end(s, &t, reset_token(&t, &by, token, e), e);
 }
 
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,

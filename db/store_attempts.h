@@ -9,6 +9,11 @@
 enum status store_attempts_reset(struct store *s, const char *actor, const char *subject,
                                  struct errinfo *e);
 
+/* store_attempts_reset_token(s, actor, token, e): the same of a token, on all subjects: also who has
+ * failed at too many is no longer locked out.  ST_ENOTFOUND: no such token. */
+enum status store_attempts_reset_token(struct store *s, const char *actor,
+                                       const char *token, struct errinfo *e);
+
 /* store_attempts_list(s, out, n, e): of all subjects and tokens that have some, in the order of
  * the subjects' creation; a new array released by free(). */
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,

@@ -81,3 +81,14 @@ void live_reset(struct request *r, struct worker *w)
     else
         request_fail(r, &e);
 }
+
+void live_reset_token(struct request *r, struct worker *w)
+{
+    struct errinfo e = {0};
+
+    (void)w;
+    if (store_attempts_reset_token(r->app->store, r->actor, r->token_id, &e) == ST_OK)
+        r->response.http = 204;
+    else
+        request_fail(r, &e);
+}

@@ -6,8 +6,10 @@ struct request;
 struct worker;
 
 /* live_recent(r, w): the latest verifications and enrolments (recent.h), after=SEQ alone.
- * live_reset(r, w): no verification of the subject has failed: a lock-out ends. */
+ * live_reset(r, w), live_reset_token(r, w): no verification of the subject, or by the token, has failed:
+ * a lock-out ends. */
 void live_recent(struct request *r, struct worker *w);
 void live_reset(struct request *r, struct worker *w);
+void live_reset_token(struct request *r, struct worker *w);
 
 #endif

@@ -65,6 +65,8 @@ static const struct route table[] = {
      ROUTE_WORKER},
     {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset,
      ROUTE_WORKER},
+    {REQUEST_DELETE, TOKEN "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset_token,
+     ROUTE_WORKER},
     {REQUEST_GET, "/v1/audit", ROUTE_NO_BODY, AUDIT, ENTRIES ", before, after, limit",
      logs_list, ROUTE_WORKER},
     {REQUEST_POST, "/v1/audit/verify", ROUTE_NO_BODY, AUDIT, "", logs_verify, ROUTE_SLOW},

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/socket.h>
 #include <microhttpd.h>
+#include <sodium.h>
 
 #include "auth.h"
 #include "cors.h"
@@ -184,6 +185,12 @@ static void add_header(void *resp, const char *name, const char *value)
     (void)MHD_add_response_header(resp, name, value);
 }
 
+/* Clients that were refused together do not all come back together. */
+static unsigned again_in(const struct response *a)
+{
+    return a->retry_after + randombytes_uniform(a->retry_after / 8 + 3);
+}
+
 static struct MHD_Response *make_response(struct peer *p, struct response *a,
                                           const char *id, bool close)
 {
@@ -224,7 +231,7 @@ static struct MHD_Response *make_response(struct peer *p, struct response *a,
     if (a->minimal)
         (void)MHD_add_response_header(resp, "Preference-Applied", "return=minimal");
     if (a->retry_after > 0) {
-        (void)snprintf(number, sizeof number, "%u", a->retry_after);
+        (void)snprintf(number, sizeof number, "%u", again_in(a));
         (void)MHD_add_response_header(resp, "Retry-After", number);
     }
     if (close)
@@ -269,7 +276,7 @@ bool peer_respond_amid(struct peer *p, const struct response *a, const char *id)
     int n;
 
     if (a->retry_after > 0)
-        (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", a->retry_after);
+        (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", again_in(a));
     cors_headers(a, print_header, cors);
     n = snprintf(head, sizeof head,
                  "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"

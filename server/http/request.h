@@ -78,7 +78,7 @@ struct response {
     unsigned lacks;       /* with it: the scope that the token has not; 0 for none */
     bool codings;         /* Accept-Encoding: what a body may be compressed with */
     bool minimal;         /* Preference-Applied: return=minimal */
-    unsigned retry_after; /* seconds; 0 for none */
+    unsigned retry_after; /* seconds, at least; 0 for none */
 };
 
 #define REQUEST_CAPTURE_MAX  320 /* bytes; the longest that can be right has some 250 */

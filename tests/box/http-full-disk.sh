@@ -22,7 +22,7 @@ for s in $(seq 2 12); do
     stored=$((stored + 1))
 done
 problem "the disk is full (after $stored)" 503 storage
-is "Retry-After" "$(field Retry-After)" 1
+again "when" 1
 ok "the log says why" grep -Eq 'status=503 .*fault="' "$LOG"
 req GET "/v1/subjects/s$s"
 problem "the failed enrolment stored nothing" 404 not_found

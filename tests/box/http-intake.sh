@@ -41,8 +41,7 @@ req POST /v1/subjects/alice/templates?fuse=false -F "file=@$T/5.ply" -F "file=@$
 is "with room for one a form is taken whole" "$STATUS $(get '[.templates[].new] | tojson')" '201 [true,true,true]'
 enroll alice 8
 problem "beyond it" 429 too_many_enrollments 'has added 7 templates and subjects within an hour'
-ok "to be tried again when what was too much and one more have leaked out: $(field Retry-After)" \
-    matches "$(field Retry-After)" '^1(5[0-4])[0-9]$'
+again "when what was too much and one more have leaked out" 1500 1549
 req POST /v1/subjects -H "$JSON" -d '{"subject": "carol"}'
 problem "a subject" 429 too_many_enrollments
 enroll alice 0
@@ -76,7 +75,7 @@ stop_daemon
 start_daemon --no-auth --disk-reserve 1000000G
 enroll alice 0
 problem "an enrolment" 503 storage_full 'try again later'
-is "not soon" "$(field Retry-After)" 60
+again "not soon" 60
 ok "the log says how much is free" grep -Eq 'fault="[0-9]+ MB are free .* disk-reserve keeps 1024000000 MB' "$LOG"
 req POST /v1/subjects -H "$JSON" -d '{"subject": "erin"}'
 problem "a subject" 503 storage_full
@@ -85,7 +84,7 @@ is "a verification" "$STATUS $(get .decision)" '200 no_match'
 for i in 1 2 3; do
     req POST "/v1/subjects/frank$i/templates?fuse=false" -F "file=@$T/0.ply" -F "file=@$T/other.ply"
     problem "several files, $i" 503 storage_full
-    is "several files, $i: not soon" "$(field Retry-After)" 60
+    again "several files, $i: not soon" 60
 done
 req GET /readyz
 is "it is ready" "$STATUS" 200

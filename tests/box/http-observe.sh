@@ -174,7 +174,7 @@ is "alive" "$STATUS $(get .status)" "200 ok"
 mv "$DB" "$T/elsewhere"
 req GET /readyz
 problem "the database is gone" 503 not_ready 'not the one that was opened'
-is "Retry-After" "$(field Retry-After)" 1
+again "when" 1
 req GET /healthz
 is "still alive" "$STATUS" 200
 is "the metric says so" "$(metric surfaced_database_refused)" 1

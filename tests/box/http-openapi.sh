@@ -260,6 +260,7 @@ put POST /v1/tokens 400 "$JSON" "$T/sent"
 echo '{"grace_s": 60}' >"$T/sent"
 put POST "$made/rotate" 200 "$JSON" "$T/sent"
 put POST /v1/tokens/00000000000000000000000000000000/rotate 404 "$JSON" "$T/sent"
+ask DELETE "$made/attempts" 204
 ask DELETE "$made" 204
 put POST "$made/rotate" 409 "$JSON" "$T/sent"
 put POST "$made/rotate" 400 "$JSON" "$T/new"

@@ -84,7 +84,7 @@ cp "$T/o.${rejected##*.}" "$T/body"
 cp "$T/h.${rejected##*.}" "$T/head"
 STATUS=503
 problem "a full queue" 503 overloaded 'queue is full'
-is "Retry-After" "$(field Retry-After)" 1
+again "when" 1
 is "a warning for all of them" \
     "$(grep -c 'level=warn msg="requests refused: overloaded" requests=1 last="the queue is full"' "$LOG")" 1
 is "and no error" "$(grep -c 'level=error' "$LOG")" 0

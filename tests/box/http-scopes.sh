@@ -24,6 +24,7 @@ GET /v1/templates/{template_id}/surface detail
 GET /v1/token verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail
 GET /v1/recent audit
 DELETE /v1/subjects/{subject}/attempts manage
+DELETE /v1/tokens/{token_id}/attempts manage
 GET /v1/audit audit
 POST /v1/audit/verify audit
 GET /v1/audit/export audit
@@ -89,6 +90,7 @@ try() {
     *) req "$1" "$t_path" ;;
     esac
     case $1.$2.$STATUS in
+    DELETE.*/attempts.20?) ;;
     DELETE./v1/tokens/*.20?) token='' ;;
     DELETE.*.20? | POST./v1/subjects.20?) template='' ;;
     esac

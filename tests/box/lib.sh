@@ -343,6 +343,14 @@ END
     [ -z "${4:-}" ] || ok "$1: detail '$p_detail' like '$4'" matches "$p_detail" "$4"
 }
 
+# again TITLE LEAST [MOST]: the last response says to try again in LEAST to MOST (LEAST) seconds, and an
+# eighth and two more, so that not all come back together.
+again() {
+    again_s=$(field Retry-After)
+    ok "$1: Retry-After $again_s, $2 to ${3:-$2}" test "${again_s:-0}" -ge "$2" -a \
+        "${again_s:-0}" -le $((${3:-$2} * 9 / 8 + 2))
+}
+
 # fits TITLE SCHEMA: the last response has every member that SCHEMA of the API's description
 # requires, and no other than those it describes.
 fits() {

@@ -289,6 +289,10 @@ class Client:
         """Ends the subject's lock-out."""
         self.request("DELETE", f"/v1/subjects/{quote(subject, safe='')}/attempts")
 
+    def reset_token_attempts(self, token_id: str) -> None:
+        """End a token's lock-out, on all subjects."""
+        self.request("DELETE", f"/v1/tokens/{token_id}/attempts")
+
     def recent(self, **query: Query) -> dict[str, Any]:
         """The last verifications and enrolments.  query: after, limit."""
         return self.request("GET", "/v1/recent", query=query)
