@@ -87,12 +87,12 @@ static bool in_part(enum part p, uint32_t cell)
 
 /* How much a cell counts whose points are r in front of the surface: all up to half of the
  * limit, nothing beyond it, nor if r is no number. */
-static float trust(float r, float limit)
+static inline float trust(float r, float limit)
 {
     const float far = fabsf(r) / (r > 0.0f ? limit * (float)SHAPE_FRONT : limit);
-    const float t = 2.0f - 2.0f * far;
+    const float t = 2.0f - 2.0f * far, most = t < 1.0f ? t : 1.0f;
 
-    return t > 0.0f ? t < 1.0f ? t : 1.0f : 0.0f;
+    return t > 0.0f ? most : 0.0f;
 }
 
 /* The weights of the cells, where the points are over[] in front of the surface height, and how
@@ -115,8 +115,7 @@ static double worth_of(const struct shape_work *w, const float *over, const doub
     for (uint32_t i = 0; i < GRID_N; i++) {
         const double r = (double)(over[i] * w->normal[i][2]) / SHAPE_WORTH_MM;
 
-        if (r * r < 1.0) /* NAN is not */
-            sum += (1.0 - r * r) * (1.0 - r * r);
+        sum += r * r < 1.0 ? (1.0 - r * r) * (1.0 - r * r) : 0.0; /* NAN is not */
     }
     for (uint32_t k = 0; k < w->modes->n; k++)
         square += a[k] * a[k];

@@ -81,30 +81,76 @@ enum status shape_map_points(const struct dvec3 *pts, size_t n, const struct pos
     return ST_OK;
 }
 
+/* A grid with a rim of no cells, so that each of its cells has four beside it. */
+#define WIDE (GRID_NX + 2)
+
+_Static_assert(GRID_NX % LANES == 0, "a row is whole lanes");
+
+static void put_rim(const float in[GRID_N], float out[(GRID_NY + 2) * WIDE])
+{
+    for (uint32_t i = 0; i < (GRID_NY + 2) * WIDE; i++)
+        out[i] = (float)NAN;
+    for (uint32_t j = 0; j < GRID_NY; j++)
+        memcpy(&out[(j + 1) * WIDE + 1], &in[j * GRID_NX], GRID_NX * sizeof *in);
+}
+
+static inline lanes load(const float *from)
+{
+    lanes v;
+
+    memcpy(&v, from, sizeof v);
+    return v;
+}
+
 /* The surface as a plane in each cell, through its middle; the last cell has none. */
 struct planes {
     float z[GRID_N + 1], zx[GRID_N + 1], zy[GRID_N + 1];
 };
 
 /* The slope from the heights before, at and behind; one may be missing. */
-static float slope(float before, float at, float behind)
+static inline lanes slope(lanes before, lanes at, lanes behind)
 {
     const float half = (float)(0.5 / GRID_MM), one = (float)(1 / GRID_MM);
+    const masks first = before != before, last = behind != behind;
+    const masks both = (masks)((behind - before) * half);
+    const masks up = (masks)((behind - at) * one), down = (masks)((at - before) * one);
 
-    if (isnan(before))
-        return isnan(behind) ? 0.0f : (behind - at) * one;
-    return isnan(behind) ? (at - before) * one : (behind - before) * half;
+    return (lanes)((~first & ~last & both) | (first & ~last & up) |
+                   (~first & last & down));
 }
 
 void shape_map_slope(const float h[GRID_N], uint32_t i, float *zx, float *zy)
 {
     const uint32_t column = i % GRID_NX, row = i / GRID_NX;
     const float none = (float)NAN;
+    const lanes before = {column > 0 ? h[i - 1] : none, row > 0 ? h[i - GRID_NX] : none};
+    const lanes at = {h[i], h[i]};
+    const lanes behind = {column < GRID_NX - 1 ? h[i + 1] : none,
+                          row < GRID_NY - 1 ? h[i + GRID_NX] : none};
+    const lanes z = slope(before, at, behind);
 
-    *zx =
-        slope(column > 0 ? h[i - 1] : none, h[i], column < GRID_NX - 1 ? h[i + 1] : none);
-    *zy = slope(row > 0 ? h[i - GRID_NX] : none, h[i],
-                row < GRID_NY - 1 ? h[i + GRID_NX] : none);
+    *zx = z[0];
+    *zy = z[1];
+}
+
+/* With slopes per cell. */
+static void make_planes(const float height[GRID_N], struct planes *s)
+{
+    float in[(GRID_NY + 2) * WIDE];
+
+    put_rim(height, in);
+    memcpy(s->z, height, GRID_N * sizeof *height);
+    for (uint32_t i = 0; i < GRID_N; i += LANES) {
+        const float *at = &in[(i / GRID_NX + 1) * WIDE + i % GRID_NX + 1];
+        const lanes here = load(at);
+        const lanes zx = slope(load(at - 1), here, load(at + 1)) * (float)GRID_MM;
+        const lanes zy = slope(load(at - WIDE), here, load(at + WIDE)) * (float)GRID_MM;
+
+        memcpy(&s->zx[i], &zx, sizeof zx);
+        memcpy(&s->zy[i], &zy, sizeof zy);
+    }
+    s->z[GRID_N] = (float)NAN;
+    s->zx[GRID_N] = s->zy[GRID_N] = 0.0f;
 }
 
 /* Each point's cell, and how far it is in front of the surface there. */
@@ -159,14 +205,7 @@ void shape_map_make(struct shape_points *p, const struct pose *pose,
     float front[GRID_N + 1];
     tally sum[GRID_N + 1];
 
-    s.z[GRID_N] = (float)NAN;
-    s.zx[GRID_N] = s.zy[GRID_N] = 0.0f;
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        s.z[i] = height[i];
-        shape_map_slope(height, i, &s.zx[i], &s.zy[i]);
-        s.zx[i] *= (float)GRID_MM; /* per cell */
-        s.zy[i] *= (float)GRID_MM;
-    }
+    make_planes(height, &s);
     place(p, pose, &s);
     for (uint32_t i = 0; i <= GRID_N; i++)
         front[i] = behind;
@@ -182,30 +221,32 @@ void shape_map_make(struct shape_points *p, const struct pose *pose,
         sum[c] += (tally)((pair){first, first} & (pair)(tally){p->over[i], 1.0f});
     }
     for (uint32_t i = 0; i < GRID_N; i++)
-        out[i] = sum[i][1] > 0.0f ? sum[i][0] / sum[i][1] : (float)NAN;
+        out[i] = sum[i][0] / sum[i][1]; /* of none: 0 / 0, NAN */
 }
 
 void shape_map_fill(const float height[GRID_N], float over[GRID_N])
 {
-    float was[GRID_N + 2 * GRID_NX];
-    float *const at = was + GRID_NX; /* with a row of none below and above */
+    float was[(GRID_NY + 2) * WIDE];
 
-    for (uint32_t i = 0; i < GRID_N + 2 * GRID_NX; i++)
-        was[i] = (float)NAN;
-    memcpy(at, over, GRID_N * sizeof *at);
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        const float none = (float)NAN;
-        const float beside[4] = {i % GRID_NX > 0 ? at[i - 1] : none,
-                                 i % GRID_NX < GRID_NX - 1 ? at[i + 1] : none, was[i],
-                                 at[i + GRID_NX]};
-        float sum = 0.0f, n = 0.0f;
+    put_rim(over, was);
+    for (uint32_t i = 0; i < GRID_N; i += LANES) {
+        const float *at = &was[(i / GRID_NX + 1) * WIDE + i % GRID_NX + 1];
+        const lanes beside[4] = {load(at - 1), load(at + 1), load(at - WIDE),
+                                 load(at + WIDE)};
+        const lanes here = load(at), face = load(&height[i]);
+        const masks known = here == here;
+        masks n = {0}, made;
+        lanes sum = {0.0f};
 
-        if (!isnan(over[i]) || isnan(height[i]))
-            continue;
         for (int k = 0; k < 4; k++) {
-            sum += isnan(beside[k]) ? 0.0f : beside[k];
-            n += isnan(beside[k]) ? 0.0f : 1.0f;
+            const masks there = beside[k] == beside[k];
+
+            sum += (lanes)(there & (masks)beside[k]);
+            n -= there;
         }
-        over[i] = n > 1.0f ? sum / n : none;
+        made = (masks)(sum / __builtin_convertvector(n, lanes));
+        made |= ~((face == face) & (n > 1)); /* NAN */
+        made = (known & (masks)here) | (~known & made);
+        memcpy(&over[i], &made, sizeof made);
     }
 }
