@@ -153,7 +153,11 @@ EITHER void times_all(const float *row, uint32_t stride, uint32_t n, const float
 
     for (; l + TILE * NORMAL_LANES <= width; l += TILE * NORMAL_LANES)
         times_some(row, stride, n, by, l, TILE, out);
-    for (; l < width; l += NORMAL_LANES)
+    if (l + 2 * NORMAL_LANES <= width) {
+        times_some(row, stride, n, by, l, 2, out);
+        l += 2 * NORMAL_LANES;
+    }
+    if (l < width)
         times_some(row, stride, n, by, l, 1, out);
 }
 

@@ -22,7 +22,9 @@ static void deepest(const float height[GRID_N], float deep[GRID_N])
 /* v within 0..most, also if it is no number. */
 static uint32_t within(double v, int most)
 {
-    return v > 0.0 ? v < most ? (uint32_t)v : (uint32_t)most : 0;
+    const double up = v > 0.0 ? v : 0.0;
+
+    return (uint32_t)(int32_t)(up < most ? up : most);
 }
 
 static bool is_near(struct dvec3 q, const float deep[GRID_N])

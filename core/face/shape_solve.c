@@ -74,11 +74,9 @@ static void start(const struct shape_basis *b, const float weight[GRID_N], uint3
     uint32_t now = 0, whole = 0, none = 0;
 
     for (uint32_t r = 0; r < b->cells; r++) {
-        const float t = weight[b->cell[r]];
-
-        now += t != w->weight[r];
-        whole += t != 1.0f;
-        none += t != 0.0f;
+        now += weight[r] != w->weight[r];
+        whole += weight[r] != 1.0f;
+        none += weight[r] != 0.0f;
     }
     if (width <= w->width && now <= whole && now <= none)
         return;
@@ -98,12 +96,10 @@ static void add_rows(const struct shape_basis *b, const float weight[GRID_N],
 {
     w->block.n = 0;
     for (uint32_t r = 0; r < b->cells; r++) {
-        const float t = weight[b->cell[r]];
-
-        if (t == w->weight[r])
+        if (weight[r] == w->weight[r])
             continue;
-        put_row(&w->block, b->row[r], w->width, t - w->weight[r]);
-        w->weight[r] = t;
+        put_row(&w->block, b->row[r], w->width, weight[r] - w->weight[r]);
+        w->weight[r] = weight[r];
         if (w->block.n == NORMAL_ROWS)
             normal_add(&w->block, 0, w->width, w->sum[0], SHAPE_WIDTH);
     }
@@ -118,9 +114,9 @@ static void add_gaps(const struct shape_basis *b, const float over[GRID_N],
     float sum[SHAPE_WIDTH];
 
     for (uint32_t r = 0; r < b->cells; r++) {
-        const uint32_t i = b->cell[r];
+        const float gap = weight[r] * over[r] / b->rest[r];
 
-        w->gap[r] = weight[i] > 0.0f ? weight[i] * over[i] / b->rest[r] : 0.0f;
+        w->gap[r] = weight[r] > 0.0f ? gap : 0.0f; /* it may be no number */
     }
     normal_times(b->row[0], SHAPE_WIDTH, b->cells, w->gap, width, sum);
     for (uint32_t k = 0; k < width; k++)
@@ -133,17 +129,21 @@ void shape_solve(const struct shape_basis *b, const float over[GRID_N],
 {
     const uint32_t modes = prior->modes < b->modes ? prior->modes : b->modes;
     const uint32_t width = NORMAL_LANES + padded(modes);
+    float t[GRID_N], gap[GRID_N]; /* by rows */
     double g[SHAPE_WIDTH];
     uint32_t cells = 0;
 
     memset(out, 0, sizeof *out);
-    for (uint32_t r = 0; r < b->cells; r++)
-        cells += weight[b->cell[r]] > 0.0f;
+    for (uint32_t r = 0; r < b->cells; r++) {
+        t[r] = weight[b->cell[r]];
+        gap[r] = over[b->cell[r]];
+        cells += t[r] > 0.0f;
+    }
     if (cells < SHAPE_LEAST)
         return;
-    start(b, weight, width, w);
-    add_rows(b, weight, w);
-    add_gaps(b, over, weight, width, w, g);
+    start(b, t, width, w);
+    add_rows(b, t, w);
+    add_gaps(b, gap, t, width, w, g);
     for (uint32_t k = 0; k < width; k++) {
         for (uint32_t i = k; i < width; i++)
             w->h[k][i] = (double)w->sum[k][i]; /* h[column][row] */
