@@ -65,7 +65,8 @@ void find_grid_free(struct find_grid *g);
 #define FIND_SPENT_CUBES 512
 #define FIND_SPENT_CELLS 96
 #define FIND_SPENT_FIT   25
-#define FIND_SPENT_FAR   1000
+#define FIND_SPENT_FAR    1000
+#define FIND_SPENT_CLOSER 150
 
 #define FIND_VIEW_SAMPLES 96
 #define FIND_VIEW_ROLLS   16
