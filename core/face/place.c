@@ -13,7 +13,12 @@
 #define FACE_SURE 0.6
 
 /* Where a face is looked for: where it lies, as what comes from a search does; with its centre at the
- * mean face's, as most do; anywhere. */
+ * mean face's, as most do; anywhere.  Where one start leads to where one before it did, within MM and 3
+ * degrees (1 + 2 cos), and LIKELY is supported, that is where the face is: of children, who have less
+ * at the mean face's size, this is not sure. */
+#define FACE_SAME_MM    4.0
+#define FACE_SAME_TRACE 2.9973
+#define FACE_LIKELY     0.35
 enum { STARTS = 3 };
 
 /* What is not explained to SURE is tried at other sizes, and a head taken for one of another size
@@ -80,14 +85,14 @@ static enum status refine_size(struct surface_face *f, struct surface_work *w,
     return try_size(f, w, &start, size * (1 + way * FACE_SIZE_STEP), fit);
 }
 
-/* What is hardly a face as large as the model's may be a child's; from where it is, or, where it is
- * none, from each start.  The first two sizes say whether the others are worth a look. */
+/* What is hardly a face as large as the model's may be a child's; from where it is, or, where that is
+ * not known, from each start.  The first two sizes say whether the others are worth a look. */
 static enum status try_sizes(struct surface_face *f, struct surface_work *w,
-                             const struct pose start[STARTS], struct shape_fit *fit)
+                             const struct pose start[STARTS], bool lost,
+                             struct shape_fit *fit)
 {
     static const double size[] = SHAPE_SIZES;
     const struct pose own[1] = {fit->pose};
-    const bool lost = support(w, fit) < FACE_SURE;
     const struct pose *from = lost ? start : own;
     const size_t n = lost ? STARTS : 1;
     struct shape_fit best = *fit;
@@ -141,6 +146,15 @@ enum status place_encode(const struct surface_face *f, const struct shape_fit *f
                                 &w->normal, out);
 }
 
+static bool same(const struct pose *a, const struct pose *b)
+{
+    const struct pose d = pose_after(a, b);
+    const double *t = d.t;
+
+    return t[0] * t[0] + t[1] * t[1] + t[2] * t[2] < FACE_SAME_MM * FACE_SAME_MM &&
+           d.r[0] + d.r[4] + d.r[8] > FACE_SAME_TRACE;
+}
+
 /* The frame, and the fit that it is of; with the builders' block to take heights in. */
 static enum status place(struct surface_face *f, struct surface_work *w,
                          struct shape_fit *fit)
@@ -148,18 +162,21 @@ static enum status place(struct surface_face *f, struct surface_work *w,
     struct pose start[STARTS];
     struct shape_fit one;
     enum status st = ST_OK;
+    bool lost = true;
 
     fit->worth = -INFINITY;
     fit->skin = fit->cover = fit->apart = 0;
-    for (int k = 0;
-         st == ST_OK && (k == 0 || (k < STARTS && support(w, fit) < FACE_SURE)); k++) {
-        if ((st = start_at(f, w, k, &start[k])) == ST_OK &&
-            (st = shape_place(&w->shape, &f->surface, &start[k], &one)) == ST_OK &&
-            one.worth > fit->worth)
+    for (int k = 0; st == ST_OK && k < STARTS && lost; k++) {
+        if ((st = start_at(f, w, k, &start[k])) != ST_OK ||
+            (st = shape_place(&w->shape, &f->surface, &start[k], &one)) != ST_OK)
+            continue;
+        lost = k == 0 || !same(&one.pose, &fit->pose);
+        if (one.worth > fit->worth)
             *fit = one;
+        lost = support(w, fit) < (lost ? FACE_SURE : FACE_LIKELY);
     }
     if (st == ST_OK && support(w, fit) < FACE_SIZE_SURE)
-        st = try_sizes(f, w, start, fit);
+        st = try_sizes(f, w, start, lost, fit);
     if (st != ST_OK)
         return st;
     f->frame = (struct frame){
