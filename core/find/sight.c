@@ -15,8 +15,8 @@
 /* The cell of a point, -1 where it is off the head. */
 static int cell_of(struct dvec3 p, struct dvec3 nose)
 {
-    const double i = (p.x - nose.x) / SIGHT_CELL_MM + SIDE / 2.0;
-    const double j = (p.y - nose.y) / SIGHT_CELL_MM + SIDE / 2.0;
+    const double i = (p.x - nose.x) * (1 / SIGHT_CELL_MM) + SIDE / 2.0;
+    const double j = (p.y - nose.y) * (1 / SIGHT_CELL_MM) + SIDE / 2.0;
 
     if (!((i >= 0) & (i < SIDE) & (j >= 0) & (j < SIDE)))
         return -1;
@@ -33,8 +33,8 @@ bool sight_single(const struct dvec3 *pts, size_t n, struct dvec3 nose, double s
     for (size_t i = 0; i < n; i++) {
         const int c = cell_of(pts[i], nose);
 
-        if (c >= 0)
-            front[c] = fmax(front[c], side * pts[i].z);
+        if (c >= 0 && side * pts[i].z > front[c])
+            front[c] = side * pts[i].z;
     }
     for (size_t i = 0; i < n; i++) {
         const int c = cell_of(pts[i], nose);

@@ -8,7 +8,7 @@
 
 /* Squares a side.  The view goes round: the squares of a wider one are taken together, which
  * no face is at any size tried. */
-#define SIDE    512
+#define SIDE    256
 #define SQUARES ((size_t)SIDE * SIDE)
 
 /* Squares in which the area of the view is counted, mm; sizes tried at most; and the share of

@@ -19,7 +19,7 @@ struct thin_point {
  * near_mm of it along z, whose noise the mean averages out; near_mm = 0: for itself alone.
  * off must be 0 before.  The result does not depend on the points' order.
  * Returns ST_OK, with the number kept in *n; ST_ENOMEM: nothing was changed.  Cost: O(n), about
- * 7 looks at every point; 5.5 MB. */
+ * 7 looks at every point; 16 bytes a point, and 0.3 MB. */
 enum status thin_points(struct thin_point *p, size_t *n, size_t most, double near_mm);
 
 #endif
