@@ -350,7 +350,7 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out)
 {
-    struct shape_fit one, whole;
+    struct shape_fit one;
     enum status st = ST_OK;
     uint32_t best = 0;
 
@@ -364,10 +364,19 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
         best = i;
     }
     out->size = 1;
-    if (st == ST_OK && hard && !good(out))
-        st = fit_parts(w, pts, n, &start[best], &whole, out);
-    if (st == ST_OK && hard && !good(out))
-        st = fit_sizes(w, pts, n, &start[best], &whole, out);
+    return st == ST_OK && hard ? shape_fit_harder(w, pts, n, &start[best], out) : st;
+}
+
+enum status shape_fit_harder(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                             const struct pose *start, struct shape_fit *fit)
+{
+    struct shape_fit whole;
+    enum status st = ST_OK;
+
+    if (!good(fit))
+        st = fit_parts(w, pts, n, start, &whole, fit);
+    if (st == ST_OK && !good(fit))
+        st = fit_sizes(w, pts, n, start, &whole, fit);
     return st;
 }
 

@@ -48,6 +48,11 @@ enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct pose *start, uint32_t nstart, bool hard,
                       struct shape_fit *out);
 
+/* shape_fit_harder(w, pts, n, start, fit): *fit, which is that from the start, not hard, becomes the hard
+ * one.  Returns ST_OK, ST_ENOMEM. */
+enum status shape_fit_harder(struct shape_work *w, const struct dvec3 *pts, size_t n,
+                             const struct pose *start, struct shape_fit *fit);
+
 /* shape_seek(w, pts, n, start, close, out): quickly, by few modes.  From a start that is right to
  * about 25 mm and 20 degrees roughly: out's pose, a, height and worth alone; or closely from what
  * that has found. */

@@ -338,26 +338,50 @@ static enum status build_agreed(struct scan *s, struct scan_search *k)
     return build_as_it_is(s, k);
 }
 
-/* The fit from the first of n poses, turned up; *fit becomes it if it explains more. */
+/* The fits from the first of n poses, turned up; *fit becomes one that explains more, and *start where it
+ * is from. */
 static enum status fit_up(struct scan *s, const struct pose *from, uint32_t n,
-                          struct shape_fit *fit)
+                          struct pose *start, struct shape_fit *fit)
 {
     static const double up[] = SCAN_UP;
     enum { UP = sizeof up / sizeof *up };
     const struct dvec3 middle = {0, 0, -POSE_LEVER_MM};
     const uint32_t all = (n < SCAN_UP_POSES ? n : SCAN_UP_POSES) * UP;
-    struct pose start[SCAN_UP_POSES * UP];
+    struct pose turned[SCAN_UP_POSES * UP];
     struct shape_fit one = {.worth = 0};
     enum status st;
 
     for (uint32_t i = 0; i < all; i++) {
-        start[i] = from[i / UP];
-        pose_tilt(&start[i], middle, 0, up[i % UP]);
+        turned[i] = from[i / UP];
+        pose_tilt(&turned[i], middle, 0, up[i % UP]);
     }
-    st = shape_fit(s->shape, s->c->at, s->c->n, start, all, false, &one);
+    st = shape_fit(s->shape, s->c->at, s->c->n, turned, all, false, &one);
     if (st != ST_OK || !(one.worth > fit->worth && one.support > SCAN_UP_LEAST))
         return st;
-    return shape_fit(s->shape, s->c->at, s->c->n, &one.pose, 1, true, fit);
+    *start = one.pose;
+    *fit = one;
+    return ST_OK;
+}
+
+/* The fit from the best of n poses, the first of which is plainly a face or not. */
+static enum status fit_best(struct scan *s, const struct pose *from, uint32_t n,
+                            bool plain, struct shape_fit *fit)
+{
+    struct pose start = from[0];
+    struct shape_fit one;
+    enum status st = shape_fit(s->shape, s->c->at, s->c->n, &start, 1, false, fit);
+
+    for (uint32_t i = 1; st == ST_OK && i < n; i++) {
+        st = shape_fit(s->shape, s->c->at, s->c->n, &from[i], 1, false, &one);
+        if (st != ST_OK || !(one.worth > fit->worth))
+            continue;
+        start = from[i];
+        *fit = one;
+    }
+    if (st == ST_OK && !plain && fit->support < SCAN_UP_SUPPORT &&
+        fit->cover > SCAN_UP_COVER * s->shape->cells)
+        st = fit_up(s, from, n, &start, fit);
+    return st == ST_OK ? shape_fit_harder(s->shape, s->c->at, s->c->n, &start, fit) : st;
 }
 
 /* Is the face near the place where it lay in another frame?  Then k has it as of a search, and c is
@@ -409,12 +433,7 @@ static enum status search(struct scan *s, struct scan_search *k)
     for (uint32_t i = 0; i < k->find.n; i++)
         if (pose[i].unit_mm == pose[0].unit_mm)
             start[n++] = pose[i].pose;
-    st = shape_fit(s->shape, s->c->at, s->c->n, start, n, true, &k->fit);
-    return st == ST_OK && pose[0].worth < FIND_PLAIN &&
-                   k->fit.support < SCAN_UP_SUPPORT &&
-                   k->fit.cover > SCAN_UP_COVER * s->shape->cells
-               ? fit_up(s, start, n, &k->fit)
-               : st;
+    return fit_best(s, start, n, pose[0].worth >= FIND_PLAIN, &k->fit);
 }
 
 /* Is the focal length wrong by which a depth image became points? */
