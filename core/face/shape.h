@@ -41,8 +41,9 @@ struct surface; /* surface.h */
  * out->pose is a similarity then: rotation and shift in mm, both over out->size.
  * The order of the points matters by rounding alone, unless more than SHAPE_POINTS are near
  * the face: every n-th of these is taken.
- * Cost  O(n) for each start, and one fit; if hard up to 14 more: each about
- * 0.8 ms with 3,000 points and 1.2 with SHAPE_POINTS.
+ * Cost  O(n) for each start, and one fit of about 0.8 ms with 3,000 points and 1.2 with SHAPE_POINTS; if
+ * hard eight quick ones of about half of that, and one more for each part and size that these say is
+ * worth it.
  * Returns ST_OK, ST_ENOMEM. */
 enum status shape_fit(struct shape_work *w, const struct dvec3 *pts, size_t n,
                       const struct pose *start, uint32_t nstart, bool hard,
