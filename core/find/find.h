@@ -7,7 +7,8 @@
  *     scanners look along agreed axes; where nothing is plain, all others, and all of them once
  *     more as if a child's head were larger.
  * (3) The shape of a face is fitted from the best of them, roughly, and from the best of these
- *     more closely (shape_seek()).
+ *     more closely (shape_seek()); what stands upright also by all modes, whose evidence (gate.h) may
+ *     end the search.
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
 #ifndef FIND_FIND_H
 #define FIND_FIND_H
