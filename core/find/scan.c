@@ -29,16 +29,17 @@
 #define SCAN_ASPECT_FACING  0.94
 #define SCAN_ASPECT_SUPPORT 0.6
 
-/* Where something covers the face the search often takes the mouth or the chin for the nose: the head
- * turned down about its middle.  Where less than SUPPORT of the face is explained, and more than COVER
- * of it seems covered, its first POSES are also tried turned up, by 15 and by 30 degrees (tangents of
- * half of that): what explains more, and LEAST at least, is taken.  Of 95 scans with less of a cover two
- * would gain more than 5 cells. */
+/* Where something covers the face, or the upper part of it is not there, the search often takes the mouth
+ * or the chin for the nose: the head turned down about its middle.  Where less than SUPPORT of the face is
+ * explained, and more than COVER of it seems covered or less than SEEN is there, its first POSES are also
+ * tried turned up, by 15 and by 30 degrees (tangents of half of that): what explains more, and LEAST at
+ * least, is taken.  Of 95 others two would gain more than 5 cells. */
 /* clang-format off */
 #define SCAN_UP         { 0.1317, 0.2679 }
 /* clang-format on */
 #define SCAN_UP_SUPPORT 0.6
 #define SCAN_UP_COVER   0.1
+#define SCAN_UP_SEEN    0.6
 #define SCAN_UP_LEAST   0.3
 #define SCAN_UP_POSES   2
 
@@ -379,7 +380,8 @@ static enum status fit_best(struct scan *s, const struct pose *from, uint32_t n,
         *fit = one;
     }
     if (st == ST_OK && !plain && fit->support < SCAN_UP_SUPPORT &&
-        fit->cover > SCAN_UP_COVER * s->shape->cells)
+        (fit->cover > SCAN_UP_COVER * s->shape->cells ||
+         fit->skin < SCAN_UP_SEEN * s->shape->cells))
         st = fit_up(s, from, n, &start, fit);
     return st == ST_OK ? shape_fit_harder(s->shape, s->c->at, s->c->n, &start, fit) : st;
 }
