@@ -19,8 +19,9 @@ struct heights {
 
 /* heights_take(f, pose, s, out): the surface f moved by pose (mm, f -> canonical frame): a small
  * triangle's middle, and as many places of a larger one that each stands for HEIGHTS_AREA_MM2 at
- * most.  Left out are triangles that bridge missing points, those seen at more than 78 degrees or
- * from behind, and those more than HEIGHTS_AROUND_MM beside the grid.  In s until its next use.
+ * most.  Left out are triangles that bridge missing points, those that fill a hole of more than
+ * HEIGHTS_HOLE mean distances of points in radius, those seen at more than 78 degrees or from behind,
+ * and those more than HEIGHTS_AROUND_MM beside the grid.  In s until its next use.
  * O(nv).  Returns ST_OK, ST_ENOMEM. */
 enum status heights_take(const struct surface *f, const struct pose *pose,
                          struct scratch *s, struct heights *out);

@@ -207,6 +207,25 @@ TEST(test_hole)
         assert_false(has(i));
 }
 
+/* Nor is what was cut out of a scan with one point a cell, as a pair of glasses is, while a point that is
+ * missing here and there leaves no hole. */
+TEST(test_hole_among_few)
+{
+    size_t kept = 0;
+
+    sheet(flat, -58, 58, -54, 66, 4);
+    for (size_t i = 0; i < n; i++)
+        if (!(pts[i].y > 15 && pts[i].y < 33) && i % 41 != 0)
+            pts[kept++] = pts[i];
+    n = kept;
+    measure();
+    for (uint32_t i = 0; i < GRID_N; i++)
+        if (in(i, -52, 52, -48, 14) || in(i, -52, 52, 34, 60))
+            close_to(i, -20, 1e-5);
+        else if (in(i, -52, 52, 18, 30))
+            assert_false(has(i));
+}
+
 /* A cell counts from 0.45 of it covered. */
 TEST(test_coverage)
 {
