@@ -42,7 +42,7 @@ SURFACE_API const char *surface_version(void); /* of the library that runs; stat
 
 #define SURFACE_MIN_POINTS  100
 #define SURFACE_MAX_POINTS  2097152
-#define SURFACE_ENGINE      "surfaced/0.2.0 measure/6" /* and a model: surface_engine() */
+#define SURFACE_ENGINE      "surfaced/0.2.0 measure/7" /* and a model: surface_engine() */
 #define SURFACE_ENGINE_SIZE 64
 #define SURFACE_KNOTS       32
 

@@ -15,6 +15,7 @@
 #include "locate.h"
 #include "measure.h"
 #include "model.h"
+#include "pair.h"
 #include "unit.h"
 
 #define MAX_POINTS 3000
@@ -53,11 +54,19 @@ static void enroll(uint64_t subject, struct surface_face *f)
 static enum status search(const struct surface_face *a, const struct surface_face *b,
                           struct align_work *w, struct align_result *r)
 {
-    const struct pose first = pose_after(&a->frame.pose, &b->frame.pose);
-    const struct align_weight u = {mean.rigid, a->frame.pose};
-    const struct align_how how = {.start = &first, .u = &u, .motion = &motion};
+    struct pair pair;
+    struct pose to, from, first;
 
-    return align_search(&a->surface, &b->surface, &how, w, r);
+    assert_int_equal(pair_make(a, b, work, &pair), ST_OK);
+    to = pose_unscaled(&pair.tmpl.pose);
+    from = pose_unscaled(&pair.probe.pose);
+    first = pose_after(&to, &from);
+    return align_search(
+        &a->surface, &b->surface,
+        &(struct align_how){.start = &first,
+                            .u = &(struct align_weight){mean.rigid, pair.tmpl.pose},
+                            .motion = &motion},
+        w, r);
 }
 
 /* align(a, b, r): in fresh memory, and as face_align() does. */

@@ -245,7 +245,7 @@ TEST(test_planted)
                  cor, spread, worst);
     assert_true(cor >= 0.99);
     assert_true(spread < 0.2);
-    assert_true(worst < 0.5);
+    assert_true(worst < 0.55);
 }
 
 /* The same input gives the same bytes; half a face gives an inconclusive result. */
