@@ -352,8 +352,9 @@ static enum status parse(const struct json_text *t, cJSON **doc, struct errinfo 
     else if (*doc == NULL && end >= rest + len)
         st = errinfo_set(e, ST_EINVAL, "not valid JSON: it ends too early");
     else if (*doc == NULL)
-        st = errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu",
-                         end == NULL ? 0 : json_text_place(t, (size_t)(end - rest)));
+        st = json_text_wrong(end == NULL ? "" : end,
+                             end == NULL ? 0 : json_text_place(t, (size_t)(end - rest)),
+                             e);
     mem_free(rest);
     return st;
 }

@@ -149,6 +149,19 @@ static enum status take_array(struct json_text *t, size_t depth, size_t *i,
     return ST_OK;
 }
 
+enum status json_text_wrong(const char *p, size_t at, struct errinfo *e)
+{
+    static const char *const words[] = {"NaN", "nan", "Infinity", "inf"};
+
+    p += *p == '-';
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (strncmp(p, words[i], strlen(words[i])) == 0)
+            return errinfo_set(e, ST_EINVAL,
+                               "not valid JSON at byte %zu: %s is no number of JSON", at,
+                               words[i]);
+    return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", at);
+}
+
 /* Takes what is at *i, which moves to the last byte of it. */
 static enum status take_token(struct json_text *t, bool *quoted, size_t *depth, size_t *i,
                               struct errinfo *e)
@@ -159,7 +172,7 @@ static enum status take_token(struct json_text *t, bool *quoted, size_t *depth, 
     if (*quoted && (unsigned char)*p < 0x20)
         return errinfo_set(e, ST_EINVAL, "a control character in a text at byte %zu", *i);
     if (*p == '\0' || (number && !is_number(p)))
-        return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", *i);
+        return json_text_wrong(p, *i, e);
     if (*p == '"') {
         *quoted = !*quoted;
     } else if (*quoted && *p == '\\') {

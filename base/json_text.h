@@ -49,6 +49,10 @@ char *json_text_rest(const struct json_text *t, size_t *len);
 /* json_text_place(t, at): where in the document a byte of the rest is. */
 size_t json_text_place(const struct json_text *t, size_t at);
 
+/* json_text_wrong(p, at, e): Fills *e: the text at p, byte `at` of the document, is no JSON.  Returns
+ * ST_EINVAL. */
+enum status json_text_wrong(const char *p, size_t at, struct errinfo *e);
+
 void json_text_free(struct json_text *t); /* the points that are still in it */
 
 #endif

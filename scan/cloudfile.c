@@ -66,7 +66,6 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
             return ST_OK;
         }
     }
-    skip_bom(&t);
     if (!find_line(&t))
         return nothing(&t);
     if (*t.p == '{' || *t.p == '[')
@@ -84,10 +83,9 @@ static enum status recognise(const struct cloudtext *text, enum cloudformat *for
 static enum status text_parse(struct cloudtext *t, const struct cloudfile_options *o,
                               struct cloudlist *list)
 {
-    enum status st;
+    enum status st = cloudtext_plain(t);
 
-    skip_bom(t);
-    if ((st = cloudtext_plain(t)) == ST_OK)
+    if (st == ST_OK)
         st = list->out.format == CLOUDFORMAT_OBJ ? read_obj_parse(t, o, list)
                                                  : read_xyz_parse(t, o, list);
     return st == ST_OK && list->out.read == 0 ? nothing(t) : st;
@@ -165,16 +163,31 @@ static enum status take_cloud(const struct json_value *object, const char *name,
     return take_points(points, prefix, list);
 }
 
+/* Says what an object is that other programs write and that is not read. */
+static enum status check_kind(const struct json_value *object, struct errinfo *e)
+{
+    if (json_member(object, "asset") != NULL)
+        return errinfo_set(e, ST_EVERSION,
+                           "glTF as text, whose data may be beside it: send a GLB");
+    if (json_member(object, "points") == NULL && json_member(object, "x") != NULL &&
+        json_member(object, "y") != NULL && json_member(object, "z") != NULL)
+        return errinfo_set(
+            e, ST_EVERSION,
+            "JSON with columns x, y and z, which is not read: send each point as [x, y, z]");
+    return ST_OK;
+}
+
 static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
 {
     struct json_value *doc;
     enum status st;
 
-    skip_bom(t);
     st = cloudfile_read_document(t->p, (size_t)(t->end - t->p), list->max, 1, &doc,
                                  list->e);
-    if (st == ST_OK)
-        st = take_cloud(doc, "the body", "", list);
+    if (st == ST_OK && json_is_array(doc))
+        st = take_points(doc, "", list);
+    else if (st == ST_OK && (st = check_kind(doc, list->e)) == ST_OK)
+        st = take_cloud(doc, "the JSON", "", list);
     json_free(doc);
     return st;
 }
@@ -207,24 +220,44 @@ static enum status blame(struct cloudtext *whole, enum cloudformat declared)
     return ST_EINVAL;
 }
 
-/* What begins with numbers may begin like anything. */
-static const char *foreign(const struct cloudtext *t, enum cloudformat declared)
+static enum status check_converted(const char *bytes, size_t len, struct errinfo *e)
 {
-    return declared == CLOUDFORMAT_RAW || read_bnt_is(t)
-               ? NULL
-               : cloudformat_foreign((const unsigned char *)t->p,
-                                     (size_t)(t->end - t->p));
+    return cloudformat_converted(bytes, len)
+               ? errinfo_set(
+                     e, ST_EINVAL,
+                     "the file was changed by a conversion as text, which damages "
+                     "binary data: transfer it in binary mode")
+               : ST_OK;
+}
+
+/* The kind of a file that is no scan, by its first bytes or its first line that is no comment. */
+static const char *foreign(const struct cloudtext *t)
+{
+    struct cloudtext line = *t;
+    const char *name = cloudformat_foreign(t->p, (size_t)(t->end - t->p));
+
+    return name == NULL && find_line(&line)
+               ? cloudformat_foreign(line.p, (size_t)(line.end - line.p))
+               : name;
 }
 
 static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
                          struct cloudlist *list)
 {
     const enum cloudformat declared = (enum cloudformat)list->out.format;
-    const char *name = foreign(t, declared);
-    struct cloudtext whole = *t;
+    const char *name = NULL;
+    struct cloudtext whole;
     enum cloudformat found = declared;
-    enum status st = ST_OK;
+    enum status st = check_converted(t->p, (size_t)(t->end - t->p), t->e);
 
+    if (st != ST_OK)
+        return st;
+    /* what begins with numbers, or with anything, may begin like another kind */
+    if (declared != CLOUDFORMAT_RAW && !read_bnt_is(t) && !read_stl_is(t)) {
+        skip_bom(t);
+        name = foreign(t);
+    }
+    whole = *t;
     if (name != NULL)
         return errinfo_set(t->e, ST_EVERSION,
                            "%s, which is not read: send " CLOUDFORMAT_READ, name);
@@ -282,6 +315,8 @@ enum status cloudfile_read(const void *bytes, size_t len,
     st = inflate_body(INFLATE_GZIP, bytes, len, o->max_bytes, &unpacked, &n, e);
     if (st == ST_OK)
         st = read_plain((const char *)unpacked, n, o, out, e);
+    else if (st == ST_EINVAL)
+        (void)check_converted(bytes, len, e);
     mem_free(unpacked);
     return st;
 }

@@ -28,12 +28,14 @@ struct cloudfile_options {
  * out   released by cloudpoints_free(); empty on failure.  The unit is that of o, if the
  *       file has none of its own (JSON, a depth image, the heading of a text file).
  * e     on failure "line 3: ...", "byte 80: ...", or a sentence; may be NULL
- * A file may be compressed by gzip, whatever its format.
- * PLY   every scalar type, lists, any other elements and properties; each row of an ascii
- *       file on a line of its own.  The data must be what the header says: too few rows,
- *       values on a line too many, or bytes after the last row are errors (of the elements
- *       that follow the vertices only faces are read, and where they cannot be, the normals
- *       are unknown).  Normals: nx, ny, nz, or the faces'.  No vertices at all is ST_OK with
+ * A file may be compressed by gzip, and a byte order mark may stand before text.  Binary data that was
+ * changed by a conversion as text is ST_EINVAL.
+ * PLY   every scalar type, lists, any other elements and properties.  The data must be what the
+ *       header says: too few rows, values on a line too many, or bytes after the last row are
+ *       errors (of the elements that follow the vertices only faces are read, and where they
+ *       cannot be, the normals are unknown).  If the first row of an ascii file is not one
+ *       line, the file is a stream of numbers, whatever its lines: then all of it must be
+ *       what the header says.  Normals: nx, ny, nz, or the faces'.  No vertices at all is ST_OK with
  *       n == 0.
  * OBJ   "v" with 3 to 8 numbers, the first three taken; normals by the "f" lines; a backslash
  *       continues a line; other keywords are skipped.
@@ -49,11 +51,12 @@ struct cloudfile_options {
  * ABS   FRGC's: points whose flag is 0 have no value.
  * NPY   an array of points, or of distances: read.h.
  * PNG, PGM, RAW  depth images: clouddepth.h.
- * XYZ   numbers separated by blanks, by commas or by semicolons, but not by a mixture (which
- *       would be a decimal comma); lines that begin with # or // are comments, and the first
- *       other line may be a heading: read_xyz.c.  PTS: a first line with a count, or one
- *       before each part.
- * JSON  {"points": [[x,y,z], ...], "units": "mm", "axes": "auto"}
+ * XYZ   numbers separated by blanks, commas, semicolons or tabs, but not by a mixture; between
+ *       semicolons or tabs, or in quotation marks, a comma is a decimal one.  An empty field,
+ *       NA or null is no value.  Lines that begin with #, % or // are comments; "sep=;" and then
+ *       a heading may come first, with an index before it: read_xyz.c.  PTS: a first line
+ *       with a count, or one before each part.
+ * JSON  {"points": [[x,y,z], ...], "units": "mm", "axes": "auto"}, or the list alone
  * Numbers do not depend on the locale and are correctly rounded.  Points without a value are
  * dropped (cloudpoints.h).
  * Cost O(n log n) for n bytes, unpacked.  Memory, whatever a header claims: 52 bytes a point
@@ -67,7 +70,7 @@ enum status cloudfile_read(const void *bytes, size_t len,
                            struct errinfo *e);
 
 /* cloudfile_read_json(object, name, prefix, o, out, e): a cloud that is a part of a JSON
- * document; name: what messages call the object, "the body"; prefix: "" or "a.", before the names of
+ * document; name: what messages call the object; prefix: "" or "a.", before the names of
  * its members.  Other members than points, units and axes are ST_EINVAL. */
 enum status cloudfile_read_json(const struct json_value *object, const char *name,
                                 const char *prefix, const struct cloudfile_options *o,

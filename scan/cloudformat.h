@@ -43,8 +43,14 @@ const char *cloudformat_ending(const char *name);
 bool cloudformat_media(const char *type, size_t len, enum cloudformat *out);
 const char *cloudformat_media_list(void);
 
-/* cloudformat_foreign(bytes, len): what this is in words ("an OFF file"), where it begins
- * like a format that is known and not read; NULL: it does not. */
-const char *cloudformat_foreign(const unsigned char *bytes, size_t len);
+/* cloudformat_foreign(p, len): Returns the kind of a file that is known and not read by its first
+ * bytes, in words ("an OFF file"); NULL if it is none of them. */
+const char *cloudformat_foreign(const char *p, size_t len);
+
+/* cloudformat_converted(bytes, len): Returns true if these are binary data that a program took for text
+ * and converted, to other line ends or to UTF-8: what has zero bytes is not at the same time valid UTF-8
+ * with characters beyond ASCII, nor has it a CR before each LF, by chance.  O(len) for such data and for
+ * text; else it stops at the first byte that shows it. */
+bool cloudformat_converted(const char *bytes, size_t len);
 
 #endif

@@ -109,7 +109,8 @@ bool cloudtext_is_letter(char c)
 
 bool cloudtext_comment(const struct cloudtext *t)
 {
-    return *t->p == '#' || (t->end - t->p > 1 && t->p[0] == '/' && t->p[1] == '/');
+    return *t->p == '#' || *t->p == '%' ||
+           (t->end - t->p > 1 && t->p[0] == '/' && t->p[1] == '/');
 }
 
 static bool ends_number(const struct cloudtext *t, const char *p)
@@ -146,9 +147,11 @@ enum status cloudtext_number(struct cloudtext *t, double *out)
     after = number_read(t->p, t->end, out);
     if (after == NULL || !ends_number(t, after)) {
         if ((after = not_finite(t)) == NULL)
-            return cloudtext_fail(t, ST_EINVAL,
-                                  cloudtext_eol(t) ? "the line has too few numbers"
-                                                   : "a number is expected here");
+            return cloudtext_fail(
+                t, ST_EINVAL,
+                cloudtext_eol(t) ? "the line has too few numbers"
+                : *t->p == ','   ? "a number is expected here: is it a decimal comma?"
+                                 : "a number is expected here");
         *out = NAN;
     }
     t->p = after;
@@ -163,8 +166,11 @@ static bool is_control(unsigned char c)
 enum status cloudtext_plain(struct cloudtext *t)
 {
     struct cloudtext at = *t;
-    const char *p = t->p;
+    const char *p = t->p, *end = t->end;
 
+    for (; end > p && memchr("\x1A\r\n", end[-1], 3) != NULL; end--)
+        if (end[-1] == '\x1A')
+            t->end = end - 1; /* Ctrl-Z ends a text file of MS-DOS */
     while (p < t->end) { /* blocks without a branch in them, which is 10 times faster */
         const size_t len = t->end - p < 4096 ? (size_t)(t->end - p) : 4096;
         unsigned bad = 0;

@@ -52,12 +52,13 @@ enum status cloudtext_number(struct cloudtext *t, double *out);
 /* cloudtext_count(word, len, out): a word of 1 to 18 digits. */
 bool cloudtext_count(const char *word, size_t len, uint64_t *out);
 
-/* cloudtext_comment(t): does a comment (# or //) begin here?  Not at the text's end. */
+/* cloudtext_comment(t): does a comment (#, % or //) begin here?  Not at the text's end. */
 bool cloudtext_comment(const struct cloudtext *t);
 bool cloudtext_is_letter(char c); /* or an underscore */
 
-/* cloudtext_plain(t): check that everything from p on is text.  ST_EINVAL at the first
- * control character other than tab, line feed, form feed and carriage return. */
+/* cloudtext_plain(t): Checks that everything from p on is text.  A Ctrl-Z (0x1A) at its end is taken
+ * off.  Returns ST_OK; ST_EINVAL at the first control character other than tab, line feed, form feed
+ * and carriage return. */
 enum status cloudtext_plain(struct cloudtext *t);
 
 #endif

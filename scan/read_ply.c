@@ -8,6 +8,7 @@
 #include "cloudlist.h"
 #include "cloudtext.h"
 #include "cloudvalue.h"
+#include "errinfo.h"
 #include "status.h"
 
 /* The header of a PLY file. */
@@ -268,6 +269,7 @@ struct data {
     struct ply_head h;
     struct cloudlist *list;
     bool text;
+    bool stream; /* as text: a row does not have a line of its own */
 };
 
 static enum status cut_off(struct data *d, uint64_t row)
@@ -295,6 +297,8 @@ static enum status take(struct data *d, enum cloudvalue type, double *out)
 {
     struct cloudtext *t = d->t;
 
+    if (d->stream && !cloudtext_find(t))
+        return ST_ENOTFOUND;
     if (d->text)
         return cloudtext_number(t, out);
     if ((size_t)(t->end - t->p) < cloudvalue_size[type])
@@ -318,9 +322,11 @@ static enum status skip(struct data *d, enum cloudvalue type, uint64_t n)
     for (; n > 0; n--) {
         size_t len;
 
+        if (d->stream)
+            (void)cloudtext_find(t);
         (void)cloudtext_word(t, &len);
         if (len == 0)
-            return too_few(d);
+            return d->stream ? ST_ENOTFOUND : too_few(d);
     }
     return ST_OK;
 }
@@ -369,12 +375,8 @@ static enum status read_row(struct data *d, const struct ply_head_element *e,
     struct cloudtext *t = d->t;
     enum status st = ST_OK;
 
-    if (d->text) { /* on a line of its own; blank lines before it are skipped */
-        for (cloudtext_blank(t); cloudtext_eol(t) && t->p < t->end; cloudtext_blank(t))
-            cloudtext_newline(t);
-        if (t->p == t->end)
-            return ST_ENOTFOUND;
-    }
+    if (d->text && !cloudtext_find(t))
+        return ST_ENOTFOUND;
     for (uint32_t i = e->first; i < e->first + e->n && st == ST_OK; i++) {
         const struct ply_head_property *q = &d->h.property[i];
 
@@ -385,7 +387,7 @@ static enum status read_row(struct data *d, const struct ply_head_element *e,
         else
             st = skip(d, q->type, 1);
     }
-    if (st != ST_OK || !d->text)
+    if (st != ST_OK || !d->text || d->stream)
         return st;
     cloudtext_blank(t);
     return cloudtext_eol(t)
@@ -485,8 +487,8 @@ static enum status skip_element(struct data *d, const struct ply_head_element *e
     return ST_OK;
 }
 
-/* The normals by the faces.  They are a help: where they cannot be read the points are all
- * there is, as in files that end after them. */
+/* Reads the faces for the normals.  They are a help: if they cannot be read, the points are all there is,
+ * as in files that end after them.  In a stream they tell whether the vertices were read right. */
 static enum status read_faces(struct data *d, const struct ply_head_element *e)
 {
     struct errinfo *const report = d->t->e;
@@ -495,15 +497,17 @@ static enum status read_faces(struct data *d, const struct ply_head_element *e)
     enum status st = ST_OK;
 
     d->t->e = NULL;
-    while (st == ST_OK && ++e <= last && !e->faces)
+    while (st == ST_OK && ++e <= last && (!e->faces || d->h.normals))
         st = skip_element(d, e);
     for (uint64_t row = 0; st == ST_OK && e <= last && e->n > 0 && row < e->rows; row++)
         st = read_row(d, e, none, true);
+    while (d->stream && st == ST_OK && ++e <= last)
+        st = skip_element(d, e);
     d->t->e = report;
     if (st == ST_OK || st == ST_ENOMEM)
         return st;
     cloudlist_forget(d->list);
-    return ST_OK;
+    return d->stream ? ST_EINVAL : ST_OK;
 }
 
 /* Nothing but line ends may follow the last element. */
@@ -519,6 +523,40 @@ static enum status check_end(struct cloudtext *t)
     return ST_OK;
 }
 
+/* Nearly all programs write each row of text on a line of its own.  Returns false if the first row does
+ * not stand so, with the reason. */
+static bool has_lines(const struct data *d, struct errinfo *why)
+{
+    const struct ply_head_element *e = d->h.element;
+    struct cloudtext t = *d->t;
+    struct data first = {.t = &t, .h = d->h, .text = true};
+    double ignored[6];
+
+    t.e = why;
+    while (e->rows == 0 || e->n == 0)
+        if (++e == &d->h.element[d->h.elements])
+            return true;
+    return read_row(&first, e, ignored, false) != ST_EINVAL;
+}
+
+static enum status read_data(struct data *d)
+{
+    const struct ply_head_element *const vertex = &d->h.element[d->h.vertex];
+    const bool last = vertex == &d->h.element[d->h.elements - 1];
+    enum status st;
+
+    for (const struct ply_head_element *e = d->h.element; e < vertex; e++)
+        if ((st = skip_element(d, e)) != ST_OK)
+            return st;
+    if ((st = check_count(d, vertex)) != ST_OK ||
+        (st = cloudlist_room(d->list, (size_t)vertex->rows)) != ST_OK ||
+        (st = read_vertices(d, vertex)) != ST_OK)
+        return st;
+    if (!last && (d->stream || !d->h.normals))
+        st = read_faces(d, vertex);
+    return st == ST_OK && (last || d->stream) ? check_end(d->t) : st;
+}
+
 bool read_ply_is(const struct cloudtext *t)
 {
     return t->end - t->p > 3 && memcmp(t->p, "ply", 3) == 0 &&
@@ -530,25 +568,17 @@ enum status read_ply_parse(struct cloudtext *t, const struct cloudfile_options *
 {
     (void)o;
     struct data d = {.t = t, .list = list};
-    const struct ply_head_element *vertex;
+    struct errinfo why;
     enum status st;
 
     if ((st = ply_head_read(t, &d.h)) != ST_OK)
         return st;
-    vertex = &d.h.element[d.h.vertex];
     d.text = d.h.encoding == PLY_ASCII;
     if (!d.text)
         t->line = 0;
     else if ((st = cloudtext_plain(t)) != ST_OK)
         return st;
-    for (const struct ply_head_element *e = d.h.element; e < vertex; e++)
-        if ((st = skip_element(&d, e)) != ST_OK)
-            return st;
-    if ((st = check_count(&d, vertex)) != ST_OK ||
-        (st = cloudlist_room(list, (size_t)vertex->rows)) != ST_OK ||
-        (st = read_vertices(&d, vertex)) != ST_OK)
-        return st;
-    if (vertex == &d.h.element[d.h.elements - 1])
-        return check_end(t);
-    return d.h.normals ? ST_OK : read_faces(&d, vertex);
+    d.stream = d.text && !has_lines(&d, &why);
+    st = read_data(&d);
+    return d.stream && st == ST_EINVAL ? errinfo_set(t->e, st, "%s", why.msg) : st;
 }

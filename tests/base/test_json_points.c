@@ -112,8 +112,10 @@ TEST(test_refused)
     bad("[[1,2,3],[4,5,6] [7,8,9]]", ST_EINVAL, "not valid JSON at byte 17");
     bad("[[1,2,3],[4,5,6],[7,8 9]]", ST_EINVAL, "not valid JSON at byte 22");
     bad("[[1,2,3],[4,5,6],[7,8,09]]", ST_EINVAL, "not valid JSON at byte 22");
-    bad("[[1,2,3],[4,5,6],[7,8,NaN]]", ST_EINVAL, "not valid JSON at byte 22");
-    bad("[[1,2,3],[4,5,6],[7,8,-Infinity]]", ST_EINVAL, "not valid JSON at byte 22");
+    bad("[[1,2,3],[4,5,6],[7,8,NaN]]", ST_EINVAL,
+        "not valid JSON at byte 22: NaN is no number of JSON");
+    bad("[[1,2,3],[4,5,6],[7,8,-Infinity]]", ST_EINVAL,
+        "not valid JSON at byte 22: Infinity is no number of JSON");
     bad("[[1,2,3],[4,5,6]}", ST_EINVAL, "not valid JSON at byte 16");
     bad("[[1,2,3],[4,5,6]", ST_EINVAL, "not valid JSON: it ends too early");
     bad("[[1,2,3],[4,5,6],", ST_EINVAL, "not valid JSON: it ends too early");

@@ -27,7 +27,7 @@ bad "a large number" 422 out_of_range 'point 201 of 201' "{\"points\": [$(seq -s
 bad "a string" 400 malformed 'points\[0\] is not three finite numbers' \
     '{"points": [["1",2,3]]}'
 bad "no points" 400 malformed 'points is missing' '{"units": "mm"}'
-bad "a misspelt member" 400 malformed 'the body: unknown member "pts"; allowed: points, units and axes' '{"pts": []}'
+bad "a misspelt member" 400 malformed 'the JSON: unknown member "pts"; allowed: points, units and axes' '{"pts": []}'
 bad "another member" 400 malformed 'unknown member "threshold"' '{"points": [], "threshold": -1e9}'
 bad "a long one, truncated between characters" 400 malformed 'unknown member "xü*"' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
 bad "deep nesting" 400 malformed 'deeper than 16 at byte 16' "$(printf '%05000d' 0 | tr 0 '[')"

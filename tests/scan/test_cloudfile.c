@@ -269,6 +269,32 @@ TEST(test_ply_bad_text)
     assert_string_equal(err.what, "binary data inside text");
 }
 
+/* Rows that are not lines: over several of them, or several on one. */
+TEST(test_ply_stream)
+{
+    static const double want[2][3] = {{1, 2, 3}, {4, 5, 6}};
+    static const char *const faces =
+        PLY "element vertex 2\n" XYZ "property uchar red\nelement face 1\n"
+            "property list uchar int vertex_indices\nelement more 2\nproperty int q\n"
+            "end_header\n";
+    static const char *const good[] = {
+        "1 2 3\n7\n4 5 6\n7\n3 0 1 0\n1\n2\n", "1 2 3 7 4 5 6 7 3 0 1 0 1 2\n",
+        "1 2 3 7 4 5 6 7\n3 0 1 0\n1 2", "1\n2\n3\n7\n4\n5\n6\n7\n3\n0\n1\n0\n1\n\n2"};
+    static const char *const bad[] = {
+        "1 2 3\n4 5 6\n4 0 1 0 1\n1\n2\n", "1 2 3 7 8\n4 5 6 7 8\n3 0 1 0\n1\n2\n",
+        "1 2 3\n7\n4 5 6\n7\n3 0 1 0\n1\n", "1 2 3\n7\n4 5 6\n7\n3 0 1 0\n1\n2\n3\n"};
+    char text[400];
+
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        (void)snprintf(text, sizeof text, "%s%s", faces, good[i]);
+        expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 2);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        (void)snprintf(text, sizeof text, "%s%s", faces, bad[i]);
+        expect_error(text, CLOUDFORMAT_ANY, ST_EINVAL, 13);
+    }
+}
+
 TEST(test_ply_bad_header)
 {
     static const char *const bad[] = {
@@ -572,10 +598,10 @@ TEST(test_xyz_bad)
     expect_error("1 2 3\n4 5\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
     expect_error("1 2 3\nx y z\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
     expect_error("1,5 2,5 3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("1,5;2,5;3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("1,,2,3\n", CLOUDFORMAT_XYZ, ST_EINVAL, 1);
+    expect_error("1,5\t2,5 3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
+    expect_error("1,,2,3\n", CLOUDFORMAT_XYZ, ST_ENOTFINITE, 0);
     expect_error("1 inf 3\n", CLOUDFORMAT_ANY, ST_ENOTFINITE, 0);
-    expect_error("1 2 3\n1 2 \"3\"\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
+    expect_error("1 2 3\n1 2 \"3\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
     expect_error("hello world\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
     expect_error("{\"points\": [[1,2,3]]}", CLOUDFORMAT_XYZ, ST_EINVAL, 1);
     expect_error("", CLOUDFORMAT_ANY, ST_EINVAL, 1);

@@ -71,7 +71,24 @@ TEST(test_foreign)
              {"\0\0\0\0\0\0", 6, "not a scan in a format"},
              {"\x7F"
               "ELF",
-              4, "not a scan in a format"}};
+              4, "a program (ELF)"},
+             {"\0\0\0\x14"
+              "ftypqt  ",
+              12, "a QuickTime video"},
+             {"\0\0\0\x18"
+              "ftypisom",
+              12, "an MP4 video"},
+             {"GIF89a", 6, "a GIF picture"},
+             {"#ROSBAG V2.0\n", 13, "a ROS bag"},
+             {"SQLite format 3\0", 16, "an SQLite database"},
+             {"RIFF\x24\0\0\0WAVEfmt ", 16, "a WAV recording"},
+             {"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", 64,
+              "Git LFS"},
+             {"ISO-10303-21;\nHEADER;\n", 22, "a STEP file"},
+             {"  0\r\nSECTION\r\n  2\r\nHEADER\r\n", 27, "a DXF file"},
+             {"# Blender\n\nnewmtl skin\nKd 1 1 1\n", 32, "MTL"},
+             {"xof 0303txt 0032\n", 17, "a DirectX file"},
+             {"\n <!DOCTYPE html>\n<html><body>1 2 3</body></html>\n", 50, "a web page"}};
 
     for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
         struct scanfile f = {.len = 0};
@@ -83,14 +100,61 @@ TEST(test_foreign)
     }
 }
 
+/* Binary data after a program has converted it as text; the text around them is not said to be. */
+TEST(test_converted)
+{
+    static const char *const head =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 400\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        "end_header\n";
+    static struct scanfile plain, changed[4];
+    static const char words[] =
+        "is damaged, or 1 2 3 \xC3\xA9\xC3\xA9\xC3\xA9\xC3\xA9\xC3\xA9"
+        "\xC3\xA9\xC3\xA9\xC3\xA9\xC3\xA9\n";
+    struct cloudpoints p;
+
+    plain.len = 0;
+    scanfile_text(&plain, head);
+    for (int i = 0; i < 1200; i++)
+        scanfile_real(&plain, 0.37 * i - 200, 4, false);
+    scanfile_good(&plain, CLOUDFORMAT_ANY, &p);
+    cloudpoints_free(&p);
+    for (size_t i = 0; i < plain.len; i++) {
+        const unsigned char c = plain.bytes[i],
+                            latin[] = {(unsigned char)(0xC0 | c >> 6),
+                                       (unsigned char)(0x80 | (c & 63))};
+
+        scanfile_put(&changed[0], c < 0x80 ? &c : (const unsigned char *)"\xEF\xBF\xBD",
+                     c < 0x80 ? 1 : 3);
+        scanfile_put(&changed[1], c < 0x80 ? &c : latin, c < 0x80 ? 1 : 2);
+        scanfile_put(&changed[2], "\r", c == '\n');
+        scanfile_put(&changed[2], &c, 1);
+    }
+    scanfile_text(&changed[3], "\x89PNG\n\x1A\n");
+    scanfile_put(&changed[3], "\0\0\0\rIHDR", 8);
+    for (int i = 0; i < 4; i++) {
+        scanfile_bad(&changed[i], CLOUDFORMAT_ANY, ST_EINVAL, "binary mode");
+        scanfile_bad(&changed[i], CLOUDFORMAT_STL, ST_EINVAL, "binary mode");
+    }
+    plain.len = 0;
+    scanfile_text(&plain, words);
+    scanfile_text(&plain, words);
+    scanfile_bad(&plain, CLOUDFORMAT_ANY, ST_EINVAL, "no list of numbers");
+}
+
 TEST(test_json)
 {
     static const char *const good[] = {
         "{\"points\": [[1,2,3],[4,5,6]], \"units\": \"in\"}",
         "\xEF\xBB\xBF \n{\"units\":\"in\",\"points\":[[1,2,3],[4e0,5.0,6]]}\n"};
     static const struct scanfile_case bad[] = {
-        {"{\"asset\": {\"version\": \"2.0\"}}", ST_EINVAL,
-         "the body: unknown member \"asset\"; allowed: points, units and axes"},
+        {"{\"asset\": {\"version\": \"2.0\"}}", ST_EVERSION, "glTF as text"},
+        {"{\"x\": [1,4], \"y\": [2,5], \"z\": [3,6]}", ST_EVERSION, "columns x, y and z"},
+        {"{\"pts\": [[1,2,3]]}", ST_EINVAL,
+         "the JSON: unknown member \"pts\"; allowed: points, units and axes"},
+        {"[[1,2,3],[4,5]]", ST_EINVAL, "points[1] is not three finite numbers"},
+        {"[[1,2,3],[4,NaN,5]]", ST_EINVAL, "NaN is no number of JSON"},
+        {"{\"points\": [[1,2,-Infinity]]}", ST_EINVAL, "Infinity is no number of JSON"},
         {"{\"points\": [[1,2,1e999]]}", ST_ENOTFINITE, "points[0]"},
         {"{\"points\": [[1,2,3]], \"units\": \"ell\"}", ST_EINVAL,
          "units must be auto, mm, cm, m, in or um"},
@@ -114,6 +178,10 @@ TEST(test_json)
     scanfile_good_text(
         "{\"points\": [[1,2,3]], \"units\": \"auto\", \"axes\": \"scanner\"}", &p);
     assert_true(p.unit_mm == 0 && p.axes_given);
+    cloudpoints_free(&p);
+    scanfile_good_text("\xEF\xBB\xBF[[1,2,3],\n [4,5,6]]\n", &p);
+    assert_true(p.format == CLOUDFORMAT_JSON && p.n == 2 && p.unit_mm == 0);
+    scanfile_at(p.at[1], 4, 5, 6);
     cloudpoints_free(&p);
     scanfile_good_text("{\"points\": [[1,2,3]], \"axes\": \"auto\"}", &p);
     assert_true(p.unit_mm == 0 && !p.axes_given);
@@ -155,7 +223,7 @@ static void pack(struct scanfile *f, const void *bytes, size_t len)
 TEST(test_gzip)
 {
     static unsigned char zeros[2 << 20];
-    struct scanfile f;
+    struct scanfile f, twice;
     struct cloudpoints p;
 
     pack(&f, "v 1 2 3\nv 4 5 6\n", 16);
@@ -166,6 +234,8 @@ TEST(test_gzip)
     cloudpoints_free(&p);
     scanfile_bad(&f, CLOUDFORMAT_STL, ST_EINVAL, "STL");
     scanfile_cut(&f, CLOUDFORMAT_ANY);
+    pack(&twice, f.bytes, f.len);
+    scanfile_bad(&twice, CLOUDFORMAT_ANY, ST_EVERSION, "a gzip file inside a gzip file");
     f.bytes[f.len - 1]++;
     scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "gzip");
     pack(&f, zeros, sizeof zeros);

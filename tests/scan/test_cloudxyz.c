@@ -33,6 +33,36 @@ TEST(test_columns)
         "1\n1 2 3\n1\n4 5 6\n",
         "  2 \r\n1 2 3\r\n4 5 6\r\n",
         "# exported\n2\n1,2,3\n4,5,6\n",
+        /* an index, with names or with numbers over the columns */
+        ",x,y,z\n0,1,2,3\n1,4,5,6\n",
+        "\tx\ty\tz\n0\t1\t2\t3\n1\t4\t5\t6\n",
+        ";x;y;z\n0;1,0;2,0;3,0\n1;4,0;5,0;6,0\n",
+        ",0,1,2\n0,1,2,3\n1,4,5,6\n",
+        "0,1,2\n1,2,3\n4,5,6\n",
+        "0;1;2;3\n1;2;3;9\n4;5;6;9\n",
+        "\"\",\"V1\",\"V2\",\"V3\"\n\"1\",1,2,3\n\"2\",4,5,6\n",
+        "\"x\" \"y\" \"z\"\n\"1\" 1 2 3\n\"2\" 4 5 6\n",
+        "x y z\n1 1.0 2.0 3.0\n2 4.0 5.0 6.0\n",
+        "V1,V2,V3\n1,2,3\n4,5,6\n",
+        "x1,x2,x3,x4\n1,2,3,9\n4,5,6,9\n",
+        "Column1;Column2;Column3\r\n1;2;3\r\n4;5;6\r\n",
+        "Points_0,Points_1,Points_2,Normals_0\n1,2,3,9\n4,5,6,9\n",
+        /* quotation marks, what separates, decimal commas */
+        "\"x\",\"y\",\"z\"\n\"1\",\"2.0\",\"3\"\n\"4\",\"5\",\"6\"\n",
+        "\"1,0\",\"2,0\",\"3,0\"\n\"4\",\"5\",\"6\"\n",
+        "sep=;\r\nx;y;z\r\n1;2;3\r\n4;5;6\r\n",
+        "\"sep=;\"\n1;2;3\n4;5;6\n",
+        "sep=,\n1,2,3\n4,5,6\n",
+        "x;y;z\n1,0;2,0;3,0\n4,0;5,0;6,0\n",
+        "1,0;2,0;3,0\n4,0;5,0;6,0\n",
+        "1,0\t2,0\t3,0\n4,0\t5,0\t6,0\n",
+        "x\ty\tz\n1,0\t2,0\t3,0\n4\t5\t6\n",
+        /* comments and ends */
+        "% x y z\n1 2 3\n4 5 6\n",
+        "% made by hand\n1,2,3\n// a note\n4,5,6\n",
+        "1 2 3\n4 5 6\n\x1A",
+        "1 2 3\r\n4 5 6\x1A\r\n",
+        "\xEF\xBB\xBF,x,y,z\r\n0,1,2,3\r\n1,4,5,6\r\n",
     };
 
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
@@ -46,6 +76,29 @@ TEST(test_columns)
             fail_msg("(%g, %g, %g), ... of: %s", p.at[0].x, p.at[0].y, p.at[0].z,
                      texts[i]);
         assert_true(p.unit_mm == 0 && p.normal == NULL);
+        cloudpoints_free(&p);
+    }
+}
+
+/* Fields that say that a point has no value. */
+TEST(test_no_value)
+{
+    static const char *const texts[] = {
+        "x,y,z\n1,2,3\n1,,3\n,,\n4,5,6\n",
+        "1,2,3\n1,2,\nNA,2,3\n4,5,6\n",
+        ",x,y,z\n0,1,2,3\n1,,,\n2,null,1,1\n3,4,5,6\n",
+        "x;y;z\n1;2;3\n1;n/a;3\n\"\";2;3\n4;5;6\n",
+        "t\tx\ty\tz\n0\t1\t2\t3\n0\t1\t\t3\n\t\t\tNaN\n\t4\t5\t6\n",
+        "x y z\n1 2 3\nNA NA NA\n1 None 3\n4 5 6\n"};
+
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        struct cloudpoints p;
+
+        good(texts[i], &p);
+        if (p.read != 4 || p.n != 2)
+            fail_msg("%zu of %zu points: %s", p.n, p.read, texts[i]);
+        scanfile_at(p.at[0], 1, 2, 3);
+        scanfile_at(p.at[1], 4, 5, 6);
         cloudpoints_free(&p);
     }
 }
@@ -94,8 +147,12 @@ TEST(test_bad)
         {"time,x,y,z,x\n0,1,2,3,4\n", ST_EINVAL, "one column x, one y and one z"},
         {"time,x,y\n0,1,2\n", ST_EINVAL, "one column x, one y and one z"},
         {"time,x,y,z\n0,1,2\n", ST_EINVAL, "too few numbers"},
-        {"time,x,y,z\n0,1,,3\n", ST_EINVAL, "a number is expected"},
-        {"t\tx\ty\tz\n0\t1\t\t3\n", ST_EINVAL, "a number is expected"},
+        {"x,y,z\n1,2,3\n1,-,3\n", ST_EINVAL, "a number is expected"},
+        {"x,y,z\n1,2,3 4\n", ST_EINVAL, "is it a decimal comma?"},
+        {"1,5 2,5 3,5\n", ST_EINVAL, "is it a decimal comma?"},
+        {"root:x:0:0:root:/root\nbin:x:1:1:bin:/bin\n", ST_EINVAL, "no list of numbers"},
+        {"Dear all,\nthe scan, as agreed, is below\n", ST_EINVAL, "no list of numbers"},
+        {"a,b,c,d\none,two,three,four\n", ST_EINVAL, "no list of numbers"},
         {"3\n1 2 3\n4 5 6\n", ST_EINVAL, "1 points fewer"},
         {"1\n1 2 3\n4 5 6\n", ST_EINVAL, "more points than the count"},
         {"2\n1 2 3\n1\n4 5 6\n", ST_EINVAL, "1 points fewer"},
