@@ -17,9 +17,10 @@
  *       organised, so that it does not seem to be a mirror image (mirror.h)
  * ABS   an organised cloud; ST_EVERSION also for other lists than flag, X, Y and Z
  * NPY   floats or integers, in C or Fortran order, by the shape, C being 3 to 16, of which the
- *       first three are x, y and z: (N, C) and (3, N) are points, (H, W, C) an organised cloud,
- *       (H, W) a depth image (of floats without a scale the unit is unknown).  ST_EVERSION also
- *       for other types and shapes
+ *       first three are x, y and z: (N, C) and (3, N) are points, (H, W, C) and (3, H, W) an
+ *       organised cloud, (H, W) a depth image (of floats without a scale the unit is unknown);
+ *       of items with the fields x, y and z, or xyz, (N) and (H, W).  Other dimensions may be
+ *       of length 1.  ST_EVERSION also for other types and shapes
  * PNG, PGM  of 16 bits, grey; ST_EVERSION: no camera is given, or other pixels */
 #ifndef SCAN_READ_H
 #define SCAN_READ_H

@@ -14,12 +14,23 @@
 
 #define MAGIC "\x93NUMPY"
 
-struct array {
+#define DIMS 8
+
+struct value {
     enum cloudvalue type; /* CLOUDVALUE_NONE: not said yet */
-    bool big, fortran;
+    bool big;
+    size_t at; /* bytes from the item's first */
+};
+
+struct array {
+    struct value value
+        [3]; /* x, y and z of a structured item; else the first is that of each item */
+    bool fields; /* the items are structured */
+    size_t size; /* bytes of an item */
+    bool fortran;
     int dims; /* 0: not said yet */
-    /* rows, columns, and values of a pixel; and how many values from one to the next */
-    uint64_t shape[3], step[3];
+    /* rows, columns, and values of a pixel; and how many items from one to the next */
+    uint64_t shape[DIMS], step[DIMS];
 };
 
 /* ---- the header */
@@ -36,25 +47,104 @@ static bool take(struct cloudtext *t, const char *what)
     return true;
 }
 
-static enum status read_type(struct cloudtext *t, struct array *a)
+/* "'<f4'": a type, and its size in bytes.  Of types that have no numbers the size alone. */
+static bool take_type(struct cloudtext *t, struct value *v, uint64_t *size)
 {
     static const struct {
-        const char *name;
+        char kind, size;
         enum cloudvalue type;
-    } types[] = {{"f4'", CLOUDVALUE_F32}, {"f8'", CLOUDVALUE_F64},
-                 {"i1'", CLOUDVALUE_I8},  {"u1'", CLOUDVALUE_U8},
-                 {"i2'", CLOUDVALUE_I16}, {"u2'", CLOUDVALUE_U16},
-                 {"i4'", CLOUDVALUE_I32}, {"u4'", CLOUDVALUE_U32}};
+    } types[] = {
+        {'f', 2, CLOUDVALUE_F16}, {'f', 4, CLOUDVALUE_F32}, {'f', 8, CLOUDVALUE_F64},
+        {'i', 1, CLOUDVALUE_I8},  {'u', 1, CLOUDVALUE_U8},  {'i', 2, CLOUDVALUE_I16},
+        {'u', 2, CLOUDVALUE_U16}, {'i', 4, CLOUDVALUE_I32}, {'u', 4, CLOUDVALUE_U32},
+        {'i', 8, CLOUDVALUE_I64}, {'u', 8, CLOUDVALUE_U64}};
+    const char *word;
+    char kind;
 
-    a->big = take(t, "'>");
-    if (a->big || take(t, "'<") || take(t, "'|"))
-        for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-            if (take(t, types[i].name)) {
-                a->type = types[i].type;
-                return ST_OK;
-            }
-    return cloudtext_fail(
-        t, ST_EVERSION, "an NPY type that is not read: f4, f8, or i and u of 1, 2 or 4");
+    if (!take(t, "'") || t->end - t->p < 3)
+        return false;
+    v->big = *t->p == '>';
+    t->p += memchr("<>|=", *t->p, 4) != NULL;
+    kind = *t->p++;
+    for (word = t->p; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
+        ;
+    if (kind == 'O' || !cloudtext_count(word, (size_t)(t->p - word), size) ||
+        *size > 65535)
+        return false;
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (types[i].kind == kind && (uint64_t)types[i].size == *size)
+            v->type = types[i].type;
+    if (kind == 'U')
+        *size *= 4;
+    while (t->p < t->end && *t->p != '\'') /* the unit of a time */
+        t->p++;
+    return take(t, "'");
+}
+
+/* "('x', '<f4')" or "('rgb', '|u1', (3,))": takes the field if it is x, y or z, or xyz of three. */
+static bool take_field(struct cloudtext *t, struct array *a)
+{
+    struct value v = {.type = CLOUDVALUE_NONE, .at = a->size};
+    uint64_t size, n, items = 1;
+    const char *name, *word;
+    bool of_three = false;
+    size_t len;
+
+    if (!take(t, "(") || !take(t, "'"))
+        return false;
+    for (name = t->p; t->p < t->end && *t->p != '\''; t->p++)
+        ;
+    len = (size_t)(t->p - name);
+    if (!take(t, "'") || !take(t, ",") || !take_type(t, &v, &size))
+        return false;
+    if (take(t, ",") && take(t, "(")) {
+        while (!take(t, ")")) {
+            for (word = t->p; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
+                ;
+            if (!cloudtext_count(word, (size_t)(t->p - word), &n) || n > 65535)
+                return false;
+            of_three = items == 1 && n == 3;
+            items = items * n < 65535 ? items * n : 65535;
+            (void)take(t, "L");
+            (void)take(t, ",");
+        }
+    }
+    for (size_t k = 0; k < 3; k++) {
+        const bool is = cloudtext_like(name, len, (const char *[]){"x", "y", "z"}[k]);
+
+        if (is || (of_three && cloudtext_like(name, len, "xyz"))) {
+            a->value[k] = v;
+            a->value[k].at += is ? 0 : k * (size_t)size;
+        }
+    }
+    a->size += (size_t)(size * items);
+    return take(t, ")") && a->size < 65536;
+}
+
+static enum status read_type(struct cloudtext *t, struct array *a)
+{
+    uint64_t size;
+
+    a->fields = take(t, "[");
+    if (!a->fields) {
+        if (take_type(t, &a->value[0], &size) && a->value[0].type != CLOUDVALUE_NONE) {
+            a->size = (size_t)size;
+            return ST_OK;
+        }
+        return cloudtext_fail(t, ST_EVERSION,
+                              "an NPY type that is not read: send floats or integers");
+    }
+    for (a->size = 0; !take(t, "]"); (void)take(t, ","))
+        if (!take_field(t, a))
+            return cloudtext_fail(
+                t, ST_EVERSION,
+                "a structure of NPY that is not read: send x, y and z as floats");
+    for (size_t k = 0; k < 3; k++)
+        if (a->value[k].type == CLOUDVALUE_NONE)
+            return cloudtext_fail(
+                t, ST_EVERSION,
+                "the fields of the NPY array are not x, y and z of numbers");
+    return ST_OK;
 }
 
 static enum status read_shape(struct cloudtext *t, struct array *a)
@@ -66,9 +156,10 @@ static enum status read_shape(struct cloudtext *t, struct array *a)
 
         while (t->p < t->end && *t->p >= '0' && *t->p <= '9')
             t->p++;
-        if (a->dims == 3 ||
+        if (a->dims == DIMS ||
             !cloudtext_count(word, (size_t)(t->p - word), &a->shape[a->dims++]))
-            return cloudtext_fail(t, ST_EVERSION, "a shape has up to three numbers");
+            return cloudtext_fail(t, ST_EVERSION, "the shape of the array is not read");
+        (void)take(t, "L"); /* Python 2 */
     }
     return ST_OK;
 }
@@ -114,7 +205,7 @@ static enum status read_header(struct cloudtext *t, struct array *a)
         st = read_member(&h, a);
         (void)take(&h, ",");
     }
-    if (st == ST_OK && (a->type == CLOUDVALUE_NONE || a->dims == 0))
+    if (st == ST_OK && (a->size == 0 || a->dims == 0))
         return cloudtext_fail(&h, ST_EINVAL, "the NPY header has no type or no shape");
     return st;
 }
@@ -124,7 +215,7 @@ static enum status read_header(struct cloudtext *t, struct array *a)
 /* The steps of the array as it is, and that its values are all there is. */
 static enum status check_size(struct cloudtext *t, struct array *a)
 {
-    const uint64_t size = cloudvalue_size[a->type], left = (uint64_t)(t->end - t->p);
+    const uint64_t size = a->size, left = (uint64_t)(t->end - t->p);
     uint64_t n = 1;
 
     for (int i = 0; i < a->dims; i++) {
@@ -148,11 +239,40 @@ static bool is_point(uint64_t values)
     return values >= 3 && values <= NPY_VALUES;
 }
 
+/* Takes the dimensions of length 1 away that are not needed. */
+static void squeeze(struct array *a)
+{
+    for (int k = 0; k < a->dims && a->dims > 2;) {
+        if (a->shape[k] != 1) {
+            k++;
+            continue;
+        }
+        a->dims--;
+        memmove(a->shape + k, a->shape + k + 1, (size_t)(a->dims - k) * sizeof *a->shape);
+        memmove(a->step + k, a->step + k + 1, (size_t)(a->dims - k) * sizeof *a->step);
+    }
+}
+
 /* Rows and columns of points, or of values. */
 static enum status arrange(struct cloudtext *t, struct array *a)
 {
-    const struct array was = *a;
+    struct array was;
 
+    squeeze(a);
+    was = *a;
+    if (a->fields && a->dims <= 2) {
+        if (a->dims == 1)
+            a->shape[1] = 1;
+        return ST_OK;
+    }
+    if (a->dims == 3 && a->shape[0] == 3 &&
+        !is_point(a->shape[2])) { /* x, y and z are images */
+        for (int k = 0; k < 3; k++) {
+            a->shape[k] = was.shape[(k + 1) % 3];
+            a->step[k] = was.step[(k + 1) % 3];
+        }
+        return ST_OK;
+    }
     if (a->dims == 2) {
         const bool points = is_point(a->shape[1]), flat = !points && a->shape[0] == 3;
 
@@ -171,7 +291,7 @@ static enum status arrange(struct cloudtext *t, struct array *a)
         return ST_OK;
     return cloudtext_fail(t, ST_EVERSION,
                           "an array of a shape that is not read: (N, 3), (3, N), "
-                          "(H, W, 3), or (H, W) of a depth image");
+                          "(H, W, 3), (3, H, W), or (H, W) of a depth image");
 }
 
 static enum status read_values(struct cloudtext *t, const struct array *a,
@@ -179,18 +299,22 @@ static enum status read_values(struct cloudtext *t, const struct array *a,
                                struct cloudlist *list)
 {
     const unsigned char *data = (const unsigned char *)t->p;
-    const size_t size = cloudvalue_size[a->type];
-    const bool swap = cloudvalue_swap(a->big), depth = a->shape[2] == 1;
+    const bool depth = !a->fields && a->shape[2] == 1;
+    struct value value[3];
     struct clouddepth d;
     enum status st = ST_OK;
 
     if (a->shape[0] > UINT32_MAX || a->shape[1] > UINT32_MAX)
         return cloudtext_fail(t, ST_EINVAL, "the array is too large");
+    for (size_t k = 0; k < 3; k++) {
+        value[k] = a->value[a->fields ? k : 0];
+        value[k].at += a->fields || depth ? 0 : k * a->size * (size_t)a->step[2];
+    }
     if (depth) {
         st = clouddepth_begin(&d, camera, (uint32_t)a->shape[1], (uint32_t)a->shape[0],
                               list);
-        if (camera->scale == 0 &&
-            (a->type == CLOUDVALUE_F32 || a->type == CLOUDVALUE_F64))
+        if (camera->scale == 0 && a->value[0].type >= CLOUDVALUE_F32 &&
+            a->value[0].type <= CLOUDVALUE_F16)
             list->out.unit_mm = 0;
     } else if (a->shape[1] > 1) {
         list->out.width = (uint32_t)a->shape[1];
@@ -198,11 +322,12 @@ static enum status read_values(struct cloudtext *t, const struct array *a,
     }
     for (uint64_t i = 0; i < a->shape[0]; i++)
         for (uint64_t k = 0; k < a->shape[1] && st == ST_OK; k++) {
-            const unsigned char *p = data + size * (i * a->step[0] + k * a->step[1]);
+            const unsigned char *p = data + a->size * (i * a->step[0] + k * a->step[1]);
             double v[3];
 
             for (int j = 0; j < (depth ? 1 : 3); j++)
-                v[j] = cloudvalue_load(p + size * (size_t)j * a->step[2], a->type, swap);
+                v[j] = cloudvalue_load(p + value[j].at, value[j].type,
+                                       cloudvalue_swap(value[j].big));
             st = depth ? clouddepth_add(&d, v[0])
                        : cloudlist_add(list, (struct dvec3){v[0], v[1], v[2]});
         }
@@ -217,7 +342,7 @@ bool read_npy_is(const struct cloudtext *t)
 enum status read_npy_parse(struct cloudtext *t, const struct cloudfile_options *o,
                            struct cloudlist *list)
 {
-    struct array a = {.type = CLOUDVALUE_NONE};
+    struct array a = {.dims = 0};
     enum status st;
 
     t->line = 0;

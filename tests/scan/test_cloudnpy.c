@@ -1,5 +1,7 @@
 /* NumPy's arrays: points and depth images by their shape; types, byte orders and both orders
  * of the values; headers that are not true. */
+#include <math.h>
+
 #include "scanfile.h"
 #include "unit.h"
 
@@ -17,8 +19,14 @@ static void begin(struct scanfile *f, unsigned version, const char *dictionary)
 static void put(struct scanfile *f, const char *type, double v)
 {
     const unsigned size = (unsigned)(type[2] - '0');
+    int exponent;
 
-    if (type[1] == 'f')
+    if (type[1] == 'f' && size == 2) {
+        const double fraction = frexp(v, &exponent);
+
+        scanfile_whole(f, (uint64_t)((exponent + 14) * 1024 + (2 * fraction - 1) * 1024),
+                       2, type[0] == '>');
+    } else if (type[1] == 'f')
         scanfile_real(f, v, size, type[0] == '>');
     else
         scanfile_whole(f, (uint64_t)(int64_t)v, size, type[0] == '>');
@@ -47,7 +55,8 @@ static void make(struct scanfile *f, const char *type, bool fortran, unsigned ro
 }
 
 static const char *const types[] = {"<f4", ">f4", "<f8", ">f8", "<i2", ">i2", "<u2",
-                                    ">u2", "<i4", ">i4", "<u4", ">u4", "|i1", "|u1"};
+                                    ">u2", "<i4", ">i4", "<u4", ">u4", "|i1", "|u1",
+                                    "<f2", ">f2", "<i8", ">i8", "<u8", ">u8"};
 #define TYPES (sizeof types / sizeof *types)
 
 static void check(const struct scanfile *f, uint32_t width, uint32_t height)
@@ -96,6 +105,65 @@ TEST(test_no_value)
         scanfile_real(&f, i == 4 ? (double)NAN : i < 9 ? i : 0, 8, false);
     scanfile_good(&f, CLOUDFORMAT_ANY, &p);
     assert_true(p.n == 2 && p.read == 4 && p.index[1] == 2);
+    cloudpoints_free(&p);
+}
+
+/* Headers as different writers have them, of the points (0, 1, 2), (3, 4, 5), (6, 7, 8), (9, 10, 11). */
+TEST(test_writers)
+{
+    static const char *const headers[] = {
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (4L, 3L), }",
+        "{'descr':'<f4','fortran_order':False,'shape':(4,3)}",
+        "{'descr': '=f4', 'fortran_order': False, 'shape': (1, 4, 3)}",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (4, 1, 3), }",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (4, 3, 1), }",
+        "{'descr': [('x', '<f4'), ('y', '<f4'), ('z', '<f4')], 'fortran_order': False, 'shape': (4,)}",
+        "{'descr': [('x', '<f4'), ('y', '<f4'), ('z', '<f4')], 'fortran_order': False, 'shape': (2L, 2L)}",
+        "{'descr': [('X', '<f4'), ('Y', '<f4'), ('Z', '<f4')], 'fortran_order': True, 'shape': (4, 1)}",
+        "{'descr': [('xyz', '<f4', (3,))], 'fortran_order': False, 'shape': (4,), }"};
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    for (unsigned i = 0; i < sizeof headers / sizeof *headers; i++) {
+        begin(&f, 1 + i % 3, headers[i]);
+        for (int k = 0; k < 12; k++)
+            scanfile_real(&f, k, 4, false);
+        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        if (p.n != 4 || p.at[1].x != 3 || p.at[2].y != 7 || p.at[3].z != 11)
+            fail_msg("%zu points of %s", p.n, headers[i]);
+        cloudpoints_free(&p);
+    }
+    begin(
+        &f, 1,
+        "{'descr': [('t', '<M8[ns]'), ('name', '<U2'), ('z', '>f8'), ('', '|V3'), ('x', '<i2'),"
+        " ('rgb', '|u1', (1, 3)), ('y', '<f4')], 'fortran_order': False, 'shape': (2,)}");
+    for (int i = 0; i < 2; i++) {
+        scanfile_put(&f, "0123456701234567", 16);
+        scanfile_real(&f, 3 + i, 8, true);
+        scanfile_put(&f, "---", 3);
+        scanfile_whole(&f, (uint64_t)(1 + i), 2, false);
+        scanfile_put(&f, "rgb", 3);
+        scanfile_real(&f, 2 + i, 4, false);
+    }
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    scanfile_at(p.at[0], 1, 2, 3);
+    scanfile_at(p.at[1], 2, 3, 4);
+    cloudpoints_free(&p);
+    begin(&f, 1, "{'descr': '<f2', 'fortran_order': False, 'shape': (3, 3)}");
+    scanfile_put(
+        &f, "\x00\x3C\x00\xC0\x01\x00\x00\x7C\x00\x3C\x00\x3C\x01\x7C\x00\x3C\x00\x3C",
+        18);
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    assert_int_equal(p.n, 1);
+    scanfile_at(p.at[0], 1, -2, ldexp(1, -24));
+    cloudpoints_free(&p);
+    /* images of x, y and z */
+    begin(&f, 1, "{'descr': '<u2', 'fortran_order': False, 'shape': (3, 2, 20)}");
+    for (int k = 0; k < 120; k++)
+        scanfile_whole(&f, (uint64_t)k, 2, false);
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    assert_true(p.n == 40 && p.width == 20 && p.height == 2);
+    scanfile_at(p.at[21], 21, 61, 101);
     cloudpoints_free(&p);
 }
 
@@ -154,17 +222,19 @@ TEST(test_bad)
         {"{'descr': '<f8'}", ST_EINVAL, "no type or no shape"},
         {"{'descr': '<f8', 'shape': ()}", ST_EINVAL, "no type or no shape"},
         {"{'descr': '<f8', 'shape': 12}", ST_EINVAL, "byte 36: the shape of the array"},
-        {"{'descr': '<f8', 'shape': (4, x)}", ST_EVERSION, "up to three numbers"},
-        {"{'descr': '<f8', 'shape': (4, -3)}", ST_EVERSION, "up to three numbers"},
-        {"{'descr': '<f8', 'shape': (4, 3", ST_EVERSION, "up to three numbers"},
-        {"{'descr': '<f8', 'shape': (1, 1, 4, 3)}", ST_EVERSION, "up to three numbers"},
+        {"{'descr': '<f8', 'shape': (4, x)}", ST_EVERSION, "the shape of the array"},
+        {"{'descr': '<f8', 'shape': (4, -3)}", ST_EVERSION, "the shape of the array"},
+        {"{'descr': '<f8', 'shape': (4, 3", ST_EVERSION, "the shape of the array"},
+        {"{'descr': '<f8', 'shape': (1, 1, 1, 1, 1, 1, 1, 4, 3)}", ST_EVERSION,
+         "the shape of the array"},
         {"{'descr': '<f8', 'shape': (12,)}", ST_EVERSION, "(N, 3), (3, N), (H, W, 3)"},
         {"{'descr': '<f8', 'shape': (6, 2)}", ST_EVERSION, "a shape that is not read"},
-        {"{'descr': '<f8', 'shape': (4, 3, 1)}", ST_EVERSION, "a shape that is not read"},
-        {"{'descr': '<c16', 'shape': (4, 3)}", ST_EVERSION, "byte 22: an NPY type"},
-        {"{'descr': '<i8', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
-        {"{'descr': '<f2', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
-        {"{'descr': [('x', '<f4')], 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
+        {"{'descr': '<f8', 'shape': (2, 3, 2)}", ST_EVERSION, "a shape that is not read"},
+        {"{'descr': '<c16', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
+        {"{'descr': '|O', 'shape': (4, 3)}", ST_EVERSION, "an NPY type"},
+        {"{'descr': [('x', '<f4')], 'shape': (4, 3)}", ST_EVERSION, "not x, y and z"},
+        {"{'descr': [('x', '<f4'", ST_EVERSION, "a structure of NPY"},
+        {"{'descr': [('x', 'f99999')]}", ST_EVERSION, "a structure of NPY"},
         {"{'descr': '<f8', 'fortran_order': 1, 'shape': (4, 3)}", ST_EINVAL,
          "malformed NPY header"},
         {"{'descr': '<f8', 'size': 3, 'shape': (4, 3)}", ST_EINVAL, "byte 27: malformed"},
