@@ -141,9 +141,10 @@ static enum status accessor_open(const struct accessor_file *f, uint64_t index,
                            (unsigned long long)index, type);
     if (json_member(a, "sparse") != NULL || view == UINT64_MAX)
         return errinfo_set(f->e, ST_EVERSION,
-                           "GLB: accessor %llu is sparse, which is not read: export "
-                           "without it",
-                           (unsigned long long)index);
+                           "GLB: accessor %llu %s, which is not read: export without it",
+                           (unsigned long long)index,
+                           json_member(a, "sparse") != NULL ? "is sparse"
+                                                            : "has no data");
     if ((st = open_view(f, view, &offset, &len, &stride)) != ST_OK)
         return st;
     size = cloudvalue_size[out->type] * (strcmp(type, "VEC3") == 0 ? 3U : 1U);
@@ -253,21 +254,53 @@ static enum status open_file(struct cloudtext *t, struct scene *s)
     return st;
 }
 
-/* Geometry that is compressed by an extension. */
-static enum status check_extensions(const struct scene *s)
+/* Returns true if an array of names has this one. */
+static bool lists(const struct json_value *names, const char *name)
+{
+    const struct json_value *v = json_first(names);
+
+    while (v != NULL && (json_get_text(v) == NULL || strcmp(json_get_text(v), name) != 0))
+        v = json_next(v);
+    return v != NULL;
+}
+
+static bool has_extension(const struct json_value *object, const char *name)
+{
+    return json_member(json_member(object, "extensions"), name) != NULL;
+}
+
+/* Returns true if the file says anywhere that it has this extension. */
+static bool declares(const struct scene *s, const char *name)
+{
+    for (size_t i = 0; i < s->file.views.n; i++)
+        if (has_extension(s->file.views.at[i], name))
+            return true;
+    for (size_t i = 0; i < s->meshes.n; i++) {
+        const struct json_value *p =
+            json_first(json_member(s->meshes.at[i], "primitives"));
+
+        for (; p != NULL; p = json_next(p))
+            if (has_extension(p, name))
+                return true;
+    }
+    return lists(json_member(s->doc, "extensionsUsed"), name);
+}
+
+/* Names the extension that compresses the geometry, if the file requires it or, if required is false,
+ * has it. */
+static enum status check_extensions(const struct scene *s, bool required)
 {
     static const char *const known[] = {"KHR_draco_mesh_compression",
-                                        "EXT_meshopt_compression"};
-    const struct json_value *v = json_first(json_member(s->doc, "extensionsRequired"));
+                                        "EXT_meshopt_compression",
+                                        "KHR_meshopt_compression"};
 
-    for (; v != NULL; v = json_next(v))
-        for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-            if (json_get_text(v) != NULL && strcmp(json_get_text(v), known[i]) == 0)
-                return errinfo_set(
-                    s->e, ST_EVERSION,
-                    "GLB: its mesh is compressed by %s, which is not read: "
-                    "export without compression",
-                    known[i]);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (required ? lists(json_member(s->doc, "extensionsRequired"), known[i])
+                     : declares(s, known[i]))
+            return errinfo_set(s->e, ST_EVERSION,
+                               "GLB: its mesh is compressed by %s, which is not read: "
+                               "export without compression",
+                               known[i]);
     return ST_OK;
 }
 
@@ -277,7 +310,7 @@ static enum status open_scene(struct scene *s)
     enum status st;
 
     f->e = s->e;
-    if ((st = check_extensions(s)) != ST_OK ||
+    if ((st = check_extensions(s, true)) != ST_OK ||
         (st = accessor_items(s->doc, "accessors", &f->accessors, s->e)) != ST_OK ||
         (st = accessor_items(s->doc, "bufferViews", &f->views, s->e)) != ST_OK ||
         (st = accessor_items(s->doc, "buffers", &f->buffers, s->e)) != ST_OK ||
@@ -508,16 +541,45 @@ static enum status read_nodes(struct scene *s)
     return st;
 }
 
-/* The scene that is shown first. */
-static const struct json_value *nodes_of_scene(const struct scene *s)
+/* The nodes that are no other's children are read next, as if they were of a scene. */
+static void push_roots(struct scene *s, const double above[16])
 {
+    for (size_t i = 0; i < s->nodes.n; i++) {
+        const struct json_value *v = json_first(json_member(s->nodes.at[i], "children"));
+        uint64_t child;
+
+        for (; v != NULL; v = json_next(v))
+            if (json_get_count(v, &child) && child < s->nodes.n)
+                s->seen[child] = 1;
+    }
+    for (size_t i = 0; i < s->nodes.n; i++)
+        if (s->seen[i] == 0) {
+            s->stack[s->depth].node = i;
+            memcpy(s->stack[s->depth++].above, above, sizeof s->stack->above);
+        }
+    memset(s->seen, 0, s->nodes.n);
+    for (size_t i = 0; i < s->depth; i++)
+        s->seen[s->stack[i].node] = 1;
+}
+
+/* The scene that is shown first; a file without scenes is one. */
+static enum status read_scene(struct scene *s)
+{
+    static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     const struct json_value *v = json_first(json_member(s->doc, "scenes"));
     uint64_t which = 0;
+    enum status st = ST_OK;
 
+    if (v == NULL)
+        push_roots(s, none);
     (void)json_get_count(json_member(s->doc, "scene"), &which);
     while (v != NULL && which-- > 0)
         v = json_next(v);
-    return json_member(v, "nodes");
+    if (v != NULL)
+        st = push(s, json_member(v, "nodes"), none);
+    for (size_t i = 0; st == ST_OK && s->nodes.n == 0 && i < s->meshes.n; i++)
+        st = read_mesh(s, i, none);
+    return st == ST_OK ? read_nodes(s) : st;
 }
 
 bool read_glb_is(const struct cloudtext *t)
@@ -529,16 +591,13 @@ enum status read_glb_parse(struct cloudtext *t, const struct cloudfile_options *
                            struct cloudlist *list)
 {
     (void)o;
-    static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     struct scene s = {.list = list, .e = list->e};
     enum status st = open_file(t, &s);
 
     if (st == ST_OK)
         st = open_scene(&s);
-    if (st == ST_OK)
-        st = push(&s, nodes_of_scene(&s), none);
-    if (st == ST_OK)
-        st = read_nodes(&s);
+    if (st == ST_OK && (st = read_scene(&s)) == ST_EVERSION)
+        (void)check_extensions(&s, false);
     list->out.usual_mm = 1000; /* glTF is in metres */
     if (st == ST_OK && list->out.read == 0)
         st = errinfo_set(s.e, ST_EINVAL,

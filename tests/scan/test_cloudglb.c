@@ -106,6 +106,72 @@ TEST(test_indices)
     scanfile_cut(&f, CLOUDFORMAT_ANY);
 }
 
+/* Without scenes the nodes are those that are no other's children; without nodes each mesh is one. */
+TEST(test_no_scenes)
+{
+    static const char *const json[] = {
+        "{\"nodes\":[{\"mesh\":0}],\"meshes\":" MESH("1") "," SHARED("140") "}",
+        "{\"scenes\":[],\"nodes\":[{\"mesh\":0},{\"children\":[0]}],\"meshes\":" MESH(
+            "1") "," SHARED("140") "}",
+        "{\"meshes\":" MESH("1") "," SHARED("140") "}"};
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    for (size_t i = 0; i < 3; i++) {
+        make(&f, json[i]);
+        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        assert_int_equal(p.n, 4);
+        check_square(&p, 0, same);
+        cloudpoints_free(&p);
+    }
+    make(&f,
+         "{\"nodes\":[{\"mesh\":0,\"children\":[1]},{\"children\":[0]}],\"meshes\":" MESH(
+             "1") "," SHARED("140") "}");
+    scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EINVAL, "no node of the scene");
+}
+
+/* Compression is named wherever it is declared, if the data is not there as well. */
+TEST(test_compressed)
+{
+#define FILE_OF(extension, views, used)                                                  \
+    "{\"nodes\":[{\"mesh\":0}],\"buffers\":[{\"byteLength\":140},{\"byteLength\":9}],"   \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}" extension "}]}],"    \
+    "\"bufferViews\":[" views "],\"accessors\":[{" used                                  \
+    "\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"}]"
+    static const struct {
+        const char *json, *words;
+    } c[] = {
+        {FILE_OF(",\"extensions\":{\"KHR_draco_mesh_compression\":{\"bufferView\":0}}",
+                 "", "") "}",
+         "by KHR_draco_mesh_compression"},
+        {FILE_OF("", "", "") ",\"extensionsUsed\":[\"KHR_draco_mesh_compression\"]}",
+         "by KHR_draco_mesh_compression"},
+        {FILE_OF(
+             "",
+             "{\"buffer\":1,\"byteLength\":9,\"extensions\":{\"EXT_meshopt_compression\":{}}}",
+             "\"bufferView\":0,") "}",
+         "by EXT_meshopt_compression"},
+        {FILE_OF(
+             "", "{\"buffer\":1,\"byteLength\":9}",
+             "\"bufferView\":0,") ",\"extensionsUsed\":[1,\"KHR_meshopt_compression\"]}",
+         "by KHR_meshopt_compression"},
+        {FILE_OF("", "{\"buffer\":1,\"byteLength\":9}", "\"bufferView\":0,") "}",
+         "nothing is opened"},
+        {FILE_OF("", "", "") "}", "accessor 0 has no data"}};
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    for (size_t i = 0; i < sizeof c / sizeof *c; i++) {
+        make(&f, c[i].json);
+        scanfile_bad(&f, CLOUDFORMAT_ANY, ST_EVERSION, c[i].words);
+    }
+    make(&f,
+         "{\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\"nodes\":[{\"mesh\":0}],"
+         "\"meshes\":" MESH("1") "," SHARED("140") "}");
+    scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+    cloudpoints_free(&p);
+}
+
 /* A node below another, one by a matrix and one by its parts, each with a mesh. */
 TEST(test_nodes)
 {
