@@ -35,7 +35,7 @@ enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camer
 enum status clouddepth_add(struct clouddepth *d, double value)
 {
     const struct clouddepth_camera *c = d->camera;
-    const double z = value > 0 ? d->mm * value : (double)NAN;
+    const double z = value > 0 && value != CLOUDDEPTH_NONE ? d->mm * value : (double)NAN;
     const struct dvec3 p = {(d->u - c->cx) * z / c->fx, (c->cy - d->v) * z / c->fy, -z};
 
     if (++d->u == d->list->out.width) {

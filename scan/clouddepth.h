@@ -26,6 +26,8 @@ struct clouddepth_camera {
 };
 
 #define CLOUDDEPTH_SIDE_MAX 65535 /* of width and height */
+#define CLOUDDEPTH_NONE                                                                  \
+    65535 /* the largest number of 16 bits is no distance, as 0 is none */
 
 #define CLOUDDEPTH_NO_CAMERA                                                             \
     {                                                                                    \
@@ -43,7 +45,8 @@ struct clouddepth {
 /* clouddepth_begin(d, camera, width, height, list): the points will be an organised cloud in
  * millimetres: x to the image's right, y up, z towards the camera, which is at the origin.
  * Returns ST_OK; ST_EVERSION no camera is given; with a message.
- * clouddepth_add(d, value): the next pixel; a value that is not above 0 is none.  As
+ * clouddepth_add(d, value): the next pixel; a value that is not above 0, or CLOUDDEPTH_NONE, is
+ * none.  As
  * cloudlist_add(). */
 enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camera *camera,
                              uint32_t width, uint32_t height, struct cloudlist *list);

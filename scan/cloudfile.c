@@ -273,17 +273,16 @@ static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
 static enum status finish(struct cloudlist *list, enum status st,
                           const struct cloudfile_options *o, struct cloudpoints *out)
 {
+    if (list->out.unit_mm == 0)
+        list->out.unit_mm = o->unit_mm;
     if (st == ST_OK)
         st = list->out.at == NULL
                  ? errinfo_set(list->e, ST_EINVAL, "there are no points in it")
                  : cloudlist_finish(list);
-    if (st != ST_OK) {
-        cloudpoints_free(&list->out);
-    } else {
-        if (list->out.unit_mm == 0)
-            list->out.unit_mm = o->unit_mm;
+    if (st == ST_OK)
         *out = list->out;
-    }
+    else
+        cloudpoints_free(&list->out);
     return st;
 }
 

@@ -7,6 +7,7 @@
 #include "mem.h"
 
 #define FIRST_ROOM 1024
+#define MARKS      4 /* numbers that stand for no value, in one file */
 
 static enum status no_memory(const struct cloudlist *l)
 {
@@ -184,6 +185,90 @@ static enum status drop_zero(struct cloudlist *l)
     return ST_OK;
 }
 
+static double distance(const struct cloudpoints *out, size_t i, int axis)
+{
+    const struct dvec3 p = out->at[i];
+
+    return fabs(axis == 0 ? p.x : axis == 1 ? p.y : p.z);
+}
+
+/* The points that are as far from the origin as least, along an axis, have no value. */
+static enum status drop_far(struct cloudlist *l, int axis, double least)
+{
+    struct cloudpoints *out = &l->out;
+    enum status st = drop(l);
+    size_t n = 0;
+
+    for (size_t i = 0; st == ST_OK && i < out->n; i++) {
+        if (distance(out, i, axis) >= least)
+            continue;
+        out->at[n] = out->at[i];
+        out->index[n] = out->index[i];
+        if (out->normal != NULL)
+            out->normal[n] = out->normal[i];
+        n++;
+    }
+    out->n = st == ST_OK ? n : out->n;
+    return st;
+}
+
+/* The largest distance along an axis that is less than below, and how many points have it. */
+static double farthest(const struct cloudpoints *out, int axis, double below, size_t *n)
+{
+    double most = 0;
+
+    *n = 0;
+    for (size_t i = 0; i < out->n; i++) {
+        const double d = distance(out, i, axis);
+
+        if (d >= below || d < most)
+            continue;
+        *n = d > most ? 1 : *n + 1;
+        most = d;
+    }
+    return most;
+}
+
+/* How many points are as far as least along an axis. */
+static size_t count_far(const struct cloudpoints *out, int axis, double least)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < out->n; i++)
+        n += distance(out, i, axis) >= least;
+    return n;
+}
+
+/* What programs write for "no value" beside 0 and NaN: one number for several points, twice as far as
+ * all others (9999, 65.535, the end of a renderer's view); or anything beyond the range of cameras,
+ * unless nearly all is, so that the unit is not what it is said to be. */
+static enum status drop_marks(struct cloudlist *l)
+{
+    struct cloudpoints *out = &l->out;
+    enum status st = ST_OK;
+
+    for (int axis = 0; axis < 3; axis++) {
+        const double range =
+            out->unit_mm > 0 ? CLOUDLIST_RANGE_MM / out->unit_mm : (double)INFINITY;
+        const size_t beyond = count_far(out, axis, range);
+
+        if (beyond > 0 && beyond < out->n / 10 * 9)
+            st = drop_far(l, axis, range);
+        for (int i = 0; st == ST_OK && i < MARKS; i++) {
+            size_t n, others;
+            const double most = farthest(out, axis, (double)INFINITY, &n);
+            const double next = farthest(out, axis, most, &others);
+
+            if (n < 2 || next == 0 || most < 2 * next)
+                break;
+            st = drop_far(l, axis, most);
+        }
+        if (st != ST_OK)
+            return st;
+    }
+    return st;
+}
+
 enum status cloudlist_finish(struct cloudlist *l)
 {
     const bool organised = l->out.height > 1;
@@ -191,6 +276,8 @@ enum status cloudlist_finish(struct cloudlist *l)
 
     if (l->zeros > 1 || (l->zeros == 1 && organised))
         st = drop_zero(l);
+    if (st == ST_OK && organised)
+        st = drop_marks(l);
     if (st == ST_OK && l->out.n == 0 && l->out.read > 0)
         return errinfo_set(l->e, ST_ENOTFINITE,
                            "none of the %zu points has a value: each is NaN, infinite or "

@@ -38,7 +38,11 @@ enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3]);
 /* cloudlist_forget(l): the faces have turned out not to be readable: no normals. */
 void cloudlist_forget(struct cloudlist *l);
 
-/* cloudlist_finish(l): all are added.  Returns ST_OK; ST_ENOTFINITE there were points, and
+/* mm: no camera measures a face from farther away. */
+#define CLOUDLIST_RANGE_MM 8000.0
+
+/* cloudlist_finish(l): all are added.  Of an organised cloud the points whose coordinate stands for "no
+ * value", or is beyond the range of cameras, are dropped.  Returns ST_OK; ST_ENOTFINITE there were points, and
  * none has a value. */
 enum status cloudlist_finish(struct cloudlist *l);
 

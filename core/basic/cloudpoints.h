@@ -9,7 +9,8 @@
 
 /* The points that have a value, in the order of the file.  Dropped are those with a
  * coordinate that is NaN or infinite, and those at exactly (0, 0, 0) where that stands for
- * "no value": in an organised cloud, and wherever two or more points are there.
+ * "no value": in an organised cloud, and wherever two or more points are there.  Of an organised
+ * cloud also those whose number stands for it (9999), and those beyond the range of cameras.
  * normal  NULL: none are known.  The file's own or, of a mesh, the sum over a point's faces of
  *         their normal by the corners' order, times twice the area.  Of any length; (0, 0, 0)
  *         where nothing is known.  Whether they point outward is as the file has it

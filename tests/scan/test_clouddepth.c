@@ -93,13 +93,75 @@ TEST(test_points)
         assert_int_equal(
             read_by(&f, camera, i % 2 == 0 ? CLOUDFORMAT_ANY : format, &p, &err), ST_OK);
         assert_true(p.format == format && p.unit_mm == 1 && p.normal == NULL);
-        assert_true(p.width == 3 && p.height == 2 && p.read == 6 && p.n == 4);
-        assert_true(p.index[0] == 0 && p.index[1] == 2 && p.index[2] == 3 &&
-                    p.index[3] == 4);
+        assert_true(p.width == 3 && p.height == 2 && p.read == 6 && p.n == 3);
+        assert_true(p.index[0] == 0 && p.index[1] == 2 && p.index[2] == 3);
         scanfile_at(p.at[0], -5, -20, -500);
         scanfile_at(p.at[1], 10, -40, -1000);
         scanfile_at(p.at[2], -2.58, -15.48, -258);
-        scanfile_at(p.at[3], 0, -3932.1, -65535);
+        cloudpoints_free(&p);
+    }
+}
+
+/* The numbers of a depth image 8 x 4 that stand for no value: all but 500 to 530. */
+TEST(test_no_value)
+{
+    static const uint16_t marks[] = {0, 65535, 9999, 65000, 10000, 32001};
+    static const double floats[] = {9999, 1e10, 3.4e38, 1000, 65.535};
+    struct clouddepth_camera camera = CAMERA;
+    static struct scanfile f;
+    struct cloudpoints p;
+
+    camera.width = 8;
+    camera.height = 4;
+    for (size_t m = 0; m < sizeof marks / sizeof *marks; m++) {
+        const struct cloudfile_options o = {
+            .max_points = 100, .max_bytes = 1000, .camera = camera};
+        struct scanfile_said err;
+
+        f.len = 0;
+        for (unsigned i = 0; i < 32; i++)
+            scanfile_whole(&f,
+                           i % 5 == 1 ? marks[m]
+                           : i == 30  ? 9500
+                                      : 500 + i,
+                           2, false);
+        assert_int_equal(scanfile_read(f.bytes, f.len, &o, &p, &err), ST_OK);
+        assert_true(p.read == 32 && p.n == 24 && p.index[1] == 2);
+        cloudpoints_free(&p);
+    }
+    for (size_t m = 0; m < sizeof floats / sizeof *floats; m++) {
+        char text[200];
+
+        /* an organised cloud in an unknown unit, with and without values for x and y */
+        f.len = 0;
+        scanfile_text(
+            &f,
+            "# .PCD\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nWIDTH 8\nHEIGHT 4\nDATA ascii\n");
+        for (unsigned i = 0; i < 32; i++) {
+            const double z = i % 5 == 1   ? floats[m]
+                             : i % 7 == 1 ? -2 * floats[m]
+                                          : 0.5 + 0.01 * i;
+
+            (void)snprintf(text, sizeof text, "%.17g %.17g %.17g\n",
+                           m % 2 == 0 ? 0.1 * i : z, 0.01 * i, z);
+            scanfile_text(&f, text);
+        }
+        scanfile_good(&f, CLOUDFORMAT_ANY, &p);
+        if (p.n != 21)
+            fail_msg("%zu points with %g", p.n, floats[m]);
+        cloudpoints_free(&p);
+    }
+    /* What is far is not without a value, if it is no more than that; nor is a unit that is wrong. */
+    for (unsigned k = 0; k < 2; k++) {
+        const struct cloudfile_options o = {
+            .max_points = 100, .max_bytes = 1000, .camera = camera};
+        struct scanfile_said err;
+
+        f.len = 0;
+        for (unsigned i = 0; i < 32; i++)
+            scanfile_whole(&f, (k == 0 ? 500 : 9000) + 31 * i, 2, false);
+        assert_int_equal(scanfile_read(f.bytes, f.len, &o, &p, &err), ST_OK);
+        assert_int_equal(p.n, 32);
         cloudpoints_free(&p);
     }
 }
