@@ -29,6 +29,7 @@ enum status clouddepth_begin(struct clouddepth *d, const struct clouddepth_camer
     list->out.width = width;
     list->out.height = height;
     list->out.pinhole = true;
+    list->out.value_mm = d->mm;
     return ST_OK;
 }
 

@@ -11,8 +11,6 @@
 #define NEARLY_A_FACE    0.5 /* of the support that is wanted */
 #define ON_ITS_SIDE_DEG  45  /* a head is not tilted so far */
 #define HALF_PROFILE_DEG 55  /* beyond it less than half of a face is seen */
-#define FACE_MM          250 /* the longest side of a usual scan */
-#define ROOM_MM          6000
 
 __attribute__((format(printf, 2, 3))) static void add(struct advice *a, const char *fmt,
                                                       ...)
@@ -41,40 +39,39 @@ static bool warns(const struct surface_found *f, enum surface_warning k)
     return (f->warnings >> k & 1) != 0;
 }
 
-/* The unit by which the longest side is so long at most, and a face's at least; 0: none of them, or
- * `but`. */
-static double unit_of(const struct surface_found *f, double most, double but)
+/* The unit by which the longest side is as long as a face's; 0: none of them, or `but`. */
+static double unit_of(const struct surface_found *f, double but)
 {
     static const double mm[] = {1, 1000, 10, 25.4, 0.001};
     const double side = fmax(f->extent[0], fmax(f->extent[1], f->extent[2]));
 
     for (size_t i = 0; i < sizeof mm / sizeof *mm; i++)
-        if (mm[i] != but && side * mm[i] >= SURFACE_EXTENT_MIN_MM && side * mm[i] <= most)
+        if (mm[i] != but && side * mm[i] >= SURFACE_EXTENT_MIN_MM &&
+            side * mm[i] <= SURFACE_EXTENT_MAX_MM)
             return mm[i];
     return 0;
 }
 
+double advice_round(double v)
+{
+    const double step = pow(10, floor(log10(v)) - 1);
+
+    return rint(v / step) * step;
+}
+
 static void unit(const struct surface_found *f, struct advice *a)
 {
-    const double likely = unit_of(f, SURFACE_EXTENT_MAX_MM, f->unit_mm);
+    const double likely = unit_of(f, f->unit_mm);
 
-    if (likely != 0)
+    if (f->fits_mm > 0 && f->unit_found)
+        add(a, "send it in one of the units: mm, cm, m, in or um");
+    else if (f->fits_mm > 0)
+        add(a, "give depth_scale=%.7g", advice_round(f->fits_mm));
+    else if (likely != 0)
         add(a, "is it %s? Give the unit%s", cloudunit_plural(likely),
             f->unit_found ? "" : ", or use auto");
     else
         add(a, "is it one face, and the unit right?");
-}
-
-/* The usual units were tried. */
-static void no_unit(const struct surface_found *f, struct advice *a)
-{
-    const double side = fmax(f->extent[0], fmax(f->extent[1], f->extent[2]));
-
-    if (f->unit_found && side > 0 && unit_of(f, ROOM_MM, 0) == 0)
-        add(a,
-            "in no usual unit is that as large as a face: if it is one, give the unit, "
-            "of about %.2g mm",
-            FACE_MM / side);
 }
 
 /* The reasons that have nothing but the status to tell them by. */
@@ -103,7 +100,6 @@ static void reason(enum status st, const struct surface_found *f, struct advice 
         unit(f, a);
         break;
     case ST_ENOFACE:
-        no_unit(f, a);
         add(a,
             "let the scanner see the whole face, from the front or turned by up to %d°",
             HALF_PROFILE_DEG);
@@ -205,7 +201,8 @@ void advice_give(enum status st, const struct surface_found *f,
                  const struct surface_face *face, struct advice *out)
 {
     out->n = out->nnote = 0;
-    if (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted)
+    if (f->fits_mm == 0 &&
+        (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted))
         found(st, f, out); /* else it was found in something else */
     reason(st, f, out);
     if (f->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))

@@ -24,4 +24,7 @@ struct advice {
 void advice_give(enum status st, const struct surface_found *found,
                  const struct surface_face *face, struct advice *out);
 
+/* advice_round(v): Returns v, which is above 0, rounded to two digits. */
+double advice_round(double v);
+
 #endif

@@ -21,7 +21,8 @@ enum status dry_run_run(const char *name, const struct cloudpoints *c,
     out->verification = status_from(
         surface_check(w, &cloud, face, &refused, &strict.scan, &out->found.scan));
     out->enrolment = status_from(refused);
-    strict.scan.unit_found = out->found.scan.unit_found = c->unit_mm == 0;
+    sample_tell(c, &strict.scan);
+    sample_tell(c, &out->found.scan);
     st = out->verification;
     if (st != ST_OK) {
         sample_refuse(name, st, &out->found, &out->why);

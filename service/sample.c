@@ -99,6 +99,11 @@ static void tell(enum status st, const struct surface_found *f, size_t n,
         append(e, "the %zu points lie on one line or at one place", n);
         break;
     case ST_EUNITS:
+        if (f->fits_mm > 0) {
+            append(e, "a face in none of the units; at about %.7g mm a %s it would be",
+                   advice_round(f->fits_mm), f->unit_found ? "unit" : "depth value");
+            break;
+        }
         append(e,
                "the extent is %.4g x %.4g x %.4g in the units %s; a face has %d to %d mm",
                x[0], x[1], x[2], f->unit_found ? "detected, mm" : "given",
@@ -255,6 +260,13 @@ struct surface_cloud sample_cloud(const struct cloudpoints *c,
         .stop = stop};
 }
 
+void sample_tell(const struct cloudpoints *c, struct surface_found *found)
+{
+    found->unit_found = c->unit_mm == 0;
+    if (!found->unit_found)
+        found->fits_mm *= c->value_mm;
+}
+
 void sample_refuse(const char *name, enum status st, const struct sample_found *found,
                    struct errinfo *e)
 {
@@ -282,7 +294,7 @@ bool sample_open(struct cloudpoints *c, const struct sample_options *o,
 
 void sample_close(struct cloudpoints *c, struct sample_found *found)
 {
-    found->scan.unit_found = c->unit_mm == 0;
+    sample_tell(c, &found->scan);
     c->n = found->scan.kept;
     mem_free(c->normal);
     c->normal = NULL;

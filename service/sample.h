@@ -49,6 +49,10 @@ bool sample_open(struct cloudpoints *c, const struct sample_options *o,
                  const struct surface_stop *stop, struct surface_cloud *cloud,
                  struct sample_found *found);
 void sample_close(struct cloudpoints *c, struct sample_found *found);
+
+/* sample_tell(c, found): Sets in found what the library does not know of c: whether its unit was given,
+ * and, of a depth image, found->fits_mm for a value of the image. */
+void sample_tell(const struct cloudpoints *c, struct surface_found *found);
 void sample_refuse(const char *name, enum status st, const struct sample_found *found,
                    struct errinfo *e);
 

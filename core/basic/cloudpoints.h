@@ -32,6 +32,8 @@ struct cloudpoints {
     uint32_t width, height; /* of an organised cloud, as of a depth camera; else 0 */
     bool
         pinhole; /* x and y were computed from depths by a focal length that was stated */
+    double
+        value_mm; /* with pinhole: millimetres per value of the depth image; 0: unknown */
 };
 
 /* It is empty again. */

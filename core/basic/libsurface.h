@@ -290,6 +290,9 @@ struct surface_found {
     /* with SURFACE_PINHOLE, of a face that looks at the camera: the focal length over the one that was
      * used, by which the face has usual proportions; its deviation over people is 0.04.  0: unknown */
     double focal_times;
+    /* with SURFACE_EUNITS: about how many millimetres a unit would have for the points to be a face,
+     * which they are in none of the usual units.  0: unknown */
+    double fits_mm;
 };
 
 /* Build a face from a scan.

@@ -11,12 +11,6 @@
 #include "select.h"
 #include "shape.h"
 
-/* Units, the usual ones first: they are tried in this order. */
-#define FIND_UNITS_MM                                                                    \
-    {                                                                                    \
-        1, 1000, 10, 25.4, 0.001                                                         \
-    }
-
 /* A child's head, upright before a scanner, is looked at as if it were so much larger; it must be
  * worth so much more. */
 #define FIND_SMALL      1.25
@@ -510,9 +504,24 @@ static void choose(const struct finder *f, struct find *out)
             out->pose[out->n++] = f->best.at[i].pose;
 }
 
-enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
-                      struct surface_work *w, const struct surface_stop *stop,
-                      struct find *out)
+double find_extent(const struct dvec3 *pts, size_t n)
+{
+    struct extent extent;
+
+    measure_extent(pts, n, FIND_STRAY_IN, &extent);
+    return extent.size;
+}
+
+/* In the unit given alone, as it is. */
+static enum status search_once(struct finder *f)
+{
+    measure_extent(f->pts, f->n, FIND_STRAY_IN, &f->extent);
+    return search(f, f->unit_mm);
+}
+
+static enum status run(const struct dvec3 *pts, size_t n, double unit_mm, int64_t spend,
+                       enum status (*how)(struct finder *f), struct surface_work *w,
+                       const struct surface_stop *stop, struct find *out)
 {
     struct finder *f;
     enum status st;
@@ -528,15 +537,30 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
     f->size = 1;
     f->shape = face_work_shape(w);
     f->stop = stop;
-    f->starts.left = FIND_SPENT + (int64_t)(n / FIND_SPENT_PER);
+    f->starts.left = spend;
     f->best.n = 0;
     f->evident = false;
     find_view_prepare(face_work_mean(w), &f->face);
-    st = search_all(f);
+    st = how(f);
     if (st == ST_OK && f->best.n == 0)
         st = ST_ENOFACE;
     if (st == ST_OK)
         choose(f, out);
     mem_free(f);
     return st;
+}
+
+enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
+                      struct surface_work *w, const struct surface_stop *stop,
+                      struct find *out)
+{
+    return run(pts, n, unit_mm, FIND_SPENT + (int64_t)(n / FIND_SPENT_PER), search_all, w,
+               stop, out);
+}
+
+enum status find_once(const struct dvec3 *pts, size_t n, double unit_mm,
+                      struct surface_work *w, const struct surface_stop *stop,
+                      struct find *out)
+{
+    return run(pts, n, unit_mm, FIND_SPENT_ONCE, search_once, w, stop, out);
 }

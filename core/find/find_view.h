@@ -61,6 +61,7 @@ void find_grid_free(struct find_grid *g);
  * what PER allowed for if it is left. */
 #define FIND_SPENT        4600
 #define FIND_SPENT_SMALL  1120
+#define FIND_SPENT_ONCE   300
 #define FIND_SPENT_PER    12
 #define FIND_SPENT_CUBES  512
 #define FIND_SPENT_CELLS  96

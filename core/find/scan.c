@@ -43,6 +43,18 @@
 #define SCAN_UP_LEAST   0.3
 #define SCAN_UP_POSES   2
 
+/* mm: the longest sides by which points in none of the usual units are looked at, of a head, of a face cut
+ * out and of a bust: most faces are found at 0.8 to 1.25 times their size.  Not of points that a usual unit
+ * makes as large as a head, and a face at a scale so near to a usual one would have been found by that. */
+#define SCAN_SIDES                                                                       \
+    {                                                                                    \
+        260, 160, 420                                                                    \
+    }
+#define SCAN_USUAL_MIN_MM 130.0
+#define SCAN_USUAL_MAX_MM 300.0
+#define SCAN_SCALE        1.6
+#define SCAN_SCALE_POINTS 5000
+
 /* Support from which on a face is where it lay in another frame, and from which on, uncovered, it
  * has hardly moved. */
 #define SCAN_NEAR  0.45
@@ -481,6 +493,88 @@ static enum status build_unfound(struct scan *s, struct scan_search *k)
                : st;
 }
 
+/* Returns true if a unit that was tried is between these. */
+static bool was_tried(const struct scan *s, double from_mm, double to_mm)
+{
+    static const double units[] = FIND_UNITS_MM;
+
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        const double mm = s->c->unit_mm != 0 ? s->c->unit_mm : units[i];
+
+        if (mm > from_mm && mm < to_mm)
+            return true;
+    }
+    return false;
+}
+
+/* Returns the status of a search for a face in points at a scale, which they are in afterwards;
+ * k->fits_mm: about as many mm as a unit of s->c has, if there is plainly one. */
+static enum status try_scale(struct scan *s, struct scan_search *k, struct dvec3 *at,
+                             size_t n, double mm)
+{
+    struct surface_found about = *s->found;
+    struct shape_fit fit;
+    struct find find;
+    enum status st;
+
+    for (size_t i = 0; i < n; i++)
+        at[i] = vec_along((struct dvec3){0, 0, 0}, mm, s->c->at[i * s->c->n / n]);
+    if ((st = find_once(at, n, 1, s->w, s->o->stop, &find)) == ST_OK)
+        st = shape_fit(s->shape, at, n, &find.pose[0].pose, 1, true, &fit);
+    if (st != ST_OK)
+        return st == ST_ENOFACE ? ST_OK : st;
+    about.occluded = (double)fit.cover / s->shape->cells;
+    if (gate_judge(s->shape, &fit, true, &about) == ST_OK)
+        k->fits_mm = mm / fit.size * s->found->unit_mm;
+    return st;
+}
+
+/* Tries the scales that SCAN_SIDES says, with some of the points. */
+static enum status find_scale(struct scan *s, struct scan_search *k)
+{
+    static const double sides[] = SCAN_SIDES;
+    const double extent = find_extent(s->c->at, s->c->n) / s->found->unit_mm;
+    size_t n = s->c->n < SCAN_SCALE_POINTS ? s->c->n : SCAN_SCALE_POINTS;
+    struct dvec3 *at = mem_array(n, sizeof *at);
+    enum status st = at != NULL ? ST_OK : ST_ENOMEM;
+
+    k->scaled = true;
+    k->fits_mm = 0;
+    if (extent == 0 ||
+        was_tried(s, SCAN_USUAL_MIN_MM / extent, SCAN_USUAL_MAX_MM / extent))
+        n = 0;
+    for (size_t i = 0;
+         st == ST_OK && n > 0 && k->fits_mm == 0 && i < sizeof sides / sizeof *sides; i++)
+        st = try_scale(s, k, at, n, sides[i] / extent / s->found->unit_mm);
+    if (was_tried(s, k->fits_mm / SCAN_SCALE, k->fits_mm * SCAN_SCALE))
+        k->fits_mm = 0;
+    mem_free(at);
+    return st;
+}
+
+/* Nothing like a face was found, st: is there one in a unit that nobody gave, or at another scale of a
+ * depth image?  The points are in mm by found->unit_mm. */
+static enum status try_scales(struct scan *s, struct scan_search *k, enum status st)
+{
+    enum status tried;
+
+    if ((s->c->unit_mm != 0 && !s->c->pinhole) || s->o->near != NULL)
+        return st;
+    if (!k->scaled && (tried = find_scale(s, k)) != ST_OK)
+        return tried;
+    s->found->fits_mm = k->fits_mm;
+    return k->fits_mm > 0 ? ST_EUNITS : st;
+}
+
+/* Returns true if what was found is not like a face. */
+static bool is_nothing(const struct scan *s)
+{
+    struct surface_found ignored = *s->found;
+
+    return gate_judge(s->shape, &s->fit, s->o->enrolment && !s->o->frame, &ignored) ==
+           ST_ENOTFACE;
+}
+
 static enum status build_found(struct scan *s, struct scan_search *k)
 {
     enum status st;
@@ -489,8 +583,14 @@ static enum status build_found(struct scan *s, struct scan_search *k)
         return ST_ETOOFEW;
     k->st = search(s, k);
     k->done = true;
+    if (k->st == ST_ENOFACE) {
+        st = build_unfound(s, k);
+        return st == ST_ENOFACE || st == ST_ENOTFACE || st == ST_EUNITS || st == ST_ERANGE
+                   ? try_scales(s, k, st)
+                   : st;
+    }
     if (k->st != ST_OK)
-        return k->st == ST_ENOFACE ? build_unfound(s, k) : k->st;
+        return k->st;
     if (s->o->stop != NULL && s->o->stop->wanted(s->o->stop->arg))
         return ST_EBUSY;
     s->fit = k->fit;
@@ -498,6 +598,8 @@ static enum status build_found(struct scan *s, struct scan_search *k)
     s->found->unit_mm = k->find.pose[0].unit_mm;
     s->view = pose_scale(&s->fit.pose, s->fit.size);
     tell_step(s, &s->view);
+    if (is_nothing(s) && (st = try_scales(s, k, ST_OK)) != ST_OK)
+        return st;
     if ((st = judge_aspect(s, k)) != ST_OK)
         return st;
     s->found->cropped = true;

@@ -23,6 +23,8 @@ struct scan_search {
     struct find find;     /* where st is ST_OK, as is the fit */
     struct shape_fit fit; /* to the points in find's unit */
     double focal_times;   /* of surface_found */
+    bool scaled;          /* other scales were tried */
+    double fits_mm;       /* of surface_found */
 
     bool as_is;                 /* a model was made of the points as they are */
     enum status st_as_is;       /* of that */
@@ -78,8 +80,8 @@ struct scan_options {
  * Which points these are depends on their order by rounding only.  Memory: 16 bytes a point,
  * and what find_face() takes, freed at the end.
  * found->points and ->kept are left to the caller.
- * Returns ST_OK; as face_build(); ST_ENOFACE: none was found; ST_ESEVERAL, ST_EMIRRORED:
- * enrolment alone; ST_EBUSY: by o->stop. */
+ * Returns ST_OK; as face_build(); ST_ENOFACE: none was found; ST_EUNITS also if one is found in an
+ * unusual unit (found->fits_mm); ST_ESEVERAL, ST_EMIRRORED: enrolment alone; ST_EBUSY: by o->stop. */
 enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
                        struct surface_work *w, struct surface_face *out, size_t *bad,
                        struct surface_found *found);

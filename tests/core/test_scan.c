@@ -190,17 +190,40 @@ TEST(test_units)
     }
 }
 
-/* Nobody gave the unit by which it is too large. */
-TEST(test_no_unit_given)
+static void scale_points(double by)
 {
+    for (size_t i = 0; i < n; i++)
+        pts[i] = (struct dvec3){pts[i].x * by, pts[i].y * by, pts[i].z * by};
+}
+
+/* In an unusual unit, which nobody gave, or which is that of a depth image: the unit that would fit is
+ * told. */
+TEST(test_unusual_unit)
+{
+    static const double mm[] = {100, 4.8, 0.15, 0.01};
+
+    for (size_t k = 0; k < sizeof mm / sizeof *mm; k++) {
+        sample(1, 0, 3000);
+        scale_points(1 / mm[k]);
+        assert_int_equal(build(&enrolment), ST_EUNITS);
+        assert_true(found.unit_found && fabs(log(found.fits_mm / mm[k])) < 0.2);
+        assert_true(take());
+        c.unit_mm = 1;
+        assert_true(scan_build(&c, &enrolment, work, &face, NULL, &found) != ST_OK);
+        assert_true(found.fits_mm == 0);
+        assert_true(take());
+        c.unit_mm = 1;
+        c.pinhole = true;
+        assert_int_equal(scan_build(&c, &enrolment, work, &face, NULL, &found),
+                         ST_EUNITS);
+        assert_true(fabs(log(found.fits_mm / mm[k])) < 0.2);
+    }
+    /* What is no face is none at any scale. */
     sample(1, 0, 3000);
     for (size_t i = 0; i < n; i++)
-        pts[i] = (struct dvec3){pts[i].x * 150, pts[i].y * 150, pts[i].z * 150};
-    assert_int_equal(build(&probe), ST_ENOFACE);
-    assert_true(found.unit_found);
-    assert_true(take());
-    c.unit_mm = 1;
-    assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_EUNITS);
+        pts[i].z = 0.01 * pts[i].x;
+    scale_points(0.01);
+    assert_true(build(&enrolment) != ST_OK && found.fits_mm == 0);
 }
 
 /* Of more than SCAN_FULL points at most SCAN_ENOUGH are used. */

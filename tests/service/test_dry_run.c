@@ -40,9 +40,11 @@ enum status __wrap_scan_build(struct cloudpoints *c, const struct scan_options *
 }
 
 static struct dry_run t;
+static double value_mm; /* of a depth image; 0: it is none */
 
 BEFORE_EACH(set_up)
 {
+    value_mm = 0;
     told = (struct surface_found){.unit_mm = 1,
                                   .extent = {410, 440, 120.5},
                                   .faces = 2,
@@ -55,6 +57,8 @@ static enum status run(enum status enrolment, enum status verification)
                             .index = mem_array(3, sizeof *c.index),
                             .n = 3,
                             .read = 5,
+                            .unit_mm = value_mm > 0 ? 1 : 0,
+                            .value_mm = value_mm,
                             .axes_given = true};
     struct surface_face *face = NULL;
     enum status st;
@@ -157,18 +161,24 @@ TEST(test_texts)
     }
 }
 
-/* Where nobody gave a unit, and none that was tried makes a face of it, there may be another. */
+/* A face in an unusual unit, or in a depth image of another scale; nothing else is blamed. */
 TEST(test_no_usual_unit)
 {
-    told.extent[0] = told.extent[1] = told.extent[2] = 20000;
+    told.fits_mm = 99.6;
     told.unit_found = true;
-    assert_int_equal(run(ST_ENOFACE, ST_OK), ST_OK);
-    assert_non_null(
-        strstr(t.why.msg, "give the unit, of about 0.013 mm; let the scanner"));
-    told.extent[0] = 2000;
-    told.extent[1] = told.extent[2] = 0;
-    assert_int_equal(run(ST_ENOFACE, ST_OK), ST_OK);
-    assert_null(strstr(t.why.msg, "give the unit"));
+    told.occluded = 0.6;
+    told.warnings = 1U << SURFACE_OCCLUDED | 1U << SURFACE_TURNED;
+    assert_int_equal(run(ST_EUNITS, ST_OK), ST_OK);
+    assert_string_equal(
+        t.why.msg, "points: a face in none of the units; at about 100 mm a unit it would "
+                   "be: send it in one of the units: mm, cm, m, in or um");
+    value_mm = 0.2;
+    told.fits_mm = 1.24;
+    assert_int_equal(run(ST_EUNITS, ST_OK), ST_OK);
+    assert_string_equal(
+        t.why.msg,
+        "points: a face in none of the units; at about 0.25 mm a depth value it "
+        "would be: give depth_scale=0.25");
 }
 
 /* What covers less than an enrolment may have is no reason for a refusal, but advice. */
