@@ -109,7 +109,6 @@ enum status outfile_write(const char *path, bool force, newfile_writer *write,
     struct newfile file = NEWFILE_NONE;
     char folder[PATH_MAX] = ".";
     enum status st;
-    int dir;
 
     if (path == NULL) {
         st = write(stdout, arg, e);
@@ -121,12 +120,9 @@ enum status outfile_write(const char *path, bool force, newfile_writer *write,
         (void)snprintf(folder, sizeof folder, "%.*s", (int)(slash - path) + 1, path);
     if (mkdir(folder, 0700) != 0 && errno != EEXIST)
         return fail(e, folder);
-    if ((dir = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC)) < 0)
-        return fail(e, folder);
-    st = newfile_open_at(dir, slash != NULL ? slash + 1 : path, &file, e);
+    st = newfile_open(path, &file, e);
     if (st == ST_OK && (st = newfile_fill(&file, write, arg, e)) == ST_OK)
         st = force ? newfile_commit(&file, e) : newfile_keep(&file, e);
     newfile_close(&file);
-    (void)close(dir);
     return st;
 }

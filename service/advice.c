@@ -131,6 +131,13 @@ static void turned(const struct surface_found *f, struct advice *a)
             fabs(tilt), tilt > 0 ? "right" : "left", SURFACE_TILT_DEG);
 }
 
+/* Returns true if so little of a face is seen because its points are too far apart. */
+static bool too_sparse(enum status st, const struct surface_found *f)
+{
+    return st == ST_EQUALITY && f->seen < f->seen_wanted &&
+           f->quality.density_mm > SURFACE_SPARSE_MM;
+}
+
 static void found(enum status st, const struct surface_found *f, struct advice *a)
 {
     if (st == ST_ESEVERAL || warns(f, SURFACE_SEVERAL))
@@ -144,7 +151,7 @@ static void found(enum status st, const struct surface_found *f, struct advice *
             "take off glasses or mask, keep hair and hands away: %.0f %% of the face is "
             "covered",
             100 * f->occluded);
-    if (st == ST_EQUALITY && f->seen < f->seen_wanted)
+    if (st == ST_EQUALITY && f->seen < f->seen_wanted && !too_sparse(st, f))
         add(a, "let the scanner see all of the face: %.0f %% of it now, %.0f %% at least",
             100 * f->seen, 100 * f->seen_wanted);
     if (st == ST_EQUALITY && f->residual_mm > f->residual_most)
@@ -176,8 +183,15 @@ static void found(enum status st, const struct surface_found *f, struct advice *
              cloudunit_name(f->unit_mm));
 }
 
-static void quality(const struct surface_found *f, const struct surface_face *face,
-                    struct advice *a)
+static void sparse(const struct surface_found *f, struct advice *a)
+{
+    add(a,
+        "move nearer to the scanner: a point every %.1f mm now, every %.1f mm or less is good",
+        f->quality.density_mm, SURFACE_SPARSE_MM);
+}
+
+static void quality(enum status st, const struct surface_found *f,
+                    const struct surface_face *face, struct advice *a)
 {
     const struct surface_quality *q = &f->quality;
     const uint32_t bits = surface_quality_reasons(q, face);
@@ -185,11 +199,8 @@ static void quality(const struct surface_found *f, const struct surface_face *fa
     if ((bits & 1U << SURFACE_NOISY) != 0 && !warns(f, SURFACE_STEPPED))
         add(a, "hold still and scan again: the noise is %.1f mm, %.1f mm or less is good",
             q->noise_mm, SURFACE_NOISY_MM);
-    if ((bits & 1U << SURFACE_SPARSE) != 0)
-        add(a,
-            "move nearer to the scanner: a point every %.1f mm now, every %.1f mm or less "
-            "is good",
-            q->density_mm, SURFACE_SPARSE_MM);
+    if ((bits & 1U << SURFACE_SPARSE) != 0 && !too_sparse(st, f))
+        sparse(f, a);
     if ((bits & 1U << SURFACE_INCOMPLETE) != 0)
         add(a, "let the scanner see all of the face: %.0f %% of its outline was measured",
             100 * q->coverage);
@@ -201,12 +212,14 @@ void advice_give(enum status st, const struct surface_found *f,
                  const struct surface_face *face, struct advice *out)
 {
     out->n = out->nnote = 0;
+    if (too_sparse(st, f))
+        sparse(f, out);
     if (f->fits_mm == 0 &&
         (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted))
         found(st, f, out); /* else it was found in something else */
     reason(st, f, out);
     if (f->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))
-        quality(f, st == ST_OK ? face : NULL, out);
+        quality(st, f, st == ST_OK ? face : NULL, out);
     if (st == ST_EQUALITY && out->n == 0)
         add(out, "scan again, nearer and without moving");
 }

@@ -48,8 +48,13 @@ static void tell_evidence(const struct surface_found *f, struct errinfo *e)
 static void tell_quality(const struct surface_found *f, struct errinfo *e)
 {
     const struct surface_quality *q = &f->quality;
+    const bool sparse = f->seen < f->seen_wanted && q->density_mm > SURFACE_SPARSE_MM;
     const char *comma = "";
 
+    if (sparse) {
+        append(e, "a point every %.1f mm is too few to see the face by", q->density_mm);
+        comma = ", ";
+    }
     if (f->occluded > SURFACE_OCCLUDED_MOST) { /* less is a warning, and not the reason */
         append(e, "too much of the face is covered");
         comma = ", ";
@@ -70,7 +75,8 @@ static void tell_quality(const struct surface_found *f, struct errinfo *e)
         append(e, "%sthe face is turned away from the scanner", comma);
         comma = ", ";
     }
-    if (q->density_mm > 0 && (comma[0] == '\0' || surface_quality_reasons(q, NULL) != 0))
+    if (q->density_mm > 0 && !sparse &&
+        (comma[0] == '\0' || surface_quality_reasons(q, NULL) != 0))
         append(e,
                "%snoise %.1f mm, %.0f %% of the outline measured, a point every %.1f mm",
                comma, q->noise_mm, 100 * q->coverage, q->density_mm);

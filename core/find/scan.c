@@ -273,9 +273,11 @@ static enum status build_crop(struct scan *s)
     warn(s, SURFACE_BEHIND, s->found->elsewhere > SCAN_ELSEWHERE_SOME);
     warn(s, SURFACE_THINNED, count.kept < count.face);
     st = judge_enrolment(s);
+    mm = pose_scale(&still, 1 / s->fit.size);
+    if (judged == ST_EQUALITY)
+        (void)build(s, &mm); /* the surface is rated: its points may be too sparse */
     if (judged != ST_OK || st != ST_OK)
         return judged != ST_OK ? judged : st;
-    mm = pose_scale(&still, 1 / s->fit.size);
     return build(s, &mm);
 }
 

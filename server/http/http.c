@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <time.h>
 #include <microhttpd.h>
 
@@ -456,6 +457,22 @@ static void hide_query(const char *uri)
         query[1] = '\0';
 }
 
+/* Takes scheme and host off a target in absolute form, which proxies send and every server must accept (RFC
+ * 9112, section 3.2.2). */
+static void make_origin_form(char *target)
+{
+    const size_t scheme = strncasecmp(target, "http://", 7) == 0    ? 7
+                          : strncasecmp(target, "https://", 8) == 0 ? 8
+                                                                    : 0;
+    const char *path = target + scheme + strcspn(target + scheme, "/?");
+
+    if (scheme == 0)
+        return;
+    if (*path != '/')
+        *target++ = '/'; /* the scheme is longer */
+    memmove(target, path, strlen(path) + 1);
+}
+
 /* The request line is there: the path as it was sent, percent-encoding and all. */
 static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
 {
@@ -466,6 +483,8 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
     char *target = x != NULL ? strdup(uri) : NULL;
 
     hide_query(uri);
+    if (target != NULL)
+        make_origin_form(target);
     if (target == NULL) {
         free(x);
         return NULL;

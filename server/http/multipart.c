@@ -226,8 +226,11 @@ enum status multipart_read(const unsigned char *body, size_t len, const char *bo
     enum status st;
 
     *n = 0;
-    if (!take_delimiter(&r, &last))
-        return wrong(&r, "the body does not begin with the boundary");
+    if (!take_delimiter(&r, &last) && take_data(&r, &(struct multipart_file){.len = 0},
+                                                &last) != ST_OK) { /* a preamble */
+        r.p = body;
+        return wrong(&r, "no line of the body is the boundary");
+    }
     for (; !last && parts <= most;
          parts++) { /* one more than there may be, to name them */
         struct multipart_file f = {.len = 0};

@@ -188,7 +188,7 @@ FORM='Content-Type: multipart/form-data'
 send POST /v1/subjects/alice/verify "$FORM" "$T/b.json"
 problem "no boundary" 400 malformed 'boundary of 1 to 70'
 send POST /v1/subjects/alice/verify "$FORM; boundary=b" "$T/b.json"
-problem "no form" 400 malformed 'byte 0: the body does not begin with the boundary'
+problem "no form" 400 malformed 'byte 0: no line of the body is the boundary'
 printf -- '--b\r\nContent-Disposition: form-data; name="file"\r\n\r\n{"points": []}\r\n--b' >"$T/x"
 send POST /v1/subjects/alice/verify "$FORM; boundary=b" "$T/x"
 problem "cut off" 400 malformed 'ends before the last boundary'

@@ -118,13 +118,21 @@ TEST(test_file)
     assert_string_equal(f.coding, "gzip");
 }
 
+/* What stands before the first boundary is ignored (RFC 2046, section 5.1.1). */
+TEST(test_preamble)
+{
+    assert_taken("\r\n" BODY("x"), strlen("\r\n" BODY("x")), "x", 1);
+    assert_taken("A form.\n--b\r\n--c\r\n" BODY("x"),
+                 strlen("A form.\n--b\r\n--c\r\n" BODY("x")), "x", 1);
+}
+
 TEST(test_refused)
 {
     const char whole[] = BODY("x");
 
-    assert_refused("", "does not begin with the boundary");
-    assert_refused("\r\n" BODY("x"), "byte 0: the body does not begin");
-    assert_refused("--c\r\n" HEAD "\r\nx\r\n--c--", "does not begin");
+    assert_refused("", "byte 0: no line of the body is the boundary");
+    assert_refused("x" BODY("x"), "no parts"); /* but for the last */
+    assert_refused("--c\r\n" HEAD "\r\nx\r\n--c--", "no line of the body");
     assert_refused("--b--\r\n", "no parts");
     assert_refused(BODY("x") "y", "more behind");
     assert_refused("--b\r\n\r\nx\r\n--b--", "without Content-Disposition");
@@ -139,7 +147,7 @@ TEST(test_refused)
                    "not binary");
     assert_refused("--b\r\nnothing\r\n" HEAD "\r\nx\r\n--b--", "is malformed");
     assert_refused("--b\r\n: x\r\n" HEAD "\r\nx\r\n--b--", "is malformed");
-    assert_refused("--b\n" HEAD "\r\nx\r\n--b--", "does not begin");
+    assert_refused("--b\n" HEAD "\r\nx\r\n--b--", "no line of the body");
     assert_refused("--b\r\nContent-Disposition: form-data; name=\"x\"\n\nx\r\n--b--", "");
     for (size_t len = 0; len < sizeof whole - 3; len++) /* but for the last end of line */
         assert_int_equal(take(whole, len, "b"), ST_EINVAL);

@@ -143,6 +143,15 @@ TEST(test_quality)
     give(ST_EQUALITY, part);
     assert_int_equal(a.n, 1);
     assert_line(0, "let the scanner see all of the face: 42 % of it now, 45 % at least");
+    /* points that are too far apart are the cause, and come first */
+    face.quality.density_mm = 7;
+    part.warnings = 1U << SURFACE_OCCLUDED;
+    part.occluded = 0.09;
+    give(ST_EQUALITY, part);
+    assert_int_equal(a.n, 2);
+    assert_line(
+        0, "move nearer to the scanner: a point every 7.0 mm now, every 3.0 mm or less "
+           "is good");
 }
 
 /* What is nearly a face may be one that is covered; of what is none nothing is known. */
