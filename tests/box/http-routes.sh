@@ -231,6 +231,20 @@ is "Allow" "$(field Allow)" "POST, OPTIONS"
 req POST /healthz -d x
 problem "POST healthz" 405 method_not_allowed
 
+# ---- targets in other forms: what a proxy sends, and the whole server
+for target in http://127.0.0.1/healthz HTTP://example.org:8080/healthz https://example.org/healthz?; do
+    req GET / --request-target "$target"
+    is "$target" "$STATUS $(get .status)" "200 ok"
+done
+for target in http://127.0.0.1 'http://127.0.0.1?x=/healthz' http:/healthz ftp://127.0.0.1/healthz '*'; do
+    req GET / --request-target "$target"
+    problem "$target" 404 no_such_route
+done
+send POST / "$PLY" "$T/a2.ply" --request-target "http://127.0.0.1/v1/subjects/alice/verify?detail=none"
+problem "with its query" 400 invalid_parameter
+req OPTIONS / --request-target '*'
+is "OPTIONS *" "$STATUS $(field Allow)" '204 GET, HEAD, POST, PATCH, DELETE, OPTIONS'
+
 # ---- request ids
 req GET /healthz -H 'X-Request-Id: abc.DEF-1_2'
 is "a valid one is used" "$(field X-Request-Id)" abc.DEF-1_2
