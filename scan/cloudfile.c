@@ -142,27 +142,6 @@ static enum status take_points(const struct json_value *points, const char *pref
     return st;
 }
 
-/* Its points, its unit and its axes, and no other members; the message is in list->e. */
-static enum status take_cloud(const struct json_value *object, const char *name,
-                              const char *prefix, struct cloudlist *list)
-{
-    static const char *const known[] = {"points", "units", "axes", NULL};
-    const struct json_value *points = json_member(object, "points");
-    enum status st = json_expect(object, name, known, list->e);
-
-    if (st == ST_OK)
-        st = take_units(json_member(object, "units"), prefix, list);
-    if (st == ST_OK)
-        st = take_axes(json_member(object, "axes"), prefix, list);
-    if (st != ST_OK)
-        return st;
-    if (points == NULL)
-        return errinfo_set(list->e, ST_EINVAL, "%spoints is missing", prefix);
-    if (!json_is_array(points))
-        return errinfo_set(list->e, ST_EINVAL, "%spoints is not an array", prefix);
-    return take_points(points, prefix, list);
-}
-
 /* Says what an object is that other programs write and that is not read. */
 static enum status check_kind(const struct json_value *object, struct errinfo *e)
 {
@@ -177,6 +156,32 @@ static enum status check_kind(const struct json_value *object, struct errinfo *e
     return ST_OK;
 }
 
+/* A list of points, or an object's points, unit and axes, and no other members; the message is in
+ * list->e. */
+static enum status take_cloud(const struct json_value *object, const char *name,
+                              const char *prefix, struct cloudlist *list)
+{
+    static const char *const known[] = {"points", "units", "axes", NULL};
+    const struct json_value *points = json_member(object, "points");
+    enum status st = check_kind(object, list->e);
+
+    if (json_is_array(object))
+        return take_points(object, prefix, list);
+    if (st == ST_OK)
+        st = json_expect(object, name, known, list->e);
+    if (st == ST_OK)
+        st = take_units(json_member(object, "units"), prefix, list);
+    if (st == ST_OK)
+        st = take_axes(json_member(object, "axes"), prefix, list);
+    if (st != ST_OK)
+        return st;
+    if (points == NULL)
+        return errinfo_set(list->e, ST_EINVAL, "%spoints is missing", prefix);
+    if (!json_is_array(points))
+        return errinfo_set(list->e, ST_EINVAL, "%spoints is not an array", prefix);
+    return take_points(points, prefix, list);
+}
+
 static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
 {
     struct json_value *doc;
@@ -184,9 +189,7 @@ static enum status json_parse(struct cloudtext *t, struct cloudlist *list)
 
     st = cloudfile_read_document(t->p, (size_t)(t->end - t->p), list->max, 1, &doc,
                                  list->e);
-    if (st == ST_OK && json_is_array(doc))
-        st = take_points(doc, "", list);
-    else if (st == ST_OK && (st = check_kind(doc, list->e)) == ST_OK)
+    if (st == ST_OK)
         st = take_cloud(doc, "the JSON", "", list);
     json_free(doc);
     return st;

@@ -71,7 +71,8 @@ enum status cloudfile_read(const void *bytes, size_t len,
 
 /* cloudfile_read_json(object, name, prefix, o, out, e): a cloud that is a part of a JSON
  * document; name: what messages call the object; prefix: "" or "a.", before the names of
- * its members.  Other members than points, units and axes are ST_EINVAL. */
+ * its members.  It may be the list of the points alone.  Other members than points, units and axes
+ * are ST_EINVAL. */
 enum status cloudfile_read_json(const struct json_value *object, const char *name,
                                 const char *prefix, const struct cloudfile_options *o,
                                 struct cloudpoints *out, struct errinfo *e);
