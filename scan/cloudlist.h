@@ -39,7 +39,7 @@ enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3]);
 void cloudlist_forget(struct cloudlist *l);
 
 /* mm: no camera measures a face from farther away. */
-#define CLOUDLIST_RANGE_MM 8000.0
+#define CLOUDLIST_RANGE_MM 5000.0
 
 /* cloudlist_finish(l): all are added.  Of an organised cloud the points whose coordinate stands for "no
  * value", or is beyond the range of cameras, are dropped.  Returns ST_OK; ST_ENOTFINITE there were points, and

@@ -55,6 +55,10 @@
 #define SCAN_SCALE        1.6
 #define SCAN_SCALE_POINTS 5000
 
+/* The scale of a face that was found is told to a step of REFINE, of REFINED to either side. */
+#define SCAN_REFINE  0.05
+#define SCAN_REFINED 5
+
 /* Support from which on a face is where it lay in another frame, and from which on, uncovered, it
  * has hardly moved. */
 #define SCAN_NEAR  0.45
@@ -509,8 +513,40 @@ static bool was_tried(const struct scan *s, double from_mm, double to_mm)
     return false;
 }
 
-/* Returns the status of a search for a face in points at a scale, which they are in afterwards;
- * k->fits_mm: about as many mm as a unit of s->c has, if there is plainly one. */
+/* n of the cloud's points into at, by a scale. */
+static void sample(const struct scan *s, struct dvec3 *at, size_t n, double by)
+{
+    for (size_t i = 0; i < n; i++)
+        at[i] = vec_along((struct dvec3){0, 0, 0}, by, s->c->at[i * s->c->n / n]);
+}
+
+/* Sets k->fits_mm by the scale near one, at which a face was found as fit says, that makes the best face
+ * of usual size of it. */
+static enum status refine(struct scan *s, struct scan_search *k, struct dvec3 *at,
+                          size_t n, double mm, const struct shape_fit *fit)
+{
+    double best = 0;
+    enum status st = ST_OK;
+
+    for (int i = -SCAN_REFINED; i <= SCAN_REFINED && st == ST_OK; i++) {
+        const double by = (1 + SCAN_REFINE * i) / fit->size;
+        struct pose pose = fit->pose;
+        struct shape_fit one;
+
+        for (int axis = 0; axis < 3; axis++)
+            pose.t[axis] *= by;
+        sample(s, at, n, mm * by);
+        st = shape_fit(s->shape, at, n, &pose, 1, true, &one);
+        if (st != ST_OK || one.size != 1 || one.worth <= best)
+            continue;
+        best = one.worth;
+        k->fits_mm = mm * by * s->found->unit_mm;
+    }
+    return st;
+}
+
+/* Returns the status of a search for a face in n points by a scale.  Sets k->fits_mm if there plainly is
+ * one. */
 static enum status try_scale(struct scan *s, struct scan_search *k, struct dvec3 *at,
                              size_t n, double mm)
 {
@@ -519,16 +555,15 @@ static enum status try_scale(struct scan *s, struct scan_search *k, struct dvec3
     struct find find;
     enum status st;
 
-    for (size_t i = 0; i < n; i++)
-        at[i] = vec_along((struct dvec3){0, 0, 0}, mm, s->c->at[i * s->c->n / n]);
+    sample(s, at, n, mm);
     if ((st = find_once(at, n, 1, s->w, s->o->stop, &find)) == ST_OK)
         st = shape_fit(s->shape, at, n, &find.pose[0].pose, 1, true, &fit);
     if (st != ST_OK)
         return st == ST_ENOFACE ? ST_OK : st;
     about.occluded = (double)fit.cover / s->shape->cells;
-    if (gate_judge(s->shape, &fit, true, &about) == ST_OK)
-        k->fits_mm = mm / fit.size * s->found->unit_mm;
-    return st;
+    return gate_judge(s->shape, &fit, true, &about) == ST_OK
+               ? refine(s, k, at, n, mm, &fit)
+               : ST_OK;
 }
 
 /* Tries the scales that SCAN_SIDES says, with some of the points. */
