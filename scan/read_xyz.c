@@ -23,6 +23,7 @@ struct columns {
     int fields;     /* names in a heading that is still to be settled; 0: none */
     char separator; /* ' ', ',', ';' or a tab; 0: by each line */
     bool comment;   /* the heading was a comment */
+    bool blank;     /* the heading began with a blank, as between two fields */
     bool normals;
     double unit_mm; /* as in "x (cm)"; 0: it is not said */
 };
@@ -268,6 +269,7 @@ static enum status heading_take(struct columns *c, struct cloudtext *t, bool com
     while (comment && f.p < f.end && memchr("#/% \t", *f.p, 5) != NULL)
         f.p++;
     found.separator = f.by;
+    found.blank = f.by == ' ' && f.p < f.end && *f.p == ' ';
     named = read_names(&found, f);
     any = found.column[0] >= 0 || found.column[1] >= 0 || found.column[2] >= 0;
     if (named) {
@@ -283,9 +285,9 @@ static enum status heading_take(struct columns *c, struct cloudtext *t, bool com
     return ST_OK;
 }
 
-/* Returns true if the rows have a name that the heading does not have, as R writes them: in quotation
- * marks, or counting from 1. */
-static bool has_row_names(const struct cloudtext *t, char by)
+/* Returns true if the rows have a name that the heading does not have: as pandas writes it, with a blank in
+ * its place; as R does, in quotation marks, or counting from 1. */
+static bool has_row_names(const struct columns *c, const struct cloudtext *t, char by)
 {
     struct fields line = fields_of(t, by), second;
     struct cloudtext next = *t;
@@ -294,7 +296,7 @@ static bool has_row_names(const struct cloudtext *t, char by)
     cloudtext_skip(&next);
     second = fields_of(&next, by);
     return next_field(&line, &name) &&
-           (name.quoted ||
+           (c->blank || name.quoted ||
             (cloudtext_is(name.p, name.len, "1") && next_field(&second, &name) &&
              cloudtext_is(name.p, name.len, "2")));
 }
@@ -314,7 +316,7 @@ static void heading_settle(struct columns *c, const struct cloudtext *t)
     while (next_field(&line, &field))
         n++;
     n -= field.len == 0; /* a separator ends the line */
-    if (n == c->fields + 1 && !c->comment && has_row_names(t, by)) {
+    if (n == c->fields + 1 && !c->comment && has_row_names(c, t, by)) {
         for (int i = 0; i < 6; i++)
             c->column[i] += c->column[i] >= 0;
         c->last++;
@@ -470,7 +472,7 @@ enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *
 
         cloudtext_blank(t);
         if (!cloudtext_eol(t)) {
-            if (!cloudtext_comment(t)) {
+            if (!cloudtext_comment(t) || strncmp(t->p, "#N/A", 4) == 0) { /* Excel's */
                 t->p = line; /* a tab may end an empty field */
                 st = read_line(&r);
             } else if (!r.begun) {
