@@ -297,26 +297,26 @@ const char *cloudformat_foreign(const char *p, size_t len)
 
 bool cloudformat_converted(const char *bytes, size_t len)
 {
-    const unsigned char *p = memchr(bytes, 0, len), *end;
-    size_t lf = 0, alone = 0, wide = 0;
+    const unsigned char *const end = (const unsigned char *)bytes + len, *p, *first;
+    size_t lf = 0, alone = 0, wide = 0, marks = 0;
 
-    if (p ==
+    first = memchr(bytes, 0, len);
+    if (first ==
         NULL) /* binary files have zero bytes, which a conversion leaves as they are */
         return false;
     if (len > 8 && begins(bytes, "\x89PNG", 4) && !begins(bytes + 4, "\r\n\x1A\n", 4))
         return true;
-    end = (const unsigned char *)bytes + len;
-    for (const unsigned char *q = p; q < end && alone == 0; q++) {
-        lf += *q == '\n';
-        alone += *q == '\n' && q[-(q > p)] != '\r';
+    for (p = first + 1; p < end && alone == 0; p++) {
+        lf += *p == '\n';
+        alone += *p == '\n' && p[-1] != '\r';
     }
     if (lf >= 8 && alone == 0)
         return true;
-    for (; p < end; wide++) {
+    for (p = first; p < end; wide++) {
         size_t more;
 
-        while (p < end && *p < 0x80)
-            p++;
+        for (; p < end && *p < 0x80; p++)
+            marks += *p == '?';
         if (p == end)
             break;
         if (*p < 0xC2 || *p > 0xF4)
@@ -326,5 +326,5 @@ bool cloudformat_converted(const char *bytes, size_t len)
             if ((*p++ & 0xC0) != 0x80)
                 return false;
     }
-    return wide >= 8;
+    return wide >= 8 || (wide == 0 && marks >= 64 && marks > (size_t)(end - first) / 16);
 }

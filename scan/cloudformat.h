@@ -48,8 +48,9 @@ const char *cloudformat_media_list(void);
 const char *cloudformat_foreign(const char *p, size_t len);
 
 /* cloudformat_converted(bytes, len): Returns true if these are binary data that a program took for text
- * and converted, to other line ends or to UTF-8: what has zero bytes is not at the same time valid UTF-8
- * with characters beyond ASCII, nor has it a CR before each LF, by chance.  O(len) for such data and for
+ * and converted, to other line ends, to UTF-8 or to ASCII: what has zero bytes is not at the same time
+ * valid UTF-8 with characters beyond ASCII, nor ASCII with many question marks, nor has it a CR before each
+ * LF, by chance.  O(len) for such data and for
  * text; else it stops at the first byte that shows it. */
 bool cloudformat_converted(const char *bytes, size_t len);
 

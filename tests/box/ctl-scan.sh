@@ -67,6 +67,8 @@ awk '{ print $1 / 1000, $3 / 1000, -$2 / 1000 }
     END { for (i = 0; i < 6400; i++) print i % 80 / 100 - 0.4, -0.4, int(i / 80) / 100 - 0.4 }' \
     a.xyz >wall.xyz # lying on its back before a wall, in metres
 expect 0 "the face as a file" "$ctl" scan wall.xyz --face found.ply
+expect 74 "in no folder" "$ctl" scan wall.xyz --face found.ply/x.ply
+ok "which is said, with its name" grep -q 'cannot open the folder of found.ply/x.ply: Not a directory' "$T/err"
 is "its owner's alone" "$(stat -c %a found.ply)" 600
 expect 0 "what is in it" "$ctl" scan --json found.ply
 ok "a frontal face in mm, and nothing else" jq_true '.scans[0] | .scan | .format == "ply" and

@@ -91,6 +91,14 @@ for units in auto um; do # a unit that is told is one that is taken
     is "micrometres, $units" "$STATUS $(get '[.decision, .scan.units, (.scan.view[0] * 1000 | round)] | tojson')" \
         '200 ["match","um",1]'
 done
+awk '{ print $1 / 100, $2 / 100, $3 / 100 }' "$T/a.xyz" >"$T/deci.xyz"
+send POST /v1/check "$BYTES" "$T/deci.xyz"
+is "decimetres" "$STATUS $(get '[.usable, .code] | tojson')" '200 [false,"units_suspicious"]'
+ok "decimetres: the unit that would fit" matches "$(get .detail)" \
+    'a face in none of the units; at about (9[0-9]|1[01]0) mm a unit it would be'
+jq -c .points "$T/b.json" >"$T/x"
+send POST /v1/subjects/alice/verify "$JSON" "$T/x"
+is "the list of points alone" "$STATUS $(get .decision)" '200 match'
 jq -c '{points: [.points[] | map(. * 1000)], units: "um"}' "$T/b.json" >"$T/x"
 send POST /v1/subjects/alice/verify "$JSON" "$T/x"
 is "micrometres in JSON" "$STATUS $(get '[.decision, .scan.units] | tojson')" '200 ["match","um"]'
@@ -149,7 +157,7 @@ is "nothing was stored or logged" "$(logged)" "$before"
 
 # ---- counted
 is "checked, good" "$(metric 'surfaced_checks_total{outcome="enrollable"}')" 1
-is "checked, bad" "$(metric 'surfaced_checks_total{outcome="unusable"}')" 5
+is "checked, bad" "$(metric 'surfaced_checks_total{outcome="unusable"}')" 6
 is "refused" "$(metric "surfaced_scans_refused_total{code=\"$code\"}")" 1
 is "refused" "$(metric 'surfaced_scans_refused_total{code="units_suspicious"}')" 1
 is "a check is no refusal" "$(metric 'surfaced_scans_refused_total{code="too_few_points"}')" 0

@@ -276,6 +276,15 @@ TEST(test_half)
     assert_true(warned(SURFACE_TURNED));
 }
 
+/* Points that are too far apart for a face to be seen are rated nevertheless: their distance is the reason. */
+TEST(test_too_sparse)
+{
+    sample(5, 1, 300);
+    assert_int_equal(build(&enrolment), ST_EQUALITY);
+    assert_true(found.seen < found.seen_wanted &&
+                found.quality.density_mm > SURFACE_SPARSE_MM);
+}
+
 /* The points become those of the kind that headscan makes of them, from the pose that they lie in. */
 static void cover(const char *kind, uint64_t seed)
 {

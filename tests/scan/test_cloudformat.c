@@ -107,7 +107,7 @@ TEST(test_converted)
         "ply\nformat binary_little_endian 1.0\nelement vertex 400\n"
         "property float x\nproperty float y\nproperty float z\n"
         "end_header\n";
-    static struct scanfile plain, changed[4];
+    static struct scanfile plain, changed[5];
     static const char words[] =
         "is damaged, or 1 2 3 \xC3\xA9\xC3\xA9\xC3\xA9\xC3\xA9\xC3\xA9"
         "\xC3\xA9\xC3\xA9\xC3\xA9\xC3\xA9\n";
@@ -129,10 +129,11 @@ TEST(test_converted)
         scanfile_put(&changed[1], c < 0x80 ? &c : latin, c < 0x80 ? 1 : 2);
         scanfile_put(&changed[2], "\r", c == '\n');
         scanfile_put(&changed[2], &c, 1);
+        scanfile_put(&changed[4], c < 0x80 ? &c : (const unsigned char *)"?", 1);
     }
     scanfile_text(&changed[3], "\x89PNG\n\x1A\n");
     scanfile_put(&changed[3], "\0\0\0\rIHDR", 8);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 5; i++) {
         scanfile_bad(&changed[i], CLOUDFORMAT_ANY, ST_EINVAL, "binary mode");
         scanfile_bad(&changed[i], CLOUDFORMAT_STL, ST_EINVAL, "binary mode");
     }

@@ -147,7 +147,7 @@ TEST(test_refused)
                    "not binary");
     assert_refused("--b\r\nnothing\r\n" HEAD "\r\nx\r\n--b--", "is malformed");
     assert_refused("--b\r\n: x\r\n" HEAD "\r\nx\r\n--b--", "is malformed");
-    assert_refused("--b\n" HEAD "\r\nx\r\n--b--", "no line of the body");
+    assert_refused("--b\n" HEAD "\r\nx\r\n--b--", "no parts");
     assert_refused("--b\r\nContent-Disposition: form-data; name=\"x\"\n\nx\r\n--b--", "");
     for (size_t len = 0; len < sizeof whole - 3; len++) /* but for the last end of line */
         assert_int_equal(take(whole, len, "b"), ST_EINVAL);
