@@ -73,12 +73,10 @@ static char separator_of(const char *p, const char *end)
 /* The line at t. */
 static struct fields fields_of(const struct cloudtext *t, char separator)
 {
-    struct cloudtext at = *t;
-    struct fields f = {.p = t->p};
+    struct fields f = {.p = t->p, .end = t->p};
 
-    while (!cloudtext_eol(&at))
-        at.p++;
-    f.end = at.p;
+    while (f.end < t->end && *f.end != '\n' && *f.end != '\r')
+        f.end++;
     f.by = separator != 0 ? separator : separator_of(f.p, f.end);
     return f;
 }
@@ -117,20 +115,23 @@ static bool next_field(struct fields *f, struct field *out)
 static bool take_value(const struct field *f, double *out)
 {
     static const char *const none[] = {"", "na", "n/a", "#n/a", "<na>", "null", "none"};
+    const char *const end = f->p + f->len, *comma;
+    struct cloudtext at = {.p = f->p, .end = end};
     char text[64];
-    struct cloudtext at = {.p = f->p, .end = f->p + f->len};
-    const char *comma = memchr(f->p, ',', f->len);
 
+    if (cloudtext_number(&at, out) == ST_OK && at.p == end)
+        return true;
+    if ((comma = memchr(f->p, ',', f->len)) != NULL && f->len <= sizeof text) {
+        memcpy(text, f->p, f->len);
+        text[comma - f->p] = '.';
+        at = (struct cloudtext){.p = text, .end = text + f->len};
+        return cloudtext_number(&at, out) == ST_OK && at.p == at.end;
+    }
     *out = (double)NAN;
     for (size_t i = 0; i < sizeof none / sizeof *none; i++)
         if (cloudtext_like(f->p, f->len, none[i]))
             return true;
-    if (comma != NULL && f->len <= sizeof text) {
-        memcpy(text, f->p, f->len);
-        text[comma - f->p] = '.';
-        at = (struct cloudtext){.p = text, .end = text + f->len};
-    }
-    return cloudtext_number(&at, out) == ST_OK && at.p == at.end;
+    return false;
 }
 
 /* ---- a heading */
@@ -389,6 +390,7 @@ static enum status read_point(struct reading *r)
         if (role >= 0 && !take_value(&field, &value[role]))
             return not_a_number(r, &field);
     }
+    r->t->p = line.end;
     st = cloudlist_add(r->list, (struct dvec3){value[0], value[1], value[2]});
     if (st == ST_OK && c->normals)
         st = cloudlist_normal(r->list, (struct dvec3){value[3], value[4], value[5]});
