@@ -485,6 +485,8 @@ enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *
             return st;
         cloudtext_skip(t);
     }
+    if (r.begun && list->out.read == 0 && !r.counted && r.columns.separator == 0)
+        return cloudtext_fail(t, ST_EINVAL, NOT_NUMBERS);
     list->out.unit_mm = r.columns.unit_mm;
     return check_due(&r);
 }

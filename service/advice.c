@@ -65,8 +65,9 @@ static void unit(const struct surface_found *f, struct advice *a)
 
     if (f->fits_mm > 0 && f->unit_found)
         add(a, "send it in one of the units: mm, cm, m, in or um");
-    else if (f->fits_mm > 0)
-        add(a, "give depth_scale=%.7g", advice_round(f->fits_mm));
+    else if (f->fits_mm > 0) /* below 0.01 it would be metres (clouddepth.h) */
+        add(a, "give depth_scale=%.7g",
+            advice_round(f->fits_mm <= 0.01 ? 1000 / f->fits_mm : f->fits_mm));
     else if (likely != 0)
         add(a, "is it %s? Give the unit%s", cloudunit_plural(likely),
             f->unit_found ? "" : ", or use auto");

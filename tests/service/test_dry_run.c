@@ -179,6 +179,10 @@ TEST(test_no_usual_unit)
         t.why.msg,
         "points: a face in none of the units; at about 0.25 mm a depth value it "
         "would be: give depth_scale=0.25");
+    told.fits_mm = 0.025;
+    assert_int_equal(run(ST_EUNITS, ST_OK), ST_OK);
+    assert_non_null(strstr(t.why.msg, "about 0.005 mm a depth value it would be: give "
+                                      "depth_scale=200000"));
 }
 
 /* What covers less than an enrolment may have is no reason for a refusal, but advice. */
