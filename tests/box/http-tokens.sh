@@ -149,7 +149,7 @@ late() {
     echo >&9
     exec 9>&-
     wait $!
-    STATUS=$(sed -n 's/^HTTP[^ ]* \([0-9]*\).*/\1/p' "$T/head") TARGET="$1, $2"
+    STATUS=$(sed -n 's/^HTTP[^ ]* \([0-9]*\).*/\1/p' "$T/head")
     problem "$1, $2: refused" 401 unauthorized 'the token'
     is "$1, $2: why" "$(field WWW-Authenticate)" 'Bearer realm="surfaced", error="invalid_token"'
 }
