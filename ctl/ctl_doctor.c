@@ -1,6 +1,7 @@
 /* doctor: what is wrong around a database, and what to do.  Nothing is changed. */
 #include <limits.h>
 #include <math.h>
+#include <pwd.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,9 +41,26 @@ static void tell(void *arg, const struct finding *f)
 
 /* ---- files */
 
+/* What to do where this user may not use the file: run this as the database's owner, if the file is that
+ * owner's; to chown it would take it from the daemon. */
+static const char *as_owner(const struct doctor *d, const char *path,
+                            const char *otherwise, char text[200])
+{
+    const struct passwd *owner;
+    struct stat db, sb;
+
+    if (stat(d->c->db, &db) != 0 || stat(path, &sb) != 0 || db.st_uid != sb.st_uid ||
+        db.st_uid == geteuid() || (owner = getpwuid(db.st_uid)) == NULL)
+        return otherwise;
+    (void)snprintf(text, 200, "run this as its owner: runuser -u %s -- surfacectl ...",
+                   owner->pw_name);
+    return text;
+}
+
 static bool look_at_file(struct doctor *d)
 {
     const char *db = d->c->db;
+    char text[200];
     struct stat sb;
 
     if (stat(db, &sb) != 0 || !S_ISREG(sb.st_mode)) {
@@ -56,8 +74,7 @@ static bool look_at_file(struct doctor *d)
             "%s may be read or changed by others (mode %03o)", db,
             (unsigned)sb.st_mode & 0777);
     else if (access(db, R_OK | W_OK) != 0)
-        say(d, FINDINGS_ERROR, "database",
-            "run this as its owner, as with runuser -u surfaced",
+        say(d, FINDINGS_ERROR, "database", as_owner(d, db, "chmod 600 FILE", text),
             "%s belongs to user %u, and this user may not read and write it", db,
             (unsigned)sb.st_uid);
     else
@@ -71,7 +88,7 @@ static void look_at_folder(struct doctor *d)
     char dir[PATH_MAX];
     struct stat sb;
     struct statvfs fs;
-    char text[32];
+    char text[32], advice[200];
     uint64_t left;
 
     (void)snprintf(dir, sizeof dir, "%.*s", slash == NULL ? 1 : (int)(slash - db + 1),
@@ -83,7 +100,8 @@ static void look_at_folder(struct doctor *d)
             "others may replace files in %s (mode %03o)", dir,
             (unsigned)sb.st_mode & 0777);
     else if (access(dir, W_OK | X_OK) != 0)
-        say(d, FINDINGS_ERROR, "folder", "chown it to the daemon's user; chmod 700",
+        say(d, FINDINGS_ERROR, "folder",
+            as_owner(d, dir, "chown it to the database's owner; chmod 700", advice),
             "no file can be created in %s, and the WAL needs one", dir);
     else
         say(d, FINDINGS_OK, "folder", "", "%s can be written", dir);
@@ -98,7 +116,7 @@ static void look_at_folder(struct doctor *d)
 
 static void look_at_wal(struct doctor *d)
 {
-    char name[PATH_MAX];
+    char name[PATH_MAX], text[200];
     struct stat sb;
     int64_t pid;
 
@@ -110,7 +128,7 @@ static void look_at_wal(struct doctor *d)
         return;
     if (access(name, R_OK | W_OK) != 0)
         say(d, FINDINGS_ERROR, "WAL",
-            "chown it to the database's owner, and PATH-shm too",
+            as_owner(d, name, "chown it to the database's owner, and PATH-shm too", text),
             "%s belongs to user %u, and this user may not write it", name,
             (unsigned)sb.st_uid);
     else if (!d->used)
@@ -277,6 +295,7 @@ static bool look_at_key(struct doctor *d)
 {
     enum crypt_kind kind;
     struct errinfo e;
+    char text[200];
     enum status st = store_kind(d->c->db, &kind, &e);
 
     if (st == ST_OK && kind == CRYPT_PLAINTEXT &&
@@ -306,7 +325,12 @@ static bool look_at_key(struct doctor *d)
             "restore the key file from its copy, or name it with --key", "%s", e.msg);
     else if (st == ST_EDENIED)
         say(d, FINDINGS_ERROR, "key",
-            "chmod 600 and chown it, or name the right one with --key", "%s", e.msg);
+            as_owner(
+                d, d->key,
+                "chmod 600 and chown it to the database's owner, or name the right one "
+                "with --key",
+                text),
+            "%s", e.msg);
     else
         say(d, FINDINGS_ERROR, "key", advice_on(st), "%s", e.msg);
     return st == ST_OK;
