@@ -8,6 +8,7 @@ import http.client
 import json
 import logging
 import os
+import random
 import secrets
 import socket
 import ssl
@@ -229,7 +230,7 @@ class Client:
         while True:
             page = self.request("GET", path, query=query)
             yield from page[rows]
-            if page["next_cursor"] is None:
+            if page["next_cursor"] in (None, query.get(cursor)):  # the latter: after the last there is
                 return
             query = {**query, cursor: page["next_cursor"]}
 
@@ -298,8 +299,9 @@ class Client:
         return self.request("GET", "/v1/recent", query=query)
 
     def list_audit(self, **query: Query) -> Iterator[dict[str, Any]]:
-        """The audit log, newest first.  query: subject, kind, actor, since, until, limit (of a page)."""
-        return self._pages("/v1/audit", "entries", query, "before")
+        """The audit log, newest first; with after (a page's next_cursor; "0-0": all), what came later,
+        oldest first.  query: subject, kind, actor, since, until, limit (of a page)."""
+        return self._pages("/v1/audit", "entries", query, "after" if "after" in query else "before")
 
     def verify_audit(self) -> dict[str, Any]:
         """Verifies every entry of the audit log, and every row."""
@@ -343,10 +345,10 @@ class Client:
             try:
                 return self._once(method, target, body, headers)
             except SurfacedError as error:
-                if (left == 0 or error.status not in (429, 503) or error.retry_after is None
+                if (left == 0 or error.status not in (0, 429, 503) or error.retry_after is None
                         or error.retry_after > self.max_wait):
                     raise
-                time.sleep(error.retry_after)
+                time.sleep(error.retry_after * random.uniform(1, 1.5))
         raise AssertionError("unreachable")
 
     def _connection(self) -> http.client.HTTPConnection:
@@ -387,7 +389,9 @@ class Client:
         try:
             response, data = self._exchange(method, target, body, headers)
         except (OSError, http.client.HTTPException) as error:
-            raise SurfacedError(0, "unreachable", f"{self.url}: {error or type(error).__name__}") from None
+            # Refused: nobody listens, as while the daemon is started anew.
+            wait = 1 if isinstance(error, ConnectionRefusedError) else None
+            raise SurfacedError(0, "unreachable", f"{self.url}: {error or type(error).__name__}", wait) from None
         request_id = response.headers["X-Request-Id"]
         # No path: it has the subject.
         log.debug("%s: %d, request id %s", method, response.status, request_id)
@@ -397,7 +401,7 @@ class Client:
         problem: dict[str, Any] = {}
         if kind == "application/problem+json":
             problem = json.loads(data)
-        wait = response.headers["Retry-After"] or ""
+        after = response.headers["Retry-After"] or ""
         raise SurfacedError(response.status, problem.get("code", "unknown"),
-                            problem.get("detail", response.reason), int(wait) if wait.isdecimal() else None,
+                            problem.get("detail", response.reason), int(after) if after.isdecimal() else None,
                             request_id, problem)

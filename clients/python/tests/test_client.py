@@ -261,6 +261,8 @@ class TestRequests(Served):
         self.assertGreaterEqual(client.recent(limit=1)["last"], 0)
         kinds = [entry["kind"] for entry in client.list_audit(kind="rotate_token,revoke_token", limit=1)]
         self.assertEqual(kinds, ["revoke_token", "rotate_token"])
+        later = client.list_audit(after="0-0", kind="rotate_token,revoke_token", limit=1)
+        self.assertEqual([entry["kind"] for entry in later], kinds[::-1])
         self.assertTrue(client.verify_audit()["ok"])
         self.assertIn(b"revoke_token", client.export_audit(format="csv"))
         self.assertGreaterEqual(client.stats()["counts"]["subjects"], 1)
@@ -386,6 +388,21 @@ class TestOddServers(unittest.TestCase):
             client.show_own_token()
             client.show_own_token()
             self.assertEqual(len(seen), 3)
+
+    def test_again_while_nobody_listens(self):
+        with socket.create_server(("127.0.0.1", 0)) as nobody:
+            port = nobody.getsockname()[1]
+
+        def answer():
+            time.sleep(0.5)
+            with socket.create_server(("127.0.0.1", port)) as server, server.accept()[0] as connection:
+                connection.recv(9999)
+                connection.sendall(b'HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: 13\r\n'
+                                   b'Connection: close\r\n\r\n{"name": "x"}')
+
+        threading.Thread(target=answer, daemon=True).start()
+        with Client(f"http://127.0.0.1:{port}", "t", retries=2) as client:
+            self.assertEqual(client.show_own_token()["name"], "x")
 
     def test_new_connection_that_is_closed(self):
         self.refused([None], 1, 0, "unreachable")
