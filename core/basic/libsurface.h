@@ -340,7 +340,7 @@ struct surface_frame {
  * found  the base's report, with what the gate measured of the fused face; may be NULL
  * Returns SURFACE_OK; SURFACE_EPEOPLE, with the frame that is not of the person most are of; if no
  * frame has a face the first one's status; or the status of the fused face.
- * Cost  of five frames of 3,000 points less than four times that of one. */
+ * Cost  of five frames of 3,000 points 4.5 times that of one. */
 SURFACE_API enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
                                              const struct surface_cloud *cloud,
                                              struct surface_frame *frame, uint32_t *base,
