@@ -32,7 +32,7 @@ json='Content-Type: application/json'
 own_token() {
     auth=$(cat "$dir/token")
     if ask 201 token "$1" tokens -H "$json" \
-        -d "{\"name\": \"$1\", \"scopes\": [\"enroll\", \"verify\", \"read\", \"delete\", \"manage\"]}"; then
+        -d "{\"name\": \"$1\", \"scopes\": [\"enroll\", \"verify\", \"read\", \"delete\", \"manage\", \"tokens\"]}"; then
         auth=$(said secret) token=$(said id)
     else
         auth=''
