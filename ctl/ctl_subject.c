@@ -207,7 +207,8 @@ static void list_tokens(struct ctl *c, struct store_attempts *a, size_t n)
 {
     bool any = false;
 
-    qsort(a, n, sizeof *a, by_token);
+    if (n > 0)
+        qsort(a, n, sizeof *a, by_token);
     json_array(c->out, "tokens");
     for (size_t i = 0, tried = 0; i < n; i++) {
         tried += a[i].age_ms < STORE_TRIED_MS;
