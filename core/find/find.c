@@ -6,7 +6,6 @@
 
 #include "face.h"
 #include "find_view.h"
-#include "gate.h"
 #include "mem.h"
 #include "select.h"
 #include "shape.h"
@@ -87,7 +86,6 @@ struct finder {
     struct find_view_face face;
     struct find_starts starts;
     struct list rough, best;
-    bool evident; /* best.at[0] stands upright, and has the evidence of a face */
 };
 
 /* Does nobody wait any more, or has all been spent that the cloud's size allows? */
@@ -99,12 +97,6 @@ static bool stopped(const struct finder *f)
 static bool found(const struct finder *f, double worth)
 {
     return f->best.n > 0 && f->best.at[0].pose.worth >= worth;
-}
-
-/* Plainly a face, or evidently. */
-static bool plain(const struct finder *f)
-{
-    return found(f, FIND_PLAIN) || f->evident;
 }
 
 /* ---- poses */
@@ -213,55 +205,22 @@ static enum status fit_roughly(struct finder *f, const struct find_grid *g,
     return st;
 }
 
-/* Does the best stand upright before a scanner, of agreed axes or a camera's, as most faces do? */
-static bool stands(const struct finder *f)
-{
-    const double *r = f->best.at[0].pose.pose.r;
-
-    return f->best.n > 0 && r[0] + fabs(r[4] + r[8]) > FIND_UPRIGHT_TRACE;
-}
-
-/* Has the best, which is not plain by few modes, the evidence of a face by all, and where it is? */
-static enum status look_closer(struct finder *f, const struct find_grid *g)
-{
-    const struct found *best = &f->best.at[0];
-    const struct pose start = in_grid(f, g, &best->pose.pose);
-    struct surface_found found = {.occluded = 0};
-    struct shape_fit fit;
-    const enum status st = shape_fit(f->shape, g->at, g->n, &start, 1, false, &fit);
-    struct found there;
-
-    f->starts.left -= FIND_SPENT_CLOSER;
-    if (st != ST_OK)
-        return st;
-    (void)gate_judge(f->shape, &fit, true, &found);
-    there = found_at(f, g, best->pose.unit_mm, &fit.pose, 0);
-    f->evident = found.evidence >= FIND_EVIDENCE && same(&there, best);
-    return ST_OK;
-}
-
 static enum status fit_closely(struct finder *f, const struct find_grid *g,
                                const struct found *rough)
 {
     const struct pose start = in_grid(f, g, &rough->pose.pose);
     struct shape_fit fit;
     const enum status st = shape_seek(f->shape, g->at, g->n, &start, true, &fit);
-    struct found one;
 
     f->starts.left -= FIND_SPENT_FIT + g->n / FIND_SPENT_FAR;
-    if (st != ST_OK)
-        return st;
-    one = found_at(f, g, rough->pose.unit_mm, &fit.pose,
-                   worth_of(&fit) - (f->size == 1 ? 0 : FIND_SMALL_COST));
-    if (found(f, one.pose.worth)) {
+    if (st == ST_OK) {
+        const struct found one =
+            found_at(f, g, rough->pose.unit_mm, &fit.pose,
+                     worth_of(&fit) - (f->size == 1 ? 0 : FIND_SMALL_COST));
+
         take(&f->best, &one);
-        return ST_OK;
     }
-    take(&f->best, &one);
-    f->evident = false;
-    return f->size == 1 && found(f, FIND_SURE) && !found(f, FIND_PLAIN) && stands(f)
-               ? look_closer(f, g)
-               : ST_OK;
+    return st;
 }
 
 /* Follow the best starts from one on roughly, `left` of them, and the best of these to the end; once a face is plain, those
@@ -277,7 +236,7 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
         const struct find_start *start = &f->starts.start[k];
         struct found one = found_at(f, g, unit_mm, &start->pose, 0);
 
-        if (taken(f, &one) || (plain(f) && start->cost > FIND_OTHER_COST))
+        if (taken(f, &one) || (found(f, FIND_PLAIN) && start->cost > FIND_OTHER_COST))
             continue;
         left--;
         st = fit_roughly(f, g, unit_mm, &start->pose, &one);
@@ -302,7 +261,7 @@ static enum status turn_over(struct finder *f, const struct find_grid *g, double
     struct found one;
     enum status st;
 
-    if (f->best.n == 0 || plain(f) || stopped(f))
+    if (f->best.n == 0 || found(f, FIND_PLAIN) || stopped(f))
         return ST_OK;
     for (int k = 0; k < 6; k++)
         over.r[k] = -over.r[k];
@@ -318,6 +277,15 @@ static enum status turn_over(struct finder *f, const struct find_grid *g, double
 
 /* ---- sides and units */
 
+/* A face that stands upright before a scanner, of agreed axes or a camera's, as most do, may show
+ * less of itself. */
+static bool upright(const struct finder *f)
+{
+    const double *r = f->best.at[0].pose.pose.r;
+
+    return found(f, FIND_UPRIGHT) && r[0] + fabs(r[4] + r[8]) > FIND_UPRIGHT_TRACE;
+}
+
 /* Along the agreed axes or a camera's; or from all other sides: to the faces, edges and corners
  * of a cube. */
 static void look(struct finder *f, const struct find_grid *g, bool others,
@@ -332,10 +300,10 @@ static void look(struct finder *f, const struct find_grid *g, bool others,
     }
 }
 
-/* Is there a face, so that nothing else is tried?  One that stands upright may show less of itself. */
+/* Is there a face, so that nothing else is tried? */
 static bool sure(const struct finder *f)
 {
-    return plain(f) || (found(f, FIND_UPRIGHT) && stands(f));
+    return found(f, FIND_PLAIN) || upright(f);
 }
 
 /* Among the starts of other sides that of a noisy face may be far behind; a head that may be small is not
@@ -539,7 +507,6 @@ static enum status run(const struct dvec3 *pts, size_t n, double unit_mm, int64_
     f->stop = stop;
     f->starts.left = spend;
     f->best.n = 0;
-    f->evident = false;
     find_view_prepare(face_work_mean(w), &f->face);
     st = how(f);
     if (st == ST_OK && f->best.n == 0)

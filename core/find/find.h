@@ -29,13 +29,9 @@
  * are not tried. */
 #define FIND_WORTH_EYES    200.0
 #define FIND_PLAIN         620.0
-#define FIND_UPRIGHT       500.0
+#define FIND_UPRIGHT       560.0
 #define FIND_UPRIGHT_TRACE 2.4142
 #define FIND_LIKELY        350.0
-
-/* Evidence (gate.h) of what stands upright from which on it is a face: of some 200 things that are none
- * the most has 10.2. */
-#define FIND_EVIDENCE 11.0
 
 struct surface_work; /* face.h */
 

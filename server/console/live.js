@@ -3,7 +3,7 @@
 
 import { get, repeat, request } from "./api.js";
 import { el, icon, percent, plain, time } from "./dom.js";
-import { gauge, NUMBERS } from "./verdict.js";
+import { gauge, UNTOLD } from "./verdict.js";
 import { personAt, state, table } from "./widgets.js";
 import { outcome, WHY } from "./words.js";
 
@@ -12,7 +12,7 @@ const SHOWN = 31, EVERY_MS = 2000;
 /** Why, in one sentence. */
 function why(e) {
   if (e.outcome === "refused") return WHY[e.code] ?? e.detail ?? e.code;
-  if (e.score === null) return e.kind === "enroll" ? "A template was made of the scan." : NUMBERS;
+  if (e.score === null) return e.kind === "enroll" ? "A template was made of the scan." : UNTOLD;
   if (e.outcome === "match") return `The shape speaks for them: ${plain(e.score, 1)}, and ${plain(e.threshold, 1)} is enough.`;
   if (e.outcome === "no_match") return `The shape speaks against them: ${plain(e.score, 1)}; ${plain(e.threshold, 1)} would be needed.`;
   return `Only ${percent(e.overlap)} of the face could be compared: scan again.`;

@@ -23,11 +23,11 @@ export function failure(e) {
 }
 
 /** In the place of numbers that the token may not know. */
-export const NUMBERS = "The numbers of a non-match are shown to a token with the scope score.";
+export const UNTOLD = "The numbers of a non-match are shown to a token with the scope score.";
 
 /** What was decided, in a sentence. */
 function explain(r) {
-  if (r.score === undefined) return NUMBERS;
+  if (r.score === undefined) return UNTOLD;
   const apart = `On average the two surfaces lie ${mm(r.disparity_mm)} apart.`;
   if (r.decision === "match")
     return `The shape speaks for one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
