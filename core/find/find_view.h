@@ -59,14 +59,14 @@ void find_grid_free(struct find_grid *g);
  * one more for PER points each.  A view costs one for CUBES cubes and one for CELLS cells that
  * are seen; a fit costs FIT and one for FAR cubes.  For a head that may be small there are SMALL, and
  * what PER allowed for if it is left. */
-#define FIND_SPENT        4600
-#define FIND_SPENT_SMALL  1120
-#define FIND_SPENT_ONCE   300
-#define FIND_SPENT_PER    12
-#define FIND_SPENT_CUBES  512
-#define FIND_SPENT_CELLS  96
-#define FIND_SPENT_FIT    25
-#define FIND_SPENT_FAR    1000
+#define FIND_SPENT       4600
+#define FIND_SPENT_SMALL 1120
+#define FIND_SPENT_ONCE  300
+#define FIND_SPENT_PER   12
+#define FIND_SPENT_CUBES 512
+#define FIND_SPENT_CELLS 96
+#define FIND_SPENT_FIT   25
+#define FIND_SPENT_FAR   1000
 
 #define FIND_VIEW_SAMPLES 96
 #define FIND_VIEW_ROLLS   16
