@@ -95,7 +95,7 @@ static void count_stages(struct request *r, const struct verification *v)
     if (v->best.compared == 0)
         return;
     request_stage(r, REQUEST_SCORE, t->score);
-    if (v->request->detail != VERIFY_DECISION) {
+    if (t->minimal > 0) {
         request_stage(r, REQUEST_ALIGN, t->align);
         request_stage(r, REQUEST_MINIMAL, t->minimal);
     }
