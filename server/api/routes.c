@@ -40,7 +40,8 @@ enum { /* who may: those whose token has the scope */
 static const struct route table[] = {
     {REQUEST_GET, "/healthz", ROUTE_NO_BODY, ANYBODY, "", health_live, ROUTE_QUICK},
     {REQUEST_GET, "/readyz", ROUTE_NO_BODY, ANYBODY, "", health_ready, ROUTE_WORKER},
-    {REQUEST_GET, "/metrics", ROUTE_NO_BODY, ANYBODY, "", metrics_handle, ROUTE_QUICK},
+    {REQUEST_GET, "/metrics", ROUTE_NO_BODY, AUDIT | ROUTE_OR_LESS, "", metrics_handle,
+     ROUTE_QUICK},
     {REQUEST_GET, "/openapi.json", ROUTE_NO_BODY, ANYBODY, "", pages_handle, ROUTE_QUICK},
     {REQUEST_GET, "/docs", ROUTE_NO_BODY, ANYBODY, "", pages_handle, ROUTE_QUICK},
     {REQUEST_GET, "/docs/style.css", ROUTE_NO_BODY, ANYBODY, "", pages_handle,

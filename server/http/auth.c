@@ -121,7 +121,7 @@ void auth_check(struct request *r)
     } else if (st == ST_EDENIED) {
         request_problem(r, ERRMAP_NO_TOKEN, "the token is not valid");
         r->response.bad_token = true;
-    } else {
+    } else if (!route_open(r->route)) {
         request_fail(r, &e);
     }
 }

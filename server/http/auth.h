@@ -15,8 +15,9 @@ void auth_take(struct request *r, const char *header);
  * r->response is set.  Does not read the store. */
 bool auth_admit(struct request *r);
 
-/* auth_check(r): is r->token one of the store's, with the scope of r->route?  Then r->actor
- * is its id, else r->response is set.  The token is wiped.  On a worker. */
+/* auth_check(r): is r->token one of the store's, with a scope of r->route?  Then r->actor
+ * is its id, else r->response is set; where the store cannot say and the route needs no token, neither
+ * is.  The token is wiped.  On a worker. */
 void auth_check(struct request *r);
 
 /* auth_free(r): r needs no token (--no-auth): it may do everything but make and revoke tokens, which

@@ -406,9 +406,11 @@ static enum MHD_Result arrive(struct exchange *x, const char *method, const char
         return send_early(x);
     if (r->app->no_auth)
         return auth_free(r) ? admit(x) : send_early(x);
-    if (r->route->scope == 0)
+    const char *token = header(x, "Authorization");
+
+    if (r->route->scope == 0 || (token == NULL && route_open(r->route)))
         return admit(x);
-    auth_take(r, header(x, "Authorization"));
+    auth_take(r, token);
     if (r->response.http != 0 || !auth_admit(r))
         return send_early(x);
     to_worker(x, ADMITTED);

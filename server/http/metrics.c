@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "app.h"
+#include "auth.h"
 #include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -412,17 +413,12 @@ static void print_until(FILE *f, const char *name, uint64_t end, const char *hel
         print_one(f, name, "gauge", end > now ? end - now : 0, help);
 }
 
-static void print_ends(FILE *f, const struct app *app)
+static void print_tokens(FILE *f, const struct metrics *m)
 {
-    const struct metrics *m = app->metrics;
-
     print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
               "Tokens that expire within 30 days.");
     print_until(f, "surfaced_token_first_end_seconds", value(&m->token_end),
                 "Time until the first token expires.");
-    print_until(f, "surfaced_certificate_end_seconds",
-                app->tls != NULL ? (uint64_t)tls_end(app->tls) : 0,
-                "Time until the daemon's TLS certificate expires.");
 }
 
 /* By the system's clock, which may be set back. */
@@ -437,18 +433,30 @@ static void print_verified(FILE *f, const struct app *app)
     print_one(
         f, "surfaced_database_refused", "gauge", store_refused(app->store, &e),
         "1: the database is not the one that was opened, and all of /v1 gives 503.");
+    print_until(f, "surfaced_certificate_end_seconds",
+                app->tls != NULL ? (uint64_t)tls_end(app->tls) : 0,
+                "Time until the daemon's TLS certificate expires.");
 }
 
 static void print_gauges(FILE *f, const struct app *app)
 {
     struct queue_state q;
-    struct cache_state c;
 
     queue_look(app->queue, &q);
-    cache_look(app->cache, &c);
     print_one(f, "surfaced_queue_depth", "gauge", q.waiting,
               "Requests that wait for a worker.");
     print_one(f, "surfaced_workers_busy", "gauge", q.running, "Worker threads at work.");
+    print_one(
+        f, "surfaced_storage_full", "gauge",
+        intake_full(app->db, app->disk_reserve, NULL),
+        "1: less than the reserve is free on the disk, and enrolments are refused.");
+}
+
+static void print_cache(FILE *f, const struct app *app)
+{
+    struct cache_state c;
+
+    cache_look(app->cache, &c);
     print_one(f, "surfaced_cache_hits_total", "counter", c.hits,
               "Templates found in the cache.");
     print_one(f, "surfaced_cache_misses_total", "counter", c.misses,
@@ -456,10 +464,6 @@ static void print_gauges(FILE *f, const struct app *app)
     print_one(f, "surfaced_templates_reencoded_total", "counter", c.reencoded,
               "Templates read that another engine made, re-encoded in memory: surfacectl "
               "template reencode stores the result.");
-    print_one(
-        f, "surfaced_storage_full", "gauge",
-        intake_full(app->db, app->disk_reserve, NULL),
-        "1: less than the reserve is free on the disk, and enrolments are refused.");
     print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
               "Decoded templates evicted from the cache.");
 }
@@ -499,8 +503,7 @@ static void print_connections(FILE *f, const struct app *app)
                 closed[i].reason, closed[i].n);
 }
 
-/* Under the names that every exporter has for these. */
-/* What cannot be read is 0.  Some 100 us. */
+/* Under the names that every exporter has for these.  What cannot be read is 0.  Some 100 us. */
 struct process_state {
     double cpu_seconds;
     uint64_t resident_bytes, virtual_bytes;
@@ -544,15 +547,17 @@ static void look_at_process(struct process_state *out)
         out->cpu_seconds = (double)cpu.tv_sec + (double)cpu.tv_nsec * 1e-9;
 }
 
-static void print_process(FILE *f, const struct app *app)
+static void print_process(FILE *f, const struct app *app, bool all)
 {
     struct process_state p;
 
     look_at_process(&p);
     print_one(f, "process_start_time_seconds", "gauge", (uint64_t)app->metrics->start,
               "Start of the process, seconds since 1970.");
-    head(f, "process_cpu_seconds_total", "counter", "Processor time used.");
-    fprintf(f, "process_cpu_seconds_total %.3f\n", p.cpu_seconds);
+    if (all) {
+        head(f, "process_cpu_seconds_total", "counter", "Processor time used.");
+        fprintf(f, "process_cpu_seconds_total %.3f\n", p.cpu_seconds);
+    }
     print_one(f, "process_resident_memory_bytes", "gauge", p.resident_bytes,
               "Resident memory.");
     print_one(f, "process_virtual_memory_bytes", "gauge", p.virtual_bytes,
@@ -560,7 +565,9 @@ static void print_process(FILE *f, const struct app *app)
     print_one(f, "process_open_fds", "gauge", p.open_fds, "Open file descriptors.");
 }
 
-static char *text(const struct app *app)
+/* all: also what grows with each person who comes, the processor time included.  The rest says
+ * that the daemon runs, and how much it does at the moment. */
+static char *text(const struct app *app, bool all)
 {
     char *out = NULL;
     size_t len;
@@ -569,13 +576,16 @@ static char *text(const struct app *app)
 
     if (f == NULL)
         return NULL;
-    print_requests(f, app->metrics);
-    print_outcomes(f, app->metrics);
+    if (all) {
+        print_requests(f, app->metrics);
+        print_outcomes(f, app->metrics);
+        print_tokens(f, app->metrics);
+        print_cache(f, app);
+    }
     print_verified(f, app);
-    print_ends(f, app);
     print_gauges(f, app);
     print_connections(f, app);
-    print_process(f, app);
+    print_process(f, app, all);
     failed = ferror(f) != 0;
     if (fclose(f) != 0 || failed) {
         free(out);
@@ -587,5 +597,6 @@ static char *text(const struct app *app)
 void metrics_handle(struct request *r, struct worker *w)
 {
     (void)w;
-    request_text(r, "text/plain; version=0.0.4; charset=utf-8", text(r->app));
+    request_text(r, "text/plain; version=0.0.4; charset=utf-8",
+                 text(r->app, auth_has(r, STORE_SCOPE_AUDIT)));
 }

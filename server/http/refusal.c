@@ -13,7 +13,7 @@ bool refusal_stands(struct request *r)
 {
     struct errinfo e;
 
-    if (r->route->scope == 0 || !store_refused(r->app->store, &e))
+    if (route_open(r->route) || !store_refused(r->app->store, &e))
         return false;
     request_fail(r, &e);
     return true;
@@ -23,7 +23,7 @@ bool refusal_found(struct request *r)
 {
     struct errinfo e;
 
-    if (r->route->scope == 0 || !r->app->no_auth ||
+    if (route_open(r->route) || !r->app->no_auth ||
         store_ready(r->app->store, &e) == ST_OK)
         return false;
     request_fail(r, &e);

@@ -153,6 +153,11 @@ void route_check_query(struct request *r)
     }
 }
 
+bool route_open(const struct route *route)
+{
+    return route->scope == 0 || (route->scope & ROUTE_OR_LESS) != 0;
+}
+
 const char *route_method(const struct route *route)
 {
     return route == NULL ? "-" : method_name[route->method];

@@ -35,6 +35,12 @@ struct route {
     enum route_where where;
 };
 
+/* In a scope: who sends no token is told less instead. */
+#define ROUTE_OR_LESS (1U << 31)
+
+/* route_open(route): is route for those without a token as well? */
+bool route_open(const struct route *route);
+
 /* route_find(table, n, r): set r->route by r->target and r->method, or r->response: no such
  * path, no such method, or what OPTIONS asks for. */
 void route_find(const struct route *table, size_t n, struct request *r);

@@ -35,7 +35,7 @@ POST /v1/tokens/{token_id}/rotate tokens
 GET /v1/stats audit
 GET /healthz -
 GET /readyz -
-GET /metrics -
+GET /metrics -,audit
 GET /openapi.json -
 GET /docs -
 GET /console -
@@ -55,7 +55,7 @@ start_daemon --workers 3 --queue 77 --cache-mb 13 --max-body 7654321 --attempts 
 curl -sS -o "$T/api" "$URL/openapi.json"
 jq -r '.paths | to_entries[] | .key as $p | .value | to_entries[] | select(.key != "parameters")
     | "\(.key | ascii_upcase) \($p) \(.value.security | if . == [] then "-"
-        else [.[].token[]] | join(",") end)"' "$T/api" | sort >"$T/described"
+        else [.[] | .token // ["-"] | .[]] | join(",") end)"' "$T/api" | sort >"$T/described"
 is "routes and their scopes, as described" "$(cat "$T/described")" "$(sort "$T/matrix")"
 is "no other in the table of the program" "$(grep -c '{REQUEST_' server/api/routes.c)" \
     "$(($(wc -l <"$T/matrix") + 3))" # and the two files of /docs, and those of /console
@@ -103,7 +103,7 @@ for scope in $(echo "$ALL" | tr ',' ' '); do
     others=$(new_token "not-$scope" --scope "$(echo ",$ALL," | sed "s/,$scope,/,/; s/^,//; s/,\$//")")
     while read -r verb route needs; do
         enrolled
-        AUTH=$one
+        AUTH=$one needs=${needs#-,}
         try "$verb" "$route"
         case ,$needs, in
         ,-, | *,"$scope",*)
@@ -149,7 +149,7 @@ while read -r verb route needs; do
     enrolled
     AUTH=
     try "$verb" "$route"
-    [ "$needs" = - ] || problem "$verb $route without a token" 401 unauthorized
+    [ "${needs%%,*}" = - ] || problem "$verb $route without a token" 401 unauthorized
     AUTH=$all
     for name in threshold dry_run x; do
         try "$verb" "$route" "?$name=1"
@@ -208,7 +208,9 @@ for route in /healthz /readyz /version /metrics; do
     is "$route tells nothing of the configuration" "$told" ""
 done
 is "what /metrics tells of the moment" "$(curl -sS "$URL/metrics" | sed -n 's/^# TYPE \(.*\) gauge$/\1/p' | paste -sd ' ')" \
-    "surfaced_rows_verified_age_seconds surfaced_database_refused surfaced_tokens_expiring surfaced_queue_depth surfaced_workers_busy surfaced_storage_full surfaced_connections surfaced_held_bytes process_start_time_seconds process_resident_memory_bytes process_virtual_memory_bytes process_open_fds"
+    "surfaced_rows_verified_age_seconds surfaced_database_refused surfaced_queue_depth surfaced_workers_busy surfaced_storage_full surfaced_connections surfaced_held_bytes process_start_time_seconds process_resident_memory_bytes process_virtual_memory_bytes process_open_fds"
+is "and what it counts" "$(curl -sS "$URL/metrics" | sed -n 's/^# TYPE \(.*\) \(counter\|histogram\)$/\1/p' | paste -sd ' ')" \
+    surfaced_connections_closed_total
 is "members of /readyz and /version" "$(curl -sS "$URL/readyz" "$URL/version" | jq -r 'keys[]' | paste -sd ' ')" \
     "status version"
 req GET /healthz -H 'Expect:' -H 'Content-Length: 99999999' -d x -m 5

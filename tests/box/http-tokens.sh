@@ -109,6 +109,7 @@ is "a revoked token cannot be rotated" $? 77
 ok "the token is not in the log" sh -c "! grep -q '$AUTH' '$LOG'"
 
 # ---- soon to end
+AUTH=$(new_token watcher --scope audit)
 is "none would end soon at the start" "$(metric surfaced_tokens_expiring)" 0
 stop_daemon
 ctl token revoke short
