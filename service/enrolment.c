@@ -172,6 +172,25 @@ static enum status fit_templates(struct enrolling *g, const struct templates *a,
     return ST_OK;
 }
 
+/* One that does not match the first is recorded; it is no attempt at the subject. */
+static enum status unlike_first(struct enrolling *g, const struct templates *a, size_t i,
+                                const struct surface_comparison *r, struct errinfo *e)
+{
+    char outcome[STORE_NAME_MAX + 1];
+    struct store_recorded out;
+    const struct store_record what = {.subject = &a->of.subject,
+                                      .as = STORE_RECORD_UNCOUNTED,
+                                      .actor = g->x->actor,
+                                      .kind = "enroll_mismatch",
+                                      .template_id = "",
+                                      .outcome = outcome};
+
+    (void)does_not_fit(r, true, &g->each[i].why);
+    (void)snprintf(outcome, sizeof outcome, "%s, first sample",
+                   templates_decision(r->decision));
+    return a->of.n == 0 ? ST_OK : store_record_verification(g->c->store, &what, &out, e);
+}
+
 /* It has to match the first one, too: that says nothing of the subject, so that a scan that matches
  * does not allow to try others, uncounted. */
 static enum status fit_other(struct enrolling *g, const struct templates *a, size_t i,
@@ -189,10 +208,8 @@ static enum status fit_other(struct enrolling *g, const struct templates *a, siz
     }
     if ((st = compare_with_first(g, i, none, &r, e)) != ST_OK || g->x->force)
         return st;
-    if (r.decision != SURFACE_MATCH) {
-        (void)does_not_fit(&r, true, &g->each[i].why);
-        return ST_OK;
-    }
+    if (r.decision != SURFACE_MATCH)
+        return unlike_first(g, a, i, &r, e);
     return none || g->x->manager ? ST_OK : fit_templates(g, a, i, e);
 }
 

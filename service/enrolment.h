@@ -53,7 +53,7 @@ struct enrolment_outcome {
  * status is returned (ST_EMISMATCH: it does not match).
  * Each sample that does not match the templates is recorded like a failed verification
  * (store_record_verification()), as enroll_mismatch.  One that does not match the first accepted
- * sample is not compared with them, and not recorded.
+ * sample is not compared with them; it is recorded, and not counted.
  * On failure nothing is stored.  ST_EDENIED: out->over_allowance, or out->refusal says why; or as
  * templates_nearest(), store_record_verification(), store_enroll(). */
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,

@@ -29,7 +29,10 @@ burst() {
         | join(" ")')
 }
 stored() { sql "SELECT count(*) FROM $1"; }
-mismatches() { sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll_mismatch'"; }
+# mismatches [OUTCOME]: files that did not match the templates, or those with this outcome.
+mismatches() {
+    sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'enroll_mismatch' AND outcome LIKE '${1-no_match}'"
+}
 
 start_daemon --attempts 4 --max-body 2000000 --workers 2
 AUTH=$(new_token one)
@@ -59,6 +62,7 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/a3.ply"
 is "verified by them" "$STATUS $(get '[.decision, .templates_compared] | @csv')" '200 "match",3'
 burst alice a0.ply b.ply none.ply a1.ply
 is "again" "$STATUS $LIST $(stored templates)" '200 same sample_mismatch malformed same 3'
+is "now it is recorded, and not counted" "$(mismatches) $(mismatches '%first sample') $(stored attempts)" '0 1 0'
 is "metrics" "$(metric 'surfaced_enrollments_total{outcome="created"}') $(
     metric 'surfaced_enrollments_total{outcome="known"}') $(
     metric 'surfaced_enrollments_total{outcome="mismatch"}') $(
