@@ -34,8 +34,7 @@ struct ctl_scans {                   /* how scans are read */
 
 struct ctl_expires { /* --expires */
     bool given;
-    int64_t life_s; /* from now on; 0: never */
-    int64_t at_ms;  /* since 1970; 0: never */
+    int64_t end_ms; /* STORE_NEVER, or since 1970 */
 };
 
 struct ctl {

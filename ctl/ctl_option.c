@@ -43,19 +43,17 @@ const char *ctl_option_duration(const char *text, void *value)
 static const char *read_expires(const char *text, void *value)
 {
     struct ctl_expires *x = value;
-    int64_t now = 0;
+    int64_t now = 0, s;
 
     *x = (struct ctl_expires){.given = true};
     if (strcmp(text, "never") == 0)
         return NULL;
     (void)utc_now(&now);
-    if (utc_read_end(text, &x->at_ms)) {
-        x->life_s = (x->at_ms - now) / 1000;
-        return x->life_s > 0 ? NULL : "a time in the future";
-    }
-    if (ctl_option_duration(text, &x->life_s) != NULL)
+    if (utc_read_end(text, &x->end_ms))
+        return x->end_ms > now ? NULL : "a time in the future";
+    if (ctl_option_duration(text, &s) != NULL)
         return "a time like 90d, 12h, 30m, 2027-01-31 or never";
-    x->at_ms = now + x->life_s * 1000;
+    x->end_ms = now + s * 1000;
     return NULL;
 }
 

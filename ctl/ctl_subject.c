@@ -120,8 +120,8 @@ static const char *expiry(const struct ctl *c, char text[UTC_TEXT])
     if (!c->expires.given)
         return NULL;
     text[0] = '\0';
-    if (c->expires.at_ms > 0)
-        utc_print(c->expires.at_ms, text);
+    if (c->expires.end_ms != STORE_NEVER)
+        utc_print(c->expires.end_ms, text);
     return text;
 }
 

@@ -31,15 +31,17 @@ static enum status create(struct ctl *c)
     struct store_token t;
     char secret[65], all[STORE_SCOPES_MAX];
     const char *name = c->nargs > 0 ? c->args[0] : "unnamed";
-    const int64_t life_s = c->expires.given ? c->expires.life_s : STORE_TOKEN_LIFE_S;
+    int64_t end_ms;
     enum status st;
 
+    (void)utc_now(&end_ms);
+    end_ms = c->expires.given ? c->expires.end_ms : end_ms + STORE_TOKEN_LIFE_S * 1000;
     if (scopes == 0) {
         rows_scopes_write(STORE_SCOPE_ALL, all);
         return ctl_usage(c, "token create needs --scope: one or more of %s", all);
     }
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
-        st = store_token_create(c->store, c->actor, name, scopes, life_s, secret, &t,
+        st = store_token_create(c->store, c->actor, name, scopes, end_ms, secret, &t,
                                 &c->e);
     if (st == ST_OK)
         out_secret(c, &t, secret);
@@ -87,8 +89,8 @@ static enum status rotate(struct ctl *c)
 
     if (st == ST_OK && (st = find(c, id)) == ST_OK)
         st = store_token_rotate(c->store, c->actor, id, grace_s,
-                                c->expires.given ? c->expires.life_s : -1, secret, &t,
-                                &c->e);
+                                c->expires.given ? c->expires.end_ms : STORE_SAME_END,
+                                secret, &t, &c->e);
     if (st != ST_OK)
         return st;
     out_secret(c, &t, secret);

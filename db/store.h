@@ -114,18 +114,20 @@ enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
 
 /* ---- Bearer tokens: 256 random bits each, of which only a hash is kept */
 
-/* store_token_create(s, actor, name, scopes, life_s, secret, t, e): a new Bearer token,
- * valid for life_s seconds, 0: forever; only a hash of secret is stored. */
+#define STORE_NEVER    0  /* in the place of an end, ms since 1970 */
+#define STORE_SAME_END -1 /* likewise: it is kept */
+
+/* store_token_create(s, actor, name, scopes, end_ms, secret, t, e): a new Bearer token; only a
+ * hash of secret is stored. */
 enum status store_token_create(struct store *s, const char *actor, const char *name,
-                               unsigned scopes, int64_t life_s, char secret[65],
+                               unsigned scopes, int64_t end_ms, char secret[65],
                                struct store_token *t, struct errinfo *e);
 
-/* store_token_rotate(s, actor, id, grace_s, life_s, secret, t, e): a new secret for the
+/* store_token_rotate(s, actor, id, grace_s, end_ms, secret, t, e): a new secret for the
  * token; the old secret stays valid for grace_s seconds, and an older one becomes
- * invalid. life_s: from now on, 0: forever, negative: the expiry is kept. ST_EDENIED: it
- * was revoked. */
+ * invalid. ST_EDENIED: it was revoked. */
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
-                               int64_t grace_s, int64_t life_s, char secret[65],
+                               int64_t grace_s, int64_t end_ms, char secret[65],
                                struct store_token *t, struct errinfo *e);
 enum status store_token_get(struct store *s, const char *id, struct store_token *out,
                             struct errinfo *e);

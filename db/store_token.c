@@ -21,20 +21,27 @@ static void hash_secret(const char *secret, unsigned char hash[ROWS_TOKEN_HASH])
                              strlen(secret), NULL, 0);
 }
 
-static enum status need_life(int64_t s, const char *what, struct errinfo *e)
+/* Is end_ms a time to come, or one of the words instead? */
+static enum status check_end(int64_t end_ms, struct errinfo *e)
 {
-    if (s <= STORE_LIFE_MAX)
-        return ST_OK;
-    return errinfo_set(e, ST_EINVAL, "a token's %s is at most %lld days", what,
-                       (long long)(STORE_LIFE_MAX / 86400));
+    int64_t now;
+    enum status st = store_rules_now(&now, e);
+
+    if (st != ST_OK || end_ms == STORE_NEVER || end_ms == STORE_SAME_END)
+        return st;
+    if (end_ms <= now)
+        return errinfo_set(e, ST_EINVAL, "the token's end is in the past");
+    if (end_ms - now > STORE_LIFE_MAX * 1000)
+        return errinfo_set(e, ST_EINVAL, "a token's life is at most %lld days",
+                           (long long)(STORE_LIFE_MAX / 86400));
+    return ST_OK;
 }
 
-/* When it is over; "" for never. */
-static void set_life(const struct log_act *by, int64_t life_s, char expires[32])
+static void print_end(int64_t end_ms, char out[UTC_TEXT])
 {
-    expires[0] = '\0';
-    if (life_s > 0)
-        utc_print(by->ms + life_s * 1000, expires);
+    out[0] = '\0';
+    if (end_ms != STORE_NEVER)
+        utc_print(end_ms, out);
 }
 
 /* A new secret and its hash. */
@@ -47,7 +54,7 @@ static void new_secret(char secret[65], unsigned char hash[ROWS_TOKEN_HASH])
 /* ---- changes */
 
 enum status store_token_create(struct store *s, const char *actor, const char *name,
-                               unsigned scopes, int64_t life_s, char secret[65],
+                               unsigned scopes, int64_t end_ms, char secret[65],
                                struct store_token *t, struct errinfo *e)
 {
     struct rows_token one = {.token = {.scopes = scopes}};
@@ -60,15 +67,15 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
     if (!ident_printable(name, 1, STORE_NAME_MAX))
         return errinfo_set(e, ST_EINVAL, "a token's name is 1 to %d printable characters",
                            STORE_NAME_MAX);
-    if (scopes == 0 || (scopes & ~(unsigned)STORE_SCOPE_ALL) != 0 || life_s < 0)
-        return errinfo_set(e, ST_EINVAL, "a token without a scope or a life");
-    if ((st = need_life(life_s, "life", e)) != ST_OK ||
+    if (scopes == 0 || (scopes & ~(unsigned)STORE_SCOPE_ALL) != 0 || end_ms < 0)
+        return errinfo_set(e, ST_EINVAL, "a token without a scope or an end");
+    if ((st = check_end(end_ms, e)) != ST_OK ||
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
     store_rules_random(one.token.id, STORE_ID_LEN / 2);
     (void)snprintf(one.token.name, sizeof one.token.name, "%s", name);
     memcpy(one.token.created, by.at, sizeof by.at);
-    set_life(&by, life_s, one.token.expires);
+    print_end(end_ms, one.token.expires);
     new_secret(secret, one.hash);
     if ((st = rows_token_add(&x, &one, e)) == ST_OK)
         st = log_change(&x, &by, "create_token", NULL, one.token.id, name, e);
@@ -80,7 +87,7 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
 }
 
 static enum status rotate(struct log_txn *x, const struct log_act *by, const char *id,
-                          int64_t grace_s, int64_t life_s,
+                          int64_t grace_s, int64_t end_ms,
                           const unsigned char hash[ROWS_TOKEN_HASH],
                           struct store_token *t, struct errinfo *e)
 {
@@ -92,10 +99,10 @@ static enum status rotate(struct log_txn *x, const struct log_act *by, const cha
         return st;
     if (t->revoked[0] != '\0')
         return errinfo_set(e, ST_EDENIED, "token %s was revoked", id);
-    if (life_s >= 0)
-        set_life(by, life_s, t->expires);
+    if (end_ms != STORE_SAME_END)
+        print_end(end_ms, t->expires);
     t->expired = store_rules_past(t->expires, by->ms);
-    set_life(by, grace_s, t->old_until);
+    print_end(grace_s > 0 ? by->ms + grace_s * 1000 : STORE_NEVER, t->old_until);
     one.token = *t;
     memcpy(one.old_hash, one.hash, sizeof one.old_hash);
     memcpy(one.hash, hash, sizeof one.hash);
@@ -105,7 +112,7 @@ static enum status rotate(struct log_txn *x, const struct log_act *by, const cha
 }
 
 enum status store_token_rotate(struct store *s, const char *actor, const char *id,
-                               int64_t grace_s, int64_t life_s, char secret[65],
+                               int64_t grace_s, int64_t end_ms, char secret[65],
                                struct store_token *t, struct errinfo *e)
 {
     unsigned char hash[ROWS_TOKEN_HASH];
@@ -115,13 +122,15 @@ enum status store_token_rotate(struct store *s, const char *actor, const char *i
 
     memset(t, 0, sizeof *t);
     secret[0] = '\0';
+    if (grace_s > STORE_LIFE_MAX)
+        return errinfo_set(e, ST_EINVAL, "the old secret's grace is at most %lld days",
+                           (long long)(STORE_LIFE_MAX / 86400));
     if ((st = ident_id(id, "token", e)) != ST_OK ||
-        (st = need_life(life_s, "life", e)) != ST_OK ||
-        (st = need_life(grace_s, "grace", e)) != ST_OK ||
+        (st = check_end(end_ms, e)) != ST_OK ||
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
     new_secret(secret, hash);
-    st = store_end(s, &x, rotate(&x, &by, id, grace_s, life_s, hash, t, e), e);
+    st = store_end(s, &x, rotate(&x, &by, id, grace_s, end_ms, hash, t, e), e);
     if (st != ST_OK)
         sodium_memzero(secret, 65);
     return st;

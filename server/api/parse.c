@@ -133,21 +133,20 @@ static enum status take_scopes(const struct json_value *list, unsigned *out,
     return *out != 0 ? ST_OK : errinfo_set(e, ST_EINVAL, "scopes is empty");
 }
 
-static enum status take_life(const char *end, int64_t *life_s, struct errinfo *e)
+static enum status take_end(const char *end, int64_t *ms, struct errinfo *e)
 {
-    int64_t now, ms;
+    int64_t now;
 
-    *life_s = end == NULL ? STORE_TOKEN_LIFE_S : 0;
+    (void)utc_now(&now);
+    *ms = end == NULL ? now + STORE_TOKEN_LIFE_S * 1000 : STORE_NEVER;
     if (end == NULL || end[0] == '\0')
         return ST_OK;
-    if (!utc_now(&now) || !utc_read_end(end, &ms))
+    if (!utc_read_end(end, ms))
         return errinfo_set(e, ST_EINVAL,
                            "expires_at must be a time such as 2027-01-31T14:30:00Z, or a "
                            "day, 2027-01-31, at whose end (UTC) it ends");
-    *life_s = (ms - now) / 1000;
-    return *life_s > 0
-               ? ST_OK
-               : errinfo_set(e, ST_EINVAL, "expires_at %.40s is in the past", end);
+    return *ms > now ? ST_OK
+                     : errinfo_set(e, ST_EINVAL, "expires_at %.40s is in the past", end);
 }
 
 enum status parse_token(const char *text, size_t len, struct parse_token *out,
@@ -167,7 +166,7 @@ enum status parse_token(const char *text, size_t len, struct parse_token *out,
     if (st == ST_OK)
         st = take_scopes(json_member(doc, "scopes"), &out->scopes, e);
     if (st == ST_OK)
-        st = take_life(until, &out->life_s, e);
+        st = take_end(until, &out->end_ms, e);
     json_free(doc);
     return st;
 }

@@ -21,7 +21,7 @@ enum status parse_clouds(const char *text, size_t len, const struct cloudfile_op
 struct parse_token { /* to be made */
     char name[STORE_NAME_MAX + 1];
     unsigned scopes;
-    int64_t life_s; /* 0: for ever */
+    int64_t end_ms; /* STORE_NEVER, or since 1970 */
 };
 
 /* parse_token(text, len, out, e): {"name", "scopes": [...]} and expires_at, which may be null (for

@@ -74,7 +74,7 @@ void tokens_create(struct request *r, struct worker *w)
     }
     if (!auth_gives(r, what.scopes))
         return;
-    if (store_token_create(r->app->store, r->actor, what.name, what.scopes, what.life_s,
+    if (store_token_create(r->app->store, r->actor, what.name, what.scopes, what.end_ms,
                            secret, &t, &e) != ST_OK) {
         request_fail(r, &e);
         return;
@@ -111,8 +111,8 @@ void tokens_rotate(struct request *r, struct worker *w)
     }
     if (!own_or_less(r, &t))
         return;
-    if (store_token_rotate(r->app->store, r->actor, r->token_id, grace_s, -1, secret, &t,
-                           &e) == ST_OK)
+    if (store_token_rotate(r->app->store, r->actor, r->token_id, grace_s, STORE_SAME_END,
+                           secret, &t, &e) == ST_OK)
         respond(r, 200, &t, secret);
     else if (e.code == ST_EDENIED)
         request_problem(r, ERRMAP_REVOKED, "%s", e.msg);

@@ -154,6 +154,9 @@ problem "but not for this" 403 insufficient_scope tokens
 AUTH=$me
 post /v1/tokens "{\"name\": \"day\", \"scopes\": [\"verify\"], \"expires_at\": \"$(date -u -d '+9 days' +%F)\"}"
 is "an end" "$(get '.expires_at[:10]')" "$(date -u -d '+9 days' +%F)"
+post /v1/tokens '{"name": "moment", "scopes": ["verify"], "expires_at": "2031-01-31T12:00:00.007+01:00"}'
+is "an end is kept to the millisecond" "$STATUS $(get .expires_at)" '201 2031-01-31T11:00:00.007Z'
+req DELETE "/v1/tokens/$(get .id)"
 post /v1/tokens '{"name": "ever", "scopes": ["verify", "verify"], "expires_at": null}'
 is "none, which was asked for" "$STATUS $(get '[.expires_at, .scopes] | tojson')" '201 [null,["verify"]]'
 while read -r body; do
@@ -176,7 +179,7 @@ done <<'END'
 {"name": "a", "scopes": ["verify"], "expires_at": "9000-01-01"}
 {"name": "a", "scopes": ["verify"], "id": "x"}
 END
-is "none of these was made" "$(sql 'SELECT count(*) FROM tokens')" 5
+is "none of these was made" "$(sql 'SELECT count(*) FROM tokens')" 6
 req GET /v1/tokens
 ctl token list
 is "the list is the command's" "$(get '.tokens | map(del(.last_used)) | tojson')" "$(said '.tokens | map(del(.last_used)) | tojson')"

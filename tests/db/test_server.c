@@ -182,7 +182,8 @@ TEST(test_round_trips)
     if (!tempdb_server)
         skip();
     s = tempdb_fresh();
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &t, &e));
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
+                            &e));
     (void)enroll(s, secret, "alice"); /* statements are prepared, the token is used */
     verify(s, secret, "alice", STORE_RECORD_FAILED, ST_OK);
     for (int i = 0; i < 3; i++) {
@@ -212,7 +213,8 @@ TEST(test_lost)
     if (!tempdb_server)
         skip();
     s = tempdb_fresh();
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &t, &e));
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
+                            &e));
     (void)enroll(s, secret, "alice");
     for (int i = 0; i < 3; i++) {
         end_connections();
@@ -571,7 +573,8 @@ TEST(test_another_daemon)
     if (!tempdb_server)
         skip();
     s = tempdb_fresh();
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &t, &e));
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
+                            &e));
     (void)enroll(s, secret, "alice");
     tempdb_add(s, "zoe");
     other = tempdb_open(STORE_WRITE);

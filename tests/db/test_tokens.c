@@ -18,7 +18,7 @@ static void forge(const char *text)
 static void create(struct store *s, const char *name, unsigned scopes, int64_t life_s,
                    char secret[65], struct store_token *t)
 {
-    must(store_token_create(s, "test", name, scopes, life_s, secret, t, &e));
+    must(store_token_create(s, "test", name, scopes, tempdb_in(life_s), secret, t, &e));
     assert_int_equal(strlen(secret), 64);
 }
 
@@ -73,7 +73,7 @@ TEST(test_tokens)
         first[i] = was;
     }
     assert_int_equal(check(s, "' OR 1=1 --"), ST_EDENIED);
-    must(store_token_rotate(s, "test", t.id, 0, -1, second, &got, &e));
+    must(store_token_rotate(s, "test", t.id, 0, STORE_SAME_END, second, &got, &e));
     assert_string_equal(got.expires, t.expires);
     assert_int_equal(check(other, first), ST_EDENIED);
     must(store_token_rotate(s, "test", t.id, 60, 0, third, &got, &e));
@@ -115,9 +115,11 @@ TEST(test_refused)
     fails(store_token_create(s, "", "x", 0, 0, secret, &t, &e), ST_EINVAL);
     fails(store_token_create(s, "", "x", STORE_SCOPE_ALL + 1, 0, secret, &t, &e),
           ST_EINVAL);
-    fails(store_token_create(s, "", "x", 1, -1, secret, &t, &e), ST_EINVAL);
-    fails(store_token_create(s, "", "x", 1, STORE_LIFE_MAX + 1, secret, &t, &e),
-          ST_EINVAL);
+    fails(store_token_create(s, "", "x", 1, STORE_SAME_END, secret, &t, &e), ST_EINVAL);
+    fails(store_token_create(s, "", "x", 1, tempdb_in(-1), secret, &t, &e), ST_EINVAL);
+    fails(
+        store_token_create(s, "", "x", 1, tempdb_in(STORE_LIFE_MAX + 1), secret, &t, &e),
+        ST_EINVAL);
     fails(store_token_create(s, "", "x", 1, INT64_MAX, secret, &t, &e), ST_EINVAL);
     assert_string_equal(secret, "");
     fails(store_token_revoke(s, "", "0123456789abcdef0123456789abcdef", &e),

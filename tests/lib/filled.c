@@ -46,7 +46,8 @@ static void add_tokens(struct store *s, struct filled *f)
     struct store_token t;
     char secret[65];
 
-    must(store_token_create(s, "test", "gate", STORE_SCOPE_ALL, 3600, f->gate, &t, &e));
+    must(store_token_create(s, "test", "gate", STORE_SCOPE_ALL, tempdb_in(3600), f->gate,
+                            &t, &e));
     memcpy(f->gate_id, t.id, sizeof f->gate_id);
     must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 0, secret, &t, &e));
     memcpy(f->door_id, t.id, sizeof f->door_id);

@@ -264,6 +264,14 @@ enum status tempdb_erase(struct store *s, const char *actor, const char *subject
     return st;
 }
 
+int64_t tempdb_in(int64_t s)
+{
+    int64_t now;
+
+    assert_true(utc_now(&now));
+    return s == 0 ? STORE_NEVER : now + s * 1000;
+}
+
 void tempdb_expire(struct store *s, const char *subject)
 {
     char end[UTC_TEXT];

@@ -51,6 +51,7 @@ void tempdb_mislead(const char *index, const char *rows);
  * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
  * tempdb_add(s, subject): one without templates.
  * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
+ * tempdb_in(s): so many seconds from now, as an end; 0: STORE_NEVER.
  * tempdb_expire(s, subject): its end is set to the next moment, and has passed.
  * tempdb_calibration(threshold): a possible one, of 3 knots.
  * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
@@ -63,6 +64,7 @@ void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct surface_face *f, struct store_template *t);
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
+int64_t tempdb_in(int64_t s);
 void tempdb_expire(struct store *s, const char *subject);
 struct store_calibration tempdb_calibration(double threshold);
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,

@@ -52,8 +52,9 @@ TEST(test_format)
     must(store_subject_set(
         s, "test", "alice",
         &(struct store_subject_change){.expires = "2040-01-01", .hold = &yes}, &e));
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 60, secret, &token, &e));
-    must(store_token_rotate(s, "test", token.id, 60, 60, secret, &got, &e));
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret,
+                            &token, &e));
+    must(store_token_rotate(s, "test", token.id, 60, tempdb_in(60), secret, &got, &e));
     device(s, "door");
     calibrate(s);
     store_close(s);
