@@ -603,13 +603,12 @@ static enum status try_scales(struct scan *s, struct scan_search *k, enum status
     return k->fits_mm > 0 ? ST_EUNITS : st;
 }
 
-/* Returns true if what was found is not like a face. */
+/* Returns true if what was found is no face that could be enrolled. */
 static bool is_nothing(const struct scan *s)
 {
     struct surface_found ignored = *s->found;
 
-    return gate_judge(s->shape, &s->fit, s->o->enrolment && !s->o->frame, &ignored) ==
-           ST_ENOTFACE;
+    return gate_judge(s->shape, &s->fit, !s->o->frame, &ignored) == ST_ENOTFACE;
 }
 
 static enum status build_found(struct scan *s, struct scan_search *k)

@@ -205,8 +205,10 @@ TEST(test_unusual_unit)
     for (size_t k = 0; k < sizeof mm / sizeof *mm; k++) {
         sample(1, 0, 3000);
         scale_points(1 / mm[k]);
-        assert_int_equal(build(&enrolment), ST_EUNITS);
-        assert_true(found.unit_found && fabs(log(found.fits_mm / mm[k])) < 0.2);
+        for (int verifying = 0; verifying < 2; verifying++) {
+            assert_int_equal(build(verifying ? &probe : &enrolment), ST_EUNITS);
+            assert_true(found.unit_found && fabs(log(found.fits_mm / mm[k])) < 0.2);
+        }
         assert_true(take());
         c.unit_mm = 1;
         assert_true(scan_build(&c, &enrolment, work, &face, NULL, &found) != ST_OK);
