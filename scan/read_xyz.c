@@ -9,6 +9,7 @@
 #include "cloudlist.h"
 #include "cloudtext.h"
 #include "cloudunit.h"
+#include "errinfo.h"
 #include "number.h"
 #include "status.h"
 
@@ -486,7 +487,7 @@ enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *
         cloudtext_skip(t);
     }
     if (r.begun && list->out.read == 0 && !r.counted && r.columns.separator == 0)
-        return cloudtext_fail(t, ST_EINVAL, NOT_NUMBERS);
+        return errinfo_set(t->e, ST_EINVAL, NOT_NUMBERS);
     list->out.unit_mm = r.columns.unit_mm;
     return check_due(&r);
 }

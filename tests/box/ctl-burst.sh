@@ -20,7 +20,7 @@ is "a burst" "$(list) $(said .failed)" 'new sample_mismatch malformed new same 2
 is "the names" "$(said '[.templates[].file] | join(" ")')" 'a0.ply b.ply none.ply a1.ply a0.ply'
 is "how many" "$(said .error.detail)" '2 of 5 scans were not enrolled'
 ok "each is reported" grep -q '^surfacectl: b.ply: the sample does not fit: it does not match the first' ctl.err
-ok "each is reported" grep -q '^surfacectl: none.ply: line 2: this is no list of numbers' ctl.err
+ok "each is reported" grep -q '^surfacectl: none.ply: this is no list of numbers' ctl.err
 ctl_exits 0 subject show alice
 is "they are there" "$(said '[.templates[].label] | join(" ")')" 'sitting sitting'
 ctl_exits 0 enroll alice --each a0.ply a1.ply

@@ -155,7 +155,7 @@ TEST(test_bad)
         {"1,5 2,5 3,5\n", ST_EINVAL, "is it a decimal comma?"},
         {"root:x:0:0:root:/root\nbin:x:1:1:bin:/bin\n", ST_EINVAL, "no list of numbers"},
         {"Dear all,\nthe scan, as agreed, is below\n", ST_EINVAL, "no list of numbers"},
-        {"a note, and nothing else\n", ST_EINVAL, "no list of numbers"},
+        {"a note, and nothing else\n", ST_EINVAL, "this is no list of numbers"},
         {"x,y,z\n", ST_EINVAL, "no points"},
         {"a,b,c,d\none,two,three,four\n", ST_EINVAL, "no list of numbers"},
         {"3\n1 2 3\n4 5 6\n", ST_EINVAL, "1 points fewer"},
