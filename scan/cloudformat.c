@@ -161,6 +161,8 @@ static const struct {
     KIND("a LAS file", "LASF"),
     KIND("a ROS bag", "#ROSBAG"),
     KIND("an MCAP file", "\x89MCAP"),
+    KIND("a Parquet file", "PAR1"),
+    KIND("an Arrow file", "ARROW1"),
     KIND("a network capture (PCAP)", "\xD4\xC3\xB2\xA1"),
     KIND("a network capture (PCAP)", "\x0A\x0D\x0D\x0A"),
     KIND("an NRRD file", "NRRD000"),

@@ -80,6 +80,7 @@ TEST(test_foreign)
               12, "an MP4 video"},
              {"GIF89a", 6, "a GIF picture"},
              {"#ROSBAG V2.0\n", 13, "a ROS bag"},
+             {"PAR1\x15\x04", 6, "a Parquet file"},
              {"SQLite format 3\0", 16, "an SQLite database"},
              {"RIFF\x24\0\0\0WAVEfmt ", 16, "a WAV recording"},
              {"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", 64,
