@@ -5,8 +5,8 @@
 # programs' main(); sim/NAME_main.c and tests/*/NAME_main.c become programs of their own, build/NAME;
 # tests/ROOM/test_*.c are unit tests, each linked only with its room and the rooms that it sees.
 # A test that needs a linker flag has a line:  /* link: -Wl,--wrap=f */
-# Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql), schema_postgres.sql,
-# server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* likewise.
+# Files embedded in a program: schema.sql -> build/gen/schema_sql.h (array schema_sql), and what
+# schema_postgres.sed makes of it, server/openapi.json -> build/gen/openapi_json.h (array openapi_json), server/docs.* likewise.
 
 ifeq ($(origin CC),default)
 CC           := gcc
@@ -114,7 +114,7 @@ AID_BIN   := $(call programs,$(AID_SRC))
 SHIM_BIN  := $(BUILD)/crash_shim.so $(BUILD)/slow_shim.so $(BUILD)/alloc_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUILD)/record_shim.so)
 SAMPLES   := one one_again one_glasses other
 EMBED     := json html css js svg
-GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,$(wildcard *.sql)) \
+GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,schema.sql schema_postgres.sql) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)) \
                $(patsubst server/console/%.$x,$(BUILD)/gen/console_%_$x.h,$(wildcard server/console/*.$x)))
 GEN       += $(BUILD)/gen/page_html.h
@@ -168,10 +168,16 @@ $(CLOUD_BIN:=.o): $(BUILD)/tests/fuzz/fuzz_cloud%.o: tests/fuzz/cloud.c Makefile
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(FLAGS) -MMD -MP -c -o $@ $< \
 	    -DFUZZ_CLOUD=CLOUDFORMAT_$(patsubst $*-%,%,$(filter $*-%,$(CLOUDS)))
 
-$(BUILD)/gen/%_sql.h: %.sql scripts/embed.sh
+$(BUILD)/gen/schema_sql.h: schema.sql scripts/embed.sh
 	@mkdir -p $(@D)
 	$(call say,GEN)
-	$(Q)scripts/embed.sh $*_sql < $< > $@.tmp && mv $@.tmp $@
+	$(Q)scripts/embed.sh schema_sql < $< > $@.tmp && mv $@.tmp $@
+
+$(BUILD)/gen/schema_postgres_sql.h: schema.sql schema_postgres.sed scripts/embed.sh
+	@mkdir -p $(@D)
+	$(call say,GEN)
+	$(Q)sed -E -f schema_postgres.sed $< > $(@D)/schema_postgres.sql && \
+	    scripts/embed.sh schema_postgres_sql < $(@D)/schema_postgres.sql > $@.tmp && mv $@.tmp $@
 
 define embed
 $$(BUILD)/gen/%_$(1).h: server/%.$(1) scripts/embed.sh

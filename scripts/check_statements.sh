@@ -1,6 +1,6 @@
 #!/bin/sh
 # check_statements.sh: every statement of the store was prepared by a test, and PostgreSQL can
-# prepare it too, against tables of its own (schema_postgres.sql).  After `make check`,
+# prepare it too, against tables of its own (schema_postgres.sed).  After `make check`,
 # whose programs add what they prepare to $BUILD/log/statements (tests/box/record_shim.c).
 # Skipped where PostgreSQL 15 is not installed, but not with CI=true.
 set -u
@@ -33,8 +33,8 @@ $(cat "$dir/never")"
 # ---- PostgreSQL
 awk '{ print "PREPARE s" NR " AS " $0 ";" }' "$dir/prepared" >"$dir/prepare.sql"
 # shellcheck disable=SC2016 # a command for another shell
-scripts/with_postgres sh -c 'psql -X -q -v ON_ERROR_STOP=1 -f schema_postgres.sql -f "$1"' \
-    sh "$dir/prepare.sql" >"$dir/said" 2>&1
+scripts/with_postgres sh -c 'psql -X -q -v ON_ERROR_STOP=1 -f "$1" -f "$2"' \
+    sh "$BUILD/gen/schema_postgres.sql" "$dir/prepare.sql" >"$dir/said" 2>&1
 st=$?
 sed 's/^psql:[^:]*://' "$dir/said"
 [ "$st" -eq 0 ] || fail "PostgreSQL does not prepare them all"

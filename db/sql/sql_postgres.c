@@ -8,7 +8,7 @@
 #include "bytes.h"
 #include "schema_postgres_sql.h"
 
-#define VERSION   1      /* of schema_postgres.sql */
+#define VERSION   1      /* user_version in schema.sql */
 #define SET_UP_MS 10000  /* longer than lock_timeout */
 #define WAIT_MS   120000 /* for each result: a query over all rows takes a while */
 #define PROVE_MS  10000  /* to find out what became of a commit */
