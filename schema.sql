@@ -150,14 +150,6 @@ CREATE TABLE devices (
     mac        BLOB NOT NULL CHECK (length(mac) = 32)
 ) STRICT;
 
--- How much of the templates and subjects that a token may add in an hour it has used up, as of
--- at_ms: in microseconds, the time until all of it has come back.
-CREATE TABLE allowances (
-    token   TEXT NOT NULL PRIMARY KEY CHECK (length(token) <= 64),
-    used_us INTEGER NOT NULL CHECK (used_us BETWEEN 0 AND 86400000000),
-    at_ms   INTEGER NOT NULL CHECK (at_ms >= 0) -- since 1970, UTC
-) STRICT, WITHOUT ROWID;
-
 -- The nonces of captures that were taken, until a day after they expire: each is good once.
 CREATE TABLE nonces (
     until_ms INTEGER NOT NULL CHECK (until_ms >= 0), -- since 1970, UTC

@@ -67,10 +67,6 @@ const struct setting options_table[] = {
      0, 1000000, "N",
      "subjects that a token may try without a match in an hour, then\n"
      "429; 0: no limit"},
-    {"enrollments", SETTING_NUMBER, "1000", offsetof(struct options, enrollments), 0,
-     1000000, "N",
-     "templates and subjects that a token may add in an hour, then 429;\n"
-     "0: no limit"},
     {"disk-reserve", SETTING_BYTES, "128M", offsetof(struct options, disk_reserve), 0,
      1UL << 50, "BYTES",
      "free space on the database's disk that enrolments leave to\n"

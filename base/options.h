@@ -14,7 +14,7 @@
 #define OPTIONS_UNSET      UINT_MAX
 #define OPTIONS_WAIT_MAX   86400 /* s, of attempt_wait */
 #define OPTIONS_ORIGIN_MAX 255   /* bytes */
-#define OPTIONS_ROWS       30
+#define OPTIONS_ROWS       29
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -38,7 +38,6 @@ struct options {
     unsigned attempts;          /* verifications that may fail in a row; 0: no limit */
     unsigned attempt_wait;      /* s */
     unsigned attempt_subjects;  /* of a token, without a match in an hour; 0: no limit */
-    unsigned enrollments;       /* that a token may add in an hour; 0: no limit */
     size_t disk_reserve;        /* bytes that enrolments leave free */
     unsigned cache_mb;          /* of decoded templates; 0: none are kept */
     unsigned log_format;        /* enum log_format */

@@ -152,7 +152,7 @@ static enum status set(struct ctl *c)
                    consent != NULL ? consent : "");
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
-    st = store_subject_add(c->store, c->actor, NULL, &new, &c->e);
+    st = store_subject_add(c->store, c->actor, &new, &c->e);
     return st == ST_OK ? tell(c, id, "added") : st;
 }
 

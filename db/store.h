@@ -18,12 +18,10 @@
 
 /* ---- subjects */
 
-/* store_subject_add(s, actor, allowance, about, e): add a subject without templates, since the
+/* store_subject_add(s, actor, about, e): add a subject without templates, since the
  * consent is known before the first scan. Reads and checks id, reference, purpose and
- * expires (in the future) of *about, and sets created. ST_EEXISTS; ST_EDENIED: the actor's allowance
- * (NULL: no limit) has no room for one. */
+ * expires (in the future) of *about, and sets created. ST_EEXISTS. */
 enum status store_subject_add(struct store *s, const char *actor,
-                              struct store_allowance *allowance,
                               struct store_subject *about, struct errinfo *e);
 
 enum status store_subject_get(struct store *s, const char *subject,

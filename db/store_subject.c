@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "rows_allowance.h"
 #include "rows_subject.h"
 #include "rows_template.h"
 #include "store_txn.h"
@@ -246,27 +245,22 @@ static enum status need_free(struct log_txn *t, const char *id, struct errinfo *
     return st == ST_ENOTFOUND ? ST_OK : st;
 }
 
-/* There must be none yet; within the allowance. */
+/* There must be none yet. */
 static enum status add_row(struct log_txn *t, const struct log_act *by,
-                           struct store_allowance *allowance,
                            const struct store_subject *about, struct errinfo *e)
 {
     struct rows_subject p;
     enum status st;
 
-    if ((st = rows_allowance_get(t, by, allowance, e)) != ST_OK ||
-        (st = need_free(t, about->id, e)) != ST_OK ||
-        (st = rows_allowance_need(allowance, e)) != ST_OK ||
+    if ((st = need_free(t, about->id, e)) != ST_OK ||
         (st = rows_subject_add(t, about, &p, e)) != ST_OK)
         return st;
-    if ((st = log_change(t, by, "add_subject", p.one.uid, "", "created", e)) == ST_OK)
-        st = rows_allowance_use(t, by, allowance, 1, e);
+    st = log_change(t, by, "add_subject", p.one.uid, "", "created", e);
     sodium_memzero(&p, sizeof p);
     return st;
 }
 
 enum status store_subject_add(struct store *s, const char *actor,
-                              struct store_allowance *allowance,
                               struct store_subject *about, struct errinfo *e)
 {
     char end[UTC_TEXT];
@@ -284,7 +278,7 @@ enum status store_subject_add(struct store *s, const char *actor,
     memcpy(about->created, by.at, sizeof about->created);
     memset(about->uid, 0, sizeof about->uid); /* a new one */
     about->templates = 0;
-    return store_end(s, &t, add_row(&t, &by, allowance, about, e), e);
+    return store_end(s, &t, add_row(&t, &by, about, e), e);
 }
 
 /* ---- changes */

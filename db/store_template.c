@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "digest.h"
-#include "rows_allowance.h"
 #include "rows_template.h"
 #include "sql_read.h"
 #include "store_txn.h"
@@ -22,7 +21,6 @@ struct enrolling {
     char outcome[LOG_TEXT + 1];
     unsigned char *encoded; /* has room for each sample's face */
     const char *newest;     /* what->newest, until a template is stored */
-    size_t added;           /* templates that were stored */
     struct rows_subject of;
 };
 
@@ -69,15 +67,12 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
     struct rows_template row = {.one = *t};
     enum status st = may_add(g, e);
 
-    if (st == ST_OK)
-        st = rows_allowance_need(g->what->allowance, e);
     if (st != ST_OK)
         return st;
     if (sample->read != NULL)
         (void)snprintf(row.one.read, sizeof row.one.read, "%s", sample->read);
     surface_encode(sample->face, g->encoded);
     g->newest = NULL;
-    g->added++;
     if ((st = rows_template_add(&g->t, &g->of, &row, g->encoded,
                                 surface_encoded_size(sample->face), e)) != ST_OK)
         return st;
@@ -141,19 +136,15 @@ static enum status enroll_rows(struct store *s, struct enrolling *g,
     if (sql_ahead(g->t.sql, true)) {
         (void)store_actor_may(&g->t, &g->by, NULL);
         (void)rows_subject_find(&g->t, g->what->subject, &g->of, NULL);
-        (void)rows_allowance_get(&g->t, &g->by, g->what->allowance, NULL);
         log_txn_ahead(&g->t);
         (void)sql_ahead(g->t.sql, false);
     }
     if ((st = store_check(s, &g->t, e)) != ST_OK)
         return st;
-    if ((st = store_actor_may(&g->t, &g->by, e)) == ST_OK &&
-        (st = rows_allowance_get(&g->t, &g->by, g->what->allowance, e)) == ST_OK)
+    if ((st = store_actor_may(&g->t, &g->by, e)) == ST_OK)
         st = need_subject(g, e);
     for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
         st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);
-    if (st == ST_OK)
-        st = rows_allowance_use(&g->t, &g->by, g->what->allowance, g->added, e);
     sodium_memzero(&g->of, sizeof g->of);
     return store_end(s, &g->t, st, e);
 }

@@ -21,7 +21,6 @@ struct store_enroll {
      * not compared */
     const char *newest;
     const char *captured; /* follows in the events on their outcome; NULL for nothing */
-    struct store_allowance *allowance; /* of the actor; NULL: no limit */
 };
 
 /* store_enroll(s, what, t, created, e): encode and store a template of each sample, and the
@@ -31,8 +30,7 @@ struct store_enroll {
  *             t[i] describes the template that is there
  * ST_EEXISTS and nothing stored where another template than what->newest is the last by now: then
  * there may be one that a sample was not compared with, by whatever thread or process.
- * ST_EFULL: the subject would have more than STORE_TEMPLATES_MAX.
- * ST_EDENIED: the allowance has no room for the first one that would be stored; where it has, all are. */
+ * ST_EFULL: the subject would have more than STORE_TEMPLATES_MAX. */
 enum status store_enroll(struct store *s, const struct store_enroll *what,
                          struct store_template *t, bool *created, struct errinfo *e);
 

@@ -97,7 +97,6 @@ static enum status start(const struct options *o, struct app *app, struct http *
         (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
     app->throttle = throttle_new(o->rate_limit_tokens);
     app->recent = recent_new();
-    app->enrollments = o->enrollments;
     app->db = o->db;
     app->disk_reserve = o->disk_reserve;
     if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||

@@ -240,8 +240,7 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
                                 .sample = sample,
                                 .newest = x->force ? NULL : g->newest,
                                 .manager = x->manager,
-                                .captured = x->captured,
-                                .allowance = x->allowance};
+                                .captured = x->captured};
     enum status st;
 
     for (size_t i = 0; i < x->n; i++)
@@ -250,7 +249,6 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
             sample[what.n++].first_score = g->first_score[i];
         }
     st = store_enroll(g->c->store, &what, t, created, e);
-    g->out->over_allowance = st == ST_EDENIED;
     for (size_t i = 0, k = 0; st == ST_OK && i < x->n; i++)
         if (g->each[i].why.code == ST_OK) {
             g->each[i].tmpl = t[k];

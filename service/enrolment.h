@@ -27,7 +27,6 @@ struct enrolment {
      * reported. NULL: no lock-out, and attempts are not counted (the caller has the
      * database). */
     const struct store_limits *limits;
-    struct store_allowance *allowance; /* as in store_enroll() */
 };
 
 struct enrolment_result {       /* of a sample */
@@ -41,7 +40,6 @@ struct enrolment_outcome {
     struct nearest nearest;         /* the last comparison with the subject's templates;
                                        compared is 0 where there was nothing to fit */
     bool none;                      /* each sample was refused */
-    bool over_allowance;            /* and none was stored */
     bool locked_out, many_subjects; /* as in struct store_recorded */
 };
 
@@ -54,7 +52,7 @@ struct enrolment_outcome {
  * Each sample that does not match the templates is recorded like a failed verification
  * (store_record_verification()), as enroll_mismatch.  One that does not match the first accepted
  * sample is not compared with them; it is recorded, and not counted.
- * On failure nothing is stored.  ST_EDENIED: out->over_allowance, or out->refusal says why; or as
+ * On failure nothing is stored.  ST_EDENIED: out->refusal says why; or as
  * templates_nearest(), store_record_verification(), store_enroll(). */
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
                           struct enrolment_result *each, struct enrolment_outcome *out,

@@ -206,11 +206,6 @@ static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to
                          "$3, $4)",
                          4, e)) != ST_OK)
         return st;
-    if ((st = copy_plain(from, to, "SELECT token, used_us, at_ms FROM allowances",
-                         "INSERT INTO allowances (token, used_us, at_ms) "
-                         "VALUES ($1, $2, $3)",
-                         3, e)) != ST_OK)
-        return st;
     return copy_plain(from, to, "SELECT until_ms, nonce FROM nonces",
                       "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e);
 }

@@ -154,13 +154,6 @@ struct store_attempts {
     uint32_t tried_warn;  /* as tried, in the last STORE_TRIED_WARN_MS */
 };
 
-/* How many templates and subjects a token may add in an hour. */
-struct store_allowance {
-    unsigned per_hour; /* 0: any number */
-    int64_t wait_ms;   /* 0: there is room for one; else until there is */
-    int64_t used_us;   /* the store's own */
-};
-
 #define STORE_FRAMES_MAX SURFACE_FRAMES_MAX
 
 /* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,

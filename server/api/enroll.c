@@ -53,7 +53,6 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                    const struct store_sample *sample, size_t n,
                    struct enrolment_result *each, struct enrolment_outcome *out)
 {
-    struct store_allowance allowance;
     struct enrolment x = {.actor = r->actor,
                           .subject = r->subject,
                           .label = ask->label,
@@ -62,13 +61,12 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
                           .captured = r->capture.captured,
                           .manager = auth_has(r, STORE_SCOPE_MANAGE),
                           .force = ask->force,
-                          .allowance = &allowance,
                           .limits = r->app->limits.failures > 0 ? &r->app->limits : NULL};
     struct errinfo e = {0};
     enum status st;
 
     *out = (struct enrolment_outcome){.none = false};
-    if (!intake_admit(r, &allowance))
+    if (!intake_admit(r))
         return false;
     st = enrolment_add(&w->compare, &x, each, out, &e);
     compare_warn(r, out->locked_out, out->many_subjects);
@@ -76,9 +74,7 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
     if (st == ST_OK || out->none)
         tally(r, each, n, out->none);
-    if (out->over_allowance)
-        intake_refuse(r, &allowance, &e);
-    else if (st != ST_OK)
+    if (st != ST_OK)
         compare_refuse(r, &out->refusal, &e);
     return st == ST_OK;
 }

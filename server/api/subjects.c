@@ -144,7 +144,6 @@ void subjects_show(struct request *r, struct worker *w)
 
 void subjects_add(struct request *r, struct worker *w)
 {
-    struct store_allowance allowance;
     struct store_subject s;
     struct errinfo e = {0};
 
@@ -153,13 +152,10 @@ void subjects_add(struct request *r, struct worker *w)
         request_fail(r, &e);
         return;
     }
-    if (!intake_admit(r, &allowance))
+    if (!intake_admit(r))
         return;
-    if (store_subject_add(r->app->store, r->actor, &allowance, &s, &e) != ST_OK) {
-        if (e.code == ST_EDENIED)
-            intake_refuse(r, &allowance, &e);
-        else
-            request_fail(r, &e);
+    if (store_subject_add(r->app->store, r->actor, &s, &e) != ST_OK) {
+        request_fail(r, &e);
         return;
     }
     request_written(

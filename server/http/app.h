@@ -27,7 +27,6 @@ struct app {
     struct cache *cache;
     struct metrics *metrics;
     struct store_limits limits; /* of failed verifications */
-    unsigned enrollments;       /* that a token may add in an hour; 0: any number */
     const char *db;             /* the database's file, */
     size_t disk_reserve;        /* and bytes that must be free on its disk to add more */
     struct throttle *throttle;

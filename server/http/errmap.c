@@ -62,7 +62,6 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_TOKENS] = {429, "too_many_wrong_tokens", "Too many wrong tokens"},
     [ERRMAP_ATTEMPTS] = {429, "too_many_attempts", "Too many failed verifications"},
     [ERRMAP_SUBJECTS] = {429, "too_many_subjects", "Too many subjects without a match"},
-    [ERRMAP_ENROLLMENTS] = {429, "too_many_enrollments", "Too many enrolments"},
     [ERRMAP_STORAGE_FULL] = {503, "storage_full", "Too little disk space for enrolments"},
     [ERRMAP_CAPTURE_REQUIRED] = {403, "capture_required", "A signed capture is needed"},
     [ERRMAP_CAPTURE_INVALID] = {403, "capture_invalid",

@@ -21,12 +21,11 @@ bool intake_full(const char *db, size_t reserve, unsigned long long *left)
     return bytes < reserve;
 }
 
-bool intake_admit(struct request *r, struct store_allowance *a)
+bool intake_admit(struct request *r)
 {
     const struct app *app = r->app;
     unsigned long long left;
 
-    *a = (struct store_allowance){.per_hour = app->enrollments};
     if (!intake_full(app->db, app->disk_reserve, &left))
         return true;
     request_problem(r, ERRMAP_STORAGE_FULL,
@@ -35,11 +34,4 @@ bool intake_admit(struct request *r, struct store_allowance *a)
                     left >> 20, app->disk_reserve >> 20);
     r->response.retry_after = FULL_S;
     return false;
-}
-
-void intake_refuse(struct request *r, const struct store_allowance *a,
-                   const struct errinfo *e)
-{
-    request_problem(r, ERRMAP_ENROLLMENTS, "%s", e->msg);
-    r->response.retry_after = (unsigned)((a->wait_ms + 999) / 1000);
 }

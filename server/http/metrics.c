@@ -48,9 +48,6 @@ enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 /* A capture that was taken, then those that were refused. */
 #define NCAPTURES (2 + ERRMAP_LIVENESS - ERRMAP_CAPTURE_REQUIRED)
 
-/* Enrolments that were refused for the token's budget, or for want of room. */
-#define NINTAKE (1 + ERRMAP_STORAGE_FULL - ERRMAP_ENROLLMENTS)
-
 struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
@@ -61,7 +58,7 @@ struct metrics {
     counter warning[METRICS_MANY_SUBJECTS + 1];
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
-    counter intake[NINTAKE];
+    counter storage_full;
     counter database[NDATABASE];
     counter lost_events, wrong_tokens, replayed;
     counter rows_verified;          /* since 1970, s */
@@ -130,9 +127,8 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
         count(&m->wrong_tokens, 1);
     metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
                                                       : ST_OK);
-    if (r->response.problem >= ERRMAP_ENROLLMENTS &&
-        r->response.problem <= ERRMAP_STORAGE_FULL)
-        count(&m->intake[r->response.problem - ERRMAP_ENROLLMENTS], 1);
+    if (r->response.problem == ERRMAP_STORAGE_FULL)
+        count(&m->storage_full, 1);
     if (r->response.problem == ST_EREPLAYED)
         count(&m->replayed, 1);
     metrics_database_error(m, r->failed);
@@ -219,6 +215,7 @@ static void describe_refusals(const struct metrics *m, struct json *j)
         uint64_t n;
     } single[] = {{ST_EREPLAYED, value(&m->replayed)},
                   {ST_EMISMATCH, value(&m->enrollment[METRICS_MISMATCH])},
+                  {ERRMAP_STORAGE_FULL, value(&m->storage_full)},
                   {ERRMAP_NO_TOKEN, value(&m->wrong_tokens)}};
 
 #define REFUSED(kind, n)                                                                 \
@@ -229,11 +226,9 @@ static void describe_refusals(const struct metrics *m, struct json *j)
         REFUSED(ST_ELIMIT + i, value(&m->refused[i]));
     for (unsigned i = 1; i < NCAPTURES; i++)
         REFUSED(ERRMAP_CAPTURE_REQUIRED + i - 1, value(&m->capture[i]));
-    for (unsigned i = 0; i < NINTAKE; i++)
-        REFUSED(ERRMAP_ENROLLMENTS + i, value(&m->intake[i]));
     for (int i = 0; i < 2; i++)
         REFUSED(attempts[i], failed[i]);
-    for (int i = 0; i < 3; i++)
+    for (size_t i = 0; i < sizeof single / sizeof *single; i++)
         REFUSED(single[i].kind, single[i].n);
     json_close(j);
 #undef REFUSED
@@ -368,17 +363,15 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     static const char *const check[] = {"enrollable", "usable", "unusable"};
     static const char *const attempts[] = {"token", "others", "subjects"};
     static const char *const warning[] = {"locked_out", "many_subjects"};
-    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"}, *intake[NINTAKE];
+    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
     print_by(f, "surfaced_decisions_total", "decision", decision_name, m->decision, 3,
              "Verifications and comparisons by decision.");
     print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
              "Enrolments; known: the subject has this scan already; mismatch: refused.");
-    for (unsigned i = 0; i < NINTAKE; i++)
-        intake[i] = errmap_get(ERRMAP_ENROLLMENTS + i)->code;
-    print_by(f, "surfaced_enrollments_refused_total", "code", intake, m->intake, NINTAKE,
-             "Enrolments refused because of the token's limit or a full disk.");
+    print_one(f, "surfaced_enrollments_refused_total", "counter", value(&m->storage_full),
+              "Enrolments refused because the disk is nearly full.");
     for (unsigned i = 0; i < NREFUSALS; i++)
         refused[i] = errmap_get(ST_ELIMIT + i)->code;
     print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,

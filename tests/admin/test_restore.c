@@ -33,7 +33,7 @@ static void add(struct store *s, const char *id)
     struct store_subject one = {.reference = ""};
 
     (void)snprintf(one.id, sizeof one.id, "%s", id);
-    must(store_subject_add(s, "test", NULL, &one, &e));
+    must(store_subject_add(s, "test", &one, &e));
 }
 
 /* After the backup: bob is erased, dave comes, a token is revoked and another rotated, a device goes

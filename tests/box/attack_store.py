@@ -148,8 +148,8 @@ HARMLESS = {
     # Another one is not the oldest for that (http-drift.sh).
     'templates_exchange_keys': ['UPDATE %s SET template_key = %d WHERE template_key = %d' % (table, b, a)
                                 for table in ('faces', 'templates') for a, b in ((1, 99), (2, 1), (99, 2))],
-    # What docs/threat-model.md says: attempts, allowances, nonces, last seen, last used.
-    'not_protected': ['DELETE FROM attempts', 'DELETE FROM nonces', 'DELETE FROM allowances', 'UPDATE subjects SET seen = NULL',
+    # What docs/threat-model.md says: attempts, nonces, last seen, last used.
+    'not_protected': ['DELETE FROM attempts', 'DELETE FROM nonces', 'UPDATE subjects SET seen = NULL',
                       "UPDATE tokens SET used = '2031-01-01T00:00:00.000Z'"],
 }
 

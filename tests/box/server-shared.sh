@@ -12,7 +12,7 @@ needs openssl
 ROUNDS=50
 ! sanitized || ROUNDS=12
 
-limits='--attempts 3 --attempt-wait 3600 --attempt-subjects 1000 --enrollments 200'
+limits='--attempts 3 --attempt-wait 3600 --attempt-subjects 1000'
 
 # Each has its own anchor and its own log.
 # shellcheck disable=SC2086 # options
@@ -92,26 +92,6 @@ for n in $(seq $ROUNDS); do
     is "round $n: exactly the limit" "$TALLY" "200x3 429x9"
 done
 is "and so it is written" "$(sql 'SELECT min(failures), max(failures), count(*) FROM attempts')" "3|3|$ROUNDS"
-
-# ---- of what a token may add 5 are left: a subject, or one with its first template
-for n in $(seq $((ROUNDS / 4))); do
-    AUTH=$(new_token "desk$n")
-    sql "INSERT INTO allowances SELECT id, 3510000000, $(date +%s%3N) FROM tokens
-        WHERE name = 'desk$n'" >"$T/out"
-    rm -f "$T"/[soh].*
-    for k in $(seq 12); do
-        if [ $((k % 2)) -eq 0 ]; then URL=$URL1; else URL=$URL2; fi
-        if [ $((k % 3)) -eq 0 ]; then
-            scan $((200 + 12 * n + k)) 0 "$T/d$k.ply"
-            beside "$k" POST "/v1/subjects/d$n-$k/templates" -H "$PLY" --data-binary "@$T/d$k.ply"
-        else
-            beside "$k" POST /v1/subjects -H "$JSON" -d "{\"subject\": \"d$n-$k\"}"
-        fi
-    done
-    all_sent
-    is "round $n: exactly what is left" "$TALLY" "201x5 429x7"
-done
-AUTH=$ALL_TOKEN
 
 # ---- a nonce is good once, wherever
 openssl genpkey -algorithm ed25519 -out "$T/door.key" 2>"$T/out"

@@ -154,21 +154,17 @@ static void verify(struct store *s, const char *secret, const char *subject,
 static unsigned enroll(struct store *s, const char *secret, const char *subject)
 {
     const struct store_sample sample = {.face = &tempdb_face[0]};
-    struct store_allowance allowance = {.per_hour = 1000};
     struct store_template t;
     struct store_token token;
     bool created;
 
     waits = 0;
     must(store_token_check(s, secret, &token, &e));
-    must(store_enroll(s,
-                      &(struct store_enroll){.actor = "t",
-                                             .subject = subject,
-                                             .label = "",
-                                             .sample = &sample,
-                                             .n = 1,
-                                             .allowance = &allowance},
-                      &t, &created, &e));
+    must(store_enroll(
+        s,
+        &(struct store_enroll){
+            .actor = "t", .subject = subject, .label = "", .sample = &sample, .n = 1},
+        &t, &created, &e));
     assert_true(created);
     return waits;
 }
@@ -227,7 +223,7 @@ TEST(test_lost)
               log_access(&x, &(struct log_act){.actor = "t"}, "verify", NULL, "", "", &e),
               &e),
           ST_EBUSY);
-    must(store_subject_add(s, "test", NULL, &one, &e));
+    must(store_subject_add(s, "test", &one, &e));
     assert_int_equal(tempdb_count("subjects"), 2);
     must(store_verify(s, NULL, NULL, &e));
     store_close(s);
@@ -250,7 +246,7 @@ static unsigned add_broken(unsigned *at, const char *text, unsigned *said)
 
         (void)snprintf(one.id, sizeof one.id, "s%u", n);
         *at = n;
-        st = store_subject_add(s, "test", NULL, &one, &e);
+        st = store_subject_add(s, "test", &one, &e);
         broke = *at == 0;
         *at = 0;
         silent = NULL;

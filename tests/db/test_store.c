@@ -353,8 +353,8 @@ TEST(test_encrypted)
     struct store_template t;
     bool created;
 
-    must(store_subject_add(s, "test", NULL, &who, &e));
-    fails(store_subject_add(s, "test", NULL, &who, &e), ST_EEXISTS);
+    must(store_subject_add(s, "test", &who, &e));
+    fails(store_subject_add(s, "test", &who, &e), ST_EEXISTS);
     must(tempdb_store(s, "test", "mary-jane", "left camera", &tempdb_face[1], &t,
                       &created, &e));
     must(store_event(s, "verify", "door", "mary-jane", t.id, "match", &e));

@@ -33,8 +33,7 @@ static enum status write_subject(struct store *s, int sort)
 
     switch (sort) {
     case 0:
-        return store_subject_add(s, "test", NULL, &(struct store_subject){.id = "bob"},
-                                 &e);
+        return store_subject_add(s, "test", &(struct store_subject){.id = "bob"}, &e);
     case 1:
         return store_subject_rename(s, "test", "alice", "bob", &e);
     case 2:

@@ -72,8 +72,7 @@ struct store *filled_fresh(struct filled *f)
     tempdb_enroll(s, "alice", "left", &tempdb_face[0], &t);
     tempdb_enroll(s, "alice", "right", &tempdb_face[1], &t);
     tempdb_enroll(s, "bob", "", &tempdb_face[2], &t);
-    must(store_subject_add(s, "test", &(struct store_allowance){.per_hour = 9}, &carol,
-                           &e));
+    must(store_subject_add(s, "test", &carol, &e));
     must(store_subject_set(
         s, "test", "alice",
         &(struct store_subject_change){.hold = &yes, .expires = "2080-01-01"}, &e));
@@ -164,7 +163,6 @@ void filled_look(struct store *s, char out[FILLED_TEXT])
         "high, subjects, impostors, genuine, threshold, hex(knots)) FROM calibrations",
         "SELECT json_array(hex(uid), token, failures, at_ms) FROM attempts "
         "JOIN subjects USING (subject_key)",
-        "SELECT json_array(token, used_us, at_ms) FROM allowances",
         "SELECT json_array(until_ms, hex(nonce)) FROM nonces",
         "SELECT json_array(day, decision, hex(bins)) FROM days",
     };

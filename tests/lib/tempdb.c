@@ -241,7 +241,7 @@ void tempdb_add(struct store *s, const char *subject)
     struct errinfo e;
 
     (void)snprintf(one.id, sizeof one.id, "%s", subject);
-    must(store_subject_add(s, "test", NULL, &one, &e));
+    must(store_subject_add(s, "test", &one, &e));
 }
 
 void tempdb_enroll(struct store *s, const char *subject, const char *label,

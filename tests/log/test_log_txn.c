@@ -70,7 +70,7 @@ TEST(test_follow)
         struct store *mine;
 
         _exit(store_open(tempdb_path, STORE_WRITE, &tempdb_key, &mine, &e) == ST_OK &&
-                      store_subject_add(mine, "test", NULL, &one, &e) == ST_OK
+                      store_subject_add(mine, "test", &one, &e) == ST_OK
                   ? 0
                   : 1);
     }
@@ -193,7 +193,7 @@ TEST(test_accesses)
         tempdb_sql(sql[i]);
         fails(store_event(s, "verify", "", "", "", "", &e), ST_ECORRUPT);
         assert_non_null(strstr(e.msg, "the last entry of the access log"));
-        fails(store_subject_add(s, "test", NULL, &bob, &e), ST_ECORRUPT);
+        fails(store_subject_add(s, "test", &bob, &e), ST_ECORRUPT);
         assert_int_equal(tempdb_count("change_log"), 2);
         store_close(s);
     }

@@ -74,7 +74,7 @@ static void assert_found(struct store *s)
     struct store_subject one = {.id = "eve"};
 
     fails(store_verify(s, NULL, NULL, &e), ST_EREFUSED);
-    fails(store_subject_add(late, "test", NULL, &one, &e), ST_EREFUSED);
+    fails(store_subject_add(late, "test", &one, &e), ST_EREFUSED);
     store_close(late);
     store_close(s);
 }

@@ -228,7 +228,7 @@ TEST(test_others)
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
 }
 
-/* ---- what is added (the rest: tests/db/test_allowance.c) */
+/* ---- room on the disk */
 
 TEST(test_intake)
 {
