@@ -78,24 +78,47 @@ enum status store_attempts_list(struct store *s, struct store_attempts **out, si
 /* How long a lock-out lasts after this many failures in a row: 0 below limit, wait_s s at limit,
  * twice as long with each further one, most_s s at most. */
 static int64_t lockout_ms(unsigned limit, unsigned wait_s, unsigned most_s,
-                          uint32_t failures)
+                          uint64_t failures)
 {
     int64_t wait = wait_s;
 
     if (failures < limit)
         return 0;
-    for (uint32_t i = limit; i < failures && wait < most_s; i++)
+    for (uint64_t i = limit; i < failures && wait < most_s; i++)
         wait *= 2;
     return 1000 * (wait < most_s ? wait : most_s);
 }
 
 /* What is left of a lock-out of at most most_s after this number of failures. */
-static int64_t left_ms(const struct store_limits *l, uint32_t failures, int64_t age_ms,
+static int64_t left_ms(const struct store_limits *l, uint64_t failures, int64_t age_ms,
                        unsigned most_s)
 {
     const int64_t wait_ms = lockout_ms(l->failures, l->wait_s, most_s, failures);
 
     return age_ms < wait_ms ? wait_ms - age_ms : 0;
+}
+
+/* What is left of the lock-out by the failures of all tokens. */
+static int64_t shared_ms(const struct store_limits *l, const struct store_attempts *now)
+{
+    const bool own = now->failures > 0;
+    const int64_t age_ms =
+        own && now->age_ms < now->others_age_ms ? now->age_ms : now->others_age_ms;
+
+    if (now->others == 0)
+        return 0;
+    return left_ms(l, (uint64_t)now->failures + now->others, age_ms,
+                   own ? STORE_WAIT_SHARED_S : STORE_WAIT_OTHERS_S);
+}
+
+/* What is left of the token's wait for a subject that is not one of those that it has tried. */
+static int64_t tried_ms(const struct store_limits *l, const struct store_attempts *now)
+{
+    if (l->subjects == 0 || now->token[0] == '\0' || now->tried < l->subjects ||
+        (now->failures > 0 && now->age_ms < STORE_TRIED_MS) ||
+        now->tried_age_ms >= STORE_TRIED_MS / l->subjects)
+        return 0;
+    return STORE_TRIED_MS / l->subjects - now->tried_age_ms;
 }
 
 int64_t store_attempts_wait_ms(const struct store_limits *l,
@@ -110,11 +133,8 @@ int64_t store_attempts_wait_ms(const struct store_limits *l,
     if (l == NULL || l->failures == 0)
         return 0;
     wait[STORE_WAIT_OWN] = left_ms(l, now->failures, now->age_ms, OPTIONS_WAIT_MAX);
-    wait[STORE_WAIT_OTHERS] =
-        left_ms(l, now->others, now->others_age_ms, STORE_WAIT_OTHERS_S);
-    if (l->subjects > 0 && now->token[0] != '\0' && now->tried >= l->subjects &&
-        now->tried_age_ms < STORE_TRIED_MS)
-        wait[STORE_WAIT_SUBJECTS] = STORE_TRIED_MS - now->tried_age_ms;
+    wait[STORE_WAIT_OTHERS] = shared_ms(l, now);
+    wait[STORE_WAIT_SUBJECTS] = tried_ms(l, now);
     for (enum store_wait i = STORE_WAIT_OWN; i <= STORE_WAIT_SUBJECTS; i++)
         if (wait[i] > wait[*why])
             *why = i;

@@ -19,10 +19,13 @@ enum status store_attempts_reset_token(struct store *s, const char *actor,
 enum status store_attempts_list(struct store *s, struct store_attempts **out, size_t *n,
                                 struct errinfo *e);
 
-/* Limits for who tries faces until one matches: failed verifications in a row lock a
- * token out of a subject; those of other tokens shut the subject for everybody for
- * STORE_WAIT_OTHERS_S at a time, so that failures cannot keep others out; and a token may
- * try only a limited number of subjects in vain in an hour. */
+/* Limits for who tries faces until one matches.
+ * - Failed verifications of a subject in a row lock a token out of it.
+ * - The failures of all tokens together lock all of them out, for a shorter time: a token that has not
+ *   failed for STORE_WAIT_OTHERS_S, one that has for STORE_WAIT_SHARED_S at most.  So an attacker cannot
+ *   keep others out by failing.
+ * - A token that has tried `subjects` subjects without a match in STORE_TRIED_MS may try one more each
+ *   STORE_TRIED_MS / subjects: a door with many failures becomes slow, and is not closed. */
 struct store_limits {
     unsigned failures; /* in a row; 0: no limit at all */
     unsigned wait_s;   /* of the first lock-out; it doubles, up to OPTIONS_WAIT_MAX */
@@ -31,6 +34,7 @@ struct store_limits {
 };
 
 #define STORE_WAIT_OTHERS_S 60
+#define STORE_WAIT_SHARED_S 3600
 
 /* store_attempts_worst(s, subject, l, out, e): of all tokens, also of one that has not failed: who
  * waits longest?  ST_ENOTFOUND. */

@@ -232,14 +232,14 @@ static void judge(const struct store_record *what, struct store_recorded *out)
     const struct store_limits *l = what->limits;
     const struct store_attempts *was = &out->now;
     const uint32_t before =
-        was->tried_warn + (was->failures > 0 && was->age_ms < STORE_TRIED_WARN_MS);
+        was->tried_warn + (was->failures > 0 && was->age_ms < STORE_FAILED_MS);
     const uint32_t after = was->tried_warn + 1;
     const uint32_t third =
         l == NULL || what->actor[0] == '\0' ? 0 : (l->subjects + 2) / 3;
 
     if (what->as != STORE_RECORD_FAILED || l == NULL || l->failures == 0)
         return;
-    out->locked_out = was->failures + 1 >= l->failures;
+    out->locked_out = (uint64_t)was->failures + was->others + 1 >= l->failures;
     out->many_subjects = third > 0 && after > before && after / third > before / third;
 }
 
@@ -253,8 +253,8 @@ static enum status add_events(struct log_txn *t, const struct store_record *what
         log_access(t, by, what->kind, uid, what->template_id, what->outcome, e);
 
     if (st == ST_OK && out->locked_out) {
-        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " failures",
-                       out->now.failures + 1);
+        (void)snprintf(outcome, sizeof outcome, "%" PRIu64 " failures",
+                       (uint64_t)out->now.failures + out->now.others + 1);
         st = log_access(t, by, "locked_out", uid, "", outcome, e);
     }
     if (st == ST_OK && out->many_subjects) {

@@ -64,7 +64,7 @@ struct store_record {
     /* By the attempts as they are now, may the verification still be answered?  Others of the
      * subject may have failed since the snapshot.  Of one that failed, an event more where the
      * operator should look: "locked_out" at each lock-out, "many_subjects" when the subjects that
-     * a token tried in vain in STORE_TRIED_WARN_MS reach a third of those that it may try, two
+     * a token tried in vain in STORE_FAILED_MS reach a third of those that it may try, two
      * thirds, and so on.  NULL, or without a limit of failures: neither. */
     const struct store_limits *limits;
 };

@@ -96,7 +96,7 @@ static void look_at_token(struct findings *x, const struct store_attempts *a, si
     unsigned tried = 0;
 
     for (size_t j = 0; j < n; j++)
-        if (a[j].age_ms < STORE_TRIED_WARN_MS && strcmp(a[j].token, token) == 0) {
+        if (a[j].age_ms < STORE_FAILED_MS && strcmp(a[j].token, token) == 0) {
             if (j < i)
                 return; /* was reported */
             tried++;

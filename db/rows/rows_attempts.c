@@ -39,9 +39,19 @@ static void set_own(struct store_attempts *out, int64_t at, int64_t now)
     "WHERE token = $2 AND at_ms > $3 AND subject_key <> " KEY
 
 struct counting {
-    int64_t tried_since;              /* of STORE_TRIED_MS */
-    int64_t own, others, first, last; /* times */
+    int64_t tried_since, others_since; /* begin of STORE_TRIED_MS, of STORE_FAILED_MS */
+    int64_t own, others, tried, last;  /* times; 0: none */
 };
+
+static int64_t later(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+
+static void add(uint32_t *sum, uint32_t n)
+{
+    *sum += n < UINT32_MAX - *sum ? n : UINT32_MAX - *sum;
+}
 
 static bool count_row(const struct sql_rows *r, struct counting *c,
                       struct store_attempts *out)
@@ -54,20 +64,20 @@ static bool count_row(const struct sql_rows *r, struct counting *c,
     if (!sql_read_text(r, 1, token, sizeof token) ||
         !sql_read_count(r, 2, UINT32_MAX, &failures) || !sql_read_int(r, 3, 0, &at))
         return false;
-    c->last = at > c->last ? at : c->last;
+    c->last = later(at, c->last);
     if (here && strcmp(token, out->token) == 0) {
         out->failures = failures;
         c->own = at;
     } else if (here) {
-        if (at > c->tried_since)
-            out->others +=
-                failures < UINT32_MAX - out->others ? failures : UINT32_MAX - out->others;
-        c->others = at > c->others ? at : c->others;
+        if (at > c->others_since) {
+            add(&out->others, failures);
+            c->others = later(at, c->others);
+        }
     } else {
         out->tried_warn++;
         if (at > c->tried_since) {
-            c->first = out->tried == 0 || at < c->first ? at : c->first;
             out->tried++;
+            c->tried = later(at, c->tried);
         }
     }
     return true;
@@ -77,10 +87,10 @@ static enum status get(struct log_txn *t, const char *text, struct sql_value of,
                        const char *id, const char *token, int64_t now,
                        struct store_attempts *out, bool *future, struct errinfo *e)
 {
-    struct counting c = {.tried_since = now - STORE_TRIED_MS};
+    struct counting c = {.tried_since = now - STORE_TRIED_MS,
+                         .others_since = now - STORE_FAILED_MS};
     struct sql_rows *r;
-    const struct sql_value v[] = {of, sql_text(token),
-                                  sql_int(now - STORE_TRIED_WARN_MS)};
+    const struct sql_value v[] = {of, sql_text(token), sql_int(c.others_since)};
     enum status st = sql_query(t->sql, text, v, 3, &r, e);
 
     memset(out, 0, sizeof *out);
@@ -94,7 +104,7 @@ static enum status get(struct log_txn *t, const char *text, struct sql_value of,
     if (out->others > 0)
         out->others_age_ms = age(c.others, now);
     if (out->tried > 0)
-        out->tried_age_ms = age(c.first, now);
+        out->tried_age_ms = age(c.tried, now);
     return sql_done(r, st, e);
 }
 

@@ -131,10 +131,12 @@ struct store_device { /* a scanner that signs what it captures */
 
 #define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
 
-/* In which the subjects count that a token tries, and in which for a warning; and after which
- * failures count no more: at one a day, where lock-outs end, more attempts are left than after. */
+/* STORE_TRIED_MS: the time in which the subjects count that a token tries.
+ * STORE_FAILED_MS: the time in which they count for a warning, and a subject's failures for other tokens.
+ * STORE_ATTEMPTS_DAYS: the time after which failures count no more: at one a day, where lock-outs
+ * end, more attempts are left than after. */
 #define STORE_TRIED_MS      INT64_C(3600000)
-#define STORE_TRIED_WARN_MS INT64_C(86400000)
+#define STORE_FAILED_MS     INT64_C(86400000)
 #define STORE_ATTEMPTS_DAYS 30
 
 /* Verifications of a subject that failed one after the other; what follows from them is the
@@ -146,12 +148,12 @@ struct store_attempts {
     char at[32];                    /* the last one */
     int64_t age_ms;                 /* since it */
     /* Not set by store_attempts_list(): */
-    uint32_t others; /* of all other tokens that failed in the last STORE_TRIED_MS */
+    uint32_t others; /* failures of other tokens, whose last is within STORE_FAILED_MS */
     int64_t others_age_ms; /* since the last of them */
     uint32_t tried; /* other subjects whose last verification by this token failed, in
                                the last STORE_TRIED_MS */
-    int64_t tried_age_ms; /* since the first of them */
-    uint32_t tried_warn;  /* as tried, in the last STORE_TRIED_WARN_MS */
+    int64_t tried_age_ms; /* since the last of them */
+    uint32_t tried_warn;  /* as tried, in the last STORE_FAILED_MS */
 };
 
 #define STORE_FRAMES_MAX SURFACE_FRAMES_MAX

@@ -33,14 +33,14 @@ static void refuse_attempt(struct request *r, const struct templates_refusal *wh
         break;
     case STORE_WAIT_OTHERS:
         request_problem(r, ERRMAP_ATTEMPTS,
-                        "the subject's last %u verifications by others failed: it is "
-                        "locked out for a minute at most",
-                        why->now.others);
+                        "%u verifications of the subject by this or other tokens failed: "
+                        "it is locked out for now",
+                        why->now.failures + why->now.others);
         break;
     default:
         request_problem(r, ERRMAP_SUBJECTS,
                         "this token has tried %u other subjects without a match within "
-                        "an hour",
+                        "an hour: it has to wait before it tries one more",
                         why->now.tried);
     }
     r->response.retry_after = (unsigned)((why->wait_ms + 999) / 1000);

@@ -212,15 +212,31 @@ TEST(test_others)
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 60000);
     now.others_age_ms = 59999;
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 1);
-    now.failures = 4; /* the longest counts */
-    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 60000);
+    /* those of all tokens add up for one that has failed itself, for an hour at most */
+    now = (struct store_attempts){.token = "a", .failures = 1, .others = 2};
+    now.age_ms = 1000;
+    now.others_age_ms = 20000;
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 29000);
+    assert_int_equal(why, STORE_WAIT_OTHERS);
+    now.others = 5;
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 239000);
+    now.others = UINT32_MAX;
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 3599000);
+    now.failures = 14; /* the longest counts */
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 61439000);
     assert_int_equal(why, STORE_WAIT_OWN);
     now = (struct store_attempts){.token = "a", .tried = 4};
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
     now.tried = 5;
     now.tried_age_ms = 1000;
-    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), STORE_TRIED_MS - 1000);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), STORE_TRIED_MS / 5 - 1000);
     assert_int_equal(why, STORE_WAIT_SUBJECTS);
+    now.failures = 1; /* it is one of those */
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
+    now.age_ms = STORE_TRIED_MS;
+    assert_int_equal(why, STORE_WAIT_NONE);
+    assert_int_equal(store_attempts_wait_ms(&a, &now, &why), STORE_TRIED_MS / 5 - 1000);
+    now.failures = 0;
     now.token[0] = '\0'; /* without tokens it is everybody */
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
     a.subjects = 0;
