@@ -68,13 +68,15 @@ CREATE TABLE faces (
     face         BLOB NOT NULL CHECK (length(face) > 40)
 ) STRICT;
 
--- Failed verifications of a subject in a row by one token (its id; '' without one), and the
--- time of the last.  No row: the token's last one was a match, or there was none for a month.
+-- Failed verifications of a subject in a row by one token (its id; '' without one), the time of the
+-- last, and how much the failures between matches look like another person's.  No row: none of it,
+-- or no failure for a month.
 CREATE TABLE attempts (
     subject_key INTEGER NOT NULL REFERENCES subjects (subject_key) ON DELETE CASCADE,
     token       TEXT NOT NULL CHECK (length(token) <= 64),
-    failures    INTEGER NOT NULL CHECK (failures BETWEEN 1 AND 1000000),
+    failures    INTEGER NOT NULL CHECK (failures BETWEEN 0 AND 1000000),
     at_ms       INTEGER NOT NULL CHECK (at_ms >= 0), -- since 1970, UTC
+    suspicion   INTEGER NOT NULL CHECK (suspicion BETWEEN 0 AND 1000000),
     PRIMARY KEY (subject_key, token)
 ) STRICT;
 

@@ -141,6 +141,16 @@ int64_t store_attempts_wait_ms(const struct store_limits *l,
     return wait[*why];
 }
 
+uint32_t store_attempts_suspicion(const struct store_attempts *was, bool failed)
+{
+    const bool unexplained = was->failures > 0 && was->age_ms > STORE_RETRY_MS;
+    const uint32_t more = was->suspicion + (unexplained ? 6 : 0);
+
+    if (failed)
+        return more < 999997 ? more + 3 : 1000000;
+    return more > 2 ? more - 2 : 0;
+}
+
 /* ---- of a subject */
 
 struct worst {

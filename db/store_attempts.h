@@ -36,6 +36,13 @@ struct store_limits {
 #define STORE_WAIT_OTHERS_S 60
 #define STORE_WAIT_SHARED_S 3600
 
+/* Attempts that stay below the lock-out, between the matches of the right person, are told when the
+ * suspicion of all tokens for the subject reaches STORE_SUSPICION.  A failure adds 3 and a match takes
+ * 2 away, down to 0: these are the logarithms of (1/2) / (3/10) and (7/10) / (1/2) in units of 0.17, of
+ * one attempt between two matches against a person who fails at three attempts in ten.  A failure that
+ * no match of the token follows within STORE_RETRY_MS adds 6 more: people try again at once. */
+#define STORE_SUSPICION 75
+
 /* store_attempts_worst(s, subject, l, out, e): of all tokens, also of one that has not failed: who
  * waits longest?  ST_ENOTFOUND. */
 struct store_worst {
@@ -57,5 +64,9 @@ enum store_wait { /* the order of enum metrics_failed */
  * subject may be verified.  l: NULL for no limit. */
 int64_t store_attempts_wait_ms(const struct store_limits *l,
                                const struct store_attempts *now, enum store_wait *why);
+
+/* store_attempts_suspicion(was, failed): Returns the token's suspicion after one more failure, or after
+ * a match. */
+uint32_t store_attempts_suspicion(const struct store_attempts *was, bool failed);
 
 #endif

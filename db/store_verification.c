@@ -215,53 +215,67 @@ static enum status look_back(struct log_txn *t, struct store_record *what,
     return ST_OK;
 }
 
-static enum status count_attempt(struct log_txn *t, const struct store_record *what,
-                                 const struct store_attempts *was, int64_t now,
-                                 struct errinfo *e)
-{
-    if (what->as == STORE_RECORD_FAILED)
-        return rows_attempts_fail(t, what->subject, what->actor, now, e);
-    if (what->as == STORE_RECORD_PASSED && was->failures > 0)
-        return rows_attempts_match(t, what->subject, what->actor, e);
-    return ST_OK;
-}
-
-/* Each lock-out is recorded, and each third of the subjects that a token may try. */
-static void judge(const struct store_record *what, struct store_recorded *out)
+/* Returns the warnings of an attempt after was: a bit of enum store_warning each. */
+static unsigned judge(const struct store_record *what, const struct store_attempts *was)
 {
     const struct store_limits *l = what->limits;
-    const struct store_attempts *was = &out->now;
     const uint32_t before =
         was->tried_warn + (was->failures > 0 && was->age_ms < STORE_FAILED_MS);
     const uint32_t after = was->tried_warn + 1;
-    const uint32_t third =
-        l == NULL || what->actor[0] == '\0' ? 0 : (l->subjects + 2) / 3;
+    unsigned warnings = 0, third;
 
     if (what->as != STORE_RECORD_FAILED || l == NULL || l->failures == 0)
-        return;
-    out->locked_out = (uint64_t)was->failures + was->others + 1 >= l->failures;
-    out->many_subjects = third > 0 && after > before && after / third > before / third;
+        return 0;
+    third = what->actor[0] == '\0' ? 0 : (l->subjects + 2) / 3;
+    if ((uint64_t)was->failures + was->others + 1 >= l->failures)
+        warnings |= 1U << STORE_LOCKED_OUT;
+    if (third > 0 && after > before && after / third > before / third)
+        warnings |= 1U << STORE_MANY_SUBJECTS;
+    if ((uint64_t)store_attempts_suspicion(was, true) + was->others_suspicion >=
+        STORE_SUSPICION)
+        warnings |= 1U << STORE_ATTEMPTS_PATTERN;
+    return warnings;
+}
+
+enum status store_record_attempt(struct log_txn *t, const struct store_record *what,
+                                 int64_t now, struct store_recorded *out,
+                                 struct errinfo *e)
+{
+    const struct store_attempts *was = &out->now;
+    const bool failed = what->as == STORE_RECORD_FAILED;
+    const uint32_t suspicion = store_attempts_suspicion(was, failed);
+    enum status st = ST_OK;
+
+    out->warnings = judge(what, was);
+    if (failed)
+        st = rows_attempts_fail(t, what->subject, what->actor, now, suspicion, e);
+    else if (what->as == STORE_RECORD_PASSED && (was->failures > 0 || was->suspicion > 0))
+        st = rows_attempts_match(t, what->subject, what->actor, suspicion, e);
+    if (st == ST_OK && (out->warnings & 1U << STORE_ATTEMPTS_PATTERN) != 0)
+        st = rows_attempts_told(t, what->subject, e);
+    return st;
 }
 
 static enum status add_events(struct log_txn *t, const struct store_record *what,
                               const struct log_act *by, const struct store_recorded *out,
                               struct errinfo *e)
 {
+    static const char *const kind[STORE_WARNINGS] = {"locked_out", "many_subjects",
+                                                     "attempts_pattern"};
     const unsigned char *uid = what->subject->uid;
-    char outcome[LOG_TEXT + 1];
+    char outcome[STORE_WARNINGS][LOG_TEXT + 1];
     enum status st =
         log_access(t, by, what->kind, uid, what->template_id, what->outcome, e);
 
-    if (st == ST_OK && out->locked_out) {
-        (void)snprintf(outcome, sizeof outcome, "%" PRIu64 " failures",
-                       (uint64_t)out->now.failures + out->now.others + 1);
-        st = log_access(t, by, "locked_out", uid, "", outcome, e);
-    }
-    if (st == ST_OK && out->many_subjects) {
-        (void)snprintf(outcome, sizeof outcome, "%" PRIu32 " subjects",
-                       out->now.tried_warn + 1);
-        st = log_access(t, by, "many_subjects", uid, "", outcome, e);
-    }
+    (void)snprintf(outcome[STORE_LOCKED_OUT], sizeof outcome[0], "%" PRIu64 " failures",
+                   (uint64_t)out->now.failures + out->now.others + 1);
+    (void)snprintf(outcome[STORE_MANY_SUBJECTS], sizeof outcome[0],
+                   "%" PRIu32 " subjects", out->now.tried_warn + 1);
+    (void)snprintf(outcome[STORE_ATTEMPTS_PATTERN], sizeof outcome[0],
+                   "failures between matches");
+    for (unsigned i = 0; st == ST_OK && i < STORE_WARNINGS; i++)
+        if ((out->warnings & 1U << i) != 0)
+            st = log_access(t, by, kind[i], uid, "", outcome[i], e);
     return st;
 }
 
@@ -281,10 +295,9 @@ static enum status write_all(struct log_txn *t, const struct store_record *asked
         return ST_OK;
     if ((st = look_back(t, &what, out, e)) != ST_OK)
         return st;
-    judge(&what, out);
     if ((what.decision != NULL && !out->replayed &&
          (st = rows_day_count(t, by->at, what.decision, what.score, e)) != ST_OK) ||
-        (st = count_attempt(t, &what, &out->now, by->ms, e)) != ST_OK ||
+        (st = store_record_attempt(t, &what, by->ms, out, e)) != ST_OK ||
         (st = add_events(t, &what, by, out, e)) != ST_OK ||
         store_rules_recent(what.subject->seen, by->ms))
         return st;

@@ -5,6 +5,7 @@
 #include "store_attempts.h"
 #include "store_open.h"
 
+struct log_txn;      /* log_txn.h */
 struct surface_work; /* libsurface.h */
 
 struct store_snapshot {
@@ -44,7 +45,7 @@ void store_snapshot_free(struct store_snapshot *out); /* *out is empty again */
 
 enum store_record_as {
     STORE_RECORD_UNCOUNTED, /* attempts are left as they are */
-    STORE_RECORD_PASSED,    /* none of the actor's are left */
+    STORE_RECORD_PASSED,    /* none of the actor's failures are left */
     STORE_RECORD_FAILED     /* one more of the actor */
 };
 
@@ -62,11 +63,22 @@ struct store_record {
     bool replayed; /* with probe: it is known to be no new scan */
 
     /* By the attempts as they are now, may the verification still be answered?  Others of the
-     * subject may have failed since the snapshot.  Of one that failed, an event more where the
-     * operator should look: "locked_out" at each lock-out, "many_subjects" when the subjects that
-     * a token tried in vain in STORE_FAILED_MS reach a third of those that it may try, two
-     * thirds, and so on.  NULL, or without a limit of failures: neither. */
+     * subject may have failed since the snapshot.  A failed one can add warnings.  NULL, or without a
+     * limit of failures: neither. */
     const struct store_limits *limits;
+};
+
+/* Failures of which the operator is to hear, by an event of this name, in the order of enum
+ * metrics_warning.
+ * STORE_LOCKED_OUT: The failure locks its token out of the subject.
+ * STORE_MANY_SUBJECTS: With it the subjects that the token has failed at within STORE_FAILED_MS are
+ * another third of limits->subjects.
+ * STORE_ATTEMPTS_PATTERN: With it the suspicion of the subject's tokens reaches STORE_SUSPICION. */
+enum store_warning {
+    STORE_LOCKED_OUT,
+    STORE_MANY_SUBJECTS,
+    STORE_ATTEMPTS_PATTERN,
+    STORE_WARNINGS
 };
 
 struct store_recorded {
@@ -74,7 +86,7 @@ struct store_recorded {
     int64_t wait_ms;           /* with it */
     struct store_attempts now; /* before this one */
     bool replayed; /* it was no new scan: recorded as "replayed", and counted as failed */
-    bool locked_out, many_subjects; /* there was reason for such an event */
+    unsigned warnings; /* sum of 1 << enum store_warning */
 };
 
 /* store_record_verification(s, what, out, e): attempts, entry of the access log, the day's scores,
@@ -83,6 +95,12 @@ struct store_recorded {
  * meanwhile. */
 enum status store_record_verification(struct store *s, const struct store_record *what,
                                       struct store_recorded *out, struct errinfo *e);
+
+/* store_record_attempt(t, what, now, out, e): The part of store_record_verification() that counts the
+ * attempt, at time now.  out->now has the attempts before it; sets out->warnings. */
+enum status store_record_attempt(struct log_txn *t, const struct store_record *what,
+                                 int64_t now, struct store_recorded *out,
+                                 struct errinfo *e);
 
 /* store_days(s, out, n, e): of the last STORE_DAYS days those with verifications, oldest first;
  * released by free(). */

@@ -67,8 +67,7 @@ static enum status record(struct enrolling *g, const struct templates *a,
                    x->captured != NULL ? x->captured : "");
     if ((st = store_record_verification(g->c->store, &what, &out, e)) != ST_OK)
         return st;
-    g->out->locked_out |= out.locked_out;
-    g->out->many_subjects |= out.many_subjects;
+    g->out->warnings |= out.warnings;
     if (out.why == STORE_WAIT_NONE)
         return mismatch(n, e);
     g->out->refusal = (struct templates_refusal){

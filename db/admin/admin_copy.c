@@ -173,7 +173,7 @@ static enum status copy_table(struct log_txn *from, const struct copying *c,
 static enum status copy_plain(struct log_txn *from, struct log_txn *to, const char *list,
                               const char *add, int n, struct errinfo *e)
 {
-    struct sql_value value[4];
+    struct sql_value value[5];
     struct sql_rows *r;
     enum status st = sql_stream(from->sql, list, NULL, 0, &r, e);
 
@@ -198,13 +198,14 @@ static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to
                          "INSERT INTO days (day, decision, daemon, bins) "
                          "VALUES ($1, $2, $3, $4)",
                          4, e)) != ST_OK ||
-        (st = copy_plain(from, to,
-                         "SELECT s.uid, a.token, a.failures, a.at_ms "
-                         "FROM attempts a JOIN subjects s USING (subject_key)",
-                         "INSERT INTO attempts (subject_key, token, failures, at_ms) "
-                         "VALUES ((SELECT subject_key FROM subjects WHERE uid = $1), $2, "
-                         "$3, $4)",
-                         4, e)) != ST_OK)
+        (st = copy_plain(
+             from, to,
+             "SELECT s.uid, a.token, a.failures, a.at_ms, a.suspicion "
+             "FROM attempts a JOIN subjects s USING (subject_key)",
+             "INSERT INTO attempts (subject_key, token, failures, at_ms, suspicion) "
+             "VALUES ((SELECT subject_key FROM subjects WHERE uid = $1), $2, "
+             "$3, $4, $5)",
+             5, e)) != ST_OK)
         return st;
     return copy_plain(from, to, "SELECT until_ms, nonce FROM nonces",
                       "INSERT INTO nonces (until_ms, nonce) VALUES ($1, $2)", 2, e);

@@ -34,9 +34,9 @@ static void set_own(struct store_attempts *out, int64_t at, int64_t now)
 /* Of the subject whose key this is, and of the token $2 elsewhere.  They are counted here: on a
  * server the aggregates, twice, were a tenth of a verification. */
 #define ATTEMPTS(KEY)                                                                    \
-    "SELECT 1, token, failures, at_ms FROM attempts WHERE subject_key = " KEY            \
-    " UNION ALL SELECT 0, token, failures, at_ms FROM attempts "                         \
-    "WHERE token = $2 AND at_ms > $3 AND subject_key <> " KEY
+    "SELECT 1, token, failures, at_ms, suspicion FROM attempts WHERE subject_key = " KEY \
+    " UNION ALL SELECT 0, token, failures, at_ms, suspicion FROM attempts "              \
+    "WHERE token = $2 AND at_ms > $3 AND failures > 0 AND subject_key <> " KEY
 
 struct counting {
     int64_t tried_since, others_since; /* begin of STORE_TRIED_MS, of STORE_FAILED_MS */
@@ -58,18 +58,21 @@ static bool count_row(const struct sql_rows *r, struct counting *c,
 {
     const bool here = sql_column(r, 0).i == 1;
     char token[STORE_NAME_MAX + 1];
-    uint32_t failures;
+    uint32_t failures, suspicion;
     int64_t at;
 
     if (!sql_read_text(r, 1, token, sizeof token) ||
-        !sql_read_count(r, 2, UINT32_MAX, &failures) || !sql_read_int(r, 3, 0, &at))
+        !sql_read_count(r, 2, UINT32_MAX, &failures) || !sql_read_int(r, 3, 0, &at) ||
+        !sql_read_count(r, 4, 1000000, &suspicion))
         return false;
     c->last = later(at, c->last);
     if (here && strcmp(token, out->token) == 0) {
         out->failures = failures;
+        out->suspicion = suspicion;
         c->own = at;
     } else if (here) {
-        if (at > c->others_since) {
+        add(&out->others_suspicion, suspicion);
+        if (failures > 0 && at > c->others_since) {
             add(&out->others, failures);
             c->others = later(at, c->others);
         }
@@ -128,18 +131,20 @@ enum status rows_attempts_find(struct log_txn *t, const char *id, const char *to
 }
 
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
-                               const char *token, int64_t now, struct errinfo *e)
+                               const char *token, int64_t now, uint32_t suspicion,
+                               struct errinfo *e)
 {
     uint64_t n = 0;
     enum status st =
         SQL_RUN(t->sql, e,
-                "INSERT INTO attempts (subject_key, token, failures, at_ms) "
-                "SELECT subject_key, CAST($2 AS text), 1, CAST($3 AS bigint) "
-                "FROM subjects WHERE subject_key = $1 "
+                "INSERT INTO attempts (subject_key, token, failures, at_ms, suspicion) "
+                "SELECT subject_key, CAST($2 AS text), 1, CAST($3 AS bigint), "
+                "CAST($4 AS bigint) FROM subjects WHERE subject_key = $1 "
                 "ON CONFLICT (subject_key, token) DO UPDATE SET "
                 "failures = CASE WHEN attempts.failures < 1000000 "
-                "THEN attempts.failures + 1 ELSE 1000000 END, at_ms = excluded.at_ms",
-                sql_int(subject->key), sql_text(token), sql_int(now));
+                "THEN attempts.failures + 1 ELSE 1000000 END, at_ms = excluded.at_ms, "
+                "suspicion = excluded.suspicion",
+                sql_int(subject->key), sql_text(token), sql_int(now), sql_int(suspicion));
 
     if (st != ST_OK || (st = sql_changed(t->sql, &n, e)) != ST_OK)
         return st;
@@ -160,11 +165,23 @@ enum status rows_attempts_not_after(struct log_txn *t,
 }
 
 enum status rows_attempts_match(struct log_txn *t, const struct store_subject *subject,
-                                const char *token, struct errinfo *e)
+                                const char *token, uint32_t suspicion, struct errinfo *e)
 {
+    if (suspicion == 0)
+        return SQL_RUN(t->sql, e,
+                       "DELETE FROM attempts WHERE subject_key = $1 AND token = $2",
+                       sql_int(subject->key), sql_text(token));
     return SQL_RUN(t->sql, e,
-                   "DELETE FROM attempts WHERE subject_key = $1 AND token = $2",
-                   sql_int(subject->key), sql_text(token));
+                   "UPDATE attempts SET failures = 0, suspicion = $3 "
+                   "WHERE subject_key = $1 AND token = $2",
+                   sql_int(subject->key), sql_text(token), sql_int(suspicion));
+}
+
+enum status rows_attempts_told(struct log_txn *t, const struct store_subject *subject,
+                               struct errinfo *e)
+{
+    return SQL_RUN(t->sql, e, "UPDATE attempts SET suspicion = 0 WHERE subject_key = $1",
+                   sql_int(subject->key));
 }
 
 enum status rows_attempts_clear(struct log_txn *t, const struct store_subject *subject,
@@ -188,7 +205,8 @@ enum status rows_attempts_each(struct log_txn *t, const struct store_subject *su
     char token[STORE_NAME_MAX + 1];
     struct sql_rows *r;
     enum status st =
-        SQL_QUERY(t->sql, &r, e, "SELECT token FROM attempts WHERE subject_key = $1",
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT token FROM attempts WHERE subject_key = $1 AND failures > 0",
                   sql_int(subject->key));
 
     while (st == ST_OK && sql_next(r))
@@ -232,7 +250,7 @@ enum status rows_attempts_list(struct log_txn *t, int64_t now,
     enum status st = sql_query(t->sql,
                                "SELECT a.token, a.failures, a.at_ms, " ROWS_SUBJECT
                                " FROM attempts a JOIN subjects s USING (subject_key) "
-                               "ORDER BY a.subject_key, a.token",
+                               "WHERE a.failures > 0 ORDER BY a.subject_key, a.token",
                                NULL, 0, &r, e);
 
     st = sql_read_list(r, st, list_row, &l, sizeof **out, &list, n, e);

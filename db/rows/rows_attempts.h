@@ -1,6 +1,6 @@
 /* rows_attempts.h -- failed verifications of a subject by a token, inside a transaction.
  * Rows are as many as a token can fail for in STORE_ATTEMPTS_DAYS, at most one for each
- * subject; they go with the subject and with the token. */
+ * subject; they go with the subject and with the token.  A row without failures keeps a suspicion. */
 #ifndef DB_ROWS_ATTEMPTS_H
 #define DB_ROWS_ATTEMPTS_H
 #include "log_txn.h"
@@ -21,14 +21,24 @@ enum status rows_attempts_not_after(struct log_txn *t,
                                     const struct store_subject *subject,
                                     const char *token, int64_t now, struct errinfo *e);
 
-/* rows_attempts_fail(t, subject, token, now, e): one more; what the token did before
- * STORE_ATTEMPTS_DAYS goes.  ST_ENOTFOUND: the subject is gone.  rows_attempts_match(t, subject, token, e): none of this token.
- * rows_attempts_clear(t, subject, e): none of any.  rows_attempts_revoke(t, token, e): none of this
- * token for any subject. */
+/* rows_attempts_fail(t, subject, token, now, suspicion, e): Records one more failure of token for subject
+ * at time now, and its suspicion from then on.  Deletes the token's rows that are older than
+ * STORE_ATTEMPTS_DAYS.  ST_ENOTFOUND: the subject was erased. */
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
-                               const char *token, int64_t now, struct errinfo *e);
+                               const char *token, int64_t now, uint32_t suspicion,
+                               struct errinfo *e);
+
+/* rows_attempts_match(t, subject, token, suspicion, e): Deletes the failures of token for subject.
+ * suspicion is what remains of the token's. */
 enum status rows_attempts_match(struct log_txn *t, const struct store_subject *subject,
-                                const char *token, struct errinfo *e);
+                                const char *token, uint32_t suspicion, struct errinfo *e);
+
+/* rows_attempts_told(t, subject, e): Sets the suspicion of all tokens for subject to 0. */
+enum status rows_attempts_told(struct log_txn *t, const struct store_subject *subject,
+                               struct errinfo *e);
+
+/* rows_attempts_clear(t, subject, e): Deletes all rows of the subject.
+ * rows_attempts_revoke(t, token, e): Deletes all rows of the token. */
 enum status rows_attempts_clear(struct log_txn *t, const struct store_subject *subject,
                                 struct errinfo *e);
 enum status rows_attempts_revoke(struct log_txn *t, const char *token, struct errinfo *e);

@@ -133,10 +133,12 @@ struct store_device { /* a scanner that signs what it captures */
 
 /* STORE_TRIED_MS: the time in which the subjects count that a token tries.
  * STORE_FAILED_MS: the time in which they count for a warning, and a subject's failures for other tokens.
+ * STORE_RETRY_MS: the time in which a match explains a failure.
  * STORE_ATTEMPTS_DAYS: the time after which failures count no more: at one a day, where lock-outs
  * end, more attempts are left than after. */
 #define STORE_TRIED_MS      INT64_C(3600000)
 #define STORE_FAILED_MS     INT64_C(86400000)
+#define STORE_RETRY_MS      INT64_C(600000)
 #define STORE_ATTEMPTS_DAYS 30
 
 /* Verifications of a subject that failed one after the other; what follows from them is the
@@ -152,8 +154,10 @@ struct store_attempts {
     int64_t others_age_ms; /* since the last of them */
     uint32_t tried; /* other subjects whose last verification by this token failed, in
                                the last STORE_TRIED_MS */
-    int64_t tried_age_ms; /* since the last of them */
-    uint32_t tried_warn;  /* as tried, in the last STORE_FAILED_MS */
+    int64_t tried_age_ms;      /* since the last of them */
+    uint32_t tried_warn;       /* as tried, in the last STORE_FAILED_MS */
+    uint32_t suspicion;        /* of this token (STORE_SUSPICION) */
+    uint32_t others_suspicion; /* sum of all other tokens' */
 };
 
 #define STORE_FRAMES_MAX SURFACE_FRAMES_MAX

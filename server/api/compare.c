@@ -60,26 +60,22 @@ void compare_refuse(struct request *r, const struct templates_refusal *why,
         request_fail(r, e);
 }
 
-static void warn(const struct request *r, const char *what)
+void compare_warn(const struct request *r, unsigned warnings)
 {
+    static const char *const what[STORE_WARNINGS] = {
+        "a subject is locked out: verifications failed",
+        "a token has tried many subjects without a match",
+        "a subject's verifications fail again and again between matches"};
     struct logger_line l;
 
-    logger_begin(&l, "warn", what);
-    logger_text(&l, "request_id", r->id);
-    logger_text(&l, "token", r->actor);
-    logger_end(&l);
-}
-
-void compare_warn(const struct request *r, bool locked_out, bool many_subjects)
-{
-    if (locked_out) {
-        metrics_warning(r->app->metrics, METRICS_LOCKED_OUT);
-        warn(r, "a subject is locked out: verifications failed");
-    }
-    if (many_subjects) {
-        metrics_warning(r->app->metrics, METRICS_MANY_SUBJECTS);
-        warn(r, "a token has tried many subjects without a match");
-    }
+    for (unsigned i = 0; i < STORE_WARNINGS; i++)
+        if ((warnings & 1U << i) != 0) {
+            metrics_warning(r->app->metrics, (enum metrics_warning)i);
+            logger_begin(&l, "warn", what[i]);
+            logger_text(&l, "request_id", r->id);
+            logger_text(&l, "token", r->actor);
+            logger_end(&l);
+        }
 }
 
 /* ---- requests */
@@ -187,7 +183,7 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
     v.times.parse += parse_ms;
     count_stages(r, &v);
     worker_passed_over(&v.templates);
-    compare_warn(r, v.recorded.locked_out, v.recorded.many_subjects);
+    compare_warn(r, v.recorded.warnings);
     if (v.decided || (st == ST_OK && ask->other != NULL))
         metrics_decision(r->app->metrics, v.best.result.decision);
     if (v.decided)

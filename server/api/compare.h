@@ -20,8 +20,7 @@ void compare_scans(struct request *r, struct worker *w);
 void compare_refuse(struct request *r, const struct templates_refusal *why,
                     const struct errinfo *e);
 
-/* compare_warn(r, locked_out, many_subjects): as in struct store_recorded, to the log and the
- * metrics. */
-void compare_warn(const struct request *r, bool locked_out, bool many_subjects);
+/* compare_warn(r, warnings): Writes the warnings of a struct store_recorded to the log and the metrics. */
+void compare_warn(const struct request *r, unsigned warnings);
 
 #endif

@@ -69,7 +69,7 @@ static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
     if (!intake_admit(r))
         return false;
     st = enrolment_add(&w->compare, &x, each, out, &e);
-    compare_warn(r, out->locked_out, out->many_subjects);
+    compare_warn(r, out->warnings);
     if (out->nearest.compared > 0)
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
     if (st == ST_OK || out->none)

@@ -30,6 +30,7 @@ export const KINDS = {
   verify: ["Verification", "Doors"],
   locked_out: ["Locked out", "Doors"],
   many_subjects: ["Many people tried", "Doors"],
+  attempts_pattern: ["Failures between matches", "Doors"],
   reset_attempts: ["Lock-out ended", "Doors"],
   compare: ["Two scans compared", "Doors"],
   add_subject: ["Person added", "People"],

@@ -55,7 +55,7 @@ struct metrics {
     counter enrollment[METRICS_MISMATCH + 1];
     counter check[METRICS_UNUSABLE + 1];
     counter attempts[METRICS_OF_SUBJECTS + 1];
-    counter warning[METRICS_MANY_SUBJECTS + 1];
+    counter warning[METRICS_WARNINGS];
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
     counter storage_full;
@@ -362,7 +362,8 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     static const char *const enrollment[] = {"created", "known", "mismatch"};
     static const char *const check[] = {"enrollable", "usable", "unusable"};
     static const char *const attempts[] = {"token", "others", "subjects"};
-    static const char *const warning[] = {"locked_out", "many_subjects"};
+    static const char *const warning[] = {"locked_out", "many_subjects",
+                                          "attempts_pattern"};
     const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
@@ -385,8 +386,10 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts, 3,
              "Verifications refused (429) after failures: of the token for the subject, "
              "of other tokens, of the token for many subjects.");
-    print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning, 2,
-             "Lock-outs that began; tokens that tried many subjects without a match.");
+    print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning,
+             METRICS_WARNINGS,
+             "Lock-outs; tokens that tried many subjects without a match; subjects whose "
+             "verifications fail again and again between matches.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
              NDATABASE, "Requests that failed because of the database.");
     print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),

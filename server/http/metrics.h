@@ -52,7 +52,12 @@ void metrics_check(struct metrics *m, enum metrics_check outcome);
 void metrics_capture(struct metrics *m, unsigned problem);
 
 enum metrics_failed { METRICS_OF_TOKEN, METRICS_OF_OTHERS, METRICS_OF_SUBJECTS };
-enum metrics_warning { METRICS_LOCKED_OUT, METRICS_MANY_SUBJECTS };
+enum metrics_warning {
+    METRICS_LOCKED_OUT,
+    METRICS_MANY_SUBJECTS,
+    METRICS_ATTEMPTS_PATTERN,
+    METRICS_WARNINGS
+};
 
 /* metrics_attempts(m, which): a verification was refused for failed ones before it, of the token
  * for the subject, of other tokens, or of the token for other subjects.

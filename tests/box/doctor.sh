@@ -53,7 +53,7 @@ else
 fi
 
 # ---- guessing and lock-outs
-sql "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch() FROM subjects"
+sql "INSERT INTO attempts SELECT subject_key, 'thief', 4, 1000 * unixepoch(), 12 FROM subjects"
 doctor
 is "failures are no trouble" "$CODE" 0
 finds "a lock-out" warning attempts '^1 times in the last day'
@@ -63,11 +63,11 @@ while [ $i -lt 10 ]; do
     i=$((i + 1))
 done
 sql "DELETE FROM attempts; INSERT INTO attempts
-    SELECT subject_key, 'thief', 1, 1000 * unixepoch() FROM subjects LIMIT 9"
+    SELECT subject_key, 'thief', 1, 1000 * unixepoch(), 3 FROM subjects LIMIT 9"
 doctor
 ok "9 subjects are not yet many" jq_true '[.findings[] | select(.about == "attempts")] == []' "$T/ctl"
 sql "DELETE FROM attempts; INSERT INTO attempts
-    SELECT subject_key, 'thief', 1, 1000 * unixepoch() FROM subjects LIMIT 10"
+    SELECT subject_key, 'thief', 1, 1000 * unixepoch(), 3 FROM subjects LIMIT 10"
 doctor
 finds "one face on many" warning attempts 'token thief tried 10 subjects'
 sql "DELETE FROM attempts"

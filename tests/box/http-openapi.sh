@@ -346,7 +346,7 @@ each 500 '.responses["500"]' -d x
 sql 'UPDATE tokens SET name = substr(name, 1, length(name) - 1)'
 put POST /v1/subjects/carol/templates 201 "$PLY" "$T/a.ply"
 id=$(get .template_id)
-sql "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch()
+sql "INSERT INTO attempts SELECT subject_key, tokens.id, 3, 1000 * unixepoch(), 9
     FROM tokens, templates JOIN subjects USING (uid) WHERE templates.id = '$id'"
 put POST /v1/subjects/carol/verify 429 "$PLY" "$T/a.ply"
 put POST /v1/subjects/carol/templates 429 "$PLY" "$T/b.ply"

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Goal: who tries faces by `verify` alone does not get far, keeps nobody else out, and is seen: a
 # token that fails locks itself out of a subject and others for a minute at most; the failures of
-# several tokens add up; one face is not tried on everybody; the counts hold across processes and restarts.
+# several tokens add up; one face is not tried on everybody; attempts between the matches of the right
+# person are told; the counts hold across processes and restarts.
 . tests/box/lib.sh
 
 # verify TOKEN SUBJECT FILE
@@ -177,6 +178,36 @@ verify "$(cat "$T/key2")" frank "$T/b.ply"
 decides "key 2, then" no_match
 verify "$(cat "$T/key2")" frank "$T/b.ply"
 locked_out "and twice as long" too_many_attempts 55 60
+
+# ---- two attempts between two matches, by the token of a door
+sql "DELETE FROM attempts"
+before=$(events attempts_pattern) rounds=0
+while [ "$(events attempts_pattern)" = "$before" ] && [ "$rounds" -lt 20 ]; do
+    rounds=$((rounds + 1))
+    [ "$rounds" != 4 ] || {
+        stop_daemon
+        start_daemon
+    }
+    for i in 1 2; do
+        verify "$door" frank "$T/b.ply"
+        decides "round $rounds, attempt $i" no_match
+    done
+    sql "UPDATE attempts SET at_ms = at_ms - 700000"
+    verify "$door" frank "$T/a1.ply"
+    decides "round $rounds, the right person" match
+done
+is "it is told after" "$rounds rounds" "8 rounds"
+is "counted" "$(metric 'surfaced_attempt_warnings_total{kind="attempts_pattern"}')" 1
+ok "in the log" grep -q 'level=warn .*fail again and again.*token=' "$LOG"
+verify "$door" frank "$T/b.ply"
+is "and once" "$(events attempts_pattern)" $((before + 1))
+AUTH=$(new_token auditor --scope audit)
+req GET "/v1/audit?kind=attempts_pattern"
+is "in the audit log" "$(get '[.entries[] | .subject, .actor_name, .outcome] | join(", ")')" \
+    "frank, door, failures between matches"
+AUTH=
+ctl attempts list
+is "a row without failures is in no list" "$(said '[.attempts[] | .failures] | tojson')" "[1]"
 stop_daemon
 
 # ---- by default, the third failure on one subject is a warning (docs/threat-model.md)

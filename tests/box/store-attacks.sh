@@ -87,7 +87,7 @@ ctl_exits 0 subject hold dave
 ctl_exits 0 template delete "$second" --yes
 ctl_exits 0 device remove gone
 ctl_exits 0 calibrate --reset --yes
-sql "INSERT INTO attempts SELECT subject_key, '', 2, 1 FROM subjects"
+sql "INSERT INTO attempts SELECT subject_key, '', 2, 1, 6 FROM subjects"
 sqlite3 "$DB" "VACUUM INTO '$T/now.db'"
 checked "as it was written" 0
 

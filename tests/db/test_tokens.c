@@ -194,6 +194,11 @@ static struct store_recorded record(struct store *s, const char *token,
     return out;
 }
 
+static bool many(struct store_recorded out)
+{
+    return (out.warnings & 1U << STORE_MANY_SUBJECTS) != 0;
+}
+
 /* Each token has its own count, sees those of others, and of the subjects that it tried. */
 TEST(test_by_token)
 {
@@ -207,8 +212,7 @@ TEST(test_by_token)
         tempdb_add(s, who[i]);
     for (uint32_t i = 1; i <= 4; i++) {
         out = record(s, "thief", "alice", STORE_RECORD_FAILED);
-        assert_int_equal(out.locked_out, i >= 3);
-        assert_false(out.many_subjects);
+        assert_int_equal(out.warnings, i >= 3 ? 1U << STORE_LOCKED_OUT : 0);
     }
     a = tempdb_attempts(s, "thief", "alice");
     assert_int_equal(a.failures, 4);
@@ -224,9 +228,9 @@ TEST(test_by_token)
     (void)record(s, "door", "alice", STORE_RECORD_PASSED);
     assert_int_equal(tempdb_attempts(s, "thief", "alice").failures, 4);
     /* The second subject is many here; it is told once. */
-    assert_true(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
-    assert_false(record(s, "thief", "bob", STORE_RECORD_FAILED).many_subjects);
-    assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
+    assert_true(many(record(s, "thief", "bob", STORE_RECORD_FAILED)));
+    assert_false(many(record(s, "thief", "bob", STORE_RECORD_FAILED)));
+    assert_false(many(record(s, "thief", "carol", STORE_RECORD_FAILED)));
     assert_int_equal(tempdb_attempts(s, "thief", "dave").tried, 3);
     assert_int_equal(tempdb_attempts(s, "thief", "carol").tried, 2);
     assert_int_equal(tempdb_count("access_log WHERE actor = 'thief' AND "
@@ -245,8 +249,8 @@ TEST(test_by_token)
     assert_int_equal(tempdb_attempts(s, "thief", "dave").tried, 0);
     assert_int_equal(tempdb_attempts(s, "thief", "dave").tried_warn, 2);
     assert_int_equal(tempdb_attempts(s, "door", "alice").others, 4);
-    assert_false(record(s, "thief", "carol", STORE_RECORD_FAILED).many_subjects);
-    assert_true(record(s, "thief", "dave", STORE_RECORD_FAILED).many_subjects);
+    assert_false(many(record(s, "thief", "carol", STORE_RECORD_FAILED)));
+    assert_true(many(record(s, "thief", "dave", STORE_RECORD_FAILED)));
     (void)record(s, "thief", "carol", STORE_RECORD_PASSED);
     (void)record(s, "thief", "dave", STORE_RECORD_PASSED);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
@@ -255,12 +259,57 @@ TEST(test_by_token)
     assert_int_equal(tempdb_attempts(s, "door", "alice").others, 0);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 2419200000");
     (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
-    assert_int_equal(tempdb_count("attempts"), 3);
+    assert_int_equal(tempdb_count("attempts WHERE failures > 0"), 3);
     tempdb_sql("UPDATE attempts SET at_ms = at_ms - 86400000");
     (void)record(s, "door", "dave", STORE_RECORD_FAILED);
-    assert_int_equal(tempdb_count("attempts"), 4);
+    assert_int_equal(tempdb_count("attempts WHERE failures > 0"), 4);
     (void)record(s, "thief", "dave", STORE_RECORD_FAILED);
     assert_int_equal(tempdb_count("attempts"), 2);
+    must(store_verify(s, NULL, NULL, &e));
+    store_close(s);
+}
+
+/* Failures between matches are told when they are many, and then begin anew.  They count with those of
+ * other tokens, and over a restart; a match makes them fewer. */
+TEST(test_pattern)
+{
+    struct store *s = tempdb_fresh();
+    unsigned told = 0;
+
+    tempdb_add(s, "alice");
+    for (unsigned i = 0; i < 24; i++) {
+        const char *token = i % 3 == 0 ? "door" : "gate";
+
+        told += record(s, token, "alice", STORE_RECORD_FAILED).warnings >>
+                STORE_ATTEMPTS_PATTERN;
+    }
+    assert_int_equal(told, 0);
+    assert_int_equal(tempdb_attempts(s, "door", "alice").suspicion, 24);
+    assert_int_equal(tempdb_attempts(s, "door", "alice").others_suspicion, 48);
+    (void)record(s, "door", "alice", STORE_RECORD_PASSED);
+    assert_int_equal(tempdb_attempts(s, "door", "alice").suspicion, 22);
+    assert_int_equal(tempdb_attempts(s, "door", "alice").failures, 0);
+    store_close(s);
+    s = tempdb_open(STORE_WRITE);
+    (void)record(s, "door", "alice", STORE_RECORD_FAILED);
+    assert_int_equal(tempdb_count("access_log WHERE kind = 'attempts_pattern'"), 0);
+    told = record(s, "third", "alice", STORE_RECORD_FAILED).warnings;
+    assert_true((told & 1U << STORE_ATTEMPTS_PATTERN) != 0);
+    assert_int_equal(tempdb_count("access_log WHERE kind = 'attempts_pattern' "
+                                  "AND actor = 'third'"),
+                     1);
+    assert_int_equal(tempdb_count("attempts WHERE suspicion > 0"), 0);
+    /* A row without failures is in no list, and no subject that was tried. */
+    for (unsigned i = 0; i < 2; i++) {
+        (void)record(s, "fourth", "alice", STORE_RECORD_FAILED);
+        (void)record(s, "fourth", "alice", STORE_RECORD_PASSED);
+        assert_int_equal(tempdb_count("attempts WHERE token = 'fourth'"), 1);
+    }
+    tempdb_add(s, "bob");
+    assert_int_equal(tempdb_attempts(s, "fourth", "bob").tried_warn, 0);
+    must(tempdb_erase(s, "test", "bob", &e));
+    (void)record(s, "fourth", "alice", STORE_RECORD_PASSED);
+    assert_int_equal(tempdb_count("attempts WHERE token = 'fourth'"), 0);
     must(store_verify(s, NULL, NULL, &e));
     store_close(s);
 }

@@ -184,7 +184,7 @@ TEST(test_record)
         assert_transactions(0, 1);
         assert_int_equal(out.why, STORE_WAIT_NONE);
         assert_int_equal(out.now.failures, i);
-        assert_int_equal(out.locked_out, i == 1);
+        assert_int_equal(out.warnings, i == 1 ? 1U << STORE_LOCKED_OUT : 0);
     }
     assert_string_equal(last_event(s).entry.outcome, "2 failures");
     assert_string_equal(last_event(s).subject, "alice");

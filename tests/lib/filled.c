@@ -161,7 +161,7 @@ void filled_look(struct store *s, char out[FILLED_TEXT])
         "SELECT json_array(id, name, created, hex(public)) FROM devices",
         "SELECT json_array(calibration_key, created, actor, engine, shipped, fmr, low, "
         "high, subjects, impostors, genuine, threshold, hex(knots)) FROM calibrations",
-        "SELECT json_array(hex(uid), token, failures, at_ms) FROM attempts "
+        "SELECT json_array(hex(uid), token, failures, at_ms, suspicion) FROM attempts "
         "JOIN subjects USING (subject_key)",
         "SELECT json_array(until_ms, hex(nonce)) FROM nonces",
         "SELECT json_array(day, decision, hex(bins)) FROM days",

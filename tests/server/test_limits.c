@@ -244,6 +244,27 @@ TEST(test_others)
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 0);
 }
 
+TEST(test_suspicion)
+{
+    struct store_attempts was = {.failures = 0};
+
+    assert_int_equal(store_attempts_suspicion(&was, false), 0);
+    assert_int_equal(store_attempts_suspicion(&was, true), 3);
+    was =
+        (struct store_attempts){.failures = 2, .suspicion = 6, .age_ms = STORE_RETRY_MS};
+    assert_int_equal(store_attempts_suspicion(&was, false), 4);
+    assert_int_equal(store_attempts_suspicion(&was, true), 9);
+    was.age_ms++; /* no match followed */
+    assert_int_equal(store_attempts_suspicion(&was, false), 10);
+    assert_int_equal(store_attempts_suspicion(&was, true), 15);
+    was.failures = 0; /* one did */
+    assert_int_equal(store_attempts_suspicion(&was, true), 9);
+    was.suspicion = 1;
+    assert_int_equal(store_attempts_suspicion(&was, false), 0);
+    was.suspicion = 1000000;
+    assert_int_equal(store_attempts_suspicion(&was, true), 1000000);
+}
+
 /* ---- room on the disk */
 
 TEST(test_intake)
