@@ -35,6 +35,7 @@ for i in alice bob carol dave erin frank; do
 done
 thief=$(new_token thief --scope verify)
 door=$(new_token door --scope verify)
+WATCHER=$(new_token watcher --scope audit)
 start_daemon --attempt-wait 1000 --attempt-subjects 4
 thief_id=$(sql "SELECT id FROM tokens WHERE name = 'thief'")
 

@@ -366,9 +366,12 @@ matches() {
     printf '%s\n' "$1" | grep -Eq -- "$2"
 }
 
-# metric SERIES: its value in /metrics; nothing if there is no such series.
+# metric SERIES: its value in /metrics; nothing if there is no such series.  WATCHER: a token with
+# audit, where $AUTH has not that scope.
 metric() {
+    m_auth=$AUTH AUTH=${WATCHER:-$AUTH}
     req GET /metrics
+    AUTH=$m_auth
     awk -v name="$1" '$1 == name { print $2 }' "$T/body"
 }
 
