@@ -16,6 +16,12 @@
 
 #define GLB_VALUES 100000 /* of JSON; 80 bytes each */
 
+/* What may be read: as much as the file has, if a vertex takes VERTEX bytes and an index 1; and MORE,
+ * but no more than TIMES its length, since numbers may be smaller and meshes shown several times. */
+#define GLB_VERTEX 12
+#define GLB_MORE   ((uint64_t)1 << 20)
+#define GLB_TIMES  4
+
 /* Arrays of numbers in the binary chunk of a GLB file, as its JSON
  * describes them (glTF 2.0, section 3.6). */
 
@@ -186,7 +192,7 @@ struct scene {
     struct pending *stack; /* [nodes.n] */
     unsigned char *seen;   /* [nodes.n] */
     size_t depth;
-    uint64_t work; /* vertices and indices that may still be read */
+    uint64_t work; /* bytes that may still be read (GLB_VERTEX) */
     struct cloudlist *list;
     struct errinfo *e;
 };
@@ -322,8 +328,9 @@ static enum status open_scene(struct scene *s)
     if (s->stack == NULL || s->seen == NULL)
         return errinfo_set(s->e, ST_ENOMEM, "no memory for the GLB file");
     memset(s->seen, 0, s->nodes.n);
-    /* Nodes may show one mesh several times, but not without end. */
-    s->work = 4 * ((uint64_t)f->len + s->list->max);
+    s->work = f->len + GLB_MORE;
+    if (s->work > GLB_TIMES * (uint64_t)f->len)
+        s->work = GLB_TIMES * (uint64_t)f->len;
     return ST_OK;
 }
 
@@ -418,7 +425,7 @@ static enum status spend(struct scene *s, uint64_t n)
 static enum status add_vertices(struct scene *s, const struct accessor *a,
                                 const double m[16])
 {
-    enum status st = spend(s, a->n);
+    enum status st = spend(s, (uint64_t)a->n * GLB_VERTEX);
 
     for (size_t i = 0; i < a->n && st == ST_OK; i++) {
         const struct dvec3 p = {accessor_get(a, i, 0), accessor_get(a, i, 1),

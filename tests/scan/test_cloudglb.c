@@ -330,14 +330,13 @@ TEST(test_bad_head)
 /* One mesh shown by ever so many nodes is no way to a long computation. */
 TEST(test_work)
 {
-    const struct cloudfile_options o = {.max_points = 400, .max_bytes = 1};
+    const struct cloudfile_options o = {.max_points = CLOUDFILE_POINTS, .max_bytes = 1};
     static struct scanfile f;
     static char json[60000];
     struct scanfile_said err;
     struct cloudpoints p;
     size_t n;
 
-    /* None of the points has a value, so that their limit is no help. */
     n = (size_t)snprintf(json, sizeof json,
                          "{\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"scale\":"
                          "[1e308,1e308,1e308],\"children\":[1");
