@@ -1,5 +1,6 @@
 #include "cloudfile.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,17 +42,18 @@ static const struct {
     enum cloudformat format;
     read_is *is;
     read_parse *parse;
+    read_count *count; /* NULL: a point takes at least half of what it weighs */
 } reader[] = {
-    {CLOUDFORMAT_PLY, read_ply_is, read_ply_parse},
-    {CLOUDFORMAT_GLB, read_glb_is, read_glb_parse},
-    {CLOUDFORMAT_PNG, read_png_is, read_png_parse},
-    {CLOUDFORMAT_PGM, read_pgm_is, read_pgm_parse},
-    {CLOUDFORMAT_NPY, read_npy_is, read_npy_parse},
-    {CLOUDFORMAT_VRML, read_vrml_is, read_vrml_parse},
-    {CLOUDFORMAT_PCD, read_pcd_is, read_pcd_parse},
-    {CLOUDFORMAT_ABS, read_abs_is, read_abs_parse},
-    {CLOUDFORMAT_BNT, read_bnt_is, read_bnt_parse},
-    {CLOUDFORMAT_STL, read_stl_is, read_stl_parse},
+    {CLOUDFORMAT_PLY, read_ply_is, read_ply_parse, read_ply_count},
+    {CLOUDFORMAT_GLB, read_glb_is, read_glb_parse, NULL},
+    {CLOUDFORMAT_PNG, read_png_is, read_png_parse, read_png_count},
+    {CLOUDFORMAT_PGM, read_pgm_is, read_pgm_parse, read_pgm_count},
+    {CLOUDFORMAT_NPY, read_npy_is, read_npy_parse, read_npy_count},
+    {CLOUDFORMAT_VRML, read_vrml_is, read_vrml_parse, NULL},
+    {CLOUDFORMAT_PCD, read_pcd_is, read_pcd_parse, read_pcd_count},
+    {CLOUDFORMAT_ABS, read_abs_is, read_abs_parse, NULL},
+    {CLOUDFORMAT_BNT, read_bnt_is, read_bnt_parse, NULL},
+    {CLOUDFORMAT_STL, read_stl_is, read_stl_parse, NULL},
 };
 #define READERS (sizeof reader / sizeof *reader)
 
@@ -303,6 +305,30 @@ static enum status read_plain(const char *bytes, size_t len,
     return finish(&list, len == 0 ? nothing(&t) : parse(&t, o, &list), o, out);
 }
 
+static bool is_gzip(const char *bytes, size_t len)
+{
+    return len >= 2 && memcmp(bytes, "\x1F\x8B", 2) == 0;
+}
+
+size_t cloudfile_weight(const void *bytes, size_t len, enum cloudformat format)
+{
+    struct cloudtext t = {
+        .start = bytes, .p = bytes, .end = (const char *)bytes + len, .line = 1};
+    uint64_t n = format == CLOUDFORMAT_RAW ? len / 2 : 0;
+
+    if (is_gzip(bytes, len))
+        return SIZE_MAX;
+    skip_bom(&t);
+    for (size_t i = 0; i < READERS; i++)
+        if (reader[i].count != NULL && (reader[i].format == format ||
+                                        (format == CLOUDFORMAT_ANY && reader[i].is(&t))))
+            n = reader[i].count(t);
+    if (n > SIZE_MAX / CLOUDFILE_POINT_WEIGHT)
+        return SIZE_MAX;
+    n *= CLOUDFILE_POINT_WEIGHT;
+    return n > len ? (size_t)n : len;
+}
+
 enum status cloudfile_read(const void *bytes, size_t len,
                            const struct cloudfile_options *o, struct cloudpoints *out,
                            struct errinfo *e)
@@ -312,7 +338,7 @@ enum status cloudfile_read(const void *bytes, size_t len,
     enum status st;
 
     *out = (struct cloudpoints){0};
-    if (len < 2 || memcmp(bytes, "\x1F\x8B", 2) != 0)
+    if (!is_gzip(bytes, len))
         return read_plain(bytes, len, o, out, e);
     st = inflate_body(INFLATE_GZIP, bytes, len, o->max_bytes, &unpacked, &n, e);
     if (st == ST_OK)

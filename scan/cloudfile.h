@@ -69,6 +69,16 @@ enum status cloudfile_read(const void *bytes, size_t len,
                            const struct cloudfile_options *o, struct cloudpoints *out,
                            struct errinfo *e);
 
+#define CLOUDFILE_POINT_WEIGHT 12 /* bytes of a point in a binary PLY */
+
+/* cloudfile_weight(bytes, len, format): Returns how many bytes the points of a file would take as a binary
+ * PLY of floats, by its header alone, if it is of a format that may have them in less (PNG and other
+ * images, PCD, NPY, PLY); at least len.  SIZE_MAX: it is packed by gzip, and its length is
+ * known only when it is unpacked.
+ * format  as in struct cloudfile_options
+ * bytes[len] need not be 0. */
+size_t cloudfile_weight(const void *bytes, size_t len, enum cloudformat format);
+
 /* cloudfile_read_json(object, name, prefix, o, out, e): a cloud that is a part of a JSON
  * document; name: what messages call the object; prefix: "" or "a.", before the names of
  * its members.  It may be the list of the points alone.  Other members than points, units and axes

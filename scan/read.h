@@ -2,6 +2,8 @@
  * read_FORMAT_is(t): does a file of this format begin here?  Of BNT a header whose numbers
  * agree, of STL the word "solid" or a binary file of just the length that its count says, of
  * ABS a line like "480 rows"; of OBJ and XYZ the first line that is no comment is at t.
+ * read_FORMAT_count(t): Returns the number of points or pixels that the header at t says, which may be
+ * wrong; 0: the header cannot be read.
  * read_FORMAT_parse(t, o, list): add the points to list; t stands at the first byte of the file,
  * of OBJ and XYZ behind a byte order mark.  Returns as cloudfile_read(), which says what is
  * read of each format; besides that
@@ -26,6 +28,7 @@
 #define SCAN_READ_H
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include "status.h"
 
 struct cloudfile_options; /* cloudfile.h */
@@ -33,11 +36,13 @@ struct cloudlist;         /* cloudlist.h */
 struct cloudtext;         /* cloudtext.h */
 
 typedef bool read_is(const struct cloudtext *t);
+typedef uint64_t read_count(struct cloudtext t);
 typedef enum status read_parse(struct cloudtext *t, const struct cloudfile_options *o,
                                struct cloudlist *list);
 
 read_is read_abs_is, read_bnt_is, read_glb_is, read_npy_is, read_obj_is, read_pcd_is,
     read_pgm_is, read_ply_is, read_png_is, read_stl_is, read_vrml_is, read_xyz_is;
+read_count read_npy_count, read_pcd_count, read_pgm_count, read_ply_count, read_png_count;
 read_parse read_abs_parse, read_bnt_parse, read_glb_parse, read_npy_parse, read_obj_parse,
     read_pcd_parse, read_pgm_parse, read_ply_parse, read_png_parse, read_stl_parse,
     read_vrml_parse, read_xyz_parse;

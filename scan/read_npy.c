@@ -339,15 +339,29 @@ bool read_npy_is(const struct cloudtext *t)
     return t->end - t->p >= 8 && memcmp(t->p, MAGIC, sizeof MAGIC - 1) == 0;
 }
 
+/* The array's rows and columns; t moves to its values. */
+static enum status read_array(struct cloudtext *t, struct array *a)
+{
+    enum status st;
+
+    t->line = 0;
+    if ((st = read_header(t, a)) == ST_OK && (st = check_size(t, a)) == ST_OK)
+        st = arrange(t, a);
+    return st;
+}
+
+uint64_t read_npy_count(struct cloudtext t)
+{
+    struct array a = {.dims = 0};
+
+    return read_array(&t, &a) == ST_OK ? a.shape[0] * a.shape[1] : 0;
+}
+
 enum status read_npy_parse(struct cloudtext *t, const struct cloudfile_options *o,
                            struct cloudlist *list)
 {
     struct array a = {.dims = 0};
-    enum status st;
+    const enum status st = read_array(t, &a);
 
-    t->line = 0;
-    if ((st = read_header(t, &a)) != ST_OK || (st = check_size(t, &a)) != ST_OK ||
-        (st = arrange(t, &a)) != ST_OK)
-        return st;
-    return read_values(t, &a, &o->camera, list);
+    return st == ST_OK ? read_values(t, &a, &o->camera, list) : st;
 }

@@ -172,10 +172,13 @@ static enum status check_header(struct header *h)
     return ST_OK;
 }
 
-static enum status read_header(struct header *h)
+static enum status read_header(struct cloudtext *t, struct header *h)
 {
     enum status st = ST_OK;
 
+    *h = (struct header){.t = t, .field = {-1, -1, -1, -1, -1, -1}};
+    for (unsigned i = 0; i < PCD_FIELDS; i++)
+        h->count[i] = 1;
     while (st == ST_OK && !h->has_data) {
         if (h->t->p == h->t->end)
             return cloudtext_fail(h->t, ST_EINVAL, "the PCD header does not end");
@@ -408,16 +411,21 @@ bool read_pcd_is(const struct cloudtext *t)
     return cloudtext_is(word, len, "VERSION") || cloudtext_is(word, len, "FIELDS");
 }
 
+uint64_t read_pcd_count(struct cloudtext t)
+{
+    struct header h;
+
+    return read_header(&t, &h) == ST_OK ? h.points : 0;
+}
+
 enum status read_pcd_parse(struct cloudtext *t, const struct cloudfile_options *o,
                            struct cloudlist *list)
 {
-    struct header h = {.t = t, .field = {-1, -1, -1, -1, -1, -1}};
+    struct header h;
     struct layout l;
     enum status st;
 
-    for (unsigned i = 0; i < PCD_FIELDS; i++)
-        h.count[i] = 1;
-    if ((st = read_header(&h)) != ST_OK || (st = lay_out(&h, &l)) != ST_OK)
+    if ((st = read_header(t, &h)) != ST_OK || (st = lay_out(&h, &l)) != ST_OK)
         return st;
     if (h.encoding != ASCII)
         t->line = 0;

@@ -47,19 +47,35 @@ static enum status read_text(struct cloudtext *t, const struct clouddepth_camera
     return st;
 }
 
-enum status read_pgm_parse(struct cloudtext *t, const struct cloudfile_options *o,
-                           struct cloudlist *list)
+/* Width, height and the largest value. */
+static enum status read_head(struct cloudtext *t, uint64_t head[3])
 {
-    const bool text = read_pgm_is(t) && t->p[1] == '2';
-    uint64_t head[3]; /* width, height, the largest value */
-    enum status st;
+    enum status st = ST_OK;
 
     if (!read_pgm_is(t))
         return cloudtext_fail(t, ST_EINVAL, "a PGM file begins with P5 or P2");
     t->p += 2;
-    for (int i = 0; i < 3; i++)
-        if ((st = read_number(t, CLOUDDEPTH_SIDE_MAX, &head[i])) != ST_OK)
-            return st;
+    for (int i = 0; i < 3 && st == ST_OK; i++)
+        st = read_number(t, CLOUDDEPTH_SIDE_MAX, &head[i]);
+    return st;
+}
+
+uint64_t read_pgm_count(struct cloudtext t)
+{
+    uint64_t head[3];
+
+    return read_head(&t, head) == ST_OK ? head[0] * head[1] : 0;
+}
+
+enum status read_pgm_parse(struct cloudtext *t, const struct cloudfile_options *o,
+                           struct cloudlist *list)
+{
+    const bool text = read_pgm_is(t) && t->p[1] == '2';
+    uint64_t head[3];
+    enum status st;
+
+    if ((st = read_head(t, head)) != ST_OK)
+        return st;
     if (head[2] < 256)
         return cloudtext_fail(t, ST_EVERSION,
                               "a PGM picture of 8 bits: a depth image has 16 bits");

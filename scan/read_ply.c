@@ -563,6 +563,13 @@ bool read_ply_is(const struct cloudtext *t)
            (t->p[3] == '\n' || t->p[3] == '\r' || t->p[3] == ' ');
 }
 
+uint64_t read_ply_count(struct cloudtext t)
+{
+    struct ply_head h;
+
+    return ply_head_read(&t, &h) == ST_OK ? h.element[h.vertex].rows : 0;
+}
+
 enum status read_ply_parse(struct cloudtext *t, const struct cloudfile_options *o,
                            struct cloudlist *list)
 {

@@ -8,6 +8,7 @@
 #include "cloudfile.h"
 #include "cloudlist.h"
 #include "cloudtext.h"
+#include "cloudvalue.h"
 #include "errinfo.h"
 #include "mem.h"
 
@@ -18,6 +19,18 @@ bool read_png_is(const struct cloudtext *t)
 {
     return t->end - t->p >= PNG_LENGTH &&
            memcmp(t->p, "\x89PNG\r\n\x1A\n", PNG_LENGTH) == 0;
+}
+
+/* The first chunk: its length, its name, the width and the height. */
+uint64_t read_png_count(struct cloudtext t)
+{
+    const unsigned char *at = (const unsigned char *)t.p + PNG_LENGTH + 8;
+    const bool swap = cloudvalue_swap(true);
+
+    if (t.end - t.p < PNG_LENGTH + 16)
+        return 0;
+    return (uint64_t)cloudvalue_load(at, CLOUDVALUE_U32, swap) *
+           (uint64_t)cloudvalue_load(at + 4, CLOUDVALUE_U32, swap);
 }
 
 static enum status png_failed(struct cloudlist *list, int code)

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "app.h"
+#include "cloudfile.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "inflate.h"
@@ -93,6 +94,8 @@ void body_check(struct request *r, bool has_length, uint64_t length)
 
 static bool decompress(struct request *r)
 {
+    const size_t most =
+        r->large || r->app->max_body < QUOTA_SMALL ? r->app->max_body : QUOTA_SMALL;
     struct errinfo e = {0};
     unsigned char *body;
     size_t len;
@@ -100,7 +103,11 @@ static bool decompress(struct request *r)
 
     if (r->coding == INFLATE_NONE || r->len == 0)
         return true;
-    st = inflate_body(r->coding, r->body, r->len, r->app->max_body, &body, &len, &e);
+    st = inflate_body(r->coding, r->body, r->len, most, &body, &len, &e);
+    if (st == ST_ESIZE && !r->large) {
+        r->large = true;
+        return false;
+    }
     mem_free(r->body); /* its bytes stay counted until there is a response */
     r->body = body;
     r->len = len;
@@ -148,8 +155,46 @@ static bool take_files(struct request *r)
     return r->response.http == 0;
 }
 
+/* format: as declared. */
+static size_t weigh_scan(const struct request *r, const unsigned char *bytes, size_t len,
+                         enum cloudformat format)
+{
+    char width[16];
+    const bool raw = format == CLOUDFORMAT_ANY &&
+                     request_query(r, "width", width, sizeof width) != ST_ENOTFOUND;
+
+    return cloudfile_weight(bytes, len, raw ? CLOUDFORMAT_RAW : format);
+}
+
+/* What the body becomes, SIZE_MAX if that is not known yet. */
+static size_t weigh(const struct request *r)
+{
+    struct multipart_file f[MULTIPART_FILES_MAX];
+    struct errinfo e = {0};
+    size_t n, sum = r->len;
+
+    if (r->media != REQUEST_FORM)
+        return weigh_scan(r, r->body, r->len, r->format);
+    (void)multipart_read(r->body, r->len, r->boundary, MULTIPART_FILES_MAX, f, &n, &e);
+    for (size_t i = 0; i < n; i++) {
+        enum cloudformat format = CLOUDFORMAT_ANY;
+        size_t one = SIZE_MAX;
+
+        (void)request_media(f[i].type, &format);
+        if (f[i].coding[0] == '\0')
+            one = weigh_scan(r, f[i].data, f[i].len, format);
+        sum = one < SIZE_MAX - sum ? sum + one : SIZE_MAX;
+    }
+    return sum;
+}
+
 bool body_unpack(struct request *r)
 {
-    return decompress(r) && (r->media != REQUEST_FORM || r->route->body == ROUTE_PAIR ||
-                             (take_files(r) && decompress(r)));
+    if (!decompress(r) || (r->media == REQUEST_FORM && r->route->body != ROUTE_PAIR &&
+                           !(take_files(r) && decompress(r))))
+        return false;
+    if (r->large || r->len == 0 || weigh(r) <= QUOTA_SMALL)
+        return true;
+    r->large = true;
+    return false;
 }

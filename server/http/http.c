@@ -244,15 +244,19 @@ static void queue_up(struct exchange *x, enum queue_kind kind)
     MHD_resume_connection(((struct exchange *)out)->conn);
 }
 
-static void handle(struct worker *w, struct request *r)
+/* False: r is to be queued again, as a large one. */
+static bool handle(struct worker *w, struct request *r)
 {
     if (request_gone(r))
-        return;
+        return true;
     capture_digest(r); /* before the body is decompressed */
     if (body_unpack(r) && !refusal_found(r))
         r->route->handle(r, w);
+    else if (r->response.http == 0)
+        return false;
     if (!atomic_load(&r->gone))
         recent_note(r->app->recent, r);
+    return true;
 }
 
 void http_run(struct worker *w, struct request *r)
@@ -263,9 +267,11 @@ void http_run(struct worker *w, struct request *r)
     if (x->state == ADMITTED) {
         auth_check(r);
     } else {
-        w->large = w->large || upload_is_large(&x->upload);
-        handle(w, r);
-        w->large = w->large || r->len > QUOTA_SMALL;
+        w->large = w->large || r->large;
+        if (!handle(w, r)) {
+            queue_up(x, QUEUE_LARGE);
+            return;
+        }
     }
     end_slow(x);
     refusal_tell(r->app);
@@ -294,10 +300,9 @@ static void to_worker(struct exchange *x, enum state state)
     x->queue =
         state == WORKING && x->r.route->where == ROUTE_SLOW ? app->slow : app->queue;
     peer_work(x->peer, on_gone, x);
+    x->r.large = upload_is_large(&x->upload);
     MHD_suspend_connection(x->conn); /* first: the worker may be faster than we */
-    queue_up(x, state == ADMITTED             ? QUEUE_TOKEN
-                : upload_is_large(&x->upload) ? QUEUE_LARGE
-                                              : QUEUE_SMALL);
+    queue_up(x, state == ADMITTED ? QUEUE_TOKEN : x->r.large ? QUEUE_LARGE : QUEUE_SMALL);
 }
 
 /* ---- the body */

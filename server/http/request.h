@@ -128,6 +128,8 @@ struct request {
     enum inflate_coding coding;                /* of the body as it is now */
     unsigned char *body;                       /* heap; body[len] is 0 */
     size_t len;
+    bool
+        large; /* its place in the queue is for bodies that become more than QUOTA_SMALL */
     atomic_bool gone; /* the client has gone: what is done for it may be given up */
     double start_ms;  /* logger_clock_ms() at the request line */
     double stage_ms[REQUEST_STAGES];

@@ -304,3 +304,60 @@ TEST(test_raw)
     camera.fx = NAN;
     expect(&f, camera, ST_EVERSION, "fx, fy, cx and cy");
 }
+
+static void check_weight(const struct scanfile *f, enum cloudformat format, size_t want)
+{
+    unsigned char *exact = malloc(f->len); /* a byte beyond it is an error */
+
+    assert_non_null(exact);
+    memcpy(exact, f->bytes, f->len);
+    assert_int_equal(cloudfile_weight(exact, f->len, format), want);
+    free(exact);
+}
+
+/* What counts are the points and pixels that a header says, however few bytes they take; and the
+ * bytes where those are more. */
+TEST(test_weight)
+{
+    static const uint16_t none[100][200];
+    static const char *const head[] = {
+        "P5 200 100 65535\n", "P2\n#\n200 100\n65535\n",
+        "ply\nformat ascii 1.0\nelement vertex 20000\nproperty char x\nproperty char y\n"
+        "property char z\nend_header\n",
+        "\xEF\xBB\xBF# .PCD\nFIELDS x y z\nSIZE 1 1 1\nTYPE U U U\nWIDTH 200\n"
+        "HEIGHT 100\nDATA binary_compressed\n"};
+    const size_t want = 200 * 100 * (size_t)CLOUDFILE_POINT_WEIGHT;
+    static struct scanfile f;
+
+    make_png(&f, 200, 100, SPNG_COLOR_TYPE_GRAYSCALE, 16, none, sizeof none);
+    assert_true(f.len < 200);
+    check_weight(&f, CLOUDFORMAT_ANY, want);
+    check_weight(&f, CLOUDFORMAT_PNG, want);
+    check_weight(&f, CLOUDFORMAT_PLY, f.len); /* it is not read as one */
+    for (f.len = 23; f.len > 0; f.len--)
+        check_weight(&f, CLOUDFORMAT_ANY, f.len);
+    for (size_t i = 0; i < sizeof head / sizeof *head; i++) {
+        f.len = 0;
+        scanfile_text(&f, head[i]);
+        check_weight(&f, CLOUDFORMAT_ANY, want);
+    }
+    f.len = 0;
+    scanfile_text(&f, "WIDTH 4000000000\nHEIGHT 4000000000\nFIELDS x y z\nSIZE 1 1 1\n"
+                      "TYPE U U U\nDATA ascii\n");
+    check_weight(&f, CLOUDFORMAT_PCD, SIZE_MAX);
+    check_weight(&f, CLOUDFORMAT_ANY, f.len);
+    f.len = 0;
+    scanfile_text(&f, "\x93NUMPY\x01");
+    scanfile_whole(&f, 0, 1, false);
+    scanfile_whole(&f, 59, 2, false);
+    scanfile_text(&f, "{'descr': '|u1', 'fortran_order': False, 'shape': (50, 20)}");
+    for (int i = 0; i < 1000; i++)
+        scanfile_whole(&f, 0, 1, false);
+    check_weight(&f, CLOUDFORMAT_ANY, 1000 * CLOUDFILE_POINT_WEIGHT);
+    f.len = 100;
+    memset(f.bytes, 0, f.len);
+    check_weight(&f, CLOUDFORMAT_ANY, 100);
+    check_weight(&f, CLOUDFORMAT_RAW, 50 * CLOUDFILE_POINT_WEIGHT);
+    memcpy(f.bytes, "\x1F\x8B", 2);
+    check_weight(&f, CLOUDFORMAT_ANY, SIZE_MAX);
+}
