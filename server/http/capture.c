@@ -96,14 +96,17 @@ static bool refuse(struct request *r, unsigned problem, const char *why)
 /* What the device has signed: heap, or NULL. */
 static char *signed_text(const struct request *r, const struct capture *c)
 {
-    const size_t size = strlen(r->target) + 512;
+    const char *type = r->capture.type != NULL ? r->capture.type : "";
+    const char *coding = r->capture.coding != NULL ? r->capture.coding : "";
+    const size_t size = strlen(r->target) + strlen(type) + strlen(coding) + 512;
     char *text = malloc(size), hex[2 * sizeof r->capture.body + 1];
 
     (void)sodium_bin2hex(hex, sizeof hex, r->capture.body, sizeof r->capture.body);
     if (text != NULL)
-        (void)snprintf(text, size, "surfaced capture 1\nPOST %s\n%s\n%s\n%s\n%s\n",
-                       r->target, c->field[DEVICE], c->field[NONCE], c->field[LIVENESS],
-                       hex);
+        (void)snprintf(text, size,
+                       "surfaced capture 2\nPOST %s\n%s\n%s\n%s\n%s\n%s\n%s\n", r->target,
+                       c->field[DEVICE], c->field[NONCE], c->field[LIVENESS], hex, type,
+                       coding);
     return text;
 }
 
@@ -124,7 +127,8 @@ static bool judge(struct request *r, const struct capture *c, enum store_capture
         [STORE_CAPTURE_UNKNOWN] = {ERRMAP_CAPTURE_INVALID, "there is no such device"},
         [STORE_CAPTURE_FORGED] =
             {ERRMAP_CAPTURE_INVALID,
-             "the device has not signed this body, target, nonce and liveness"},
+             "the device has not signed this body, its type and coding, this target, nonce "
+             "and liveness"},
         [STORE_CAPTURE_FOREIGN] = {ERRMAP_CAPTURE_INVALID,
                                    "the nonce is not from POST /v1/challenge"},
         [STORE_CAPTURE_STALE] = {ERRMAP_CAPTURE_STALE,

@@ -4,13 +4,15 @@
  *
  *   Capture-Signature: device=NAME; nonce=NONCE; liveness=pass|fail|none; sig=BASE64
  *
- * sig is Ed25519's of six lines, each with its line feed (docs/operation.md has an example):
- *   surfaced capture 1
+ * sig is Ed25519's of eight lines, each with its line feed (docs/operation.md has an example):
+ *   surfaced capture 2
  *   POST TARGET     the request's method and target as they were sent, with the query
  *   NAME
  *   NONCE           of POST /v1/challenge
  *   pass            or fail, none
  *   HEX             SHA-256 of the body as it was sent: compressed, if it is, but not in chunks
+ *   TYPE            the value of Content-Type, by which the body is read; "" without it
+ *   CODING          the value of Content-Encoding, likewise
  */
 #ifndef SERVER_CAPTURE_H
 #define SERVER_CAPTURE_H

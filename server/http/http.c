@@ -319,9 +319,11 @@ static void look_at_body(struct exchange *x)
     else if (length != NULL)
         x->upload.length = strtoull(length, NULL, 10); /* libmicrohttpd has checked it */
     x->body_sent = x->upload.length > 0;
-    x->r.media = request_media(header(x, "Content-Type"), &x->r.format);
+    x->r.capture.type = header(x, "Content-Type");
+    x->r.capture.coding = header(x, "Content-Encoding");
+    x->r.media = request_media(x->r.capture.type, &x->r.format);
     if (x->r.media == REQUEST_FORM)
-        (void)multipart_boundary(header(x, "Content-Type"), x->r.boundary);
+        (void)multipart_boundary(x->r.capture.type, x->r.boundary);
 }
 
 static enum MHD_Result collect(struct exchange *x, const char *data, size_t *size)

@@ -87,9 +87,11 @@ struct response {
 struct request_capture {                  /* what the scanner has signed: capture.h */
     char header[REQUEST_CAPTURE_MAX + 1]; /* Capture-Signature; "" for none */
     bool bad;                             /* too long, or there twice */
-    unsigned char body[32];               /* SHA-256 of the body as it was sent, */
-    bool digested;                        /* where that is known */
-    char captured[REQUEST_CAPTURED_MAX];  /* for the audit log; "" without a capture */
+    /* the values of Content-Type and Content-Encoding, which the connection has; NULL for none */
+    const char *type, *coding;
+    unsigned char body[32];              /* SHA-256 of the body as it was sent, */
+    bool digested;                       /* where that is known */
+    char captured[REQUEST_CAPTURED_MAX]; /* for the audit log; "" without a capture */
 };
 
 struct request_result { /* for recent.h; static texts */

@@ -34,10 +34,10 @@ refused() {
     [ -z "${3:-}" ] || ok "$1: detail '$(get .detail)' like '$3'" matches "$(get .detail)" "$3"
 }
 
-# sign DEVICE KEY TARGET FILE NONCE LIVENESS: the header's value, without the example.
+# sign DEVICE KEY TARGET FILE NONCE LIVENESS [CODING [TYPE]]: the header's value, without the example.
 sign() {
-    printf 'surfaced capture 1\nPOST %s\n%s\n%s\n%s\n%s\n' "$3" "$1" "$5" "$6" \
-        "$(sha256sum "$4" | cut -d ' ' -f 1)" >"$T/text"
+    printf 'surfaced capture 2\nPOST %s\n%s\n%s\n%s\n%s\n%s\n%s\n' "$3" "$1" "$5" "$6" \
+        "$(sha256sum "$4" | cut -d ' ' -f 1)" "${8-${PLY#*: }}" "${7-}" >"$T/text"
     openssl pkeyutl -sign -rawin -inkey "$T/$2.key" -in "$T/text" -out "$T/sig"
     printf 'device=%s; nonce=%s; liveness=%s; sig=%s' "$1" "$5" "$6" \
         "$(openssl base64 -A -in "$T/sig")"
@@ -97,7 +97,7 @@ is "a signed comparison is read" "$(get .code)" too_few_points
 gzip -k "$T/a1.ply"
 challenge
 send POST "$VERIFY" "$PLY" "$T/a1.ply.gz" -H 'Content-Encoding: gzip' -H 'Transfer-Encoding: chunked' \
-    -H "Capture-Signature: $(sign door-1 door-1 "$VERIFY" "$T/a1.ply.gz" "$NONCE" pass)"
+    -H "Capture-Signature: $(sign door-1 door-1 "$VERIFY" "$T/a1.ply.gz" "$NONCE" pass gzip)"
 is "the digest is of the compressed body, without its chunks" "$(get .decision)" match
 
 scan 1 2 "$T/large.ply" --points 12000
@@ -125,6 +125,12 @@ forged "another body" "$VERIFY" "$T/a2.ply" "$signed"
 forged "another subject" /v1/subjects/bob/verify "$T/a1.ply" "$signed"
 forged "another purpose" "$ENROLL" "$T/a1.ply" "$signed"
 forged "other parameters" "$VERIFY?units=mm" "$T/a1.ply" "$signed"
+send POST "$VERIFY" 'Content-Type: text/plain' "$T/a1.ply" -H "Capture-Signature: $signed"
+problem "another type" 403 capture_invalid 'has not signed'
+send POST "$VERIFY" 'Content-Type:' "$T/a1.ply" -H "Capture-Signature: $signed"
+problem "no type" 403 capture_invalid 'has not signed'
+send POST "$VERIFY" "$PLY" "$T/a1.ply" -H 'Content-Encoding: identity' -H "Capture-Signature: $signed"
+problem "another coding" 403 capture_invalid 'has not signed'
 forged "another liveness" "$VERIFY" "$T/a1.ply" "$(echo "$signed" | sed 's/=fail/=pass/')"
 forged "another nonce" "$VERIFY" "$T/a1.ply" "$(echo "$signed" | sed 's/nonce=[^;]*/nonce=A/')"
 forged "another device" "$VERIFY" "$T/a1.ply" "$(echo "$signed" | sed 's/door-1/door-2/')"

@@ -100,8 +100,8 @@ ctl_exits 0 device add door "$T/door.pem"
 for n in 1 2 3 4 5 6; do
     to $((n % 2 + 1)) POST /v1/challenge
     nonce=$(get .nonce)
-    printf 'surfaced capture 1\nPOST %s\n%s\n%s\n%s\n%s\n' /v1/subjects/alice/verify door "$nonce" pass \
-        "$(sha256sum "$T/a1.ply" | cut -d ' ' -f 1)" >"$T/text"
+    printf 'surfaced capture 2\nPOST %s\n%s\n%s\n%s\n%s\n%s\n\n' /v1/subjects/alice/verify door "$nonce" pass \
+        "$(sha256sum "$T/a1.ply" | cut -d ' ' -f 1)" "${PLY#*: }" >"$T/text"
     openssl pkeyutl -sign -rawin -inkey "$T/door.key" -in "$T/text" -out "$T/sig"
     capture="Capture-Signature: device=door; nonce=$nonce; liveness=pass; sig=$(openssl base64 -A -in "$T/sig")"
     rm -f "$T"/[soh].*

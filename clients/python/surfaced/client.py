@@ -60,9 +60,11 @@ class Capture:
     sign: Callable[[bytes], bytes]
     liveness: Literal["pass", "fail", "none"] = "none"
 
-    def header(self, target: str, nonce: str, body: bytes) -> str:
+    def header(self, target: str, nonce: str, body: bytes, content_type: str) -> str:
         digest = hashlib.sha256(body).hexdigest()
-        lines = ["surfaced capture 1", f"POST {target}", self.device, nonce, self.liveness, digest, ""]
+        coding = ""  # this client sends no Content-Encoding
+        lines = ["surfaced capture 2", f"POST {target}", self.device, nonce, self.liveness, digest, content_type,
+                 coding, ""]
         signature = base64.b64encode(self.sign("\n".join(lines).encode())).decode()
         return f"device={self.device}; nonce={nonce}; liveness={self.liveness}; sig={signature}"
 
@@ -341,7 +343,8 @@ class Client:
             headers["Content-Type"] = content_type
         for left in range(self.retries, -1, -1):
             if capture is not None:  # a nonce is good once
-                headers["Capture-Signature"] = capture.header(target, self.challenge()["nonce"], body or b"")
+                headers["Capture-Signature"] = capture.header(target, self.challenge()["nonce"], body or b"",
+                                                              headers.get("Content-Type", ""))
             try:
                 return self._once(method, target, body, headers)
             except SurfacedError as error:
