@@ -100,7 +100,7 @@ programs   = $(patsubst %_main.c,$(BUILD)/%,$(notdir $(1)))
 TEST_SRC  := $(filter-out $(if $(filter 1,$(POSTGRES)),,tests/db/test_server% tests/admin/test_move.c),$(wildcard tests/*/test_*.c))
 TEST_BIN  := $(TEST_SRC:%.c=$(BUILD)/%)
 # Fuzzers of tests/fuzz/cloud.c: fuzz_cloudNAME-FORMAT.
-CLOUDS    := file-COUNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ
+CLOUDS    := file-COUNT abs-ABS bnt-BNT depth-PNG glb-GLB npy-NPY pcd-PCD stl-STL vrml-VRML xyz-XYZ
 CLOUD_BIN := $(foreach c,$(CLOUDS),$(BUILD)/tests/fuzz/fuzz_cloud$(firstword $(subst -, ,$c)))
 FUZZ_BIN  := $(patsubst %.c,$(BUILD)/%,$(wildcard tests/fuzz/fuzz_*.c)) $(CLOUD_BIN)
 BENCH_BIN := $(patsubst tests/bench/%.c,$(BUILD)/%,$(wildcard tests/bench/bench*.c))

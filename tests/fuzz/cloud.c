@@ -46,6 +46,8 @@ static void fuzz(const uint8_t *data, size_t size, enum cloudformat format)
     if (copy == NULL)
         return;
     memcpy(copy, data, size);
+    if (cloudfile_weight(data, size, format) < size)
+        abort();
     copy[size] = '\0';
     st = cloudfile_read(copy, size, &o, &p, &e);
     if (st == ST_OK)
