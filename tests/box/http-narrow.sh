@@ -13,6 +13,7 @@ start_daemon --attempt-wait 1000
 verify=$(new_token verify --scope verify)
 enroll=$(new_token enroll --scope enroll)
 all=$(new_token all)
+WATCHER=$all
 # no_shape WHAT: the last response has nothing that tells how the template is shaped.
 no_shape() {
     is "$1: members" "$(get '[paths | map(strings) | join(".")] | unique | map(select(test(

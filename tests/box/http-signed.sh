@@ -70,6 +70,7 @@ ctl_exits 66 device remove door-9
 ctl device list
 is "the devices" "$(said '[.devices[].name] | join(" ")')" "door-1 door-2 door-3"
 ctl_exits 0 device remove door-3
+WATCHER=$(new_token watcher --scope audit)
 AUTH=$(new_token scanner --scope enroll,verify)
 
 # ---- required
