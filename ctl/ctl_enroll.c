@@ -47,7 +47,7 @@ static enum status add(struct ctl *c, struct burst *b, const struct store_sample
                                 .force = force};
     struct templates_context with = ctl_face_context(c, c->work);
     struct enrolment_outcome out;
-    const enum status st = enrolment_add(&with, &x, b->each, &out, &c->e);
+    const enum status st = enrolment_add(&with, &x, NULL, b->each, &out, &c->e);
 
     return out.none ? ST_OK : st;
 }
@@ -251,7 +251,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         st = is_there(c, x.subject, *f, &there);
     }
     if (st == ST_OK && !there)
-        st = enrolment_add(&with, &x, &one, &out, &c->e);
+        st = enrolment_add(&with, &x, NULL, &one, &out, &c->e);
     if (st == ST_OK) {
         o->result = one.created ? ENROLLED : PRESENT;
         return ST_OK;

@@ -39,15 +39,17 @@ struct enrolling {
     const struct enrolment *x;
     struct enrolment_result *each;
     struct enrolment_outcome *out;
-    size_t first;                  /* the first sample that may become a template */
-    char newest[STORE_ID_LEN + 1]; /* the last template there is, "": none */
+    struct templates is; /* the subject's templates */
+    bool read;           /* they are those of now, and no attempt has failed since */
+    size_t first;        /* the first sample that may become a template */
+    const char *newest;  /* the last of them, "": none */
     double first_score[ENROLMENT_SAMPLES];
 };
 
 /* Not reported before it is counted and recorded: there would be no limit. */
-static enum status record(struct enrolling *g, const struct templates *a,
-                          struct errinfo *e)
+static enum status record(struct enrolling *g, struct errinfo *e)
 {
+    const struct templates *a = &g->is;
     const struct enrolment *x = g->x;
     const struct nearest *n = &g->out->nearest;
     char outcome[STORE_NAME_MAX + 1];
@@ -65,6 +67,7 @@ static enum status record(struct enrolling *g, const struct templates *a,
     (void)snprintf(outcome, sizeof outcome, "%s%s",
                    templates_decision(n->result.decision),
                    x->captured != NULL ? x->captured : "");
+    g->read = false;
     if ((st = store_record_verification(g->c->store, &what, &out, e)) != ST_OK)
         return st;
     g->out->warnings |= out.warnings;
@@ -75,24 +78,36 @@ static enum status record(struct enrolling *g, const struct templates *a,
     return errinfo_set(e, ST_EDENIED, "the subject is locked out");
 }
 
-/* *a with n = 0: the subject is not there, or has no template.  A subject that is not there yet is
- * made with its first template.  limits: NULL where nothing is tried. */
-static enum status read_templates(struct enrolling *g, const struct store_limits *limits,
-                                  struct templates *a, struct errinfo *e)
+enum status enrolment_begin(struct templates_context *c, const struct enrolment *x,
+                            struct templates *begun, struct errinfo *e)
 {
     const struct templates_of what = {
-        .subject = g->x->subject, .token = g->x->actor, .limits = limits};
-    const enum status st = templates_read(g->c, &what, a, e);
+        .subject = x->subject, .token = x->actor, .limits = x->force ? NULL : x->limits};
+    const enum status st = templates_read(c, &what, begun, e);
 
-    g->out->refusal = a->refusal;
-    return st == ST_ENOTFOUND ? ST_OK : st;
+    return st == ST_ENOTFOUND ? ST_OK : st; /* it is made with its first template */
+}
+
+/* g->is; n = 0: the subject is not there, or has no template. */
+static enum status need_templates(struct enrolling *g, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    if (!g->read) {
+        templates_free(&g->is);
+        st = enrolment_begin(g->c, g->x, &g->is, e);
+        g->out->refusal = g->is.refusal;
+        g->read = st == ST_OK;
+    }
+    return st;
 }
 
 /* The sample against what it has to fit.  out->compared is 0 where there is nothing, and where it is
  * enrolled by force and there is nothing of this engine. */
-static enum status hold_against(struct enrolling *g, const struct templates *a, size_t i,
-                                struct nearest *out, struct errinfo *e)
+static enum status compare_for_fit(struct enrolling *g, size_t i, struct nearest *out,
+                                   struct errinfo *e)
 {
+    const struct templates *a = &g->is;
     enum status st = ST_OK;
 
     *out = (struct nearest){.result = {.size = sizeof out->result}};
@@ -107,19 +122,15 @@ static enum status hold_against(struct enrolling *g, const struct templates *a, 
 static enum status check_fit(struct enrolling *g, size_t i, struct errinfo *e)
 {
     struct nearest *n = &g->out->nearest;
-    struct templates a;
-    enum status st = read_templates(g, g->x->force ? NULL : g->x->limits, &a, e);
+    enum status st = need_templates(g, e);
 
-    g->newest[0] = '\0';
-    if (st == ST_OK && a.of.n > 0)
-        memcpy(g->newest, a.of.t[a.of.n - 1].id, sizeof g->newest);
-    if (st == ST_OK)
-        st = hold_against(g, &a, i, n, e);
-    if (st == ST_OK && !g->x->force && n->compared > 0 &&
-        n->result.decision != SURFACE_MATCH)
-        st = record(g, &a, e);
-    templates_free(&a);
-    return st;
+    if (st != ST_OK)
+        return st;
+    g->newest = g->is.of.n > 0 ? g->is.of.t[g->is.of.n - 1].id : "";
+    if ((st = compare_for_fit(g, i, n, e)) != ST_OK || g->x->force || n->compared == 0 ||
+        n->result.decision == SURFACE_MATCH)
+        return st;
+    return record(g, e);
 }
 
 /* From g->first on, the first sample that may become a template. */
@@ -157,27 +168,27 @@ static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest
 }
 
 /* Against the subject's templates, where they are what a sample has to fit. */
-static enum status fit_templates(struct enrolling *g, const struct templates *a, size_t i,
-                                 struct errinfo *e)
+static enum status fit_templates(struct enrolling *g, size_t i, struct errinfo *e)
 {
     struct nearest *n = &g->out->nearest;
-    enum status st = hold_against(g, a, i, n, e);
+    enum status st = compare_for_fit(g, i, n, e);
 
     if (st != ST_OK || n->compared == 0 || n->result.decision == SURFACE_MATCH)
         return st;
-    if ((st = record(g, a, e)) != ST_EMISMATCH)
+    if ((st = record(g, e)) != ST_EMISMATCH)
         return st;
     g->each[i].why = *e;
     return ST_OK;
 }
 
 /* One that does not match the first is recorded; it is no attempt at the subject. */
-static enum status unlike_first(struct enrolling *g, const struct templates *a, size_t i,
+static enum status unlike_first(struct enrolling *g, size_t i,
                                 const struct surface_comparison *r, struct errinfo *e)
 {
+    const struct store_snapshot *of = &g->is.of;
     char outcome[STORE_NAME_MAX + 1];
     struct store_recorded out;
-    const struct store_record what = {.subject = &a->of.subject,
+    const struct store_record what = {.subject = &of->subject,
                                       .as = STORE_RECORD_UNCOUNTED,
                                       .actor = g->x->actor,
                                       .kind = "enroll_mismatch",
@@ -187,15 +198,14 @@ static enum status unlike_first(struct enrolling *g, const struct templates *a, 
     (void)does_not_fit(r, true, &g->each[i].why);
     (void)snprintf(outcome, sizeof outcome, "%s, first sample",
                    templates_decision(r->decision));
-    return a->of.n == 0 ? ST_OK : store_record_verification(g->c->store, &what, &out, e);
+    return of->n == 0 ? ST_OK : store_record_verification(g->c->store, &what, &out, e);
 }
 
 /* It has to match the first one, too: that says nothing of the subject, so that a scan that matches
  * does not allow to try others, uncounted. */
-static enum status fit_other(struct enrolling *g, const struct templates *a, size_t i,
-                             struct errinfo *e)
+static enum status fit_other(struct enrolling *g, size_t i, struct errinfo *e)
 {
-    const bool none = a->of.n == 0;
+    const bool none = g->is.of.n == 0;
     struct surface_comparison r = {.size = sizeof r};
     enum status st;
 
@@ -203,27 +213,24 @@ static enum status fit_other(struct enrolling *g, const struct templates *a, siz
     if (g->x->force && !none) {
         struct nearest n;
 
-        return hold_against(g, a, i, &n, e);
+        return compare_for_fit(g, i, &n, e);
     }
     if ((st = compare_with_first(g, i, none, &r, e)) != ST_OK || g->x->force)
         return st;
     if (r.decision != SURFACE_MATCH)
-        return unlike_first(g, a, i, &r, e);
-    return none || g->x->manager ? ST_OK : fit_templates(g, a, i, e);
+        return unlike_first(g, i, &r, e);
+    return none || g->x->manager ? ST_OK : fit_templates(g, i, e);
 }
 
 static enum status fit_others(struct enrolling *g, struct errinfo *e)
 {
-    struct templates a = {.context = g->c};
     enum status st = ST_OK;
 
-    if (g->first + 1 < g->x->n && (st = read_templates(g, NULL, &a, e)) == ST_OK &&
-        a.of.n == 0)
+    if (g->first + 1 < g->x->n && g->is.of.n == 0)
         st = in_force_follow(g->c->store, g->c->work, &g->c->calibration, e);
     for (size_t i = g->first + 1; st == ST_OK && i < g->x->n; i++)
         if (g->x->sample[i].face != NULL)
-            st = fit_other(g, &a, i, e);
-    templates_free(&a);
+            st = fit_other(g, i, e);
     return st;
 }
 
@@ -257,18 +264,24 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
 }
 
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
-                          struct enrolment_result *each, struct enrolment_outcome *out,
-                          struct errinfo *e)
+                          struct templates *begun, struct enrolment_result *each,
+                          struct enrolment_outcome *out, struct errinfo *e)
 {
-    struct enrolling g = {.c = c, .x = x, .each = each, .out = out};
+    struct enrolling g = {.c = c, .x = x, .each = each, .out = out, .is = {.context = c}};
     enum status st;
 
     *out = (struct enrolment_outcome){0};
-    do { /* again only when another enrolment came in between */
-        if ((st = find_first(&g, e)) != ST_OK || (st = fit_others(&g, e)) != ST_OK)
-            return st;
-        st = store_fitting(&g, e);
-    } while (st == ST_EEXISTS);
+    if (begun != NULL) {
+        g.is = *begun;
+        *begun = (struct templates){.context = c};
+        g.read = true;
+    }
+    do {
+        if ((st = find_first(&g, e)) == ST_OK && (st = fit_others(&g, e)) == ST_OK)
+            st = store_fitting(&g, e);
+        g.read = false;
+    } while (st == ST_EEXISTS); /* another enrolment came in between */
+    templates_free(&g.is);
     return st;
 }
 

@@ -43,9 +43,17 @@ struct enrolment_outcome {
     unsigned warnings;      /* as in struct store_recorded */
 };
 
-/* enrolment_add(c, x, each, out, e): compare the samples with the subject's templates and
+/* enrolment_begin(c, x, begun, e): what enrolment_add() would refuse whatever the samples are, before the
+ * work on them; of *x actor, subject, limits and force.  A subject that is not there is admitted.
+ * begun  for enrolment_add(), or templates_free(), also after a failure
+ * Returns ST_OK; ST_EDENIED: begun->refusal says why; or as templates_read(). */
+enum status enrolment_begin(struct templates_context *c, const struct enrolment *x,
+                            struct templates *begun, struct errinfo *e);
+
+/* enrolment_add(c, x, begun, each, out, e): compare the samples with the subject's templates and
  * store those that match, with force all. Other threads and processes may enrol
  * meanwhile.
+ * begun taken; NULL: enrolment_begin() was not called
  * each  [x->n], all zero, except why of a sample without a face
  * Returns ST_OK, also if some are refused; if all are, out->none is set and the first one's
  * status is returned (ST_EMISMATCH: it does not match).
@@ -55,8 +63,8 @@ struct enrolment_outcome {
  * On failure nothing is stored.  ST_EDENIED: out->refusal says why; or as
  * templates_nearest(), store_record_verification(), store_enroll(). */
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
-                          struct enrolment_result *each, struct enrolment_outcome *out,
-                          struct errinfo *e);
+                          struct templates *begun, struct enrolment_result *each,
+                          struct enrolment_outcome *out, struct errinfo *e);
 
 /* enrolment_code(st): the code of a sample's refusal: "sample_mismatch", or as
  * status_refusal(). */

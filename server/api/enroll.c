@@ -26,7 +26,8 @@
 /* What the request asks for, beside the samples. */
 struct asked {
     char label[STORE_LABEL_MAX + 1];
-    bool force, fuse; /* fuse: of several files one template */
+    bool force, fuse;       /* fuse: of several files one template */
+    struct templates begun; /* of enrolment_begin() */
 };
 
 static void tally(struct request *r, const struct enrolment_result *each, size_t n,
@@ -47,28 +48,45 @@ static void tally(struct request *r, const struct enrolment_result *each, size_t
     }
 }
 
+static struct enrolment enrolment_of(const struct request *r, const struct asked *ask)
+{
+    return (struct enrolment){.actor = r->actor,
+                              .subject = r->subject,
+                              .label = ask->label,
+                              .captured = r->capture.captured,
+                              .manager = auth_has(r, STORE_SCOPE_MANAGE),
+                              .force = ask->force,
+                              .limits =
+                                  r->app->limits.failures > 0 ? &r->app->limits : NULL};
+}
+
+/* Before the work on a scan.  False: r->response says why not. */
+static bool begin(struct request *r, struct worker *w, struct asked *ask)
+{
+    const struct enrolment x = enrolment_of(r, ask);
+    struct errinfo e = {0};
+
+    if (!intake_admit(r))
+        return false;
+    if (enrolment_begin(&w->compare, &x, &ask->begun, &e) == ST_OK)
+        return true;
+    compare_refuse(r, &ask->begun.refusal, &e);
+    return false;
+}
+
 /* Calls enrolment_add().  Returns true if at least one sample became a template.  On false
  * r->response says why not, unless out->none is set and there are several samples. */
-static bool enroll(struct request *r, struct worker *w, const struct asked *ask,
+static bool enroll(struct request *r, struct worker *w, struct asked *ask,
                    const struct store_sample *sample, size_t n,
                    struct enrolment_result *each, struct enrolment_outcome *out)
 {
-    struct enrolment x = {.actor = r->actor,
-                          .subject = r->subject,
-                          .label = ask->label,
-                          .sample = sample,
-                          .n = n,
-                          .captured = r->capture.captured,
-                          .manager = auth_has(r, STORE_SCOPE_MANAGE),
-                          .force = ask->force,
-                          .limits = r->app->limits.failures > 0 ? &r->app->limits : NULL};
+    struct enrolment x = enrolment_of(r, ask);
     struct errinfo e = {0};
     enum status st;
 
-    *out = (struct enrolment_outcome){.none = false};
-    if (!intake_admit(r))
-        return false;
-    st = enrolment_add(&w->compare, &x, each, out, &e);
+    x.sample = sample;
+    x.n = n;
+    st = enrolment_add(&w->compare, &x, &ask->begun, each, out, &e);
     compare_warn(r, out->warnings);
     if (out->nearest.compared > 0)
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
@@ -98,7 +116,7 @@ static bool read_parameters(struct request *r, struct asked *ask)
 /* ---- one template */
 
 /* Of one face, from one file or from the frames of a form; NULL: from one file. */
-static void enroll_face(struct request *r, struct worker *w, const struct asked *ask,
+static void enroll_face(struct request *r, struct worker *w, struct asked *ask,
                         const struct sample_found *found, const struct session *frames)
 {
     struct enrolment_result x = {.created = false};
@@ -124,7 +142,7 @@ static void enroll_face(struct request *r, struct worker *w, const struct asked 
         request_template(r, x.tmpl.id);
 }
 
-static void enroll_one(struct request *r, struct worker *w, const struct asked *ask)
+static void enroll_one(struct request *r, struct worker *w, struct asked *ask)
 {
     struct sample_found found;
     struct cloudpoints c;
@@ -142,7 +160,7 @@ static void enroll_one(struct request *r, struct worker *w, const struct asked *
         enroll_face(r, w, ask, &found, NULL);
 }
 
-static void enroll_fused(struct request *r, struct worker *w, const struct asked *ask)
+static void enroll_fused(struct request *r, struct worker *w, struct asked *ask)
 {
     const struct sample_options o = {.enrolment = true, .stop = &r->gone};
     struct form *f = form_read(r, MULTIPART_FILES_MAX);
@@ -165,7 +183,7 @@ static void enroll_fused(struct request *r, struct worker *w, const struct asked
 
 /* ---- a template of each file */
 
-static void enroll_each(struct request *r, struct worker *w, const struct asked *ask)
+static void enroll_each(struct request *r, struct worker *w, struct asked *ask)
 {
     struct burst *b = burst_read(r, w->compare.work);
     struct enrolment_outcome out;
@@ -180,17 +198,22 @@ static void enroll_each(struct request *r, struct worker *w, const struct asked 
     burst_free(b);
 }
 
+static void enroll_scans(struct request *r, struct worker *w, struct asked *ask)
+{
+    if (r->media != REQUEST_FORM)
+        enroll_one(r, w, ask);
+    else if (ask->fuse)
+        enroll_fused(r, w, ask);
+    else
+        enroll_each(r, w, ask);
+}
+
 void enroll_handle(struct request *r, struct worker *w)
 {
-    struct asked ask;
+    struct asked ask = {.begun = {.context = &w->compare}};
 
     r->result.kind = "enroll";
-    if (!read_parameters(r, &ask))
-        return;
-    if (r->media != REQUEST_FORM)
-        enroll_one(r, w, &ask);
-    else if (ask.fuse)
-        enroll_fused(r, w, &ask);
-    else
-        enroll_each(r, w, &ask);
+    if (read_parameters(r, &ask) && begin(r, w, &ask))
+        enroll_scans(r, w, &ask);
+    templates_free(&ask.begun);
 }

@@ -95,8 +95,13 @@ is "nothing was stored" "$(stored templates) $(mismatches)" '6 4'
 burst carol a0.ply a1.ply
 is "others are not" "$STATUS $LIST" '201 new new'
 "$BUILD/surfacectl" --db "$DB" subject disable carol >"$T/text"
+built() { metric 'surfaced_stage_duration_seconds_count{stage="prepare"}'; }
+before=$(built)
 burst carol b.ply a2.ply
 problem "disabled" 403 subject_disabled
+send POST /v1/subjects/carol/templates "$PLY" "$T/a2.ply"
+problem "disabled, one file" 403 subject_disabled
+is "no face was made for that" "$(built)" "$before"
 
 # ---- with force
 burst dave?force=true a0.ply b.ply none.ply a0.ply

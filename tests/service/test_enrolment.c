@@ -60,7 +60,7 @@ static enum status add_all(const struct surface_face *const f[], size_t n, bool 
     for (size_t i = 0; i < n; i++)
         if ((sample[i].face = f[i]) == NULL)
             (void)errinfo_set(&each[i].why, ST_EQUALITY, "too poor");
-    return enrolment_add(&c, &x, each, out, &e);
+    return enrolment_add(&c, &x, NULL, each, out, &e);
 }
 
 static enum status add(const struct surface_face *f, bool force,
@@ -361,7 +361,7 @@ TEST(test_locked)
 
     memset(each, 0, sizeof each);
     assert_int_equal(add(&tempdb_face[0], false, &out), ST_OK);
-    assert_int_equal(enrolment_add(&c, &x, each, &out, &e), ST_EDENIED);
+    assert_int_equal(enrolment_add(&c, &x, NULL, each, &out, &e), ST_EDENIED);
     assert_int_equal(out.refusal.why, STORE_WAIT_OWN);
     assert_int_equal(tempdb_number("SELECT count(*) FROM templates"), 1);
 }
