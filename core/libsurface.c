@@ -26,30 +26,6 @@ static enum surface_status library(enum status st)
     return others && st != ST_EBUSY ? SURFACE_EINTERNAL : (enum surface_status)st;
 }
 
-/* A struct of the library's size from one of the caller's, whose size comes first: what the
- * caller does not know is 0. */
-static void take(void *to, const void *from, size_t size)
-{
-    size_t known;
-
-    memcpy(&known, from, sizeof known);
-    memset(to, 0, size);
-    memcpy(to, from, known < size ? known : size);
-}
-
-/* To the caller's struct as much as it has room for. */
-static void give(void *to, const void *from, size_t size)
-{
-    size_t known;
-
-    memcpy(&known, to, sizeof known);
-    if (known > size)
-        known = size;
-    if (known > sizeof known)
-        memcpy((char *)to + sizeof known, (const char *)from + sizeof known,
-               known - sizeof known);
-}
-
 const char *surface_version(void)
 {
     return SURFACE_VERSION;
@@ -182,7 +158,7 @@ static enum status build(struct surface_work *work, const struct surface_cloud *
     size_t bad = 0, points;
     enum status st = copy_cloud(from, &c);
 
-    *about = (struct surface_found){.size = sizeof *about};
+    *about = (struct surface_found){0};
     how.search = search;
     if (st == ST_OK) {
         points = c.n;
@@ -219,28 +195,17 @@ enum surface_status surface_build(struct surface_work *work,
                                   struct surface_face **out, struct surface_found *found)
 {
     struct surface_face *f = face_for(out);
-    struct surface_found about = {.size = sizeof about};
-    struct surface_cloud from;
-    enum status st;
+    struct surface_found about = {0};
+    enum status st = f == NULL ? ST_ENOMEM : check_cloud(cloud);
 
-    take(&from, cloud, sizeof from);
-    if ((st = f == NULL ? ST_ENOMEM : check_cloud(&from)) == ST_OK)
-        st = build(work, &from, NULL, f, &about);
+    if (st == ST_OK)
+        st = build(work, cloud, NULL, f, &about);
     if (found != NULL)
-        give(found, &about, sizeof about);
+        *found = about;
     return finish(st, f, out);
 }
 
 /* ---- several frames */
-
-/* The i-th of an array of structs of the caller's size. */
-static void *nth(void *first, uint32_t i)
-{
-    size_t known;
-
-    memcpy(&known, first, sizeof known);
-    return (char *)first + i * known;
-}
 
 static enum status add_frame(struct frames *f, const struct surface_cloud *from)
 {
@@ -277,14 +242,11 @@ static void give_frames(const struct frames *f, struct surface_frame *frame)
 {
     for (uint32_t i = 0; i < f->n; i++) {
         const struct frames_one *one = &f->one[i];
-        struct surface_frame full = {.size = sizeof full,
-                                     .status = library(one->st),
-                                     .score = one->score,
-                                     .gap_mm = i == f->base ? 0 : one->at.gap_mm,
-                                     .found = one->found};
 
-        full.found.size = sizeof full.found;
-        give(nth(frame, i), &full, sizeof full);
+        frame[i] = (struct surface_frame){.status = library(one->st),
+                                          .score = one->score,
+                                          .gap_mm = i == f->base ? 0 : one->at.gap_mm,
+                                          .found = one->found};
     }
 }
 
@@ -293,22 +255,20 @@ static enum status fuse(struct frames *f, struct surface_work *work, uint32_t n,
                         const struct surface_cloud *cloud, struct surface_face *out,
                         struct surface_found *about)
 {
-    struct surface_cloud from;
     enum status st = ST_OK;
 
     f->w = work;
     for (uint32_t i = 0; st == ST_OK && i < n; i++) {
-        take(&from, nth((void *)(uintptr_t)cloud, i), sizeof from);
-        f->how = options(&from);
+        f->how = options(&cloud[i]);
         f->how.frame = n > 1;
-        if ((st = check_cloud(&from)) == ST_OK)
-            st = add_frame(f, &from);
+        if ((st = check_cloud(&cloud[i])) == ST_OK)
+            st = add_frame(f, &cloud[i]);
     }
     if (st == ST_OK)
         st = frames_fuse(f, out, about);
-    take(&from, nth((void *)(uintptr_t)cloud, f->base), sizeof from);
-    return st == ST_OK && from.kept != NULL ? keep_fused(out, about->kept, from.kept)
-                                            : st;
+    return st == ST_OK && cloud[f->base].kept != NULL
+               ? keep_fused(out, about->kept, cloud[f->base].kept)
+               : st;
 }
 
 enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
@@ -318,7 +278,7 @@ enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
 {
     struct frames *f = mem_array(1, sizeof *f);
     struct surface_face *face = face_for(out);
-    struct surface_found about = {.size = sizeof about};
+    struct surface_found about = {0};
     enum status st = f == NULL || face == NULL          ? ST_ENOMEM
                      : n == 0 || n > SURFACE_FRAMES_MAX ? ST_EINVAL
                                                         : ST_OK;
@@ -334,7 +294,7 @@ enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
     }
     mem_free(f);
     if (found != NULL)
-        give(found, &about, sizeof about);
+        *found = about;
     return finish(st, face, out);
 }
 
@@ -345,11 +305,10 @@ enum surface_status surface_check(struct surface_work *work,
 {
     struct scan_search search = {.done = false};
     struct surface_face *f = face_for(out);
-    struct surface_found about = {.size = sizeof about};
-    struct surface_cloud strict, loose;
+    struct surface_found about = {0};
+    struct surface_cloud strict, loose = *cloud;
     enum status st;
 
-    take(&loose, cloud, sizeof loose);
     loose.flags &= ~(uint32_t)SURFACE_ENROLMENT;
     strict = loose;
     strict.flags |= SURFACE_ENROLMENT;
@@ -358,10 +317,10 @@ enum surface_status surface_check(struct surface_work *work,
     if ((st = f == NULL ? ST_ENOMEM : check_cloud(&loose)) == ST_OK)
         st = build(work, &strict, &search, f, &about);
     *refused = library(st);
-    give(why, &about, sizeof about);
+    *why = about;
     if (st >= ST_ELIMIT && st <= ST_EQUALITY)
         st = build(work, &loose, &search, f, &about);
-    give(found, &about, sizeof about);
+    *found = about;
     return finish(st, f, out);
 }
 
@@ -490,11 +449,7 @@ enum surface_status surface_compare(struct surface_work *work,
                                     const struct surface_face *probe,
                                     struct surface_comparison *out)
 {
-    struct surface_comparison full;
-    const enum status st = face_compare(tmpl, probe, (double)NAN, work, &full);
-
-    give(out, &full, sizeof full);
-    return library(st);
+    return library(face_compare(tmpl, probe, (double)NAN, work, out));
 }
 
 enum surface_status surface_compare_again(struct surface_work *work,
@@ -502,13 +457,7 @@ enum surface_status surface_compare_again(struct surface_work *work,
                                           const struct surface_face *probe,
                                           struct surface_comparison *io)
 {
-    struct surface_comparison full;
-    enum status st;
-
-    take(&full, io, sizeof full);
-    st = face_compare_again(tmpl, probe, work, &full);
-    give(io, &full, sizeof full);
-    return library(st);
+    return library(face_compare_again(tmpl, probe, work, io));
 }
 
 enum surface_status surface_compare_mirrored(struct surface_work *work,
@@ -516,29 +465,18 @@ enum surface_status surface_compare_mirrored(struct surface_work *work,
                                              const struct surface_face *probe,
                                              struct surface_comparison *out)
 {
-    struct surface_comparison full;
-    const enum status st = face_compare_mirrored(tmpl, probe, work, &full);
-
-    give(out, &full, sizeof full);
-    return library(st);
+    return library(face_compare_mirrored(tmpl, probe, work, out));
 }
 
 void surface_best_of(const struct surface_work *work, uint32_t n,
                      struct surface_comparison *c)
 {
-    struct surface_comparison full;
-
-    take(&full, c, sizeof full);
-    face_best_of(&full, n, work);
-    give(c, &full, sizeof full);
+    face_best_of(c, n, work);
 }
 
 void surface_shown(const struct surface_comparison *c, double *score, double *threshold)
 {
-    struct surface_comparison full;
-
-    take(&full, c, sizeof full);
-    face_shown(&full, score, threshold);
+    face_shown(c, score, threshold);
 }
 
 enum surface_status surface_disparity(struct surface_work *work,
@@ -546,11 +484,7 @@ enum surface_status surface_disparity(struct surface_work *work,
                                       const struct surface_face *probe,
                                       struct surface_disparity *out)
 {
-    struct surface_disparity full;
-    const enum status st = face_minimal(tmpl, probe, work, &full);
-
-    give(out, &full, sizeof full);
-    return library(st);
+    return library(face_minimal(tmpl, probe, work, out));
 }
 
 enum surface_status surface_weigh(struct surface_work *work,
@@ -558,13 +492,7 @@ enum surface_status surface_weigh(struct surface_work *work,
                                   const struct surface_face *probe,
                                   struct surface_disparity *least)
 {
-    struct surface_disparity full;
-    enum status st;
-
-    take(&full, least, sizeof full);
-    st = face_weigh(tmpl, probe, work, &full);
-    give(least, &full, sizeof full);
-    return library(st);
+    return library(face_weigh(tmpl, probe, work, least));
 }
 
 enum surface_status surface_gaps(const struct surface_face *tmpl,
@@ -590,20 +518,12 @@ enum surface_status surface_parts(struct surface_work *work,
                                   const struct surface_face *probe,
                                   struct surface_parts *out)
 {
-    struct surface_parts full;
-    const enum status st = face_field(tmpl, probe, work, &full);
-
-    give(out, &full, sizeof full);
-    return library(st);
+    return library(face_field(tmpl, probe, work, out));
 }
 
 enum surface_status surface_asymmetry(struct surface_work *work,
                                       const struct surface_face *face,
                                       struct surface_asymmetry *out)
 {
-    struct surface_asymmetry full;
-    const enum status st = face_asymmetry(face, work, &full);
-
-    give(out, &full, sizeof full);
-    return library(st);
+    return library(face_asymmetry(face, work, out));
 }

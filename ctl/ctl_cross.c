@@ -139,7 +139,7 @@ static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t
 
     *score = -(double)INFINITY;
     for (uint32_t t = one->first; t < one->first + one->n; t++) {
-        struct surface_comparison r = {.size = sizeof r};
+        struct surface_comparison r = {0};
         enum status st;
 
         if (t == skip)

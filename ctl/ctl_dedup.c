@@ -181,7 +181,7 @@ struct row { /* a template with all later ones */
 static enum status compare(struct dedup *d, uint32_t a, uint32_t b,
                            struct surface_work *w, struct row *r, struct errinfo *e)
 {
-    struct surface_comparison x = {.size = sizeof x};
+    struct surface_comparison x = {0};
     enum status st = status_from(surface_compare(w, r->a, r->b, &x));
 
     if (st != ST_OK)
@@ -242,7 +242,7 @@ static enum status estimate(struct dedup *d)
 {
     struct surface_work *w = surface_work_new(d->c->model);
     const double start = clock_s();
-    struct surface_comparison x = {.size = sizeof x};
+    struct surface_comparison x = {0};
     struct row r = {0};
     uint32_t n = 0;
     enum status st =

@@ -110,7 +110,7 @@ static enum status compare_for_fit(struct enrolling *g, size_t i, struct nearest
     const struct templates *a = &g->is;
     enum status st = ST_OK;
 
-    *out = (struct nearest){.result = {.size = sizeof out->result}};
+    *out = (struct nearest){.result = {0}};
     if (a->of.n > 0)
         st = templates_nearest(a, true, g->x->sample[i].face, out, e);
     if (st == ST_EVERSION && g->x->force)
@@ -206,7 +206,7 @@ static enum status unlike_first(struct enrolling *g, size_t i,
 static enum status fit_other(struct enrolling *g, size_t i, struct errinfo *e)
 {
     const bool none = g->is.of.n == 0;
-    struct surface_comparison r = {.size = sizeof r};
+    struct surface_comparison r = {0};
     enum status st;
 
     g->each[i].why = (struct errinfo){.code = ST_OK};

@@ -231,7 +231,7 @@ struct sample_found sample_begin(const struct cloudpoints *c)
     return (struct sample_found){.format = (enum cloudformat)c->format,
                                  .points_read = c->read,
                                  .points_dropped = c->read - c->n,
-                                 .scan = {.size = sizeof(struct surface_found)}};
+                                 .scan = {0}};
 }
 
 static int nobody_waits(const void *stop)
@@ -253,7 +253,6 @@ struct surface_cloud sample_cloud(const struct cloudpoints *c,
     const bool frontal = c->axes_given || o->frontal;
 
     return (struct surface_cloud){
-        .size = sizeof(struct surface_cloud),
         .points = (const double(*)[3])c->at,
         .normals = (const double(*)[3])c->normal,
         .n = c->n,

@@ -94,7 +94,7 @@ enum status session_build(struct session *s, const struct sample_options *o,
     struct surface_cloud cloud[SURFACE_FRAMES_MAX];
     struct surface_frame frame[SURFACE_FRAMES_MAX];
     size_t number[SURFACE_FRAMES_MAX];
-    struct surface_found fused = {.size = sizeof fused};
+    struct surface_found fused = {0};
     uint32_t n = 0, base = 0;
     enum status st;
 
@@ -107,7 +107,7 @@ enum status session_build(struct session *s, const struct sample_options *o,
         if (!sample_open(&f->points, o, &stop, &cloud[n], &f->found))
             return errinfo_set(e, ST_ENOMEM, "no memory for the frames");
         s->digest[s->ndigest++] = f->found.digest;
-        frame[n] = (struct surface_frame){.size = sizeof *frame};
+        frame[n] = (struct surface_frame){0};
         number[n++] = i;
     }
     if (n == 0)

@@ -134,7 +134,7 @@ static enum status find_mirrored(const struct templates *t,
                                  struct errinfo *e)
 {
     struct surface_work *w = t->context->work;
-    struct surface_comparison swapped = {.size = sizeof swapped};
+    struct surface_comparison swapped = {0};
     enum status st;
 
     if (of->result.decision != SURFACE_NO_MATCH || t->of.t == NULL)
@@ -191,14 +191,13 @@ enum status templates_nearest(const struct templates *t, bool fit,
     uint32_t n = 0;
     enum status st;
 
-    *out = (struct nearest){.result = {.size = sizeof out->result}};
+    *out = (struct nearest){.result = {0}};
     for (size_t i = 0; i < t->of.n; i++) {
         double start;
 
         if (t->face[i] == NULL || (fit && n > 0 && !t->of.t[i].manager))
             continue;
         start = c->clock_ms != NULL ? c->clock_ms() : 0;
-        result[n].size = sizeof result[n];
         st = status_from(surface_compare(c->work, t->face[i], probe, &result[n]));
         out->score_ms += c->clock_ms != NULL ? c->clock_ms() - start : 0;
         if (st != ST_OK)
@@ -237,11 +236,10 @@ enum status templates_minimal(const struct templates *t, const struct surface_fa
     const struct surface_face *face = t->face[of->index];
     enum surface_status st;
 
-    *out = (struct surface_disparity){.size = sizeof *out};
+    *out = (struct surface_disparity){0};
     surface_work_clock(c->work, c->clock_ms);
     st = surface_disparity(c->work, face, probe, out);
     if (st == SURFACE_OK && parts != NULL) {
-        parts->size = sizeof *parts;
         st = surface_weigh(c->work, face, probe, out);
     }
     if (st == SURFACE_OK && parts != NULL)

@@ -1,9 +1,9 @@
 /* surface.h -- libsurface: faces found in scans, stored as bytes, and compared.
  *
  *     struct surface_work *work = surface_work_new(NULL);
- *     struct surface_cloud a = {.size = sizeof a, .points = p, .n = np};
- *     struct surface_cloud b = {.size = sizeof b, .points = q, .n = nq};
- *     struct surface_comparison c = {.size = sizeof c};
+ *     struct surface_cloud a = {.points = p, .n = np};
+ *     struct surface_cloud b = {.points = q, .n = nq};
+ *     struct surface_comparison c = {0};
  *     struct surface_face *tmpl = NULL, *probe = NULL;
  *
  *     a.flags = SURFACE_ENROLMENT;
@@ -17,9 +17,7 @@
  * are millimetres, transforms rigid and row-major 4 x 4, unless stated otherwise. Link
  * with -lsurface -lm (pkg-config: surface).  docs/library.md has whole programs.
  *
- * Structs that may grow begin with their size, which the caller sets: a program built
- * with an older header gets the members that it knows. Out parameters of such structs may
- * be NULL only where stated.
+ * Out parameters may be NULL only where stated.
  *
  * (In the source tree this is core/basic/libsurface.h, below the modules of the core that
  * fill its structs; make install calls it surface.h.) */
@@ -199,7 +197,6 @@ struct surface_stop {
 
 /* The points of a scan, in any order; all borrowed for the call. */
 struct surface_cloud {
-    size_t size;
     /* (x, y, z); those with a NaN or an infinity are left out, but with SURFACE_FRONTAL refused */
     const double (*points)[3];
     /* of any length, (0, 0, 0) where unknown; NULL: none.  They tell front from back, and a
@@ -249,7 +246,6 @@ struct surface_quality {
 
 /* What was found in a scan, also on failure as far as the search came; the rest is 0. */
 struct surface_found {
-    size_t size;
     size_t points;      /* with finite coordinates */
     size_t points_used; /* of the face; 0 on failure */
     size_t kept;        /* of surface_cloud.kept; on failure they mean nothing */
@@ -312,7 +308,6 @@ SURFACE_API void surface_face_free(struct surface_face *face); /* NULL is allowe
 
 /* What became of a frame. */
 struct surface_frame {
-    size_t size;
     /* SURFACE_OK: it is part of the fused face.  SURFACE_EPEOPLE: it shows another person than
      * the base.  SURFACE_EAPART: it cannot be laid on the base, or has too little in common with
      * it to tell whether it shows the same person.  Else why no face was built of it, as
@@ -329,12 +324,12 @@ struct surface_frame {
  * what all frames measured there.  So the noise falls with the square root of their number; with
  * one frame the face is that of surface_build().  The frames need not be aligned.
  * n      1..SURFACE_FRAMES_MAX
- * cloud  [n], each of cloud[0].size bytes, with the same flags and the same stop.  The face is
+ * cloud  [n], with the same flags and the same stop.  The face is
  *        searched for in the first frame in which one is found, and then looked for near that
  *        place.  With SURFACE_ENROLMENT each must show exactly one face, not mirrored, from the
  *        front; the strict gate judges the fused face.  kept receives the points of each frame's face,
  *        and of the base's the fused ones
- * frame  [n], each of frame[0].size bytes: the report on each
+ * frame  [n]: the report on each
  * base   the number of the base, on success and with SURFACE_EPEOPLE
  * out    as in surface_build()
  * found  the base's report, with what the gate measured of the fused face; may be NULL
@@ -423,7 +418,6 @@ SURFACE_API enum surface_status surface_decode(struct surface_work *work,
 enum surface_decision { SURFACE_MATCH, SURFACE_NO_MATCH, SURFACE_INCONCLUSIVE };
 
 struct surface_comparison {
-    size_t size;
     enum surface_decision
         decision; /* SURFACE_INCONCLUSIVE: too little in common to say */
     double
@@ -473,7 +467,6 @@ SURFACE_API void surface_shown(const struct surface_comparison *c, double *score
 
 /* The minimal disparity of the papers, which does not decide. */
 struct surface_disparity {
-    size_t size;
     double disparity_mm;  /* volume over area; 0 when there is none */
     double volume_mm3;    /* between both surfaces, over what both cover */
     double area_mm2;      /* of what both cover, as the template's scanner sees it */
@@ -535,7 +528,6 @@ SURFACE_API const char *surface_region_name(enum surface_region region); /* "nos
 
 /* What a comparison was decided on, for each cell. */
 struct surface_parts {
-    size_t size;
     /* from the template's frontal view to the frame that has the cells: a rigid transform, whose
      * millimetres are to be multiplied by scale: 1 for adults */
     double frame[16];
@@ -555,7 +547,6 @@ SURFACE_API enum surface_status surface_parts(struct surface_work *work,
                                               struct surface_parts *out);
 
 struct surface_asymmetry {
-    size_t size;
     int conclusive; /* enough of the face lies over its mirror image */
     /* between the face and its mirror image, at the plane where it is least */
     double disparity_mm;

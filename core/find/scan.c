@@ -101,8 +101,7 @@ static void measure_extent(const struct cloudpoints *c, double extent[3])
 
 static void begin(struct scan *s)
 {
-    *s->found = (struct surface_found){.size = sizeof *s->found,
-                                       .unit_found = s->c->unit_mm == 0,
+    *s->found = (struct surface_found){.unit_found = s->c->unit_mm == 0,
                                        .head_size = 1,
                                        .yaw_deg = (double)NAN,
                                        .pitch_deg = (double)NAN,

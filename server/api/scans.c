@@ -140,7 +140,7 @@ void scans_asymmetry(struct request *r, struct worker *w)
 {
     const double start = logger_clock_ms();
     double parsed, prepared, measured;
-    struct surface_asymmetry result = {.size = sizeof result};
+    struct surface_asymmetry result = {0};
     struct json *j;
     struct cloudpoints c = {0};
     struct sample_found found;

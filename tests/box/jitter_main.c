@@ -352,10 +352,9 @@ static const char *const decisions[] = {
 static enum status judge(struct pair *p, const struct surface_face *copy, struct count *c,
                          struct surface_comparison *one, const char **fault)
 {
-    struct surface_comparison other = {.size = sizeof other};
+    struct surface_comparison other = {0};
     bool lopsided, vague;
 
-    one->size = sizeof *one;
     if (surface_compare(p->w, p->face, copy, one) != SURFACE_OK ||
         surface_compare(p->w, copy, p->face, &other) != SURFACE_OK)
         return ST_ENOMEM;
@@ -395,8 +394,8 @@ static enum status tell(struct pair *p, const struct surface_face *copy,
                         const struct surface_found *found,
                         const struct surface_comparison *one, struct count *c, bool aloud)
 {
-    struct surface_disparity least = {.size = sizeof least};
-    struct surface_parts parts = {.size = sizeof parts};
+    struct surface_disparity least = {0};
+    struct surface_parts parts = {0};
     double to[16], frame[16];
 
     surface_face_frame(copy, to);
@@ -431,7 +430,7 @@ static enum status judge_copy(struct pair *p, const struct kind *k, uint64_t see
                               struct surface_face **copy, const char **fault)
 {
     struct count *c = &p->s->count[k - kinds];
-    struct surface_found why = {.size = sizeof why}, found = {.size = sizeof found};
+    struct surface_found why = {0}, found = {0};
     struct surface_comparison one = {.score = INFINITY};
     enum surface_status refused, st;
 
@@ -495,7 +494,6 @@ static struct surface_cloud whole(const struct pair *p)
     const double usual = c->usual_mm != 0 ? c->usual_mm : 1;
 
     return (struct surface_cloud){
-        .size = sizeof(struct surface_cloud),
         .points = (const double(*)[3])c->at,
         .normals = (const double(*)[3])c->normal,
         .n = c->n,
@@ -509,12 +507,11 @@ static struct surface_cloud whole(const struct pair *p)
 /* The scan's own face, which the copies are compared with. */
 static enum status build(struct pair *p)
 {
-    struct surface_found why = {.size = sizeof why};
-    struct surface_comparison self = {.size = sizeof self};
+    struct surface_found why = {0};
+    struct surface_comparison self = {0};
     enum surface_status refused;
     double frame[16];
 
-    p->found.size = sizeof p->found;
     p->copy = whole(p);
     p->cloud.unit_mm = p->copy.unit_mm;
     p->s->refused =

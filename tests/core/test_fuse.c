@@ -59,9 +59,8 @@ static void take(uint32_t k, uint64_t subject, double noise_mm, double yaw)
         pts[k][i].z += noise_mm * noise(&state);
         pts[k][i] = pose_apply(&turn, pts[k][i]);
     }
-    cloud[k] = (struct surface_cloud){
-        .size = sizeof *cloud, .points = (const double(*)[3])pts[k], .n = n};
-    frame[k] = (struct surface_frame){.size = sizeof *frame};
+    cloud[k] = (struct surface_cloud){.points = (const double(*)[3])pts[k], .n = n};
+    frame[k] = (struct surface_frame){0};
 }
 
 static void take_all(uint64_t subject, double noise_mm)
@@ -72,7 +71,7 @@ static void take_all(uint64_t subject, double noise_mm)
 
 static enum surface_status fuse(uint32_t n)
 {
-    found = (struct surface_found){.size = sizeof found};
+    found = (struct surface_found){0};
     return surface_fuse(work, n, cloud, frame, &base, &fused, &found);
 }
 
@@ -89,10 +88,9 @@ static double beside(const struct surface_face *face, uint64_t subject)
     static double at[4 * POINTS][3], gap[4 * POINTS];
     static struct dvec3 truth[4 * POINTS];
     const uint32_t n = surface_face_points(face, at);
-    const struct surface_cloud c = {.size = sizeof c,
-                                    .points = (const double(*)[3])truth,
+    const struct surface_cloud c = {.points = (const double(*)[3])truth,
                                     .n = clouds_scan(subject, 99, 3 * POINTS, truth)};
-    struct surface_disparity d = {.size = sizeof d};
+    struct surface_disparity d = {0};
     struct surface_face *f = NULL;
     double sum = 0, many = 0;
 
@@ -137,7 +135,7 @@ TEST(test_noise)
  * steps falls with the square root of their number, and counts as noise. */
 TEST(test_steps)
 {
-    struct surface_comparison one = {.size = sizeof one}, all = {.size = sizeof all};
+    struct surface_comparison one = {0}, all = {0};
     struct surface_face *other = NULL, *single = NULL;
 
     take_all(5, 0);
