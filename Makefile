@@ -465,7 +465,7 @@ install: all
 	    install -D -m 644 -t "$(DESTDIR)$(PREFIX)/share/man/man$${page##*.}" $$page || exit; \
 	done
 
-## deb: Debian packages, in build/deb; runs the unit tests (DEB_BUILD_OPTIONS=nocheck: none)
+## deb: Debian packages, in build/deb
 .PHONY: deb
 deb:
 	BUILD=$(BUILD) scripts/deb.sh

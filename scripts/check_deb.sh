@@ -14,7 +14,7 @@ bare=$BUILD/bookworm.tar
 db=/var/lib/surfaced/surfaced.db
 passed=0 failed=0 boot='' system=''
 if [ "$(id -u)" -ne 0 ] || ! command -v mmdebstrap >/dev/null; then
-    echo "check_deb: needs root and mmdebstrap (scripts/setup deb)" >&2
+    echo "check_deb: needs root and mmdebstrap (scripts/setup check-deb)" >&2
     exit 1
 fi
 place=$(mktemp -d)
