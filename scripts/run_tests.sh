@@ -15,9 +15,13 @@ run_one() {
     log=$BUILD/log/$name.log
     start=$(date +%s)
     case $1 in
-    *.sh) timeout 900 sh "$1" >"$log" 2>&1 ;;
-    *) timeout 900 "$1" >"$log" 2>&1 ;;
+    *.sh) set -- sh "$1" ;;
     esac
+    # timeout gives the test a process group of its own, and passes a signal on to all of that group.
+    timeout 900 "$@" >"$log" 2>&1 &
+    # shellcheck disable=SC2064 # this test's
+    trap "kill $!; wait $!; exit 1" HUP INT TERM
+    wait $!
     rc=$?
     times >"$log.cpu"
     cpu=$(sed '1d; s/[ms]/ /g' "$log.cpu" | awk '{ print int($1 * 60 + $2 + $3 * 60 + $4 + 0.5) }')
