@@ -189,7 +189,8 @@ static void table1(const struct study *study)
     for (int k = 0; k < pairs; k++) {
         for (int i = 0; i < 2; i++) {
             p[k].pts[i] = study_alloc(3000, sizeof *p[k].pts[i]);
-            p[k].n[i] = make_cloud((uint64_t)(2 * k + i), 3000, p[k].pts[i]);
+            p[k].n[i] =
+                make_cloud(2 * study->seed + (uint64_t)(2 * k + i), 3000, p[k].pts[i]);
         }
         pair_room(&p[k]);
         pass(&p[k], row);
@@ -316,7 +317,7 @@ void cost_run(const struct study *study)
     table1(study);
     for (int i = 0; i < 2; i++) {
         all[i] = study_alloc(most, sizeof *all[i]);
-        if (make_cloud((uint64_t)i, most, all[i]) < most)
+        if (make_cloud(2 * study->seed + (uint64_t)i, most, all[i]) < most)
             study_must(ST_ETOOFEW);
     }
     papers(study, (const struct ivec3 *const *)all, most);

@@ -83,6 +83,13 @@ between "mated, after alignment: mm" \
     "$(row faces/alignment.csv 'the same person again' 'after alignment' 5)" 0.1 0.6
 between "mated, at the true pose: mm" \
     "$(row faces/alignment.csv 'the same person again' 'at the true pose' 5)" 0.1 0.3
+for pair in 'the same person again' 'another person'; do
+    between "$pair, at the minimum: mm" "$(row faces/alignment.csv "$pair" 'at the minimum' 5)" 0.1 \
+        "$(row faces/alignment.csv "$pair" 'after alignment' 5)"
+done
+mkdir "$T/others"
+"$BUILD/surfacelab" study faces --seed 5 --out "$T/others" >"$T/log"
+ok "another seed takes other people" sh -c "! cmp -s '$T/faces/alignment.csv' '$T/others/alignment.csv'"
 # ---- errors
 for bad in "nothing" "missing --seed" "missing --seed x" "missing --seed -1" "missing more"; do
     # shellcheck disable=SC2086 # arguments
