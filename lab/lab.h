@@ -31,7 +31,7 @@ struct lab {
     double threshold; /* NAN: the model's */
     uint32_t threads; /* 0: one a core */
     bool force, json, help, version;
-    const char *pairs, *enroll_kind; /* evaluate */
+    const char *pairs, *enroll_kind, *scores; /* evaluate */
     uint32_t non_mated, burst; /* burst: frames of a session; 0: each scan by itself */
     bool minimal, regions, matrix;
     const char *name, *morphable, *calibrate; /* train */

@@ -9,7 +9,9 @@
 #include "corpus_pairs.h"
 #include "corpus_read.h"
 #include "lab.h"
+#include "methods.h"
 #include "model.h"
+#include "outfile.h"
 #include "report.h"
 
 /* A collection, and the folder that its report is written into. */
@@ -38,9 +40,11 @@ static const struct {
 } output[] = {{"scores.csv", report_csv_scores},
               {"rates.csv", report_csv_rates},
               {"report.json", report_json},
-              {"matrix.csv", report_csv_matrix}}; /* the last one, if it is wanted */
+              {"matrix.csv", report_csv_matrix}, /* the last two, if they are wanted */
+              {"methods.csv", report_csv_methods}};
 #define OUTPUTS (sizeof output / sizeof *output)
-#define MATRIX  (OUTPUTS - 1)
+#define MATRIX  (OUTPUTS - 2)
+#define METHODS (OUTPUTS - 1)
 #define TABLE   "sets.csv" /* of several */
 
 static char *join(const char *dir, const char *file, unsigned number)
@@ -96,6 +100,8 @@ static enum status may_write(struct run *r, const char *dir, const char *file)
     if (path == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     st = lab_may_write(c, path, c->nargs);
+    if (st == ST_OK)
+        st = outfile_not_read(path, c->scores, &c->e);
     for (size_t i = 0; i < r->n && st == ST_OK; i++)
         st = lab_scan_not_read(c, r->set[i].corpus, r->set[i].source, path);
     free(path);
@@ -138,10 +144,14 @@ static enum status write_all(struct run *r, const char *out)
     if (r->n > 1)
         st = write_in(c, out, TABLE, report_csv_sets, &list);
     for (size_t i = 0; i < r->n; i++)
-        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++)
+        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++) {
+            const bool wanted = k == MATRIX    ? c->matrix
+                                : k == METHODS ? c->scores != NULL
+                                               : true;
+
             st = write_in(c, r->set[i].dir, output[k].file,
-                          k != MATRIX || c->matrix ? output[k].write : NULL,
-                          &r->report[i]);
+                          wanted ? output[k].write : NULL, &r->report[i]);
+        }
     return st;
 }
 
@@ -165,11 +175,31 @@ static void print_share(const char *name, const struct report_rate *x)
     print_rate(name, x->value, x->low, x->high, x->n);
 }
 
+/* What the comparisons do not support stands beside what was counted. */
+static void print_curve(const struct report_curve *g)
+{
+    const size_t mated = g->n, non_mated = rates_nimpostor(g->rates);
+
+    print_rate("EER", g->f.eer, g->low.eer, g->high.eer,
+               mated < non_mated ? mated : non_mated);
+    for (int k = 0; k < RATES_TARGETS; k++)
+        if (rates_supported(rates_target[k], non_mated))
+            (void)printf("TAR          %.4g %% at FMR %g %%, threshold %.2f\n",
+                         100 * g->f.tar[k], 100 * rates_target[k], g->f.tar_score[k]);
+        else
+            (void)printf(
+                "TAR          not supported at FMR %g %%: %zu non-mated "
+                "comparisons are needed (counted: %.0f of %zu mated match, "
+                "%.0f of %zu non-mated)\n",
+                100 * rates_target[k], rates_needed(rates_target[k]),
+                round(g->f.tar[k] * (double)mated), mated,
+                round(rates_fmr(g->rates, g->f.tar_score[k]) * (double)non_mated),
+                non_mated);
+}
+
 static void print_set(const struct report *r)
 {
     const struct report_group *all = &r->group[0];
-    const struct report_curve *g = &all->curve[REPORT_SCORED];
-    const size_t fewer = g->n < r->non_mated.n ? g->n : r->non_mated.n;
 
     (void)printf("scans        %s: %u subjects, %u scans\n", r->source,
                  r->t->corpus->nsubject, r->t->corpus->nscan);
@@ -178,19 +208,20 @@ static void print_set(const struct report *r)
     (void)printf("threshold    %.4g, calibration %s\n", r->threshold, r->calibration);
     print_share("FTE", &r->fte);
     print_share("FTA", &all->fta);
-    print_rate("EER", g->f.eer, g->low.eer, g->high.eer, fewer);
-    for (int k = 0; k < RATES_TARGETS; k++)
-        if (rates_supported(rates_target[k], r->non_mated.n))
-            (void)printf("TAR          %.4g %% at FMR %g %%, threshold %.2f\n",
-                         100 * g->f.tar[k], 100 * rates_target[k], g->f.tar_score[k]);
-        else
-            (void)printf("TAR          not supported at FMR %g %%: %zu non-mated "
-                         "comparisons are needed\n",
-                         100 * rates_target[k], rates_needed(rates_target[k]));
+    print_curve(&all->curve[REPORT_SCORED]);
     print_share("FNMR", &all->fnmr);
     print_share("FMR", &r->fmr);
     print_share("FRR", &all->frr);
     print_share("FAR", &r->far);
+    for (size_t i = 0; i < r->nmethod; i++) {
+        const struct report_method *m = &r->method[i];
+
+        (void)printf(
+            "\nmethod       %s: scores of %zu of %zu mated, %zu of %zu non-mated "
+            "comparisons\n",
+            m->name, m->mated, all->mated.planned, m->non_mated, r->non_mated.planned);
+        print_curve(&m->curve);
+    }
 }
 
 static void print_all(const struct run *r, const char *out)
@@ -232,6 +263,8 @@ static enum status check_usage(struct lab *c)
                          "--pairs takes neither --non-mated, --enroll-kind nor --burst");
     if (c->burst > SURFACE_FRAMES_MAX)
         return lab_usage(c, "--burst takes at most %d frames", SURFACE_FRAMES_MAX);
+    if (c->scores != NULL && c->nargs > 1)
+        return lab_usage(c, "--scores takes one collection");
     for (int i = 0; i < c->nargs; i++)
         if (corpus_is_scan(c->args[i]))
             return lab_usage(c, "%.100s is one scan; usage: %s", c->args[i], usage);
@@ -287,8 +320,10 @@ static enum status evaluate(struct run *r, size_t i)
                                    .model = c->model,
                                    .enroll_kind = c->enroll_kind};
     if ((st = report_measure(&r->report[i], s->trials)) != ST_OK)
-        (void)errinfo_set(&c->e, st, "the rates: %s", status_message(st));
-    return st;
+        return errinfo_set(&c->e, st, "the rates: %s", status_message(st));
+    return c->scores == NULL ? ST_OK
+                             : methods_read(c->scores, s->trials, &r->report[i].method,
+                                            &r->report[i].nmethod, &c->e);
 }
 
 static enum status evaluate_all(struct run *r)
@@ -307,6 +342,7 @@ static enum status evaluate_all(struct run *r)
     if (st == ST_OK && (st = write_all(r, out)) == ST_OK)
         print_all(r, out);
     for (size_t i = 0; i < r->n; i++) {
+        methods_free(r->report[i].method, r->report[i].nmethod);
         report_free(&r->report[i]);
         trials_free(r->set[i].trials);
         corpus_free(r->set[i].corpus);

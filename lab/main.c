@@ -136,6 +136,11 @@ static const struct taken {
       "a probe a line, and perhaps a label (mated or non-mated)",
       IN(pairs)}},
     {EVALUATE,
+     {"scores", "FILE", command_text, NULL,
+      "judge other methods' scores of the same comparisons too: a table\n"
+      "with template, probe, score or distance, and perhaps method",
+      IN(scores)}},
+    {EVALUATE,
      {"enroll-kind", "KIND", command_text, NULL,
       "enroll each subject's first scan of this kind (enroll, or else\n"
       "the first scan)",

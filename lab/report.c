@@ -212,6 +212,19 @@ static enum status failures(const struct report *r, const struct report_group *g
 
 /* ---- curves */
 
+static enum status curve_of(const struct trials *t, const struct rates_score *s, size_t n,
+                            struct report_curve *out)
+{
+    enum status st = rates_new(s, n, t->corpus->nsubject, &out->rates);
+
+    if (st != ST_OK)
+        return st;
+    out->n = rates_ngenuine(out->rates);
+    rates_figures(out->rates, t->threshold, &out->f);
+    return rates_bootstrap(out->rates, t->threshold, RATES_REPLICATES, SEED, &out->low,
+                           &out->high);
+}
+
 static enum status measure_curve(const struct report *r, const struct report_group *g,
                                  score_of *score, struct report_curve *out)
 {
@@ -219,13 +232,33 @@ static enum status measure_curve(const struct report *r, const struct report_gro
     size_t n;
     enum status st = collect(r, g, score, &s, &n);
 
-    if (st == ST_OK &&
-        (st = rates_new(s, n, r->t->corpus->nsubject, &out->rates)) == ST_OK) {
-        out->n = rates_ngenuine(out->rates);
-        rates_figures(out->rates, r->threshold, &out->f);
-        st = rates_bootstrap(out->rates, r->threshold, RATES_REPLICATES, SEED, &out->low,
-                             &out->high);
+    if (st == ST_OK)
+        st = curve_of(r->t, s, n, out);
+    free(s);
+    return st;
+}
+
+enum status report_measure_method(struct report_method *m, const struct trials *t)
+{
+    struct rates_score *s = malloc((t->n + 1) * sizeof *s);
+    size_t n = 0;
+    enum status st;
+
+    if (s == NULL)
+        return ST_ENOMEM;
+    for (size_t i = 0; i < t->n; i++) {
+        const struct trial *x = &t->trial[i];
+        const bool mated = x->type == CORPUS_GENUINE, has = !isnan(m->score[i]);
+
+        m->scored += has;
+        m->mated += mated && has;
+        m->non_mated += x->type == CORPUS_IMPOSTOR && has;
+        if (mated || (x->type == CORPUS_IMPOSTOR && has))
+            s[n++] = (struct rates_score){has ? m->score[i] : wrong,
+                                          t->corpus->scan[x->template].subject,
+                                          t->corpus->scan[x->probe].subject};
     }
+    st = curve_of(t, s, n, &m->curve);
     free(s);
     return st;
 }

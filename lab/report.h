@@ -35,6 +35,16 @@ struct report_curve {
     struct rates_figures f, low, high; /* at the report's threshold */
 };
 
+/* Another method's scores of the same comparisons (methods.h).  A mated comparison without a score is an
+ * error. */
+struct report_method {
+    char *name;
+    double *score;           /* of each trial, higher: more alike; NaN: none */
+    size_t scored;           /* comparisons with a score, of all types */
+    size_t mated, non_mated; /* those of these types with a score */
+    struct report_curve curve;
+};
+
 /* The probes of one kind, or all. */
 struct report_group {
     const char *name;
@@ -69,6 +79,8 @@ struct report {
     struct report_rate fmr; /* non-mated comparisons that are a match */
     struct report_rate far; /* of those planned: the generalised false accept rate */
     double score_ms;        /* median of a comparison */
+    struct report_method *method; /* [nmethod]; the caller's */
+    size_t nmethod;
 };
 
 /* report_measure(r, t): fills r, which has source, made, calibration, engine, model and
@@ -77,6 +89,10 @@ struct report {
  * Returns ST_OK, ST_ENOMEM. */
 enum status report_measure(struct report *r, const struct trials *t);
 void report_free(struct report *r);
+
+/* report_measure_method(m, t): Fills counts and curve of m from its scores of the comparisons t; m->curve is
+ * released by rates_free().  Returns ST_OK, ST_ENOMEM. */
+enum status report_measure_method(struct report_method *m, const struct trials *t);
 
 /* report_done(r): comparisons that were made, of all types. */
 size_t report_done(const struct report *r);
@@ -96,6 +112,7 @@ double report_step(const struct report *r, size_t most, double *from, size_t *n)
  * report_csv_matrix  the scores, a row for each template and a column for each probe; empty if
  *                    nothing was compared or a scan was refused
  * report_csv_rates   FMR and FNMR by threshold, of the comparisons made
+ * report_csv_methods the FNMR of the program and of each method by FMR, with refusals
  * report_csv_sets    a row for each report of a struct report_list
  * report_json        the report as report.json has it; report_json_out(o, r) the same as members
  *                    of o's open object */
@@ -103,7 +120,8 @@ struct report_list {
     const struct report *report;
     size_t n;
 };
-newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_sets;
+newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_methods,
+    report_csv_sets;
 newfile_writer report_json;
 void report_json_out(struct json *o, const struct report *r);
 

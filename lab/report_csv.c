@@ -7,6 +7,7 @@
 #include "report.h"
 
 #define THRESHOLDS 2000
+#define A_DECADE   20 /* rows of methods.csv for a power of ten of the FMR */
 
 /* A field, quoted where it must be. */
 static void text(FILE *to, const char *s)
@@ -209,6 +210,42 @@ enum status report_csv_rates(FILE *to, const void *arg, struct errinfo *e)
         digits(to, 8, rates_fmr(r->group[0].curve[REPORT_SCORED].rates, score));
         for (uint32_t k = 0; k < r->ngroup; k++)
             digits(to, 8, rates_fnmr(r->group[k].curve[REPORT_SCORED].rates, score));
+        (void)fputc('\n', to);
+    }
+    return ST_OK;
+}
+
+/* ---- methods.csv */
+
+/* At the least threshold that keeps the FMR. */
+static void write_fnmr(FILE *to, const struct rates *rates, double fmr)
+{
+    const bool supported = rates_supported(fmr, rates_nimpostor(rates));
+
+    digits(to, 6, supported ? rates_fnmr(rates, rates_at(rates, fmr)) : (double)NAN);
+}
+
+enum status report_csv_methods(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct report *r = arg;
+    const struct report_curve *own = r->group[0].curve;
+
+    (void)e;
+    (void)fprintf(to, "fmr,surfaced");
+    for (size_t i = 0; i < r->nmethod; i++) {
+        (void)fputc(',', to);
+        text(to, r->method[i].name);
+    }
+    (void)fputc('\n', to);
+    for (int k = -5 * A_DECADE; k <= 0; k++) {
+        const double fmr = pow(10, (double)k / A_DECADE);
+
+        (void)fprintf(to, "%.6g", fmr);
+        write_fnmr(to,
+                   own[own[REPORT_ALL].rates != NULL ? REPORT_ALL : REPORT_SCORED].rates,
+                   fmr);
+        for (size_t i = 0; i < r->nmethod; i++)
+            write_fnmr(to, r->method[i].curve.rates, fmr);
         (void)fputc('\n', to);
     }
     return ST_OK;

@@ -17,6 +17,7 @@ static void rate_of(struct json *o, const char *key, double value, double low,
 
     json_object(o, key);
     json_rate(o, "value", supported ? value : (double)NAN);
+    json_rate(o, "observed", value);
     json_flag(o, "supported", supported);
     if (!supported && n > 0)
         json_rate(o, "below", fmin(1, report_bound(value, n)));
@@ -40,11 +41,11 @@ static void count(struct json *o, const struct report_count *c)
     json_number(o, "inconclusive", (double)c->inconclusive);
 }
 
-static void targets(const struct report *r, const struct report_curve *g, struct json *o)
+static void targets(const struct report_curve *g, size_t non_mated, struct json *o)
 {
     json_array(o, "tar");
     for (int k = 0; k < RATES_TARGETS; k++) {
-        const bool known = rates_supported(rates_target[k], r->non_mated.n);
+        const bool known = rates_supported(rates_target[k], non_mated);
         const bool supported = known && rates_supported(1 - g->f.tar[k], g->n);
         const double above = 1 - fmin(1, report_bound(1 - g->f.tar[k], g->n));
 
@@ -56,6 +57,7 @@ static void targets(const struct report *r, const struct report_curve *g, struct
         if (known && !supported && g->n > 0)
             json_rate(o, "above", above);
         json_rate(o, "value", supported ? g->f.tar[k] : (double)NAN);
+        json_rate(o, "observed", g->f.tar[k]);
         if (known) {
             json_rate(o, "low", supported ? g->low.tar[k] : fmin(g->low.tar[k], above));
             json_rate(o, "high", g->high.tar[k]);
@@ -66,16 +68,13 @@ static void targets(const struct report *r, const struct report_curve *g, struct
     json_close(o);
 }
 
-static void curve(const struct report *r, const struct report_curve *g, const char *key,
-                  struct json *o)
+/* As members of the open object. */
+static void curve(const struct report_curve *g, size_t non_mated, struct json *o)
 {
-    const size_t fewer = g->n < r->non_mated.n ? g->n : r->non_mated.n;
-
-    json_object(o, key);
     json_number(o, "mated", (double)g->n);
-    rate_of(o, "eer", g->f.eer, g->low.eer, g->high.eer, fewer);
-    targets(r, g, o);
-    json_close(o);
+    rate_of(o, "eer", g->f.eer, g->low.eer, g->high.eer,
+            g->n < non_mated ? g->n : non_mated);
+    targets(g, non_mated, o);
 }
 
 static void group(const struct report *r, const struct report_group *g, struct json *o)
@@ -86,8 +85,12 @@ static void group(const struct report *r, const struct report_group *g, struct j
     json_number(o, "failures_to_acquire", round(g->fta.value * (double)g->fta.n));
     rate(o, "fta", &g->fta);
     count(o, &g->mated);
-    curve(r, &g->curve[REPORT_SCORED], "scored", o);
-    curve(r, &g->curve[REPORT_ALL], "with_refusals", o);
+    json_object(o, "scored");
+    curve(&g->curve[REPORT_SCORED], r->non_mated.n, o);
+    json_close(o);
+    json_object(o, "with_refusals");
+    curve(&g->curve[REPORT_ALL], r->non_mated.n, o);
+    json_close(o);
     rate(o, "fnmr", &g->fnmr);
     rate(o, "fnmr_with_inconclusive", &g->unmatched);
     rate(o, "frr", &g->frr);
@@ -162,6 +165,18 @@ void report_json_out(struct json *o, const struct report *r)
     json_array(o, "mated");
     for (uint32_t i = 0; i < r->ngroup; i++)
         group(r, &r->group[i], o);
+    json_close(o);
+    json_array(o, "methods");
+    for (size_t i = 0; i < r->nmethod; i++) {
+        const struct report_method *m = &r->method[i];
+
+        json_object(o, NULL);
+        json_text(o, "method", m->name);
+        json_number(o, "mated_with_a_score", (double)m->mated);
+        json_number(o, "non_mated", (double)m->non_mated);
+        curve(&m->curve, m->non_mated, o);
+        json_close(o);
+    }
     json_close(o);
     json_object(o, "bootstrap");
     json_number(o, "replicates", r->replicates);

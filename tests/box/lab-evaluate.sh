@@ -22,7 +22,7 @@ tables='rates.csv report.json scores.csv'
 
 expect 0 "a folder" "$lab" evaluate scans
 has out 'The report is in evaluation/'
-has out '^TAR  *not supported at FMR 0.1 %: 3000 non-mated'
+has out '^TAR  *not supported at FMR 0.1 %: 3000 non-mated.*(counted: 11 of 11 mated match, 0 of 55 non-mated)'
 has out '^FNMR  *below 27.3 % (0 of 11)'
 is "the files" "$(files evaluation)" "$tables"
 is "the folder is its owner's alone" "$(stat -c %a evaluation)" 700
@@ -34,6 +34,8 @@ is "nobody else is" "$(get evaluation .non_mated.match)" 0
 is "no rate is claimed" "$(get evaluation '[.fte, .non_mated.fmr, .non_mated.far, (.mated[]
     | .fta, .fnmr, .frr, (.scored, .with_refusals | .eer, .tar[]))] | map(.value) | unique')" \
     "$(printf '[\n  null\n]')"
+is "what was counted is there all the same" "$(get evaluation '[.mated[0].scored.tar[].observed,
+    .mated[0].fnmr.observed] | join(" ")')" '1 1 1 0'
 is "but a bound is" "$(get evaluation '.non_mated.fmr.below * 55 | round')" 3
 for type in mated non-mated relative; do
     for d in match no_match inconclusive; do
@@ -83,6 +85,40 @@ if command -v gnuplot >/dev/null 2>&1; then
 else
     echo "SKIP the pictures: gnuplot is not installed"
 fi
+
+# ---- scores of other methods: the same ones; distances, of which two are missing
+cp erred/scores.csv same.csv
+expect 0 "the same scores" "$lab" evaluate wrong --scores same.csv --out method
+has out '^method  *same: scores of 11 of 11 mated, 55 of 55 non-mated comparisons'
+is "have the same rates" "$(get method '.methods[0] | [.eer, .tar] | tojson')" \
+    "$(get method '.mated[0].with_refusals | [.eer, .tar] | tojson')"
+is "at every rate" "$(awk -F, 'NR > 1 && $2 != $3' method/methods.csv | wc -l)" 0
+is "none that is not supported" "$(awk -F, 'NR > 1 && $2 != "" { print $1; exit }' method/methods.csv)" 0.0562341
+awk -F, 'BEGIN { print "METHOD,probe,template,distance,note" }
+    NR > 1 { print "far," $2 "," $1 "," (-$9) ",x" }
+    $7 == "mated" && ++n <= 2 { $9 = "" }
+    NR > 1 { print "some," $2 "," $1 "," ($9 == "" ? "" : 9 - $9) "," }
+    END { print "far,p1_again.ply,nobody.ply,3,not compared here" }' erred/scores.csv >methods.csv
+expect 0 "distances" "$lab" evaluate wrong --scores methods.csv --out method --force
+has out '^method  *some: scores of 9 of 11 mated, 55 of 55 non-mated'
+is "the lower the more alike" "$(get method '.methods[0].eer.observed')" \
+    "$(get method '.mated[0].with_refusals.eer.observed')"
+is "a mated comparison without a score is an error" \
+    "$(tail -n 1 method/methods.csv | awk -F, '{ printf "%.4f", $4 - $3 }')" 0.1818
+if command -v gnuplot >/dev/null 2>&1; then
+    expect 0 "methods drawn" "$OLDPWD/scripts/plot_evaluation" method
+    is "without a complaint" "$(cat err)" ''
+    ok "a curve for each" grep -q '>some<' method/methods.svg
+fi
+expect 65 "the table is not replaced" "$lab" evaluate wrong --scores methods.csv --out . --force
+has err './methods.csv is a file that this command reads'
+printf 'template,probe,score\np1_enroll.ply,p1_again.ply,1\np1_enroll.ply,p1_again.ply,2\n' >bad.csv
+expect 65 "two scores of a pair" "$lab" evaluate wrong --scores bad.csv --out none
+has err 'bad.csv, line 3, column probe: this pair has a score already'
+printf 'template,probe,score\nx,y,1\n' >bad.csv
+expect 65 "of other scans" "$lab" evaluate wrong --scores bad.csv --out none
+has err 'no pair of bad is compared here'
+expect 64 "of several collections" "$lab" evaluate wrong scans --scores same.csv
 
 # ---- a file that exists is replaced with --force only, one that is read never
 expect 65 "there is a report" "$lab" evaluate scans
