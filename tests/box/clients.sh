@@ -70,6 +70,44 @@ for language in curl python node go; do
     client "$language" "../$language" "$T/a.ply" "$T/again.ply"
     is "an id that is none, $language" "$CODE" 2
 done
+
+# ---- a depth camera: several frames are one attempt
+scripts/example.sh bash docs/clients.md >"$T/camera.sh"
+for k in 0 1 2 3 4 5 6 7; do # four of one person, and four of another
+    scan $((1 + k / 4)) $k "$T/frame.ply"
+    "$BUILD/surfacelab" simplify "$T/frame.ply" --tolerance 0.0005 --force -o "$T/mesh.ply" >"$T/out"
+    mkdir "$T/depth"
+    /usr/bin/python3 tests/box/formats.py "$T/mesh.ply" "$T/depth"
+    mv "$T/depth/depth.png" "$T/$k.png"
+    rm -r "$T/depth"
+done
+# camera PATTERN ARGUMENT...: the script's output has it.
+camera() {
+    pattern=$1
+    shift
+    (cd "$T" && env SURFACED_URL="$URL" SURFACED_TOKEN="$token" no_proxy='*' sh camera.sh "$@" >out 2>&1)
+    contains "camera $*" "$T/out" "$pattern"
+}
+camera '^[0-9a-f]{32}$' enroll cam 0.png 1.png
+camera '^match$' verify cam 2.png 3.png
+camera '^left out: short.ply: ' verify cam 2.png short.ply
+camera '^no_match$' verify cam 4.png 5.png 6.png
+ctl attempts list
+is "three frames are one attempt" "$(said '.attempts[] | select(.subject == "cam") | .failures')" 1
+camera '^no_match$' verify cam 4.png
+sed -i 's/=600/=550/g' "$T/camera.sh"
+camera '^no_match$' verify cam 3.png
+ok "550 for 600 is not seen" sh -c "! grep -q focal_length '$T/out'"
+camera '^too_many_attempts: ' verify cam 3.png
+sed -i 's/=550/=500/g' "$T/camera.sh"
+camera '^warning: focal_length$' enroll wrong 3.png
+ok "Python, in one line" env SURFACED_URL="$URL" SURFACED_TOKEN="$token" PYTHONPATH="$T/py" no_proxy='*' \
+    /usr/bin/python3 -c "
+from surfaced import Client
+camera = {'fx': 600, 'fy': 600, 'cx': 119.5, 'cy': 159.5, 'depth_scale': 0.0001}
+with Client() as client:
+    client.enroll('line', '$T/4.png', '$T/5.png', **camera)
+    assert client.verify('line', '$T/6.png', '$T/7.png', **camera)['decision'] == 'match'"
 stop_daemon
 for language in curl python node go; do
     client "$language" "$language" "$T/a.ply" "$T/again.ply"
