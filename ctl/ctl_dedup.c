@@ -281,12 +281,16 @@ static void tell_costs(const struct dedup *d)
     json_number(d->c->out, "estimate_s", d->estimate_s);
     json_score(d->c->out, "threshold", d->threshold);
     json_rate(d->c->out, "by_chance", chance);
+    json_text(d->c->out, "calibration", d->calibration.shipped ? "shipped" : "database");
     (void)fprintf(stderr,
                   "surfacectl: %.0f comparisons of %" PRIu32
                   " subject%s, about %.*f s; by chance about %.2g of them at or above "
-                  "%.2f\n",
+                  "%.2f, by the calibration of %s\n",
                   d->pairs, d->nsubject, d->nsubject == 1 ? "" : "s",
-                  d->estimate_s < 10 ? 1 : 0, d->estimate_s, chance, d->threshold);
+                  d->estimate_s < 10 ? 1 : 0, d->estimate_s, chance, d->threshold,
+                  d->calibration.shipped
+                      ? "other people: these may be more alike (see surfacectl calibrate)"
+                      : "this database");
 }
 
 static void tell_pair(const struct dedup *d, const struct pair *p)
@@ -427,8 +431,8 @@ const struct ctl_command ctl_dedup = {
     .help =
         "Compares all templates of each subject with those of every other subject. Pairs at or\n"
         "above the threshold (in force, --threshold, or that of --fmr) are listed, highest score\n"
-        "first: they may be one person, relatives, or alike by chance. At the shipped threshold\n"
-        "about one comparison in a thousand matches by chance, so choose a smaller --fmr for a\n"
-        "large database. The number of comparisons and the expected time are printed first; with\n"
-        "--dry-run nothing else. Nothing is changed.",
-    .example = "surfacectl --db faces.db dedup --fmr 1e-5"};
+        "first: they may be one person, relatives, or alike by chance. In a large database choose\n"
+        "a higher threshold. The number of comparisons, the expected time and how many match by\n"
+        "chance are printed first; with --dry-run nothing else. The shipped calibration is of other\n"
+        "people, so that many more may match by chance. Nothing is changed.",
+    .example = "surfacectl --db faces.db dedup --threshold 25"};
