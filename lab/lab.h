@@ -34,9 +34,9 @@ struct lab {
     const char *pairs, *enroll_kind, *scores; /* evaluate */
     uint32_t non_mated, burst; /* burst: frames of a session; 0: each scan by itself */
     bool minimal, regions, matrix;
-    const char *name, *morphable, *calibrate; /* train */
-    double weight;                            /* below 0: by the number of subjects */
-    double tolerance_mm;                      /* simplify */
+    const char *name, *calibrate; /* train */
+    double weight;                /* below 0: by the number of subjects */
+    double tolerance_mm;          /* simplify */
     bool mean;
     uint64_t seed; /* study */
     bool reduced;

@@ -1,6 +1,4 @@
-/* The command train: a model from a morphable model and from scans (docs/model.md). */
-#include <dirent.h>
-#include <limits.h>
+/* The command train: a model adapted to scans, or calibrated by scores (docs/model.md). */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -139,30 +137,11 @@ static bool valid_name(const char *text)
     return true;
 }
 
-/* None of the morphable model's files either.  A folder that cannot be read fails later. */
-static enum status not_a_shape(struct lab *c)
-{
-    DIR *const dir = opendir(c->morphable);
-    const struct dirent *entry;
-    char path[PATH_MAX];
-    enum status st = ST_OK;
-
-    while (dir != NULL && st == ST_OK && (entry = readdir(dir)) != NULL) {
-        (void)snprintf(path, sizeof path, "%s/%s", c->morphable, entry->d_name);
-        st = outfile_not_read(c->out, path, &c->e);
-    }
-    if (dir != NULL)
-        (void)closedir(dir);
-    return st;
-}
-
 static enum status may_write(struct lab *c)
 {
-    enum status st = lab_may_write(c, c->out, c->nargs);
+    const enum status st = lab_may_write(c, c->out, c->nargs);
 
-    if (st == ST_OK)
-        st = outfile_not_read(c->out, c->calibrate, &c->e);
-    return st == ST_OK && c->morphable != NULL ? not_a_shape(c) : st;
+    return st == ST_OK ? outfile_not_read(c->out, c->calibrate, &c->e) : st;
 }
 
 static enum status check(struct lab *c)
@@ -172,10 +151,9 @@ static enum status check(struct lab *c)
     if (c->name != NULL && !valid_name(c->name))
         return lab_usage(c, "a model's name is up to %d printable ASCII characters",
                          MODEL_NAME_MAX);
-    if (c->morphable == NULL && c->calibrate == NULL && c->nargs == 0)
-        return lab_usage(c, "nothing to learn from: give a collection of scans, "
-                            "--morphable "
-                            "DIR or --calibrate FILE");
+    if (c->calibrate == NULL && c->nargs == 0)
+        return lab_usage(c, "nothing to learn from: give a collection of scans, or "
+                            "--calibrate FILE");
     if (c->weight >= 0 && c->nargs == 0)
         return lab_usage(c, "--weight is that of scans, and there are none");
     return may_write(c);
@@ -184,7 +162,6 @@ static enum status check(struct lab *c)
 enum status lab_train(struct lab *c)
 {
     struct train t = {.base = c->model,
-                      .morphable = c->morphable,
                       .weight = c->weight,
                       .scores = c->calibrate,
                       .threads = c->threads};

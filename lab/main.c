@@ -43,11 +43,11 @@ static const struct command {
      "rates.csv and, if wanted, matrix.csv; with several collections a folder for each, and\n"
      "sets.csv.  scripts/plot_evaluation draws them."},
     {TRAIN, "train", "[DIR|MANIFEST]", 0, 1, lab_train,
-     "learn a model from a morphable model and from scans",
-     "The model comes from a morphable model or from the base model (--model, or the shipped\n"
-     "one), and is adapted to a collection of scans, named as for evaluate: of 20 subjects\n"
-     "with two scans or more.  Before and after are both cross-validated.  A model that is\n"
-     "worse than the base model is written only with --force (exit code 1)."},
+     "adapt a model to scans, or calibrate it",
+     "The base model (--model, or the shipped one) is adapted to a collection of scans, named\n"
+     "as for evaluate: of 20 subjects with two scans or more.  The error rates of the new model\n"
+     "are cross-validated.  A model that is worse than the base model is written only with\n"
+     "--force (exit code 1)."},
     {EXPLAIN, "explain", "A B", 2, 2, lab_explain,
      "compare two scans and write where they differ",
      "B is moved onto A.  The folder --out (./explanation) gets explain.html (for a\n"
@@ -169,9 +169,6 @@ static const struct taken {
     {TRAIN,
      {"name", "TEXT", command_text, NULL, "the model's name (the base model's)",
       IN(name)}},
-    {TRAIN,
-     {"morphable", "DIR", command_text, NULL,
-      "a morphable model's OBJ files (the base model's population)", IN(morphable)}},
     {TRAIN,
      {"weight", "W", read_weight, NULL,
       "of the scans, 0 to 1 (N subjects: N / (N + 200))", IN(weight)}},

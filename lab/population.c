@@ -36,7 +36,8 @@ static enum status place(struct population *p)
     return st;
 }
 
-enum status population_begin(const float mean[GRID_N], struct population *p)
+/* A population of this mean face, of which all variances are 0.  Returns: as population_read(). */
+static enum status begin(const float mean[GRID_N], struct population *p)
 {
     enum status st;
 
@@ -72,7 +73,7 @@ void population_free(struct population *p)
 
 enum status population_copy(const struct population *from, struct population *to)
 {
-    const enum status st = population_begin(from->mean, to);
+    const enum status st = begin(from->mean, to);
 
     if (st != ST_OK)
         return st;
@@ -126,7 +127,7 @@ enum status population_read(const struct surface_model *m, struct population *p)
             m->change.rest[i] > 0.0f && m->shape.rest[i] > 0.0f ? m->mean[i] : (float)NAN;
         one[i] = 1.0f;
     }
-    if ((st = population_begin(mean, p)) != ST_OK)
+    if ((st = begin(mean, p)) != ST_OK)
         return st;
     add_basis(p, &m->change, one, 0, &p->change);
     add_basis(p, &m->identity, one, 0, &p->identity);

@@ -1,7 +1,6 @@
 /* population.h -- what is known of a population's faces, before it is cut down to the modes of a
  * model (core/face/model.h): the mean face and, about it, how gaps vary within a person and between
- * people.  It is learned from a morphable model (population_render.h), or taken from a model, and
- * adapted to scans (population_scans.h). */
+ * people.  It is read from a model, and adapted to scans (population_scans.h). */
 #ifndef LAB_POPULATION_H
 #define LAB_POPULATION_H
 #include <stdint.h>
@@ -25,14 +24,10 @@ struct population {
     struct spread shape;    /* of a face with its expression, as wide as a fit allows */
 };
 
-/* population_begin(mean, p): a population of that mean face, of which nothing else is known: all
- * variances are 0.  The mean is made symmetric; a cell is in use where it and its mirror image
- * have a height.
+/* population_read(m, p): Computes the population that the model m describes.  The mean face is made
+ * symmetric; a cell is in use if it and its mirror image have a height.
  * Returns ST_OK; ST_EINVAL fewer than MODEL_FACE_MIN cells are in use; ST_ENOMEM.  On failure p is
  * empty. */
-enum status population_begin(const float mean[GRID_N], struct population *p);
-
-/* population_read(m, p): the population that a model says.  As population_begin(). */
 enum status population_read(const struct surface_model *m, struct population *p);
 
 /* population_copy(from, to): Returns ST_OK; ST_ENOMEM, to is empty. */

@@ -64,43 +64,6 @@ void spread_add_pattern(struct spread *s, bool odd, const double *x, double by)
         eigen_add(s->block[odd] + (size_t)i * s->n, by * x[i], x, s->n);
 }
 
-/* e^-t for t >= 0 by + - * / alone: the library's exp() differs between machines in its last
- * digit.  (1 - t / 2^10 + ...)^(2^10). */
-static double falling(double t)
-{
-    const double x = t / 1024;
-    double e = 1 - x * (1 - x / 2 * (1 - x / 3 * (1 - x / 4 * (1 - x / 5))));
-
-    if (t > 100)
-        return 0;
-    for (int i = 0; i < 10; i++)
-        e *= e;
-    return e;
-}
-
-static double correlation(uint32_t a, uint32_t b, double length_mm)
-{
-    const double x = (grid_x(a) - grid_x(b)) / length_mm;
-    const double y = (grid_y(a) - grid_y(b)) / length_mm;
-
-    return falling((x * x + y * y) / 2);
-}
-
-void spread_add_field(struct spread *s, const struct spread_cells *c,
-                      const double *deviation, double length_mm)
-{
-    for (uint32_t i = 0; i < s->n; i++)
-        for (uint32_t k = 0; k < s->n; k++) {
-            const uint32_t a = c->at[i], b = c->at[k];
-            const double both = deviation[a] * deviation[b];
-            const double near = both * correlation(a, b, length_mm);
-            const double across = both * correlation(a, grid_mirror(b), length_mm);
-
-            s->block[0][(size_t)i * s->n + k] += near + across;
-            s->block[1][(size_t)i * s->n + k] += near - across;
-        }
-}
-
 void spread_add(struct spread *s, const struct spread *other, double by)
 {
     for (uint32_t i = 0; i < s->n; i++)

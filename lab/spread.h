@@ -46,12 +46,6 @@ void spread_join(const struct spread_cells *c, bool odd, const double *pattern, 
 /* spread_add_pattern(s, odd, x, by): s += by x x', in one block.  O(n^2). */
 void spread_add_pattern(struct spread *s, bool odd, const double *x, double by);
 
-/* spread_add_field(s, c, deviation, length_mm): a smooth random field: of that deviation (mm) at
- * each cell, [GRID_N], symmetric; of correlation exp(-d^2 / 2 length^2) at the distance d.
- * O(n^2). */
-void spread_add_field(struct spread *s, const struct spread_cells *c,
-                      const double *deviation, double length_mm);
-
 /* spread_add(s, other, by): s += by other. */
 void spread_add(struct spread *s, const struct spread *other, double by);
 

@@ -12,15 +12,8 @@
 #include "errinfo.h"
 #include "face.h"
 #include "heights.h"
-#include "morphable.h"
 #include "pool.h"
-#include "population_render.h"
 #include "population_scans.h"
-
-/* Chosen on scans of real people (docs/model.md). */
-#define KINSHIP        0.3
-#define NOISE_FLOOR_MM 0.75
-#define NOISE_FACTOR   1.2
 
 #define CALIBRATED_FMR 0.001
 #define STRANGERS      20 /* that each scan is compared with, at most */
@@ -232,22 +225,13 @@ static enum status to_model(const struct population *p, struct surface_model *m,
 
 static enum status begin(const struct train *t, struct population *p, struct errinfo *e)
 {
-    struct morphable *m = NULL;
-    enum status st;
+    const enum status st = population_read(t->base, p);
 
-    if (t->morphable == NULL) {
-        st = population_read(t->base, p);
-        return st == ST_OK ? ST_OK
-                           : errinfo_set(e, st == ST_EINVAL ? ST_ECORRUPT : st,
-                                         "the model to begin with: %s",
-                                         st == ST_EINVAL ? "too few cells are symmetric"
-                                                         : status_message(st));
-    }
-    st = morphable_read(t->morphable, &m, e);
-    if (st == ST_OK)
-        st = population_render(m, t->threads, p, e);
-    morphable_free(m);
-    return st;
+    return st == ST_OK ? ST_OK
+                       : errinfo_set(e, st == ST_EINVAL ? ST_ECORRUPT : st,
+                                     "the model to begin with: %s",
+                                     st == ST_EINVAL ? "too few cells are symmetric"
+                                                     : status_message(st));
 }
 
 /* The gaps of a half of the subjects, or of all, blended into p. */
@@ -371,13 +355,7 @@ static enum status learn(const struct train *t, struct surface_model *out,
 
     if (st != ST_OK)
         return st;
-    if (t->morphable != NULL) {
-        out->kinship = KINSHIP;
-        out->noise_floor_mm = NOISE_FLOOR_MM;
-        out->noise_factor = NOISE_FACTOR;
-    }
-    if (t->corpus != NULL)
-        st = learn_scans(&w, &p, out, r, e);
+    st = learn_scans(&w, &p, out, r, e);
     if (st == ST_OK)
         st = to_model(&p, out, e);
     free(w.sample);
@@ -458,7 +436,7 @@ enum status train_model(const struct train *t, const char *name,
     memset(report_out, 0, sizeof *report_out);
     *out = *t->base;
     (void)snprintf(out->name, sizeof out->name, "%s", name);
-    if (t->morphable != NULL || t->corpus != NULL)
+    if (t->corpus != NULL)
         st = learn(t, out, report_out, e);
     return st == ST_OK && t->scores != NULL ? calibrate(t->scores, out, e) : st;
 }

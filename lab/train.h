@@ -1,5 +1,5 @@
-/* train.h -- a model (core/face/model.h) from a morphable model, from scans of real people, or from
- * both: docs/model.md, "How it is learned".
+/* train.h -- a model (core/face/model.h) adapted to scans of real people, and its calibration:
+ * docs/model.md, "How it is learned".
  * Deterministic: the same files give the same model, with any compiler and any number of
  * threads. */
 #ifndef LAB_TRAIN_H
@@ -19,8 +19,7 @@ struct surface_face; /* face.h */
 
 struct train {
     const struct surface_model
-        *base;             /* what nothing else is learned of stays as it is there */
-    const char *morphable; /* a folder (morphable.h); NULL: none, the base's population */
+        *base; /* the model to adapt; the new model keeps what is not learned */
     const struct corpus *corpus; /* scans; NULL: none */
     const struct surface_face
         *face;     /* [corpus->nscan] built by base; of no points: not used */
@@ -45,11 +44,11 @@ struct train_report {
  * name    the model's; printable ASCII of up to MODEL_NAME_MAX characters
  * out     rounded as its text form is
  * report  all 0 without scans
- * Memory: 30 KB a scan.  Cost: 50 s of one core for a morphable model; three encodings for each
- * scan, 2 ms for each pair of scans of one subject.
+ * Memory: 30 KB a scan.  Cost: three encodings for each scan, 2 ms for each pair of scans of
+ * one subject.
  * Returns ST_OK; ST_ETOOFEW subjects, or scores to calibrate by; ST_ECORRUPT the base has no
- * population, or the result is no valid model; what the files' readers return (morphable.h,
- * csv.h); ST_ENOMEM. */
+ * population, or the result is no valid model; the errors of csv_open() and csv_next();
+ * ST_ENOMEM. */
 enum status train_model(const struct train *t, const char *name,
                         struct surface_model *out, struct train_report *report,
                         struct errinfo *e);

@@ -99,7 +99,6 @@ kept "a scan of a collection" "$read" "$lab" train scans -o scans/p1_0.ply --for
 kept "the list of a collection" "$read" "$lab" train scans -o scans/index.csv --force
 kept "the subjects of a collection" "$read" "$lab" train scans/index.csv -o scans/subjects.csv --force
 kept "scores" "$read" "$lab" train --calibrate scores.csv -o scores.csv --force
-kept "a morphable model" "$read" "$lab" train --morphable scans -o scans/p2_0.ply --force
 cp "$PWD/scans/p1_0.ply" report/p1_0.ply
 ln -f report/p1_0.ply report/scores.csv
 printf 'file,subject\nreport/p1_0.ply,1\nscans/p2_0.ply,2\nscans/p2_1.ply,2\n' >list.csv
