@@ -26,7 +26,7 @@ struct sink {
 };
 
 /* Room for at least one more byte.  Returns ST_OK, ST_ESIZE, ST_ENOMEM. */
-static enum status grow(struct sink *s)
+static enum status inflate_grow(struct sink *s)
 {
     size_t size = s->size == 0 ? FIRST_ROOM : 2 * s->size;
     unsigned char *data;
@@ -62,7 +62,7 @@ static enum status gunzip(const unsigned char *in, size_t len, struct sink *s)
     do {
         unsigned given = least(len - used), room;
 
-        if ((st = grow(s)) != ST_OK)
+        if ((st = inflate_grow(s)) != ST_OK)
             break;
         room = least(s->size - s->len);
         z.next_in = in + used;
@@ -118,7 +118,7 @@ static enum status unzstd(const unsigned char *in, size_t len, struct sink *s)
             st = ST_EINVAL;
             break;
         }
-        if ((st = grow(s)) != ST_OK)
+        if ((st = inflate_grow(s)) != ST_OK)
             break;
         to = (ZSTD_outBuffer){s->data + s->len, s->size - s->len, 0};
         left = ZSTD_decompressStream(z, &to, &from);
@@ -172,7 +172,7 @@ enum status inflate_body(enum inflate_coding coding, const unsigned char *in, si
     *out = NULL;
     *outlen = 0;
     if (st == ST_OK)
-        st = s.len > limit ? ST_ESIZE : grow(&s); /* for the final 0 */
+        st = s.len > limit ? ST_ESIZE : inflate_grow(&s); /* for the final 0 */
     if (st != ST_OK) {
         mem_free(s.data);
         if (st == ST_ESIZE)

@@ -30,7 +30,7 @@ static void watch_memory(void)
     cJSON_InitHooks(&hooks);
 }
 
-static void start(void)
+static void json_start(void)
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
 
@@ -50,7 +50,7 @@ struct json *json_new(void)
 {
     struct json *j = calloc(1, sizeof *j);
 
-    start();
+    json_start();
     if (j != NULL && (j->open[0] = cJSON_CreateObject()) == NULL) {
         free(j);
         return NULL;
@@ -64,7 +64,7 @@ static bool adds(const struct json *j)
     return j != NULL && !j->failed;
 }
 
-static void add(struct json *j, const char *key, cJSON *item)
+static void json_add(struct json *j, const char *key, cJSON *item)
 {
     cJSON *in = j->open[j->depth];
 
@@ -75,9 +75,9 @@ static void add(struct json *j, const char *key, cJSON *item)
     }
 }
 
-static void begin(struct json *j, const char *key, cJSON *item)
+static void json_begin(struct json *j, const char *key, cJSON *item)
 {
-    add(j, key, item);
+    json_add(j, key, item);
     if (!j->failed && j->depth + 1 < JSON_DEPTH)
         j->open[++j->depth] = item;
     else
@@ -87,13 +87,13 @@ static void begin(struct json *j, const char *key, cJSON *item)
 void json_object(struct json *j, const char *key)
 {
     if (adds(j))
-        begin(j, key, cJSON_CreateObject());
+        json_begin(j, key, cJSON_CreateObject());
 }
 
 void json_array(struct json *j, const char *key)
 {
     if (adds(j))
-        begin(j, key, cJSON_CreateArray());
+        json_begin(j, key, cJSON_CreateArray());
 }
 
 void json_close(struct json *j)
@@ -128,16 +128,16 @@ void json_text(struct json *j, const char *key, const char *value)
     const size_t len = value == NULL ? 0 : strlen(value);
 
     if (adds(j))
-        add(j, key,
-            value == NULL                   ? cJSON_CreateNull()
-            : utf8_valid(value, len) == len ? cJSON_CreateString(value)
-                                            : create_repaired(value, len));
+        json_add(j, key,
+                 value == NULL                   ? cJSON_CreateNull()
+                 : utf8_valid(value, len) == len ? cJSON_CreateString(value)
+                                                 : create_repaired(value, len));
 }
 
 void json_flag(struct json *j, const char *key, bool value)
 {
     if (adds(j))
-        add(j, key, cJSON_CreateBool(value));
+        json_add(j, key, cJSON_CreateBool(value));
 }
 
 /* The double nearest to value in steps of 1 / per_unit.  The library prints the shortest
@@ -150,7 +150,7 @@ static void add_rounded(struct json *j, const char *key, double value, double pe
         return;
     if (fabs(scaled) < 9007199254740992.0)
         value = scaled == 0 ? 0 : scaled / per_unit; /* no -0 */
-    add(j, key, cJSON_CreateNumber(value));
+    json_add(j, key, cJSON_CreateNumber(value));
 }
 
 #define LENGTH    1e4
@@ -176,7 +176,7 @@ void json_extent(struct json *j, const char *key, double value)
 void json_exact(struct json *j, const char *key, double value)
 {
     if (adds(j))
-        add(j, key, cJSON_CreateNumber(value));
+        json_add(j, key, cJSON_CreateNumber(value));
 }
 
 void json_rate(struct json *j, const char *key, double value)
@@ -185,7 +185,8 @@ void json_rate(struct json *j, const char *key, double value)
 
     (void)snprintf(text, sizeof text, "%.2e", value);
     if (adds(j))
-        add(j, key, cJSON_CreateNumber(isfinite(value) ? strtod(text, NULL) : value));
+        json_add(j, key,
+                 cJSON_CreateNumber(isfinite(value) ? strtod(text, NULL) : value));
 }
 
 void json_direction(struct json *j, const char *key, const double value[3])
@@ -344,7 +345,7 @@ static enum status parse(const struct json_text *t, cJSON **doc, struct errinfo 
     const char *end = NULL;
     enum status st = ST_OK;
 
-    start();
+    json_start();
     if (rest != NULL)
         *doc = cJSON_ParseWithLengthOpts(rest, len + 1, &end, true);
     if (rest == NULL || (*doc == NULL && starved))

@@ -57,7 +57,7 @@ static const char *take_point(const char *p, const char *end, struct dvec3 *out)
 }
 
 /* Adds one; there is room for *room. */
-static bool add(struct json_points *points, size_t *room, struct dvec3 point)
+static bool json_text_add(struct json_points *points, size_t *room, struct dvec3 point)
 {
     if (points->n == *room) {
         const size_t n = *room == 0 ? FIRST_ROOM : 2 * *room;
@@ -73,7 +73,7 @@ static bool add(struct json_points *points, size_t *room, struct dvec3 point)
 }
 
 /* points is empty again; returns st. */
-static enum status drop(struct json_points *points, enum status st)
+static enum status json_text_drop(struct json_points *points, enum status st)
 {
     mem_free(points->at);
     *points = (struct json_points){0};
@@ -87,8 +87,8 @@ static enum status drop(struct json_points *points, enum status st)
  * parser that finds an error there finds it at the byte where it is in the whole document.
  * Memory: at most 48 bytes a point, and no less than 1.5 KB.  On failure *out is empty; ST_ELIMIT: more
  * than max points. */
-static enum status read_points(const char *p, const char *end, size_t max,
-                               struct json_points *out, const char **rest)
+static enum status json_text_read_points(const char *p, const char *end, size_t max,
+                                         struct json_points *out, const char **rest)
 {
     size_t room = 0;
     struct dvec3 point;
@@ -101,9 +101,9 @@ static enum status read_points(const char *p, const char *end, size_t max,
         if ((q = take_point(p, end, &point)) == NULL)
             break;
         if (out->n == max)
-            return drop(out, ST_ELIMIT);
-        if (!add(out, &room, point))
-            return drop(out, ST_ENOMEM);
+            return json_text_drop(out, ST_ELIMIT);
+        if (!json_text_add(out, &room, point))
+            return json_text_drop(out, ST_ENOMEM);
         *rest = p;
         p = skip_blank(q);
         if (*p == ']') {
@@ -113,7 +113,7 @@ static enum status read_points(const char *p, const char *end, size_t max,
         more = *p++ == ',';
     }
     if (out->n <= 1) /* the parser's, or there was none */
-        return drop(out, ST_OK);
+        return json_text_drop(out, ST_OK);
     out->n--;
     return ST_OK;
 }
@@ -135,7 +135,8 @@ static enum status take_array(struct json_text *t, size_t depth, size_t *i,
 
     if (t->cuts == t->max_cuts || depth == t->max_depth)
         return ST_OK;
-    st = read_points(first, t->bytes + t->len, t->max_values / 4, &points, &rest);
+    st = json_text_read_points(first, t->bytes + t->len, t->max_values / 4, &points,
+                               &rest);
     if (st == ST_ELIMIT)
         return too_many(t, e);
     if (st != ST_OK)

@@ -94,7 +94,8 @@ bool newfile_missing(const char *path)
     return access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR);
 }
 
-static enum status fail(const struct newfile *n, const char *what, struct errinfo *e)
+static enum status newfile_fail(const struct newfile *n, const char *what,
+                                struct errinfo *e)
 {
     const enum status st = errno == EACCES || errno == EPERM ? ST_EDENIED : ST_EIO;
 
@@ -121,7 +122,7 @@ static enum status lock_part(struct newfile *n, bool *ours, struct errinfo *e)
     if (!locked)
         st = errno == EWOULDBLOCK
                  ? errinfo_set(e, ST_EBUSY, "another process writes %.160s", n->path)
-                 : fail(n, "create", e);
+                 : newfile_fail(n, "create", e);
     *ours = locked && is_named(n);
     if (!*ours) {
         (void)close(n->fd);
@@ -139,7 +140,7 @@ static enum status remove_left(struct newfile *n, struct errinfo *e)
     enum status st;
 
     if (fstatat(n->dir, n->part, &sb, AT_SYMLINK_NOFOLLOW) != 0)
-        return errno == ENOENT ? ST_OK : fail(n, "create", e);
+        return errno == ENOENT ? ST_OK : newfile_fail(n, "create", e);
     if (!S_ISREG(sb.st_mode) || sb.st_uid != geteuid() || (sb.st_mode & 077) != 0)
         return errinfo_set(
             e, ST_EDENIED,
@@ -148,7 +149,7 @@ static enum status remove_left(struct newfile *n, struct errinfo *e)
             n->part, (unsigned)sb.st_uid, (unsigned)(sb.st_mode & 0777));
     n->fd = openat(n->dir, n->part, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (n->fd < 0)
-        return errno == ENOENT ? ST_OK : fail(n, "create", e);
+        return errno == ENOENT ? ST_OK : newfile_fail(n, "create", e);
     if ((st = lock_part(n, &ours, e)) != ST_OK || !ours)
         return st;
     (void)unlinkat(n->dir, n->part, 0);
@@ -166,12 +167,12 @@ static enum status open_part(struct newfile *n, struct errinfo *e)
     while (!ours) {
         n->fd = openat(n->dir, n->part, flags, 0600);
         if (n->fd < 0 && errno != EEXIST)
-            return fail(n, "create", e);
+            return newfile_fail(n, "create", e);
         st = n->fd < 0 ? remove_left(n, e) : lock_part(n, &ours, e);
         if (st != ST_OK)
             return st;
     }
-    return fchmod(n->fd, 0600) == 0 ? ST_OK : fail(n, "write", e);
+    return fchmod(n->fd, 0600) == 0 ? ST_OK : newfile_fail(n, "write", e);
 }
 
 enum status newfile_open_at(int dir, const char *name, struct newfile *n,
@@ -189,7 +190,7 @@ enum status newfile_open_at(int dir, const char *name, struct newfile *n,
     }
     (void)snprintf(n->part, len, "%s.part", name);
     if ((n->folder = open_directory(dir, name)) < 0)
-        st = fail(n, "open the folder of", e);
+        st = newfile_fail(n, "open the folder of", e);
     else
         st = open_part(n, e);
     if (st != ST_OK)
@@ -211,7 +212,7 @@ enum status newfile_put(struct newfile *n, const void *data, size_t len,
         const ssize_t done = write(n->fd, at, len);
 
         if (done < 0 && errno != EINTR)
-            return fail(n, "write", e);
+            return newfile_fail(n, "write", e);
         at += done > 0 ? done : 0;
         len -= done > 0 ? (size_t)done : 0;
     }
@@ -227,7 +228,7 @@ enum status newfile_fill(struct newfile *n, newfile_writer *write_to, const void
     bool whole;
 
     if (to == NULL) {
-        st = fail(n, "write", e);
+        st = newfile_fail(n, "write", e);
         if (fd >= 0)
             (void)close(fd);
         return st;
@@ -235,7 +236,7 @@ enum status newfile_fill(struct newfile *n, newfile_writer *write_to, const void
     st = write_to(to, arg, e);
     whole = fflush(to) == 0 && !ferror(to);
     whole = fclose(to) == 0 && whole;
-    return st == ST_OK && !whole ? fail(n, "write", e) : st;
+    return st == ST_OK && !whole ? newfile_fail(n, "write", e) : st;
 }
 
 /* The part was renamed: it is no part any more. */
@@ -262,7 +263,7 @@ void newfile_like(int fd, const char *path)
 enum status newfile_sync(const struct newfile *n, struct errinfo *e)
 {
     if (fsync(n->fd) != 0)
-        return fail(n, "write", e);
+        return newfile_fail(n, "write", e);
     return is_named(n)
                ? ST_OK
                : errinfo_set(e, ST_EIO,
@@ -277,7 +278,7 @@ enum status newfile_commit(struct newfile *n, struct errinfo *e)
     if (st != ST_OK)
         return st;
     if (renameat2(n->dir, n->part, n->dir, n->path, 0) != 0)
-        return fail(n, "write", e);
+        return newfile_fail(n, "write", e);
     return named(n, e);
 }
 
@@ -302,7 +303,7 @@ enum status newfile_keep(struct newfile *n, struct errinfo *e)
     if (rename_new(n->dir, n->part, n->path) != 0)
         return errno == EEXIST
                    ? errinfo_set(e, ST_EEXISTS, "the file %.160s exists already", n->path)
-                   : fail(n, "write", e);
+                   : newfile_fail(n, "write", e);
     return named(n, e);
 }
 

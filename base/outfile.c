@@ -54,7 +54,7 @@ enum status outfile_may(const char *path, bool force, struct errinfo *e)
                  : errinfo_set(e, ST_EEXISTS, "%.160s exists: --force replaces it", path);
 }
 
-static enum status fail(struct errinfo *e, const char *name)
+static enum status outfile_fail(struct errinfo *e, const char *name)
 {
     const enum status st = errno == EACCES || errno == EPERM ? ST_EDENIED : ST_EIO;
 
@@ -119,7 +119,7 @@ enum status outfile_write(const char *path, bool force, newfile_writer *write,
     if (slash != NULL)
         (void)snprintf(folder, sizeof folder, "%.*s", (int)(slash - path) + 1, path);
     if (mkdir(folder, 0700) != 0 && errno != EEXIST)
-        return fail(e, folder);
+        return outfile_fail(e, folder);
     st = newfile_open(path, &file, e);
     if (st == ST_OK && (st = newfile_fill(&file, write, arg, e)) == ST_OK)
         st = force ? newfile_commit(&file, e) : newfile_keep(&file, e);

@@ -25,7 +25,7 @@ struct pool {
     struct errinfo e;
 };
 
-static void show(struct pool *p)
+static void pool_show(struct pool *p)
 {
     static const char full[] = "##################################################";
     const unsigned percent = (unsigned)(100 * p->done / p->n);
@@ -53,7 +53,7 @@ static void *work(void *arg)
         st = p->item(p->arg, i, w, &e);
         (void)pthread_mutex_lock(&p->lock);
         p->done++;
-        show(p);
+        pool_show(p);
     }
     if (st != ST_OK && p->st == ST_OK) {
         p->st = st;

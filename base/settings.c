@@ -22,7 +22,7 @@
 
 enum source { UNSET, DEFAULT, ENVIRONMENT, FLAG, IN_FILE };
 
-struct value {
+struct settings_one {
     char *text; /* as given; NULL: unset */
     char *path; /* of a credential; NULL: text is the path */
     enum source source;
@@ -35,7 +35,7 @@ struct settings {
     FILE *errors;
     unsigned problems;
     char *file; /* the configuration file; NULL: none was read */
-    struct value value[];
+    struct settings_one value[];
 };
 
 /* ---- problems */
@@ -70,7 +70,7 @@ report(struct settings *s, const char *where, const char *fmt, va_list ap)
  * ". */
 __attribute__((format(printf, 4, 5))) static void bad_value(struct settings *s,
                                                             const struct setting *row,
-                                                            const struct value *v,
+                                                            const struct settings_one *v,
                                                             const char *fmt, ...)
 {
     const char *text = v->text != NULL ? v->text : "";
@@ -199,7 +199,8 @@ static const char *find_credential(const char *text, char **out)
 }
 
 /* Says what is wrong with v->text, and finds v->path. */
-static bool check_value(struct settings *s, const struct setting *row, struct value *v)
+static bool check_value(struct settings *s, const struct setting *row,
+                        struct settings_one *v)
 {
     const char *why = NULL;
     struct sockaddr_storage ss;
@@ -249,7 +250,7 @@ static bool check_value(struct settings *s, const struct setting *row, struct va
 static void take_value(struct settings *s, size_t i, enum source source, unsigned line,
                        const char *text)
 {
-    struct value *v = &s->value[i], new = {strdup(text), NULL, source, line};
+    struct settings_one *v = &s->value[i], new = {strdup(text), NULL, source, line};
 
     if (new.text == NULL) {
         settings_wrong(s, "out of memory");
@@ -323,7 +324,7 @@ void settings_environment(struct settings *s)
 
 /* ---- the file */
 
-struct reading {
+struct settings_reading {
     struct settings *s;
     FILE *in;
     unsigned line; /* the one that was read last */
@@ -333,9 +334,9 @@ struct reading {
 /* As fgets() for inih, but a line that is no line of text ends the reading.  inih asks
  * for the next line only after it has called back for the one before: r->line is that
  * one's. */
-static char *read_line(char *buf, int size, void *stream)
+static char *settings_read_line(char *buf, int size, void *stream)
 {
-    struct reading *r = stream;
+    struct settings_reading *r = stream;
     int n = 0, c;
 
     if (r->broken)
@@ -360,7 +361,7 @@ static char *read_line(char *buf, int size, void *stream)
 
 static int take_line(void *user, const char *section, const char *name, const char *value)
 {
-    struct reading *r = user;
+    struct settings_reading *r = user;
     struct settings *s = r->s;
     const size_t i = row_of(s, name);
 
@@ -378,7 +379,7 @@ static int take_line(void *user, const char *section, const char *name, const ch
 
 void settings_read(struct settings *s, FILE *in, const char *name)
 {
-    struct reading r = {.s = s, .in = in};
+    struct settings_reading r = {.s = s, .in = in};
     int at;
 
     free(s->file);
@@ -390,7 +391,7 @@ void settings_read(struct settings *s, FILE *in, const char *name)
     ini_allow_multiline = false;
     ini_allow_inline_comments = false;
     ini_max_line = LINE_MAX_BYTES + 2;
-    at = ini_parse_stream(read_line, &r, take_line, &r);
+    at = ini_parse_stream(settings_read_line, &r, take_line, &r);
     if (ferror(in))
         settings_wrong(s, "%s: %s", name, strerror(errno));
     else if (at > 0)
@@ -411,7 +412,7 @@ void settings_file(struct settings *s, const char *path, bool may_miss)
 
 /* ---- results */
 
-static const char *path_of(const struct value *v)
+static const char *path_of(const struct settings_one *v)
 {
     return v->path != NULL ? v->path : v->text;
 }
@@ -457,7 +458,7 @@ void settings_fill(const struct settings *s, void *out)
 {
     for (size_t i = 0; i < s->n; i++) {
         const struct setting *row = &s->table[i];
-        const struct value *v = &s->value[i];
+        const struct settings_one *v = &s->value[i];
         char *member = (char *)out + row->offset;
         const char *text = path_of(v);
         unsigned long n = 0;
@@ -493,7 +494,7 @@ void settings_fill(const struct settings *s, void *out)
 
 const char *settings_value(const struct settings *s, size_t row, char *from, size_t size)
 {
-    const struct value *v = &s->value[row];
+    const struct settings_one *v = &s->value[row];
     char name[NAME_MAX_BYTES];
 
     switch (v->source) {

@@ -19,7 +19,7 @@ bool utc_now(int64_t *ms)
 }
 
 /* n digits of v, and what follows them. */
-static char *put(char *to, int v, int n, char after)
+static char *utc_put(char *to, int v, int n, char after)
 {
     for (int i = n - 1; i >= 0; i--, v /= 10)
         to[i] = (char)('0' + v % 10);
@@ -36,13 +36,13 @@ void utc_print(int64_t ms, char out[UTC_TEXT])
         ms = LAST_MS;
     s = (time_t)(ms / 1000);
     (void)gmtime_r(&s, &tm);
-    out = put(out, tm.tm_year + 1900, 4, '-');
-    out = put(out, tm.tm_mon + 1, 2, '-');
-    out = put(out, tm.tm_mday, 2, 'T');
-    out = put(out, tm.tm_hour, 2, ':');
-    out = put(out, tm.tm_min, 2, ':');
-    out = put(out, tm.tm_sec, 2, '.');
-    out = put(out, (int)(ms % 1000), 3, 'Z');
+    out = utc_put(out, tm.tm_year + 1900, 4, '-');
+    out = utc_put(out, tm.tm_mon + 1, 2, '-');
+    out = utc_put(out, tm.tm_mday, 2, 'T');
+    out = utc_put(out, tm.tm_hour, 2, ':');
+    out = utc_put(out, tm.tm_min, 2, ':');
+    out = utc_put(out, tm.tm_sec, 2, '.');
+    out = utc_put(out, (int)(ms % 1000), 3, 'Z');
     *out = '\0';
 }
 

@@ -149,9 +149,10 @@ static struct scan_options options(const struct surface_cloud *from)
 }
 
 /* scan_build() on a copy of the cloud. */
-static enum status build(struct surface_work *work, const struct surface_cloud *from,
-                         struct scan_search *search, struct surface_face *f,
-                         struct surface_found *about)
+static enum status libsurface_build(struct surface_work *work,
+                                    const struct surface_cloud *from,
+                                    struct scan_search *search, struct surface_face *f,
+                                    struct surface_found *about)
 {
     struct scan_options how = options(from);
     struct cloudpoints c;
@@ -180,8 +181,8 @@ static struct surface_face *face_for(struct surface_face **out)
     return f;
 }
 
-static enum surface_status finish(enum status st, struct surface_face *f,
-                                  struct surface_face **out)
+static enum surface_status libsurface_finish(enum status st, struct surface_face *f,
+                                             struct surface_face **out)
 {
     if (st == ST_OK)
         *out = f;
@@ -199,10 +200,10 @@ enum surface_status surface_build(struct surface_work *work,
     enum status st = f == NULL ? ST_ENOMEM : check_cloud(cloud);
 
     if (st == ST_OK)
-        st = build(work, cloud, NULL, f, &about);
+        st = libsurface_build(work, cloud, NULL, f, &about);
     if (found != NULL)
         *found = about;
-    return finish(st, f, out);
+    return libsurface_finish(st, f, out);
 }
 
 /* ---- several frames */
@@ -295,7 +296,7 @@ enum surface_status surface_fuse(struct surface_work *work, uint32_t n,
     mem_free(f);
     if (found != NULL)
         *found = about;
-    return finish(st, face, out);
+    return libsurface_finish(st, face, out);
 }
 
 enum surface_status surface_check(struct surface_work *work,
@@ -315,20 +316,20 @@ enum surface_status surface_check(struct surface_work *work,
     strict.kept = NULL; /* the points are needed again */
     strict.kept_place = NULL;
     if ((st = f == NULL ? ST_ENOMEM : check_cloud(&loose)) == ST_OK)
-        st = build(work, &strict, &search, f, &about);
+        st = libsurface_build(work, &strict, &search, f, &about);
     *refused = library(st);
     *why = about;
     if (st >= ST_ELIMIT && st <= ST_EQUALITY)
-        st = build(work, &loose, &search, f, &about);
+        st = libsurface_build(work, &loose, &search, f, &about);
     *found = about;
-    return finish(st, f, out);
+    return libsurface_finish(st, f, out);
 }
 
 enum surface_status surface_rebuild(struct surface_work *work, struct surface_face **face)
 {
     struct surface_face *f = face_for(face);
 
-    return finish(f != NULL ? face_rebuild(f, work) : ST_ENOMEM, f, face);
+    return libsurface_finish(f != NULL ? face_rebuild(f, work) : ST_ENOMEM, f, face);
 }
 
 void surface_face_free(struct surface_face *face)
@@ -439,7 +440,8 @@ enum surface_status surface_decode(struct surface_work *work, const void *bytes,
 {
     struct surface_face *f = face_for(out);
 
-    return finish(f == NULL ? ST_ENOMEM : codec_decode(bytes, length, work, f), f, out);
+    return libsurface_finish(f == NULL ? ST_ENOMEM : codec_decode(bytes, length, work, f),
+                             f, out);
 }
 
 /* ---- comparisons */

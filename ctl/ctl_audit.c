@@ -81,7 +81,7 @@ static enum status show_list(struct ctl *c, struct store_audit_filter wanted,
     return ST_OK;
 }
 
-static enum status show(struct ctl *c)
+static enum status ctl_run_audit_show(struct ctl *c)
 {
     unsigned char bytes[LOG_UID];
     struct store_audit_filter wanted = {
@@ -183,7 +183,7 @@ static enum status verify_database(struct ctl *c, struct log_walk *out,
     return st;
 }
 
-static enum status verify(struct ctl *c)
+static enum status ctl_run_audit_verify(struct ctl *c)
 {
     const struct ctl_review how = {.report = tell_problem};
     struct log_walk found;
@@ -220,7 +220,7 @@ static enum status verify(struct ctl *c)
 
 /* ---- compare */
 
-static enum status compare(struct ctl *c)
+static enum status ctl_run_audit_compare(struct ctl *c)
 {
     unsigned differ = 0;
     enum status st = ST_OK;
@@ -291,7 +291,7 @@ const struct ctl_command ctl_audit_show = {
                 CTL_OPTION("until", "TIME", command_text, &until,
                            "only entries up to then, that day or minute included"),
                 CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
-    .run = show,
+    .run = ctl_run_audit_show,
     .summary = "list who did what, and when",
     .help =
         "The newest entries of the audit log, oldest first. The actor is a token's id, a program,\n"
@@ -317,7 +317,7 @@ const struct ctl_command ctl_audit_verify = {
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
     .exits = {"the log was not changed", "it was; problems are printed"},
-    .run = verify,
+    .run = ctl_run_audit_verify,
     .summary = "find audit entries that were removed or changed",
     .help =
         "In the database; or, with --public-key and without a database, in a FILE that audit\n"
@@ -364,7 +364,7 @@ const struct ctl_command ctl_audit_compare = {
     .takes = {1, CTL_MANY},
     .database = CTL_READS_DATABASE,
     .exits = {"the log has what every anchor names", "it has not"},
-    .run = compare,
+    .run = ctl_run_audit_compare,
     .summary = "hold the anchors of other daemons against the log",
     .help =
         "Copies of the anchors of the daemons that share a database on a server. Each names the\n"

@@ -104,7 +104,7 @@ static void tell_restored(const struct ctl *c, const struct admin_restored *r)
         ctl_say(c, "restored\n");
 }
 
-static enum status restore(struct ctl *c)
+static enum status ctl_run_backup_restore(struct ctl *c)
 {
     struct admin_restored r;
     struct store_key key;
@@ -372,7 +372,7 @@ const struct ctl_command ctl_backup_restore = {
     .shared = CTL_DRY_RUN,
     .options = {CTL_OPTION("backup-key", "FILE", command_text, &backup_key,
                            "the key of FILE, if it differs from the present key")},
-    .run = restore,
+    .run = ctl_run_backup_restore,
     .summary = "replace the database with a backup",
     .help =
         "FILE is verified first. From the log of the replaced database, if it verifies and\n"

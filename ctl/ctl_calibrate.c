@@ -316,7 +316,7 @@ static enum status reset(struct ctl *c)
     return store_it(c, &k);
 }
 
-static enum status list(struct ctl *c)
+static enum status ctl_calibrate_list(struct ctl *c)
 {
     struct store_calibration *k, now;
     size_t n;
@@ -355,7 +355,7 @@ out:
     return st;
 }
 
-static enum status run(struct ctl *c)
+static enum status ctl_calibrate_run(struct ctl *c)
 {
     const bool learns = !wants_list && !wants_reset;
     enum status st;
@@ -369,7 +369,7 @@ static enum status run(struct ctl *c)
     st = ctl_model_open(c, wants_list || c->dry_run ? STORE_READ : STORE_WRITE);
     if (st != ST_OK)
         return st;
-    return wants_list ? list(c) : wants_reset ? reset(c) : calibrate(c);
+    return wants_list ? ctl_calibrate_list(c) : wants_reset ? reset(c) : calibrate(c);
 }
 
 const struct ctl_command ctl_calibrate = {
@@ -385,7 +385,7 @@ const struct ctl_command ctl_calibrate = {
                            "list the calibrations"),
                 CTL_OPTION("reset", NULL, command_flag, &wants_reset,
                            "use the calibration that comes with the program")},
-    .run = run,
+    .run = ctl_calibrate_run,
     .summary = "compute a threshold from the enrolled templates",
     .help =
         "Compares the templates of different subjects with each other and chooses the threshold\n"

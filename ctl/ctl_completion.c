@@ -146,7 +146,7 @@ static void print_function(void)
                  "complete -o filenames -F _surfacectl surfacectl\n");
 }
 
-static enum status run(struct ctl *c)
+static enum status ctl_completion_run(struct ctl *c)
 {
     const bool zsh = strcmp(c->args[0], "zsh") == 0;
 
@@ -164,7 +164,7 @@ const struct ctl_command ctl_completion = {
     .name = "completion",
     .args = "bash|zsh",
     .takes = {1, 1},
-    .run = run,
+    .run = ctl_completion_run,
     .summary = "print completions for bash or zsh",
     .help =
         "For bash, put `source <(surfacectl completion bash)` into ~/.bashrc. For zsh, put the\n"

@@ -13,7 +13,7 @@
 #define CREDENTIALS_USUAL "/run/credentials/surfaced.service"
 
 /* Reads the settings into c->settings; *problems, to be freed, has a line for each. */
-static enum status load(struct ctl *c, bool files, char **problems)
+static enum status ctl_config_load(struct ctl *c, bool files, char **problems)
 {
     size_t len;
     FILE *errors;
@@ -68,7 +68,7 @@ enum status ctl_config_database(struct ctl *c, bool model)
         c->db = db;
     if (c->db != NULL && c->config == NULL)
         return ST_OK;
-    if ((st = load(c, false, &problems)) == ST_OK && !is_good(c)) {
+    if ((st = ctl_config_load(c, false, &problems)) == ST_OK && !is_good(c)) {
         rest = problems;
         st = errinfo_set(&c->e, ST_EINVAL, "%.200s", next_problem(&rest));
     }
@@ -108,10 +108,10 @@ static void out_settings(struct ctl *c)
     json_close(c->out);
 }
 
-static enum status show(struct ctl *c)
+static enum status ctl_run_config_show(struct ctl *c)
 {
     char *problems, *rest;
-    enum status st = load(c, false, &problems);
+    enum status st = ctl_config_load(c, false, &problems);
 
     rest = problems;
     if (st == ST_OK && !is_good(c))
@@ -126,12 +126,12 @@ static enum status show(struct ctl *c)
     return ST_OK;
 }
 
-static enum status check(struct ctl *c)
+static enum status ctl_run_config_check(struct ctl *c)
 {
     char *problems, *rest;
     const char *line;
 
-    if (load(c, true, &problems) != ST_OK) {
+    if (ctl_config_load(c, true, &problems) != ST_OK) {
         free(problems);
         return ST_ENOMEM;
     }
@@ -151,7 +151,7 @@ static enum status check(struct ctl *c)
 const struct ctl_command ctl_config_show = {
     .name = "config show",
     .shared = CTL_CONFIG,
-    .run = show,
+    .run = ctl_run_config_show,
     .summary = "print the daemon's settings and their sources",
     .help =
         "The settings that surfaced would use if it were started now: from the file --config,\n"
@@ -162,7 +162,7 @@ const struct ctl_command ctl_config_check = {
     .name = "config check",
     .shared = CTL_CONFIG,
     .exits = {"surfaced would start", "it would not: each problem is printed"},
-    .run = check,
+    .run = ctl_run_config_check,
     .summary = "find what is wrong with the daemon's settings",
     .help =
         "Each problem is printed with its place. Nothing is written; a running daemon is not\n"

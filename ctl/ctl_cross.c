@@ -15,14 +15,14 @@
 
 #define NOBODY UINT32_MAX
 
-static enum status no_memory(struct ctl *c)
+static enum status ctl_cross_no_memory(struct ctl *c)
 {
     return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
 }
 
 /* ---- loading */
 
-struct list {
+struct ctl_cross_list {
     struct ctl *c;
     struct ctl_cross_subject *subject;
     uint32_t n;
@@ -32,14 +32,14 @@ struct list {
 static enum status list_subject(void *arg, const struct store_subject *one,
                                 struct errinfo *e)
 {
-    struct list *l = arg;
+    struct ctl_cross_list *l = arg;
     void *larger;
 
     (void)e;
     if (one->templates == 0)
         return ST_OK;
     if ((larger = command_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
-        return no_memory(l->c);
+        return ctl_cross_no_memory(l->c);
     l->subject = larger;
     memcpy(l->subject[l->n++].id, one->id, sizeof one->id);
     return ST_OK;
@@ -76,7 +76,7 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
     if (digests != NULL)
         p->digest = digests;
     if (faces == NULL || digests == NULL)
-        st = no_memory(c);
+        st = ctl_cross_no_memory(c);
     for (size_t i = 0; i < n && st == ST_OK; i++) {
         struct surface_face *f = NULL;
 
@@ -97,7 +97,7 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
 
 enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p)
 {
-    struct list list = {.c = c};
+    struct ctl_cross_list list = {.c = c};
     enum status st = ctl_model_each(c->store, list_subject, &list, &c->e);
     uint32_t all = list.n;
 
@@ -130,9 +130,10 @@ void ctl_cross_free(struct ctl_cross *p)
 /* ---- comparing */
 
 /* A probe against the templates of a subject, but template skip. */
-static enum status compare(const struct ctl_cross *p, uint32_t subject, uint32_t skip,
-                           const struct surface_face *probe, struct surface_work *w,
-                           double *score, struct errinfo *e)
+static enum status ctl_cross_compare(const struct ctl_cross *p, uint32_t subject,
+                                     uint32_t skip, const struct surface_face *probe,
+                                     struct surface_work *w, double *score,
+                                     struct errinfo *e)
 {
     const struct ctl_cross_subject *one = &p->subject[subject];
     const uint32_t n = one->n - (skip - one->first < one->n);
@@ -186,8 +187,8 @@ static enum status do_trial(void *arg, size_t i, struct surface_work *w,
 
     t->score[i].template = x->subject;
     t->score[i].probe = owner(t->p, x->probe);
-    return compare(t->p, x->subject, x->probe, t->p->face[x->probe], w,
-                   &t->score[i].score, e);
+    return ctl_cross_compare(t->p, x->subject, x->probe, t->p->face[x->probe], w,
+                             &t->score[i].score, e);
 }
 
 /* Room for n more scores; what they will be, at *out. */
@@ -197,7 +198,7 @@ static enum status make_room(struct ctl *c, struct ctl_cross *p, size_t n,
     void *larger = realloc(p->score, (p->nscore + n + 1) * sizeof *p->score);
 
     if (larger == NULL)
-        return no_memory(c);
+        return ctl_cross_no_memory(c);
     p->score = larger;
     *out = p->score + p->nscore;
     return ST_OK;
@@ -240,7 +241,7 @@ enum status ctl_cross_non_mated(struct ctl *c, struct ctl_cross *p, double limit
     for (uint32_t i = 0; i < p->nsubject; i++)
         n += wanted(p, i, limit);
     if ((trial = malloc((n + 1) * sizeof *trial)) == NULL)
-        return no_memory(c);
+        return ctl_cross_no_memory(c);
     n = 0;
     for (uint32_t i = 0; i < p->nsubject; i++) {
         const struct ctl_cross_subject *one = &p->subject[i];
@@ -267,7 +268,7 @@ enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p)
     enum status st;
 
     if (trial == NULL)
-        return no_memory(c);
+        return ctl_cross_no_memory(c);
     for (uint32_t i = 0; i < p->nsubject; i++)
         for (uint32_t k = 0; k < p->subject[i].n && p->subject[i].n > 1; k++)
             trial[n++] = (struct trial){i, p->subject[i].first + k};
@@ -314,7 +315,7 @@ static enum status do_scan(void *arg, size_t i, struct surface_work *w, struct e
         while (t < one->n && strcmp(s->p->digest[one->first + t], digest) != 0)
             t++;
         if (t == one->n) { /* else it is one of the templates */
-            st = compare(s->p, subject, NOBODY, f, w, &x->score, &c.e);
+            st = ctl_cross_compare(s->p, subject, NOBODY, f, w, &x->score, &c.e);
             s->fate[i] = COMPARED;
         }
     } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
@@ -356,7 +357,7 @@ enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *p
     subject = malloc(corpus->nsubject * sizeof *subject);
     s.fate = malloc(corpus->nscan * sizeof *s.fate);
     if (subject == NULL || s.fate == NULL) {
-        st = no_memory(c);
+        st = ctl_cross_no_memory(c);
         goto out;
     }
     for (uint32_t i = 0; i < corpus->nsubject; i++)

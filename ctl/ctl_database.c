@@ -55,7 +55,7 @@ const struct ctl_command ctl_database_init = {
 
 /* ---- check-database */
 
-static void report(void *arg, const char *line)
+static void ctl_database_report(void *arg, const char *line)
 {
     const struct ctl *c = arg;
 
@@ -63,13 +63,13 @@ static void report(void *arg, const char *line)
     ctl_say(c, "%s\n", line);
 }
 
-static enum status check(struct ctl *c)
+static enum status ctl_run_database_check(struct ctl *c)
 {
     struct admin_check found;
     enum status st;
 
     json_array(c->out, "problems");
-    st = admin_check(c->store, true, report, c, &found, &c->e);
+    st = admin_check(c->store, true, ctl_database_report, c, &found, &c->e);
     json_close(c->out);
     if (st != ST_OK)
         return st;
@@ -91,7 +91,7 @@ const struct ctl_command ctl_database_check = {
     .name = "check-database",
     .database = CTL_READS_DATABASE,
     .exits = {"no problems", "problems were found"},
-    .run = check,
+    .run = ctl_run_database_check,
     .summary = "read and verify the whole database",
     .help =
         "Verifies the integrity and references of the database, the rows against the change log,\n"
@@ -220,7 +220,8 @@ static enum status accept_state(struct ctl *c)
                            "accept")) != ST_OK))
         return st;
     json_array(c->out, "problems");
-    st = admin_accept(c->db, &key, c->actor, c->dry_run, report, c, &found, &c->e);
+    st = admin_accept(c->db, &key, c->actor, c->dry_run, ctl_database_report, c, &found,
+                      &c->e);
     json_close(c->out);
     if (st != ST_OK)
         return st;
@@ -251,7 +252,7 @@ const struct ctl_command ctl_database_accept = {
 
 /* ---- join */
 
-static enum status join(struct ctl *c)
+static enum status ctl_run_database_join(struct ctl *c)
 {
     struct store_key key;
     uint32_t daemon;
@@ -270,7 +271,7 @@ static enum status join(struct ctl *c)
 const struct ctl_command ctl_database_join = {
     .name = "join",
     .database = CTL_NEEDS_DATABASE,
-    .run = join,
+    .run = ctl_run_database_join,
     .summary = "let another daemon share a database on a server",
     .help =
         "On the machine of the new daemon, with a copy of the database's key. Verifies the\n"

@@ -17,14 +17,14 @@
 
 static const char *only; /* --subject */
 
-struct entry { /* a template */
+struct ctl_dedup_entry { /* a template */
     char id[STORE_ID_LEN + 1];
     char digest[65];
     uint32_t owner; /* of subject[] */
 };
 
 /* A comparison of two subjects' templates. */
-struct pair {
+struct ctl_dedup_pair {
     uint32_t x, y; /* two subjects, in their order */
     uint32_t a, b; /* a template of each */
     double score;
@@ -34,7 +34,7 @@ struct dedup {
     struct ctl *c;
     char (*subject)[STORE_SUBJECT_MAX + 1]; /* [nsubject] with templates, as they came */
     uint32_t nsubject;
-    struct entry *entry; /* [n] */
+    struct ctl_dedup_entry *entry; /* [n] */
     uint32_t n;
     uint32_t alone; /* the subject that is compared with all others; or NOBODY */
 
@@ -44,7 +44,8 @@ struct dedup {
     double estimate_s; /* that it takes, where the threads have a core each */
 
     pthread_mutex_t lock; /* of what follows */
-    struct pair *found;   /* [nfound]; when done, of each two subjects the nearest */
+    struct ctl_dedup_pair
+        *found; /* [nfound]; when done, of each two subjects the nearest */
     size_t nfound;
     uint64_t compared, inconclusive;
 };
@@ -150,7 +151,7 @@ static enum status threshold_for(struct dedup *d, double fmr)
 
 /* ---- comparing */
 
-static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double score)
+static enum status ctl_dedup_keep(struct dedup *d, uint32_t a, uint32_t b, double score)
 {
     void *larger = command_grow(d->found, d->nfound, sizeof *d->found);
 
@@ -158,14 +159,15 @@ static enum status keep(struct dedup *d, uint32_t a, uint32_t b, double score)
         return ST_ENOMEM;
     d->found = larger;
     d->found[d->nfound++] =
-        (struct pair){d->entry[a].owner, d->entry[b].owner, a, b, score};
+        (struct ctl_dedup_pair){d->entry[a].owner, d->entry[b].owner, a, b, score};
     return ST_OK;
 }
 
 /* Entry i into *f, which is NULL where the template was deleted since, or is of another engine
  * and no face to this one. */
-static enum status load(const struct dedup *d, uint32_t i, struct surface_work *w,
-                        struct surface_face **f, struct errinfo *e)
+static enum status ctl_dedup_load(const struct dedup *d, uint32_t i,
+                                  struct surface_work *w, struct surface_face **f,
+                                  struct errinfo *e)
 {
     struct store_template t;
     const enum status st = store_template_load(d->c->store, d->entry[i].id, &t, w, f, e);
@@ -178,8 +180,9 @@ struct row { /* a template with all later ones */
     uint64_t compared, inconclusive;
 };
 
-static enum status compare(struct dedup *d, uint32_t a, uint32_t b,
-                           struct surface_work *w, struct row *r, struct errinfo *e)
+static enum status ctl_dedup_compare(struct dedup *d, uint32_t a, uint32_t b,
+                                     struct surface_work *w, struct row *r,
+                                     struct errinfo *e)
 {
     struct surface_comparison x = {0};
     enum status st = status_from(surface_compare(w, r->a, r->b, &x));
@@ -193,7 +196,7 @@ static enum status compare(struct dedup *d, uint32_t a, uint32_t b,
     if (x.decision != SURFACE_MATCH)
         return ST_OK;
     (void)pthread_mutex_lock(&d->lock);
-    st = keep(d, a, b, x.score);
+    st = ctl_dedup_keep(d, a, b, x.score);
     (void)pthread_mutex_unlock(&d->lock);
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "out of memory");
 }
@@ -209,13 +212,13 @@ static enum status compare_row(struct dedup *d, uint32_t a, struct surface_work 
     for (uint32_t b = a + 1; b < d->n && st == ST_OK; b++) {
         if (!is_pair(d, a, b))
             continue;
-        if (!loaded && (st = load(d, a, w, &r->a, e)) != ST_OK)
+        if (!loaded && (st = ctl_dedup_load(d, a, w, &r->a, e)) != ST_OK)
             break;
         loaded = true;
         if (r->a == NULL)
             break;
-        if ((st = load(d, b, w, &r->b, e)) == ST_OK && r->b != NULL)
-            st = compare(d, a, b, w, r, e);
+        if ((st = ctl_dedup_load(d, b, w, &r->b, e)) == ST_OK && r->b != NULL)
+            st = ctl_dedup_compare(d, a, b, w, r, e);
     }
     return st;
 }
@@ -251,8 +254,8 @@ static enum status estimate(struct dedup *d)
     for (uint32_t k = 0; st == ST_OK && k < TRIALS && d->n > 1; k++) {
         const uint32_t i = (uint32_t)((uint64_t)k * (d->n - 1) / TRIALS);
 
-        if ((st = load(d, i, w, &r.a, &d->c->e)) != ST_OK ||
-            (st = load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK || r.a == NULL ||
+        if ((st = ctl_dedup_load(d, i, w, &r.a, &d->c->e)) != ST_OK ||
+            (st = ctl_dedup_load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK || r.a == NULL ||
             r.b == NULL)
             continue;
         if ((st = status_from(surface_compare(w, r.a, r.b, &x))) != ST_OK)
@@ -293,9 +296,9 @@ static void tell_costs(const struct dedup *d)
                       : "this database");
 }
 
-static void tell_pair(const struct dedup *d, const struct pair *p)
+static void tell_pair(const struct dedup *d, const struct ctl_dedup_pair *p)
 {
-    const struct entry *a = &d->entry[p->a], *b = &d->entry[p->b];
+    const struct ctl_dedup_entry *a = &d->entry[p->a], *b = &d->entry[p->b];
     const double fmr = surface_calibration_rate(&d->calibration.table, p->score);
     const bool same = strcmp(a->digest, b->digest) == 0;
 
@@ -336,7 +339,7 @@ static void tell_found(const struct dedup *d)
 
 static int by_subjects(const void *p, const void *q)
 {
-    const struct pair *v = p, *w = q;
+    const struct ctl_dedup_pair *v = p, *w = q;
 
     if (v->x != w->x)
         return v->x < w->x ? -1 : 1;
@@ -349,7 +352,7 @@ static int by_subjects(const void *p, const void *q)
 
 static int by_score(const void *p, const void *q)
 {
-    const struct pair *v = p, *w = q;
+    const struct ctl_dedup_pair *v = p, *w = q;
 
     return v->score != w->score ? (v->score < w->score) - (v->score > w->score)
                                 : by_subjects(p, q);
@@ -357,7 +360,7 @@ static int by_score(const void *p, const void *q)
 
 /* Keeps the highest score of each two subjects, the highest of all first: the same list in
  * whatever order they came.  Returns how many are left. */
-static size_t sort_pairs(struct pair *pair, size_t n)
+static size_t sort_pairs(struct ctl_dedup_pair *pair, size_t n)
 {
     size_t kept = 0;
 
@@ -401,7 +404,7 @@ static enum status dedup(struct dedup *d)
     return ST_OK;
 }
 
-static enum status run(struct ctl *c)
+static enum status ctl_dedup_run(struct ctl *c)
 {
     struct dedup d = {.c = c};
     enum status st;
@@ -426,7 +429,7 @@ const struct ctl_command ctl_dedup = {
     .options = {CTL_OPTION("subject", "ID", command_text, &only,
                            "compare this subject with the others")},
     .exits = {"no duplicates", "duplicates were found"},
-    .run = run,
+    .run = ctl_dedup_run,
     .summary = "find one face enrolled under two subjects",
     .help =
         "Compares all templates of each subject with those of every other subject. Pairs at or\n"

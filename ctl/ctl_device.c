@@ -74,7 +74,7 @@ static enum status read_key(struct ctl *c, const char *text, unsigned char key[C
 
 /* ---- the commands */
 
-static enum status add(struct ctl *c)
+static enum status ctl_run_device_add(struct ctl *c)
 {
     unsigned char key[CRYPT_KEY];
     struct store_device d;
@@ -89,7 +89,7 @@ static enum status add(struct ctl *c)
     return ST_OK;
 }
 
-static enum status list(struct ctl *c)
+static enum status ctl_run_device_list(struct ctl *c)
 {
     struct store_device *d;
     size_t n;
@@ -131,7 +131,7 @@ const struct ctl_command ctl_device_add = {
     .args = "NAME PUBLIC-KEY",
     .takes = {2, 2},
     .database = CTL_WRITES_DATABASE,
-    .run = add,
+    .run = ctl_run_device_add,
     .summary = "register a scanner that signs its captures",
     .help =
         "The key is Ed25519: 64 hexadecimal digits, base64, or a PEM file as openssl writes it.\n"
@@ -141,7 +141,7 @@ const struct ctl_command ctl_device_add = {
 const struct ctl_command ctl_device_list = {
     .name = "device list",
     .database = CTL_READS_DATABASE,
-    .run = list,
+    .run = ctl_run_device_list,
     .summary = "list the devices and their public keys",
     .help = "In order of creation.",
     .example = "surfacectl --db faces.db device list"};

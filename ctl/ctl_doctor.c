@@ -27,7 +27,7 @@ struct doctor {
 
 #define say(d, ...) findings_say(&(d)->found, __VA_ARGS__)
 
-static void tell(void *arg, const struct finding *f)
+static void ctl_doctor_tell(void *arg, const struct finding *f)
 {
     struct ctl *c = arg;
 
@@ -388,9 +388,9 @@ static void look_at_state(struct doctor *d, struct store *s)
             "%s", e.msg);
 }
 
-static enum status run(struct ctl *c)
+static enum status ctl_doctor_run(struct ctl *c)
 {
-    struct doctor d = {.c = c, .found = {.tell = tell, .arg = c}};
+    struct doctor d = {.c = c, .found = {.tell = ctl_doctor_tell, .arg = c}};
     struct store *s;
 
     if (c->key != NULL)
@@ -418,7 +418,7 @@ const struct ctl_command ctl_doctor = {
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_MODEL,
     .exits = {"no error was found", "errors were found"},
-    .run = run,
+    .run = ctl_doctor_run,
     .summary = "find what is wrong with a database and its files",
     .help =
         "Also says what to do about it. Checks the permissions of the database, its folder and\n"

@@ -36,7 +36,8 @@ struct burst {
 
 /* ---- enrolling them */
 
-static enum status add(struct ctl *c, struct burst *b, const struct store_sample *sample)
+static enum status ctl_enroll_add(struct ctl *c, struct burst *b,
+                                  const struct store_sample *sample)
 {
     const struct enrolment x = {.actor = c->actor,
                                 .subject = c->args[0],
@@ -69,7 +70,7 @@ static enum status enroll_each(struct ctl *c, struct burst *b)
         else
             b->each[i].why = c->e;
     }
-    return add(c, b, sample);
+    return ctl_enroll_add(c, b, sample);
 }
 
 static enum status enroll_fused(struct ctl *c, struct burst *b)
@@ -87,7 +88,7 @@ static enum status enroll_fused(struct ctl *c, struct burst *b)
     if (st != ST_OK)
         return st;
     sample = (struct store_sample){.face = b->face[0], .read = s->read};
-    return add(c, b, &sample);
+    return ctl_enroll_add(c, b, &sample);
 }
 
 /* Returns how many were refused, and the status of the last in *worst. */
@@ -317,7 +318,7 @@ static void tell_reasons(struct ctl *c, const uint32_t why[ST_COUNT],
 }
 
 /* Returns how many scans failed or were left out. */
-static uint32_t report(const struct folder *w, uint32_t n, double seconds)
+static uint32_t ctl_enroll_report(const struct folder *w, uint32_t n, double seconds)
 {
     struct ctl *c = w->c;
     const uint32_t left = w->corpus->nleft;
@@ -370,7 +371,7 @@ static enum status enroll_all(struct folder *w, uint32_t *failed, uint32_t *n)
                            w->c->args[0], kind);
     st = pool_run("enroll", w->c->threads, w->c->model, k->nsubject, enroll_subject, w,
                   &w->c->e);
-    *failed = report(w, *n, (command_clock_ms() - start) / 1e3);
+    *failed = ctl_enroll_report(w, *n, (command_clock_ms() - start) / 1e3);
     return st;
 }
 
@@ -396,7 +397,7 @@ static enum status enroll_collection(struct ctl *c)
 
 /* ---- the command */
 
-static enum status run(struct ctl *c)
+static enum status ctl_enroll_run(struct ctl *c)
 {
     struct stat sb;
 
@@ -428,7 +429,7 @@ const struct ctl_command ctl_enroll = {
                            "make each file a template of its own"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
                            "enroll only the scans of this kind (folder or table)")},
-    .run = run,
+    .run = ctl_enroll_run,
     .summary = "enroll scans of one subject, or of many subjects",
     .help =
         "The FILEs (any format in the manual; -: standard input; a folder: the scans in it) are\n"

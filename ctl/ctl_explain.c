@@ -54,7 +54,7 @@ static enum status measure_gaps(struct explanation *x)
     return st;
 }
 
-static enum status compare(struct ctl *c, struct explanation *x)
+static enum status ctl_explain_compare(struct ctl *c, struct explanation *x)
 {
     struct sample_found found;
     enum status st = ctl_face_parse(c, c->args[1], &x->pts);
@@ -134,7 +134,7 @@ static void comparison(struct json *j, const struct ctl *c, const struct explana
                                          .parts = &x->best.parts});
 }
 
-static enum status write_page(struct ctl *c, const struct explanation *x)
+static enum status ctl_explain_write_page(struct ctl *c, const struct explanation *x)
 {
     struct json *j = json_new();
     struct show show;
@@ -160,7 +160,7 @@ static enum status write_page(struct ctl *c, const struct explanation *x)
     return st;
 }
 
-static void report(struct ctl *c, const struct explanation *x)
+static void ctl_explain_report(struct ctl *c, const struct explanation *x)
 {
     const struct surface_comparison *r = &x->best.nearest.result;
     const struct surface_quality quality = surface_face_quality(x->tmpl);
@@ -183,18 +183,18 @@ static void report(struct ctl *c, const struct explanation *x)
     json_close(c->out);
 }
 
-static enum status run(struct ctl *c)
+static enum status ctl_explain_run(struct ctl *c)
 {
     struct explanation x = {.compared = 0};
     enum status st = page != NULL ? ctl_may_write(c, page, c->nargs) : ST_OK;
 
     if (st == ST_OK)
-        st = compare(c, &x);
+        st = ctl_explain_compare(c, &x);
     if (st == ST_OK && page != NULL)
-        st = write_page(c, &x);
+        st = ctl_explain_write_page(c, &x);
     if (st == ST_OK) {
         if (c->json)
-            report(c, &x);
+            ctl_explain_report(c, &x);
         else
             print_text(c, &x);
         c->code = ctl_face_exit(x.best.nearest.result.decision);
@@ -215,7 +215,7 @@ const struct ctl_command ctl_explain = {
         "page", "FILE", command_text, &page,
         "write a page for a browser (HTML): both faces, and what decided")},
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
-    .run = run,
+    .run = ctl_explain_run,
     .summary = "say why a scan matches a subject, or not",
     .help =
         "Compares FILE with the subject's templates, or with the template named, and prints for\n"

@@ -19,7 +19,7 @@
 #define TEMPLATES_MAX 100000
 
 /* A line as a document; NULL: it is none. */
-static struct json_value *read_line(const char *line)
+static struct json_value *ctl_review_read_line(const char *line)
 {
     struct json_value *v;
 
@@ -114,7 +114,8 @@ static enum status walk_head(struct ctl *c, FILE *in)
     struct json_value *v = NULL;
     enum status st = ST_OK;
 
-    if (fgets(line, sizeof line, in) == NULL || (v = read_line(line)) == NULL ||
+    if (fgets(line, sizeof line, in) == NULL ||
+        (v = ctl_review_read_line(line)) == NULL ||
         !json_get_count(json_member(v, "surface_audit"), &version))
         st = errinfo_set(&c->e, ST_EINVAL, "%.120s is not an audit log", c->args[0]);
     else if (version != 2)
@@ -133,7 +134,7 @@ static enum status walk_file(struct ctl *c, FILE *in, const struct ctl_review *h
     if (st != ST_OK)
         return st;
     for (unsigned long n = 2; fgets(line, sizeof line, in) != NULL; n++) {
-        struct json_value *v = read_line(line);
+        struct json_value *v = ctl_review_read_line(line);
 
         if (v == NULL || !walk_line(w, how, v)) {
             (void)snprintf(text, sizeof text, "line %lu of the file is malformed", n);
@@ -287,7 +288,7 @@ static enum status ask_database(struct review *v)
     return st;
 }
 
-static enum status run(struct ctl *c)
+static enum status ctl_review_run(struct ctl *c)
 {
     struct review v = {.c = c};
     enum status st;
@@ -328,7 +329,7 @@ const struct ctl_command ctl_review_receipt = {
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
     .exits = {"the receipt is valid", "it is not valid; problems are printed"},
-    .run = run,
+    .run = ctl_review_run,
     .summary = "verify the receipt of an erasure",
     .help =
         "FILE is the response to DELETE over HTTP, or the output of subject erase --json (-:\n"

@@ -65,7 +65,7 @@ static void print_text(const struct checked *k)
 /* ---- the command */
 
 /* A file whose points cannot be read is refused as well; other failures are not the scan's. */
-static enum status check(struct ctl *c, const char *path, struct checked *k)
+static enum status ctl_scan_check(struct ctl *c, const char *path, struct checked *k)
 {
     enum status st = ctl_face_parse(c, path, &k->points);
 
@@ -81,7 +81,8 @@ static enum status check(struct ctl *c, const char *path, struct checked *k)
     return st;
 }
 
-static enum status write_page(struct ctl *c, const char *path, const struct checked *k)
+static enum status ctl_scan_write_page(struct ctl *c, const char *path,
+                                       const struct checked *k)
 {
     struct json *j = json_new();
     struct show show;
@@ -105,7 +106,7 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
 {
     const double start = command_clock_ms();
     struct checked k = {.points = {.n = 0}};
-    enum status st = check(c, path, &k);
+    enum status st = ctl_scan_check(c, path, &k);
 
     *usable = st == ST_OK && k.trial.enrolment == ST_OK;
     if (st == ST_OK) {
@@ -123,14 +124,14 @@ static enum status scan_file(struct ctl *c, const char *path, bool *usable)
     if (st == ST_OK && face_file != NULL && k.trial.verification == ST_OK)
         st = ctl_write_face(c, face_file, k.face);
     if (st == ST_OK && page != NULL && k.points.n > 0)
-        st = write_page(c, path, &k);
+        st = ctl_scan_write_page(c, path, &k);
     surface_face_free(k.face);
     cloudpoints_free(&k.points);
     return st;
 }
 
 /* A fault that is no scan's does not stop the others either. */
-static enum status run(struct ctl *c)
+static enum status ctl_scan_run(struct ctl *c)
 {
     struct errinfo fault = {.code = ST_OK};
     enum status may = ST_OK;
@@ -171,7 +172,7 @@ const struct ctl_command ctl_scan = {
                     "page", "FILE", command_text, &page,
                     "write a page for a browser (HTML): the scan, and the face in it")},
     .exits = {"all of them can be enrolled", "some cannot be enrolled"},
-    .run = run,
+    .run = ctl_scan_run,
     .summary = "describe scans, and what to change at the scanner",
     .help =
         "For each FILE: format, points, unit, how the face is turned and covered, the quality,\n"

@@ -31,7 +31,7 @@ static void list_one(struct ctl *c, const struct store_subject *one)
             state_of(one));
 }
 
-static enum status list(struct ctl *c)
+static enum status ctl_run_subject_list(struct ctl *c)
 {
     struct store_search what = {.part = part != NULL ? part : "", .limit = PAGE};
     struct store_subject *page;
@@ -75,7 +75,7 @@ static void print_subject(const struct store_subject *one, size_t templates)
         (void)printf("  disabled  is not verified\n");
 }
 
-static enum status show(struct ctl *c)
+static enum status ctl_run_subject_show(struct ctl *c)
 {
     struct store_subject one;
     struct store_template *list = NULL;
@@ -102,7 +102,7 @@ static enum status show(struct ctl *c)
 /* ---- changes */
 
 /* The subject after the change, as JSON or a line of text. */
-static enum status tell(struct ctl *c, const char *id, const char *done)
+static enum status ctl_subject_tell(struct ctl *c, const char *id, const char *done)
 {
     struct store_subject one;
     enum status st = store_subject_get(c->store, id, &one, &c->e);
@@ -140,7 +140,7 @@ static enum status set(struct ctl *c)
         return st;
     st = store_subject_set(c->store, c->actor, id, &what, &c->e);
     if (st == ST_OK)
-        return tell(c, id, "recorded");
+        return ctl_subject_tell(c, id, "recorded");
     if (st != ST_ENOTFOUND)
         return st;
     (void)snprintf(new.id, sizeof new.id, "%s", id);
@@ -153,7 +153,7 @@ static enum status set(struct ctl *c)
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
     st = store_subject_add(c->store, c->actor, &new, &c->e);
-    return st == ST_OK ? tell(c, id, "added") : st;
+    return st == ST_OK ? ctl_subject_tell(c, id, "added") : st;
 }
 
 static enum status rename_it(struct ctl *c)
@@ -161,7 +161,7 @@ static enum status rename_it(struct ctl *c)
     const enum status st =
         store_subject_rename(c->store, c->actor, c->args[0], c->args[1], &c->e);
 
-    return st == ST_OK ? tell(c, c->args[1], "renamed") : st;
+    return st == ST_OK ? ctl_subject_tell(c, c->args[1], "renamed") : st;
 }
 
 static enum status change(struct ctl *c, const struct store_subject_change *what,
@@ -169,7 +169,7 @@ static enum status change(struct ctl *c, const struct store_subject_change *what
 {
     const enum status st = store_subject_set(c->store, c->actor, c->args[0], what, &c->e);
 
-    return st == ST_OK ? tell(c, c->args[0], done) : st;
+    return st == ST_OK ? ctl_subject_tell(c, c->args[0], done) : st;
 }
 
 static const bool yes = true, no = false;
@@ -189,7 +189,7 @@ static enum status hold(struct ctl *c)
     return change(c, &(struct store_subject_change){.hold = &yes}, "on hold");
 }
 
-static enum status release(struct ctl *c)
+static enum status ctl_run_subject_release(struct ctl *c)
 {
     return change(c, &(struct store_subject_change){.hold = &no}, "not on hold");
 }
@@ -287,7 +287,7 @@ const struct ctl_command ctl_subject_list = {
                 CTL_OPTION("state", "WORD", command_text, &state,
                            "only those that are active, disabled, on hold, expired, or\n"
                            "ending (within 30 days): active, disabled, hold, ...")},
-    .run = list,
+    .run = ctl_run_subject_list,
     .summary = "list the subjects, or search them",
     .help = "In order of creation.",
     .example = "surfacectl --db faces.db subject list --match alice"};
@@ -296,7 +296,7 @@ const struct ctl_command ctl_subject_show = {
     .name = "subject show",
     ONE_SUBJECT(CTL_READS_DATABASE),
     .shared = CTL_MODEL,
-    .run = show,
+    .run = ctl_run_subject_show,
     .summary = "describe a subject and its templates",
     .help = "Consent, purpose, expiry, when it was last seen, and each template.",
     .example = "surfacectl --db faces.db subject show alice"};
@@ -360,7 +360,7 @@ const struct ctl_command ctl_subject_hold = {
 const struct ctl_command ctl_subject_release = {
     .name = "subject release",
     ONE_SUBJECT(CTL_WRITES_DATABASE),
-    .run = release,
+    .run = ctl_run_subject_release,
     .summary = "end a subject's hold",
     .help = "The subject can be erased again; this command erases nothing.",
     .example = "surfacectl --db faces.db subject release alice"};

@@ -202,7 +202,7 @@ void ctl_table_print(bool version, const struct ctl_command *cmd, const char *gr
 
 /* ---- the command */
 
-static enum status run(struct ctl *c)
+static enum status ctl_table_run(struct ctl *c)
 {
     const struct ctl_command *cmd = NULL;
     const char *word = c->nargs > 0 ? c->args[0] : NULL;
@@ -225,7 +225,7 @@ const struct ctl_command ctl_table_help = {
     .name = "help",
     .args = "[COMMAND | exit]",
     .takes = {0, 2},
-    .run = run,
+    .run = ctl_table_run,
     .summary = "print a help text",
     .help = "For surfacectl, a command, a group of commands, or the exit codes.",
     .example = "surfacectl help token create"};

@@ -36,13 +36,13 @@ void ctl_template_tell(struct ctl *c, const struct store_template *t)
     ctl_say(c, "  digest    %s\n", t->digest);
 }
 
-struct listing {
+struct ctl_template_listing {
     struct ctl *c;
     size_t n;
 };
 
 /* A subject's templates as lines of a list. */
-static enum status list_subject(struct listing *l, const char *subject)
+static enum status list_subject(struct ctl_template_listing *l, const char *subject)
 {
     struct ctl *c = l->c;
     struct store_template *t = NULL;
@@ -75,9 +75,9 @@ static enum status list_one(void *arg, const struct store_subject *one, struct e
     return list_subject(arg, one->id);
 }
 
-static enum status list(struct ctl *c)
+static enum status ctl_run_template_list(struct ctl *c)
 {
-    struct listing l = {.c = c};
+    struct ctl_template_listing l = {.c = c};
     enum status st;
 
     json_array(c->out, "templates");
@@ -89,7 +89,7 @@ static enum status list(struct ctl *c)
     return st;
 }
 
-static enum status show(struct ctl *c)
+static enum status ctl_run_template_show(struct ctl *c)
 {
     struct store_template t;
     const enum status st = store_template_get(c->store, c->args[0], &t, &c->e);
@@ -197,7 +197,7 @@ static enum status take_ids(struct batch *b)
 }
 
 /* Returns how many failed. */
-static size_t report(const struct batch *b)
+static size_t ctl_template_report(const struct batch *b)
 {
     struct ctl *c = b->c;
     size_t count[RESULTS] = {0};
@@ -247,7 +247,7 @@ static enum status reencode(struct batch *b, size_t *failed)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (b->n > 0)
         st = pool_run("re-encoding", c->threads, c->model, b->n, do_one, b, &c->e);
-    *failed = report(b);
+    *failed = ctl_template_report(b);
     return st;
 }
 
@@ -274,7 +274,7 @@ const struct ctl_command ctl_template_list = {
     .takes = {0, 1},
     .database = CTL_READS_DATABASE,
     .shared = CTL_MODEL,
-    .run = list,
+    .run = ctl_run_template_list,
     .summary = "list the templates",
     .help =
         "Of one subject, oldest first, or of all subjects. Templates made by another engine or\n"
@@ -287,7 +287,7 @@ const struct ctl_command ctl_template_show = {
     .takes = {1, 1},
     .database = CTL_READS_DATABASE,
     .shared = CTL_MODEL,
-    .run = show,
+    .run = ctl_run_template_show,
     .summary = "describe a template",
     .help = "Its subject, time, engine and quality.",
     .example = "surfacectl --db faces.db template show 0123456789abcdef0123456789abcdef"};

@@ -26,7 +26,7 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
 }
 
 /* A token that may do everything, or for ever, is one that somebody asked for. */
-static enum status create(struct ctl *c)
+static enum status ctl_run_token_create(struct ctl *c)
 {
     struct store_token t;
     char secret[65], all[STORE_SCOPES_MAX];
@@ -50,7 +50,7 @@ static enum status create(struct ctl *c)
 
 /* The id of the token that the argument names: by its id, or by a name that no other token has
  * which is not revoked. */
-static enum status find(struct ctl *c, char id[STORE_ID_LEN + 1])
+static enum status ctl_token_find(struct ctl *c, char id[STORE_ID_LEN + 1])
 {
     const char *name = c->args[0];
     struct store_token *t;
@@ -81,13 +81,13 @@ static enum status find(struct ctl *c, char id[STORE_ID_LEN + 1])
     return ST_OK;
 }
 
-static enum status rotate(struct ctl *c)
+static enum status ctl_run_token_rotate(struct ctl *c)
 {
     struct store_token t;
     char id[STORE_ID_LEN + 1], secret[65];
     enum status st = ctl_model_open(c, STORE_WRITE);
 
-    if (st == ST_OK && (st = find(c, id)) == ST_OK)
+    if (st == ST_OK && (st = ctl_token_find(c, id)) == ST_OK)
         st = store_token_rotate(c->store, c->actor, id, grace_s,
                                 c->expires.given ? c->expires.end_ms : STORE_SAME_END,
                                 secret, &t, &c->e);
@@ -108,7 +108,7 @@ static void print_time(const char *time, const char *none)
         (void)printf("  %.10s %.5s", time, time + 11);
 }
 
-static enum status list(struct ctl *c)
+static enum status ctl_run_token_list(struct ctl *c)
 {
     struct store_token *t;
     char words[STORE_SCOPES_MAX];
@@ -141,7 +141,7 @@ static enum status list(struct ctl *c)
 static enum status revoke(struct ctl *c)
 {
     char id[STORE_ID_LEN + 1];
-    enum status st = find(c, id);
+    enum status st = ctl_token_find(c, id);
 
     if (st != ST_OK || (st = store_token_revoke(c->store, c->actor, id, &c->e)) != ST_OK)
         return st;
@@ -163,7 +163,7 @@ const struct ctl_command ctl_token_create = {
         "scope", "LIST", ctl_option_scopes, &scopes,
         "what the token may do: some of verify,enroll,identify,read,delete,\n"
         "manage,tokens,audit,events,score,detail")},
-    .run = create,
+    .run = ctl_run_token_create,
     .summary = "make a Bearer token for the daemon",
     .help =
         "The token is printed once, on standard output; only its hash is stored. It has the\n"
@@ -173,7 +173,7 @@ const struct ctl_command ctl_token_create = {
 
 const struct ctl_command ctl_token_list = {.name = "token list",
                                            .database = CTL_READS_DATABASE,
-                                           .run = list,
+                                           .run = ctl_run_token_list,
                                            .summary = "list the tokens",
                                            .help = "Scopes, end and last use of each.",
                                            .example =
@@ -188,7 +188,7 @@ const struct ctl_command ctl_token_rotate = {
     .options = {CTL_OPTION(
         "grace", "TIME", ctl_option_duration, &grace_s,
         "how long the old secret stays valid: 1d, 12h, 30m (not at all)")},
-    .run = rotate,
+    .run = ctl_run_token_rotate,
     .summary = "replace a token's secret",
     .help = "The new secret is printed once. A running daemon accepts it at once.",
     .example = "surfacectl --db faces.db token rotate front-door --grace 1h"};

@@ -29,8 +29,8 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
 }
 
 /* Anyone who has the database is not locked out of it: attempts are not counted. */
-static enum status run(struct ctl *c, const char *probe, struct verify_request *r,
-                       struct verification *v)
+static enum status ctl_verify_run(struct ctl *c, const char *probe,
+                                  struct verify_request *r, struct verification *v)
 {
     const double start = command_clock_ms();
     struct templates_context with = ctl_face_context(c, c->work);
@@ -68,7 +68,7 @@ static enum status run(struct ctl *c, const char *probe, struct verify_request *
     return st;
 }
 
-static enum status verify(struct ctl *c)
+static enum status ctl_verify_verify(struct ctl *c)
 {
     struct verify_request r = {.of = {.subject = c->args[0], .token = c->actor}};
     struct ctl_session *s = calloc(1, sizeof *s);
@@ -81,14 +81,14 @@ static enum status verify(struct ctl *c)
         r.probe.frames = &s->session;
     }
     if (st == ST_OK)
-        st = run(c, s->path[0], &r, &v);
+        st = ctl_verify_run(c, s->path[0], &r, &v);
     if (s != NULL)
         ctl_session_free(s);
     free(s);
     return st;
 }
 
-static enum status compare(struct ctl *c)
+static enum status ctl_run_verify_compare(struct ctl *c)
 {
     struct surface_face *face = NULL;
     struct verify_scan a = {
@@ -98,7 +98,7 @@ static enum status compare(struct ctl *c)
     enum status st = ctl_face_parse(c, c->args[0], &a.points);
 
     if (st == ST_OK)
-        st = run(c, c->args[1], &r, &v);
+        st = ctl_verify_run(c, c->args[1], &r, &v);
     surface_face_free(face);
     return st;
 }
@@ -110,7 +110,7 @@ const struct ctl_command ctl_verify = {
     .database = CTL_WRITES_DATABASE,
     .shared = CTL_SCANS | CTL_MODEL,
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
-    .run = verify,
+    .run = ctl_verify_verify,
     .summary = "compare a scan with a subject's templates",
     .help =
         "Several FILEs, or a folder, are the frames of one capture session, at most 20: they are\n"
@@ -125,7 +125,7 @@ const struct ctl_command ctl_verify_compare = {
     .takes = {2, 2},
     .shared = CTL_SCANS | CTL_MODEL,
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
-    .run = compare,
+    .run = ctl_run_verify_compare,
     .summary = "compare two scans, without a database",
     .help = "B is moved onto A.  Nothing is stored.",
     .example = "surfacectl compare monday.ply tuesday.ply"};

@@ -41,7 +41,7 @@ static bool read_options(int argc, char **argv, struct line *l)
 }
 
 /* What was given, into the places that the command's options have. */
-static bool read_values(struct line *l)
+static bool ctl_read_values(struct line *l)
 {
     const unsigned shared = ctl_table_options(l->cmd);
     const struct command_option *own = l->cmd != NULL ? l->cmd->options : NULL;
@@ -109,10 +109,10 @@ static bool read_words(struct line *l, char **words, int n)
     return true;
 }
 
-static bool read_line(int argc, char **argv, struct line *l)
+static bool ctl_read_line(int argc, char **argv, struct line *l)
 {
     const bool ok = read_options(argc, argv, l) &&
-                    read_words(l, argv + optind, argc - optind) && read_values(l);
+                    read_words(l, argv + optind, argc - optind) && ctl_read_values(l);
 
     if (ok && l->cmd == NULL && !l->c.help && !l->c.version)
         (void)ctl_usage(&l->c, "a command is missing (surfacectl --help)");
@@ -151,7 +151,7 @@ static bool read_environment(struct line *l)
     return l->cmd->database == CTL_NO_DATABASE || ctl_config_database(c, model) == ST_OK;
 }
 
-static enum status run(struct ctl *c, struct surface_model **model)
+static enum status ctl_run(struct ctl *c, struct surface_model **model)
 {
     const enum ctl_database database = c->cmd->database;
     enum status st = ctl_model_read(c, model);
@@ -174,7 +174,7 @@ int main(int argc, char **argv)
     struct line l = {.c = {.threshold = (double)NAN}, .typed = {.program = "surfacectl"}};
     struct ctl *c = &l.c;
     struct surface_model *model = NULL;
-    bool ok = read_line(argc, argv, &l);
+    bool ok = ctl_read_line(argc, argv, &l);
     int code = EXIT_USAGE;
 
     nodump_begin();
@@ -190,7 +190,7 @@ int main(int argc, char **argv)
         return EXIT_OSERR;
     }
     if (ok) {
-        c->e.code = run(c, &model);
+        c->e.code = ctl_run(c, &model);
         code = c->e.code == ST_OK || c->code == EXIT_USAGE ? c->code
                                                            : command_exit(c->e.code);
     }

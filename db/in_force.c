@@ -13,7 +13,7 @@ static bool holds(const struct store *s, const struct store_calibration *k)
 }
 
 /* What *k, the newest or zeros, means for s. */
-static void complete(const struct store *s, struct store_calibration *k)
+static void in_force_complete(const struct store *s, struct store_calibration *k)
 {
     k->ignored = k->version != 0 && !holds(s, k);
     if (k->version == 0 || k->shipped || k->ignored) {
@@ -30,14 +30,14 @@ enum status in_force_get(struct store *s, struct store_calibration *k, struct er
         memset(k, 0, sizeof *k);
     else if (st != ST_OK)
         return st;
-    complete(s, k);
+    in_force_complete(s, k);
     return ST_OK;
 }
 
 void in_force_use(const struct store *s, struct store_calibration k,
                   struct surface_work *w)
 {
-    complete(s, &k);
+    in_force_complete(s, &k);
     (void)surface_work_calibrate(w, k.shipped ? NULL : &k.table);
 }
 

@@ -68,7 +68,7 @@ struct stream {             /* the changes, or a daemon's accesses */
     uint64_t *next;             /* the place behind which it lies */
 };
 
-struct listing {
+struct store_audit_listing {
     struct log_txn *t;
     const struct store_audit_filter *filter;
     unsigned char uid[LOG_UID];
@@ -90,7 +90,7 @@ static bool listed(const char *list, const char *kind)
     return false;
 }
 
-static bool is_wanted(const struct listing *l, const struct log_entry *entry)
+static bool is_wanted(const struct store_audit_listing *l, const struct log_entry *entry)
 {
     const struct store_audit_filter *f = l->filter;
 
@@ -102,7 +102,8 @@ static bool is_wanted(const struct listing *l, const struct log_entry *entry)
            (f->until == NULL || strncmp(entry->at, f->until, strlen(f->until)) <= 0);
 }
 
-static enum status advance(struct listing *l, struct stream *x, struct errinfo *e)
+static enum status advance(struct store_audit_listing *l, struct stream *x,
+                           struct errinfo *e)
 {
     enum status st = ST_OK;
 
@@ -119,7 +120,8 @@ static enum status advance(struct listing *l, struct stream *x, struct errinfo *
     return st;
 }
 
-static enum status begin(struct listing *l, struct stream *x, struct errinfo *e)
+static enum status store_audit_begin(struct store_audit_listing *l, struct stream *x,
+                                     struct errinfo *e)
 {
     const struct store_audit_filter *f = l->filter;
     const enum log_name log = x->place.log;
@@ -150,7 +152,7 @@ static bool is_before(const struct log_entry *a, const struct log_entry *b)
 }
 
 /* The one whose entry is the next of all; NULL: there are no more. */
-static struct stream *choose(const struct listing *l)
+static struct stream *store_audit_choose(const struct store_audit_listing *l)
 {
     struct stream *best = NULL;
 
@@ -164,8 +166,8 @@ static struct stream *choose(const struct listing *l)
     return best;
 }
 
-static enum status keep(struct listing *l, const struct log_entry *entry,
-                        struct errinfo *e)
+static enum status store_audit_keep(struct store_audit_listing *l,
+                                    const struct log_entry *entry, struct errinfo *e)
 {
     if (l->n == l->room) {
         const size_t room = 2 * l->room + 64;
@@ -181,19 +183,19 @@ static enum status keep(struct listing *l, const struct log_entry *entry,
 }
 
 /* Until there is one more than wanted, or all that may be were looked at. */
-static enum status list(struct listing *l, struct errinfo *e)
+static enum status store_audit_list_log(struct store_audit_listing *l, struct errinfo *e)
 {
     const struct store_audit_filter *f = l->filter;
     struct stream *x;
     enum status st = ST_OK;
 
-    for (uint64_t looked = 0; (x = choose(l)) != NULL; looked++) {
+    for (uint64_t looked = 0; (x = store_audit_choose(l)) != NULL; looked++) {
         const bool wanted = is_wanted(l, x->at);
 
         if ((f->most != 0 && looked == f->most) ||
             (wanted && f->limit != 0 && l->n == f->limit))
             return ST_OK;
-        if (wanted && (st = keep(l, x->at, e)) != ST_OK)
+        if (wanted && (st = store_audit_keep(l, x->at, e)) != ST_OK)
             return st;
         *x->next = x->at->seq;
         if ((st = advance(l, x, e)) != ST_OK)
@@ -203,7 +205,7 @@ static enum status list(struct listing *l, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status find_uid(struct listing *l, struct errinfo *e)
+static enum status find_uid(struct store_audit_listing *l, struct errinfo *e)
 {
     struct rows_subject of;
     enum status st;
@@ -218,7 +220,7 @@ static enum status find_uid(struct listing *l, struct errinfo *e)
     return st;
 }
 
-static enum status open_streams(struct listing *l, struct errinfo *e)
+static enum status open_streams(struct store_audit_listing *l, struct errinfo *e)
 {
     uint32_t n;
     enum status st = log_daemons(l->t->sql, &n, e);
@@ -236,16 +238,16 @@ static enum status open_streams(struct listing *l, struct errinfo *e)
         l->stream[1 + i] = (struct stream){.place = {.log = LOG_ACCESSES, .daemon = i},
                                            .next = &l->next.accesses[i]};
     for (uint32_t i = 0; i < l->nstreams && st == ST_OK; i++)
-        st = begin(l, &l->stream[i], e);
+        st = store_audit_begin(l, &l->stream[i], e);
     return st;
 }
 
-static enum status list_all(struct listing *l, struct errinfo *e)
+static enum status list_all(struct store_audit_listing *l, struct errinfo *e)
 {
     enum status st;
 
     if ((st = find_uid(l, e)) == ST_OK && (st = open_streams(l, e)) == ST_OK)
-        st = list(l, e);
+        st = store_audit_list_log(l, e);
     for (uint32_t i = 0; i < l->nstreams; i++)
         free(l->stream[i].page);
     free(l->stream);
@@ -259,7 +261,7 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
                              struct store_audit_place *next, struct errinfo *e)
 {
     struct log_txn t;
-    struct listing l = {.t = &t, .filter = filter};
+    struct store_audit_listing l = {.t = &t, .filter = filter};
     enum status st;
 
     *out = NULL;

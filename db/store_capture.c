@@ -59,9 +59,9 @@ static bool read_nonce(const struct log_txn *t, const char *text,
     return sodium_memcmp(mac, out + STORE_NONCE - MAC, MAC) == 0;
 }
 
-static enum status look(struct store *s, const struct store_capture *c,
-                        unsigned char nonce[STORE_NONCE], enum store_captured *out,
-                        struct errinfo *e)
+static enum status store_capture_look(struct store *s, const struct store_capture *c,
+                                      unsigned char nonce[STORE_NONCE],
+                                      enum store_captured *out, struct errinfo *e)
 {
     struct rows_device d;
     struct log_txn t;
@@ -118,8 +118,8 @@ enum status store_capture_take(struct store *s, const struct store_capture *c,
     bool was_used;
     enum status st;
 
-    if ((st = look(s, c, nonce, out, e)) != ST_OK || *out != STORE_CAPTURED ||
-        (st = store_rules_now(&ms, e)) != ST_OK)
+    if ((st = store_capture_look(s, c, nonce, out, e)) != ST_OK ||
+        *out != STORE_CAPTURED || (st = store_rules_now(&ms, e)) != ST_OK)
         return st;
     made_ms = (int64_t)bytes_number(nonce, 8);
     if (made_ms > ms + STORE_AHEAD_MS || made_ms + STORE_NONCE_LIFE_MS < ms) {

@@ -539,8 +539,8 @@ enum status store_kind(const char *path, enum crypt_kind *kind, struct errinfo *
 
 /* ---- statistics, room */
 
-static enum status count(struct sql_txn *t, const char *text, uint64_t *const out[],
-                         int n, struct errinfo *e)
+static enum status store_open_count(struct sql_txn *t, const char *text,
+                                    uint64_t *const out[], int n, struct errinfo *e)
 {
     struct sql_rows *r;
     const enum status st = sql_query(t, text, NULL, 0, &r, e);
@@ -564,7 +564,7 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
     out->schema = (uint32_t)sql_version(s->sql);
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
-    st = count(
+    st = store_open_count(
         t.sql,
         "SELECT (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates), "
         "(SELECT count(*) FROM tokens), (SELECT count(*) FROM devices), "
@@ -577,11 +577,12 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
         "(SELECT min(seq) FROM access_log WHERE daemon = i)), 0) AS bigint) FROM d)",
         rows, 6, e);
     if (st == ST_OK && sizes &&
-        (st = count(t.sql,
-                    "SELECT (SELECT CAST(coalesce(sum(points), 0) AS bigint) "
-                    "FROM templates), "
-                    "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces)",
-                    bytes, 2, e)) == ST_OK)
+        (st = store_open_count(
+             t.sql,
+             "SELECT (SELECT CAST(coalesce(sum(points), 0) AS bigint) "
+             "FROM templates), "
+             "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces)",
+             bytes, 2, e)) == ST_OK)
         st = sql_bytes(t.sql, &out->file_bytes, e);
     return store_end(s, &t, st, e);
 }

@@ -19,7 +19,8 @@ static const char text[] =
     "current_setting('synchronous_standby_names') <> '', "
     "CAST(extract(epoch FROM clock_timestamp()) * 1000 AS bigint)";
 
-static enum status look(struct sql_txn *t, struct store_server *out, struct errinfo *e)
+static enum status store_server_look(struct sql_txn *t, struct store_server *out,
+                                     struct errinfo *e)
 {
     int64_t now = 0, at = 0;
     struct sql_rows *r;
@@ -53,7 +54,7 @@ enum status store_server(const char *path, struct store_server *out, struct erri
     if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
         return st;
     if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK)
-        st = sql_end(t, look(t, out, e), e);
+        st = sql_end(t, store_server_look(t, out, e), e);
     sql_close(d);
     return st;
 }

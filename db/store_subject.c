@@ -116,7 +116,7 @@ bool store_subject_state(const char *word, enum store_state *out)
 
 #define BATCH 500 /* rows in memory at a time */
 
-struct search {
+struct store_subject_searching {
     const struct store_search *what;
     int64_t now;
     char soon[UTC_TEXT]; /* what expires by then is STORE_ENDING */
@@ -126,7 +126,7 @@ struct search {
     bool done;
 };
 
-static bool is_wanted(const struct search *x, struct store_subject *one)
+static bool is_wanted(const struct store_subject_searching *x, struct store_subject *one)
 {
     one->expired = store_rules_past(one->expires, x->now);
     if (x->what->part[0] != '\0' && strcasestr(one->id, x->what->part) == NULL)
@@ -150,7 +150,8 @@ static bool is_wanted(const struct search *x, struct store_subject *one)
 }
 
 /* Those of a batch; one more than wanted tells that there are more. */
-static void choose(struct search *x, struct store_subject *list, size_t n)
+static void store_subject_choose(struct store_subject_searching *x,
+                                 struct store_subject *list, size_t n)
 {
     for (size_t i = 0; i < n && !x->done; i++) {
         if ((x->done = x->looked == STORE_SEARCH_ROWS))
@@ -163,7 +164,9 @@ static void choose(struct search *x, struct store_subject *list, size_t n)
     }
 }
 
-static enum status look(struct log_txn *t, struct search *x, struct errinfo *e)
+static enum status store_subject_look(struct log_txn *t,
+                                      struct store_subject_searching *x,
+                                      struct errinfo *e)
 {
     enum status st = ST_OK;
 
@@ -173,7 +176,7 @@ static enum status look(struct log_txn *t, struct search *x, struct errinfo *e)
 
         if ((st = rows_subject_list(t, x->next, BATCH, &list, &n, e)) != ST_OK)
             return st;
-        choose(x, list, n);
+        store_subject_choose(x, list, n);
         if (!x->done && n < BATCH) {
             x->next = 0;
             x->done = true;
@@ -184,7 +187,8 @@ static enum status look(struct log_txn *t, struct search *x, struct errinfo *e)
 }
 
 /* A damaged template is none here: who looks for the damage must see whose it is. */
-static enum status rate(struct log_txn *t, struct store_subject *one, struct errinfo *e)
+static enum status store_subject_rate(struct log_txn *t, struct store_subject *one,
+                                      struct errinfo *e)
 {
     struct rows_template *row = NULL;
     struct rows_subject of;
@@ -205,7 +209,7 @@ enum status store_subject_search(struct store *s, const struct store_search *wha
                                  struct store_subject **out, size_t *n, int64_t *next,
                                  struct errinfo *e)
 {
-    struct search x = {.what = what, .next = what->after};
+    struct store_subject_searching x = {.what = what, .next = what->after};
     struct log_txn t;
     enum status st;
 
@@ -217,9 +221,9 @@ enum status store_subject_search(struct store *s, const struct store_search *wha
     if ((x.out = calloc(what->limit, sizeof *x.out)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     if ((st = store_begin(s, SQL_READ, &t, e)) == ST_OK) {
-        st = look(&t, &x, e);
+        st = store_subject_look(&t, &x, e);
         for (size_t i = 0; i < x.n && st == ST_OK; i++)
-            st = rate(&t, &x.out[i], e);
+            st = store_subject_rate(&t, &x.out[i], e);
         st = store_end(s, &t, st, e);
     }
     if (st != ST_OK) {

@@ -86,10 +86,10 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
     return st;
 }
 
-static enum status rotate(struct log_txn *x, const struct log_act *by, const char *id,
-                          int64_t grace_s, int64_t end_ms,
-                          const unsigned char hash[ROWS_TOKEN_HASH],
-                          struct store_token *t, struct errinfo *e)
+static enum status store_token_rotate_row(struct log_txn *x, const struct log_act *by,
+                                          const char *id, int64_t grace_s, int64_t end_ms,
+                                          const unsigned char hash[ROWS_TOKEN_HASH],
+                                          struct store_token *t, struct errinfo *e)
 {
     struct rows_token one;
     enum status st = rows_token_get(x, id, &one, e);
@@ -130,7 +130,8 @@ enum status store_token_rotate(struct store *s, const char *actor, const char *i
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
     new_secret(secret, hash);
-    st = store_end(s, &x, rotate(&x, &by, id, grace_s, end_ms, hash, t, e), e);
+    st = store_end(s, &x,
+                   store_token_rotate_row(&x, &by, id, grace_s, end_ms, hash, t, e), e);
     if (st != ST_OK)
         sodium_memzero(secret, 65);
     return st;

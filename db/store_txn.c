@@ -30,7 +30,7 @@ bool store_fault_get(struct store_fault *f, struct errinfo *e)
     return true;
 }
 
-static void count(void *arg, const char *line)
+static void store_txn_count(void *arg, const char *line)
 {
     struct errinfo *first = arg;
 
@@ -49,7 +49,7 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     static const char advice[] =
         "restore a backup (surfacectl restore), or see surfacectl check-database";
     struct errinfo first = {ST_OK, ""}, why;
-    store_report *const tell = report != NULL ? report : count;
+    store_report *const tell = report != NULL ? report : store_txn_count;
     void *const to = report != NULL ? arg : &first;
     unsigned char sum[LOG_DIGEST];
     uint64_t bad, lost, twice = 0;
@@ -112,7 +112,7 @@ static void note_verified(struct store *s, enum status st)
 }
 
 /* Nothing is written on top of what was not verified. */
-static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
+static enum status store_txn_check(struct store *s, struct log_txn *t, struct errinfo *e)
 {
     enum status st = check_end(s, t, e);
 
@@ -126,8 +126,8 @@ static enum status check(struct store *s, struct log_txn *t, struct errinfo *e)
     return st;
 }
 
-static enum status start(struct store *s, enum sql_begin how, struct log_txn *t,
-                         struct errinfo *e)
+static enum status store_txn_start(struct store *s, enum sql_begin how, struct log_txn *t,
+                                   struct errinfo *e)
 {
     struct errinfo why;
 
@@ -145,7 +145,7 @@ static enum status start(struct store *s, enum sql_begin how, struct log_txn *t,
 enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e)
 {
-    enum status st = start(s, how, t, e);
+    enum status st = store_txn_start(s, how, t, e);
 
     if (st == ST_OK && how != SQL_READ && how != SQL_TRY &&
         (st = sql_lock(t->sql, LOG_LOCK_CHANGES, e)) != ST_OK)
@@ -178,7 +178,7 @@ enum status store_verify_rows(struct store *s, store_report *report, void *arg,
 {
     struct errinfo why;
     struct log_txn t;
-    enum status st = start(s, SQL_READ, &t, e);
+    enum status st = store_txn_start(s, SQL_READ, &t, e);
 
     if (st != ST_OK)
         return st;
@@ -198,7 +198,7 @@ enum status store_start_use(struct store *s, enum sql_begin how,
 
     if (!atomic_load(&s->verified))
         st = store_verify_rows(s, NULL, NULL, e);
-    if (st != ST_OK || (st = start(s, how, t, e)) != ST_OK)
+    if (st != ST_OK || (st = store_txn_start(s, how, t, e)) != ST_OK)
         return st;
     if ((use->subject != 0 && (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
         (use->token != NULL && (st = store_lock_token(t, use->token, e)) != ST_OK) ||
@@ -219,7 +219,7 @@ enum status store_begin_use(struct store *s, enum sql_begin how,
 enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e)
 {
     struct errinfo why;
-    const enum status st = check(s, t, &why);
+    const enum status st = store_txn_check(s, t, &why);
 
     if (st == ST_OK)
         return ST_OK;

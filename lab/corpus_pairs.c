@@ -20,7 +20,7 @@ struct mention {
     size_t pair;
 };
 
-struct list {
+struct corpus_pairs_list {
     struct corpus_build *b;
     const char *path;
     struct mention *mention; /* [2 * n]: the template, the probe */
@@ -43,7 +43,7 @@ static enum label read_label(const char *word)
     return LABEL_NONE;
 }
 
-static bool make_room(struct list *l)
+static bool make_room(struct corpus_pairs_list *l)
 {
     const size_t room = l->room > 0 ? 2 * l->room : 64;
     void *p;
@@ -60,7 +60,7 @@ static bool make_room(struct list *l)
     return true;
 }
 
-static enum status read_row(struct list *l, const struct csv *t)
+static enum status corpus_pairs_read_row(struct corpus_pairs_list *l, const struct csv *t)
 {
     struct errinfo *e = l->b->e;
     enum label label = LABEL_NONE;
@@ -107,7 +107,7 @@ static bool is_heading(const struct csv *t)
            strcasecmp(csv_field(t, 1), "probe") == 0;
 }
 
-static enum status read_list(struct list *l)
+static enum status read_list(struct corpus_pairs_list *l)
 {
     struct csv *t;
     bool more;
@@ -117,7 +117,7 @@ static enum status read_list(struct list *l)
          st == ST_OK && (st = csv_next(t, &more, l->b->e)) == ST_OK && more;
          first = false)
         if (!first || !is_heading(t))
-            st = read_row(l, t);
+            st = corpus_pairs_read_row(l, t);
     csv_close(t);
     if (st == ST_OK && l->n == 0)
         st = errinfo_set(l->b->e, ST_EINVAL, "%.160s: no pairs", l->path);
@@ -134,7 +134,7 @@ static int by_file(const void *a, const void *b)
     return order != 0 ? order : (x->line > y->line) - (x->line < y->line);
 }
 
-static enum status bad_mention(const struct list *l, const struct mention *m,
+static enum status bad_mention(const struct corpus_pairs_list *l, const struct mention *m,
                                enum status st, const char *why)
 {
     return errinfo_set(l->b->e, st, "%.100s, line %u: %.120s: %s", l->path, m->line,
@@ -142,7 +142,7 @@ static enum status bad_mention(const struct list *l, const struct mention *m,
 }
 
 /* A scan by the file's name; with labels its subject is not known yet. */
-static enum status add_scan(struct list *l, const struct mention *m)
+static enum status add_scan(struct corpus_pairs_list *l, const struct mention *m)
 {
     const bool labelled = l->label[0] != LABEL_NONE;
     const char *slash = strrchr(m->file, '/'), *why;
@@ -161,7 +161,7 @@ static enum status add_scan(struct list *l, const struct mention *m)
     return why != NULL ? bad_mention(l, m, ST_ENOTFOUND, why) : ST_OK;
 }
 
-static enum status add_scans(struct list *l)
+static enum status add_scans(struct corpus_pairs_list *l)
 {
     struct corpus *c = l->b->c;
     enum status st = ST_OK;
@@ -184,14 +184,14 @@ static enum status add_scans(struct list *l)
 
 /* ---- the people, by the labels */
 
-static uint32_t person(const struct list *l, uint32_t scan)
+static uint32_t person(const struct corpus_pairs_list *l, uint32_t scan)
 {
     while (l->person[scan] != scan)
         scan = l->person[scan] = l->person[l->person[scan]];
     return scan;
 }
 
-static enum status find_people(struct list *l)
+static enum status find_people(struct corpus_pairs_list *l)
 {
     struct corpus *c = l->b->c;
 
@@ -218,7 +218,7 @@ static enum status find_people(struct list *l)
 }
 
 /* Of the subjects, a scan each, one for each person is left. */
-static void merge_subjects(struct list *l)
+static void merge_subjects(struct corpus_pairs_list *l)
 {
     struct corpus *c = l->b->c;
     uint32_t n = 0;
@@ -245,7 +245,7 @@ enum status corpus_pairs_read(const char *path, struct corpus **out, struct erri
 {
     const char *slash = strrchr(path, '/');
     struct corpus_build b;
-    struct list l = {.b = &b, .path = path};
+    struct corpus_pairs_list l = {.b = &b, .path = path};
     enum status st = corpus_build_begin(&b, e);
 
     if (st == ST_OK &&

@@ -88,7 +88,8 @@ static void tridiagonal(double *a, uint32_t n, double *d, double *e, double *roo
     memcpy(a, room, (size_t)n * n * sizeof *a);
 }
 
-static void rotate(double *restrict x, double *restrict y, uint32_t n, double c, double s)
+static void eigen_rotate(double *restrict x, double *restrict y, uint32_t n, double c,
+                         double s)
 {
     for (uint32_t i = 0; i < n; i++) {
         const double t = y[i];
@@ -122,7 +123,7 @@ static void ql_step(double *d, double *e, uint32_t l, uint32_t m, double *row, u
         p = s * r;
         d[i + 1] = g + p;
         g = c * r - b;
-        rotate(row + (size_t)i * n, row + ((size_t)i + 1) * n, n, c, s);
+        eigen_rotate(row + (size_t)i * n, row + ((size_t)i + 1) * n, n, c, s);
     }
     d[l] -= p;
     e[l] = g;

@@ -47,7 +47,7 @@ static const struct {
 #define METHODS (OUTPUTS - 1)
 #define TABLE   "sets.csv" /* of several */
 
-static char *join(const char *dir, const char *file, unsigned number)
+static char *lab_evaluate_join(const char *dir, const char *file, unsigned number)
 {
     const size_t size = strlen(dir) + strlen(file) + 16;
     char *path = malloc(size), suffix[12] = "";
@@ -80,7 +80,7 @@ static char *folder_of(const struct run *r, size_t i, const char *out)
     }
     for (unsigned number = 1; base != NULL && taken; number++) {
         free(dir);
-        if ((dir = join(out, base, number)) == NULL)
+        if ((dir = lab_evaluate_join(out, base, number)) == NULL)
             break;
         taken = false;
         for (size_t k = 0; k < i; k++)
@@ -94,7 +94,7 @@ static char *folder_of(const struct run *r, size_t i, const char *out)
 static enum status may_write(struct run *r, const char *dir, const char *file)
 {
     struct lab *c = r->c;
-    char *path = join(dir, file, 1);
+    char *path = lab_evaluate_join(dir, file, 1);
     enum status st;
 
     if (path == NULL)
@@ -122,7 +122,7 @@ static enum status may_write_all(struct run *r, const char *out)
 static enum status write_in(struct lab *c, const char *dir, const char *file,
                             newfile_writer *write, const void *arg)
 {
-    char *path = join(dir, file, 1);
+    char *path = lab_evaluate_join(dir, file, 1);
     enum status st = ST_OK;
 
     if (path == NULL)

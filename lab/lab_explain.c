@@ -137,7 +137,7 @@ static enum status write_json(FILE *to, const void *arg, struct errinfo *e)
     return ok ? ST_OK : errinfo_set(e, ST_ENOMEM, "explain.json: out of memory");
 }
 
-static enum status write_page(FILE *to, const void *arg, struct errinfo *e)
+static enum status lab_explain_write_page(FILE *to, const void *arg, struct errinfo *e)
 {
     const struct explanation *x = arg;
     struct json *j = json_new();
@@ -164,7 +164,7 @@ static enum status write_page(FILE *to, const void *arg, struct errinfo *e)
 static const struct {
     const char *name;
     newfile_writer *write;
-} file[] = {{"explain.html", write_page},
+} file[] = {{"explain.html", lab_explain_write_page},
             {"explain.json", write_json},
             {"points.csv", write_points},
             {"cells.csv", write_cells}};
@@ -172,7 +172,7 @@ static const struct {
 
 /* ---- the command */
 
-static enum status compare(struct lab *c, struct explanation *x)
+static enum status lab_explain_compare(struct lab *c, struct explanation *x)
 {
     struct surface_work *w = c->work;
     struct surface_found found;
@@ -218,7 +218,7 @@ enum status lab_explain(struct lab *c)
         st = lab_may_write(c, path, c->nargs);
     }
     if (st == ST_OK)
-        st = compare(c, &x);
+        st = lab_explain_compare(c, &x);
     for (size_t i = 0; st == ST_OK && i < FILES; i++) {
         (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
         st = lab_write(c, path, file[i].write, &x);

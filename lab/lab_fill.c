@@ -120,7 +120,7 @@ static void print_filled(struct lab *c, struct filled *f)
 }
 
 /* The scan's points in millimetres, as a face; from that what is missing. */
-static enum status restore(struct lab *c, struct filled *f)
+static enum status lab_fill_restore(struct lab *c, struct filled *f)
 {
     struct surface_found found;
     struct cloudpoints mm = {.at = mem_array(f->scan.n, sizeof *mm.at),
@@ -160,7 +160,7 @@ enum status lab_fill(struct lab *c)
         return st;
     c->frontal = true; /* the points stay where they are */
     st = lab_scan_parse(c, c->args[0], &f.scan, &c->e);
-    if (st == ST_OK && (st = restore(c, &f)) == ST_OK &&
+    if (st == ST_OK && (st = lab_fill_restore(c, &f)) == ST_OK &&
         (st = lab_write(c, c->out, write_filled, &f)) == ST_OK)
         print_filled(c, &f);
     fill_free(&f.fill);

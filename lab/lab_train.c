@@ -144,7 +144,7 @@ static enum status may_write(struct lab *c)
     return st == ST_OK ? outfile_not_read(c->out, c->calibrate, &c->e) : st;
 }
 
-static enum status check(struct lab *c)
+static enum status lab_train_check(struct lab *c)
 {
     if (c->out == NULL)
         return lab_usage(c, "give --out FILE, the model to write");
@@ -168,7 +168,7 @@ enum status lab_train(struct lab *c)
     struct scans s = {.c = c};
     struct train_report report;
     struct surface_model *m = NULL;
-    enum status st = check(c);
+    enum status st = lab_train_check(c);
 
     if (st != ST_OK)
         return st;

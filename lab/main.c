@@ -227,8 +227,8 @@ static enum status find_command(struct lab *c, const char *word, const struct co
 }
 
 /* Values are read into *c, which also a wrong one may change. */
-static bool read_values(const struct command_line *typed, struct lab *c,
-                        const struct command *k)
+static bool lab_read_values(const struct command_line *typed, struct lab *c,
+                            const struct command *k)
 {
     for (int i = 0; i < typed->noption; i++) {
         const struct command_option *o = &option[i].o;
@@ -242,14 +242,14 @@ static bool read_values(const struct command_line *typed, struct lab *c,
     return true;
 }
 
-static bool read_line(int argc, char **argv, struct command_line *typed, struct lab *c,
-                      const struct command **k)
+static bool lab_read_line(int argc, char **argv, struct command_line *typed,
+                          struct lab *c, const struct command **k)
 {
     for (size_t i = 0; i < OPTIONS; i++)
         command_line_add(typed, &option[i].o);
     if (!command_line_read(typed, argc, argv, &c->e) ||
         (optind < argc && find_command(c, argv[optind], k) != ST_OK) ||
-        !read_values(typed, c, *k))
+        !lab_read_values(typed, c, *k))
         return false;
     if (c->help || c->version)
         return true;
@@ -265,7 +265,7 @@ static bool read_line(int argc, char **argv, struct command_line *typed, struct 
 
 /* ---- running */
 
-static enum status run(struct lab *c, const struct command *k)
+static enum status lab_run(struct lab *c, const struct command *k)
 {
     const char *path = getenv("SURFACED_MODEL");
     struct surface_model *model = NULL;
@@ -299,12 +299,12 @@ int main(int argc, char **argv)
 
     nodump_begin();
     outfile_wait();
-    if (read_line(argc, argv, &typed, &c, &k)) {
+    if (lab_read_line(argc, argv, &typed, &c, &k)) {
         if (c.version)
             (void)printf("surfacelab (%s)\n", SURFACE_ENGINE);
         else if (c.help)
             print_help(k);
-        st = c.version || c.help ? ST_OK : run(&c, k);
+        st = c.version || c.help ? ST_OK : lab_run(&c, k);
         code = st == ST_OK || c.code == EXIT_USAGE ? c.code : command_exit(st);
     }
     if (code > EXIT_INCONCLUSIVE && command_line_given(&typed, "json")) {

@@ -8,14 +8,14 @@
 #include "csv.h"
 #include "report.h"
 
-struct entry { /* a comparison by its files */
+struct methods_entry { /* a comparison by its files */
     const char *template, *probe;
     size_t trial;
 };
 
-struct reading {
+struct methods_reading {
     const struct trials *t;
-    struct entry *entry; /* [t->n], sorted */
+    struct methods_entry *entry; /* [t->n], sorted */
     struct report_method *method;
     size_t n;
     char *name; /* of the method, if the table has no column for it */
@@ -25,14 +25,14 @@ struct reading {
     struct errinfo *e;
 };
 
-static enum status no_memory(struct errinfo *e)
+static enum status methods_no_memory(struct errinfo *e)
 {
     return errinfo_set(e, ST_ENOMEM, "out of memory");
 }
 
 static int by_files(const void *a, const void *b)
 {
-    const struct entry *x = a, *y = b;
+    const struct methods_entry *x = a, *y = b;
     const int order = strcmp(x->template, y->template);
 
     return order != 0 ? order : strcmp(x->probe, y->probe);
@@ -50,7 +50,7 @@ static char *name_of(const char *path)
     return name;
 }
 
-static enum status begin(struct reading *r, const char *path)
+static enum status methods_begin(struct methods_reading *r, const char *path)
 {
     const struct corpus *c = r->t->corpus;
     enum status st;
@@ -58,10 +58,10 @@ static enum status begin(struct reading *r, const char *path)
     r->entry = malloc((r->t->n + 1) * sizeof *r->entry);
     r->name = name_of(path);
     if (r->entry == NULL || r->name == NULL)
-        return no_memory(r->e);
+        return methods_no_memory(r->e);
     for (size_t i = 0; i < r->t->n; i++)
-        r->entry[i] = (struct entry){c->scan[r->t->trial[i].template].file,
-                                     c->scan[r->t->trial[i].probe].file, i};
+        r->entry[i] = (struct methods_entry){c->scan[r->t->trial[i].template].file,
+                                             c->scan[r->t->trial[i].probe].file, i};
     qsort(r->entry, r->t->n, sizeof *r->entry, by_files);
     if ((st = csv_open(path, &r->csv, r->e)) != ST_OK ||
         (st = csv_need(r->csv, "template", &r->template, r->e)) != ST_OK ||
@@ -77,7 +77,7 @@ static enum status begin(struct reading *r, const char *path)
 }
 
 /* The method of the current row, which is added if it is new. */
-static struct report_method *method_of(struct reading *r)
+static struct report_method *method_of(struct methods_reading *r)
 {
     const char *name =
         r->method_column >= 0 ? csv_field(r->csv, r->method_column) : r->name;
@@ -98,11 +98,11 @@ static struct report_method *method_of(struct reading *r)
     return m->name != NULL && m->score != NULL ? m : NULL;
 }
 
-static enum status read_row(struct reading *r)
+static enum status methods_read_row(struct methods_reading *r)
 {
-    const struct entry key = {csv_field(r->csv, r->template), csv_field(r->csv, r->probe),
-                              0};
-    const struct entry *found =
+    const struct methods_entry key = {csv_field(r->csv, r->template),
+                                      csv_field(r->csv, r->probe), 0};
+    const struct methods_entry *found =
         bsearch(&key, r->entry, r->t->n, sizeof *r->entry, by_files);
     struct report_method *m;
     double value;
@@ -111,7 +111,7 @@ static enum status read_row(struct reading *r)
     if (csv_field(r->csv, r->value)[0] == '\0')
         return ST_OK;
     if ((m = method_of(r)) == NULL)
-        return no_memory(r->e);
+        return methods_no_memory(r->e);
     if ((st = csv_number(r->csv, r->value, &value, r->e)) != ST_OK || found == NULL)
         return st;
     if (!isnan(m->score[found->trial]))
@@ -123,12 +123,12 @@ static enum status read_row(struct reading *r)
 enum status methods_read(const char *path, const struct trials *t,
                          struct report_method **out, size_t *n, struct errinfo *e)
 {
-    struct reading r = {.t = t, .e = e};
-    enum status st = begin(&r, path);
+    struct methods_reading r = {.t = t, .e = e};
+    enum status st = methods_begin(&r, path);
     bool more;
 
     while (st == ST_OK && (st = csv_next(r.csv, &more, e)) == ST_OK && more)
-        st = read_row(&r);
+        st = methods_read_row(&r);
     for (size_t i = 0; i < r.n && st == ST_OK; i++) {
         st = report_measure_method(&r.method[i], t);
         if (st != ST_OK)

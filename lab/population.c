@@ -15,7 +15,7 @@
 static const uint32_t motions[2][3] = {{0, 4, 5}, {1, 2, 3}};
 
 /* The slopes of the mean face and what follows from them are encode.h's. */
-static enum status place(struct population *p)
+static enum status population_place(struct population *p)
 {
     struct surface_model *m = calloc(1, sizeof *m);
     struct encode_basis *e = calloc(1, sizeof *e);
@@ -37,7 +37,7 @@ static enum status place(struct population *p)
 }
 
 /* A population of this mean face, of which all variances are 0.  Returns: as population_read(). */
-static enum status begin(const float mean[GRID_N], struct population *p)
+static enum status population_begin(const float mean[GRID_N], struct population *p)
 {
     enum status st;
 
@@ -51,7 +51,7 @@ static enum status begin(const float mean[GRID_N], struct population *p)
     }
     if (2 * p->cells.n < MODEL_FACE_MIN)
         return ST_EINVAL;
-    st = place(p);
+    st = population_place(p);
     if (st == ST_OK)
         st = spread_new(p->cells.n, &p->change);
     if (st == ST_OK)
@@ -73,7 +73,7 @@ void population_free(struct population *p)
 
 enum status population_copy(const struct population *from, struct population *to)
 {
-    const enum status st = begin(from->mean, to);
+    const enum status st = population_begin(from->mean, to);
 
     if (st != ST_OK)
         return st;
@@ -127,7 +127,7 @@ enum status population_read(const struct surface_model *m, struct population *p)
             m->change.rest[i] > 0.0f && m->shape.rest[i] > 0.0f ? m->mean[i] : (float)NAN;
         one[i] = 1.0f;
     }
-    if ((st = begin(mean, p)) != ST_OK)
+    if ((st = population_begin(mean, p)) != ST_OK)
         return st;
     add_basis(p, &m->change, one, 0, &p->change);
     add_basis(p, &m->identity, one, 0, &p->identity);

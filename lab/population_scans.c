@@ -81,7 +81,7 @@ double population_scans_share(uint32_t nsubject)
  * side, [ACROSS] from one side to the other. */
 enum { SAME, ACROSS, SIDES };
 
-struct sums {
+struct population_scans_sums {
     uint32_t n;
     double *of[SIDES]; /* [n][n] */
 };
@@ -91,7 +91,7 @@ struct sides {
     double own[MOST], mirror[MOST];
 };
 
-static enum status sums_new(uint32_t n, struct sums *s)
+static enum status sums_new(uint32_t n, struct population_scans_sums *s)
 {
     s->n = n;
     for (int i = 0; i < SIDES; i++)
@@ -100,13 +100,13 @@ static enum status sums_new(uint32_t n, struct sums *s)
     return ST_OK;
 }
 
-static void sums_free(struct sums *s)
+static void sums_free(struct population_scans_sums *s)
 {
     for (int i = 0; i < SIDES; i++)
         free(s->of[i]);
 }
 
-static void sums_add(struct sums *s, const struct sides *x, double by)
+static void sums_add(struct population_scans_sums *s, const struct sides *x, double by)
 {
     for (uint32_t i = 0; i < s->n; i++) {
         const double own = by * x->own[i], mirror = by * x->mirror[i];
@@ -120,7 +120,7 @@ static void sums_add(struct sums *s, const struct sides *x, double by)
     }
 }
 
-static double value(float gap)
+static double population_scans_value(float gap)
 {
     return isnan(gap) ? 0 : (double)gap;
 }
@@ -131,8 +131,8 @@ static double is_known(float gap)
 }
 
 /* what() of a sample. */
-static void take(const struct population *p, const float gap[GRID_N],
-                 double (*what)(float), struct sides *x)
+static void population_scans_take(const struct population *p, const float gap[GRID_N],
+                                  double (*what)(float), struct sides *x)
 {
     for (uint32_t i = 0; i < p->cells.n; i++) {
         x->own[i] = what(gap[p->cells.at[i]]);
@@ -142,7 +142,7 @@ static void take(const struct population *p, const float gap[GRID_N],
 
 /* Products of gaps, and how many there are. */
 struct tally {
-    struct sums product, count;
+    struct population_scans_sums product, count;
     double whole; /* the count where all is known */
 };
 
@@ -165,9 +165,9 @@ static void tally_add(const struct population *p, const float gap[GRID_N], doubl
 {
     struct sides x = {{0}, {0}};
 
-    take(p, gap, value, &x);
+    population_scans_take(p, gap, population_scans_value, &x);
     sums_add(&t->product, &x, times * by);
-    take(p, gap, is_known, &x);
+    population_scans_take(p, gap, is_known, &x);
     sums_add(&t->count, &x, times);
     t->whole += 2 * times;
 }
@@ -177,7 +177,7 @@ static void tally_add(const struct population *p, const float gap[GRID_N], doubl
 struct blend {
     struct population *p;
     struct tally change, identity, shape;
-    struct sums share; /* of W in identity's products */
+    struct population_scans_sums share; /* of W in identity's products */
 };
 
 /* The pairs of a subject's scans. */
@@ -206,16 +206,16 @@ static void add_mean(struct blend *b, const struct population_scan *scan, size_t
         double sum = 0, known = 0;
 
         for (size_t i = 0; i < n; i++) {
-            sum += value(scan[i].gap[c]);
+            sum += population_scans_value(scan[i].gap[c]);
             known += is_known(scan[i].gap[c]);
         }
         count[c] = (float)known;
         mean[c] = known > 0 ? (float)(sum / known) : (float)NAN;
     }
     tally_add(b->p, mean, 1, 1, &b->identity);
-    take(b->p, count, value, &all);
+    population_scans_take(b->p, count, population_scans_value, &all);
     for (size_t i = 0; i < n; i++) {
-        take(b->p, scan[i].gap, is_known, &x);
+        population_scans_take(b->p, scan[i].gap, is_known, &x);
         for (uint32_t c = 0; c < b->p->cells.n; c++) {
             x.own[c] = x.own[c] > 0 ? x.own[c] / all.own[c] : 0;
             x.mirror[c] = x.mirror[c] > 0 ? x.mirror[c] / all.mirror[c] : 0;
@@ -243,7 +243,8 @@ static double covariance(const struct spread *s, int side, size_t at)
 
 /* less: NULL, or what is to be subtracted from the products: so many times own. */
 static void mix(struct spread *s, const struct tally *t, double weight,
-                const struct sums *less, const struct sums *own)
+                const struct population_scans_sums *less,
+                const struct population_scans_sums *own)
 {
     const double prior = t->whole * (1 - weight) / weight;
 

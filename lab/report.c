@@ -8,7 +8,7 @@
 
 /* ---- counting */
 
-static void count(struct report_count *c, const struct trial *x)
+static void report_count_all(struct report_count *c, const struct trial *x)
 {
     c->planned++;
     if (!x->done)
@@ -89,8 +89,8 @@ static enum status measure_time(struct report *r)
 static const double right = 0, wrong = -(double)INFINITY, apart = (double)NAN;
 
 /* Of s[0..n-1], right or wrong, the share that is wrong (mated) or right (non-mated). */
-static enum status share(const struct report *r, const struct rates_score *s, size_t n,
-                         bool mated, struct report_rate *out)
+static enum status report_share(const struct report *r, const struct rates_score *s,
+                                size_t n, bool mated, struct report_rate *out)
 {
     struct rates_figures f, low, high;
     struct rates *rates;
@@ -156,8 +156,8 @@ static double mated_no_match(const struct trial *x)
 }
 
 /* A group's mated comparisons and all non-mated ones; *n of them at *out, for free(). */
-static enum status collect(const struct report *r, const struct report_group *g,
-                           score_of *score, struct rates_score **out, size_t *n)
+static enum status report_collect(const struct report *r, const struct report_group *g,
+                                  score_of *score, struct rates_score **out, size_t *n)
 {
     const struct corpus *c = r->t->corpus;
     struct rates_score *s = malloc((r->t->n + 1) * sizeof *s);
@@ -182,10 +182,10 @@ static enum status decided(const struct report *r, const struct report_group *g,
 {
     struct rates_score *s;
     size_t n;
-    enum status st = collect(r, g, score, &s, &n);
+    enum status st = report_collect(r, g, score, &s, &n);
 
     if (st == ST_OK)
-        st = share(r, s, n, mated, out);
+        st = report_share(r, s, n, mated, out);
     free(s);
     return st;
 }
@@ -205,7 +205,7 @@ static enum status failures(const struct report *r, const struct report_group *g
         if (scan[i].used && of_kind(r, g, i))
             s[n++] = (struct rates_score){scan[i].st == ST_OK ? right : wrong,
                                           c->scan[i].subject, c->scan[i].subject};
-    st = share(r, s, n, true, out);
+    st = report_share(r, s, n, true, out);
     free(s);
     return st;
 }
@@ -230,7 +230,7 @@ static enum status measure_curve(const struct report *r, const struct report_gro
 {
     struct rates_score *s;
     size_t n;
-    enum status st = collect(r, g, score, &s, &n);
+    enum status st = report_collect(r, g, score, &s, &n);
 
     if (st == ST_OK)
         st = curve_of(r->t, s, n, out);
@@ -269,7 +269,7 @@ static enum status measure_group(struct report *r, struct report_group *g)
 
     for (size_t i = 0; i < r->t->n; i++)
         if (r->t->trial[i].type == CORPUS_GENUINE && of_kind(r, g, r->t->trial[i].probe))
-            count(&g->mated, &r->t->trial[i]);
+            report_count_all(&g->mated, &r->t->trial[i]);
     if ((st = count_ranks(r, g)) != ST_OK ||
         (st = failures(r, g, r->t->probe, &g->fta)) != ST_OK ||
         (st = decided(r, g, mated_no_match, true, &g->fnmr)) != ST_OK ||
@@ -321,9 +321,9 @@ enum status report_measure(struct report *r, const struct trials *t)
         r->untemplated += c->nlisted == 0 && c->subject[i].enrolled == CORPUS_NONE;
     for (size_t i = 0; i < t->n; i++)
         if (t->trial[i].type == CORPUS_IMPOSTOR)
-            count(&r->non_mated, &t->trial[i]);
+            report_count_all(&r->non_mated, &t->trial[i]);
         else if (t->trial[i].type == CORPUS_RELATIVE)
-            count(&r->relative, &t->trial[i]);
+            report_count_all(&r->relative, &t->trial[i]);
     if ((st = measure_time(r)) != ST_OK || (st = make_groups(r)) != ST_OK ||
         (st = failures(r, &r->group[0], t->template, &r->fte)) != ST_OK ||
         (st = decided(r, &r->group[0], non_mated_match, false, &r->fmr)) != ST_OK ||

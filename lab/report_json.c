@@ -27,12 +27,12 @@ static void rate_of(struct json *o, const char *key, double value, double low,
     json_close(o);
 }
 
-static void rate(struct json *o, const char *key, const struct report_rate *x)
+static void report_json_rate(struct json *o, const char *key, const struct report_rate *x)
 {
     rate_of(o, key, x->value, x->low, x->high, x->n);
 }
 
-static void count(struct json *o, const struct report_count *c)
+static void report_json_count(struct json *o, const struct report_count *c)
 {
     json_number(o, "planned", (double)c->planned);
     json_number(o, "comparisons", (double)c->n);
@@ -83,17 +83,17 @@ static void group(const struct report *r, const struct report_group *g, struct j
     json_text(o, "probes", g->name);
     json_number(o, "number", (double)g->fta.n);
     json_number(o, "failures_to_acquire", round(g->fta.value * (double)g->fta.n));
-    rate(o, "fta", &g->fta);
-    count(o, &g->mated);
+    report_json_rate(o, "fta", &g->fta);
+    report_json_count(o, &g->mated);
     json_object(o, "scored");
     curve(&g->curve[REPORT_SCORED], r->non_mated.n, o);
     json_close(o);
     json_object(o, "with_refusals");
     curve(&g->curve[REPORT_ALL], r->non_mated.n, o);
     json_close(o);
-    rate(o, "fnmr", &g->fnmr);
-    rate(o, "fnmr_with_inconclusive", &g->unmatched);
-    rate(o, "frr", &g->frr);
+    report_json_rate(o, "fnmr", &g->fnmr);
+    report_json_rate(o, "fnmr_with_inconclusive", &g->unmatched);
+    report_json_rate(o, "frr", &g->frr);
     json_number(o, "ranked", g->ranked);
     json_number(o, "own_template_nearest", g->first);
     json_close(o);
@@ -146,21 +146,21 @@ void report_json_out(struct json *o, const struct report *r)
     json_number(o, "subjects_without_that_kind", r->untemplated);
     json_number(o, "templates", (double)r->fte.n);
     json_number(o, "failures_to_enroll", round(r->fte.value * (double)r->fte.n));
-    rate(o, "fte", &r->fte);
+    report_json_rate(o, "fte", &r->fte);
     json_array(o, "refused");
     refused_as(r, t->template, "template", o);
     refused_as(r, t->probe, "probe", o);
     corpus_left_json(t->corpus, o);
     json_object(o, "non_mated");
-    count(o, &r->non_mated);
-    rate(o, "fmr", &r->fmr);
-    rate(o, "far", &r->far);
+    report_json_count(o, &r->non_mated);
+    report_json_rate(o, "fmr", &r->fmr);
+    report_json_rate(o, "far", &r->far);
     json_number(o, "of_each_probe",
                 t->non_mated == TRIALS_ALL ? (double)NAN : t->non_mated);
     json_number(o, "seed", (double)t->seed);
     json_close(o);
     json_object(o, "relative");
-    count(o, &r->relative);
+    report_json_count(o, &r->relative);
     json_close(o);
     json_array(o, "mated");
     for (uint32_t i = 0; i < r->ngroup; i++)

@@ -134,7 +134,7 @@ static int by_variance(const void *a, const void *b)
     return x->pattern < y->pattern ? -1 : 1; /* of one block: in its order */
 }
 
-static bool keep(struct spread_mode *mode, uint32_t n)
+static bool spread_keep(struct spread_mode *mode, uint32_t n)
 {
     double *own = malloc(n * sizeof *own);
 
@@ -165,7 +165,7 @@ enum status spread_lead(struct spread *s, uint32_t k, struct spread_mode *mode)
         qsort(all, 2 * (size_t)n, sizeof *all, by_variance);
     for (; st == ST_OK && kept < k; kept++) {
         mode[kept] = all[kept];
-        if (!keep(&mode[kept], n)) {
+        if (!spread_keep(&mode[kept], n)) {
             spread_release(mode, kept);
             st = ST_ENOMEM;
         }

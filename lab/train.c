@@ -26,26 +26,26 @@ struct sample {
         placed; /* the scan's face as the model in use sees it; its points borrowed */
 };
 
-struct pair {
+struct train_pair {
     uint32_t template, probe; /* of the samples */
     double base, own;         /* scores */
 };
 
-struct work {
+struct train_work {
     const struct train *t;
     const struct population *p;  /* that gaps are from */
     struct sample *sample;       /* [n] by subjects */
     struct population_scan *gap; /* [n] */
     uint32_t *first;             /* [nsubject + 1] of each subject's samples */
     uint32_t n, nsubject;
-    struct pair *pair; /* [npair] by probes */
+    struct train_pair *pair; /* [npair] by probes */
     size_t npair;
     unsigned half; /* of the subjects that is compared; BOTH */
 };
 
 #define BOTH 2
 
-static enum status no_memory(struct errinfo *e)
+static enum status train_no_memory(struct errinfo *e)
 {
     return errinfo_set(e, ST_ENOMEM, "out of memory");
 }
@@ -53,7 +53,7 @@ static enum status no_memory(struct errinfo *e)
 /* ---- which scans, which comparisons */
 
 /* The scans that have faces, by subjects; every subject with two or more. */
-static enum status choose(struct work *w, struct errinfo *e)
+static enum status train_choose(struct train_work *w, struct errinfo *e)
 {
     const struct corpus *c = w->t->corpus;
     uint32_t *count = calloc(c->nsubject + (size_t)1, sizeof *count);
@@ -66,7 +66,7 @@ static enum status choose(struct work *w, struct errinfo *e)
         w->first == NULL) {
         free(count);
         free(at);
-        return no_memory(e);
+        return train_no_memory(e);
     }
     for (uint32_t i = 0; i < c->nscan; i++)
         count[c->scan[i].subject] += w->t->face[i].surface.mesh.nv > 0;
@@ -97,36 +97,38 @@ static enum status choose(struct work *w, struct errinfo *e)
                              several, TRAIN_MIN_SUBJECTS);
 }
 
-static unsigned half_of(const struct work *w, uint32_t sample)
+static unsigned half_of(const struct train_work *w, uint32_t sample)
 {
     return w->sample[sample].subject & 1;
 }
 
 /* The subject of the corpus that a subject in use is. */
-static uint32_t person(const struct work *w, uint32_t subject)
+static uint32_t person(const struct train_work *w, uint32_t subject)
 {
     return w->t->corpus->scan[w->sample[w->first[subject]].scan].subject;
 }
 
 /* Each scan with its subject's first one, and with the first ones of others of the same half. */
-static enum status plan(struct work *w, struct errinfo *e)
+static enum status plan(struct train_work *w, struct errinfo *e)
 {
     w->pair = calloc((size_t)w->n * (STRANGERS + 1), sizeof *w->pair);
     if (w->pair == NULL)
-        return no_memory(e);
+        return train_no_memory(e);
     for (uint32_t i = 0; i < w->n; i++) {
         const uint32_t own = w->sample[i].subject;
         uint32_t found = 0;
 
         if (i != w->first[own])
-            w->pair[w->npair++] = (struct pair){.template = w->first[own], .probe = i};
+            w->pair[w->npair++] =
+                (struct train_pair){.template = w->first[own], .probe = i};
         for (uint32_t k = 1; k < w->nsubject && found < STRANGERS; k++) {
             const uint32_t s = (own + k) % w->nsubject;
 
             if ((s & 1) != (own & 1) || corpus_pair(w->t->corpus, person(w, own),
                                                     person(w, s)) != CORPUS_IMPOSTOR)
                 continue;
-            w->pair[w->npair++] = (struct pair){.template = w->first[s], .probe = i};
+            w->pair[w->npair++] =
+                (struct train_pair){.template = w->first[s], .probe = i};
             found++;
         }
     }
@@ -136,10 +138,10 @@ static enum status plan(struct work *w, struct errinfo *e)
 /* ---- faces by a model, on all cores: each item writes its own place */
 
 /* The scan's frame and encoding by the work's model; and its gaps. */
-static enum status place(void *arg, size_t i, struct surface_work *work,
-                         struct errinfo *e)
+static enum status train_place(void *arg, size_t i, struct surface_work *work,
+                               struct errinfo *e)
 {
-    struct work *w = arg;
+    struct train_work *w = arg;
     struct sample *s = &w->sample[i];
     struct scratch room = {0};
     float z[GRID_N];
@@ -160,9 +162,10 @@ static enum status place(void *arg, size_t i, struct surface_work *work,
                        : errinfo_set(e, st, "placing the faces: %s", status_message(st));
 }
 
-static enum status compare(const struct surface_face *tmpl,
-                           const struct surface_face *probe, struct surface_work *work,
-                           double *score, struct errinfo *e)
+static enum status train_compare(const struct surface_face *tmpl,
+                                 const struct surface_face *probe,
+                                 struct surface_work *work, double *score,
+                                 struct errinfo *e)
 {
     struct surface_comparison r;
     const enum status st = face_compare(tmpl, probe, (double)NAN, work, &r);
@@ -176,23 +179,23 @@ static enum status compare(const struct surface_face *tmpl,
 static enum status compare_base(void *arg, size_t i, struct surface_work *work,
                                 struct errinfo *e)
 {
-    struct work *w = arg;
-    struct pair *p = &w->pair[i];
+    struct train_work *w = arg;
+    struct train_pair *p = &w->pair[i];
 
-    return compare(&w->t->face[w->sample[p->template].scan],
-                   &w->t->face[w->sample[p->probe].scan], work, &p->base, e);
+    return train_compare(&w->t->face[w->sample[p->template].scan],
+                         &w->t->face[w->sample[p->probe].scan], work, &p->base, e);
 }
 
 static enum status compare_own(void *arg, size_t i, struct surface_work *work,
                                struct errinfo *e)
 {
-    struct work *w = arg;
-    struct pair *p = &w->pair[i];
+    struct train_work *w = arg;
+    struct train_pair *p = &w->pair[i];
 
     if (half_of(w, p->probe) != w->half)
         return ST_OK;
-    return compare(&w->sample[p->template].placed, &w->sample[p->probe].placed, work,
-                   &p->own, e);
+    return train_compare(&w->sample[p->template].placed, &w->sample[p->probe].placed,
+                         work, &p->own, e);
 }
 
 /* ---- learning */
@@ -205,7 +208,7 @@ static enum status round_model(struct surface_model *m, struct errinfo *e)
     enum status st;
 
     if (text == NULL)
-        return no_memory(e);
+        return train_no_memory(e);
     (void)surface_model_write(m, text, len + 1);
     st = model_parse(text, len, m, NULL);
     free(text);
@@ -223,7 +226,8 @@ static enum status to_model(const struct population *p, struct surface_model *m,
                                      status_message(st));
 }
 
-static enum status begin(const struct train *t, struct population *p, struct errinfo *e)
+static enum status train_begin(const struct train *t, struct population *p,
+                               struct errinfo *e)
 {
     const enum status st = population_read(t->base, p);
 
@@ -235,7 +239,7 @@ static enum status begin(const struct train *t, struct population *p, struct err
 }
 
 /* The gaps of a half of the subjects, or of all, blended into p. */
-static enum status blend(const struct work *w, unsigned half, double weight,
+static enum status blend(const struct train_work *w, unsigned half, double weight,
                          struct population *p, struct errinfo *e)
 {
     struct population_scan *own = calloc(w->n, sizeof *own);
@@ -248,21 +252,21 @@ static enum status blend(const struct work *w, unsigned half, double weight,
     if (own != NULL)
         st = population_scans_blend(p, own, n, weight);
     free(own);
-    return st == ST_OK ? ST_OK : no_memory(e);
+    return st == ST_OK ? ST_OK : train_no_memory(e);
 }
 
 /* What a model says that has learned from the other half of the subjects. */
-static enum status judge_half(struct work *w, unsigned half, double weight,
+static enum status judge_half(struct train_work *w, unsigned half, double weight,
                               const struct surface_model *before, struct errinfo *e)
 {
     struct population p;
     struct surface_model *m = malloc(sizeof *m);
-    struct work judge = *w;
+    struct train_work judge = *w;
     enum status st = m != NULL ? population_copy(w->p, &p) : ST_ENOMEM;
 
     if (st != ST_OK) {
         free(m);
-        return no_memory(e);
+        return train_no_memory(e);
     }
     *m = *before;
     judge.p = NULL;
@@ -271,7 +275,7 @@ static enum status judge_half(struct work *w, unsigned half, double weight,
     if (st == ST_OK)
         st = to_model(&p, m, e);
     if (st == ST_OK)
-        st = pool_run("placing", w->t->threads, m, w->n, place, &judge, e);
+        st = pool_run("placing", w->t->threads, m, w->n, train_place, &judge, e);
     if (st == ST_OK)
         st = pool_run("comparing", w->t->threads, m, w->npair, compare_own, &judge, e);
     population_free(&p);
@@ -281,8 +285,8 @@ static enum status judge_half(struct work *w, unsigned half, double weight,
 
 /* ---- the report */
 
-static enum status figures(const struct work *w, bool own, struct rates_figures *out,
-                           struct errinfo *e)
+static enum status train_figures(const struct train_work *w, bool own,
+                                 struct rates_figures *out, struct errinfo *e)
 {
     struct rates_score *s = calloc(w->npair + 1, sizeof *s);
     struct rates *r = NULL;
@@ -299,12 +303,13 @@ static enum status figures(const struct work *w, bool own, struct rates_figures 
     return st == ST_OK ? ST_OK : errinfo_set(e, st, "the rates: %s", status_message(st));
 }
 
-static enum status report(const struct work *w, struct train_report *r, struct errinfo *e)
+static enum status train_report_on(const struct train_work *w, struct train_report *r,
+                                   struct errinfo *e)
 {
-    enum status st = figures(w, false, &r->base, e);
+    enum status st = train_figures(w, false, &r->base, e);
 
     if (st == ST_OK)
-        st = figures(w, true, &r->own, e);
+        st = train_figures(w, true, &r->own, e);
     if (st != ST_OK)
         return st;
     for (size_t i = 0; i < w->npair; i++)
@@ -320,12 +325,12 @@ static enum status report(const struct work *w, struct train_report *r, struct e
 }
 
 /* p adapted to the scans, and how well that serves people that were not learned from. */
-static enum status learn_scans(struct work *w, struct population *p,
+static enum status learn_scans(struct train_work *w, struct population *p,
                                struct surface_model *m, struct train_report *r,
                                struct errinfo *e)
 {
     const struct train *t = w->t;
-    enum status st = choose(w, e);
+    enum status st = train_choose(w, e);
 
     if (st == ST_OK)
         st = plan(w, e);
@@ -336,22 +341,22 @@ static enum status learn_scans(struct work *w, struct population *p,
     r->weight = t->weight >= 0 ? t->weight : population_scans_share(w->nsubject);
     w->p = p;
     w->half = BOTH;
-    st = pool_run("placing", t->threads, m, w->n, place, w, e);
+    st = pool_run("placing", t->threads, m, w->n, train_place, w, e);
     if (st == ST_OK)
         st = pool_run("comparing", t->threads, t->base, w->npair, compare_base, w, e);
     for (unsigned half = 0; st == ST_OK && half < 2; half++)
         st = judge_half(w, half, r->weight, m, e);
     if (st == ST_OK)
-        st = report(w, r, e);
+        st = train_report_on(w, r, e);
     return st == ST_OK ? blend(w, BOTH, r->weight, p, e) : st;
 }
 
 static enum status learn(const struct train *t, struct surface_model *out,
                          struct train_report *r, struct errinfo *e)
 {
-    struct work w = {.t = t};
+    struct train_work w = {.t = t};
     struct population p;
-    enum status st = begin(t, &p, e);
+    enum status st = train_begin(t, &p, e);
 
     if (st != ST_OK)
         return st;
@@ -391,7 +396,7 @@ static enum status read_scores(const char *path, struct rates **out, struct erri
             void *larger = realloc(s, (room = 2 * room + 1024) * sizeof *s);
 
             if (larger == NULL) {
-                st = no_memory(e);
+                st = train_no_memory(e);
                 break;
             }
             s = larger;

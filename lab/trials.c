@@ -68,7 +68,7 @@ static bool plan_probe(struct trials *t, uint32_t probe, uint32_t *list)
 
 /* How many non-mated comparisons of each probe keep the sum below the limit, or all; 0: out of
  * memory. */
-static uint32_t share(const struct corpus *c)
+static uint32_t trials_share(const struct corpus *c)
 {
     uint32_t *size = calloc(c->npopulation, sizeof *size);
     uint32_t nprobe = 0;
@@ -142,9 +142,9 @@ struct run {
     size_t nprobe; /* items */
 };
 
-static enum status build(const struct run *r, uint32_t scan, bool enrolment,
-                         struct surface_work *w, struct surface_face *out,
-                         struct errinfo *e)
+static enum status trials_build(const struct run *r, uint32_t scan, bool enrolment,
+                                struct surface_work *w, struct surface_face *out,
+                                struct errinfo *e)
 {
     struct surface_found found;
     struct trials_scan *s = enrolment ? &r->t->template[scan] : &r->t->probe[scan];
@@ -158,11 +158,12 @@ static enum status enroll_item(void *arg, size_t i, struct surface_work *w,
 {
     const struct run *r = arg;
 
-    return build(r, r->templates[i], true, w, &r->template[i], e);
+    return trials_build(r, r->templates[i], true, w, &r->template[i], e);
 }
 
-static enum status compare(const struct run *r, const struct surface_face *face,
-                           struct surface_work *w, struct trial *x, struct errinfo *e)
+static enum status trials_compare(const struct run *r, const struct surface_face *face,
+                                  struct surface_work *w, struct trial *x,
+                                  struct errinfo *e)
 {
     const struct corpus *c = r->t->corpus;
     const struct corpus_scan *template = &c->scan[x->template],
@@ -203,13 +204,13 @@ static enum status probe_item(void *arg, size_t i, struct surface_work *w,
     struct trials *t = r->t;
     const uint32_t scan = t->trial[r->order[r->first[i]]].probe;
     struct surface_face face = {.quality = {0}};
-    enum status st = build(r, scan, false, w, &face, e);
+    enum status st = trials_build(r, scan, false, w, &face, e);
 
     for (size_t k = r->first[i]; k < r->first[i + 1] && st == ST_OK; k++) {
         struct trial *x = &t->trial[r->order[k]];
 
         if (t->probe[scan].st == ST_OK && t->template[x->template].st == ST_OK)
-            st = compare(r, &face, w, x, e);
+            st = trials_compare(r, &face, w, x, e);
     }
     face_free(&face);
     return st;
@@ -285,7 +286,7 @@ enum status trials_run(struct lab *c, const struct corpus *corpus,
         t->nthread = pool_threads(c->threads);
         t->non_mated = corpus->nlisted > 0  ? TRIALS_ALL
                        : how->non_mated > 0 ? how->non_mated
-                                            : share(corpus);
+                                            : trials_share(corpus);
         t->template = calloc(corpus->nscan, sizeof *t->template);
         t->probe = calloc(corpus->nscan, sizeof *t->probe);
     }

@@ -275,8 +275,9 @@ static enum status parse(struct cloudtext *t, const struct cloudfile_options *o,
 }
 
 /* What is in the list becomes *out, if st is ST_OK. */
-static enum status finish(struct cloudlist *list, enum status st,
-                          const struct cloudfile_options *o, struct cloudpoints *out)
+static enum status cloudfile_finish(struct cloudlist *list, enum status st,
+                                    const struct cloudfile_options *o,
+                                    struct cloudpoints *out)
 {
     if (list->out.unit_mm == 0)
         list->out.unit_mm = o->unit_mm;
@@ -302,7 +303,7 @@ static enum status read_plain(const char *bytes, size_t len,
 
     if (o->format == CLOUDFORMAT_ANY && o->camera.width > 0)
         list.out.format = CLOUDFORMAT_RAW;
-    return finish(&list, len == 0 ? nothing(&t) : parse(&t, o, &list), o, out);
+    return cloudfile_finish(&list, len == 0 ? nothing(&t) : parse(&t, o, &list), o, out);
 }
 
 static bool is_gzip(const char *bytes, size_t len)
@@ -357,7 +358,7 @@ enum status cloudfile_read_json(const struct json_value *object, const char *nam
         .out = {.format = CLOUDFORMAT_JSON}, .max = o->max_points, .e = e};
 
     *out = (struct cloudpoints){0};
-    return finish(&list, take_cloud(object, name, prefix, &list), o, out);
+    return cloudfile_finish(&list, take_cloud(object, name, prefix, &list), o, out);
 }
 
 enum status cloudfile_read_document(const char *text, size_t len, size_t max_points,

@@ -9,7 +9,7 @@
 #define FIRST_ROOM 1024
 #define MARKS      4 /* numbers that stand for no value, in one file */
 
-static enum status no_memory(const struct cloudlist *l)
+static enum status cloudlist_no_memory(const struct cloudlist *l)
 {
     return errinfo_set(l->e, ST_ENOMEM, "no memory for the points");
 }
@@ -29,7 +29,7 @@ static bool enlarge(void **array, size_t n, size_t room, size_t size)
     return true;
 }
 
-static enum status grow(struct cloudlist *l)
+static enum status cloudlist_grow(struct cloudlist *l)
 {
     struct cloudpoints *out = &l->out;
     const size_t twice = 2 * l->room, room = twice < l->max ? twice : l->max;
@@ -45,7 +45,7 @@ static enum status grow(struct cloudlist *l)
     out->normal = normal;
     out->index = index;
     if (!done)
-        return no_memory(l);
+        return cloudlist_no_memory(l);
     if (normal != NULL)
         memset(out->normal + out->n, 0, (room - out->n) * sizeof *out->normal);
     l->room = room;
@@ -58,11 +58,11 @@ enum status cloudlist_room(struct cloudlist *l, size_t n)
     if (l->room == 0)
         l->room = 1; /* so that it can be doubled */
     l->out.at = mem_array(l->room, sizeof *l->out.at);
-    return l->out.at != NULL ? ST_OK : no_memory(l);
+    return l->out.at != NULL ? ST_OK : cloudlist_no_memory(l);
 }
 
 /* The point read last is not kept: from now on places differ from indices. */
-static enum status drop(struct cloudlist *l)
+static enum status cloudlist_drop(struct cloudlist *l)
 {
     struct cloudpoints *out = &l->out;
 
@@ -70,7 +70,7 @@ static enum status drop(struct cloudlist *l)
     if (out->index != NULL)
         return ST_OK;
     if ((out->index = mem_array(l->room, sizeof *out->index)) == NULL)
-        return no_memory(l);
+        return cloudlist_no_memory(l);
     for (size_t i = 0; i < out->n; i++)
         out->index[i] = (uint32_t)i;
     return ST_OK;
@@ -89,8 +89,8 @@ enum status cloudlist_add(struct cloudlist *l, struct dvec3 p)
     out->read++;
     l->zeros += zero;
     if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z) || (zero && l->zeros > 1))
-        return drop(l);
-    if (out->n == l->room && (st = grow(l)) != ST_OK)
+        return cloudlist_drop(l);
+    if (out->n == l->room && (st = cloudlist_grow(l)) != ST_OK)
         return st;
     if (zero)
         l->zero = out->n;
@@ -108,7 +108,7 @@ static enum status need_normals(struct cloudlist *l)
     if (out->normal != NULL || out->at == NULL)
         return ST_OK;
     if ((out->normal = mem_array(l->room, sizeof *out->normal)) == NULL)
-        return no_memory(l);
+        return cloudlist_no_memory(l);
     memset(out->normal, 0, l->room * sizeof *out->normal);
     return ST_OK;
 }
@@ -123,7 +123,7 @@ enum status cloudlist_normal(struct cloudlist *l, struct dvec3 n)
 }
 
 /* Where the point of a place is in out; out->n: it was dropped. */
-static size_t find(const struct cloudpoints *out, uint64_t place)
+static size_t cloudlist_find(const struct cloudpoints *out, uint64_t place)
 {
     size_t low = 0, high = out->n;
 
@@ -150,7 +150,7 @@ enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3])
     for (int i = 0; i < 3; i++) {
         if (corner[i] >= out->read)
             return ST_EINVAL;
-        if ((at[i] = find(out, corner[i])) == out->n)
+        if ((at[i] = cloudlist_find(out, corner[i])) == out->n)
             return ST_OK;
     }
     if ((st = need_normals(l)) != ST_OK)
@@ -173,7 +173,7 @@ static enum status drop_zero(struct cloudlist *l)
 {
     struct cloudpoints *out = &l->out;
     const size_t i = l->zero, after = out->n - i - 1;
-    enum status st = drop(l);
+    enum status st = cloudlist_drop(l);
 
     if (st != ST_OK)
         return st;
@@ -196,7 +196,7 @@ static double distance(const struct cloudpoints *out, size_t i, int axis)
 static enum status drop_far(struct cloudlist *l, int axis, double least)
 {
     struct cloudpoints *out = &l->out;
-    enum status st = drop(l);
+    enum status st = cloudlist_drop(l);
     size_t n = 0;
 
     for (size_t i = 0; st == ST_OK && i < out->n; i++) {

@@ -20,7 +20,7 @@ enum status corpus_build_no_memory(struct errinfo *e)
 }
 
 /* grow(at, n, room, size): room for one more of n; false: out of memory. */
-static bool grow(void **at, uint32_t n, uint32_t *room, size_t size)
+static bool corpus_grow(void **at, uint32_t n, uint32_t *room, size_t size)
 {
     const uint32_t larger = *room > 0 ? 2 * *room : 64;
     void *p;
@@ -82,7 +82,7 @@ enum status corpus_build_subject(struct corpus_build *b, const char *id, uint32_
         void *at = c->subject;
         char *copy;
 
-        if (!grow(&at, c->nnamed, &b->subject_room, sizeof *c->subject))
+        if (!corpus_grow(&at, c->nnamed, &b->subject_room, sizeof *c->subject))
             return corpus_build_no_memory(b->e);
         c->subject = at;
         if ((copy = strdup(id)) == NULL)
@@ -168,7 +168,7 @@ enum status corpus_build_scan(struct corpus_build *b, const char *file, const ch
 
     if (c->nscan == CORPUS_MAX_SCANS)
         return errinfo_set(b->e, ST_ELIMIT, "more than %d scans", CORPUS_MAX_SCANS);
-    if (!grow(&at, c->nscan, &b->scan_room, sizeof *c->scan))
+    if (!corpus_grow(&at, c->nscan, &b->scan_room, sizeof *c->scan))
         return corpus_build_no_memory(b->e);
     c->scan = at;
     if ((st = corpus_build_subject(b, id, &s.subject)) != ST_OK ||
@@ -221,7 +221,7 @@ enum status corpus_build_left(struct corpus_build *b, const char *file, const ch
     struct corpus *c = b->c;
     void *at = c->left;
 
-    if (!grow(&at, c->nleft, &b->left_room, sizeof *c->left))
+    if (!corpus_grow(&at, c->nleft, &b->left_room, sizeof *c->left))
         return corpus_build_no_memory(b->e);
     c->left = at;
     c->left[c->nleft] = (struct corpus_left){printable(file), why, scan};

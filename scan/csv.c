@@ -118,7 +118,7 @@ static void skip_lines(struct csv *t)
 }
 
 /* Read a row, in place.  Empty lines are passed over; *more is false at the end. */
-static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
+static enum status csv_read_row(struct csv *t, bool *more, struct errinfo *e)
 {
     const char *row;
     bool last = false;
@@ -162,7 +162,7 @@ static enum status read_row(struct csv *t, bool *more, struct errinfo *e)
 }
 
 /* From the file's first byte; of a list, which of the two separates. */
-static void begin(struct csv *t, size_t len)
+static void csv_begin(struct csv *t, size_t len)
 {
     t->text[len] = '\0';
     t->at = t->text;
@@ -181,7 +181,7 @@ static enum status read_head(struct csv *t, struct errinfo *e)
     bool more;
     enum status st;
 
-    if ((st = read_row(t, &more, e)) == ST_OK && !more)
+    if ((st = csv_read_row(t, &more, e)) == ST_OK && !more)
         st = errinfo_set(e, ST_EINVAL, "%.160s: empty, not even a heading", t->path);
     if (st != ST_OK)
         return st;
@@ -212,7 +212,7 @@ static enum status open_table(const char *name, const void *bytes, size_t len, b
         st = read_file(t, &len, e);
     if (st == ST_OK) {
         t->list = list;
-        begin(t, len);
+        csv_begin(t, len);
         if (!list)
             st = read_head(t, e);
     }
@@ -267,7 +267,7 @@ enum status csv_need(const struct csv *t, const char *name, int *column,
 
 enum status csv_next(struct csv *t, bool *more, struct errinfo *e)
 {
-    const enum status st = read_row(t, more, e);
+    const enum status st = csv_read_row(t, more, e);
 
     if (st == ST_OK && *more && !t->list && t->nfield != t->nhead)
         return errinfo_set(e, ST_EINVAL, "%.120s, line %u: %d fields, the heading has %d",

@@ -32,7 +32,7 @@ struct part {
 
 #define PARTS_OF_NODE (3 + GLBWRITE_SCALARS)
 
-static size_t add(struct part *p, const struct part *what, size_t *n)
+static size_t glbwrite_add(struct part *p, const struct part *what, size_t *n)
 {
     p[*n] = *what;
     return (*n)++;
@@ -44,32 +44,32 @@ static size_t parts_of(const struct glbwrite_node *node, size_t index, struct pa
     const bool narrow = node->n <= 65535;
     size_t n = 0;
 
-    add(p,
-        &(struct part){"POSITION", node->at, (size_t)node->n * 12, node->n, "VEC3", FLOAT,
-                       false, true, index},
-        &n);
+    glbwrite_add(p,
+                 &(struct part){"POSITION", node->at, (size_t)node->n * 12, node->n,
+                                "VEC3", FLOAT, false, true, index},
+                 &n);
     if (node->color != NULL)
-        add(p,
-            &(struct part){"COLOR_0", node->color, (size_t)node->n * 4, node->n, "VEC4",
-                           BYTE, false, false, index},
-            &n);
+        glbwrite_add(p,
+                     &(struct part){"COLOR_0", node->color, (size_t)node->n * 4, node->n,
+                                    "VEC4", BYTE, false, false, index},
+                     &n);
     for (int i = 0; i < GLBWRITE_SCALARS && node->scalar[i].name != NULL; i++)
-        add(p,
-            &(struct part){node->scalar[i].name, node->scalar[i].value,
-                           (size_t)node->n * 4, node->n, "SCALAR", FLOAT, false, false,
-                           index},
-            &n);
+        glbwrite_add(p,
+                     &(struct part){node->scalar[i].name, node->scalar[i].value,
+                                    (size_t)node->n * 4, node->n, "SCALAR", FLOAT, false,
+                                    false, index},
+                     &n);
     if (node->triangles > 0)
-        add(p,
-            &(struct part){NULL, node->triangle,
-                           (size_t)node->triangles * (narrow ? 6 : 12),
-                           (size_t)node->triangles * 3, "SCALAR", narrow ? SHORT : INT,
-                           narrow, false, index},
-            &n);
+        glbwrite_add(p,
+                     &(struct part){NULL, node->triangle,
+                                    (size_t)node->triangles * (narrow ? 6 : 12),
+                                    (size_t)node->triangles * 3, "SCALAR",
+                                    narrow ? SHORT : INT, narrow, false, index},
+                     &n);
     return n;
 }
 
-static size_t padded(size_t bytes)
+static size_t glbwrite_padded(size_t bytes)
 {
     return (bytes + 3) & ~(size_t)3;
 }
@@ -123,7 +123,7 @@ static void describe_parts(struct json *j, const struct part *p, size_t n, size_
         json_number(j, "byteLength", (double)p[i].bytes);
         json_number(j, "target", p[i].name == NULL ? INDICES : VERTICES);
         json_close(j);
-        offset += padded(p[i].bytes);
+        offset += glbwrite_padded(p[i].bytes);
     }
     json_close(j);
     json_array(j, "buffers");
@@ -179,7 +179,7 @@ static void describe_nodes(struct json *j, const struct glbwrite_node *node, siz
     json_number(j, "scene", 0);
 }
 
-static unsigned char *put(unsigned char *to, size_t value)
+static unsigned char *glbwrite_put(unsigned char *to, size_t value)
 {
     for (int i = 0; i < 4; i++)
         *to++ = (unsigned char)(value >> 8 * i);
@@ -198,8 +198,8 @@ static unsigned char *put_part(unsigned char *to, const struct part *p)
             to[2 * i + 1] = (unsigned char)(index[i] >> 8);
         }
     }
-    memset(to + p->bytes, 0, padded(p->bytes) - p->bytes);
-    return to + padded(p->bytes);
+    memset(to + p->bytes, 0, glbwrite_padded(p->bytes) - p->bytes);
+    return to + glbwrite_padded(p->bytes);
 }
 
 /* The file: 12 bytes, the document filled with blanks, the arrays. */
@@ -209,16 +209,16 @@ static unsigned char *assemble(const char *text, const struct part *p, size_t n,
     const size_t document = strlen(text);
     unsigned char *out, *to;
 
-    *len = 12 + 8 + padded(document) + 8 + bytes;
+    *len = 12 + 8 + glbwrite_padded(document) + 8 + bytes;
     if ((out = malloc(*len)) == NULL)
         return NULL;
     memcpy(out, "glTF", 4);
-    to = put(put(out + 4, 2), *len);
-    to = put(to, padded(document));
+    to = glbwrite_put(glbwrite_put(out + 4, 2), *len);
+    to = glbwrite_put(to, glbwrite_padded(document));
     memcpy(to, "JSON", 4);
-    memset(to + 4, ' ', padded(document));
+    memset(to + 4, ' ', glbwrite_padded(document));
     memcpy(to + 4, text, document);
-    to = put(to + 4 + padded(document), bytes);
+    to = glbwrite_put(to + 4 + glbwrite_padded(document), bytes);
     memcpy(to, "BIN", 4);
     to += 4;
     for (size_t i = 0; i < n; i++)
@@ -242,7 +242,7 @@ enum status glbwrite(const struct glbwrite_node *node, size_t n, struct json *j,
     for (size_t i = 0; i < n; i++)
         parts += parts_of(&node[i], i, p + parts);
     for (size_t i = 0; i < parts; i++)
-        bytes += padded(p[i].bytes);
+        bytes += glbwrite_padded(p[i].bytes);
     json_object(j, "asset");
     json_text(j, "version", "2.0");
     json_text(j, "generator", "surfaced");

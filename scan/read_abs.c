@@ -30,7 +30,8 @@ static enum status read_size(struct cloudtext *t, const char *what, uint64_t *ou
     return ST_OK;
 }
 
-static enum status read_header(struct cloudtext *t, uint64_t *width, uint64_t *height)
+static enum status read_abs_read_header(struct cloudtext *t, uint64_t *width,
+                                        uint64_t *height)
 {
     static const char *const words[] = {"pixels", "(flag", "X", "Y", "Z):"};
     enum status st;
@@ -113,7 +114,7 @@ enum status read_abs_parse(struct cloudtext *t, const struct cloudfile_options *
     uint64_t width, height;
     enum status st = cloudtext_plain(t);
 
-    if (st != ST_OK || (st = read_header(t, &width, &height)) != ST_OK)
+    if (st != ST_OK || (st = read_abs_read_header(t, &width, &height)) != ST_OK)
         return st;
     if (width > UINT32_MAX || height > UINT32_MAX)
         return cloudtext_fail(t, ST_EINVAL, "rows and columns are too large");

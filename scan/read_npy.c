@@ -16,14 +16,14 @@
 
 #define DIMS 8
 
-struct value {
+struct read_npy_value {
     enum cloudvalue type; /* CLOUDVALUE_NONE: not said yet */
     bool big;
     size_t at; /* bytes from the item's first */
 };
 
 struct array {
-    struct value value
+    struct read_npy_value value
         [3]; /* x, y and z of a structured item; else the first is that of each item */
     bool fields; /* the items are structured */
     size_t size; /* bytes of an item */
@@ -36,7 +36,7 @@ struct array {
 /* ---- the header */
 
 /* Is this here, behind blanks?  Then it is passed over. */
-static bool take(struct cloudtext *t, const char *what)
+static bool read_npy_take(struct cloudtext *t, const char *what)
 {
     const size_t len = strlen(what);
 
@@ -48,7 +48,7 @@ static bool take(struct cloudtext *t, const char *what)
 }
 
 /* "'<f4'": a type, and its size in bytes.  Of types that have no numbers the size alone. */
-static bool take_type(struct cloudtext *t, struct value *v, uint64_t *size)
+static bool take_type(struct cloudtext *t, struct read_npy_value *v, uint64_t *size)
 {
     static const struct {
         char kind, size;
@@ -61,7 +61,7 @@ static bool take_type(struct cloudtext *t, struct value *v, uint64_t *size)
     const char *word;
     char kind;
 
-    if (!take(t, "'") || t->end - t->p < 3)
+    if (!read_npy_take(t, "'") || t->end - t->p < 3)
         return false;
     v->big = *t->p == '>';
     t->p += memchr("<>|=", *t->p, 4) != NULL;
@@ -78,35 +78,35 @@ static bool take_type(struct cloudtext *t, struct value *v, uint64_t *size)
         *size *= 4;
     while (t->p < t->end && *t->p != '\'') /* the unit of a time */
         t->p++;
-    return take(t, "'");
+    return read_npy_take(t, "'");
 }
 
 /* "('x', '<f4')" or "('rgb', '|u1', (3,))": takes the field if it is x, y or z, or xyz of three. */
 static bool take_field(struct cloudtext *t, struct array *a)
 {
-    struct value v = {.type = CLOUDVALUE_NONE, .at = a->size};
+    struct read_npy_value v = {.type = CLOUDVALUE_NONE, .at = a->size};
     uint64_t size, n, items = 1;
     const char *name, *word;
     bool of_three = false;
     size_t len;
 
-    if (!take(t, "(") || !take(t, "'"))
+    if (!read_npy_take(t, "(") || !read_npy_take(t, "'"))
         return false;
     for (name = t->p; t->p < t->end && *t->p != '\''; t->p++)
         ;
     len = (size_t)(t->p - name);
-    if (!take(t, "'") || !take(t, ",") || !take_type(t, &v, &size))
+    if (!read_npy_take(t, "'") || !read_npy_take(t, ",") || !take_type(t, &v, &size))
         return false;
-    if (take(t, ",") && take(t, "(")) {
-        while (!take(t, ")")) {
+    if (read_npy_take(t, ",") && read_npy_take(t, "(")) {
+        while (!read_npy_take(t, ")")) {
             for (word = t->p; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
                 ;
             if (!cloudtext_count(word, (size_t)(t->p - word), &n) || n > 65535)
                 return false;
             of_three = items == 1 && n == 3;
             items = items * n < 65535 ? items * n : 65535;
-            (void)take(t, "L");
-            (void)take(t, ",");
+            (void)read_npy_take(t, "L");
+            (void)read_npy_take(t, ",");
         }
     }
     for (size_t k = 0; k < 3; k++) {
@@ -118,14 +118,14 @@ static bool take_field(struct cloudtext *t, struct array *a)
         }
     }
     a->size += (size_t)(size * items);
-    return take(t, ")") && a->size < 65536;
+    return read_npy_take(t, ")") && a->size < 65536;
 }
 
 static enum status read_type(struct cloudtext *t, struct array *a)
 {
     uint64_t size;
 
-    a->fields = take(t, "[");
+    a->fields = read_npy_take(t, "[");
     if (!a->fields) {
         if (take_type(t, &a->value[0], &size) && a->value[0].type != CLOUDVALUE_NONE) {
             a->size = (size_t)size;
@@ -134,7 +134,7 @@ static enum status read_type(struct cloudtext *t, struct array *a)
         return cloudtext_fail(t, ST_EVERSION,
                               "an NPY type that is not read: send floats or integers");
     }
-    for (a->size = 0; !take(t, "]"); (void)take(t, ","))
+    for (a->size = 0; !read_npy_take(t, "]"); (void)read_npy_take(t, ","))
         if (!take_field(t, a))
             return cloudtext_fail(
                 t, ST_EVERSION,
@@ -149,9 +149,9 @@ static enum status read_type(struct cloudtext *t, struct array *a)
 
 static enum status read_shape(struct cloudtext *t, struct array *a)
 {
-    if (!take(t, "("))
+    if (!read_npy_take(t, "("))
         return cloudtext_fail(t, ST_EINVAL, "the shape of the array is expected here");
-    for (a->dims = 0; !take(t, ")"); (void)take(t, ",")) {
+    for (a->dims = 0; !read_npy_take(t, ")"); (void)read_npy_take(t, ",")) {
         const char *word = t->p;
 
         while (t->p < t->end && *t->p >= '0' && *t->p <= '9')
@@ -159,27 +159,27 @@ static enum status read_shape(struct cloudtext *t, struct array *a)
         if (a->dims == DIMS ||
             !cloudtext_count(word, (size_t)(t->p - word), &a->shape[a->dims++]))
             return cloudtext_fail(t, ST_EVERSION, "the shape of the array is not read");
-        (void)take(t, "L"); /* Python 2 */
+        (void)read_npy_take(t, "L"); /* Python 2 */
     }
     return ST_OK;
 }
 
 static enum status read_member(struct cloudtext *t, struct array *a)
 {
-    if (take(t, "'descr':"))
+    if (read_npy_take(t, "'descr':"))
         return read_type(t, a);
-    if (take(t, "'shape':"))
+    if (read_npy_take(t, "'shape':"))
         return read_shape(t, a);
-    if (take(t, "'fortran_order':")) {
-        a->fortran = take(t, "True");
-        if (a->fortran || take(t, "False"))
+    if (read_npy_take(t, "'fortran_order':")) {
+        a->fortran = read_npy_take(t, "True");
+        if (a->fortran || read_npy_take(t, "False"))
             return ST_OK;
     }
     return cloudtext_fail(t, ST_EINVAL, "malformed NPY header");
 }
 
 /* A Python dictionary, behind its length; t moves to the data. */
-static enum status read_header(struct cloudtext *t, struct array *a)
+static enum status read_npy_read_header(struct cloudtext *t, struct array *a)
 {
     struct cloudtext h = *t;
     size_t size, len;
@@ -199,11 +199,11 @@ static enum status read_header(struct cloudtext *t, struct array *a)
         return cloudtext_fail(t, ST_EINVAL, "the NPY header is cut off");
     h.p += size;
     t->p = h.end = h.p + len;
-    if (!take(&h, "{"))
+    if (!read_npy_take(&h, "{"))
         return cloudtext_fail(&h, ST_EINVAL, "malformed NPY header");
-    while (st == ST_OK && !take(&h, "}")) {
+    while (st == ST_OK && !read_npy_take(&h, "}")) {
         st = read_member(&h, a);
-        (void)take(&h, ",");
+        (void)read_npy_take(&h, ",");
     }
     if (st == ST_OK && (a->size == 0 || a->dims == 0))
         return cloudtext_fail(&h, ST_EINVAL, "the NPY header has no type or no shape");
@@ -294,13 +294,13 @@ static enum status arrange(struct cloudtext *t, struct array *a)
                           "(H, W, 3), (3, H, W), or (H, W) of a depth image");
 }
 
-static enum status read_values(struct cloudtext *t, const struct array *a,
-                               const struct clouddepth_camera *camera,
-                               struct cloudlist *list)
+static enum status read_npy_read_values(struct cloudtext *t, const struct array *a,
+                                        const struct clouddepth_camera *camera,
+                                        struct cloudlist *list)
 {
     const unsigned char *data = (const unsigned char *)t->p;
     const bool depth = !a->fields && a->shape[2] == 1;
-    struct value value[3];
+    struct read_npy_value value[3];
     struct clouddepth d;
     enum status st = ST_OK;
 
@@ -345,7 +345,7 @@ static enum status read_array(struct cloudtext *t, struct array *a)
     enum status st;
 
     t->line = 0;
-    if ((st = read_header(t, a)) == ST_OK && (st = check_size(t, a)) == ST_OK)
+    if ((st = read_npy_read_header(t, a)) == ST_OK && (st = check_size(t, a)) == ST_OK)
         st = arrange(t, a);
     return st;
 }
@@ -363,5 +363,5 @@ enum status read_npy_parse(struct cloudtext *t, const struct cloudfile_options *
     struct array a = {.dims = 0};
     const enum status st = read_array(t, &a);
 
-    return st == ST_OK ? read_values(t, &a, &o->camera, list) : st;
+    return st == ST_OK ? read_npy_read_values(t, &a, &o->camera, list) : st;
 }

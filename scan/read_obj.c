@@ -39,8 +39,8 @@ static enum status vertex(struct cloudtext *t, struct cloudlist *list)
 
 /* The vertex that a corner of a face names, "7/1/2" or, counted from the last, "-1": its
  * number from 0. */
-static bool corner(const struct cloudlist *list, const char *word, size_t len,
-                   uint64_t *out)
+static bool read_obj_corner(const struct cloudlist *list, const char *word, size_t len,
+                            uint64_t *out)
 {
     const char *slash = len > 0 ? memchr(word, '/', len) : NULL;
     const bool negative = len > 0 && *word == '-';
@@ -67,7 +67,7 @@ static enum status face(struct cloudtext *t, struct cloudlist *list)
 
         if (len == 0)
             return n >= 3 ? ST_OK : ST_EINVAL;
-        if (!corner(list, word, len, &c[n < 3 ? n : 2]))
+        if (!read_obj_corner(list, word, len, &c[n < 3 ? n : 2]))
             return ST_EINVAL;
         if (n >= 2) {
             st = cloudlist_face(list, c);

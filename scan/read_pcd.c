@@ -172,7 +172,7 @@ static enum status check_header(struct header *h)
     return ST_OK;
 }
 
-static enum status read_header(struct cloudtext *t, struct header *h)
+static enum status read_pcd_read_header(struct cloudtext *t, struct header *h)
 {
     enum status st = ST_OK;
 
@@ -239,7 +239,8 @@ static enum status lay_out(const struct header *h, struct layout *l)
 
 /* ---- the points */
 
-static enum status add(struct cloudlist *list, const struct layout *l, const double v[6])
+static enum status read_pcd_add(struct cloudlist *list, const struct layout *l,
+                                const double v[6])
 {
     enum status st = cloudlist_add(list, (struct dvec3){v[0], v[1], v[2]});
 
@@ -256,9 +257,9 @@ static enum status cut_off(const struct header *h, uint64_t row)
 }
 
 /* Points of one length: value k of point i is at column[k] + i step[k]. */
-static enum status read_values(const struct header *h, const struct layout *l,
-                               const unsigned char *data, bool by_field,
-                               struct cloudlist *list)
+static enum status read_pcd_read_values(const struct header *h, const struct layout *l,
+                                        const unsigned char *data, bool by_field,
+                                        struct cloudlist *list)
 {
     const bool swap = cloudvalue_swap(false);
     const int most = l->normals ? 6 : 3;
@@ -274,7 +275,7 @@ static enum status read_values(const struct header *h, const struct layout *l,
 
         for (int k = 0; k < most; k++)
             v[k] = cloudvalue_load(data + column[k] + i * step[k], l->type[k], swap);
-        st = add(list, l, v);
+        st = read_pcd_add(list, l, v);
     }
     return st;
 }
@@ -286,7 +287,7 @@ static enum status read_binary(const struct header *h, const struct layout *l,
 
     if (h->points > left / l->stride)
         return cut_off(h, left / l->stride);
-    return read_values(h, l, (const unsigned char *)h->t->p, false, list);
+    return read_pcd_read_values(h, l, (const unsigned char *)h->t->p, false, list);
 }
 
 /* LibLZF's format: a control byte below 32 is followed by one literal byte more than it says;
@@ -350,13 +351,14 @@ static enum status read_compressed(const struct header *h, const struct layout *
     if ((data = mem_array((size_t)size, 1)) == NULL)
         return cloudtext_fail(h->t, ST_ENOMEM, "no memory to unpack the points");
     st = read_pcd_unpack(p + 8, (size_t)packed, data, (size_t)size)
-             ? read_values(h, l, data, true, list)
+             ? read_pcd_read_values(h, l, data, true, list)
              : cloudtext_fail(h->t, ST_EINVAL, "the compressed data is damaged");
     mem_free(data);
     return st;
 }
 
-static enum status read_row(struct cloudtext *t, const struct layout *l, double v[6])
+static enum status read_pcd_read_row(struct cloudtext *t, const struct layout *l,
+                                     double v[6])
 {
     enum status st;
 
@@ -393,8 +395,8 @@ static enum status read_text(const struct header *h, const struct layout *l,
 
         if (!cloudtext_find(t))
             return cut_off(h, i);
-        if ((st = read_row(t, l, v)) == ST_OK)
-            st = add(list, l, v);
+        if ((st = read_pcd_read_row(t, l, v)) == ST_OK)
+            st = read_pcd_add(list, l, v);
     }
     return st;
 }
@@ -415,7 +417,7 @@ uint64_t read_pcd_count(struct cloudtext t)
 {
     struct header h;
 
-    return read_header(&t, &h) == ST_OK ? h.points : 0;
+    return read_pcd_read_header(&t, &h) == ST_OK ? h.points : 0;
 }
 
 enum status read_pcd_parse(struct cloudtext *t, const struct cloudfile_options *o,
@@ -425,7 +427,7 @@ enum status read_pcd_parse(struct cloudtext *t, const struct cloudfile_options *
     struct layout l;
     enum status st;
 
-    if ((st = read_header(t, &h)) != ST_OK || (st = lay_out(&h, &l)) != ST_OK)
+    if ((st = read_pcd_read_header(t, &h)) != ST_OK || (st = lay_out(&h, &l)) != ST_OK)
         return st;
     if (h.encoding != ASCII)
         t->line = 0;

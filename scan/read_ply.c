@@ -293,7 +293,7 @@ static enum status too_few(struct data *d)
 /* ---- rows of any kind, text or binary */
 
 /* The next value.  ST_ENOTFOUND: the data ends. */
-static enum status take(struct data *d, enum cloudvalue type, double *out)
+static enum status read_ply_take(struct data *d, enum cloudvalue type, double *out)
 {
     struct cloudtext *t = d->t;
 
@@ -340,7 +340,7 @@ static enum status take_corners(struct data *d, enum cloudvalue type, uint64_t n
     for (uint64_t i = 0; i < n && st == ST_OK; i++) {
         double value;
 
-        if ((st = take(d, type, &value)) != ST_OK)
+        if ((st = read_ply_take(d, type, &value)) != ST_OK)
             return st;
         if (!(value >= 0 && value <= UINT32_MAX && floor(value) == value))
             return ST_EINVAL;
@@ -357,7 +357,7 @@ static enum status take_list(struct data *d, const struct ply_head_property *q,
                              bool faces)
 {
     double n;
-    enum status st = take(d, q->count, &n);
+    enum status st = read_ply_take(d, q->count, &n);
 
     if (st != ST_OK)
         return st;
@@ -369,8 +369,8 @@ static enum status take_list(struct data *d, const struct ply_head_property *q,
 
 /* One row: a vertex into value; a face, with faces, into the list.  ST_ENOTFOUND: the data
  * ends before or in it. */
-static enum status read_row(struct data *d, const struct ply_head_element *e,
-                            double value[6], bool faces)
+static enum status read_ply_read_row(struct data *d, const struct ply_head_element *e,
+                                     double value[6], bool faces)
 {
     struct cloudtext *t = d->t;
     enum status st = ST_OK;
@@ -383,7 +383,7 @@ static enum status read_row(struct data *d, const struct ply_head_element *e,
         if (q->count != CLOUDVALUE_NONE)
             st = take_list(d, q, faces);
         else if (q->role < PLY_CORNERS)
-            st = take(d, q->type, &value[q->role]);
+            st = read_ply_take(d, q->type, &value[q->role]);
         else
             st = skip(d, q->type, 1);
     }
@@ -398,7 +398,7 @@ static enum status read_row(struct data *d, const struct ply_head_element *e,
 
 /* ---- the vertices */
 
-static enum status add(struct data *d, const double value[6])
+static enum status read_ply_add(struct data *d, const double value[6])
 {
     enum status st = cloudlist_add(d->list, (struct dvec3){value[0], value[1], value[2]});
 
@@ -430,7 +430,7 @@ static enum status read_fixed(struct data *d, const struct ply_head_element *e)
 
         for (int i = 0; i < most; i++)
             value[i] = cloudvalue_load(row + at[i], type[i], d->h.swap);
-        st = add(d, value);
+        st = read_ply_add(d, value);
     }
     d->t->p = (const char *)row;
     return st;
@@ -442,11 +442,11 @@ static enum status read_vertices(struct data *d, const struct ply_head_element *
         return read_fixed(d, e);
     for (uint64_t i = 0; i < e->rows; i++) {
         double value[6] = {0};
-        enum status st = read_row(d, e, value, false);
+        enum status st = read_ply_read_row(d, e, value, false);
 
         if (st == ST_ENOTFOUND)
             return cut_off(d, i);
-        if (st != ST_OK || (st = add(d, value)) != ST_OK)
+        if (st != ST_OK || (st = read_ply_add(d, value)) != ST_OK)
             return st;
     }
     return ST_OK;
@@ -477,7 +477,7 @@ static enum status skip_element(struct data *d, const struct ply_head_element *e
         return ST_OK;
     }
     for (uint64_t row = 0; e->n > 0 && row < e->rows; row++) {
-        enum status st = read_row(d, e, ignored, false);
+        enum status st = read_ply_read_row(d, e, ignored, false);
 
         if (st == ST_ENOTFOUND)
             return ends_before(d);
@@ -500,7 +500,7 @@ static enum status read_faces(struct data *d, const struct ply_head_element *e)
     while (st == ST_OK && ++e <= last && (!e->faces || d->h.normals))
         st = skip_element(d, e);
     for (uint64_t row = 0; st == ST_OK && e <= last && e->n > 0 && row < e->rows; row++)
-        st = read_row(d, e, none, true);
+        st = read_ply_read_row(d, e, none, true);
     while (d->stream && st == ST_OK && ++e <= last)
         st = skip_element(d, e);
     d->t->e = report;
@@ -536,7 +536,7 @@ static bool has_lines(const struct data *d, struct errinfo *why)
     while (e->rows == 0 || e->n == 0)
         if (++e == &d->h.element[d->h.elements])
             return true;
-    return read_row(&first, e, ignored, false) != ST_EINVAL;
+    return read_ply_read_row(&first, e, ignored, false) != ST_EINVAL;
 }
 
 static enum status read_data(struct data *d)

@@ -168,7 +168,7 @@ static enum status read_binary(struct cloudtext *t, struct cloudlist *list)
 /* What stands in a file, and what may come after it. */
 enum place { OUTSIDE, IN_SOLID, IN_FACET, IN_LOOP };
 
-struct reading {
+struct read_stl_reading {
     struct cloudtext *t;
     struct weld weld;
     enum place place;
@@ -176,7 +176,7 @@ struct reading {
     uint64_t corner[3];
 };
 
-static enum status read_vertex(struct reading *r)
+static enum status read_vertex(struct read_stl_reading *r)
 {
     double v[3];
     enum status st;
@@ -189,7 +189,7 @@ static enum status read_vertex(struct reading *r)
     return weld_add(&r->weld, (struct dvec3){v[0], v[1], v[2]}, &r->corner[r->corners++]);
 }
 
-static enum status end_loop(struct reading *r)
+static enum status end_loop(struct read_stl_reading *r)
 {
     if (r->corners != 3)
         return cloudtext_fail(r->t, ST_EINVAL, "a facet with fewer than three vertices");
@@ -198,12 +198,12 @@ static enum status end_loop(struct reading *r)
 }
 
 /* A line by its first word; the rest is skipped. */
-static enum status read_line(struct reading *r)
+static enum status read_stl_read_line(struct read_stl_reading *r)
 {
     static const struct {
         const char *word;
         enum place in, then;
-        enum status (*read)(struct reading *r);
+        enum status (*read)(struct read_stl_reading *r);
     } line[] = {{"solid", OUTSIDE, IN_SOLID, NULL},
                 {"facet", IN_SOLID, IN_FACET, NULL},
                 {"outer", IN_FACET, IN_LOOP, NULL},
@@ -228,13 +228,13 @@ static enum status read_line(struct reading *r)
 
 static enum status read_text(struct cloudtext *t, struct cloudlist *list)
 {
-    struct reading r = {.t = t};
+    struct read_stl_reading r = {.t = t};
     enum status st = cloudtext_plain(t);
 
     if (st == ST_OK) /* a vertex takes a line of 13 bytes or more */
         st = weld_open(&r.weld, list, (size_t)(t->end - t->p) / 13 + 1);
     while (st == ST_OK && t->p < t->end) {
-        st = read_line(&r);
+        st = read_stl_read_line(&r);
         if (st == ST_OK)
             cloudtext_skip(t);
     }

@@ -47,7 +47,7 @@ struct named {
     bool coordinate;
 };
 
-struct reading {
+struct read_vrml_reading {
     struct cloudtext *t;
     struct cloudlist *list;
     bool old;   /* VRML 1.0 */
@@ -70,7 +70,7 @@ static bool ends_word(char c)
            memchr(MARKS, c, sizeof MARKS - 1) != NULL;
 }
 
-static enum status fail(struct reading *r, const char *what)
+static enum status read_vrml_fail(struct read_vrml_reading *r, const char *what)
 {
     return cloudtext_fail(r->t, ST_EINVAL, "%s", what);
 }
@@ -107,7 +107,7 @@ static char next(struct cloudtext *t, struct word *w)
     return '"';
 }
 
-static enum status read_numbers(struct reading *r, int n, double *out)
+static enum status read_numbers(struct read_vrml_reading *r, int n, double *out)
 {
     enum status st = ST_OK;
 
@@ -116,7 +116,7 @@ static enum status read_numbers(struct reading *r, int n, double *out)
         struct word w;
 
         if (next(r->t, &w) != WORD)
-            return fail(r, "a number is expected here");
+            return read_vrml_fail(r, "a number is expected here");
         at = *r->t;
         at.p = w.p;
         at.end = w.p + w.len;
@@ -128,7 +128,7 @@ static enum status read_numbers(struct reading *r, int n, double *out)
 /* ---- transforms */
 
 /* The turn by an axis and an angle (Rodrigues), of 3 x 3, row by row. */
-static void turn(const double by[4], double r[9])
+static void read_vrml_turn(const double by[4], double r[9])
 {
     const double len = sqrt(by[0] * by[0] + by[1] * by[1] + by[2] * by[2]);
     const double a[3] = {len > 0 ? by[0] / len : 0, len > 0 ? by[1] / len : 0,
@@ -142,7 +142,7 @@ static void turn(const double by[4], double r[9])
 
 /* What is inside of a TRANSFORM, or after it: about its center scaled and turned, and then
  * shifted. */
-static void move(struct reading *r, const struct frame *f, struct state *s)
+static void move(struct read_vrml_reading *r, const struct frame *f, struct state *s)
 {
     const double *t = f->field[TRANSLATION], *scale = f->field[SCALE],
                  *center = f->field[CENTER];
@@ -150,7 +150,7 @@ static void move(struct reading *r, const struct frame *f, struct state *s)
 
     if (!f->moves)
         return;
-    turn(f->field[ROTATION], rotation);
+    read_vrml_turn(f->field[ROTATION], rotation);
     for (int i = 0; i < 3; i++) {
         own[4 * i + 3] = t[i] + center[i];
         for (int k = 0; k < 3; k++) {
@@ -169,7 +169,7 @@ static void move(struct reading *r, const struct frame *f, struct state *s)
 }
 
 /* A field that moves, if w is its name. */
-static enum status read_move(struct reading *r, struct frame *f, struct word w)
+static enum status read_move(struct read_vrml_reading *r, struct frame *f, struct word w)
 {
     static const struct {
         const char *name;
@@ -193,18 +193,18 @@ static enum status read_move(struct reading *r, struct frame *f, struct word w)
         st = read_numbers(r, fields[i].n, f->field[fields[i].field]);
     }
     if (st == ST_OK && !(s[0] > 0 && s[1] > 0 && s[2] > 0))
-        return fail(r, "a scale is not above 0");
+        return read_vrml_fail(r, "a scale is not above 0");
     return st;
 }
 
 /* ---- points and faces */
 
-static enum status read_points(struct reading *r, struct frame *f)
+static enum status read_vrml_read_points(struct read_vrml_reading *r, struct frame *f)
 {
     struct word w;
 
     if (next(r->t, &w) != '[')
-        return fail(r, "a list of points is expected here");
+        return read_vrml_fail(r, "a list of points is expected here");
     for (;;) {
         struct cloudtext before = *r->t;
         double v[3];
@@ -226,7 +226,7 @@ static enum status read_points(struct reading *r, struct frame *f)
 
 /* The faces of a list of corners, each face ended by -1; as fans of triangles.  ST_EINVAL,
  * without a message: they are none. */
-static enum status read_faces(struct reading *r, const struct frame *f)
+static enum status read_faces(struct read_vrml_reading *r, const struct frame *f)
 {
     struct cloudtext t = f->index;
     uint64_t c[3] = {0};
@@ -255,7 +255,7 @@ static enum status read_faces(struct reading *r, const struct frame *f)
     return st;
 }
 
-static enum status end_faces(struct reading *r, const struct frame *f)
+static enum status end_faces(struct read_vrml_reading *r, const struct frame *f)
 {
     enum status st;
 
@@ -270,23 +270,23 @@ static enum status end_faces(struct reading *r, const struct frame *f)
 }
 
 /* The list is read when its node ends, which has the points by then. */
-static enum status find_index(struct reading *r, struct frame *f)
+static enum status find_index(struct read_vrml_reading *r, struct frame *f)
 {
     struct word w;
     char c = next(r->t, &w);
 
     f->index = *r->t;
     if (c != '[')
-        return fail(r, "a list of corners is expected here");
+        return read_vrml_fail(r, "a list of corners is expected here");
     do
         c = next(r->t, &w);
     while (c == WORD);
-    return c == ']' ? ST_OK : fail(r, "a number is expected here");
+    return c == ']' ? ST_OK : read_vrml_fail(r, "a number is expected here");
 }
 
 /* ---- nodes */
 
-static enum kind kind_of(const struct reading *r, struct word type)
+static enum kind kind_of(const struct read_vrml_reading *r, struct word type)
 {
     static const struct {
         const char *name;
@@ -307,13 +307,14 @@ static enum kind kind_of(const struct reading *r, struct word type)
     return OTHER;
 }
 
-static enum status refuse(struct reading *r, struct word w)
+static enum status read_vrml_refuse(struct read_vrml_reading *r, struct word w)
 {
     return cloudtext_fail(r->t, ST_EVERSION, "VRML with %.*s is not read", (int)w.len,
                           w.p);
 }
 
-static enum status begin(struct reading *r, enum kind kind, struct word name)
+static enum status read_vrml_begin(struct read_vrml_reading *r, enum kind kind,
+                                   struct word name)
 {
     const struct frame *above = &r->frame[r->depth];
     struct frame *f = &r->frame[r->depth + 1];
@@ -331,16 +332,17 @@ static enum status begin(struct reading *r, enum kind kind, struct word name)
     return ST_OK;
 }
 
-static enum status begin_node(struct reading *r, struct word type, struct word name)
+static enum status begin_node(struct read_vrml_reading *r, struct word type,
+                              struct word name)
 {
     const enum kind kind = kind_of(r, type);
 
     if (type.len == 0)
-        return fail(r, "a node without its type");
-    return kind == REFUSED ? refuse(r, type) : begin(r, kind, name);
+        return read_vrml_fail(r, "a node without its type");
+    return kind == REFUSED ? read_vrml_refuse(r, type) : read_vrml_begin(r, kind, name);
 }
 
-static enum status add_name(struct reading *r, const struct frame *f)
+static enum status add_name(struct read_vrml_reading *r, const struct frame *f)
 {
     if (f->name.len == 0 || f->read == r->list->out.read)
         return ST_OK;
@@ -351,16 +353,16 @@ static enum status add_name(struct reading *r, const struct frame *f)
     return ST_OK;
 }
 
-static enum status end(struct reading *r, bool list)
+static enum status read_vrml_end(struct read_vrml_reading *r, bool list)
 {
     struct frame *f = &r->frame[r->depth], *above = f - 1;
     const double *o = f->field[ORIENTATION], *s = f->field[SCALE];
     enum status st = ST_OK;
 
     if (r->depth == 0 || list != (f->kind == LIST))
-        return fail(r, "a closing bracket without an opening one");
+        return read_vrml_fail(r, "a closing bracket without an opening one");
     if (o[3] != 0 && (s[0] != s[1] || s[1] != s[2]))
-        return refuse(r, (struct word){"a scaleOrientation", 18});
+        return read_vrml_refuse(r, (struct word){"a scaleOrientation", 18});
     if (f->kind == FACES)
         st = end_faces(r, f);
     if (st == ST_OK)
@@ -374,7 +376,7 @@ static enum status end(struct reading *r, bool list)
 }
 
 /* A node is used again.  Points may be, by other faces in the same place. */
-static enum status use(struct reading *r, struct word name)
+static enum status use(struct read_vrml_reading *r, struct word name)
 {
     struct state *s = &r->frame[r->depth].s;
 
@@ -394,36 +396,38 @@ static enum status use(struct reading *r, struct word name)
 }
 
 /* A word in a node, which may be the name of a field or its value; or before a node. */
-static enum status take_word(struct reading *r, struct word w, struct word *name)
+static enum status take_word(struct read_vrml_reading *r, struct word w,
+                             struct word *name)
 {
     struct frame *f = &r->frame[r->depth];
     struct word value;
     enum status st = ST_OK;
 
     if (cloudtext_is(w.p, w.len, "DEF"))
-        return next(r->t, name) == WORD ? ST_OK : fail(r, "a name is expected here");
+        return next(r->t, name) == WORD ? ST_OK
+                                        : read_vrml_fail(r, "a name is expected here");
     if (cloudtext_is(w.p, w.len, "USE"))
         return next(r->t, &value) == WORD ? use(r, value)
-                                          : fail(r, "a name is expected here");
+                                          : read_vrml_fail(r, "a name is expected here");
     if (cloudtext_is(w.p, w.len, "PROTO") || cloudtext_is(w.p, w.len, "EXTERNPROTO"))
-        return refuse(r, w);
+        return read_vrml_refuse(r, w);
     if (f->kind == TRANSFORM)
         return read_move(r, f, w);
     if (f->kind == COORDINATE && cloudtext_is(w.p, w.len, "point"))
-        return read_points(r, f);
+        return read_vrml_read_points(r, f);
     if (f->kind == FACES && cloudtext_is(w.p, w.len, "coordIndex"))
         return find_index(r, f);
     if ((f->kind == FACES && cloudtext_is(w.p, w.len, "ccw")) ||
         (f->kind == HINTS && cloudtext_is(w.p, w.len, "vertexOrdering"))) {
         if (next(r->t, &value) != WORD)
-            return fail(r, "a word is expected here");
+            return read_vrml_fail(r, "a word is expected here");
         f->s.clockwise = cloudtext_is(value.p, value.len, "FALSE") ||
                          cloudtext_is(value.p, value.len, "CLOCKWISE");
     }
     return st;
 }
 
-static enum status read_nodes(struct reading *r)
+static enum status read_nodes(struct read_vrml_reading *r)
 {
     struct word w, type = {NULL, 0}, name = {NULL, 0};
     enum status st = ST_OK;
@@ -439,11 +443,11 @@ static enum status read_nodes(struct reading *r)
             name.len = 0;
             break;
         case '[':
-            st = begin(r, LIST, (struct word){NULL, 0});
+            st = read_vrml_begin(r, LIST, (struct word){NULL, 0});
             break;
         case '}':
         case ']':
-            st = end(r, c == ']');
+            st = read_vrml_end(r, c == ']');
             break;
         default:
             break;
@@ -451,7 +455,7 @@ static enum status read_nodes(struct reading *r)
         type = w;
     }
     if (st == ST_OK && r->depth > 0)
-        return fail(r, "the VRML file ends within a node");
+        return read_vrml_fail(r, "the VRML file ends within a node");
     return st;
 }
 
@@ -465,13 +469,13 @@ enum status read_vrml_parse(struct cloudtext *t, const struct cloudfile_options 
 {
     (void)o;
     static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct reading r = {.t = t, .list = list, .faces = true};
+    struct read_vrml_reading r = {.t = t, .list = list, .faces = true};
     enum status st = cloudtext_plain(t);
 
     if (st != ST_OK)
         return st;
     if (!read_vrml_is(t))
-        return fail(&r, "a VRML file begins with #VRML");
+        return read_vrml_fail(&r, "a VRML file begins with #VRML");
     if (t->end - t->p < 9 ||
         (memcmp(t->p, "#VRML V1.", 9) != 0 && memcmp(t->p, "#VRML V2.", 9) != 0))
         return cloudtext_fail(t, ST_EVERSION, "VRML of another version than 1.0 and 2.0");

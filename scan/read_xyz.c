@@ -344,7 +344,7 @@ static int role_of(const struct columns *c, int i)
 /* ---- the lines */
 
 /* A file while it is read. */
-struct reading {
+struct read_xyz_reading {
     struct cloudtext *t;
     struct cloudlist *list;
     struct columns columns;
@@ -358,7 +358,7 @@ bool read_xyz_is(const struct cloudtext *t)
     return cloudtext_is_letter(*t->p) || memchr("\",;+-.0123456789", *t->p, 16) != NULL;
 }
 
-static enum status not_a_number(struct reading *r, const struct field *f)
+static enum status not_a_number(struct read_xyz_reading *r, const struct field *f)
 {
     double ignored;
     const char *end = f->p + f->len, *after = number_read(f->p, end, &ignored);
@@ -372,7 +372,7 @@ static enum status not_a_number(struct reading *r, const struct field *f)
 }
 
 /* The coordinates of a line, by the columns. */
-static enum status read_point(struct reading *r)
+static enum status read_point(struct read_xyz_reading *r)
 {
     const struct columns *c = &r->columns;
     struct fields line = fields_of(r->t, c->separator);
@@ -398,7 +398,7 @@ static enum status read_point(struct reading *r)
     return st;
 }
 
-static enum status check_due(struct reading *r)
+static enum status check_due(struct read_xyz_reading *r)
 {
     if (r->due == 0)
         return ST_OK;
@@ -408,7 +408,7 @@ static enum status check_due(struct reading *r)
 }
 
 /* Is a count alone on this line?  Then it is passed over. */
-static bool take_count(struct reading *r, uint64_t *out)
+static bool take_count(struct read_xyz_reading *r, uint64_t *out)
 {
     struct cloudtext at = *r->t;
     size_t len;
@@ -422,7 +422,7 @@ static bool take_count(struct reading *r, uint64_t *out)
 }
 
 /* Excel's "sep=;", which may be quoted. */
-static bool take_separator(struct reading *r)
+static bool take_separator(struct read_xyz_reading *r)
 {
     const struct fields f = fields_of(r->t, ' ');
     const char *p = f.p + (f.p < f.end && *f.p == '"');
@@ -434,7 +434,7 @@ static bool take_separator(struct reading *r)
 }
 
 /* A line that is neither blank nor a comment. */
-static enum status read_line(struct reading *r)
+static enum status read_xyz_read_line(struct read_xyz_reading *r)
 {
     const bool first = !r->begun;
     uint64_t count;
@@ -467,7 +467,7 @@ enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *
                            struct cloudlist *list)
 {
     (void)o;
-    struct reading r = {.t = t, .list = list, .columns = COLUMNS_FIRST};
+    struct read_xyz_reading r = {.t = t, .list = list, .columns = COLUMNS_FIRST};
 
     while (t->p < t->end) {
         const char *const line = t->p;
@@ -477,7 +477,7 @@ enum status read_xyz_parse(struct cloudtext *t, const struct cloudfile_options *
         if (!cloudtext_eol(t)) {
             if (!cloudtext_comment(t) || strncmp(t->p, "#N/A", 4) == 0) { /* Excel's */
                 t->p = line; /* a tab may end an empty field */
-                st = read_line(&r);
+                st = read_xyz_read_line(&r);
             } else if (!r.begun) {
                 st = heading_take(&r.columns, t, true);
             }

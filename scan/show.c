@@ -44,7 +44,7 @@ static float coarse(double v)
 }
 
 /* Moved by m into a face's frame; NULL: as it is. */
-static void put(float to[3], const double m[16], const double p[3])
+static void show_put(float to[3], const double m[16], const double p[3])
 {
     for (int i = 0; i < 3; i++)
         to[i] = m == NULL ? (float)p[i]
@@ -78,7 +78,7 @@ static enum status surface_node(const struct surface_face *f, const double m[16]
     (void)surface_face_points(f, a->point);
     (void)surface_face_measured(f, a->triangle);
     for (uint32_t v = 0; v < n; v++)
-        put(a->at[v], m, a->point[v]);
+        show_put(a->at[v], m, a->point[v]);
     *out = (struct glbwrite_node){.name = name,
                                   .at = a->at[0],
                                   .n = n,
@@ -219,7 +219,7 @@ static enum status scan_node(const struct dvec3 *at, size_t n, size_t most,
     if ((a->at = mem_array(n / step + 1, sizeof *a->at)) == NULL)
         return ST_ENOMEM;
     for (size_t i = 0; i < n; i += step)
-        put(a->at[out->n++], m, (const double[]){at[i].x, at[i].y, at[i].z});
+        show_put(a->at[out->n++], m, (const double[]){at[i].x, at[i].y, at[i].z});
     out->at = a->at[0];
     return ST_OK;
 }

@@ -1,7 +1,8 @@
 #!/bin/sh
 # check_symbols.sh: foo.c exports only foo and names that begin with foo_; what a header bar.h
 # gathers is in bar_*.c and may begin with bar_.  Checks the objects of a finished build in
-# $BUILD.
+# $BUILD.  Static functions and private structs of one name in more than three of the program's files
+# bear the file's name too: or who greps for one finds all of them.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 build=${BUILD:-build}
@@ -66,4 +67,26 @@ nm -gA --defined-only $objects | awk -v build="$build/" -v sources="$sources" \
             bad = 1
         }
     }
-    END { exit bad || NR == 0 }' # NR is 0 without a build
+    END { exit bad || NR == 0 }' || exit # NR is 0 without a build
+
+# shellcheck disable=SC2046 # file names of our own
+awk '
+    function private(name, stem) {
+        stem = FILENAME
+        gsub(/.*\/|\.c$/, "", stem)
+        if (name ~ "^" stem "(_|$)" || (name, FILENAME) in seen)
+            return
+        seen[name, FILENAME] = 1
+        where[name] = where[name] " " FILENAME
+        if (++files[name] == 4)
+            shared[name]
+    }
+    /^static .*\(/ && !/;$/ { sub(/\(.*/, ""); private($NF ~ /^\*/ ? substr($NF, 2) : $NF) }
+    /^struct [a-z_0-9]+ \{$/ { private($2) }
+    END {
+        for (name in shared) {
+            print "check_symbols: " name " is private to" where[name]
+            bad = 1
+        }
+        exit bad
+    }' $(make -s layers | sed 's|^\([^ ]*\).*|\1/*.c|')

@@ -39,7 +39,7 @@ static bool drop_templates(const struct app *app)
     return answered;
 }
 
-static void look(void *arg)
+static void erasures_look(void *arg)
 {
     struct erasures *x = arg;
     int64_t to = x->since;
@@ -57,7 +57,7 @@ struct erasures *erasures_start(struct app *app)
     if (x == NULL)
         return NULL;
     x->app = app;
-    if ((x->thread = every_start("erasures", LOOK_MS, look, x)) == NULL) {
+    if ((x->thread = every_start("erasures", LOOK_MS, erasures_look, x)) == NULL) {
         free(x);
         return NULL;
     }

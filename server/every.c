@@ -34,7 +34,7 @@ static bool wait_a_while(struct every *x)
     return goes_on;
 }
 
-static void *run(void *arg)
+static void *every_run(void *arg)
 {
     struct every *x = arg;
 
@@ -45,7 +45,7 @@ static void *run(void *arg)
     return NULL;
 }
 
-static void release(struct every *x)
+static void every_release(struct every *x)
 {
     (void)pthread_cond_destroy(&x->wake);
     (void)pthread_mutex_destroy(&x->lock);
@@ -69,8 +69,8 @@ struct every *every_start(const char *name, unsigned ms, void (*look)(void *arg)
     (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&x->wake, &attr);
     (void)pthread_condattr_destroy(&attr);
-    if (pthread_create(&x->thread, NULL, run, x) != 0) {
-        release(x);
+    if (pthread_create(&x->thread, NULL, every_run, x) != 0) {
+        every_release(x);
         return NULL;
     }
     return x;
@@ -85,5 +85,5 @@ void every_stop(struct every *x)
     (void)pthread_cond_signal(&x->wake);
     (void)pthread_mutex_unlock(&x->lock);
     (void)pthread_join(x->thread, NULL);
-    release(x);
+    every_release(x);
 }

@@ -10,7 +10,7 @@
 
 #define DAY_MS (86400.0 * 1e3)
 
-static void tell(const struct store_token *t)
+static void expiry_tell(const struct store_token *t)
 {
     struct logger_line l;
 
@@ -43,7 +43,7 @@ void expiry_look(struct expiry *x, const struct app *app)
             continue;
         soon++;
         if (due)
-            tell(&t[i]);
+            expiry_tell(&t[i]);
     }
     free(t);
     metrics_tokens(app->metrics, soon, next);

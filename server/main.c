@@ -77,8 +77,9 @@ static enum status open_store(const struct options *o, struct store **out,
     }
 }
 
-static enum status start(const struct options *o, struct app *app, struct http **http,
-                         char url[HTTP_URL_MAX], struct errinfo *e)
+static enum status server_start(const struct options *o, struct app *app,
+                                struct http **http, char url[HTTP_URL_MAX],
+                                struct errinfo *e)
 {
     unsigned told = 0;
     enum status st = ST_OK;
@@ -324,7 +325,7 @@ int main(int argc, char **argv)
     app.cors_origin = o.cors_origin;
     app.signed_captures = o.signed_captures;
     app.max_body = o.max_body;
-    if (start(&o, &app, &http, url, &e) != ST_OK) {
+    if (server_start(&o, &app, &http, url, &e) != ST_OK) {
         (void)fprintf(stderr, "surfaced: %s\n", e.msg);
         stop(&app, http);
         goto out;

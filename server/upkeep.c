@@ -47,7 +47,7 @@ static void trim(struct upkeep *u)
 
 /* After a difference all of /v1 is refused: refusal_tell() reports it.  Rows that could not be read are
  * reported once, until they were. */
-static void verify(struct upkeep *u)
+static void upkeep_verify(struct upkeep *u)
 {
     struct errinfo e;
     const enum status st = store_verify(u->app->store, NULL, NULL, &e);
@@ -69,7 +69,7 @@ static void verify(struct upkeep *u)
 
 /* A failover can lose a change that was seen and not yet acknowledged.  Whether it was that, and no
  * older state, the anchor decides, when the daemon starts again. */
-static void end(struct upkeep *u)
+static void upkeep_end(struct upkeep *u)
 {
     refusal_tell(u->app);
     logger_line("warn",
@@ -78,13 +78,13 @@ static void end(struct upkeep *u)
     (void)kill(getpid(), SIGTERM);
 }
 
-static void look(void *arg)
+static void upkeep_look(void *arg)
 {
     struct upkeep *u = arg;
     const double now = logger_clock_ms();
 
     if (!u->ended && store_behind(u->app->store))
-        end(u);
+        upkeep_end(u);
     store_follow(u->app->store);
     if (u->days > 0 && now >= u->trim_ms) {
         trim(u);
@@ -94,7 +94,7 @@ static void look(void *arg)
         const double begin = logger_clock_ms();
         double end, pause;
 
-        verify(u);
+        upkeep_verify(u);
         end = logger_clock_ms();
         pause = (end - begin) * VERIFY_PER_RUN;
         u->verify_ms = end + (pause > VERIFY_MS ? pause : VERIFY_MS);
@@ -112,7 +112,7 @@ struct upkeep *upkeep_start(struct app *app, unsigned days)
     u->days = days;
     u->verify_ms = logger_clock_ms() + VERIFY_MS;
     metrics_rows_verified(app->metrics);
-    if ((u->thread = every_start("upkeep", LOOK_MS, look, u)) == NULL) {
+    if ((u->thread = every_start("upkeep", LOOK_MS, upkeep_look, u)) == NULL) {
         free(u);
         return NULL;
     }

@@ -68,7 +68,7 @@ enum status audit_export_begin(struct store *s, const char *actor, struct audit_
     return st == ST_OK ? store_audit_sign(s, actor, LOG_EXPORT, &x->end, &x->to, e) : st;
 }
 
-static enum status put(FILE *to, const char *text, struct errinfo *e)
+static enum status audit_put(FILE *to, const char *text, struct errinfo *e)
 {
     return text != NULL && fputs(text, to) != EOF
                ? ST_OK
@@ -79,10 +79,10 @@ static enum status put(FILE *to, const char *text, struct errinfo *e)
 static enum status put_line(FILE *to, struct json *j, struct errinfo *e)
 {
     char *text = json_compact(j);
-    const enum status st = put(to, text, e);
+    const enum status st = audit_put(to, text, e);
 
     free(text);
-    return st == ST_OK ? put(to, "\n", e) : st;
+    return st == ST_OK ? audit_put(to, "\n", e) : st;
 }
 
 static enum status put_entry(FILE *to, const struct store_audit_entry *a,
@@ -171,7 +171,8 @@ static void put_field(FILE *to, const char *text, char after)
     (void)fputc(after, to);
 }
 
-static enum status put_row(FILE *to, const struct store_audit_entry *a, struct errinfo *e)
+static enum status audit_put_row(FILE *to, const struct store_audit_entry *a,
+                                 struct errinfo *e)
 {
     const struct log_entry *entry = &a->entry;
     char uid[2 * LOG_UID + 1], daemon[16], seq[24];
@@ -186,17 +187,17 @@ static enum status put_row(FILE *to, const struct store_audit_entry *a, struct e
     (void)snprintf(seq, sizeof seq, "%" PRIu64, entry->seq);
     for (size_t i = 0; i < n; i++)
         put_field(to, field[i], i + 1 < n ? ',' : '\r');
-    return put(to, "\n", e);
+    return audit_put(to, "\n", e);
 }
 
 enum status audit_export_table(FILE *to, const void *arg, struct errinfo *e)
 {
     const struct audit_export *x = arg;
     const enum status st =
-        put(to,
-            "\"log\",\"seq\",\"at\",\"kind\",\"actor\",\"actor_name\",\"subject\","
-            "\"subject_uid\",\"object\",\"outcome\",\"daemon\"\r\n",
-            e);
+        audit_put(to,
+                  "\"log\",\"seq\",\"at\",\"kind\",\"actor\",\"actor_name\",\"subject\","
+                  "\"subject_uid\",\"object\",\"outcome\",\"daemon\"\r\n",
+                  e);
 
-    return st == ST_OK ? put_all(to, x, x->filter, put_row, e) : st;
+    return st == ST_OK ? put_all(to, x, x->filter, audit_put_row, e) : st;
 }

@@ -9,20 +9,20 @@
 
 /* A model: in a bucket's list and in that of all by last use, newest first.  refs counts its
  * holders, and the cache itself while it is in the lists. */
-struct entry {
+struct cache_entry {
     struct cache_held held; /* first: cache_release() gets a pointer to it */
     struct surface_face *face;
     char id[STORE_ID_LEN + 1];
     unsigned refs;
     size_t bytes;
-    struct entry *chain; /* next in the bucket */
-    struct entry *newer, *older;
+    struct cache_entry *chain; /* next in the bucket */
+    struct cache_entry *newer, *older;
 };
 
 struct cache {
     pthread_mutex_t lock;
-    struct entry *bucket[NBUCKETS];
-    struct entry *newest, *oldest;
+    struct cache_entry *bucket[NBUCKETS];
+    struct cache_entry *newest, *oldest;
     uint64_t forgets; /* calls of cache_forget() */
     struct cache_state state;
 };
@@ -36,16 +36,16 @@ static size_t bucket_of(const char *id)
     return strtoul(digits, NULL, 16) % NBUCKETS;
 }
 
-static struct entry *find(struct cache *c, const char *id)
+static struct cache_entry *cache_find_entry(struct cache *c, const char *id)
 {
-    struct entry *x = c->bucket[bucket_of(id)];
+    struct cache_entry *x = c->bucket[bucket_of(id)];
 
     while (x != NULL && strcmp(x->id, id) != 0)
         x = x->chain;
     return x;
 }
 
-static void link_newest(struct cache *c, struct entry *x)
+static void link_newest(struct cache *c, struct cache_entry *x)
 {
     x->newer = NULL;
     x->older = c->newest;
@@ -56,7 +56,7 @@ static void link_newest(struct cache *c, struct entry *x)
     c->newest = x;
 }
 
-static void unlink_age(struct cache *c, struct entry *x)
+static void unlink_age(struct cache *c, struct cache_entry *x)
 {
     if (x->newer != NULL)
         x->newer->older = x->older;
@@ -69,7 +69,7 @@ static void unlink_age(struct cache *c, struct entry *x)
 }
 
 /* One reference less; the lock is held. */
-static void unref(struct entry *x)
+static void unref(struct cache_entry *x)
 {
     if (--x->refs == 0) {
         surface_face_free(x->face);
@@ -77,9 +77,9 @@ static void unref(struct entry *x)
     }
 }
 
-static void drop(struct cache *c, struct entry *x)
+static void cache_drop(struct cache *c, struct cache_entry *x)
 {
-    struct entry **link = &c->bucket[bucket_of(x->id)];
+    struct cache_entry **link = &c->bucket[bucket_of(x->id)];
 
     while (*link != x)
         link = &(*link)->chain;
@@ -106,16 +106,16 @@ void cache_free(struct cache *c)
     if (c == NULL)
         return;
     while (c->oldest != NULL)
-        drop(c, c->oldest);
+        cache_drop(c, c->oldest);
     (void)pthread_mutex_destroy(&c->lock);
     free(c);
 }
 
 /* Keep x, which its holder alone has so far, unless another worker has loaded the same
  * meanwhile or it does not fit; the lock is held. */
-static void take_in(struct cache *c, struct entry *x)
+static void take_in(struct cache *c, struct cache_entry *x)
 {
-    if (find(c, x->id) != NULL || x->bytes > c->state.limit)
+    if (cache_find_entry(c, x->id) != NULL || x->bytes > c->state.limit)
         return;
     x->refs++;
     x->chain = c->bucket[bucket_of(x->id)];
@@ -124,19 +124,19 @@ static void take_in(struct cache *c, struct entry *x)
     c->state.bytes += x->bytes;
     c->state.entries++;
     while (c->state.bytes > c->state.limit) {
-        drop(c, c->oldest);
+        cache_drop(c, c->oldest);
         c->state.evictions++;
     }
 }
 
 const struct cache_held *cache_find(struct cache *c, const char *id)
 {
-    struct entry *x;
+    struct cache_entry *x;
 
     if (c == NULL)
         return NULL;
     (void)pthread_mutex_lock(&c->lock);
-    x = find(c, id);
+    x = cache_find_entry(c, id);
     if (x != NULL) {
         x->refs++;
         c->state.hits++;
@@ -164,7 +164,7 @@ uint64_t cache_mark(struct cache *c)
 const struct cache_held *cache_keep(struct cache *c, uint64_t mark, const char *id,
                                     bool reencoded, struct surface_face *f)
 {
-    struct entry *x = calloc(1, sizeof *x);
+    struct cache_entry *x = calloc(1, sizeof *x);
 
     if (x == NULL)
         return NULL;
@@ -185,7 +185,8 @@ const struct cache_held *cache_keep(struct cache *c, uint64_t mark, const char *
 
 void cache_release(struct cache *c, const struct cache_held *held)
 {
-    struct entry *x = (struct entry *)(uintptr_t)held; /* its first member, never const */
+    struct cache_entry *x =
+        (struct cache_entry *)(uintptr_t)held; /* its first member, never const */
 
     if (held == NULL)
         return;
@@ -198,13 +199,13 @@ void cache_release(struct cache *c, const struct cache_held *held)
 
 void cache_forget(struct cache *c, const char *id)
 {
-    struct entry *x;
+    struct cache_entry *x;
 
     (void)pthread_mutex_lock(&c->lock);
     c->forgets++;
-    x = find(c, id);
+    x = cache_find_entry(c, id);
     if (x != NULL)
-        drop(c, x);
+        cache_drop(c, x);
     (void)pthread_mutex_unlock(&c->lock);
 }
 
@@ -216,7 +217,7 @@ char (*cache_list(struct cache *c, size_t *n))[STORE_ID_LEN + 1]
     (void)pthread_mutex_lock(&c->lock);
     c->forgets++;
     ids = calloc(c->state.entries + 1, sizeof *ids);
-    for (const struct entry *x = c->newest; ids != NULL && x != NULL; x = x->older)
+    for (const struct cache_entry *x = c->newest; ids != NULL && x != NULL; x = x->older)
         memcpy(ids[(*n)++], x->id, sizeof *ids);
     (void)pthread_mutex_unlock(&c->lock);
     return ids;

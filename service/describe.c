@@ -209,7 +209,7 @@ static void alignment(struct json *j, const struct surface_disparity *a)
 }
 
 /* What tells more of the template than whether it is the same face. */
-static void measure(struct json *j, const struct describe_comparison *c)
+static void describe_measure(struct json *j, const struct describe_comparison *c)
 {
     const struct surface_disparity *m = c->minimal;
 
@@ -336,7 +336,7 @@ void describe_comparison(struct json *j, const struct describe_comparison *c)
     qualities(j, c);
     json_text(j, "engine", c->engine);
     if (c->parts != NULL)
-        measure(j, c);
+        describe_measure(j, c);
     if (c->gap_mm != NULL)
         heatmap(j, c);
     times(j, c->times, told, told);

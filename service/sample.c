@@ -85,8 +85,8 @@ static void tell_quality(const struct surface_found *f, struct errinfo *e)
 }
 
 /* What was measured. */
-static void tell(enum status st, const struct surface_found *f, size_t n,
-                 struct errinfo *e)
+static void sample_tell_found(enum status st, const struct surface_found *f, size_t n,
+                              struct errinfo *e)
 {
     const double *x = f->extent;
 
@@ -279,7 +279,7 @@ void sample_refuse(const char *name, enum status st, const struct sample_found *
 
     advice_give(st, &found->scan, NULL, &advice);
     (void)errinfo_set(e, st, "%.80s: ", name);
-    tell(st, &found->scan, found->points_read - found->points_dropped, e);
+    sample_tell_found(st, &found->scan, found->points_read - found->points_dropped, e);
     tell_advice(&advice, e);
 }
 

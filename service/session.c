@@ -35,8 +35,8 @@ static void tell_apart(struct session *s, size_t i, const struct surface_frame *
 }
 
 /* The report on the frames that were read: number[k] is that of the k-th. */
-static void report(struct session *s, const struct surface_frame *frame,
-                   const size_t *number, size_t n)
+static void session_report(struct session *s, const struct surface_frame *frame,
+                           const size_t *number, size_t n)
 {
     for (size_t k = 0; k < n; k++) {
         struct session_frame *f = &s->frame[number[k]];
@@ -114,7 +114,7 @@ enum status session_build(struct session *s, const struct sample_options *o,
         return conclude(s, s->frame[0].why.code, found, e);
     st = status_from(surface_fuse(w, n, cloud, frame, &base, out, &fused));
     s->base = number[base];
-    report(s, frame, number, n);
+    session_report(s, frame, number, n);
     put_read(s);
     *found = s->frame[s->base].found;
     fused.unit_found = found->scan.unit_found;

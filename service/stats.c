@@ -28,7 +28,7 @@ static void describe_in_force(struct json *j, const struct store_calibration *k)
     json_close(j);
 }
 
-static void tell(void *arg, const struct finding *f)
+static void stats_tell(void *arg, const struct finding *f)
 {
     struct json *j = arg;
 
@@ -61,7 +61,7 @@ static void describe_day(struct json *j, const struct store_day *d, bool scores)
 enum status stats_describe(struct json *j, struct store *s, const struct store_day *days,
                            size_t n, bool scores, struct errinfo *e)
 {
-    struct findings found = {.tell = tell, .arg = j};
+    struct findings found = {.tell = stats_tell, .arg = j};
     struct store_calibration k;
     struct store_stats all;
     enum status st;

@@ -167,8 +167,9 @@ static enum status look_again(const struct templates *t, const struct surface_fa
 }
 
 /* Of the results [n], template[k] being the k-th one's; each lowered, then the best. */
-static void choose(struct surface_comparison *r, const size_t *template, uint32_t n,
-                   const struct surface_work *w, struct nearest *out)
+static void templates_choose(struct surface_comparison *r, const size_t *template,
+                             uint32_t n, const struct surface_work *w,
+                             struct nearest *out)
 {
     out->first_score = r[0].score;
     out->compared = n;
@@ -206,7 +207,7 @@ enum status templates_nearest(const struct templates *t, bool fit,
         template[n++] = i;
     }
     if (n > 0) {
-        choose(result, template, n, c->work, out);
+        templates_choose(result, template, n, c->work, out);
         if ((st = look_again(t, probe, out, e)) != ST_OK)
             return st;
         return find_mirrored(t, probe, out, e);

@@ -34,8 +34,8 @@ static enum status read_templates(struct templates_context *c, struct verificati
                : st;
 }
 
-static enum status read_points(struct templates_context *c, struct verification *v,
-                               struct verify_scan *s, struct errinfo *e)
+static enum status verify_read_points(struct templates_context *c, struct verification *v,
+                                      struct verify_scan *s, struct errinfo *e)
 {
     const double start = now(c);
     enum status st = not_stopped(v->request, e);
@@ -86,7 +86,7 @@ static enum status build_other(struct templates_context *c, struct verification 
                                struct errinfo *e)
 {
     struct verify_scan *other = v->request->other;
-    enum status st = read_points(c, v, other, e);
+    enum status st = verify_read_points(c, v, other, e);
 
     if (st == ST_OK)
         st = build_face(c, v, other, e);
@@ -213,7 +213,7 @@ enum status verify_run(struct templates_context *c, struct verify_request *r,
     *v = (struct verification){.request = r, .templates = {.context = c}};
     st = r->other != NULL ? build_other(c, v, e) : read_templates(c, v, e);
     if (st == ST_OK)
-        st = read_points(c, v, &r->probe, e);
+        st = verify_read_points(c, v, &r->probe, e);
     if (st == ST_OK)
         st = build_face(c, v, &r->probe, e);
     if (st == ST_OK)

@@ -20,13 +20,13 @@ enum purpose {
 
 /* ---- the face */
 
-static double square(double x)
+static double facegen_square(double x)
 {
     return x * x;
 }
 
-static void add(struct facegen_face *f, double x, double y, double sx, double sy,
-                double h)
+static void facegen_add(struct facegen_face *f, double x, double y, double sx, double sy,
+                        double h)
 {
     f->bump[f->nbumps++] = (struct facegen_bump){x, y, sx, sy, h};
 }
@@ -35,8 +35,8 @@ static void add(struct facegen_face *f, double x, double y, double sx, double sy
 static void add_pair(struct facegen_face *f, double x, double y, double sx, double sy,
                      double h)
 {
-    add(f, x, y, sx, sy, h);
-    add(f, -x, y, sx, sy, h);
+    facegen_add(f, x, y, sx, sy, h);
+    facegen_add(f, -x, y, sx, sy, h);
 }
 
 /* What people have in common, each measure with its spread; p: standard normal numbers. */
@@ -51,24 +51,24 @@ static void add_features(struct facegen_face *f, const double p[FACEGEN_PARAMS],
     add_pair(f, eye_x - 8, eye_y + 6, 14.7, 12, -15.2 - 2.4 * p[15]); /* orbits */
     add_pair(f, eye_x + 1, eye_y - 2.3, 9.4, 9.1, 11 + 0.8 * p[16]);  /* eyeballs, lids */
     add_pair(f, 29, eye_y + 14, 27.2, 9.3, 10 + 1.5 * p[17]);         /* brow */
-    add(f, 0, eye_y + 17, 8.6, 11, -4 + 1.2 * p[17]); /* between the brows */
+    facegen_add(f, 0, eye_y + 17, 8.6, 11, -4 + 1.2 * p[17]); /* between the brows */
     add_pair(f, 50 + 1.5 * p[18], 7 + 2 * p[18], 25.6, 12.5,
              7 + 1.6 * p[19] + 1.2 * smile);            /* cheekbones */
     add_pair(f, 44, -25, 13.5, 27.9, -1.3 + 2 * p[20]); /* cheeks */
     add_pair(f, 33, -8, 11, 9, 3.2 * smile);            /* and their apples */
     add_pair(f, mouth + 7, -23, 6.8, 19.2, -4.2 - 0.4 * p[20] - 2 * smile); /* folds */
-    add(f, 0, mouth_y + 5, mouth * 0.8, 3.6, lips + 1.3);                   /* lips */
-    add(f, 0, mouth_y - 5, mouth * 1.04, 4.2, lips + 1.5 + 0.6 * p[21]);
-    add(f, 0, mouth_y, mouth - 1, 2.4, 2.8);
+    facegen_add(f, 0, mouth_y + 5, mouth * 0.8, 3.6, lips + 1.3);           /* lips */
+    facegen_add(f, 0, mouth_y - 5, mouth * 1.04, 4.2, lips + 1.5 + 0.6 * p[21]);
+    facegen_add(f, 0, mouth_y, mouth - 1, 2.4, 2.8);
     add_pair(f, mouth + 8, mouth_y - 1 + 3 * smile, 6.4, 6.4,
-             2.7 - 2.2 * smile);                                   /* corners */
-    add(f, 0, mouth_y + 14.4, 4.2, 4, 4.8);                        /* philtrum */
-    add(f, 0, chin_y + 14, 18.5, 8, -2.4 - p[22]);                 /* below the lips */
-    add(f, 0, chin_y, 20.8 + 1.5 * p[22], 16, 12.7 + 1.8 * p[23]); /* chin */
-    add(f, 0, 68, 51, 17, f->forehead);
+             2.7 - 2.2 * smile);                           /* corners */
+    facegen_add(f, 0, mouth_y + 14.4, 4.2, 4, 4.8);        /* philtrum */
+    facegen_add(f, 0, chin_y + 14, 18.5, 8, -2.4 - p[22]); /* below the lips */
+    facegen_add(f, 0, chin_y, 20.8 + 1.5 * p[22], 16, 12.7 + 1.8 * p[23]); /* chin */
+    facegen_add(f, 0, 68, 51, 17, f->forehead);
     add_pair(f, 31, 19.5, 16, 16.5, -10); /* beside the nose */
-    add(f, 0, -17, 35, 9, 5);             /* the jaws stand forward */
-    add(f, 0, -42, 21, 10, 9.7);
+    facegen_add(f, 0, -17, 35, 9, 5);     /* the jaws stand forward */
+    facegen_add(f, 0, -42, 21, 10, 9.7);
 }
 
 void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
@@ -95,20 +95,20 @@ void facegen_face(uint64_t subject, double smile, struct facegen_face *out)
         const double x = draw_uniform(&own, -60, 60), y = draw_uniform(&own, -75, 80);
         const double s = draw_uniform(&own, 9, 22);
 
-        add(out, x, y, s, s, 1.2 * draw_normal(&own));
+        facegen_add(out, x, y, s, s, 1.2 * draw_normal(&own));
     }
     while (out->nbumps < FACEGEN_BUMPS - 8) { /* no two noses are alike */
         const double x = draw_uniform(&own, -16, 16), y = draw_uniform(&own, -2, 48);
         const double s = draw_uniform(&own, 5, 9);
 
-        add(out, x, y, s, s, 2.1 * draw_normal(&own));
+        facegen_add(out, x, y, s, s, 2.1 * draw_normal(&own));
     }
 }
 
 static double skull(const struct facegen_face *f, double x, double y)
 {
     const double below = y < -20 ? -20 - y : 0; /* the jaw is narrower */
-    const double w = f->width - f->jaw * square(below) / 20;
+    const double w = f->width - f->jaw * facegen_square(below) / 20;
     const double u = fabs(x) / (w > 30 ? w : 30), v = fabs(y - 8.4) / 93.4;
 
     return -22.5 - f->depth * pow(u, 2.76) - 16.4 * pow(v, 2.2);
@@ -122,13 +122,14 @@ static double nose(const struct facegen_face *f, double x, double y)
     double h;
 
     if (y <= 0)
-        h = f->nose * exp(-square(y / 7) / 2);
+        h = f->nose * exp(-facegen_square(y / 7) / 2);
     else if (u < 1)
         h = f->nose + (f->bridge - f->nose) * u +
-            f->hump * exp(-square((u - 0.55) / 0.2));
+            f->hump * exp(-facegen_square((u - 0.55) / 0.2));
     else
-        h = f->bridge * exp(-square((u - 1) / 0.3)) + f->hump * exp(-square(0.45 / 0.2));
-    return h * exp(-square(x / width) / 2);
+        h = f->bridge * exp(-facegen_square((u - 1) / 0.3)) +
+            f->hump * exp(-facegen_square(0.45 / 0.2));
+    return h * exp(-facegen_square(x / width) / 2);
 }
 
 static double drawn(const struct facegen_face *f, double x, double y)
@@ -141,7 +142,7 @@ static double drawn(const struct facegen_face *f, double x, double y)
 
         if (fabs(x - b->x) > 6.5 * b->sx || fabs(y - b->y) > 6.5 * b->sy)
             continue; /* as below, but without dividing */
-        e = square((x - b->x) / b->sx) + square((y - b->y) / b->sy);
+        e = facegen_square((x - b->x) / b->sx) + facegen_square((y - b->y) / b->sy);
         if (e < 40)
             z += b->h * exp(-e / 2);
     }
@@ -290,7 +291,8 @@ static bool outline_holds(const struct outline *o, double x, double y)
     const double u = x / o->a, v = (y - 2) / (y > 2 ? o->up : o->down);
     double angle, radius = 1;
 
-    if (u * u + v * v < square(o->inner) || u * u + v * v > square(o->outer))
+    if (u * u + v * v < facegen_square(o->inner) ||
+        u * u + v * v > facegen_square(o->outer))
         return u * u + v * v < 1;
     angle = atan2(v, u);
     for (int k = 0; k < 5; k++)
@@ -386,7 +388,7 @@ static bool sample_point(const struct facegen_face *f, struct grid *g,
     *facing = pose->r[8] - pose->r[6] * slope[0] - pose->r[7] * slope[1];
     if (towards * 2.5 > *facing)
         return false;
-    *facing /= sqrt(1 + square(slope[0]) + square(slope[1]));
+    *facing /= sqrt(1 + facegen_square(slope[0]) + facegen_square(slope[1]));
     if (*facing < 0.25)
         return false;
     if (fabs(fabs(q->x) - 30) < 14 && fabs(q->y - 38) < 9 && draw_next(r) % 10 < 3)

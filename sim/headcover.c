@@ -34,7 +34,7 @@ static double y_of(int j)
     return BOTTOM + STEP * j;
 }
 
-static double square(double x)
+static double headcover_square(double x)
 {
     return x * x;
 }
@@ -42,7 +42,7 @@ static double square(double x)
 /* 1 at 0, falls to 0 at 1 and stays there; smooth. */
 static double bump(double t)
 {
-    return t < 1 ? square(1 - t * t) : 0;
+    return t < 1 ? headcover_square(1 - t * t) : 0;
 }
 
 static double at_sheet(const struct sheet *s, double x, double y)
@@ -91,7 +91,8 @@ static bool on_skin(const struct maker *m, double x, double y)
     return !isnan(at_sheet(&m->skin, x, y));
 }
 
-static void put(struct maker *m, double x, double y, double z, enum head_part part)
+static void headcover_put(struct maker *m, double x, double y, double z,
+                          enum head_part part)
 {
     if (!m->within || on_skin(m, x, y))
         head_add(m->h, (struct dvec3){x, y, z}, part);
@@ -116,9 +117,9 @@ static void put_sheet(struct maker *m, double lost)
 
             if (isnan(z))
                 continue;
-            put(m, px, py, z, none ? HEAD_VOID : HEAD_COVER);
+            headcover_put(m, px, py, z, none ? HEAD_VOID : HEAD_COVER);
             for (double edge = z - 1.2; isnan(end) && edge > low; edge -= 1.2)
-                put(m, px, py, edge, HEAD_COVER);
+                headcover_put(m, px, py, edge, HEAD_COVER);
         }
 }
 
@@ -197,7 +198,7 @@ static double lens_radius(const struct frame_shape *g, double x, double y)
 static double lens_height(const struct frame_shape *g, double x, double y)
 {
     return g->z + g->tilt * (y - g->y) - g->wrap * fabs(x) -
-           square(fabs(x) - g->x) / 190 - square(y - g->y) / 190;
+           headcover_square(fabs(x) - g->x) / 190 - headcover_square(y - g->y) / 190;
 }
 
 static void shape_glasses(struct maker *m, struct frame_shape *g)
@@ -237,8 +238,8 @@ static void put_temples(struct maker *m, const struct frame_shape *g)
     for (int side = -1; side <= 1; side += 2)
         for (double back = 0; back < 95; back += HEAD_COVER_MM)
             for (double up = -high; up <= high; up += HEAD_COVER_MM)
-                put(m, side * (x0 + back * (72 - x0) / 95), y + up, z0 - back,
-                    HEAD_COVER);
+                headcover_put(m, side * (x0 + back * (72 - x0) / 95), y + up, z0 - back,
+                              HEAD_COVER);
 }
 
 /* What comes back from a lens: nothing; its own surface; or a few points of neither. */
@@ -263,11 +264,11 @@ static void put_glasses(struct maker *m)
                                 py < g.y + 0.25 * g.b + g.rim + 1.5;
 
             if (bridge || (off >= 0 && off < g.rim))
-                put(m, px, py, z + draw_uniform(&m->r, 0, 1.5), HEAD_COVER);
+                headcover_put(m, px, py, z + draw_uniform(&m->r, 0, 1.5), HEAD_COVER);
             else if (off < 0 && draw_uniform(&m->r, 0, 1) < share)
-                put(m, px, py, z + noise * draw_normal(&m->r), HEAD_COVER);
+                headcover_put(m, px, py, z + noise * draw_normal(&m->r), HEAD_COVER);
             else if (off < 0)
-                put(m, px, py, z, HEAD_VOID);
+                headcover_put(m, px, py, z, HEAD_VOID);
         }
     put_temples(m, &g);
 }
@@ -290,8 +291,8 @@ static void put_mask(struct maker *m)
             const double x = x_of(i), y = y_of(j), u = fabs(x) / wide;
             const double cone = ridge * bump(hypot(x / 45, (y + 22) / 45));
 
-            if (u < 1 - 0.25 * square((y + 30) / 60) && y < top - drop * pow(u, 1.4) &&
-                y > bottom + 16 * u * u)
+            if (u < 1 - 0.25 * headcover_square((y + 30) / 60) &&
+                y < top - drop * pow(u, 1.4) && y > bottom + 16 * u * u)
                 m->on.z[j][i] = least_height(m, x, y, gap + cone);
         }
     drape(m, 0.6);
@@ -313,7 +314,8 @@ static void put_scarf(struct maker *m)
 
     for (int j = 0; j < NY; j++)
         for (int i = 0; i < NX; i++)
-            if (y_of(j) < top + waves(edge, 2, 50, x_of(i), 0) + square(x_of(i)) / 500 &&
+            if (y_of(j) < top + waves(edge, 2, 50, x_of(i), 0) +
+                              headcover_square(x_of(i)) / 500 &&
                 fabs(x_of(i)) < 85)
                 m->on.z[j][i] = least_height(m, x_of(i), y_of(j), gap);
     drape(m, gap);
@@ -354,8 +356,8 @@ static void lay_bone(struct maker *m, const struct bone *b)
                     /* as the skin falls away at the side, so do the fingers, but less */
                     z = fmax(least_height(m, x_of(i), y_of(j), 0), axis - 25);
                     z = 0.5 * (z + axis) +
-                        b->flat *
-                            (0.5 * b->radius + sqrt(square(b->radius) - square(off)));
+                        b->flat * (0.5 * b->radius + sqrt(headcover_square(b->radius) -
+                                                          headcover_square(off)));
                     m->on.z[j][i] = isnan(m->on.z[j][i]) ? z : fmax(m->on.z[j][i], z);
                 }
             }
@@ -397,7 +399,7 @@ static void put_fringe(struct maker *m)
             const double x = x_of(i), y = y_of(j);
 
             if (on_skin(m, 0.97 * x, y) &&
-                y > low + lean * x - square(x) / 300 + waves(edge, 3, 9, x, 0))
+                y > low + lean * x - headcover_square(x) / 300 + waves(edge, 3, 9, x, 0))
                 m->on.z[j][i] = least_height(m, x, y, deep) +
                                 waves(rough, 1, strand, x + 0.2 * y, 0.1 * y);
         }
@@ -414,7 +416,8 @@ static void put_beard(struct maker *m)
     for (int j = 0; j < NY; j++)
         for (int i = 0; i < NX; i++) {
             const double x = x_of(i), y = y_of(j), u = fabs(x) / 62;
-            const bool lips = square(x / 24) + square((y + 29) / 8) < 1;
+            const bool lips =
+                headcover_square(x / 24) + headcover_square((y + 29) / 8) < 1;
             /* the moustache, and whiskers up to the ears */
             const double upper =
                 fabs(x) < 30 ? -15 - 0.1 * fabs(x) : top + 18 * (u - 0.5);
@@ -441,9 +444,9 @@ static void put_cap(struct maker *m)
         const struct dvec3 c = {p.x, p.y - 25, p.z + 105};
 
         if (m->h->part[i] == HEAD_SKIN && p.y > low + 0.15 * (p.z + 30))
-            put(m, p.x + thick * c.x / sqrt(vec_dot(c, c)),
-                p.y + thick * c.y / sqrt(vec_dot(c, c)),
-                p.z + thick * c.z / sqrt(vec_dot(c, c)), HEAD_COVER);
+            headcover_put(m, p.x + thick * c.x / sqrt(vec_dot(c, c)),
+                          p.y + thick * c.y / sqrt(vec_dot(c, c)),
+                          p.z + thick * c.z / sqrt(vec_dot(c, c)), HEAD_COVER);
     }
     for (int j = 0; j < NY; j++)
         for (int i = 0; i < NX; i++)
@@ -453,10 +456,10 @@ static void put_cap(struct maker *m)
     for (double t = 0; t < 1; t += HEAD_COVER_MM / out)
         for (double x = -68; x <= 68; x += HEAD_COVER_MM) {
             const double root = least_height(m, x, low + 1, thick);
-            const double reach = out * sqrt(1 - square(x / 69));
+            const double reach = out * sqrt(1 - headcover_square(x / 69));
 
-            put(m, x, low + 1 - down * t * reach - 6 * square(x / 69), root + t * reach,
-                HEAD_COVER);
+            headcover_put(m, x, low + 1 - down * t * reach - 6 * headcover_square(x / 69),
+                          root + t * reach, HEAD_COVER);
         }
 }
 

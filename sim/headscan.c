@@ -29,8 +29,8 @@
 #define TO_Y(j) (((H - 1) / 2.0 - (j)) / HEADCAMERA_FOCAL)
 
 /* The distance along the axis, mm, of each pixel: the head's, or the wall's. */
-static void look(struct head *s, const struct headscan_options *o, struct draw *r,
-                 double *depth)
+static void headscan_look(struct head *s, const struct headscan_options *o,
+                          struct draw *r, double *depth)
 {
     const double wall = o->distance + draw_uniform(r, 350, 1500);
     const double lean_x = draw_uniform(r, -0.3, 0.3), lean_y = draw_uniform(r, -0.1, 0.1);
@@ -95,7 +95,7 @@ static void see_by_camera(struct head *s, const struct headscan_options *o,
     double *clean = head_alloc((size_t)W * H, sizeof *clean);
     double *depth = head_alloc((size_t)W * H, sizeof *depth);
 
-    look(s, o, &r, clean);
+    headscan_look(s, o, &r, clean);
     smear(&r, clean, depth);
     out->n = (size_t)W * H;
     out->width = W;
@@ -260,7 +260,7 @@ static struct head scene(const struct head *h, const struct head *other,
 
 /* ---- what the scanner sees of it */
 
-static void add(struct headscan *s, struct dvec3 p)
+static void headscan_add(struct headscan *s, struct dvec3 p)
 {
     if (s->n == s->cap) {
         const size_t cap = s->cap > 0 ? 2 * s->cap : 4096;
@@ -286,7 +286,7 @@ static void see_rays(struct headview *v, const struct headscan_options *o,
         const double y = draw_uniform(&r, v->y0, v->y1);
 
         if (headview_at(v, x, y, &z) != HEAD_VOID)
-            add(out, (struct dvec3){x, y, z});
+            headscan_add(out, (struct dvec3){x, y, z});
     }
 }
 
@@ -298,7 +298,7 @@ static void see_grid(struct headview *v, const struct headscan_options *o,
     for (double y = floor(v->y0); y < v->y1; y += o->step)
         for (double x = floor(v->x0); x < v->x1; x += o->step)
             if (headview_at(v, x, y, &z) != HEAD_VOID)
-                add(out, (struct dvec3){x, y, z});
+                headscan_add(out, (struct dvec3){x, y, z});
 }
 
 /* The crop's own points, and of the cover as many as of the skin. */
@@ -311,7 +311,7 @@ static void see_crop(const struct headview *v, const struct headscan_options *o,
     for (size_t i = 0; i < v->head->n; i++)
         if (v->seen[i] && v->head->part[i] != HEAD_VOID &&
             (v->head->part[i] == HEAD_SKIN || draw_uniform(&r, 0, 1) < share))
-            add(out, v->head->at[i]);
+            headscan_add(out, v->head->at[i]);
 }
 
 /* Everything but the skin that something covers from the front. */
@@ -322,7 +322,7 @@ static void see_round(const struct head *s, struct headscan *out)
     headview_make(s, true, &v);
     for (size_t i = 0; i < s->n; i++)
         if (s->part[i] == HEAD_COVER || (s->part[i] == HEAD_SKIN && v.seen[i]))
-            add(out, s->at[i]);
+            headscan_add(out, s->at[i]);
     headview_free(&v);
 }
 
@@ -337,7 +337,7 @@ static void add_behind(const struct headview *v, const struct headscan_options *
         const size_t i = draw_next(&r) % v->head->n;
 
         if (!v->seen[i] && v->head->part[i] == HEAD_SKIN)
-            add(out, v->head->at[i]);
+            headscan_add(out, v->head->at[i]);
     }
 }
 

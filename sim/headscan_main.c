@@ -41,14 +41,14 @@ struct command {
     const char *in, *other, *out;
 };
 
-static int fail(const char *what, const char *which)
+static int headscan_main_fail(const char *what, const char *which)
 {
     (void)fprintf(stderr, "headscan: %s%s\n", what, which);
     return 1;
 }
 
 /* The place of a word in a list that ends with NULL; -1. */
-static int find(const char *const *list, const char *word)
+static int headscan_main_find(const char *const *list, const char *word)
 {
     for (int i = 0; list[i] != NULL; i++)
         if (strcmp(list[i], word) == 0)
@@ -68,7 +68,7 @@ static bool read_unit(const char *word, double *mm)
 {
     static const char *const names[] = {"um", "mm", "cm", "m", "in", NULL};
     static const double size[] = {0.001, 1, 10, 1000, 25.4};
-    const int i = find(names, word);
+    const int i = headscan_main_find(names, word);
 
     *mm = i >= 0 ? size[i] : 0;
     return i >= 0;
@@ -95,7 +95,7 @@ static bool read_option(struct command *c, const char *name, const char *value)
     if (strcmp(name, "--unit") == 0)
         return read_unit(value, &c->unit_mm);
     if (strcmp(name, "--axes") == 0)
-        return (c->axes = find(axes, value)) >= 0;
+        return (c->axes = headscan_main_find(axes, value)) >= 0;
     if (strcmp(name, "--other") == 0)
         c->other = value;
     else if (strcmp(name, "-o") == 0)
@@ -124,7 +124,7 @@ static bool read_command(int argc, char **argv, struct command *c)
 
 /* ---- the head */
 
-static int read_points(const char *path, struct cloudpoints *out)
+static int headscan_main_read_points(const char *path, struct cloudpoints *out)
 {
     static const struct cloudfile_options options = {.max_points = CLOUDFILE_POINTS,
                                                      .max_bytes = FILE_LIMIT};
@@ -134,13 +134,13 @@ static int read_points(const char *path, struct cloudpoints *out)
     size_t n;
 
     if (f == NULL)
-        return fail(path, ": cannot be read");
+        return headscan_main_fail(path, ": cannot be read");
     bytes = head_alloc(FILE_LIMIT + 1, 1);
     n = fread(bytes, 1, FILE_LIMIT, f);
     (void)fclose(f);
     if (cloudfile_read(bytes, n, &options, out, &e) != ST_OK) {
         free(bytes);
-        return fail(path, ": no scan");
+        return headscan_main_fail(path, ": no scan");
     }
     free(bytes);
     return 0;
@@ -177,7 +177,7 @@ static int read_head(const char *path, struct surface_work *w, struct head *out,
         head_make_up(strtoull(path + 8, NULL, 10), out);
         return 0;
     }
-    if (read_points(path, &c) != 0)
+    if (headscan_main_read_points(path, &c) != 0)
         return 1;
     *crop = !is_head(&c);
     *out = (struct head){0};
@@ -193,7 +193,7 @@ static int read_head(const char *path, struct surface_work *w, struct head *out,
     }
     face_free(&face);
     cloudpoints_free(&c);
-    return there ? 0 : fail(path, ": no face was found");
+    return there ? 0 : headscan_main_fail(path, ": no face was found");
 }
 
 /* ---- the file */
@@ -227,7 +227,7 @@ static int write_scan(const struct headscan *s, const char *path)
     int bad;
 
     if (f == NULL)
-        return fail(path, ": cannot be written");
+        return headscan_main_fail(path, ": cannot be written");
     if (pcd)
         (void)fprintf(f,
                       "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n"
@@ -249,7 +249,7 @@ static int write_scan(const struct headscan *s, const char *path)
     }
     bad = ferror(f);
     if (fclose(f) != 0 || bad)
-        return fail(path, ": could not all be written");
+        return headscan_main_fail(path, ": could not all be written");
     return 0;
 }
 
@@ -279,9 +279,10 @@ int main(int argc, char **argv)
         (void)fputs(usage, stderr);
         rc = 2;
     } else if (w == NULL) {
-        rc = fail("out of memory", "");
+        rc = headscan_main_fail("out of memory", "");
     } else if (is_same(c.in, c.out) || is_same(c.other, c.out)) {
-        rc = fail(c.out, ": is read, and not replaced; choose another name");
+        rc =
+            headscan_main_fail(c.out, ": is read, and not replaced; choose another name");
     } else if ((rc = read_head(c.in, w, &h, &crop)) == 0 &&
                (c.other == NULL || (rc = read_head(c.other, w, &other, &ignore)) == 0)) {
         options_of(&c, crop, &o);

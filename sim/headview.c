@@ -47,7 +47,8 @@ static void splat(struct buffer *b, struct dvec3 p, float *top, double radius)
         }
 }
 
-static void fill(const struct head *h, const struct headview *v, struct buffer *b)
+static void headview_fill(const struct head *h, const struct headview *v,
+                          struct buffer *b)
 {
     const double most = fmax(SPLAT * h->spacing, HEAD_COVER_MM) + SQUARE;
 
@@ -66,12 +67,12 @@ static void fill(const struct head *h, const struct headview *v, struct buffer *
             splat(b, h->at[i], b->cover, HEAD_COVER_MM * 0.6);
 }
 
-static void look(const struct head *h, bool one_layer, struct headview *v)
+static void headview_look(const struct head *h, bool one_layer, struct headview *v)
 {
     const double deep = DEEP * h->spacing;
     struct buffer b;
 
-    fill(h, v, &b);
+    headview_fill(h, v, &b);
     for (size_t i = 0; i < h->n; i++) {
         const struct dvec3 p = h->at[i];
         const int at = row(&b, p.y) * b.nx + column(&b, p.x);
@@ -189,7 +190,7 @@ void headview_make(const struct head *h, bool one_layer, struct headview *v)
     v->seen = head_alloc(h->n, 1);
     v->first = head_alloc((size_t)v->nx * v->ny + 2, sizeof *v->first);
     v->item = head_alloc(h->n, sizeof *v->item);
-    look(h, one_layer, v);
+    headview_look(h, one_layer, v);
     sort(v);
     if (!one_layer)
         hide(v);

@@ -140,7 +140,7 @@ double rates_at(const struct rates *r, double fmr)
 /* ---- figures */
 
 /* The weights of the comparisons accepted so far, and of all. */
-struct sums {
+struct rates_sums {
     double genuine, impostor, all_genuine, all_impostor;
 };
 
@@ -165,10 +165,10 @@ static void cross(double fmr0, double fnmr0, double fmr1, double fnmr1, double s
 
 /* figures(r, drawn, threshold, out): one pass over the scores, each group of ties at once.
  * drawn[i]: how often subject i counts; NULL: once. */
-static void figures(const struct rates *r, const uint32_t *drawn, double threshold,
-                    struct rates_figures *out)
+static void rates_figures_of(const struct rates *r, const uint32_t *drawn,
+                             double threshold, struct rates_figures *out)
 {
-    struct sums s = {0};
+    struct rates_sums s = {0};
     double fmr0 = 0, fnmr0 = 1;
 
     *out = (struct rates_figures){NAN, NAN, {NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN};
@@ -188,7 +188,7 @@ static void figures(const struct rates *r, const uint32_t *drawn, double thresho
     }
     for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
         const double score = r->score[i].score;
-        const struct sums last = s;
+        const struct rates_sums last = s;
         double fmr, fnmr;
 
         for (; i < r->n && r->score[i].score == score; i++) {
@@ -223,7 +223,7 @@ static void figures(const struct rates *r, const uint32_t *drawn, double thresho
 
 void rates_figures(const struct rates *r, double threshold, struct rates_figures *out)
 {
-    figures(r, NULL, threshold, out);
+    rates_figures_of(r, NULL, threshold, out);
 }
 
 /* ---- bootstrap */
@@ -292,7 +292,7 @@ enum status rates_bootstrap(const struct rates *r, double threshold, unsigned re
         double value[FIGURES];
 
         draw_subjects(r, &seed, drawn);
-        figures(r, drawn, threshold, &f);
+        rates_figures_of(r, drawn, threshold, &f);
         memcpy(value, &f, sizeof value);
         for (size_t k = 0; k < FIGURES; k++)
             all[k * replicates + i] = value[k];

@@ -67,7 +67,7 @@ static const double good_mm[] = {0, ALIGN_GOOD_MM, ALIGN_GOOD_2_MM, ALIGN_GOOD_3
 #define AGREED 3
 
 /* A search in progress. */
-struct search {
+struct align_searching {
     struct align_field field;
     struct align_point *pts;
     uint32_t n;
@@ -96,7 +96,8 @@ static uint32_t stride_for(uint32_t n, uint32_t points)
 
 /* step(s, sum, pose): one Gauss-Newton step.  Returns its length in mm (rotations at
  * POSE_LEVER_MM), or 0 where the normal equations are singular. */
-static double step(const struct search *s, const struct solve_sum *sum, struct pose *pose)
+static double align_step(const struct align_searching *s, const struct solve_sum *sum,
+                         struct pose *pose)
 {
     double x[6], turn, shift, scale = s->stretch;
 
@@ -118,8 +119,8 @@ static double step(const struct search *s, const struct solve_sum *sum, struct p
  * is shorter than enough (mm).  *c becomes the cheapest pose met; with Tukey's loss, where
  * no other pose is compared with it, the one after a short step, which is not summed again.
  * Returns true if a short step ended it. */
-static bool descend(struct search *s, uint32_t stride, enum solve_loss loss, int limit,
-                    double enough, struct candidate *c)
+static bool descend(struct align_searching *s, uint32_t stride, enum solve_loss loss,
+                    int limit, double enough, struct candidate *c)
 {
     struct pose pose = c->pose;
     bool ended = false;
@@ -139,7 +140,7 @@ static bool descend(struct search *s, uint32_t stride, enum solve_loss loss, int
             *c = (struct candidate){pose, sum.cost, sum.within};
         if (ended || i == limit)
             break;
-        ended = step(s, &sum, &pose) < enough;
+        ended = align_step(s, &sum, &pose) < enough;
         if (ended && loss == SOLVE_LOSS_TUKEY) {
             c->pose = pose;
             break;
@@ -150,7 +151,8 @@ static bool descend(struct search *s, uint32_t stride, enum solve_loss loss, int
 
 /* load(probe, step, pts): each step-th vertex as a point that has not been located and stands
  * for no area.  Returns how many there are. */
-static uint32_t load(const struct surface *probe, uint32_t step, struct align_point *pts)
+static uint32_t align_load(const struct surface *probe, uint32_t step,
+                           struct align_point *pts)
 {
     const struct mesh *m = &probe->mesh;
     uint32_t n = 0;
@@ -173,11 +175,12 @@ static bool measured(const struct surface *s, uint32_t vertex)
     return true;
 }
 
-/* share(probe, step, pts): the points that load() made stand for equal shares of the surface,
+/* share(probe, step, pts): the points that align_load() made stand for equal shares of the surface,
  * but for those of no measured triangle.  Shares by the area of the triangles round each
  * vertex would depend on the side that the probe was scanned from, and so would the pose.
  * The surface's area is taken from ALIGN_AREA_TRIANGLES of its triangles. */
-static void share(const struct surface *probe, uint32_t step, struct align_point *pts)
+static void align_share(const struct surface *probe, uint32_t step,
+                        struct align_point *pts)
 {
     const struct mesh *m = &probe->mesh;
     const uint32_t each = stride_for(m->nt, ALIGN_AREA_TRIANGLES);
@@ -266,7 +269,8 @@ static void start_pose(const struct start *st, const struct pose_axes *tmpl,
 
 /* same(s, a, b): do both poses put the surface in the same place?  Three points of the
  * template are moved by the inverse of a and then by b. */
-static bool same(const struct search *s, const struct pose *a, const struct pose *b)
+static bool align_same(const struct align_searching *s, const struct pose *a,
+                       const struct pose *b)
 {
     static const double offset[3][3] = {
         {50, 0, POSE_LEVER_MM}, {-50, 0, POSE_LEVER_MM}, {0, 70, POSE_LEVER_MM}};
@@ -291,7 +295,8 @@ static bool same(const struct search *s, const struct pose *a, const struct pose
 
 /* What was cropped lies in the frame already, and a part of a face, whose axes and nose mislead,
  * may come there from no other start: the pose is taken that is cheaper by far. */
-static void try_as_it_lies(struct search *s, uint32_t stride, struct candidate best[2])
+static void try_as_it_lies(struct align_searching *s, uint32_t stride,
+                           struct candidate best[2])
 {
     struct candidate c = {.pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}}};
 
@@ -305,8 +310,8 @@ static void try_as_it_lies(struct search *s, uint32_t stride, struct candidate b
 
 /* choose(s, tmpl, probe, best): descend from the starts over few points until one is
  * clearly good.  best[0] and best[1] become the two cheapest poses in different places. */
-static void choose(struct search *s, const struct surface *tmpl,
-                   const struct surface *probe, struct candidate best[2])
+static void align_choose(struct align_searching *s, const struct surface *tmpl,
+                         const struct surface *probe, struct candidate best[2])
 {
     const uint32_t stride = stride_for(s->n, ALIGN_COARSE_POINTS);
     const struct pose *given = s->how->start;
@@ -334,7 +339,7 @@ static void choose(struct search *s, const struct surface *tmpl,
             start_pose(&starts[i - 1], to, &from, &c.pose);
         (void)descend(s, stride, SOLVE_LOSS_L1, ALIGN_STAGE_STEPS, ALIGN_COARSE_MM, &c);
         s->out->starts++;
-        again = best[0].cost < INFINITY && same(s, &best[0].pose, &c.pose);
+        again = best[0].cost < INFINITY && align_same(s, &best[0].pose, &c.pose);
         agreed = again ? agreed + (agreed < AGREED) : c.cost < best[0].cost ? 1 : agreed;
         if (c.cost < best[0].cost) {
             if (!again)
@@ -351,7 +356,8 @@ static void choose(struct search *s, const struct surface *tmpl,
 }
 
 /* settle(s, w, pose): the last step, which separates motion from change. */
-static enum status settle(struct search *s, struct align_work *w, struct pose *pose)
+static enum status align_settle(struct align_searching *s, struct align_work *w,
+                                struct pose *pose)
 {
     const struct pose *frame = &s->how->u->frame;
     const double *r = frame->r;
@@ -399,7 +405,7 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
 {
     const uint32_t step =
         stride_for(probe->mesh.nv, tmpl == NULL ? FRAME_POINTS : ALIGN_LAST_POINTS);
-    struct search search = {.stretch = 1.0, .how = how, .out = out};
+    struct align_searching search = {.stretch = 1.0, .how = how, .out = out};
     struct candidate best[2];
     enum status st = ST_OK;
     bool rival;
@@ -410,17 +416,17 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
         return ST_ENOMEM;
     memset(out, 0, sizeof *out);
     out->turn_deg = out->shift_mm = INFINITY;
-    search.n = load(probe, step, search.pts);
+    search.n = align_load(probe, step, search.pts);
     if (tmpl == NULL) {
         search.stretch = FRAME_STRETCH;
     } else {
         align_field_make(tmpl, how->u, &search.field);
-        share(probe, step, search.pts);
+        align_share(probe, step, search.pts);
     }
     search.centre = how->axes != NULL ? how->axes->centre : pose_centre(&tmpl->mesh);
     search.centre.z -= POSE_LEVER_MM;
 
-    choose(&search, tmpl, probe, best);
+    align_choose(&search, tmpl, probe, best);
     rival = best[0].cost >= ALIGN_GOOD_MM && best[1].cost < ALIGN_RIVAL * best[0].cost;
     (void)descend(&search, stride_for(search.n, ALIGN_MIDDLE_POINTS), SOLVE_LOSS_L1,
                   ALIGN_STAGE_STEPS, ALIGN_MIDDLE_MM, &best[0]);
@@ -444,7 +450,7 @@ enum status align_search(const struct surface *tmpl, const struct surface *probe
     if (best[0].within < ALIGN_APART_WITHIN)
         out->stop = ALIGN_APART;
     else if (how->u != NULL && how->motion != NULL && how->motion->b->n > 0)
-        st = settle(&search, w, &best[0].pose);
+        st = align_settle(&search, w, &best[0].pose);
     pose_to_matrix(&best[0].pose, out->transform);
     return st;
 }

@@ -26,8 +26,8 @@ void align_field_make(const struct surface *s, const struct align_weight *u,
 /* walk(m, t, q, left, out): whether q (x, y) lies in the hull of m: walk to the triangle that
  * contains it, from triangle *t.  *t becomes the last triangle seen.  *left falls by the steps
  * taken; below 0 the walk ends. */
-static inline bool walk(const struct mesh *m, uint32_t *t, const double q[3],
-                        int64_t *left, struct align_corners *out)
+static inline bool align_field_walk(const struct mesh *m, uint32_t *t, const double q[3],
+                                    int64_t *left, struct align_corners *out)
 {
     const int32_t x = (int32_t)lrint(q[0]), y = (int32_t)lrint(q[1]);
 
@@ -58,22 +58,22 @@ static inline bool walk(const struct mesh *m, uint32_t *t, const double q[3],
     return false;
 }
 
-static inline bool find(struct align_field *f, struct align_point *p, struct dvec3 q,
-                        struct align_corners *out)
+static inline bool align_field_locate(struct align_field *f, struct align_point *p,
+                                      struct dvec3 q, struct align_corners *out)
 {
     const double at[3] = {q.x * LATTICE_PER_MM, q.y * LATTICE_PER_MM,
                           q.z * LATTICE_PER_MM};
 
     f->left += ALIGN_WALK;
     return fabs(at[0]) < LATTICE_MAX && fabs(at[1]) < LATTICE_MAX &&
-           walk(&f->surface->mesh, &p->triangle, at, &f->left, out) &&
+           align_field_walk(&f->surface->mesh, &p->triangle, at, &f->left, out) &&
            !f->surface->bridge[p->triangle];
 }
 
 bool align_field_find(struct align_field *f, struct align_point *p, struct dvec3 q,
                       struct align_corners *out)
 {
-    return find(f, p, q, out);
+    return align_field_locate(f, p, q, out);
 }
 
 /* ALIGN_LANES points to be added. */
@@ -83,7 +83,7 @@ struct batch {
     uint32_t n;
 };
 
-static inline align_lanes corner(const struct batch *b, int k, int axis)
+static inline align_lanes align_field_corner(const struct batch *b, int k, int axis)
 {
     const struct align_corners *c = b->corners;
 
@@ -91,7 +91,7 @@ static inline align_lanes corner(const struct batch *b, int k, int axis)
                          c[3].at[k][axis]};
 }
 
-static inline align_lanes place(const struct batch *b, int axis)
+static inline align_lanes align_field_place(const struct batch *b, int axis)
 {
     return (align_lanes){b->q[0][axis], b->q[1][axis], b->q[2][axis], b->q[3][axis]};
 }
@@ -125,9 +125,9 @@ static inline void add_batch(struct batch *b, const struct align_weight *u,
     align_lanes a[3], e[3], f[3], n[3], over;
 
     for (int i = 0; i < 3; i++) {
-        a[i] = corner(b, 0, i);
-        e[i] = corner(b, 1, i) - a[i];
-        f[i] = corner(b, 2, i) - a[i];
+        a[i] = align_field_corner(b, 0, i);
+        e[i] = align_field_corner(b, 1, i) - a[i];
+        f[i] = align_field_corner(b, 2, i) - a[i];
     }
     n[0] = e[1] * f[2] - e[2] * f[1];
     n[1] = e[2] * f[0] - e[0] * f[2];
@@ -138,9 +138,9 @@ static inline void add_batch(struct batch *b, const struct align_weight *u,
     s.gap = (a[0] * s.normal[0] + a[1] * s.normal[1] + a[2] * s.normal[2]) *
             (float)(-1 / LATTICE_PER_MM);
     s.there = index < (int32_t)b->n;
-    s.x = place(b, 0);
-    s.y = place(b, 1);
-    s.z = place(b, 2);
+    s.x = align_field_place(b, 0);
+    s.y = align_field_place(b, 1);
+    s.z = align_field_place(b, 2);
     s.weight =
         u != NULL && loss == SOLVE_LOSS_TUKEY ? weights(u, c, &s) : align_lanes_all(1.0f);
     align_lanes_add(sums, &s, loss);
@@ -171,7 +171,7 @@ void align_field_sum(struct align_field *f, struct align_point *pts, uint32_t n,
         at[0] = (float)(q.x - c.x);
         at[1] = (float)(q.y - c.y);
         at[2] = (float)(q.z - c.z);
-        found = find(f, p, q, &batch.corners[batch.n]);
+        found = align_field_locate(f, p, q, &batch.corners[batch.n]);
         last = p->triangle;
         batch.n += found;
         if (batch.n == ALIGN_LANES)

@@ -119,7 +119,8 @@ struct under {
     lanes z, zx, zy, flat, weight;
 };
 
-static inline void find(const struct align_grid *g, lanes x, lanes y, struct under *s)
+static inline void align_grid_find(const struct align_grid *g, lanes x, lanes y,
+                                   struct under *s)
 {
     lanes i = (x - LEFT) * (float)(1 / GRID_MM);
     lanes j = (y - BOTTOM) * (float)(1 / GRID_MM);
@@ -146,8 +147,9 @@ static inline void find(const struct align_grid *g, lanes x, lanes y, struct und
     s->zy = (c[2] + c[3] * i) * (float)(1 / GRID_MM);
 }
 
-static inline void add(struct align_lanes_sums *to, const lanes q[3],
-                       const struct under *s, struct dvec3 c, enum solve_loss loss)
+static inline void align_grid_add(struct align_lanes_sums *to, const lanes q[3],
+                                  const struct under *s, struct dvec3 c,
+                                  enum solve_loss loss)
 {
     const struct align_under under = {
         .there = s->there,
@@ -179,10 +181,10 @@ void align_grid_sum(const struct align_grid *g, const struct align_point *pts, u
         for (uint32_t k = 0; k < LANES; k++)
             p[k] = &pts[(i + k < count ? i + k : i) * stride];
         moved(&m, p, q);
-        find(g, q[0], q[1], &s);
+        align_grid_find(g, q[0], q[1], &s);
         for (uint32_t k = 0; k < LANES; k++)
             s.there[k] &= -(int32_t)(i + k < count);
-        add(&all_of, q, &s, c, loss);
+        align_grid_add(&all_of, q, &s, c, loss);
     }
     align_lanes_finish(&all_of, count, loss, sum);
 }

@@ -45,7 +45,7 @@ struct plane {
 };
 
 /* A search in progress, on the surface turned upright. */
-struct search {
+struct asymmetry_search {
     struct align_field field;
     struct align_point *pts; /* sorted by block */
     uint32_t begin[BLOCKS + 1];
@@ -89,7 +89,8 @@ static uint32_t block_of(struct ivec2 p, struct ivec2 low, struct ivec2 high)
 }
 
 /* The vertices that a measured triangle has, sorted by block, in the order of the mesh. */
-static void load(const struct surface *s, uint32_t *block, struct search *out)
+static void asymmetry_load(const struct surface *s, uint32_t *block,
+                           struct asymmetry_search *out)
 {
     const struct mesh *m = &s->mesh;
     struct ivec2 low = m->xy[0], high = low;
@@ -127,7 +128,8 @@ static void load(const struct surface *s, uint32_t *block, struct search *out)
 }
 
 /* The robust sum over all blocks but one. */
-static struct solve_sum sum_at(struct search *s, const struct plane *p, uint32_t without)
+static struct solve_sum sum_at(struct asymmetry_search *s, const struct plane *p,
+                               uint32_t without)
 {
     const struct pose pose = mirror(p);
     const struct dvec3 c = onto(p, s->middle);
@@ -181,7 +183,8 @@ static struct solve_normal reduce(const struct solve_normal *a, const double to[
 }
 
 /* One Gauss-Newton step.  Returns its length in mm, or 0 where it is undetermined. */
-static double step(const struct search *s, const struct solve_sum *sum, struct plane *p)
+static double asymmetry_step(const struct asymmetry_search *s,
+                             const struct solve_sum *sum, struct plane *p)
 {
     const struct dvec3 n = p->normal, c = onto(p, s->middle);
     const struct dvec3 a = unit(vec_cross((struct dvec3){0, 0, 1}, n)),
@@ -207,7 +210,8 @@ static double step(const struct search *s, const struct solve_sum *sum, struct p
 
 /* descend(s, without, p, within): steps from *p, which becomes the cheapest plane met.
  * Returns whether a short step ended them. */
-static bool descend(struct search *s, uint32_t without, struct plane *p, double *within)
+static bool descend(struct asymmetry_search *s, uint32_t without, struct plane *p,
+                    double *within)
 {
     struct plane at = *p;
     double cost = INFINITY;
@@ -223,13 +227,13 @@ static bool descend(struct search *s, uint32_t without, struct plane *p, double 
         }
         if (ended || i == ASYMMETRY_STEPS)
             break;
-        ended = step(s, &sum, &at) < ASYMMETRY_LAST_MM;
+        ended = asymmetry_step(s, &sum, &at) < ASYMMETRY_LAST_MM;
     }
     return ended;
 }
 
 /* How much the plane depends on each part of the surface. */
-static void jackknife(struct search *s, const struct plane *best,
+static void jackknife(struct asymmetry_search *s, const struct plane *best,
                       struct surface_asymmetry *out)
 {
     const struct dvec3 c = onto(best, s->middle);
@@ -276,7 +280,7 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
                                 enum align_stop *stop, struct surface_asymmetry *out)
 {
     const size_t pts = mem_round(s->mesh.nv * sizeof(struct align_point));
-    struct search search = {.evaluations = out->evaluations};
+    struct asymmetry_search search = {.evaluations = out->evaluations};
     unsigned char *block = scratch_need(&m->scratch, pts + s->mesh.nv * sizeof(uint32_t));
     double within = 0;
 
@@ -284,7 +288,7 @@ static enum status search_plane(const struct surface *s, struct measure_work *m,
         return ST_ENOMEM;
     align_field_make(s, NULL, &search.field);
     search.pts = (struct align_point *)(void *)block;
-    load(s, (uint32_t *)(void *)(block + pts), &search);
+    asymmetry_load(s, (uint32_t *)(void *)(block + pts), &search);
     *stop = descend(&search, NO_BLOCK, p, &within) ? ALIGN_CONVERGED : ALIGN_STEPS;
     if (within < ALIGN_APART_WITHIN)
         *stop = ALIGN_APART;
@@ -302,8 +306,8 @@ static struct plane plane_of(const struct pose *frame)
     return (struct plane){{frame->r[0], frame->r[1], frame->r[2]}, -frame->t[0]};
 }
 
-static void tell(const struct pose *start, const struct pose *frame,
-                 const struct surface *s, struct surface_asymmetry *out)
+static void asymmetry_tell(const struct pose *start, const struct pose *frame,
+                           const struct surface *s, struct surface_asymmetry *out)
 {
     const struct plane from = plane_of(start), to = plane_of(frame);
     const struct dvec3 turn = vec_cross(from.normal, to.normal);
@@ -352,7 +356,7 @@ enum status asymmetry_find(const struct surface *s, const struct pose *start,
             break;
         straighten(&p, middle, &frame);
     }
-    tell(start, &frame, s, out);
+    asymmetry_tell(start, &frame, s, out);
     out->conclusive = stop != ALIGN_APART && last.overlap >= ASYMMETRY_MIN_OVERLAP;
     out->disparity_mm = last.plain_mm;
     out->first_mm = first.plain_mm;

@@ -18,7 +18,7 @@
 typedef float lane4 __attribute__((vector_size(16)));
 typedef int32_t whole4 __attribute__((vector_size(16)));
 
-struct sums {
+struct cells_sums {
     lane4 normal, level;
 };
 
@@ -46,7 +46,7 @@ static inline uint32_t cell_of(lane4 q)
     return ((x < GRID_NX) & (y < GRID_NY)) != 0 ? y * GRID_NX + x : GRID_N;
 }
 
-static inline void add_piece(struct sums *sums, lane4 q, bool used, lane4 normal,
+static inline void add_piece(struct cells_sums *sums, lane4 q, bool used, lane4 normal,
                              lane4 level)
 {
     const uint32_t i = used ? cell_of(q) : GRID_N;
@@ -56,7 +56,7 @@ static inline void add_piece(struct sums *sums, lane4 q, bool used, lane4 normal
 }
 
 /* From sums to means. */
-static void means(const struct sums *sums, struct cells *c)
+static void means(const struct cells_sums *sums, struct cells *c)
 {
     for (uint32_t i = 0; i < GRID_N; i++) {
         const lane4 n = sums[i].normal;
@@ -82,7 +82,7 @@ void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n
     const lane4 origin = {(float)t[0], (float)t[1], (float)t[2], 0};
     const float mm = (float)(1 / LATTICE_PER_MM);
     uint32_t last = field->first; /* neighbours follow each other: a short way */
-    struct sums sums[GRID_N + 1];
+    struct cells_sums sums[GRID_N + 1];
 
     memset(sums, 0, sizeof sums);
     for (uint32_t i = 0; i < n; i++) {

@@ -27,7 +27,7 @@
 
 _Static_assert(LANES + 2 * MODEL_MODES == WIDTH, "a row is motion, change and identity");
 
-struct work {
+struct encode_work {
     float gap[GRID_N];
     float weight[GRID_N]; /* 0..1 */
     struct normal_rows rows;
@@ -36,14 +36,14 @@ struct work {
     double g[WIDTH], v[WIDTH];
 };
 
-static uint32_t padded(uint32_t n)
+static uint32_t encode_padded(uint32_t n)
 {
     return (n + LANES - 1) / LANES * LANES;
 }
 
 /* The row of cell i, with a weight. */
-static void put_row(const struct encode_basis *e, uint32_t i, float weight,
-                    struct normal_rows *to)
+static void encode_put_row(const struct encode_basis *e, uint32_t i, float weight,
+                           struct normal_rows *to)
 {
     float *row = to->row[to->n], *times = to->times[to->n];
 
@@ -85,15 +85,15 @@ void encode_prepare(const struct surface_model *m, struct encode_basis *out)
     memset(out, 0, sizeof *out);
     out->m = m;
     out->change = LANES;
-    out->identity = out->change + padded(m->change.n);
-    out->width = out->identity + padded(m->identity.n);
+    out->identity = out->change + encode_padded(m->change.n);
+    out->width = out->identity + encode_padded(m->identity.n);
     rows.n = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (!isnan(m->mean[i]) && m->change.rest[i] > 0.0f) {
             motion_of(m, i, out->motion[i]);
             out->normal_z[i] = (float)((double)out->motion[i][5] / ENCODE_MOTION_MM);
             out->cells++;
-            put_row(out, i, 1.0f, &rows);
+            encode_put_row(out, i, 1.0f, &rows);
         }
         if (rows.n == NORMAL_ROWS || i == GRID_N - 1)
             normal_add(&rows, 0, out->width, out->gram[0], WIDTH);
@@ -101,8 +101,8 @@ void encode_prepare(const struct surface_model *m, struct encode_basis *out)
 }
 
 /* The gaps of heights z above others, and which cells count: how many. */
-static uint32_t load(const struct encode_basis *e, const float *z, const float *others,
-                     struct work *w, uint8_t *there)
+static uint32_t encode_load(const struct encode_basis *e, const float *z,
+                            const float *others, struct encode_work *w, uint8_t *there)
 {
     uint32_t cells = 0;
 
@@ -122,7 +122,7 @@ static uint32_t load(const struct encode_basis *e, const float *z, const float *
 
 /* The sum of the weighted rows: of all cells, less those that are not there; or where that is
  * less work, of those that are. */
-static void add_cells(const struct encode_basis *e, uint32_t cells, struct work *w)
+static void add_cells(const struct encode_basis *e, uint32_t cells, struct encode_work *w)
 {
     const bool whole = cells > e->cells / 2;
 
@@ -134,14 +134,14 @@ static void add_cells(const struct encode_basis *e, uint32_t cells, struct work 
         const float by = w->weight[i] - (whole ? 1.0f : 0.0f);
 
         if (e->normal_z[i] > 0.0f && by != 0.0f)
-            put_row(e, i, by, &w->rows);
+            encode_put_row(e, i, by, &w->rows);
         if (w->rows.n == NORMAL_ROWS || i == GRID_N - 1)
             normal_add(&w->rows, 0, e->width, w->sum[0], WIDTH);
     }
 }
 
 /* The products of the rows with their gaps. */
-static void add_gaps(const struct encode_basis *e, struct work *w)
+static void add_gaps(const struct encode_basis *e, struct encode_work *w)
 {
     const float *const row = w->rows.row[0];
 
@@ -152,7 +152,7 @@ static void add_gaps(const struct encode_basis *e, struct work *w)
         if (by == 0.0)
             continue;
         w->rows.n = 0;
-        put_row(e, i, 1.0f, &w->rows);
+        encode_put_row(e, i, 1.0f, &w->rows);
         for (uint32_t k = 0; k < e->width; k++)
             w->v[k] += by * (double)row[k];
     }
@@ -160,7 +160,7 @@ static void add_gaps(const struct encode_basis *e, struct work *w)
 }
 
 /* The normal equations of the coefficients, with their prior. */
-static void set_up(const struct encode_basis *e, double variance, struct work *w)
+static void set_up(const struct encode_basis *e, double variance, struct encode_work *w)
 {
     const double over = 1 / variance;
 
@@ -173,7 +173,7 @@ static void set_up(const struct encode_basis *e, double variance, struct work *w
 }
 
 /* Weigh the cells by what the coefficients w->g leave of them.  False: none changed. */
-static bool reweigh(const struct encode_basis *e, double variance, struct work *w)
+static bool reweigh(const struct encode_basis *e, double variance, struct encode_work *w)
 {
     const float limit = ENCODE_HUBER * (float)sqrt(variance);
     bool changed = false;
@@ -188,7 +188,7 @@ static bool reweigh(const struct encode_basis *e, double variance, struct work *
         if (!(w->weight[i] > 0.0f))
             continue;
         w->rows.n = 0;
-        put_row(e, i, 1.0f, &w->rows);
+        encode_put_row(e, i, 1.0f, &w->rows);
         for (uint32_t k = 0; k < e->width; k += LANES)
             for (uint32_t l = 0; l < LANES; l++)
                 sum[l] += row[k + l] * by[k + l];
@@ -197,7 +197,7 @@ static bool reweigh(const struct encode_basis *e, double variance, struct work *
         if (left <= limit)
             continue;
         w->weight[i] = limit / left;
-        put_row(e, i, w->weight[i] - 1.0f, &w->rows);
+        encode_put_row(e, i, w->weight[i] - 1.0f, &w->rows);
         w->rows.n = 0;
         changed = true;
     }
@@ -206,7 +206,7 @@ static bool reweigh(const struct encode_basis *e, double variance, struct work *
 
 /* A and b from the Schur complement: what is left of the normal equations of the identity
  * once motion and change are eliminated, less the prior. */
-static void store(const struct encode_basis *e, const struct work *w,
+static void store(const struct encode_basis *e, const struct encode_work *w,
                   struct encoding *out)
 {
     float *a = out->a;
@@ -230,14 +230,14 @@ static double noise_of(const struct encode_basis *e, double residual_mm)
 
 /* The normal equations, with motion and change eliminated.  out->n is 0 where there are none. */
 static void solve(const struct encode_basis *e, const float z[GRID_N], double residual_mm,
-                  struct work *w, struct encoding *out, double *variance)
+                  struct encode_work *w, struct encoding *out, double *variance)
 {
     const uint32_t n = e->width;
 
     memset(out, 0, sizeof *out);
     *variance = noise_of(e, residual_mm);
     out->residual_mm = (float)residual_mm;
-    out->cells = load(e, z, e->m->mean, w, out->there);
+    out->cells = encode_load(e, z, e->m->mean, w, out->there);
     if (out->cells < ENCODE_LEAST)
         return;
     add_cells(e, out->cells, w);
@@ -268,7 +268,7 @@ double encode_noise(double residual_mm, double step_mm)
 enum status encode_heights(const struct encode_basis *e, const float z[GRID_N],
                            double residual_mm, struct scratch *s, struct encoding *out)
 {
-    struct work *w = scratch_need(s, sizeof *w);
+    struct encode_work *w = scratch_need(s, sizeof *w);
     double variance;
 
     memset(out, 0, sizeof *out);
@@ -283,7 +283,7 @@ enum status encode_parts(const struct encode_basis *e, const float z[GRID_N],
                          double residual_mm, const double slope[MODEL_MODES],
                          struct scratch *s, double part[GRID_N])
 {
-    struct work *w = scratch_need(s, sizeof *w);
+    struct encode_work *w = scratch_need(s, sizeof *w);
     const uint32_t n = e->width, known = e->identity;
     struct encoding unused;
     double by[WIDTH] = {0}, variance;
@@ -308,7 +308,7 @@ enum status encode_parts(const struct encode_basis *e, const float z[GRID_N],
         if (!(w->weight[i] > 0.0f))
             continue;
         w->rows.n = 0;
-        put_row(e, i, 1.0f, &w->rows);
+        encode_put_row(e, i, 1.0f, &w->rows);
         for (uint32_t k = 0; k < n; k++)
             sum += (double)row[k] * by[k];
         part[i] += sum * (double)w->weight[i] * (double)w->gap[i] / (2 * variance);
@@ -321,7 +321,7 @@ enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
                         const float probe[GRID_N], const double residual_mm[2],
                         struct scratch *s, float rest[GRID_N])
 {
-    struct work *w = scratch_need(s, sizeof *w);
+    struct encode_work *w = scratch_need(s, sizeof *w);
     const uint32_t n = e->identity;
     uint8_t there[GRID_N / 8] = {0};
     uint32_t cells;
@@ -330,7 +330,7 @@ enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
         rest[i] = (float)NAN;
     if (w == NULL)
         return ST_ENOMEM;
-    if ((cells = load(e, probe, tmpl, w, there)) < ENCODE_LEAST)
+    if ((cells = encode_load(e, probe, tmpl, w, there)) < ENCODE_LEAST)
         return ST_OK;
     add_cells(e, cells, w);
     add_gaps(e, w);
@@ -347,7 +347,7 @@ enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
         if (!(w->weight[i] > 0.0f))
             continue;
         w->rows.n = 0;
-        put_row(e, i, 1.0f, &w->rows);
+        encode_put_row(e, i, 1.0f, &w->rows);
         for (uint32_t k = 0; k < n; k++)
             fit += (double)row[k] * w->g[k];
         rest[i] = (float)((double)w->gap[i] - fit);

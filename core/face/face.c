@@ -193,8 +193,8 @@ enum status face_adopt(struct surface_face *f, struct surface_work *w)
 }
 
 /* The surface of points on the lattice, and its quality.  flatten: lay spikes flat. */
-static enum status prepare(const struct ivec3 *pts, size_t n, bool flatten,
-                           struct surface_work *w, struct surface_face *out)
+static enum status face_prepare(const struct ivec3 *pts, size_t n, bool flatten,
+                                struct surface_work *w, struct surface_face *out)
 {
     struct scratch *s = &w->measure.scratch;
     enum status st;
@@ -210,10 +210,10 @@ static enum status prepare(const struct ivec3 *pts, size_t n, bool flatten,
 }
 
 /* What face_build() does once the points are on the lattice. */
-static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
-                         struct surface_work *w, struct surface_face *out)
+static enum status face_build_surface(const struct ivec3 *pts, size_t n, bool flatten,
+                                      struct surface_work *w, struct surface_face *out)
 {
-    enum status st = prepare(pts, n, flatten, w, out);
+    enum status st = face_prepare(pts, n, flatten, w, out);
 
     if (st != ST_OK || (st = place_find(out, w)) != ST_OK)
         return st;
@@ -221,8 +221,9 @@ static enum status build(const struct ivec3 *pts, size_t n, bool flatten,
 }
 
 /* The points on the lattice, in w. */
-static enum status load(const struct dvec3 *pts, size_t n, struct surface_work *w,
-                        struct surface_face *out, size_t *bad, struct ivec3 **lattice)
+static enum status face_load(const struct dvec3 *pts, size_t n, struct surface_work *w,
+                             struct surface_face *out, size_t *bad,
+                             struct ivec3 **lattice)
 {
     clear(out);
     out->frame = (struct frame){0};
@@ -239,10 +240,10 @@ enum status face_build(const struct dvec3 *pts, size_t n, struct surface_work *w
                        struct surface_face *out, size_t *bad)
 {
     struct ivec3 *lattice;
-    enum status st = load(pts, n, w, out, bad, &lattice);
+    enum status st = face_load(pts, n, w, out, bad, &lattice);
 
     if (st == ST_OK)
-        st = build(lattice, n, true, w, out);
+        st = face_build_surface(lattice, n, true, w, out);
     if (st != ST_OK)
         clear(out);
     return st;
@@ -252,10 +253,10 @@ enum status face_lay(const struct dvec3 *pts, size_t n, const struct pose *pose,
                      struct surface_work *w, struct surface_face *out, size_t *bad)
 {
     struct ivec3 *lattice;
-    enum status st = load(pts, n, w, out, bad, &lattice);
+    enum status st = face_load(pts, n, w, out, bad, &lattice);
 
     if (st == ST_OK)
-        st = prepare(lattice, n, true, w, out);
+        st = face_prepare(lattice, n, true, w, out);
     if (st != ST_OK)
         clear(out);
     out->frame = (struct frame){.pose = *pose, .mean_id = w->mean.mean_id};
@@ -280,7 +281,7 @@ enum status face_rebuild(struct surface_face *f, struct surface_work *w)
         for (uint32_t v = 0; v < n; v++)
             pts[v] = (struct ivec3){m->xy[v].x, m->xy[v].y, m->z[v]};
         f->frame = (struct frame){0};
-        st = build(pts, n, false, w, f);
+        st = face_build_surface(pts, n, false, w, f);
     }
     if (st != ST_OK)
         clear(f);

@@ -24,7 +24,7 @@ _Static_assert(WIDTH <= NORMAL_WIDTH, "a row has room");
 
 typedef float lane4 __attribute__((vector_size(16)));
 
-struct work {
+struct fit_work {
     float tail[GRID_N][LANES];
     float over[GRID_N];    /* 1 / deviation of each row */
     float full[GRID_N];    /* its weight: over^2 times how far the cell is covered */
@@ -36,14 +36,14 @@ struct work {
     uint32_t n, modes, unknowns; /* modes: padded */
 };
 
-static uint32_t padded(uint32_t n)
+static uint32_t fit_padded(uint32_t n)
 {
     return (n + LANES - 1) / LANES * LANES;
 }
 
 /* One row more in the block, its modes and its tail (NULL: no tail). */
-static void put_row(struct normal_rows *b, const float *modes, uint32_t n,
-                    const float *tail, float rise)
+static void fit_put_row(struct normal_rows *b, const float *modes, uint32_t n,
+                        const float *tail, float rise)
 {
     float *row = b->row[b->n], *times = b->times[b->n];
 
@@ -58,7 +58,7 @@ static void put_row(struct normal_rows *b, const float *modes, uint32_t n,
 
 void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 {
-    const uint32_t n = padded(b->n);
+    const uint32_t n = fit_padded(b->n);
     struct normal_rows block;
 
     block.n = 0;
@@ -69,19 +69,19 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 
         out->used[i] = over > 0.0f;
         if (out->used[i])
-            put_row(&block, b->mode[i], n, NULL, over * over);
+            fit_put_row(&block, b->mode[i], n, NULL, over * over);
         if (block.n == NORMAL_ROWS || i == GRID_N - 1)
             normal_add(&block, 0, n, out->gram[0], MODEL_MODES);
     }
 }
 
 /* The rows of the covered cells: all but their modes, which stay where they are. */
-static void load(struct work *w, const struct fit_basis *p, const struct cells *c)
+static void fit_load(struct fit_work *w, const struct fit_basis *p, const struct cells *c)
 {
     const struct model_basis *b = p->b;
 
     w->n = 0;
-    w->modes = padded(b->n);
+    w->modes = fit_padded(b->n);
     w->unknowns = w->modes + 6;
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float *m = c->normal[i];
@@ -118,7 +118,7 @@ static void load(struct work *w, const struct fit_basis *p, const struct cells *
 
 /* The sum at the rows' first weights: the modes' part from the sum over all cells, corrected
  * for cells that weigh less; the tails' part from the rows. */
-static void add_first(struct work *w, const struct fit_basis *p)
+static void add_first(struct fit_work *w, const struct fit_basis *p)
 {
     const struct model_basis *b = p->b;
     struct normal_rows *const k = &w->block;
@@ -136,12 +136,12 @@ static void add_first(struct work *w, const struct fit_basis *p)
 
         r += covered;
         if (rise != 0.0f)
-            put_row(k, b->mode[i], w->modes, NULL, rise);
+            fit_put_row(k, b->mode[i], w->modes, NULL, rise);
         if (k->n == NORMAL_ROWS || i == GRID_N - 1)
             normal_add(k, 0, w->modes, w->sum[0], WIDTH);
     }
     for (r = 0; r < w->n; r++) {
-        put_row(k, b->mode[w->cell[r]], w->modes, w->tail[r], w->weight[r]);
+        fit_put_row(k, b->mode[w->cell[r]], w->modes, w->tail[r], w->weight[r]);
         if (k->n == NORMAL_ROWS || r == w->n - 1)
             normal_add(k, w->modes, w->modes + LANES, w->sum[0], WIDTH);
     }
@@ -168,7 +168,7 @@ static float left(const float *modes, const float *tail, uint32_t n, const float
 
 /* Weigh the rows by what y leaves of them, and bring the sum up to date.  False: nothing
  * changed. */
-static bool reweight(struct work *w, const struct model_basis *b, const float *y)
+static bool reweight(struct fit_work *w, const struct model_basis *b, const float *y)
 {
     bool changed = false;
 
@@ -182,7 +182,7 @@ static bool reweight(struct work *w, const struct model_basis *b, const float *y
         if (fabsf(rise) > (float)FIT_STILL * w->full[r]) {
             changed = true;
             w->weight[r] = now;
-            put_row(&w->block, modes, w->modes, w->tail[r], rise);
+            fit_put_row(&w->block, modes, w->modes, w->tail[r], rise);
         }
         if (w->block.n == NORMAL_ROWS || r == w->n - 1)
             normal_add(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
@@ -192,7 +192,7 @@ static bool reweight(struct work *w, const struct model_basis *b, const float *y
 
 /* The lower Cholesky factor of the sum plus the prior of the modes, 1, and the tie, in h.  False: not
  * positive definite. */
-static bool factor(struct work *w, double tie)
+static bool factor(struct fit_work *w, double tie)
 {
     const uint32_t n = w->unknowns;
 
@@ -207,7 +207,7 @@ static bool factor(struct work *w, double tie)
 
 /* The deviation of an unknown is the length of its column of the inverse factor; those of
  * the motions, which come last, need only the factor's last corner. */
-static void deviations(const struct work *w, struct fit *out)
+static void deviations(const struct fit_work *w, struct fit *out)
 {
     for (uint32_t i = 0; i < 6; i++) {
         double v[6] = {0.0}, sum = 0.0;
@@ -228,14 +228,14 @@ static void deviations(const struct work *w, struct fit *out)
 enum status fit_solve(const struct fit_basis *p, const struct cells *c, double tie,
                       int passes, struct scratch *s, struct fit *out)
 {
-    struct work *w = scratch_need(s, sizeof *w);
+    struct fit_work *w = scratch_need(s, sizeof *w);
     float y[WIDTH] = {0.0f};
     bool solved = false;
 
     memset(out, 0, sizeof *out);
     if (w == NULL)
         return ST_ENOMEM;
-    load(w, p, c);
+    fit_load(w, p, c);
     out->cells = w->n;
     for (int i = 0; i < 6; i++)
         out->deviation[i] = INFINITY;

@@ -33,7 +33,7 @@
 #define FUSE_RESIDUAL_MM 0.2
 
 /* The gaps of the cells that both have, and what they depend on. */
-struct gaps {
+struct fuse_gaps {
     uint32_t n;
     float gap[GRID_N]; /* mm, at right angles to the mean face */
     uint32_t cell[GRID_N];
@@ -54,7 +54,7 @@ enum status fuse_cells(const struct surface_face *f, struct surface_work *w,
 }
 
 static void take_gaps(const struct encode_basis *e, const float *base, const float *frame,
-                      struct gaps *out)
+                      struct fuse_gaps *out)
 {
     out->n = 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
@@ -68,7 +68,7 @@ static void take_gaps(const struct encode_basis *e, const float *base, const flo
 }
 
 /* The motion of the frame that explains most of the gaps. */
-static void solve(const struct encode_basis *e, const struct gaps *g, double x[6])
+static void solve(const struct encode_basis *e, const struct fuse_gaps *g, double x[6])
 {
     memset(x, 0, 6 * sizeof *x);
     for (int pass = 0; pass < FUSE_PASSES; pass++) {
@@ -92,7 +92,7 @@ static void solve(const struct encode_basis *e, const struct gaps *g, double x[6
         x[i] *= i < 3 ? ENCODE_MOTION_MM / POSE_LEVER_MM : ENCODE_MOTION_MM;
 }
 
-static double median_gap(const struct gaps *g)
+static double median_gap(const struct fuse_gaps *g)
 {
     double size[GRID_N];
 
@@ -120,7 +120,7 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
     struct pose move = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct pose pose = start_of(base, f), there;
     struct heights h;
-    struct gaps g;
+    struct fuse_gaps g;
     double x[6];
     const enum status st =
         heights_take(&f->surface, &pose, &face_work_measure(w)->scratch, &h);

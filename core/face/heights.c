@@ -28,11 +28,12 @@
  * circle has 0.71, of points wholly at random 1.4 % of the area has more. */
 #define HEIGHTS_HOLE 1.6
 
-struct corner {
+struct heights_corner {
     float x, y, z;
 };
 
-static void place(const struct mesh *m, const struct pose *pose, struct corner *at)
+static void heights_place(const struct mesh *m, const struct pose *pose,
+                          struct heights_corner *at)
 {
     struct pose mm = *pose; /* of lattice units */
 
@@ -42,12 +43,12 @@ static void place(const struct mesh *m, const struct pose *pose, struct corner *
         const struct dvec3 q =
             pose_apply(&mm, (struct dvec3){m->xy[v].x, m->xy[v].y, m->z[v]});
 
-        at[v] = (struct corner){(float)q.x, (float)q.y, (float)q.z};
+        at[v] = (struct heights_corner){(float)q.x, (float)q.y, (float)q.z};
     }
 }
 
 /* Is the place on the grid, or near it? */
-static bool is_near(const struct corner *c)
+static bool is_near(const struct heights_corner *c)
 {
     const float rim = HEIGHTS_AROUND_MM;
 
@@ -59,8 +60,8 @@ static bool is_near(const struct corner *c)
 
 /* Into how many parts each side of the triangle is divided, 0: left out; and its area seen along
  * z, doubled. */
-static uint32_t parts(const struct corner *a, const struct corner *b,
-                      const struct corner *c, float *twice)
+static uint32_t parts(const struct heights_corner *a, const struct heights_corner *b,
+                      const struct heights_corner *c, float *twice)
 {
     const float ux = b->x - a->x, uy = b->y - a->y, uz = b->z - a->z;
     const float vx = c->x - a->x, vy = c->y - a->y, vz = c->z - a->z;
@@ -77,13 +78,14 @@ static uint32_t parts(const struct corner *a, const struct corner *b,
 }
 
 /* Where samples go. */
-struct list {
+struct heights_list {
     float *x, *y, *z, *area;
     size_t n, room;
 };
 
-static void add(struct list *l, const struct corner *a, const struct corner *b,
-                const struct corner *c, float u, float v, float area)
+static void heights_add(struct heights_list *l, const struct heights_corner *a,
+                        const struct heights_corner *b, const struct heights_corner *c,
+                        float u, float v, float area)
 {
     const float w = 1.0f - u - v;
 
@@ -93,8 +95,9 @@ static void add(struct list *l, const struct corner *a, const struct corner *b,
     l->area[l->n++] = area;
 }
 
-static void add_parts(struct list *l, const struct corner *a, const struct corner *b,
-                      const struct corner *c, uint32_t k, float twice)
+static void add_parts(struct heights_list *l, const struct heights_corner *a,
+                      const struct heights_corner *b, const struct heights_corner *c,
+                      uint32_t k, float twice)
 {
     const float step = 1.0f / (float)k, third = step / 3.0f;
     const float area = twice / 2 * step * step;
@@ -103,9 +106,9 @@ static void add_parts(struct list *l, const struct corner *a, const struct corne
         for (uint32_t j = 0; i + j < k; j++) {
             const float u = (float)i * step, v = (float)j * step;
 
-            add(l, a, b, c, u + third, v + third, area);
+            heights_add(l, a, b, c, u + third, v + third, area);
             if (i + j + 1 < k)
-                add(l, a, b, c, u + 2 * third, v + 2 * third, area);
+                heights_add(l, a, b, c, u + 2 * third, v + 2 * third, area);
         }
 }
 
@@ -124,7 +127,8 @@ static bool fills(const struct surface *f, const uint32_t v[3])
 }
 
 /* The samples of all triangles; where there is no room they are counted alone. */
-static void add_all(const struct surface *f, const struct corner *at, struct list *l)
+static void add_all(const struct surface *f, const struct heights_corner *at,
+                    struct heights_list *l)
 {
     const struct mesh *m = &f->mesh;
     float twice;
@@ -147,13 +151,14 @@ enum status heights_take(const struct surface *f, const struct pose *pose,
                          struct scratch *s, struct heights *out)
 {
     const struct mesh *m = &f->mesh;
-    const size_t corners = mem_round(m->nv * sizeof(struct corner));
-    struct list l = {.n = 4 * (size_t)m->nt}; /* as many as most faces have at most */
+    const size_t corners = mem_round(m->nv * sizeof(struct heights_corner));
+    struct heights_list l = {.n = 4 *
+                                  (size_t)m->nt}; /* as many as most faces have at most */
 
     do { /* a larger block does not keep what was in the smaller one */
         size_t used = 0;
         unsigned char *block;
-        struct corner *at;
+        struct heights_corner *at;
 
         l.room = (l.n + 15) & ~(size_t)15;
         block = scratch_need(s, corners + 4 * l.room * sizeof(float));
@@ -164,7 +169,7 @@ enum status heights_take(const struct surface *f, const struct pose *pose,
         l.y = mem_take(block, &used, l.room, sizeof *l.y);
         l.z = mem_take(block, &used, l.room, sizeof *l.z);
         l.area = mem_take(block, &used, l.room, sizeof *l.area);
-        place(m, pose, at);
+        heights_place(m, pose, at);
         add_all(f, at, &l);
     } while (l.n > l.room);
     *out = (struct heights){l.x, l.y, l.z, l.area, (uint32_t)l.n};

@@ -24,9 +24,9 @@ static double gain(const struct surface_face *f, const struct shape_fit *other)
 }
 
 /* The side becomes f as the fit lays it. */
-static enum status take(const struct surface_face *f, const struct shape_fit *fit,
-                        struct surface_work *w, struct pair_side *side,
-                        struct encoding *encoding)
+static enum status pair_take(const struct surface_face *f, const struct shape_fit *fit,
+                             struct surface_work *w, struct pair_side *side,
+                             struct encoding *encoding)
 {
     side->pose = fit->pose;
     side->encoding = encoding;
@@ -49,8 +49,8 @@ enum status pair_make(const struct surface_face *tmpl, const struct surface_face
         (st = place_at(probe, size, w, &at_other[1])) != ST_OK)
         return st;
     if (gain(tmpl, &at_other[0]) > gain(probe, &at_other[1]))
-        return take(probe, &at_other[1], w, &out->probe, &out->other);
-    return take(tmpl, &at_other[0], w, &out->tmpl, &out->other);
+        return pair_take(probe, &at_other[1], w, &out->probe, &out->other);
+    return pair_take(tmpl, &at_other[0], w, &out->tmpl, &out->other);
 }
 
 enum status pair_again(const struct surface_face *probe, const double transform[16],

@@ -146,7 +146,7 @@ enum status place_encode(const struct surface_face *f, const struct shape_fit *f
                                 &w->normal, out);
 }
 
-static bool same(const struct pose *a, const struct pose *b)
+static bool place_same(const struct pose *a, const struct pose *b)
 {
     const struct pose d = pose_after(a, b);
     const double *t = d.t;
@@ -170,7 +170,7 @@ static enum status place(struct surface_face *f, struct surface_work *w,
         if ((st = start_at(f, w, k, &start[k])) != ST_OK ||
             (st = shape_place(&w->shape, &f->surface, &start[k], &one)) != ST_OK)
             continue;
-        lost = k == 0 || !same(&one.pose, &fit->pose);
+        lost = k == 0 || !place_same(&one.pose, &fit->pose);
         if (one.worth > fit->worth)
             *fit = one;
         lost = support(w, fit) < (lost ? FACE_SURE : FACE_LIKELY);

@@ -40,7 +40,7 @@ double ratio_ln(double x)
 }
 
 /* h (by columns): A, plus `add` on the diagonal. */
-static void load(const struct encoding *e, double add, double h[N][N])
+static void ratio_load(const struct encoding *e, double add, double h[N][N])
 {
     const float *a = e->a;
 
@@ -139,7 +139,7 @@ struct ratio_probe *ratio_probe(const struct encoding *p, double rho, struct scr
     r->p = p;
     r->rho = rho;
     r->c = 1 / (1 - rho * rho);
-    load(p, r->c, r->h);
+    ratio_load(p, r->c, r->h);
     for (uint32_t i = 0; i < p->n; i++)
         r->g[i] = (double)p->b[i];
     r->own = evidence(r->h, p->n, r->g);
@@ -154,15 +154,15 @@ struct terms {
 };
 
 /* same, own: what the evidence of one person, and of two, says of the other's identity. */
-static struct terms compare(struct ratio_probe *r, const struct encoding *t,
-                            double same[N], double own[N])
+static struct terms ratio_compare(struct ratio_probe *r, const struct encoding *t,
+                                  double same[N], double own[N])
 {
     const uint32_t n = t->n;
     const double k = r->rho * r->c;
     const float *a = r->p->a;
     struct evidence one, two;
 
-    load(t, 1, r->h);
+    ratio_load(t, 1, r->h);
     for (uint32_t i = 0; i < n; i++) {
         for (uint32_t j = 0; j <= i; j++)
             r->h[j][i] += (double)*a++;
@@ -171,7 +171,7 @@ static struct terms compare(struct ratio_probe *r, const struct encoding *t,
     one = evidence(r->h, n, same);
     normal_backward(r->h[0], N, n, same);
 
-    load(t, r->c, r->h);
+    ratio_load(t, r->c, r->h);
     for (uint32_t j = 0; j < n; j++) {
         for (uint32_t i = j; i < n; i++)
             r->h[j][i] -= k * k * r->inverse[j][i];
@@ -192,7 +192,7 @@ double ratio_score(struct ratio_probe *r, const struct encoding *t, double *expe
     *expected = 0;
     if (r->p->n == 0 || r->p->n != t->n)
         return 0;
-    out = compare(r, t, same, own);
+    out = ratio_compare(r, t, same, own);
     /* A + I is positive definite by its making.  What is read from a file need not be. */
     if (!(fabs(out.score) < RATIO_MOST))
         return -RATIO_MOST;
@@ -212,7 +212,7 @@ double ratio_slopes(struct ratio_probe *r, const struct encoding *t, double tmpl
     memset(probe, 0, N * sizeof *probe);
     if (r->p->n == 0 || r->p->n != n)
         return 0;
-    out = compare(r, t, same, own);
+    out = ratio_compare(r, t, same, own);
     for (uint32_t i = 0; i < n; i++) {
         double other = r->mean[i]; /* of the probe's identity, if they are two */
 

@@ -99,8 +99,9 @@ static inline float trust(float r, float limit)
 
 /* The weights of the cells, where the points are over[] in front of the surface height, and how
  * far they are above the mean face.  Only cells for which in[] is 1 count. */
-static void weigh(const struct shape_work *w, const float *height, const float *over,
-                  const float *in, float limit, float *weight, float *above)
+static void shape_weigh(const struct shape_work *w, const float *height,
+                        const float *over, const float *in, float limit, float *weight,
+                        float *above)
 {
     for (uint32_t i = 0; i < GRID_N; i++) {
         weight[i] = in[i] * trust(over[i] * w->normal[i][2], limit);
@@ -147,8 +148,8 @@ struct target {
 };
 
 /* How far the target, moved by pose, is in front of the surface height. */
-static void look(const struct target *t, const struct pose *pose, const float *height,
-                 float *over)
+static void shape_look(const struct target *t, const struct pose *pose,
+                       const float *height, float *over)
 {
     if (t->samples == NULL) {
         shape_map_make(t->points, pose, height, over);
@@ -182,18 +183,18 @@ static enum status fit_from(struct shape_work *w, const struct target *t, enum p
     memset(out->a, 0, sizeof out->a);
     memcpy(out->height, w->mean, sizeof out->height);
     out->pose = still;
-    look(t, &out->pose, out->height, over);
+    shape_look(t, &out->pose, out->height, over);
     for (uint32_t k = 0; k < passes; k++) {
         const struct shape_prior prior = {pass[k].prior, SHAPE_TIE, pass[k].modes};
 
         for (uint32_t i = 0; k == SHAPE_PART_PASSES && i < GRID_N; i++)
             in[i] = 1.0f;
-        weigh(w, out->height, over, in, pass[k].limit_mm, weight, above);
+        shape_weigh(w, out->height, over, in, pass[k].limit_mm, weight, above);
         shape_solve(&w->basis, above, weight, &prior, solve, &by);
         memcpy(out->a, by.a, sizeof out->a);
         shape_bend(&w->basis, w->mean, out->a, pass[k].modes, out->height);
         pose_move(&out->pose, centre, by.x);
-        look(t, &out->pose, out->height, over);
+        shape_look(t, &out->pose, out->height, over);
     }
     out->worth = worth_of(w, over, out->a);
     out->explained = out->worth + covered(w, over);
@@ -253,7 +254,7 @@ static uint32_t seen(const struct shape_fit *f)
 
 /* What is explained of a whole face: at a size at which more of the grid is seen more is not
  * explained for that. */
-static double share(const struct shape_work *w, const struct shape_fit *f)
+static double shape_share(const struct shape_work *w, const struct shape_fit *f)
 {
     return f->explained * w->cells / (seen(f) + 1);
 }
@@ -266,8 +267,8 @@ static bool good(const struct shape_fit *f)
 }
 
 /* Are both the same face? */
-static bool same(const struct shape_work *w, const struct shape_fit *a,
-                 const struct shape_fit *b)
+static bool shape_same(const struct shape_work *w, const struct shape_fit *a,
+                       const struct shape_fit *b)
 {
     float sum = 0.0f;
 
@@ -296,7 +297,8 @@ static enum status fit_parts(struct shape_work *w, const struct dvec3 *pts, size
         st = fit_quickly(w, &p, WHOLE, whole);
     for (enum part part = WHOLE + 1; st == ST_OK && part < PARTS; part++) {
         if ((st = fit_quickly(w, &p, part, &one)) != ST_OK ||
-            !(one.explained > whole->explained - SHAPE_LESS) || same(w, &one, whole))
+            !(one.explained > whole->explained - SHAPE_LESS) ||
+            shape_same(w, &one, whole))
             continue;
         st = fit_from(w, &(struct target){.points = &p}, part, passes,
                       sizeof passes / sizeof *passes, least, &one);
@@ -317,7 +319,7 @@ static enum status fit_sizes(struct shape_work *w, const struct dvec3 *pts, size
                              struct shape_fit *out)
 {
     static const double size[] = SHAPE_SIZES;
-    double least = share(w, out) + SHAPE_SIZE_GAIN;
+    double least = shape_share(w, out) + SHAPE_SIZE_GAIN;
     struct shape_fit best, one;
     struct shape_points p;
     struct pose start;
@@ -331,14 +333,14 @@ static enum status fit_sizes(struct shape_work *w, const struct dvec3 *pts, size
         st = shape_map_points(pts, n, &start, w->mean, &w->points, &p);
         if (st == ST_OK)
             st = fit_quickly(w, &p, WHOLE, &one);
-        if (st != ST_OK || !(share(w, &one) > share(w, whole)))
+        if (st != ST_OK || !(shape_share(w, &one) > shape_share(w, whole)))
             continue;
         st = fit_start(w, pts, n, &start, &one);
-        if (st != ST_OK || !(share(w, &one) > least))
+        if (st != ST_OK || !(shape_share(w, &one) > least))
             continue;
         best = one;
         best.size = size[k];
-        least = share(w, &one);
+        least = shape_share(w, &one);
     }
     if (st != ST_OK || best.size == 1)
         return st;

@@ -52,7 +52,8 @@ static void beside(uint32_t i, uint32_t to[4])
 enum { WEAK = 1, STRONG = 2, SEEN = 4 };
 
 /* The connected cells around i of which mark says WEAK or STRONG; how many are strong. */
-static uint32_t collect(uint8_t *mark, uint32_t i, uint32_t *list, uint32_t *n)
+static uint32_t shape_cells_collect(uint8_t *mark, uint32_t i, uint32_t *list,
+                                    uint32_t *n)
 {
     uint32_t strong = 0;
 
@@ -74,7 +75,7 @@ static uint32_t collect(uint8_t *mark, uint32_t i, uint32_t *list, uint32_t *n)
 }
 
 /* Cells of the face beside a covered one become covered; holes alone, or all. */
-static void grow(const float *height, bool holes, uint8_t *cell)
+static void shape_cells_grow(const float *height, bool holes, uint8_t *cell)
 {
     uint8_t before[GRID_N];
 
@@ -121,21 +122,22 @@ static void mark_front(const struct shape_work *w, const float *gap, const float
                   : gap[i] > (float)SHAPE_WEAK_MM * scale[i] ? WEAK
                                                              : 0;
     for (uint32_t i = 0; i < GRID_N; i++) {
-        if (mark[i] != STRONG || collect(mark, i, list, &n) < SHAPE_COVER_CELLS)
+        if (mark[i] != STRONG ||
+            shape_cells_collect(mark, i, list, &n) < SHAPE_COVER_CELLS)
             continue;
         any += n;
         for (uint32_t k = 0; k < n; k++)
             cell[list[k]] = SHAPE_COVER;
     }
     for (int k = 0; k < SHAPE_HOLE && any > 0; k++)
-        grow(height, true, cell);
+        shape_cells_grow(height, true, cell);
     if (any == 0)
         return;
     for (uint32_t y = 0; y < GRID_NY; y++)
         close_gaps(height, cell, y * GRID_NX, GRID_NX, 1);
     for (uint32_t x = 0; x < GRID_NX; x++)
         close_gaps(height, cell, x, GRID_NY, GRID_NX);
-    grow(height, false, cell);
+    shape_cells_grow(height, false, cell);
 }
 
 /* ---- hair */
@@ -212,7 +214,8 @@ static void find_hair(const float *gap, const float *height, const uint8_t *cell
     for (uint32_t i = brow; i < GRID_N; i++)
         mark[i] = !isnan(height[i]) && is_hair(rough, i, limit) ? STRONG : 0;
     for (uint32_t i = brow; i < GRID_N; i++)
-        if (mark[i] == STRONG && collect(mark, i, list, &n) >= SHAPE_HAIR_CELLS)
+        if (mark[i] == STRONG &&
+            shape_cells_collect(mark, i, list, &n) >= SHAPE_HAIR_CELLS)
             for (uint32_t k = 0; k < n; k++)
                 hair[list[k]] = SEEN;
 }

@@ -96,7 +96,7 @@ static void put_rim(const float in[GRID_N], float out[(GRID_NY + 2) * WIDE])
         memcpy(&out[(j + 1) * WIDE + 1], &in[j * GRID_NX], GRID_NX * sizeof *in);
 }
 
-static inline lanes load(const float *from)
+static inline lanes shape_map_load(const float *from)
 {
     lanes v;
 
@@ -144,9 +144,12 @@ static void make_planes(const float height[GRID_N], struct planes *s)
     memcpy(s->z, height, GRID_N * sizeof *height);
     for (uint32_t i = 0; i < GRID_N; i += LANES) {
         const float *at = &in[(i / GRID_NX + 1) * WIDE + i % GRID_NX + 1];
-        const lanes here = load(at);
-        const lanes zx = slope(load(at - 1), here, load(at + 1)) * (float)GRID_MM;
-        const lanes zy = slope(load(at - WIDE), here, load(at + WIDE)) * (float)GRID_MM;
+        const lanes here = shape_map_load(at);
+        const lanes zx =
+            slope(shape_map_load(at - 1), here, shape_map_load(at + 1)) * (float)GRID_MM;
+        const lanes zy =
+            slope(shape_map_load(at - WIDE), here, shape_map_load(at + WIDE)) *
+            (float)GRID_MM;
 
         memcpy(&s->zx[i], &zx, sizeof zx);
         memcpy(&s->zy[i], &zy, sizeof zy);
@@ -156,7 +159,8 @@ static void make_planes(const float height[GRID_N], struct planes *s)
 }
 
 /* Each point's cell, and how far it is in front of the surface there. */
-static void place(struct shape_points *p, const struct pose *pose, const struct planes *s)
+static void shape_map_place(struct shape_points *p, const struct pose *pose,
+                            const struct planes *s)
 {
     float r[9], t[3];
 
@@ -208,7 +212,7 @@ void shape_map_make(struct shape_points *p, const struct pose *pose,
     tally sum[GRID_N + 1];
 
     make_planes(height, &s);
-    place(p, pose, &s);
+    shape_map_place(p, pose, &s);
     for (uint32_t i = 0; i <= GRID_N; i++)
         front[i] = behind;
     memset(sum, 0, sizeof sum);
@@ -233,9 +237,9 @@ void shape_map_fill(const float height[GRID_N], float over[GRID_N])
     put_rim(over, was);
     for (uint32_t i = 0; i < GRID_N; i += LANES) {
         const float *at = &was[(i / GRID_NX + 1) * WIDE + i % GRID_NX + 1];
-        const lanes beside[4] = {load(at - 1), load(at + 1), load(at - WIDE),
-                                 load(at + WIDE)};
-        const lanes here = load(at), face = load(&height[i]);
+        const lanes beside[4] = {shape_map_load(at - 1), shape_map_load(at + 1),
+                                 shape_map_load(at - WIDE), shape_map_load(at + WIDE)};
+        const lanes here = shape_map_load(at), face = shape_map_load(&height[i]);
         const masks known = here == here;
         masks n = {0}, made;
         lanes sum = {0.0f};

@@ -5,14 +5,14 @@
 
 #include "pose.h"
 
-static uint32_t padded(uint32_t n)
+static uint32_t shape_solve_padded(uint32_t n)
 {
     return (n + NORMAL_LANES - 1) / NORMAL_LANES * NORMAL_LANES;
 }
 
 /* One row more in the block, with a weight. */
-static void put_row(struct normal_rows *to, const float *row, uint32_t width,
-                    float weight)
+static void shape_solve_put_row(struct normal_rows *to, const float *row, uint32_t width,
+                                float weight)
 {
     float *times = to->times[to->n];
 
@@ -43,7 +43,7 @@ static void put_motion(uint32_t cell, float height, const float normal[3], doubl
 void shape_solve_prepare(const struct model_basis *modes, const float mean[GRID_N],
                          const float normal[GRID_N][3], struct shape_basis *out)
 {
-    const uint32_t width = NORMAL_LANES + padded(modes->n);
+    const uint32_t width = NORMAL_LANES + shape_solve_padded(modes->n);
     struct normal_rows block;
 
     memset(out, 0, sizeof *out);
@@ -60,7 +60,7 @@ void shape_solve_prepare(const struct model_basis *modes, const float mean[GRID_
             row[NORMAL_LANES + k] = over * modes->mode[i][k];
         out->rest[out->cells] = modes->rest[i];
         out->cell[out->cells++] = i;
-        put_row(&block, row, width, 1.0f);
+        shape_solve_put_row(&block, row, width, 1.0f);
         if (block.n == NORMAL_ROWS)
             normal_add(&block, 0, width, out->gram[0], SHAPE_WIDTH);
     }
@@ -68,8 +68,8 @@ void shape_solve_prepare(const struct model_basis *modes, const float mean[GRID_
 }
 
 /* Starts the sum from where the fewest rows are to be added: as it is, the whole face's, or none. */
-static void start(const struct shape_basis *b, const float weight[GRID_N], uint32_t width,
-                  struct shape_solve *w)
+static void shape_solve_start(const struct shape_basis *b, const float weight[GRID_N],
+                              uint32_t width, struct shape_solve *w)
 {
     uint32_t now = 0, whole = 0, none = 0;
 
@@ -98,7 +98,7 @@ static void add_rows(const struct shape_basis *b, const float weight[GRID_N],
     for (uint32_t r = 0; r < b->cells; r++) {
         if (weight[r] == w->weight[r])
             continue;
-        put_row(&w->block, b->row[r], w->width, weight[r] - w->weight[r]);
+        shape_solve_put_row(&w->block, b->row[r], w->width, weight[r] - w->weight[r]);
         w->weight[r] = weight[r];
         if (w->block.n == NORMAL_ROWS)
             normal_add(&w->block, 0, w->width, w->sum[0], SHAPE_WIDTH);
@@ -128,7 +128,7 @@ void shape_solve(const struct shape_basis *b, const float over[GRID_N],
                  struct shape_solve *w, struct shape_solution *out)
 {
     const uint32_t modes = prior->modes < b->modes ? prior->modes : b->modes;
-    const uint32_t width = NORMAL_LANES + padded(modes);
+    const uint32_t width = NORMAL_LANES + shape_solve_padded(modes);
     float t[GRID_N], gap[GRID_N]; /* by rows */
     double g[SHAPE_WIDTH];
     uint32_t cells = 0;
@@ -141,7 +141,7 @@ void shape_solve(const struct shape_basis *b, const float over[GRID_N],
     }
     if (cells < SHAPE_LEAST)
         return;
-    start(b, t, width, w);
+    shape_solve_start(b, t, width, w);
     add_rows(b, t, w);
     add_gaps(b, gap, t, width, w, g);
     for (uint32_t k = 0; k < width; k++) {
@@ -165,7 +165,8 @@ void shape_bend(const struct shape_basis *b, const float mean[GRID_N], const dou
 
     for (uint32_t k = 0; k < n; k++)
         by[k] = (float)a[k];
-    normal_dot(b->row[0] + NORMAL_LANES, SHAPE_WIDTH, b->cells, by, padded(n), sum);
+    normal_dot(b->row[0] + NORMAL_LANES, SHAPE_WIDTH, b->cells, by, shape_solve_padded(n),
+               sum);
     for (uint32_t r = 0; r < b->cells; r++)
         height[b->cell[r]] = mean[b->cell[r]] + b->rest[r] * sum[r];
 }

@@ -124,7 +124,7 @@ static bool less(float a, float b, float then_a, float then_b, float last_a, flo
     return a != b ? a < b : then_a != then_b ? then_a < then_b : last_a < last_b;
 }
 
-static void look(const struct thin_point *p, size_t n, struct seen seen[ROOM])
+static void crop_look(const struct thin_point *p, size_t n, struct seen seen[ROOM])
 {
     static const struct thin_point none = {INFINITY, INFINITY, -INFINITY, 0, 0};
 
@@ -174,7 +174,7 @@ static size_t remove_hidden(const struct room *r, struct thin_point *p, size_t n
     size_t kept = 0;
     float step;
 
-    look(p, n, seen);
+    crop_look(p, n, seen);
     step = (float)least_step(r, seen);
     for (size_t i = 0; i < n; i++)
         if (!hidden(&p[i], &seen[cell_of(p[i].x, p[i].y)].front, step))
@@ -186,7 +186,7 @@ static size_t remove_hidden(const struct room *r, struct thin_point *p, size_t n
 
 /* Room for a point each, and c->index, which may not have been needed so far; NULL: out of
  * memory. */
-static struct thin_point *prepare(struct cloudpoints *c)
+static struct thin_point *crop_prepare(struct cloudpoints *c)
 {
     struct thin_point *p = mem_array(c->n, sizeof *p);
 
@@ -210,8 +210,8 @@ static struct thin_point seen_from(const struct pose *view, struct dvec3 p, size
 
 /* c becomes these of its points, moved by view and each to the mean of those that it stands
  * for. */
-static void take(struct cloudpoints *c, const struct pose *view,
-                 const struct thin_point *p, size_t n)
+static void crop_take(struct cloudpoints *c, const struct pose *view,
+                      const struct thin_point *p, size_t n)
 {
     struct pose turn = *view;
 
@@ -262,7 +262,7 @@ static size_t remove_other(const struct room *r, struct thin_point *p, size_t n)
 enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t most,
                       struct crop_count *out)
 {
-    struct thin_point *p = prepare(c);
+    struct thin_point *p = crop_prepare(c);
     struct room room;
     enum status st;
     size_t n;
@@ -274,7 +274,7 @@ enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t m
     n = remove_hidden(&room, p, n);
     out->face = n = remove_other(&room, p, n);
     if ((st = thin_points(p, &n, most, CROP_MEAN_MM)) == ST_OK)
-        take(c, &v->pose, p, out->kept = n);
+        crop_take(c, &v->pose, p, out->kept = n);
     mem_free(p);
     return st;
 }
@@ -282,7 +282,7 @@ enum status crop_face(struct cloudpoints *c, const struct crop_view *v, size_t m
 enum status crop_thin(struct cloudpoints *c, size_t most)
 {
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
-    struct thin_point *p = prepare(c);
+    struct thin_point *p = crop_prepare(c);
     size_t n = c->n;
     enum status st;
 
@@ -291,7 +291,7 @@ enum status crop_thin(struct cloudpoints *c, size_t most)
     for (size_t i = 0; i < n; i++)
         p[i] = seen_from(&still, c->at[i], i);
     if ((st = thin_points(p, &n, most, 0)) == ST_OK)
-        take(c, &still, p, n);
+        crop_take(c, &still, p, n);
     mem_free(p);
     return st;
 }

@@ -69,7 +69,7 @@ struct found {
 };
 
 /* By falling worth, no two the same. */
-struct list {
+struct find_list {
     struct found at[FOUND];
     uint32_t n;
 };
@@ -85,7 +85,7 @@ struct finder {
     struct extent extent;
     struct find_view_face face;
     struct find_starts starts;
-    struct list rough, best;
+    struct find_list rough, best;
 };
 
 /* Does nobody wait any more, or has all been spent that the cloud's size allows? */
@@ -109,7 +109,7 @@ static bool near(struct dvec3 a, struct dvec3 b, double mm)
 }
 
 /* Less than FIND_SAME_MM and FIND_SAME_TRACE apart? */
-static bool same(const struct found *a, const struct found *b)
+static bool find_is_same(const struct found *a, const struct found *b)
 {
     const struct pose d = pose_after(&a->pose.pose, &b->pose.pose);
 
@@ -118,16 +118,16 @@ static bool same(const struct found *a, const struct found *b)
 }
 
 /* The place of one that is the same; l->n: there is none. */
-static uint32_t place_of(const struct list *l, const struct found *one)
+static uint32_t place_of(const struct find_list *l, const struct found *one)
 {
     uint32_t i = 0;
 
-    while (i < l->n && !same(&l->at[i], one))
+    while (i < l->n && !find_is_same(&l->at[i], one))
         i++;
     return i;
 }
 
-static void take(struct list *l, const struct found *one)
+static void find_take(struct find_list *l, const struct found *one)
 {
     uint32_t i = place_of(l, one);
 
@@ -218,7 +218,7 @@ static enum status fit_closely(struct finder *f, const struct find_grid *g,
             found_at(f, g, rough->pose.unit_mm, &fit.pose,
                      worth_of(&fit) - (f->size == 1 ? 0 : FIND_SMALL_COST));
 
-        take(&f->best, &one);
+        find_take(&f->best, &one);
     }
     return st;
 }
@@ -244,7 +244,7 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
             st = fit_closely(f, g, &one);
         else {
             one.pose.worth /= (double)start->odds;
-            take(&f->rough, &one);
+            find_take(&f->rough, &one);
         }
     }
     for (uint32_t k = 0; k < f->rough.n && k < most && st == ST_OK && !stopped(f); k++)
@@ -288,8 +288,8 @@ static bool upright(const struct finder *f)
 
 /* Along the agreed axes or a camera's; or from all other sides: to the faces, edges and corners
  * of a cube. */
-static void look(struct finder *f, const struct find_grid *g, bool others,
-                 struct find_view_room *r)
+static void find_look(struct finder *f, const struct find_grid *g, bool others,
+                      struct find_view_room *r)
 {
     f->starts.n = 0;
     for (int k = 0; k < 27 && !stopped(f); k++) {
@@ -328,14 +328,14 @@ static enum status search_grid(struct finder *f, const struct find_grid *g,
 
     if (st != ST_OK)
         return st;
-    look(f, g, false, &r);
+    find_look(f, g, false, &r);
     st = seek(f, g, unit_mm, 0, FIND_SEEKS, FIND_FITS);
     if (st == ST_OK && f->size == 1 && !sure(f))
         st = seek(f, g, unit_mm, FIND_SEEKS, FIND_SEEKS_MORE, FIND_FITS_MORE);
     if (st == ST_OK)
         st = turn_over(f, g, unit_mm);
     if (st == ST_OK && !sure(f)) {
-        look(f, g, true, &r);
+        find_look(f, g, true, &r);
         st = seek_others(f, g, unit_mm);
     }
     find_view_close(&r);
@@ -452,7 +452,7 @@ static bool nearer(const struct found *a, const struct found *b)
 }
 
 /* Of several plain faces the nearest; else the best poses, of one unit. */
-static void choose(const struct finder *f, struct find *out)
+static void find_choose(const struct finder *f, struct find *out)
 {
     uint32_t first = 0;
 
@@ -487,9 +487,10 @@ static enum status search_once(struct finder *f)
     return search(f, f->unit_mm);
 }
 
-static enum status run(const struct dvec3 *pts, size_t n, double unit_mm, int64_t spend,
-                       enum status (*how)(struct finder *f), struct surface_work *w,
-                       const struct surface_stop *stop, struct find *out)
+static enum status find_run(const struct dvec3 *pts, size_t n, double unit_mm,
+                            int64_t spend, enum status (*how)(struct finder *f),
+                            struct surface_work *w, const struct surface_stop *stop,
+                            struct find *out)
 {
     struct finder *f;
     enum status st;
@@ -512,7 +513,7 @@ static enum status run(const struct dvec3 *pts, size_t n, double unit_mm, int64_
     if (st == ST_OK && f->best.n == 0)
         st = ST_ENOFACE;
     if (st == ST_OK)
-        choose(f, out);
+        find_choose(f, out);
     mem_free(f);
     return st;
 }
@@ -521,13 +522,13 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct surface_work *w, const struct surface_stop *stop,
                       struct find *out)
 {
-    return run(pts, n, unit_mm, FIND_SPENT + (int64_t)(n / FIND_SPENT_PER), search_all, w,
-               stop, out);
+    return find_run(pts, n, unit_mm, FIND_SPENT + (int64_t)(n / FIND_SPENT_PER),
+                    search_all, w, stop, out);
 }
 
 enum status find_once(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct surface_work *w, const struct surface_stop *stop,
                       struct find *out)
 {
-    return run(pts, n, unit_mm, FIND_SPENT_ONCE, search_once, w, stop, out);
+    return find_run(pts, n, unit_mm, FIND_SPENT_ONCE, search_once, w, stop, out);
 }

@@ -13,7 +13,7 @@
 
 _Static_assert(ALONG *ALONG *ALONG < UINT32_MAX, "numbers of cubes have 32 bits");
 
-struct entry {
+struct find_view_entry {
     uint32_t cube, point; /* numbers */
 };
 
@@ -63,7 +63,8 @@ static uint32_t along(double mm)
 }
 
 static void number_all(const struct dvec3 *pts, size_t n, double unit_mm,
-                       struct dvec3 middle, const struct find_grid *g, struct entry *out)
+                       struct dvec3 middle, const struct find_grid *g,
+                       struct find_view_entry *out)
 {
     const uint32_t nx = along(g->size[0]) + 1, ny = along(g->size[1]) + 1;
 
@@ -71,20 +72,21 @@ static void number_all(const struct dvec3 *pts, size_t n, double unit_mm,
         const struct dvec3 p = scaled(pts[i], unit_mm), q = vec_sub(p, g->corner);
 
         if (in_reach(p, middle))
-            *out++ = (struct entry){(along(q.z) * ny + along(q.y)) * nx + along(q.x),
-                                    (uint32_t)i};
+            *out++ = (struct find_view_entry){
+                (along(q.z) * ny + along(q.y)) * nx + along(q.x), (uint32_t)i};
     }
 }
 
 /* Sort a by cube, points of one in their order; b is as long.  Returns the sorted one. */
-static struct entry *sort(struct entry *a, struct entry *b, size_t n)
+static struct find_view_entry *sort(struct find_view_entry *a, struct find_view_entry *b,
+                                    size_t n)
 {
     uint32_t last = 0;
 
     for (size_t i = 0; i < n; i++)
         last = a[i].cube > last ? a[i].cube : last;
     for (int shift = 0; shift < 32 && last >> shift != 0; shift += DIGIT_BITS) {
-        struct entry *const swap = a;
+        struct find_view_entry *const swap = a;
         size_t at[DIGITS] = {0}, sum = 0;
 
         for (size_t i = 0; i < n; i++)
@@ -103,8 +105,8 @@ static struct entry *sort(struct entry *a, struct entry *b, size_t n)
     return a;
 }
 
-static void take_means(const struct dvec3 *pts, double unit_mm, const struct entry *e,
-                       size_t n, struct find_grid *g)
+static void take_means(const struct dvec3 *pts, double unit_mm,
+                       const struct find_view_entry *e, size_t n, struct find_grid *g)
 {
     for (size_t i = 0, end; i < n; i = end) {
         struct dvec3 sum = {0, 0, 0};
@@ -119,7 +121,7 @@ static void take_means(const struct dvec3 *pts, double unit_mm, const struct ent
 enum status find_grid_make(const struct dvec3 *pts, size_t n, double unit_mm,
                            struct dvec3 middle, struct find_grid *g)
 {
-    struct entry *block, *e;
+    struct find_view_entry *block, *e;
     size_t in, cubes = 0;
 
     *g = (struct find_grid){.n = 0};
@@ -296,7 +298,7 @@ static void lay_out(const struct find_grid *g, struct map *m)
 }
 
 /* Holes of a cell are filled by the highest beside them. */
-static void fill(struct map *m)
+static void find_view_fill(struct map *m)
 {
     const int by[4] = {-1, 1, -m->nx, m->nx};
     const uint32_t seen = m->n;
@@ -379,7 +381,7 @@ static void make_map(const struct find_view_face *f, const struct find_grid *g,
             m->cell[m->n++] = (uint32_t)at;
         m->z[at] = (float)p.z > m->z[at] ? (float)p.z : m->z[at];
     }
-    fill(m);
+    find_view_fill(m);
     protrude(m);
     for (uint32_t k = 0; k < f->n; k++)
         for (int r = 0; r < ROLLS; r++)
@@ -406,21 +408,22 @@ struct laid {
 
 /* Of LANES rolls: sums over the samples with a gap of 1, u, v, their products, and those with
  * the gap. */
-struct sums {
+struct find_view_sums {
     lanes n, x, y, xx, xy, yy, d, dx, dy;
 };
 
 /* A sample's gap, where that is one: what is too far, or nothing, is not (in[k]). */
-struct gaps {
+struct find_view_gaps {
     lanes z[FIND_VIEW_SAMPLES];
     masks in[FIND_VIEW_SAMPLES];
 };
 
-static void measure(const struct find_view_face *f, const struct map *m, int at, int roll,
-                    struct gaps *gap, struct sums *out)
+static void find_view_measure(const struct find_view_face *f, const struct map *m, int at,
+                              int roll, struct find_view_gaps *gap,
+                              struct find_view_sums *out)
 {
     const float far = (float)FIND_NEAR_MM, *here = &m->z[at];
-    struct sums s;
+    struct find_view_sums s;
 
     memset(&s, 0, sizeof s);
     for (uint32_t k = 0; k < f->n; k++) {
@@ -453,8 +456,10 @@ static void measure(const struct find_view_face *f, const struct map *m, int at,
 
 /* The mean square of what the plane z + x u + y v leaves, capped; more where samples have no
  * gap. */
-static void rate(const struct find_view_face *f, const struct gaps *gap, int roll,
-                 const struct sums *s, const lanes plane[3], float *cost)
+static void find_view_rate(const struct find_view_face *f,
+                           const struct find_view_gaps *gap, int roll,
+                           const struct find_view_sums *s, const lanes plane[3],
+                           float *cost)
 {
     const float cap = (float)(FIND_CAP_MM * FIND_CAP_MM), all = (float)f->n;
     const float steep = (float)(FIND_STEEP * FIND_STEEP * UNIT * UNIT);
@@ -481,13 +486,13 @@ static void rate(const struct find_view_face *f, const struct gaps *gap, int rol
 static void lay(const struct find_view_face *f, const struct map *m, int at,
                 struct laid *out)
 {
-    struct gaps gap;
-    struct sums s;
+    struct find_view_gaps gap;
+    struct find_view_sums s;
 
     for (int roll = 0; roll < ROLLS; roll += LANES) {
         lanes a, b, xx, xy, yy, p, q, plane[3];
 
-        measure(f, m, at, roll, &gap, &s);
+        find_view_measure(f, m, at, roll, &gap, &s);
         /* the best plane, by elimination */
         a = s.x / s.n;
         b = s.y / s.n;
@@ -499,7 +504,7 @@ static void lay(const struct find_view_face *f, const struct map *m, int at,
         plane[2] = (q - xy / xx * p) / (yy - xy / xx * xy);
         plane[1] = (p - xy * plane[2]) / xx;
         plane[0] = (s.d - s.x * plane[1] - s.y * plane[2]) / s.n;
-        rate(f, &gap, roll, &s, plane, &out->cost[roll]);
+        find_view_rate(f, &gap, roll, &s, plane, &out->cost[roll]);
         memcpy(&out->z[roll], &plane[0], sizeof plane[0]);
         memcpy(&out->x[roll], &plane[1], sizeof plane[0]);
         memcpy(&out->y[roll], &plane[2], sizeof plane[0]);
@@ -558,7 +563,7 @@ static bool enters(const struct find_starts *s, float cost)
     return s->n < FIND_STARTS || cost < s->start[FIND_STARTS - 1].cost;
 }
 
-static void keep(struct find_starts *s, const struct find_start *start)
+static void find_view_keep(struct find_starts *s, const struct find_start *start)
 {
     uint32_t i = s->n < FIND_STARTS ? s->n++ : FIND_STARTS - 1;
 
@@ -603,8 +608,8 @@ static bool upright(const struct map *m, int roll)
 }
 
 /* The rolls that fit better than those beside them. */
-static void take(const struct find_view_face *f, const struct map *m, int at,
-                 struct find_starts *s)
+static void find_view_take(const struct find_view_face *f, const struct map *m, int at,
+                           struct find_starts *s)
 {
     struct laid l;
 
@@ -620,7 +625,7 @@ static void take(const struct find_view_face *f, const struct map *m, int at,
         odds *= upright(m, r) ? 1.0f : (float)FIND_ASLANT_COST;
         cost *= odds;
         if (enters(s, cost))
-            keep(s, &(struct find_start){cost, odds, pose_of(f, m, at, r, &l)});
+            find_view_keep(s, &(struct find_start){cost, odds, pose_of(f, m, at, r, &l)});
     }
 }
 
@@ -634,7 +639,7 @@ void find_view_all(const struct find_view_face *f, const struct find_grid *g,
         const int at = (int)m.cell[i];
 
         if (m.out[at] > NONE && highest(&m, at)) {
-            take(f, &m, at, s);
+            find_view_take(f, &m, at, s);
             s->left--;
         }
     }

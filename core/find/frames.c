@@ -259,8 +259,8 @@ static double step_left(const struct frames *f)
     return n > 0 ? sum / n / sqrt(n) : 0;
 }
 
-static enum status build(struct frames *f, struct surface_face *out,
-                         struct surface_found *found)
+static enum status frames_build(struct frames *f, struct surface_face *out,
+                                struct surface_found *found)
 {
     const struct surface_found *base = &f->one[f->base].found;
     const struct scan_options how = {.axes = SCAN_AXES_SCANNER,
@@ -302,7 +302,7 @@ enum status frames_fuse(struct frames *f, struct surface_face *out,
     }
     st = judge_all(f, built);
     if (st == ST_OK)
-        st = build(f, out, found);
+        st = frames_build(f, out, found);
     if (st == ST_ENOMEM || st == ST_EBUSY)
         return st;
     others = find_others(f, st == ST_OK ? out : &f->one[f->base].face);

@@ -42,8 +42,8 @@ static double explained(const struct shape_work *w, const struct shape_fit *f)
     return seen > 0 ? f->support * w->cells / seen : -1;
 }
 
-static void rate(const struct shape_work *w, const struct shape_fit *fit,
-                 struct surface_found *f)
+static void gate_rate(const struct shape_work *w, const struct shape_fit *fit,
+                      struct surface_found *f)
 {
     f->support = explained(w, fit);
     f->likeness = fit->likeness;
@@ -71,7 +71,7 @@ enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,
                              : GATE_EVIDENCE;
     f->residual_most =
         enrolment ? GATE_RESIDUAL_MM - GATE_RESIDUAL_COVERED * f->occluded : INFINITY;
-    rate(w, fit, f);
+    gate_rate(w, fit, f);
     /* What is unknown is NAN, for which comparisons are false. */
     if (!enrolment)
         return f->support >= f->support_wanted && f->likeness >= GATE_LIKENESS_PROBE

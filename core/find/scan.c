@@ -99,7 +99,7 @@ static void measure_extent(const struct cloudpoints *c, double extent[3])
     extent[2] = c->n > 0 ? hi.z - lo.z : 0;
 }
 
-static void begin(struct scan *s)
+static void scan_begin(struct scan *s)
 {
     *s->found = (struct surface_found){.unit_found = s->c->unit_mm == 0,
                                        .head_size = 1,
@@ -227,7 +227,7 @@ static void scale(struct cloudpoints *c, double by)
 }
 
 /* pose: of the points' canonical frame, by the fit. */
-static enum status build(struct scan *s, const struct pose *pose)
+static enum status scan_build_model(struct scan *s, const struct pose *pose)
 {
     enum status st;
 
@@ -266,7 +266,7 @@ static enum status build_crop(struct scan *s)
     enum status st;
 
     if (judged == ST_ENOTFACE && beyond(s))
-        return build(s, &still);
+        return scan_build_model(s, &still);
     tell_turn(s, false);
     if ((st = crop_face(s->c, &view, most, &count)) != ST_OK)
         return st;
@@ -278,14 +278,15 @@ static enum status build_crop(struct scan *s)
     st = judge_enrolment(s);
     mm = pose_scale(&still, 1 / s->fit.size);
     if (judged == ST_EQUALITY)
-        (void)build(s, &mm); /* the surface is rated: its points may be too sparse */
+        (void)scan_build_model(
+            s, &mm); /* the surface is rated: its points may be too sparse */
     if (judged != ST_OK || st != ST_OK)
         return judged != ST_OK ? judged : st;
-    return build(s, &mm);
+    return scan_build_model(s, &mm);
 }
 
 /* The points stay as they are, and their model. */
-static enum status keep(struct scan *s)
+static enum status scan_keep(struct scan *s)
 {
     const enum status judged = judge_face(s);
     enum status st;
@@ -333,7 +334,7 @@ static enum status build_as_it_is(struct scan *s, struct scan_search *k)
     if (st != ST_OK && (st != ST_ENOTFACE || s->out->frame.mean_id == 0))
         return st;
     if ((kept = fit_all(s, k)) == ST_OK)
-        kept = keep(s);
+        kept = scan_keep(s);
     return kept != ST_OK ? kept : st;
 }
 
@@ -650,7 +651,7 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     struct scan_search *k = o->search != NULL ? o->search : &own;
     enum status st;
 
-    begin(&s);
+    scan_begin(&s);
     s.shape = face_work_shape(w);
     st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s, k) : build_found(&s, k);
     found->quality = out->quality;

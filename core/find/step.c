@@ -47,8 +47,8 @@ static int axis_of(const double r[3])
 }
 
 /* The depths of every k-th point on the face, sorted; how many. */
-static size_t take(const struct dvec3 *pts, size_t n, const struct pose *view,
-                   double depth[STEP_DEPTHS])
+static size_t step_take(const struct dvec3 *pts, size_t n, const struct pose *view,
+                        double depth[STEP_DEPTHS])
 {
     const int axis = view != NULL ? axis_of(&view->r[6]) : 2;
     size_t on = 0, every, m = 0;
@@ -67,7 +67,7 @@ static size_t take(const struct dvec3 *pts, size_t n, const struct pose *view,
 double step_of(const struct dvec3 *pts, size_t n, const struct pose *view)
 {
     double depth[STEP_DEPTHS], gap[STEP_DEPTHS], range, sum = 0, length = 0;
-    size_t m = take(pts, n, view, depth), first, last;
+    size_t m = step_take(pts, n, view, depth), first, last;
 
     if (m < STEP_LEAST)
         return 0;

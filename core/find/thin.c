@@ -41,7 +41,8 @@ static inline uint32_t square_of(const struct thin_point *p, double per_mm)
 }
 
 /* How many squares of this size have points. */
-static size_t count(struct squares *s, double size, const struct thin_point *p, size_t n)
+static size_t thin_count(struct squares *s, double size, const struct thin_point *p,
+                         size_t n)
 {
     const double per_mm = 1 / size;
     size_t k = 0;
@@ -57,14 +58,15 @@ static size_t count(struct squares *s, double size, const struct thin_point *p, 
 }
 
 /* The size of the squares, by what would do for the area if it were covered all over. */
-static double choose(struct squares *s, const struct thin_point *p, size_t n, size_t most)
+static double thin_choose(struct squares *s, const struct thin_point *p, size_t n,
+                          size_t most)
 {
     const double wanted = (1 + ENOUGH) / 2 * (double)most;
-    const size_t area = count(s, AREA_MM, p, n);
+    const size_t area = thin_count(s, AREA_MM, p, n);
     double size = AREA_MM * sqrt((double)area / wanted), few = 0, enough = 0;
 
     for (int tries = 0; tries < TRIES || enough == 0; tries++) {
-        const size_t k = count(s, size, p, n);
+        const size_t k = thin_count(s, size, p, n);
 
         if (k <= most)
             enough = size;
@@ -124,8 +126,8 @@ static void add_up(const struct thin_point *p, size_t n, double size, double nea
     }
 }
 
-static size_t keep(struct thin_point *p, size_t n, double size, double near_mm,
-                   uint32_t *best, struct mean *mean)
+static size_t thin_keep(struct thin_point *p, size_t n, double size, double near_mm,
+                        uint32_t *best, struct mean *mean)
 {
     const double per_mm = 1 / size;
     size_t kept = 0;
@@ -161,7 +163,7 @@ enum status thin_points(struct thin_point *p, size_t *n, size_t most, double nea
     mean = mem_array(*n, sizeof *mean); /* few are used, and touched */
     if ((room = s.seen != NULL && best != NULL && mean != NULL)) {
         memset(s.seen, 0, SQUARES * sizeof *s.seen);
-        *n = keep(p, *n, choose(&s, p, *n, most), near_mm, best, mean);
+        *n = thin_keep(p, *n, thin_choose(&s, p, *n, most), near_mm, best, mean);
     }
     mem_free(s.seen);
     mem_free(best);

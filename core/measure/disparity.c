@@ -36,7 +36,7 @@ static inline double most(double a, double b)
 }
 
 /* yes where it holds, else no, without a branch. */
-static inline double choose(bool holds, double yes, double no)
+static inline double disparity_choose(bool holds, double yes, double no)
 {
     uint64_t y, n;
 
@@ -60,12 +60,13 @@ static inline double mean3(double a, double b, double c)
     const double mid = most(least(a, b), least(most(a, b), c));
     const double below = -lo, above = hi, inner = fabs(mid);
     const bool low = (mid > 0) | ((mid == 0) & (below < above)); /* the lowest is alone */
-    const double w = choose(low, below, above), other = choose(low, above, below);
+    const double w = disparity_choose(low, below, above),
+                 other = disparity_choose(low, above, below);
     const double tip = w * w * w / ((w + inner) * (below + above));
 
     /* (Where no sign changes the tip may be no number; it is not chosen.) */
-    return choose((lo < 0) & (hi > 0), 2 * tip + (inner + other - w),
-                  fabs(lo + hi + mid));
+    return disparity_choose((lo < 0) & (hi > 0), 2 * tip + (inner + other - w),
+                            fabs(lo + hi + mid));
 }
 
 double disparity_prism(double area, double a, double b, double c)
@@ -121,9 +122,10 @@ void disparity_gaps(const struct surface *own, const struct surface *other,
 }
 
 /* u at a's heights. */
-static void weigh(const uint32_t *b_vertex, const struct disparity_side *a,
-                  const struct disparity_side *b, const struct disparity_weight *weight,
-                  struct disparity_vertex *vertex)
+static void disparity_weigh(const uint32_t *b_vertex, const struct disparity_side *a,
+                            const struct disparity_side *b,
+                            const struct disparity_weight *weight,
+                            struct disparity_vertex *vertex)
 {
     const struct mesh *ma = &a->surface->mesh, *mb = &b->surface->mesh;
 
@@ -138,8 +140,9 @@ static void weigh(const uint32_t *b_vertex, const struct disparity_side *a,
     }
 }
 
-static void gaps(const uint32_t *b_vertex, const struct disparity_side *a,
-                 const struct disparity_side *b, struct disparity_vertex *vertex)
+static void disparity_gaps_along(const uint32_t *b_vertex, const struct disparity_side *a,
+                                 const struct disparity_side *b,
+                                 struct disparity_vertex *vertex)
 {
     const struct surface *sa = a->surface, *sb = b->surface;
 
@@ -220,9 +223,9 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
     double share;
 
     memset(out, 0, sizeof *out);
-    gaps(b_vertex, a, b, vertex);
+    disparity_gaps_along(b_vertex, a, b, vertex);
     if (weight != NULL)
-        weigh(b_vertex, a, b, weight, vertex);
+        disparity_weigh(b_vertex, a, b, weight, vertex);
     t = add_triangles(general, vertex, weight != NULL, out);
     out->volume_mm3 = sum_total(&t.volume) / 6 * mm2 / per_mm;
     out->area_mm2 = 0.5 * t.common * mm2;

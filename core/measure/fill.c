@@ -24,7 +24,7 @@
 /* Square lattice units a point, at least: nearer points would round to the same. */
 #define FINEST 4
 
-struct work {
+struct fill_work {
     const struct mesh *scan; /* that heights are interpolated in */
     const struct surface *s; /* that is looked at: the scan, later with restored points */
     const struct mesh *m;    /* its mesh */
@@ -45,7 +45,7 @@ static struct ivec2 grid_point(int64_t i, int64_t j, double side)
 
 /* The list of n elements with room for one more; *cap is how many it has room for.  NULL: no
  * memory, and the list is as it was. */
-static void *grow(void *list, uint32_t n, uint32_t *cap, size_t size)
+static void *fill_grow(void *list, uint32_t n, uint32_t *cap, size_t size)
 {
     const uint32_t larger = 2 * n + 64;
     void *p;
@@ -62,7 +62,7 @@ static void *grow(void *list, uint32_t n, uint32_t *cap, size_t size)
 }
 
 /* Squares of distances up to 2^51: exact. */
-static int64_t square(struct ivec2 a, struct ivec2 b)
+static int64_t fill_square(struct ivec2 a, struct ivec2 b)
 {
     const int64_t dx = a.x - b.x, dy = a.y - b.y;
 
@@ -74,7 +74,7 @@ static int64_t square(struct ivec2 a, struct ivec2 b)
 static int64_t nearest(const struct mesh *m, uint32_t t, struct ivec2 q)
 {
     uint32_t v = m->org[3 * t], last;
-    int64_t best = square(m->xy[v], q);
+    int64_t best = fill_square(m->xy[v], q);
 
     do {
         uint32_t h = m->out[v];
@@ -84,8 +84,8 @@ static int64_t nearest(const struct mesh *m, uint32_t t, struct ivec2 q)
         do {
             const uint32_t to = mesh_dest(m, h);
 
-            if (to != m->nv && square(m->xy[to], q) < best) {
-                best = square(m->xy[to], q);
+            if (to != m->nv && fill_square(m->xy[to], q) < best) {
+                best = fill_square(m->xy[to], q);
                 v = to;
             }
             h = mesh_turn(m, h);
@@ -109,7 +109,7 @@ static bool contains(const struct mesh *m, uint32_t t, struct ivec2 q)
 }
 
 /* The height of the scan's surface at q, in triangle t of w->m. */
-static double height_at(const struct work *w, uint32_t t, struct ivec2 q)
+static double height_at(const struct fill_work *w, uint32_t t, struct ivec2 q)
 {
     const struct mesh *m = w->scan;
     struct location at = {3 * t, LOCATE_INSIDE};
@@ -124,14 +124,14 @@ static double height_at(const struct work *w, uint32_t t, struct ivec2 q)
     return locate_height(m, at, q);
 }
 
-static enum status restore_point(struct work *w, uint32_t t, struct ivec2 q)
+static enum status restore_point(struct fill_work *w, uint32_t t, struct ivec2 q)
 {
     struct fill *out = w->out;
     struct ivec3 *pts;
 
     if (out->n >= w->most)
         return ST_ELIMIT;
-    if ((pts = grow(out->pts, out->n, &w->cap, sizeof *pts)) == NULL)
+    if ((pts = fill_grow(out->pts, out->n, &w->cap, sizeof *pts)) == NULL)
         return ST_ENOMEM;
     pts[out->n++] = (struct ivec3){q.x, q.y, (int32_t)floor(height_at(w, t, q) + 0.5)};
     out->pts = pts;
@@ -157,7 +157,7 @@ static void crossing(const struct mesh *m, uint32_t t, double y, double *left,
 }
 
 /* The points of the grid in triangle t, row by row. */
-static enum status restore_triangle(struct work *w, uint32_t t, double side)
+static enum status restore_triangle(struct fill_work *w, uint32_t t, double side)
 {
     const struct mesh *m = w->m;
     const uint32_t *v = &m->org[3 * t];
@@ -185,7 +185,7 @@ static enum status restore_triangle(struct work *w, uint32_t t, double side)
 
 /* Adds to the queue's n triangles those that bridge and are connected to them; returns how
  * many there are then. */
-static uint32_t flood(struct work *w, uint32_t n)
+static uint32_t flood(struct fill_work *w, uint32_t n)
 {
     for (uint32_t k = 0; k < n; k++)
         for (uint32_t h = 3 * w->queue[k]; h < 3 * w->queue[k] + 3; h++) {
@@ -211,7 +211,7 @@ static double square_spacing(const struct surface *s, uint32_t v)
 }
 
 /* Fill the hole of the queue's n triangles, if points are missing there. */
-static enum status restore(struct work *w, uint32_t n)
+static enum status fill_restore(struct fill_work *w, uint32_t n)
 {
     struct fill *out = w->out;
     struct fill_hole *hole;
@@ -237,7 +237,7 @@ static enum status restore(struct work *w, uint32_t n)
         st = restore_triangle(w, w->queue[k], sqrt(cell / ROW));
     if (st != ST_OK || out->n == before)
         return st;
-    if ((hole = grow(out->hole, out->nholes, &w->hole_cap, sizeof *hole)) == NULL)
+    if ((hole = fill_grow(out->hole, out->nholes, &w->hole_cap, sizeof *hole)) == NULL)
         return ST_ENOMEM;
     hole[out->nholes++] = (struct fill_hole){area, 2 * sqrt(area / PI), out->n - before};
     out->hole = hole;
@@ -245,7 +245,8 @@ static enum status restore(struct work *w, uint32_t n)
 }
 
 /* One look at all holes of s; returns what fill_holes() does. */
-static enum status pass(const struct surface *s, struct scratch *scratch, struct work *w)
+static enum status pass(const struct surface *s, struct scratch *scratch,
+                        struct fill_work *w)
 {
     const struct mesh *m = &s->mesh;
     enum status st = ST_OK;
@@ -274,14 +275,14 @@ static enum status pass(const struct surface *s, struct scratch *scratch, struct
         if (s->bridge[t] && !w->seen[t]) {
             w->seen[t] = 1;
             w->queue[0] = t;
-            st = restore(w, flood(w, 1));
+            st = fill_restore(w, flood(w, 1));
         }
     return st;
 }
 
 /* The surface of the points of s and those restored so far. */
-static enum status join(const struct surface *s, const struct fill *f,
-                        struct scratch *scratch, struct surface *out)
+static enum status fill_join(const struct surface *s, const struct fill *f,
+                             struct scratch *scratch, struct surface *out)
 {
     const struct mesh *m = &s->mesh;
     struct ivec3 *pts = mem_array((size_t)m->nv + f->n, sizeof *pts);
@@ -301,7 +302,7 @@ static enum status join(const struct surface *s, const struct fill *f,
 enum status fill_holes(const struct surface *s, uint32_t most, struct scratch *scratch,
                        struct fill *out)
 {
-    struct work w = {.scan = &s->mesh, .most = most, .out = out};
+    struct fill_work w = {.scan = &s->mesh, .most = most, .out = out};
     struct surface filled = {0};
     enum status st;
     uint32_t before = 0;
@@ -310,7 +311,7 @@ enum status fill_holes(const struct surface *s, uint32_t most, struct scratch *s
     st = pass(s, scratch, &w);
     for (int k = 1; st == ST_OK && out->n > before && k < FILL_PASSES; k++) {
         before = out->n;
-        if ((st = join(s, out, scratch, &filled)) == ST_OK)
+        if ((st = fill_join(s, out, scratch, &filled)) == ST_OK)
             st = pass(&filled, scratch, &w);
     }
     surface_free(&filled);

@@ -30,8 +30,8 @@ static int by_place(const void *a, const void *b)
 }
 
 /* The points, moved, that stay on the lattice; sorted.  Returns how many. */
-static uint32_t load(const struct dvec3 *pts, size_t n, const double transform[16],
-                     struct sent *sent)
+static uint32_t heatmap_load(const struct dvec3 *pts, size_t n,
+                             const double transform[16], struct sent *sent)
 {
     uint32_t k = 0;
 
@@ -83,7 +83,7 @@ static double gap(const struct surface *s, const uint8_t *measured, struct locat
                : (double)NAN;
 }
 
-struct work {
+struct heatmap_work {
     struct sent *sent;
     struct location *loc;
     struct ivec2 *xy;
@@ -92,7 +92,8 @@ struct work {
 };
 
 /* w's arrays in block for n points and nv vertices; returns the bytes needed. */
-static size_t layout(struct work *w, size_t n, size_t nv, unsigned char *block)
+static size_t heatmap_layout(struct heatmap_work *w, size_t n, size_t nv,
+                             unsigned char *block)
 {
     size_t at = 0;
 
@@ -107,8 +108,8 @@ static size_t layout(struct work *w, size_t n, size_t nv, unsigned char *block)
 enum status heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, size_t n,
                          const double transform[16], double *gap_mm)
 {
-    struct work w;
-    unsigned char *block = mem_array(layout(&w, n, tmpl->mesh.nv, NULL), 1);
+    struct heatmap_work w;
+    unsigned char *block = mem_array(heatmap_layout(&w, n, tmpl->mesh.nv, NULL), 1);
     struct mesh line; /* the points as a tree without branches */
     enum status st = ST_OK;
 
@@ -116,9 +117,9 @@ enum status heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, si
         gap_mm[i] = NAN;
     if (block == NULL)
         return ST_ENOMEM;
-    (void)layout(&w, n, tmpl->mesh.nv, block);
+    (void)heatmap_layout(&w, n, tmpl->mesh.nv, block);
     line = (struct mesh){
-        .nv = load(pts, n, transform, w.sent), .xy = w.xy, .parent = w.parent};
+        .nv = heatmap_load(pts, n, transform, w.sent), .xy = w.xy, .parent = w.parent};
     for (uint32_t k = 0; k < line.nv; k++) {
         w.xy[k] = (struct ivec2){w.sent[k].p.x, w.sent[k].p.y};
         w.parent[k] = k > 0 ? k - 1 : 0;

@@ -33,7 +33,8 @@ void measure_work_wipe(struct measure_work *w, size_t keep)
 
 /* layout(w, na, nb, block): w's arrays for a template of na points and a probe of nb;
  * returns the bytes needed. */
-static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char *block)
+static size_t measure_layout(struct measure_work *w, size_t na, size_t nb,
+                             unsigned char *block)
 {
     size_t at = 0;
 
@@ -49,18 +50,19 @@ static size_t layout(struct measure_work *w, size_t na, size_t nb, unsigned char
 /* The gap between tmpl and probe moved by transform at the vertices of either: w->moved, the
  * locations and the gaps.  Where a moved point leaves the lattice, or the probe is seen edge-on,
  * the surfaces have nothing in common: w->moved.mesh.nv is 0.  So it is on failure. */
-static enum status gaps(const struct surface *tmpl, const struct surface *probe,
-                        const double transform[16], struct measure_work *w)
+static enum status measure_gaps_at(const struct surface *tmpl,
+                                   const struct surface *probe,
+                                   const double transform[16], struct measure_work *w)
 {
     const struct mesh *a = &tmpl->mesh, *b = &w->moved.mesh;
     unsigned char *block;
     enum status st;
 
     w->moved.mesh.nv = w->moved.mesh.nt = 0;
-    block = scratch_need(&w->arrays, layout(w, a->nv, probe->mesh.nv, NULL));
+    block = scratch_need(&w->arrays, measure_layout(w, a->nv, probe->mesh.nv, NULL));
     if (block == NULL)
         return ST_ENOMEM;
-    (void)layout(w, a->nv, probe->mesh.nv, block);
+    (void)measure_layout(w, a->nv, probe->mesh.nv, block);
 
     st = surface_move(probe, transform, &w->points, &w->scratch, &w->moved);
     if (st != ST_OK)
@@ -85,7 +87,7 @@ enum status measure_at(const struct surface *tmpl, const struct surface *probe,
 
     memset(out, 0, sizeof *out);
     w->general.nv = w->general.nt = 0;
-    st = gaps(tmpl, probe, transform, w);
+    st = measure_gaps_at(tmpl, probe, transform, w);
     if (st != ST_OK || w->moved.mesh.nv == 0)
         return st;
     st = merge_build(&tmpl->mesh, &w->moved.mesh, w->moved_in_tmpl, &w->scratch,

@@ -34,7 +34,7 @@
 #define MINIMAL_LEAST_SHARE 0.1
 
 /* A search in progress. */
-struct search {
+struct minimal_search {
     struct minimal_pair pair;
     const double *transform; /* the alignment, */
     struct pose aligned;
@@ -48,7 +48,7 @@ struct estimate {
     double area; /* common to both */
 };
 
-static struct pose pose_at(const struct search *s, const double x[6])
+static struct pose pose_at(const struct minimal_search *s, const double x[6])
 {
     struct pose pose = s->aligned;
 
@@ -66,7 +66,7 @@ static void shorten(double v[3], double most)
 }
 
 /* The motion y more, but no farther than allowed. */
-static void move(struct search *s, const double y[6])
+static void move(struct minimal_search *s, const double y[6])
 {
     for (int k = 0; k < 6; k++)
         s->x[k] += y[k];
@@ -74,7 +74,7 @@ static void move(struct search *s, const double y[6])
     shorten(s->x + 3, MINIMAL_SHIFT_MM);
 }
 
-static struct estimate estimate(struct search *s)
+static struct estimate estimate(struct minimal_search *s)
 {
     const struct pose pose = pose_at(s, s->x);
     const double area = minimal_places_few(&s->pair, &pose);
@@ -84,7 +84,7 @@ static struct estimate estimate(struct search *s)
 
 /* The motion to the least of the estimates.  Returns a disparity (mm) below which a measure there
  * is certainly less than at the alignment, and the area kept; 0: none is. */
-static double descend(struct search *s)
+static double descend(struct minimal_search *s)
 {
     const struct minimal_places *const p = &s->pair.places;
     const struct estimate first = estimate(s);
@@ -114,8 +114,8 @@ static double descend(struct search *s)
     return MINIMAL_SURE_GAP * first.gap;
 }
 
-static enum status measure(const struct search *s, const double transform[16],
-                           struct minimal *out)
+static enum status minimal_measure(const struct minimal_search *s,
+                                   const double transform[16], struct minimal *out)
 {
     memcpy(out->transform, transform, sizeof out->transform);
     return measure_at(s->pair.tmpl.surface, s->pair.probe.surface, transform, NULL, s->w,
@@ -123,7 +123,7 @@ static enum status measure(const struct search *s, const double transform[16],
 }
 
 /* At this share of the motion. */
-static enum status measure_along(const struct search *s, double share,
+static enum status measure_along(const struct minimal_search *s, double share,
                                  struct minimal *out)
 {
     struct pose pose;
@@ -133,7 +133,7 @@ static enum status measure_along(const struct search *s, double share,
         x[k] = share * s->x[k];
     pose = pose_at(s, x);
     pose_to_matrix(&pose, transform);
-    return measure(s, transform, out);
+    return minimal_measure(s, transform, out);
 }
 
 /* May m be the result, the alignment measured as a? */
@@ -144,18 +144,19 @@ static bool allowed(const struct minimal *m, const struct minimal *a)
 }
 
 /* The measure at the motion, or at a shorter one that is allowed. */
-static enum status settle(const struct search *s, double sure, struct minimal *out)
+static enum status minimal_settle(const struct minimal_search *s, double sure,
+                                  struct minimal *out)
 {
     static const double still[6] = {0};
     struct minimal aligned = {.transform = {0}};
     enum status st;
 
     if (memcmp(s->x, still, sizeof still) == 0)
-        return measure(s, s->transform, out);
+        return minimal_measure(s, s->transform, out);
     st = measure_along(s, 1, out);
     if (st != ST_OK || out->disparity.plain_mm < sure)
         return st;
-    st = measure(s, s->transform, &aligned);
+    st = minimal_measure(s, s->transform, &aligned);
     for (double share = MINIMAL_BACK; st == ST_OK && !allowed(out, &aligned);
          share *= MINIMAL_BACK) {
         if (share < MINIMAL_LEAST_SHARE)
@@ -170,9 +171,10 @@ enum status minimal_find(const struct surface *tmpl, const struct surface *probe
                          const double transform[16], struct measure_work *w,
                          struct minimal *out)
 {
-    struct search s = {.pair = {.tmpl = {.surface = tmpl}, .probe = {.surface = probe}},
-                       .transform = transform,
-                       .w = w};
+    struct minimal_search s = {
+        .pair = {.tmpl = {.surface = tmpl}, .probe = {.surface = probe}},
+        .transform = transform,
+        .w = w};
     unsigned char *block;
 
     memset(out, 0, sizeof *out);
@@ -183,5 +185,5 @@ enum status minimal_find(const struct surface *tmpl, const struct surface *probe
     pose_from_matrix(transform, &s.aligned);
     s.pair.centre = pose_apply(&s.aligned, pose_centre(&probe->mesh));
     minimal_places_begin(&s.pair);
-    return settle(&s, descend(&s), out);
+    return minimal_settle(&s, descend(&s), out);
 }

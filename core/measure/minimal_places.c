@@ -19,7 +19,7 @@
 typedef minimal_lanes lane4;
 typedef int32_t mask4 __attribute__((vector_size(4 * MINIMAL_LANES)));
 
-static inline lane4 load(const float *p)
+static inline lane4 minimal_places_load(const float *p)
 {
     lane4 v;
 
@@ -28,7 +28,7 @@ static inline lane4 load(const float *p)
 }
 
 /* a where mask, else b. */
-static inline lane4 choose(mask4 mask, lane4 a, lane4 b)
+static inline lane4 minimal_places_choose(mask4 mask, lane4 a, lane4 b)
 {
     return (lane4)(((mask4)a & mask) | ((mask4)b & ~mask));
 }
@@ -48,9 +48,9 @@ double minimal_mean(const struct minimal_places *p)
     lane4 sum = {0}, weight = {0};
 
     for (uint32_t i = 0; i < p->n; i += MINIMAL_LANES) {
-        const lane4 w = load(p->weight + i);
+        const lane4 w = minimal_places_load(p->weight + i);
 
-        sum += w * absolute(load(p->gap + i));
+        sum += w * absolute(minimal_places_load(p->gap + i));
         weight += w;
     }
     return total(weight) > 0 ? total(sum) / total(weight) : 0;
@@ -72,20 +72,22 @@ static double sums(const struct minimal_places *p, const double x[6], float shar
     for (int k = 0; k < 6; k++)
         f[k] = (float)x[k];
     for (uint32_t i = 0; i < p->n; i += MINIMAL_LANES) {
-        const lane4 w = load(p->weight + i);
-        lane4 gap = load(p->gap + i) + f[5], j[6], a, pull, e, *sum = h;
+        const lane4 w = minimal_places_load(p->weight + i);
+        lane4 gap = minimal_places_load(p->gap + i) + f[5], j[6], a, pull, e, *sum = h;
         mask4 far;
 
         for (int k = 0; k < 5; k++) {
-            j[k] = load(p->by[k] + i);
+            j[k] = minimal_places_load(p->by[k] + i);
             gap += f[k] * j[k];
         }
         j[5] = (lane4){1, 1, 1, 1};
         a = absolute(gap);
         far = a > sharp;
-        loss += w * choose(far, a - 0.5f * sharp, 0.5f * by_sharp * gap * gap);
-        pull = w * choose(far, (lane4)(((mask4)gap & INT32_MIN) | (mask4)j[5]),
-                          by_sharp * gap);
+        loss +=
+            w * minimal_places_choose(far, a - 0.5f * sharp, 0.5f * by_sharp * gap * gap);
+        pull = w * minimal_places_choose(far,
+                                         (lane4)(((mask4)gap & INT32_MIN) | (mask4)j[5]),
+                                         by_sharp * gap);
         e = by_soft * gap;
         e = w * by_soft / (1.0f + e * e);
         for (int k = 0; k < 6; k++) {
@@ -217,8 +219,8 @@ void minimal_places_begin(struct minimal_pair *p)
 }
 
 /* Twice the area of abc, seen from above. */
-static inline float turn(struct minimal_spot a, struct minimal_spot b,
-                         struct minimal_spot c)
+static inline float minimal_places_turn(struct minimal_spot a, struct minimal_spot b,
+                                        struct minimal_spot c)
 {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -226,7 +228,8 @@ static inline float turn(struct minimal_spot a, struct minimal_spot b,
 /* walk(s, at, q): the side's triangle under or over q, from triangle *at, which becomes the
  * last one seen; NONE outside, or where the walk is too long: where the turn has overturned
  * triangles it may go in circles. */
-static uint32_t walk(const struct minimal_side *s, uint32_t *at, struct minimal_spot q)
+static uint32_t minimal_places_walk(const struct minimal_side *s, uint32_t *at,
+                                    struct minimal_spot q)
 {
     const struct mesh *m = &s->surface->mesh;
     uint32_t t = *at;
@@ -241,11 +244,11 @@ static uint32_t walk(const struct minimal_side *s, uint32_t *at, struct minimal_
         b = s->spot[v[1]];
         c = s->spot[v[2]];
         *at = t;
-        if (turn(a, b, q) < 0)
+        if (minimal_places_turn(a, b, q) < 0)
             t = m->twin[3 * t] / 3;
-        else if (turn(b, c, q) < 0)
+        else if (minimal_places_turn(b, c, q) < 0)
             t = m->twin[3 * t + 1] / 3;
-        else if (turn(c, a, q) < 0)
+        else if (minimal_places_turn(c, a, q) < 0)
             t = m->twin[3 * t + 2] / 3;
         else
             return t;
@@ -255,8 +258,8 @@ static uint32_t walk(const struct minimal_side *s, uint32_t *at, struct minimal_
 
 /* find(own, other, v): the other side's triangle under or over own's vertex v; NONE: there is
  * none, or it bridges.  The first time it is looked for from the nearest ancestor's. */
-static inline uint32_t find(struct minimal_side *own, const struct minimal_side *other,
-                            uint32_t v)
+static inline uint32_t minimal_places_find(struct minimal_side *own,
+                                           const struct minimal_side *other, uint32_t v)
 {
     uint32_t near = v, t;
 
@@ -267,7 +270,7 @@ static inline uint32_t find(struct minimal_side *own, const struct minimal_side 
         for (t = 0; mesh_is_ghost(&other->surface->mesh, t); t++)
             ;
     own->under[v] = t;
-    t = walk(other, &own->under[v], own->spot[v]);
+    t = minimal_places_walk(other, &own->under[v], own->spot[v]);
     return t != NONE && !other->surface->bridge[t] ? t : NONE;
 }
 
@@ -282,7 +285,7 @@ static inline struct plane plane_at(const struct minimal_side *s, uint32_t t,
     const uint32_t *v = s->surface->mesh.org + 3 * t;
     const struct minimal_spot a = s->spot[v[0]], b = s->spot[v[1]], c = s->spot[v[2]];
     const float z = s->height[v[0]], ez = s->height[v[1]] - z, fz = s->height[v[2]] - z;
-    const float over = 1 / turn(a, b, c);
+    const float over = 1 / minimal_places_turn(a, b, c);
     const float zx = (ez * (c.y - a.y) - fz * (b.y - a.y)) * over;
     const float zy = (fz * (b.x - a.x) - ez * (c.x - a.x)) * over;
 
@@ -306,8 +309,9 @@ static inline void smooth(const struct minimal_pair *p, const struct pose *pose,
 }
 
 /* Place i, at q and the probe's height z there, with the other surface's slopes. */
-static inline void put(struct minimal_places *p, uint32_t i, struct minimal_spot q,
-                       float z, struct plane f, float gap, float weight)
+static inline void minimal_places_put(struct minimal_places *p, uint32_t i,
+                                      struct minimal_spot q, float z, struct plane f,
+                                      float gap, float weight)
 {
     p->gap[i] = gap;
     p->weight[i] = weight;
@@ -320,7 +324,8 @@ static inline void put(struct minimal_places *p, uint32_t i, struct minimal_spot
 
 static void put_none(struct minimal_places *p, uint32_t i, float weight)
 {
-    put(p, i, (struct minimal_spot){0, 0}, 0, (struct plane){0, 0, 0}, 0, weight);
+    minimal_places_put(p, i, (struct minimal_spot){0, 0}, 0, (struct plane){0, 0, 0}, 0,
+                       weight);
 }
 
 /* Up to a multiple of the lanes. */
@@ -339,12 +344,12 @@ static inline bool put_over(struct minimal_pair *p, const struct pose *pose, uin
     uint32_t t;
 
     set_down(&p->probe, v, q, p->centre);
-    t = find(&p->probe, &p->tmpl, v);
+    t = minimal_places_find(&p->probe, &p->tmpl, v);
     if (t == NONE)
         return false;
     f = plane_at(&p->tmpl, t, p->probe.spot[v]);
-    put(&p->places, i, p->probe.spot[v], p->probe.height[v], f, p->probe.height[v] - f.z,
-        weight);
+    minimal_places_put(&p->places, i, p->probe.spot[v], p->probe.height[v], f,
+                       p->probe.height[v] - f.z, weight);
     return true;
 }
 
@@ -375,7 +380,7 @@ static void template_side(struct minimal_pair *p, const struct pose *pose)
 
     for (uint32_t v = 0; v < p->tmpl.surface->mesh.nv; v++) {
         const struct minimal_spot q = p->tmpl.spot[v];
-        const uint32_t t = find(&p->tmpl, &p->probe, v);
+        const uint32_t t = minimal_places_find(&p->tmpl, &p->probe, v);
         struct plane f;
 
         if (t == NONE) {
@@ -384,12 +389,12 @@ static void template_side(struct minimal_pair *p, const struct pose *pose)
         }
         f = plane_at(&p->probe, t, q);
         smooth(p, pose, t, &f);
-        put(&p->places, nb + v, q, f.z, f, f.z - p->tmpl.height[v], 0);
+        minimal_places_put(&p->places, nb + v, q, f.z, f, f.z - p->tmpl.height[v], 0);
     }
 }
 
 /* The weights of a side's vertices. */
-static void weigh(const struct minimal_side *s, float *weight)
+static void minimal_places_weigh(const struct minimal_side *s, float *weight)
 {
     const struct mesh *m = &s->surface->mesh;
 
@@ -399,7 +404,7 @@ static void weigh(const struct minimal_side *s, float *weight)
 
         if (s->surface->bridge[t])
             continue;
-        area = turn(s->spot[v[0]], s->spot[v[1]], s->spot[v[2]]);
+        area = minimal_places_turn(s->spot[v[0]], s->spot[v[1]], s->spot[v[2]]);
         if ((weight[v[0]] >= 0) & (weight[v[1]] >= 0) & (weight[v[2]] >= 0) & (area > 0))
             for (int i = 0; i < 3; i++)
                 weight[v[i]] += area;
@@ -416,8 +421,8 @@ double minimal_places_all(struct minimal_pair *p, const struct pose *pose)
         if (!put_over(p, pose, v, v, 0))
             put_none(out, v, NO_GAP);
     template_side(p, pose);
-    weigh(&p->probe, out->weight);
-    weigh(&p->tmpl, out->weight + nb);
+    minimal_places_weigh(&p->probe, out->weight);
+    minimal_places_weigh(&p->tmpl, out->weight + nb);
     out->n = nb + p->tmpl.surface->mesh.nv;
     for (uint32_t i = 0; i < out->n; i++) {
         out->weight[i] = out->weight[i] > 0 ? out->weight[i] : 0;

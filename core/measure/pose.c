@@ -26,7 +26,7 @@ static struct dvec3 vertex_mm(const struct mesh *m, uint32_t v)
 
 /* turn(q, r): the rotation of the quaternion (q[0]; q[1..3]), which need not have length
  * one. */
-static void turn(const double q[4], double r[9])
+static void pose_turn(const double q[4], double r[9])
 {
     const double s = 2.0 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     const double wx = s * q[0] * q[1], wy = s * q[0] * q[2], wz = s * q[0] * q[3];
@@ -62,7 +62,7 @@ static void turn_about(struct pose *a, struct dvec3 c, const double q[4],
     const double from[3] = {c.x, c.y, c.z};
     double r[9], m[9], t[3];
 
-    turn(q, r);
+    pose_turn(q, r);
     for (size_t i = 0; i < 3; i++) {
         for (size_t k = 0; k < 3; k++)
             m[3 * i + k] = r[3 * i] * a->r[k] + r[3 * i + 1] * a->r[3 + k] +
@@ -179,7 +179,7 @@ bool pose_rigid(const struct pose *a)
 
 /* rotate(a, v, p, q): one Jacobi rotation that makes a[p][q] zero; v collects the
  * eigenvectors in its columns. */
-static void rotate(double a[3][3], double v[3][3], size_t p, size_t q)
+static void pose_rotate(double a[3][3], double v[3][3], size_t p, size_t q)
 {
     const size_t o = 3 - p - q;
     double theta, t, c, s, h;
@@ -211,9 +211,9 @@ static void principal(double a[3][3], struct dvec3 axis[3])
     size_t order[3] = {0, 1, 2};
 
     for (int sweep = 0; sweep < 8; sweep++) {
-        rotate(a, v, 0, 1);
-        rotate(a, v, 0, 2);
-        rotate(a, v, 1, 2);
+        pose_rotate(a, v, 0, 1);
+        pose_rotate(a, v, 0, 2);
+        pose_rotate(a, v, 1, 2);
     }
     for (size_t i = 0; i < 2; i++) {
         for (size_t k = i + 1; k < 3; k++) {

@@ -39,7 +39,7 @@ static bool before(const struct state *s, uint32_t a, uint32_t b)
     return s->key[a] != s->key[b] ? s->key[a] < s->key[b] : a < b;
 }
 
-static void put(struct state *s, uint32_t place, uint32_t v)
+static void simplify_put(struct state *s, uint32_t place, uint32_t v)
 {
     s->heap[place] = v;
     s->at[v] = place;
@@ -50,8 +50,8 @@ static void sift_up(struct state *s, uint32_t place)
     const uint32_t v = s->heap[place];
 
     for (; place > 0 && before(s, v, s->heap[(place - 1) / 2]); place = (place - 1) / 2)
-        put(s, place, s->heap[(place - 1) / 2]);
-    put(s, place, v);
+        simplify_put(s, place, s->heap[(place - 1) / 2]);
+    simplify_put(s, place, v);
 }
 
 static void sift_down(struct state *s, uint32_t place)
@@ -65,10 +65,10 @@ static void sift_down(struct state *s, uint32_t place)
             child++;
         if (child >= s->size || !before(s, s->heap[child], v))
             break;
-        put(s, place, s->heap[child]);
+        simplify_put(s, place, s->heap[child]);
         place = child;
     }
-    put(s, place, v);
+    simplify_put(s, place, v);
 }
 
 static void heap_drop_top(struct state *s)
@@ -76,7 +76,7 @@ static void heap_drop_top(struct state *s)
     const uint32_t last = s->heap[--s->size];
 
     if (s->size > 0) {
-        put(s, 0, last);
+        simplify_put(s, 0, last);
         sift_down(s, 0);
     }
 }
@@ -175,7 +175,7 @@ static void update_volume(struct state *s, uint32_t p)
 }
 
 /* Take v out. */
-static void take(struct state *s, const struct star *star)
+static void simplify_take(struct state *s, const struct star *star)
 {
     const bool by_volume = isfinite(s->limit->disparity);
     struct piece piece[STAR_MAX];
@@ -222,7 +222,7 @@ static void put_back(struct state *s, const struct star *star)
 /* ---- all of it */
 
 /* s->now is a copy of m. */
-static void begin(const uint8_t *bridge, struct state *s)
+static void simplify_begin(const uint8_t *bridge, struct state *s)
 {
     const struct mesh *m = s->m;
 
@@ -246,12 +246,12 @@ static void begin(const uint8_t *bridge, struct state *s)
     for (uint32_t v = 0; v < m->nv; v++)
         s->key[v] = cost_of(s, v);
     for (uint32_t v = 0; v < m->nv; v++)
-        put(s, s->size++, v);
+        simplify_put(s, s->size++, v);
     for (uint32_t place = s->size / 2; place-- > 0;)
         sift_down(s, place);
 }
 
-static void run(struct state *s)
+static void simplify_run(struct state *s)
 {
     const bool by_volume = isfinite(s->limit->disparity);
     const double room = s->limit->disparity * s->area;
@@ -263,7 +263,7 @@ static void run(struct state *s)
         if (!(s->key[v] < (double)INFINITY) || !star_find(&s->now, v, &star))
             break;
         heap_drop_top(s);
-        take(s, &star);
+        simplify_take(s, &star);
         if (by_volume && s->total > room) {
             put_back(s, &star);
             break;
@@ -279,8 +279,9 @@ static void run(struct state *s)
 }
 
 /* The points that are left, and what became of the others. */
-static enum status finish(const struct state *s, struct scratch *scratch,
-                          struct mesh *out, double *gap, struct simplify_result *r)
+static enum status simplify_finish(const struct state *s, struct scratch *scratch,
+                                   struct mesh *out, double *gap,
+                                   struct simplify_result *r)
 {
     const struct mesh *m = s->m;
     struct ivec3 *pts = mem_array(s->left, sizeof *pts);
@@ -312,7 +313,7 @@ static enum status finish(const struct state *s, struct scratch *scratch,
     return st;
 }
 
-static size_t layout(struct state *s, unsigned char *block)
+static size_t simplify_layout(struct state *s, unsigned char *block)
 {
     const size_t nv = s->m->nv, nt = s->m->nt;
     size_t at = 0;
@@ -335,17 +336,17 @@ enum status simplify_mesh(const struct mesh *m, const uint8_t *bridge,
                           struct mesh *out, double *gap, struct simplify_result *r)
 {
     struct state state = {.m = m, .limit = limit};
-    unsigned char *block = mem_array(layout(&state, NULL), 1);
+    unsigned char *block = mem_array(simplify_layout(&state, NULL), 1);
     enum status st = ST_ENOMEM;
 
     *r = (struct simplify_result){0};
     if (block != NULL)
         st = mesh_copy(&state.now, m, 0);
     if (st == ST_OK) {
-        (void)layout(&state, block);
-        begin(bridge, &state);
-        run(&state);
-        st = finish(&state, s, out, gap, r);
+        (void)simplify_layout(&state, block);
+        simplify_begin(bridge, &state);
+        simplify_run(&state);
+        st = simplify_finish(&state, s, out, gap, r);
     }
     if (st != ST_OK)
         out->nv = out->nt = 0;

@@ -82,8 +82,9 @@ static uint32_t chain_of(const struct mesh *m, const uint32_t *rank, uint32_t h)
 
 /* Sort the edges by chain, then from left to right: they are met in that order round the
  * vertices from left to right.  order[]: the vertices. */
-static void fill(const struct mesh *m, const struct placed *order, const uint32_t *rank,
-                 uint32_t regions, uint32_t *first, uint32_t *edge)
+static void chains_fill(const struct mesh *m, const struct placed *order,
+                        const uint32_t *rank, uint32_t regions, uint32_t *first,
+                        uint32_t *edge)
 {
     uint32_t sum = 0;
 
@@ -143,7 +144,7 @@ enum status chains_make(const struct mesh *m, struct scratch *s, struct chains *
     qsort(order, nv, sizeof *order, by_place);
     c->m = m;
     c->regions = number(m, rank, wait, ready);
-    fill(m, order, rank, c->regions, first, edge);
+    chains_fill(m, order, rank, c->regions, first, edge);
     c->rank = rank;
     c->first = first;
     c->edge = edge;

@@ -178,8 +178,8 @@ static inline struct candidate candidate(const struct builder *b, const struct b
 
 /* The first candidate of a side, from edge e on, the circle of which does not hold the next:
  * the edges to the others are deleted.  Its cross is not above 0 where there is none. */
-static inline struct candidate choose(struct builder *b, const struct base *base,
-                                      uint32_t e, bool left)
+static inline struct candidate delaunay_choose(struct builder *b, const struct base *base,
+                                               uint32_t e, bool left)
 {
     struct candidate c = candidate(b, base, e);
 
@@ -213,8 +213,8 @@ static void merge(struct builder *b, uint32_t l, uint32_t r)
 
     for (;;) {
         const struct base now = {l, r, arm_to(b->xy[l], b->xy[r])};
-        const struct candidate lc = choose(b, &now, edges[base ^ 1].next, true);
-        const struct candidate rc = choose(b, &now, edges[base].prev, false);
+        const struct candidate lc = delaunay_choose(b, &now, edges[base ^ 1].next, true);
+        const struct candidate rc = delaunay_choose(b, &now, edges[base].prev, false);
         uint32_t up;
 
         if (lc.cross <= 0 && rc.cross <= 0)

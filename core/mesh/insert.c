@@ -63,14 +63,15 @@ bool insert_find(struct insert *in, uint32_t *he, struct ivec2 q, bool *on_edge)
 }
 
 /* A corner as it is seen from the point that is inserted. */
-struct corner {
+struct insert_corner {
     uint32_t v;
     struct arm arm;
 };
 
-static inline struct corner corner(const struct ivec2 *xy, uint32_t v, struct ivec2 q)
+static inline struct insert_corner insert_corner(const struct ivec2 *xy, uint32_t v,
+                                                 struct ivec2 q)
 {
-    return (struct corner){v, arm_to(q, xy[v])};
+    return (struct insert_corner){v, arm_to(q, xy[v])};
 }
 
 /* Does the circle of the triangle b, a, c hold q, which lies to the left of a -> b?  Where
@@ -100,18 +101,19 @@ static uint32_t dig(struct insert *in, uint32_t n, uint32_t depth, uint32_t x,
     const struct ivec2 *const xy = m->xy;
     const uint32_t *const org = m->org, *const twin = m->twin;
     uint32_t *const edge = in->edge, *const inside = in->inside, *const stack = in->stack;
-    struct corner a = corner(xy, x, q);
+    struct insert_corner a = insert_corner(xy, x, q);
     uint32_t edges = 0;
 
     while (depth > 0) {
         uint32_t h = stack[--depth];
-        struct corner b = corner(xy, org[h], q);
+        struct insert_corner b = insert_corner(xy, org[h], q);
         int64_t ab = arm_cross(&a.arm, &b.arm);
 
         for (;;) {
             const uint32_t t = h / 3;
             const uint32_t *const v = &org[3 * t];
-            const struct corner c = corner(xy, v[0] + v[1] + v[2] - a.v - b.v, q);
+            const struct insert_corner c =
+                insert_corner(xy, v[0] + v[1] + v[2] - a.v - b.v, q);
             const int64_t bc = arm_cross(&b.arm, &c.arm), ca = arm_cross(&c.arm, &a.arm);
             const int64_t det = arm_incircle(&a.arm, &b.arm, &c.arm, ab, bc, ca);
             uint32_t next;

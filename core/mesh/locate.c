@@ -16,7 +16,7 @@
  *   crossing  it leaves its triangle through the inside of the edge he;
  *   vertex    it has reached the vertex org[he], which lies on the segment before q;
  *   done      `at` holds the answer. */
-struct walk {
+struct locate_walk {
     const struct mesh *m;
     struct ivec2 from, q;
     uint32_t he;
@@ -26,13 +26,13 @@ struct walk {
 
 enum state { CROSSING, VERTEX, DONE };
 
-static inline void enter(const struct walk *w, uint32_t he)
+static inline void enter(const struct locate_walk *w, uint32_t he)
 {
     if (w->trace != NULL)
         w->trace->enter(w->trace->arg, he / 3);
 }
 
-static inline enum state done(struct walk *w, uint32_t he, enum locate_where where)
+static inline enum state done(struct locate_walk *w, uint32_t he, enum locate_where where)
 {
     w->at.he = he;
     w->at.where = where;
@@ -53,7 +53,7 @@ static inline int64_t side_of(const struct mesh *m, uint32_t he, struct ivec2 q)
 }
 
 /* From a triangle left through the inside of the edge he, on to the next, and so on. */
-static inline enum state cross(struct walk *w)
+static inline enum state cross(struct locate_walk *w)
 {
     const struct mesh *m = w->m;
 
@@ -83,7 +83,7 @@ static inline enum state cross(struct walk *w)
 
 /* The walk runs from a vertex along the edge he, whose triangle is real, to the vertex far
  * at its other end; g is the half-edge of that triangle that leaves far. */
-static enum state along(struct walk *w, uint32_t he, uint32_t g)
+static enum state along(struct locate_walk *w, uint32_t he, uint32_t g)
 {
     const struct mesh *m = w->m;
     const int64_t beyond = ahead(m->xy[m->org[g]], w->q, w->from, w->q);
@@ -98,7 +98,7 @@ static enum state along(struct walk *w, uint32_t he, uint32_t g)
 }
 
 /* At a vertex on the segment: turn about it to the triangle or edge that leads on. */
-static enum state turn(struct walk *w)
+static enum state locate_turn(struct locate_walk *w)
 {
     const struct mesh *m = w->m;
     const uint32_t first = w->he;
@@ -135,7 +135,7 @@ static enum state turn(struct walk *w)
 }
 
 /* q lies in the closed triangle of he, at o[i] >= 0 from its edges. */
-static enum state within(struct walk *w, uint32_t he, const int64_t o[3])
+static enum state within(struct locate_walk *w, uint32_t he, const int64_t o[3])
 {
     const uint32_t e1 = mesh_next(he), e2 = mesh_prev(he);
 
@@ -151,7 +151,7 @@ static enum state within(struct walk *w, uint32_t he, const int64_t o[3])
 }
 
 /* The first step, out of the closed triangle of he, which contains `from`. */
-static inline enum state start(struct walk *w, uint32_t he)
+static inline enum state locate_start(struct locate_walk *w, uint32_t he)
 {
     const struct mesh *m = w->m;
     const uint32_t e[3] = {he, mesh_next(he), mesh_prev(he)};
@@ -191,19 +191,19 @@ static inline enum state start(struct walk *w, uint32_t he)
 struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
                              struct ivec2 q, const struct locate_trace *trace)
 {
-    struct walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace};
-    enum state st = start(&w, he);
+    struct locate_walk w = {m, from, q, he, {he, LOCATE_OUTSIDE}, trace};
+    enum state st = locate_start(&w, he);
 
     while (st != DONE)
-        st = st == CROSSING ? cross(&w) : turn(&w);
+        st = st == CROSSING ? cross(&w) : locate_turn(&w);
     return w.at;
 }
 
 /* Where q lies, without a walk.  Of q on an edge or a vertex it may give another triangle there. */
-static struct location find(const struct chains *c, struct ivec2 q)
+static struct location locate_find(const struct chains *c, struct ivec2 q)
 {
     const struct mesh *m = c->m;
-    struct walk w = {.m = m};
+    struct locate_walk w = {.m = m};
     struct ivec2 v[3];
     uint32_t he;
 
@@ -241,7 +241,7 @@ static inline bool nearby(const struct mesh *m, uint32_t he, struct ivec2 q,
             beyond = 2;
             t = twin[2] / 3;
         } else {
-            struct walk w = {.m = m};
+            struct locate_walk w = {.m = m};
 
             (void)within(&w, h, o);
             *loc = w.at;
@@ -276,7 +276,7 @@ enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
         return ST_OK;
     st = chains_make(in, &scratch, &chains);
     for (; st == ST_OK && v < pts->nv; v++)
-        loc[v] = find(&chains, pts->xy[v]);
+        loc[v] = locate_find(&chains, pts->xy[v]);
     scratch_free(&scratch);
     return st;
 }

@@ -35,9 +35,9 @@ static void name_ghost(struct mesh *m, uint32_t from, uint32_t to)
 }
 
 /* Insert all of b; ST_ELIMIT when it took too much work. */
-static enum status grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
-                        const struct location *b_in_a, struct scratch *s,
-                        uint32_t *b_vertex)
+static enum status merge_grow(struct mesh *m, const struct mesh *a, const struct mesh *b,
+                              const struct location *b_in_a, struct scratch *s,
+                              uint32_t *b_vertex)
 {
     const uint32_t ghost = a->nv + b->nv;
     struct insert in = {.m = m, .ghost = ghost, .limit = (uint64_t)MERGE_WORK * ghost};
@@ -68,7 +68,7 @@ static enum status grow(struct mesh *m, const struct mesh *a, const struct mesh 
     return ST_OK;
 }
 
-/* Triangulate the union from scratch, with the vertex numbers that grow() would give. */
+/* Triangulate the union from scratch, with the vertex numbers that merge_grow() would give. */
 static enum status rebuild(struct mesh *m, const struct mesh *a, const struct mesh *b,
                            const struct location *b_in_a, struct scratch *s,
                            uint32_t *b_vertex)
@@ -101,7 +101,7 @@ enum status merge_build(const struct mesh *a, const struct mesh *b,
 {
     enum status st = mesh_copy(out, a, b->nv);
 
-    if (st == ST_OK && (st = grow(out, a, b, b_in_a, s, b_vertex)) == ST_ELIMIT)
+    if (st == ST_OK && (st = merge_grow(out, a, b, b_in_a, s, b_vertex)) == ST_ELIMIT)
         st = rebuild(out, a, b, b_in_a, s, b_vertex);
     if (st != ST_OK)
         out->nv = out->nt = 0;

@@ -6,7 +6,7 @@
 #include "predicates.h"
 
 /* m's arrays in block for n points; returns the bytes needed. */
-static size_t layout(struct mesh *m, size_t n, unsigned char *block)
+static size_t mesh_layout(struct mesh *m, size_t n, unsigned char *block)
 {
     size_t at = 0;
 
@@ -26,9 +26,9 @@ enum status mesh_reserve(struct mesh *m, uint32_t n)
     if (n > SURFACE_MAX_POINTS)
         return ST_ELIMIT;
     if (m->block == NULL || n > m->cap) {
-        if ((larger.block = mem_array(layout(&larger, n, NULL), 1)) == NULL)
+        if ((larger.block = mem_array(mesh_layout(&larger, n, NULL), 1)) == NULL)
             return ST_ENOMEM;
-        (void)layout(&larger, n, larger.block);
+        (void)mesh_layout(&larger, n, larger.block);
         larger.cap = n;
         mem_free(m->block);
         *m = larger;

@@ -135,7 +135,7 @@ static bool unfold(struct mesh *m, uint32_t ghosts)
  * nv - 1 pairs of half-edges, which are all that is left: a pair of such that are free takes
  * two, so that none is left in the end. */
 
-static bool pair(struct mesh *m, const uint32_t *list)
+static bool mesh_link_pair(struct mesh *m, const uint32_t *list)
 {
     const uint32_t *const org = m->org, halves = 3 * m->nt;
     uint32_t *const twin = m->twin;
@@ -172,7 +172,7 @@ enum status mesh_link(struct mesh *m, struct scratch *s)
     for (uint32_t t = 0; t < m->nt; t++)
         list[t] = m->org[3 * t + 1];
     return check_points(m) && check_order(m) && (ghosts = check_ghosts(m)) != 0 &&
-                   unfold(m, ghosts) && pair(m, list)
+                   unfold(m, ghosts) && mesh_link_pair(m, list)
                ? ST_OK
                : ST_ECORRUPT;
 }

@@ -38,7 +38,7 @@ struct forest {
 };
 
 /* f's arrays in block for n vertices; returns the bytes needed. */
-static size_t layout(struct forest *f, size_t n, unsigned char *block)
+static size_t mst_layout(struct forest *f, size_t n, unsigned char *block)
 {
     size_t at = 0;
 
@@ -138,7 +138,7 @@ static uint32_t thin_out(const struct mesh *m, uint8_t *dead, uint32_t *kept)
 }
 
 /* What is left of the Delaunay graph, each vertex a tree of its own. */
-static void collect(struct forest *f, const struct mesh *m)
+static void mst_collect(struct forest *f, const struct mesh *m)
 {
     uint32_t *const kept = (uint32_t *)(void *)f->sorted; /* 14 bytes a point, of 36 */
     const uint32_t n = thin_out(m, (uint8_t *)(kept + 2 * (size_t)m->nv), kept);
@@ -167,7 +167,7 @@ static inline void offer(const struct forest *f, uint32_t tree, uint32_t e)
 
 /* Every tree takes its shortest outgoing edge; then next[tree] is the number of the new
  * tree that it belongs to. */
-static void join(struct forest *f)
+static void mst_join(struct forest *f)
 {
     const uint32_t trees = f->trees;
     uint32_t *const next = f->next, *const number = f->mark;
@@ -274,7 +274,7 @@ static void clean_up(struct forest *f)
 }
 
 /* The tree as lists of neighbours, and what the walk over it makes. */
-struct walk {
+struct mst_walk {
     uint32_t *first;  /* [nv + 1] where a vertex's neighbours begin in near */
     uint32_t *near;   /* [2 nv - 2] */
     uint32_t *stack;  /* [nv] vertices to visit */
@@ -286,7 +286,7 @@ struct walk {
 };
 
 /* The walk's arrays lie where the edges were: 2 nv * 24 bytes for 44 nv + 8. */
-static void walk_layout(struct walk *w, size_t n, unsigned char *block)
+static void walk_layout(struct mst_walk *w, size_t n, unsigned char *block)
 {
     w->xy = (struct ivec2 *)(void *)block;
     w->first = (uint32_t *)(void *)(w->xy + n);
@@ -299,7 +299,7 @@ static void walk_layout(struct walk *w, size_t n, unsigned char *block)
     w->parent = w->out + n;
 }
 
-static void neighbours(struct walk *w, const struct forest *f, uint32_t nv)
+static void neighbours(struct mst_walk *w, const struct forest *f, uint32_t nv)
 {
     uint32_t sum = 0;
 
@@ -320,7 +320,7 @@ static void neighbours(struct walk *w, const struct forest *f, uint32_t nv)
 
 /* Number the vertices in the order of a depth-first walk from root; the neighbours of a
  * vertex are visited in the order of their coordinates. */
-static void visit(struct walk *w, const struct mesh *m, uint32_t root)
+static void visit(struct mst_walk *w, const struct mesh *m, uint32_t root)
 {
     const struct ivec2 *const xy = m->xy;
     uint32_t top = 1, n = 0;
@@ -354,18 +354,18 @@ enum status mst_build(struct mesh *m, struct scratch *s)
 {
     const uint32_t nv = m->nv;
     struct forest f = {.xy = m->xy, .trees = nv};
-    unsigned char *block = scratch_need(s, layout(&f, nv, NULL));
-    struct walk w;
+    unsigned char *block = scratch_need(s, mst_layout(&f, nv, NULL));
+    struct mst_walk w;
     uint32_t root = 0;
 
     if (block == NULL)
         return ST_ENOMEM;
-    (void)layout(&f, nv, block);
-    collect(&f, m);
-    join(&f);
+    (void)mst_layout(&f, nv, block);
+    mst_collect(&f, m);
+    mst_join(&f);
     while (f.trees > 1) {
         clean_up(&f);
-        join(&f);
+        mst_join(&f);
     }
     walk_layout(&w, nv, block);
     neighbours(&w, &f, nv);

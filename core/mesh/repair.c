@@ -172,7 +172,7 @@ static bool reduce(struct repair *r, struct ring *ring)
 }
 
 /* The last triangle takes the place of t, which is no longer needed. */
-static void fill(struct repair *r, uint32_t t)
+static void repair_fill(struct repair *r, uint32_t t)
 {
     struct mesh *m = r->m;
     const uint32_t last = --m->nt;
@@ -221,8 +221,8 @@ static bool take_out(struct repair *r, uint32_t v)
         link_twins(m, 3 * t[0] + i, beyond[i]);
     }
     r->doubtful[r->doubts++] = t[0];
-    fill(r, t[1] > t[2] ? t[1] : t[2]);
-    fill(r, t[1] > t[2] ? t[2] : t[1]);
+    repair_fill(r, t[1] > t[2] ? t[1] : t[2]);
+    repair_fill(r, t[1] > t[2] ? t[2] : t[1]);
     return true;
 }
 
@@ -352,7 +352,7 @@ static bool put_back(struct repair *r)
 
 /* r's arrays in block; returns the bytes needed.  The edges are as many as there may be flips,
  * each of which adds 3, and those of the doubtful triangles. */
-static size_t layout(struct repair *r, unsigned char *block)
+static size_t repair_layout(struct repair *r, unsigned char *block)
 {
     size_t at = insert_start(&r->insert, block);
 
@@ -372,11 +372,11 @@ enum status repair_mesh(struct mesh *m, struct scratch *s)
         .gone_most = gone_most,
         .doubts_most = REPAIR_CHANGED * gone_most,
     };
-    unsigned char *block = scratch_need(s, layout(&r, NULL));
+    unsigned char *block = scratch_need(s, repair_layout(&r, NULL));
 
     if (block == NULL)
         return ST_ENOMEM;
-    (void)layout(&r, block);
+    (void)repair_layout(&r, block);
     if (!survey(&r) || !turn_back(&r) || !flip_all(&r) || !hull_goes_round_once(m) ||
         !put_back(&r))
         return ST_ELIMIT;

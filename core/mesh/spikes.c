@@ -23,7 +23,7 @@
 
 /* Does a lie far above b (1), far below (-1), or neither (0)?  In squares, on whole
  * numbers. */
-static int step(const struct mesh *m, uint32_t a, uint32_t b)
+static int spikes_step(const struct mesh *m, uint32_t a, uint32_t b)
 {
     const int64_t dx = m->xy[b].x - m->xy[a].x, dy = m->xy[b].y - m->xy[a].y;
     const int64_t rise = (int64_t)m->z[a] - m->z[b];
@@ -43,7 +43,7 @@ static bool is_spike(const struct mesh *m, uint32_t v)
         const uint32_t w = mesh_dest(m, h);
 
         if (w != m->nv) {
-            const int side = step(m, v, w);
+            const int side = spikes_step(m, v, w);
 
             above += side > 0;
             below += side < 0;
@@ -97,7 +97,7 @@ enum status spikes_flatten(struct mesh *m, struct scratch *s, uint32_t *count)
     for (uint32_t v = 1; v < m->nv; v++) {
         const uint32_t up = m->parent[v];
 
-        if (__builtin_expect(step(m, v, up) != 0, 0)) {
+        if (__builtin_expect(spikes_step(m, v, up) != 0, 0)) {
             spike[v] = is_spike(m, v);
             spike[up] = is_spike(m, up);
         }

@@ -5,8 +5,8 @@
 
 /* fill(m, s, i, j, parent): fill the polygon ring[i .. j], whose side j -> i is the edge
  * `parent` of what lies beyond it.  At most STAR_MAX deep. */
-static void fill(const struct mesh *m, struct star *s, uint32_t i, uint32_t j,
-                 uint32_t parent)
+static void star_fill(const struct mesh *m, struct star *s, uint32_t i, uint32_t j,
+                      uint32_t parent)
 {
     const struct ivec2 a = m->xy[s->ring[j]], b = m->xy[s->ring[i]];
     const uint32_t t = s->ntri++;
@@ -25,10 +25,10 @@ static void fill(const struct mesh *m, struct star *s, uint32_t i, uint32_t j,
     s->mate[t][0] = parent;
     s->mate[t][1] = best == i + 1 ? STAR_RING + i : 3 * s->ntri;
     if (best > i + 1)
-        fill(m, s, i, best, 3 * t + 1);
+        star_fill(m, s, i, best, 3 * t + 1);
     s->mate[t][2] = j == best + 1 ? STAR_RING + best : 3 * s->ntri;
     if (j > best + 1)
-        fill(m, s, best, j, 3 * t + 2);
+        star_fill(m, s, best, j, 3 * t + 2);
 }
 
 bool star_find(const struct mesh *m, uint32_t v, struct star *s)
@@ -50,7 +50,7 @@ bool star_find(const struct mesh *m, uint32_t v, struct star *s)
         h = mesh_turn(m, h);
     } while (h != first);
     s->ntri = 0;
-    fill(m, s, 0, s->n - 1, STAR_RING + s->n - 1);
+    star_fill(m, s, 0, s->n - 1, STAR_RING + s->n - 1);
     return true;
 }
 

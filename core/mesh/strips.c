@@ -113,8 +113,8 @@ static bool yx_less(struct ivec2 a, struct ivec2 b)
 }
 
 /* Move the point at `from` to its place among the points [first, last), sorted but for it. */
-static void settle(struct ivec2 *xy, int32_t *z, uint32_t from, uint32_t first,
-                   uint32_t last)
+static void strips_settle(struct ivec2 *xy, int32_t *z, uint32_t from, uint32_t first,
+                          uint32_t last)
 {
     const struct ivec2 p = xy[from];
     const int32_t height = z[from];
@@ -141,12 +141,12 @@ static void join_singles(struct strips *st, struct ivec2 *xy, int32_t *z)
         const uint32_t first = st->at[s].first, end = st->at[s + 1].first;
 
         if (end - first == 1 && s + 1 < st->count) {
-            settle(xy, z, first, first, st->at[s + 2].first);
+            strips_settle(xy, z, first, first, st->at[s + 2].first);
             st->at[s + 1].first = first;
             continue;
         }
         if (end - first == 1 && w > 0) {
-            settle(xy, z, first, st->at[w - 1].first, end);
+            strips_settle(xy, z, first, st->at[w - 1].first, end);
             continue;
         }
         st->at[w++].first = first;

@@ -11,7 +11,7 @@
 #include "spikes.h"
 
 /* s's arrays in block for n points; returns the bytes needed. */
-static size_t layout(struct surface *s, size_t n, unsigned char *block)
+static size_t surface_layout(struct surface *s, size_t n, unsigned char *block)
 {
     size_t at = 0;
 
@@ -26,13 +26,13 @@ static enum status reserve(struct surface *s, uint32_t n)
     struct surface larger = {0};
 
     if (s->block == NULL || s->cap < n) {
-        if ((larger.block = mem_array(layout(&larger, n, NULL), 1)) == NULL)
+        if ((larger.block = mem_array(surface_layout(&larger, n, NULL), 1)) == NULL)
             return ST_ENOMEM;
         mem_free(s->block);
         s->block = larger.block;
         s->cap = n;
     }
-    (void)layout(s, n, s->block);
+    (void)surface_layout(s, n, s->block);
     return ST_OK;
 }
 
@@ -69,8 +69,8 @@ enum status surface_prepare(const struct ivec3 *pts, size_t n, bool flatten,
 #define BATCH 128
 
 /* The points of `from`, moved, become those of m. */
-static enum status place(const struct mesh *from, const double transform[16],
-                         struct mesh *m)
+static enum status surface_place(const struct mesh *from, const double transform[16],
+                                 struct mesh *m)
 {
     for (uint32_t first = 0; first < from->nv; first += BATCH) {
         const uint32_t left = from->nv - first, n = left < BATCH ? left : BATCH;
@@ -110,7 +110,7 @@ enum status surface_move(const struct surface *from, const double transform[16],
     enum status st = mesh_copy(&out->mesh, m, 0);
 
     if (st == ST_OK)
-        st = place(m, transform, &out->mesh);
+        st = surface_place(m, transform, &out->mesh);
     if (st == ST_OK && (st = repair_mesh(&out->mesh, s)) == ST_ELIMIT)
         st = rebuild(&out->mesh, pts, s);
     if (st == ST_OK)

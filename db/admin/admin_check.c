@@ -213,8 +213,8 @@ static void keep_first(void *arg, const char *line)
 }
 
 /* admin_check(); ST_ECORRUPT: the first problem. */
-static enum status verify(struct store *s, bool decode, struct admin_copied *found,
-                          struct errinfo *e)
+static enum status admin_check_verify(struct store *s, bool decode,
+                                      struct admin_copied *found, struct errinfo *e)
 {
     struct errinfo first = {ST_OK, ""};
     struct store_stats stats;
@@ -267,7 +267,7 @@ enum status admin_open(const char *path, const struct store_key *key,
         return st;
     store_use_model(s, model);
     if ((st = is_whole(s, &bytes, &why)) == ST_OK &&
-        (st = verify(s, model != NULL, found, &why)) == ST_OK) {
+        (st = admin_check_verify(s, model != NULL, found, &why)) == ST_OK) {
         found->bytes = bytes;
         *out = s;
         return ST_OK;

@@ -13,7 +13,8 @@
 #include "store_open.h"
 #include "store_txn.h"
 
-static enum status check(const char *path, const struct store_key *key, struct errinfo *e)
+static enum status admin_join_check(const char *path, const struct store_key *key,
+                                    struct errinfo *e)
 {
     struct store_server is;
     enum status st;
@@ -64,8 +65,8 @@ static enum status find_number(struct log_txn *t, uint32_t *out, struct errinfo 
     return st;
 }
 
-static enum status join(struct log_txn *t, const struct log_act *by, uint32_t *out,
-                        struct errinfo *e)
+static enum status admin_join_join(struct log_txn *t, const struct log_act *by,
+                                   uint32_t *out, struct errinfo *e)
 {
     char outcome[LOG_TEXT + 1];
     enum status st = find_number(t, out, e);
@@ -105,8 +106,8 @@ static enum status commit(struct store *s, struct log_txn *t, const char *anchor
 
 /* A call that was interrupted behind its commit has left the anchor as a part.  *daemon: its number.
  * ST_EREFUSED: there is no such part. */
-static enum status complete(const char *path, const struct store_key *key,
-                            uint32_t *daemon, struct errinfo *e)
+static enum status admin_join_complete(const char *path, const struct store_key *key,
+                                       uint32_t *daemon, struct errinfo *e)
 {
     struct store *s;
     const enum status st = store_open(path, STORE_WRITE, key, &s, e);
@@ -129,12 +130,12 @@ enum status admin_join(const char *path, const struct store_key *key, const char
 
     *daemon = 0;
     by_key.anchor = NULL; /* there is none yet */
-    if ((st = check(path, key, e)) != ST_OK ||
-        (st = complete(path, key, daemon, e)) != ST_EREFUSED ||
+    if ((st = admin_join_check(path, key, e)) != ST_OK ||
+        (st = admin_join_complete(path, key, daemon, e)) != ST_EREFUSED ||
         (st = store_open(path, STORE_WRITE, &by_key, &s, e)) != ST_OK)
         return st;
     if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) == ST_OK) {
-        if ((st = join(&t, &by, daemon, e)) == ST_OK)
+        if ((st = admin_join_join(&t, &by, daemon, e)) == ST_OK)
             st = commit(s, &t, key->anchor, *daemon, e);
         else
             (void)store_end(s, &t, st, NULL);

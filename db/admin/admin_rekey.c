@@ -267,7 +267,8 @@ static enum status say_unfinished(enum status st, const struct errinfo *why,
 }
 
 /* Keys are placed, the database is opened by them and read, and only then the old ones go. */
-static enum status finish(const struct rekeying *x, bool *last, struct errinfo *e)
+static enum status admin_rekey_finish(const struct rekeying *x, bool *last,
+                                      struct errinfo *e)
 {
     const bool discard = !newfile_missing(x->discard);
     const char *aside = discard ? x->discard : x->kept;
@@ -321,7 +322,7 @@ static enum status is_kept(const struct rekeying *x, bool *out, struct errinfo *
 }
 
 /* *done: it was this very rekey, and nothing has changed since. */
-static enum status settle(struct rekeying *x, bool *done, struct errinfo *e)
+static enum status admin_rekey_settle(struct rekeying *x, bool *done, struct errinfo *e)
 {
     enum admin_left left;
     bool kept = false, last = false;
@@ -343,7 +344,7 @@ static enum status settle(struct rekeying *x, bool *done, struct errinfo *e)
         return st;
     if (left != ADMIN_LEFT_KEY && newfile_missing(x->discard) && !kept)
         return ST_OK;
-    if ((st = finish(x, &last, e)) != ST_OK || !last)
+    if ((st = admin_rekey_finish(x, &last, e)) != ST_OK || !last)
         return st;
     return is_asked(x, done, e);
 }
@@ -501,7 +502,7 @@ static enum status rekey(struct rekeying *x, const char *actor, bool *completed,
     enum status st;
 
     if ((st = log_act(&by, actor, e)) != ST_OK ||
-        (st = settle(x, completed, e)) != ST_OK || *completed ||
+        (st = admin_rekey_settle(x, completed, e)) != ST_OK || *completed ||
         (st = check_files(x, e)) != ST_OK ||
         (st = store_open(x->path, STORE_ALONE, x->key, &s, e)) != ST_OK)
         return st;
@@ -509,7 +510,7 @@ static enum status rekey(struct rekeying *x, const char *actor, bool *completed,
         st = copy_and_swap(x, s, &by, e);
     store_close(s);
     if (st == ST_OK)
-        return finish(x, &last, e);
+        return admin_rekey_finish(x, &last, e);
     if (x->made && !x->swapped)
         drop_new_key(x);
     return st;

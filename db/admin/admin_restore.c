@@ -311,8 +311,8 @@ bool admin_again_is(const struct log_entry *c)
 }
 
 /* All of the backup, and what was erased, revoked or removed since is so again. */
-static enum status fill(void *arg, struct log_txn *from, struct log_txn *to,
-                        struct errinfo *e)
+static enum status admin_restore_fill(void *arg, struct log_txn *from, struct log_txn *to,
+                                      struct errinfo *e)
 {
     struct restoring *r = arg;
     enum status st = admin_copy_all(NULL, from, to, e);
@@ -382,8 +382,8 @@ static enum status say_unfinished(enum status st, const struct errinfo *why,
                      why->msg);
 }
 
-static enum status place(const struct restoring *r, struct newfile *n,
-                         struct newfile *anchor, struct errinfo *e)
+static enum status admin_restore_place(const struct restoring *r, struct newfile *n,
+                                       struct newfile *anchor, struct errinfo *e)
 {
     char *aside;
     struct errinfo why;
@@ -407,7 +407,7 @@ static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo 
         .root = &r->root,
         .crypt = r->crypt,
         .key = r->key,
-        .fill = fill,
+        .fill = admin_restore_fill,
         .arg = r,
         .by = &r->by,
         .kind = "restore",
@@ -420,7 +420,7 @@ static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo 
         st = log_anchor_prepare(r->key->anchor, r->crypt,
                                 &(struct log_anchor){.end = c.end}, &anchor, e);
     if (st == ST_OK && !dry)
-        st = place(r, &n, &anchor, e);
+        st = admin_restore_place(r, &n, &anchor, e);
     newfile_close(&anchor);
     newfile_close(&n);
     return st;
@@ -440,7 +440,7 @@ static bool is_restored(const struct restoring *r)
 }
 
 /* The anchor too?  A part of it is given its name by opening the database. */
-static enum status settle(struct restoring *r, bool dry, struct errinfo *e)
+static enum status admin_restore_settle(struct restoring *r, bool dry, struct errinfo *e)
 {
     struct store *s;
     enum status st;
@@ -469,14 +469,15 @@ static enum status check_key(const struct restoring *r, struct errinfo *e)
     return ST_OK;
 }
 
-static enum status restore(struct restoring *r, bool dry, struct errinfo *e)
+static enum status admin_restore_restore(struct restoring *r, bool dry, struct errinfo *e)
 {
     enum status st;
 
     if ((st = check_key(r, e)) != ST_OK || (st = open_held(r, dry, e)) != ST_OK ||
         (st = open_backup(r, e)) != ST_OK || (st = relate(r, e)) != ST_OK)
         return st;
-    if (is_restored(r) && ((st = settle(r, dry, e)) != ST_OK || r->out->already))
+    if (is_restored(r) &&
+        ((st = admin_restore_settle(r, dry, e)) != ST_OK || r->out->already))
         return st;
     if ((st = choose_keys(r, e)) != ST_OK || (st = ask_anchor(r, e)) != ST_OK)
         return st;
@@ -503,7 +504,7 @@ enum status admin_restore(const char *path, const char *from, const struct store
                                  "database",
                                  e)) == ST_OK &&
              (st = log_act(&r.by, actor, e)) == ST_OK)
-        st = restore(&r, dry, e);
+        st = admin_restore_restore(&r, dry, e);
     store_close(r.backup);
     store_close(r.held);
     crypt_free(r.made);

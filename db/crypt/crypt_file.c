@@ -14,7 +14,8 @@
 #include "newfile.h"
 
 /* A new file of one line, n bytes with its end: whole, or none that would be in the way. */
-static enum status create(const char *path, const char *line, size_t n, struct errinfo *e)
+static enum status crypt_file_create(const char *path, const char *line, size_t n,
+                                     struct errinfo *e)
 {
     struct newfile file = NEWFILE_NONE;
     enum status st;
@@ -35,7 +36,7 @@ enum status crypt_file_make(const char *path, struct errinfo *e)
     randombytes_buf(key, sizeof key);
     (void)sodium_bin2hex(line, sizeof line, key, sizeof key);
     line[2 * CRYPT_KEY] = '\n';
-    st = create(path, line, 2 * CRYPT_KEY + 1, e);
+    st = crypt_file_create(path, line, 2 * CRYPT_KEY + 1, e);
     sodium_memzero(key, sizeof key);
     sodium_memzero(line, sizeof line);
     return st;
@@ -49,7 +50,7 @@ enum status crypt_file_copy(const struct crypt_file *k, const char *path,
 
     memcpy(line, k->text, k->len);
     line[k->len] = '\n';
-    st = create(path, line, k->len + 1, e);
+    st = crypt_file_create(path, line, k->len + 1, e);
     sodium_memzero(line, sizeof line);
     return st;
 }
@@ -73,8 +74,8 @@ enum status crypt_file_lock(const char *path, int *fd, struct errinfo *e)
     return ST_EIO;
 }
 
-static enum status read_line(int fd, const char *path, struct crypt_file *k,
-                             struct errinfo *e)
+static enum status crypt_file_read_line(int fd, const char *path, struct crypt_file *k,
+                                        struct errinfo *e)
 {
     ssize_t n = 0;
 
@@ -123,7 +124,7 @@ enum status crypt_file_read(const char *path, struct crypt_file **out, struct er
     else if ((k = sodium_malloc(sizeof *k)) == NULL)
         st = errinfo_set(e, ST_ENOMEM, "out of memory");
     else
-        st = read_line(fd, path, k, e);
+        st = crypt_file_read_line(fd, path, k, e);
     (void)close(fd);
     if (st != ST_OK) {
         crypt_file_free(k);

@@ -58,8 +58,8 @@ enum status log_row_add(struct sql_txn *t, const struct log_entry *entry,
         v, columns_of(entry->log), e);
 }
 
-static enum status read_row(void *log, const struct sql_rows *r, void *out,
-                            struct errinfo *e)
+static enum status log_row_read_row(void *log, const struct sql_rows *r, void *out,
+                                    struct errinfo *e)
 {
     const enum log_name *name = log;
     struct log_entry *entry = out;
@@ -111,7 +111,7 @@ enum status log_page(struct sql_txn *t, const struct log_place *at, size_t limit
     enum status st =
         sql_query(t, text[log][at->newest], v, log == LOG_CHANGES ? 2 : 3, &r, e);
 
-    st = sql_read_list(r, st, read_row, &log, sizeof **out, &list, n, e);
+    st = sql_read_list(r, st, log_row_read_row, &log, sizeof **out, &list, n, e);
     *out = list;
     return st;
 }
@@ -128,7 +128,7 @@ enum status log_list(struct sql_txn *t, const char *kind, uint64_t after,
                   "AND kind = coalesce($2, kind) ORDER BY seq",
                   sql_int(bounded(after)), kind != NULL ? sql_text(kind) : sql_null());
 
-    st = sql_read_list(r, st, read_row, &log, sizeof **out, &list, n, e);
+    st = sql_read_list(r, st, log_row_read_row, &log, sizeof **out, &list, n, e);
     *out = list;
     return st;
 }

@@ -170,8 +170,8 @@ enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
     return sql_done(r, st, e);
 }
 
-static enum status refuse(const struct log_end *before, const char *what,
-                          struct errinfo *e)
+static enum status log_txn_refuse(const struct log_end *before, const char *what,
+                                  struct errinfo *e)
 {
     return errinfo_set(
         e, ST_EREFUSED,
@@ -194,7 +194,7 @@ enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
     memcpy(t->wrapped, last.digest, sizeof t->wrapped);
     if (st != ST_OK)
         return !authentic && before->seq != 0
-                   ? refuse(before, "its log has no good end after", e)
+                   ? log_txn_refuse(before, "its log has no good end after", e)
                    : st;
     if (t->appends && (st = need_uses(t, e)) != ST_OK)
         return st;
@@ -202,11 +202,11 @@ enum status log_txn_begin(struct log_txn *t, struct errinfo *e)
         return ST_OK;
     if (before->seq != 0) {
         if (t->changes.seq < before->seq)
-            return refuse(before, "it is an older one, without", e);
+            return log_txn_refuse(before, "it is an older one, without", e);
         if ((st = log_has(t, before, &follows, e)) != ST_OK)
             return st;
         if (!follows)
-            return refuse(before, "its log is another one from", e);
+            return log_txn_refuse(before, "its log is another one from", e);
     }
     remember(t->log, &t->changes, &t->accesses);
     return ST_OK;

@@ -39,7 +39,8 @@ static void tell_of(struct log_walk *w, uint32_t daemon, uint64_t from, uint64_t
     log_walk_problem(w, from, line);
 }
 
-static void tell(struct log_walk *w, uint64_t from, uint64_t to, const char *what)
+static void log_walk_tell(struct log_walk *w, uint64_t from, uint64_t to,
+                          const char *what)
 {
     tell_of(w, w->daemon, from, to, what);
 }
@@ -48,7 +49,7 @@ static void tell(struct log_walk *w, uint64_t from, uint64_t to, const char *wha
 static void end_run(struct log_walk *w)
 {
     if (w->bad != 0)
-        tell(w, w->bad, w->at.seq, "not what was written");
+        log_walk_tell(w, w->bad, w->at.seq, "not what was written");
     w->bad = 0;
 }
 
@@ -57,12 +58,12 @@ static bool come_to(struct log_walk *w, uint64_t seq)
 {
     if (seq <= w->at.seq) {
         end_run(w);
-        tell(w, seq, seq, "not in its place");
+        log_walk_tell(w, seq, seq, "not in its place");
         return false;
     }
     if (seq > w->at.seq + 1) {
         end_run(w);
-        tell(w, w->at.seq + 1, seq - 1, "missing");
+        log_walk_tell(w, w->at.seq + 1, seq - 1, "missing");
         w->lost = true;
     }
     return true;
@@ -95,8 +96,8 @@ static void check_bound(struct log_walk *w, const struct log_entry *entry)
     const struct log_end *bound = &w->accesses[entry->daemon];
 
     if (entry->seq == bound->seq && memcmp(entry->hash, bound->hash, LOG_HASH) != 0)
-        tell(w, entry->seq, entry->seq,
-             "not the one that was the last when the last change was made");
+        log_walk_tell(w, entry->seq, entry->seq,
+                      "not the one that was the last when the last change was made");
 }
 
 /* The accesses of the daemon have ended. */
@@ -106,9 +107,9 @@ static void end_accesses(struct log_walk *w)
 
     end_run(w);
     if (w->at.seq < bound->seq)
-        tell(w, w->at.seq + 1, bound->seq, "cut off the end");
+        log_walk_tell(w, w->at.seq + 1, bound->seq, "cut off the end");
     else if (w->crypt == NULL && w->at.seq > bound->seq)
-        tell(w, bound->seq + 1, w->at.seq, "not signed by any change");
+        log_walk_tell(w, bound->seq + 1, w->at.seq, "not signed by any change");
 }
 
 static void begin_accesses(struct log_walk *w, uint32_t daemon)

@@ -48,7 +48,7 @@ static int64_t later(int64_t a, int64_t b)
     return a > b ? a : b;
 }
 
-static void add(uint32_t *sum, uint32_t n)
+static void rows_attempts_add(uint32_t *sum, uint32_t n)
 {
     *sum += n < UINT32_MAX - *sum ? n : UINT32_MAX - *sum;
 }
@@ -71,9 +71,9 @@ static bool count_row(const struct sql_rows *r, struct counting *c,
         out->suspicion = suspicion;
         c->own = at;
     } else if (here) {
-        add(&out->others_suspicion, suspicion);
+        rows_attempts_add(&out->others_suspicion, suspicion);
         if (failures > 0 && at > c->others_since) {
-            add(&out->others, failures);
+            rows_attempts_add(&out->others, failures);
             c->others = later(at, c->others);
         }
     } else {
@@ -215,7 +215,7 @@ enum status rows_attempts_each(struct log_txn *t, const struct store_subject *su
     return sql_done(r, st, e);
 }
 
-struct listing {
+struct rows_attempts_listing {
     struct log_txn *t;
     int64_t now;
 };
@@ -223,7 +223,7 @@ struct listing {
 static enum status list_row(void *x, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
-    const struct listing *l = x;
+    const struct rows_attempts_listing *l = x;
     struct store_attempts *a = out;
     struct rows_subject of;
     enum status st = rows_table_read(l->t, &rows_subjects, r, 3, &of, e);
@@ -244,7 +244,7 @@ static enum status list_row(void *x, const struct sql_rows *r, void *out,
 enum status rows_attempts_list(struct log_txn *t, int64_t now,
                                struct store_attempts **out, size_t *n, struct errinfo *e)
 {
-    struct listing l = {t, now};
+    struct rows_attempts_listing l = {t, now};
     void *list = NULL;
     struct sql_rows *r;
     enum status st = sql_query(t->sql,

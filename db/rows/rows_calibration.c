@@ -43,8 +43,8 @@ static const struct sql_field columns[COL_MAC] = {
 };
 
 /* A wrong threshold would open the door: all of it is looked at, also of an authentic row. */
-static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
-                     void *row)
+static bool rows_calibration_complete(const struct log_txn *t, const struct sql_rows *r,
+                                      int col, void *row)
 {
     const struct sql_field_blob *knots = &((struct row *)row)->knots;
     struct store_calibration *k = &((struct row *)row)->one;
@@ -75,7 +75,7 @@ const struct rows_table rows_calibrations = {
     .mac = offsetof(struct row, mac),
     .size = sizeof(struct row),
     .id = COL_KEY,
-    .complete = complete,
+    .complete = rows_calibration_complete,
 };
 
 enum status rows_calibration_get(struct log_txn *t, struct store_calibration *k,

@@ -73,8 +73,8 @@ enum status rows_day_count(struct log_txn *t, const char *at, const char *decisi
         sql_blob(bytes, sizeof bytes));
 }
 
-static enum status read_row(void *arg, const struct sql_rows *r, void *out,
-                            struct errinfo *e)
+static enum status rows_day_read_row(void *arg, const struct sql_rows *r, void *out,
+                                     struct errinfo *e)
 {
     struct store_day *one = out;
 
@@ -115,7 +115,7 @@ enum status rows_day_list(struct log_txn *t, const char *since, struct store_day
                   "ORDER BY day, decision, daemon LIMIT $2",
                   sql_text(since), sql_int(3 * (STORE_DAYS + 1) * LOG_DAEMONS));
 
-    st = sql_read_list(r, st, read_row, NULL, sizeof **out, &list, n, e);
+    st = sql_read_list(r, st, rows_day_read_row, NULL, sizeof **out, &list, n, e);
     *out = list;
     *n = add_up(*out, *n);
     return st;

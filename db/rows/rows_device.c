@@ -13,8 +13,8 @@ static const struct sql_field columns[COL_MAC] = {
     F(BYTES, one.public), F(TEXT, one.created),
 };
 
-static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
-                     void *row)
+static bool rows_device_complete(const struct log_txn *t, const struct sql_rows *r,
+                                 int col, void *row)
 {
     (void)t, (void)r, (void)col;
     return ident_id_valid(((struct rows_device *)row)->one.id);
@@ -33,7 +33,7 @@ const struct rows_table rows_devices = {
     .mac = offsetof(struct rows_device, mac),
     .size = sizeof(struct rows_device),
     .id = COL_NAME,
-    .complete = complete,
+    .complete = rows_device_complete,
 };
 
 enum status rows_device_find(struct log_txn *t, const char *name, struct rows_device *out,

@@ -41,8 +41,8 @@ static struct sql_field_blob label_of(const struct rows_subject *p)
     return label;
 }
 
-static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
-                     void *row)
+static bool rows_subject_complete(const struct log_txn *t, const struct sql_rows *r,
+                                  int col, void *row)
 {
     struct rows_subject *p = row;
     const struct sql_field_blob label = label_of(p);
@@ -77,7 +77,7 @@ const struct rows_table rows_subjects = {
     .mac = offsetof(struct rows_subject, mac),
     .size = sizeof(struct rows_subject),
     .id = -1,
-    .complete = complete,
+    .complete = rows_subject_complete,
 };
 
 /* ---- reading */
@@ -107,9 +107,10 @@ enum status rows_subject_get(struct log_txn *t, const unsigned char uid[STORE_UI
                            COL_UID, sql_blob(uid, STORE_UID), "of this uid", out, e);
 }
 
-static enum status list(struct log_txn *t, const char *text, const struct sql_value *v,
-                        size_t nv, struct store_subject **out, size_t *n,
-                        struct errinfo *e)
+static enum status rows_subject_list_all(struct log_txn *t, const char *text,
+                                         const struct sql_value *v, size_t nv,
+                                         struct store_subject **out, size_t *n,
+                                         struct errinfo *e)
 {
     void *rows;
     const enum status st =
@@ -125,10 +126,11 @@ enum status rows_subject_list(struct log_txn *t, int64_t after, size_t limit,
     const struct sql_value v[] = {
         sql_int(after), sql_int(limit < INT64_MAX ? (int64_t)limit : INT64_MAX)};
 
-    return list(t,
-                "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.subject_key > $1 "
-                "ORDER BY s.subject_key LIMIT $2",
-                v, 2, out, n, e);
+    return rows_subject_list_all(t,
+                                 "SELECT " ROWS_SUBJECT
+                                 " FROM subjects s WHERE s.subject_key > $1 "
+                                 "ORDER BY s.subject_key LIMIT $2",
+                                 v, 2, out, n, e);
 }
 
 enum status rows_subject_due(struct log_txn *t, const char *now,
@@ -136,10 +138,11 @@ enum status rows_subject_due(struct log_txn *t, const char *now,
 {
     const struct sql_value v = sql_text(now);
 
-    return list(t,
-                "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.expires <= $1 "
-                "ORDER BY s.expires, s.subject_key",
-                &v, 1, out, n, e);
+    return rows_subject_list_all(t,
+                                 "SELECT " ROWS_SUBJECT
+                                 " FROM subjects s WHERE s.expires <= $1 "
+                                 "ORDER BY s.expires, s.subject_key",
+                                 &v, 1, out, n, e);
 }
 
 /* ---- writing */

@@ -156,7 +156,7 @@ enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
     return sql_done(r, st, e);
 }
 
-struct listing {
+struct rows_table_listing {
     const struct log_txn *t;
     const struct rows_table *table;
     size_t size;
@@ -166,7 +166,7 @@ static enum status list_row(void *arg, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
     _Alignas(max_align_t) unsigned char row[ROWS_SIZE];
-    const struct listing *l = arg;
+    const struct rows_table_listing *l = arg;
     const enum status st = rows_table_read(l->t, l->table, r, 0, row, e);
 
     memcpy(out, row, l->size);
@@ -178,7 +178,7 @@ enum status rows_table_list(struct log_txn *t, const struct rows_table *table,
                             const char *text, const struct sql_value *value, size_t nv,
                             size_t size, void **list, size_t *n, struct errinfo *e)
 {
-    struct listing l = {t, table, size};
+    struct rows_table_listing l = {t, table, size};
     struct sql_rows *r;
     const enum status st = sql_query(t->sql, text, value, nv, &r, e);
 

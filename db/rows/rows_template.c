@@ -48,8 +48,8 @@ static const struct sql_field about[] = {
 
 #define ABOUT (sizeof about / sizeof *about)
 
-static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
-                     void *row)
+static bool rows_template_complete(const struct log_txn *t, const struct sql_rows *r,
+                                   int col, void *row)
 {
     const struct store_template *one = &((struct rows_template *)row)->one;
 
@@ -74,7 +74,7 @@ const struct rows_table rows_templates = {
     .mac = offsetof(struct rows_template, mac),
     .size = sizeof(struct rows_template),
     .id = COL_ID,
-    .complete = complete,
+    .complete = rows_template_complete,
 };
 
 /* ---- what is encrypted, under the subject's key */
@@ -153,7 +153,7 @@ enum status rows_template_get(struct log_txn *t, const char *id,
     return st == ST_OK ? describe(of, out, e) : st;
 }
 
-struct listing {
+struct rows_template_listing {
     const struct log_txn *t;
     const struct rows_subject *of;
 };
@@ -161,7 +161,7 @@ struct listing {
 static enum status list_row(void *arg, const struct sql_rows *r, void *out,
                             struct errinfo *e)
 {
-    const struct listing *l = arg;
+    const struct rows_template_listing *l = arg;
     const enum status st = rows_table_read(l->t, &rows_templates, r, 0, out, e);
 
     return st == ST_OK ? describe(l->of, out, e) : st;
@@ -176,11 +176,13 @@ static int by_number(const void *a, const void *b)
 }
 
 /* Those that there are, and the sum of their rows. */
-static enum status list(struct log_txn *t, const struct rows_subject *of,
-                        struct rows_template **out, size_t *n,
-                        unsigned char sum[LOG_DIGEST], struct errinfo *e)
+static enum status rows_template_list_rows(struct log_txn *t,
+                                           const struct rows_subject *of,
+                                           struct rows_template **out, size_t *n,
+                                           unsigned char sum[LOG_DIGEST],
+                                           struct errinfo *e)
 {
-    struct listing l = {t, of};
+    struct rows_template_listing l = {t, of};
     unsigned char lookup[CRYPT_HASH];
     struct sql_rows *r;
     void *rows = NULL;
@@ -205,7 +207,7 @@ enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
                                struct rows_template **out, size_t *n, struct errinfo *e)
 {
     unsigned char sum[LOG_DIGEST];
-    const enum status st = list(t, of, out, n, sum, e);
+    const enum status st = rows_template_list_rows(t, of, out, n, sum, e);
 
     if (st != ST_OK || sodium_memcmp(sum, of->templates, sizeof sum) == 0)
         return st;
@@ -414,7 +416,7 @@ enum status rows_template_accept(struct log_txn *t, struct rows_subject *of,
     struct rows_template *row = NULL;
     unsigned char sum[LOG_DIGEST];
     size_t n;
-    const enum status st = list(t, of, &row, &n, sum, e);
+    const enum status st = rows_template_list_rows(t, of, &row, &n, sum, e);
 
     free(row);
     if (st != ST_OK || memcmp(sum, of->templates, sizeof sum) == 0)

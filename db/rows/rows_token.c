@@ -27,8 +27,8 @@ static const struct sql_field columns[COL_MAC] = {
     F(TEXT_OR_NULL, token.old_until),
 };
 
-static bool complete(const struct log_txn *t, const struct sql_rows *r, int col,
-                     void *row)
+static bool rows_token_complete(const struct log_txn *t, const struct sql_rows *r,
+                                int col, void *row)
 {
     struct rows_token *one = row;
     struct store_token *k = &one->token;
@@ -52,7 +52,7 @@ const struct rows_table rows_tokens = {
     .mac = offsetof(struct rows_token, mac),
     .size = sizeof(struct rows_token),
     .id = COL_ID,
-    .complete = complete,
+    .complete = rows_token_complete,
 };
 
 enum status rows_token_get(struct log_txn *t, const char *id, struct rows_token *out,
@@ -72,7 +72,7 @@ enum status rows_token_find(struct log_txn *t, const unsigned char hash[ROWS_TOK
                            -1, sql_blob(hash, ROWS_TOKEN_HASH), "of this secret", out, e);
 }
 
-static void prepare(struct rows_token *one)
+static void rows_token_prepare(struct rows_token *one)
 {
     rows_scopes_write(one->token.scopes, one->scopes);
     if (one->token.old_until[0] == '\0')
@@ -81,13 +81,13 @@ static void prepare(struct rows_token *one)
 
 enum status rows_token_add(struct log_txn *t, struct rows_token *one, struct errinfo *e)
 {
-    prepare(one);
+    rows_token_prepare(one);
     return rows_table_insert(t, &rows_tokens, one, e);
 }
 
 enum status rows_token_write(struct log_txn *t, struct rows_token *one, struct errinfo *e)
 {
-    prepare(one);
+    rows_token_prepare(one);
     return rows_table_update(t, &rows_tokens, one, e);
 }
 

@@ -17,7 +17,7 @@
 #define ROW_BYTES 8    /* of them, the last ones: the row's own key */
 #define INDEXES   8    /* of a table, at most */
 
-struct walk {
+struct sql_file_index_walk {
     struct sql_sqlite_conn *c;
     void (*report)(void *arg, const char *line);
     void *arg;
@@ -38,7 +38,7 @@ struct key {
     unsigned char bytes[KEY_MAX];
 };
 
-static void problem(struct walk *w, const char *name, const char *what)
+static void problem(struct sql_file_index_walk *w, const char *name, const char *what)
 {
     char line[160];
 
@@ -47,7 +47,8 @@ static void problem(struct walk *w, const char *name, const char *what)
     w->problems++;
 }
 
-static enum status prepare(sqlite3 *db, const char *text, sqlite3_stmt **out)
+static enum status sql_file_index_prepare(sqlite3 *db, const char *text,
+                                          sqlite3_stmt **out)
 {
     return sqlite3_prepare_v2(db, text, -1, out, NULL) == SQLITE_OK ? ST_OK : ST_EDB;
 }
@@ -60,14 +61,16 @@ static const char of_table[] =
     "(SELECT * FROM sqlite_schema WHERE tbl_name = $1 COLLATE NOCASE ORDER BY type, name)";
 
 /* Other tables may be there: a tool that replicates the file may have made them. */
-static enum status compare_schemas(struct walk *w, sqlite3 *own)
+static enum status compare_schemas(struct sql_file_index_walk *w, sqlite3 *own)
 {
     sqlite3_stmt *names = NULL, *a = NULL, *b = NULL;
     enum status st = ST_OK;
     int rc = SQLITE_ERROR;
 
-    if (prepare(own, "SELECT DISTINCT tbl_name FROM sqlite_schema", &names) != ST_OK ||
-        prepare(own, of_table, &a) != ST_OK || prepare(w->c->db, of_table, &b) != ST_OK)
+    if (sql_file_index_prepare(own, "SELECT DISTINCT tbl_name FROM sqlite_schema",
+                               &names) != ST_OK ||
+        sql_file_index_prepare(own, of_table, &a) != ST_OK ||
+        sql_file_index_prepare(w->c->db, of_table, &b) != ST_OK)
         st = ST_EDB;
     while (st == ST_OK && (rc = sqlite3_step(names)) == SQLITE_ROW) {
         const char *name = (const char *)sqlite3_column_text(names, 0);
@@ -91,7 +94,7 @@ static enum status compare_schemas(struct walk *w, sqlite3 *own)
     return rc == SQLITE_DONE ? st : ST_EDB;
 }
 
-static enum status check_schema(struct walk *w, struct errinfo *e)
+static enum status check_schema(struct sql_file_index_walk *w, struct errinfo *e)
 {
     sqlite3 *own = NULL;
     enum status st = ST_EDB;
@@ -154,7 +157,7 @@ static bool read_key(struct key *k, sqlite3_stmt *stmt, int col, int n, int64_t 
     return true;
 }
 
-static uint64_t hash(const struct walk *w, const struct key *k)
+static uint64_t hash(const struct sql_file_index_walk *w, const struct key *k)
 {
     unsigned char bytes[crypto_shorthash_BYTES];
     uint64_t h = 0;
@@ -177,16 +180,19 @@ static bool is_before(const struct key *a, const struct key *b, bool unique)
 
 /* ---- walks */
 
-static enum status prepared(struct walk *w, sqlite3_str *text, sqlite3_stmt **out)
+static enum status prepared(struct sql_file_index_walk *w, sqlite3_str *text,
+                            sqlite3_stmt **out)
 {
     char *const sql = sqlite3_str_finish(text);
-    const enum status st = sql != NULL ? prepare(w->c->db, sql, out) : ST_ENOMEM;
+    const enum status st =
+        sql != NULL ? sql_file_index_prepare(w->c->db, sql, out) : ST_ENOMEM;
 
     sqlite3_free(sql);
     return st;
 }
 
-static enum status walk_index(struct walk *w, const char *table, struct index *x)
+static enum status walk_index(struct sql_file_index_walk *w, const char *table,
+                              struct index *x)
 {
     sqlite3_str *text = sqlite3_str_new(NULL);
     struct key key[2] = {{.n = 0}, {.n = 0}}; /* this one, and the one before */
@@ -215,8 +221,8 @@ static enum status walk_index(struct walk *w, const char *table, struct index *x
 
 /* Each row is looked for by its key, the last first: SQLite goes down the tree for each then, where
  * going up it would only take the next one. */
-static enum status walk_table(struct walk *w, const char *table, struct index *x,
-                              size_t n)
+static enum status walk_table(struct sql_file_index_walk *w, const char *table,
+                              struct index *x, size_t n)
 {
     sqlite3_str *text = sqlite3_str_new(NULL);
     sqlite3_stmt *stmt = NULL;
@@ -258,8 +264,8 @@ static enum status walk_table(struct walk *w, const char *table, struct index *x
 }
 
 /* The table's indexes, as they are declared. */
-static enum status read_indexes(struct walk *w, const char *table, struct index *x,
-                                size_t *n)
+static enum status read_indexes(struct sql_file_index_walk *w, const char *table,
+                                struct index *x, size_t *n)
 {
     static const char text[] =
         "SELECT l.name, (SELECT group_concat(name, ', ') FROM pragma_index_info(l.name)), "
@@ -267,7 +273,7 @@ static enum status read_indexes(struct walk *w, const char *table, struct index 
         "CASE l.partial WHEN 0 THEN '' ELSE substr(s.sql, instr(s.sql, ' WHERE ')) END "
         "FROM pragma_index_list($1) l JOIN sqlite_schema s ON s.name = l.name";
     sqlite3_stmt *stmt = NULL;
-    enum status st = prepare(w->c->db, text, &stmt);
+    enum status st = sql_file_index_prepare(w->c->db, text, &stmt);
     int rc = SQLITE_ERROR;
 
     *n = 0;
@@ -289,7 +295,8 @@ static enum status read_indexes(struct walk *w, const char *table, struct index 
     return st == ST_OK && rc != SQLITE_DONE ? ST_EDB : st;
 }
 
-static enum status check_table(struct walk *w, const char *table, struct errinfo *e)
+static enum status check_table(struct sql_file_index_walk *w, const char *table,
+                               struct errinfo *e)
 {
     struct index x[INDEXES];
     size_t n = 0;
@@ -313,7 +320,8 @@ enum status sql_file_index_check(struct sql_txn *t,
 {
     static const char *const tables[] = {"subjects", "templates", "tokens", "devices",
                                          "calibrations"};
-    struct walk w = {.c = (struct sql_sqlite_conn *)t, .report = report, .arg = arg};
+    struct sql_file_index_walk w = {
+        .c = (struct sql_sqlite_conn *)t, .report = report, .arg = arg};
     enum status st;
 
     *problems = 0;

@@ -127,8 +127,8 @@ static enum status connect_to(struct sql_postgres *d, const char *settings, int6
 }
 
 /* One at rest that is still good, or a new one.  until: as c->until. */
-static enum status take(struct sql_postgres *d, int64_t until,
-                        struct sql_postgres_conn **out, struct errinfo *e)
+static enum status sql_postgres_take(struct sql_postgres *d, int64_t until,
+                                     struct sql_postgres_conn **out, struct errinfo *e)
 {
     struct sql_postgres_conn *c;
 
@@ -199,7 +199,7 @@ static enum status begin_until(struct sql_postgres *d, enum sql_begin how, int64
 
     if (how != SQL_READ && d->read_only)
         return errinfo_set(e, ST_EDENIED, "%s: opened for reading only", d->url);
-    if ((st = take(d, until, &c, e)) != ST_OK)
+    if ((st = sql_postgres_take(d, until, &c, e)) != ST_OK)
         return st;
     c->wait_ms = WAIT_MS;
     c->until = until;
@@ -216,8 +216,8 @@ static enum status begin_until(struct sql_postgres *d, enum sql_begin how, int64
     return st;
 }
 
-static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
-                         struct errinfo *e)
+static enum status sql_postgres_begin(struct sql *of, enum sql_begin how,
+                                      struct sql_txn **t, struct errinfo *e)
 {
     return begin_until((struct sql_postgres *)of, how, INT64_MAX, t, e);
 }
@@ -249,15 +249,15 @@ static void prove(struct sql_txn *t, const char *text, const struct sql_value *v
 }
 
 /* A commit waits for what it has to write, and so for all before that. */
-static enum status settle(struct sql_txn *t, struct errinfo *e)
+static enum status sql_postgres_settle(struct sql_txn *t, struct errinfo *e)
 {
     return sql_run(t, "SELECT pg_logical_emit_message(true, 'surfaced', '')", NULL, 0, e);
 }
 
 /* ST_OK: it was committed; ST_ENOTFOUND: it was not, nor will it be, as the lock that it held is
  * free.  What is seen may not be on a standby yet. */
-static enum status look(const struct sql_postgres_conn *lost, int64_t until,
-                        struct errinfo *e)
+static enum status sql_postgres_look(const struct sql_postgres_conn *lost, int64_t until,
+                                     struct errinfo *e)
 {
     struct sql_rows *r;
     struct sql_txn *t;
@@ -270,7 +270,7 @@ static enum status look(const struct sql_postgres_conn *lost, int64_t until,
         st = sql_done(r, st, e);
     }
     if (st == ST_OK)
-        st = settle(t, e);
+        st = sql_postgres_settle(t, e);
     return sql_end(t, st, e);
 }
 
@@ -282,7 +282,7 @@ static enum status find_out(const struct sql_postgres_conn *lost, struct errinfo
 
     close_idle(lost->of);
     while (lost->proof != NULL && sql_postgres_wait_clock() < until && st == ST_EBUSY)
-        if ((st = look(lost, until, e)) == ST_EBUSY)
+        if ((st = sql_postgres_look(lost, until, e)) == ST_EBUSY)
             wait_a_while();
     if (st == ST_OK)
         return st;
@@ -293,7 +293,7 @@ static enum status find_out(const struct sql_postgres_conn *lost, struct errinfo
                              "have done or not");
 }
 
-static enum status end(struct sql_txn *t, enum status st, struct errinfo *e)
+static enum status sql_postgres_end(struct sql_txn *t, enum status st, struct errinfo *e)
 {
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
 
@@ -352,7 +352,7 @@ static enum status version(struct sql_txn *t, int *out, struct errinfo *e)
 }
 
 /* Several statements at once, which a pipeline does not take. */
-static enum status create(struct sql_txn *t, struct errinfo *e)
+static enum status sql_postgres_create(struct sql_txn *t, struct errinfo *e)
 {
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
 
@@ -444,8 +444,8 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
     (void)pthread_mutex_init(&d->lock, NULL);
     if (how == SQL_OPEN_ALONE)
         st = take_alone(d, e);
-    if (st == ST_OK && (st = begin(&d->base, SQL_READ, &t, e)) == ST_OK)
-        st = end(t, version(t, &d->base.version, e), e);
+    if (st == ST_OK && (st = sql_postgres_begin(&d->base, SQL_READ, &t, e)) == ST_OK)
+        st = sql_postgres_end(t, version(t, &d->base.version, e), e);
     if (st == ST_OK)
         *out = &d->base;
     else
@@ -455,15 +455,15 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
 
 const struct sql_driver sql_postgres_driver = {
     .close = close_server,
-    .begin = begin,
-    .end = end,
+    .begin = sql_postgres_begin,
+    .end = sql_postgres_end,
     .version = version,
-    .create = create,
+    .create = sql_postgres_create,
     .bytes = bytes,
     .lock = lock,
     .ahead = sql_postgres_conn_ahead,
     .prove = prove,
-    .settle = settle,
+    .settle = sql_postgres_settle,
     .run = sql_postgres_conn_run,
     .changed = sql_postgres_conn_changed,
     .query = sql_postgres_conn_query,

@@ -14,7 +14,7 @@ int64_t sql_postgres_wait_clock(void)
 
 /* Sends what the socket takes, waits once, and reads what has come.  Returns false if the connection is
  * lost, or `until` has passed. */
-static bool step(PGconn *pg, int64_t until)
+static bool sql_postgres_wait_step(PGconn *pg, int64_t until)
 {
     const int unsent = PQflush(pg);
     struct pollfd fd = {.fd = PQsocket(pg),
@@ -33,7 +33,7 @@ static bool step(PGconn *pg, int64_t until)
 bool sql_postgres_wait(PGconn *pg, int64_t until)
 {
     while (PQisBusy(pg))
-        if (!step(pg, until))
+        if (!sql_postgres_wait_step(pg, until))
             return false;
     return true;
 }
@@ -43,7 +43,7 @@ bool sql_postgres_wait_sent(PGconn *pg, int64_t until)
     int unsent;
 
     while ((unsent = PQflush(pg)) > 0)
-        if (!step(pg, until))
+        if (!sql_postgres_wait_step(pg, until))
             return false;
     return unsent == 0;
 }

@@ -162,8 +162,8 @@ bool sql_read_count(const struct sql_rows *r, int col, int64_t max, uint32_t *ou
 /* ---- lists */
 
 /* Room for one more object of size bytes in *list, doubling. */
-static enum status grow(unsigned char **list, size_t n, size_t *room, size_t size,
-                        struct errinfo *e)
+static enum status sql_read_grow(unsigned char **list, size_t n, size_t *room,
+                                 size_t size, struct errinfo *e)
 {
     unsigned char *larger;
 
@@ -186,7 +186,7 @@ enum status sql_read_list(struct sql_rows *r, enum status st, sql_read_row *row,
     *out = NULL;
     *n = 0;
     while (st == ST_OK && sql_next(r))
-        if ((st = grow(&list, count, &room, size, e)) == ST_OK)
+        if ((st = sql_read_grow(&list, count, &room, size, e)) == ST_OK)
             st = row(arg, r, list + count++ * size, e);
     if ((st = sql_done(r, st, e)) != ST_OK) {
         free(list);

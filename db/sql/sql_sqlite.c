@@ -27,8 +27,8 @@ static enum status open_query(struct sql_sqlite *d, struct sql_sqlite_conn **c,
     return st;
 }
 
-static enum status take(struct sql_sqlite *d, struct sql_sqlite_conn **c,
-                        struct errinfo *e)
+static enum status sql_sqlite_take(struct sql_sqlite *d, struct sql_sqlite_conn **c,
+                                   struct errinfo *e)
 {
     pthread_mutex_lock(&d->lock);
     if ((*c = d->idle) != NULL)
@@ -110,7 +110,8 @@ void sql_sqlite_truncate(struct sql_sqlite *d, int ms)
 /* ---- transactions */
 
 /* BEGIN and its like are the driver's own, and the commonest of all. */
-static enum status step(struct sql_sqlite_conn *c, const char *text, struct errinfo *e)
+static enum status sql_sqlite_step(struct sql_sqlite_conn *c, const char *text,
+                                   struct errinfo *e)
 {
     return sql_run(&c->base, text, NULL, 0, e);
 }
@@ -135,7 +136,7 @@ static const struct {
                   "BEGIN EXCLUSIVE"},
 };
 
-static void release(struct sql_sqlite_conn *t)
+static void sql_sqlite_release(struct sql_sqlite_conn *t)
 {
     if (t != t->of->writer)
         give_back(t->of, t);
@@ -143,15 +144,15 @@ static void release(struct sql_sqlite_conn *t)
         sql_sqlite_unlock(t->of);
 }
 
-static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
-                         struct errinfo *e)
+static enum status sql_sqlite_begin(struct sql *of, enum sql_begin how,
+                                    struct sql_txn **t, struct errinfo *e)
 {
     struct sql_sqlite *d = (struct sql_sqlite *)of;
     struct sql_sqlite_conn *c = d->writer;
     enum status st;
 
     if (how == SQL_READ && !d->single)
-        st = take(d, &c, e);
+        st = sql_sqlite_take(d, &c, e);
     else
         st = sql_sqlite_lock(d, how == SQL_TRY ? 0 : SQL_SQLITE_BUSY_MS, e);
     if (st != ST_OK)
@@ -160,26 +161,27 @@ static enum status begin(struct sql *of, enum sql_begin how, struct sql_txn **t,
     c->writes = how != SQL_READ;
     c->makes = how == SQL_SCHEMA || how == SQL_COPY;
     st = sql_sqlite_conn_exec(c, transaction[how].configure, "cannot configure", e);
-    if (st != ST_OK || (st = step(c, transaction[how].begin, e)) != ST_OK)
-        release(c);
+    if (st != ST_OK || (st = sql_sqlite_step(c, transaction[how].begin, e)) != ST_OK)
+        sql_sqlite_release(c);
     *t = &c->base;
     return st;
 }
 
-static enum status end(struct sql_txn *t, enum status st, struct errinfo *e)
+static enum status sql_sqlite_end(struct sql_txn *t, enum status st, struct errinfo *e)
 {
     struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
     struct sql_sqlite *d = c->of;
 
     if (st == ST_OK && c->writes)
-        st = step(c, "COMMIT", e);
+        st = sql_sqlite_step(c, "COMMIT", e);
     if (!sqlite3_get_autocommit(c->db))
-        (void)step(c, "ROLLBACK", NULL); /* a reader's, which has changed nothing, too */
+        (void)sql_sqlite_step(c, "ROLLBACK",
+                              NULL); /* a reader's, which has changed nothing, too */
     if (st == ST_OK && c->makes)
         d->made = false;
     if (c->writes && atomic_load(&d->scrub)) /* costs little while the reader is there */
         sql_sqlite_truncate(d, 0);
-    release(c);
+    sql_sqlite_release(c);
     return st;
 }
 
@@ -188,7 +190,7 @@ static enum status version(struct sql_txn *t, int *out, struct errinfo *e)
     return sql_sqlite_conn_version((struct sql_sqlite_conn *)t, out, e);
 }
 
-static enum status create(struct sql_txn *t, struct errinfo *e)
+static enum status sql_sqlite_create(struct sql_txn *t, struct errinfo *e)
 {
     struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
     const enum status st =
@@ -291,7 +293,7 @@ static enum status open_reader(struct sql_sqlite *d, struct errinfo *e)
 
     if (faccessat(AT_FDCWD, d->path, W_OK, AT_EACCESS) == 0)
         d->flags = SQLITE_OPEN_READWRITE;
-    st = take(d, &c, e);
+    st = sql_sqlite_take(d, &c, e);
     if (st != ST_OK)
         return st;
     st = sql_sqlite_conn_version(c, &d->base.version, e);
@@ -352,10 +354,10 @@ enum status sql_sqlite_open(const char *path, enum sql_open how, struct sql **ou
 const struct sql_driver sql_sqlite_driver = {
     .file = true,
     .close = close_all,
-    .begin = begin,
-    .end = end,
+    .begin = sql_sqlite_begin,
+    .end = sql_sqlite_end,
     .version = version,
-    .create = create,
+    .create = sql_sqlite_create,
     .bytes = bytes,
     .run = sql_sqlite_conn_run,
     .changed = sql_sqlite_conn_changed,

@@ -211,8 +211,9 @@ static struct sql_sqlite_rows *find_slot(struct sql_sqlite_conn *c, const char *
 }
 
 /* The statement of this text, ready to bind. */
-static enum status prepare(struct sql_sqlite_conn *c, const char *text,
-                           struct sql_sqlite_rows **out, struct errinfo *e)
+static enum status sql_sqlite_conn_prepare(struct sql_sqlite_conn *c, const char *text,
+                                           struct sql_sqlite_rows **out,
+                                           struct errinfo *e)
 {
     struct sql_sqlite_rows *r = *out = find_slot(c, text);
 
@@ -250,12 +251,12 @@ static int bind_value(sqlite3_stmt *stmt, int at, const struct sql_value *v,
     return sqlite3_bind_null(stmt, at);
 }
 
-static enum status start(struct sql_sqlite_conn *c, const char *text,
-                         const struct sql_value *value, size_t n,
-                         sqlite3_destructor_type copied, struct sql_sqlite_rows **out,
-                         struct errinfo *e)
+static enum status sql_sqlite_conn_start(struct sql_sqlite_conn *c, const char *text,
+                                         const struct sql_value *value, size_t n,
+                                         sqlite3_destructor_type copied,
+                                         struct sql_sqlite_rows **out, struct errinfo *e)
 {
-    const enum status st = prepare(c, text, out, e);
+    const enum status st = sql_sqlite_conn_prepare(c, text, out, e);
     sqlite3_stmt *stmt = st == ST_OK ? (*out)->stmt : NULL;
 
     for (int i = 1; st == ST_OK && i <= sqlite3_bind_parameter_count(stmt); i++) {
@@ -277,7 +278,7 @@ enum status sql_sqlite_conn_run(struct sql_txn *t, const char *text,
 {
     struct sql_sqlite_conn *c = (struct sql_sqlite_conn *)t;
     struct sql_sqlite_rows *r;
-    enum status st = start(c, text, value, n, SQLITE_STATIC, &r, e);
+    enum status st = sql_sqlite_conn_start(c, text, value, n, SQLITE_STATIC, &r, e);
 
     c->changed = 0;
     if (st == ST_OK && sqlite3_step(r->stmt) != SQLITE_DONE)
@@ -305,8 +306,8 @@ enum status sql_sqlite_conn_query(struct sql_txn *t, const char *text,
                                   struct sql_rows **out, struct errinfo *e)
 {
     struct sql_sqlite_rows *r;
-    const enum status st =
-        start((struct sql_sqlite_conn *)t, text, value, n, SQLITE_TRANSIENT, &r, e);
+    const enum status st = sql_sqlite_conn_start((struct sql_sqlite_conn *)t, text, value,
+                                                 n, SQLITE_TRANSIENT, &r, e);
 
     (void)stream; /* rows are read as they are asked for */
     *out = NULL;

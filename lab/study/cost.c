@@ -25,7 +25,7 @@ static const char *const stage_name[STAGES] = {
     "measure"};
 
 /* Two clouds, and everything the paper does with them. */
-struct pair {
+struct cost_pair {
     struct ivec3 *pts[2];
     size_t n[2];
     struct study_surface side[2];
@@ -38,7 +38,7 @@ struct pair {
     struct disparity out;
 };
 
-static void pair_room(struct pair *p)
+static void pair_room(struct cost_pair *p)
 {
     const size_t n[2] = {p->n[0], p->n[1]};
 
@@ -50,7 +50,7 @@ static void pair_room(struct pair *p)
     p->vertex = study_alloc(n[0] + n[1], sizeof *p->vertex);
 }
 
-static void pair_free(struct pair *p)
+static void pair_free(struct cost_pair *p)
 {
     for (int i = 0; i < 2; i++) {
         free(p->pts[i]);
@@ -128,7 +128,7 @@ static void strip(struct mesh *m)
 }
 
 /* build(p, i, row): a side's triangulation and tree. */
-static void build(struct pair *p, int i, struct timing row[STAGES])
+static void cost_build(struct cost_pair *p, int i, struct timing row[STAGES])
 {
     double t = now_ms();
 
@@ -141,13 +141,13 @@ static void build(struct pair *p, int i, struct timing row[STAGES])
 
 /* pass(p, row): the paper's stages once, each timed for both sides together but the first
  * two, which are timed for each. */
-static void pass(struct pair *p, struct timing row[STAGES])
+static void pass(struct cost_pair *p, struct timing row[STAGES])
 {
     const struct mesh *a = &p->side[0].surface.mesh, *b = &p->side[1].surface.mesh;
     double t;
 
     for (int i = 0; i < 2; i++)
-        build(p, i, row);
+        cost_build(p, i, row);
     study_must(mesh_copy(&p->stored, a, 0));
     strip(&p->stored);
     t = now_ms();
@@ -181,7 +181,7 @@ static void table1(const struct study *study)
     static const double paper[STAGES] = {124, 203, NAN, 15, 1, 31, 31};
     /* Of both clouds' cost, what is left with one of them stored. */
     static const double left[STAGES] = {0.5, 0.5, 1, 1, 1, 1, 1};
-    struct pair *p = study_alloc(PAIRS, sizeof *p);
+    struct cost_pair *p = study_alloc(PAIRS, sizeof *p);
     struct timing *row = study_alloc(STAGES, sizeof *row);
     double sum[4] = {0, 0, 0, 0};
     FILE *f = study_open(study, "table1.csv");
@@ -227,12 +227,12 @@ static void table1(const struct study *study)
 
 /* ---- tables 2 to 4: the first n points of two large clouds in random order */
 
-static void measure(const struct study *study, const struct ivec3 *const all[2], size_t n,
-                    double ms[STAGES])
+static void cost_measure(const struct study *study, const struct ivec3 *const all[2],
+                         size_t n, double ms[STAGES])
 {
     const size_t rounds = study->reduced ? 1 : n > 30000 ? 9 : 600000 / n + 3;
     struct timing *row = study_alloc(STAGES, sizeof *row);
-    struct pair p = {.n = {n, n}};
+    struct cost_pair p = {.n = {n, n}};
 
     for (int i = 0; i < 2; i++) {
         p.pts[i] = study_alloc(n, sizeof *p.pts[i]);
@@ -283,7 +283,7 @@ static void papers(const struct study *study, const struct ivec3 *const all[2],
         const double points = (double)row[i].n;
 
         if (row[i].n <= most) {
-            measure(study, all, row[i].n, ms);
+            cost_measure(study, all, row[i].n, ms);
             /* The paper locates one mesh in the other; the pass does it both ways. */
             ours[k] = ms[row[i].s] / (row[i].s == LOCATE ? 2 : 1);
             n[k] = points;

@@ -96,7 +96,7 @@ static void gap_map(const struct study *study, const char *name,
     study_close(f);
 }
 
-static void figures(const struct study *study, struct surface_work *w)
+static void faces_figures(const struct study *study, struct surface_work *w)
 {
     static const struct {
         const char *name, *what;
@@ -151,6 +151,6 @@ void faces_run(const struct study *study)
     struct surface_work *w = surface_work_new(NULL);
 
     study_must(w != NULL ? ST_OK : ST_ENOMEM);
-    figures(study, w);
+    faces_figures(study, w);
     surface_work_free(w);
 }

@@ -202,7 +202,7 @@ static void tables(const struct study *study, const struct draws *d)
 }
 
 /* ---- figures 2 to 8: one draw, the first of the tables' */
-static void figures(const struct study *study)
+static void missing_figures(const struct study *study)
 {
     struct study_random r = {study->seed};
     struct study_surface s = {0};
@@ -238,7 +238,7 @@ void missing_run(const struct study *study)
 {
     struct draws d = {.n = study->reduced ? 40 : DRAWS};
 
-    figures(study);
+    missing_figures(study);
     all_draws(study, &d);
     tables(study, &d);
     for (unsigned f = 0; f < STUDY_FUNCTIONS; f++)

@@ -77,7 +77,7 @@ struct burst *burst_read(struct request *r, struct surface_work *w)
 }
 
 /* Ends j. */
-static char *list(struct json *j, const struct burst *b)
+static char *burst_list(struct json *j, const struct burst *b)
 {
     json_array(j, "templates");
     for (size_t i = 0; i < b->n; i++) {
@@ -101,7 +101,7 @@ void burst_respond(struct request *r, const struct burst *b)
             created = created || b->each[i].created;
         }
     json_text(j, "subject", r->subject);
-    request_respond(r, created ? 201 : 200, list(j, b));
+    request_respond(r, created ? 201 : 200, burst_list(j, b));
     if (first != NULL && r->response.http < 300)
         request_template(r, first);
 }
@@ -114,7 +114,7 @@ void burst_refuse(struct request *r, const struct burst *b)
     (void)snprintf(detail, sizeof detail, "none of the %zu files was enrolled; %.80s: %s",
                    b->n, b->file[0].name, why->msg);
     request_refuse(r, why->code,
-                   list(errmap_problem(errmap_get(why->code), detail, r->id), b));
+                   burst_list(errmap_problem(errmap_get(why->code), detail, r->id), b));
 }
 
 void burst_free(struct burst *b)

@@ -36,7 +36,7 @@ static enum status done(struct request *r, enum status st, struct errinfo *e)
 }
 
 /* r->response is set already where a parameter is wrong. */
-static enum status fail(struct request *r, enum status st, const struct errinfo *e)
+static enum status cloud_fail(struct request *r, enum status st, const struct errinfo *e)
 {
     if (st != ST_OK && r->response.http == 0)
         request_fail(r, e);
@@ -61,7 +61,7 @@ enum status cloud_read(struct request *r, struct cloudpoints *out)
 {
     struct errinfo e = {0};
 
-    return fail(r, cloud_take(r, out, &e), &e);
+    return cloud_fail(r, cloud_take(r, out, &e), &e);
 }
 
 /* len bytes, of which the last is followed by one that may be written. */
@@ -170,7 +170,7 @@ enum status cloud_read_two(struct request *r, struct cloudpoints *a,
              : parse_clouds((const char *)r->body, r->len, &g.o, a, b, &e);
     a->axes_given = a->axes_given || g.axes_given;
     b->axes_given = b->axes_given || g.axes_given;
-    return fail(r, done(r, st, &e), &e);
+    return cloud_fail(r, done(r, st, &e), &e);
 }
 
 enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
@@ -184,5 +184,5 @@ enum status cloud_build(struct request *r, struct cloudpoints *c, const char *na
     if (request_gone(r))
         return ST_EBUSY;
     st = sample_build(name, c, &o, w, out, found, &e);
-    return request_gone(r) ? ST_EBUSY : fail(r, st, &e);
+    return request_gone(r) ? ST_EBUSY : cloud_fail(r, st, &e);
 }

@@ -124,7 +124,7 @@ static void surfaces(struct request *r, const struct worker *w,
         access_event(r, "surface", "sent");
 }
 
-static void respond(struct request *r, struct worker *w, struct verification *v)
+static void compare_respond(struct request *r, struct worker *w, struct verification *v)
 {
     const enum verify_detail detail = v->request->detail;
     struct describe_comparison c;
@@ -155,8 +155,8 @@ static void note(struct request *r, const struct verification *v)
 }
 
 /* A refusal of the frames of a form tells what became of each. */
-static void refuse(struct request *r, const struct verification *v,
-                   const struct form *form, const struct errinfo *e)
+static void compare_refuse_verification(struct request *r, const struct verification *v,
+                                        const struct form *form, const struct errinfo *e)
 {
     const bool scan =
         dry_run_is_refusal(e->code) || e->code == ST_EPEOPLE || e->code == ST_EINVAL;
@@ -168,8 +168,8 @@ static void refuse(struct request *r, const struct verification *v,
 }
 
 /* form: with the probe; NULL: it is of one file. */
-static void run(struct request *r, struct worker *w, struct verify_request *ask,
-                const struct form *form, double parse_ms)
+static void compare_run(struct request *r, struct worker *w, struct verify_request *ask,
+                        const struct form *form, double parse_ms)
 {
     struct verification v;
     struct errinfo e = {0};
@@ -191,9 +191,9 @@ static void run(struct request *r, struct worker *w, struct verify_request *ask,
     if (st == ST_OK && ask->other != NULL)
         record_comparison(r, v.best.result.decision);
     if (st == ST_OK)
-        respond(r, w, &v);
+        compare_respond(r, w, &v);
     else if (!request_gone(r))
-        refuse(r, &v, form, &e);
+        compare_refuse_verification(r, &v, form, &e);
     verify_free(&v);
 }
 
@@ -205,13 +205,13 @@ static void verify_form(struct request *r, struct worker *w, struct verify_reque
     if (f == NULL)
         return;
     ask->probe.frames = &f->session;
-    run(r, w, ask, f, f->parse_ms);
+    compare_run(r, w, ask, f, f->parse_ms);
     form_free(f);
 }
 
 /* One of subject and template_id is NULL. */
-static void verify(struct request *r, struct worker *w, const char *subject,
-                   const char *template_id)
+static void compare_verify(struct request *r, struct worker *w, const char *subject,
+                           const char *template_id)
 {
     struct verify_request ask = {.of = {.subject = subject,
                                         .template_id = template_id,
@@ -231,17 +231,17 @@ static void verify(struct request *r, struct worker *w, const char *subject,
     ask.probe.len = r->len;
     r->body = NULL;
     r->len = 0;
-    run(r, w, &ask, NULL, 0);
+    compare_run(r, w, &ask, NULL, 0);
 }
 
 void compare_subject(struct request *r, struct worker *w)
 {
-    verify(r, w, r->subject, NULL);
+    compare_verify(r, w, r->subject, NULL);
 }
 
 void compare_template(struct request *r, struct worker *w)
 {
-    verify(r, w, NULL, r->template_id);
+    compare_verify(r, w, NULL, r->template_id);
 }
 
 void compare_scans(struct request *r, struct worker *w)
@@ -254,5 +254,5 @@ void compare_scans(struct request *r, struct worker *w)
         return;
     start = logger_clock_ms();
     if (cloud_read_two(r, &a.points, &ask.probe.points) == ST_OK)
-        run(r, w, &ask, NULL, logger_clock_ms() - start);
+        compare_run(r, w, &ask, NULL, logger_clock_ms() - start);
 }

@@ -61,7 +61,7 @@ static struct enrolment enrolment_of(const struct request *r, const struct asked
 }
 
 /* Before the work on a scan.  False: r->response says why not. */
-static bool begin(struct request *r, struct worker *w, struct asked *ask)
+static bool enroll_begin(struct request *r, struct worker *w, struct asked *ask)
 {
     const struct enrolment x = enrolment_of(r, ask);
     struct errinfo e = {0};
@@ -213,7 +213,7 @@ void enroll_handle(struct request *r, struct worker *w)
     struct asked ask = {.begun = {.context = &w->compare}};
 
     r->result.kind = "enroll";
-    if (read_parameters(r, &ask) && begin(r, w, &ask))
+    if (read_parameters(r, &ask) && enroll_begin(r, w, &ask))
         enroll_scans(r, w, &ask);
     templates_free(&ask.begun);
 }

@@ -33,7 +33,7 @@ static const char *reason(enum status st)
     }
 }
 
-static void respond(struct request *r, const char *name, const char *value)
+static void health_respond(struct request *r, const char *name, const char *value)
 {
     struct json *j = json_new();
 
@@ -44,7 +44,7 @@ static void respond(struct request *r, const char *name, const char *value)
 void health_live(struct request *r, struct worker *w)
 {
     (void)w;
-    respond(r, "status", "ok");
+    health_respond(r, "status", "ok");
 }
 
 void health_ready(struct request *r, struct worker *w)
@@ -57,7 +57,7 @@ void health_ready(struct request *r, struct worker *w)
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
                in_force_get(r->app->store, &k, &e) == ST_OK) {
-        respond(r, "status", "ready");
+        health_respond(r, "status", "ready");
     } else {
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));
         r->failed = e.code;
@@ -79,7 +79,7 @@ void health_version(struct request *r, struct worker *w)
 
     (void)w;
     version_of(r->app->store, version);
-    respond(r, "version", version);
+    health_respond(r, "version", version);
 }
 
 static void describe_daemon(struct json *j, struct app *app)

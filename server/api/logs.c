@@ -32,8 +32,8 @@ struct asked {
     char since[32], until[32];
 };
 
-static bool take(struct request *r, const char *name, char *to, size_t size,
-                 const char **out)
+static bool logs_take(struct request *r, const char *name, char *to, size_t size,
+                      const char **out)
 {
     if (!params_text(r, name, to, size))
         return false;
@@ -47,11 +47,11 @@ static bool ask(struct request *r, struct asked *a)
 
     memset(a, 0, sizeof *a);
     f->names = true;
-    return take(r, "subject", a->subject, sizeof a->subject, &f->subject) &&
-           take(r, "kind", a->kind, sizeof a->kind, &f->kind) &&
-           take(r, "actor", a->actor, sizeof a->actor, &f->actor) &&
-           take(r, "since", a->since, sizeof a->since, &f->since) &&
-           take(r, "until", a->until, sizeof a->until, &f->until);
+    return logs_take(r, "subject", a->subject, sizeof a->subject, &f->subject) &&
+           logs_take(r, "kind", a->kind, sizeof a->kind, &f->kind) &&
+           logs_take(r, "actor", a->actor, sizeof a->actor, &f->actor) &&
+           logs_take(r, "since", a->since, sizeof a->since, &f->since) &&
+           logs_take(r, "until", a->until, sizeof a->until, &f->until);
 }
 
 /* Numbers with hyphens: of the changes, and of each daemon's accesses. */
@@ -93,8 +93,8 @@ static bool take_place(struct request *r, const char *name, uint64_t least,
     return false;
 }
 
-static char *write_page(const struct store_audit_entry *a, size_t n,
-                        const struct store_audit_place *next, bool more)
+static char *logs_write_page(const struct store_audit_entry *a, size_t n,
+                             const struct store_audit_place *next, bool more)
 {
     struct json *j = json_new();
     char place[PLACE_MAX];
@@ -135,7 +135,7 @@ void logs_list(struct request *r, struct worker *w)
     if (store_audit_list(r->app->store, &a.filter, &list, &n, &next, &e) != ST_OK)
         request_fail(r, &e);
     else
-        request_respond(r, 200, write_page(list, n, &next, after || !next.end));
+        request_respond(r, 200, logs_write_page(list, n, &next, after || !next.end));
     free(list);
 }
 
@@ -146,7 +146,7 @@ struct finding_list {
     unsigned n;
 };
 
-static void tell(void *arg, enum log_name log, uint64_t seq, const char *line)
+static void logs_tell(void *arg, enum log_name log, uint64_t seq, const char *line)
 {
     struct finding_list *l = arg;
     char text[256];
@@ -191,7 +191,7 @@ void logs_verify(struct request *r, struct worker *w)
     (void)w;
     json_array(list.j, "findings");
     if ((st = store_stats(r->app->store, false, &all, &e)) == ST_OK)
-        st = store_audit_verify(r->app->store, tell, &list, &found, &e);
+        st = store_audit_verify(r->app->store, logs_tell, &list, &found, &e);
     json_close(list.j);
     if (st == ST_OK) {
         request_respond(r, 200,

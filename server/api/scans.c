@@ -23,8 +23,9 @@
 /* of a scan as it came */
 #define SHOWN_POINTS 20000
 
-static void respond(struct request *r, const struct worker *w, const struct dry_run *t,
-                    const struct describe_times *times, const struct cloudpoints *shown)
+static void scans_respond(struct request *r, const struct worker *w,
+                          const struct dry_run *t, const struct describe_times *times,
+                          const struct cloudpoints *shown)
 {
     const bool face = t->verification == ST_OK;
     struct json *j = json_new();
@@ -75,7 +76,7 @@ void scans_check(struct request *r, struct worker *w)
     }
     times.total = logger_clock_ms() - r->start_ms;
     if (st == ST_OK && !request_gone(r))
-        respond(r, w, &t, &times, shown ? &c : NULL);
+        scans_respond(r, w, &t, &times, shown ? &c : NULL);
     else if (!request_gone(r))
         request_fail(r, &t.why);
     cloudpoints_free(&c);

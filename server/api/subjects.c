@@ -118,7 +118,8 @@ void subjects_list(struct request *r, struct worker *w)
 }
 
 /* 200 with the subject as it is now; respond: request_respond() or request_written(). */
-static void show(struct request *r, void (*respond)(struct request *, int, char *))
+static void subjects_show_one(struct request *r,
+                              void (*respond)(struct request *, int, char *))
 {
     struct store_subject s;
     struct store_template *t = NULL;
@@ -139,7 +140,7 @@ static void show(struct request *r, void (*respond)(struct request *, int, char 
 void subjects_show(struct request *r, struct worker *w)
 {
     (void)w;
-    show(r, request_respond);
+    subjects_show_one(r, request_respond);
 }
 
 void subjects_add(struct request *r, struct worker *w)
@@ -175,7 +176,7 @@ void subjects_change(struct request *r, struct worker *w)
         store_subject_set(r->app->store, r->actor, r->subject, &to.what, &e) != ST_OK)
         request_fail(r, &e);
     else
-        show(r, request_written);
+        subjects_show_one(r, request_written);
 }
 
 void subjects_delete(struct request *r, struct worker *w)

@@ -50,8 +50,8 @@ void tokens_list(struct request *r, struct worker *w)
 }
 
 /* With its secret, which is wiped. */
-static void respond(struct request *r, int http, const struct store_token *t,
-                    char secret[65])
+static void tokens_respond(struct request *r, int http, const struct store_token *t,
+                           char secret[65])
 {
     struct json *j = json_new();
 
@@ -79,7 +79,7 @@ void tokens_create(struct request *r, struct worker *w)
         request_fail(r, &e);
         return;
     }
-    respond(r, 201, &t, secret);
+    tokens_respond(r, 201, &t, secret);
     if (r->response.http == 201)
         (void)snprintf(r->response.location, sizeof r->response.location, "/v1/tokens/%s",
                        t.id);
@@ -113,7 +113,7 @@ void tokens_rotate(struct request *r, struct worker *w)
         return;
     if (store_token_rotate(r->app->store, r->actor, r->token_id, grace_s, STORE_SAME_END,
                            secret, &t, &e) == ST_OK)
-        respond(r, 200, &t, secret);
+        tokens_respond(r, 200, &t, secret);
     else if (e.code == ST_EDENIED)
         request_problem(r, ERRMAP_REVOKED, "%s", e.msg);
     else

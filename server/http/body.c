@@ -167,7 +167,7 @@ static size_t weigh_scan(const struct request *r, const unsigned char *bytes, si
 }
 
 /* What the body becomes, SIZE_MAX if that is not known yet. */
-static size_t weigh(const struct request *r)
+static size_t body_weigh(const struct request *r)
 {
     struct multipart_file f[MULTIPART_FILES_MAX];
     struct errinfo e = {0};
@@ -193,7 +193,7 @@ bool body_unpack(struct request *r)
     if (!decompress(r) || (r->media == REQUEST_FORM && r->route->body != ROUTE_PAIR &&
                            !(take_files(r) && decompress(r))))
         return false;
-    if (r->large || r->len == 0 || weigh(r) <= QUOTA_SMALL)
+    if (r->large || r->len == 0 || body_weigh(r) <= QUOTA_SMALL)
         return true;
     r->large = true;
     return false;

@@ -63,7 +63,7 @@ static bool read_field(const char *s, size_t len, struct capture *c)
 }
 
 /* c is empty. */
-static bool read_header(const char *s, struct capture *c)
+static bool capture_read_header(const char *s, struct capture *c)
 {
     const char *liveness = c->field[LIVENESS];
     size_t n;
@@ -86,7 +86,7 @@ static bool read_header(const char *s, struct capture *c)
 
 /* ---- taking a capture */
 
-static bool refuse(struct request *r, unsigned problem, const char *why)
+static bool capture_refuse(struct request *r, unsigned problem, const char *why)
 {
     metrics_capture(r->app->metrics, problem);
     request_problem(r, problem, "%s", why);
@@ -145,12 +145,12 @@ static bool judge(struct request *r, const struct capture *c, enum store_capture
     }
     if (is == STORE_CAPTURED) {
         record(r, ERRMAP_LIVENESS);
-        return refuse(r, ERRMAP_LIVENESS,
-                      "the scanner reports that this is not a living face");
+        return capture_refuse(r, ERRMAP_LIVENESS,
+                              "the scanner reports that this is not a living face");
     }
     if (is == STORE_CAPTURE_STALE || is == STORE_CAPTURE_REPLAYED)
         record(r, refusal[is].problem);
-    return refuse(r, refusal[is].problem, refusal[is].why);
+    return capture_refuse(r, refusal[is].problem, refusal[is].why);
 }
 
 bool capture_admit(struct request *r)
@@ -167,13 +167,13 @@ bool capture_admit(struct request *r)
         return true;
     if (x->header[0] == '\0' && !x->bad)
         return !r->app->signed_captures ||
-               refuse(r, ERRMAP_CAPTURE_REQUIRED,
-                      "send Capture-Signature, made by a scanner registered with "
-                      "surfacectl device add");
-    if (x->bad || !read_header(x->header, &c))
-        return refuse(r, ERRMAP_CAPTURE_INVALID,
-                      "Capture-Signature is not once device=NAME; nonce=NONCE; "
-                      "liveness=pass|fail|none; sig=BASE64");
+               capture_refuse(r, ERRMAP_CAPTURE_REQUIRED,
+                              "send Capture-Signature, made by a scanner registered with "
+                              "surfacectl device add");
+    if (x->bad || !capture_read_header(x->header, &c))
+        return capture_refuse(r, ERRMAP_CAPTURE_INVALID,
+                              "Capture-Signature is not once device=NAME; nonce=NONCE; "
+                              "liveness=pass|fail|none; sig=BASE64");
     if ((text = signed_text(r, &c)) == NULL) {
         request_problem(r, ST_ENOMEM, "no memory for the signed text");
         return false;

@@ -93,12 +93,12 @@ static struct origin origin_of(const struct sockaddr *addr)
     return o;
 }
 
-static bool same(const struct origin *a, const struct origin *b)
+static bool guard_same(const struct origin *a, const struct origin *b)
 {
     return a->len == b->len && memcmp(a->bytes, b->bytes, sizeof a->bytes) == 0;
 }
 
-static void end(struct guard *l, struct guard_peer *p)
+static void guard_end(struct guard *l, struct guard_peer *p)
 {
     (void)shutdown(p->fd, SHUT_RDWR);
     p->ended = true;
@@ -123,7 +123,7 @@ static const struct origin *crowd(const struct guard *l)
             continue;
         if (lead == 0)
             most = &p->origin;
-        if (same(most, &p->origin))
+        if (guard_same(most, &p->origin))
             lead++;
         else
             lead--;
@@ -139,13 +139,13 @@ static bool crowd_out(struct guard *l, const struct origin *for_)
     struct guard_peer *oldest = NULL;
 
     for (struct guard_peer *p = l->peers; p != NULL; p = p->next)
-        if (is_waited_for(p) && same(&p->origin, most) &&
+        if (is_waited_for(p) && guard_same(&p->origin, most) &&
             (oldest == NULL || p->begin_ms < oldest->begin_ms))
             oldest = p;
     if (oldest == NULL ||
-        (same(most, for_) && logger_clock_ms() - oldest->begin_ms < SETTLED_MS))
+        (guard_same(most, for_) && logger_clock_ms() - oldest->begin_ms < SETTLED_MS))
         return false;
-    end(l, oldest);
+    guard_end(l, oldest);
     l->state.crowded_out++;
     return true;
 }
@@ -164,7 +164,7 @@ bool guard_admit(struct guard *l, const struct sockaddr *addr)
         ok = false;
     } else if (counted) {
         for (const struct guard_peer *p = l->peers; p != NULL; p = p->next)
-            n += same(&p->origin, &o);
+            n += guard_same(&p->origin, &o);
         ok = n < l->rules.per_address;
         l->state.refused_address += !ok;
     }
@@ -174,7 +174,7 @@ bool guard_admit(struct guard *l, const struct sockaddr *addr)
 
 /* ---- connections */
 
-static void begin(struct guard *l, struct guard_peer *p, enum guard_step step)
+static void guard_begin_step(struct guard *l, struct guard_peer *p, enum guard_step step)
 {
     double ms = 1000.0 * l->rules.timeout_s;
 
@@ -199,7 +199,7 @@ struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *ad
     p->fd = fd;
     p->origin = origin_of(addr);
     (void)pthread_mutex_lock(&l->lock);
-    begin(l, p, GUARD_REQUEST);
+    guard_begin_step(l, p, GUARD_REQUEST);
     p->next = l->peers;
     if (p->next != NULL)
         p->next->prev = p;
@@ -229,14 +229,14 @@ void guard_close(struct guard *l, struct guard_peer *p)
 void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step)
 {
     (void)pthread_mutex_lock(&l->lock);
-    begin(l, p, step);
+    guard_begin_step(l, p, step);
     (void)pthread_mutex_unlock(&l->lock);
 }
 
 void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg), void *arg)
 {
     (void)pthread_mutex_lock(&l->lock);
-    begin(l, p, GUARD_WORK);
+    guard_begin_step(l, p, GUARD_WORK);
     p->gone = gone;
     p->arg = arg;
     (void)pthread_mutex_unlock(&l->lock);
@@ -272,7 +272,7 @@ void guard_look(struct guard *l, struct guard_state *out)
 /* ---- those that are late */
 
 /* One line now and then, not one for each: many may come at once. */
-static void report(struct guard *l)
+static void guard_report(struct guard *l)
 {
     const struct guard_state *s = &l->state;
     uint64_t late = 0, sum;
@@ -321,7 +321,7 @@ static void look_at_body(struct guard *l, struct guard_peer *p)
 
     p->cut = look_at(p->fd) != 0 && ioctl(p->fd, FIONREAD, &unread) == 0 && unread == 0;
     if (was_cut && p->cut) {
-        end(l, p);
+        guard_end(l, p);
         l->state.gone++;
     }
 }
@@ -340,7 +340,7 @@ static void sweep(struct guard *l)
             look_at_body(l, p);
         if (now < p->end_ms || p->ended)
             continue;
-        end(l, p);
+        guard_end(l, p);
         if (p->step != GUARD_IDLE) /* whose time is over as a matter of course */
             l->state.late[p->step]++;
     }
@@ -384,7 +384,7 @@ static void drain(struct guard *l)
     }
 }
 
-static void *run(void *arg)
+static void *guard_run(void *arg)
 {
     struct guard *l = arg;
     struct timespec t;
@@ -403,7 +403,7 @@ static void *run(void *arg)
         }
         (void)pthread_cond_timedwait(&l->wake, &l->lock, &t);
         sweep(l);
-        report(l);
+        guard_report(l);
         drain(l);
     }
     drain(l);
@@ -457,7 +457,7 @@ enum status guard_start(const struct guard_rules *rules, struct guard **out,
     (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
     (void)pthread_cond_init(&l->wake, &attr);
     (void)pthread_condattr_destroy(&attr);
-    if (pthread_create(&l->thread, NULL, run, l) != 0) {
+    if (pthread_create(&l->thread, NULL, guard_run, l) != 0) {
         (void)pthread_cond_destroy(&l->wake);
         (void)pthread_mutex_destroy(&l->lock);
         free(l);

@@ -52,7 +52,7 @@ static bool is_host(const char *s)
 }
 
 /* One of the headers that may come once? */
-static void count(struct headers_framing *f, const char *name, const char *value)
+static void headers_count(struct headers_framing *f, const char *name, const char *value)
 {
     if (strcasecmp(name, "Host") == 0) {
         if (f->has_host)
@@ -76,7 +76,7 @@ void headers_frame(struct headers_framing *f, const char *name, const char *valu
         f->wrong = "a header must be a line with a name, a colon and a value";
         return;
     }
-    count(f, name, value);
+    headers_count(f, name, value);
     if (!coding && strcasecmp(name, "Content-Length") != 0)
         return;
     if (f->has_length)

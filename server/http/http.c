@@ -149,7 +149,7 @@ static enum MHD_Result send_amid(struct exchange *x)
 }
 
 /* The request is over. */
-static void finish(struct exchange *x)
+static void http_finish(struct exchange *x)
 {
     struct http *h = x->http;
     const double ms = logger_clock_ms() - x->r.start_ms;
@@ -203,7 +203,7 @@ static void on_refusal(void *arg, struct peer *p, void *current, unsigned status
     explain(&x->r, status);
     (void)send_amid(x);
     if (x == &none)
-        finish(x);
+        http_finish(x);
 }
 
 /* ---- workers */
@@ -326,7 +326,7 @@ static void look_at_body(struct exchange *x)
         (void)multipart_boundary(x->r.capture.type, x->r.boundary);
 }
 
-static enum MHD_Result collect(struct exchange *x, const char *data, size_t *size)
+static enum MHD_Result http_collect(struct exchange *x, const char *data, size_t *size)
 {
     peer_more(x->peer, *size);
     if (x->r.route->body == ROUTE_NO_BODY) { /* in chunks */
@@ -445,7 +445,7 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *conn, const 
             return MHD_NO;
         return x->r.response.http != 0 ? send_early(x) : admit(x);
     case COLLECTING:
-        return *size > 0 ? collect(x, data, size) : body_complete(x);
+        return *size > 0 ? http_collect(x, data, size) : body_complete(x);
     case WORKING:
         return atomic_load(&x->r.gone) ? MHD_NO : send_response(x);
     case RESPONDED:
@@ -525,7 +525,7 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
         return;
     *con_cls = NULL;
     peer_set_current(x->peer, NULL);
-    finish(x);
+    http_finish(x);
     free(x);
     (void)atomic_fetch_sub(&h->exchanges, 1);
 }

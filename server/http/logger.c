@@ -19,7 +19,7 @@ void logger_use(enum logger_format f)
     format = f;
 }
 
-static void put(struct logger_line *l, const char *s, size_t n)
+static void logger_put(struct logger_line *l, const char *s, size_t n)
 {
     if (n > sizeof l->text - CLOSING - l->len) {
         l->full = true;
@@ -34,39 +34,39 @@ static void put_quoted(struct logger_line *l, const char *s, size_t len)
 {
     char code[8];
 
-    put(l, "\"", 1);
+    logger_put(l, "\"", 1);
     for (size_t i = 0, n; i < len; i += n) {
         n = utf8_character(s + i, len - i);
         if (n == 0 || (n > 1 && utf8_is_control(s + i))) {
-            put(l, "\\ufffd", 6);
+            logger_put(l, "\\ufffd", 6);
             n = 1;
         } else if (s[i] == '"' || s[i] == '\\') {
-            put(l, s[i] == '"' ? "\\\"" : "\\\\", 2);
+            logger_put(l, s[i] == '"' ? "\\\"" : "\\\\", 2);
         } else if (utf8_is_control(s + i)) {
             (void)snprintf(code, sizeof code, "\\u%04x", (unsigned)s[i]);
-            put(l, code, 6);
+            logger_put(l, code, 6);
         } else {
-            put(l, s + i, n);
+            logger_put(l, s + i, n);
         }
     }
-    put(l, "\"", 1);
+    logger_put(l, "\"", 1);
 }
 
 static void put_key(struct logger_line *l, const char *key)
 {
     if (format == LOGGER_JSON) {
-        put(l, l->len > 1 ? ",\"" : "\"", l->len > 1 ? 2 : 1);
-        put(l, key, strlen(key));
-        put(l, "\":", 2);
+        logger_put(l, l->len > 1 ? ",\"" : "\"", l->len > 1 ? 2 : 1);
+        logger_put(l, key, strlen(key));
+        logger_put(l, "\":", 2);
     } else {
-        put(l, " ", l->len > 0);
-        put(l, key, strlen(key));
-        put(l, "=", 1);
+        logger_put(l, " ", l->len > 0);
+        logger_put(l, key, strlen(key));
+        logger_put(l, "=", 1);
     }
 }
 
 /* A field is there whole or not at all. */
-static void settle(struct logger_line *l, size_t before)
+static void logger_settle(struct logger_line *l, size_t before)
 {
     if (l->full) {
         l->len = before;
@@ -83,10 +83,10 @@ void logger_text(struct logger_line *l, const char *key, const char *value)
 
     put_key(l, key);
     if (format == LOGGER_LOGFMT && len > 0 && strspn(value, bare) >= len)
-        put(l, value, len);
+        logger_put(l, value, len);
     else
         put_quoted(l, value, len);
-    settle(l, before);
+    logger_settle(l, before);
 }
 
 static void put_number(struct logger_line *l, const char *key, const char *digits)
@@ -94,8 +94,8 @@ static void put_number(struct logger_line *l, const char *key, const char *digit
     size_t before = l->len;
 
     put_key(l, key);
-    put(l, digits, strlen(digits));
-    settle(l, before);
+    logger_put(l, digits, strlen(digits));
+    logger_settle(l, before);
 }
 
 void logger_count(struct logger_line *l, const char *key, uint64_t value)
@@ -123,7 +123,7 @@ void logger_begin(struct logger_line *l, const char *level, const char *msg)
     utc_print(now, ts);
     l->len = 0;
     l->full = l->cut = false;
-    put(l, "{", format == LOGGER_JSON);
+    logger_put(l, "{", format == LOGGER_JSON);
     logger_text(l, "ts", ts);
     logger_text(l, "level", level);
     put_key(l, "msg"); /* quoted also where it is one word */

@@ -90,7 +90,7 @@ void metrics_free(struct metrics *m)
 
 /* ---- counting */
 
-static void count(counter *c, uint_fast64_t n)
+static void metrics_count(counter *c, uint_fast64_t n)
 {
     (void)atomic_fetch_add_explicit(c, n, memory_order_relaxed);
 }
@@ -101,14 +101,14 @@ static void observe(struct histogram *h, double ms)
 
     while (b < NBUCKETS && ms > bound[b] * 1e3)
         b++;
-    count(&h->bucket[b], 1);
-    count(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
+    metrics_count(&h->bucket[b], 1);
+    metrics_count(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
 }
 
 void metrics_refused(struct metrics *m, enum status st)
 {
     if (st >= ST_ELIMIT && st <= ST_EQUALITY)
-        count(&m->refused[st - ST_ELIMIT], 1);
+        metrics_count(&m->refused[st - ST_ELIMIT], 1);
 }
 
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
@@ -116,7 +116,7 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
     struct by_route *by =
         &m->route[r->route == NULL ? m->nroutes : (size_t)(r->route - m->routes)];
 
-    count(&by->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
+    metrics_count(&by->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
     observe(&by->duration, ms);
     for (size_t i = 0; i < REQUEST_STAGES; i++)
         if ((r->stages >> i & 1) != 0)
@@ -124,58 +124,59 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
     if ((r->stages >> REQUEST_PREPARE & 1) != 0) /* it was about a face */
         observe(&m->stage[REQUEST_STAGES], ms);
     if (r->response.bad_token)
-        count(&m->wrong_tokens, 1);
+        metrics_count(&m->wrong_tokens, 1);
     metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
                                                       : ST_OK);
     if (r->response.problem == ERRMAP_STORAGE_FULL)
-        count(&m->storage_full, 1);
+        metrics_count(&m->storage_full, 1);
     if (r->response.problem == ST_EREPLAYED)
-        count(&m->replayed, 1);
+        metrics_count(&m->replayed, 1);
     metrics_database_error(m, r->failed);
 }
 
 void metrics_decision(struct metrics *m, enum surface_decision d)
 {
-    count(&m->decision[d], 1);
+    metrics_count(&m->decision[d], 1);
 }
 
 void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome)
 {
-    count(&m->enrollment[outcome], 1);
+    metrics_count(&m->enrollment[outcome], 1);
 }
 
 void metrics_check(struct metrics *m, enum metrics_check outcome)
 {
-    count(&m->check[outcome], 1);
+    metrics_count(&m->check[outcome], 1);
 }
 
 void metrics_capture(struct metrics *m, unsigned problem)
 {
-    count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
+    metrics_count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED],
+                  1);
 }
 
 void metrics_attempts(struct metrics *m, enum metrics_failed which)
 {
-    count(&m->attempts[which], 1);
+    metrics_count(&m->attempts[which], 1);
 }
 
 void metrics_warning(struct metrics *m, enum metrics_warning kind)
 {
-    count(&m->warning[kind], 1);
+    metrics_count(&m->warning[kind], 1);
 }
 
 void metrics_database_error(struct metrics *m, enum status st)
 {
     if (st == ST_EBUSY)
-        count(&m->database[BUSY], 1);
+        metrics_count(&m->database[BUSY], 1);
     else if (st == ST_EIO)
-        count(&m->database[IO], 1);
+        metrics_count(&m->database[IO], 1);
     else if (st == ST_ECORRUPT)
-        count(&m->database[CORRUPT], 1);
+        metrics_count(&m->database[CORRUPT], 1);
     else if (st == ST_EVERSION)
-        count(&m->database[VERSION], 1);
+        metrics_count(&m->database[VERSION], 1);
     else if (st == ST_EDB)
-        count(&m->database[OTHER], 1);
+        metrics_count(&m->database[OTHER], 1);
 }
 
 void metrics_rows_verified(struct metrics *m)
@@ -185,7 +186,7 @@ void metrics_rows_verified(struct metrics *m)
 
 void metrics_lost_event(struct metrics *m)
 {
-    count(&m->lost_events, 1);
+    metrics_count(&m->lost_events, 1);
 }
 
 void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s)
@@ -199,7 +200,7 @@ void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s)
 
 /* ---- exposition */
 
-static uint64_t value(const counter *c)
+static uint64_t metrics_value(const counter *c)
 {
     return atomic_load_explicit(c, memory_order_relaxed);
 }
@@ -207,25 +208,25 @@ static uint64_t value(const counter *c)
 static void describe_refusals(const struct metrics *m, struct json *j)
 {
     static const unsigned attempts[] = {ERRMAP_ATTEMPTS, ERRMAP_SUBJECTS};
-    const uint64_t failed[] = {value(&m->attempts[METRICS_OF_TOKEN]) +
-                                   value(&m->attempts[METRICS_OF_OTHERS]),
-                               value(&m->attempts[METRICS_OF_SUBJECTS])};
+    const uint64_t failed[] = {metrics_value(&m->attempts[METRICS_OF_TOKEN]) +
+                                   metrics_value(&m->attempts[METRICS_OF_OTHERS]),
+                               metrics_value(&m->attempts[METRICS_OF_SUBJECTS])};
     const struct {
         unsigned kind;
         uint64_t n;
-    } single[] = {{ST_EREPLAYED, value(&m->replayed)},
-                  {ST_EMISMATCH, value(&m->enrollment[METRICS_MISMATCH])},
-                  {ERRMAP_STORAGE_FULL, value(&m->storage_full)},
-                  {ERRMAP_NO_TOKEN, value(&m->wrong_tokens)}};
+    } single[] = {{ST_EREPLAYED, metrics_value(&m->replayed)},
+                  {ST_EMISMATCH, metrics_value(&m->enrollment[METRICS_MISMATCH])},
+                  {ERRMAP_STORAGE_FULL, metrics_value(&m->storage_full)},
+                  {ERRMAP_NO_TOKEN, metrics_value(&m->wrong_tokens)}};
 
 #define REFUSED(kind, n)                                                                 \
     if ((n) > 0)                                                                         \
     json_number(j, errmap_get(kind)->code, (double)(n))
     json_object(j, "refusals");
     for (unsigned i = 0; i < NREFUSALS; i++)
-        REFUSED(ST_ELIMIT + i, value(&m->refused[i]));
+        REFUSED(ST_ELIMIT + i, metrics_value(&m->refused[i]));
     for (unsigned i = 1; i < NCAPTURES; i++)
-        REFUSED(ERRMAP_CAPTURE_REQUIRED + i - 1, value(&m->capture[i]));
+        REFUSED(ERRMAP_CAPTURE_REQUIRED + i - 1, metrics_value(&m->capture[i]));
     for (int i = 0; i < 2; i++)
         REFUSED(attempts[i], failed[i]);
     for (size_t i = 0; i < sizeof single / sizeof *single; i++)
@@ -241,15 +242,17 @@ static double quantile_ms(const struct histogram *h, double q)
     size_t b = 0;
 
     for (size_t i = 0; i <= NBUCKETS; i++)
-        all += value(&h->bucket[i]);
+        all += metrics_value(&h->bucket[i]);
     if (all == 0)
         return (double)NAN;
-    while (b < NBUCKETS && (double)(below + value(&h->bucket[b])) < q * (double)all)
-        below += value(&h->bucket[b++]);
+    while (b < NBUCKETS &&
+           (double)(below + metrics_value(&h->bucket[b])) < q * (double)all)
+        below += metrics_value(&h->bucket[b++]);
     if (b == NBUCKETS)
         return bound[NBUCKETS - 1] * 1e3;
 
-    const double from = b > 0 ? bound[b - 1] : 0, n = (double)value(&h->bucket[b]);
+    const double from = b > 0 ? bound[b - 1] : 0,
+                 n = (double)metrics_value(&h->bucket[b]);
 
     return 1e3 *
            (from + (bound[b] - from) * (q * (double)all - (double)below) / fmax(n, 1));
@@ -261,15 +264,16 @@ void metrics_describe(const struct metrics *m, struct json *j)
     uint64_t all = 0;
 
     for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
-        all += value(&m->decision[i]);
+        all += metrics_value(&m->decision[i]);
     json_number(j, "uptime_s", fmax(0, difftime(time(NULL), m->start)));
     json_object(j, "rates");
     json_number(j, "verifications", (double)all);
     json_object(j, "decisions");
     for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
-        json_number(j, decision_name[i], (double)value(&m->decision[i]));
+        json_number(j, decision_name[i], (double)metrics_value(&m->decision[i]));
     json_close(j);
-    json_number(j, "enrollments", (double)value(&m->enrollment[METRICS_ENROLLED]));
+    json_number(j, "enrollments",
+                (double)metrics_value(&m->enrollment[METRICS_ENROLLED]));
     describe_refusals(m, j);
     json_close(j);
     json_object(j, "latency_ms");
@@ -298,7 +302,8 @@ static void print_by(FILE *f, const char *name, const char *label,
 {
     head(f, name, "counter", help);
     for (size_t i = 0; i < n; i++)
-        fprintf(f, "%s{%s=\"%s\"} %" PRIu64 "\n", name, label, values[i], value(&c[i]));
+        fprintf(f, "%s{%s=\"%s\"} %" PRIu64 "\n", name, label, values[i],
+                metrics_value(&c[i]));
 }
 
 /* labels: "a=\"b\",c=\"d\""; nothing is printed of a histogram without observations. */
@@ -308,13 +313,13 @@ static void print_histogram(FILE *f, const char *name, const char *labels,
     uint64_t n[NBUCKETS + 1], sum = 0;
 
     for (size_t b = 0; b <= NBUCKETS; b++)
-        n[b] = sum += value(&h->bucket[b]);
+        n[b] = sum += metrics_value(&h->bucket[b]);
     if (sum == 0)
         return;
     for (size_t b = 0; b < NBUCKETS; b++)
         fprintf(f, "%s_bucket{%s,le=\"%g\"} %" PRIu64 "\n", name, labels, bound[b], n[b]);
     fprintf(f, "%s_bucket{%s,le=\"+Inf\"} %" PRIu64 "\n", name, labels, sum);
-    fprintf(f, "%s_sum{%s} %.9f\n", name, labels, (double)value(&h->ns) / 1e9);
+    fprintf(f, "%s_sum{%s} %.9f\n", name, labels, (double)metrics_value(&h->ns) / 1e9);
     fprintf(f, "%s_count{%s} %" PRIu64 "\n", name, labels, sum);
 }
 
@@ -332,12 +337,12 @@ static void print_requests(FILE *f, const struct metrics *m)
          "Requests by route and status; status 0: the client disconnected.");
     for (size_t i = 0; i <= m->nroutes; i++)
         for (int s = 0; s < NSTATUS; s++)
-            if (value(&m->route[i].status[s]) > 0)
+            if (metrics_value(&m->route[i].status[s]) > 0)
                 fprintf(f,
                         "surfaced_http_requests_total{route=\"%s\",method=\"%s\","
                         "status=\"%d\"} %" PRIu64 "\n",
                         route_pattern(route_at(m, i)), route_method(route_at(m, i)), s,
-                        value(&m->route[i].status[s]));
+                        metrics_value(&m->route[i].status[s]));
     head(f, "surfaced_http_request_duration_seconds", "histogram",
          "From the request line to the end of the response.");
     for (size_t i = 0; i <= m->nroutes; i++) {
@@ -371,7 +376,8 @@ static void print_outcomes(FILE *f, const struct metrics *m)
              "Verifications and comparisons by decision.");
     print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
              "Enrolments; known: the subject has this scan already; mismatch: refused.");
-    print_one(f, "surfaced_enrollments_refused_total", "counter", value(&m->storage_full),
+    print_one(f, "surfaced_enrollments_refused_total", "counter",
+              metrics_value(&m->storage_full),
               "Enrolments refused because the disk is nearly full.");
     for (unsigned i = 0; i < NREFUSALS; i++)
         refused[i] = errmap_get(ST_ELIMIT + i)->code;
@@ -392,11 +398,12 @@ static void print_outcomes(FILE *f, const struct metrics *m)
              "verifications fail again and again between matches.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
              NDATABASE, "Requests that failed because of the database.");
-    print_one(f, "surfaced_lost_events_total", "counter", value(&m->lost_events),
+    print_one(f, "surfaced_lost_events_total", "counter", metrics_value(&m->lost_events),
               "Events that could not be written to the database.");
-    print_one(f, "surfaced_replayed_total", "counter", value(&m->replayed),
+    print_one(f, "surfaced_replayed_total", "counter", metrics_value(&m->replayed),
               "Probes refused because they were enrolled before (replayed).");
-    print_one(f, "surfaced_wrong_tokens_total", "counter", value(&m->wrong_tokens),
+    print_one(f, "surfaced_wrong_tokens_total", "counter",
+              metrics_value(&m->wrong_tokens),
               "Requests with a token that is not valid.");
 }
 
@@ -411,16 +418,17 @@ static void print_until(FILE *f, const char *name, uint64_t end, const char *hel
 
 static void print_tokens(FILE *f, const struct metrics *m)
 {
-    print_one(f, "surfaced_tokens_expiring", "gauge", value(&m->tokens_soon),
+    print_one(f, "surfaced_tokens_expiring", "gauge", metrics_value(&m->tokens_soon),
               "Tokens that expire within 30 days.");
-    print_until(f, "surfaced_token_first_end_seconds", value(&m->token_end),
+    print_until(f, "surfaced_token_first_end_seconds", metrics_value(&m->token_end),
                 "Time until the first token expires.");
 }
 
 /* By the system's clock, which may be set back. */
 static void print_verified(FILE *f, const struct app *app)
 {
-    const uint64_t now = (uint64_t)time(NULL), at = value(&app->metrics->rows_verified);
+    const uint64_t now = (uint64_t)time(NULL),
+                   at = metrics_value(&app->metrics->rows_verified);
     struct errinfo e;
 
     print_one(f, "surfaced_rows_verified_age_seconds", "gauge", now > at ? now - at : 0,

@@ -119,7 +119,7 @@ static void end_waiting(struct proxy *p, struct waiter *w)
     free(w);
 }
 
-static void drop(struct proxy *p, struct waiter *w)
+static void proxy_drop(struct proxy *p, struct waiter *w)
 {
     const int fd = w->fd;
 
@@ -127,7 +127,7 @@ static void drop(struct proxy *p, struct waiter *w)
     (void)close(fd);
 }
 
-static void refuse(struct proxy *p, struct waiter *w, const char *why)
+static void proxy_refuse(struct proxy *p, struct waiter *w, const char *why)
 {
     const uint64_t n = logger_seldom(&p->seldom, logger_clock_ms());
     char host[ADDRESS_HOST_MAX];
@@ -142,11 +142,11 @@ static void refuse(struct proxy *p, struct waiter *w, const char *why)
         logger_text(&l, "reason", why);
         logger_end(&l);
     }
-    drop(p, w);
+    proxy_drop(p, w);
 }
 
 /* Nothing behind the header is read: it is libmicrohttpd's. */
-static void read_header(struct proxy *p, struct waiter *w)
+static void proxy_read_header(struct proxy *p, struct waiter *w)
 {
     struct proxy_header h;
     enum proxy_header_state state;
@@ -158,17 +158,17 @@ static void read_header(struct proxy *p, struct waiter *w)
         if (n < 0 && (errno == EAGAIN || errno == EINTR))
             return;
         if (n <= 0 && w->n == 0) { /* as a proxy that looks whether anybody listens */
-            drop(p, w);
+            proxy_drop(p, w);
             return;
         }
         if (n <= 0) {
-            refuse(p, w, "closed before the header's end");
+            proxy_refuse(p, w, "closed before the header's end");
             return;
         }
         w->n += (size_t)n;
     }
     if (state == PROXY_HEADER_BAD) {
-        refuse(p, w, h.why);
+        proxy_refuse(p, w, h.why);
         return;
     }
     if (h.client_len == 0) {
@@ -207,10 +207,10 @@ static void accept_one(struct proxy *p)
         return;
     }
     if (p->waiting == PROXY_WAITING)
-        refuse(p, p->first, "too many wait for their header");
+        proxy_refuse(p, p->first, "too many wait for their header");
     w = begin_waiting(p, fd, &own, len);
     if (w != NULL)
-        read_header(p, w); /* it is there as a rule */
+        proxy_read_header(p, w); /* it is there as a rule */
 }
 
 /* Until there is something to do without an event; -1: never. */
@@ -224,7 +224,7 @@ static int idle_ms(const struct proxy *p)
     return end_ms == 0.0 ? -1 : ms < 0.0 ? 0 : (int)ms + 1;
 }
 
-static void *run(void *arg)
+static void *proxy_run(void *arg)
 {
     struct proxy *p = arg;
     struct epoll_event ev;
@@ -238,9 +238,9 @@ static void *run(void *arg)
         if (n > 0 && ev.data.ptr == NULL)
             accept_one(p);
         else if (n > 0)
-            read_header(p, ev.data.ptr);
+            proxy_read_header(p, ev.data.ptr);
         while (p->first != NULL && p->first->end_ms <= logger_clock_ms())
-            refuse(p, p->first, "the header is not complete in time");
+            proxy_refuse(p, p->first, "the header is not complete in time");
         if (p->pause_ms != 0.0 && p->pause_ms <= logger_clock_ms())
             listen_again(p, true);
     }
@@ -265,7 +265,7 @@ enum status proxy_start(const char *from, int fd, struct MHD_Daemon *daemon,
     (void)sem_init(&p->taken, 0, 0);
     *out = p;
     if (p->wake >= 0 && p->epoll >= 0 && watch(p, p->wake, p) && watch(p, fd, NULL) &&
-        pthread_create(&p->thread, NULL, run, p) == 0)
+        pthread_create(&p->thread, NULL, proxy_run, p) == 0)
         return ST_OK;
     p->stopped = true;
     proxy_free(p);
@@ -281,7 +281,7 @@ void proxy_stop(struct proxy *p)
     (void)eventfd_write(p->wake, 1);
     (void)pthread_join(p->thread, NULL);
     while (p->first != NULL)
-        drop(p, p->first);
+        proxy_drop(p, p->first);
 }
 
 void proxy_free(struct proxy *p)

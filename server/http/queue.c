@@ -153,7 +153,7 @@ static bool wait_for_more(struct queue *q, const struct server *s)
 }
 
 /* The sender pays what its requests have cost so far, and later the difference. */
-static struct request *begin(struct queue *q, struct server *s, struct waiting *w)
+static struct request *queue_begin(struct queue *q, struct server *s, struct waiting *w)
 {
     q->running++;
     s->sender = NULL;
@@ -170,7 +170,7 @@ static struct request *begin(struct queue *q, struct server *s, struct waiting *
     return remove_one(q, w);
 }
 
-static void end(struct queue *q, struct server *s)
+static void queue_end(struct queue *q, struct server *s)
 {
     struct sender *of = s->sender;
 
@@ -189,20 +189,20 @@ static void end(struct queue *q, struct server *s)
 
 /* The next request; NULL when s is to be wiped first, or *ended: the queue is closed and empty.
  * Without the lock. */
-static struct request *take(struct queue *q, struct server *s, bool was_running,
-                            bool *ended)
+static struct request *queue_take(struct queue *q, struct server *s, bool was_running,
+                                  bool *ended)
 {
     struct request *r = NULL;
     struct waiting *w;
 
     (void)pthread_mutex_lock(&q->lock);
     if (was_running)
-        end(q, s);
+        queue_end(q, s);
     while ((w = first(q)) == NULL && !(q->closed && q->waiting == 0) &&
            wait_for_more(q, s))
         ;
     if (w != NULL)
-        r = begin(q, s, w);
+        r = queue_begin(q, s, w);
     else
         *ended = q->closed && q->waiting == 0;
     if (first(q) != NULL)
@@ -226,7 +226,7 @@ static void *serve(void *arg)
     bool ran = false, ended = false;
 
     while (!ended) {
-        struct request *r = take(s->queue, s, ran, &ended);
+        struct request *r = queue_take(s->queue, s, ran, &ended);
 
         if ((ran = r != NULL)) {
             s->queue->run(&s->worker, r);

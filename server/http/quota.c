@@ -32,7 +32,7 @@ void quota_free(struct quota *q)
 }
 
 /* The link to the sender's holder; *link is NULL where it holds nothing. */
-static struct holder **find(struct quota *q, uint64_t sender)
+static struct holder **quota_find(struct quota *q, uint64_t sender)
 {
     struct holder **link = &q->bucket[sender % BUCKETS];
 
@@ -43,7 +43,7 @@ static struct holder **find(struct quota *q, uint64_t sender)
 
 bool quota_owe(struct quota_share *s, enum quota_size size, size_t bytes)
 {
-    struct holder **link = find(s->q, s->sender), *h = *link;
+    struct holder **link = quota_find(s->q, s->sender), *h = *link;
 
     if (h == NULL && bytes == 0)
         return true;
@@ -69,7 +69,7 @@ bool quota_owe(struct quota_share *s, enum quota_size size, size_t bytes)
 bool quota_fits(const struct quota_share *s, enum quota_size size, size_t bytes)
 {
     const struct quota_limits *limit = &s->q->limits;
-    const struct holder *h = *find(s->q, s->sender);
+    const struct holder *h = *quota_find(s->q, s->sender);
     const size_t had = size == s->size ? s->bytes : 0;
     const size_t own = h != NULL ? h->bytes[size] : 0;
 

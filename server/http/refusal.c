@@ -30,7 +30,7 @@ bool refusal_found(struct request *r)
     return true;
 }
 
-static void tell(const char *level, const char *what, const struct errinfo *e)
+static void refusal_tell_log(const char *level, const char *what, const struct errinfo *e)
 {
     struct logger_line l;
 
@@ -49,7 +49,7 @@ static void tell_anchor(struct app *app)
     (void)pthread_mutex_lock(&lock);
     behind = store_anchor_fault(app->store, &e);
     if (behind && !app->anchor_behind)
-        tell("warn", "the database's anchor is not up to date", &e);
+        refusal_tell_log("warn", "the database's anchor is not up to date", &e);
     else if (!behind && app->anchor_behind)
         logger_line("info", "the database's anchor is up to date again");
     app->anchor_behind = behind;
@@ -61,6 +61,7 @@ void refusal_tell(struct app *app)
     struct errinfo e;
 
     if (store_refused(app->store, &e) && !atomic_flag_test_and_set(&app->refusal_told))
-        tell("error", "the database is refused until the daemon is restarted", &e);
+        refusal_tell_log("error", "the database is refused until the daemon is restarted",
+                         &e);
     tell_anchor(app);
 }

@@ -252,7 +252,7 @@ static int check_client(gnutls_session_t session)
     return GNUTLS_E_CERTIFICATE_ERROR;
 }
 
-static void release(struct tls_files *f)
+static void tls_release(struct tls_files *f)
 {
     pthread_mutex_t *lock = &f->owner->lock;
     bool last;
@@ -273,7 +273,7 @@ struct tls_files *tls_attach(struct tls *t, gnutls_session_t session)
     f->refs++;
     (void)pthread_mutex_unlock(&t->lock);
     if (gnutls_credentials_set(session, GNUTLS_CRD_CERTIFICATE, f->credentials) < 0) {
-        release(f);
+        tls_release(f);
         return NULL;
     }
     if (f->clients) {
@@ -301,7 +301,7 @@ int tls_none(gnutls_session_t session, const gnutls_datum_t *ca, int nca,
 void tls_detach(struct tls_files *f)
 {
     if (f != NULL)
-        release(f);
+        tls_release(f);
 }
 
 ssize_t tls_send(gnutls_session_t session, const void *data, size_t len)
@@ -350,7 +350,7 @@ enum status tls_reload(struct tls *t, struct errinfo *e)
     old = t->current;
     t->current = fresh;
     (void)pthread_mutex_unlock(&t->lock);
-    release(old);
+    tls_release(old);
     return ST_OK;
 }
 
@@ -358,7 +358,7 @@ void tls_close(struct tls *t)
 {
     if (t == NULL)
         return;
-    release(t->current);
+    tls_release(t->current);
     (void)pthread_mutex_destroy(&t->lock);
     free(t);
 }
