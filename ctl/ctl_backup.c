@@ -130,7 +130,7 @@ static enum status ctl_run_backup_restore(struct ctl *c)
     return ST_OK;
 }
 
-/* ---- restored */
+/* ---- reapply-erasures */
 
 struct later {            /* of an export of the log */
     struct log_end after; /* the end of the database's own log */
@@ -203,7 +203,7 @@ static enum status read_later(struct ctl *c, struct later *l)
                                 c->args[0], l->after.seq);
 }
 
-static enum status restored(struct ctl *c)
+static enum status reapply(struct ctl *c)
 {
     const char *anchor = c->anchor;
     struct admin_restored r = {.erased = 0};
@@ -381,13 +381,13 @@ const struct ctl_command ctl_backup_restore = {
         "another. The replaced database is renamed to PATH.before-restore. Stop the daemon first.",
     .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"};
 
-const struct ctl_command ctl_backup_restored = {
-    .name = "restored",
+const struct ctl_command ctl_backup_reapply = {
+    .name = "reapply-erasures",
     .args = "LOG",
     .takes = {1, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_DRY_RUN,
-    .run = restored,
+    .run = reapply,
     .summary = "after a server's restore, erase again who was erased since",
     .help =
         "For a database that its server has restored. LOG is the newest audit export of the\n"
@@ -396,7 +396,7 @@ const struct ctl_command ctl_backup_restored = {
         "daemons first; afterwards run accept-state for the anchor of each other daemon.",
     .example =
         "surfacectl --db postgresql://surfaced@db1/faces --key key --anchor anchor "
-        "restored log.jsonl"};
+        "reapply-erasures log.jsonl"};
 
 const struct ctl_command ctl_backup_rekey = {
     .name = "rekey",

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "in_force.h"
+#include "calibration.h"
 #include "rates.h"
 #include "ctl_command.h"
 #include "ctl_cross.h"
@@ -249,7 +249,7 @@ static enum status may_store(struct ctl *c, const struct store_calibration *k)
 {
     struct store_calibration now;
     char what[160];
-    const enum status st = in_force_get(c->store, &now, &c->e);
+    const enum status st = calibration_current(c->store, &now, &c->e);
 
     if (st != ST_OK)
         return st == ST_ECORRUPT ? ST_OK : st;
@@ -324,7 +324,7 @@ static enum status ctl_calibrate_list(struct ctl *c)
 
     if (st != ST_OK)
         return st;
-    if ((st = in_force_get(c->store, &now, &c->e)) != ST_OK)
+    if ((st = calibration_current(c->store, &now, &c->e)) != ST_OK)
         goto out;
     json_array(c->out, "calibrations");
     ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED", "SOURCE",

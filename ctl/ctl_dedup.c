@@ -7,7 +7,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "in_force.h"
+#include "calibration.h"
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
@@ -381,7 +381,7 @@ static enum status dedup(struct dedup *d)
     struct ctl *c = d->c;
     enum status st;
 
-    if ((st = in_force_get(d->c->store, &d->calibration, &c->e)) != ST_OK ||
+    if ((st = calibration_current(d->c->store, &d->calibration, &c->e)) != ST_OK ||
         (st = list_all(d)) != ST_OK)
         return st;
     d->threshold = d->calibration.table.threshold;

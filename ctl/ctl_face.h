@@ -37,7 +37,7 @@ void ctl_face_passed_over(const struct templates *t);
  * of them, by the database's calibration (templates_nearest()).  ST_EDENIED: the subject may not
  * be verified. */
 struct ctl_nearest {
-    struct nearest nearest;
+    struct templates_nearest nearest;
     struct surface_disparity minimal; /* against the template that decides, weighed */
     struct surface_parts parts;
     struct store_template tmpl; /* that decides */

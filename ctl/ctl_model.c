@@ -11,7 +11,7 @@
 
 #include "crypt_file.h"
 #include "ctl_command.h"
-#include "in_force.h"
+#include "calibration.h"
 #include "modelfile.h"
 
 #define PAGE 1000 /* subjects read at a time */
@@ -157,8 +157,8 @@ enum status ctl_model_open(struct ctl *c, enum store_mode mode)
     if (st != ST_OK || (st = store_open(c->db, mode, &key, &c->store, &c->e)) != ST_OK)
         return st;
     store_use_model(c->store, c->model);
-    if ((c->cmd->shared & CTL_MODEL) != 0 && in_force_get(c->store, &k, NULL) == ST_OK &&
-        k.ignored)
+    if ((c->cmd->shared & CTL_MODEL) != 0 &&
+        calibration_current(c->store, &k, NULL) == ST_OK && k.ignored)
         (void)fprintf(
             stderr,
             "surfacectl: calibration %" PRId64

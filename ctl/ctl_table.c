@@ -18,7 +18,7 @@
     X(ctl_erase_purge) X(ctl_template_list) X(ctl_template_show) \
     X(ctl_template_export) X(ctl_template_reencode) X(ctl_erase_template) X(ctl_dedup) \
     X(ctl_config_show) X(ctl_config_check) X(ctl_database_check) X(ctl_calibrate) \
-    X(ctl_backup) X(ctl_backup_copy) X(ctl_backup_restore) X(ctl_backup_restored) X(ctl_database_accept) X(ctl_database_join) X(ctl_archive_export) \
+    X(ctl_backup) X(ctl_backup_copy) X(ctl_backup_restore) X(ctl_backup_reapply) X(ctl_database_accept) X(ctl_database_join) X(ctl_archive_export) \
     X(ctl_archive_import) X(ctl_backup_rekey) X(ctl_doctor) X(ctl_database_stats) \
     X(ctl_database_vacuum) X(ctl_token_create) X(ctl_token_list) X(ctl_token_rotate) \
     X(ctl_token_revoke) X(ctl_device_add) X(ctl_device_list) X(ctl_device_remove) \

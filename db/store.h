@@ -206,7 +206,7 @@ enum store_captured { /* the first that applies */
 enum status store_capture_take(struct store *s, const struct store_capture *c,
                                enum store_captured *out, struct errinfo *e);
 
-/* ---- calibrations: the newest is in force (in_force.h) */
+/* ---- calibrations: the newest is in force (calibration.h) */
 
 /* store_calibration_add(s, actor, k, e): append *k, setting its version, time, actor and
  * engine, with a change. ST_EINVAL: invalid numbers. */

@@ -9,7 +9,7 @@
 
 #include "app.h"
 #include "cache.h"
-#include "in_force.h"
+#include "calibration.h"
 #include "erasures.h"
 #include "errinfo.h"
 #include "expiry.h"
@@ -26,7 +26,7 @@
 #include "queue.h"
 #include "recent.h"
 #include "routes.h"
-#include "service.h"
+#include "systemd.h"
 #include "settings.h"
 #include "store.h"
 #include "throttle.h"
@@ -67,7 +67,7 @@ static enum status open_store(const struct options *o, struct store **out,
     for (int s = 0;; s++) {
         st = store_open(o->db, o->create ? STORE_BEGIN : STORE_WRITE, &key, out, e);
         if (st != ST_EBUSY || !store_on_server(o->db) || s == SERVER_S ||
-            service_pause(1000))
+            systemd_pause(1000))
             return st;
         if (s == 0) {
             logger_begin(&l, "warn", "the database server is waited for");
@@ -145,7 +145,7 @@ static void warn_of_calibration(struct store *s)
     struct store_calibration k;
     struct logger_line l;
 
-    if (in_force_get(s, &k, NULL) != ST_OK || !k.ignored)
+    if (calibration_current(s, &k, NULL) != ST_OK || !k.ignored)
         return;
     logger_begin(&l, "warn", "calibration is not used: made by another measure or model");
     logger_count(&l, "version", (uint64_t)k.version);
@@ -210,7 +210,7 @@ static void say_stopping(int sig)
     logger_end(&l);
 }
 
-/* What the hooks of service_wait() see. */
+/* What the hooks of systemd_wait() see. */
 struct daemon {
     struct app *app;
     struct http *http;
@@ -319,7 +319,7 @@ int main(int argc, char **argv)
     }
     prepare_memory();
     logger_use((enum logger_format)o.log_format);
-    service_begin();
+    systemd_begin();
     app.no_auth = o.no_auth;
     app.no_console = o.no_console;
     app.cors_origin = o.cors_origin;
@@ -336,8 +336,8 @@ int main(int argc, char **argv)
     warn_of_outdated(app.store);
     d.http = http;
     d.progress_ms = logger_clock_ms();
-    service_ready(url);
-    sig = service_wait(&(struct service_hooks){reload, healthy, hourly, &d});
+    systemd_ready(url);
+    sig = systemd_wait(&(struct systemd_hooks){reload, healthy, hourly, &d});
     say_stopping(sig);
     http_quiesce(http, GRACE_MS);
     stop_workers(&app); /* queued requests are still handled */

@@ -1,7 +1,7 @@
 /* advice.h -- what to change at the scanner, in plain words. Every refusal of a scan ends
  * with it; a check returns it beside notes, which need no change. */
-#ifndef VERIFY_ADVICE_H
-#define VERIFY_ADVICE_H
+#ifndef SERVICE_ADVICE_H
+#define SERVICE_ADVICE_H
 #include <stddef.h>
 #include "libsurface.h"
 #include "status.h"

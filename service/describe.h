@@ -1,8 +1,8 @@
 /* describe.h -- subjects, templates and comparisons as JSON, the same from daemon and
  * command.  Each writes members into the object that is open in j (base/json.h; NULL: nothing
  * is done).  What is not known or was not given is null. */
-#ifndef VERIFY_DESCRIBE_H
-#define VERIFY_DESCRIBE_H
+#ifndef SERVICE_DESCRIBE_H
+#define SERVICE_DESCRIBE_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dry_run.h"
-#include "in_force.h"
+#include "calibration.h"
 
 #define ANYWAY "; to enroll it anyway use force (scope manage)"
 
@@ -26,7 +26,7 @@ static enum status does_not_fit(const struct surface_comparison *r, bool with_fi
                      "enrolled with scope manage");
 }
 
-static enum status mismatch(const struct nearest *n, struct errinfo *e)
+static enum status mismatch(const struct templates_nearest *n, struct errinfo *e)
 {
     if (templates_judge(n, e) != ST_OK)
         return e->code = ST_EMISMATCH;
@@ -51,7 +51,7 @@ static enum status record(struct enrolling *g, struct errinfo *e)
 {
     const struct templates *a = &g->is;
     const struct enrolment *x = g->x;
-    const struct nearest *n = &g->out->nearest;
+    const struct templates_nearest *n = &g->out->nearest;
     char outcome[STORE_NAME_MAX + 1];
     struct store_recorded out;
     const struct store_record what = {.subject = &a->of.subject,
@@ -104,13 +104,13 @@ static enum status need_templates(struct enrolling *g, struct errinfo *e)
 
 /* The sample against what it has to fit.  out->compared is 0 where there is nothing, and where it is
  * enrolled by force and there is nothing of this engine. */
-static enum status compare_for_fit(struct enrolling *g, size_t i, struct nearest *out,
-                                   struct errinfo *e)
+static enum status compare_for_fit(struct enrolling *g, size_t i,
+                                   struct templates_nearest *out, struct errinfo *e)
 {
     const struct templates *a = &g->is;
     enum status st = ST_OK;
 
-    *out = (struct nearest){.result = {0}};
+    *out = (struct templates_nearest){.result = {0}};
     if (a->of.n > 0)
         st = templates_nearest(a, true, g->x->sample[i].face, out, e);
     if (st == ST_EVERSION && g->x->force)
@@ -121,7 +121,7 @@ static enum status compare_for_fit(struct enrolling *g, size_t i, struct nearest
 
 static enum status check_fit(struct enrolling *g, size_t i, struct errinfo *e)
 {
-    struct nearest *n = &g->out->nearest;
+    struct templates_nearest *n = &g->out->nearest;
     enum status st = need_templates(g, e);
 
     if (st != ST_OK)
@@ -170,7 +170,7 @@ static enum status compare_with_first(struct enrolling *g, size_t i, bool oldest
 /* Against the subject's templates, where they are what a sample has to fit. */
 static enum status fit_templates(struct enrolling *g, size_t i, struct errinfo *e)
 {
-    struct nearest *n = &g->out->nearest;
+    struct templates_nearest *n = &g->out->nearest;
     enum status st = compare_for_fit(g, i, n, e);
 
     if (st != ST_OK || n->compared == 0 || n->result.decision == SURFACE_MATCH)
@@ -211,7 +211,7 @@ static enum status fit_other(struct enrolling *g, size_t i, struct errinfo *e)
 
     g->each[i].why = (struct errinfo){.code = ST_OK};
     if (g->x->force && !none) {
-        struct nearest n;
+        struct templates_nearest n;
 
         return compare_for_fit(g, i, &n, e);
     }
@@ -227,7 +227,7 @@ static enum status fit_others(struct enrolling *g, struct errinfo *e)
     enum status st = ST_OK;
 
     if (g->first + 1 < g->x->n && g->is.of.n == 0)
-        st = in_force_follow(g->c->store, g->c->work, &g->c->calibration, e);
+        st = calibration_refresh(g->c->store, g->c->work, &g->c->calibration, e);
     for (size_t i = g->first + 1; st == ST_OK && i < g->x->n; i++)
         if (g->x->sample[i].face != NULL)
             st = fit_other(g, i, e);

@@ -37,10 +37,10 @@ struct enrolment_result {       /* of a sample */
 
 struct enrolment_outcome {
     struct templates_refusal refusal;
-    struct nearest nearest; /* the last comparison with the subject's templates;
+    struct templates_nearest nearest; /* the last comparison with the subject's templates;
                                        compared is 0 where there was nothing to fit */
-    bool none;              /* each sample was refused */
-    unsigned warnings;      /* as in struct store_recorded */
+    bool none;                        /* each sample was refused */
+    unsigned warnings;                /* as in struct store_recorded */
 };
 
 /* enrolment_begin(c, x, begun, e): what enrolment_add() would refuse whatever the samples are, before the

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "in_force.h"
+#include "calibration.h"
 #include "json.h"
 
 #define MANY_TRIED    10 /* subjects in a day */
@@ -136,7 +136,7 @@ static void look_at_calibration(struct findings *x, struct store *s)
     struct store_calibration k;
     struct errinfo e;
 
-    if (in_force_get(s, &k, &e) != ST_OK)
+    if (calibration_current(s, &k, &e) != ST_OK)
         findings_say(x, FINDINGS_ERROR, "calibration", FIND_ALL, "%s", e.msg);
     else if (k.ignored)
         findings_say(

@@ -1,7 +1,7 @@
 /* sample.h -- from the points of a scan to a face model, or the reason why there is none:
  * what was measured, and what to do. */
-#ifndef VERIFY_SAMPLE_H
-#define VERIFY_SAMPLE_H
+#ifndef SERVICE_SAMPLE_H
+#define SERVICE_SAMPLE_H
 #include <stdatomic.h>
 #include <stdbool.h>
 #include "cloudformat.h"

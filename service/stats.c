@@ -4,7 +4,7 @@
 
 #include "describe.h"
 #include "findings.h"
-#include "in_force.h"
+#include "calibration.h"
 #include "json.h"
 #include "show.h"
 
@@ -67,7 +67,7 @@ enum status stats_describe(struct json *j, struct store *s, const struct store_d
     enum status st;
 
     if ((st = store_stats(s, false, &all, e)) != ST_OK ||
-        (st = in_force_get(s, &k, e)) != ST_OK)
+        (st = calibration_current(s, &k, e)) != ST_OK)
         return st;
     describe_counts(j, &all);
     json_text(j, "engine", store_made_by(s));

@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "cache.h"
-#include "in_force.h"
+#include "calibration.h"
 
 /* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
  * far above the threshold.  Of 40 made-up people the 13 whose mirrored scans do not match gain 20
@@ -93,7 +93,7 @@ enum status templates_read(struct templates_context *c, const struct templates_o
         st = take_face(out, i, since, e);
     st = store_snapshot_end(&out->of, st, e);
     if (st == ST_OK && out->of.calibration != c->calibration) {
-        in_force_use(c->store, out->of.k, c->work);
+        calibration_apply(c->store, out->of.k, c->work);
         c->calibration = out->of.calibration;
     }
     return st;
@@ -130,8 +130,8 @@ static bool better(const struct surface_comparison *a, const struct surface_comp
 
 /* One comparison more, with the template that decides; none for a scan in its place. */
 static enum status find_mirrored(const struct templates *t,
-                                 const struct surface_face *probe, struct nearest *of,
-                                 struct errinfo *e)
+                                 const struct surface_face *probe,
+                                 struct templates_nearest *of, struct errinfo *e)
 {
     struct surface_work *w = t->context->work;
     struct surface_comparison swapped = {0};
@@ -150,7 +150,7 @@ static enum status find_mirrored(const struct templates *t,
 
 /* Does the surface of the template that decides say otherwise? */
 static enum status look_again(const struct templates *t, const struct surface_face *probe,
-                              struct nearest *of, struct errinfo *e)
+                              struct templates_nearest *of, struct errinfo *e)
 {
     struct surface_comparison again = of->result;
     struct surface_work *w = t->context->work;
@@ -169,7 +169,7 @@ static enum status look_again(const struct templates *t, const struct surface_fa
 /* Of the results [n], template[k] being the k-th one's; each lowered, then the best. */
 static void templates_choose(struct surface_comparison *r, const size_t *template,
                              uint32_t n, const struct surface_work *w,
-                             struct nearest *out)
+                             struct templates_nearest *out)
 {
     out->first_score = r[0].score;
     out->compared = n;
@@ -183,8 +183,8 @@ static void templates_choose(struct surface_comparison *r, const size_t *templat
 }
 
 enum status templates_nearest(const struct templates *t, bool fit,
-                              const struct surface_face *probe, struct nearest *out,
-                              struct errinfo *e)
+                              const struct surface_face *probe,
+                              struct templates_nearest *out, struct errinfo *e)
 {
     const struct templates_context *c = t->context;
     struct surface_comparison result[STORE_TEMPLATES_MAX];
@@ -192,7 +192,7 @@ enum status templates_nearest(const struct templates *t, bool fit,
     uint32_t n = 0;
     enum status st;
 
-    *out = (struct nearest){.result = {0}};
+    *out = (struct templates_nearest){.result = {0}};
     for (size_t i = 0; i < t->of.n; i++) {
         double start;
 
@@ -219,7 +219,7 @@ enum status templates_nearest(const struct templates *t, bool fit,
     return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
 }
 
-enum status templates_judge(const struct nearest *n, struct errinfo *e)
+enum status templates_judge(const struct templates_nearest *n, struct errinfo *e)
 {
     if (!n->mirrored)
         return ST_OK;
@@ -230,8 +230,9 @@ enum status templates_judge(const struct nearest *n, struct errinfo *e)
 }
 
 enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
-                              const struct nearest *of, struct surface_disparity *out,
-                              struct surface_parts *parts, struct errinfo *e)
+                              const struct templates_nearest *of,
+                              struct surface_disparity *out, struct surface_parts *parts,
+                              struct errinfo *e)
 {
     const struct templates_context *c = t->context;
     const struct surface_face *face = t->face[of->index];

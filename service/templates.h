@@ -64,7 +64,7 @@ enum status templates_read(struct templates_context *c, const struct templates_o
                            struct templates *out, struct errinfo *e);
 void templates_free(struct templates *t);
 
-struct nearest {
+struct templates_nearest {
     struct surface_comparison result;
     size_t index;       /* which of the templates */
     uint32_t compared;  /* how many there were */
@@ -80,8 +80,8 @@ struct nearest {
  * Returns ST_OK; ST_ENOTFOUND: there is none; ST_EVERSION: none but of another engine;
  * ST_ENOMEM. */
 enum status templates_nearest(const struct templates *t, bool fit,
-                              const struct surface_face *probe, struct nearest *out,
-                              struct errinfo *e);
+                              const struct surface_face *probe,
+                              struct templates_nearest *out, struct errinfo *e);
 
 /* templates_decision(d): "match", "no_match", "inconclusive". */
 const char *templates_decision(enum surface_decision d);
@@ -89,13 +89,14 @@ const char *templates_decision(enum surface_decision d);
 /* templates_judge(n, e): ST_EMIRRORED, and *e for the user, if the scan is a mirror
  * image; else ST_OK. It reveals as much as a match: count it as a failed attempt before
  * reporting it. */
-enum status templates_judge(const struct nearest *n, struct errinfo *e);
+enum status templates_judge(const struct templates_nearest *n, struct errinfo *e);
 
 /* templates_minimal(t, probe, of, out, parts, e): the minimal disparity against the template that
  * decides, and the alignment; with parts also by the weight of each place (surface_weigh()), and
  * what the score is made of; NULL: without.  Returns ST_OK, ST_ENOMEM. */
 enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
-                              const struct nearest *of, struct surface_disparity *out,
-                              struct surface_parts *parts, struct errinfo *e);
+                              const struct templates_nearest *of,
+                              struct surface_disparity *out, struct surface_parts *parts,
+                              struct errinfo *e);
 
 #endif

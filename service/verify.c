@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "digest.h"
-#include "in_force.h"
+#include "calibration.h"
 #include "mem.h"
 #include "sample.h"
 #include "session.h"
@@ -91,7 +91,7 @@ static enum status build_other(struct templates_context *c, struct verification 
     if (st == ST_OK)
         st = build_face(c, v, other, e);
     if (st == ST_OK && c->store != NULL)
-        st = in_force_follow(c->store, c->work, &c->calibration, e);
+        st = calibration_refresh(c->store, c->work, &c->calibration, e);
     v->templates =
         (struct templates){.context = c, .of = {.n = 1}, .face = {*other->face}};
     return st;

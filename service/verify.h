@@ -49,7 +49,7 @@ struct verification {
     struct verify_request *request;
     struct templates templates;
     struct templates_refusal refusal;
-    struct nearest best;
+    struct templates_nearest best;
     struct surface_disparity least; /* not for VERIFY_DECISION */
     struct surface_parts parts;     /* of VERIFY_MEASURE and what is more */
     double *

@@ -1,7 +1,7 @@
 /* draw.h -- random numbers for what is made up: splitmix64, the same on every machine, and a
  * bell curve of twelve uniform ones, so that not even libm comes into the seeds' meaning. */
-#ifndef TOOLS_DRAW_H
-#define TOOLS_DRAW_H
+#ifndef SIM_DRAW_H
+#define SIM_DRAW_H
 #include <stdint.h>
 
 struct draw {

@@ -4,8 +4,8 @@
  * from FACEGEN_PARAMS normally distributed numbers, and small bumps of its own, on the nose
  * too.  The mean is that of people, so that a learned mean face can be laid on it.
  * Everything follows from the seeds: an integer generator, no clock, no rand(). */
-#ifndef TOOLS_FACEGEN_H
-#define TOOLS_FACEGEN_H
+#ifndef SIM_FACEGEN_H
+#define SIM_FACEGEN_H
 #include <stddef.h>
 #include <stdint.h>
 #include "vec.h"

@@ -1,8 +1,8 @@
 /* head.h -- a head as points, in the canonical frame (grid.h): the nose tip near the origin,
  * x to the image's right, y up, z away from the face; millimetres.
  * A program's part, as all that renders heads: without memory the program ends. */
-#ifndef TOOLS_HEAD_H
-#define TOOLS_HEAD_H
+#ifndef SIM_HEAD_H
+#define SIM_HEAD_H
 #include <stddef.h>
 #include <stdint.h>
 #include "vec.h"

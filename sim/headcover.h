@@ -1,6 +1,6 @@
 /* headcover.h -- what covers a face: simulated, drawn anew for every seed. */
-#ifndef TOOLS_HEADCOVER_H
-#define TOOLS_HEADCOVER_H
+#ifndef SIM_HEADCOVER_H
+#define SIM_HEADCOVER_H
 #include <stdbool.h>
 #include <stdint.h>
 #include "head.h"

@@ -1,7 +1,7 @@
 /* headscan.h -- a head as scanners deliver it: views, a depth camera's grid, points all round,
  * with covers, in any unit and axes.  Everything follows from the head and the seed. */
-#ifndef TOOLS_HEADSCAN_H
-#define TOOLS_HEADSCAN_H
+#ifndef SIM_HEADSCAN_H
+#define SIM_HEADSCAN_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

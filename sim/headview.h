@@ -1,7 +1,7 @@
 /* headview.h -- what is seen of a head from +z, in parallel projection: a z-buffer over its
  * points, and the height of the surface between those that are seen. */
-#ifndef TOOLS_HEADVIEW_H
-#define TOOLS_HEADVIEW_H
+#ifndef SIM_HEADVIEW_H
+#define SIM_HEADVIEW_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,7 +1,7 @@
 /* object.h -- things that are no faces, and simulated scans of them: what the gate has to
  * refuse.  Everything follows from kind and seed. */
-#ifndef TOOLS_OBJECT_H
-#define TOOLS_OBJECT_H
+#ifndef SIM_OBJECT_H
+#define SIM_OBJECT_H
 #include <stddef.h>
 #include <stdint.h>
 #include "vec.h"

@@ -1,6 +1,6 @@
 /* cloudpoints.h -- what a scanner's file says. */
-#ifndef FIND_CLOUDPOINTS_H
-#define FIND_CLOUDPOINTS_H
+#ifndef CORE_CLOUDPOINTS_H
+#define CORE_CLOUDPOINTS_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

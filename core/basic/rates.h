@@ -3,8 +3,8 @@
  * alike).  -INFINITY stands for one that never matches: a scan was refused.  Terms as in
  * ISO/IEC 19795-1: FMR, the share of non-mated (impostor) comparisons that match; FNMR, the
  * share of mated (genuine) ones that do not; TAR = 1 - FNMR; EER, where both are equal. */
-#ifndef FACE_RATES_H
-#define FACE_RATES_H
+#ifndef CORE_RATES_H
+#define CORE_RATES_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

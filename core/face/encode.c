@@ -30,7 +30,7 @@ _Static_assert(LANES + 2 * MODEL_MODES == WIDTH, "a row is motion, change and id
 struct encode_work {
     float gap[GRID_N];
     float weight[GRID_N]; /* 0..1 */
-    struct normal_rows rows;
+    struct lsq_rows rows;
     float sum[WIDTH][WIDTH];
     double h[WIDTH][WIDTH];
     double g[WIDTH], v[WIDTH];
@@ -43,7 +43,7 @@ static uint32_t encode_padded(uint32_t n)
 
 /* The row of cell i, with a weight. */
 static void encode_put_row(const struct encode_basis *e, uint32_t i, float weight,
-                           struct normal_rows *to)
+                           struct lsq_rows *to)
 {
     float *row = to->row[to->n], *times = to->times[to->n];
 
@@ -80,7 +80,7 @@ static void motion_of(const struct surface_model *m, uint32_t i, float out[LANES
 
 void encode_prepare(const struct surface_model *m, struct encode_basis *out)
 {
-    struct normal_rows rows;
+    struct lsq_rows rows;
 
     memset(out, 0, sizeof *out);
     out->m = m;
@@ -96,7 +96,7 @@ void encode_prepare(const struct surface_model *m, struct encode_basis *out)
             encode_put_row(out, i, 1.0f, &rows);
         }
         if (rows.n == NORMAL_ROWS || i == GRID_N - 1)
-            normal_add(&rows, 0, out->width, out->gram[0], WIDTH);
+            lsq_add(&rows, 0, out->width, out->gram[0], WIDTH);
     }
 }
 
@@ -136,7 +136,7 @@ static void add_cells(const struct encode_basis *e, uint32_t cells, struct encod
         if (e->normal_z[i] > 0.0f && by != 0.0f)
             encode_put_row(e, i, by, &w->rows);
         if (w->rows.n == NORMAL_ROWS || i == GRID_N - 1)
-            normal_add(&w->rows, 0, e->width, w->sum[0], WIDTH);
+            lsq_add(&w->rows, 0, e->width, w->sum[0], WIDTH);
     }
 }
 
@@ -243,18 +243,18 @@ static void solve(const struct encode_basis *e, const float z[GRID_N], double re
     add_cells(e, out->cells, w);
     add_gaps(e, w);
     set_up(e, *variance, w);
-    if (!normal_factor(w->h[0], WIDTH, 0, n, n))
+    if (!lsq_factor(w->h[0], WIDTH, 0, n, n))
         return;
-    normal_forward(w->h[0], WIDTH, n, n, w->g);
-    normal_backward(w->h[0], WIDTH, n, w->g);
+    lsq_forward(w->h[0], WIDTH, n, n, w->g);
+    lsq_backward(w->h[0], WIDTH, n, w->g);
     if (reweigh(e, *variance, w)) {
         add_cells(e, out->cells, w);
         add_gaps(e, w);
     }
     set_up(e, *variance, w);
-    if (!normal_factor(w->h[0], WIDTH, 0, e->identity, n))
+    if (!lsq_factor(w->h[0], WIDTH, 0, e->identity, n))
         return;
-    normal_forward(w->h[0], WIDTH, e->identity, n, w->g);
+    lsq_forward(w->h[0], WIDTH, e->identity, n, w->g);
     out->n = e->m->identity.n;
 }
 
@@ -336,10 +336,10 @@ enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
     add_gaps(e, w);
     /* The coefficients of two scans differ by twice the variance of one: so does the noise. */
     set_up(e, (noise_of(e, residual_mm[0]) + noise_of(e, residual_mm[1])) / 2, w);
-    if (!normal_factor(w->h[0], WIDTH, 0, n, n))
+    if (!lsq_factor(w->h[0], WIDTH, 0, n, n))
         return ST_OK;
-    normal_forward(w->h[0], WIDTH, n, n, w->g);
-    normal_backward(w->h[0], WIDTH, n, w->g);
+    lsq_forward(w->h[0], WIDTH, n, n, w->g);
+    lsq_backward(w->h[0], WIDTH, n, w->g);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const float *row = w->rows.row[0];
         double fit = 0;

@@ -24,7 +24,7 @@
 #include "grid.h"
 #include "mem.h"
 #include "model.h"
-#include "normal.h"
+#include "lsq.h"
 #include "status.h"
 
 #define ENCODE_MOTION_MM 2.0

@@ -5,7 +5,7 @@
 
 #include "pose.h"
 #include "cells.h"
-#include "normal.h"
+#include "lsq.h"
 
 /* A covered cell is a row: the modes, padded to a multiple of LANES, and a tail: the six
  * motions, its gap, a zero.  The normal equations are the upper triangle of the sum of
@@ -30,7 +30,7 @@ struct fit_work {
     float full[GRID_N];    /* its weight: over^2 times how far the cell is covered */
     float weight[GRID_N];  /* that times Huber's */
     uint32_t cell[GRID_N]; /* of each row */
-    struct normal_rows block;
+    struct lsq_rows block;
     float sum[WIDTH][WIDTH];
     double h[WIDTH][WIDTH], g[WIDTH];
     uint32_t n, modes, unknowns; /* modes: padded */
@@ -42,7 +42,7 @@ static uint32_t fit_padded(uint32_t n)
 }
 
 /* One row more in the block, its modes and its tail (NULL: no tail). */
-static void fit_put_row(struct normal_rows *b, const float *modes, uint32_t n,
+static void fit_put_row(struct lsq_rows *b, const float *modes, uint32_t n,
                         const float *tail, float rise)
 {
     float *row = b->row[b->n], *times = b->times[b->n];
@@ -59,7 +59,7 @@ static void fit_put_row(struct normal_rows *b, const float *modes, uint32_t n,
 void fit_prepare(const struct model_basis *b, struct fit_basis *out)
 {
     const uint32_t n = fit_padded(b->n);
-    struct normal_rows block;
+    struct lsq_rows block;
 
     block.n = 0;
     out->b = b;
@@ -71,7 +71,7 @@ void fit_prepare(const struct model_basis *b, struct fit_basis *out)
         if (out->used[i])
             fit_put_row(&block, b->mode[i], n, NULL, over * over);
         if (block.n == NORMAL_ROWS || i == GRID_N - 1)
-            normal_add(&block, 0, n, out->gram[0], MODEL_MODES);
+            lsq_add(&block, 0, n, out->gram[0], MODEL_MODES);
     }
 }
 
@@ -121,7 +121,7 @@ static void fit_load(struct fit_work *w, const struct fit_basis *p, const struct
 static void add_first(struct fit_work *w, const struct fit_basis *p)
 {
     const struct model_basis *b = p->b;
-    struct normal_rows *const k = &w->block;
+    struct lsq_rows *const k = &w->block;
     uint32_t r = 0;
 
     for (uint32_t i = 0; i < w->modes; i++)
@@ -138,12 +138,12 @@ static void add_first(struct fit_work *w, const struct fit_basis *p)
         if (rise != 0.0f)
             fit_put_row(k, b->mode[i], w->modes, NULL, rise);
         if (k->n == NORMAL_ROWS || i == GRID_N - 1)
-            normal_add(k, 0, w->modes, w->sum[0], WIDTH);
+            lsq_add(k, 0, w->modes, w->sum[0], WIDTH);
     }
     for (r = 0; r < w->n; r++) {
         fit_put_row(k, b->mode[w->cell[r]], w->modes, w->tail[r], w->weight[r]);
         if (k->n == NORMAL_ROWS || r == w->n - 1)
-            normal_add(k, w->modes, w->modes + LANES, w->sum[0], WIDTH);
+            lsq_add(k, w->modes, w->modes + LANES, w->sum[0], WIDTH);
     }
 }
 
@@ -185,7 +185,7 @@ static bool reweight(struct fit_work *w, const struct model_basis *b, const floa
             fit_put_row(&w->block, modes, w->modes, w->tail[r], rise);
         }
         if (w->block.n == NORMAL_ROWS || r == w->n - 1)
-            normal_add(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
+            lsq_add(&w->block, 0, w->modes + LANES, w->sum[0], WIDTH);
     }
     return changed;
 }
@@ -202,7 +202,7 @@ static bool factor(struct fit_work *w, double tie)
         w->h[i][i] += i < w->modes ? 1 : tie;
         w->g[i] = (double)w->sum[i][w->modes + GAP];
     }
-    return normal_factor(w->h[0], WIDTH, 0, n, n);
+    return lsq_factor(w->h[0], WIDTH, 0, n, n);
 }
 
 /* The deviation of an unknown is the length of its column of the inverse factor; those of
@@ -247,8 +247,8 @@ enum status fit_solve(const struct fit_basis *p, const struct cells *c, double t
             break;
         if (!(solved = factor(w, tie)))
             break;
-        normal_forward(w->h[0], WIDTH, w->unknowns, w->unknowns, w->g);
-        normal_backward(w->h[0], WIDTH, w->unknowns, w->g);
+        lsq_forward(w->h[0], WIDTH, w->unknowns, w->unknowns, w->g);
+        lsq_backward(w->h[0], WIDTH, w->unknowns, w->g);
         for (uint32_t k = 0; k < w->unknowns; k++)
             y[k] = (float)-w->g[k];
         memcpy(out->a, w->g, p->b->n * sizeof *out->a);

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "normal.h"
+#include "lsq.h"
 
 #define N MODEL_MODES
 
@@ -70,9 +70,9 @@ static struct evidence evidence(double h[N][N], uint32_t n, double *g)
 {
     struct evidence out = {0, 0};
 
-    if (!normal_factor(h[0], N, 0, n, n))
+    if (!lsq_factor(h[0], N, 0, n, n))
         return (struct evidence){(double)NAN, (double)NAN};
-    normal_forward(h[0], N, n, n, g);
+    lsq_forward(h[0], N, n, n, g);
     for (uint32_t i = 0; i < n; i++)
         out.square += g[i] * g[i] / 2;
     out.ln = -half_ln_det(h, n);
@@ -144,7 +144,7 @@ struct ratio_probe *ratio_probe(const struct encoding *p, double rho, struct scr
         r->g[i] = (double)p->b[i];
     r->own = evidence(r->h, p->n, r->g);
     memcpy(r->mean, r->g, sizeof r->mean);
-    normal_backward(r->h[0], N, p->n, r->mean);
+    lsq_backward(r->h[0], N, p->n, r->mean);
     invert(r, p->n);
     return r;
 }
@@ -169,7 +169,7 @@ static struct terms ratio_compare(struct ratio_probe *r, const struct encoding *
         same[i] = (double)r->p->b[i] + (double)t->b[i];
     }
     one = evidence(r->h, n, same);
-    normal_backward(r->h[0], N, n, same);
+    lsq_backward(r->h[0], N, n, same);
 
     ratio_load(t, r->c, r->h);
     for (uint32_t j = 0; j < n; j++) {
@@ -178,7 +178,7 @@ static struct terms ratio_compare(struct ratio_probe *r, const struct encoding *
         own[j] = (double)t->b[j] + k * r->mean[j];
     }
     two = evidence(r->h, n, own);
-    normal_backward(r->h[0], N, n, own);
+    lsq_backward(r->h[0], N, n, own);
     two.ln += r->own.ln + 0.5 * n * ratio_ln(r->c);
     two.square += r->own.square;
     return (struct terms){one.square - two.square + one.ln - two.ln, one.ln - two.ln};

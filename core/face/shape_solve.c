@@ -11,7 +11,7 @@ static uint32_t shape_solve_padded(uint32_t n)
 }
 
 /* One row more in the block, with a weight. */
-static void shape_solve_put_row(struct normal_rows *to, const float *row, uint32_t width,
+static void shape_solve_put_row(struct lsq_rows *to, const float *row, uint32_t width,
                                 float weight)
 {
     float *times = to->times[to->n];
@@ -44,7 +44,7 @@ void shape_solve_prepare(const struct model_basis *modes, const float mean[GRID_
                          const float normal[GRID_N][3], struct shape_basis *out)
 {
     const uint32_t width = NORMAL_LANES + shape_solve_padded(modes->n);
-    struct normal_rows block;
+    struct lsq_rows block;
 
     memset(out, 0, sizeof *out);
     out->modes = modes->n;
@@ -62,9 +62,9 @@ void shape_solve_prepare(const struct model_basis *modes, const float mean[GRID_
         out->cell[out->cells++] = i;
         shape_solve_put_row(&block, row, width, 1.0f);
         if (block.n == NORMAL_ROWS)
-            normal_add(&block, 0, width, out->gram[0], SHAPE_WIDTH);
+            lsq_add(&block, 0, width, out->gram[0], SHAPE_WIDTH);
     }
-    normal_add(&block, 0, width, out->gram[0], SHAPE_WIDTH);
+    lsq_add(&block, 0, width, out->gram[0], SHAPE_WIDTH);
 }
 
 /* Starts the sum from where the fewest rows are to be added: as it is, the whole face's, or none. */
@@ -101,9 +101,9 @@ static void add_rows(const struct shape_basis *b, const float weight[GRID_N],
         shape_solve_put_row(&w->block, b->row[r], w->width, weight[r] - w->weight[r]);
         w->weight[r] = weight[r];
         if (w->block.n == NORMAL_ROWS)
-            normal_add(&w->block, 0, w->width, w->sum[0], SHAPE_WIDTH);
+            lsq_add(&w->block, 0, w->width, w->sum[0], SHAPE_WIDTH);
     }
-    normal_add(&w->block, 0, w->width, w->sum[0], SHAPE_WIDTH);
+    lsq_add(&w->block, 0, w->width, w->sum[0], SHAPE_WIDTH);
 }
 
 /* The rows times their gaps. */
@@ -118,7 +118,7 @@ static void add_gaps(const struct shape_basis *b, const float over[GRID_N],
 
         w->gap[r] = weight[r] > 0.0f ? gap : 0.0f; /* it may be no number */
     }
-    normal_times(b->row[0], SHAPE_WIDTH, b->cells, w->gap, width, sum);
+    lsq_times(b->row[0], SHAPE_WIDTH, b->cells, w->gap, width, sum);
     for (uint32_t k = 0; k < width; k++)
         g[k] = (double)sum[k];
 }
@@ -149,10 +149,10 @@ void shape_solve(const struct shape_basis *b, const float over[GRID_N],
             w->h[k][i] = (double)w->sum[k][i]; /* h[column][row] */
         w->h[k][k] += k < NORMAL_LANES ? prior->x : prior->a;
     }
-    if (!normal_factor(w->h[0], SHAPE_WIDTH, 0, width, width))
+    if (!lsq_factor(w->h[0], SHAPE_WIDTH, 0, width, width))
         return;
-    normal_forward(w->h[0], SHAPE_WIDTH, width, width, g);
-    normal_backward(w->h[0], SHAPE_WIDTH, width, g);
+    lsq_forward(w->h[0], SHAPE_WIDTH, width, width, g);
+    lsq_backward(w->h[0], SHAPE_WIDTH, width, g);
     for (uint32_t i = 0; i < 6; i++)
         out->x[i] = g[i] / (i < 3 ? POSE_LEVER_MM : 1.0);
     memcpy(out->a, g + NORMAL_LANES, modes * sizeof *g);
@@ -165,8 +165,8 @@ void shape_bend(const struct shape_basis *b, const float mean[GRID_N], const dou
 
     for (uint32_t k = 0; k < n; k++)
         by[k] = (float)a[k];
-    normal_dot(b->row[0] + NORMAL_LANES, SHAPE_WIDTH, b->cells, by, shape_solve_padded(n),
-               sum);
+    lsq_dot(b->row[0] + NORMAL_LANES, SHAPE_WIDTH, b->cells, by, shape_solve_padded(n),
+            sum);
     for (uint32_t r = 0; r < b->cells; r++)
         height[b->cell[r]] = mean[b->cell[r]] + b->rest[r] * sum[r];
 }

@@ -12,7 +12,7 @@
 #include <stdint.h>
 #include "grid.h"
 #include "model.h"
-#include "normal.h"
+#include "lsq.h"
 
 /* A row: six motions, two zeros, the modes. */
 #define SHAPE_WIDTH (NORMAL_LANES + MODEL_MODES)
@@ -35,7 +35,7 @@ struct shape_solve {
     float weight[GRID_N];                /* of each row in sum */
     float gap[GRID_N];                   /* of each row, weighted, over its rest */
     float sum[SHAPE_WIDTH][SHAPE_WIDTH]; /* upper triangle */
-    struct normal_rows block;
+    struct lsq_rows block;
     double h[SHAPE_WIDTH][SHAPE_WIDTH];
 };
 

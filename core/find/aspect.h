@@ -1,7 +1,7 @@
 /* aspect.h -- does a face have the proportions of one, or are x and y of a depth image scaled against z
  * by a wrong focal length? */
-#ifndef FIND_ASPECT_H
-#define FIND_ASPECT_H
+#ifndef CORE_ASPECT_H
+#define CORE_ASPECT_H
 #include <stddef.h>
 #include "status.h"
 #include "vec.h"

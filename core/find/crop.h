@@ -1,7 +1,7 @@
 /* crop.h -- of the points of a scan those of the face that a scanner in front of it would
  * see, where nothing covers it. */
-#ifndef FIND_CROP_H
-#define FIND_CROP_H
+#ifndef CORE_CROP_H
+#define CORE_CROP_H
 #include <stddef.h>
 #include <stdint.h>
 #include "pose.h"

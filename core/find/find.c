@@ -452,7 +452,7 @@ static bool nearer(const struct found *a, const struct found *b)
 }
 
 /* Of several plain faces the nearest; else the best poses, of one unit. */
-static void find_choose(const struct finder *f, struct find *out)
+static void find_choose(const struct finder *f, struct find_result *out)
 {
     uint32_t first = 0;
 
@@ -490,7 +490,7 @@ static enum status search_once(struct finder *f)
 static enum status find_run(const struct dvec3 *pts, size_t n, double unit_mm,
                             int64_t spend, enum status (*how)(struct finder *f),
                             struct surface_work *w, const struct surface_stop *stop,
-                            struct find *out)
+                            struct find_result *out)
 {
     struct finder *f;
     enum status st;
@@ -520,7 +520,7 @@ static enum status find_run(const struct dvec3 *pts, size_t n, double unit_mm,
 
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct surface_work *w, const struct surface_stop *stop,
-                      struct find *out)
+                      struct find_result *out)
 {
     return find_run(pts, n, unit_mm, FIND_SPENT + (int64_t)(n / FIND_SPENT_PER),
                     search_all, w, stop, out);
@@ -528,7 +528,7 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
 
 enum status find_once(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct surface_work *w, const struct surface_stop *stop,
-                      struct find *out)
+                      struct find_result *out)
 {
     return find_run(pts, n, unit_mm, FIND_SPENT_ONCE, search_once, w, stop, out);
 }

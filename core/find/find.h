@@ -10,8 +10,8 @@
  *     more closely (shape_seek()); what stands upright also by all modes, whose evidence (gate.h) may
  *     end the search.
  * All sums are in a fixed order, + - * / and sqrt only: the same digits everywhere. */
-#ifndef FIND_FIND_H
-#define FIND_FIND_H
+#ifndef CORE_FIND_H
+#define CORE_FIND_H
 #include <stddef.h>
 #include <stdint.h>
 #include "libsurface.h"
@@ -55,7 +55,7 @@ struct find_pose {
 /* pose[0] is the best; pose[1] ... pose[n - 1] are others that may be right where it is not.
  * All are of one unit; n is 1 where the first is plainly right.  Poses less than about 10 mm and
  * 10 degrees apart count as one. */
-struct find {
+struct find_result {
     struct find_pose pose[FIND_POSES];
     uint32_t n;
     uint32_t faces; /* in the cloud, at different places, each plainly a face; at least 1.
@@ -76,13 +76,13 @@ struct find {
  * ST_EBUSY: stop was set; ST_ENOMEM. */
 enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct surface_work *w, const struct surface_stop *stop,
-                      struct find *out);
+                      struct find_result *out);
 
 /* find_once(...): Like find_face(), in the unit given alone, at a fifteenth of the cost at most: finds what is
  * plainly a face. */
 enum status find_once(const struct dvec3 *pts, size_t n, double unit_mm,
                       struct surface_work *w, const struct surface_stop *stop,
-                      struct find *out);
+                      struct find_result *out);
 
 /* find_extent(pts, n): Returns the longest side of the box round n points, in their unit, but for one point
  * in FIND_STRAY_IN at either end. */

@@ -1,7 +1,7 @@
 /* find_view.h -- a cloud seen from one side: where it sticks out as a nose does, and how well the
  * mean face lies there, at every roll.  Internal to find.h. */
-#ifndef FIND_FIND_VIEW_H
-#define FIND_FIND_VIEW_H
+#ifndef CORE_FIND_VIEW_H
+#define CORE_FIND_VIEW_H
 #include <stddef.h>
 #include <stdint.h>
 #include "pose.h"

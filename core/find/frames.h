@@ -2,8 +2,8 @@
  * show the same person and can be laid on it, and does the fused face pass the gate?
  * A frame of another person is told by the score against the base, as any two scans are
  * (core/face/ratio.h). */
-#ifndef FIND_FRAMES_H
-#define FIND_FRAMES_H
+#ifndef CORE_FRAMES_H
+#define CORE_FRAMES_H
 #include <stdbool.h>
 #include <stdint.h>
 #include "face.h"

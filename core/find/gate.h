@@ -2,8 +2,8 @@
  * Only the mean face's cells are judged, by the fit of a face's shape (shape.h).  The gate keeps
  * things out, not people: a face is never refused for being unusual, in size and proportions
  * either; a scan is refused that has too little evidence of a face. */
-#ifndef FIND_GATE_H
-#define FIND_GATE_H
+#ifndef CORE_GATE_H
+#define CORE_GATE_H
 #include <stdbool.h>
 #include "libsurface.h"
 #include "status.h"

@@ -1,6 +1,6 @@
 /* mirror.h -- does a scan say by itself that it is a mirror image? */
-#ifndef FIND_MIRROR_H
-#define FIND_MIRROR_H
+#ifndef CORE_MIRROR_H
+#define CORE_MIRROR_H
 #include <stdbool.h>
 
 struct cloudpoints; /* cloudpoints.h */

@@ -423,7 +423,7 @@ static enum status look_near(struct scan *s, struct scan_search *k)
     }
     k->done = st == ST_OK && k->fit.support >= SCAN_NEAR;
     if (k->done)
-        k->find = (struct find){
+        k->find = (struct find_result){
             .pose = {{near->unit_mm, k->fit.pose, k->fit.worth}}, .n = 1, .faces = 1};
     else
         scale(s->c, 1 / near->unit_mm);
@@ -552,7 +552,7 @@ static enum status try_scale(struct scan *s, struct scan_search *k, struct dvec3
 {
     struct surface_found about = *s->found;
     struct shape_fit fit;
-    struct find find;
+    struct find_result find;
     enum status st;
 
     sample(s, at, n, mm);

@@ -1,7 +1,7 @@
 /* scan.h -- from the points of a scanner's file to the model of one frontal face: the unit, the
  * face and its view, the crop, the gate. */
-#ifndef FIND_SCAN_H
-#define FIND_SCAN_H
+#ifndef CORE_SCAN_H
+#define CORE_SCAN_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -19,12 +19,12 @@ struct cloudpoints; /* cloudpoints.h */
 
 struct scan_search {
     bool done;
-    enum status st;       /* of the search */
-    struct find find;     /* where st is ST_OK, as is the fit */
-    struct shape_fit fit; /* to the points in find's unit */
-    double focal_times;   /* of surface_found */
-    bool scaled;          /* other scales were tried */
-    double fits_mm;       /* of surface_found */
+    enum status st;          /* of the search */
+    struct find_result find; /* where st is ST_OK, as is the fit */
+    struct shape_fit fit;    /* to the points in find's unit */
+    double focal_times;      /* of surface_found */
+    bool scaled;             /* other scales were tried */
+    double fits_mm;          /* of surface_found */
 
     bool as_is;                 /* a model was made of the points as they are */
     enum status st_as_is;       /* of that */

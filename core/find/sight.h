@@ -1,6 +1,6 @@
 /* sight.h -- were points measured from one side? */
-#ifndef FIND_SIGHT_H
-#define FIND_SIGHT_H
+#ifndef CORE_SIGHT_H
+#define CORE_SIGHT_H
 #include <stdbool.h>
 #include <stddef.h>
 #include "vec.h"

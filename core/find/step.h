@@ -1,7 +1,7 @@
 /* step.h -- depths that come in steps: of disparities in whole pixels (structured light, stereo), of
  * 8- or 10-bit depth images, of coarse time-of-flight cameras. */
-#ifndef FIND_STEP_H
-#define FIND_STEP_H
+#ifndef CORE_STEP_H
+#define CORE_STEP_H
 #include <stddef.h>
 #include "pose.h"
 #include "vec.h"

@@ -1,6 +1,6 @@
 /* thin.h -- fewer points, spread evenly over the view from the front. */
-#ifndef FIND_THIN_H
-#define FIND_THIN_H
+#ifndef CORE_THIN_H
+#define CORE_THIN_H
 #include <stddef.h>
 #include <stdint.h>
 #include "status.h"

@@ -182,7 +182,7 @@ struct store_calibration {
     uint64_t impostors; /* comparisons of different people, and of the same */
     uint64_t genuine;
     struct surface_calibration table; /* valid */
-    bool ignored; /* set by in_force_get() alone: it is the newest, but made by
+    bool ignored; /* set by calibration_current() alone: it is the newest, but made by
                      another engine, so that it does not decide */
 };
 

@@ -1,8 +1,8 @@
 /* study.h -- what the studies share: where their tables go, test functions, surfaces over
  * scattered points, quantiles and fits.  A study is a program's part, not a library's: what
  * cannot be done (no memory, no disk) ends the program with a message. */
-#ifndef STUDY_STUDY_H
-#define STUDY_STUDY_H
+#ifndef LAB_STUDY_H
+#define LAB_STUDY_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

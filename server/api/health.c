@@ -7,7 +7,7 @@
 #include "app.h"
 #include "auth.h"
 #include "cache.h"
-#include "in_force.h"
+#include "calibration.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "json.h"
@@ -56,7 +56,7 @@ void health_ready(struct request *r, struct worker *w)
     if (atomic_load(&r->app->stopping)) {
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
-               in_force_get(r->app->store, &k, &e) == ST_OK) {
+               calibration_current(r->app->store, &k, &e) == ST_OK) {
         health_respond(r, "status", "ready");
     } else {
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));

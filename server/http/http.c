@@ -141,7 +141,7 @@ static enum MHD_Result send_early(struct exchange *x)
  * limit.  The connection is closed. */
 static enum MHD_Result send_amid(struct exchange *x)
 {
-    if (peer_respond_amid(x->peer, &x->r.response, x->r.id)) {
+    if (peer_respond_midbody(x->peer, &x->r.response, x->r.id)) {
         x->linger_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
         x->state = RESPONDED;
     }

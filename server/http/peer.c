@@ -270,7 +270,7 @@ static void print_header(void *to, const char *name, const char *value)
 /* libmicrohttpd accepts a response before or after the body, not amid it, so this one is
  * written by hand.  The socket's buffer is empty: the response fits in, or the client is
  * gone. */
-bool peer_respond_amid(struct peer *p, const struct response *a, const char *id)
+bool peer_respond_midbody(struct peer *p, const struct response *a, const char *id)
 {
     char head[512 + CORS_MAX], retry[32] = "", cors[CORS_MAX] = "";
     int n;

@@ -18,7 +18,7 @@ struct peer_host {
     struct guard *guard;
     struct tls *tls; /* NULL: plain HTTP */
     /* refuse(arg, p, current, status): libmicrohttpd is about to refuse what p has sent.  Respond by
-     * peer_respond_amid(): the connection sends no more then.  current: of peer_set_current(). */
+     * peer_respond_midbody(): the connection sends no more then.  current: of peer_set_current(). */
     void (*refuse)(void *arg, struct peer *p, void *current, unsigned status);
     void *arg;
 };
@@ -51,8 +51,8 @@ enum status peer_init(struct errinfo *e);
  * one. */
 bool peer_respond(struct peer *p, struct response *a, const char *id, bool close);
 
-/* peer_respond_amid(p, a, id): writes the response past libmicrohttpd, at any time; the connection
+/* peer_respond_midbody(p, a, id): writes the response past libmicrohttpd, at any time; the connection
  * must be closed afterwards.  True: all of it went into the socket's buffer. */
-bool peer_respond_amid(struct peer *p, const struct response *a, const char *id);
+bool peer_respond_midbody(struct peer *p, const struct response *a, const char *id);
 
 #endif

@@ -214,13 +214,13 @@ start_fails "the older state is refused" 1 'older than its anchor' --db "$DB" --
 ctl_exits 1 audit compare "$T/anchor1" "$T/anchor2"
 is "both daemons have seen a later one" "$(said '[.anchors[].in_log] | tojson')" '[false,false]'
 sed 's/"outcome":"deleted"/"outcome":"dElEted"/' "$T/log.jsonl" >"$T/forged.jsonl"
-ctl restored "$T/forged.jsonl" --anchor "$T/anchor2"
+ctl reapply-erasures "$T/forged.jsonl" --anchor "$T/anchor2"
 ctl_failed "an export that was changed" 77 'not as the database signed it'
-ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2" --dry-run
+ctl_exits 0 reapply-erasures "$T/log.jsonl" --anchor "$T/anchor2" --dry-run
 is "who would be erased" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
-ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2"
+ctl_exits 0 reapply-erasures "$T/log.jsonl" --anchor "$T/anchor2"
 is "who is erased again" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
-ctl_exits 0 restored "$T/log.jsonl" --anchor "$T/anchor2" # as one that was interrupted at its end
+ctl_exits 0 reapply-erasures "$T/log.jsonl" --anchor "$T/anchor2" # as one that was interrupted at its end
 is "a second time there is nothing left to do" "$(said .already)" true
 ctl_exits 0 accept-state --yes --anchor "$T/anchor1"
 ctl_exits 0 audit compare "$T/anchor1" "$T/anchor2"

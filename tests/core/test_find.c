@@ -64,8 +64,8 @@ static void assert_near(const struct pose *a, const struct pose *b, double most_
 static unsigned tried, missed;
 
 /* Is one of the poses found, each after by, near to a?  The fit that follows takes the right one. */
-static void look_among(const struct pose *a, const struct find *f, const struct pose *by,
-                       double most_deg, double most_mm)
+static void look_among(const struct pose *a, const struct find_result *f,
+                       const struct pose *by, double most_deg, double most_mm)
 {
     bool near = false;
 
@@ -112,7 +112,7 @@ static void render(uint64_t subject, const struct headscan_options *o,
                    struct headscan *out, struct pose *pose)
 {
     struct head h = {0}, other = {0};
-    struct find f;
+    struct find_result f;
 
     head_make_up(subject, &h);
     head_measure(&h);
@@ -175,7 +175,7 @@ static void check_any(const struct dvec3 *pts, size_t n, const struct pose *stil
     for (size_t u = 0; u < sizeof units / sizeof *units; u++) {
         const struct pose by = any_pose(r);
         struct dvec3 *moved = copy(pts, n);
-        struct find f;
+        struct find_result f;
 
         move_all(moved, n, &by, units[u]);
         assert_int_equal(find_face(moved, n, 0, work, NULL, &f), ST_OK);
@@ -196,7 +196,7 @@ TEST(test_any_pose)
     for (uint64_t subject = 1; subject <= 4; subject++) {
         const size_t n = crop(subject, pts);
         struct head h = {0};
-        struct find f;
+        struct find_result f;
 
         assert_int_equal(find_face(pts, n, 1, work, NULL, &f), ST_OK);
         check_any(pts, n, &f.pose[0].pose, &r);
@@ -224,7 +224,7 @@ TEST(test_kinds)
             struct headscan_options o;
             struct pose still, by;
             struct headscan s;
-            struct find f;
+            struct find_result f;
 
             headscan_kind(kind_of(kinds[k].name), subject, false, &o);
             render(subject, &o, &s, &still);
@@ -239,7 +239,7 @@ TEST(test_kinds)
     assert_true(tried == 30 && missed <= 1);
 }
 
-static double nose_at(const struct find *f)
+static double nose_at(const struct find_result *f)
 {
     return pose_origin(&f->pose[0].pose).x;
 }
@@ -259,7 +259,7 @@ TEST(test_nearest)
     pts = malloc((a.n + b.n) * sizeof *pts);
     assert_non_null(pts);
     for (int k = 0; k < 3; k++) {
-        struct find f;
+        struct find_result f;
         size_t n = 0;
 
         for (size_t i = 0; i < a.n; i++)
@@ -281,7 +281,7 @@ TEST(test_strays)
     static struct dvec3 pts[3400];
     const size_t n = crop(7, pts);
     struct brute_rng r = {brute_seed("test_find")};
-    struct find f, with;
+    struct find_result f, with;
 
     assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
     for (size_t i = n; i < n + 100; i++) {
@@ -300,7 +300,7 @@ TEST(test_strays)
 TEST(test_nothing)
 {
     static struct dvec3 pts[2000];
-    struct find f;
+    struct find_result f;
 
     assert_int_equal(find_face(pts, 0, 0, work, NULL, &f), ST_ENOFACE);
     assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE); /* all equal */
@@ -363,7 +363,7 @@ TEST(test_body)
         struct headscan s;
         struct pose truth, at, to;
         struct dvec3 *pts;
-        struct find f;
+        struct find_result f;
         double deg, mm;
         size_t n;
 

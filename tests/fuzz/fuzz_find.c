@@ -21,7 +21,7 @@ static double coordinate(const uint8_t *p, unsigned scale)
     return (double)(int16_t)(p[0] | p[1] << 8) * of[scale % 4];
 }
 
-static void check(const struct find *f)
+static void check(const struct find_result *f)
 {
     require(f->n >= 1 && f->n <= FIND_POSES && f->faces >= 1);
     for (uint32_t i = 0; i < f->n; i++) {
@@ -39,7 +39,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static struct surface_work *w; /* kept: making it takes longer than all the rest */
     static struct dvec3 pts[MAX_POINTS * MAX_COPIES];
-    struct find first, again;
+    struct find_result first, again;
     size_t n = 0, one;
     enum status st;
 

@@ -1,12 +1,12 @@
-/* narrow.h -- core/face/normal.c compiled for any processor, where the build has wider vectors too. */
+/* narrow.h -- core/face/lsq.c compiled for any processor, where the build has wider vectors too. */
 #ifndef TESTS_NARROW_H
 #define TESTS_NARROW_H
 #include <stdbool.h>
 #include <stdint.h>
 
-struct normal_rows; /* normal.h */
+struct lsq_rows; /* lsq.h */
 
-void narrow_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+void narrow_add(struct lsq_rows *r, uint32_t from, uint32_t to, float *sum,
                 uint32_t stride);
 void narrow_times(const float *row, uint32_t stride, uint32_t n, const float *by,
                   uint32_t width, float *out);

@@ -90,7 +90,7 @@ static struct templates of(struct templates_context *c, const char *ids,
 
 /* Returns what decided, -1 on failure. */
 static int decide(const char *ids, const struct surface_face *p, enum status *st,
-                  struct nearest *out)
+                  struct templates_nearest *out)
 {
     struct store_template rows[STORE_TEMPLATES_MAX] = {0};
     struct templates_context c;
@@ -103,7 +103,7 @@ static int decide(const char *ids, const struct surface_face *p, enum status *st
 static void assert_decides(const char *ids, const struct surface_face *p, int m,
                            enum surface_decision decision)
 {
-    struct nearest out;
+    struct templates_nearest out;
     enum status st;
 
     assert_int_equal(decide(ids, p, &st, &out), m);
@@ -114,7 +114,7 @@ static void assert_decides(const char *ids, const struct surface_face *p, int m,
 
 TEST(test_highest)
 {
-    struct nearest out;
+    struct templates_nearest out;
     enum status st;
 
     assert_decides("0", &probe, OTHER, SURFACE_NO_MATCH);
@@ -132,7 +132,7 @@ TEST(test_highest)
 /* Of n comparisons the best is lowered by ln n, and so are its decision and rate. */
 TEST(test_lowered)
 {
-    struct nearest out;
+    struct templates_nearest out;
     struct surface_calibration d = model_default.calibration;
     enum status st;
 
@@ -159,7 +159,7 @@ TEST(test_lowered)
 /* If all comparisons are inconclusive, the highest score is returned. */
 TEST(test_inconclusive)
 {
-    struct nearest out;
+    struct templates_nearest out;
     double most = -INFINITY;
     enum status st;
     int highest = -1;
@@ -181,7 +181,7 @@ TEST(test_inconclusive)
 /* A conclusive comparison goes before inconclusive ones of a higher score. */
 TEST(test_conclusive_first)
 {
-    struct nearest out;
+    struct templates_nearest out;
     enum status st;
     double score;
 
@@ -199,7 +199,7 @@ TEST(test_conclusive_first)
  * one comparison more, and only where its mirror image is one. */
 TEST(test_mirrored)
 {
-    struct nearest out;
+    struct templates_nearest out;
     enum status st;
 
     assert_int_equal(decide("01", &swapped, &st, &out), SAME);
@@ -223,7 +223,7 @@ TEST(test_hardly_mirrored)
 {
     struct surface_calibration d = model_default.calibration;
     struct surface_face stranger = {0}, image = {0};
-    struct nearest out, back;
+    struct templates_nearest out, back;
     enum status st;
 
     for (uint64_t k = 3; k < 12; k++) {
@@ -247,7 +247,7 @@ TEST(test_hardly_mirrored)
 
 TEST(test_left_out)
 {
-    struct nearest out;
+    struct templates_nearest out;
     enum status st;
 
     assert_int_equal(decide("-0", &probe, &st, &out), OTHER);
@@ -267,7 +267,7 @@ TEST(test_minimal)
     struct measure_work w = {0};
     struct surface_disparity m;
     struct surface_parts parts;
-    struct nearest best;
+    struct templates_nearest best;
     struct surface_disparity same;
     struct disparity aligned;
 
@@ -383,7 +383,7 @@ TEST(test_calibration)
         .table = {.threshold = 99, .n = 2, .knot = {{-100, 1}, {99, 0.5}}}};
     struct templates_context c = context();
     struct templates a;
-    struct nearest out;
+    struct templates_nearest out;
     const struct {
         bool add, shipped;
         double threshold;

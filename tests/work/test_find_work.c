@@ -24,7 +24,7 @@ static double random_in(struct brute_rng *r, double half)
 static uint64_t count(void)
 {
     const uint64_t before = work_executed();
-    struct find f;
+    struct find_result f;
 
     assert_int_not_equal(find_face(pts, POINTS, 0, work, NULL, &f), ST_ENOMEM);
     return work_executed() - before;
@@ -131,7 +131,7 @@ TEST(test_stopped)
         const uint64_t before = work_executed();
         atomic_bool flag = false;
         const struct surface_stop stop = {is_set, &flag};
-        struct find f;
+        struct find_result f;
 
         work_set_at(&flag, all * i / 20);
         assert_int_equal(find_face(pts, POINTS, 0, work, &stop, &f), ST_EBUSY);

@@ -1,4 +1,4 @@
-#include "service.h"
+#include "systemd.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -22,7 +22,7 @@ static void waited_for(sigset_t *set)
     (void)sigaddset(set, SIGHUP);
 }
 
-void service_begin(void)
+void systemd_begin(void)
 {
     sigset_t set;
 
@@ -32,7 +32,7 @@ void service_begin(void)
     (void)pthread_sigmask(SIG_BLOCK, &set, NULL);
 }
 
-bool service_pause(unsigned ms)
+bool systemd_pause(unsigned ms)
 {
     const struct timespec pause = {ms / 1000, (long)(ms % 1000) * 1000000};
     sigset_t set;
@@ -43,12 +43,12 @@ bool service_pause(unsigned ms)
     return sig == SIGTERM || sig == SIGINT;
 }
 
-void service_ready(const char *url)
+void systemd_ready(const char *url)
 {
     (void)sd_notifyf(0, "READY=1\nSTATUS=listening on %s", url);
 }
 
-static void reload(const struct service_hooks *hooks)
+static void reload(const struct systemd_hooks *hooks)
 {
     struct timespec now;
 
@@ -60,7 +60,7 @@ static void reload(const struct service_hooks *hooks)
     (void)sd_notify(0, "READY=1");
 }
 
-int service_wait(const struct service_hooks *hooks)
+int systemd_wait(const struct systemd_hooks *hooks)
 {
     struct timespec pause = {60, 0}, now;
     uint64_t watchdog_us = 0;

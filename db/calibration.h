@@ -1,9 +1,9 @@
-/* in_force.h -- the calibration in force: the newest of the store, or the table that comes
+/* calibration.h -- the calibration in force: the newest of the store, or the table that comes
  * with the model (core/face/model.h) that the store is used with, where there is none, where the
  * newest says so, and where it was made for another measure than this program's or for another
  * model. */
-#ifndef DB_IN_FORCE_H
-#define DB_IN_FORCE_H
+#ifndef DB_CALIBRATION_H
+#define DB_CALIBRATION_H
 #include <stdbool.h>
 #include <stdint.h>
 #include "status.h"
@@ -13,21 +13,22 @@ struct errinfo;
 struct surface_work; /* libsurface.h */
 struct store;        /* store.h */
 
-/* in_force_get(s, k, e): *k is the newest one, or one of version 0 where there is
+/* calibration_current(s, k, e): *k is the newest one, or one of version 0 where there is
  * none; k->table is what decides.  k->shipped: that is the model's own table; k->ignored:
  * because the newest does not hold, which a program should say when it starts.
  * ST_ECORRUPT: the newest is damaged; nothing may be decided then. */
-enum status in_force_get(struct store *s, struct store_calibration *k, struct errinfo *e);
+enum status calibration_current(struct store *s, struct store_calibration *k,
+                                struct errinfo *e);
 
-/* in_force_use(s, k, w): w decides by k from now on, the newest as store_snapshot_begin() gave it:
+/* calibration_apply(s, k, w): w decides by k from now on, the newest as store_snapshot_begin() gave it:
  * zeros where there is none. */
-void in_force_use(const struct store *s, struct store_calibration k,
-                  struct surface_work *w);
+void calibration_apply(const struct store *s, struct store_calibration k,
+                       struct surface_work *w);
 
-/* in_force_follow(s, w, version, e): w decides by the calibration in force from now on.
+/* calibration_refresh(s, w, version, e): w decides by the calibration in force from now on.
  * *version: of the one that w decides by, 0 for a new w; the caller keeps it with w.
  * Costs some microseconds when it is the same as before.  On failure w is as it was. */
-enum status in_force_follow(struct store *s, struct surface_work *w, int64_t *version,
-                            struct errinfo *e);
+enum status calibration_refresh(struct store *s, struct surface_work *w, int64_t *version,
+                                struct errinfo *e);
 
 #endif

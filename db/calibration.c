@@ -1,4 +1,4 @@
-#include "in_force.h"
+#include "calibration.h"
 
 #include <string.h>
 
@@ -22,7 +22,8 @@ static void in_force_complete(const struct store *s, struct store_calibration *k
     }
 }
 
-enum status in_force_get(struct store *s, struct store_calibration *k, struct errinfo *e)
+enum status calibration_current(struct store *s, struct store_calibration *k,
+                                struct errinfo *e)
 {
     const enum status st = store_calibration_get(s, k, e);
 
@@ -34,22 +35,22 @@ enum status in_force_get(struct store *s, struct store_calibration *k, struct er
     return ST_OK;
 }
 
-void in_force_use(const struct store *s, struct store_calibration k,
-                  struct surface_work *w)
+void calibration_apply(const struct store *s, struct store_calibration k,
+                       struct surface_work *w)
 {
     in_force_complete(s, &k);
     (void)surface_work_calibrate(w, k.shipped ? NULL : &k.table);
 }
 
-enum status in_force_follow(struct store *s, struct surface_work *w, int64_t *version,
-                            struct errinfo *e)
+enum status calibration_refresh(struct store *s, struct surface_work *w, int64_t *version,
+                                struct errinfo *e)
 {
     struct store_calibration k;
-    const enum status st = in_force_get(s, &k, e);
+    const enum status st = calibration_current(s, &k, e);
 
     if (st != ST_OK || k.version == *version)
         return st;
-    in_force_use(s, k, w);
+    calibration_apply(s, k, w);
     *version = k.version;
     return ST_OK;
 }

@@ -1,4 +1,4 @@
-#include "normal.h"
+#include "lsq.h"
 
 #include <math.h>
 #include <string.h>
@@ -22,7 +22,7 @@ typedef float lanes __attribute__((vector_size(4 * NORMAL_LANES)));
 typedef float lanes2 __attribute__((vector_size(8 * NORMAL_LANES)));
 
 /* sum[k..k+3][l..l+7] += the products of some rows, in a tile that stays in registers. */
-EITHER void add_tile(const struct normal_rows *r, uint32_t k, uint32_t l, float *sum,
+EITHER void add_tile(const struct lsq_rows *r, uint32_t k, uint32_t l, float *sum,
                      uint32_t stride)
 {
     lanes t[TILE];
@@ -42,7 +42,7 @@ EITHER void add_tile(const struct normal_rows *r, uint32_t k, uint32_t l, float 
 }
 
 /* sum[k..k+3][l..l+15] += the same products, of two tiles at once. */
-EITHER void add_two_tiles(const struct normal_rows *r, uint32_t k, uint32_t l, float *sum,
+EITHER void add_two_tiles(const struct lsq_rows *r, uint32_t k, uint32_t l, float *sum,
                           uint32_t stride)
 {
     lanes2 t[TILE];
@@ -61,7 +61,7 @@ EITHER void add_two_tiles(const struct normal_rows *r, uint32_t k, uint32_t l, f
         memcpy(&sum[(k + i) * stride + l], &t[i], sizeof t[i]);
 }
 
-EITHER void add_all(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+EITHER void add_all(const struct lsq_rows *r, uint32_t from, uint32_t to, float *sum,
                     uint32_t stride)
 {
     for (uint32_t l = from; l < to; l += NORMAL_LANES)
@@ -71,8 +71,8 @@ EITHER void add_all(const struct normal_rows *r, uint32_t from, uint32_t to, flo
 
 /* add_all() by pairs of tiles beside each other.  What only the right one of a pair has, beside
  * the diagonal, and a last column of tiles without a pair are added by themselves. */
-EITHER void add_all_two(const struct normal_rows *r, uint32_t from, uint32_t to,
-                        float *sum, uint32_t stride)
+EITHER void add_all_two(const struct lsq_rows *r, uint32_t from, uint32_t to, float *sum,
+                        uint32_t stride)
 {
     uint32_t l = from;
 
@@ -131,7 +131,7 @@ EITHER void reduce_all(double *h, uint32_t stride, uint32_t panel, uint32_t n)
         reduce(h + panel * stride, stride, j, n, h + j * stride);
 }
 
-/* Columns l..l + 8 many - 1 of normal_times(), in registers. */
+/* Columns l..l + 8 many - 1 of lsq_times(), in registers. */
 EITHER void times_some(const float *row, uint32_t stride, uint32_t n, const float *by,
                        uint32_t l, uint32_t many, float *out)
 {
@@ -179,14 +179,14 @@ EITHER void dot_all(const float *row, uint32_t stride, uint32_t n, const float *
 }
 
 #ifdef NORMAL_WIDE
-NORMAL_WIDE static void add_wide(const struct normal_rows *r, uint32_t from, uint32_t to,
+NORMAL_WIDE static void add_wide(const struct lsq_rows *r, uint32_t from, uint32_t to,
                                  float *sum, uint32_t stride)
 {
     add_all(r, from, to, sum, stride);
 }
 
-NORMAL_WIDER static void add_wider(const struct normal_rows *r, uint32_t from,
-                                   uint32_t to, float *sum, uint32_t stride)
+NORMAL_WIDER static void add_wider(const struct lsq_rows *r, uint32_t from, uint32_t to,
+                                   float *sum, uint32_t stride)
 {
     add_all_two(r, from, to, sum, stride);
 }
@@ -233,7 +233,7 @@ static void dot_any(const float *row, uint32_t stride, uint32_t n, const float *
         dot_all(row, stride, n, by, width, out);
 }
 
-static void add_any(const struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
+static void add_any(const struct lsq_rows *r, uint32_t from, uint32_t to, float *sum,
                     uint32_t stride)
 {
     if (__builtin_cpu_supports("avx512f"))
@@ -260,8 +260,7 @@ static void reduce_any(double *h, uint32_t stride, uint32_t panel, uint32_t n)
 #define reduce_any reduce_all
 #endif
 
-void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
-                uint32_t stride)
+void lsq_add(struct lsq_rows *r, uint32_t from, uint32_t to, float *sum, uint32_t stride)
 {
     if (r->n == 0)
         return;
@@ -269,19 +268,19 @@ void normal_add(struct normal_rows *r, uint32_t from, uint32_t to, float *sum,
     r->n = 0;
 }
 
-void normal_times(const float *row, uint32_t stride, uint32_t n, const float *by,
-                  uint32_t width, float *out)
+void lsq_times(const float *row, uint32_t stride, uint32_t n, const float *by,
+               uint32_t width, float *out)
 {
     times_any(row, stride, n, by, width, out);
 }
 
-void normal_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
-                uint32_t width, float *out)
+void lsq_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
+             uint32_t width, float *out)
 {
     dot_any(row, stride, n, by, width, out);
 }
 
-bool normal_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint32_t n)
+bool lsq_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint32_t n)
 {
     for (uint32_t k = from; k < to; k += PANEL) {
         const uint32_t end = k + PANEL <= to ? k + PANEL : to;
@@ -298,7 +297,7 @@ bool normal_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint3
     return true;
 }
 
-void normal_forward(const double *h, uint32_t stride, uint32_t to, uint32_t n, double *v)
+void lsq_forward(const double *h, uint32_t stride, uint32_t to, uint32_t n, double *v)
 {
     for (uint32_t k = 0; k < to; k++) {
         const double *col = h + k * stride;
@@ -309,7 +308,7 @@ void normal_forward(const double *h, uint32_t stride, uint32_t to, uint32_t n, d
     }
 }
 
-void normal_backward(const double *h, uint32_t stride, uint32_t n, double *v)
+void lsq_backward(const double *h, uint32_t stride, uint32_t n, double *v)
 {
     for (uint32_t k = n; k-- > 0;) {
         const double *col = h + k * stride;

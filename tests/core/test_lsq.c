@@ -3,14 +3,14 @@
 #include "brute.h"
 #include "dense.h"
 #include "narrow.h"
-#include "normal.h"
+#include "lsq.h"
 #include "unit.h"
 
 #define WIDTH  NORMAL_WIDTH
 #define STRIDE (WIDTH + 8)
 
 static struct brute_rng rng;
-static struct normal_rows rows;
+static struct lsq_rows rows;
 
 /* ---- sums */
 
@@ -32,7 +32,7 @@ static void check_sums(uint32_t from, uint32_t to, uint32_t n)
 
     for (size_t i = 0; i < WIDTH * STRIDE; i++)
         sum[i] = before[i] = narrow[i] = (float)brute_real(&rng);
-    normal_add(&rows, from, to, sum, STRIDE);
+    lsq_add(&rows, from, to, sum, STRIDE);
     assert_int_equal(rows.n, 0);
     rows.n = n;
     narrow_add(&rows, from, to, narrow, STRIDE);
@@ -82,7 +82,7 @@ TEST(test_products)
             by[k] = (float)(brute_real(&rng) - 0.5);
             got[k] = narrow[k] = 7;
         }
-        normal_times(row, STRIDE, ROWS, by, width, got);
+        lsq_times(row, STRIDE, ROWS, by, width, got);
         narrow_times(row, STRIDE, ROWS, by, width, narrow);
         assert_memory_equal(got, narrow, sizeof got);
         for (uint32_t k = 0; k < STRIDE; k++) {
@@ -92,7 +92,7 @@ TEST(test_products)
                 want += by[i] * row[i * STRIDE + k];
             assert_true(got[k] == want);
         }
-        normal_dot(row, STRIDE, ROWS, by, width, got);
+        lsq_dot(row, STRIDE, ROWS, by, width, got);
         narrow_dot(row, STRIDE, ROWS, by, width, narrow);
         assert_memory_equal(got, narrow, sizeof got);
         for (uint32_t i = 0; i < ROWS; i++) {
@@ -159,7 +159,7 @@ TEST(test_factor)
     for (uint32_t n = 1; n <= MOST; n += n < 20 ? 1 : 29) {
         draw(n);
         memcpy(narrow, h, sizeof h);
-        assert_true(normal_factor(h, STRIDE, 0, n, n));
+        assert_true(lsq_factor(h, STRIDE, 0, n, n));
         assert_true(narrow_factor(narrow, STRIDE, 0, n, n));
         plain_factor(n, l);
         for (uint32_t k = 0; k < n; k++)
@@ -210,15 +210,15 @@ TEST(test_partial)
             draw(n);
             for (uint32_t i = 0; i < n; i++)
                 x[i] = v[i] = brute_real(&rng) - 0.5;
-            assert_true(normal_factor(h, STRIDE, 0, to, n));
+            assert_true(lsq_factor(h, STRIDE, 0, to, n));
             eliminated(to, n, v, s, left);
             for (uint32_t k = to; k < n; k++)
                 for (uint32_t i = k; i < n; i++)
                     close_to(h[k * STRIDE + i], s[i][k]);
-            normal_forward(h, STRIDE, to, n, x);
+            lsq_forward(h, STRIDE, to, n, x);
             for (uint32_t i = to; i < n; i++)
                 close_to(x[i], left[i]);
-            assert_true(normal_factor(h, STRIDE, to, n, n));
+            assert_true(lsq_factor(h, STRIDE, to, n, n));
             plain_factor(n, l);
             for (uint32_t k = 0; k < n; k++)
                 for (uint32_t i = k; i < n; i++)
@@ -237,11 +237,11 @@ TEST(test_solve)
         draw(n);
         for (uint32_t i = 0; i < n; i++)
             x[i] = y[i] = v[i] = brute_real(&rng) - 0.5;
-        assert_true(normal_factor(h, STRIDE, 0, n, n));
-        normal_forward(h, STRIDE, n, n, x);
+        assert_true(lsq_factor(h, STRIDE, 0, n, n));
+        lsq_forward(h, STRIDE, n, n, x);
         for (uint32_t i = 0; i < n; i++)
             square += x[i] * x[i];
-        normal_backward(h, STRIDE, n, x);
+        lsq_backward(h, STRIDE, n, x);
         for (int twice = 0; twice < 2; twice++) {
             for (uint32_t i = 0; i < n; i++)
                 for (uint32_t k = 0; k < n; k++)
@@ -269,13 +269,13 @@ TEST(test_indefinite)
                 for (uint32_t i = 0; i < n; i++) /* only what others explain is added */
                     h[(i < at ? i : at) * STRIDE + (i < at ? at : i)] =
                         i == at ? bad[k] : 0;
-                assert_false(normal_factor(h, STRIDE, 0, n, n));
+                assert_false(lsq_factor(h, STRIDE, 0, n, n));
                 draw(n);
                 for (uint32_t i = 0; i < n; i++)
                     h[(i < at ? i : at) * STRIDE + (i < at ? at : i)] =
                         i == at ? bad[k] : 0;
-                assert_true(normal_factor(h, STRIDE, 0, at, n)); /* not looked at yet */
-                assert_false(normal_factor(h, STRIDE, at, n, n));
+                assert_true(lsq_factor(h, STRIDE, 0, at, n)); /* not looked at yet */
+                assert_false(lsq_factor(h, STRIDE, at, n, n));
             }
 }
 
