@@ -10,9 +10,6 @@
 
 struct errinfo;
 
-/* The points of a cloud in the text of a JSON document, read without a
- * value in memory for each number.  For json.c. */
-
 struct json_points {
     struct dvec3 *at; /* by mem_free(); NULL: none */
     size_t n;

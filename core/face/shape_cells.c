@@ -9,6 +9,7 @@
 #include "frame.h"
 #include "grid.h"
 #include "shape_cover.h"
+#include "shape_detail.h"
 #include "shape_work.h"
 
 /* mm: the most that a cell adds to the residual. */

@@ -3,6 +3,7 @@
 #include "brute.h"
 #include "shape.h"
 #include "shape_map.h"
+#include "shape_detail.h"
 #include "shape_work.h"
 #include "toy.h"
 #include "unit.h"
