@@ -1,54 +1,176 @@
 #!/bin/sh
-# Goal: bad input gets an error with a code and a clear detail; the daemon keeps running and
-# loses no data.
+# Goal: bad input gets an error with a code and a clear detail, and changes nothing; the daemon keeps
+# running and loses no data.
 . tests/box/lib.sh
 
 scan 1 1 "$T/enrolled.ply"
 scan 1 0 "$T/a.ply"
 scan 1 0 "$T/a.json"
-start_daemon --no-auth --max-body 40000000
+scan 1 1 "$T/a.xyz"
+start_daemon --max-body 40000000
+AUTH=$(new_token all)
 send POST /v1/subjects/alice/templates "$PLY" "$T/enrolled.ply"
 is enroll "$STATUS" 201
 id=$(get .template_id)
+req GET /v1/token
+token=$(get .id)
 
-# bad TITLE STATUS CODE DETAIL-PATTERN TEXT: TEXT as a JSON body gives this problem.
-bad() {
-    printf '%s' "$5" >"$T/x"
-    send POST /v1/subjects/alice/verify "$JSON" "$T/x"
-    problem "$1" "$2" "$3" "$4"
+# stored: what the database has.
+stored() {
+    sql "SELECT (SELECT count(*) FROM tokens), (SELECT count(*) FROM subjects), (SELECT count(*) FROM templates)"
+    req GET /v1/subjects/alice
+    cat "$T/body"
 }
+before=$(stored)
 
-# ---- JSON
-bad "truncated" 400 malformed 'ends too early' '{"points": [[1,2,3],'
-bad "malformed" 400 malformed 'byte 12' '{"points": [}'
-bad "a huge number" 422 not_finite 'points\[1\] is not three finite numbers' \
-    '{"points": [[1,2,3],[1,2,1e999]]}'
-bad "a large number" 422 out_of_range 'point 201 of 201' "{\"points\": [$(seq -s, -f '[%.0f,1,2]' 1 200),[1e300,2,3]]}"
-bad "a string" 400 malformed 'points\[0\] is not three finite numbers' \
-    '{"points": [["1",2,3]]}'
-bad "no points" 400 malformed 'points is missing' '{"units": "mm"}'
-bad "a misspelt member" 400 malformed 'the JSON: unknown member "pts"; allowed: points, units and axes' '{"pts": []}'
-bad "another member" 400 malformed 'unknown member "threshold"' '{"points": [], "threshold": -1e9}'
-bad "a long one, truncated between characters" 400 malformed 'unknown member "xü*"' "{\"x$(printf '%050d' 0 | sed 's/0/ü/g')\": 1}"
-bad "deep nesting" 400 malformed 'deeper than 16 at byte 16' "$(printf '%05000d' 0 | tr 0 '[')"
-bad "not UTF-8" 400 malformed 'not UTF-8 at byte 12' "$(printf '{"points": "\377"}')"
-bad "many members" 400 malformed 'members' "{$(seq -s, -f '"k%.0f":1' 1 100)}"
-bad "few points" 422 too_few_points '100' '{"points": [[1,2,3]]}'
-bad "an empty array" 422 too_few_points '' '{"points": []}'
-printf '{"points": []}\0{}' >"$T/x"
-send POST /v1/subjects/alice/verify "$JSON" "$T/x"
-problem "a NUL in it" 400 malformed 'byte 14'
-: >"$T/x"
-send POST /v1/subjects/alice/verify "$JSON" "$T/x"
-problem "empty" 400 malformed empty
-send POST /v1/subjects/alice/verify "$PLY" "$T/x"
-problem "empty file" 400 malformed empty
-send POST /v1/subjects/alice/verify "$JSON" "$T/x" -H 'Transfer-Encoding: chunked'
-problem "empty, in chunks" 400 malformed empty
-req POST /v1/subjects/alice/verify -H "$JSON"
-problem "no length" 411 length_required
+# ---- the bodies that do not fit in a line
+: >"$T/empty"
+printf '{"points": []}\0{}' >"$T/nul.json"
+printf '{"points": [%s,[1e300,2,3]]}' "$(seq -s, -f '[%.0f,1,2]' 1 200)" >"$T/far.json"
+printf '1 2 3\n4 5 \001\002\377\n' >"$T/binary.xyz"
+head -c 20000 /dev/zero >"$T/zeros"
+awk 'BEGIN { for (i = 0; i < 300; i++) print 1, 2, 3 }' >"$T/equal.xyz"
+printf -- '--b\r\nContent-Disposition: form-data; name="file"\r\n\r\n{"points": []}\r\n--b' >"$T/cut.form"
+jq -c '{a: ., b: .}' "$T/a.json" >"$T/ab.json"
+long=$(printf '%0129d' 1)
 
-# ---- media types
+# ---- requests: METHOD PATH [TYPE BODY...] -> STATUS CODE [DETAIL-PATTERN]
+# TYPE: one of media() or a media type; form: the words of BODY are curl's options -F.  BODY: a text, or
+# @FILE, in which @ is $T/.
+{
+    cat <<END
+POST /v1/subjects/alice/verify json {"points": [[1,2,3], -> 400 malformed ends too early
+POST /v1/subjects/alice/verify json {"points": [["1",2,3]]} -> 400 malformed points\[0\] is not three finite numbers
+POST /v1/subjects/alice/verify json {"units": "mm"} -> 400 malformed points is missing
+POST /v1/subjects/alice/verify json {"pts": []} -> 400 malformed the JSON: unknown member "pts"; allowed: points, units and axes
+POST /v1/subjects/alice/verify json {"points": []} -> 422 too_few_points 100
+POST /v1/subjects/alice/verify json @far.json -> 422 out_of_range point 201 of 201
+POST /v1/subjects/alice/verify json @nul.json -> 400 malformed byte 14
+POST /v1/subjects/alice/verify json @empty -> 400 malformed empty
+POST /v1/subjects/alice/verify ply @empty -> 400 malformed empty
+POST /v1/subjects/alice/verify ply @a.json -> 400 malformed
+POST /v1/subjects/alice/verify text @binary.xyz -> 400 malformed line 2
+POST /v1/subjects/alice/verify text @equal.xyz -> 422 degenerate at one place
+POST /v1/subjects/alice/verify bytes @zeros -> 400 malformed
+POST /v1/subjects/alice/verify merge @a.json -> 415 unsupported_media_type ^Content-Type must be model/ply, 
+POST /v1/subjects/alice/verify?units=mm&units=cm ply @a.ply -> 400 invalid_parameter units is given twice
+POST /v1/subjects/alice/verify?$(printf 'u%05000d' 0)=1 ply @a.ply -> 400 invalid_parameter unknown query parameter u0{63};
+POST /v1/subjects/alice/verify form file=@a.json units=mm -> 400 malformed the parts file, units: send 1 to 10 files
+POST /v1/subjects/alice/verify form file=@empty -> 400 malformed the file is empty
+POST /v1/subjects/alice/verify form file=@a.json;headers="Content-Encoding:br" -> 415 unsupported_content_encoding
+POST /v1/subjects/alice/verify multipart/form-data @a.json -> 400 malformed boundary of 1 to 70
+POST /v1/subjects/alice/verify multipart/form-data;boundary=b @a.json -> 400 malformed byte 0: no line of the body is the boundary
+POST /v1/subjects/alice/verify multipart/form-data;boundary=b @cut.form -> 400 malformed ends before the last boundary
+POST /v1/subjects/alice/templates?force=maybe ply @a.ply -> 400 invalid_parameter
+POST /v1/check json @a.ply -> 400 malformed this is PLY, not JSON
+POST /v1/check?label=x ply @a.ply -> 400 invalid_parameter unknown query parameter label
+POST /v1/compare json {"a": {"points": []}} -> 400 malformed b is not an object
+POST /v1/compare ply @a.ply -> 415 unsupported_media_type
+POST /v1/compare urlencoded @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, or multipart/form-data with the files a and b$
+POST /v1/compare none @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, 
+POST /v1/compare form file=@ab.json -> 400 malformed a and b
+POST /v1/subjects form file=@ab.json -> 415 unsupported_media_type
+POST /v1/subjects json {"subject": "alice"} -> 409 exists
+PATCH /v1/subjects/nobody merge {"hold": true} -> 404 not_found
+PATCH /v1/subjects/a%20b merge {"hold": true} -> 400 invalid_parameter
+PATCH /v1/subjects/alice merge @empty -> 400 malformed
+PATCH /v1/subjects/alice merge {"on_hold": true} -> 400 malformed unknown member "on_hold"
+PATCH /v1/subjects/alice merge {"expires_at": "2020-01-01"} -> 400 malformed in the past
+GET /v1/subjects/$(printf '%0128d' 1) -> 404 not_found
+GET /v1/audit?subject=nobody -> 404 not_found
+GET /v1/audit?since=soon -> 400 malformed a time is like
+GET /v1/audit?subject=a%20b -> 400 malformed a subject id
+GET /v1/audit/export?format=csv&since=soon -> 400 malformed a time is like
+GET /healthz?$(printf '%08000d' 1) -> 400 invalid_parameter unknown query parameter 0{64};
+GET / -> 404 no_such_route /docs .* /openapi.json
+POST /v1/identify ply @a.ply -> 404 no_such_route
+DELETE /v1/tokens/$token -> 409 own_token
+END
+    printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter unknown query parameter .*; this path accepts units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$\n' \
+        unknown=1 'units=mm&unknown' '&unknown=1&' unit=mm unitss=mm Units=mm %75nits=mm unknown=%zz \
+        =mm units,%20detail=mm force=true
+    printf 'POST /v1/subjects/alice/verify?%s=%s ply @a.ply -> 400 invalid_parameter ^%s must be\n' \
+        units inch units units '' units units MM units units yd units units mm%00 units \
+        axes camera axes axes '' axes axes Scanner axes detail all detail
+    for member in '"units": "yd"' '"units": 1' '"axes": "camera"' '"axes": null' '"axes": true'; do
+        name=${member#\"} name=${name%%\"*}
+        echo "POST /v1/subjects/alice/verify json {\"points\": [], $member} -> 400 malformed ^$name must be"
+        echo "POST /v1/compare json {\"a\": {\"points\": []}, \"b\": {\"points\": [], $member}} -> 400 malformed ^b\.$name must be"
+    done
+    printf 'POST /v1/subjects/bob/templates?label=%s ply @a.ply -> 400 invalid_parameter\n' "$long$long" %00 %
+    printf 'POST /v1/subjects/bob/templates?label=%s ply @a.ply -> 400 malformed a label is\n' \
+        %01 %FF a%E2%80%AEply.exe %E2%80%8Bx a%D8%9C
+    printf 'PATCH /v1/subjects/alice merge %s -> 400 malformed\n' '[]' null '{' '{"hold": 1}' '{"disabled": null}' \
+        '{"consent": 17}' '{"hold": true, "subject": "bob"}' '{"hold": true, "hold": false}' \
+        '{"hold": true, "expires_at": "tomorrow"}' "{\"hold\": true, \"consent\": \"$long\"}" \
+        '{"hold": true, "purpose": "a\nb"}' '{"hold": true, "purpose": "a\u0000b"}' \
+        "{\"hold\": true, \"purpose\": \"$long$long$long\"}"
+    printf 'POST /v1/subjects json %s -> 400 malformed\n' '{}' '{"subject": null}' '{"subject": "a b"}' \
+        '{"subject": "x", "hold": true}' "{\"subject\": \"x\", \"consent\": \"$long\"}" \
+        '{"subject": "x", "expires_at": "soon"}' "{\"subject\": \"x$long\"}" '{"subject": "x", "purpose": "a\nb"}'
+    printf 'GET /v1/subjects/%s -> 400 invalid_parameter subject id\n' a%2Fb a%00 %zz "$long" %C3%A9 a%20b
+    printf 'GET /v1/templates/%s -> 404 not_found\n' x ..%2f..%2fetc%2fpasswd "${id}0"
+    printf 'GET /v1/subjects?%s -> 400 invalid_parameter\n' limit=0 limit=1001 limit=x limit=-1 cursor=%20 cursor=%zz \
+        cursor=x cursor=99999999999999999999 state=gone state= q= "q=$long"
+    printf 'GET /v1/audit?%s -> 400 invalid_parameter\n' before=x before=1 before=0-5 after=1-1- after=-1-2 after=01-1 \
+        'before=1-1&after=1-1' limit=0 kind= actor= "kind=$long$long"
+    printf 'GET /v1/audit/export?format=%s -> 400 invalid_parameter\n' xml 'jsonl&kind=verify'
+    printf 'GET /%s -> 404 no_such_route\n' v1 v1/ v1/subjects/ v1/subjects//verify v1/identify v2/subjects \
+        v1/subjects/x/y healthz/ v1/subjects/x/templates/y v1/subjects/../../etc/passwd
+    printf 'POST /v1/tokens json %s -> 400 malformed\n' '{}' '{"name": "a"}' '{"name": "a", "scopes": []}' \
+        '{"name": "a", "scopes": "verify"}' '{"name": "a", "scopes": ["root"]}' \
+        '{"name": "a", "scopes": ["verify,manage"]}' '{"name": "a", "scopes": [1]}' '{"scopes": ["verify"]}' \
+        '{"name": "", "scopes": ["verify"]}' '{"name": "a\nb", "scopes": ["verify"]}' \
+        '{"name": "ä", "scopes": ["verify"]}' '{"name": "a", "scopes": ["verify"], "id": "x"}' \
+        '{"name": "a", "scopes": ["verify"], "expires_at": "2020-01-01"}' \
+        '{"name": "a", "scopes": ["verify"], "expires_at": "soon"}' \
+        '{"name": "a", "scopes": ["verify"], "expires_at": "9000-01-01"}'
+    printf 'POST /v1/tokens/%s/rotate json %s -> 400 malformed\n' "$token" '{"grace_s": -1}' "$token" '{"grace_s": 1.5}' \
+        "$token" '{"grace_s": "1d"}' "$token" '{"grace": 1}' "$token" '[]' "$token" '{"grace_s": 99999999999}'
+    for one in 0123 00000000000000000000000000000000; do
+        printf '%s /v1/tokens/%s -> 404 not_found\n' DELETE $one POST "$one/rotate json {}"
+    done
+} >"$T/requests"
+
+# media TYPE: the media type that a row means by it.
+media() {
+    case $1 in
+    json) echo application/json ;;
+    merge) echo application/merge-patch+json ;;
+    ply) echo model/x-ply ;;
+    text) echo text/plain ;;
+    bytes) echo application/octet-stream ;;
+    urlencoded) echo application/x-www-form-urlencoded ;;
+    none) ;;
+    *) echo "$1" ;;
+    esac
+}
+while IFS= read -r row; do
+    read -r verb path type body <<END
+${row%% -> *}
+END
+    read -r status code detail <<END
+${row#* -> }
+END
+    case $type in
+    '') set -- ;;
+    form)
+        set --
+        for part in $body; do
+            set -- "$@" -F "$(echo "$part" | sed "s|@|@$T/|")"
+        done
+        ;;
+    *)
+        case $body in @*) body=@$T/${body#@} ;; esac
+        set -- -H "Content-Type: $(media "$type")" --data-binary "$body"
+        ;;
+    esac
+    req "$verb" "$path" --path-as-is "$@"
+    problem "$(echo "$row" | cut -c 1-200)" "$status" "$code" "$detail"
+done <"$T/requests"
+is "nothing was changed" "$(stored)" "$before"
+
+# ---- what is taken
 # A type that says nothing, as curl's own, leaves it to the content; but JSON is said to be that.
 for scan in a.json a.ply; do
     for type in 'Content-Type:' 'Content-Type: application/x-www-form-urlencoded'; do
@@ -56,57 +178,15 @@ for scan in a.json a.ply; do
         is "$scan, $type" "$STATUS $(get .decision)" '200 match'
     done
 done
-for type in 'Content-Type:' 'Content-Type: application/x-www-form-urlencoded'; do
-    send POST /v1/compare "$type" "$T/a.json"
-    problem "compare, $type" 415 unsupported_media_type '^Content-Type must be application/json, or multipart/form-data with the files a and b$'
-done
-send POST /v1/subjects/alice/verify 'Content-Type: application/merge-patch+json' "$T/a.json"
-problem "a patch" 415 unsupported_media_type '^Content-Type must be model/ply, '
-send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: gzip'
-problem "not compressed as declared" 400 damaged_content_encoding
-send POST /v1/subjects/alice/verify "$JSON" "$T/a.json" -H 'Content-Encoding: br'
-problem "an unsupported coding" 415 unsupported_content_encoding
-send POST /v1/subjects/alice/verify "$JSON" "$T/a.ply"
-problem "PLY sent as JSON" 400 malformed
-send POST /v1/subjects/alice/verify "$PLY" "$T/a.json"
-problem "JSON sent as PLY" 400 malformed
-
-# ---- scanner files
-# ply LINE...: sends a PLY file of these lines.
-ply() {
-    printf '%s\n' "$@" >"$T/x"
-    send POST /v1/subjects/alice/verify "$PLY" "$T/x"
-}
-ply ply 'format ascii 1.0' 'element vertex 4000000000' 'property float x' \
-    'property float y' 'property float z' end_header '1 2 3'
-ok "a false count: $STATUS $(get .code)" test "$STATUS" -ge 400 -a "$STATUS" -lt 500
-ply ply 'format ascii 1.0' 'element vertex 3' 'property float x' 'property float y' \
-    'property float z' end_header '1 2 3'
-problem "too few lines" 400 malformed
-head -c 9000 "$T/a.ply" >"$T/x"
-send POST /v1/subjects/alice/verify "$PLY" "$T/x"
-problem "a truncated file" 400 malformed
-printf '1 2 3\n4 5 \001\002\377\n' >"$T/x"
-send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
-problem "text with binary inside" 400 malformed 'line 2'
-head -c 20000 /dev/zero >"$T/x"
-send POST /v1/subjects/alice/verify "$BYTES" "$T/x"
-problem "zeros" 400 malformed
-
-# ---- shapes (what a scan is refused for: http-examples.sh)
-awk 'BEGIN { for (i = 0; i < 300; i++) print 1, 2, 3 }' >"$T/x"
-send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
-ok "all points equal: $STATUS $(get .code)" test "$STATUS" = 422
-scan 1 1 "$T/a.xyz"
 awk '{ print -$1, -$2, $3 }' "$T/a.xyz" >"$T/x"
 send POST '/v1/subjects/alice/verify?axes=scanner' 'Content-Type: text/plain' "$T/x"
 is "a face upside down, the axes told" "$STATUS $(get .decision)" "200 no_match"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 is "the axes not told" "$STATUS $(get .decision)" "200 match"
-awk 'BEGIN { printf "{\"points\": [[1,2,3]"
-    for (i = 1; i < 1000001; i++) printf ",[%d,%d,3]", i % 1000, i / 1000; print "]}" }' >"$T/x"
-send POST /v1/subjects/alice/verify "$JSON" "$T/x"
-problem "one point too many" 422 too_many_points 'points has 1000001'
+send POST /v1/subjects/alice/verify "$JSON" "$T/empty" -H 'Transfer-Encoding: chunked'
+problem "empty, in chunks" 400 malformed empty
+req GET "/healthz?$(printf '%020000d' 1)"
+is "a query that is too long" "$STATUS" 414
 
 # ---- over the limit: rejected before the whole body is read
 head -c 60000000 /dev/zero >"$T/big"
@@ -115,19 +195,17 @@ for how in 'Expect: 100-continue' 'Expect:' 'Transfer-Encoding: chunked'; do
     problem "over the limit, $how" 413 body_too_large 40000000
 done
 sent=$(curl -sS -m 5 --limit-rate 2M -o "$T/body" -w '%{http_code} %{size_upload}' -H "$BYTES" \
-    -H 'Expect:' --data-binary "@$T/big" "$URL/v1/subjects/alice/verify" 2>/dev/null)
+    -H 'Expect:' -H "Authorization: Bearer $AUTH" --data-binary "@$T/big" "$URL/v1/subjects/alice/verify" 2>/dev/null)
 ok "rejected by the headers alone: $sent" test "${sent% *}" = 413 -a "${sent#* }" -lt 20000000
-send GET /healthz "$BYTES" "$T/big" -H 'Expect:'
-problem "a large body of a GET request" 400 malformed "takes no body"
 rm "$T/big"
 
 # ---- clients that disconnect in the middle
 clients=
 for _ in 1 2 3; do
-    curl -sS -m 1 --limit-rate 2000 -o /dev/null -H "$PLY" --data-binary "@$T/a.ply" \
+    curl -sS -m 1 --limit-rate 2000 -o /dev/null -H "Authorization: Bearer $AUTH" -H "$PLY" --data-binary "@$T/a.ply" \
         "$URL/v1/subjects/alice/verify" 2>/dev/null &
     clients="$clients $!"
-    curl -sS -m 0.02 -o /dev/null -H "$PLY" --data-binary "@$T/a.ply" \
+    curl -sS -m 0.02 -o /dev/null -H "Authorization: Bearer $AUTH" -H "$PLY" --data-binary "@$T/a.ply" \
         "$URL/v1/subjects/alice/verify" 2>/dev/null &
     clients="$clients $!"
 done
@@ -137,35 +215,10 @@ alive "clients that disconnect"
 req GET /v1/subjects/alice
 is "nothing changed" "$(get '.templates | length')" 1
 
-# ---- paths
-for path in /v1/subjects/a%2Fb /v1/subjects/a%00 /v1/subjects/%zz /v1/subjects/%4 \
-    "/v1/subjects/$(printf '%0129d' 1)" /v1/subjects/%C3%A9 /v1/subjects/a%20b; do
-    req GET "$path"
-    problem "GET $path" 400 invalid_parameter 'subject id'
-done
-req GET "/v1/subjects/$(printf '%0128d' 1)"
-problem "the longest id" 404 not_found
-for path in /v1/templates/x /v1/templates/..%2f..%2fetc%2fpasswd "/v1/templates/${id}0"; do
-    req GET "$path"
-    problem "GET $path" 404 not_found
-done
-req GET /v1/subjects/../../etc/passwd --path-as-is
-problem "dots" 404 no_such_route
-req GET "/healthz?$(printf '%08000d' 1)"
-problem "a long query" 400 invalid_parameter 'unknown query parameter 0{64};'
-req GET "/healthz?$(printf '%020000d' 1)"
-is "a query that is too long" "$STATUS" 414
-for label in "$(printf '%0257d' 1)" %01 %FF %00 % a%E2%80%AEply.exe %E2%80%8Bx a%D8%9C; do
-    send POST "/v1/subjects/bob/templates?label=$label" "$PLY" "$T/a.ply"
-    is "label $label" "$STATUS" 400
-done
-req GET /v1/subjects/bob
-is "nothing was stored" "$STATUS" 404
-
 # ---- a damaged database
 restart() {
     stop_daemon
-    start_daemon --no-auth
+    start_daemon
 }
 damage_faces 1
 restart
