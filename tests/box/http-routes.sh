@@ -1,5 +1,6 @@
 #!/bin/sh
-# Goal: every route works as described, with every format of clouds.
+# Goal: every route works as described, with every format of clouds (what is refused:
+# http-bad-input.sh).
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"
@@ -26,26 +27,12 @@ is "openapi's format" "$(get .openapi)" 3.1.0
 ok "openapi's references resolve" jq_true '. as $d
     | [.. | objects | ."$ref"? // empty | ltrimstr("#/") / "/"]
     | all(. as $p | $d | getpath($p) != null)' "$T/body"
-# Every described route exists: an unknown id gives 404 with another code than an unknown route.
-jq -r '.paths | to_entries[] | .key as $p | .value | keys[]
-       | select(. != "parameters") | ascii_upcase + " " + $p' "$T/body" >"$T/routes"
-ok "it describes some" test -s "$T/routes"
-while read -r method path; do
-    path=$(echo "$path" | sed 's/{subject}/nobody/; s/{template_id}/00000000000000000000000000000000/')
-    case $method in
-    POST) send POST "$path" "$JSON" /dev/null ;;
-    *) req "$method" "$path" ;;
-    esac
-    ok "$method $path exists, not $STATUS $(get .code)" test \
-        "$(get .code)" != no_such_route -a "$STATUS" != 405
-done <"$T/routes"
 
 # ---- enroll
 send POST '/v1/subjects/alice/templates?label=scanner%201' "$PLY" "$T/a.ply"
 is "enroll" "$STATUS" 201
 id=$(get .template_id)
 is "Location" "$(field Location)" "/v1/templates/$id"
-fits "enroll" Template
 is "its description" "$(get '[.subject, .label, .points > 2900, .triangles > 5000,
     (.digest | length), (.created | test("^20.*Z$")), .quality.score > 0.3,
     .quality.coverage > 0.3, .quality.density_mm > 0.5, .quality.noise_mm >= 0,
@@ -64,8 +51,6 @@ send POST /v1/subjects/alice/templates 'Content-Type: text/plain' "$T/part.xyz"
 problem "a part of the face" 422 not_a_face 'wanted'
 req GET /v1/subjects/alice
 is "nothing was stored" "$(get '.templates | length')" 1
-send POST '/v1/subjects/alice/templates?force=maybe' "$PLY" "$T/b.ply"
-problem "force=maybe" 400 invalid_parameter
 
 # ---- verify, in each form of cloud
 for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTES:obj" \
@@ -74,7 +59,6 @@ for form in "$PLY:ply" "Content-Type: application/x-ply:ply" "$BYTES:ply" "$BYTE
     send POST /v1/subjects/alice/verify "${form%:*}" "$T/a2.${form##*:}"
     is "verify as $form" "$STATUS $(get .decision)" "200 match"
 done
-fits verify Verdict
 is "every member is there" "$(get '[.score, .threshold, .fmr_at_score, .disparity_mm,
     .overlap, .templates_compared, .quality.score,
     .timing_ms.parse, .timing_ms.prepare, .timing_ms.score, .timing_ms.align,
@@ -85,7 +69,6 @@ is "subject, template, engine" "$(get '[.subject, .template_id, .engine] | @tsv'
     "$(printf 'alice\t%s\t%s' "$id" "$(jq -r .engine "$T/first")")"
 is "decided by the threshold" "$(get '.score >= .threshold')" true
 send POST '/v1/subjects/alice/verify?detail=measure' "$PLY" "$T/a2.ply"
-fits "verify with detail" Verdict
 is "disparity = volume / area" "$(get '(.disparity_mm - (.minimal | .volume_mm3 / .overlap_mm2)) | fabs < 1e-4')" true
 is "weighted it is another" "$(get '.minimal.weighted_mm
     | type == "number" and . > 0' && get '.minimal.weighted_mm == .disparity_mm')" "$(printf 'true\nfalse')"
@@ -100,22 +83,12 @@ send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "verify another subject's scan" "$STATUS $(get .decision)" "200 no_match"
 send POST '/v1/subjects/alice/verify?detail=heatmap' "$JSON" "$T/a2.json"
 is "a gap for each point" "$(get '.heatmap | length')" "$(jq '.points | length' "$T/a2.json")"
-fits "verify with a heatmap" Verdict
 is "each a number or null" "$(get '.heatmap | all(type == "number" or type == "null")')" true
 is "mostly numbers" "$(get '(.heatmap | map(numbers) | length) > (.heatmap | length / 2)')" true
-send POST '/v1/subjects/alice/verify?detail=all' "$JSON" "$T/a2.json"
-problem "detail=all" 400 invalid_parameter
 scan 1 1 "$T/less.xyz" --pose 0 --shift 0
 awk '$2 < 0' "$T/less.xyz" >"$T/forehead.xyz"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/forehead.xyz"
 is "a part of the face" "$STATUS $(get .decision)" "200 inconclusive"
-for query in 'unknown=1' 'units=mm&unknown' 'unknown&units=mm' '&unknown=1&' 'unit=mm' 'unitss=mm' \
-    'Units=mm' '%75nits=mm' 'unknown=%zz' '=mm' 'units,%20detail=mm' 'force=true'; do
-    send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a2.ply"
-    problem "$query" 400 invalid_parameter 'unknown query parameter .*; this path accepts units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$'
-done
-send POST "/v1/subjects/alice/verify?$(printf 'u%05000d' 0)=1" "$PLY" "$T/a2.ply"
-problem "a long one" 400 invalid_parameter 'unknown query parameter u0{63};'
 for query in '' '&' 'units=mm&'; do
     send POST "/v1/subjects/alice/verify?$query" "$PLY" "$T/a2.ply"
     is "'$query'" "$STATUS $(get .decision)" "200 match"
@@ -143,13 +116,7 @@ jq -c -n --slurpfile a "$T/a2.json" --slurpfile b "$T/m.json" '{a: $a[0], b: $b[
 send POST /v1/compare "$JSON" "$T/ab.json"
 is "compare" "$STATUS $(get '[.decision, .subject, .template_id, .templates_compared] | @csv')" \
     '200 "match",,,1'
-fits compare Verdict
 is "a cloud with itself" "$(get '.disparity_mm < 0.01 and .score > .threshold')" true
-send POST /v1/compare "$PLY" "$T/a.ply"
-problem "compare a file" 415 unsupported_media_type
-echo '{"a": {"points": []}}' >"$T/x"
-send POST /v1/compare "$JSON" "$T/x"
-problem "compare one cloud" 400 malformed 'b is not an object'
 
 # ---- read and delete
 req GET "/v1/templates/$id"
@@ -157,7 +124,6 @@ is "the description again, without the scan" "$(jq -c . "$T/body")" "$(jq -c 'de
 req HEAD "/v1/templates/$id"
 is "HEAD" "$STATUS" 200
 req GET /v1/subjects/alice
-fits "a subject" Subject
 is "subject" "$(get '[.subject, (.templates | length), .templates[0].template_id] | @tsv')" \
     "$(printf 'alice\t2\t%s' "$id")"
 for s in 'b@x' c:1 d_2 'e.3' f-4; do
@@ -165,7 +131,6 @@ for s in 'b@x' c:1 d_2 'e.3' f-4; do
     is "enroll $s" "$STATUS" 201
 done
 req GET /v1/subjects
-fits "a page" SubjectPage
 cursor='' seen=''
 for _ in 1 2 3; do
     req GET "/v1/subjects?limit=2&cursor=$cursor"
@@ -175,10 +140,6 @@ done
 is "pages" "$seen, then $cursor" " alice b@x c:1 d_2 e.3 f-4, then null"
 req GET /v1/subjects/b%40x
 is "an encoded id" "$(get .subject)" b@x
-for bad in 'limit=0' 'limit=1001' 'limit=x' 'limit=-1' 'cursor=%20' 'cursor=%zz'; do
-    req GET "/v1/subjects?$bad"
-    problem "$bad" 400 invalid_parameter
-done
 req DELETE "/v1/templates/$other"
 is "delete a template" "$STATUS $(wc -c <"$T/body" | tr -d ' ')" "204 0"
 req DELETE "/v1/templates/$other"
@@ -199,7 +160,6 @@ send POST "/v1/templates/$f4/verify" "$PLY" "$T/a2.ply"
 problem "by template too" 404 not_found
 req DELETE /v1/subjects/alice
 is "erase" "$STATUS $(get '[.subject, .templates_removed] | @tsv')" "$(printf '200 alice\t1')"
-fits erase Erased
 is "erased_at" "$(get '.erased_at | test("^20.*Z$")')" true
 is "what was removed" "$(get '.template_ids | @csv')" "\"$id\""
 is "its digest" "$(get .digest)" \
@@ -208,28 +168,10 @@ is "its entry in the audit log" "$(sql "SELECT kind, at, lower(hex(hash)) FROM $
     WHERE log = 0 AND seq = $(get .audit.seq)")" "$(get '"delete_subject|\(.erased_at)|\(.audit.hash)"')"
 req DELETE /v1/subjects/alice
 problem "erase again" 404 not_found
-fits "an error" Problem
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "verify an erased subject" 404 not_found
 send POST "/v1/templates/$id/verify" "$PLY" "$T/a2.ply"
 problem "or its template" 404 not_found
-
-# ---- routes and methods that do not exist
-for path in / /v1 /v1/ /v1/subjects/ /v1/subjects//verify /v1/identify \
-    /v2/subjects /v1/subjects/x/y /healthz/ /v1/subjects/x/templates/y; do
-    req GET "$path"
-    problem "GET $path" 404 no_such_route
-done
-send POST /v1/identify "$PLY" "$T/a2.ply"
-problem "identify" 404 no_such_route
-req PUT /v1/subjects/alice
-problem "PUT" 405 method_not_allowed
-is "Allow" "$(field Allow)" "GET, HEAD, PATCH, DELETE, OPTIONS"
-req GET /v1/compare
-problem "GET compare" 405 method_not_allowed
-is "Allow" "$(field Allow)" "POST, OPTIONS"
-req POST /healthz -d x
-problem "POST healthz" 405 method_not_allowed
 
 # ---- targets in other forms: what a proxy sends, and the whole server
 for target in http://127.0.0.1/healthz HTTP://example.org:8080/healthz https://example.org/healthz?; do
@@ -253,9 +195,7 @@ for bad in 'a b' 'a"b' "$(printf '%065d' 1)" '<x>'; do
     ok "'$bad' is replaced" matches "$(field X-Request-Id)" '^[0-9a-f]{8}-[0-9a-f]{8}$'
 done
 
-# ---- the description: kept by its ETag, compressed; and where to find it
-req GET /
-problem "the root" 404 no_such_route '/docs .* /openapi.json'
+# ---- the description: kept by its ETag, compressed
 req GET /openapi.json
 is "the description" "$STATUS $(field Content-Encoding)$(field Cache-Control) $(field Vary)" \
     '200 no-cache Accept-Encoding'
