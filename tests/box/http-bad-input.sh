@@ -80,11 +80,11 @@ GET /v1/subjects/$(printf '%0128d' 1) -> 404 not_found
 GET /v1/audit?subject=nobody -> 404 not_found
 GET /v1/audit?since=soon -> 400 malformed a time is like
 GET /v1/audit?subject=a%20b -> 400 malformed a subject id
+GET /v1/audit/export?subject=alice -> 400 invalid_parameter
 GET /v1/audit/export?format=csv&since=soon -> 400 malformed a time is like
 GET /healthz?$(printf '%08000d' 1) -> 400 invalid_parameter unknown query parameter 0{64};
 GET / -> 404 no_such_route /docs .* /openapi.json
 POST /v1/identify ply @a.ply -> 404 no_such_route
-DELETE /v1/tokens/$token -> 409 own_token
 END
     printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter unknown query parameter .*; this path accepts units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$\n' \
         unknown=1 'units=mm&unknown' '&unknown=1&' unit=mm unitss=mm Units=mm %75nits=mm unknown=%zz \
