@@ -1,11 +1,10 @@
 #!/bin/sh
 # Goal: a subject's consent, purpose, expiry, hold and disabled are shown and changed over HTTP
-# as by surfacectl.  A change is made in full or not at all, needs the scope manage, is in force
-# at once, and is in the audit log with its token.  The scope delete cannot end a hold.
+# as by surfacectl (what is refused: http-bad-input.sh).  A change needs the scope manage, is in
+# force at once, and is in the audit log with its token.  The scope delete cannot end a hold.
 . tests/box/lib.sh
 
 MERGE='Content-Type: application/merge-patch+json'
-
 
 # change SUBJECT JSON [CURL-OPTION...]
 change() {
@@ -67,43 +66,12 @@ is "plain JSON, a date" "$STATUS $(get .expires_at)" '200 2031-01-31T23:59:59.99
 ctl subject set alice --expires never --consent C-1
 shows '["C-1",null,null,false,false]'
 
-# ---- rejected changes change nothing
-long=$(printf '%0129d' 1)
-for body in '' '[]' 'null' '{' '{"hold": 1}' '{"disabled": null}' '{"consent": 17}' \
-    '{"hold": true, "on_hold": true}' '{"hold": true, "subject": "bob"}' \
-    '{"hold": true, "hold": false}' '{"hold": true, "expires_at": "tomorrow"}' \
-    '{"hold": true, "expires_at": "2031-02-29"}' "{\"hold\": true, \"consent\": \"$long\"}" \
-    '{"hold": true, "purpose": "a\nb"}' '{"hold": true, "purpose": "a\u0000b"}' \
-    "{\"hold\": true, \"purpose\": \"$long$long$long\"}"; do
-    change alice "$body"
-    problem "rejected: $body" 400 malformed
-done
-change alice '{"on_hold": true}'
-ok "the detail names the member" matches "$(get .detail)" 'unknown member "on_hold"'
-change nobody '{"hold": true}'
-problem "an unknown subject" 404 not_found
-change a%20b '{"hold": true}'
-problem "a malformed id" 400 invalid_parameter
-req PATCH /v1/subjects/alice -H "$PLY" --data-binary "@$T/a.ply"
-problem "a scan" 415 unsupported_media_type
-send POST /v1/subjects/alice/verify "$MERGE" "$T/a.ply"
-problem "a patch as a scan" 415 unsupported_media_type
-shows '["C-1",null,null,false,false]'
-
 # ---- before the first scan
 AUTH=$enroll
 req POST /v1/subjects -H "$JSON" -d '{"subject": "d@ora:1", "consent": "C-2", "expires_at": "2031-01-31"}'
 is "created" "$STATUS $(field Location) $(get '[.consent, .purpose, .expires_at] | tojson')" \
     '201 /v1/subjects/d@ora:1 ["C-2",null,"2031-01-31T23:59:59.999Z"]'
 is "its audit event" "$(events add_subject | cut -d ' ' -f 1,3)" '2 d@ora:1'
-req POST /v1/subjects -H "$JSON" -d '{"subject": "alice"}'
-problem "it exists" 409 exists
-for body in '{}' '{"subject": null}' '{"subject": "a b"}' '{"subject": "x", "hold": true}' \
-    "{\"subject\": \"x\", \"consent\": \"$long\"}" '{"subject": "x", "expires_at": "soon"}' \
-    "{\"subject\": \"x$long\"}" '{"subject": "x", "purpose": "a\nb"}'; do
-    req POST /v1/subjects -H "$JSON" -d "$body"
-    problem "rejected: $body" 400 malformed
-done
 send POST /v1/subjects/d@ora:1/templates "$PLY" "$T/a.ply"
 is "enrolled then" "$STATUS" 201
 AUTH=$read
@@ -131,8 +99,6 @@ change alice '{"disabled": true}'
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 problem "disabled" 403 subject_disabled
 change alice '{"disabled": false}'
-change alice '{"expires_at": "2020-01-01"}'
-problem "an end in the past" 400 malformed 'in the past'
 change alice "$(ending)"
 sleep 1.1
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
