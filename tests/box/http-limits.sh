@@ -9,14 +9,16 @@ verify() {
     send POST "/v1/subjects/$1/verify${3:-}" "$PLY" "$2"
 }
 
-# decides TITLE DECISION: the last verification gave this decision.
+# decides TITLE DECISION [SUBJECT FILE]: the last verification, or this one, gives this decision.
 decides() {
+    [ $# -eq 2 ] || verify "$3" "$4"
     is "$1" "$STATUS $(get .decision)" "200 $2"
 }
 
-# locked_out TITLE SECONDS: the last verification was rejected because of a lock-out, of which at
-# most SECONDS are left, and more than SECONDS - 100.
+# locked_out TITLE SECONDS [SUBJECT FILE [QUERY]]: the last verification, or this one, is rejected
+# because of a lock-out, of which at most SECONDS are left, and more than SECONDS - 100.
 locked_out() {
+    [ $# -eq 2 ] || verify "$3" "$4" "${5:-}"
     problem "$1" 429 too_many_attempts
     again "$1" $(($2 > 100 ? $2 - 99 : 1)) "$2"
     ok "$1: no disparity" sh -c "! grep -q disparity '$T/body'"
@@ -46,83 +48,62 @@ send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
 alice=$(get .template_id)
 send POST /v1/subjects/bob/templates "$PLY" "$T/b.ply"
 for i in 1 2; do
-    verify alice "$T/b.ply"
-    decides "failure $i" no_match
+    decides "failure $i" no_match alice "$T/b.ply"
 done
-verify alice "$T/a1.ply"
-decides "a match" match
+decides "a match" match alice "$T/a1.ply"
 is "it resets the count" "$(failures alice)" 0
-verify alice "$T/b.ply"
-decides "a failure" no_match
+decides "a failure" no_match alice "$T/b.ply"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/swapped.xyz"
 problem "its own, left and right swapped" 422 mirrored
 is "it is an attempt" "$(failures alice)" 2
 is "and an event" "$(sql "SELECT kind, outcome FROM $ENTRIES ORDER BY at DESC, seq DESC LIMIT 1")" 'verify|no_match'
-verify alice "$T/a1.ply"
-decides "its own" match
-verify alice "$T/b.ply"
-decides "a failure" no_match
+decides "its own" match alice "$T/a1.ply"
+decides "a failure" no_match alice "$T/b.ply"
 verify alice "$T/b.ply" '?threshold=-1000'
 is "a threshold in the request" "$STATUS" 400
 is "it is not an attempt" "$(failures alice)" 1
-verify alice "$T/a1.ply"
-decides "another match" match
+decides "another match" match alice "$T/a1.ply"
 is "it resets the count too" "$(failures alice)" 0
 printf 'ply\n' >"$T/bad"
 verify alice "$T/bad"
 is "a malformed scan" "$STATUS" 400
 is "it is not an attempt either" "$(failures alice)" 0
 for i in 1 2; do
-    verify alice "$T/b.ply"
-    decides "failure $i again" no_match
+    decides "failure $i again" no_match alice "$T/b.ply"
 done
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/b.ply"
 decides "the third, by template" no_match
-verify alice "$T/a1.ply"
-locked_out "a mated probe" 300
-verify alice "$T/bad"
-locked_out "before the body is parsed" 300
+locked_out "a mated probe" 300 alice "$T/a1.ply"
+locked_out "before the body is parsed" 300 alice "$T/bad"
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"
 locked_out "by template" 300
-verify alice "$T/a1.ply" '?units=mm'
-locked_out "with another query" 300
+locked_out "with another query" 300 alice "$T/a1.ply" '?units=mm'
 is "rejected requests are not failures" "$(failures alice)" 3
-verify bob "$T/b1.ply"
-decides "another subject is not locked out" match
+decides "another subject is not locked out" match bob "$T/b1.ply"
 verify nobody "$T/b.ply"
 problem "an unknown subject" 404 not_found
 
 stop_daemon
 start_daemon --no-auth --attempt-wait 300
-verify alice "$T/a1.ply"
-locked_out "after a restart" 300
+locked_out "after a restart" 300 alice "$T/a1.ply"
 later 301
-verify alice "$T/b.ply"
-decides "after the lock-out" no_match
-verify alice "$T/a1.ply"
-locked_out "twice as long (and so on: tests/server/test_limits.c)" 600
+decides "after the lock-out" no_match alice "$T/b.ply"
+locked_out "twice as long (and so on: tests/server/test_limits.c)" 600 alice "$T/a1.ply"
 later 601
-verify alice "$T/a1.ply"
-decides "a match after the lock-out" match
+decides "a match after the lock-out" match alice "$T/a1.ply"
 is "it ends the lock-out" "$(failures alice)" 0
 for i in 1 2 3; do
     verify alice "$T/b.ply"
 done
-verify alice "$T/a1.ply"
-locked_out "again" 300
-ctl attempts list
-is "surfacectl attempts list" "$(jq -c '.attempts | map([.subject, .failures])' "$T/ctl")" \
-    '[["alice",3]]'
+locked_out "again" 300 alice "$T/a1.ply"
 ctl attempts reset alice
-verify alice "$T/a1.ply"
-decides "surfacectl attempts reset, at once" match
+decides "surfacectl attempts reset, at once" match alice "$T/a1.ply"
 for i in 1 2 3; do
     verify alice "$T/b.ply"
 done
 req DELETE /v1/subjects/alice
 send POST /v1/subjects/alice/templates "$PLY" "$T/a.ply"
-verify alice "$T/a1.ply"
-decides "a new subject of that name" match
+decides "a new subject of that name" match alice "$T/a1.ply"
 
 # ---- parallel attempts
 at_once 24 POST /v1/subjects/alice/verify -H "$PLY" --data-binary "@$T/b.ply"
@@ -133,18 +114,14 @@ stop_daemon
 # ---- other limits, and none
 start_daemon --no-auth --attempts 1 --attempt-wait 2000
 ctl attempts reset alice
-verify alice "$T/b.ply"
-decides "--attempts 1" no_match
-verify alice "$T/a1.ply"
-locked_out "--attempts 1 --attempt-wait 2000" 2000
+decides "--attempts 1" no_match alice "$T/b.ply"
+locked_out "--attempts 1 --attempt-wait 2000" 2000 alice "$T/a1.ply"
 stop_daemon
 start_daemon --no-auth --attempts 0
 for i in 1 2 3 4 5 6; do
-    verify alice "$T/b.ply"
-    decides "--attempts 0: failure $i" no_match
+    decides "--attempts 0: failure $i" no_match alice "$T/b.ply"
 done
-verify alice "$T/a1.ply"
-decides "--attempts 0" match
+decides "--attempts 0" match alice "$T/a1.ply"
 stop_daemon
 
 # ---- tokens
