@@ -119,18 +119,6 @@ problem "as a member of two clouds" 400 malformed threshold
 jq -c '.b.threshold = -1000' "$T/two.json" >"$T/with.json"
 send POST /v1/compare "$JSON" "$T/with.json"
 problem "as a member of one of them" 400 malformed threshold
-send POST '/v1/subjects/alice/verify?units=mm&units=cm' "$PLY" "$T/alice2.ply"
-problem "a parameter twice" 400 invalid_parameter 'units is given twice'
-AUTH=$all
-echo '{"dry_run": true}' >"$T/dry"
-send DELETE /v1/subjects/alice "$JSON" "$T/dry"
-problem "a body that an erasure does not take" 400 malformed 'takes no body'
-send DELETE /v1/subjects/alice "$JSON" "$T/dry" -H 'Transfer-Encoding: chunked'
-problem "the same in chunks" 400 malformed 'takes no body'
-req DELETE '/v1/subjects/alice?dry_run=true'
-problem "a parameter that it does not take" 400 invalid_parameter 'dry_run'
-req GET /v1/subjects/alice
-is "alice is still there" "$STATUS" 200
 
 # ---- faces tried by enrolling them
 AUTH=$enroll
