@@ -35,8 +35,8 @@ jq -c '{a: ., b: .}' "$T/a.json" >"$T/ab.json"
 long=$(printf '%0129d' 1)
 
 # ---- requests: METHOD PATH [TYPE BODY...] -> STATUS CODE [DETAIL-PATTERN]
-# TYPE: one of media() or a media type; form: the words of BODY are curl's options -F.  BODY: a text, or
-# @FILE, in which @ is $T/.
+# TYPE: a word of media(), or a media type; with form, each word of BODY is a part as curl's -F has it.
+# BODY: a text, or @FILE, a file in $T.
 {
     cat <<END
 POST /v1/subjects/alice/verify json {"points": [[1,2,3], -> 400 malformed ends too early
@@ -69,6 +69,13 @@ POST /v1/compare ply @a.ply -> 415 unsupported_media_type
 POST /v1/compare urlencoded @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, or multipart/form-data with the files a and b$
 POST /v1/compare none @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, 
 POST /v1/compare form file=@ab.json -> 400 malformed a and b
+POST /v1/compare form a=@a.ply -> 400 malformed a and b
+POST /v1/compare form a=@a.ply c=@a.ply -> 400 malformed named a and b
+POST /v1/compare?detail=all json @ab.json -> 400 invalid_parameter ^detail must be measure, heatmap or surface, not 'all'
+POST /v1/subjects/bob/templates?fuse=false form file=@a.ply units=mm -> 400 malformed the parts file, units: send 1 to 20 files
+POST /v1/subjects/bob/templates?fuse=false form file=@a.ply file=<a.xyz -> 400 malformed each with a file name
+POST /v1/subjects json {"subject": "."} -> 400 malformed and not \. or \.\.
+POST /v1/subjects json {"subject": ".."} -> 400 malformed and not \. or \.\.
 POST /v1/subjects form file=@ab.json -> 415 unsupported_media_type
 POST /v1/subjects json {"subject": "alice"} -> 409 exists
 PATCH /v1/subjects/nobody merge {"hold": true} -> 404 not_found
@@ -91,7 +98,17 @@ END
         =mm units,%20detail=mm force=true
     printf 'POST /v1/subjects/alice/verify?%s=%s ply @a.ply -> 400 invalid_parameter ^%s must be\n' \
         units inch units units '' units units MM units units yd units units mm%00 units \
-        axes camera axes axes '' axes axes Scanner axes detail all detail
+        axes camera axes axes '' axes axes Scanner axes \
+        detail all detail detail Heatmap detail detail '' detail detail measure,heatmap detail detail %ff detail \
+        detail "$long" detail
+    printf 'POST /v1/subjects/alice/verify?%s=%s ply @a.ply -> 400 invalid_parameter %s is not a number\n' \
+        fx 0 fx fx -1 fx fx nan fx fy 1e999 fy cx '' cx cy 1px cy depth_scale 0 depth_scale depth_scale inf depth_scale
+    printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter width and height are given together\n' \
+        width=240 height=320 'fx=600&width=1'
+    for side in 0 -1 65536 1.5 1px ''; do
+        printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter is not an integer from 1 to 65535$\n' \
+            "height=1&width=$side" "width=1&height=$side"
+    done
     for member in '"units": "yd"' '"units": 1' '"axes": "camera"' '"axes": null' '"axes": true'; do
         name=${member#\"} name=${name%%\"*}
         echo "POST /v1/subjects/alice/verify json {\"points\": [], $member} -> 400 malformed ^$name must be"
@@ -157,7 +174,7 @@ END
     form)
         set --
         for part in $body; do
-            set -- "$@" -F "$(echo "$part" | sed "s|@|@$T/|")"
+            set -- "$@" -F "$(echo "$part" | sed "s|[@<]|&$T/|")"
         done
         ;;
     *)

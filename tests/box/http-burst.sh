@@ -40,7 +40,6 @@ AUTH=$(new_token one)
 # ---- a new subject: the first is taken, a stranger and what is no face are not
 burst alice a0.ply b.ply none.ply a1.ply a0.ply plane.xyz a2.ply cut.ply
 is "a burst" "$STATUS $LIST" '201 new sample_mismatch malformed new same not_a_face new malformed'
-fits "a burst" Burst
 is "its names" "$(get '.subject + " " + ([.templates[].file] | join(" "))')" \
     'alice a0.ply b.ply none.ply a1.ply a0.ply plane.xyz a2.ply cut.ply'
 is "its location is the first" "$(field Location)" "/v1/templates/$(get '.templates[0].template_id')"
@@ -122,10 +121,6 @@ problem "21 files" 400 malformed 'send 1 to 20 files, each with a file name, wit
 shift
 burst frank "$@"
 is "20 files" "$STATUS $LIST" "201 new$(printf ' same%.0s' $(seq 19))"
-req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply" -F units=mm
-problem "a parameter" 400 malformed 'the parts file, units: send 1 to 20 files'
-req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply" -F "file=<$T/a1.ply"
-problem "a part without a name" 400 malformed 'each with a file name'
 AUTH=$(new_token two)
 burst 'gina?units=parsec' a0.ply a1.ply
 problem "a wrong parameter" 400 invalid_parameter '^units'

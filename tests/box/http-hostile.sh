@@ -113,10 +113,6 @@ for id in . .. %%2e %%2E. ..%%3Fa; do
     is_problem "the subject $id" 400
     ok "$id: it is said why" grep -q 'and not \. or \.\.' "$T/body"
 done
-for id in . ..; do
-    req POST /v1/subjects -H "$JSON" --data "{\"subject\": \"$id\"}"
-    problem "the new subject $id" 400 malformed 'and not \. or \.\.'
-done
 for path in /../../etc/passwd /docs/..%%2f..%%2fetc/passwd //etc/passwd /docs/../../etc/passwd; do
     raw "GET $path HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n"
     ok "$path: $(statuses)" grep -aq '^HTTP/1.1 404 ' "$T/answer"
