@@ -53,7 +53,6 @@ POST /v1/subjects/alice/verify text @binary.xyz -> 400 malformed line 2
 POST /v1/subjects/alice/verify text @equal.xyz -> 422 degenerate at one place
 POST /v1/subjects/alice/verify bytes @zeros -> 400 malformed
 POST /v1/subjects/alice/verify merge @a.json -> 415 unsupported_media_type ^Content-Type must be model/ply, 
-POST /v1/subjects/alice/verify?units=mm&units=cm ply @a.ply -> 400 invalid_parameter units is given twice
 POST /v1/subjects/alice/verify?$(printf 'u%05000d' 0)=1 ply @a.ply -> 400 invalid_parameter unknown query parameter u0{63};
 POST /v1/subjects/alice/verify form file=@a.json units=mm -> 400 malformed the parts file, units: send 1 to 10 files
 POST /v1/subjects/alice/verify form file=@empty -> 400 malformed the file is empty
@@ -63,7 +62,6 @@ POST /v1/subjects/alice/verify multipart/form-data;boundary=b @a.json -> 400 mal
 POST /v1/subjects/alice/verify multipart/form-data;boundary=b @cut.form -> 400 malformed ends before the last boundary
 POST /v1/subjects/alice/templates?force=maybe ply @a.ply -> 400 invalid_parameter
 POST /v1/check json @a.ply -> 400 malformed this is PLY, not JSON
-POST /v1/check?label=x ply @a.ply -> 400 invalid_parameter unknown query parameter label
 POST /v1/compare json {"a": {"points": []}} -> 400 malformed b is not an object
 POST /v1/compare ply @a.ply -> 415 unsupported_media_type
 POST /v1/compare urlencoded @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, or multipart/form-data with the files a and b$
@@ -78,20 +76,17 @@ POST /v1/subjects json {"subject": "."} -> 400 malformed and not \. or \.\.
 POST /v1/subjects json {"subject": ".."} -> 400 malformed and not \. or \.\.
 POST /v1/subjects form file=@ab.json -> 415 unsupported_media_type
 POST /v1/subjects json {"subject": "alice"} -> 409 exists
-PATCH /v1/subjects/nobody merge {"hold": true} -> 404 not_found
-PATCH /v1/subjects/a%20b merge {"hold": true} -> 400 invalid_parameter
 PATCH /v1/subjects/alice merge @empty -> 400 malformed
 PATCH /v1/subjects/alice merge {"on_hold": true} -> 400 malformed unknown member "on_hold"
 PATCH /v1/subjects/alice merge {"expires_at": "2020-01-01"} -> 400 malformed in the past
 GET /v1/subjects/$(printf '%0128d' 1) -> 404 not_found
-GET /v1/audit?subject=nobody -> 404 not_found
 GET /v1/audit?since=soon -> 400 malformed a time is like
 GET /v1/audit?subject=a%20b -> 400 malformed a subject id
 GET /v1/audit/export?subject=alice -> 400 invalid_parameter
 GET /v1/audit/export?format=csv&since=soon -> 400 malformed a time is like
 GET /healthz?$(printf '%08000d' 1) -> 400 invalid_parameter unknown query parameter 0{64};
+POST /v1/tokens json {"name": "a", "scopes": ["verify"], "expires_at": "2020-01-01"} -> 400 malformed ^expires_at 2020-01-01 is in the past
 GET / -> 404 no_such_route /docs .* /openapi.json
-POST /v1/identify ply @a.ply -> 404 no_such_route
 END
     printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter unknown query parameter .*; this path accepts units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$\n' \
         unknown=1 'units=mm&unknown' '&unknown=1&' unit=mm unitss=mm Units=mm %75nits=mm unknown=%zz \
@@ -139,7 +134,6 @@ END
         '{"name": "a", "scopes": ["verify,manage"]}' '{"name": "a", "scopes": [1]}' '{"scopes": ["verify"]}' \
         '{"name": "", "scopes": ["verify"]}' '{"name": "a\nb", "scopes": ["verify"]}' \
         '{"name": "ä", "scopes": ["verify"]}' '{"name": "a", "scopes": ["verify"], "id": "x"}' \
-        '{"name": "a", "scopes": ["verify"], "expires_at": "2020-01-01"}' \
         '{"name": "a", "scopes": ["verify"], "expires_at": "soon"}' \
         '{"name": "a", "scopes": ["verify"], "expires_at": "9000-01-01"}'
     printf 'POST /v1/tokens/%s/rotate json %s -> 400 malformed\n' "$token" '{"grace_s": -1}' "$token" '{"grace_s": 1.5}' \
@@ -183,8 +177,12 @@ END
         ;;
     esac
     req "$verb" "$path" --path-as-is "$@"
-    problem "$(echo "$row" | cut -c 1-200)" "$status" "$code" "$detail"
+    problem "$(printf %.200s "$row")" "$status" "$code" "$detail"
 done <"$T/requests"
+send POST /v1/subjects/alice/verify "$JSON" "$T/empty" -H 'Transfer-Encoding: chunked'
+problem "empty, in chunks" 400 malformed empty
+req GET "/healthz?$(printf '%020000d' 1)"
+is "a query that is too long" "$STATUS" 414
 is "nothing was changed" "$(stored)" "$before"
 
 # ---- what is taken
@@ -200,10 +198,6 @@ send POST '/v1/subjects/alice/verify?axes=scanner' 'Content-Type: text/plain' "$
 is "a face upside down, the axes told" "$STATUS $(get .decision)" "200 no_match"
 send POST /v1/subjects/alice/verify 'Content-Type: text/plain' "$T/x"
 is "the axes not told" "$STATUS $(get .decision)" "200 match"
-send POST /v1/subjects/alice/verify "$JSON" "$T/empty" -H 'Transfer-Encoding: chunked'
-problem "empty, in chunks" 400 malformed empty
-req GET "/healthz?$(printf '%020000d' 1)"
-is "a query that is too long" "$STATUS" 414
 
 # ---- over the limit: rejected before the whole body is read
 head -c 60000000 /dev/zero >"$T/big"
