@@ -22,9 +22,9 @@ extern const struct setting options_table[OPTIONS_ROWS];
  * given. */
 struct options {
     const char *db;
-    const char *key;         /* its master key; NULL: beside it */
-    const char *anchor;      /* how far it has come; NULL: beside the key */
-    bool plaintext_database; /* it has none */
+    const char *key;         /* file of the master key of db; NULL: PATH.key beside it */
+    const char *anchor;      /* file of the newest change of db; NULL: no anchor */
+    bool plaintext_database; /* db is plaintext and has no key */
     const char *model;       /* NULL: the shipped one */
     const char *listen_text; /* as it was given */
     bool no_auth;

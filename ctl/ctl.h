@@ -20,7 +20,7 @@
 #include "libsurface.h"
 #include "newfile.h"
 
-struct crypt_file;    /* keyfile.h */
+struct crypt_file;    /* crypt_file.h */
 struct surface_model; /* model.h */
 struct options;       /* options.h */
 struct store;         /* store.h */

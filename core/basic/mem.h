@@ -12,11 +12,10 @@ void *mem_array(size_t n, size_t size);
  * 100 KB. */
 void mem_free(void *p);
 
-/* mem_grow(p, used, bytes): a block of bytes, aligned for any type, with the first used bytes of p,
- * which is wiped and freed: unlike realloc() it leaves no copy behind.  One of MEM_MAPPED bytes
- * or more is moved by realloc() all the same: page by page, without a copy, where such a block
- * is a mapping of its own (as in the daemon: server/process.c).  NULL: out of memory, p is as
- * before. */
+/* mem_grow(p, used, bytes): Returns a block of bytes, aligned for any type, that begins with the first
+ * used bytes of p.  Wipes and frees p: unlike realloc() it leaves no copy behind.  A block of MEM_MAPPED
+ * bytes or more is moved by realloc(), page by page and without a copy, if such a block is a mapping of
+ * its own (as in the daemon: mallopt() in server/main.c).  NULL: out of memory, p is unchanged. */
 #define MEM_MAPPED ((size_t)1 << 20)
 void *mem_grow(void *p, size_t used, size_t bytes);
 

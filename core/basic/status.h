@@ -1,6 +1,7 @@
 /* status.h -- the outcome of every call that can fail.
- * ST_OK is 0; those of the library have the library's numbers.  core returns a status and nothing else: it prints nothing and never exits;
- * the other rooms add text (base/errinfo.h).  HTTP codes exist only in server/errmap.c. */
+ * ST_OK is 0; the statuses of the library have the library's numbers.  core returns a status and nothing
+ * else: it prints nothing and never exits.  The other directories add text (base/errinfo.h).  HTTP codes
+ * exist only in server/http/errmap.c. */
 #ifndef CORE_STATUS_H
 #define CORE_STATUS_H
 #include "libsurface.h"

@@ -37,8 +37,8 @@ void crypt_file_free(struct crypt_file *k); /* wiped; NULL is allowed */
 #define CRYPT_FILE_LEAST 12
 enum status crypt_file_strong(const struct crypt_file *k, struct errinfo *e);
 
-/* crypt_file_open(k, path, root, out, e): the vault of a root by what the file says, as
- * crypt_open(); the text names the file. */
+/* crypt_file_open(k, path, root, out, e): Opens root with the key or passphrase of k, as crypt_open()
+ * does, into the struct crypt *out.  Error texts name the file path. */
 enum status crypt_file_open(const struct crypt_file *k, const char *path,
                             const struct crypt_root *root, struct crypt **out,
                             struct errinfo *e);

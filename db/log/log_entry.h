@@ -17,8 +17,9 @@ struct errinfo;
 #define LOG_UID    16
 #define LOG_TEXT   64 /* bytes of a kind, actor, object, outcome: printable ASCII */
 #define LOG_DIGEST 32 /* of all rows with a MAC (log_txn.h) */
-/* Daemons that share a database have an access log each, so that none waits for another; they are
- * numbered as they joined (store_join()).  The first, and a database in a file, has 0. */
+/* Each daemon on a database has an access log of its own, so that it waits for no other daemon.  Daemons
+ * are numbered in the order in which they joined (admin_join()).  The first one, and the daemon of a
+ * database in a file, has the number 0. */
 #define LOG_DAEMONS 64
 
 enum log_name { LOG_CHANGES, LOG_ACCESSES, LOGS }; /* hashed, so never renumbered */

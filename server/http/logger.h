@@ -1,8 +1,8 @@
-/* log.h -- one line an event, to stderr, in one write: logfmt or JSON.  Nothing biometric,
- * no token, no subject.  Any thread; a line is put together in a struct logger_line:
+/* logger.h -- one line an event, to stderr, in one write: logfmt or JSON.  Nothing biometric,
+ * no token, no subject.  Any thread.  A line is built in a struct logger_line:
  *     logger_begin(&l, "warn", "slow");  logger_text(&l, "route", name);  logger_end(&l);
- * Keys are our own words.  A value may be any bytes: what could end it, or is not UTF-8, is
- * escaped, so that nobody who sends it can forge a field or a line. */
+ * Keys are our own words.  A value may be any bytes: bytes that could end it, or are not
+ * UTF-8, are escaped, so that no sender can forge a field or a line. */
 #ifndef SERVER_LOGGER_H
 #define SERVER_LOGGER_H
 #include <stdbool.h>
