@@ -1,11 +1,12 @@
-/* log_txn.h -- a transaction on an authenticated database: it sees nothing older than its process
- * has seen before, and what it changes ends with an entry in the change log.
+/* log_txn.h -- a transaction on an authenticated database.  It sees no older state than its process has
+ * seen before, and its changes end with an entry in the change log.
  *
- * Each row of a table with a MAC (rows_table.h) adds a keyed hash of its MAC to the digest, a sum
- * modulo 2^256 that each change entry carries, encrypted: who knew the summands could combine rows
- * of different times.  An entry's digest follows from the one before it and from what the
- * transaction changed, never from the rows as they are read: a row that was put back, hidden or
- * doubled stays a difference between the last entry and the rows, whatever is written later. */
+ * The digest is a sum modulo 2^256: each row of a table with a MAC (rows_table.h) adds a keyed hash of
+ * its MAC.  Each change entry carries the digest, encrypted: an attacker who knew the summands could
+ * combine rows of different times.  An entry's digest is computed from the digest of the entry before
+ * it and the transaction's changes, never from the stored rows.  A row that was rolled back, is missing
+ * from an index or is a duplicate therefore stays a difference between the last entry and the rows,
+ * regardless of later writes. */
 #ifndef DB_LOG_TXN_H
 #define DB_LOG_TXN_H
 #include <pthread.h>
@@ -13,16 +14,17 @@
 #include "log_entry.h"
 #include "sql.h"
 
-struct log { /* what this process has seen of an open database */
+struct log { /* the newest state of an open database that this process has seen */
     pthread_mutex_t lock;
-    struct log_end newest; /* of the change log; seq 0: nothing yet */
-    struct log_end found;  /* the end of the daemon's accesses, by its last change seen */
-    uint32_t daemon;       /* whose accesses it writes */
-    atomic_bool erasure;   /* another process has erased something */
+    struct log_end newest; /* newest end of the change log; seq 0: none seen yet */
+    struct log_end
+        found;       /* end of this daemon's access log that its last seen change names */
+    uint32_t daemon; /* number of this daemon, and of its access log */
+    atomic_bool erasure; /* another process has erased rows, which are to be scrubbed */
 };
 
-/* What sql_lock() takes, in this order: all changes; a subject's attempts; a token's; a daemon's
- * accesses.  Different subjects or tokens may share a lock. */
+/* The keys of sql_lock(), to be taken in this order: all changes; a subject's attempts; a token's
+ * attempts; a daemon's access log.  Different subjects or tokens may share a lock. */
 #define LOG_LOCK_CHANGES          0U
 #define LOG_LOCK_SUBJECT(k)       (0x40000000U + (uint32_t)(k) % 0x40000000U)
 #define LOG_LOCK_TOKEN(k)         (0x80000000U + (uint32_t)(k) % 0x40000000U)
@@ -33,72 +35,104 @@ struct log_txn {
     struct sql_txn *sql;
     const struct crypt *crypt;
     enum sql_begin how;
-    struct log_end changes;  /* the change log's end, with what it has added itself */
-    struct log_end accesses; /* the end of its accesses, by its last known change */
-    struct log_end uses;     /* and as it is now; seq 0: not read yet, or it is empty */
-    struct log_end before;   /* what this process had seen when it began */
-    unsigned char wrapped[CRYPT_WRAPPED]; /* digest of that entry, */
-    unsigned char digest[LOG_DIGEST];     /* and decrypted, with what was changed since */
-    bool known;                           /* digest is set */
-    bool appends;                         /* log_txn_appends() was called */
-    bool unlogged;                        /* rows were changed after the last entry */
-    bool settled;                         /* sql_settle() was called */
-    enum log_name added; /* the log of the last entry that it has added, LOGS: none */
+    struct log_end
+        changes; /* end of the change log, with the entries of this transaction */
+    struct log_end
+        accesses; /* end of the daemon's access log that its last known change names */
+    struct log_end uses;   /* present end of that access log; seq 0: not read, or empty */
+    struct log_end before; /* log_newest() before the transaction began */
+    unsigned char
+        wrapped[CRYPT_WRAPPED]; /* encrypted digest of the last entry at the begin */
+    unsigned char
+        digest[LOG_DIGEST]; /* its plain digest, with the changes made since; see known */
+    bool known;             /* digest is set */
+    bool appends;           /* log_txn_appends() was called */
+    bool unlogged;          /* rows were changed after the last entry */
+    bool settled;           /* sql_settle() was called */
+    enum log_name
+        added; /* log of the last entry of this transaction; LOGS: no entry yet */
 };
 
+/* log_init(l), log_free(l): Begin and end the use of *l. */
 void log_init(struct log *l);
 void log_free(struct log *l);
 
-/* log_newest(l): to be asked before the SQL transaction begins, which then sees that entry: `before`.
- * log_txn_begin(t, e): log, sql, crypt, how and before are set.  ST_EREFUSED: the database is
- * older than `before`, or another one; ST_ECORRUPT: the last entry is missing, is not what was
- * written or has no good MAC.
- * O(entries since `before`).
- * log_txn_create(t): instead, of a new database.
- * log_txn_check(t, e): to be called before a commit.  ST_EINTERNAL: rows were changed without an
- * entry.
- * log_txn_prove(t): sql_prove() by an entry that it has added.
- * log_txn_committed(t): the end of the log that t made is durable, or will be. */
+/* log_newest(l): Returns the newest end of the change log that this process has seen.  Call it before the
+ * SQL transaction begins: the transaction then sees that entry.  The result goes into t->before. */
 struct log_end log_newest(struct log *l);
+
+/* log_txn_begin(t, e): Reads the end of the change log, and checks that the log continues t->before.
+ *   t  the caller has set log, sql, crypt, how, before, and added to LOGS
+ * Cost: O(entries since t->before).
+ * Returns ST_OK; ST_EREFUSED: the database is older than t->before, or another one; ST_ECORRUPT: the
+ * last entry is missing, was modified or has no valid MAC. */
 enum status log_txn_begin(struct log_txn *t, struct errinfo *e);
+
+/* log_txn_create(t): Replaces log_txn_begin() in the transaction that creates a database. */
 void log_txn_create(struct log_txn *t);
+
+/* log_txn_check(t, e): Checks, before a commit, that each change of rows has an entry.  ST_EINTERNAL: rows
+ * were changed after the last entry. */
 enum status log_txn_check(const struct log_txn *t, struct errinfo *e);
+
+/* log_txn_prove(t): Calls sql_prove() with the last entry that t has added.  Without one does nothing. */
 void log_txn_prove(struct log_txn *t);
+
+/* log_txn_committed(t): Records in t->log that the changes of t are committed. */
 void log_txn_committed(struct log_txn *t);
 
-/* log_txn_count(t, minus, plus, e): a row with the MAC `minus` is gone, one with the MAC `plus`
- * was added; NULL for neither.  ST_ECORRUPT: the last entry's digest cannot be decrypted.
- * log_txn_sum(c, minus, plus, sum): the same for any sum of rows' summands.
- * log_txn_agrees(t, sum, same, e): is sum the digest of the last entry?
- * log_txn_accept(t, sum): it is from now on. */
+/* log_txn_count(t, minus, plus, e): Updates the digest of t for a changed row.
+ *   minus  MAC of the row that was removed or replaced; NULL: none
+ *   plus   MAC of the row that was added, or the new MAC of the replaced row; NULL: none
+ * ST_ECORRUPT: the digest of the last entry cannot be decrypted. */
 enum status log_txn_count(struct log_txn *t, const unsigned char *minus,
                           const unsigned char *plus, struct errinfo *e);
+
+/* log_txn_sum(c, minus, plus, sum): Updates *sum, any sum of the summands of rows, for a changed row as
+ * log_txn_count() updates the digest. */
 void log_txn_sum(const struct crypt *c, const unsigned char *minus,
                  const unsigned char *plus, unsigned char sum[LOG_DIGEST]);
+
+/* log_txn_agrees(t, sum, same, e): Sets *same to true if sum is the digest of t: the digest of the last
+ * entry, with the changes since.  ST_ECORRUPT: as log_txn_count(). */
 enum status log_txn_agrees(struct log_txn *t, const unsigned char sum[LOG_DIGEST],
                            bool *same, struct errinfo *e);
+
+/* log_txn_accept(t, sum): Makes sum the digest of t, for the next entry to carry. */
 void log_txn_accept(struct log_txn *t, const unsigned char sum[LOG_DIGEST]);
 
-/* log_change(t, by, kind, uid, object, outcome, e): append to the change log; signed where kind
- * is LOG_CHECKPOINT or LOG_EXPORT.  uid: NULL for no subject.
- * log_access(t, by, kind, uid, object, outcome, e): append to the daemon's access log.  ST_ECORRUPT:
- * its last entry has no good MAC, or is an earlier one than the last change found there.
- * log_found(t, by, daemon, to, e): a change that names the end of another daemon's accesses, where the
- * last that did names an earlier one.  *to: that end, 0 of t's own daemon.
- * log_txn_appends(t, e): takes the lock of the accesses now, that log_access() takes otherwise.
- * log_txn_ahead(t): before log_txn_begin(), while sql_ahead() is on: what these will read.
- * log_has(t, at, has, e): has the change log this entry, and each after it as it was written, up to
- * the end that t has seen?  All zero: each from the first on.  O(entries since). */
+/* log_change(t, by, kind, uid, object, outcome, e): Appends an entry to the change log.  The entry is signed
+ * if kind is LOG_CHECKPOINT or LOG_EXPORT.
+ *   uid  of the subject; NULL: no subject */
 enum status log_change(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);
+
+/* log_access(t, by, kind, uid, object, outcome, e): Appends an entry to this daemon's access log.  Takes the
+ * lock of the access log, unless log_txn_appends() did.  uid as in log_change().
+ * ST_ECORRUPT: the log's last entry has no valid MAC, or is earlier than the end that this daemon's
+ * last change names. */
 enum status log_access(struct log_txn *t, const struct log_act *by, const char *kind,
                        const unsigned char *uid, const char *object, const char *outcome,
                        struct errinfo *e);
+
+/* log_txn_appends(t, e): Takes the lock of this daemon's access log at once, for a later log_access(). */
 enum status log_txn_appends(struct log_txn *t, struct errinfo *e);
+
+/* log_txn_ahead(t): Sends the query for the end of the access log ahead.  Call it before log_txn_begin(),
+ * while sql_ahead() is on. */
 void log_txn_ahead(struct log_txn *t);
+
+/* log_found(t, by, daemon, to, e): Appends a change that names the present end of another daemon's access
+ * log, if the last change that names one names an earlier end.
+ *   to  receives the number of the named entry; 0 if daemon is t's own, whose changes all name its end */
 enum status log_found(struct log_txn *t, const struct log_act *by, uint32_t daemon,
                       uint64_t *to, struct errinfo *e);
+
+/* log_has(t, at, has, e): Sets *has to true if the change log has the entry *at, and all entries after it
+ * are authentic up to the end that t has seen.
+ *   at  all zero: all entries from the first on are checked
+ * Cost: O(entries after *at). */
 enum status log_has(struct log_txn *t, const struct log_end *at, bool *has,
                     struct errinfo *e);
 
