@@ -1,13 +1,15 @@
-/* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.  What the
- * statements say is the caller's, in the subset that SQLite 3.40 and PostgreSQL 15 both know
- * (scripts/check_statements.sh has both prepare every one); how they get there is a driver's
- * (sql_open.h opens one): sql_sqlite.c of a file, sql_postgres.c of a URL.  What only a database in a
- * file can do is in sql_file.h.
+/* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.
+ * The callers write the statements, in the subset that SQLite 3.40 and PostgreSQL 15 both know
+ * (scripts/check_statements.sh has both prepare every statement).  A driver executes them (sql_open.h
+ * opens a database): sql_sqlite.c for a file, sql_postgres.c for a URL.  Functions for databases in files
+ * only are in sql_file.h.
  *
- * Calls return ST_OK or fill *e (may be NULL), an error of a change perhaps at a later call or at the
- * commit, after which only sql_end() is possible: ST_ECORRUPT (damaged, or no database),
- * ST_EBUSY (locked for longer than 5 s, the server cannot be reached, or was lost), ST_EIO (disk
- * full, not writable), ST_ELIMIT, ST_ENOMEM, ST_EDB. */
+ * Each call returns ST_OK, or an error and fills *e (may be NULL).  A driver may report the error of a
+ * change only at a later call or at the commit.  After an error the caller may call only sql_end().
+ *   ST_ECORRUPT   the file is damaged, or no database
+ *   ST_EBUSY      a lock was held for longer than 5 s; or the server cannot be reached, or was lost
+ *   ST_EIO        the disk is full or not writable
+ *   ST_ELIMIT, ST_ENOMEM, ST_EDB */
 #ifndef DB_SQL_H
 #define DB_SQL_H
 #include <stdbool.h>
@@ -17,71 +19,81 @@
 #include "status.h"
 
 struct errinfo;
-struct sql;      /* a database: one writing connection, and one a reader.  Any thread */
+struct sql; /* a database: one writing connection, and one for each reader.  Any thread */
 struct sql_txn;  /* a transaction.  One thread at a time */
-struct sql_rows; /* what a query gives */
+struct sql_rows; /* the rows of a query */
 struct sql_value;
 
-/* How sql_open.h opens one. */
+/* How sql_open() (sql_open.h) opens a database. */
 enum sql_open {
-    SQL_OPEN_READ,   /* nothing can be changed, nor does it have to be writable */
-    SQL_OPEN_WRITE,  /* it must be there */
-    SQL_OPEN_CREATE, /* made if it is missing, readable by its owner alone */
-    SQL_OPEN_LOOK,   /* one connection, for a look at any version; not to be written to */
-    SQL_OPEN_ALONE /* one connection, while no other process has it open or can open it */
+    SQL_OPEN_READ,   /* read only; the database need not be writable */
+    SQL_OPEN_WRITE,  /* the database must exist */
+    SQL_OPEN_CREATE, /* a missing database is created, readable only by its owner */
+    SQL_OPEN_LOOK,   /* one connection, for reading a schema of any version */
+    SQL_OPEN_ALONE /* one connection; no other process has the database open or can open it */
 };
 
-/* sql_close(d): NULL is allowed; no transaction is open.  A file that sql_open() made is
- * removed unless a SQL_SCHEMA transaction was committed.
- * sql_version(d): of its schema when it was opened, or since sql_create(); 0: it holds
- * nothing. */
+/* sql_close(d): Closes d; NULL is allowed.  No transaction may be open.  Removes a file that sql_open()
+ * has created, unless a SQL_SCHEMA transaction was committed or another process has it open. */
 void sql_close(struct sql *d);
+
+/* sql_version(d): Returns the version of the schema when d was opened, or since sql_create(); 0: the
+ * database has no tables. */
 int sql_version(const struct sql *d);
 
 enum sql_begin {
-    SQL_READ,   /* all that is read is of one moment */
-    SQL_WRITE,  /* durable when it is committed */
-    SQL_LAZY,   /* the same, but a power failure may take it back; a crash does not */
-    SQL_TRY,    /* lazy, and ST_EBUSY at once where it would have to wait */
-    SQL_SCHEMA, /* a SQL_WRITE that may make tables */
-    SQL_COPY /* the same, in a file that counts when it gets its name: nothing is on the disk
-                   yet, and no other file is beside it */
+    SQL_READ,   /* read only; all reads see the database at one moment */
+    SQL_WRITE,  /* durable after its commit */
+    SQL_LAZY,   /* asynchronous commit: survives a crash; a power failure may lose it */
+    SQL_TRY,    /* as SQL_LAZY; ST_EBUSY at once if it would have to wait */
+    SQL_SCHEMA, /* as SQL_WRITE; may create tables */
+    SQL_COPY /* as SQL_SCHEMA, in a file that is valid only once it is renamed: its commit is
+                   not durable, and makes no other file beside it */
 };
 
-/* sql_begin(d, how, t, e): ST_EDENIED: opened for reading.  After ST_OK sql_end() follows.
- * sql_end(t, st, e): commits where st is ST_OK, else rolls back; returns st, or why the
- * commit failed.  No rows are open. */
+/* sql_begin(d, how, t, e): Begins a transaction, to be ended by sql_end().  ST_EDENIED: d was opened for
+ * reading. */
 enum status sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
                       struct errinfo *e);
+
+/* sql_end(t, st, e): Ends t: commits it if st is ST_OK, else rolls it back.  No rows may be open.
+ * Returns st, or the error of the commit. */
 enum status sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
 
-/* sql_lock(t, key, e): no other transaction has this lock until t ends.  Where several processes write
- * to one database, to be called before what must not change meanwhile is read; one that reads after
- * it sees what the one before has committed.  ST_EBUSY: not within 5 s, perhaps at a later call.
- * Advisory locks of PostgreSQL are numbers, which other programs may use too: ours begin with "SRFD",
- * and the last of them is held, shared, by each connection to a database.
- * sql_prove(t, text, value, n): a query of at most 4 values that gives a row where t was committed and
- * none where it was not: where the connection is lost amid the commit, sql_end() finds out by it.
- * sql_settle(t, e): of a SQL_WRITE that changes nothing: its commit waits until all that it has seen is
- * as durable as what it had changed would be. */
+/* PostgreSQL identifies advisory locks by numbers, which other programs may use too: ours begin with
+ * "SRFD".  Each connection to a database holds the last of them, shared. */
 #define SQL_LOCKS  (INT64_C(0x53524644) << 32)
 #define SQL_IN_USE "6003938515404980223" /* SQL_LOCKS + 0xffffffff */
+
+/* sql_lock(t, key, e): Takes a lock, which no other transaction can have until t ends.  If several processes
+ * write to one database, call it before reading anything that must not change meanwhile.  Reads after
+ * it see the commit of the lock's previous holder.  Does nothing if the database has one writer at a
+ * time.  ST_EBUSY: not within 5 s; perhaps reported by a later call. */
 enum status sql_lock(struct sql_txn *t, uint32_t key, struct errinfo *e);
+
+/* sql_prove(t, text, value, n): Sets the commit probe of t: a query that gives a row if t was committed, and
+ * none if it was not.  If the connection is lost during the commit, sql_end() uses it to find out.
+ *   value  [n], copied; n is at most 4 */
 void sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,
                size_t n);
+
+/* sql_settle(t, e): Makes the commit of t, a SQL_WRITE without changes, wait until everything that t has read
+ * is as durable as a change of t would be. */
 enum status sql_settle(struct sql_txn *t, struct errinfo *e);
 
-/* sql_ahead(t, on): from here to sql_ahead(t, false) a query is only sent, and gives no rows; the same
- * query with the same values later in t has them.  So several cost one round trip to a server.  Not
- * with changes (ST_EINTERNAL); after the first, queries are sent again.  false: there is
- * nothing to gain, and all is as ever. */
+/* sql_ahead(t, on): Switches pipelining on or off.  While it is on, a query is only sent and gives no rows;
+ * the same query with the same values later in t gives them.  So several queries cost one round trip
+ * to a server.  A change meanwhile fails (ST_EINTERNAL).  After the first change queries are sent again.
+ * Returns false if the driver has no round trips to save; queries then work as usual. */
 bool sql_ahead(struct sql_txn *t, bool on);
 
-/* sql_bytes(t, bytes, e): the size of the database, of a file without its WAL.
- * sql_version_now(t, version, e): as t sees it.
- * sql_create(t, e): the tables, in a SQL_SCHEMA transaction on a database that holds nothing. */
+/* sql_bytes(t, bytes, e): Sets *bytes to the size of the database; the WAL of a file is not counted. */
 enum status sql_bytes(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
+
+/* sql_version_now(t, version, e): Sets *version to the version of the schema that t sees. */
 enum status sql_version_now(struct sql_txn *t, int *version, struct errinfo *e);
+
+/* sql_create(t, e): Creates the tables.  t is a SQL_SCHEMA transaction on a database without tables. */
 enum status sql_create(struct sql_txn *t, struct errinfo *e);
 
 enum sql_type { SQL_NULL, SQL_INT, SQL_REAL, SQL_TEXT, SQL_BLOB };
@@ -90,8 +102,8 @@ struct sql_value {
     enum sql_type type;
     int64_t i;
     double r;
-    const void *data; /* of a text or a blob, n bytes; not NULL for a blob of none */
-    size_t n;
+    const void *data; /* bytes of a text or blob; not NULL for an empty blob */
+    size_t n;         /* number of bytes at data */
 };
 
 static inline struct sql_value sql_int(int64_t i)
@@ -124,45 +136,57 @@ static inline struct sql_value sql_text_or_null(const char *text) /* "" is NULL 
     return text[0] != '\0' ? sql_text(text) : sql_null();
 }
 
-/* sql_run(t, text, value, n, e): a statement that gives no rows.  Its text is a literal: it is
- * prepared once a connection and known by its text.  $1 is value[0], and so on, n of them.
- * sql_run_one(t, text, value, n, e): one that changes exactly one row.  ST_ECORRUPT: it was another
- * number.
- * sql_changed(t, n, e): rows that the last sql_run() inserted, changed or deleted. */
+/* sql_run(t, text, value, n, e): Runs a statement that gives no rows.
+ *   text   a literal; each connection prepares it once and finds it by its text
+ *   value  [n], the values of $1 to $n */
 enum status sql_run(struct sql_txn *t, const char *text, const struct sql_value *value,
                     size_t n, struct errinfo *e);
+
+/* sql_run_one(t, text, value, n, e): Like sql_run(), for a statement that changes exactly one row.
+ * ST_ECORRUPT: it changed another number of rows. */
 enum status sql_run_one(struct sql_txn *t, const char *text,
                         const struct sql_value *value, size_t n, struct errinfo *e);
+
+/* sql_changed(t, n, e): Sets *n to the number of rows that the last sql_run() inserted, changed or
+ * deleted. */
 enum status sql_changed(struct sql_txn *t, uint64_t *n, struct errinfo *e);
 
-/* sql_query(t, text, value, n, out, e): a statement that gives rows; the values are copied.
+/* sql_query(t, text, value, n, out, e): Runs a statement that gives rows.  sql_done() ends it in any case:
  *   st = sql_query(t, ..., &r, e);
  *   while (st == ST_OK && sql_next(r))
  *       st = use(r, ...);
  *   return sql_done(r, st, e);
- * sql_next(r): is there another row?  false too where reading fails or r is NULL.
- * sql_column(r, i): of the current row, from 0 on; its bytes are good until the next call for
- * that row's rows.
- * sql_done(r, st, e): returns st where that is not ST_OK, else why there was no further row.
- * While rows are open other statements may run in the same transaction, but not this one
- * again.  A row that they change or delete is given once, as it was or as it is, or not any
- * more.
- * sql_stream(t, ...): the same of rows that may be more than fit into memory. */
+ * While rows are open other statements may run in t, but not this one again.  If they change or delete
+ * a row of the result, the query gives it once, old or new, or no more.
+ *   text, value  as in sql_run(); the values are copied
+ *   out          the rows, to be released by sql_done(); NULL after a failure */
 enum status sql_query(struct sql_txn *t, const char *text, const struct sql_value *value,
                       size_t n, struct sql_rows **out, struct errinfo *e);
+
+/* sql_stream(t, text, value, n, out, e): Like sql_query(), but fetches the rows in batches: for a result
+ * that may not fit into memory. */
 enum status sql_stream(struct sql_txn *t, const char *text, const struct sql_value *value,
                        size_t n, struct sql_rows **out, struct errinfo *e);
+
+/* sql_next(r): Moves to the next row.  Returns true if there is one; false also if reading fails (then
+ * sql_done() returns the error) or r is NULL. */
 bool sql_next(struct sql_rows *r);
+
+/* sql_column(r, i): Returns the value of column i, from 0 on, of the current row.  Its bytes are borrowed
+ * until the next call on r. */
 struct sql_value sql_column(const struct sql_rows *r, int i);
+
+/* sql_done(r, st, e): Releases r.  Returns st if it is not ST_OK, else the result of the last sql_next():
+ * ST_OK at the end of the rows, or the error. */
 enum status sql_done(struct sql_rows *r, enum status st, struct errinfo *e);
 
-/* sql_first(t, text, value, n, out, e): sql_query() and sql_next(), for one row; sql_done() follows in
- * any case.  ST_ENOTFOUND, without a text: there is none. */
+/* sql_first(t, text, value, n, out, e): Runs sql_query() and sql_next(), for one row.  The caller calls
+ * sql_done() in any case.  ST_ENOTFOUND, without an error text: there is no row. */
 enum status sql_first(struct sql_txn *t, const char *text, const struct sql_value *value,
                       size_t n, struct sql_rows **out, struct errinfo *e);
 
-/* SQL_RUN(t, e, text, value...), SQL_QUERY(t, out, e, text, value...), SQL_FIRST(): with one value
- * or more. */
+/* SQL_RUN(t, e, text, value...), SQL_QUERY(t, out, e, text, value...), SQL_FIRST(t, out, e, text,
+ * value...): Call the functions with the given values, at least one. */
 #define SQL_VALUES(...) ((const struct sql_value[]){__VA_ARGS__})
 #define SQL_COUNT(...)  (sizeof SQL_VALUES(__VA_ARGS__) / sizeof(struct sql_value))
 #define SQL_RUN(t, e, text, ...)                                                         \
@@ -172,10 +196,10 @@ enum status sql_first(struct sql_txn *t, const char *text, const struct sql_valu
 #define SQL_FIRST(t, out, e, text, ...)                                                  \
     sql_first(t, text, SQL_VALUES(__VA_ARGS__), SQL_COUNT(__VA_ARGS__), out, e)
 
-/* ---- a driver: a table of functions, as said above of each, and what its objects begin with */
+/* ---- a driver: a table of the functions above, and the head of each of its objects */
 
 struct sql_driver {
-    bool file; /* what sql_file.h does is possible */
+    bool file; /* the database is a file: sql_file.h can be used */
     void (*close)(struct sql *d);
     enum status (*begin)(struct sql *d, enum sql_begin how, struct sql_txn **t,
                          struct errinfo *e);
@@ -183,13 +207,14 @@ struct sql_driver {
     enum status (*version)(struct sql_txn *t, int *version, struct errinfo *e);
     enum status (*create)(struct sql_txn *t, struct errinfo *e);
     enum status (*bytes)(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
-    /* NULL where one process writes at a time, or where a statement costs no round trip. */
+    /* lock, prove, settle: NULL if one process writes at a time.  ahead: NULL if a statement costs no
+     * round trip. */
     enum status (*lock)(struct sql_txn *t, uint32_t key, struct errinfo *e);
     void (*ahead)(struct sql_txn *t, bool on);
     void (*prove)(struct sql_txn *t, const char *text, const struct sql_value *value,
                   size_t n);
     enum status (*settle)(struct sql_txn *t, struct errinfo *e);
-    /* one: of exactly one row. */
+    /* one: the statement must change exactly one row, as sql_run_one(). */
     enum status (*run)(struct sql_txn *t, const char *text, const struct sql_value *value,
                        size_t n, bool one, struct errinfo *e);
     enum status (*changed)(struct sql_txn *t, uint64_t *n, struct errinfo *e);
@@ -214,7 +239,7 @@ struct sql_rows {
     const struct sql_driver *driver;
 };
 
-/* sql_one_row(n, e): a change that has to be of one row was of n. */
+/* sql_one_row(n, e): Returns ST_ECORRUPT, for a change that must be of one row and was of n rows. */
 enum status sql_one_row(uint64_t n, struct errinfo *e);
 
 #endif
