@@ -1,10 +1,11 @@
-/* enrolment.h -- samples become templates of a subject.  A further sample must match the
- * subject's oldest template, or one that was enrolled with scope manage: matching any
- * template is not enough, since a series of samples, each like the one before, would lead
- * to another person. An inconclusive sample is refused too, since an enrolled one decides
- * like the others. Of several samples of one capture session those behind the first accepted one
- * must match it; then also the same templates, unless the subject has none yet or they come
- * with scope manage. All that match are stored in one transaction. */
+/* enrolment.h -- samples become templates of a subject.
+ * A further sample must match a reference template: the subject's oldest one, or one that was enrolled
+ * with scope manage.  Matching any template is not enough: a series of samples, each similar to the one
+ * before, would lead to another person.  An inconclusive sample is refused too, because an enrolled one
+ * decides like the others.
+ * Several samples of one capture session: the samples after the first accepted one must match it.  They
+ * must also match a reference template, unless the subject had no template or the actor has the scope
+ * manage.  All matching samples are stored in one transaction. */
 #ifndef SERVICE_ENROLMENT_H
 #define SERVICE_ENROLMENT_H
 #include <stdbool.h>
@@ -13,61 +14,59 @@
 #include "store.h"
 #include "templates.h"
 
-#define ENROLMENT_SAMPLES 20 /* at once */
+#define ENROLMENT_SAMPLES 20 /* most samples of one enrolment */
 
 struct enrolment {
     const char *actor, *subject, *label; /* as in store_enroll() */
-    const struct store_sample *sample;   /* [n]; without a face: refused already */
-    size_t n;                            /* 1 to ENROLMENT_SAMPLES */
+    const struct store_sample *sample;   /* samples [n]; face NULL: already refused */
+    size_t n;                            /* number of samples, 1 to ENROLMENT_SAMPLES */
     const char *captured;                /* as in store_enroll() */
     bool manager;                        /* as in struct store_template */
-    bool force;                          /* they need not match */
-    /* A sample that does not match the subject's templates is a failed attempt; the
-     * lock-out is checked before the comparison and again before its result is
-     * reported. NULL: no lock-out, and attempts are not counted (the caller has the
-     * database). */
+    bool force; /* samples are stored even if they do not match */
+    /* Limits of failed attempts.  A sample that does not match the reference templates is a failed
+     * attempt.  The lock-out is checked before the comparison, and again before its result is reported.
+     * NULL: no lock-out, and attempts are not counted (the caller has the database itself). */
     const struct store_limits *limits;
 };
 
-struct enrolment_result {       /* of a sample */
-    struct errinfo why;         /* ST_OK, or why it was refused */
-    struct store_template tmpl; /* as it is stored; zero if it was refused */
-    bool created;               /* false: the subject had this cloud already */
+struct enrolment_result {       /* result of one sample */
+    struct errinfo why;         /* ST_OK, or the reason of the refusal */
+    struct store_template tmpl; /* the stored template; zero if the sample was refused */
+    bool created; /* the template is new; false: the subject had this cloud already */
 };
 
 struct enrolment_outcome {
-    struct templates_refusal refusal;
-    struct templates_nearest nearest; /* the last comparison with the subject's templates;
-                                       compared is 0 where there was nothing to fit */
-    bool none;                        /* each sample was refused */
-    unsigned warnings;                /* as in struct store_recorded */
+    struct templates_refusal refusal; /* reason of ST_EDENIED */
+    /* Last comparison with the reference templates; compared is 0 if there was none. */
+    struct templates_nearest nearest;
+    bool none;         /* all samples were refused */
+    unsigned warnings; /* as in struct store_recorded */
 };
 
-/* enrolment_begin(c, x, begun, e): what enrolment_add() would refuse whatever the samples are, before the
- * work on them; of *x actor, subject, limits and force.  A subject that is not there is admitted.
- * begun  for enrolment_add(), or templates_free(), also after a failure
- * Returns ST_OK; ST_EDENIED: begun->refusal says why; or as templates_read(). */
+/* enrolment_begin(c, x, begun, e): Reads the subject's templates, and checks admission and lock-out.  So a
+ * refusal that does not depend on the samples comes before the work on them.
+ *   x      only actor, subject, limits and force are used; a subject that does not exist is admitted
+ *   begun  to be passed to enrolment_add(), or released by templates_free(), also after a failure
+ * Returns ST_OK; ST_EDENIED: begun->refusal has the reason; or as templates_read(). */
 enum status enrolment_begin(struct templates_context *c, const struct enrolment *x,
                             struct templates *begun, struct errinfo *e);
 
-/* enrolment_add(c, x, begun, each, out, e): compare the samples with the subject's templates and
- * store those that match, with force all. Other threads and processes may enrol
- * meanwhile.
- * begun taken; NULL: enrolment_begin() was not called
- * each  [x->n], all zero, except why of a sample without a face
- * Returns ST_OK, also if some are refused; if all are, out->none is set and the first one's
- * status is returned (ST_EMISMATCH: it does not match).
- * Each sample that does not match the templates is recorded like a failed verification
- * (store_record_verification()), as enroll_mismatch.  One that does not match the first accepted
- * sample is not compared with them; it is recorded, and not counted.
- * On failure nothing is stored.  ST_EDENIED: out->refusal says why; or as
- * templates_nearest(), store_record_verification(), store_enroll(). */
+/* enrolment_add(c, x, begun, each, out, e): Compares the samples with the reference templates, and stores those
+ * that match, or all with x->force.  Other threads and processes may enrol meanwhile.
+ * Each sample that does not match a reference template is recorded like a failed verification
+ * (store_record_verification()), as enroll_mismatch.  A sample that does not match the first accepted
+ * sample is not compared with the templates; it is recorded, but not counted.
+ *   begun  takes ownership; NULL: enrolment_begin() was not called
+ *   each   results [x->n]; in: all zero, except why of a sample without a face
+ * Returns ST_OK, also if some samples are refused.  If all are refused, sets out->none and returns the
+ * status of the first one (ST_EMISMATCH: it does not match).  After any other error nothing is stored.
+ * ST_EDENIED: out->refusal has the reason; or as templates_nearest(), store_record_verification(),
+ * store_enroll(). */
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
                           struct templates *begun, struct enrolment_result *each,
                           struct enrolment_outcome *out, struct errinfo *e);
 
-/* enrolment_code(st): the code of a sample's refusal: "sample_mismatch", or as
- * status_refusal(). */
+/* enrolment_code(st): Returns the code of a sample's refusal: "sample_mismatch", or as status_refusal(). */
 const char *enrolment_code(enum status st);
 
 #endif

@@ -1,11 +1,11 @@
-/* templates.h -- the templates that a probe is compared with: may the subject be verified
- * or enrolled now, what are its templates, and which of them decides?  All is read, with
- * the faces, in one transaction of the store, so that no template is compared that was
- * deleted before it. Fusion: the comparison with the highest score decides, so that one
- * matching template suffices; an inconclusive one only where there is no other.  Each
- * score is lowered by the logarithm of the number of templates (surface_best_of()), so
- * that several templates do not raise the false match rate. A non-match is also compared
- * as its mirror image: a scanner that swaps left and right. */
+/* templates.h -- the templates of a subject: admission of the subject, its templates and their faces, and
+ * the choice of the template that decides.
+ * All is read in one transaction of the store, so that no template is compared that was deleted before
+ * it.  Fusion: the comparison with the highest score decides, so that one matching template suffices.
+ * An inconclusive comparison decides only if all others are inconclusive too.  Each score is lowered by
+ * the logarithm of the number of templates (surface_best_of()), so that several templates do not raise
+ * the false match rate.  A probe that does not match is also compared as its mirror image, because some
+ * scanners swap left and right. */
 #ifndef SERVICE_TEMPLATES_H
 #define SERVICE_TEMPLATES_H
 #include <stdbool.h>
@@ -19,81 +19,88 @@
 struct cache;      /* cache.h */
 struct cache_held; /* cache.h */
 
-/* What compares.  One thread at a time. */
+/* The resources of a comparison.  One thread at a time. */
 struct templates_context {
     struct store *store;
     struct surface_work *work;
-    struct cache *cache;      /* of decoded faces; NULL: none */
-    int64_t calibration;      /* the version that work decides by; 0 for a new work */
-    double (*clock_ms)(void); /* for the times; may be NULL */
+    struct cache *cache; /* cache of decoded faces; NULL: no cache */
+    int64_t
+        calibration; /* version of the calibration that work decides by; 0: work is new */
+    double (*clock_ms)(void); /* clock for the times, ms; NULL: no times */
 };
 
+/* A request for the templates of a subject, or, if subject is NULL, for one template. */
 struct templates_of {
-    const char *subject;               /* or NULL and */
-    const char *template_id;           /* this one alone */
-    const char *token;                 /* whose attempts; NULL: "" */
-    const struct store_limits *limits; /* NULL: none */
+    const char *subject;               /* id of the subject; NULL: template_id is set */
+    const char *template_id;           /* id of the template, the only one that is read */
+    const char *token;                 /* token whose failed attempts count; NULL: "" */
+    const struct store_limits *limits; /* limits of attempts; NULL: no limits */
 };
 
 enum templates_admit { TEMPLATES_ADMITTED, TEMPLATES_DISABLED, TEMPLATES_EXPIRED };
 
-struct templates_refusal { /* of ST_EDENIED; all 0: it was not */
+struct templates_refusal { /* reason of ST_EDENIED; all 0: admitted */
     enum templates_admit admit;
-    enum store_wait why; /* not STORE_WAIT_NONE: locked out, */
-    int64_t wait_ms;     /* for so long, */
-    struct store_attempts now;
+    enum store_wait why; /* reason of the lock-out; STORE_WAIT_NONE: not locked out */
+    int64_t wait_ms;     /* remaining lock-out, ms; 0 if not locked out */
+    struct store_attempts now; /* the failed attempts that were counted */
 };
 
 struct templates {
     struct templates_context *context;
-    struct store_snapshot of;
+    struct store_snapshot of; /* the subject, its templates, attempts, calibration */
     struct templates_refusal refusal;
-    const struct surface_face
-        *face[STORE_TEMPLATES_MAX]; /* NULL: of another engine, which this one
-                                                     cannot re-encode */
-    const struct cache_held *held[STORE_TEMPLATES_MAX]; /* NULL: the face is another's */
-    struct errinfo passed_over; /* the last of those; ST_OK: none */
+    /* Faces of the templates; NULL: of another engine, and this one cannot re-encode it. */
+    const struct surface_face *face[STORE_TEMPLATES_MAX];
+    /* References to the faces in the cache; NULL: the face belongs to the caller. */
+    const struct cache_held *held[STORE_TEMPLATES_MAX];
+    struct errinfo passed_over; /* reason of the last NULL in face; ST_OK: none */
 };
 
-/* templates_read(c, ask, out, e): read the templates; c->work decides by the calibration
- * in force.  Returns ST_OK; ST_EDENIED: out->refusal says why; or as
- * store_snapshot_begin(), store_snapshot_face().  A subject without a template is
- * admitted, whatever the limits.
- * templates_free(t): also after a failure; t is empty again. */
+/* templates_read(c, ask, out, e): Reads the templates and their faces, and sets the calibration of c->work
+ * to the one in force.  A subject without a template is admitted regardless of the limits.
+ *   out  to be released by templates_free(), also after a failure
+ * Returns ST_OK; ST_EDENIED: out->refusal has the reason; or as store_snapshot_begin(),
+ * store_snapshot_face(). */
 enum status templates_read(struct templates_context *c, const struct templates_of *ask,
                            struct templates *out, struct errinfo *e);
+
+/* templates_free(t): Releases the templates; t is reset to the empty state. */
 void templates_free(struct templates *t);
 
 struct templates_nearest {
-    struct surface_comparison result;
-    size_t index;       /* which of the templates */
-    uint32_t compared;  /* how many there were */
-    double first_score; /* against the oldest of them, not lowered */
-    bool mirrored;      /* no match, but its mirror image is one: templates_judge() */
-    double score_ms;    /* for all templates */
+    struct surface_comparison result; /* comparison that decides, its score lowered */
+    size_t index;                     /* index of the template that decides */
+    uint32_t compared;                /* number of compared templates */
+    double first_score;               /* score against the oldest of them, not lowered */
+    bool
+        mirrored; /* the probe does not match, but its mirror image does: templates_judge() */
+    double score_ms; /* time of all comparisons, ms */
 };
 
-/* templates_nearest(t, fit, probe, out, e): compare the probe with the templates, except
- * those of another engine.
- * fit    only with those that a further sample must match: the oldest, and those that were
- *        enrolled with scope manage (enrolment.h says why)
- * Returns ST_OK; ST_ENOTFOUND: there is none; ST_EVERSION: none but of another engine;
- * ST_ENOMEM. */
+/* templates_nearest(t, fit, probe, out, e): Compares the probe with the templates, except those with a NULL
+ * face, and chooses the one that decides.
+ *   fit  true: compare only with the reference templates, which a further sample must match: the oldest
+ *        one, and those enrolled with scope manage (enrolment.h states the reason)
+ * Returns ST_OK; ST_ENOTFOUND: there is no template; ST_EVERSION: all templates are of another engine,
+ * and this one cannot re-encode them; ST_ENOMEM. */
 enum status templates_nearest(const struct templates *t, bool fit,
                               const struct surface_face *probe,
                               struct templates_nearest *out, struct errinfo *e);
 
-/* templates_decision(d): "match", "no_match", "inconclusive". */
+/* templates_decision(d): Returns "match", "no_match" or "inconclusive". */
 const char *templates_decision(enum surface_decision d);
 
-/* templates_judge(n, e): ST_EMIRRORED, and *e for the user, if the scan is a mirror
- * image; else ST_OK. It reveals as much as a match: count it as a failed attempt before
- * reporting it. */
+/* templates_judge(n, e): Returns ST_EMIRRORED, with a text for the user, if the scan is a mirror image, else
+ * ST_OK.  The error reveals as much as a match: count a failed attempt before you report it. */
 enum status templates_judge(const struct templates_nearest *n, struct errinfo *e);
 
-/* templates_minimal(t, probe, of, out, parts, e): the minimal disparity against the template that
- * decides, and the alignment; with parts also by the weight of each place (surface_weigh()), and
- * what the score is made of; NULL: without.  Returns ST_OK, ST_ENOMEM. */
+/* templates_minimal(t, probe, of, out, parts, e): Computes the minimal disparity from the template that
+ * decides, and the alignment.
+ *   of     result of templates_nearest()
+ *   parts  receives the parts of the score; *out then also has the weighted disparity
+ *          (surface_weigh()); NULL: neither
+ * Returns ST_OK; ST_ENOMEM. */
 enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
                               const struct templates_nearest *of,
                               struct surface_disparity *out, struct surface_parts *parts,

@@ -1,6 +1,6 @@
 /* verify.h -- a verification, and a comparison of two scans: one function for daemon and command.
- * All that it reads of the store is one transaction, and so is all that it writes: what was not
- * counted and recorded is not reported, or there would be no limit. */
+ * It reads the store in one transaction, and writes to it in another one.  It reports a result only
+ * after it has counted and recorded the attempt: otherwise the number of attempts had no limit. */
 #ifndef SERVICE_VERIFY_H
 #define SERVICE_VERIFY_H
 #include <stdatomic.h>
@@ -12,74 +12,84 @@
 struct session; /* session.h */
 struct show;    /* show.h */
 
-enum verify_detail {                  /* what is wanted of a comparison */
-                     VERIFY_DECISION, /* the decision and the ids alone */
-                     VERIFY_BRIEF,    /* nothing from which a template could be rebuilt */
-                     VERIFY_MEASURE,  /* the measure, the pose and the regions */
-                     VERIFY_SURFACE,  /* and the surfaces, to be looked at */
-                     VERIFY_HEATMAP   /* or the gap at each point */
+enum verify_detail { /* extent of the result; each level includes the one above it */
+                     VERIFY_DECISION, /* the decision and the ids only */
+                     VERIFY_BRIEF, /* numbers from which no template can be reconstructed */
+                     VERIFY_MEASURE, /* the disparity measure, the pose and the regions */
+                     VERIFY_SURFACE, /* the surfaces, for verify_show() */
+                     VERIFY_HEATMAP  /* the gap at each point, instead of the surfaces */
 };
 
+/* A scan to be compared: one of bytes, points and frames is given.  verify_run() takes ownership of bytes
+ * and points, verify_free() frees them. */
 struct verify_scan {
-    const char *name;          /* begins what is said of it */
-    unsigned char *bytes;      /* by mem_array(), taken; bytes[len] is 0; or NULL and */
-    struct cloudpoints points; /* taken; or */
-    struct session *frames;    /* those of several files, borrowed */
-    size_t len;
-    struct cloudfile_options how; /* to read bytes */
-    bool axes_given;              /* or the file says so */
-    bool frontal;                 /* where it does not: sample.h */
-    struct surface_face **face;   /* receives it */
-    struct sample_found found;    /* receives what was found */
+    const char *name;     /* name of the scan, the first word of its error texts */
+    unsigned char *bytes; /* bytes of a file by mem_array(), bytes[len] is 0; or NULL */
+    struct cloudpoints points; /* points of the scan */
+    struct session *frames;    /* frames of several files; borrowed until verify_free() */
+    size_t len;                /* number of bytes */
+    struct cloudfile_options how; /* options for reading bytes */
+    bool axes_given;              /* axes=scanner is given; the file may state it too */
+    bool frontal;                 /* as in struct sample_options */
+    struct surface_face **face;   /* receives the face; the caller owns it */
+    struct sample_found found;    /* receives the report on the scan */
 };
 
 struct verify_request {
-    struct templates_of of; /* or */
-    struct verify_scan
-        *other; /* a scan in a template's place; nothing is recorded then */
-    struct verify_scan probe;
-    enum verify_detail detail;
-    bool
-        scores; /* who asks may know how much like a template one is that does not match */
-    const char *captured;    /* follows in the event on its outcome; NULL for nothing */
-    const atomic_bool *stop; /* another thread sets it where nobody wants the result */
+    struct templates_of of;    /* templates to compare with; unused if other is set */
+    struct verify_scan *other; /* scan instead of a template, or NULL; not recorded */
+    struct verify_scan probe;  /* scan to be verified */
+    enum verify_detail detail; /* extent of the result */
+    bool scores;          /* the actor may know the score of a scan that does not match */
+    const char *captured; /* text after the outcome in the event; NULL: none */
+    const atomic_bool *stop; /* cancellation flag, set by another thread; may be NULL */
 };
 
 struct verification {
-    struct verify_request *request;
-    struct templates templates;
-    struct templates_refusal refusal;
-    struct templates_nearest best;
-    struct surface_disparity least; /* not for VERIFY_DECISION */
-    struct surface_parts parts;     /* of VERIFY_MEASURE and what is more */
-    double *
-        gap; /* [request->probe.points.read] of VERIFY_HEATMAP, NAN where there is none */
-    struct store_recorded recorded;
-    bool decided; /* and recorded; what is refused after that is still an attempt */
-    struct describe_times times; /* but total */
+    struct verify_request *request;   /* borrowed until verify_free() */
+    struct templates templates;       /* templates of the subject, read from the store */
+    struct templates_refusal refusal; /* reason of ST_EDENIED */
+    struct templates_nearest best;    /* comparison with the best template */
+    /* Minimal disparity; zero for VERIFY_DECISION, and for a non-match without scores. */
+    struct surface_disparity least;
+    struct surface_parts parts; /* parts of the score, for VERIFY_MEASURE and higher */
+    double *gap; /* gap of each point [request->probe.points.read], NAN: none; or NULL */
+    struct store_recorded recorded; /* result of recording the attempt */
+    bool decided; /* the decision is recorded; a later error is still an attempt */
+    struct describe_times times; /* times of the steps; total is unset */
 };
 
-/* verify_run(c, r, v, e): the probe compared with the templates, the decision recorded.  Without a
- * store (of c) with another scan only, by the model's own calibration.
- * Returns ST_OK; ST_EDENIED: v->refusal says why; ST_ENOTFOUND: no template;
- * ST_EREPLAYED, ST_EMIRRORED; ST_EBUSY: r->stop is set; of the scan as cloudfile_read() and
- * sample_build(), but ST_EINVAL for ST_EVERSION; or as templates_read(), templates_nearest(),
- * store_record_verification().
- * verify_free(v): what v and its scans' points have, also after a failure. */
+/* verify_run(c, r, v, e): Compares the probe with the templates, and records the decision.  Without a
+ * store (c->store is NULL) only r->other can be used; the model's own calibration decides then.
+ *   v  to be released by verify_free(), also after a failure
+ * Returns ST_OK, or:
+ *   ST_EDENIED     v->refusal has the reason
+ *   ST_ENOTFOUND   there is no template
+ *   ST_EREPLAYED, ST_EMIRRORED
+ *   ST_EBUSY       *r->stop is set
+ *   or, for the scan, as cloudfile_read() (ST_EINVAL for its ST_EVERSION) and sample_build();
+ *   or as templates_read(), templates_nearest(), store_record_verification(). */
 enum status verify_run(struct templates_context *c, struct verify_request *r,
                        struct verification *v, struct errinfo *e);
+
+/* verify_free(v): Releases the templates of v, the gap, and the bytes and points of the scans of its
+ * request.  The faces and frames stay with the caller. */
 void verify_free(struct verification *v);
 
-/* verify_describe(v, engine): the result of v for describe_comparison(), borrowed. */
+/* verify_describe(v, engine): Returns the result of v, for describe_comparison().  Its pointers are borrowed
+ * until verify_free(v). */
 struct describe_comparison verify_describe(const struct verification *v,
                                            const char *engine);
 
-/* verify_show(v, j, out): the template that decided and the probe over it, after VERIFY_SURFACE;
- * j as of show_comparison().  Returns ST_OK, ST_ENOMEM. */
+/* verify_show(v, j, out): Draws the template that decided with the probe over it, after a verification with
+ * VERIFY_SURFACE.
+ *   j  as in show_comparison()
+ * Returns ST_OK; ST_ENOMEM. */
 enum status verify_show(const struct verification *v, struct json *j, struct show *out);
 
-/* verify_spread(c, value): value, with room for c->read, has one for each point of c; after
- * it one for each point that was sent, NAN for those that were dropped. */
+/* verify_spread(c, value): Moves the values of the points of c to the positions of the points as sent.
+ *   value  capacity c->read; in: one value for each of the c->n points; out: one for each point sent,
+ *          NAN for the dropped points */
 void verify_spread(const struct cloudpoints *c, double *value);
 
 #endif
