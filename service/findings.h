@@ -1,4 +1,4 @@
-/* findings.h -- what is wrong with a database, and what to do: the same from daemon and command. */
+/* findings.h -- faults of a database, with advice, for daemon and command. */
 #ifndef SERVICE_FINDINGS_H
 #define SERVICE_FINDINGS_H
 #include "store.h"
@@ -9,25 +9,28 @@ enum findings_severity { FINDINGS_OK, FINDINGS_WARNING, FINDINGS_ERROR };
 
 struct finding {
     enum findings_severity severity;
-    const char *about, *what, *todo; /* todo: "" of FINDINGS_OK */
+    const char *about, *what, *todo; /* topic, finding, advice ("" for FINDINGS_OK) */
 };
 
 struct findings {
-    void (*tell)(void *arg, const struct finding *f);
+    void (*tell)(void *arg, const struct finding *f); /* receives each finding */
     void *arg;
-    unsigned errors; /* so far */
+    unsigned errors; /* number of findings with FINDINGS_ERROR so far */
 };
 
-/* findings_say(x, severity, about, todo, format, ...): tell one.
- * findings_store(x, s): of templates, tokens, failed verifications and the calibration, by the model
- * that s is used with; not whether the rows are as they were written (store_verify()).
- * findings_word(severity): "ok", "warning", "error".
- * findings_describe(j, f): members of the object that is open in j. */
+/* findings_say(x, severity, about, todo, format, ...): Reports one finding to x->tell(). */
 __attribute__((format(printf, 5, 6))) void
 findings_say(struct findings *x, enum findings_severity severity, const char *about,
              const char *todo, const char *format, ...);
+
+/* findings_store(x, s): Reports findings on templates, tokens, failed verifications and the calibration, for the
+ * model that s uses.  Does not verify the rows (store_verify()). */
 void findings_store(struct findings *x, struct store *s);
+
+/* findings_word(severity): Returns "ok", "warning" or "error". */
 const char *findings_word(enum findings_severity severity);
+
+/* findings_describe(j, f): Writes a finding, as members of the object that is open in j. */
 void findings_describe(struct json *j, const struct finding *f);
 
 #endif

@@ -13,37 +13,38 @@
 struct json; /* json.h */
 
 struct session_frame {
-    const char *name; /* of its file; borrowed */
-    struct cloudpoints
-        points; /* as they were read; then those of its face, as sample_build() has
-                                  them */
-    struct sample_found found;
-    struct errinfo
-        why; /* ST_OK: it was fused, or why not; set before where it was not read */
+    const char *name; /* name of its file; borrowed */
+    /* The points as read; after session_build() the points of the face, as from sample_build(). */
+    struct cloudpoints points;
+    struct sample_found found; /* report on the frame */
+    /* ST_OK: the frame was fused; else the reason why not.  The caller sets it if it cannot read the
+     * frame. */
+    struct errinfo why;
 };
 
 struct session {
-    size_t n; /* 1..SURFACE_FRAMES_MAX */
+    size_t n; /* number of frames, 1 to SURFACE_FRAMES_MAX */
     struct session_frame frame[SURFACE_FRAMES_MAX];
-    size_t
-        base; /* the frame whose points are, after session_build(), those of the fused face */
-    const char *digest[SURFACE_FRAMES_MAX]; /* of each frame that was read; [ndigest] */
-    size_t ndigest;
-    char read[STORE_READ_MAX + 1]; /* those of all, the base's first (digest.h) */
+    size_t base; /* index of the frame that receives the points of the fused face */
+    const char *digest[SURFACE_FRAMES_MAX]; /* digests of the frames that were read */
+    size_t ndigest;                         /* number of these digests */
+    char read[STORE_READ_MAX + 1]; /* all these digests, the base's first (digest.h) */
 };
 
-/* session_build(s, o, w, out, found, e): the face of all frames that were read, and why the others
- * are left out.
- * found  what was found in the base, with the gate's judgement of the fused face
- * Returns ST_OK; as sample_build(): no frame has a face, or the fused one is refused; ST_EPEOPLE:
- * *e names the frame of another person. */
+/* session_build(s, o, w, out, found, e): Builds the face of all frames that were read.  Sets why of the frames
+ * that are left out.
+ *   found  receives the report on the base, with the gate's judgement of the fused face
+ * Returns ST_OK; as sample_build(): no frame has a face, or the fused face is refused; ST_EPEOPLE: *e
+ * names the frame of another person. */
 enum status session_build(struct session *s, const struct sample_options *o,
                           struct surface_work *w, struct surface_face **out,
                           struct sample_found *found, struct errinfo *e);
 
-/* session_describe(j, s): an array "frames": of each the file, whether it was used, or the reason. */
+/* session_describe(j, s): Writes an array "frames": for each frame its file, whether it was used, and the
+ * reason if not. */
 void session_describe(struct json *j, const struct session *s);
 
-void session_free(struct session *s); /* the points; s is empty again */
+/* session_free(s): Frees the points; s is reset to the empty state. */
+void session_free(struct session *s);
 
 #endif
