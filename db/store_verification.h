@@ -1,5 +1,5 @@
-/* store_verification.h -- all that a verification or an enrolment's fit check reads, of one
- * moment and in one transaction, and all that it writes, in another. */
+/* store_verification.h -- the two transactions of a verification or of an enrolment's comparison: one reads
+ * everything, of one moment, the other writes everything. */
 #ifndef DB_STORE_VERIFICATION_H
 #define DB_STORE_VERIFICATION_H
 #include "store_attempts.h"
@@ -9,71 +9,79 @@ struct log_txn;      /* log_txn.h */
 struct surface_work; /* libsurface.h */
 
 struct store_snapshot {
-    struct store_subject subject; /* expired is set */
-    struct store_attempts attempts;
-    int64_t calibration; /* the version of the newest, 0: there never was one */
-    /* the newest, if that is not what the caller has, or zeros */
+    struct store_subject subject;   /* the subject; expired is set */
+    struct store_attempts attempts; /* failed attempts on the subject and by the token */
+    int64_t calibration; /* version of the newest calibration; 0: there never was one */
+    /* Newest calibration, if the caller decides by another one; else zeros. */
     struct store_calibration k;
-    struct store_template *t; /* [n], oldest first */
-    size_t n;
-    struct store_reading *reading; /* until store_snapshot_end() */
+    struct store_template *t;      /* templates [n], oldest first */
+    size_t n;                      /* number of templates */
+    struct store_reading *reading; /* the open transaction, until store_snapshot_end() */
 };
 
+/* A request for the templates of a subject, or, if subject is NULL, for one template. */
 struct store_snapshot_of {
-    const char *subject;     /* whose templates, or NULL and */
-    const char *template_id; /* this one and its subject */
-    const char *token;       /* whose attempts; NULL: "" */
-    int64_t calibration;     /* the version that the caller decides by */
+    const char *subject;     /* id of the subject; NULL: template_id is set */
+    const char *template_id; /* id of the template, which is read with its subject */
+    const char *token;       /* token whose failed attempts are read; NULL: "" */
+    int64_t calibration;     /* version of the calibration that the caller decides by */
 };
 
-/* store_snapshot_begin(s, what, out, e): reads all but the faces; the transaction goes on until
- * store_snapshot_end(), which must be called also after a failure.  ST_ENOTFOUND: no such subject
- * or template; ST_ECORRUPT, also of the newest calibration: then nothing can be decided, or of
- * more templates than STORE_TEMPLATES_MAX.
- * store_snapshot_face(out, i, w, f, e): the face of template i, as store_template_load().
- * store_snapshot_end(out, st, e): st is what came of the reading; returned, unless the end fails.
- * A failed attempt that lies in the future (the clock was set back) is moved to now for good, so
- * that a wait that begins with it ends.  The rest of *out stays, until store_snapshot_free(). */
+/* store_snapshot_begin(s, what, out, e): Reads everything except the faces.
+ *   out  its transaction stays open until store_snapshot_end(), which must be called also after a
+ *        failure; to be released by store_snapshot_free()
+ * Returns ST_OK; ST_ENOTFOUND: no such subject or template; ST_ECORRUPT: a row is damaged, also that of
+ * the newest calibration (nothing can be decided without it), or the subject has more templates than
+ * STORE_TEMPLATES_MAX. */
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
                                  struct store_snapshot *out, struct errinfo *e);
+
+/* store_snapshot_face(out, i, w, f, e): Loads the face of template i, as store_template_load(). */
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
                                 struct surface_work *w, struct surface_face **f,
                                 struct errinfo *e);
+
+/* store_snapshot_end(out, st, e): Ends the transaction; *out stays until store_snapshot_free().  A failed
+ * attempt with a time in the future (the clock was set back) is set to the present time in the database,
+ * so that a lock-out that begins with it ends.
+ *   st  result of the reading
+ * Returns st, or the error of the end. */
 enum status store_snapshot_end(struct store_snapshot *out, enum status st,
                                struct errinfo *e);
-void store_snapshot_free(struct store_snapshot *out); /* *out is empty again */
+
+/* store_snapshot_free(out): Releases *out, and resets it to the empty state. */
+void store_snapshot_free(struct store_snapshot *out);
 
 enum store_record_as {
-    STORE_RECORD_UNCOUNTED, /* attempts are left as they are */
-    STORE_RECORD_PASSED,    /* none of the actor's failures are left */
-    STORE_RECORD_FAILED     /* one more of the actor */
+    STORE_RECORD_UNCOUNTED, /* the attempts are not changed */
+    STORE_RECORD_PASSED,    /* the actor's failures on the subject are deleted */
+    STORE_RECORD_FAILED     /* one more failure of the actor is counted */
 };
 
 struct store_record {
-    const struct store_subject *subject; /* of the snapshot */
+    const struct store_subject *subject; /* subject of the snapshot */
     enum store_record_as as;
-    const char *actor, *kind, *template_id, *outcome; /* of the event */
-    const char
-        *decision; /* a word, and the score, for the day; NULL: it is none of its */
-    double score;
+    const char *actor, *kind, *template_id, *outcome; /* texts of the event */
+    const char *decision; /* decision for the day's scores; NULL: not counted there */
+    double score;         /* score of this decision */
 
-    /* A probe that matched, which is refused where it is no new scan: the cloud of a template of
-     * the subject.  NULL: not asked. */
+    /* A probe that matched.  It is refused if it is no new scan, but the cloud of a template of the
+     * subject.  NULL: not checked. */
     const struct store_probe *probe;
-    bool replayed; /* with probe: it is known to be no new scan */
+    bool replayed; /* with probe: the caller knows that it is no new scan */
 
-    /* By the attempts as they are now, may the verification still be answered?  Others of the
-     * subject may have failed since the snapshot.  A failed one can add warnings.  NULL, or without a
-     * limit of failures: neither. */
+    /* Limits that are checked again against the present attempts: other tokens may have failed on the
+     * subject since the snapshot.  A failed verification can add warnings.  NULL, or a limit of 0
+     * failures: no check and no warnings. */
     const struct store_limits *limits;
 };
 
-/* Failures of which the operator is to hear, by an event of this name, in the order of enum
- * metrics_warning.
+/* Warnings to the operator about a failed verification; each is an event of this name.  In the order of
+ * enum metrics_warning.
  * STORE_LOCKED_OUT: The failure locks its token out of the subject.
- * STORE_MANY_SUBJECTS: With it the subjects that the token has failed at within STORE_FAILED_MS are
+ * STORE_MANY_SUBJECTS: The number of subjects that the token failed on within STORE_FAILED_MS passes
  * another third of limits->subjects.
- * STORE_ATTEMPTS_PATTERN: With it the suspicion of the subject's tokens reaches STORE_SUSPICION. */
+ * STORE_ATTEMPTS_PATTERN: The suspicion of all tokens for the subject reaches STORE_SUSPICION. */
 enum store_warning {
     STORE_LOCKED_OUT,
     STORE_MANY_SUBJECTS,
@@ -82,17 +90,18 @@ enum store_warning {
 };
 
 struct store_recorded {
-    enum store_wait why;       /* not STORE_WAIT_NONE: locked out, nothing was written */
-    int64_t wait_ms;           /* with it */
-    struct store_attempts now; /* before this one */
+    /* Reason of a lock-out (then nothing is written); STORE_WAIT_NONE: not locked out. */
+    enum store_wait why;
+    int64_t wait_ms;           /* remaining lock-out, ms; 0 if not locked out */
+    struct store_attempts now; /* the attempts before this one */
     bool replayed; /* it was no new scan: recorded as "replayed", and counted as failed */
     unsigned warnings; /* sum of 1 << enum store_warning */
 };
 
-/* store_record_verification(s, what, out, e): attempts, entry of the access log, the day's scores,
- * and that the subject was seen, the latter at most once a minute.  A failure is on the disk when it returns;
- * anything else does not wait for the disk, as store_event().  ST_ENOTFOUND: the subject was erased
- * meanwhile. */
+/* store_record_verification(s, what, out, e): Records a verification in one transaction: the attempts, an
+ * entry of the access log, the day's scores, and the subject's time of last use (at most once a minute).
+ * A failed verification is durable on return.  Any other is not flushed, as by store_event().
+ * ST_ENOTFOUND: the subject was erased meanwhile. */
 enum status store_record_verification(struct store *s, const struct store_record *what,
                                       struct store_recorded *out, struct errinfo *e);
 
@@ -102,8 +111,8 @@ enum status store_record_attempt(struct log_txn *t, const struct store_record *w
                                  int64_t now, struct store_recorded *out,
                                  struct errinfo *e);
 
-/* store_days(s, out, n, e): of the last STORE_DAYS days those with verifications, oldest first;
- * released by free(). */
+/* store_days(s, out, n, e): Lists the days with verifications of the last STORE_DAYS days, oldest first.
+ *   out  a new array of *n elements, to be released by free() */
 enum status store_days(struct store *s, struct store_day **out, size_t *n,
                        struct errinfo *e);
 

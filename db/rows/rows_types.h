@@ -1,4 +1,4 @@
-/* rows_types.h -- what the store takes and gives.  Strings are UTF-8 without NUL; times are
+/* rows_types.h -- the types of the store's arguments and results.  Strings are UTF-8 without NUL.  Times are
  * RFC 3339 text, UTC, of fixed length, so that they compare like their texts. */
 #ifndef DB_ROWS_TYPES_H
 #define DB_ROWS_TYPES_H
@@ -17,12 +17,12 @@
 #define STORE_READ_MAX   (64 + (SURFACE_FRAMES_MAX - 1) * STORE_READ_OTHER)
 
 #define STORE_LABEL_MAX 256 /* bytes of UTF-8, no control characters */
-#define STORE_NAME_MAX  64  /* of a token or an actor, printable ASCII */
+#define STORE_NAME_MAX  64 /* bytes of the name of a token or an actor, printable ASCII */
 #define STORE_NOTE_MAX  128 /* bytes of UTF-8, no control characters */
 #define STORE_UID       16
 
-/* Of a subject, at most: each takes time of each verification, and is one more chance for a
- * false match. */
+/* Most templates of a subject: each one takes time in each verification, and is one more chance for a false
+ * match. */
 #define STORE_TEMPLATES_MAX 20
 
 struct store_template { /* everything about a template but its face */
@@ -34,38 +34,39 @@ struct store_template { /* everything about a template but its face */
     /* digests of the scans' points as they were read (digest_read_add()); "": unknown */
     char read[STORE_READ_MAX + 1];
     char engine[SURFACE_ENGINE_SIZE];
-    uint32_t points, triangles; /* triangles: real ones, no ghosts */
+    uint32_t points, triangles; /* numbers of points and of triangles, without ghosts */
     struct surface_quality quality;
-    bool manager; /* enrolled with scope manage: further samples are held against it */
-    double first_score; /* when it was enrolled, against the subject's oldest template; 0:
-                           it was the first */
+    bool manager; /* enrolled with scope manage: further samples are compared with it */
+    /* Score against the subject's oldest template at the enrolment; 0: it was the first template. */
+    double first_score;
 };
 
 struct store_subject {
-    int64_t key;                  /* the order of creation; never used again */
-    unsigned char uid[STORE_UID]; /* random: the same, whatever its id and the database;
-                                     names it in the logs */
+    int64_t key; /* number in the order of creation; never reused */
+    /* Random id in the logs; stays if the subject is renamed or moved to another database. */
+    unsigned char uid[STORE_UID];
     char id[STORE_SUBJECT_MAX + 1];
-    char reference[STORE_NOTE_MAX + 1]; /* of the consent; "": none */
-    char purpose[STORE_NOTE_MAX + 1];
+    char reference[STORE_NOTE_MAX + 1]; /* reference of the consent; "": none */
+    char purpose[STORE_NOTE_MAX + 1];   /* purpose of the consent; "": none */
     char created[32];
-    char expires[32]; /* "": never */
-    char seen[32];    /* last enrolled or verified, to the minute; "": unknown */
-    bool hold;        /* neither it nor a template of it can be deleted */
-    bool disabled;    /* not to be verified or identified */
-    /* as of when it was read; set by store_subject_get() and store_snapshot_begin() */
+    char expires[32]; /* time of expiry; "": never */
+    char seen[32];    /* last enrolment or verification, to the minute; "": unknown */
+    bool hold;        /* neither the subject nor its templates can be deleted */
+    bool disabled;    /* the subject cannot be verified or identified */
+    /* It was expired when it was read; set by store_subject_get() and store_snapshot_begin(). */
     bool expired;
-    uint32_t templates;
-    double quality; /* of the best template, by store_subject_search() alone; NAN: none */
+    uint32_t templates; /* number of templates */
+    /* Quality of the best template, set only by store_subject_search(); NAN: no template. */
+    double quality;
 };
 
-struct store_subject_change {        /* what is NULL stays as it is */
+struct store_subject_change {        /* new values; NULL: unchanged */
     const char *reference, *purpose; /* "": none */
-    const char *expires;             /* utc_read_end(), to come; "": never */
+    const char *expires; /* time in the future, as utc_read_end(); "": never */
     const bool *hold, *disabled;
 };
 
-/* What a token may do, a bit each. */
+/* The scopes of a token, a bit each. */
 enum store_scope {
     STORE_SCOPE_VERIFY = 1,
     STORE_SCOPE_ENROLL = 2,
@@ -84,25 +85,28 @@ enum store_scope {
 
 #define STORE_SCOPES_MAX 80 /* bytes of their names, "verify,enroll", with the NUL */
 
-/* rows_scopes_read(text, out): one or more names with commas between; false: another.
- * rows_scopes_write(scopes, out): the names of those that are set, in the order of their bits. */
+/* rows_scopes_read(text, out): Reads one or more names of scopes, separated by commas.  Returns false if a
+ * name is unknown. */
 bool rows_scopes_read(const char *text, unsigned *out);
+
+/* rows_scopes_write(scopes, out): Writes the names of the scopes, in the order of their bits. */
 void rows_scopes_write(unsigned scopes, char out[STORE_SCOPES_MAX]);
 
 struct store_token {
     char id[STORE_ID_LEN + 1];
     char name[STORE_NAME_MAX + 1];
-    unsigned scopes;    /* enum store_scope */
-    char created[32];   /* RFC 3339, UTC, like all times of it */
-    char expires[32];   /* "": never */
-    char used[32];      /* last, within a minute; "": never */
-    char old_until[32]; /* what the secret before the last rotation is good for; "": no */
-    char revoked[32];   /* when; "": it was not */
-    bool expired;       /* as of when it was read */
+    unsigned scopes;    /* sum of enum store_scope */
+    char created[32];   /* RFC 3339, UTC, as all times below */
+    char expires[32];   /* time of expiry; "": never */
+    char used[32];      /* time of the last use, to the minute; "": never */
+    char old_until[32]; /* end of validity of the previous secret; "": it is not valid */
+    char revoked[32];   /* time of the revocation; "": not revoked */
+    bool expired;       /* it was expired when it was read */
 };
 
-/* How many verifications of a day (UTC) were decided so, by their score: from STORE_DAY_FROM on,
- * STORE_DAY_STEP each; the first and the last have what lies beyond, too. */
+/* A histogram: the numbers of verifications of a day (UTC) with this decision, by score.  Bins begin at
+ * STORE_DAY_FROM and are STORE_DAY_STEP wide.  The first bin also counts all lower scores, the last bin
+ * all higher ones. */
 #define STORE_DAY      10 /* bytes, "2026-11-27" */
 #define STORE_DAYS     180
 #define STORE_DAY_BINS 64
@@ -114,10 +118,10 @@ struct store_day {
     uint32_t bin[STORE_DAY_BINS];
 };
 
-/* Called once a problem, with a line of text. */
+/* Receives a problem, as a line of text. */
 typedef void store_report(void *arg, const char *line);
 
-#define STORE_DEVICE_MAX 32 /* of its name, A-Z a-z 0-9 . _ - @ : */
+#define STORE_DEVICE_MAX 32 /* bytes of a device's name, A-Z a-z 0-9 . _ - @ : */
 
 struct store_device { /* a scanner that signs what it captures */
     char id[STORE_ID_LEN + 1];
@@ -126,64 +130,64 @@ struct store_device { /* a scanner that signs what it captures */
     char created[32];                /* RFC 3339, UTC */
 };
 
-/* A time that another daemon has written may be ahead by this much. */
+/* The most that a time written by another daemon may be in the future. */
 #define STORE_AHEAD_MS 5000
 
 #define STORE_LIFE_MAX (INT64_C(36525) * 86400) /* seconds: a century */
 
-/* STORE_TRIED_MS: the time in which the subjects count that a token tries.
- * STORE_FAILED_MS: the time in which they count for a warning, and a subject's failures for other tokens.
- * STORE_RETRY_MS: the time in which a match explains a failure.
- * STORE_ATTEMPTS_DAYS: the time after which failures count no more: at one a day, where lock-outs
- * end, more attempts are left than after. */
+/* STORE_TRIED_MS: the period in which the subjects that a token failed on count for its limit.
+ * STORE_FAILED_MS: the period in which they count for a warning, and a subject's failures for other tokens.
+ * STORE_RETRY_MS: the time within which a match explains a failure.
+ * STORE_ATTEMPTS_DAYS: the age at which failures no longer count.  Lock-outs grow to a day, and one attempt
+ * a day gives more attempts than starting again after this time. */
 #define STORE_TRIED_MS      INT64_C(3600000)
 #define STORE_FAILED_MS     INT64_C(86400000)
 #define STORE_RETRY_MS      INT64_C(600000)
 #define STORE_ATTEMPTS_DAYS 30
 
-/* Verifications of a subject that failed one after the other; what follows from them is the
- * caller's to say.  Ages are never negative. */
+/* Consecutive failed verifications.  The caller applies the limits (store_attempts.h).  Ages are never
+ * negative. */
 struct store_attempts {
     char subject[STORE_SUBJECT_MAX + 1];
-    char token[STORE_NAME_MAX + 1]; /* whose they are; "": without one */
-    uint32_t failures;              /* of this token */
-    char at[32];                    /* the last one */
-    int64_t age_ms;                 /* since it */
+    char token[STORE_NAME_MAX + 1]; /* id of the token; "": without a token */
+    uint32_t failures;              /* consecutive failures of this token on subject */
+    char at[32];                    /* time of the last of these failures */
+    int64_t age_ms;                 /* ms since at; 0 if failures is 0 */
     /* Not set by store_attempts_list(): */
-    uint32_t others; /* failures of other tokens, whose last is within STORE_FAILED_MS */
-    int64_t others_age_ms; /* since the last of them */
-    uint32_t tried; /* other subjects whose last verification by this token failed, in
-                               the last STORE_TRIED_MS */
-    int64_t tried_age_ms;      /* since the last of them */
-    uint32_t tried_warn;       /* as tried, in the last STORE_FAILED_MS */
-    uint32_t suspicion;        /* of this token (STORE_SUSPICION) */
-    uint32_t others_suspicion; /* sum of all other tokens' */
+    uint32_t others; /* failures of other tokens whose last is within STORE_FAILED_MS */
+    int64_t others_age_ms; /* ms since the last of these; 0 if others is 0 */
+    /* Other subjects on which this token's last attempt failed, within STORE_TRIED_MS. */
+    uint32_t tried;
+    int64_t tried_age_ms;      /* ms since the last of these failures; 0 if tried is 0 */
+    uint32_t tried_warn;       /* the same count for STORE_FAILED_MS */
+    uint32_t suspicion;        /* suspicion of this token (STORE_SUSPICION) */
+    uint32_t others_suspicion; /* sum of the suspicions of all other tokens */
 };
 
 #define STORE_FRAMES_MAX SURFACE_FRAMES_MAX
 
-/* A probe that matched, by the points as they were read and used: 64 hexadecimal digits each,
- * functions of the set of points alone. */
+/* The digests of a probe that matched: 64 hexadecimal digits each, functions only of the set of points. */
 struct store_probe {
-    const char *read[STORE_FRAMES_MAX + 1]; /* of each frame; NULL ends them */
-    char used[65]; /* digest_points(); "": they are no template's */
+    /* Digests of each frame's points as they were read; NULL after the last. */
+    const char *read[STORE_FRAMES_MAX + 1];
+    char used[65]; /* digest_points() of the points used; "": no template has them */
 };
 
 struct store_calibration {
-    int64_t version;  /* 1, 2, ...: the greatest is in force */
+    int64_t version;  /* 1, 2, ...; the highest is in force */
     char created[32]; /* RFC 3339, UTC */
     char actor[STORE_NAME_MAX + 1];
-    char engine[SURFACE_ENGINE_SIZE]; /* that made it: it holds for no other measure, and
-                                         for no other model */
-    bool shipped;                     /* back to the table that comes with the program */
-    double fmr;                       /* the false match rate that was wanted */
-    double low, high;                 /* 95 % interval of the threshold */
-    uint64_t subjects;                /* people whose templates were compared */
-    uint64_t impostors; /* comparisons of different people, and of the same */
-    uint64_t genuine;
-    struct surface_calibration table; /* valid */
-    bool ignored; /* set by calibration_current() alone: it is the newest, but made by
-                     another engine, so that it does not decide */
+    char engine[SURFACE_ENGINE_SIZE]; /* engine that made it, the only one it holds for */
+    bool shipped;       /* the table that comes with the program is in force again */
+    double fmr;         /* requested false match rate */
+    double low, high;   /* 95 % interval of the threshold */
+    uint64_t subjects;  /* number of compared subjects */
+    uint64_t impostors; /* number of comparisons of different subjects */
+    uint64_t genuine;   /* number of comparisons of one subject */
+    struct surface_calibration table; /* a valid table */
+    /* It is the newest, but made by another engine, and does not decide.  Set only by
+     * calibration_current(). */
+    bool ignored;
 };
 
 #endif
