@@ -3,8 +3,8 @@
  * The score decides at the pose that explains the probe best as the same person (align.h);
  * the volume between the surfaces is least at another, near it.
  * Here the search goes over an estimate of the measure: the integral of |gap| over either
- * surface, from the gaps at its vertices, minimised by Newton steps (minimal_places.h); first over
- * few vertices of the probe, at last over all of both surfaces.
+ * surface, from the gaps at its vertices (minimal_places.h), minimised by Newton steps
+ * (minimal_solve.h); first over few vertices of the probe, at last over all of both surfaces.
  * The measure itself is taken once, at the estimate's minimum. */
 #ifndef CORE_MINIMAL_H
 #define CORE_MINIMAL_H
