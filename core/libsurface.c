@@ -476,9 +476,10 @@ void surface_best_of(const struct surface_work *work, uint32_t n,
     face_best_of(c, n, work);
 }
 
-void surface_shown(const struct surface_comparison *c, double *score, double *threshold)
+void surface_shown(const struct surface_comparison *c, double steps, double *score,
+                   double *threshold)
 {
-    face_shown(c, score, threshold);
+    face_shown(c, steps, score, threshold);
 }
 
 enum surface_status surface_disparity(struct surface_work *work,

@@ -80,7 +80,7 @@ void ctl_face_score(FILE *to, const struct surface_comparison *r)
 {
     double score, threshold;
 
-    surface_shown(r, &score, &threshold);
+    surface_shown(r, 100, &score, &threshold);
     (void)fprintf(to,
                   "score        %.2f (a match at %.2f or above)\n"
                   "fmr          %.2g at this score\n",

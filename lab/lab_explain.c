@@ -99,7 +99,7 @@ static void comparison(struct json *j, const struct explanation *x)
     const struct surface_disparity *d = &x->minimal;
     double score, threshold;
 
-    face_shown(&x->result, &score, &threshold);
+    face_shown(&x->result, 100, &score, &threshold);
     json_text(j, "engine", x->engine);
     json_text(j, "decision", lab_decision(x->result.decision));
     json_score(j, "score", score);

@@ -1,6 +1,7 @@
 #include "describe.h"
 
 #include <ctype.h>
+#include <math.h>
 
 #include "cloudunit.h"
 #include "enrolment.h"
@@ -297,13 +298,14 @@ static void qualities(struct json *j, const struct describe_comparison *c)
 
 static void numbers(struct json *j, const struct describe_comparison *c)
 {
+    const double mm = c->minimal->disparity_mm;
     double score, threshold;
 
-    surface_shown(c->result, &score, &threshold);
+    surface_shown(c->result, c->coarse ? 10 : 100, &score, &threshold);
     json_score(j, "score", score);
     json_score(j, "threshold", threshold);
     json_rate(j, "fmr_at_score", c->result->false_match_rate);
-    json_number(j, "disparity_mm", c->minimal->disparity_mm);
+    json_number(j, "disparity_mm", c->coarse ? round(mm * 1e3) / 1e3 : mm);
     json_number(j, "overlap", c->result->overlap);
 }
 

@@ -78,6 +78,8 @@ struct describe_comparison {
     /* Report on the scan in the template's place, and its face; NULL: it is a template. */
     const struct sample_found *other;
     const struct surface_face *other_face;
+    bool
+        coarse; /* the score in steps of 0.1, the minimal disparity in steps of 0.001 mm */
     const char *engine;                /* surface_engine() */
     const char *subject, *template_id; /* ids; NULL: null in JSON */
     uint32_t templates_compared;       /* number of compared templates */

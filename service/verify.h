@@ -40,8 +40,10 @@ struct verify_request {
     struct verify_scan *other; /* scan instead of a template, or NULL; not recorded */
     struct verify_scan probe;  /* scan to be verified */
     enum verify_detail detail; /* extent of the result */
-    bool scores;          /* the actor may know the score of a scan that does not match */
-    const char *captured; /* text after the outcome in the event; NULL: none */
+    bool
+        scores; /* the actor may know the score of a scan that does not match, and that of one that
+                    does with all digits (describe_comparison.coarse) */
+    const char *captured;    /* text after the outcome in the event; NULL: none */
     const atomic_bool *stop; /* cancellation flag, set by another thread; may be NULL */
 };
 

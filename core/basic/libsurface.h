@@ -460,10 +460,10 @@ SURFACE_API enum surface_status surface_compare_mirrored(struct surface_work *wo
 SURFACE_API void surface_best_of(const struct surface_work *work, uint32_t n,
                                  struct surface_comparison *c);
 
-/* Score and threshold in steps of 0.01, the threshold rounded up, the score so that it agrees with
+/* Score and threshold in so many steps a unit, the threshold rounded up, the score so that it agrees with
  * the decision: below the threshold stays below. */
-SURFACE_API void surface_shown(const struct surface_comparison *c, double *score,
-                               double *threshold);
+SURFACE_API void surface_shown(const struct surface_comparison *c, double steps,
+                               double *score, double *threshold);
 
 /* The minimal disparity of the papers, which does not decide. */
 struct surface_disparity {

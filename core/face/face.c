@@ -366,16 +366,15 @@ void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface
     r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
 }
 
-#define SHOWN 100 /* steps a unit */
-
-void face_shown(const struct surface_comparison *r, double *score, double *threshold)
+void face_shown(const struct surface_comparison *r, double steps, double *score,
+                double *threshold)
 {
-    const double least = ceil(r->threshold * SHOWN - 1e-6); /* 8.3 is 8.3 */
-    const double near = round(r->score * SHOWN);
+    const double least = ceil(r->threshold * steps - 1e-6); /* 8.3 is 8.3 */
+    const double near = round(r->score * steps);
     const bool fits = r->score >= r->threshold;
 
-    *threshold = least / SHOWN;
-    *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / SHOWN;
+    *threshold = least / steps;
+    *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / steps;
 }
 
 enum status face_compare_mirrored(const struct surface_face *tmpl,

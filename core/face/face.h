@@ -90,7 +90,8 @@ enum status face_compare_again(const struct surface_face *tmpl,
 
 /* As surface_best_of(), surface_shown(), surface_compare_mirrored() and surface_weigh(). */
 void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface_work *w);
-void face_shown(const struct surface_comparison *r, double *score, double *threshold);
+void face_shown(const struct surface_comparison *r, double steps, double *score,
+                double *threshold);
 enum status face_compare_mirrored(const struct surface_face *tmpl,
                                   const struct surface_face *probe,
                                   struct surface_work *w, struct surface_comparison *out);

@@ -65,6 +65,16 @@ sees=$(new_token sees --scope verify,audit,read)
 knows=$(new_token knows --scope verify,audit,score)
 for route in subjects/alice/verify "templates/$template/verify"; do
     AUTH=$sees
+    send POST "/v1/$route" "$PLY" "$T/alice2.ply"
+    is "$route, a match, in few digits" \
+        "$(get '[.decision, .score * 10 == (.score * 10 | round), (.disparity_mm * 1000 - (.disparity_mm * 1000 | round) | fabs) < 1e-9] | @csv')" \
+        '"match",true,true'
+    few=$(get '[.score, .disparity_mm] | @csv')
+    AUTH=$knows
+    send POST "/v1/$route" "$PLY" "$T/alice2.ply"
+    is "$route, the same with score" "$(get '[(.score * 10 | round) / 10, (.disparity_mm * 1000 | round) / 1000] | @csv')" "$few"
+    ok "$route, in more digits" jq_true '.score * 10 != (.score * 10 | round)' "$T/body"
+    AUTH=$sees
     send POST "/v1/$route" "$PLY" "$T/mallory.ply"
     silent "$route, another" no_match
     send POST "/v1/$route" 'Content-Type: text/plain' "$T/less.xyz"
@@ -88,8 +98,8 @@ for token in $sees $knows; do
     req GET /v1/stats
     told="$told $(get '[.days[] | select(.bins)] | length') $(get '[.days[].n] | add')"
     case $token in
-    "$sees") is "nor in what is told of it afterwards" "$told" "0 0 10" ;;
-    *) is "but to whom may know" "$told" "24 3 10" ;;
+    "$sees") is "nor in what is told of it afterwards" "$told" "0 0 14" ;;
+    *) is "but to whom may know" "$told" "24 3 14" ;;
     esac
 done
 AUTH=$sees
@@ -103,7 +113,7 @@ for name in threshold Threshold score fmr decision force; do
     problem "?$name" 400 invalid_parameter "unknown query parameter $name;"
 done
 is "no match is recorded of a stranger" "$(sql \
-    "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'match'")" 2
+    "SELECT count(*) FROM $ENTRIES WHERE kind = 'verify' AND outcome = 'match'")" 6
 jq -c '.threshold = -1000' "$T/mallory.json" >"$T/with.json"
 send POST /v1/subjects/alice/verify "$JSON" "$T/with.json"
 problem "as a member" 400 malformed threshold

@@ -235,12 +235,12 @@ TEST(test_shown)
             double score, threshold;
 
             r.score = r.threshold + k * 0.001 + 0.0005;
-            face_shown(&r, &score, &threshold);
+            face_shown(&r, 100, &score, &threshold);
             assert_int_equal(score >= threshold, r.score >= r.threshold);
             assert_true(fabs(score - r.score) < 0.02);
             assert_true(threshold == round(threshold * 100) / 100);
             again = (struct surface_comparison){.score = score, .threshold = threshold};
-            face_shown(&again, &score, &threshold); /* once more changes nothing */
+            face_shown(&again, 100, &score, &threshold); /* once more changes nothing */
             assert_true(again.score == score && again.threshold == threshold);
         }
 }
