@@ -75,14 +75,15 @@ static enum status enroll_each(struct ctl *c, struct burst *b)
 
 static enum status enroll_fused(struct ctl *c, struct burst *b)
 {
-    const struct sample_options o = {.frontal = c->scans.frontal, .enrolment = true};
+    const struct sample_options o = {.enrolment = true};
     struct session *s = &b->files.session;
     struct store_sample sample = {.face = NULL};
     enum status st = ctl_session_read(c, &b->files);
 
     b->n = 1;
     if (st == ST_OK)
-        st = session_build(s, &o, c->work, &b->face[0], &b->found[0], &c->e);
+        st = session_build(s, &o, c->work, &b->face[0], &c->e);
+    b->found[0] = s->found;
     ctl_session_tell(s);
     session_describe(c->out, s);
     if (st != ST_OK)

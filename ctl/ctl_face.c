@@ -132,14 +132,18 @@ void ctl_face_reasons(FILE *to, const struct surface_face *f)
 
 enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *out)
 {
-    return cloudfile_read_path(path, c->scans.unit_mm, &c->scans.camera, out, &c->e);
+    const enum status st =
+        cloudfile_read_path(path, c->scans.unit_mm, &c->scans.camera, out, &c->e);
+
+    out->axes_given = out->axes_given || c->scans.frontal;
+    return st;
 }
 
 enum status ctl_face_build(struct ctl *c, const char *path, struct cloudpoints *p,
                            bool enrolment, struct surface_work *w,
                            struct surface_face **out, struct sample_found *found)
 {
-    const struct sample_options o = {.frontal = c->scans.frontal, .enrolment = enrolment};
+    const struct sample_options o = {.enrolment = enrolment};
 
     return sample_build(path, p, &o, w, out, found, &c->e);
 }

@@ -74,9 +74,8 @@ static enum status ctl_scan_check(struct ctl *c, const char *path, struct checke
         return ST_OK;
     }
     if (st == ST_OK &&
-        (st = dry_run_run("refused", &k->points,
-                          &(struct sample_options){.frontal = c->scans.frontal}, c->work,
-                          &k->face, &k->trial)) != ST_OK)
+        (st = dry_run_run("refused", &k->points, &(struct sample_options){.stop = NULL},
+                          c->work, &k->face, &k->trial)) != ST_OK)
         c->e = k->trial.why;
     return st;
 }

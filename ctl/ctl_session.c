@@ -79,12 +79,13 @@ enum status ctl_session_list(struct ctl *c, struct ctl_session *s)
 
 enum status ctl_session_read(struct ctl *c, struct ctl_session *s)
 {
+    s->session.files = s->n > 1;
     for (size_t i = 0; i < s->n; i++) {
         struct session_frame *f = &s->session.frame[s->session.n++];
         const enum status st = ctl_face_parse(c, s->path[i], &f->points);
 
         f->name = s->path[i];
-        if (st == ST_ENOMEM)
+        if (st == ST_ENOMEM || (st != ST_OK && s->n == 1))
             return st;
         if (st != ST_OK)
             f->why = c->e;

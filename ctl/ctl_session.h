@@ -12,16 +12,21 @@ struct ctl_session {
     struct session session;
 };
 
-/* ctl_session_list(c, s): the files that the arguments behind the first name; of a folder the scans
- * in it, by name.  At most SURFACE_FRAMES_MAX.
- * ctl_session_read(c, s): their points into s->session; why a file is none of a scan is its frame's
- * reason, but for ST_ENOMEM.
- * Failures are in c->e.  *s is all zero before; ctl_session_free(), also on failure. */
+/* ctl_session_list(c, s): Lists the files that the arguments behind the first name, and, of a folder, the
+ * scans in it, by name.
+ *   s  in: all zero; to be released by ctl_session_free(), also after a failure
+ * Returns ST_OK, or an error with c->e set: more than SURFACE_FRAMES_MAX files; a folder without a scan. */
 enum status ctl_session_list(struct ctl *c, struct ctl_session *s);
+
+/* ctl_session_read(c, s): Reads the points of the files into s->session.  One of several files that cannot be read
+ * is left out, with the reason.
+ * Returns ST_OK, or an error with c->e set: the only file cannot be read; ST_ENOMEM. */
 enum status ctl_session_read(struct ctl *c, struct ctl_session *s);
+
+/* ctl_session_free(s): Frees the paths and the points. */
 void ctl_session_free(struct ctl_session *s);
 
-/* ctl_session_tell(s): a line to standard error for each frame that was left out. */
+/* ctl_session_tell(s): Writes a line to standard error for each frame that was left out. */
 void ctl_session_tell(const struct session *s);
 
 #endif

@@ -28,42 +28,39 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
-/* Anyone who has the database is not locked out of it: attempts are not counted. */
-static enum status ctl_verify_run(struct ctl *c, const char *probe,
-                                  struct verify_request *r, struct verification *v)
+/* Compares probe.  Anyone who has the database is not locked out of it: attempts are not counted. */
+static enum status ctl_verify_run(struct ctl *c, struct session *probe,
+                                  struct verify_request *r)
 {
     const double start = command_clock_ms();
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
     struct surface_face *face = NULL;
-    enum status st =
-        r->probe.frames != NULL ? ST_OK : ctl_face_parse(c, probe, &r->probe.points);
+    struct verification v;
+    enum status st;
 
-    *v = (struct verification){.request = r, .templates = {.context = &with}};
-    r->probe.name = probe;
-    r->probe.frontal = c->scans.frontal;
-    r->probe.face = &face;
+    r->probe = probe;
+    r->face = &face;
     r->detail = VERIFY_MEASURE;
     r->scores = true;
-    if (st == ST_OK)
-        st = verify_run(&with, r, v, &c->e);
-    ctl_face_passed_over(&v->templates);
-    if (r->probe.frames != NULL)
-        ctl_session_tell(r->probe.frames);
+    st = verify_run(&with, r, &v, &c->e);
+    ctl_face_passed_over(&v.templates);
+    if (probe->files)
+        ctl_session_tell(probe);
     if (st == ST_OK) {
-        v->times.parse = NAN;
-        v->times.total = command_clock_ms() - start;
-        x = verify_describe(v, c->engine);
-        c->code = ctl_face_exit(v->best.result.decision);
+        v.times.parse = NAN;
+        v.times.total = command_clock_ms() - start;
+        x = verify_describe(&v, c->engine);
+        c->code = ctl_face_exit(v.best.result.decision);
         print_result(c, &x);
     }
     if (st == ST_OK && r->other == NULL) {
-        const struct store_template *t = &v->templates.of.t[v->best.index];
+        const struct store_template *t = &v.templates.of.t[v.best.index];
 
         ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n", t->id,
-                v->best.compared, r->of.subject, t->created);
+                v.best.compared, r->of.subject, t->created);
     }
-    verify_free(v);
+    verify_free(&v);
     surface_face_free(face);
     return st;
 }
@@ -72,16 +69,11 @@ static enum status ctl_verify_verify(struct ctl *c)
 {
     struct verify_request r = {.of = {.subject = c->args[0], .token = c->actor}};
     struct ctl_session *s = calloc(1, sizeof *s);
-    struct verification v;
     enum status st = s != NULL ? ctl_session_list(c, s)
                                : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
 
-    if (st == ST_OK && s->n > 1) {
-        st = ctl_session_read(c, s);
-        r.probe.frames = &s->session;
-    }
-    if (st == ST_OK)
-        st = ctl_verify_run(c, s->path[0], &r, &v);
+    if (st == ST_OK && (st = ctl_session_read(c, s)) == ST_OK)
+        st = ctl_verify_run(c, &s->session, &r);
     if (s != NULL)
         ctl_session_free(s);
     free(s);
@@ -91,15 +83,21 @@ static enum status ctl_verify_verify(struct ctl *c)
 static enum status ctl_run_verify_compare(struct ctl *c)
 {
     struct surface_face *face = NULL;
-    struct verify_scan a = {
-        .name = c->args[0], .frontal = c->scans.frontal, .face = &face};
-    struct verify_request r = {.other = &a};
-    struct verification v;
-    enum status st = ctl_face_parse(c, c->args[0], &a.points);
+    struct session *s = calloc(2, sizeof *s);
+    struct verify_request r = {.other = s, .other_face = &face};
+    enum status st = s != NULL ? ST_OK : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
 
+    for (int i = 0; st == ST_OK && i < 2; i++) {
+        s[i].n = 1;
+        s[i].frame[0].name = c->args[i];
+        st = ctl_face_parse(c, c->args[i], &s[i].frame[0].points);
+    }
     if (st == ST_OK)
-        st = ctl_verify_run(c, c->args[1], &r, &v);
+        st = ctl_verify_run(c, &s[1], &r);
+    for (int i = 0; s != NULL && i < 2; i++)
+        session_free(&s[i]);
     surface_face_free(face);
+    free(s);
     return st;
 }
 

@@ -74,7 +74,7 @@ struct describe_comparison {
     const struct surface_disparity *minimal; /* NULL: no numbers are written */
     const struct surface_face *probe; /* its face; NULL: only the decision and the ids */
     const struct sample_found *scan;  /* report on the probe; NULL: left out */
-    const struct session *frames;     /* frames of the probe; NULL: it was not fused */
+    const struct session *frames;     /* frames of the probe; NULL: it was one file */
     /* Report on the scan in the template's place, and its face; NULL: it is a template. */
     const struct sample_found *other;
     const struct surface_face *other_face;

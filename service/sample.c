@@ -234,32 +234,37 @@ struct sample_found sample_begin(const struct cloudpoints *c)
                                  .scan = {0}};
 }
 
-static int nobody_waits(const void *stop)
+static int is_stopped(const void *stop)
 {
     const atomic_bool *is = stop;
 
     return is != NULL && atomic_load_explicit(is, memory_order_relaxed);
 }
 
+enum status sample_not_stopped(const atomic_bool *stop, struct errinfo *e)
+{
+    return is_stopped(stop) ? errinfo_set(e, ST_EBUSY, "the client has disconnected")
+                            : ST_OK;
+}
+
 struct surface_stop sample_stop(const struct sample_options *o)
 {
-    return (struct surface_stop){nobody_waits, o->stop};
+    return (struct surface_stop){is_stopped, o->stop};
 }
 
 struct surface_cloud sample_cloud(const struct cloudpoints *c,
                                   const struct sample_options *o,
                                   const struct surface_stop *stop)
 {
-    const bool frontal = c->axes_given || o->frontal;
-
     return (struct surface_cloud){
         .points = (const double(*)[3])c->at,
         .normals = (const double(*)[3])c->normal,
         .n = c->n,
         .width = c->width,
         .height = c->height,
-        .unit_mm = frontal && c->unit_mm == 0 ? c->usual_mm : c->unit_mm,
-        .flags = (frontal ? SURFACE_FRONTAL : 0U) | (c->pinhole ? SURFACE_PINHOLE : 0U) |
+        .unit_mm = c->axes_given && c->unit_mm == 0 ? c->usual_mm : c->unit_mm,
+        .flags = (c->axes_given ? SURFACE_FRONTAL : 0U) |
+                 (c->pinhole ? SURFACE_PINHOLE : 0U) |
                  (o->enrolment ? SURFACE_ENROLMENT : 0U),
         .place = c->index,
         .stop = stop};

@@ -12,8 +12,6 @@ struct cloudpoints; /* cloudpoints.h */
 struct errinfo;     /* errinfo.h */
 
 struct sample_options {
-    bool
-        frontal; /* the axes are as SURFACE_FRONTAL has them; the file may state it too */
     bool enrolment;          /* the strict gate applies */
     const atomic_bool *stop; /* cancellation flag, set by another thread; may be NULL */
 };
@@ -40,6 +38,9 @@ enum status sample_build(const char *name, struct cloudpoints *c,
 
 /* sample_begin(c): Returns the report on c before the build: format and numbers of points. */
 struct sample_found sample_begin(const struct cloudpoints *c);
+
+/* sample_not_stopped(stop, e): Returns ST_OK; ST_EBUSY: *stop is set.  NULL: it never is. */
+enum status sample_not_stopped(const atomic_bool *stop, struct errinfo *e);
 
 /* sample_stop(o): Returns the cancellation flag of o, for the library. */
 struct surface_stop sample_stop(const struct sample_options *o);

@@ -1,13 +1,108 @@
 #include "session.h"
 
 #include <math.h>
+#include <string.h>
 
+#include "dry_run.h"
 #include "json.h"
+#include "mem.h"
 
 static const char *name_of(const struct session *s, size_t i)
 {
     return s->frame[i].name[0] != '\0' ? s->frame[i].name : "a frame";
 }
+
+/* ---- reading */
+
+/* What the files may still have together. */
+static enum status read_bytes(struct cloudfile_options *left, struct session_frame *f,
+                              unsigned char *bytes, size_t len, struct errinfo *e)
+{
+    const unsigned char behind = bytes[len]; /* of a form: the byte after the file */
+    enum status st;
+
+    bytes[len] = 0;
+    left->format = f->format;
+    st = cloudfile_read(bytes, len, left, &f->points, e);
+    bytes[len] = behind;
+    left->max_points -= f->points.read;
+    return st;
+}
+
+static enum status read_compressed(struct cloudfile_options *left,
+                                   struct session_frame *f, enum inflate_coding coding,
+                                   struct errinfo *e)
+{
+    unsigned char *bytes;
+    size_t len;
+    enum status st =
+        inflate_body(coding, f->bytes, f->len, left->max_bytes, &bytes, &len, e);
+
+    left->max_bytes -= len;
+    if (st == ST_OK)
+        st = read_bytes(left, f, bytes, len, e);
+    mem_free(bytes);
+    return st;
+}
+
+/* One of a list of files.  A gzip file is unpacked here, so that the limit counts its size. */
+static enum status read_file(struct cloudfile_options *left, struct session_frame *f,
+                             struct errinfo *e)
+{
+    static const unsigned char gzip[2] = {0x1f, 0x8b};
+
+    if (f->coding == INFLATE_OTHER)
+        return errinfo_set(e, ST_EINVAL,
+                           "Content-Encoding may be gzip or zstd, one of them and once");
+    if (f->len == 0)
+        return errinfo_set(e, ST_EINVAL, "the file is empty");
+    if (f->coding != INFLATE_NONE)
+        return read_compressed(left, f, f->coding, e);
+    if (f->len > 2 && memcmp(f->bytes, gzip, 2) == 0)
+        return read_compressed(left, f, INFLATE_GZIP, e);
+    return read_bytes(left, f, f->bytes, f->len, e);
+}
+
+static enum status read_frame(struct session *s, struct cloudfile_options *left, size_t i,
+                              struct errinfo *e)
+{
+    struct session_frame *f = &s->frame[i];
+    enum status st =
+        s->files ? read_file(left, f, e) : read_bytes(left, f, f->bytes, f->len, e);
+
+    f->bytes = NULL;
+    f->points.axes_given = f->points.axes_given || s->axes_given;
+    if (st == ST_EVERSION) /* another format, or a variant of one */
+        st = e->code = ST_EINVAL;
+    if (st == ST_OK || !s->files)
+        return st;
+    if (st == ST_ELIMIT)
+        return errinfo_set(e, st, "the files together have more than %zu points",
+                           s->how.max_points);
+    if (st == ST_ESIZE)
+        return errinfo_set(e, st,
+                           "the limit is %zu bytes of all files together when unpacked",
+                           s->how.max_bytes);
+    if (st != ST_EINVAL && !dry_run_is_refusal(st))
+        return st;
+    (void)errinfo_set(&f->why, st, "%.80s: %s", name_of(s, i), e->msg);
+    return ST_OK;
+}
+
+enum status session_read(struct session *s, const atomic_bool *stop, struct errinfo *e)
+{
+    struct cloudfile_options left = s->how;
+    enum status st = sample_not_stopped(stop, e);
+
+    for (size_t i = 0; st == ST_OK && i < s->n; i++)
+        if (s->frame[i].bytes != NULL && (st = read_frame(s, &left, i, e)) == ST_OK)
+            st = sample_not_stopped(stop, e);
+    mem_free(s->body); /* not needed any more, and may be large */
+    s->body = NULL;
+    return st;
+}
+
+/* ---- building */
 
 /* Why a frame that has a face is left out. */
 static void tell_apart(struct session *s, size_t i, const struct surface_frame *f)
@@ -63,9 +158,8 @@ static void put_read(struct session *s)
             digest_read_add(s->read, s->digest[i]);
 }
 
-/* What is said of them all: of the first frame with that status, if there is one. */
-static enum status conclude(const struct session *s, enum status st,
-                            const struct sample_found *found, struct errinfo *e)
+/* Sets *e: what the first frame with this status says, if there is one. */
+static enum status conclude(const struct session *s, enum status st, struct errinfo *e)
 {
     if (st == ST_OK)
         return st;
@@ -76,7 +170,7 @@ static enum status conclude(const struct session *s, enum status st,
         }
     for (size_t i = 0; i < s->n; i++)
         if (s->frame[i].why.code == ST_OK) {
-            sample_refuse("the fused frames", st, found, e);
+            sample_refuse("the fused frames", st, &s->found, e);
             return st;
         }
     for (size_t i = 0; i < s->n; i++)
@@ -86,9 +180,10 @@ static enum status conclude(const struct session *s, enum status st,
     return e->code = st;
 }
 
-enum status session_build(struct session *s, const struct sample_options *o,
-                          struct surface_work *w, struct surface_face **out,
-                          struct sample_found *found, struct errinfo *e)
+/* The faces of all frames, as one. */
+static enum status fuse(struct session *s, const struct sample_options *o,
+                        struct surface_work *w, struct surface_face **out,
+                        struct errinfo *e)
 {
     const struct surface_stop stop = sample_stop(o);
     struct surface_cloud cloud[SURFACE_FRAMES_MAX];
@@ -98,7 +193,6 @@ enum status session_build(struct session *s, const struct sample_options *o,
     uint32_t n = 0, base = 0;
     enum status st;
 
-    s->ndigest = 0;
     for (size_t i = 0; i < s->n; i++) {
         struct session_frame *f = &s->frame[i];
 
@@ -111,17 +205,42 @@ enum status session_build(struct session *s, const struct sample_options *o,
         number[n++] = i;
     }
     if (n == 0)
-        return conclude(s, s->frame[0].why.code, found, e);
+        return conclude(s, s->frame[0].why.code, e);
     st = status_from(surface_fuse(w, n, cloud, frame, &base, out, &fused));
     s->base = number[base];
     session_report(s, frame, number, n);
     put_read(s);
-    *found = s->frame[s->base].found;
-    fused.unit_found = found->scan.unit_found;
-    found->scan = fused;
+    s->found = s->frame[s->base].found;
+    fused.unit_found = s->found.scan.unit_found;
+    s->found.scan = fused;
     if (st == ST_ENOMEM || st == ST_EBUSY)
         return errinfo_set(e, st, "fusing the frames: %s", status_message(st));
-    return conclude(s, st, found, e);
+    return conclude(s, st, e);
+}
+
+enum status session_build(struct session *s, const struct sample_options *o,
+                          struct surface_work *w, struct surface_face **out,
+                          struct errinfo *e)
+{
+    struct session_frame *f = &s->frame[0];
+    enum status st = sample_not_stopped(o->stop, e);
+
+    if (st != ST_OK || s->n > 1)
+        return st == ST_OK ? fuse(s, o, w, out, e) : st;
+    if (f->why.code == ST_OK) {
+        f->why.code =
+            sample_build(name_of(s, 0), &f->points, o, w, out, &f->found, &f->why);
+        s->digest[s->ndigest++] = f->found.digest;
+        put_read(s);
+    }
+    s->found = f->found;
+    *e = f->why;
+    return e->code;
+}
+
+const struct cloudpoints *session_points(const struct session *s)
+{
+    return &s->frame[s->base].points;
 }
 
 void session_describe(struct json *j, const struct session *s)
@@ -150,5 +269,7 @@ void session_free(struct session *s)
 {
     for (size_t i = 0; i < s->n; i++)
         cloudpoints_free(&s->frame[i].points);
+    mem_free(s->body);
+    s->body = NULL;
     s->n = 0;
 }

@@ -16,13 +16,6 @@ static double now(const struct templates_context *c)
     return c->clock_ms != NULL ? c->clock_ms() : 0;
 }
 
-static enum status not_stopped(const struct verify_request *r, struct errinfo *e)
-{
-    return r->stop != NULL && atomic_load_explicit(r->stop, memory_order_relaxed)
-               ? errinfo_set(e, ST_EBUSY, "the client has disconnected")
-               : ST_OK;
-}
-
 static enum status read_templates(struct templates_context *c, struct verification *v,
                                   struct errinfo *e)
 {
@@ -34,66 +27,33 @@ static enum status read_templates(struct templates_context *c, struct verificati
                : st;
 }
 
-static enum status verify_read_points(struct templates_context *c, struct verification *v,
-                                      struct verify_scan *s, struct errinfo *e)
-{
-    const double start = now(c);
-    enum status st = not_stopped(v->request, e);
-
-    if (st == ST_OK && s->bytes != NULL) {
-        st = cloudfile_read(s->bytes, s->len, &s->how, &s->points, e);
-        if (st == ST_EVERSION) /* another format, or a variant of one */
-            st = e->code = ST_EINVAL;
-    }
-    mem_free(s->bytes); /* not needed any more, and may be large */
-    s->bytes = NULL;
-    if (st == ST_OK)
-        v->times.parse += now(c) - start;
-    return st;
-}
-
-/* The fused face; its points become those of s. */
-static enum status fuse(struct templates_context *c, struct verify_scan *s,
-                        const struct sample_options *o, struct errinfo *e)
-{
-    const enum status st = session_build(s->frames, o, c->work, s->face, &s->found, e);
-    struct cloudpoints *base = &s->frames->frame[s->frames->base].points;
-
-    if (st == ST_OK) {
-        s->points = *base;
-        *base = (struct cloudpoints){0};
-    }
-    return st;
-}
-
+/* The face of a scan. */
 static enum status build_face(struct templates_context *c, struct verification *v,
-                              struct verify_scan *s, struct errinfo *e)
+                              struct session *s, struct surface_face **face,
+                              struct errinfo *e)
 {
-    const struct sample_options o = {.frontal = s->frontal, .stop = v->request->stop};
+    const struct sample_options o = {.stop = v->request->stop};
     const double start = now(c);
-    enum status st = not_stopped(v->request, e);
+    enum status st = session_read(s, o.stop, e);
+    const double parsed = now(c);
 
-    s->points.axes_given = s->points.axes_given || s->axes_given;
-    if (st == ST_OK && s->frames != NULL)
-        st = fuse(c, s, &o, e);
-    else if (st == ST_OK)
-        st = sample_build(s->name, &s->points, &o, c->work, s->face, &s->found, e);
-    v->times.prepare += now(c) - start;
+    if (st != ST_OK)
+        return st;
+    v->times.parse += parsed - start;
+    st = session_build(s, &o, c->work, face, e);
+    v->times.prepare += now(c) - parsed;
     return st;
 }
 
 static enum status build_other(struct templates_context *c, struct verification *v,
                                struct errinfo *e)
 {
-    struct verify_scan *other = v->request->other;
-    enum status st = verify_read_points(c, v, other, e);
+    struct surface_face **face = v->request->other_face;
+    enum status st = build_face(c, v, v->request->other, face, e);
 
-    if (st == ST_OK)
-        st = build_face(c, v, other, e);
     if (st == ST_OK && c->store != NULL)
         st = calibration_refresh(c->store, c->work, &c->calibration, e);
-    v->templates =
-        (struct templates){.context = c, .of = {.n = 1}, .face = {*other->face}};
+    v->templates = (struct templates){.context = c, .of = {.n = 1}, .face = {*face}};
     return st;
 }
 
@@ -107,28 +67,28 @@ static bool silent(const struct verification *v)
 static enum status minimal(struct verification *v, struct errinfo *e)
 {
     const struct verify_request *r = v->request;
-    const enum status st = not_stopped(r, e);
+    const enum status st = sample_not_stopped(r->stop, e);
 
     if (st != ST_OK || r->detail == VERIFY_DECISION || silent(v))
         return st;
-    return templates_minimal(&v->templates, *r->probe.face, &v->best, &v->least,
+    return templates_minimal(&v->templates, *r->face, &v->best, &v->least,
                              r->detail >= VERIFY_MEASURE ? &v->parts : NULL, e);
 }
 
 static enum status heatmap(struct verification *v, struct errinfo *e)
 {
-    const struct verify_scan *s = &v->request->probe;
+    const struct cloudpoints *c = session_points(v->request->probe);
     enum status st = ST_ENOMEM;
 
     if (v->request->detail != VERIFY_HEATMAP)
         return ST_OK;
-    if ((v->gap = mem_array(s->points.read, sizeof *v->gap)) != NULL)
+    if ((v->gap = mem_array(c->read, sizeof *v->gap)) != NULL)
         st = status_from(surface_gaps(v->templates.face[v->best.index],
-                                      (const double(*)[3])s->points.at, s->points.n,
+                                      (const double(*)[3])c->at, c->n,
                                       v->least.align_transform, v->gap));
     if (st != ST_OK)
         return errinfo_set(e, st, "no memory for the heatmap");
-    verify_spread(&s->points, v->gap);
+    verify_spread(c, v->gap);
     return ST_OK;
 }
 
@@ -136,12 +96,11 @@ static enum status heatmap(struct verification *v, struct errinfo *e)
 static enum status digest_probe(const struct verification *v, struct store_probe *out,
                                 struct errinfo *e)
 {
-    const struct verify_scan *s = &v->request->probe;
-    const struct surface_face *f = *s->face;
+    const struct session *s = v->request->probe;
+    const struct surface_face *f = *v->request->face;
 
-    *out = (struct store_probe){.read = {s->found.digest}};
-    if (s->frames != NULL)
-        memcpy(out->read, s->frames->digest, s->frames->ndigest * sizeof *out->read);
+    *out = (struct store_probe){.read = {NULL}};
+    memcpy(out->read, s->digest, s->ndigest * sizeof *out->read);
     if (surface_face_points(f, NULL) == v->templates.of.t[v->best.index].points &&
         digest_points(f, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
@@ -180,7 +139,7 @@ static enum status record(struct templates_context *c, struct verification *v,
         .score = v->best.result.score,
         .probe = decision == SURFACE_MATCH ? &probe : NULL,
         .limits = limits};
-    enum status st = not_stopped(r, e);
+    enum status st = sample_not_stopped(r->stop, e);
 
     if (st != ST_OK || r->other != NULL)
         return st;
@@ -213,11 +172,9 @@ enum status verify_run(struct templates_context *c, struct verify_request *r,
     *v = (struct verification){.request = r, .templates = {.context = c}};
     st = r->other != NULL ? build_other(c, v, e) : read_templates(c, v, e);
     if (st == ST_OK)
-        st = verify_read_points(c, v, &r->probe, e);
+        st = build_face(c, v, r->probe, r->face, e);
     if (st == ST_OK)
-        st = build_face(c, v, &r->probe, e);
-    if (st == ST_OK)
-        st = templates_nearest(&v->templates, false, *r->probe.face, &v->best, e);
+        st = templates_nearest(&v->templates, false, *r->face, &v->best, e);
     if (st == ST_OK)
         st = minimal(v, e);
     if (st == ST_OK)
@@ -234,16 +191,9 @@ enum status verify_run(struct templates_context *c, struct verify_request *r,
 
 void verify_free(struct verification *v)
 {
-    struct verify_request *r = v->request;
-
-    if (r->other != NULL) {
+    if (v->request->other != NULL)
         v->templates.of.n = 0; /* the face is its caller's */
-        mem_free(r->other->bytes);
-        cloudpoints_free(&r->other->points);
-    }
     templates_free(&v->templates);
-    mem_free(r->probe.bytes);
-    cloudpoints_free(&r->probe.points);
     mem_free(v->gap);
     v->gap = NULL;
 }
@@ -257,11 +207,11 @@ struct describe_comparison verify_describe(const struct verification *v,
     return (struct describe_comparison){
         .result = &v->best.result,
         .minimal = r->detail == VERIFY_DECISION || silent(v) ? NULL : &v->least,
-        .probe = r->detail == VERIFY_DECISION ? NULL : *r->probe.face,
-        .scan = &r->probe.found,
-        .frames = r->probe.frames,
+        .probe = r->detail == VERIFY_DECISION ? NULL : *r->face,
+        .scan = &r->probe->found,
+        .frames = r->probe->files ? r->probe : NULL,
         .other = stored ? NULL : &r->other->found,
-        .other_face = stored ? NULL : *r->other->face,
+        .other_face = stored ? NULL : *r->other_face,
         .coarse = !r->scores,
         .engine = engine,
         .subject = stored ? v->templates.of.subject.id : NULL,
@@ -270,12 +220,12 @@ struct describe_comparison verify_describe(const struct verification *v,
         .times = &v->times,
         .parts = r->detail >= VERIFY_MEASURE ? &v->parts : NULL,
         .gap_mm = v->gap,
-        .n = r->probe.points.read};
+        .n = session_points(r->probe)->read};
 }
 
 enum status verify_show(const struct verification *v, struct json *j, struct show *out)
 {
-    return show_comparison(v->templates.face[v->best.index], *v->request->probe.face,
+    return show_comparison(v->templates.face[v->best.index], *v->request->face,
                            v->least.align_transform, &v->parts, j, out);
 }
 

@@ -4,7 +4,6 @@
 #ifndef SERVICE_VERIFY_H
 #define SERVICE_VERIFY_H
 #include <stdatomic.h>
-#include "cloudfile.h"
 #include "describe.h"
 #include "sample.h"
 #include "templates.h"
@@ -20,25 +19,12 @@ enum verify_detail { /* extent of the result; each level includes the one above 
                      VERIFY_HEATMAP  /* the gap at each point, instead of the surfaces */
 };
 
-/* A scan to be compared: one of bytes, points and frames is given.  verify_run() takes ownership of bytes
- * and points, verify_free() frees them. */
-struct verify_scan {
-    const char *name;     /* name of the scan, the first word of its error texts */
-    unsigned char *bytes; /* bytes of a file by mem_array(), bytes[len] is 0; or NULL */
-    struct cloudpoints points; /* points of the scan */
-    struct session *frames;    /* frames of several files; borrowed until verify_free() */
-    size_t len;                /* number of bytes */
-    struct cloudfile_options how; /* options for reading bytes */
-    bool axes_given;              /* axes=scanner is given; the file may state it too */
-    bool frontal;                 /* as in struct sample_options */
-    struct surface_face **face;   /* receives the face; the caller owns it */
-    struct sample_found found;    /* receives the report on the scan */
-};
-
+/* Of each scan the face goes to *face or *other_face, which the caller owns. */
 struct verify_request {
-    struct templates_of of;    /* templates to compare with; unused if other is set */
-    struct verify_scan *other; /* scan instead of a template, or NULL; not recorded */
-    struct verify_scan probe;  /* scan to be verified */
+    struct templates_of of; /* templates to compare with; unused if other is set */
+    struct session *probe;  /* scan to be verified; borrowed until verify_free() */
+    struct session *other;  /* scan instead of a template, or NULL; not recorded */
+    struct surface_face **face, **other_face;
     enum verify_detail detail; /* extent of the result */
     bool
         scores; /* the actor may know the score of a scan that does not match, and that of one that
@@ -55,7 +41,7 @@ struct verification {
     /* Minimal disparity; zero for VERIFY_DECISION, and for a non-match without scores. */
     struct surface_disparity least;
     struct surface_parts parts; /* parts of the score, for VERIFY_MEASURE and higher */
-    double *gap; /* gap of each point [request->probe.points.read], NAN: none; or NULL */
+    double *gap; /* gap of each point of the probe as read, NAN: none; or NULL */
     struct store_recorded recorded; /* result of recording the attempt */
     bool decided; /* the decision is recorded; a later error is still an attempt */
     struct describe_times times; /* times of the steps; total is unset */
@@ -69,13 +55,12 @@ struct verification {
  *   ST_ENOTFOUND   there is no template
  *   ST_EREPLAYED, ST_EMIRRORED
  *   ST_EBUSY       *r->stop is set
- *   or, for the scan, as cloudfile_read() (ST_EINVAL for its ST_EVERSION) and sample_build();
+ *   or, for a scan, as session_read() and session_build();
  *   or as templates_read(), templates_nearest(), store_record_verification(). */
 enum status verify_run(struct templates_context *c, struct verify_request *r,
                        struct verification *v, struct errinfo *e);
 
-/* verify_free(v): Releases the templates of v, the gap, and the bytes and points of the scans of its
- * request.  The faces and frames stay with the caller. */
+/* verify_free(v): Releases the templates of v and the gap. */
 void verify_free(struct verification *v);
 
 /* verify_describe(v, engine): Returns the result of v, for describe_comparison().  Its pointers are borrowed

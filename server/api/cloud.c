@@ -3,186 +3,198 @@
 #include <string.h>
 
 #include "app.h"
-#include "cloudfile.h"
+#include "dry_run.h"
 #include "errinfo.h"
-#include "inflate.h"
+#include "errmap.h"
+#include "json.h"
+#include "logger.h"
 #include "mem.h"
-#include "multipart.h"
 #include "params.h"
 #include "parse.h"
 #include "request.h"
-#include "sample.h"
+#include "worker.h"
 
-bool cloud_options(struct request *r, struct cloudfile_options *o, bool *axes_given)
+/* Responds with *e, unless a response is set or the client is gone. */
+static bool succeeded(struct request *r, enum status st, const struct errinfo *e)
 {
-    *axes_given = false;
-    *o = (struct cloudfile_options){.format = r->format,
-                                    .max_points = CLOUDFILE_POINTS,
-                                    .max_bytes = r->app->max_body,
-                                    .camera = CLOUDDEPTH_NO_CAMERA};
-    return params_units(r, &o->unit_mm) && params_axes(r, axes_given) &&
-           params_camera(r, &o->camera);
-}
-
-/* After the reading: the body is not needed any more. */
-static enum status done(struct request *r, enum status st, struct errinfo *e)
-{
-    mem_free(r->body);
-    r->body = NULL;
-    r->len = 0;
-    if (st != ST_EVERSION) /* another format, or a variant of one */
-        return st;
-    return e->code = ST_EINVAL;
-}
-
-/* r->response is set already where a parameter is wrong. */
-static enum status cloud_fail(struct request *r, enum status st, const struct errinfo *e)
-{
+    if (request_gone(r))
+        return false;
     if (st != ST_OK && r->response.http == 0)
         request_fail(r, e);
-    return st;
+    return st == ST_OK;
 }
 
-enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e)
+static struct cloud *new_cloud(struct request *r)
 {
-    struct cloudfile_options o;
-    bool axes_given;
-    enum status st;
+    struct cloud *c = mem_array(1, sizeof *c);
 
-    *out = (struct cloudpoints){0};
-    if (request_gone(r) || !cloud_options(r, &o, &axes_given))
-        return ST_EINVAL;
-    st = cloudfile_read(r->body, r->len, &o, out, e);
-    out->axes_given = out->axes_given || axes_given;
-    return done(r, st, e);
+    if (c == NULL)
+        request_problem(r, ST_ENOMEM, "no memory for the files");
+    else
+        memset(c, 0, sizeof *c);
+    return c;
 }
 
-enum status cloud_read(struct request *r, struct cloudpoints *out)
+static bool cloud_options(struct request *r, struct session *s)
 {
-    struct errinfo e = {0};
-
-    return cloud_fail(r, cloud_take(r, out, &e), &e);
+    s->how = (struct cloudfile_options){.max_points = CLOUDFILE_POINTS,
+                                        .max_bytes = r->app->max_body,
+                                        .camera = CLOUDDEPTH_NO_CAMERA};
+    return params_units(r, &s->how.unit_mm) && params_axes(r, &s->axes_given) &&
+           params_camera(r, &s->how.camera);
 }
 
-/* len bytes, of which the last is followed by one that may be written. */
-static enum status read_bytes(struct cloud_reading *g, unsigned char *bytes, size_t len,
-                              struct cloudpoints *out, struct errinfo *e)
+/* The files of the form as frames. */
+static enum status list_files(const struct request *r, size_t most, struct cloud *c,
+                              struct errinfo *e)
 {
-    const unsigned char behind = bytes[len];
-    enum status st;
-
-    bytes[len] = 0;
-    st = cloudfile_read(bytes, len, &g->o, out, e);
-    bytes[len] = behind;
-    out->axes_given = out->axes_given || g->axes_given;
-    g->o.max_points -= out->read;
-    return st == ST_EVERSION ? ST_EINVAL : st; /* as of a file that is sent alone */
-}
-
-static enum status read_packed(struct cloud_reading *g, enum inflate_coding coding,
-                               const struct multipart_file *f, struct cloudpoints *out,
-                               struct errinfo *e)
-{
-    unsigned char *bytes;
-    size_t len;
+    struct session *s = &c->session;
     enum status st =
-        inflate_body(coding, f->data, f->len, g->o.max_bytes, &bytes, &len, e);
+        multipart_read(r->body, r->len, r->boundary, most, c->file, &s->n, e);
 
-    g->o.max_bytes -= len;
-    if (st == ST_OK)
-        st = read_bytes(g, bytes, len, out, e);
-    mem_free(bytes);
-    return st;
-}
+    s->files = true;
+    for (size_t i = 0; i < s->n; i++) {
+        const struct multipart_file *f = &c->file[i];
+        struct session_frame *to = &s->frame[i];
 
-static enum status read_file(struct cloud_reading *g, const struct multipart_file *f,
-                             struct cloudpoints *out, struct errinfo *e)
-{
-    static const unsigned char gzip[2] = {0x1f, 0x8b};
-    enum inflate_coding coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
-
-    if (coding == INFLATE_OTHER)
-        return errinfo_set(e, ST_EINVAL,
-                           "Content-Encoding may be gzip or zstd, one of them and once");
-    if (f->len == 0)
-        return errinfo_set(e, ST_EINVAL, "the file is empty");
-    if (coding == INFLATE_NONE && f->len > 2 && memcmp(f->data, gzip, 2) == 0)
-        coding = INFLATE_GZIP;
-    (void)request_media(f->type, &g->o.format);
-    if (coding != INFLATE_NONE)
-        return read_packed(g, coding, f, out, e);
-    return read_bytes(g, g->r->body + (f->data - g->r->body), f->len, out, e);
-}
-
-enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file *f,
-                            struct cloudpoints *out, struct errinfo *e)
-{
-    const enum status st = read_file(g, f, out, e);
-
-    if (st == ST_ELIMIT)
-        return errinfo_set(e, st, "the files together have more than %d points",
-                           CLOUDFILE_POINTS);
-    if (st == ST_ESIZE)
-        return errinfo_set(e, st,
-                           "the limit is %zu bytes of all files together when unpacked",
-                           g->r->app->max_body);
-    return st;
-}
-
-static enum status read_pair(struct cloud_reading *g, struct cloudpoints *a,
-                             struct cloudpoints *b, struct errinfo *e)
-{
-    struct multipart_file f[2];
-    size_t n;
-    enum status st = multipart_read(g->r->body, g->r->len, g->r->boundary, 2, f, &n, e);
-    const bool swapped = st == ST_OK && n == 2 && strcmp(f[0].field, "b") == 0;
-
-    if (st == ST_OK && (n != 2 || strcmp(f[swapped].field, "a") != 0 ||
-                        strcmp(f[!swapped].field, "b") != 0))
-        st = errinfo_set(e, ST_EINVAL, "the form must have two files, named a and b");
-    for (int i = 0; st == ST_OK && i < 2; i++) {
-        st = cloud_read_file(g, &f[i ^ (int)swapped], i == 0 ? a : b, e);
-        if (st != ST_OK) {
-            const struct errinfo why = *e;
-
-            st = errinfo_set(e, st, "%s: %s", i == 0 ? "a" : "b", why.msg);
-        }
-    }
-    if (st != ST_OK) {
-        cloudpoints_free(a);
-        cloudpoints_free(b);
+        to->name = f->name;
+        to->bytes = r->body + (f->data - r->body);
+        to->len = f->len;
+        to->coding = inflate_coding(f->coding[0] != '\0' ? f->coding : NULL);
+        (void)request_media(f->type, &to->format);
     }
     return st;
 }
 
-enum status cloud_read_two(struct request *r, struct cloudpoints *a,
-                           struct cloudpoints *b)
+struct cloud *cloud_open(struct request *r, size_t most)
 {
-    struct cloud_reading g = {.r = r};
+    struct cloud *c = new_cloud(r);
     struct errinfo e = {0};
-    enum status st;
+    bool fine = c != NULL && cloud_options(r, &c->session);
 
-    *a = *b = (struct cloudpoints){0};
-    if (request_gone(r) || !cloud_options(r, &g.o, &g.axes_given))
-        return ST_EINVAL;
-    st = r->media == REQUEST_FORM
-             ? read_pair(&g, a, b, &e)
-             : parse_clouds((const char *)r->body, r->len, &g.o, a, b, &e);
-    a->axes_given = a->axes_given || g.axes_given;
-    b->axes_given = b->axes_given || g.axes_given;
-    return cloud_fail(r, done(r, st, &e), &e);
+    if (fine && r->media == REQUEST_FORM) {
+        fine = succeeded(r, list_files(r, most, c, &e), &e);
+    } else if (fine) {
+        c->session.n = 1;
+        c->session.frame[0] = (struct session_frame){
+            .name = "points", .bytes = r->body, .len = r->len, .format = r->format};
+    }
+    if (!fine) {
+        cloud_free(c);
+        return NULL;
+    }
+    c->session.body = r->body;
+    r->body = NULL;
+    r->len = 0;
+    return c;
 }
 
-enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
-                        bool enrolment, struct surface_work *w, struct surface_face **out,
-                        struct sample_found *found)
+bool cloud_read(struct request *r, struct cloud *c)
+{
+    const double start = logger_clock_ms();
+    struct errinfo e = {0};
+    const enum status st = session_read(&c->session, &r->gone, &e);
+
+    if (st == ST_OK)
+        request_stage(r, REQUEST_PARSE, logger_clock_ms() - start);
+    return succeeded(r, st, &e);
+}
+
+bool cloud_build(struct request *r, struct cloud *c, bool enrolment, struct worker *w)
 {
     const struct sample_options o = {.enrolment = enrolment, .stop = &r->gone};
+    const double start = logger_clock_ms();
     struct errinfo e = {0};
-    enum status st;
+    const enum status st = session_build(&c->session, &o, w->compare.work, &w->probe, &e);
 
-    if (request_gone(r))
-        return ST_EBUSY;
-    st = sample_build(name, c, &o, w, out, found, &e);
-    return request_gone(r) ? ST_EBUSY : cloud_fail(r, st, &e);
+    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - start);
+    if (st != ST_OK && !request_gone(r))
+        cloud_refuse(r, c, &e);
+    return st == ST_OK && !request_gone(r);
+}
+
+/* ---- two scans */
+
+/* The files a and b of a form, in this order. */
+static bool read_pair(struct request *r, struct cloud *c, struct session_frame pair[2])
+{
+    struct session_frame *f = c->session.frame;
+    const bool swapped = c->session.n == 2 && strcmp(c->file[0].field, "b") == 0;
+
+    if (c->session.n != 2 || strcmp(c->file[swapped].field, "a") != 0 ||
+        strcmp(c->file[!swapped].field, "b") != 0) {
+        request_problem(r, ST_EINVAL, "the form must have two files, named a and b");
+        return false;
+    }
+    f[swapped].name = "a";
+    f[!swapped].name = "b";
+    if (!cloud_read(r, c))
+        return false;
+    pair[0] = f[swapped];
+    pair[1] = f[!swapped];
+    c->session.n = 0; /* the points are the pair's */
+    return succeeded(r, pair[0].why.code, &pair[0].why) &&
+           succeeded(r, pair[1].why.code, &pair[1].why);
+}
+
+/* The members a and b of a JSON document. */
+static bool parse_pair(struct request *r, struct cloud *c, struct session_frame pair[2])
+{
+    struct session *s = &c->session;
+    struct cloudpoints *a = &pair[0].points, *b = &pair[1].points;
+    const double start = logger_clock_ms();
+    struct errinfo e = {0};
+    const enum status st =
+        parse_clouds((const char *)s->frame[0].bytes, s->frame[0].len, &s->how, a, b, &e);
+
+    if (st == ST_OK)
+        request_stage(r, REQUEST_PARSE, logger_clock_ms() - start);
+    a->axes_given = a->axes_given || s->axes_given;
+    b->axes_given = b->axes_given || s->axes_given;
+    return succeeded(r, st, &e);
+}
+
+bool cloud_open_two(struct request *r, struct cloud **a, struct cloud **b)
+{
+    static const char *const name[2] = {"a.points", "b.points"};
+    const bool form = r->media == REQUEST_FORM;
+    struct session_frame pair[2] = {{.name = NULL}};
+    struct cloud **out[2] = {a, b};
+    struct cloud *c = cloud_open(r, 2);
+    bool fine = c != NULL && (form ? read_pair(r, c, pair) : parse_pair(r, c, pair));
+
+    cloud_free(c);
+    for (int i = 0; i < 2; i++) {
+        fine = (*out[i] = fine ? new_cloud(r) : NULL) != NULL;
+        if (!fine) {
+            cloudpoints_free(&pair[i].points);
+            continue;
+        }
+        pair[i].name = name[i];
+        (*out[i])->session.frame[0] = pair[i];
+        (*out[i])->session.n = 1;
+    }
+    return fine;
+}
+
+/* ---- */
+
+void cloud_refuse(struct request *r, const struct cloud *c, const struct errinfo *e)
+{
+    struct json *j;
+
+    if (!c->session.files) {
+        request_fail(r, e);
+        return;
+    }
+    j = errmap_problem(errmap_get(e->code), e->msg, r->id);
+    session_describe(j, &c->session);
+    request_refuse(r, e->code, json_compact(j));
+}
+
+void cloud_free(struct cloud *c)
+{
+    if (c != NULL)
+        session_free(&c->session);
+    mem_free(c);
 }

@@ -1,51 +1,47 @@
-/* cloud.h -- from the body of a request to a face model. */
+/* cloud.h -- the scans that the body of a request has: one file, or the files of a form (multipart.h), as a
+ * session (session.h). */
 #ifndef SERVER_CLOUD_H
 #define SERVER_CLOUD_H
 #include <stdbool.h>
-#include "cloudfile.h"
-#include "cloudpoints.h"
+#include <stddef.h>
+#include "multipart.h"
+#include "session.h"
 #include "status.h"
 
-struct errinfo;
-struct surface_face;
-struct surface_work;
-struct multipart_file; /* multipart.h */
-struct request;
-struct sample_found; /* sample.h */
+struct errinfo; /* errinfo.h */
+struct request; /* request.h */
+struct worker;  /* worker.h */
 
-/* cloud_options(r, o, axes_given): how r's clouds are to be read, by its parameters and limits;
- * axes_given: axes=scanner.  False: r->response says what is wrong with them. */
-bool cloud_options(struct request *r, struct cloudfile_options *o, bool *axes_given);
-
-/* cloud_read(r, out): the body as JSON or as a scanner's file; a unit of the file's own wins
- * over ?units=, and axes over ?axes=auto.  The body is released.
- * out: by cloudpoints_free().  Returns ST_OK, or another status with r->response set. */
-enum status cloud_read(struct request *r, struct cloudpoints *out);
-
-/* cloud_take(r, out, e): the same, but r->response is set only for a parameter; *e has
- * everything else. */
-enum status cloud_take(struct request *r, struct cloudpoints *out, struct errinfo *e);
-
-/* cloud_read_file(g, f, out, e): a file of r's form, packed or not; of what the files may have
- * together, g->o has what is left: begin with cloud_options().  Also ST_ELIMIT, ST_ESIZE. */
-struct cloud_reading {
-    struct request *r;
-    struct cloudfile_options o; /* max_points, max_bytes: what is left of them */
-    bool axes_given;
+struct cloud {
+    struct multipart_file file[MULTIPART_FILES_MAX]; /* headers of the parts of a form */
+    struct session session;
 };
-enum status cloud_read_file(struct cloud_reading *g, const struct multipart_file *f,
-                            struct cloudpoints *out, struct errinfo *e);
 
-/* cloud_read_two(r, a, b): the body {"a": cloud, "b": cloud}, or a form with the files a and b,
- * the same. */
-enum status cloud_read_two(struct request *r, struct cloudpoints *a,
-                           struct cloudpoints *b);
+/* cloud_open(r, most): Takes ownership of the body of r, and lists its files.  The query parameters of r say
+ * how to read them.  The limits on a body and on the points of a scan hold for all files together.
+ *   most  largest number of files, at most MULTIPART_FILES_MAX
+ * Returns a new object, to be released by cloud_free(); NULL: r->response is set. */
+struct cloud *cloud_open(struct request *r, size_t most);
 
-/* cloud_build(r, c, name, enrolment, w, out, found): the model; c then has the points used, in mm
- * (sample.h).  name is "points", "a.points" or "b.points".
- * Returns ST_OK, or another status with r->response set. */
-enum status cloud_build(struct request *r, struct cloudpoints *c, const char *name,
-                        bool enrolment, struct surface_work *w, struct surface_face **out,
-                        struct sample_found *found);
+/* cloud_open_two(r, a, b): Reads the body {"a": cloud, "b": cloud}, or a form with the files a and b.
+ *   a, b  new objects, to be released by cloud_free(), also after a failure; NULL: out of memory
+ * Returns false: r->response is set, or the client has disconnected. */
+bool cloud_open_two(struct request *r, struct cloud **a, struct cloud **b);
+
+/* cloud_read(r, c): Reads the points by session_read(), and measures the time.
+ * Returns false: r->response is set, or the client has disconnected. */
+bool cloud_read(struct request *r, struct cloud *c);
+
+/* cloud_build(r, c, enrolment, w): Builds the face w->probe by session_build(), and measures the time.
+ *   enrolment  as in struct sample_options
+ * Returns false: r->response is set, or the client has disconnected. */
+bool cloud_build(struct request *r, struct cloud *c, bool enrolment, struct worker *w);
+
+/* cloud_refuse(r, c, e): Responds with the problem of e, which concerns the scan; for a form with the list of
+ * its files. */
+void cloud_refuse(struct request *r, const struct cloud *c, const struct errinfo *e);
+
+/* cloud_free(c): Frees c with its points, wiped; NULL is allowed. */
+void cloud_free(struct cloud *c);
 
 #endif

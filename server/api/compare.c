@@ -9,7 +9,6 @@
 #include "cloud.h"
 #include "dry_run.h"
 #include "errmap.h"
-#include "form.h"
 #include "json.h"
 #include "access.h"
 #include "logger.h"
@@ -154,84 +153,67 @@ static void note(struct request *r, const struct verification *v)
     memcpy(r->subject, v->templates.of.subject.id, sizeof r->subject);
 }
 
-/* A refusal of the frames of a form tells what became of each. */
 static void compare_refuse_verification(struct request *r, const struct verification *v,
-                                        const struct form *form, const struct errinfo *e)
+                                        const struct cloud *probe,
+                                        const struct errinfo *e)
 {
     const bool scan =
         dry_run_is_refusal(e->code) || e->code == ST_EPEOPLE || e->code == ST_EINVAL;
 
-    if (form != NULL && scan && v->best.compared == 0)
-        form_refuse(r, form, e);
+    if (scan && v->best.compared == 0)
+        cloud_refuse(r, probe, e);
     else
         compare_refuse(r, &v->refusal, e);
 }
 
-/* form: with the probe; NULL: it is of one file. */
 static void compare_run(struct request *r, struct worker *w, struct verify_request *ask,
-                        const struct form *form, double parse_ms)
+                        struct cloud *probe, struct cloud *other)
 {
     struct verification v;
     struct errinfo e = {0};
     enum status st;
 
+    ask->probe = &probe->session;
+    ask->face = &w->probe;
+    ask->other = other != NULL ? &other->session : NULL;
+    ask->other_face = &w->other;
     ask->captured = r->capture.captured;
     ask->stop = &r->gone;
     ask->scores = auth_scores(r);
-    ask->probe.face = &w->probe;
     st = verify_run(&w->compare, ask, &v, &e);
-    v.times.parse += parse_ms;
     count_stages(r, &v);
     worker_passed_over(&v.templates);
     compare_warn(r, v.recorded.warnings);
-    if (v.decided || (st == ST_OK && ask->other != NULL))
+    if (v.decided || (st == ST_OK && other != NULL))
         metrics_decision(r->app->metrics, v.best.result.decision);
     if (v.decided)
         note(r, &v);
-    if (st == ST_OK && ask->other != NULL)
+    if (st == ST_OK && other != NULL)
         record_comparison(r, v.best.result.decision);
     if (st == ST_OK)
         compare_respond(r, w, &v);
     else if (!request_gone(r))
-        compare_refuse_verification(r, &v, form, &e);
+        compare_refuse_verification(r, &v, probe, &e);
     verify_free(&v);
 }
 
-/* The frames of a form are one probe, and one attempt. */
-static void verify_form(struct request *r, struct worker *w, struct verify_request *ask)
-{
-    struct form *f = form_read(r, MULTIPART_FRAMES_MAX);
-
-    if (f == NULL)
-        return;
-    ask->probe.frames = &f->session;
-    compare_run(r, w, ask, f, f->parse_ms);
-    form_free(f);
-}
-
-/* One of subject and template_id is NULL. */
+/* One of subject and template_id is NULL.  The frames of a form are one probe, and one attempt. */
 static void compare_verify(struct request *r, struct worker *w, const char *subject,
                            const char *template_id)
 {
     struct verify_request ask = {.of = {.subject = subject,
                                         .template_id = template_id,
                                         .token = r->actor,
-                                        .limits = &r->app->limits},
-                                 .probe = {.name = "points"}};
+                                        .limits = &r->app->limits}};
+    struct cloud *probe;
 
     r->result.kind = "verify";
     if (!params_detail(r, STORE_SCOPE_DETAIL, &ask.detail) ||
-        !cloud_options(r, &ask.probe.how, &ask.probe.axes_given) || !capture_admit(r))
+        (probe = cloud_open(r, MULTIPART_FRAMES_MAX)) == NULL)
         return;
-    if (r->media == REQUEST_FORM) {
-        verify_form(r, w, &ask);
-        return;
-    }
-    ask.probe.bytes = r->body;
-    ask.probe.len = r->len;
-    r->body = NULL;
-    r->len = 0;
-    compare_run(r, w, &ask, NULL, 0);
+    if (capture_admit(r))
+        compare_run(r, w, &ask, probe, NULL);
+    cloud_free(probe);
 }
 
 void compare_subject(struct request *r, struct worker *w)
@@ -246,13 +228,13 @@ void compare_template(struct request *r, struct worker *w)
 
 void compare_scans(struct request *r, struct worker *w)
 {
-    struct verify_scan a = {.name = "a.points", .face = &w->other};
-    struct verify_request ask = {.other = &a, .probe = {.name = "b.points"}};
-    double start;
+    struct verify_request ask = {0};
+    struct cloud *a, *b;
 
     if (!params_detail(r, STORE_SCOPE_VERIFY, &ask.detail) || !capture_admit(r))
         return;
-    start = logger_clock_ms();
-    if (cloud_read_two(r, &a.points, &ask.probe.points) == ST_OK)
-        compare_run(r, w, &ask, NULL, logger_clock_ms() - start);
+    if (cloud_open_two(r, &a, &b))
+        compare_run(r, w, &ask, b, a);
+    cloud_free(a);
+    cloud_free(b);
 }

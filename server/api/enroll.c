@@ -5,18 +5,18 @@
 
 #include "app.h"
 #include "auth.h"
-#include "burst.h"
 #include "capture.h"
 #include "cloud.h"
 #include "compare.h"
+#include "dry_run.h"
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
-#include "form.h"
 #include "intake.h"
 #include "json.h"
 #include "describe.h"
 #include "logger.h"
+#include "mem.h"
 #include "metrics.h"
 #include "params.h"
 #include "request.h"
@@ -110,30 +110,31 @@ static bool read_parameters(struct request *r, struct asked *ask)
         return false;
     }
     return params_flag(r, "force", &ask->force) && params_flag(r, "fuse", &ask->fuse) &&
-           (!ask->force || auth_may(r, STORE_SCOPE_MANAGE)) && capture_admit(r);
+           (!ask->force || auth_may(r, STORE_SCOPE_MANAGE));
 }
 
 /* ---- one template */
 
-/* Of one face, from one file or from the frames of a form; NULL: from one file. */
-static void enroll_face(struct request *r, struct worker *w, struct asked *ask,
-                        const struct sample_found *found, const struct session *frames)
+static void enroll_one(struct request *r, struct worker *w, struct asked *ask,
+                       struct cloud *c)
 {
+    const struct session *s = &c->session;
+    struct store_sample sample = {.read = s->read};
     struct enrolment_result x = {.created = false};
     struct enrolment_outcome out;
     struct json *j;
 
-    const char *read = frames != NULL ? frames->read : found->digest;
-
-    if (!enroll(r, w, ask, &(struct store_sample){.face = w->probe, .read = read}, 1, &x,
-                &out))
+    if (!cloud_build(r, c, true, w))
+        return;
+    sample.face = w->probe;
+    if (!enroll(r, w, ask, &sample, 1, &x, &out))
         return;
     r->result.outcome = x.created ? "enrolled" : "known";
     j = json_new();
     describe_template(j, &x.tmpl, w->probe, auth_scores(r));
-    describe_scan(j, "scan", found);
-    if (frames != NULL) {
-        session_describe(j, frames);
+    describe_scan(j, "scan", &s->found);
+    if (s->files) {
+        session_describe(j, s);
         request_respond(r, x.created ? 201 : 200, json_compact(j));
     } else {
         request_written(r, x.created ? 201 : 200, json_compact(j));
@@ -142,78 +143,127 @@ static void enroll_face(struct request *r, struct worker *w, struct asked *ask,
         request_template(r, x.tmpl.id);
 }
 
-static void enroll_one(struct request *r, struct worker *w, struct asked *ask)
-{
-    struct sample_found found;
-    struct cloudpoints c;
-    double start = logger_clock_ms(), parsed;
-    enum status st;
-
-    if (cloud_read(r, &c) != ST_OK)
-        return;
-    parsed = logger_clock_ms();
-    request_stage(r, REQUEST_PARSE, parsed - start);
-    st = cloud_build(r, &c, "points", true, w->compare.work, &w->probe, &found);
-    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - parsed);
-    cloudpoints_free(&c);
-    if (st == ST_OK)
-        enroll_face(r, w, ask, &found, NULL);
-}
-
-static void enroll_fused(struct request *r, struct worker *w, struct asked *ask)
-{
-    const struct sample_options o = {.enrolment = true, .stop = &r->gone};
-    struct form *f = form_read(r, MULTIPART_FILES_MAX);
-    const double start = logger_clock_ms();
-    struct sample_found found;
-    struct errinfo e = {0};
-    enum status st;
-
-    if (f == NULL)
-        return;
-    request_stage(r, REQUEST_PARSE, f->parse_ms);
-    st = session_build(&f->session, &o, w->compare.work, &w->probe, &found, &e);
-    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - start);
-    if (st == ST_OK)
-        enroll_face(r, w, ask, &found, &f->session);
-    else if (!request_gone(r))
-        form_refuse(r, f, &e);
-    form_free(f);
-}
-
 /* ---- a template of each file */
 
-static void enroll_each(struct request *r, struct worker *w, struct asked *ask)
-{
-    struct burst *b = burst_read(r, w->compare.work);
-    struct enrolment_outcome out;
+_Static_assert((int)MULTIPART_FILES_MAX == (int)ENROLMENT_SAMPLES, "the same limit");
 
-    if (b == NULL)
-        return;
-    r->result.outcome = "enrolled";
-    if (enroll(r, w, ask, b->sample, b->n, b->each, &out))
-        burst_respond(r, b);
-    else if (out.none)
-        burst_refuse(r, b);
-    burst_free(b);
+struct burst {
+    struct surface_face *face[ENROLMENT_SAMPLES];
+    struct store_sample sample[ENROLMENT_SAMPLES]; /* of a refused file no face */
+    struct enrolment_result each[ENROLMENT_SAMPLES];
+};
+
+/* False: r->response says what is wrong beside single files. */
+static bool build_each(struct request *r, struct worker *w, struct cloud *c,
+                       struct burst *b)
+{
+    const struct sample_options o = {.enrolment = true, .stop = &r->gone};
+    const double start = logger_clock_ms();
+    enum status st = ST_OK;
+
+    for (size_t i = 0; st == ST_OK && i < c->session.n && !request_gone(r); i++) {
+        struct session_frame *f = &c->session.frame[i];
+        struct errinfo *why = &b->each[i].why;
+
+        *why = f->why;
+        if (why->code != ST_OK)
+            continue;
+        st = sample_build(f->name, &f->points, &o, w->compare.work, &b->face[i],
+                          &f->found, why);
+        if (st == ST_OK)
+            b->sample[i] =
+                (struct store_sample){.face = b->face[i], .read = f->found.digest};
+        else if (dry_run_is_refusal(why->code = st))
+            st = ST_OK;
+        else
+            request_fail(r, why);
+    }
+    request_stage(r, REQUEST_PREPARE, logger_clock_ms() - start);
+    return st == ST_OK && !request_gone(r);
 }
 
-static void enroll_scans(struct request *r, struct worker *w, struct asked *ask)
+/* Ends j. */
+static char *list_each(struct json *j, const struct cloud *c, const struct burst *b)
 {
-    if (r->media != REQUEST_FORM)
-        enroll_one(r, w, ask);
-    else if (ask->fuse)
-        enroll_fused(r, w, ask);
-    else
-        enroll_each(r, w, ask);
+    json_array(j, "templates");
+    for (size_t i = 0; i < c->session.n; i++) {
+        const struct session_frame *f = &c->session.frame[i];
+
+        json_object(j, NULL);
+        describe_enrolled(j, f->name, &b->each[i], &f->found, b->face[i]);
+        json_close(j);
+    }
+    return json_compact(j);
+}
+
+/* Whole, whatever the client prefers: else it would not know which files were refused. */
+static void respond_each(struct request *r, const struct cloud *c, const struct burst *b)
+{
+    const char *first = NULL;
+    struct json *j = json_new();
+    bool created = false;
+
+    for (size_t i = c->session.n; i-- > 0;)
+        if (b->each[i].why.code == ST_OK) {
+            first = b->each[i].tmpl.id;
+            created = created || b->each[i].created;
+        }
+    json_text(j, "subject", r->subject);
+    request_respond(r, created ? 201 : 200, list_each(j, c, b));
+    if (first != NULL && r->response.http < 300)
+        request_template(r, first);
+}
+
+/* No file was enrolled: the problem of the first one, with the same list. */
+static void refuse_each(struct request *r, const struct cloud *c, const struct burst *b)
+{
+    const struct errinfo *why = &b->each[0].why;
+    const bool named = why->code != ST_EMISMATCH; /* what is read and built names it */
+    char detail[sizeof why->msg + 128];
+
+    (void)snprintf(detail, sizeof detail, "none of the %zu files was enrolled; %.80s%s%s",
+                   c->session.n, named ? "" : c->session.frame[0].name, named ? "" : ": ",
+                   why->msg);
+    request_refuse(r, why->code,
+                   list_each(errmap_problem(errmap_get(why->code), detail, r->id), c, b));
+}
+
+static void enroll_each(struct request *r, struct worker *w, struct asked *ask,
+                        struct cloud *c)
+{
+    struct burst *b = mem_array(1, sizeof *b);
+    struct enrolment_outcome out;
+
+    if (b == NULL) {
+        request_problem(r, ST_ENOMEM, "no memory for the files");
+        return;
+    }
+    memset(b, 0, sizeof *b);
+    if (build_each(r, w, c, b)) {
+        r->result.outcome = "enrolled";
+        if (enroll(r, w, ask, b->sample, c->session.n, b->each, &out))
+            respond_each(r, c, b);
+        else if (out.none)
+            refuse_each(r, c, b);
+    }
+    for (size_t i = 0; i < ENROLMENT_SAMPLES; i++)
+        surface_face_free(b->face[i]);
+    mem_free(b);
 }
 
 void enroll_handle(struct request *r, struct worker *w)
 {
     struct asked ask = {.begun = {.context = &w->compare}};
+    struct cloud *c = NULL;
 
     r->result.kind = "enroll";
-    if (read_parameters(r, &ask) && enroll_begin(r, w, &ask))
-        enroll_scans(r, w, &ask);
+    if (read_parameters(r, &ask) && (c = cloud_open(r, MULTIPART_FILES_MAX)) != NULL &&
+        capture_admit(r) && enroll_begin(r, w, &ask) && cloud_read(r, c)) {
+        if (c->session.files && !ask.fuse)
+            enroll_each(r, w, &ask, c);
+        else
+            enroll_one(r, w, &ask, c);
+    }
     templates_free(&ask.begun);
+    cloud_free(c);
 }

@@ -51,22 +51,22 @@ void scans_check(struct request *r, struct worker *w)
 {
     const struct sample_options o = {.stop = &r->gone};
     struct describe_times times = {0};
-    bool shown = false;
-    struct cloudpoints c;
     struct dry_run t = {0};
-    const double start = logger_clock_ms();
-    double parsed;
+    bool shown = false;
+    struct cloud *c;
+    struct cloudpoints *p;
+    double start, parsed;
     enum status st;
 
-    if (!params_surface(r, &shown))
+    if (!params_surface(r, &shown) || (c = cloud_open(r, 1)) == NULL)
         return;
-    st = cloud_take(r, &c, &t.why);
-    if (r->response.http != 0) /* a parameter */
-        return;
+    start = logger_clock_ms();
+    st = session_read(&c->session, &r->gone, &t.why);
+    p = &c->session.frame[0].points;
     parsed = logger_clock_ms();
-    request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
     if (st == ST_OK) {
-        st = dry_run_run("points", &c, &o, w->compare.work, &w->probe, &t);
+        request_stage(r, REQUEST_PARSE, times.parse = parsed - start);
+        st = dry_run_run("points", p, &o, w->compare.work, &w->probe, &t);
         request_stage(r, REQUEST_PREPARE, times.prepare = logger_clock_ms() - parsed);
     } else if (dry_run_is_refusal(st)) {
         const struct errinfo e = t.why;
@@ -76,10 +76,10 @@ void scans_check(struct request *r, struct worker *w)
     }
     times.total = logger_clock_ms() - r->start_ms;
     if (st == ST_OK && !request_gone(r))
-        scans_respond(r, w, &t, &times, shown ? &c : NULL);
+        scans_respond(r, w, &t, &times, shown ? p : NULL);
     else if (!request_gone(r))
         request_fail(r, &t.why);
-    cloudpoints_free(&c);
+    cloud_free(c);
 }
 
 static void send_ply(struct request *r, const struct surface_face *f)
@@ -137,39 +137,36 @@ void scans_template(struct request *r, struct worker *w)
     }
 }
 
-void scans_asymmetry(struct request *r, struct worker *w)
+static void asymmetry(struct request *r, struct worker *w, const struct cloud *c)
 {
     const double start = logger_clock_ms();
-    double parsed, prepared, measured;
     struct surface_asymmetry result = {0};
+    const enum surface_status st = surface_asymmetry(w->compare.work, w->probe, &result);
+    const double *stage = r->stage_ms;
     struct json *j;
-    struct cloudpoints c = {0};
-    struct sample_found found;
-    enum surface_status st;
 
-    if (cloud_read(r, &c) != ST_OK)
-        return;
-    parsed = logger_clock_ms();
-    request_stage(r, REQUEST_PARSE, parsed - start);
-    if (cloud_build(r, &c, "points", false, w->compare.work, &w->probe, &found) != ST_OK)
-        goto out;
-    prepared = logger_clock_ms();
-    request_stage(r, REQUEST_PREPARE, prepared - parsed);
-    if ((st = surface_asymmetry(w->compare.work, w->probe, &result)) != SURFACE_OK) {
+    if (st != SURFACE_OK) {
         request_problem(r, status_from(st), "measuring the asymmetry: %s",
                         surface_message(st));
-        goto out;
+        return;
     }
-    measured = logger_clock_ms();
-    request_stage(r, REQUEST_MINIMAL, measured - prepared);
+    request_stage(r, REQUEST_MINIMAL, logger_clock_ms() - start);
     j = json_new();
-    describe_scan(j, "scan", &found);
-    describe_asymmetry(j, &result, w->probe, store_made_by(r->app->store),
-                       &(struct describe_times){.parse = parsed - start,
-                                                .prepare = prepared - parsed,
-                                                .minimal = measured - prepared,
-                                                .total = measured - r->start_ms});
+    describe_scan(j, "scan", &c->session.found);
+    describe_asymmetry(
+        j, &result, w->probe, store_made_by(r->app->store),
+        &(struct describe_times){.parse = stage[REQUEST_PARSE],
+                                 .prepare = stage[REQUEST_PREPARE],
+                                 .minimal = stage[REQUEST_MINIMAL],
+                                 .total = logger_clock_ms() - r->start_ms});
     request_respond(r, 200, json_compact(j));
-out:
-    cloudpoints_free(&c);
+}
+
+void scans_asymmetry(struct request *r, struct worker *w)
+{
+    struct cloud *c = cloud_open(r, 1);
+
+    if (c != NULL && cloud_read(r, c) && cloud_build(r, c, false, w))
+        asymmetry(r, w, c);
+    cloud_free(c);
 }

@@ -49,7 +49,7 @@ ok "a stranger, told apart" jq_true '.templates[1] | .template_id == null and .q
     .scan.points_read == 3000 and
     (.refusal.detail | test("does not match the first accepted sample"))' "$T/body"
 ok "no scan" jq_true '.templates[2] | .scan == null and .quality == null and .new == false' "$T/body"
-ok "no face: the advice" jq_true '.templates[5].refusal.detail | test("^points: the surface does not have")' \
+ok "no face: the advice" jq_true '.templates[5].refusal.detail | test("^plane.xyz: the surface does not have")' \
     "$T/body"
 ok "a template" jq_true '.templates[3] | .refusal == null and .quality.score > 0.5' "$T/body"
 is "between the samples no attempt is counted" "$(mismatches) $(stored attempts)" '0 0'
@@ -85,7 +85,7 @@ is "each is listed" "$LIST $(get '[.templates[].file] | join(" ")')" \
 burst alice none.ply c.ply
 problem "no scan first" 400 malformed '^none of the 2 files was enrolled; none.ply: '
 burst alice plane.xyz none.ply
-problem "no face at all" 422 not_a_face '^none of the 2 files was enrolled; plane.xyz: points: the surface'
+problem "no face at all" 422 not_a_face '^none of the 2 files was enrolled; plane.xyz: the surface'
 is "with the same text" "$(get '.templates[0].refusal.detail as $d | .detail | endswith($d)')" true
 is "nothing was stored" "$(stored templates)" 6
 burst alice c.ply b.ply a0.ply
@@ -127,7 +127,7 @@ problem "a wrong parameter" 400 invalid_parameter '^units'
 req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply;headers=Content-Encoding: br" \
     -F 'file=@/dev/null;filename=empty.ply' -F "file=@$T/a3.ply.gz;headers=Content-Encoding: gzip"
 is "codings and an empty one" "$STATUS $(get '[.templates[].refusal.detail] | tojson')" \
-    '201 ["Content-Encoding may be gzip or zstd, one of them and once","the file is empty",null]'
+    '201 ["a0.ply: Content-Encoding may be gzip or zstd, one of them and once","empty.ply: the file is empty",null]'
 name=$(printf 'a\033\377"b.ply')
 req POST /v1/subjects/gina/templates?fuse=false -F "file=@$T/a0.ply;filename=$name" -F "file=@$T/none.ply;filename=$name"
 is "an odd name is told, and harmless" "$STATUS $(get '.templates[1].file')" "201 $(printf 'a\033\357\277\275%%22b.ply')"

@@ -71,8 +71,8 @@ static enum status run(enum status enrolment, enum status verification)
     outcome[true] = enrolment;
     outcome[false] = verification;
     runs = 0;
-    st = dry_run_run("points", &c, &(struct sample_options){.frontal = false}, NULL,
-                     &face, &t);
+    st = dry_run_run("points", &c, &(struct sample_options){.stop = NULL}, NULL, &face,
+                     &t);
     assert_true((face != NULL) == (st == ST_OK && t.verification == ST_OK));
     surface_face_free(face);
     cloudpoints_free(&c);

@@ -39,9 +39,12 @@ static void take(double unit_mm)
 
 static enum status build(double given_mm)
 {
-    const struct sample_options o = {.frontal = true};
-    struct cloudpoints c = {
-        .at = mem_array(n + 1, sizeof *pts), .n = n, .read = n, .unit_mm = given_mm};
+    const struct sample_options o = {.enrolment = false};
+    struct cloudpoints c = {.at = mem_array(n + 1, sizeof *pts),
+                            .n = n,
+                            .read = n,
+                            .unit_mm = given_mm,
+                            .axes_given = true};
     struct sample_found found;
     enum status st;
 

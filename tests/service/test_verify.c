@@ -1,6 +1,7 @@
 /* The heat map has a value for each point that was sent, in their order: null for those that
  * were dropped when they were read, or not used. */
 #include "unit.h"
+#include "cloudpoints.h"
 #include "verify.h"
 
 #define READ 7
