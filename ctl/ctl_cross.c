@@ -308,7 +308,7 @@ static enum status do_scan(void *arg, size_t i, struct surface_work *w, struct e
     if (subject == NOBODY)
         return ST_OK;
     st = ctl_face_read(&c, scan->path, false, w, &f, &found);
-    if (st == ST_OK && (st = digest_points(f, digest)) == ST_OK) {
+    if (st == ST_OK && (st = digest_face(f, digest)) == ST_OK) {
         const struct ctl_cross_subject *one = &s->p->subject[subject];
         uint32_t t = 0;
 

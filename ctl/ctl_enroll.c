@@ -205,7 +205,7 @@ static enum status is_there(struct ctl *c, const char *subject,
     *there = false;
     if (st == ST_ENOTFOUND)
         return ST_OK;
-    if (st == ST_OK && digest_points(f, digest) != ST_OK)
+    if (st == ST_OK && digest_face(f, digest) != ST_OK)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; st == ST_OK && i < n; i++)
         *there = *there || strcmp(t[i].digest, digest) == 0;

@@ -7,17 +7,21 @@
 #include <string.h>
 
 #include "bytes.h"
+#include "cloudpoints.h"
 #include "libsurface.h"
 
 #define DIGIT_BITS 11
 #define DIGITS     (1U << DIGIT_BITS)
 
-/* A point in lattice units, so far from the least of each axis that it is positive. */
+/* ---- of a face */
+
+/* A point in lattice units, moved so that no coordinate is negative. */
 struct spot {
     uint32_t at[3];
 };
 
-/* Sorts a by one axis, those that are alike in their order; b is as long.  Returns the sorted one. */
+/* Sorts the n elements of a by one axis, stably, with the help of b.  Returns the array that has the
+ * result: a or b.  (qsort() would take a tenth of an enrolment.) */
 static struct spot *sort_along(int axis, struct spot *a, struct spot *b, uint32_t n)
 {
     for (int shift = 0; shift < 32; shift += DIGIT_BITS) {
@@ -42,14 +46,13 @@ static struct spot *sort_along(int axis, struct spot *a, struct spot *b, uint32_
     return a;
 }
 
-/* Whole numbers of lattice units, of which the face's millimetres are a thousand. */
+/* Returns a coordinate in lattice units, 1000 to a millimetre. */
 static int32_t unit(double mm)
 {
     return (int32_t)lrint(1000 * mm);
 }
 
-/* Points by x, then y, of which no two are the same. */
-enum status digest_points(const struct surface_face *f, char hex[65])
+enum status digest_face(const struct surface_face *f, char hex[65])
 {
     const uint32_t n = surface_face_points(f, NULL);
     const uint32_t half = UINT32_C(1) << 31; /* more than any coordinate */
@@ -80,6 +83,83 @@ enum status digest_points(const struct surface_face *f, char hex[65])
     free(mm);
     return st;
 }
+
+/* ---- of a scan, as it was read */
+
+/* The digest covers the SAMPLE points whose own hash is least: a sample that depends on the set alone
+ * (Broder 1997, section 3).  The lattice has 1/500 of the cloud's greatest coordinate, some 0.2 mm: so
+ * coarse that few points move on it if a format keeps fewer decimals.  Two scans by one scanner share
+ * many points of this lattice, but never the whole sample. */
+#define SAMPLE 32
+#define UNITS  500.0 /* of the lattice, to the greatest coordinate */
+#define FAR    1e15
+#define HALF   1024 /* lattice units: more than any coordinate */
+
+/* Returns the number of lattice units in a unit of the file; 0: c is no cloud of an object. */
+static double scale_of(const struct cloudpoints *c)
+{
+    double most = 0;
+
+    for (size_t i = 0; i < c->n; i++)
+        most =
+            fmax(most, fmax(fabs(c->at[i].x), fmax(fabs(c->at[i].y), fabs(c->at[i].z))));
+    return most > 1 / FAR && most < FAR ? UNITS / most : 0;
+}
+
+/* Returns a coordinate on the lattice; 0 if it is no number, or beyond the lattice: such a cloud is
+ * refused. */
+static uint64_t place_of(double at)
+{
+    return fabs(at) <= HALF ? (uint64_t)(at + HALF + 0.5) : 0;
+}
+
+/* Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", mix64(): one to
+ * one, so that different points have different hashes. */
+static uint64_t hash_of(const struct dvec3 *p, double scale)
+{
+    uint64_t h = place_of(p->x * scale) << 42 ^ place_of(p->y * scale) << 21 ^
+                 place_of(p->z * scale);
+
+    h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9U;
+    h = (h ^ h >> 27) * 0x94d049bb133111ebU;
+    return h ^ h >> 31;
+}
+
+/* Inserts hash into least[0..n-1], which ascends and has room for SAMPLE, unless it is there already.
+ * Returns the new n. */
+static size_t insert(uint64_t *least, size_t n, uint64_t hash)
+{
+    size_t i = n;
+
+    while (i > 0 && least[i - 1] > hash)
+        i--;
+    if (i > 0 && least[i - 1] == hash)
+        return n;
+    if (n == SAMPLE)
+        n--; /* the last one goes */
+    memmove(&least[i + 1], &least[i], (n - i) * sizeof *least);
+    least[i] = hash;
+    return n + 1;
+}
+
+void digest_scan(const struct cloudpoints *c, char hex[65])
+{
+    unsigned char hash[crypto_hash_sha256_BYTES];
+    uint64_t least[SAMPLE] = {0};
+    const double scale = scale_of(c);
+    size_t n = 0;
+
+    for (size_t i = 0; i < c->n; i++) {
+        const uint64_t h = hash_of(&c->at[i], scale);
+
+        if (n < SAMPLE || h < least[n - 1])
+            n = insert(least, n, h);
+    }
+    (void)crypto_hash_sha256(hash, (const unsigned char *)least, sizeof least);
+    (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
+}
+
+/* ---- of the scans of a template */
 
 void digest_read_add(char read[STORE_READ_MAX + 1], const char *digest)
 {

@@ -121,7 +121,7 @@ static enum status describe(const struct store *s, const struct log_act *by,
     t->quality = surface_face_quality(f);
     t->manager = what->manager;
     t->first_score = sample->first_score;
-    return digest_points(f, t->digest) == ST_OK
+    return digest_face(f, t->digest) == ST_OK
                ? ST_OK
                : errinfo_set(e, ST_ENOMEM, "out of memory");
 }

@@ -1,13 +1,12 @@
 #include "sample.h"
 
-#include <math.h>
-#include <sodium.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "advice.h"
 #include "cloudpoints.h"
+#include "digest.h"
 #include "errinfo.h"
 #include "mem.h"
 
@@ -145,86 +144,7 @@ static void tell_advice(const struct advice *a, struct errinfo *e)
             append(e, "%s%s", i == 0 ? ": " : "; ", a->line[i]);
 }
 
-/* ---- the digest of the points as they were read */
-
-/* Whoever has a scan of a subject, from a scanner, a log or a stolen copy, must not be verified by
- * it: the cloud of a template is refused.  This finds the same points only; who moves them by some
- * tenths of a millimetre, or has another scan, is stopped by signed captures alone
- * (docs/threat-model.md).  The digest is of the DIGEST_SAMPLE points whose own hash is least (a
- * sample that depends on the set alone: Broder 1997, section 3), on a lattice of 1/500 of the
- * cloud's greatest coordinate, so that neither their order, nor how often each comes, nor format
- * and unit matter.  That is coarse, some 0.2 mm, so that few points move on it where a format keeps
- * fewer decimals; two scans by a scanner share many such points at best, never all of the sample. */
-#define DIGEST_SAMPLE 32
-#define UNITS         500.0 /* of the lattice, to the greatest coordinate */
-#define FAR           1e15
-#define HALF          1024 /* lattice units: more than any coordinate */
-
-/* Lattice units for one of the file's, so that any unit gives the same points; 0 for what is no
- * cloud of anything. */
-static double scale_of(const struct cloudpoints *c)
-{
-    double most = 0;
-
-    for (size_t i = 0; i < c->n; i++)
-        most =
-            fmax(most, fmax(fabs(c->at[i].x), fmax(fabs(c->at[i].y), fabs(c->at[i].z))));
-    return most > 1 / FAR && most < FAR ? UNITS / most : 0;
-}
-
-/* A coordinate on the lattice; 0 for what is no number, or beyond it: such a cloud is refused. */
-static uint64_t place_of(double at)
-{
-    return fabs(at) <= HALF ? (uint64_t)(at + HALF + 0.5) : 0;
-}
-
-/* Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", mix64(): one to
- * one, so that different points have different hashes. */
-static uint64_t hash_of(const struct dvec3 *p, double scale)
-{
-    uint64_t h = place_of(p->x * scale) << 42 ^ place_of(p->y * scale) << 21 ^
-                 place_of(p->z * scale);
-
-    h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9U;
-    h = (h ^ h >> 27) * 0x94d049bb133111ebU;
-    return h ^ h >> 31;
-}
-
-/* Into least[0..n-1], which ascends and has room for DIGEST_SAMPLE; one that is there already is
- * left out.  Returns the new n. */
-static size_t insert(uint64_t *least, size_t n, uint64_t hash)
-{
-    size_t i = n;
-
-    while (i > 0 && least[i - 1] > hash)
-        i--;
-    if (i > 0 && least[i - 1] == hash)
-        return n;
-    if (n == DIGEST_SAMPLE)
-        n--; /* the last one goes */
-    memmove(&least[i + 1], &least[i], (n - i) * sizeof *least);
-    least[i] = hash;
-    return n + 1;
-}
-
-static void digest_points(const struct cloudpoints *c, char hex[65])
-{
-    unsigned char hash[crypto_hash_sha256_BYTES];
-    uint64_t least[DIGEST_SAMPLE] = {0};
-    const double scale = scale_of(c);
-    size_t n = 0;
-
-    for (size_t i = 0; i < c->n; i++) {
-        const uint64_t h = hash_of(&c->at[i], scale);
-
-        if (n < DIGEST_SAMPLE || h < least[n - 1])
-            n = insert(least, n, h);
-    }
-    (void)crypto_hash_sha256(hash, (const unsigned char *)least, sizeof least);
-    (void)sodium_bin2hex(hex, 65, hash, sizeof hash);
-}
-
-/* ---- */
+/* ---- a scan, ready for the library */
 
 struct sample_found sample_begin(const struct cloudpoints *c)
 {
@@ -293,7 +213,7 @@ bool sample_open(struct cloudpoints *c, const struct sample_options *o,
                  struct sample_found *found)
 {
     *found = sample_begin(c);
-    digest_points(c, found->digest);
+    digest_scan(c, found->digest);
     *cloud = sample_cloud(c, o, stop);
     if (c->index == NULL)
         c->index = mem_array(c->n + 1, sizeof *c->index);

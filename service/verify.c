@@ -102,7 +102,7 @@ static enum status digest_probe(const struct verification *v, struct store_probe
     *out = (struct store_probe){.read = {NULL}};
     memcpy(out->read, s->digest, s->ndigest * sizeof *out->read);
     if (surface_face_points(f, NULL) == v->templates.of.t[v->best.index].points &&
-        digest_points(f, out->used) != ST_OK)
+        digest_face(f, out->used) != ST_OK)
         return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
     return ST_OK;
 }

@@ -89,7 +89,7 @@ static enum status check_template(void *arg, const struct rows_template *row,
                            "template %s: its triangulation is not Delaunay, or its "
                            "spanning tree not minimal",
                            t->id);
-    if ((st = digest_points(x->face, digest)) != ST_OK)
+    if ((st = digest_face(x->face, digest)) != ST_OK)
         return errinfo_set(e, st, "out of memory");
     if (strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT,

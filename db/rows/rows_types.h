@@ -30,7 +30,7 @@ struct store_template { /* everything about a template but its face */
     char subject[STORE_SUBJECT_MAX + 1];
     char label[STORE_LABEL_MAX + 1];
     char created[32]; /* RFC 3339, UTC */
-    char digest[65];  /* digest_points(): SHA-256 of the canonical points */
+    char digest[65];  /* digest_face(): SHA-256 of the canonical points */
     /* digests of the scans' points as they were read (digest_read_add()); "": unknown */
     char read[STORE_READ_MAX + 1];
     char engine[SURFACE_ENGINE_SIZE];
@@ -170,7 +170,7 @@ struct store_attempts {
 struct store_probe {
     /* Digests of each frame's points as they were read; NULL after the last. */
     const char *read[STORE_FRAMES_MAX + 1];
-    char used[65]; /* digest_points() of the points used; "": no template has them */
+    char used[65]; /* digest_face() of the points used; "": no template has them */
 };
 
 struct store_calibration {

@@ -13,7 +13,7 @@ static void digest(const struct ivec3 *pts, char hex[65])
     struct surface_face f = {0};
 
     assert_int_equal(delaunay_build(pts, POINTS, &scratch, &f.surface.mesh), ST_OK);
-    assert_int_equal(digest_points(&f, hex), ST_OK);
+    assert_int_equal(digest_face(&f, hex), ST_OK);
     face_free(&f);
     scratch_free(&scratch);
 }

@@ -39,12 +39,12 @@ TEST(test_spikes)
     facegen_pose(&s, 6, 10);
     n = facegen_sample(&s, pts);
     assert_int_equal(face_build(pts, n, work[SHIPPED], &f, NULL), ST_OK);
-    assert_int_equal(digest_points(&f, digest), ST_OK);
+    assert_int_equal(digest_face(&f, digest), ST_OK);
     assert_int_equal(face_rebuild(&f, work[SHIPPED]), ST_OK);
     n = encode(&f, first);
     for (int i = 1; i <= ENGINES; i++) {
         assert_int_equal(face_rebuild(&f, work[i % ENGINES]), ST_OK);
-        assert_int_equal(digest_points(&f, same), ST_OK);
+        assert_int_equal(digest_face(&f, same), ST_OK);
         assert_string_equal(digest, same);
         assert_int_equal(encode(&f, again), n);
         assert_int_equal(memcmp(again, first, n) == 0, i == ENGINES);
