@@ -1,7 +1,5 @@
-/* The audit log: shown, verified, signed, written to a file that can be verified without the
- * database; and who was erased. */
+/* The audit log: shown, signed, exported, trimmed.  Its verification is in ctl_review.c. */
 #include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,9 +9,7 @@
 #include "audit.h"
 #include "json.h"
 #include "ctl_command.h"
-#include "ctl_config.h"
 #include "ctl_model.h"
-#include "ctl_review.h"
 
 #define SHOWN 100 /* entries without --limit */
 
@@ -155,69 +151,6 @@ static enum status export_log(struct ctl *c)
     return ST_OK;
 }
 
-/* ---- verify */
-
-static void tell_problem(void *arg, enum log_name log, uint64_t seq, const char *line)
-{
-    struct ctl *c = arg;
-
-    json_object(c->out, NULL);
-    json_text(c->out, "log", log_word(log));
-    json_number(c->out, "entry", (double)seq);
-    json_text(c->out, "problem", line);
-    json_close(c->out);
-    ctl_say(c, "%s, at entry %" PRIu64 ": %s\n", log_word(log), seq, line);
-}
-
-static enum status verify_database(struct ctl *c, struct log_walk *out,
-                                   char public_key[2 * CRYPT_KEY + 1])
-{
-    unsigned char public[CRYPT_KEY];
-    enum status st;
-
-    if ((st = ctl_model_open(c, STORE_READ)) == ST_OK &&
-        (st = store_audit_public(c->store, public, &c->e)) == ST_OK) {
-        hex_of(public, sizeof public, public_key);
-        st = store_audit_verify(c->store, tell_problem, c, out, &c->e);
-    }
-    return st;
-}
-
-static enum status ctl_run_audit_verify(struct ctl *c)
-{
-    const struct ctl_review how = {.report = tell_problem};
-    struct log_walk found;
-    char public_key[2 * CRYPT_KEY + 1] = "";
-    enum status st;
-
-    if ((c->nargs > 0) != (c->public_key != NULL))
-        return ctl_usage(c, "a file needs --public-key; a database does not take it");
-    if (c->nargs == 0 && c->db == NULL && ctl_config_database(c, false) != ST_OK)
-        return ST_EINVAL;
-    json_array(c->out, "problems");
-    st = c->nargs > 0 ? ctl_review_file(c, &how, &found)
-                      : verify_database(c, &found, public_key);
-    json_close(c->out);
-    if (st != ST_OK)
-        return st;
-    c->code = found.problems == 0 ? EXIT_FINE : EXIT_NO;
-    json_flag(c->out, "ok", found.problems == 0);
-    json_number(c->out, "entries", (double)found.entries);
-    json_number(c->out, "checkpoints", (double)found.checkpoints);
-    json_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
-    json_text(c->out, "first_log", found.problems > 0 ? log_word(found.first_log) : NULL);
-    json_number(c->out, "first_entry",
-                found.problems > 0 ? (double)found.first : (double)NAN);
-    ctl_say(c,
-            "%s: %" PRIu64 " entr%s, %" PRIu64 " checkpoint%s, %" PRIu64
-            " problem%s%s%s\n",
-            found.problems == 0 ? "ok" : "NOT ok", found.entries,
-            found.entries == 1 ? "y" : "ies", CTL_COUNT(found.checkpoints),
-            CTL_COUNT(found.problems), public_key[0] != '\0' ? "; public key " : "",
-            public_key);
-    return ST_OK;
-}
-
 /* ---- compare */
 
 static enum status ctl_run_audit_compare(struct ctl *c)
@@ -309,21 +242,6 @@ const struct ctl_command ctl_audit_recent = {
         "As audit show, of verifications, enrolments, samples that did not fit, and lock-outs.\n"
         "Scores, and why a scan was refused, are in the daemon's memory alone: GET /v1/recent.",
     .example = "surfacectl --db faces.db recent --limit 30"};
-
-const struct ctl_command ctl_audit_verify = {
-    .name = "audit verify",
-    .args = "[FILE]",
-    .takes = {0, 1},
-    .database = CTL_TAKES_DATABASE,
-    .shared = CTL_PUBLIC_KEY,
-    .exits = {"the log was not changed", "it was; problems are printed"},
-    .run = ctl_run_audit_verify,
-    .summary = "find audit entries that were removed or changed",
-    .help =
-        "In the database; or, with --public-key and without a database, in a FILE that audit\n"
-        "export wrote.",
-    .example = "surfacectl audit verify log.jsonl --public-key "
-               "fc51cd8e6218a1a38da47ed00230f0580816ed13ba3303ac5deb911548908025"};
 
 const struct ctl_command ctl_audit_export = {
     .name = "audit export",

@@ -187,7 +187,7 @@ static enum status read_later(struct ctl *c, struct later *l)
         return st;
     (void)sodium_bin2hex(public_key, sizeof public_key, public, sizeof public);
     c->public_key = public_key;
-    st = ctl_review_file(c, &how, &found);
+    st = ctl_review_file(c, &how, &found, NULL);
     c->public_key = NULL;
     if (st != ST_OK)
         return st;

@@ -1,7 +1,9 @@
-/* Files that the database signed, verified: exports of the audit log, receipts of erasures. */
+/* Verification of the audit log: in the database, or in a file that the database signed, which is an
+ * export of the log or the receipt of an erasure. */
 #include "ctl_review.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +12,6 @@
 #include "ctl_command.h"
 #include "ctl_config.h"
 #include "ctl_model.h"
-#include "readfile.h"
 #include "json.h"
 #include "store.h"
 
@@ -18,7 +19,7 @@
 #define FILE_MAX      (1 << 20) /* bytes: some 25,000 templates */
 #define TEMPLATES_MAX 100000
 
-/* A line as a document; NULL: it is none. */
+/* Reads a line as a JSON document.  Returns NULL if it is none. */
 static struct json_value *ctl_review_read_line(const char *line)
 {
     struct json_value *v;
@@ -106,33 +107,41 @@ static bool walk_line(struct log_walk *w, const struct ctl_review *how,
     return true;
 }
 
-/* The first line: it must be of this format. */
-static enum status walk_head(struct ctl *c, FILE *in)
-{
-    char line[LINE];
-    uint64_t version = 0;
-    struct json_value *v = NULL;
-    enum status st = ST_OK;
+/* ---- an export */
 
-    if (fgets(line, sizeof line, in) == NULL ||
-        (v = ctl_review_read_line(line)) == NULL ||
-        !json_get_count(json_member(v, "surface_audit"), &version))
-        st = errinfo_set(&c->e, ST_EINVAL, "%.120s is not an audit log", c->args[0]);
-    else if (version != 2)
-        st = errinfo_set(&c->e, ST_EVERSION, "%.120s is of another version", c->args[0]);
+/* Reads the first line of a file.  Returns true if it is the head of an export. */
+static bool is_export(FILE *in, char line[LINE])
+{
+    struct json_value *v;
+    bool is;
+
+    line[0] = '\0';
+    v = fgets(line, LINE, in) != NULL ? ctl_review_read_line(line) : NULL;
+    is = json_member(v, "surface_audit") != NULL;
     json_free(v);
-    return st;
+    return is;
 }
 
-static enum status walk_file(struct ctl *c, FILE *in, const struct ctl_review *how,
-                             struct log_walk *w)
+static enum status need_version(struct ctl *c, const char *head)
+{
+    struct json_value *v = ctl_review_read_line(head);
+    uint64_t version = 0;
+    const bool known =
+        json_get_count(json_member(v, "surface_audit"), &version) && version == 2;
+
+    json_free(v);
+    return known ? ST_OK
+                 : errinfo_set(&c->e, ST_EVERSION, "%.120s is of another version",
+                               c->args[0]);
+}
+
+/* Walks along the lines behind the head. */
+static enum status walk_lines(struct ctl *c, FILE *in, const struct ctl_review *how,
+                              struct log_walk *w)
 {
     char line[LINE], text[80];
     uint64_t changes = 0;
-    const enum status st = walk_head(c, in);
 
-    if (st != ST_OK)
-        return st;
     for (unsigned long n = 2; fgets(line, sizeof line, in) != NULL; n++) {
         struct json_value *v = ctl_review_read_line(line);
 
@@ -159,43 +168,7 @@ static enum status walk_file(struct ctl *c, FILE *in, const struct ctl_review *h
     return ST_OK;
 }
 
-enum status ctl_review_file(struct ctl *c, const struct ctl_review *how,
-                            struct log_walk *out)
-{
-    unsigned char public[CRYPT_KEY] = {0};
-    size_t n = 0;
-    FILE *in;
-    enum status st;
-
-    log_walk_begin(out, NULL, public, how->report, c);
-    if (sodium_hex2bin(public, sizeof public, c->public_key, strlen(c->public_key), NULL,
-                       &n, NULL) != 0 ||
-        n != sizeof public)
-        return errinfo_set(&c->e, ST_EINVAL, "a public key is 64 hexadecimal digits");
-    if ((in = fopen(c->args[0], "rb")) == NULL)
-        return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
-    log_walk_begin(out, NULL, public, how->report, c);
-    st = walk_file(c, in, how, out);
-    (void)fclose(in);
-    return st;
-}
-
-/* ---- a receipt */
-
-struct review {
-    struct ctl *c;
-    struct store_receipt r;
-    unsigned problems;
-};
-
-static void problem(struct review *v, const char *text)
-{
-    v->problems++;
-    json_text(v->c->out, NULL, text);
-    ctl_say(v->c, "%s\n", text);
-}
-
-/* ---- the file: as the response to DELETE over HTTP, or subject erase --json */
+/* ---- a receipt: the response to DELETE over HTTP, or the output of subject erase --json */
 
 static bool read_templates(const struct json_value *ids, struct store_receipt *r)
 {
@@ -227,114 +200,210 @@ static bool take_receipt(const struct json_value *v, struct store_receipt *r)
            take_text(audit, "hash", r->hash, sizeof r->hash);
 }
 
-static enum status read_receipt(struct review *v)
+/* Reads the receipt whose first line was read. */
+static enum status read_receipt(struct ctl *c, FILE *in, const char *line,
+                                struct store_receipt *r)
 {
+    const size_t first = strlen(line);
     struct json_value *doc = NULL;
-    unsigned char *text;
-    size_t len;
-    enum status st = readfile_all(v->c->args[0], FILE_MAX, &text, &len, &v->c->e);
+    char *text = malloc(FILE_MAX);
+    enum status st = ST_OK;
+    size_t n;
 
-    if (st == ST_OK && (json_read((char *)text, len, TEMPLATES_MAX + JSON_MEMBERS, &doc,
-                                  NULL) != ST_OK ||
-                        !take_receipt(doc, &v->r)))
-        st = errinfo_set(&v->c->e, ST_EINVAL, "%.160s is not a receipt", v->c->args[0]);
+    if (text == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    memcpy(text, line, first);
+    n = first + fread(text + first, 1, FILE_MAX - first, in);
+    if (json_read(text, n, TEMPLATES_MAX + JSON_MEMBERS, &doc, NULL) != ST_OK ||
+        !take_receipt(doc, r))
+        st = errinfo_set(&c->e, ST_EINVAL,
+                         "%.120s is neither an export of an audit log nor a receipt",
+                         c->args[0]);
     json_free(doc);
     free(text);
     return st;
 }
 
-/* ---- the database that is said to have given it */
-
-/* The hash is of the whole log up to there: the entry is of this database, whatever key signed the
- * receipt. */
-static enum status look_at_log(struct review *v)
-{
-    struct log_end at = {.seq = v->r.seq};
-    bool has = false;
-    enum status st = ST_OK;
-
-    if (sodium_hex2bin(at.hash, sizeof at.hash, v->r.hash, strlen(v->r.hash), NULL, NULL,
-                       NULL) == 0)
-        st = store_audit_has(v->c->store, &at, &has, &v->c->e);
-    if (st == ST_OK && !has)
-        problem(
-            v,
-            "the change log lacks this entry: the receipt is from another database, or "
-            "the log was replaced by an older one");
-    return st;
-}
-
-static enum status look_at_templates(struct review *v)
+/* Verifies that none of the templates exists. */
+static enum status look_for_templates(struct ctl *c, const struct store_receipt *r,
+                                      struct log_walk *w)
 {
     struct store_template t;
     enum status st = ST_OK;
 
-    for (uint32_t i = 0; st == ST_OK && i < v->r.templates; i++) {
-        st = store_template_get(v->c->store, v->r.template_id[i], &t, &v->c->e);
+    for (uint32_t i = 0; st == ST_OK && i < r->templates; i++) {
+        st = store_template_get(c->store, r->template_id[i], &t, &c->e);
         if (st == ST_OK)
-            problem(v, "a template named by the receipt exists");
+            log_walk_problem(w, r->seq, "a template named by the receipt exists");
         else if (st == ST_ENOTFOUND || st == ST_EINVAL)
             st = ST_OK;
     }
     return st;
 }
 
-static enum status ask_database(struct review *v)
+static enum status verify_receipt(struct ctl *c, const struct store_receipt *r,
+                                  struct log_walk *w)
 {
-    enum status st = ctl_model_open(v->c, STORE_READ);
+    struct log_end at = {.seq = r->seq};
+    bool has = false;
+    enum status st;
 
-    if (st == ST_OK && (st = look_at_log(v)) == ST_OK)
-        st = look_at_templates(v);
+    if (!store_receipt_true(r))
+        log_walk_problem(w, r->seq, "its contents differ from what was signed");
+    if (c->public_key != NULL && strcmp(c->public_key, r->public_key) != 0)
+        log_walk_problem(w, r->seq, "it was signed by a key other than the one given");
+    if (c->db == NULL || (st = ctl_model_open(c, STORE_READ)) != ST_OK)
+        return c->db == NULL ? ST_OK : st;
+    /* The entry's hash covers the log before it, so this is its database, whatever key signed. */
+    (void)sodium_hex2bin(at.hash, sizeof at.hash, r->hash, strlen(r->hash), NULL, NULL,
+                         NULL);
+    if ((st = store_audit_has(c->store, &at, &has, &c->e)) == ST_OK && !has)
+        log_walk_problem(
+            w, r->seq,
+            "the change log lacks this entry: the receipt is from another database, or "
+            "the log was replaced by an older one");
+    return st == ST_OK ? look_for_templates(c, r, w) : st;
+}
+
+/* ---- either */
+
+enum status ctl_review_file(struct ctl *c, const struct ctl_review *how,
+                            struct log_walk *out, struct store_receipt *receipt)
+{
+    const bool stream = strcmp(c->args[0], "-") == 0;
+    unsigned char public[CRYPT_KEY] = {0};
+    char line[LINE];
+    size_t n = 0;
+    FILE *in;
+    enum status st = ST_OK;
+
+    if (c->public_key != NULL &&
+        (sodium_hex2bin(public, sizeof public, c->public_key, strlen(c->public_key), NULL,
+                        &n, NULL) != 0 ||
+         n != sizeof public))
+        return errinfo_set(&c->e, ST_EINVAL, "a public key is 64 hexadecimal digits");
+    log_walk_begin(out, NULL, public, how->report, c);
+    if ((in = stream ? stdin : fopen(c->args[0], "rb")) == NULL)
+        return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
+    if (is_export(in, line)) {
+        if (c->public_key == NULL)
+            st = errinfo_set(&c->e, ST_EINVAL, "an export needs --public-key");
+        else if ((st = need_version(c, line)) == ST_OK)
+            st = walk_lines(c, in, how, out);
+    } else if (receipt == NULL) {
+        st = errinfo_set(&c->e, ST_EINVAL, "%.120s is not an audit log", c->args[0]);
+    } else if ((st = read_receipt(c, in, line, receipt)) == ST_OK) {
+        st = verify_receipt(c, receipt, out);
+    }
+    if (!stream)
+        (void)fclose(in);
     return st;
+}
+
+/* ---- audit verify */
+
+static void tell_problem(void *arg, enum log_name log, uint64_t seq, const char *line)
+{
+    struct ctl *c = arg;
+
+    json_object(c->out, NULL);
+    json_text(c->out, "log", log_word(log));
+    json_number(c->out, "entry", (double)seq);
+    json_text(c->out, "problem", line);
+    json_close(c->out);
+    ctl_say(c, "%s, at entry %" PRIu64 ": %s\n", log_word(log), seq, line);
+}
+
+static enum status verify_database(struct ctl *c, struct log_walk *out,
+                                   char public_key[2 * CRYPT_KEY + 1])
+{
+    unsigned char public[CRYPT_KEY];
+    enum status st;
+
+    if ((st = ctl_model_open(c, STORE_READ)) == ST_OK &&
+        (st = store_audit_public(c->store, public, &c->e)) == ST_OK) {
+        (void)sodium_bin2hex(public_key, 2 * CRYPT_KEY + 1, public, sizeof public);
+        st = store_audit_verify(c->store, tell_problem, c, out, &c->e);
+    }
+    return st;
+}
+
+static void tell_receipt(struct ctl *c, const struct store_receipt *r,
+                         const char *verdict)
+{
+    json_text(c->out, "subject", r->subject);
+    json_text(c->out, "erased_at", r->at);
+    json_number(c->out, "templates_removed", r->templates);
+    json_object(c->out, "audit");
+    json_number(c->out, "seq", (double)r->seq);
+    json_close(c->out);
+    ctl_say(c, "%s: %s with %u template%s, at %s, entry %" PRIu64 "\n", verdict,
+            r->subject, r->templates, r->templates == 1 ? "" : "s", r->at, r->seq);
+}
+
+static void tell_logs(struct ctl *c, const struct log_walk *found, const char *public_key,
+                      const char *verdict)
+{
+    json_number(c->out, "entries", (double)found->entries);
+    json_number(c->out, "checkpoints", (double)found->checkpoints);
+    json_text(c->out, "public_key", public_key[0] != '\0' ? public_key : NULL);
+    json_text(c->out, "first_log",
+              found->problems > 0 ? log_word(found->first_log) : NULL);
+    json_number(c->out, "first_entry",
+                found->problems > 0 ? (double)found->first : (double)NAN);
+    ctl_say(c,
+            "%s: %" PRIu64 " entr%s, %" PRIu64 " checkpoint%s, %" PRIu64
+            " problem%s%s%s\n",
+            verdict, found->entries, found->entries == 1 ? "y" : "ies",
+            CTL_COUNT(found->checkpoints), CTL_COUNT(found->problems),
+            public_key[0] != '\0' ? "; public key " : "", public_key);
 }
 
 static enum status ctl_review_run(struct ctl *c)
 {
-    struct review v = {.c = c};
+    const struct ctl_review how = {.report = tell_problem};
+    struct store_receipt receipt = {.seq = 0};
+    struct log_walk found;
+    char public_key[2 * CRYPT_KEY + 1] = "";
+    const char *verdict;
     enum status st;
 
+    if (c->nargs == 0 && c->public_key != NULL)
+        return ctl_usage(c, "--public-key is for a file");
     if (c->public_key == NULL && c->db == NULL && ctl_config_database(c, false) != ST_OK)
         return ST_EINVAL;
-    st = read_receipt(&v);
     json_array(c->out, "problems");
-    if (st == ST_OK && !store_receipt_true(&v.r))
-        problem(&v, "its contents differ from what was signed");
-    if (st == ST_OK && c->public_key != NULL &&
-        strcmp(c->public_key, v.r.public_key) != 0)
-        problem(&v, "it was signed by a key other than the one given");
-    if (st == ST_OK && c->db != NULL)
-        st = ask_database(&v);
+    st = c->nargs > 0 ? ctl_review_file(c, &how, &found, &receipt)
+                      : verify_database(c, &found, public_key);
     json_close(c->out);
     if (st == ST_OK) {
-        json_flag(c->out, "ok", v.problems == 0);
-        json_text(c->out, "subject", v.r.subject);
-        json_text(c->out, "erased_at", v.r.at);
-        json_number(c->out, "templates_removed", v.r.templates);
-        json_object(c->out, "audit");
-        json_number(c->out, "seq", (double)v.r.seq);
-        json_close(c->out);
-        ctl_say(c, "%s: %s with %u template%s, at %s, entry %" PRIu64 "\n",
-                v.problems == 0 ? "ok" : "NOT ok", v.r.subject, v.r.templates,
-                v.r.templates == 1 ? "" : "s", v.r.at, v.r.seq);
+        verdict = found.problems == 0 ? "ok" : "NOT ok";
+        c->code = found.problems == 0 ? EXIT_FINE : EXIT_NO;
+        json_flag(c->out, "ok", found.problems == 0);
+        if (receipt.seq != 0)
+            tell_receipt(c, &receipt, verdict);
+        else
+            tell_logs(c, &found, public_key, verdict);
     }
-    store_receipt_free(&v.r);
-    c->code = v.problems == 0 ? EXIT_FINE : EXIT_NO;
+    store_receipt_free(&receipt);
     return st;
 }
 
-const struct ctl_command ctl_review_receipt = {
-    .name = "audit receipt",
-    .args = "FILE",
-    .takes = {1, 1},
+const struct ctl_command ctl_review_verify = {
+    .name = "audit verify",
+    .args = "[FILE]",
+    .takes = {0, 1},
     .database = CTL_TAKES_DATABASE,
     .shared = CTL_PUBLIC_KEY,
-    .exits = {"the receipt is valid", "it is not valid; problems are printed"},
+    .exits = {"all is as it was written", "it is not; problems are printed"},
     .run = ctl_review_run,
-    .summary = "verify the receipt of an erasure",
+    .summary = "verify the audit log, or a file that the database signed",
     .help =
-        "FILE is the response to DELETE over HTTP, or the output of subject erase --json (-:\n"
-        "standard input). With --public-key: verifies that this key signed it. With a "
-        "database (the\n"
-        "default): verifies that its present or an earlier key signed it, that its audit log has\n"
-        "the entry, and that none of the templates exists.",
-    .example = "surfacectl --db faces.db audit receipt alice.json"};
+        "Without FILE: finds entries of the database's log that were removed or changed. FILE (-:\n"
+        "standard input) is an export of the log (audit export) or the receipt of an erasure (the\n"
+        "response to DELETE over HTTP, or the output of subject erase --json). With --public-key:\n"
+        "verifies that this key signed it; an export needs the key. A receipt with a database (the\n"
+        "default): verifies that its present or an earlier key signed it, that its log has the\n"
+        "entry, and that none of the templates exists.",
+    .example = "surfacectl audit verify log.jsonl --public-key "
+               "fc51cd8e6218a1a38da47ed00230f0580816ed13ba3303ac5deb911548908025"};

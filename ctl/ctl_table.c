@@ -23,7 +23,7 @@
     X(ctl_database_vacuum) X(ctl_token_create) X(ctl_token_list) X(ctl_token_rotate) \
     X(ctl_token_revoke) X(ctl_device_add) X(ctl_device_list) X(ctl_device_remove) \
     X(ctl_subject_attempts_list) X(ctl_subject_attempts_reset) X(ctl_audit_show) X(ctl_audit_recent) \
-    X(ctl_audit_verify) X(ctl_audit_export) X(ctl_audit_checkpoint) X(ctl_audit_compare) X(ctl_review_receipt) \
+    X(ctl_review_verify) X(ctl_audit_export) X(ctl_audit_checkpoint) X(ctl_audit_compare) \
     X(ctl_audit_trim) X(ctl_completion) X(ctl_table_help)
 /* clang-format on */
 

@@ -93,39 +93,39 @@ is "it is remembered" "$CODE $(said '.entries[].at')" "0 $(receipt .erased_at)"
 proves() {
     p_wanted=$1
     shift
-    ctl audit receipt "$@"
+    ctl audit verify "$@"
     is "receipt $*" "$CODE $(said '[.ok, (.problems | length)] | @csv')" "$p_wanted"
 }
 proves '0 true,0' "$T/receipt"
 is "what it is of" "$(said '[.subject, .templates_removed, .audit.seq] | @csv')" '"alice",1,9'
-offline() { "$BUILD/surfacectl" --json audit receipt "$@" >"$T/ctl" 2>"$T/ctl.err"; }
+offline() { "$BUILD/surfacectl" --json audit verify "$@" >"$T/ctl" 2>"$T/ctl.err"; }
 offline "$T/receipt" --public-key "$key"
 is "with the public key alone" "$? $(said .ok)" '0 true'
 offline "$T/receipt" --public-key "$(printf '%064d' 0)"
 is "with another" "$? $(said '.problems | length')" '1 1'
 offline "$T/receipt"
 is "by nothing" $? 64
-"$BUILD/surfacectl" --db "$DB" audit receipt - <"$T/receipt" >"$T/text"
+"$BUILD/surfacectl" --db "$DB" audit verify - <"$T/receipt" >"$T/text"
 is "from a pipe, as text" "$? $(cut -c 1-29 "$T/text")" '0 ok: alice with 1 template, at'
 for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.template_ids = []' \
     '.template_ids += ["x"]' '.audit.seq = 8' '.subject_uid |= sub("^...."; "0000")' \
     '.signature |= sub("^...."; "0000")'; do
     jq "$change" "$T/receipt" >"$T/forged"
-    ctl audit receipt "$T/forged"
-    is "changed: $change" "$CODE $(said '.problems[0]')" '1 its contents differ from what was signed'
+    ctl audit verify "$T/forged"
+    is "changed: $change" "$CODE $(said '.problems[0].problem')" '1 its contents differ from what was signed'
 done
 for change in 'del(.audit)' '.audit.seq = 0' '.template_ids = "x"' '.template_ids = [1]' \
     'del(.signature)' '.subject = "a b"' '[.]'; do
     jq "$change" "$T/receipt" >"$T/forged"
-    ctl_exits 65 audit receipt "$T/forged" # no receipt: $change
+    ctl_exits 65 audit verify "$T/forged" # no receipt: $change
 done
-ctl_exits 66 audit receipt "$T/none" # no file
+ctl_exits 66 audit verify "$T/none" # no file
 "$BUILD/surfacectl" --db "$T/third.db" init >"$T/text"
-"$BUILD/surfacectl" --db "$T/third.db" --json audit receipt "$T/receipt" >"$T/ctl"
+"$BUILD/surfacectl" --db "$T/third.db" --json audit verify "$T/receipt" >"$T/ctl"
 is "another database's" "$? $(said '.problems | length')" '1 1'
 cp "$DB" "$T/copy.db"
 sqlite3 "$T/copy.db" "UPDATE change_log SET hash = zeroblob(32) WHERE seq = 9"
-"$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit receipt "$T/receipt" >"$T/ctl"
+"$BUILD/surfacectl" --db "$T/copy.db" --key "$DB.key" --json audit verify "$T/receipt" >"$T/ctl"
 is "what the database does not know of it" $? 65
 ctl subject erase bob --yes
 cp "$T/ctl" "$T/receipt"

@@ -22,7 +22,7 @@ passed=$((passed + $(grep -c '^ok ' "$T/out")))
 failed=$((failed + $(grep -c '^FAIL ' "$T/out")))
 ok "the browser's tests ran" test "$passed" -gt 150
 # what was saved
-ctl_exits 0 audit receipt "$T/receipt.json"
+ctl_exits 0 audit verify "$T/receipt.json"
 ok "the log that was saved is whole" "$BUILD/surfacectl" audit verify "$T/audit.jsonl" \
     --public-key "$(jq -r .public_key "$T/receipt.json")" >"$T/verified"
 mkdir -p "$BUILD/console"

@@ -45,7 +45,7 @@ ctl_exits 0 audit export --out "$T/log.jsonl"
 is "an export is verified by the new key" $? 0
 "$BUILD/surfacectl" audit verify "$T/log.jsonl" --public-key "$public" >"$T/text"
 is "and not by the old one" $? 1
-ctl_exits 0 audit receipt "$T/receipt" --public-key "$public" # true by the old key
+ctl_exits 0 audit verify "$T/receipt" --public-key "$public" # true by the old key
 start_daemon
 send POST /v1/subjects/s1/verify "$PLY" "$T/p1.ply"
 is "the daemon serves it, and knows the token" "$STATUS $(get .decision)" "200 match"

@@ -109,7 +109,7 @@ static struct log_walk review(const char *key)
     struct log_walk w;
 
     said[0] = '\0';
-    if (ctl_review_file(&c, &how, &w) != ST_OK)
+    if (ctl_review_file(&c, &how, &w, NULL) != ST_OK)
         fail_msg("%s", c.e.msg);
     return w;
 }
@@ -184,12 +184,12 @@ TEST(test_malformed)
         assert_string_equal(said, "accesses 5: line 11 of the file is malformed\n");
     }
     c.public_key = "abc";
-    assert_int_equal(ctl_review_file(&c, &how, &w), ST_EINVAL);
+    assert_int_equal(ctl_review_file(&c, &how, &w, NULL), ST_EINVAL);
     c.public_key = hex_key;
     assert_int_equal(truncate(path, 0), 0);
-    assert_int_equal(ctl_review_file(&c, &how, &w), ST_EINVAL);
+    assert_int_equal(ctl_review_file(&c, &how, &w, NULL), ST_EINVAL);
     assert_int_equal(unlink(path), 0);
-    assert_int_equal(ctl_review_file(&c, &how, &w), ST_ENOTFOUND);
+    assert_int_equal(ctl_review_file(&c, &how, &w, NULL), ST_ENOTFOUND);
 }
 
 BEFORE_ALL(begin)

@@ -157,7 +157,7 @@ class AuditEntry(TypedDict):
 
 
 class Erased(TypedDict):
-    """The signed receipt of an erasure: surfacectl audit receipt verifies it."""
+    """The signed receipt of an erasure: surfacectl audit verify verifies it."""
 
     subject: str
     templates_removed: int

@@ -117,7 +117,7 @@ class TestRequests(Served):
         self.assertEqual((receipt["subject"], receipt["template_ids"]), ("alice@example:1", [template["template_id"]]))
         with open(self.path("receipt.json"), "w") as file:
             json.dump(receipt, file)
-        run(os.path.join(BUILD, "surfacectl"), "audit", "receipt", self.path("receipt.json"),
+        run(os.path.join(BUILD, "surfacectl"), "audit", "verify", self.path("receipt.json"),
             "--public-key", receipt["public_key"])
         self.refused(404, "not_found", client.show_subject, "alice@example:1")
 
