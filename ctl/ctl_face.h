@@ -4,6 +4,7 @@
 #define CTL_FACE_H
 #include <stdbool.h>
 #include <stdio.h>
+#include "describe.h"
 #include "libsurface.h"
 #include "sample.h"
 #include "store.h"
@@ -11,6 +12,7 @@
 
 struct cloudpoints; /* cloudpoints.h */
 struct ctl;         /* ctl.h */
+struct json;        /* json.h */
 
 /* ctl_face_read(c, path, enrolment, w, out, found): the face in a file ("-": standard input), read as
  * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
@@ -49,6 +51,14 @@ enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
 
 int ctl_face_exit(enum surface_decision d);
+
+/* ctl_face_page(c, path, tmpl, x, j): Writes the page of a comparison with the probe c->args[1] to the file.
+ *   tmpl  the face that the probe was compared with
+ *   j     a document with the open member "extras", which has its side "a" (page_side(), page_file());
+ *         takes ownership */
+enum status ctl_face_page(struct ctl *c, const char *path,
+                          const struct surface_face *tmpl,
+                          const struct describe_comparison *x, struct json *j);
 
 /* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)". */
 void ctl_face_score(FILE *to, const struct surface_comparison *r);
