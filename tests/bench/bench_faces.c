@@ -1,5 +1,5 @@
-/* bench_faces.c -- the paper's Table 1 on 48 pairs of face-like clouds of 3,000 points, and
- * triangulation of hard inputs; compared with CGAL and Boost. */
+/* bench_faces.c -- the paper's Table 1 on 48 pairs of face-like clouds of 3,000 points, triangulation of
+ * hard inputs and of 1,000 to 1,000,000 points; compared with CGAL and Boost. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -361,25 +361,72 @@ static void report(void)
     timing_target("the whole of Table 1, with holes", med(SUM) / one, 1.6, "units");
 }
 
-static void other_kinds(double one)
+/* Times the triangulation of so many point sets of a kind, prints a row, and returns the ratio to CGAL's
+ * time. */
+static double triangulations(const char *name, enum clouds_kind kind, uint64_t first,
+                             size_t n, size_t sets)
 {
-    printf("\n%-30s %8s %9s %9s %9s %9s\n", "Triangulation, 40 sets each", "points", "ms",
-           "units", "CGAL ms", "ratio");
+    const double one = med(PEER_ONE);
+    struct timing ours = {0}, theirs = {0};
+    double o, t;
+
+    n = timing_triangulation(peers, kind, first, n, sets, &ours, &theirs);
+    o = timing_median(&ours);
+    t = timing_median(&theirs);
+    printf("  %-20s %8zu %10.0f %9.3f %9.2f %9.3f %9.2f\n", name, n, o * 1e6 / (double)n,
+           o, o / one, t, o / t);
+    timing_free(&ours);
+    timing_free(&theirs);
+    return o / t;
+}
+
+static void kinds_and_sizes(void)
+{
+    static const size_t size[] = {1000, 10000, 30000, 100000, 300000, 1000000};
+
+    printf("\n%-22s %8s %10s %9s %9s %9s %9s\n", "Triangulation", "points", "ns/point",
+           "ms", "units", "CGAL ms", "ratio");
     for (int kind = 0; kind < CLOUDS_KINDS; kind++) {
-        struct timing ours = {0}, theirs = {0};
         const char *name = clouds_name((enum clouds_kind)kind);
-        const size_t n = timing_triangulation(peers, (enum clouds_kind)kind, 1000, POINTS,
-                                              40, &ours, &theirs);
-        const double o = timing_median(&ours), t = timing_median(&theirs);
+        const double ratio =
+            triangulations(name, (enum clouds_kind)kind, 1000, POINTS, 40);
         char what[80];
 
-        printf("  %-28s %8zu %9.3f %9.2f %9.3f %9.2f\n", name, n, o, o / one, t, o / t);
         (void)snprintf(what, sizeof what, "triangulation, %s", name);
         if (kind == CLOUDS_GRID || kind == CLOUDS_TILTED || kind == CLOUDS_CIRCLE)
-            timing_target(what, o / t, 0.8, "x CGAL's");
-        timing_free(&ours);
-        timing_free(&theirs);
+            timing_target(what, ratio, 0.8, "x CGAL's");
     }
+    for (size_t i = 0; i < sizeof size / sizeof size[0]; i++) {
+        const size_t many = 200000 / size[i]; /* about as many points for each size */
+        const double ratio = triangulations("faces", CLOUDS_FACE, 0, size[i],
+                                            many > 48  ? 48
+                                            : many < 1 ? 1
+                                                       : many);
+
+        if (size[i] == 1000000)
+            timing_target("triangulation of 1,000,000 points", ratio, 0.42, "x CGAL's");
+    }
+}
+
+/* The peak allocation of a triangulation of 1,000,000 points, including the given points: it
+ * frees nothing before its end, so the peak is what is allocated then. */
+static void memory(void)
+{
+    const size_t n = 1000000;
+    struct ivec3 *pts = timing_alloc(n, sizeof *pts);
+    struct mesh m = {0};
+    double before;
+
+    (void)clouds_make(CLOUDS_FACE, 7, n, pts);
+    scratch_free(&scratch);
+    before = timing_bytes() - (double)(n * sizeof *pts);
+    timing_must(delaunay_build(pts, n, &scratch, &m));
+    printf("\nMemory: triangulation of 1,000,000 points: %.1f MB with the points given\n",
+           (timing_bytes() - before) / 1e6);
+    timing_target("memory, triangulation of 1,000,000 points",
+                  (timing_bytes() - before) / 1e6, 200, "MB");
+    mesh_free(&m);
+    free(pts);
 }
 
 int main(void)
@@ -424,6 +471,7 @@ int main(void)
                 peer_pass(&pair[k]);
         }
     report();
-    other_kinds(med(PEER_ONE));
+    kinds_and_sizes();
+    memory();
     return 0;
 }

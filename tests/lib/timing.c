@@ -163,30 +163,6 @@ size_t timing_triangulation(const struct peers *peers, enum clouds_kind kind,
     return points;
 }
 
-static void number(double v, int digits)
-{
-    if (isnan(v))
-        printf(" %11s", "-");
-    else
-        printf(" %11.*f", digits, v);
-}
-
-void timing_head(const char *title, const char *first)
-{
-    printf("\n%-50s %11s %11s %11s %11s\n", title, first, "ms", "peer ms", "ratio");
-}
-
-void timing_row(const char *what, double first, double ms, double peer_ms)
-{
-    printf("  %-48s", what);
-    number(first, 0);
-    number(ms, 3);
-    number(peer_ms, 3);
-    number(ms / peer_ms, 2);
-    putchar('\n');
-    (void)fflush(stdout);
-}
-
 void timing_unit(double ms)
 {
     const char *path = getenv("BENCH_UNIT");

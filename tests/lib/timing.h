@@ -1,4 +1,4 @@
-/* timing.h -- medians of interleaved measurements, rows of tables, and targets.
+/* timing.h -- medians of interleaved measurements, and targets.
  * Compared programs are measured in turn within one loop, so that drift of the machine
  * affects all alike; and over many different inputs, since the branch predictor would learn
  * a repeated one. */
@@ -51,11 +51,6 @@ void *timing_graph(const struct peers *peers, const struct mesh *m);
 size_t timing_triangulation(const struct peers *peers, enum clouds_kind kind,
                             uint64_t first, size_t n, size_t sets, struct timing *ours,
                             struct timing *theirs);
-
-/* timing_head(title, first), timing_row(what, first, ms, peer_ms): print a table of a first
- * figure (`first` is its heading), the time, a peer's time and the ratio; NAN: no value. */
-void timing_head(const char *title, const char *first);
-void timing_row(const char *what, double first, double ms, double peer_ms);
 
 /* timing_unit(ms): leaves CGAL's time for one triangulation of 3,000 points in the file
  * $BENCH_UNIT, for what scripts/bench measures itself; nothing if ms is NAN. */
