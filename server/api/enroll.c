@@ -7,7 +7,6 @@
 #include "auth.h"
 #include "capture.h"
 #include "cloud.h"
-#include "compare.h"
 #include "dry_run.h"
 #include "enrolment.h"
 #include "errinfo.h"
@@ -17,7 +16,7 @@
 #include "describe.h"
 #include "logger.h"
 #include "mem.h"
-#include "metrics.h"
+#include "outcome.h"
 #include "params.h"
 #include "request.h"
 #include "sample.h"
@@ -29,24 +28,6 @@ struct asked {
     bool force, fuse;       /* fuse: of several files one template */
     struct templates begun; /* of enrolment_begin() */
 };
-
-static void tally(struct request *r, const struct enrolment_result *each, size_t n,
-                  bool none)
-{
-    struct metrics *m = r->app->metrics;
-
-    for (size_t i = 0; i < n; i++) {
-        const enum status why = each[i].why.code;
-
-        if (why == ST_OK)
-            metrics_enrollment(m, each[i].created ? METRICS_ENROLLED : METRICS_KNOWN);
-        else if (why == ST_EMISMATCH)
-            metrics_enrollment(m, METRICS_MISMATCH);
-        else if (i > 0 ||
-                 !none) /* else it is the response's problem, and counts as that */
-            metrics_refused(m, why);
-    }
-}
 
 static struct enrolment enrolment_of(const struct request *r, const struct asked *ask)
 {
@@ -70,12 +51,12 @@ static bool enroll_begin(struct request *r, struct worker *w, struct asked *ask)
         return false;
     if (enrolment_begin(&w->compare, &x, &ask->begun, &e) == ST_OK)
         return true;
-    compare_refuse(r, &ask->begun.refusal, &e);
+    outcome_refuse(r, &ask->begun.refusal, &e);
     return false;
 }
 
-/* Calls enrolment_add().  Returns true if at least one sample became a template.  On false
- * r->response says why not, unless out->none is set and there are several samples. */
+/* Calls enrolment_add().  Returns true if at least one sample became a template; else r->response says why
+ * not. */
 static bool enroll(struct request *r, struct worker *w, struct asked *ask,
                    const struct store_sample *sample, size_t n,
                    struct enrolment_result *each, struct enrolment_outcome *out)
@@ -87,13 +68,7 @@ static bool enroll(struct request *r, struct worker *w, struct asked *ask,
     x.sample = sample;
     x.n = n;
     st = enrolment_add(&w->compare, &x, &ask->begun, each, out, &e);
-    compare_warn(r, out->warnings);
-    if (out->nearest.compared > 0)
-        request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
-    if (st == ST_OK || out->none)
-        tally(r, each, n, out->none);
-    if (st != ST_OK)
-        compare_refuse(r, &out->refusal, &e);
+    outcome_enrolled(r, out, each, n, st, &e);
     return st == ST_OK;
 }
 

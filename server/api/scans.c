@@ -31,7 +31,7 @@ static void scans_respond(struct request *r, const struct worker *w,
     struct json *j = json_new();
     struct show show;
 
-    metrics_check(r->app->metrics, t->enrolment == ST_OK ? METRICS_ENROLLABLE
+    metrics_event(r->app->metrics, t->enrolment == ST_OK ? METRICS_ENROLLABLE
                                    : face                ? METRICS_USABLE
                                                          : METRICS_UNUSABLE);
     if (shown == NULL || (!face && shown->n == 0)) {

@@ -67,7 +67,7 @@ static void lost(struct request *r, const char *kind, const struct errinfo *e)
 {
     struct logger_line l;
 
-    metrics_lost_event(r->app->metrics);
+    metrics_event(r->app->metrics, METRICS_LOST);
     metrics_database_error(r->app->metrics, e->code);
     logger_begin(&l, "error", "event lost");
     logger_text(&l, "request_id", r->id);

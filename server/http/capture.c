@@ -9,7 +9,6 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "access.h"
-#include "metrics.h"
 #include "json.h"
 #include "request.h"
 
@@ -88,7 +87,6 @@ static bool capture_read_header(const char *s, struct capture *c)
 
 static bool capture_refuse(struct request *r, unsigned problem, const char *why)
 {
-    metrics_capture(r->app->metrics, problem);
     request_problem(r, problem, "%s", why);
     return false;
 }
@@ -139,10 +137,8 @@ static bool judge(struct request *r, const struct capture *c, enum store_capture
     };
     const bool alive = strcmp(c->field[LIVENESS], "fail") != 0;
 
-    if (is == STORE_CAPTURED && alive) {
-        metrics_capture(r->app->metrics, 0);
+    if (is == STORE_CAPTURED && alive)
         return true;
-    }
     if (is == STORE_CAPTURED) {
         record(r, ERRMAP_LIVENESS);
         return capture_refuse(r, ERRMAP_LIVENESS,

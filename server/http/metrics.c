@@ -51,16 +51,12 @@ enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
 struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
-    counter decision[SURFACE_INCONCLUSIVE + 1];
-    counter enrollment[METRICS_MISMATCH + 1];
-    counter check[METRICS_UNUSABLE + 1];
-    counter attempts[METRICS_OF_SUBJECTS + 1];
-    counter warning[METRICS_WARNINGS];
+    counter event[METRICS_EVENTS];
     counter refused[NREFUSALS];
     counter capture[NCAPTURES];
     counter storage_full;
     counter database[NDATABASE];
-    counter lost_events, wrong_tokens, replayed;
+    counter wrong_tokens, replayed;
     counter rows_verified;          /* since 1970, s */
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
     const struct route *routes;
@@ -111,6 +107,16 @@ void metrics_refused(struct metrics *m, enum status st)
         metrics_count(&m->refused[st - ST_ELIMIT], 1);
 }
 
+static void count_capture(struct metrics *m, const struct request *r)
+{
+    const unsigned problem = r->response.problem;
+
+    if (problem >= ERRMAP_CAPTURE_REQUIRED && problem <= ERRMAP_LIVENESS)
+        metrics_count(&m->capture[1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
+    else if (r->capture.captured[0] != '\0')
+        metrics_count(&m->capture[0], 1);
+}
+
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
 {
     struct by_route *by =
@@ -123,6 +129,7 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
             observe(&m->stage[i], r->stage_ms[i]);
     if ((r->stages >> REQUEST_PREPARE & 1) != 0) /* it was about a face */
         observe(&m->stage[REQUEST_STAGES], ms);
+    count_capture(m, r);
     if (r->response.bad_token)
         metrics_count(&m->wrong_tokens, 1);
     metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
@@ -134,35 +141,9 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
     metrics_database_error(m, r->failed);
 }
 
-void metrics_decision(struct metrics *m, enum surface_decision d)
+void metrics_event(struct metrics *m, enum metrics_event e)
 {
-    metrics_count(&m->decision[d], 1);
-}
-
-void metrics_enrollment(struct metrics *m, enum metrics_enrollment outcome)
-{
-    metrics_count(&m->enrollment[outcome], 1);
-}
-
-void metrics_check(struct metrics *m, enum metrics_check outcome)
-{
-    metrics_count(&m->check[outcome], 1);
-}
-
-void metrics_capture(struct metrics *m, unsigned problem)
-{
-    metrics_count(&m->capture[problem == 0 ? 0 : 1 + problem - ERRMAP_CAPTURE_REQUIRED],
-                  1);
-}
-
-void metrics_attempts(struct metrics *m, enum metrics_failed which)
-{
-    metrics_count(&m->attempts[which], 1);
-}
-
-void metrics_warning(struct metrics *m, enum metrics_warning kind)
-{
-    metrics_count(&m->warning[kind], 1);
+    metrics_count(&m->event[e], 1);
 }
 
 void metrics_database_error(struct metrics *m, enum status st)
@@ -184,11 +165,6 @@ void metrics_rows_verified(struct metrics *m)
     atomic_store(&m->rows_verified, (uint64_t)time(NULL));
 }
 
-void metrics_lost_event(struct metrics *m)
-{
-    metrics_count(&m->lost_events, 1);
-}
-
 void metrics_tokens(struct metrics *m, uint64_t soon, int64_t left_s)
 {
     const int64_t now = time(NULL);
@@ -208,14 +184,14 @@ static uint64_t metrics_value(const counter *c)
 static void describe_refusals(const struct metrics *m, struct json *j)
 {
     static const unsigned attempts[] = {ERRMAP_ATTEMPTS, ERRMAP_SUBJECTS};
-    const uint64_t failed[] = {metrics_value(&m->attempts[METRICS_OF_TOKEN]) +
-                                   metrics_value(&m->attempts[METRICS_OF_OTHERS]),
-                               metrics_value(&m->attempts[METRICS_OF_SUBJECTS])};
+    const uint64_t failed[] = {metrics_value(&m->event[METRICS_REFUSED_ATTEMPTS]) +
+                                   metrics_value(&m->event[METRICS_REFUSED_ATTEMPTS + 1]),
+                               metrics_value(&m->event[METRICS_REFUSED_ATTEMPTS + 2])};
     const struct {
         unsigned kind;
         uint64_t n;
     } single[] = {{ST_EREPLAYED, metrics_value(&m->replayed)},
-                  {ST_EMISMATCH, metrics_value(&m->enrollment[METRICS_MISMATCH])},
+                  {ST_EMISMATCH, metrics_value(&m->event[METRICS_MISMATCH])},
                   {ERRMAP_STORAGE_FULL, metrics_value(&m->storage_full)},
                   {ERRMAP_NO_TOKEN, metrics_value(&m->wrong_tokens)}};
 
@@ -264,16 +240,16 @@ void metrics_describe(const struct metrics *m, struct json *j)
     uint64_t all = 0;
 
     for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
-        all += metrics_value(&m->decision[i]);
+        all += metrics_value(&m->event[METRICS_DECISIONS + i]);
     json_number(j, "uptime_s", fmax(0, difftime(time(NULL), m->start)));
     json_object(j, "rates");
     json_number(j, "verifications", (double)all);
     json_object(j, "decisions");
     for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
-        json_number(j, decision_name[i], (double)metrics_value(&m->decision[i]));
+        json_number(j, decision_name[i],
+                    (double)metrics_value(&m->event[METRICS_DECISIONS + i]));
     json_close(j);
-    json_number(j, "enrollments",
-                (double)metrics_value(&m->enrollment[METRICS_ENROLLED]));
+    json_number(j, "enrollments", (double)metrics_value(&m->event[METRICS_ENROLLED]));
     describe_refusals(m, j);
     json_close(j);
     json_object(j, "latency_ms");
@@ -372,9 +348,11 @@ static void print_outcomes(FILE *f, const struct metrics *m)
     const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
     static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
 
-    print_by(f, "surfaced_decisions_total", "decision", decision_name, m->decision, 3,
+    print_by(f, "surfaced_decisions_total", "decision", decision_name,
+             &m->event[METRICS_DECISIONS], 3,
              "Verifications and comparisons by decision.");
-    print_by(f, "surfaced_enrollments_total", "outcome", enrollment, m->enrollment, 3,
+    print_by(f, "surfaced_enrollments_total", "outcome", enrollment,
+             &m->event[METRICS_ENROLLED], 3,
              "Enrolments; known: the subject has this scan already; mismatch: refused.");
     print_one(f, "surfaced_enrollments_refused_total", "counter",
               metrics_value(&m->storage_full),
@@ -383,22 +361,24 @@ static void print_outcomes(FILE *f, const struct metrics *m)
         refused[i] = errmap_get(ST_ELIMIT + i)->code;
     print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,
              "Scans that could not be used, by the code of the response.");
-    print_by(f, "surfaced_checks_total", "outcome", check, m->check, 3,
-             "Scans checked without storing; usable: for verification only.");
+    print_by(f, "surfaced_checks_total", "outcome", check, &m->event[METRICS_ENROLLABLE],
+             3, "Scans checked without storing; usable: for verification only.");
     for (unsigned i = 1; i < NCAPTURES; i++)
         capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
     print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
              "Signed captures: accepted, or refused with this code.");
-    print_by(f, "surfaced_attempts_refused_total", "reason", attempts, m->attempts, 3,
+    print_by(f, "surfaced_attempts_refused_total", "reason", attempts,
+             &m->event[METRICS_REFUSED_ATTEMPTS], 3,
              "Verifications refused (429) after failures: of the token for the subject, "
              "of other tokens, of the token for many subjects.");
-    print_by(f, "surfaced_attempt_warnings_total", "kind", warning, m->warning,
-             METRICS_WARNINGS,
+    print_by(f, "surfaced_attempt_warnings_total", "kind", warning,
+             &m->event[METRICS_WARNINGS], STORE_WARNINGS,
              "Lock-outs; tokens that tried many subjects without a match; subjects whose "
              "verifications fail again and again between matches.");
     print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
              NDATABASE, "Requests that failed because of the database.");
-    print_one(f, "surfaced_lost_events_total", "counter", metrics_value(&m->lost_events),
+    print_one(f, "surfaced_lost_events_total", "counter",
+              metrics_value(&m->event[METRICS_LOST]),
               "Events that could not be written to the database.");
     print_one(f, "surfaced_replayed_total", "counter", metrics_value(&m->replayed),
               "Probes refused because they were enrolled before (replayed).");
