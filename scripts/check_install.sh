@@ -15,7 +15,7 @@ scripts/example.sh python docs/library.md >"$place/compare.py"
 
 # Raw scans of heads, in metres and any axes, as the lines that the programs read.
 scan() {
-    "$build/headscan" --kind head --seed "$2" --unit m "made-up:$1" -o "$place/$3.ply"
+    "$build/headscan" --kind head --seed "$2" --unit 1000 "made-up:$1" -o "$place/$3.ply"
     python3 - "$place/$3.ply" >"$place/$3.xyz" <<'END'
 import re
 import struct

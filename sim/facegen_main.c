@@ -18,7 +18,7 @@ static const char usage[] =
     "  --points N     points sampled, 100 to 1000000 (3000)\n"
     "  --pose D       yaw, pitch and roll at random within +-D degrees\n"
     "  --shift MM     and moved at random within +-MM along each axis\n"
-    "  --yaw D  --pitch D  --roll D  --tx MM  --ty MM  --tz MM\n"
+    "  --yaw D  --pitch D  --roll D  --tx MM\n"
     "                 instead of --pose and --shift: each value given (0)\n"
     "  --noise MM     white noise (0.12)\n"
     "  --warp MM      smooth depth error, root mean square (0.15)\n"
@@ -60,8 +60,7 @@ static int read_options(int argc, char **argv, struct options *o)
         {"--points", &o->points, 100, 1e6},  {"--pose", &o->pose, 0, 45},
         {"--shift", &o->shift, 0, 1000},     {"--yaw", &s->yaw, -60, 60},
         {"--pitch", &s->pitch, -60, 60},     {"--roll", &s->roll, -180, 180},
-        {"--tx", &s->tx, -1e4, 1e4},         {"--ty", &s->ty, -1e4, 1e4},
-        {"--tz", &s->tz, -1e4, 1e4},         {"--noise", &s->noise, 0, 10},
+        {"--tx", &s->tx, -1e4, 1e4},         {"--noise", &s->noise, 0, 10},
         {"--warp", &s->warp, 0, 10},         {"--holes", &s->holes, 0, 0.9},
         {"--spikes", &s->spikes, 0, 0.5},    {"--smile", &s->smile, 0, 1},
         {"--symmetry", &s->symmetry, -2, 1}, {"--count", &o->count, 0, 1e7},

@@ -133,7 +133,7 @@ static const struct {
     enum headscan_view view;
     enum headcover cover;
     size_t points;
-} kinds[HEADSCAN_KINDS] = {
+} kinds[] = {
     {"head", HEADSCAN_VIEW, HEADCOVER_NONE, 20000},
     {"bust", HEADSCAN_VIEW, HEADCOVER_NONE, 30000},
     {"round", HEADSCAN_ROUND, HEADCOVER_NONE, 60000},
@@ -151,16 +151,16 @@ static const struct {
     {"cap", HEADSCAN_VIEW, HEADCOVER_CAP, 20000},
 };
 
-const char *headscan_name(unsigned kind)
+bool headscan_kind(const char *name, uint64_t seed, bool crop, struct headscan_options *o)
 {
-    return kinds[kind].name;
-}
-
-void headscan_kind(unsigned kind, uint64_t seed, bool crop, struct headscan_options *o)
-{
-    const char *name = kinds[kind].name;
+    const size_t count = sizeof kinds / sizeof *kinds;
+    size_t kind = 0;
     struct draw r;
 
+    while (kind < count && strcmp(kinds[kind].name, name) != 0)
+        kind++;
+    if (kind == count)
+        return false;
     *o = (struct headscan_options){.seed = seed,
                                    .view = kinds[kind].view,
                                    .cover = kinds[kind].cover,
@@ -198,6 +198,7 @@ void headscan_kind(unsigned kind, uint64_t seed, bool crop, struct headscan_opti
     } else if (strcmp(name, "two") == 0) {
         o->two = true;
     }
+    return true;
 }
 
 /* ---- where the head is */
@@ -242,8 +243,7 @@ static void add_second(struct head *h, const struct head *other,
 }
 
 /* What stands before the scanner, seen along -z. */
-static struct head scene(const struct head *h, const struct head *other,
-                         const struct headscan_options *o)
+static struct head scene(const struct head *h, const struct headscan_options *o)
 {
     struct head s = head_copy(h);
     double t[16];
@@ -254,7 +254,7 @@ static struct head scene(const struct head *h, const struct head *other,
     pose(o->yaw, o->pitch, o->roll, (struct dvec3){0, 0, 0}, t);
     head_move(&s, t);
     if (o->two)
-        add_second(&s, other, o);
+        add_second(&s, h, o);
     return s;
 }
 
@@ -377,16 +377,15 @@ static void any_rotation(struct draw *r, double m[9])
 
 static void deliver(const struct headscan_options *o, struct headscan *s)
 {
-    static const double of_axes[HEADSCAN_AXES][9] = {
-        [HEADSCAN_AGREED] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-        [HEADSCAN_DOWN] = {1, 0, 0, 0, -1, 0, 0, 0, -1},
-        [HEADSCAN_Z_UP] = {1, 0, 0, 0, 0, -1, 0, 1, 0}};
+    static const double of_axes[][9] = {[HEADSCAN_AGREED] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+                                        [HEADSCAN_DOWN] = {1, 0, 0, 0, -1, 0, 0, 0, -1}};
     struct draw r = stream(o, P_AXES);
     double m[9];
 
-    memcpy(m, of_axes[o->axes], sizeof m);
     if (o->axes == HEADSCAN_ANY)
         any_rotation(&r, m);
+    else
+        memcpy(m, of_axes[o->axes], sizeof m);
     for (size_t i = 0; i < s->n; i++) {
         struct dvec3 p = s->at[i];
 
@@ -398,10 +397,10 @@ static void deliver(const struct headscan_options *o, struct headscan *s)
     }
 }
 
-void headscan_render(const struct head *h, const struct head *other,
-                     const struct headscan_options *o, struct headscan *out)
+void headscan_render(const struct head *h, const struct headscan_options *o,
+                     struct headscan *out)
 {
-    struct head s = scene(h, other, o);
+    struct head s = scene(h, o);
     struct headview v;
 
     *out = (struct headscan){0};

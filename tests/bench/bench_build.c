@@ -82,17 +82,14 @@ static void make_head(const struct kind *k, uint64_t seed, struct points *out)
     struct headscan_options o;
     struct headscan scan;
     struct head head = {0};
-    unsigned kind = 0;
 
-    while (strcmp(headscan_name(kind), k->head[seed % 10]) != 0)
-        kind++;
     head_make_up(seed, &head);
     head_measure(&head);
-    headscan_kind(kind, seed, false, &o);
+    (void)headscan_kind(k->head[seed % 10], seed, false, &o);
     o.points = k->points;
     o.step = k->step;
     o.noise = k->noise;
-    headscan_render(&head, &head, &o, &scan);
+    headscan_render(&head, &o, &scan);
     *out = (struct points){timing_alloc(scan.n, sizeof *out->at), 0};
     for (size_t i = 0; i < scan.n; i++)
         if (!isnan(scan.at[i].z))

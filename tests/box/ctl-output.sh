@@ -153,7 +153,6 @@ ok "a scan" grep -aq '^ply' out
 ok "and no file" test ! -e -
 for name in a.ply link.ply hard.ply; do
     expect 1 "headscan over $name" "$BUILD/headscan" --kind glasses a.ply -o "$name"
-    expect 1 "headscan's second over $name" "$BUILD/headscan" --kind two made-up:1 --other a.ply -o "$name"
 done
 expect 0 "the scan is as it was" "$ctl" scan a.ply
 finish

@@ -67,7 +67,7 @@ is "every code of a refused scan" "$(sort "$T/codes")" "$(jq -r '.components.res
     | "\($group) \(.)"' "$T/api" | sort)"
 
 # ---- what /v1/check says of a scan that can be verified by, and not enrolled
-"$BUILD/headscan" --kind half --yaw 38 --unit m made-up:2 -o "$T/half.ply"
+"$BUILD/headscan" --kind half --yaw 38 --unit 1000 made-up:2 -o "$T/half.ply"
 send POST /v1/check "$PLY" "$T/half.ply"
 for member in '[.usable, .enrollable, .code]' '.detail | mask' '[.advice[] | mask]' .scan.warnings; do
     is "check: $member" "$(jq -c "$MASK .paths[\"/v1/check\"].post.responses[\"200\"].content[\"application/json\"].example

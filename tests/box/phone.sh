@@ -9,9 +9,9 @@ command -v python3 >/dev/null 2>&1 || {
     exit 0
 }
 
-# phone NAME HEAD SEED [UNIT]: NAME.glb, a scan of the made-up head HEAD
+# phone NAME HEAD SEED [MM]: NAME.glb, a scan of the made-up head HEAD
 phone() {
-    "$BUILD/headscan" --kind bust --seed "$3" --unit "${4:-m}" --axes agreed "made-up:$2" \
+    "$BUILD/headscan" --kind bust --seed "$3" --unit "${4:-1000}" --agreed "made-up:$2" \
         -o "$T/$1.ply" || exit 1
     python3 - "$T/$1.ply" "$T/$1.glb" <<'EOF'
 import json, struct, sys
@@ -36,7 +36,7 @@ EOF
 phone me 1 1
 phone me-now 1 2
 phone other 2 3
-phone mm 1 4 mm
+phone mm 1 4 1
 ctl_exits 0 init
 TOKEN=$(new_token me)
 start_daemon

@@ -111,19 +111,16 @@ static void drop_empty(struct headscan *s)
 static void render(uint64_t subject, const struct headscan_options *o,
                    struct headscan *out, struct pose *pose)
 {
-    struct head h = {0}, other = {0};
+    struct head h = {0};
     struct find_result f;
 
     head_make_up(subject, &h);
     head_measure(&h);
-    head_make_up(subject + 1, &other);
-    head_measure(&other);
     assert_int_equal(find_face(h.at, h.n, 1, work, NULL, &f), ST_OK);
     *pose = f.pose[0].pose;
-    headscan_render(&h, &other, o, out);
+    headscan_render(&h, o, out);
     drop_empty(out);
     head_free(&h);
-    head_free(&other);
 }
 
 /* The motion from the head to the scan, of agreed axes or a camera's. */
@@ -144,15 +141,6 @@ static struct pose motion_of(const struct headscan_options *o)
     p = toy_then(&p, &roll);
     p.t[2] -= o->distance;
     return toy_then(&p, &axes);
-}
-
-static unsigned kind_of(const char *name)
-{
-    for (unsigned k = 0; k < HEADSCAN_KINDS; k++)
-        if (strcmp(headscan_name(k), name) == 0)
-            return k;
-    fail_msg("no kind %s", name);
-    return 0;
 }
 
 static size_t crop(uint64_t subject, struct dvec3 *out)
@@ -226,7 +214,7 @@ TEST(test_kinds)
             struct headscan s;
             struct find_result f;
 
-            headscan_kind(kind_of(kinds[k].name), subject, false, &o);
+            assert_true(headscan_kind(kinds[k].name, subject, false, &o));
             render(subject, &o, &s, &still);
             by = motion_of(&o);
             assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &f), ST_OK);
@@ -367,7 +355,6 @@ TEST(test_body)
         double deg, mm;
         size_t n;
 
-        headscan_kind(0, subject, false, &o);
         o = (struct headscan_options){.seed = subject,
                                       .view = HEADSCAN_GRID,
                                       .step = 3,

@@ -146,9 +146,9 @@ TEST(test_raw)
     for (int i = 0; i < 2; i++) {
         struct surface_cloud cloud = {.flags = SURFACE_ENROLMENT};
 
-        headscan_kind(0, 3 + (uint64_t)i, false, &o);
+        assert_true(headscan_kind("head", 3 + (uint64_t)i, false, &o));
         o.unit_mm = 1000;
-        headscan_render(&h, &h, &o, &s);
+        headscan_render(&h, &o, &s);
         cloud.points = (const double(*)[3])s.at; /* x, y, z */
         cloud.n = s.n;
         assert_int_equal(surface_build(work, &cloud, &face[i], &found), SURFACE_OK);
