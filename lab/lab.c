@@ -39,7 +39,7 @@ const char *lab_decision(enum surface_decision d)
 
 /* ---- files */
 
-enum status lab_may_write(struct lab *c, const char *path)
+enum status lab_may_write(struct lab *c, const char *path, int nread)
 {
     enum status st = outfile_not_read(path, c->model_path, &c->e);
 
@@ -47,15 +47,15 @@ enum status lab_may_write(struct lab *c, const char *path)
         return lab_usage(c,
                          "%s cannot write to standard output: name a file (./- is one)",
                          c->command);
-    for (int i = 0; st == ST_OK && i < c->nargs; i++)
+    for (int i = 0; st == ST_OK && i < nread; i++)
         st = outfile_not_read(path, c->args[i], &c->e);
     return st == ST_OK ? outfile_may(path, c->force, &c->e) : st;
 }
 
-enum status lab_may_pipe(struct lab *c)
+enum status lab_may_pipe(struct lab *c, int nread)
 {
     if (strcmp(c->out, "-") != 0)
-        return lab_may_write(c, c->out);
+        return lab_may_write(c, c->out, nread);
     if (c->json)
         return lab_usage(c,
                          "--out - and --json both write to standard output: name a file");

@@ -31,9 +31,9 @@ struct lab {
     double threshold; /* NAN: the model's */
     uint32_t threads; /* 0: one a core */
     bool force, json, help, version;
-    const char *pairs, *enroll_kind; /* evaluate */
+    const char *pairs, *enroll_kind, *scores; /* evaluate */
     uint32_t non_mated, burst; /* burst: frames of a session; 0: each scan by itself */
-    bool minimal, regions;
+    bool minimal, regions, matrix;
     const char *name, *calibrate; /* train */
     double weight;                /* below 0: by the number of subjects */
     double tolerance_mm;          /* simplify */
@@ -71,11 +71,12 @@ __attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const ch
 const char *lab_decision(enum surface_decision d);
 
 /* Files, by the rules of outfile.h.
- * lab_may_write(c, path): may the command write path?  Its arguments and the model are read.
- * lab_may_pipe(c): the same of --out, which may be "-"; sets c->piped.
+ * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and the
+ * model are read.
+ * lab_may_pipe(c, nread): the same of --out, which may be "-"; sets c->piped.
  * lab_write(c, path, write, arg): writes the file, or to standard output if c->piped. */
-enum status lab_may_write(struct lab *c, const char *path);
-enum status lab_may_pipe(struct lab *c);
+enum status lab_may_write(struct lab *c, const char *path, int nread);
+enum status lab_may_pipe(struct lab *c, int nread);
 enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
                       const void *arg);
 

@@ -1,50 +1,157 @@
-/* surfacelab evaluate: error rates on a collection of scans. */
+/* surfacelab evaluate: error rates on collections of scans. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 #include "corpus_pairs.h"
 #include "corpus_read.h"
 #include "lab.h"
+#include "methods.h"
 #include "model.h"
+#include "outfile.h"
 #include "report.h"
-#include "utc.h"
+
+/* A collection, and the folder that its report is written into. */
+struct set {
+    const char *source;
+    char *dir;
+    struct corpus *corpus;
+    struct trials *trials;
+};
+
+struct run {
+    struct lab *c;
+    struct set *set;
+    struct report *report; /* [n], as are they */
+    size_t n;
+    struct trials_how how;
+    const char *calibration; /* whose decides */
+    char made[32];
+};
 
 /* ---- the files */
 
 static const struct {
-    const char *name;
+    const char *file;
     newfile_writer *write;
-} file[] = {{"scores.csv", report_csv_scores},
-            {"rates.csv", report_csv_rates},
-            {"report.json", report_json}};
-#define FILES (sizeof file / sizeof *file)
+} output[] = {{"scores.csv", report_csv_scores},
+              {"rates.csv", report_csv_rates},
+              {"report.json", report_json},
+              {"matrix.csv", report_csv_matrix}, /* the last two, if they are wanted */
+              {"methods.csv", report_csv_methods}};
+#define OUTPUTS (sizeof output / sizeof *output)
+#define MATRIX  (OUTPUTS - 2)
+#define METHODS (OUTPUTS - 1)
+#define TABLE   "sets.csv" /* of several */
 
-/* Returns ST_OK if the files of the folder may be written: none of them is one that is read. */
-static enum status may_write(struct lab *c, const char *folder, const char *source,
-                             const struct corpus *k)
+static char *lab_evaluate_join(const char *dir, const char *file, unsigned number)
 {
-    char path[PATH_MAX];
-    enum status st = ST_OK;
+    const size_t size = strlen(dir) + strlen(file) + 16;
+    char *path = malloc(size), suffix[12] = "";
 
-    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
-        (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
-        if ((st = lab_may_write(c, path)) == ST_OK)
-            st = lab_scan_not_read(c, k, source, path);
+    if (number > 1)
+        (void)snprintf(suffix, sizeof suffix, "-%u", number);
+    if (path != NULL)
+        (void)snprintf(path, size, "%s/%s%s", dir, file, suffix);
+    return path;
+}
+
+/* Of several sets each has a folder in --out, by the set's own name, made different. */
+static char *folder_of(const struct run *r, size_t i, const char *out)
+{
+    const char *source = r->set[i].source;
+    size_t end = strlen(source), begin;
+    char *base, *dir = NULL;
+    bool taken = true;
+
+    if (r->n == 1)
+        return strdup(out);
+    while (end > 0 && source[end - 1] == '/')
+        end--;
+    for (begin = end; begin > 0 && source[begin - 1] != '/'; begin--)
+        ;
+    base = strndup(source + begin, end - begin);
+    if (base != NULL && base[strspn(base, ".")] == '\0') { /* "", ".", ".." */
+        free(base);
+        base = strdup("set");
     }
+    for (unsigned number = 1; base != NULL && taken; number++) {
+        free(dir);
+        if ((dir = lab_evaluate_join(out, base, number)) == NULL)
+            break;
+        taken = false;
+        for (size_t k = 0; k < i; k++)
+            taken = taken || strcmp(r->set[k].dir, dir) == 0;
+    }
+    free(base);
+    return dir;
+}
+
+/* May this file be written?  It is none of those that are read. */
+static enum status may_write(struct run *r, const char *dir, const char *file)
+{
+    struct lab *c = r->c;
+    char *path = lab_evaluate_join(dir, file, 1);
+    enum status st;
+
+    if (path == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    st = lab_may_write(c, path, c->nargs);
+    if (st == ST_OK)
+        st = outfile_not_read(path, c->scores, &c->e);
+    for (size_t i = 0; i < r->n && st == ST_OK; i++)
+        st = lab_scan_not_read(c, r->set[i].corpus, r->set[i].source, path);
+    free(path);
     return st;
 }
 
-static enum status write_all(struct lab *c, const char *folder, const struct report *r)
+static enum status may_write_all(struct run *r, const char *out)
 {
-    char path[PATH_MAX];
+    enum status st = r->n > 1 ? may_write(r, out, TABLE) : ST_OK;
+
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++)
+            st = may_write(r, r->set[i].dir, output[k].file);
+    return st;
+}
+
+/* A file of a folder; write NULL: none is left of a former run. */
+static enum status write_in(struct lab *c, const char *dir, const char *file,
+                            newfile_writer *write, const void *arg)
+{
+    char *path = lab_evaluate_join(dir, file, 1);
     enum status st = ST_OK;
 
-    for (size_t i = 0; st == ST_OK && i < FILES; i++) {
-        (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
-        st = lab_write(c, path, file[i].write, r);
-    }
+    if (path == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    if (write != NULL)
+        st = lab_write(c, path, write, arg);
+    else
+        (void)unlink(path);
+    free(path);
+    return st;
+}
+
+static enum status write_all(struct run *r, const char *out)
+{
+    const struct report_list list = {r->report, r->n};
+    struct lab *c = r->c;
+    enum status st = ST_OK;
+
+    if (r->n > 1)
+        st = write_in(c, out, TABLE, report_csv_sets, &list);
+    for (size_t i = 0; i < r->n; i++)
+        for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++) {
+            const bool wanted = k == MATRIX    ? c->matrix
+                                : k == METHODS ? c->scores != NULL
+                                               : true;
+
+            st = write_in(c, r->set[i].dir, output[k].file,
+                          wanted ? output[k].write : NULL, &r->report[i]);
+        }
     return st;
 }
 
@@ -90,7 +197,7 @@ static void print_curve(const struct report_curve *g)
                 non_mated);
 }
 
-static void print_report(const struct report *r)
+static void print_set(const struct report *r)
 {
     const struct report_group *all = &r->group[0];
 
@@ -98,7 +205,7 @@ static void print_report(const struct report *r)
                  r->t->corpus->nsubject, r->t->corpus->nscan);
     (void)printf("comparisons  %zu mated, %zu non-mated, %zu of close relatives\n",
                  all->mated.n, r->non_mated.n, r->relative.n);
-    (void)printf("threshold    %.4g, calibration %s\n", r->t->threshold, r->calibration);
+    (void)printf("threshold    %.4g, calibration %s\n", r->threshold, r->calibration);
     print_share("FTE", &r->fte);
     print_share("FTA", &all->fta);
     print_curve(&all->curve[REPORT_SCORED]);
@@ -106,15 +213,48 @@ static void print_report(const struct report *r)
     print_share("FMR", &r->fmr);
     print_share("FRR", &all->frr);
     print_share("FAR", &r->far);
+    for (size_t i = 0; i < r->nmethod; i++) {
+        const struct report_method *m = &r->method[i];
+
+        (void)printf(
+            "\nmethod       %s: scores of %zu of %zu mated, %zu of %zu non-mated "
+            "comparisons\n",
+            m->name, m->mated, all->mated.planned, m->non_mated, r->non_mated.planned);
+        print_curve(&m->curve);
+    }
+}
+
+static void print_all(const struct run *r, const char *out)
+{
+    struct json *o = r->c->report;
+
+    if (r->n > 1)
+        json_array(o, "sets");
+    for (size_t i = 0; i < r->n; i++) {
+        if (r->n > 1)
+            json_object(o, NULL);
+        report_json_out(o, &r->report[i]);
+        if (r->n > 1)
+            json_close(o);
+        corpus_left_print(r->set[i].corpus, "surfacelab");
+        if (!r->c->json) {
+            print_set(&r->report[i]);
+            (void)printf("\n");
+        }
+    }
+    if (r->n > 1)
+        json_close(o);
+    lab_say(r->c, "The report is in %s/\n", out);
 }
 
 /* ---- the command */
 
-/* Refuses a scan in the place of a collection: tables may end like one. */
+/* A scan where a collection should be?  Tables may end like one. */
 static enum status check_usage(struct lab *c)
 {
     static const char usage[] =
-        "surfacelab evaluate DIR|MANIFEST, or surfacelab evaluate --pairs LIST";
+        "surfacelab evaluate DIR|MANIFEST..., or surfacelab evaluate "
+        "--pairs LIST";
 
     if ((c->nargs == 0) != (c->pairs != NULL))
         return lab_usage(c, "usage: %s", usage);
@@ -123,69 +263,108 @@ static enum status check_usage(struct lab *c)
                          "--pairs takes neither --non-mated, --enroll-kind nor --burst");
     if (c->burst > SURFACE_FRAMES_MAX)
         return lab_usage(c, "--burst takes at most %d frames", SURFACE_FRAMES_MAX);
-    if (c->nargs > 0 && corpus_is_scan(c->args[0]))
-        return lab_usage(c, "%.100s is one scan; usage: %s", c->args[0], usage);
-    if (c->out != NULL && strcmp(c->out, "-") == 0)
-        return lab_usage(
-            c, "evaluate writes several files: --out takes a folder (./- is one)");
+    if (c->scores != NULL && c->nargs > 1)
+        return lab_usage(c, "--scores takes one collection");
+    for (int i = 0; i < c->nargs; i++)
+        if (corpus_is_scan(c->args[i]))
+            return lab_usage(c, "%.100s is one scan; usage: %s", c->args[i], usage);
     return ST_OK;
 }
 
-static enum status read_corpus(struct lab *c, const char *source, struct corpus **out)
+static enum status read_sets(struct run *r, const char *out)
 {
-    enum status st = c->pairs != NULL ? corpus_pairs_read(source, out, &c->e)
-                                      : corpus_read(source, out, &c->e);
+    struct lab *c = r->c;
+    enum status st = ST_OK;
 
-    if (st == ST_OK && c->burst > 0)
-        st = corpus_sessions(*out, c->burst, &c->e);
-    if (st == ST_OK && c->enroll_kind != NULL)
-        st = corpus_enroll(*out, c->enroll_kind, &c->e);
+    r->n = c->pairs != NULL ? 1 : (size_t)c->nargs;
+    r->set = calloc(r->n, sizeof *r->set);
+    r->report = calloc(r->n, sizeof *r->report);
+    if (r->set == NULL || r->report == NULL) {
+        r->n = 0;
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    }
+    for (size_t i = 0; i < r->n && st == ST_OK; i++) {
+        struct set *s = &r->set[i];
+
+        s->source = c->pairs != NULL ? c->pairs : c->args[i];
+        st = c->pairs != NULL ? corpus_pairs_read(c->pairs, &s->corpus, &c->e)
+                              : corpus_read(s->source, &s->corpus, &c->e);
+        if (st == ST_OK && c->burst > 0)
+            st = corpus_sessions(s->corpus, c->burst, &c->e);
+        if (st == ST_OK && c->enroll_kind != NULL)
+            st = corpus_enroll(s->corpus, c->enroll_kind, &c->e);
+        if (st == ST_OK && (s->dir = folder_of(r, i, out)) == NULL)
+            st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    }
     return st;
 }
 
-static enum status measure(struct lab *c, const struct trials *t, struct report *r)
+static enum status evaluate(struct run *r, size_t i)
 {
-    enum status st;
+    struct lab *c = r->c;
+    struct set *s = &r->set[i];
+    enum status st = trials_run(c, s->corpus, &r->how, &s->trials);
 
-    if (t->n == 0)
+    if (st != ST_OK)
+        return st;
+    if (s->trials->n == 0)
         return errinfo_set(
             &c->e, ST_EINVAL,
             "%.100s: nothing to compare: no probe has a template of its own "
             "subject or another",
-            r->source);
-    if ((st = report_measure(r, t)) != ST_OK)
+            s->source);
+    r->report[i] = (struct report){.source = s->source,
+                                   .made = r->made,
+                                   .calibration = r->calibration,
+                                   .engine = c->engine,
+                                   .model = c->model,
+                                   .enroll_kind = c->enroll_kind};
+    if ((st = report_measure(&r->report[i], s->trials)) != ST_OK)
         return errinfo_set(&c->e, st, "the rates: %s", status_message(st));
-    return ST_OK;
+    return c->scores == NULL ? ST_OK
+                             : methods_read(c->scores, s->trials, &r->report[i].method,
+                                            &r->report[i].nmethod, &c->e);
+}
+
+static enum status evaluate_all(struct run *r)
+{
+    const char *out = r->c->out != NULL ? r->c->out : "evaluation";
+    const time_t now = time(NULL);
+    struct tm utc;
+    enum status st = read_sets(r, out);
+
+    if (gmtime_r(&now, &utc) != NULL)
+        (void)strftime(r->made, sizeof r->made, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    if (st == ST_OK)
+        st = may_write_all(r, out);
+    for (size_t i = 0; i < r->n && st == ST_OK; i++)
+        st = evaluate(r, i);
+    if (st == ST_OK && (st = write_all(r, out)) == ST_OK)
+        print_all(r, out);
+    for (size_t i = 0; i < r->n; i++) {
+        methods_free(r->report[i].method, r->report[i].nmethod);
+        report_free(&r->report[i]);
+        trials_free(r->set[i].trials);
+        corpus_free(r->set[i].corpus);
+        free(r->set[i].dir);
+    }
+    free(r->report);
+    free(r->set);
+    return st;
 }
 
 enum status lab_evaluate(struct lab *c)
 {
-    const char *folder = c->out != NULL ? c->out : "evaluation";
-    struct report r = {.source = c->pairs != NULL ? c->pairs : c->args[0],
-                       .calibration = isnan(c->threshold) ? "of the model"
-                                                          : "replaced by --threshold",
-                       .engine = c->engine,
-                       .model = c->model,
-                       .enroll_kind = c->enroll_kind};
-    struct corpus *corpus = NULL;
-    struct trials *t = NULL;
-    int64_t now;
-    enum status st = check_usage(c);
+    struct run r = {.c = c,
+                    .calibration =
+                        isnan(c->threshold) ? "of the model" : "replaced by --threshold"};
+    const enum status st = check_usage(c);
 
-    (void)utc_now(&now);
-    utc_print(now, r.made);
-    if (st == ST_OK && (st = read_corpus(c, r.source, &corpus)) == ST_OK &&
-        (st = may_write(c, folder, r.source, corpus)) == ST_OK &&
-        (st = trials_run(c, corpus, &t)) == ST_OK && (st = measure(c, t, &r)) == ST_OK &&
-        (st = write_all(c, folder, &r)) == ST_OK) {
-        report_json_out(c->report, &r);
-        corpus_left_print(corpus, "surfacelab");
-        if (!c->json)
-            print_report(&r);
-        lab_say(c, "\nThe report is in %s/\n", folder);
-    }
-    report_free(&r);
-    trials_free(t);
-    corpus_free(corpus);
-    return st;
+    r.how.non_mated = c->non_mated > 0 ? c->non_mated : c->matrix ? TRIALS_ALL : 0;
+    r.how.minimal = c->minimal;
+    r.how.regions = c->regions;
+    if (st == ST_OK && c->out != NULL && strcmp(c->out, "-") == 0)
+        return lab_usage(
+            c, "evaluate writes several files: --out takes a folder (./- is one)");
+    return st == ST_OK ? evaluate_all(&r) : st;
 }

@@ -33,13 +33,14 @@ static const struct command {
     enum status (*run)(struct lab *c);
     const char *summary, *help;
 } command[] = {
-    {EVALUATE, "evaluate", "DIR|MANIFEST", 0, 1, lab_evaluate,
-     "measure error rates on a collection of scans",
+    {EVALUATE, "evaluate", "DIR|MANIFEST...", 0, INT_MAX, lab_evaluate,
+     "measure error rates on collections of scans",
      "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table, with\n"
      "the columns file and subject.  One scan of each subject is enrolled in memory and\n"
      "compared with the subject's other scans and with other subjects'.  The folder --out\n"
-     "(./evaluation) gets report.json, scores.csv (each comparison and each refusal) and\n"
-     "rates.csv.  scripts/plot_evaluation draws them."},
+     "(./evaluation) gets report.json, scores.csv (each comparison and each refusal),\n"
+     "rates.csv and, if wanted, matrix.csv; with several collections a folder for each, and\n"
+     "sets.csv.  scripts/plot_evaluation draws them."},
     {TRAIN, "train", "[DIR|MANIFEST]", 0, 1, lab_train,
      "adapt a model to scans, or calibrate it",
      "The base model (--model, or the shipped one) is adapted to a collection of scans, named\n"
@@ -129,6 +130,11 @@ static const struct taken {
       "a probe a line, and perhaps a label (mated or non-mated)",
       IN(pairs)}},
     {EVALUATE,
+     {"scores", "FILE", command_text, NULL,
+      "judge other methods' scores of the same comparisons too: a table\n"
+      "with template, probe, score or distance, and perhaps method",
+      IN(scores)}},
+    {EVALUATE,
      {"enroll-kind", "KIND", command_text, NULL,
       "enroll each subject's first scan of this kind (enroll, or else\n"
       "the first scan)",
@@ -149,6 +155,11 @@ static const struct taken {
     {EVALUATE,
      {"regions", NULL, command_flag, NULL, "give each region's part of each score too",
       IN(regions)}},
+    {EVALUATE,
+     {"matrix", NULL, command_flag, NULL,
+      "compare every template with every probe, and write the scores\n"
+      "as a matrix",
+      IN(matrix)}},
     {TRAIN,
      {"name", "TEXT", command_text, NULL, "the model's name (the base model's)",
       IN(name)}},

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define SEED UINT64_C(1) /* of the bootstrap */
+
 /* ---- counting */
 
 static void report_count_all(struct report_count *c, const struct trial *x)
@@ -94,8 +96,8 @@ static enum status report_share(const struct report *r, const struct rates_score
     struct rates *rates;
     enum status st = rates_new(s, n, r->t->corpus->nsubject, &rates);
 
-    if (st == ST_OK && (st = rates_bootstrap(rates, right, RATES_REPLICATES, REPORT_SEED,
-                                             &low, &high)) == ST_OK) {
+    if (st == ST_OK && (st = rates_bootstrap(rates, right, RATES_REPLICATES, SEED, &low,
+                                             &high)) == ST_OK) {
         rates_figures(rates, right, &f);
         *out = mated ? (struct report_rate){f.fnmr, low.fnmr, high.fnmr, n}
                      : (struct report_rate){f.fmr, low.fmr, high.fmr, n};
@@ -210,6 +212,19 @@ static enum status failures(const struct report *r, const struct report_group *g
 
 /* ---- curves */
 
+static enum status curve_of(const struct trials *t, const struct rates_score *s, size_t n,
+                            struct report_curve *out)
+{
+    enum status st = rates_new(s, n, t->corpus->nsubject, &out->rates);
+
+    if (st != ST_OK)
+        return st;
+    out->n = rates_ngenuine(out->rates);
+    rates_figures(out->rates, t->threshold, &out->f);
+    return rates_bootstrap(out->rates, t->threshold, RATES_REPLICATES, SEED, &out->low,
+                           &out->high);
+}
+
 static enum status measure_curve(const struct report *r, const struct report_group *g,
                                  score_of *score, struct report_curve *out)
 {
@@ -218,14 +233,34 @@ static enum status measure_curve(const struct report *r, const struct report_gro
     enum status st = report_collect(r, g, score, &s, &n);
 
     if (st == ST_OK)
-        st = rates_new(s, n, r->t->corpus->nsubject, &out->rates);
+        st = curve_of(r->t, s, n, out);
     free(s);
-    if (st != ST_OK)
-        return st;
-    out->n = rates_ngenuine(out->rates);
-    rates_figures(out->rates, r->t->threshold, &out->f);
-    return rates_bootstrap(out->rates, r->t->threshold, RATES_REPLICATES, REPORT_SEED,
-                           &out->low, &out->high);
+    return st;
+}
+
+enum status report_measure_method(struct report_method *m, const struct trials *t)
+{
+    struct rates_score *s = malloc((t->n + 1) * sizeof *s);
+    size_t n = 0;
+    enum status st;
+
+    if (s == NULL)
+        return ST_ENOMEM;
+    for (size_t i = 0; i < t->n; i++) {
+        const struct trial *x = &t->trial[i];
+        const bool mated = x->type == CORPUS_GENUINE, has = !isnan(m->score[i]);
+
+        m->scored += has;
+        m->mated += mated && has;
+        m->non_mated += x->type == CORPUS_IMPOSTOR && has;
+        if (mated || (x->type == CORPUS_IMPOSTOR && has))
+            s[n++] = (struct rates_score){has ? m->score[i] : wrong,
+                                          t->corpus->scan[x->template].subject,
+                                          t->corpus->scan[x->probe].subject};
+    }
+    st = curve_of(t, s, n, &m->curve);
+    free(s);
+    return st;
 }
 
 static enum status measure_group(struct report *r, struct report_group *g)
@@ -279,6 +314,9 @@ enum status report_measure(struct report *r, const struct trials *t)
     enum status st;
 
     r->t = t;
+    r->threshold = t->threshold;
+    r->replicates = RATES_REPLICATES;
+    r->seed = SEED;
     for (uint32_t i = 0; i < c->nsubject; i++)
         r->untemplated += c->nlisted == 0 && c->subject[i].enrolled == CORPUS_NONE;
     for (size_t i = 0; i < t->n; i++)
@@ -304,6 +342,11 @@ void report_free(struct report *r)
     free(r->group);
 }
 
+size_t report_done(const struct report *r)
+{
+    return r->group[0].mated.n + r->non_mated.n + r->relative.n;
+}
+
 double report_bound(double rate, size_t n)
 {
     /* Upper limits of a Poisson mean where 0, 1, ... were counted. */
@@ -311,4 +354,21 @@ double report_bound(double rate, size_t n)
     const double errors = ceil(rate * (double)n - 1e-9);
 
     return most[errors > 0 ? (int)fmin(errors, 3) : 0] / (double)n;
+}
+
+double report_step(const struct report *r, size_t most, double *from, size_t *n)
+{
+    static const double factor[3] = {2, 2.5, 2}; /* 1, 2, 5, 10 */
+    double low = r->threshold, high = low, step = 1e-2;
+
+    for (size_t i = 0; i < r->t->n; i++)
+        if (r->t->trial[i].done) {
+            low = fmin(low, r->t->trial[i].score);
+            high = fmax(high, r->t->trial[i].score);
+        }
+    for (int i = 0; (high - low) / step + 2 > (double)most; i++)
+        step *= factor[i % 3];
+    *from = floor(low / step) * step;
+    *n = (size_t)ceil((high - *from) / step);
+    return step;
 }

@@ -5,7 +5,6 @@
 #include "newfile.h"
 #include "rates.h"
 #include "trials.h"
-#include "utc.h"
 
 struct json;          /* json.h */
 struct surface_model; /* model.h */
@@ -30,12 +29,20 @@ enum report_of {
     REPORT_OF
 };
 
-#define REPORT_SEED UINT64_C(1) /* of the bootstrap */
-
 struct report_curve {
     size_t n; /* mated comparisons */
     struct rates *rates;
     struct rates_figures f, low, high; /* at the report's threshold */
+};
+
+/* Another method's scores of the same comparisons (methods.h).  A mated comparison without a score is an
+ * error. */
+struct report_method {
+    char *name;
+    double *score;           /* of each trial, higher: more alike; NaN: none */
+    size_t scored;           /* comparisons with a score, of all types */
+    size_t mated, non_mated; /* those of these types with a score */
+    struct report_curve curve;
 };
 
 /* The probes of one kind, or all. */
@@ -56,12 +63,14 @@ struct report_group {
 
 struct report {
     const struct trials *t;
-    const char *source;      /* folder, manifest or list of pairs */
-    char made[UTC_TEXT];     /* time of the evaluation */
-    const char *calibration; /* whose decided */
-    const char *engine;      /* surface_engine() */
+    const char *source, *made; /* folder, manifest or list; when */
+    const char *calibration;   /* whose decided */
+    const char *engine;        /* surface_engine() */
     const struct surface_model *model;
-    const char *enroll_kind;    /* that was asked for, or NULL */
+    const char *enroll_kind; /* that was asked for, or NULL */
+    double threshold;
+    unsigned replicates; /* of the bootstrap */
+    uint64_t seed;
     struct report_group *group; /* the first is all */
     uint32_t ngroup;
     uint32_t untemplated;   /* subjects without a scan of the kind that is enrolled */
@@ -70,6 +79,8 @@ struct report {
     struct report_rate fmr; /* non-mated comparisons that are a match */
     struct report_rate far; /* of those planned: the generalised false accept rate */
     double score_ms;        /* median of a comparison */
+    struct report_method *method; /* [nmethod]; the caller's */
+    size_t nmethod;
 };
 
 /* report_measure(r, t): fills r, which has source, made, calibration, engine, model and
@@ -79,18 +90,39 @@ struct report {
 enum status report_measure(struct report *r, const struct trials *t);
 void report_free(struct report *r);
 
+/* report_measure_method(m, t): Fills counts and curve of m from its scores of the comparisons t; m->curve is
+ * released by rates_free().  Returns ST_OK, ST_ENOMEM. */
+enum status report_measure_method(struct report_method *m, const struct trials *t);
+
+/* report_done(r): comparisons that were made, of all types. */
+size_t report_done(const struct report *r);
+
 /* report_bound(rate, n): n independent comparisons of which this share, fewer than 3, went
  * wrong: what the true rate is below with 95 % confidence; 3 / n without any. */
 double report_bound(double rate, size_t n);
 
-/* ---- its forms: writers (newfile.h) of a struct report.  An empty field
+/* report_step(r, most, from, n): the step of thresholds, a round number, that leads from *from,
+ * at or below the lowest score, to the highest in *n <= most steps. */
+double report_step(const struct report *r, size_t most, double *from, size_t *n);
+
+/* ---- its forms: writers (newfile.h) of a struct report, and of lists of them.  An empty field
  * is a number that is not known.  Return ST_OK, ST_ENOMEM, ST_EIO.
  * report_csv_scores  every comparison, in the order of t->trial; behind them a row for each scan
  *                    that was refused, with the code (status_refusal()) and the reason
+ * report_csv_matrix  the scores, a row for each template and a column for each probe; empty if
+ *                    nothing was compared or a scan was refused
  * report_csv_rates   FMR and FNMR by threshold, of the comparisons made
+ * report_csv_methods the FNMR of the program and of each method by FMR, with refusals
+ * report_csv_sets    a row for each report of a struct report_list
  * report_json        the report as report.json has it; report_json_out(o, r) the same as members
  *                    of o's open object */
-newfile_writer report_csv_scores, report_csv_rates, report_json;
+struct report_list {
+    const struct report *report;
+    size_t n;
+};
+newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_methods,
+    report_csv_sets;
+newfile_writer report_json;
 void report_json_out(struct json *o, const struct report *r);
 
 #endif

@@ -7,6 +7,7 @@
 #include "report.h"
 
 #define THRESHOLDS 2000
+#define A_DECADE   20 /* rows of methods.csv for a power of ten of the FMR */
 
 /* A field, quoted where it must be. */
 static void text(FILE *to, const char *s)
@@ -132,33 +133,65 @@ enum status report_csv_scores(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-/* ---- rates.csv */
+/* ---- matrix.csv */
 
-/* Returns the step of thresholds, a round number, that leads from *from, at or below the lowest score, to
- * the highest in *n <= THRESHOLDS steps. */
-static double step_of(const struct report *r, double *from, size_t *n)
+static int by_cell(const void *a, const void *b)
 {
-    static const double factor[3] = {2, 2.5, 2}; /* 1, 2, 5, 10 */
-    double low = r->t->threshold, high = low, step = 1e-2;
+    const struct trial *x = *(const struct trial *const *)a,
+                       *y = *(const struct trial *const *)b;
 
-    for (size_t i = 0; i < r->t->n; i++)
-        if (r->t->trial[i].done) {
-            low = fmin(low, r->t->trial[i].score);
-            high = fmax(high, r->t->trial[i].score);
-        }
-    for (int i = 0; (high - low) / step + 2 > THRESHOLDS; i++)
-        step *= factor[i % 3];
-    *from = floor(low / step) * step;
-    *n = (size_t)ceil((high - *from) / step);
-    return step;
+    if (x->template != y->template)
+        return x->template <y->template ? -1 : 1;
+    return (x->probe > y->probe) - (x->probe < y->probe);
 }
+
+enum status report_csv_matrix(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct trials *t = ((const struct report *)arg)->t;
+    const struct corpus *c = t->corpus;
+    const struct trial **cell = malloc((t->n + 1) * sizeof *cell);
+    size_t next = 0;
+
+    if (cell == NULL)
+        return errinfo_set(e, ST_ENOMEM, "matrix.csv: out of memory");
+    for (size_t i = 0; i < t->n; i++)
+        cell[i] = &t->trial[i];
+    qsort(cell, t->n, sizeof *cell, by_cell);
+    (void)fputs("template", to);
+    for (uint32_t p = 0; p < c->nscan; p++)
+        if (t->probe[p].used) {
+            (void)fputc(',', to);
+            text(to, c->scan[p].file);
+        }
+    (void)fputc('\n', to);
+    for (uint32_t i = 0; i < c->nscan; i++) {
+        if (!t->template[i].used)
+            continue;
+        text(to, c->scan[i].file);
+        for (uint32_t p = 0; p < c->nscan; p++) {
+            if (!t->probe[p].used)
+                continue;
+            if (next < t->n && cell[next]->template == i && cell[next]->probe == p)
+                fixed(to, 6, cell[next]->done ? cell[next]->score : (double)NAN);
+            else
+                (void)fputc(',', to);
+            while (next < t->n && cell[next]->template == i && cell[next]->probe == p)
+                next++; /* a pair that is listed twice has one score */
+        }
+        (void)fputc('\n', to);
+    }
+    free(cell);
+    return ST_OK;
+}
+
+/* ---- rates.csv */
 
 enum status report_csv_rates(FILE *to, const void *arg, struct errinfo *e)
 {
     const struct report *r = arg;
     size_t n;
     double from;
-    const double step = step_of(r, &from, &n);
+    const double step = report_step(r, THRESHOLDS, &from, &n);
 
     (void)e;
     (void)fprintf(to, "threshold,fmr,fnmr");
@@ -177,6 +210,108 @@ enum status report_csv_rates(FILE *to, const void *arg, struct errinfo *e)
         digits(to, 8, rates_fmr(r->group[0].curve[REPORT_SCORED].rates, score));
         for (uint32_t k = 0; k < r->ngroup; k++)
             digits(to, 8, rates_fnmr(r->group[k].curve[REPORT_SCORED].rates, score));
+        (void)fputc('\n', to);
+    }
+    return ST_OK;
+}
+
+/* ---- methods.csv */
+
+/* At the least threshold that keeps the FMR. */
+static void write_fnmr(FILE *to, const struct rates *rates, double fmr)
+{
+    const bool supported = rates_supported(fmr, rates_nimpostor(rates));
+
+    digits(to, 6, supported ? rates_fnmr(rates, rates_at(rates, fmr)) : (double)NAN);
+}
+
+enum status report_csv_methods(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct report *r = arg;
+    const struct report_curve *own = r->group[0].curve;
+
+    (void)e;
+    (void)fprintf(to, "fmr,surfaced");
+    for (size_t i = 0; i < r->nmethod; i++) {
+        (void)fputc(',', to);
+        text(to, r->method[i].name);
+    }
+    (void)fputc('\n', to);
+    for (int k = -5 * A_DECADE; k <= 0; k++) {
+        const double fmr = pow(10, (double)k / A_DECADE);
+
+        (void)fprintf(to, "%.6g", fmr);
+        write_fnmr(to,
+                   own[own[REPORT_ALL].rates != NULL ? REPORT_ALL : REPORT_SCORED].rates,
+                   fmr);
+        for (size_t i = 0; i < r->nmethod; i++)
+            write_fnmr(to, r->method[i].curve.rates, fmr);
+        (void)fputc('\n', to);
+    }
+    return ST_OK;
+}
+
+/* ---- sets.csv */
+
+static void write_rate(FILE *to, const struct report_rate *x)
+{
+    digits(to, 6, x->value);
+    digits(to, 6, x->low);
+    digits(to, 6, x->high);
+    (void)fprintf(to, ",%zu", x->n);
+}
+
+static void write_curve(FILE *to, const struct report *r, const struct report_curve *g)
+{
+    (void)fprintf(to, ",%zu", g->n);
+    digits(to, 6, g->f.eer);
+    digits(to, 6, g->low.eer);
+    digits(to, 6, g->high.eer);
+    for (int k = 0; k < RATES_TARGETS; k++) {
+        const bool known = rates_supported(rates_target[k], r->non_mated.n);
+
+        digits(to, 6, known ? g->f.tar[k] : (double)NAN);
+        digits(to, 6, known ? g->low.tar[k] : (double)NAN);
+        digits(to, 6, known ? g->high.tar[k] : (double)NAN);
+    }
+}
+
+enum status report_csv_sets(FILE *to, const void *sets, struct errinfo *e)
+{
+    static const char *const rate[] = {"fte", "fta", "fnmr", "frr", "fmr", "far"};
+    static const char *const curve[] = {"", "_with_refusals"};
+    const struct report_list *list = sets;
+
+    (void)e;
+    (void)fprintf(to, "scans,engine,threshold,subjects");
+    for (size_t i = 0; i < sizeof rate / sizeof *rate; i++)
+        (void)fprintf(to, ",%s,%s_low,%s_high,%s_of", rate[i], rate[i], rate[i], rate[i]);
+    for (int i = 0; i < REPORT_OF; i++) {
+        (void)fprintf(to, ",mated%s,eer%s,eer%s_low,eer%s_high", curve[i], curve[i],
+                      curve[i], curve[i]);
+        for (int k = 0; k < RATES_TARGETS; k++)
+            (void)fprintf(to, ",tar_at_%g%s,tar_at_%g%s_low,tar_at_%g%s_high",
+                          rates_target[k], curve[i], rates_target[k], curve[i],
+                          rates_target[k], curve[i]);
+    }
+    (void)fputc('\n', to);
+    for (size_t i = 0; i < list->n; i++) {
+        const struct report *r = &list->report[i];
+        const struct report_group *all = &r->group[0];
+
+        text(to, r->source);
+        (void)fputc(',', to);
+        text(to, r->engine);
+        fixed(to, 6, r->threshold);
+        (void)fprintf(to, ",%u", r->t->corpus->nsubject);
+        write_rate(to, &r->fte);
+        write_rate(to, &all->fta);
+        write_rate(to, &all->fnmr);
+        write_rate(to, &all->frr);
+        write_rate(to, &r->fmr);
+        write_rate(to, &r->far);
+        for (int k = 0; k < REPORT_OF; k++)
+            write_curve(to, r, &all->curve[k]);
         (void)fputc('\n', to);
     }
     return ST_OK;

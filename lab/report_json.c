@@ -131,13 +131,12 @@ static void made_by(const struct report *r, struct json *o)
     /* A model does not record whose scans it was learned from. */
     json_text(o, "learned_from_these_people", "unknown");
     json_text(o, "calibration", r->calibration);
-    json_score(o, "threshold", r->t->threshold);
+    json_score(o, "threshold", r->threshold);
 }
 
 void report_json_out(struct json *o, const struct report *r)
 {
     const struct trials *t = r->t;
-    const size_t done = r->group[0].mated.n + r->non_mated.n + r->relative.n;
 
     json_text(o, "scans", r->source);
     made_by(r, o);
@@ -158,7 +157,7 @@ void report_json_out(struct json *o, const struct report *r)
     report_json_rate(o, "far", &r->far);
     json_number(o, "of_each_probe",
                 t->non_mated == TRIALS_ALL ? (double)NAN : t->non_mated);
-    json_number(o, "seed", (double)TRIALS_SEED);
+    json_number(o, "seed", (double)t->seed);
     json_close(o);
     json_object(o, "relative");
     report_json_count(o, &r->relative);
@@ -167,15 +166,27 @@ void report_json_out(struct json *o, const struct report *r)
     for (uint32_t i = 0; i < r->ngroup; i++)
         group(r, &r->group[i], o);
     json_close(o);
+    json_array(o, "methods");
+    for (size_t i = 0; i < r->nmethod; i++) {
+        const struct report_method *m = &r->method[i];
+
+        json_object(o, NULL);
+        json_text(o, "method", m->name);
+        json_number(o, "mated_with_a_score", (double)m->mated);
+        json_number(o, "non_mated", (double)m->non_mated);
+        curve(&m->curve, m->non_mated, o);
+        json_close(o);
+    }
+    json_close(o);
     json_object(o, "bootstrap");
-    json_number(o, "replicates", RATES_REPLICATES);
-    json_number(o, "seed", (double)REPORT_SEED);
+    json_number(o, "replicates", r->replicates);
+    json_number(o, "seed", (double)r->seed);
     json_close(o);
     json_object(o, "speed");
     json_number(o, "threads", t->nthread);
     json_number(o, "enroll_s", t->build_s);
     json_number(o, "compare_s", t->compare_s);
-    json_number(o, "comparisons_a_second", (double)done / t->compare_s);
+    json_number(o, "comparisons_a_second", (double)report_done(r) / t->compare_s);
     json_number(o, "score_ms", r->score_ms);
     json_close(o);
 }

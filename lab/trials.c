@@ -8,6 +8,8 @@
 #include "pool.h"
 #include "rates.h"
 
+#define SEED UINT64_C(19795) /* the standard's number */
+
 /* ---- what is compared */
 
 static bool plan_add(struct trials *t, uint32_t template, uint32_t probe,
@@ -43,7 +45,7 @@ static bool plan_probe(struct trials *t, uint32_t probe, uint32_t *list)
 {
     const struct corpus *c = t->corpus;
     const uint32_t subject = c->scan[probe].subject;
-    uint64_t seed = TRIALS_SEED + ((uint64_t)probe << 32);
+    uint64_t seed = SEED + ((uint64_t)probe << 32);
     uint32_t m = 0;
     bool ok = c->subject[subject].enrolled == CORPUS_NONE ||
               plan_add(t, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
@@ -130,6 +132,7 @@ static enum status plan_all(struct trials *t)
 struct run {
     struct trials *t;
     const struct lab *c;
+    const struct trials_how *how;
     uint32_t *templates;           /* [ntemplate] of corpus.scan */
     uint32_t *slot;                /* [nscan] a template's place among them */
     struct surface_face *template; /* [ntemplate] */
@@ -175,9 +178,9 @@ static enum status trials_compare(const struct run *r, const struct surface_face
     if (st == ST_OK)
         st = face_compare_again(own, face, w, &f);
     x->score_ms = (float)(command_clock_ms() - start);
-    if (st == ST_OK && r->c->regions)
+    if (st == ST_OK && r->how->regions)
         st = face_field(own, face, w, &parts);
-    if (st == ST_OK && r->c->minimal)
+    if (st == ST_OK && r->how->minimal)
         st = face_minimal(own, face, w, &least);
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
@@ -187,9 +190,9 @@ static enum status trials_compare(const struct run *r, const struct surface_face
     x->score = f.score;
     x->fmr_at_score = f.false_match_rate;
     x->overlap = (float)f.overlap;
-    for (int i = 0; i < SURFACE_REGIONS && r->c->regions; i++)
+    for (int i = 0; i < SURFACE_REGIONS && r->how->regions; i++)
         x->region[i] = (float)parts.region[i];
-    if (r->c->minimal)
+    if (r->how->minimal)
         x->disparity_mm = (float)least.disparity_mm;
     return ST_OK;
 }
@@ -267,10 +270,11 @@ static enum status run_all(struct run *r, struct errinfo *e)
     return st;
 }
 
-enum status trials_run(struct lab *c, const struct corpus *corpus, struct trials **out)
+enum status trials_run(struct lab *c, const struct corpus *corpus,
+                       const struct trials_how *how, struct trials **out)
 {
     struct trials *t = calloc(1, sizeof *t);
-    struct run r = {.t = t, .c = c};
+    struct run r = {.t = t, .c = c, .how = how};
     enum status st = ST_ENOMEM;
 
     *out = NULL;
@@ -278,10 +282,11 @@ enum status trials_run(struct lab *c, const struct corpus *corpus, struct trials
         t->corpus = corpus;
         t->threshold =
             isnan(c->threshold) ? c->model->calibration.threshold : c->threshold;
+        t->seed = SEED;
         t->nthread = pool_threads(c->threads);
-        t->non_mated = corpus->nlisted > 0 ? TRIALS_ALL
-                       : c->non_mated > 0  ? c->non_mated
-                                           : trials_share(corpus);
+        t->non_mated = corpus->nlisted > 0  ? TRIALS_ALL
+                       : how->non_mated > 0 ? how->non_mated
+                                            : trials_share(corpus);
         t->template = calloc(corpus->nscan, sizeof *t->template);
         t->probe = calloc(corpus->nscan, sizeof *t->probe);
     }

@@ -86,10 +86,46 @@ else
     echo "SKIP the pictures: gnuplot is not installed"
 fi
 
+# ---- scores of other methods: the same ones; distances, of which two are missing
+cp erred/scores.csv same.csv
+expect 0 "the same scores" "$lab" evaluate wrong --scores same.csv --out method
+has out '^method  *same: scores of 11 of 11 mated, 55 of 55 non-mated comparisons'
+is "have the same rates" "$(get method '.methods[0] | [.eer, .tar] | tojson')" \
+    "$(get method '.mated[0].with_refusals | [.eer, .tar] | tojson')"
+is "at every rate" "$(awk -F, 'NR > 1 && $2 != $3' method/methods.csv | wc -l)" 0
+is "none that is not supported" "$(awk -F, 'NR > 1 && $2 != "" { print $1; exit }' method/methods.csv)" 0.0562341
+awk -F, 'BEGIN { print "METHOD,probe,template,distance,note" }
+    NR > 1 { print "far," $2 "," $1 "," (-$9) ",x" }
+    $7 == "mated" && ++n <= 2 { $9 = "" }
+    NR > 1 { print "some," $2 "," $1 "," ($9 == "" ? "" : 9 - $9) "," }
+    END { print "far,p1_again.ply,nobody.ply,3,not compared here" }' erred/scores.csv >methods.csv
+expect 0 "distances" "$lab" evaluate wrong --scores methods.csv --out method --force
+has out '^method  *some: scores of 9 of 11 mated, 55 of 55 non-mated'
+is "the lower the more alike" "$(get method '.methods[0].eer.observed')" \
+    "$(get method '.mated[0].with_refusals.eer.observed')"
+is "a mated comparison without a score is an error" \
+    "$(tail -n 1 method/methods.csv | awk -F, '{ printf "%.4f", $4 - $3 }')" 0.1818
+if command -v gnuplot >/dev/null 2>&1; then
+    expect 0 "methods drawn" "$OLDPWD/scripts/plot_evaluation" method
+    is "without a complaint" "$(cat err)" ''
+    ok "a curve for each" grep -q '>some<' method/methods.svg
+fi
+expect 65 "the table is not replaced" "$lab" evaluate wrong --scores methods.csv --out . --force
+has err './methods.csv is a file that this command reads'
+printf 'template,probe,score\np1_enroll.ply,p1_again.ply,1\np1_enroll.ply,p1_again.ply,2\n' >bad.csv
+expect 65 "two scores of a pair" "$lab" evaluate wrong --scores bad.csv --out none
+has err 'bad.csv, line 3, column probe: this pair has a score already'
+printf 'template,probe,score\nx,y,1\n' >bad.csv
+expect 65 "of other scans" "$lab" evaluate wrong --scores bad.csv --out none
+has err 'no pair of bad is compared here'
+expect 64 "of several collections" "$lab" evaluate wrong scans --scores same.csv
+
 # ---- a file that exists is replaced with --force only, one that is read never
 expect 65 "there is a report" "$lab" evaluate scans
 has err 'evaluation/scores.csv exists: --force replaces it'
+touch evaluation/matrix.csv # of a former run
 expect 0 "replaced" "$lab" evaluate scans --force
+is "nothing of the former one stays" "$(files evaluation)" "$tables"
 printf 'file,subject\nscans/p1_enroll.ply,p1\nscans/p1_again.ply,p1\n' >scores.csv
 expect 65 "over its manifest" "$lab" evaluate scores.csv --out . --force
 has err './scores.csv is a file that this command reads'
@@ -99,10 +135,16 @@ expect 65 "over a scan" "$lab" evaluate with.csv --out . --force
 has err './scores.csv is a file that this command reads'
 rm scores.csv rates.csv with.csv
 
-# ---- what is measured besides
-expect 0 "the minimal disparity and the regions" "$lab" evaluate scans --minimal --regions --out full
+# ---- every template with every probe
+expect 0 "a matrix" "$lab" evaluate scans --matrix --minimal --regions --out full
 ok "the same scores" test "$(cut -d, -f 1-11,13,20- full/scores.csv)" = \
     "$(cut -d, -f 1-11,13,20- evaluation/scores.csv)"
+is "a row for each template, a column for each probe" \
+    "$(awk -F, '{ n[NF]++ } END { for (k in n) print k, n[k] }' full/matrix.csv)" "12 7"
+is "with the scores of the list" "$(awk -F, 'NR == FNR { score[$1, $2] = $9; next }
+    FNR == 1 { for (i = 2; i <= NF; i++) probe[i] = $i; next }
+    { for (i = 2; i <= NF; i++) { n++; bad += $i != score[$1, probe[i]] } }
+    END { print n, bad + 0 }' full/scores.csv full/matrix.csv)" "66 0"
 ok "the minimal disparity" test "$(awk -F, 'NR > 1 && $12 > 0' full/scores.csv | wc -l)" -eq 66
 is "the regions' parts sum up to the score" "$(awk -F, 'NR == 1 { next }
     { d = $9 - $14 - $15 - $16 - $17 - $18 - $19; n++; bad += (d * d > 1e-6) }
@@ -135,10 +177,12 @@ printf 'template,probe,label\np,q,genuine\nq,r,impostor\n' >protocol/labelled.cs
 cp scans/p1_enroll.ply protocol/p
 cp scans/p1_again.ply protocol/q
 cp scans/p2_again.ply protocol/r
-expect 0 "with labels" "$lab" evaluate --pairs protocol/labelled.csv --out labelled
+expect 0 "with labels" "$lab" evaluate --pairs protocol/labelled.csv --out labelled --matrix
 is "by the labels" "$(cut -d, -f 3,4,7,8 labelled/scores.csv | sed 1d | paste -sd ' ')" \
     'p,p,mated,match p,r,non-mated,no_match'
 is "people" "$(get labelled .subjects)" 2
+is "the matrix has what is listed" "$(awk -F, 'NR > 1 { print ($2 != ""), ($3 != "") }' \
+    labelled/matrix.csv | paste -sd ' ')" '1 0 0 1'
 printf 'p q 1\nq r perhaps\n' >protocol/bad
 expect 65 "a bad label" "$lab" evaluate --pairs protocol/bad --out none
 has err 'protocol/bad, line 2, field 3: a label is'
@@ -150,7 +194,24 @@ expect 64 "pairs and a folder" "$lab" evaluate scans --pairs protocol/pairs
 expect 64 "pairs and a kind" "$lab" evaluate --pairs protocol/pairs --enroll-kind a
 has err 'takes neither'
 
-expect 64 "several sets" "$lab" evaluate scans wrong
+# ---- several sets side by side
+mkdir -p other/scans
+cp scans/p[12]_*.ply other/scans
+expect 0 "two sets" "$lab" evaluate scans other/scans/ wrong --out side
+is "a summary each" "$(grep -c '^scans  *.*\(scans/*: [26]\|wrong: 6\) subjects' out)" 3
+is "the folders" "$(files side | tr ' ' '\n' | grep -v 'report\|scores\|rates' | paste -sd ' ')" \
+    'scans scans-2 sets.csv wrong'
+ok "each as by itself" cmp side/scans/scores.csv evaluation/scores.csv
+is "as a table" "$(awk -F, '{ print NF }' side/sets.csv | uniq -c | tr -s ' ')" \
+    " 4 $(head -n 1 side/sets.csv | tr , '\n' | wc -l)"
+is "mated" "$(awk -F, 'NR == 1 { while ($++k != "mated") ; next } { print $k }' side/sets.csv |
+    paste -sd ' ')" '11 2 11'
+expect 65 "a second time" "$lab" evaluate scans other/scans/ wrong --out side
+expect 0 "as JSON" "$lab" evaluate scans wrong --out side --force --json
+is "each report" "$(jq -r '[.sets[] | .scans, .mated[0].comparisons] | join(" ")' out)" \
+    'scans 11 wrong 11'
+expect 66 "one that is missing" "$lab" evaluate scans nowhere --out none
+
 for n in 1 3; do
     expect 0 "$n threads" "$lab" evaluate scans --threads $n --out "by-$n"
     ok "$n threads: the same scores" cmp evaluation/scores.csv "by-$n/scores.csv"
