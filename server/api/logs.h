@@ -1,15 +1,18 @@
-/* logs.h -- the audit log: listed, verified, as a file. */
+/* logs.h -- handlers of the audit log.  logs_verify() and logs_export() are slow routes (route.h). */
 #ifndef SERVER_LOGS_H
 #define SERVER_LOGS_H
 
-struct request;
-struct worker;
+struct request; /* request.h */
+struct worker;  /* worker.h */
 
+/* logs_list(r, w): Lists the entries that the query parameters choose. */
 void logs_list(struct request *r, struct worker *w);
 
-/* Slow routes (route.h): logs_verify() reads everything; logs_export() writes it into a file without
- * a name, or, with the subjects' ids in it, into memory, before it is sent. */
+/* logs_verify(r, w): Verifies the whole log. */
 void logs_verify(struct request *r, struct worker *w);
+
+/* logs_export(r, w): Exports the log before it responds: to a file without a name, or, if the export contains the
+ * ids of subjects, to memory. */
 void logs_export(struct request *r, struct worker *w);
 
 #endif

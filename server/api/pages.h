@@ -1,17 +1,17 @@
-/* pages.h -- the files that the daemon has for a browser: the API's description, /docs and the
- * console.  They are in the program and load nothing from elsewhere: their
- * Content-Security-Policy says so. */
+/* pages.h -- handlers of the files for a browser: the description of the API, /docs and the console.
+ * The files are part of the program.  Their Content-Security-Policy allows them to load nothing from
+ * other sites. */
 #ifndef SERVER_PAGES_H
 #define SERVER_PAGES_H
 
-struct request;
-struct worker;
+struct request; /* request.h */
+struct worker;  /* worker.h */
 
-/* pages_handle(r, w): as in route.h, quick: the page of r's path, compressed where the client
- * takes it, 304 where it has it; 404. */
+/* pages_handle(r, w): Sends the file of the path of r, compressed if the client accepts it, or 304 or 404.  A
+ * quick route (route.h). */
 void pages_handle(struct request *r, struct worker *w);
 
-/* pages_console(r, w): the same of /console and its files; 404 too with --no-console. */
+/* pages_console(r, w): Like pages_handle(), for /console and its files; 404 with --no-console. */
 void pages_console(struct request *r, struct worker *w);
 
 #endif

@@ -1,6 +1,5 @@
-/* params.h -- the query parameters.  Each returns false when the parameter is malformed, or
- * needs a scope that the token lacks: then r->response says so.  One that is absent leaves *out as
- * it was. */
+/* params.h -- the query parameters.  Each function leaves *out unchanged if its parameter is absent.  It
+ * returns false, with r->response set, if the parameter is malformed or needs a scope that the token lacks. */
 #ifndef SERVER_PARAMS_H
 #define SERVER_PARAMS_H
 #include <stdbool.h>
@@ -8,33 +7,36 @@
 #include "verify.h"
 
 struct clouddepth_camera; /* clouddepth.h */
-struct request;
+struct request;           /* request.h */
 
-bool params_flag(struct request *r, const char *name, bool *out); /* true, false */
+/* params_flag(r, name, out): Reads true or false. */
+bool params_flag(struct request *r, const char *name, bool *out);
 
-/* params_units(r, mm): units=auto|mm|cm|m|in|um as millimetres per unit, 0 for auto.
- * params_axes(r, axes_given): axes=auto|scanner. */
+/* params_units(r, mm): Reads units=auto|mm|cm|m|in|um as millimetres per unit; auto is 0. */
 bool params_units(struct request *r, double *mm);
+
+/* params_axes(r, axes_given): Reads axes=auto|scanner; scanner is true. */
 bool params_axes(struct request *r, bool *axes_given);
 
-/* params_camera(r, c): fx, fy (above 0), cx, cy and depth_scale (above 0), of a depth image,
- * and width and height, both or none, of one that has nothing but its values. */
+/* params_camera(r, c): Reads the camera of a depth image: fx and fy (above 0), cx, cy, and depth_scale (above 0).
+ * A raw depth image also needs width and height, both or none. */
 bool params_camera(struct request *r, struct clouddepth_camera *c);
 
-/* params_detail(r, scopes, out): detail=measure|heatmap|surface, which also takes one of the scopes;
- * without it VERIFY_DECISION for a client that prefers the minimum (headers.h), else VERIFY_BRIEF. */
+/* params_detail(r, scopes, out): Reads detail=measure|heatmap|surface, which needs the scope detail or one of
+ * scopes.  Without it sets VERIFY_DECISION if the client prefers a minimal response (headers.h), else
+ * VERIFY_BRIEF. */
 bool params_detail(struct request *r, unsigned scopes, enum verify_detail *out);
 
-/* params_surface(r, out): detail=surface, or nothing. */
+/* params_surface(r, out): Reads detail=surface, the only value allowed. */
 bool params_surface(struct request *r, bool *out);
 
-/* params_format(r, ply): format=glb|ply. */
+/* params_format(r, ply): Reads format=glb|ply. */
 bool params_format(struct request *r, bool *ply);
 
-/* params_text(r, name, out, size): 1 to size - 1 bytes, decoded. */
+/* params_text(r, name, out, size): Decodes a text of 1 to size - 1 bytes. */
 bool params_text(struct request *r, const char *name, char *out, size_t size);
 
-/* params_count(r, name, max, out): an integer from 1 to max. */
+/* params_count(r, name, max, out): Reads an integer from 1 to max. */
 bool params_count(struct request *r, const char *name, size_t max, size_t *out);
 
 #endif

@@ -1,9 +1,9 @@
-/* subjects.h -- list, show, change and erase subjects; describe and delete templates. */
+/* subjects.h -- handlers of subjects and of the descriptions of their templates. */
 #ifndef SERVER_SUBJECTS_H
 #define SERVER_SUBJECTS_H
 
-struct request;
-struct worker;
+struct request; /* request.h */
+struct worker;  /* worker.h */
 
 void subjects_list(struct request *r, struct worker *w);
 void subjects_show(struct request *r, struct worker *w);

@@ -1,14 +1,14 @@
-/* tokens.h -- the tokens that clients have. */
+/* tokens.h -- handlers of tokens.  A client can make, renew and revoke only tokens whose scopes its own
+ * token has. */
 #ifndef SERVER_TOKENS_H
 #define SERVER_TOKENS_H
 
-struct request;
-struct worker;
+struct request; /* request.h */
+struct worker;  /* worker.h */
 
-/* tokens_own(r, w): the one that r has, and what it may do; without one, everything. */
+/* tokens_own(r, w): Describes the token of r; without one, all scopes. */
 void tokens_own(struct request *r, struct worker *w);
 
-/* All tokens.  Nobody gets a secret of one that may do what his own may not. */
 void tokens_list(struct request *r, struct worker *w);
 void tokens_create(struct request *r, struct worker *w);
 void tokens_rotate(struct request *r, struct worker *w);
