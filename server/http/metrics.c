@@ -7,6 +7,7 @@
 #include <dirent.h>
 #include <unistd.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "app.h"
@@ -22,6 +23,7 @@
 #include "request.h"
 #include "route.h"
 #include "store.h"
+#include "templates.h"
 #include "tls.h"
 
 #define NSTATUS  600
@@ -31,8 +33,6 @@
 static const double bound[NBUCKETS] = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                        0.1,    0.25,  0.5,    1,     2.5,  5,     10};
 
-static const char *const decision_name[] = {"match", "no_match", "inconclusive"};
-
 typedef atomic_uint_fast64_t counter;
 
 struct histogram {
@@ -40,23 +40,60 @@ struct histogram {
     counter ns;
 };
 
-/* What can be wrong with a scan: ST_ELIMIT to ST_EQUALITY. */
-#define NREFUSALS (ST_EQUALITY - ST_ELIMIT + 1)
+/* The counters: those of enum metrics_event, those that metrics.c counts by itself, and one for each kind of
+ * problem (errmap.h). */
+enum {
+    CAPTURED = METRICS_EVENTS, /* accepted captures */
+    DATABASE,                  /* failures, in the order of metrics_database_error() */
+    WRONG_TOKEN = DATABASE + 5,
+    PROBLEM,
+    COUNTERS = PROBLEM + ERRMAP_COUNT
+};
 
-enum { BUSY, IO, CORRUPT, VERSION, OTHER, NDATABASE };
-
-/* A capture that was taken, then those that were refused. */
-#define NCAPTURES (2 + ERRMAP_LIVENESS - ERRMAP_CAPTURE_REQUIRED)
+/* The metrics that are counters.  One without help goes on with the metric before it. */
+static const struct family {
+    unsigned first, n;                 /* its counters */
+    const char *name, *label, *values; /* values: with commas; "": codes of problems */
+    const char *help;
+} family[] = {
+    {METRICS_DECISIONS, 3, "surfaced_decisions_total", "decision",
+     "match,no_match,inconclusive", "Verifications and comparisons by decision."},
+    {METRICS_ENROLLED, 3, "surfaced_enrollments_total", "outcome",
+     "created,known,mismatch",
+     "Enrolments; known: the subject has this scan already; mismatch: refused."},
+    {PROBLEM + ERRMAP_STORAGE_FULL, 1, "surfaced_enrollments_refused_total", NULL, NULL,
+     "Enrolments refused because the disk is nearly full."},
+    {PROBLEM + ST_ELIMIT, 1 + ST_EQUALITY - ST_ELIMIT, "surfaced_scans_refused_total",
+     "code", "", "Scans that could not be used, by the code of the response."},
+    {METRICS_ENROLLABLE, 3, "surfaced_checks_total", "outcome",
+     "enrollable,usable,unusable",
+     "Scans checked without storing; usable: for verification only."},
+    {CAPTURED, 1, "surfaced_captures_total", "outcome", "taken",
+     "Signed captures: accepted, or refused with this code."},
+    {PROBLEM + ERRMAP_CAPTURE_REQUIRED, 1 + ERRMAP_LIVENESS - ERRMAP_CAPTURE_REQUIRED,
+     "surfaced_captures_total", "outcome", "", NULL},
+    {METRICS_REFUSED_ATTEMPTS, 3, "surfaced_attempts_refused_total", "reason",
+     "token,others,subjects",
+     "Verifications refused (429) after failures: of the token for the subject, of other "
+     "tokens, of the token for many subjects."},
+    {METRICS_WARNINGS, 3, "surfaced_attempt_warnings_total", "kind",
+     "locked_out,many_subjects,attempts_pattern",
+     "Lock-outs; tokens that tried many subjects without a match; subjects whose "
+     "verifications fail again and again between matches."},
+    {DATABASE, 5, "surfaced_database_errors_total", "kind",
+     "busy,io,corrupt,version,other", "Requests that failed because of the database."},
+    {METRICS_LOST, 1, "surfaced_lost_events_total", NULL, NULL,
+     "Events that could not be written to the database."},
+    {PROBLEM + ST_EREPLAYED, 1, "surfaced_replayed_total", NULL, NULL,
+     "Probes refused because they were enrolled before (replayed)."},
+    {WRONG_TOKEN, 1, "surfaced_wrong_tokens_total", NULL, NULL,
+     "Requests with a token that is not valid."},
+};
 
 struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
-    counter event[METRICS_EVENTS];
-    counter refused[NREFUSALS];
-    counter capture[NCAPTURES];
-    counter storage_full;
-    counter database[NDATABASE];
-    counter wrong_tokens, replayed;
+    counter count[COUNTERS];
     counter rows_verified;          /* since 1970, s */
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
     const struct route *routes;
@@ -86,7 +123,7 @@ void metrics_free(struct metrics *m)
 
 /* ---- counting */
 
-static void metrics_count(counter *c, uint_fast64_t n)
+static void metrics_add(counter *c, uint_fast64_t n)
 {
     (void)atomic_fetch_add_explicit(c, n, memory_order_relaxed);
 }
@@ -97,24 +134,34 @@ static void observe(struct histogram *h, double ms)
 
     while (b < NBUCKETS && ms > bound[b] * 1e3)
         b++;
-    metrics_count(&h->bucket[b], 1);
-    metrics_count(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
+    metrics_add(&h->bucket[b], 1);
+    metrics_add(&h->ns, ms > 0.0 ? (uint_fast64_t)(ms * 1e6) : 0);
+}
+
+void metrics_event(struct metrics *m, unsigned e)
+{
+    metrics_add(&m->count[e], 1);
 }
 
 void metrics_refused(struct metrics *m, enum status st)
 {
     if (st >= ST_ELIMIT && st <= ST_EQUALITY)
-        metrics_count(&m->refused[st - ST_ELIMIT], 1);
+        metrics_event(m, PROBLEM + st);
 }
 
-static void count_capture(struct metrics *m, const struct request *r)
+void metrics_database_error(struct metrics *m, enum status st)
 {
-    const unsigned problem = r->response.problem;
+    static const enum status kind[] = {ST_EBUSY, ST_EIO, ST_ECORRUPT, ST_EVERSION,
+                                       ST_EDB};
 
-    if (problem >= ERRMAP_CAPTURE_REQUIRED && problem <= ERRMAP_LIVENESS)
-        metrics_count(&m->capture[1 + problem - ERRMAP_CAPTURE_REQUIRED], 1);
-    else if (r->capture.captured[0] != '\0')
-        metrics_count(&m->capture[0], 1);
+    for (unsigned i = 0; i < sizeof kind / sizeof *kind; i++)
+        if (st == kind[i])
+            metrics_event(m, DATABASE + i);
+}
+
+static bool of_capture(unsigned problem)
+{
+    return problem >= ERRMAP_CAPTURE_REQUIRED && problem <= ERRMAP_LIVENESS;
 }
 
 void metrics_request(struct metrics *m, const struct request *r, int http, double ms)
@@ -122,42 +169,20 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
     struct by_route *by =
         &m->route[r->route == NULL ? m->nroutes : (size_t)(r->route - m->routes)];
 
-    metrics_count(&by->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
+    metrics_add(&by->status[http < 0 || http >= NSTATUS ? 0 : http], 1);
     observe(&by->duration, ms);
     for (size_t i = 0; i < REQUEST_STAGES; i++)
         if ((r->stages >> i & 1) != 0)
             observe(&m->stage[i], r->stage_ms[i]);
     if ((r->stages >> REQUEST_PREPARE & 1) != 0) /* it was about a face */
         observe(&m->stage[REQUEST_STAGES], ms);
-    count_capture(m, r);
     if (r->response.bad_token)
-        metrics_count(&m->wrong_tokens, 1);
-    metrics_refused(m, r->response.problem < ST_COUNT ? (enum status)r->response.problem
-                                                      : ST_OK);
-    if (r->response.problem == ERRMAP_STORAGE_FULL)
-        metrics_count(&m->storage_full, 1);
-    if (r->response.problem == ST_EREPLAYED)
-        metrics_count(&m->replayed, 1);
+        metrics_event(m, WRONG_TOKEN);
+    if (r->response.problem != 0)
+        metrics_event(m, PROBLEM + r->response.problem);
+    if (r->capture.captured[0] != '\0' && !of_capture(r->response.problem))
+        metrics_event(m, CAPTURED);
     metrics_database_error(m, r->failed);
-}
-
-void metrics_event(struct metrics *m, enum metrics_event e)
-{
-    metrics_count(&m->event[e], 1);
-}
-
-void metrics_database_error(struct metrics *m, enum status st)
-{
-    if (st == ST_EBUSY)
-        metrics_count(&m->database[BUSY], 1);
-    else if (st == ST_EIO)
-        metrics_count(&m->database[IO], 1);
-    else if (st == ST_ECORRUPT)
-        metrics_count(&m->database[CORRUPT], 1);
-    else if (st == ST_EVERSION)
-        metrics_count(&m->database[VERSION], 1);
-    else if (st == ST_EDB)
-        metrics_count(&m->database[OTHER], 1);
 }
 
 void metrics_rows_verified(struct metrics *m)
@@ -181,34 +206,36 @@ static uint64_t metrics_value(const counter *c)
     return atomic_load_explicit(c, memory_order_relaxed);
 }
 
+static uint64_t metrics_at(const struct metrics *m, unsigned i)
+{
+    return metrics_value(&m->count[i]);
+}
+
+static void describe_problem(struct json *j, unsigned kind, uint64_t n)
+{
+    if (n > 0)
+        json_number(j, errmap_get(kind)->code, (double)n);
+}
+
+/* Adds a member with the code of each kind of problem from first to last that occurred. */
+static void describe_problems(const struct metrics *m, struct json *j, unsigned first,
+                              unsigned last)
+{
+    for (unsigned kind = first; kind <= last; kind++)
+        describe_problem(j, kind, metrics_at(m, PROBLEM + kind));
+}
+
 static void describe_refusals(const struct metrics *m, struct json *j)
 {
-    static const unsigned attempts[] = {ERRMAP_ATTEMPTS, ERRMAP_SUBJECTS};
-    const uint64_t failed[] = {metrics_value(&m->event[METRICS_REFUSED_ATTEMPTS]) +
-                                   metrics_value(&m->event[METRICS_REFUSED_ATTEMPTS + 1]),
-                               metrics_value(&m->event[METRICS_REFUSED_ATTEMPTS + 2])};
-    const struct {
-        unsigned kind;
-        uint64_t n;
-    } single[] = {{ST_EREPLAYED, metrics_value(&m->replayed)},
-                  {ST_EMISMATCH, metrics_value(&m->event[METRICS_MISMATCH])},
-                  {ERRMAP_STORAGE_FULL, metrics_value(&m->storage_full)},
-                  {ERRMAP_NO_TOKEN, metrics_value(&m->wrong_tokens)}};
-
-#define REFUSED(kind, n)                                                                 \
-    if ((n) > 0)                                                                         \
-    json_number(j, errmap_get(kind)->code, (double)(n))
     json_object(j, "refusals");
-    for (unsigned i = 0; i < NREFUSALS; i++)
-        REFUSED(ST_ELIMIT + i, metrics_value(&m->refused[i]));
-    for (unsigned i = 1; i < NCAPTURES; i++)
-        REFUSED(ERRMAP_CAPTURE_REQUIRED + i - 1, metrics_value(&m->capture[i]));
-    for (int i = 0; i < 2; i++)
-        REFUSED(attempts[i], failed[i]);
-    for (size_t i = 0; i < sizeof single / sizeof *single; i++)
-        REFUSED(single[i].kind, single[i].n);
+    describe_problems(m, j, ST_ELIMIT, ST_EQUALITY);
+    describe_problems(m, j, ERRMAP_CAPTURE_REQUIRED, ERRMAP_LIVENESS);
+    describe_problems(m, j, ERRMAP_ATTEMPTS, ERRMAP_SUBJECTS);
+    describe_problems(m, j, ST_EREPLAYED, ST_EREPLAYED);
+    describe_problem(j, ST_EMISMATCH, metrics_at(m, METRICS_MISMATCH));
+    describe_problems(m, j, ERRMAP_STORAGE_FULL, ERRMAP_STORAGE_FULL);
+    describe_problem(j, ERRMAP_NO_TOKEN, metrics_at(m, WRONG_TOKEN));
     json_close(j);
-#undef REFUSED
 }
 
 /* NAN: nothing was observed. */
@@ -239,17 +266,17 @@ void metrics_describe(const struct metrics *m, struct json *j)
     const struct histogram *total = &m->stage[REQUEST_STAGES];
     uint64_t all = 0;
 
-    for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
-        all += metrics_value(&m->event[METRICS_DECISIONS + i]);
+    for (unsigned d = 0; d <= SURFACE_INCONCLUSIVE; d++)
+        all += metrics_at(m, METRICS_DECISIONS + d);
     json_number(j, "uptime_s", fmax(0, difftime(time(NULL), m->start)));
     json_object(j, "rates");
     json_number(j, "verifications", (double)all);
     json_object(j, "decisions");
-    for (int i = 0; i <= SURFACE_INCONCLUSIVE; i++)
-        json_number(j, decision_name[i],
-                    (double)metrics_value(&m->event[METRICS_DECISIONS + i]));
+    for (unsigned d = 0; d <= SURFACE_INCONCLUSIVE; d++)
+        json_number(j, templates_decision((enum surface_decision)d),
+                    (double)metrics_at(m, METRICS_DECISIONS + d));
     json_close(j);
-    json_number(j, "enrollments", (double)metrics_value(&m->event[METRICS_ENROLLED]));
+    json_number(j, "enrollments", (double)metrics_at(m, METRICS_ENROLLED));
     describe_refusals(m, j);
     json_close(j);
     json_object(j, "latency_ms");
@@ -269,17 +296,6 @@ static void print_one(FILE *f, const char *name, const char *type, uint64_t v,
 {
     head(f, name, type, help);
     fprintf(f, "%s %" PRIu64 "\n", name, v);
-}
-
-/* One counter for each value of a label. */
-static void print_by(FILE *f, const char *name, const char *label,
-                     const char *const values[], const counter *c, size_t n,
-                     const char *help)
-{
-    head(f, name, "counter", help);
-    for (size_t i = 0; i < n; i++)
-        fprintf(f, "%s{%s=\"%s\"} %" PRIu64 "\n", name, label, values[i],
-                metrics_value(&c[i]));
 }
 
 /* labels: "a=\"b\",c=\"d\""; nothing is printed of a histogram without observations. */
@@ -338,53 +354,22 @@ static void print_requests(FILE *f, const struct metrics *m)
     }
 }
 
-static void print_outcomes(FILE *f, const struct metrics *m)
+static void print_family(FILE *f, const struct metrics *m, const struct family *x)
 {
-    static const char *const enrollment[] = {"created", "known", "mismatch"};
-    static const char *const check[] = {"enrollable", "usable", "unusable"};
-    static const char *const attempts[] = {"token", "others", "subjects"};
-    static const char *const warning[] = {"locked_out", "many_subjects",
-                                          "attempts_pattern"};
-    const char *refused[NREFUSALS], *capture[NCAPTURES] = {"taken"};
-    static const char *const database[] = {"busy", "io", "corrupt", "version", "other"};
+    const char *value = x->values;
 
-    print_by(f, "surfaced_decisions_total", "decision", decision_name,
-             &m->event[METRICS_DECISIONS], 3,
-             "Verifications and comparisons by decision.");
-    print_by(f, "surfaced_enrollments_total", "outcome", enrollment,
-             &m->event[METRICS_ENROLLED], 3,
-             "Enrolments; known: the subject has this scan already; mismatch: refused.");
-    print_one(f, "surfaced_enrollments_refused_total", "counter",
-              metrics_value(&m->storage_full),
-              "Enrolments refused because the disk is nearly full.");
-    for (unsigned i = 0; i < NREFUSALS; i++)
-        refused[i] = errmap_get(ST_ELIMIT + i)->code;
-    print_by(f, "surfaced_scans_refused_total", "code", refused, m->refused, NREFUSALS,
-             "Scans that could not be used, by the code of the response.");
-    print_by(f, "surfaced_checks_total", "outcome", check, &m->event[METRICS_ENROLLABLE],
-             3, "Scans checked without storing; usable: for verification only.");
-    for (unsigned i = 1; i < NCAPTURES; i++)
-        capture[i] = errmap_get(ERRMAP_CAPTURE_REQUIRED + i - 1)->code;
-    print_by(f, "surfaced_captures_total", "outcome", capture, m->capture, NCAPTURES,
-             "Signed captures: accepted, or refused with this code.");
-    print_by(f, "surfaced_attempts_refused_total", "reason", attempts,
-             &m->event[METRICS_REFUSED_ATTEMPTS], 3,
-             "Verifications refused (429) after failures: of the token for the subject, "
-             "of other tokens, of the token for many subjects.");
-    print_by(f, "surfaced_attempt_warnings_total", "kind", warning,
-             &m->event[METRICS_WARNINGS], STORE_WARNINGS,
-             "Lock-outs; tokens that tried many subjects without a match; subjects whose "
-             "verifications fail again and again between matches.");
-    print_by(f, "surfaced_database_errors_total", "kind", database, m->database,
-             NDATABASE, "Requests that failed because of the database.");
-    print_one(f, "surfaced_lost_events_total", "counter",
-              metrics_value(&m->event[METRICS_LOST]),
-              "Events that could not be written to the database.");
-    print_one(f, "surfaced_replayed_total", "counter", metrics_value(&m->replayed),
-              "Probes refused because they were enrolled before (replayed).");
-    print_one(f, "surfaced_wrong_tokens_total", "counter",
-              metrics_value(&m->wrong_tokens),
-              "Requests with a token that is not valid.");
+    if (x->help != NULL)
+        head(f, x->name, "counter", x->help);
+    for (unsigned i = x->first; i < x->first + x->n; i++) {
+        if (value != NULL && *x->values == '\0')
+            value = errmap_get(i - PROBLEM)->code;
+        fputs(x->name, f);
+        if (value != NULL)
+            fprintf(f, "{%s=\"%.*s\"}", x->label, (int)strcspn(value, ","), value);
+        fprintf(f, " %" PRIu64 "\n", metrics_at(m, i));
+        if (value != NULL)
+            value += strcspn(value, ",") + 1;
+    }
 }
 
 /* end: seconds since 1970; 0: there is none. */
@@ -562,7 +547,8 @@ static char *text(const struct app *app, bool all)
         return NULL;
     if (all) {
         print_requests(f, app->metrics);
-        print_outcomes(f, app->metrics);
+        for (size_t i = 0; i < sizeof family / sizeof *family; i++)
+            print_family(f, app->metrics, &family[i]);
         print_tokens(f, app->metrics);
         print_cache(f, app);
     }

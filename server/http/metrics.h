@@ -43,8 +43,8 @@ enum metrics_event {
     METRICS_EVENTS
 };
 
-/* metrics_event(m, e): Counts one event. */
-void metrics_event(struct metrics *m, enum metrics_event e);
+/* metrics_event(m, e): Counts one event of enum metrics_event. */
+void metrics_event(struct metrics *m, unsigned e);
 
 /* metrics_refused(m, st): Counts a refused scan of several; a st for which dry_run_is_refusal() is false is not
  * counted. */
