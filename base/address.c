@@ -74,21 +74,50 @@ bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len
     return true;
 }
 
-bool address_is_local(const struct sockaddr_storage *ss)
+/* Writes the address as one of IPv6, among which IPv4 is ::ffff:0:0/96.  Returns false for NULL and for
+ * other families. */
+static bool as_ipv6(const struct sockaddr *sa, struct in6_addr *out)
 {
-    if (ss->ss_family == AF_INET) {
-        struct sockaddr_in in;
+    struct sockaddr_in6 in6;
+    struct sockaddr_in in;
 
-        memcpy(&in, ss, sizeof in);
-        return (ntohl(in.sin_addr.s_addr) >> 24) == 127;
+    if (sa != NULL && sa->sa_family == AF_INET) {
+        memcpy(&in, sa, sizeof in);
+        *out = (struct in6_addr){.s6_addr = {[10] = 0xff, [11] = 0xff}};
+        memcpy(&out->s6_addr[12], &in.sin_addr, 4);
+        return true;
     }
-    if (ss->ss_family == AF_INET6) {
-        struct sockaddr_in6 in6;
+    if (sa == NULL || sa->sa_family != AF_INET6)
+        return false;
+    memcpy(&in6, sa, sizeof in6);
+    *out = in6.sin6_addr;
+    return true;
+}
 
-        memcpy(&in6, ss, sizeof in6);
-        return IN6_IS_ADDR_LOOPBACK(&in6.sin6_addr) != 0;
-    }
-    return ss->ss_family == AF_UNIX;
+bool address_is_local(const struct sockaddr *sa)
+{
+    struct in6_addr a;
+
+    if (!as_ipv6(sa, &a))
+        return sa != NULL && sa->sa_family == AF_UNIX;
+    return IN6_IS_ADDR_V4MAPPED(&a) ? a.s6_addr[12] == 127
+                                    : IN6_IS_ADDR_LOOPBACK(&a) != 0;
+}
+
+/* No client has the multicast address ff00::, nor any other with its first byte. */
+uint64_t address_key(const struct sockaddr *sa)
+{
+    struct in6_addr a;
+    uint64_t key = 0;
+
+    if (!as_ipv6(sa, &a))
+        return ADDRESS_NO_KEY;
+    if (IN6_IS_ADDR_V4MAPPED(&a))
+        a = (struct in6_addr){.s6_addr = {0xff, 0, 0, 0, a.s6_addr[12], a.s6_addr[13],
+                                          a.s6_addr[14], a.s6_addr[15]}};
+    for (int i = 0; i < 8; i++)
+        key = key << 8 | a.s6_addr[i];
+    return key;
 }
 
 const char *address_path(const struct sockaddr_storage *ss)
@@ -100,24 +129,16 @@ const char *address_path(const struct sockaddr_storage *ss)
 
 void address_host(const struct sockaddr *sa, char host[ADDRESS_HOST_MAX])
 {
-    struct sockaddr_in6 in6;
-    struct sockaddr_in in;
+    struct in6_addr a;
 
     host[0] = '\0';
-    if (sa == NULL)
-        return;
-    if (sa->sa_family == AF_INET6) {
-        memcpy(&in6, sa, sizeof in6);
-        if (IN6_IS_ADDR_V4MAPPED(&in6.sin6_addr))
-            (void)inet_ntop(AF_INET, &in6.sin6_addr.s6_addr[12], host, ADDRESS_HOST_MAX);
-        else
-            (void)inet_ntop(AF_INET6, &in6.sin6_addr, host, ADDRESS_HOST_MAX);
-    } else if (sa->sa_family == AF_INET) {
-        memcpy(&in, sa, sizeof in);
-        (void)inet_ntop(AF_INET, &in.sin_addr, host, ADDRESS_HOST_MAX);
-    } else if (sa->sa_family == AF_UNIX) {
-        (void)snprintf(host, ADDRESS_HOST_MAX, "unix");
-    }
+    if (!as_ipv6(sa, &a))
+        (void)snprintf(host, ADDRESS_HOST_MAX, "%s",
+                       sa != NULL && sa->sa_family == AF_UNIX ? "unix" : "");
+    else if (IN6_IS_ADDR_V4MAPPED(&a))
+        (void)inet_ntop(AF_INET, &a.s6_addr[12], host, ADDRESS_HOST_MAX);
+    else
+        (void)inet_ntop(AF_INET6, &a, host, ADDRESS_HOST_MAX);
 }
 
 void address_url(const struct sockaddr_storage *ss, bool tls, char url[ADDRESS_URL_MAX])

@@ -3,6 +3,7 @@
 #ifndef BASE_ADDRESS_H
 #define BASE_ADDRESS_H
 #include <stdbool.h>
+#include <stdint.h>
 #include <sys/socket.h>
 
 #define ADDRESS_URL_MAX  160
@@ -13,8 +14,15 @@
  * and *len are then undefined. */
 bool address_read(const char *text, struct sockaddr_storage *out, socklen_t *len);
 
-/* address_is_local(ss): only this machine can reach it.  ss is from address_read(). */
-bool address_is_local(const struct sockaddr_storage *ss);
+/* address_is_local(sa): Returns true if only this machine can reach the address. */
+bool address_is_local(const struct sockaddr *sa);
+
+#define ADDRESS_NO_KEY UINT64_MAX
+
+/* address_key(sa): Returns a number for what counts as one address in limits: an IPv4 address, also of an IPv6
+ * socket's peer, or an IPv6 network of 64 bits, which is what one customer gets.
+ * ADDRESS_NO_KEY: a Unix socket, or NULL. */
+uint64_t address_key(const struct sockaddr *sa);
 
 /* address_path(ss): the path of a Unix socket, borrowed; NULL for other addresses. */
 const char *address_path(const struct sockaddr_storage *ss);

@@ -171,7 +171,7 @@ static void check_together(struct options *o)
                              "unix, with commas between them");
     if (o->plaintext && o->tls_cert != NULL)
         settings_wrong(s, "--plaintext contradicts --tls-cert");
-    if (address_is_local(&o->listen))
+    if (address_is_local((const struct sockaddr *)&o->listen))
         return;
     if (o->no_auth)
         settings_wrong_value(s, "listen",

@@ -3,17 +3,16 @@
 
 #include <errno.h>
 #include <math.h>
-#include <netinet/in.h>
 #include <poll.h>
 #include <pthread.h>
 #include <stdlib.h>
-#include <string.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "address.h"
 #include "errinfo.h"
 #include "logger.h"
 
@@ -28,16 +27,9 @@
 #define SETTLED_MS  1000.0 /* how long a connection is safe from others of its address */
 #define NO_END      1e300
 
-/* Where a connection comes from; length 0: a Unix socket. */
-struct origin {
-    unsigned char bytes[8];
-    unsigned len; /* 4: IPv4; 8: the network half of IPv6 */
-    bool local;   /* loopback */
-};
-
 struct guard_peer {
     struct guard_peer *prev, *next;
-    struct origin origin;
+    uint64_t from; /* address_key() */
     int fd;
     enum guard_step step;
     double begin_ms, end_ms;
@@ -63,40 +55,7 @@ struct guard {
     unsigned lingering;
 };
 
-/* ---- origins */
-
-static struct origin origin_of(const struct sockaddr *addr)
-{
-    struct origin o = {.len = 0};
-
-    if (addr != NULL && addr->sa_family == AF_INET) {
-        struct sockaddr_in in;
-
-        memcpy(&in, addr, sizeof in);
-        o.len = 4;
-        memcpy(o.bytes, &in.sin_addr, 4);
-    } else if (addr != NULL && addr->sa_family == AF_INET6) {
-        struct sockaddr_in6 in6;
-
-        memcpy(&in6, addr, sizeof in6);
-        if (IN6_IS_ADDR_V4MAPPED(&in6.sin6_addr)) {
-            o.len = 4;
-            memcpy(o.bytes, in6.sin6_addr.s6_addr + 12, 4);
-        } else {
-            o.len = 8;
-            memcpy(o.bytes, in6.sin6_addr.s6_addr, 8);
-            o.local = IN6_IS_ADDR_LOOPBACK(&in6.sin6_addr) != 0;
-        }
-    }
-    if (o.len == 4)
-        o.local = o.bytes[0] == 127;
-    return o;
-}
-
-static bool guard_same(const struct origin *a, const struct origin *b)
-{
-    return a->len == b->len && memcmp(a->bytes, b->bytes, sizeof a->bytes) == 0;
-}
+/* ---- how many */
 
 static void guard_end(struct guard *l, struct guard_peer *p)
 {
@@ -111,19 +70,19 @@ static bool is_waited_for(const struct guard_peer *p)
                          p->step == GUARD_HEADERS);
 }
 
-/* Whose connections are waited for most: the majority vote of Boyer and Moore, which finds an
- * address that has more than half of them. */
-static const struct origin *crowd(const struct guard *l)
+/* Returns the address with most of the connections that are waited for, by the majority vote of Boyer and
+ * Moore: it finds an address that has more than half of them. */
+static uint64_t crowd(const struct guard *l)
 {
-    const struct origin *most = NULL;
+    uint64_t most = ADDRESS_NO_KEY;
     unsigned lead = 0;
 
     for (const struct guard_peer *p = l->peers; p != NULL; p = p->next) {
         if (!is_waited_for(p))
             continue;
         if (lead == 0)
-            most = &p->origin;
-        if (guard_same(most, &p->origin))
+            most = p->from;
+        if (most == p->from)
             lead++;
         else
             lead--;
@@ -131,19 +90,19 @@ static const struct origin *crowd(const struct guard *l)
     return most;
 }
 
-/* The oldest of the crowd's makes room, at once for another address, and for its own only when it
- * has had its time.  False: there is none. */
-static bool crowd_out(struct guard *l, const struct origin *for_)
+/* Closes the oldest connection of the crowd: at once for another address, and for its own only after
+ * SETTLED_MS.  Returns false if there is none. */
+static bool crowd_out(struct guard *l, uint64_t from)
 {
-    const struct origin *most = crowd(l);
+    const uint64_t most = crowd(l);
     struct guard_peer *oldest = NULL;
 
     for (struct guard_peer *p = l->peers; p != NULL; p = p->next)
-        if (is_waited_for(p) && guard_same(&p->origin, most) &&
+        if (is_waited_for(p) && p->from == most &&
             (oldest == NULL || p->begin_ms < oldest->begin_ms))
             oldest = p;
     if (oldest == NULL ||
-        (guard_same(most, for_) && logger_clock_ms() - oldest->begin_ms < SETTLED_MS))
+        (most == from && logger_clock_ms() - oldest->begin_ms < SETTLED_MS))
         return false;
     guard_end(l, oldest);
     l->state.crowded_out++;
@@ -152,19 +111,19 @@ static bool crowd_out(struct guard *l, const struct origin *for_)
 
 bool guard_admit(struct guard *l, const struct sockaddr *addr)
 {
-    const struct origin o = origin_of(addr);
-    bool counted =
-        o.len > 0 && l->rules.per_address > 0 && (!o.local || l->rules.local_too);
+    const uint64_t from = address_key(addr);
+    const bool counted = from != ADDRESS_NO_KEY && l->rules.per_address > 0 &&
+                         (l->rules.local_too || !address_is_local(addr));
     unsigned n = 0;
     bool ok = true;
 
     (void)pthread_mutex_lock(&l->lock);
-    if (l->state.open - l->ended >= l->rules.connections && !crowd_out(l, &o)) {
+    if (l->state.open - l->ended >= l->rules.connections && !crowd_out(l, from)) {
         l->state.refused_total++;
         ok = false;
     } else if (counted) {
         for (const struct guard_peer *p = l->peers; p != NULL; p = p->next)
-            n += guard_same(&p->origin, &o);
+            n += p->from == from;
         ok = n < l->rules.per_address;
         l->state.refused_address += !ok;
     }
@@ -197,7 +156,7 @@ struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *ad
     if (p == NULL)
         return NULL;
     p->fd = fd;
-    p->origin = origin_of(addr);
+    p->from = address_key(addr);
     (void)pthread_mutex_lock(&l->lock);
     guard_begin_step(l, p, GUARD_REQUEST);
     p->next = l->peers;

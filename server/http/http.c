@@ -35,7 +35,6 @@
 #include "refusal.h"
 #include "request.h"
 #include "route.h"
-#include "throttle.h"
 #include "tls.h"
 #include "upload.h"
 #include "worker.h"
@@ -398,7 +397,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method, const char
 
     request_set_id(r, header(x, "X-Request-Id"), ++x->http->serial);
     r->method = request_method(method);
-    throttle_address(client_address(x), r->address);
+    r->address = address_key(client_address(x));
     look_at_body(x);
     (void)MHD_get_connection_values(x->conn, MHD_HEADER_KIND, on_header, x);
     cors_take(r);

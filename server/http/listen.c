@@ -125,7 +125,7 @@ enum status listen_start(const struct options *o, struct listen_socket *s,
     if (st != ST_OK || fd < 0)
         return st != ST_OK ? st : open_address(&o->listen, o->listen_len, s, e);
     st = adopt(fd, s, e);
-    if (st == ST_OK && !address_is_local(&s->ss) &&
+    if (st == ST_OK && !address_is_local((const struct sockaddr *)&s->ss) &&
         (o->no_auth || (o->tls_cert == NULL && !o->plaintext)))
         st = errinfo_set(e, ST_EINVAL,
                          "the socket that was passed accepts other machines: that needs "

@@ -123,13 +123,8 @@ enum status request_query(const struct request *r, const char *name, char *out,
 
 uint64_t request_sender(const struct request *r)
 {
-    uint64_t h = 0;
-
-    if (r->actor[0] != '\0')
-        return strtoull(r->actor + STORE_ID_LEN - 16, NULL, 16);
-    for (int i = 0; i < THROTTLE_ADDRESS; i++)
-        h = h * 257 + r->address[i];
-    return h;
+    return r->actor[0] != '\0' ? strtoull(r->actor + STORE_ID_LEN - 16, NULL, 16)
+                               : r->address;
 }
 
 void request_stage(struct request *r, enum request_stage stage, double ms)

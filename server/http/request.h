@@ -14,7 +14,6 @@
 #include "multipart.h"
 #include "status.h"
 #include "store.h"
-#include "throttle.h"
 
 struct app;
 struct errinfo;
@@ -110,10 +109,10 @@ struct request {
     char token_id[STORE_ID_LEN + 1];     /* token in the path; "": none */
     char id[REQUEST_ID_MAX + 1];         /* X-Request-Id, of the client or new */
     char client[ADDRESS_HOST_MAX]; /* client's address, for the log (address_host()) */
-    unsigned char address[THROTTLE_ADDRESS]; /* client's address, for the limits */
-    char token[REQUEST_TOKEN_MAX + 1];       /* Bearer token; wiped after its check */
-    char actor[STORE_ID_LEN + 1];            /* id of the token; "": no token */
-    unsigned scopes;                         /* scopes of the token; 0: no token */
+    uint64_t address;              /* client's address, for the limits (address_key()) */
+    char token[REQUEST_TOKEN_MAX + 1]; /* Bearer token; wiped after its check */
+    char actor[STORE_ID_LEN + 1];      /* id of the token; "": no token */
+    unsigned scopes;                   /* scopes of the token; 0: no token */
     /* Name of the token; its expiry, "": never.  "" without a token. */
     char token_name[STORE_NAME_MAX + 1], token_expires[32];
     bool minimal, has_return; /* Prefer: return=minimal; return= with any value */

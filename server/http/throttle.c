@@ -1,9 +1,7 @@
 #include "throttle.h"
 
 #include <math.h>
-#include <netinet/in.h>
 #include <pthread.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sodium.h>
@@ -17,7 +15,7 @@
 /* A bucket with a hole: each wrong token adds 1, and as many leave a minute as there may
  * be. */
 struct bucket {
-    unsigned char address[THROTTLE_ADDRESS];
+    uint64_t address;
     double level, at_ms;
 };
 
@@ -51,29 +49,7 @@ void throttle_free(struct throttle *t)
     free(t);
 }
 
-void throttle_address(const struct sockaddr *addr, unsigned char out[THROTTLE_ADDRESS])
-{
-    struct sockaddr_in6 in6;
-    struct sockaddr_in in;
-
-    memset(out, 0, THROTTLE_ADDRESS);
-    if (addr != NULL && addr->sa_family == AF_INET) {
-        memcpy(&in, addr, sizeof in);
-        memcpy(out, &in.sin_addr, 4);
-        out[15] = 4;
-    } else if (addr != NULL && addr->sa_family == AF_INET6) {
-        memcpy(&in6, addr, sizeof in6);
-        if (IN6_IS_ADDR_V4MAPPED(&in6.sin6_addr)) {
-            memcpy(out, in6.sin6_addr.s6_addr + 12, 4);
-            out[15] = 4;
-        } else {
-            memcpy(out, in6.sin6_addr.s6_addr, 8);
-            out[15] = 6;
-        }
-    }
-}
-
-static uint64_t hash(const struct throttle *t, const unsigned char *bytes, size_t n)
+static uint64_t hash(const struct throttle *t, const void *bytes, size_t n)
 {
     unsigned char h[crypto_shorthash_BYTES];
     uint64_t out;
@@ -83,17 +59,15 @@ static uint64_t hash(const struct throttle *t, const unsigned char *bytes, size_
     return out;
 }
 
-static uint64_t hash_both(const struct throttle *t,
-                          const unsigned char address[THROTTLE_ADDRESS],
-                          const char *token)
+static uint64_t hash_both(const struct throttle *t, uint64_t address, const char *token)
 {
-    unsigned char both[THROTTLE_ADDRESS + TOKEN_MAX];
+    unsigned char both[sizeof address + TOKEN_MAX];
     const size_t n = strnlen(token, TOKEN_MAX);
     uint64_t h;
 
-    memcpy(both, address, THROTTLE_ADDRESS);
-    memcpy(both + THROTTLE_ADDRESS, token, n);
-    h = hash(t, both, THROTTLE_ADDRESS + n);
+    memcpy(both, &address, sizeof address);
+    memcpy(both + sizeof address, token, n);
+    h = hash(t, both, sizeof address + n);
     sodium_memzero(both, sizeof both);
     return h;
 }
@@ -105,14 +79,12 @@ static double level(const struct throttle *t, const struct bucket *b, double now
 }
 
 /* The address's bucket, or of those in its place the emptiest. */
-static struct bucket *bucket_of(struct throttle *t,
-                                const unsigned char address[THROTTLE_ADDRESS],
-                                double now_ms)
+static struct bucket *bucket_of(struct throttle *t, uint64_t address, double now_ms)
 {
-    struct bucket *set = t->set[hash(t, address, THROTTLE_ADDRESS) % SETS], *b = set;
+    struct bucket *set = t->set[hash(t, &address, sizeof address) % SETS], *b = set;
 
     for (size_t i = 0; i < WAYS; i++) {
-        if (memcmp(set[i].address, address, THROTTLE_ADDRESS) == 0)
+        if (set[i].address == address)
             return &set[i];
         if (level(t, &set[i], now_ms) < level(t, b, now_ms))
             b = &set[i];
@@ -120,8 +92,8 @@ static struct bucket *bucket_of(struct throttle *t,
     return b;
 }
 
-unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
-                       const char *token, double now_ms)
+unsigned throttle_wait(struct throttle *t, uint64_t address, const char *token,
+                       double now_ms)
 {
     const struct bucket *b;
     double over = 0.0;
@@ -130,7 +102,7 @@ unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_
         return 0;
     (void)pthread_mutex_lock(&t->lock);
     b = bucket_of(t, address, now_ms);
-    if (memcmp(b->address, address, THROTTLE_ADDRESS) == 0)
+    if (b->address == address)
         over = level(t, b, now_ms) + 1.0 - t->per_minute;
     if (over > 0.0) {
         const uint64_t h = hash_both(t, address, token);
@@ -142,8 +114,8 @@ unsigned throttle_wait(struct throttle *t, const unsigned char address[THROTTLE_
     return over > 0.0 ? (unsigned)ceil(over * MINUTE_MS / 1000.0 / t->per_minute) : 0;
 }
 
-void throttle_note(struct throttle *t, const unsigned char address[THROTTLE_ADDRESS],
-                   const char *token, bool good, double now_ms)
+void throttle_note(struct throttle *t, uint64_t address, const char *token, bool good,
+                   double now_ms)
 {
     struct bucket *b;
     uint64_t h, *place;
@@ -159,10 +131,10 @@ void throttle_note(struct throttle *t, const unsigned char address[THROTTLE_ADDR
         if (*place == h)
             *place = 0; /* it was, and is no more */
         b = bucket_of(t, address, now_ms);
-        if (memcmp(b->address, address, THROTTLE_ADDRESS) == 0) {
+        if (b->address == address) {
             b->level = level(t, b, now_ms) + 1.0;
         } else {
-            memcpy(b->address, address, THROTTLE_ADDRESS);
+            b->address = address;
             b->level = 1.0;
         }
         b->at_ms = now_ms;

@@ -1,4 +1,4 @@
-/* Lists of addresses and networks: what is one, and which addresses are in it. */
+/* Addresses for the limits; lists of addresses and networks: what is one, and which addresses are in it. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/un.h>
@@ -22,6 +22,32 @@ static const struct sockaddr *at(const char *text)
         memcpy(&ss, &in6, sizeof in6);
     }
     return (const struct sockaddr *)&ss;
+}
+
+TEST(test_key)
+{
+    static const struct {
+        const char *a, *b;
+        bool same;
+    } cases[] = {
+        {"192.0.2.1", "192.0.2.1", true},
+        {"192.0.2.1", "192.0.2.2", false},
+        {"192.0.2.1", "::ffff:192.0.2.1", true},
+        {"2001:db8:1:2::1", "2001:db8:1:2:ffff::", true},
+        {"2001:db8:1:2::1", "2001:db8:1:3::1", false},
+        {"192.0.2.1", "c000:201::", false}, /* the same first bytes */
+        {"0.0.0.0", "::", false},
+        {"unix", "::", false},
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const uint64_t a = address_key(at(cases[i].a));
+
+        if ((a == address_key(at(cases[i].b))) != cases[i].same)
+            fail_msg("%s and %s", cases[i].a, cases[i].b);
+    }
+    assert_true(address_key(at("unix")) == ADDRESS_NO_KEY);
+    assert_true(address_key(NULL) == ADDRESS_NO_KEY);
 }
 
 TEST(test_is_list)

@@ -257,7 +257,7 @@ TEST(test_addresses)
 
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         assert_true(address_read(good[i], &ss, &len));
-        assert_int_equal(address_is_local(&ss), near[i]);
+        assert_int_equal(address_is_local((const struct sockaddr *)&ss), near[i]);
     }
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         assert_false(address_read(bad[i], &ss, &len));

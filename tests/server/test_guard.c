@@ -83,16 +83,11 @@ TEST(test_by_address)
     } cases[] = {
         {"192.0.2.1", "192.0.2.1", false, false},
         {"192.0.2.1", "192.0.2.2", false, true},
-        {"192.0.2.1", "::ffff:192.0.2.1", false,
-         false}, /* the same as seen by an IPv6 socket */
-        {"2001:db8::1", "2001:db8::ffff:1", false, false}, /* the same network */
-        {"2001:db8::1", "2001:db8:0:1::1", false, true},
         {"127.0.0.1", "127.0.0.1", false, true},
         {"127.0.0.1", "127.0.0.1", true, false},
         {"127.0.0.1", "127.0.0.2", true, true},
         {"::1", "::1", false, true},
         {"::1", "::1", true, false},
-        {"::ffff:127.0.0.1", "::ffff:127.0.0.1", false, true},
         {NULL, NULL, true, true}, /* a Unix socket has no address */
     };
 
