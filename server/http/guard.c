@@ -28,6 +28,7 @@
 #define NO_END      1e300
 
 struct guard_peer {
+    struct guard *guard;
     struct guard_peer *prev, *next;
     uint64_t from; /* address_key() */
     int fd;
@@ -57,11 +58,11 @@ struct guard {
 
 /* ---- how many */
 
-static void guard_end(struct guard *l, struct guard_peer *p)
+static void guard_end(struct guard_peer *p)
 {
     (void)shutdown(p->fd, SHUT_RDWR);
     p->ended = true;
-    l->ended++;
+    p->guard->ended++;
 }
 
 static bool is_waited_for(const struct guard_peer *p)
@@ -104,7 +105,7 @@ static bool crowd_out(struct guard *l, uint64_t from)
     if (oldest == NULL ||
         (most == from && logger_clock_ms() - oldest->begin_ms < SETTLED_MS))
         return false;
-    guard_end(l, oldest);
+    guard_end(oldest);
     l->state.crowded_out++;
     return true;
 }
@@ -133,9 +134,9 @@ bool guard_admit(struct guard *l, const struct sockaddr *addr)
 
 /* ---- connections */
 
-static void guard_begin_step(struct guard *l, struct guard_peer *p, enum guard_step step)
+static void guard_begin_step(struct guard_peer *p, enum guard_step step)
 {
-    double ms = 1000.0 * l->rules.timeout_s;
+    double ms = 1000.0 * p->guard->rules.timeout_s;
 
     if (step == GUARD_HEADERS && p->step == GUARD_REQUEST)
         return;
@@ -155,10 +156,11 @@ struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *ad
 
     if (p == NULL)
         return NULL;
+    p->guard = l;
     p->fd = fd;
     p->from = address_key(addr);
     (void)pthread_mutex_lock(&l->lock);
-    guard_begin_step(l, p, GUARD_REQUEST);
+    guard_begin_step(p, GUARD_REQUEST);
     p->next = l->peers;
     if (p->next != NULL)
         p->next->prev = p;
@@ -170,8 +172,10 @@ struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *ad
     return p;
 }
 
-void guard_close(struct guard *l, struct guard_peer *p)
+void guard_close(struct guard_peer *p)
 {
+    struct guard *l = p->guard;
+
     (void)pthread_mutex_lock(&l->lock);
     if (p->prev != NULL)
         p->prev->next = p->next;
@@ -185,24 +189,25 @@ void guard_close(struct guard *l, struct guard_peer *p)
     free(p);
 }
 
-void guard_begin(struct guard *l, struct guard_peer *p, enum guard_step step)
+void guard_begin(struct guard_peer *p, enum guard_step step)
 {
-    (void)pthread_mutex_lock(&l->lock);
-    guard_begin_step(l, p, step);
-    (void)pthread_mutex_unlock(&l->lock);
+    (void)pthread_mutex_lock(&p->guard->lock);
+    guard_begin_step(p, step);
+    (void)pthread_mutex_unlock(&p->guard->lock);
 }
 
-void guard_work(struct guard *l, struct guard_peer *p, void (*gone)(void *arg), void *arg)
+void guard_work(struct guard_peer *p, void (*gone)(void *arg), void *arg)
 {
-    (void)pthread_mutex_lock(&l->lock);
-    guard_begin_step(l, p, GUARD_WORK);
+    (void)pthread_mutex_lock(&p->guard->lock);
+    guard_begin_step(p, GUARD_WORK);
     p->gone = gone;
     p->arg = arg;
-    (void)pthread_mutex_unlock(&l->lock);
+    (void)pthread_mutex_unlock(&p->guard->lock);
 }
 
-void guard_more(struct guard *l, struct guard_peer *p, size_t bytes)
+void guard_more(struct guard_peer *p, size_t bytes)
 {
+    struct guard *l = p->guard;
     const double timeout_ms = 1000.0 * l->rules.timeout_s;
 
     (void)pthread_mutex_lock(&l->lock);
@@ -273,15 +278,15 @@ static bool has_gone(const struct guard_peer *p, double now)
 
 /* libmicrohttpd (0.9.75) does not always see that a client goes amid a body, and would hold what
  * came until its time is over.  At the second look in a row it has had the time to. */
-static void look_at_body(struct guard *l, struct guard_peer *p)
+static void look_at_body(struct guard_peer *p)
 {
     const bool was_cut = p->cut;
     int unread = 0;
 
     p->cut = look_at(p->fd) != 0 && ioctl(p->fd, FIONREAD, &unread) == 0 && unread == 0;
     if (was_cut && p->cut) {
-        guard_end(l, p);
-        l->state.gone++;
+        guard_end(p);
+        p->guard->state.gone++;
     }
 }
 
@@ -296,10 +301,10 @@ static void sweep(struct guard *l)
             l->state.gone++;
         }
         if (p->step == GUARD_BODY && !p->ended)
-            look_at_body(l, p);
+            look_at_body(p);
         if (now < p->end_ms || p->ended)
             continue;
-        guard_end(l, p);
+        guard_end(p);
         if (p->step != GUARD_IDLE) /* whose time is over as a matter of course */
             l->state.late[p->step]++;
     }

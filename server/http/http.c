@@ -132,7 +132,7 @@ static enum MHD_Result send_early(struct exchange *x)
         x->state = WORKING;
         return MHD_YES;
     }
-    x->linger_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
+    x->linger_fd = fcntl(x->peer->fd, F_DUPFD_CLOEXEC, 0);
     return send_response(x);
 }
 
@@ -141,7 +141,7 @@ static enum MHD_Result send_early(struct exchange *x)
 static enum MHD_Result send_amid(struct exchange *x)
 {
     if (peer_respond_midbody(x->peer, &x->r.response, x->r.id)) {
-        x->linger_fd = fcntl(peer_socket(x->peer), F_DUPFD_CLOEXEC, 0);
+        x->linger_fd = fcntl(x->peer->fd, F_DUPFD_CLOEXEC, 0);
         x->state = RESPONDED;
     }
     return MHD_NO;
@@ -158,7 +158,7 @@ static void http_finish(struct exchange *x)
     access_log(&x->r, http, ms);
     if (x->linger_fd >= 0)
         guard_linger(h->host.guard, x->linger_fd);
-    peer_begin(x->peer, GUARD_IDLE);
+    guard_begin(x->peer->place, GUARD_IDLE);
     upload_end(&x->upload);
     request_free(&x->r);
 }
@@ -187,11 +187,11 @@ static void explain(struct request *r, unsigned status)
 }
 
 /* See peer_host. */
-static void on_refusal(void *arg, struct peer *p, void *current, unsigned status)
+static void on_refusal(void *arg, struct peer *p, unsigned status)
 {
     struct http *h = arg;
     struct exchange none = {.http = h, .peer = p, .linger_fd = -1};
-    struct exchange *x = current != NULL ? current : &none;
+    struct exchange *x = p->current != NULL ? p->current : &none;
 
     if (x == &none) { /* not even a request line was read */
         none.r.app = h->app;
@@ -298,7 +298,7 @@ static void to_worker(struct exchange *x, enum state state)
     x->state = state;
     x->queue =
         state == WORKING && x->r.route->where == ROUTE_SLOW ? app->slow : app->queue;
-    peer_work(x->peer, on_gone, x);
+    guard_work(x->peer->place, on_gone, x);
     x->r.large = upload_is_large(&x->upload);
     MHD_suspend_connection(x->conn); /* first: the worker may be faster than we */
     queue_up(x, state == ADMITTED ? QUEUE_TOKEN : x->r.large ? QUEUE_LARGE : QUEUE_SMALL);
@@ -327,7 +327,7 @@ static void look_at_body(struct exchange *x)
 
 static enum MHD_Result http_collect(struct exchange *x, const char *data, size_t *size)
 {
-    peer_more(x->peer, *size);
+    guard_more(x->peer->place, *size);
     if (x->r.route->body == ROUTE_NO_BODY) { /* in chunks */
         body_refuse_any(&x->r);
         return send_amid(x);
@@ -376,7 +376,7 @@ static enum MHD_Result admit(struct exchange *x)
     if (x->r.response.http != 0)
         return send_early(x);
     x->state = COLLECTING;
-    peer_begin(x->peer, GUARD_BODY);
+    guard_begin(x->peer->place, GUARD_BODY);
     return MHD_YES;
 }
 
@@ -506,8 +506,8 @@ static void *on_uri(void *cls, const char *uri, struct MHD_Connection *conn)
     x->r.start_ms = logger_clock_ms();
     upload_begin(&x->upload, &x->r, h->quota);
     x->r.target = target;
-    peer_set_current(p, x);
-    peer_begin(x->peer, GUARD_HEADERS);
+    p->current = x;
+    guard_begin(x->peer->place, GUARD_HEADERS);
     (void)atomic_fetch_add(&h->exchanges, 1);
     return x;
 }
@@ -523,7 +523,7 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
     if (x == NULL)
         return;
     *con_cls = NULL;
-    peer_set_current(x->peer, NULL);
+    x->peer->current = NULL;
     http_finish(x);
     free(x);
     (void)atomic_fetch_sub(&h->exchanges, 1);

@@ -21,16 +21,6 @@
 #define PART     ((size_t)64 << 10)
 #define CORS_MAX 768 /* bytes of its headers */
 
-struct peer {
-    const struct peer_host *host;
-    struct guard_peer *place;
-    struct MHD_Connection *conn;
-    void *current;
-    int fd;
-    gnutls_session_t session; /* NULL: no TLS */
-    struct tls_files *files;
-};
-
 struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn)
 {
     const int fd =
@@ -61,34 +51,9 @@ void peer_close(struct peer *p)
 {
     if (p == NULL)
         return;
-    guard_close(p->host->guard, p->place);
+    guard_close(p->place);
     tls_detach(p->files);
     free(p);
-}
-
-void peer_begin(struct peer *p, enum guard_step step)
-{
-    guard_begin(p->host->guard, p->place, step);
-}
-
-void peer_work(struct peer *p, void (*gone)(void *arg), void *arg)
-{
-    guard_work(p->host->guard, p->place, gone, arg);
-}
-
-void peer_more(struct peer *p, size_t bytes)
-{
-    guard_more(p->host->guard, p->place, bytes);
-}
-
-int peer_socket(const struct peer *p)
-{
-    return p->fd;
-}
-
-void peer_set_current(struct peer *p, void *current)
-{
-    p->current = current;
 }
 
 /* ---- responses */
@@ -122,7 +87,7 @@ enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
         MHD_get_connection_info(conn, MHD_CONNECTION_INFO_SOCKET_CONTEXT)->socket_context;
 
     if (p != NULL) {
-        p->host->refuse(p->host->arg, p, p->current, status);
+        p->host->refuse(p->host->arg, p, status);
         (void)shutdown(p->fd, SHUT_WR);
     }
     return queue_response(conn, status, resp);
@@ -145,7 +110,7 @@ static ssize_t read_part(void *arg, uint64_t pos, char *to, size_t max)
     else if (fseeko(s->file, (off_t)pos, SEEK_SET) != 0 ||
              (max = fread(to, 1, max, s->file)) == 0)
         return MHD_CONTENT_READER_END_WITH_ERROR;
-    peer_more(s->peer, max);
+    guard_more(s->peer->place, max);
     return (ssize_t)max;
 }
 
@@ -246,7 +211,7 @@ bool peer_respond(struct peer *p, struct response *a, const char *id, bool close
 
     if (resp == NULL)
         return false;
-    peer_begin(p, GUARD_RESPONSE);
+    guard_begin(p->place, GUARD_RESPONSE);
     sent = queue_response(p->conn, (unsigned)a->http, resp);
     MHD_destroy_response(resp);
     return sent == MHD_YES;

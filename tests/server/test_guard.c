@@ -57,7 +57,7 @@ TEST(test_in_all)
     for (int i = 0; i < 3; i++) {
         assert_true(guard_admit(g, from("192.0.2.1")));
         p[i] = open_from("192.0.2.1");
-        guard_begin(g, p[i], GUARD_BODY); /* none is waited for */
+        guard_begin(p[i], GUARD_BODY); /* none is waited for */
     }
     assert_false(guard_admit(g, from("192.0.2.2")));
     assert_false(guard_admit(g, NULL));
@@ -65,10 +65,10 @@ TEST(test_in_all)
     assert_int_equal(s.open, 3);
     assert_int_equal(s.refused_total, 2);
     assert_int_equal(s.refused_address, 0);
-    guard_close(g, p[1]); /* from the middle of the list */
+    guard_close(p[1]); /* from the middle of the list */
     assert_true(guard_admit(g, from("192.0.2.2")));
-    guard_close(g, p[0]);
-    guard_close(g, p[2]);
+    guard_close(p[0]);
+    guard_close(p[2]);
     guard_look(g, &s);
     assert_int_equal(s.open, 0);
     guard_stop(g);
@@ -100,8 +100,8 @@ TEST(test_by_address)
         assert_int_equal(
             guard_admit(g, cases[i].third != NULL ? from(cases[i].third) : NULL),
             cases[i].ok);
-        guard_close(g, a);
-        guard_close(g, b);
+        guard_close(a);
+        guard_close(b);
         guard_stop(g);
     }
 }
@@ -120,7 +120,7 @@ static struct guard_peer *connect_from(const char *text, int fd[2])
 static void close_all(struct guard_peer *p[], int fd[][2], int n)
 {
     for (int i = 0; i < n; i++) {
-        guard_close(g, p[i]);
+        guard_close(p[i]);
         (void)close(fd[i][0]);
         (void)close(fd[i][1]);
     }
@@ -141,7 +141,7 @@ static void keep_up(struct guard_peer *p, int other)
     const struct timespec pause = {0, 50 * 1000 * 1000};
 
     for (int i = 0; i < 600 && !has_ended(other); i++) {
-        guard_more(g, p, (size_t)(0.1 * GUARD_BYTES_PER_S));
+        guard_more(p, (size_t)(0.1 * GUARD_BYTES_PER_S));
         (void)nanosleep(&pause, NULL);
     }
     assert_true(has_ended(other));
@@ -164,21 +164,21 @@ TEST(test_late)
         patient = guard_open(g, c[0], NULL);
         late = guard_open(g, a[0], NULL);
         assert_true(late != NULL && work != NULL && patient != NULL);
-        guard_begin(g, work, GUARD_WORK);
-        guard_begin(g, patient, GUARD_BODY);
-        guard_begin(g, late, GUARD_IDLE); /* a request is complete */
-        guard_begin(g, late, steps[i]);
+        guard_begin(work, GUARD_WORK);
+        guard_begin(patient, GUARD_BODY);
+        guard_begin(late, GUARD_IDLE); /* a request is complete */
+        guard_begin(late, steps[i]);
         if (steps[i] != GUARD_IDLE) /* much at once earns no more than little */
-            guard_more(g, late, (size_t)(3600 * GUARD_BYTES_PER_S));
+            guard_more(late, (size_t)(3600 * GUARD_BYTES_PER_S));
         keep_up(patient, a[1]);
         assert_false(has_ended(b[1]));
         assert_false(has_ended(c[1]));
         guard_look(g, &s);
         for (unsigned k = 0; k < GUARD_NSTEPS; k++)
             assert_int_equal(s.late[k], k == steps[i] && steps[i] != GUARD_IDLE);
-        guard_close(g, late);
-        guard_close(g, work);
-        guard_close(g, patient);
+        guard_close(late);
+        guard_close(work);
+        guard_close(patient);
         guard_stop(g);
         for (int k = 0; k < 2; k++) {
             (void)close(a[k]);
@@ -213,11 +213,11 @@ TEST(test_gone)
         assert_non_null(p[i]);
         atomic_init(&gone[i], 0);
     }
-    guard_work(g, p[0], count_gone, &gone[0]);
-    guard_work(g, p[1], count_gone, &gone[1]);
-    guard_begin(g, p[2], GUARD_RESPONSE);
-    guard_begin(g, p[3], GUARD_BODY);
-    guard_begin(g, p[4], GUARD_BODY);
+    guard_work(p[0], count_gone, &gone[0]);
+    guard_work(p[1], count_gone, &gone[1]);
+    guard_begin(p[2], GUARD_RESPONSE);
+    guard_begin(p[3], GUARD_BODY);
+    guard_begin(p[4], GUARD_BODY);
     (void)send(fd[4][1], "x", 1, 0); /* is still to be read */
     (void)shutdown(fd[4][1], SHUT_WR);
     (void)shutdown(fd[3][1], SHUT_WR);
@@ -236,7 +236,7 @@ TEST(test_gone)
     assert_false(has_ended(fd[4][1]));
     assert_false(has_ended(fd[0][1]));
     for (int i = 0; i < 5; i++) {
-        guard_close(g, p[i]);
+        guard_close(p[i]);
         (void)close(fd[i][0]);
         if (i != 2)
             (void)close(fd[i][1]);
@@ -261,10 +261,10 @@ TEST(test_crowded)
         p[i] = guard_open(g, fd[i][0], NULL);
         assert_non_null(p[i]);
     }
-    guard_begin(g, p[0], GUARD_BODY);
+    guard_begin(p[0], GUARD_BODY);
     assert_false(guard_admit(g, NULL)); /* all have just come, from there */
     (void)nanosleep(&while_, NULL);
-    guard_begin(g, p[1], GUARD_IDLE);
+    guard_begin(p[1], GUARD_IDLE);
     assert_true(guard_admit(g, NULL));
     assert_false(has_ended(fd[0][1]));
     assert_false(has_ended(fd[1][1]));
@@ -272,9 +272,9 @@ TEST(test_crowded)
     guard_look(g, &s);
     assert_int_equal(s.crowded_out, 1);
     assert_int_equal(s.refused_total, 1);
-    guard_close(g, p[2]);
+    guard_close(p[2]);
     p[2] = guard_open(g, fd[2][0], from("192.0.2.1"));
-    guard_begin(g, p[0], GUARD_IDLE); /* two of one address, one of another */
+    guard_begin(p[0], GUARD_IDLE); /* two of one address, one of another */
     assert_true(guard_admit(g, from("192.0.2.2")));
     assert_true(has_ended(fd[1][1])); /* it was idle before p[0] */
     close_all(p, fd, 3);
@@ -306,10 +306,10 @@ TEST(test_crowd)
 
     start(1, 0, false);
     p[0] = connect_from("192.0.2.1", fd[0]);
-    guard_begin(g, p[0], GUARD_WORK);
+    guard_begin(p[0], GUARD_WORK);
     assert_false(guard_admit(g, from("192.0.2.3")));
-    guard_begin(g, p[0], GUARD_IDLE);
-    guard_begin(g, p[0], GUARD_HEADERS);
+    guard_begin(p[0], GUARD_IDLE);
+    guard_begin(p[0], GUARD_HEADERS);
     assert_true(guard_admit(g, from("192.0.2.3")));
     close_all(p, fd, 1);
 }
@@ -325,8 +325,8 @@ TEST(test_steps)
     start(100, 0, false);
     p[0] = connect_from("192.0.2.1", fd[0]);
     p[1] = connect_from("192.0.2.1", fd[1]);
-    guard_begin(g, p[0], GUARD_IDLE);
-    guard_begin(g, p[1], GUARD_HEADERS);
+    guard_begin(p[0], GUARD_IDLE);
+    guard_begin(p[1], GUARD_HEADERS);
     for (int i = 0; i < 1000 && !has_ended(fd[1][1]); i++)
         (void)nanosleep(&pause, NULL);
     assert_true(has_ended(fd[1][1]));
@@ -364,8 +364,8 @@ TEST(test_half)
     }
     note_when(&begin);
     for (int i = 0; i < 3; i++)
-        guard_work(g, p[i], note_when, &when[i]);
-    guard_begin(g, p[2], GUARD_RESPONSE);
+        guard_work(p[i], note_when, &when[i]);
+    guard_begin(p[2], GUARD_RESPONSE);
     (void)shutdown(fd[0][1], SHUT_WR);
     (void)shutdown(fd[1][1], SHUT_RDWR);
     (void)shutdown(fd[2][1], SHUT_RDWR);
