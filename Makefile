@@ -24,7 +24,7 @@ WERROR       ?= -Werror
 FUZZ_SECONDS ?= 60
 # 0: without the PostgreSQL driver, and without libpq.
 POSTGRES     ?= 1
-VERSION      := $(shell sed -n 's|.*SURFACE_VERSION  *"\(.*\)"|\1|p' core/basic/libsurface.h)
+VERSION      := $(shell sed -n 's|.*SURFACE_VERSION  *"\(.*\)"|\1|p' core/basic/surface_basic.h)
 # The version of the shared library's interface; counted up by an incompatible change.
 SOVERSION    := 0
 
@@ -220,7 +220,7 @@ $(BUILD)/gen/sample_%_ply.h: $(BUILD)/gen/sample_%.ply scripts/embed.sh
 
 # The shipped model, a table in text, becomes a constant of the library.  build/gen/model prints
 # it: a program of the model's parser alone, built for this machine also when cross-compiling.
-MODEL_H := $(addprefix core/,face/model.h face/grid.h basic/status.h basic/libsurface.h)
+MODEL_H := $(addprefix core/,face/model.h face/grid.h face/surface_face.h basic/status.h basic/surface_basic.h)
 $(BUILD)/gen/model: sim/model_main.c core/face/model.c core/basic/calibration.c $(MODEL_H) Makefile
 	@mkdir -p $(@D)
 	$(call say,LD)
@@ -253,12 +253,19 @@ $(COUNTED): $(BUILD)/counted/%.o: %.c Makefile
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) -fsanitize-coverage=trace-pc $(call flags,core/find) -MMD -MP -c -o $@ $<
 $(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
 
-# The library as it is installed: core as one object that exports what libsurface.h
-# declares, and nothing else.
-$(BUILD)/libsurface.a: $(call archs,core) core/basic/libsurface.h
+# The header as it is installed: libsurface.h with the header of each layer in the place of its #include.
+PUBLIC_H := core/libsurface.h $(addprefix core/,basic/surface_basic.h face/surface_face.h find/surface_scan.h)
+$(BUILD)/surface.h: $(PUBLIC_H) Makefile
+	$(call say,GEN)
+	$(Q)sed $(foreach h,$(filter-out $<,$(PUBLIC_H)),-e '/^#include ".*$(notdir $h)"/{r '$h -e 'd}') $< | \
+	    sed '/CORE_SURFACE_/d; /^#include "/d' > $@
+
+# The library as it is installed: core as one object that exports what its header declares, and
+# nothing else.
+$(BUILD)/libsurface.a: $(call archs,core) $(BUILD)/surface.h
 	$(call say,AR)
 	$(Q)$(CC) -r -nostdlib -o $(@:.a=.o) -Wl,--whole-archive $(call archs,core) -Wl,--no-whole-archive
-	$(Q)grep -oE 'surface_[a-z_]+\(' core/basic/libsurface.h | tr -d '(' | sort -u > $(@:.a=.names)
+	$(Q)grep -oE 'surface_[a-z_]+\(' $(BUILD)/surface.h | tr -d '(' | sort -u > $(@:.a=.names)
 	$(Q)$(OBJCOPY) --keep-global-symbols=$(@:.a=.names) $(@:.a=.o)
 	@rm -f $@
 	$(Q)$(AR) rcs $@ $(@:.a=.o)
@@ -442,7 +449,7 @@ install: all
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d" "$(DESTDIR)$(UNITDIR)" "$(DESTDIR)/etc"
 	install -m 755 $(BUILD)/surfaced "$(DESTDIR)$(PREFIX)/sbin/"
 	install -m 755 $(BUILD)/surfacectl $(BUILD)/surfacelab "$(DESTDIR)$(PREFIX)/bin/"
-	install -m 644 core/basic/libsurface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
+	install -m 644 $(BUILD)/surface.h "$(DESTDIR)$(PREFIX)/include/surface.h"
 	install -m 644 $(BUILD)/libsurface.a $(BUILD)/libsurface.so.$(SOVERSION) \
 	    "$(DESTDIR)$(LIBDIR)/"
 	ln -sf libsurface.so.$(SOVERSION) "$(DESTDIR)$(LIBDIR)/libsurface.so"

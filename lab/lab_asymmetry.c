@@ -57,7 +57,7 @@ enum status lab_asymmetry(struct lab *c)
     struct surface_asymmetry a;
     enum status st = lab_scan_read(c, c->args[0], &f, &found);
 
-    if (st == ST_OK && (st = face_asymmetry(&f, c->work, &a)) != ST_OK)
+    if (st == ST_OK && (st = status_from(surface_asymmetry(c->work, &f, &a))) != ST_OK)
         (void)errinfo_set(&c->e, st, "%s: %s", c->args[0], status_message(st));
     if (st == ST_OK) {
         report_asymmetry(c->report, &a, &f, c->engine);

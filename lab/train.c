@@ -168,7 +168,7 @@ static enum status train_compare(const struct surface_face *tmpl,
                                  struct errinfo *e)
 {
     struct surface_comparison r;
-    const enum status st = face_compare(tmpl, probe, (double)NAN, work, &r);
+    const enum status st = status_from(surface_compare(work, tmpl, probe, &r));
 
     if (st != ST_OK)
         return errinfo_set(e, st, "comparing: %s", status_message(st));

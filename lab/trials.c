@@ -173,15 +173,17 @@ static enum status trials_compare(const struct run *r, const struct surface_face
     struct surface_disparity least;
     struct surface_parts parts;
     const double start = command_clock_ms();
-    enum status st = face_compare(own, face, r->c->threshold, w, &f);
+    enum status st = status_from(surface_compare(w, own, face, &f));
 
+    f.threshold = r->t->threshold;
+    surface_best_of(w, 1, &f);
     if (st == ST_OK)
-        st = face_compare_again(own, face, w, &f);
+        st = status_from(surface_compare_again(w, own, face, &f));
     x->score_ms = (float)(command_clock_ms() - start);
     if (st == ST_OK && r->how->regions)
-        st = face_field(own, face, w, &parts);
+        st = status_from(surface_parts(w, own, face, &parts));
     if (st == ST_OK && r->how->minimal)
-        st = face_minimal(own, face, w, &least);
+        st = status_from(surface_disparity(w, own, face, &least));
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
                            status_message(st));

@@ -55,7 +55,7 @@ circles() {
 alone() {
     for source in "$1"/*.c; do
         case $source in
-        core/libsurface.c | core/basic/calibration.c) ;; # libsurface.h declares them
+        core/basic/calibration.c) ;; # surface_basic.h declares it
         */main.c | */*_main.c | ctl/ctl_* | db/store_* | db/sql/sql_*_conn.c | db/sql/sql_postgres_wait.c | lab/lab_* | lab/report_* | lab/study/* | scan/read_*) ;;
         *) [ -f "${source%.c}.h" ] || echo "$source" ;;
         esac

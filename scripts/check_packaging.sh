@@ -5,10 +5,10 @@ set -eu
 cd "$(dirname "$0")/.."
 debian=packaging/debian
 bad=0
-version=$(sed -n 's|.*"surfaced/\([0-9.]*\) .*|\1|p' core/basic/libsurface.h)
+version=$(sed -n 's|.*SURFACE_VERSION *"\(.*\)".*|\1|p' core/basic/surface_basic.h)
 package=$(sed -n '1s/^surfaced (\([^)]*\)).*/\1/p' $debian/changelog)
 if [ "$package" != "$version" ]; then
-    echo "$debian/changelog begins with version $package, core/basic/libsurface.h says $version"
+    echo "$debian/changelog begins with version $package, core/basic/surface_basic.h says $version"
     bad=1
 fi
 libraries=$(awk '$1 == "build" && $2 ~ /-dev$/ && $2 != "libc6-dev" { print $2 }' \

@@ -1,4 +1,4 @@
-#include "libsurface.h"
+#include "surface_basic.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "libsurface.h"
+#include "surface_basic.h"
 #include "mem.h"
 #include "select.h"
 

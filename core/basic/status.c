@@ -45,6 +45,11 @@ const char *status_message(enum status st)
     return text[st];
 }
 
+const char *surface_message(enum surface_status st)
+{
+    return status_message(status_from(st));
+}
+
 const char *status_refusal(enum status st)
 {
     static const char *const code[ST_COUNT] = {[ST_ELIMIT] = "too_many_points",

@@ -4,7 +4,7 @@
  * exist only in server/http/errmap.c. */
 #ifndef CORE_STATUS_H
 #define CORE_STATUS_H
-#include "libsurface.h"
+#include "surface_basic.h"
 
 enum status {
     ST_OK = SURFACE_OK,
@@ -45,10 +45,16 @@ enum status {
     ST_COUNT   /* number of codes; not a code */
 };
 
-/* status_from(st): what a function of the library returned. */
+/* status_from(st): Returns a status of the library as the program's. */
 static inline enum status status_from(enum surface_status st)
 {
     return (enum status)st;
+}
+
+/* status_to(st): Returns a status of core as the library's. */
+static inline enum surface_status status_to(enum status st)
+{
+    return (enum surface_status)st;
 }
 
 /* status_message(st): one short English phrase for st, never NULL; "unknown status" for

@@ -13,11 +13,11 @@
 #define CORE_ASYMMETRY_H
 #include "disparity.h"
 #include "status.h"
+#include "surface_face.h"
 
-struct pose;              /* pose.h */
-struct surface;           /* surface.h */
-struct measure_work;      /* measure.h */
-struct surface_asymmetry; /* libsurface.h */
+struct pose;         /* pose.h */
+struct surface;      /* surface.h */
+struct measure_work; /* measure.h */
 
 /* asymmetry_find(s, start, u, m, upright, out): the plane with the least disparity between s
  * and its mirror image.

@@ -327,3 +327,12 @@ enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
     memset(&out->quality, 0, sizeof out->quality);
     return face_adopt(out, w);
 }
+
+enum surface_status surface_decode(struct surface_work *work, const void *bytes,
+                                   size_t length, struct surface_face **out)
+{
+    struct surface_face *f = face_renew(out);
+
+    return face_finish(f == NULL ? ST_ENOMEM : codec_decode(bytes, length, work, f), f,
+                       out);
+}

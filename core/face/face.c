@@ -1,11 +1,9 @@
 #include "face.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "asymmetry.h"
-#include "libsurface.h"
 #include "encode.h"
 #include "fit.h"
 #include "heights.h"
@@ -15,29 +13,12 @@
 #include "mesh_link.h"
 #include "minimal.h"
 #include "model.h"
-#include "model_digest.h"
 #include "pair.h"
 #include "place.h"
 #include "quality.h"
 #include "ratio.h"
 #include "shape_work.h"
 #include "face_work.h"
-
-void surface_engine(const struct surface_model *m, char out[SURFACE_ENGINE_SIZE])
-{
-    const uint64_t digest = model_digest(m != NULL ? m : &model_default);
-
-    (void)snprintf(out, SURFACE_ENGINE_SIZE, "%s model/%08x", SURFACE_ENGINE,
-                   (unsigned)(digest >> 32));
-}
-
-int surface_same_engine(const char *a, const char *b)
-{
-    /* "surfaced/VERSION measure/N model/HHHHHHHH" */
-    const char *x = strchr(a, ' '), *y = strchr(b, ' ');
-
-    return x != NULL && y != NULL && strcmp(x, y) == 0;
-}
 
 /* mm^2 that two surfaces must have in common before a small disparity says anything: a quarter of a
  * face. */
@@ -62,116 +43,38 @@ static float weight_at(const void *arg, double x, double y, double z)
     return i == GRID_NONE ? 0 : p->weight[i];
 }
 
-/* How well each place separates people: the variance of identity over that of all. */
-static void weigh_places(const struct surface_model *m, float weight[GRID_N])
-{
-    double sum = 0;
-    uint32_t n = 0;
-
-    for (uint32_t i = 0; i < GRID_N; i++) {
-        double identity = 0, change = m->noise_floor_mm * m->noise_floor_mm;
-
-        weight[i] = 0.0f;
-        if (!(m->change.rest[i] > 0.0f))
-            continue;
-        for (uint32_t k = 0; k < m->identity.n; k++)
-            identity += (double)m->identity.mode[i][k] * (double)m->identity.mode[i][k];
-        for (uint32_t k = 0; k < m->change.n; k++)
-            change += (double)m->change.mode[i][k] * (double)m->change.mode[i][k];
-        weight[i] = (float)(identity / (identity + change));
-        sum += (double)weight[i];
-        n++;
-    }
-    for (uint32_t i = 0; i < GRID_N && sum > 0; i++)
-        weight[i] = (float)((double)weight[i] * n / sum);
-}
-
-struct surface_work *surface_work_new(const struct surface_model *m)
-{
-    struct surface_work *w = mem_array(1, sizeof *w);
-
-    if (w == NULL)
-        return NULL;
-    memset(w, 0, sizeof *w);
-    w->model = m != NULL ? m : &model_default;
-    w->calibration = w->model->calibration;
-    if (frame_mean_make(w->model, &w->mean) != ST_OK) {
-        surface_work_free(w);
-        return NULL;
-    }
-    fit_prepare(&w->model->change, &w->change);
-    encode_prepare(w->model, &w->encode);
-    shape_work_prepare(w->model, &w->shape);
-    weigh_places(w->model, w->weight);
-    return w;
-}
-
-enum surface_status surface_work_calibrate(struct surface_work *w,
-                                           const struct surface_calibration *by)
-{
-    if (by != NULL && !surface_calibration_valid(by))
-        return SURFACE_EINVAL;
-    w->calibration = by != NULL ? *by : w->model->calibration;
-    return SURFACE_OK;
-}
-
-const struct surface_calibration *surface_work_calibration(const struct surface_work *w)
-{
-    return &w->calibration;
-}
-
-void surface_work_clock(struct surface_work *w, double (*clock_ms)(void))
-{
-    w->clock_ms = clock_ms;
-}
-
-const struct frame_mean *face_work_mean(const struct surface_work *w)
-{
-    return &w->mean;
-}
-
-struct shape_work *face_work_shape(struct surface_work *w)
-{
-    return &w->shape;
-}
-
-const struct encode_basis *face_work_encode(const struct surface_work *w)
-{
-    return &w->encode;
-}
-
-struct measure_work *face_work_measure(struct surface_work *w)
-{
-    return &w->measure;
-}
-
-void surface_work_free(struct surface_work *w)
-{
-    if (w == NULL)
-        return;
-    measure_work_free(&w->measure);
-    align_work_free(&w->align);
-    surface_free(&w->upright);
-    scratch_free(&w->normal);
-    shape_work_free(&w->shape);
-    mem_free(w);
-}
-
-void surface_work_wipe(struct surface_work *w)
-{
-    measure_work_wipe(&w->measure, FACE_WORK_KEEP);
-    align_work_wipe(&w->align, FACE_WORK_KEEP);
-    surface_free(&w->upright);
-    scratch_wipe(&w->normal, FACE_WORK_KEEP);
-    shape_work_wipe(&w->shape, FACE_WORK_KEEP);
-}
-
 void face_free(struct surface_face *f)
 {
     if (f == NULL)
         return;
     surface_free(&f->surface);
     memset(f, 0, sizeof *f);
+}
+
+void surface_face_free(struct surface_face *face)
+{
+    face_free(face);
+    mem_free(face);
+}
+
+struct surface_face *face_renew(struct surface_face **out)
+{
+    struct surface_face *f = *out;
+
+    *out = NULL;
+    if (f == NULL && (f = mem_array(1, sizeof *f)) != NULL)
+        memset(f, 0, sizeof *f);
+    return f;
+}
+
+enum surface_status face_finish(enum status st, struct surface_face *f,
+                                struct surface_face **out)
+{
+    if (st == ST_OK)
+        *out = f;
+    else
+        surface_face_free(f);
+    return status_to(st);
 }
 
 static void clear(struct surface_face *f)
@@ -264,12 +167,6 @@ enum status face_lay(const struct dvec3 *pts, size_t n, const struct pose *pose,
     return st;
 }
 
-enum status face_encode(const float z[GRID_N], double residual_mm, struct surface_work *w,
-                        struct surface_face *f)
-{
-    return encode_heights(&w->encode, z, residual_mm, &w->normal, &f->encoding);
-}
-
 enum status face_rebuild(struct surface_face *f, struct surface_work *w)
 {
     const struct mesh *m = &f->surface.mesh;
@@ -286,6 +183,13 @@ enum status face_rebuild(struct surface_face *f, struct surface_work *w)
     if (st != ST_OK)
         clear(f);
     return st;
+}
+
+enum surface_status surface_rebuild(struct surface_work *work, struct surface_face **face)
+{
+    struct surface_face *f = face_renew(face);
+
+    return face_finish(f != NULL ? face_rebuild(f, work) : ST_ENOMEM, f, face);
 }
 
 enum status face_align(const struct surface_face *tmpl, const struct surface_face *probe,
@@ -317,14 +221,15 @@ static double common(const struct encoding *tmpl, const struct encoding *probe)
     return tmpl->cells > 0 ? (double)both / tmpl->cells : 0;
 }
 
-/* Two scans that tell nothing have the score 0, at or above which a threshold may be. */
-static enum surface_decision decide(const struct surface_comparison *r)
+/* Sets decision and rate by the score, the expected score and the threshold.  Two scans without
+ * information have the score 0, at or above which a threshold may be. */
+static void decide(const struct surface_work *w, struct surface_comparison *r)
 {
-    if (!(r->expected > 0))
-        return SURFACE_INCONCLUSIVE;
-    if (r->score >= r->threshold)
-        return SURFACE_MATCH;
-    return r->expected >= r->threshold ? SURFACE_NO_MATCH : SURFACE_INCONCLUSIVE;
+    r->decision = !(r->expected > 0)            ? SURFACE_INCONCLUSIVE
+                  : r->score >= r->threshold    ? SURFACE_MATCH
+                  : r->expected >= r->threshold ? SURFACE_NO_MATCH
+                                                : SURFACE_INCONCLUSIVE;
+    r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
 }
 
 static enum status score_of(const struct encoding *tmpl, const struct encoding *probe,
@@ -339,9 +244,10 @@ static enum status score_of(const struct encoding *tmpl, const struct encoding *
     return ST_OK;
 }
 
-enum status face_compare(const struct surface_face *tmpl,
-                         const struct surface_face *probe, double threshold,
-                         struct surface_work *w, struct surface_comparison *out)
+enum surface_status surface_compare(struct surface_work *w,
+                                    const struct surface_face *tmpl,
+                                    const struct surface_face *probe,
+                                    struct surface_comparison *out)
 {
     struct pair pair;
     enum status st = pair_make(tmpl, probe, w, &pair);
@@ -349,25 +255,24 @@ enum status face_compare(const struct surface_face *tmpl,
     memset(out, 0, sizeof *out);
     if (st == ST_OK)
         st = score_of(pair.tmpl.encoding, pair.probe.encoding, w, out);
-    out->threshold = isnan(threshold) ? w->calibration.threshold : threshold;
-    out->decision = decide(out);
-    out->false_match_rate = surface_calibration_rate(&w->calibration, out->score);
-    return st;
+    out->threshold = w->calibration.threshold;
+    decide(w, out);
+    return status_to(st);
 }
 
 /* The mean of n likelihood ratios is one again: of a stranger's scan its expectation is 1, so that it
  * reaches e^t with a probability of e^-t at most (Markov), like each of them alone.  The greatest of
  * them, divided by n, is no more than their mean. */
-void face_best_of(struct surface_comparison *r, uint32_t n, const struct surface_work *w)
+void surface_best_of(const struct surface_work *w, uint32_t n,
+                     struct surface_comparison *r)
 {
     r->score -= ratio_ln(n);
     r->expected -= ratio_ln(n);
-    r->decision = decide(r);
-    r->false_match_rate = surface_calibration_rate(&w->calibration, r->score);
+    decide(w, r);
 }
 
-void face_shown(const struct surface_comparison *r, double steps, double *score,
-                double *threshold)
+void surface_shown(const struct surface_comparison *r, double steps, double *score,
+                   double *threshold)
 {
     const double least = ceil(r->threshold * steps - 1e-6); /* 8.3 is 8.3 */
     const double near = round(r->score * steps);
@@ -377,9 +282,10 @@ void face_shown(const struct surface_comparison *r, double steps, double *score,
     *score = (fits ? fmax(near, least) : fmin(near, least - 1)) / steps;
 }
 
-enum status face_compare_mirrored(const struct surface_face *tmpl,
-                                  const struct surface_face *probe,
-                                  struct surface_work *w, struct surface_comparison *out)
+enum surface_status surface_compare_mirrored(struct surface_work *w,
+                                             const struct surface_face *tmpl,
+                                             const struct surface_face *probe,
+                                             struct surface_comparison *out)
 {
     struct encoding mirrored;
     float z[GRID_N], swapped[GRID_N];
@@ -388,7 +294,7 @@ enum status face_compare_mirrored(const struct surface_face *tmpl,
 
     memset(out, 0, sizeof *out);
     if (st != ST_OK || (st = pair_heights(&pair.probe, w, z)) != ST_OK)
-        return st;
+        return status_to(st);
     for (uint32_t i = 0; i < GRID_N; i++)
         swapped[i] = z[grid_mirror(i)];
     st = encode_heights(&w->encode, swapped, (double)pair.probe.encoding->residual_mm,
@@ -396,9 +302,8 @@ enum status face_compare_mirrored(const struct surface_face *tmpl,
     if (st == ST_OK)
         st = score_of(pair.tmpl.encoding, &mirrored, w, out);
     out->threshold = w->calibration.threshold;
-    out->decision = decide(out);
-    out->false_match_rate = surface_calibration_rate(&w->calibration, out->score);
-    return st;
+    decide(w, out);
+    return status_to(st);
 }
 
 /* What was measured at out->transform. */
@@ -415,9 +320,10 @@ static double now_ms(const struct surface_work *w)
     return w->clock_ms != NULL ? w->clock_ms() : 0;
 }
 
-enum status face_minimal(const struct surface_face *tmpl,
-                         const struct surface_face *probe, struct surface_work *w,
-                         struct surface_disparity *out)
+enum surface_status surface_disparity(struct surface_work *w,
+                                      const struct surface_face *tmpl,
+                                      const struct surface_face *probe,
+                                      struct surface_disparity *out)
 {
     const double begin = now_ms(w);
     struct align_result a;
@@ -428,7 +334,7 @@ enum status face_minimal(const struct surface_face *tmpl,
     memset(out, 0, sizeof *out);
     out->stop = align_stop_name(ALIGN_APART);
     if (st != ST_OK)
-        return st;
+        return status_to(st);
     aligned = now_ms(w);
     st = minimal_find(&tmpl->surface, &probe->surface, a.transform, &w->measure, &least);
     memcpy(out->transform, least.transform, sizeof out->transform);
@@ -443,7 +349,7 @@ enum status face_minimal(const struct surface_face *tmpl,
     out->stop = align_stop_name(a.stop);
     out->align_ms = aligned - begin;
     out->minimal_ms = now_ms(w) - aligned;
-    return st;
+    return status_to(st);
 }
 
 /* Where a score contradicts the surfaces, the pair whose probe is laid from the template's frame.
@@ -459,16 +365,17 @@ static enum status doubt(const struct surface_face *tmpl,
     if (!(score < SURFACE_DOUBT) || pair->tmpl.encoding->n == 0 ||
         pair->probe.encoding->n == 0)
         return ST_OK;
-    if ((st = face_minimal(tmpl, probe, w, &least)) != ST_OK)
+    if ((st = status_from(surface_disparity(w, tmpl, probe, &least))) != ST_OK)
         return st;
     *more =
         least.disparity_mm <= SURFACE_DOUBT_MM && least.area_mm2 >= FACE_DOUBT_AREA_MM2;
     return *more ? pair_again(probe, least.transform, w, pair) : ST_OK;
 }
 
-enum status face_compare_again(const struct surface_face *tmpl,
-                               const struct surface_face *probe, struct surface_work *w,
-                               struct surface_comparison *io)
+enum surface_status surface_compare_again(struct surface_work *w,
+                                          const struct surface_face *tmpl,
+                                          const struct surface_face *probe,
+                                          struct surface_comparison *io)
 {
     struct surface_comparison again = *io;
     struct pair pair;
@@ -476,21 +383,21 @@ enum status face_compare_again(const struct surface_face *tmpl,
     enum status st;
 
     if (io->decision != SURFACE_NO_MATCH || !(io->score < SURFACE_DOUBT))
-        return ST_OK;
+        return status_to(ST_OK);
     if ((st = pair_make(tmpl, probe, w, &pair)) != ST_OK ||
         (st = doubt(tmpl, probe, io->score, w, &pair, &more)) != ST_OK || !more)
-        return st;
+        return status_to(st);
     st = score_of(pair.tmpl.encoding, pair.probe.encoding, w, &again);
     if (st != ST_OK || !(again.score > io->score))
-        return st;
-    again.decision = decide(&again);
-    again.false_match_rate = surface_calibration_rate(&w->calibration, again.score);
+        return status_to(st);
+    decide(w, &again);
     *io = again;
-    return ST_OK;
+    return status_to(ST_OK);
 }
 
-enum status face_weigh(const struct surface_face *tmpl, const struct surface_face *probe,
-                       struct surface_work *w, struct surface_disparity *least)
+enum surface_status surface_weigh(struct surface_work *w, const struct surface_face *tmpl,
+                                  const struct surface_face *probe,
+                                  struct surface_disparity *least)
 {
     const struct places u = {w->weight, tmpl->frame.pose};
     struct disparity d;
@@ -500,16 +407,16 @@ enum status face_weigh(const struct surface_face *tmpl, const struct surface_fac
 
     if (st == ST_OK)
         put_measure(&d, least);
-    return st;
+    return status_to(st);
 }
 
-/* Has either scan the cell? */
+/* Returns true if either scan has the cell. */
 static bool counts(const struct encoding *a, const struct encoding *b, uint32_t cell)
 {
     return ((a->there[cell / 8] | b->there[cell / 8]) >> cell % 8 & 1) != 0;
 }
 
-/* The pair on which face_compare() and face_compare_again() decide. */
+/* The pair on which surface_compare() and surface_compare_again() decide. */
 static enum status decided(const struct surface_face *tmpl,
                            const struct surface_face *probe, struct surface_work *w,
                            struct pair *pair)
@@ -528,8 +435,9 @@ static enum status decided(const struct surface_face *tmpl,
     return st;
 }
 
-enum status face_field(const struct surface_face *tmpl, const struct surface_face *probe,
-                       struct surface_work *w, struct surface_parts *out)
+enum surface_status surface_parts(struct surface_work *w, const struct surface_face *tmpl,
+                                  const struct surface_face *probe,
+                                  struct surface_parts *out)
 {
     struct pair pair;
     enum status st = pair_make(tmpl, probe, w, &pair);
@@ -542,16 +450,16 @@ enum status face_field(const struct surface_face *tmpl, const struct surface_fac
 
     memset(out, 0, sizeof *out);
     if (st != ST_OK)
-        return st;
+        return status_to(st);
     rigid = pose_unscaled(&pair.tmpl.pose);
     pose_to_matrix(&rigid, out->frame);
     out->scale = 1 / place_size(&pair.tmpl.pose);
     if ((st = decided(tmpl, probe, w, &pair)) != ST_OK)
-        return st;
+        return status_to(st);
     of[0] = pair.tmpl.encoding;
     of[1] = pair.probe.encoding;
     if ((r = ratio_probe(of[1], w->model->kinship, &w->normal)) == NULL)
-        return ST_ENOMEM;
+        return status_to(ST_ENOMEM);
     rest = ratio_slopes(r, of[0], slope[0], slope[1]);
     for (int i = 0; st == ST_OK && i < 2; i++) {
         st = pair_heights(side[i], w, z[i]);
@@ -577,16 +485,18 @@ enum status face_field(const struct surface_face *tmpl, const struct surface_fac
         out->part[i] = part[i] != 0 ? (float)part[i] : (float)NAN;
         out->region[grid_region_of(i)] += part[i];
     }
-    return st;
+    return status_to(st);
 }
 
-enum status face_asymmetry(const struct surface_face *f, struct surface_work *w,
-                           struct surface_asymmetry *out)
+enum surface_status surface_asymmetry(struct surface_work *w,
+                                      const struct surface_face *f,
+                                      struct surface_asymmetry *out)
 {
     static const struct pose upright = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     const struct places u = {w->weight, upright};
     const struct pose pose = pose_unscaled(&f->frame.pose);
 
-    return asymmetry_find(&f->surface, &pose, &(struct disparity_weight){weight_at, &u},
-                          &w->measure, &w->upright, out);
+    return status_to(asymmetry_find(&f->surface, &pose,
+                                    &(struct disparity_weight){weight_at, &u},
+                                    &w->measure, &w->upright, out));
 }

@@ -4,7 +4,7 @@
 #define CORE_FACE_DATA_H
 #include "encode.h"
 #include "frame.h"
-#include "libsurface.h"
+#include "surface_face.h"
 #include "surface.h"
 
 struct surface_face {

@@ -7,7 +7,7 @@
 #include "fit.h"
 #include "frame.h"
 #include "grid.h"
-#include "libsurface.h"
+#include "surface_face.h"
 #include "measure.h"
 #include "mem.h"
 #include "shape_work.h"
@@ -24,7 +24,7 @@ struct surface_work {
     struct frame_mean mean;  /* the model's */
     struct fit_basis change; /* the model's, for alignment */
     struct encode_basis encode;
-    float weight[GRID_N]; /* how well each place separates people (face_weigh()) */
+    float weight[GRID_N]; /* how well each place separates people (surface_weigh()) */
     struct shape_work shape;
     struct surface_calibration calibration;
     double (*clock_ms)(void); /* NULL: none */

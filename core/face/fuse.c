@@ -6,6 +6,7 @@
 
 #include "encode.h"
 #include "face.h"
+#include "face_work.h"
 #include "heatmap.h"
 #include "heights.h"
 #include "holes.h"
@@ -41,7 +42,7 @@ struct fuse_gaps {
 
 double fuse_worth(const struct surface_face *f, const struct surface_work *w)
 {
-    const struct surface_model *m = face_work_encode(w)->m;
+    const struct surface_model *m = w->model;
     const double noise = m->noise_factor * (double)f->encoding.residual_mm;
 
     return f->encoding.cells / (m->noise_floor_mm * m->noise_floor_mm + noise * noise);
@@ -50,7 +51,7 @@ double fuse_worth(const struct surface_face *f, const struct surface_work *w)
 enum status fuse_cells(const struct surface_face *f, struct surface_work *w,
                        float z[GRID_N])
 {
-    return heights_of(&f->surface, &f->frame.pose, &face_work_measure(w)->scratch, z);
+    return heights_of(&f->surface, &f->frame.pose, &w->measure.scratch, z);
 }
 
 static void take_gaps(const struct encode_basis *e, const float *base, const float *frame,
@@ -114,7 +115,7 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
                           const struct surface_face *f, struct surface_work *w,
                           struct fuse_place *out, float own[GRID_N])
 {
-    const struct encode_basis *e = face_work_encode(w);
+    const struct encode_basis *e = &w->encode;
     const struct dvec3 centre = {0, 0, -POSE_LEVER_MM};
     const struct pose onto = pose_unscaled(&base->frame.pose);
     struct pose move = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
@@ -122,8 +123,7 @@ enum status fuse_register(const struct surface_face *base, const float z[GRID_N]
     struct heights h;
     struct fuse_gaps g;
     double x[6];
-    const enum status st =
-        heights_take(&f->surface, &pose, &face_work_measure(w)->scratch, &h);
+    const enum status st = heights_take(&f->surface, &pose, &w->measure.scratch, &h);
 
     if (st != ST_OK)
         return st;
@@ -335,7 +335,7 @@ enum status fuse_points(const struct surface_face *base, uint32_t n,
                         const struct fuse_place at[], struct surface_work *w,
                         struct dvec3 **out, size_t *npts)
 {
-    struct fusing g = {.base = base, .f = f, .at = at, .n = n, .m = face_work_measure(w)};
+    struct fusing g = {.base = base, .f = f, .at = at, .n = n, .m = &w->measure};
     size_t most = base->surface.mesh.nv, room = most;
     enum status st = ST_ENOMEM;
 

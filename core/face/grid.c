@@ -16,3 +16,13 @@ enum surface_region grid_region_of(uint32_t cell)
         return SURFACE_MOUTH;
     return SURFACE_CHEEKS;
 }
+
+const char *surface_region_name(enum surface_region region)
+{
+    static const char *const name[SURFACE_REGIONS] = {
+        [SURFACE_NOSE] = "nose",         [SURFACE_EYES] = "eyes",
+        [SURFACE_FOREHEAD] = "forehead", [SURFACE_CHEEKS] = "cheeks",
+        [SURFACE_MOUTH] = "mouth",       [SURFACE_CHIN] = "chin"};
+
+    return (unsigned)region < SURFACE_REGIONS ? name[region] : NULL;
+}

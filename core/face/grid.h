@@ -6,7 +6,7 @@
 #define CORE_GRID_H
 #include <math.h>
 #include <stdint.h>
-#include "libsurface.h"
+#include "surface_face.h"
 
 #define GRID_NX     SURFACE_CELLS_X
 #define GRID_NY     SURFACE_CELLS_Y

@@ -6,7 +6,7 @@
 #define CORE_MODEL_H
 #include <stddef.h>
 #include <stdint.h>
-#include "libsurface.h"
+#include "surface_face.h"
 #include "grid.h"
 #include "status.h"
 

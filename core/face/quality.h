@@ -4,7 +4,7 @@
 #define CORE_QUALITY_H
 #include <stddef.h>
 #include <stdint.h>
-#include "libsurface.h"
+#include "surface_face.h"
 #include "status.h"
 #include "vec.h"
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "face.h"
+#include "face_work.h"
 #include "find_view.h"
 #include "mem.h"
 #include "select.h"
@@ -504,11 +505,11 @@ static enum status find_run(const struct dvec3 *pts, size_t n, double unit_mm,
     f->n = n;
     f->unit_mm = unit_mm;
     f->size = 1;
-    f->shape = face_work_shape(w);
+    f->shape = &w->shape;
     f->stop = stop;
     f->starts.left = spend;
     f->best.n = 0;
-    find_view_prepare(face_work_mean(w), &f->face);
+    find_view_prepare(&w->mean, &f->face);
     st = how(f);
     if (st == ST_OK && f->best.n == 0)
         st = ST_ENOFACE;

@@ -14,7 +14,7 @@
 #define CORE_FIND_H
 #include <stddef.h>
 #include <stdint.h>
-#include "libsurface.h"
+#include "surface_scan.h"
 #include "pose.h"
 #include "status.h"
 #include "vec.h"

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cloudpoints.h"
+#include "face_work.h"
 #include "lattice.h"
 #include "mem.h"
 #include "quality.h"
@@ -67,10 +68,12 @@ static enum status score(struct frames *f, uint32_t i, const float own[GRID_N],
 {
     struct surface_face *face = &f->one[i].face;
     struct surface_comparison c = {.score = 0};
-    enum status st = face_encode(own, (double)face->encoding.residual_mm, f->w, face);
+    enum status st =
+        encode_heights(&f->w->encode, own, (double)face->encoding.residual_mm,
+                       &f->w->normal, &face->encoding);
 
     if (st == ST_OK)
-        st = face_compare(&f->one[f->base].face, face, (double)NAN, f->w, &c);
+        st = status_from(surface_compare(f->w, &f->one[f->base].face, face, &c));
     *out = c.score;
     return st;
 }
@@ -117,7 +120,8 @@ static enum status compare_all(struct frames *f, bool *close)
         st = lay_all(f, z, false, close);
     if (st != ST_OK || *close)
         return st;
-    st = face_encode(z, (double)base->encoding.residual_mm, f->w, base);
+    st = encode_heights(&f->w->encode, z, (double)base->encoding.residual_mm,
+                        &f->w->normal, &base->encoding);
     return st == ST_OK ? lay_all(f, z, true, close) : st;
 }
 
@@ -188,7 +192,7 @@ static enum status find_others(struct frames *f, const struct surface_face *face
 
         if (!one->built || one->st != ST_EAPART)
             continue;
-        st = face_compare(face, &one->face, (double)NAN, f->w, &c);
+        st = status_from(surface_compare(f->w, face, &one->face, &c));
         if (st == ST_OK && c.expected >= FRAMES_TELLS &&
             c.score <= FRAMES_OTHER * (double)one->face.encoding.residual_mm) {
             one->score = c.score;

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include "face.h"
 #include "fuse.h"
-#include "libsurface.h"
+#include "surface_scan.h"
 #include "scan.h"
 #include "status.h"
 

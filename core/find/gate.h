@@ -5,7 +5,7 @@
 #ifndef CORE_GATE_H
 #define CORE_GATE_H
 #include <stdbool.h>
-#include "libsurface.h"
+#include "surface_scan.h"
 #include "status.h"
 
 /* Share of the face that is covered, and of the points that are elsewhere, from which they are

@@ -7,6 +7,7 @@
 #include "cloudpoints.h"
 #include "crop.h"
 #include "face.h"
+#include "face_work.h"
 #include "find.h"
 #include "gate.h"
 #include "lattice.h"
@@ -652,7 +653,7 @@ enum status scan_build(struct cloudpoints *c, const struct scan_options *o,
     enum status st;
 
     scan_begin(&s);
-    s.shape = face_work_shape(w);
+    s.shape = &w->shape;
     st = o->axes == SCAN_AXES_SCANNER ? build_agreed(&s, k) : build_found(&s, k);
     found->quality = out->quality;
     if (st == ST_OK)

@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include "face.h"
 #include "find.h"
-#include "libsurface.h"
+#include "surface_scan.h"
 #include "shape.h"
 #include "status.h"
 

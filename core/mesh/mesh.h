@@ -22,7 +22,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "libsurface.h"
+#include "surface_basic.h"
 #include "status.h"
 #include "vec.h"
 

@@ -120,7 +120,7 @@ static struct surface_asymmetry measured(void)
 {
     struct surface_asymmetry a;
 
-    assert_int_equal(face_asymmetry(&face, work, &a), ST_OK);
+    assert_int_equal(surface_asymmetry(work, &face, &a), ST_OK);
     return a;
 }
 

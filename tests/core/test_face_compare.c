@@ -82,9 +82,9 @@ TEST(test_weigh)
 
     make(3, 0, &a);
     make(4, 1, &b);
-    assert_int_equal(face_minimal(&a, &b, work, &least), ST_OK);
+    assert_int_equal(surface_disparity(work, &a, &b, &least), ST_OK);
     weighed = least;
-    assert_int_equal(face_weigh(&a, &b, work, &weighed), ST_OK);
+    assert_int_equal(surface_weigh(work, &a, &b, &weighed), ST_OK);
     assert_true(weighed.disparity_mm == least.disparity_mm);
     assert_int_equal(
         measure_at(&a.surface, &b.surface, least.transform, NULL, &m, &plain), ST_OK);
@@ -118,6 +118,18 @@ TEST(test_weigh)
     face_free(&b);
 }
 
+/* surface_compare(), decided by another threshold. */
+static enum surface_status compare_at(double threshold, const struct surface_face *a,
+                                      const struct surface_face *b,
+                                      struct surface_comparison *out)
+{
+    const enum surface_status st = surface_compare(work, a, b, out);
+
+    out->threshold = threshold;
+    surface_best_of(work, 1, out);
+    return st;
+}
+
 /* The threshold changes the decision and nothing else; the best of five loses ln 5. */
 TEST(test_threshold)
 {
@@ -126,14 +138,14 @@ TEST(test_threshold)
 
     make(12, 0, &a);
     make(12, 1, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &usual), ST_OK);
-    assert_int_equal(face_compare(&a, &b, 1e3, work, &strict), ST_OK);
-    assert_int_equal(face_compare(&a, &b, usual.score, work, &loose), ST_OK);
-    assert_int_equal(face_compare(&a, &b, -1, work, &below), ST_OK);
+    assert_int_equal(surface_compare(work, &a, &b, &usual), ST_OK);
+    assert_int_equal(compare_at(1e3, &a, &b, &strict), ST_OK);
+    assert_int_equal(compare_at(usual.score, &a, &b, &loose), ST_OK);
+    assert_int_equal(compare_at(-1, &a, &b, &below), ST_OK);
     assert_int_equal(usual.decision, SURFACE_MATCH);
     assert_true(usual.threshold == model_default.calibration.threshold);
     best = usual; /* of five templates */
-    face_best_of(&best, 5, work);
+    surface_best_of(work, 5, &best);
     assert_true(fabs(usual.score - log(5) - best.score) < 1e-12);
     assert_true(best.false_match_rate ==
                 surface_calibration_rate(&model_default.calibration, best.score));
@@ -149,11 +161,11 @@ TEST(test_threshold)
     strict.threshold = usual.threshold;
     check_same(&usual, &strict);
     make(15, 0, &b);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &usual), ST_OK);
+    assert_int_equal(surface_compare(work, &a, &b, &usual), ST_OK);
     assert_true(usual.score < usual.expected);
-    assert_int_equal(face_compare(&a, &b, usual.expected, work, &loose), ST_OK);
-    assert_int_equal(
-        face_compare(&a, &b, nextafter(usual.expected, INFINITY), work, &strict), ST_OK);
+    assert_int_equal(compare_at(usual.expected, &a, &b, &loose), ST_OK);
+    assert_int_equal(compare_at(nextafter(usual.expected, INFINITY), &a, &b, &strict),
+                     ST_OK);
     assert_int_equal(loose.decision, SURFACE_NO_MATCH);
     assert_int_equal(strict.decision, SURFACE_INCONCLUSIVE);
     face_free(&a);
@@ -170,12 +182,13 @@ TEST(test_shown)
             double score, threshold;
 
             r.score = r.threshold + k * 0.001 + 0.0005;
-            face_shown(&r, 100, &score, &threshold);
+            surface_shown(&r, 100, &score, &threshold);
             assert_int_equal(score >= threshold, r.score >= r.threshold);
             assert_true(fabs(score - r.score) < 0.02);
             assert_true(threshold == round(threshold * 100) / 100);
             again = (struct surface_comparison){.score = score, .threshold = threshold};
-            face_shown(&again, 100, &score, &threshold); /* once more changes nothing */
+            surface_shown(&again, 100, &score,
+                          &threshold); /* once more changes nothing */
             assert_true(again.score == score && again.threshold == threshold);
         }
 }
@@ -193,16 +206,16 @@ TEST(test_mirrored)
         for (size_t i = 0; i < cloud.n; i++)
             cloud.pts[i].x = -cloud.pts[i].x;
         build(&m);
-        assert_int_equal(face_compare(&a, &b, (double)NAN, work, &plain), ST_OK);
-        assert_int_equal(face_compare(&a, &m, (double)NAN, work, &as_is), ST_OK);
-        assert_int_equal(face_compare_mirrored(&a, &m, work, &mirrored), ST_OK);
+        assert_int_equal(surface_compare(work, &a, &b, &plain), ST_OK);
+        assert_int_equal(surface_compare(work, &a, &m, &as_is), ST_OK);
+        assert_int_equal(surface_compare_mirrored(work, &a, &m, &mirrored), ST_OK);
         print_message("%.2f, mirrored %.2f, back %.2f\n", plain.score, as_is.score,
                       mirrored.score);
         assert_true(fabs(mirrored.score - plain.score) < 0.2);
         assert_true(mirrored.score > as_is.score);
-        assert_int_equal(face_compare_mirrored(&a, &m, work, &again), ST_OK);
+        assert_int_equal(surface_compare_mirrored(work, &a, &m, &again), ST_OK);
         check_same(&mirrored, &again);
-        assert_int_equal(face_compare(&a, &m, (double)NAN, work, &again), ST_OK);
+        assert_int_equal(surface_compare(work, &a, &m, &again), ST_OK);
         check_same(&as_is, &again);
     }
     face_free(&a);
@@ -246,13 +259,13 @@ TEST(test_inconclusive)
         scan(13, 1, 2 * POINTS);
         keep(part[k]);
         build(&b);
-        assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
+        assert_int_equal(surface_compare(work, &a, &b, &r), ST_OK);
         assert_true(r.overlap > 0 && r.overlap < 0.3 && r.expected < r.threshold);
         assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
-        assert_int_equal(face_compare(&a, &b, -1000, work, &r), ST_OK);
+        assert_int_equal(compare_at(-1000, &a, &b, &r), ST_OK);
         assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
         assert_int_equal(b.encoding.n, 0);
-        assert_int_equal(face_field(&a, &b, work, &field), ST_OK);
+        assert_int_equal(surface_parts(work, &a, &b, &field), ST_OK);
         for (uint32_t i = 0; i < GRID_N; i++)
             assert_true(isnan(field.part[i]));
         for (int i = 0; i < SURFACE_REGIONS; i++)
@@ -275,10 +288,10 @@ TEST(test_clock)
     struct surface_disparity least, plain;
 
     make(14, 0, &a);
-    assert_int_equal(face_minimal(&a, &a, work, &plain), ST_OK);
+    assert_int_equal(surface_disparity(work, &a, &a, &plain), ST_OK);
     assert_true(plain.align_ms == 0 && plain.minimal_ms == 0);
     surface_work_clock(work, ticking);
-    assert_int_equal(face_minimal(&a, &a, work, &least), ST_OK);
+    assert_int_equal(surface_disparity(work, &a, &a, &least), ST_OK);
     surface_work_clock(work, NULL);
     assert_true(least.align_ms == 2.5 && least.minimal_ms == 2.5);
     least.align_ms = least.minimal_ms = 0;
@@ -308,8 +321,8 @@ static void check_field(const struct surface_face *tmpl, const struct surface_fa
     double cells = 0, regions = 0, region[SURFACE_REGIONS] = {0};
     struct surface_comparison r;
 
-    assert_int_equal(face_compare(tmpl, probe, (double)NAN, work, &r), ST_OK);
-    assert_int_equal(face_field(tmpl, probe, work, &field), ST_OK);
+    assert_int_equal(surface_compare(work, tmpl, probe, &r), ST_OK);
+    assert_int_equal(surface_parts(work, tmpl, probe, &field), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const uint8_t bit = (uint8_t)(1U << i % 8);
         const bool has[] = {tmpl->encoding.there[i / 8] & bit,
@@ -332,7 +345,7 @@ static void check_field(const struct surface_face *tmpl, const struct surface_fa
                   regions - r.score);
     assert_true(fabs(cells - r.score) < 1e-5);
     assert_true(fabs(regions - r.score) < 1e-10 * (1 + fabs(r.score)));
-    assert_int_equal(face_field(tmpl, probe, work, &again), ST_OK);
+    assert_int_equal(surface_parts(work, tmpl, probe, &again), ST_OK);
     assert_memory_equal(field.region, again.region, sizeof field.region);
 }
 
@@ -376,7 +389,7 @@ TEST(test_field_gap)
     make(16, 0, &a);
     build(&b);
     b.frame.pose.t[2] += 2;
-    assert_int_equal(face_field(&a, &b, work, &field), ST_OK);
+    assert_int_equal(surface_parts(work, &a, &b, &field), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (isnan(field.gap_mm[i]))
             continue;

@@ -39,11 +39,11 @@ static void *compare(void *arg)
 
     t->st = w == NULL ? ST_ENOMEM : face_build(cloud.pts, cloud.n, w, &t->probe, NULL);
     if (t->st == ST_OK)
-        t->st = face_compare(t->tmpl, &t->probe, (double)NAN, w, &t->r);
+        t->st = status_from(surface_compare(w, t->tmpl, &t->probe, &t->r));
     if (t->st == ST_OK)
         t->st = face_align(t->tmpl, &t->probe, w, &t->align);
     if (t->st == ST_OK)
-        t->st = face_field(t->tmpl, &t->probe, w, &t->parts);
+        t->st = status_from(surface_parts(w, t->tmpl, &t->probe, &t->parts));
     surface_work_free(w);
     return NULL;
 }

@@ -44,56 +44,34 @@ static enum surface_status build(struct surface_work *work, size_t n,
     return surface_build(work, &cloud, out, found);
 }
 
-/* Each call gives the result of the function of face.h that it forwards to. */
+/* A frontal face is built as by face_build(), and names its engine. */
 TEST(test_same)
 {
     struct surface_work *work = surface_work_new(NULL);
-    struct surface_face *tmpl = NULL, *other = NULL;
-    struct surface_face a = {0}, b = {0};
-    struct surface_comparison c = {0}, r = {0};
-    struct surface_disparity d = {0}, m = {0};
+    struct surface_face *one = NULL;
+    struct surface_face a = {0};
+    struct surface_comparison c = {0};
     struct surface_quality q;
-    static struct surface_parts parts, field;
-    struct surface_asymmetry asym = {0}, mirror = {0};
     char engine[SURFACE_ENGINE_SIZE];
     size_t n = scan(3, 0);
 
     assert_non_null(work);
-    assert_int_equal(build(work, n, &tmpl, NULL), SURFACE_OK);
+    assert_int_equal(build(work, n, &one, NULL), SURFACE_OK);
     assert_int_equal(face_build(pts, n, work, &a, NULL), ST_OK);
-    n = scan(4, 0);
-    assert_int_equal(build(work, n, &other, NULL), SURFACE_OK);
-    assert_int_equal(face_build(pts, n, work, &b, NULL), ST_OK);
-    q = surface_face_quality(other);
-    assert_memory_equal(&q, &b.quality, sizeof q);
-    assert_int_equal(surface_quality_reasons(&q, other),
-                     quality_reasons(&b.quality, &b.frame));
-    assert_int_equal(surface_compare(work, tmpl, other, &c), SURFACE_OK);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
-    assert_memory_equal(&c, &r, sizeof c);
-    surface_best_of(work, 5, &c);
-    face_best_of(&r, 5, work);
-    assert_memory_equal(&c, &r, sizeof c);
-    assert_int_equal(surface_disparity(work, tmpl, other, &d), SURFACE_OK);
-    assert_int_equal(face_minimal(&a, &b, work, &m), ST_OK);
-    assert_int_equal(surface_weigh(work, tmpl, other, &d), SURFACE_OK);
-    assert_int_equal(face_weigh(&a, &b, work, &m), ST_OK);
-    assert_memory_equal(&d, &m, sizeof d);
-    assert_int_equal(surface_parts(work, tmpl, other, &parts), SURFACE_OK);
-    assert_int_equal(face_field(&a, &b, work, &field), ST_OK);
-    assert_memory_equal(&parts, &field, sizeof parts);
-    assert_int_equal(surface_asymmetry(work, other, &asym), SURFACE_OK);
-    assert_int_equal(face_asymmetry(&b, work, &mirror), ST_OK);
-    assert_memory_equal(&asym, &mirror, sizeof asym);
+    q = surface_face_quality(one);
+    assert_memory_equal(&q, &a.quality, sizeof q);
+    assert_int_equal(surface_quality_reasons(&q, one),
+                     quality_reasons(&a.quality, &a.frame));
     surface_engine(NULL, engine);
     assert_non_null(strstr(engine, "/" SURFACE_VERSION " "));
     assert_memory_equal(engine, SURFACE_ENGINE " ", sizeof SURFACE_ENGINE);
-    assert_string_equal(surface_version(), SURFACE_VERSION);
-    face_free(&a);
-    face_free(&b);
     surface_work_free(work);
-    surface_face_free(tmpl); /* a face outlives the memory it was built with */
-    surface_face_free(other);
+    work = surface_work_new(NULL); /* a face outlives the memory it was built with */
+    assert_int_equal(surface_compare(work, one, &a, &c), SURFACE_OK);
+    assert_int_equal(c.decision, SURFACE_MATCH);
+    face_free(&a);
+    surface_work_free(work);
+    surface_face_free(one);
 }
 
 /* A raw scan of a head, in metres and turned: the face is found in it and matches; at the points
@@ -331,7 +309,7 @@ TEST(test_refused)
     surface_model_free(NULL);
 }
 
-/* Each status has a message of its own, each bit a name; what is none has none. */
+/* Each status has a message of its own, each bit a name. */
 TEST(test_words)
 {
     static const enum surface_status all[] = {
@@ -344,8 +322,6 @@ TEST(test_words)
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         for (size_t k = 0; k < i; k++)
             assert_string_not_equal(surface_message(all[i]), surface_message(all[k]));
-    assert_string_equal(surface_message((enum surface_status)ST_EDB),
-                        surface_message((enum surface_status)99));
     assert_string_equal(surface_warning_name(SURFACE_THINNED), "thinned");
     assert_string_equal(surface_reason_name(SURFACE_OBLIQUE), "turned");
     assert_string_equal(surface_region_name(SURFACE_CHIN), "chin");

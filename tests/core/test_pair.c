@@ -39,8 +39,8 @@ static double score(const struct surface_face *a, const struct surface_face *b)
 {
     struct surface_comparison ab, ba;
 
-    assert_int_equal(face_compare(a, b, (double)NAN, work, &ab), ST_OK);
-    assert_int_equal(face_compare(b, a, (double)NAN, work, &ba), ST_OK);
+    assert_int_equal(surface_compare(work, a, b, &ab), ST_OK);
+    assert_int_equal(surface_compare(work, b, a, &ba), ST_OK);
     assert_true(fabs(ab.score - ba.score) < 1e-6);
     return ab.score;
 }
@@ -84,14 +84,14 @@ TEST(test_all_of_one_pair)
 
     make(3, 0, 1, &a);
     make(3, 1, 1, &b);
-    assert_int_equal(face_minimal(&a, &b, work, &want), ST_OK);
+    assert_int_equal(surface_disparity(work, &a, &b, &want), ST_OK);
     mistake(&b, 1.2);
-    assert_int_equal(face_field(&a, &b, work, &parts), ST_OK);
+    assert_int_equal(surface_parts(work, &a, &b, &parts), ST_OK);
     for (int i = 0; i < SURFACE_REGIONS; i++)
         sum += parts.region[i];
     assert_true(fabs(sum - score(&a, &b)) < 1e-3);
     assert_true(fabs(parts.scale - 1) < 1e-9);
-    assert_int_equal(face_minimal(&a, &b, work, &d), ST_OK);
+    assert_int_equal(surface_disparity(work, &a, &b, &d), ST_OK);
     assert_true(fabs(d.disparity_mm - want.disparity_mm) < 0.01 * want.disparity_mm);
     face_free(&a);
     face_free(&b);
@@ -105,9 +105,9 @@ TEST(test_mirrored)
 
     make(4, 0, 1, &a);
     make(4, 1, 1, &b);
-    assert_int_equal(face_compare_mirrored(&a, &b, work, &right), ST_OK);
+    assert_int_equal(surface_compare_mirrored(work, &a, &b, &right), ST_OK);
     mistake(&b, 0.85);
-    assert_int_equal(face_compare_mirrored(&a, &b, work, &mistaken), ST_OK);
+    assert_int_equal(surface_compare_mirrored(work, &a, &b, &mistaken), ST_OK);
     assert_true(fabs(right.score - mistaken.score) < 8);
     face_free(&a);
     face_free(&b);
@@ -132,22 +132,22 @@ TEST(test_doubt)
     fit.pose = b.frame.pose;
     fit.residual_mm = 0.5;
     assert_int_equal(place_encode(&b, &fit, work, &b.encoding), ST_OK);
-    assert_int_equal(face_compare(&a, &b, (double)NAN, work, &r), ST_OK);
+    assert_int_equal(surface_compare(work, &a, &b, &r), ST_OK);
     assert_true(r.score < SURFACE_DOUBT && r.decision == SURFACE_NO_MATCH);
     again = r;
-    assert_int_equal(face_compare_again(&a, &b, work, &again), ST_OK);
+    assert_int_equal(surface_compare_again(work, &a, &b, &again), ST_OK);
     assert_true(again.score > 20 && again.decision == SURFACE_MATCH);
     assert_true(again.threshold == r.threshold);
     assert_true(again.false_match_rate < r.false_match_rate);
-    assert_int_equal(face_field(&a, &b, work, &parts), ST_OK);
+    assert_int_equal(surface_parts(work, &a, &b, &parts), ST_OK);
     for (int i = 0; i < SURFACE_REGIONS; i++)
         sum += parts.region[i];
     assert_true(fabs(sum - again.score) < 1e-3);
 
-    assert_int_equal(face_compare(&a, &other, (double)NAN, work, &r), ST_OK);
+    assert_int_equal(surface_compare(work, &a, &other, &r), ST_OK);
     assert_true(r.score < SURFACE_DOUBT);
     again = r;
-    assert_int_equal(face_compare_again(&a, &other, work, &again), ST_OK);
+    assert_int_equal(surface_compare_again(work, &a, &other, &again), ST_OK);
     assert_memory_equal(&r, &again, sizeof r);
     face_free(&a);
     face_free(&b);
@@ -164,7 +164,7 @@ static enum status compare(void *arg)
 
     (void)arg;
     if (w != NULL)
-        st = face_compare(&failing[0], &failing[1], (double)NAN, w, &r);
+        st = status_from(surface_compare(w, &failing[0], &failing[1], &r));
     surface_work_free(w);
     return st;
 }

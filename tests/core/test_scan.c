@@ -93,7 +93,7 @@ static void assert_decision(enum surface_decision want)
 {
     struct surface_comparison r;
 
-    assert_int_equal(face_compare(&tmpl, &face, (double)NAN, work, &r), ST_OK);
+    assert_int_equal(surface_compare(work, &tmpl, &face, &r), ST_OK);
     if (r.decision != want)
         fail_msg("decision %d, wanted %d: score %.2f", r.decision, want, r.score);
 }
@@ -139,10 +139,10 @@ TEST(test_one_way)
         face_free(&tmpl);
         tmpl = face;
         face = (struct surface_face){0};
-        assert_int_equal(face_compare(&tmpl, &tmpl, (double)NAN, work, &self), ST_OK);
+        assert_int_equal(surface_compare(work, &tmpl, &tmpl, &self), ST_OK);
         turn(40, 20, 30, 1);
         assert_int_equal(build(&enrolment), ST_OK);
-        assert_int_equal(face_compare(&tmpl, &face, (double)NAN, work, &turned), ST_OK);
+        assert_int_equal(surface_compare(work, &tmpl, &face, &turned), ST_OK);
         if (!(turned.score > 0.95 * self.score))
             fail_msg("subject %d: %.2f, with itself %.2f", (int)subject, turned.score,
                      self.score);
@@ -445,7 +445,7 @@ TEST(test_stepped)
             assert_true(warned(SURFACE_STEPPED) && fabs(found.step_mm - step) < 1e-6);
             assert_true(found.quality.noise_mm >= step / 2);
             assert_true(face.encoding.residual_mm > 2);
-            assert_int_equal(face_compare(&tmpl, &face, (double)NAN, work, &r), ST_OK);
+            assert_int_equal(surface_compare(work, &tmpl, &face, &r), ST_OK);
             assert_int_not_equal(r.decision,
                                  subject % 2 ? SURFACE_MATCH : SURFACE_NO_MATCH);
             residual = face.encoding.residual_mm;

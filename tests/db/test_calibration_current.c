@@ -62,8 +62,7 @@ TEST(test_followed)
     for (int damaged = 0; damaged < 2; damaged++) {
         assert_int_equal(version, 1);
         assert_int_equal(
-            face_compare(&tempdb_face[0], &tempdb_face[1], (double)NAN, tempdb_work, &r),
-            ST_OK);
+            surface_compare(tempdb_work, &tempdb_face[0], &tempdb_face[1], &r), ST_OK);
         assert_int_equal(r.decision, SURFACE_MATCH);
         assert_true(r.threshold == -700);
         assert_true(r.false_match_rate == surface_calibration_rate(&k.table, r.score));

@@ -21,7 +21,7 @@ static double coordinate(const uint8_t *p, unsigned scale)
 static void check_minimal(const struct surface_face *a, const struct surface_face *b,
                           struct surface_disparity *m, struct surface_work *w)
 {
-    require(face_minimal(a, b, w, m) == ST_OK);
+    require(surface_disparity(w, a, b, m) == SURFACE_OK);
     require(isfinite(m->volume_mm3) && m->volume_mm3 >= 0);
     require(isfinite(m->area_mm2) && m->area_mm2 >= 0);
     require(isfinite(m->disparity_mm) && m->disparity_mm >= 0);
@@ -46,10 +46,10 @@ static void compare(const struct surface_face *a, const struct surface_face *b,
 
     memset(&first, 0, sizeof first);
     memset(&again, 0, sizeof again);
-    require(face_compare(a, b, (double)NAN, w, &first) == ST_OK);
+    require(surface_compare(w, a, b, &first) == SURFACE_OK);
     check_result(&first);
     check_minimal(a, b, &least, w);
-    require(face_compare(a, b, (double)NAN, w, &again) == ST_OK);
+    require(surface_compare(w, a, b, &again) == SURFACE_OK);
     check_minimal(a, b, &same, w);
     require(memcmp(&first.score, &again.score, sizeof(double)) == 0);
     require(memcmp(&least, &same, sizeof least) == 0);

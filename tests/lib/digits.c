@@ -45,8 +45,9 @@ static void compare(struct text *t, const char *what, const struct surface_face 
     struct surface_disparity m;
     struct surface_parts parts;
 
-    if (face_compare(a, b, (double)NAN, w, &r) != ST_OK ||
-        face_minimal(a, b, w, &m) != ST_OK || face_field(a, b, w, &parts) != ST_OK)
+    if (surface_compare(w, a, b, &r) != SURFACE_OK ||
+        surface_disparity(w, a, b, &m) != SURFACE_OK ||
+        surface_parts(w, a, b, &parts) != SURFACE_OK)
         abort();
     t->at += (size_t)snprintf(t->buf + t->at, ROOM - t->at, "# %s\n", what);
     put(t, "score", &r.score, 1);

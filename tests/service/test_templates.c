@@ -275,7 +275,7 @@ TEST(test_minimal)
     assert_int_equal(best.index, 1);
     assert_int_equal(templates_minimal(&t, &probe, &best, &m, NULL, &e), ST_OK);
     assert_true(m.minimal_ms >= 1);
-    assert_int_equal(face_minimal(&model[SAME], &probe, tempdb_work, &same), ST_OK);
+    assert_int_equal(surface_disparity(tempdb_work, &model[SAME], &probe, &same), ST_OK);
     assert_true(m.disparity_mm == same.disparity_mm);
     assert_int_equal(measure_at(&model[SAME].surface, &probe.surface, m.align_transform,
                                 NULL, &w, &aligned),

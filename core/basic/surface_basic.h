@@ -1,0 +1,67 @@
+/* ---- surface_basic.h: version, statuses, the calibration of decisions */
+#ifndef CORE_SURFACE_BASIC_H
+#define CORE_SURFACE_BASIC_H
+#include <stddef.h>
+#include <stdint.h>
+
+#define SURFACE_API __attribute__((visibility("default")))
+
+#define SURFACE_VERSION "0.2.0"
+
+#define SURFACE_MIN_POINTS 100
+#define SURFACE_MAX_POINTS 2097152
+#define SURFACE_KNOTS      32
+#define SURFACE_FRAMES_MAX 20
+
+/* The values never change.  The missing numbers belong to statuses of the daemon. */
+enum surface_status {
+    SURFACE_OK = 0,
+    SURFACE_EINVAL = 1,      /* an argument is malformed */
+    SURFACE_ENOMEM = 2,      /* out of memory */
+    SURFACE_ELIMIT = 4,      /* more than SURFACE_MAX_POINTS */
+    SURFACE_ETOOFEW = 5,     /* fewer than SURFACE_MIN_POINTS at different places */
+    SURFACE_ENOTFINITE = 6,  /* with SURFACE_FRONTAL: a coordinate is NaN or infinite */
+    SURFACE_ERANGE = 7,      /* a coordinate is beyond 16.7 m */
+    SURFACE_EDEGENERATE = 8, /* all points lie on one line */
+    SURFACE_EUNITS = 9,      /* the extent is not that of a face: 60 to 500 mm */
+    SURFACE_ENOFACE = 10,    /* no face was found */
+    SURFACE_ESEVERAL = 11,   /* enrolment: more than one face */
+    SURFACE_EMIRRORED = 12,  /* enrolment: a mirror image */
+    SURFACE_ENOTFACE = 13,   /* the surface does not have the shape of a face */
+    SURFACE_EQUALITY =
+        14, /* the quality of the scan is too low: noise, spikes, holes, occlusion */
+    SURFACE_ECORRUPT = 15,  /* bytes that are not a face, or a text that is not a model */
+    SURFACE_EVERSION = 16,  /* bytes or a text of another version */
+    SURFACE_ESTOPPED = 25,  /* the caller cancelled the call */
+    SURFACE_EINTERNAL = 28, /* a defect of the library */
+    SURFACE_EPEOPLE = 30,   /* frames of more than one person */
+    SURFACE_EAPART = 31     /* a frame that does not lie on the others */
+};
+
+/* Returns a phrase for a status, static, never NULL. */
+SURFACE_API const char *surface_message(enum surface_status st);
+
+/* From a score to a decision.  A model has its own; another one can be learned from
+ * comparisons of other people. */
+struct surface_knot {
+    double score; /* strictly rising, -1e4 to 1e4 */
+    /* share of the scores of different people at or above it: the first is 1, strictly falling,
+     * above 0 */
+    double rate;
+};
+struct surface_calibration {
+    double threshold; /* a score at or above it is a match */
+    uint32_t n;       /* knots, 2..SURFACE_KNOTS */
+    struct surface_knot knot[SURFACE_KNOTS];
+};
+
+/* Returns 1 if the members of by are as described above, else 0. */
+SURFACE_API int surface_calibration_valid(const struct surface_calibration *by);
+
+/* Returns the false match rate at a threshold of this score, 0..1: 1 below the first knot, linear
+ * between the knots, and constant from the last one on: never below what the comparisons
+ * support.  NaN gives 1. */
+SURFACE_API double surface_calibration_rate(const struct surface_calibration *by,
+                                            double score);
+
+#endif /* CORE_SURFACE_BASIC_H */
