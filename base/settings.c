@@ -20,6 +20,9 @@
 #define SECTION        "surfaced"
 #define CREDENTIAL     "credential:"
 
+/* Where systemd keeps the credentials of the service, for processes outside of it. */
+#define CREDENTIALS_USUAL "/run/credentials/surfaced.service"
+
 enum source { UNSET, DEFAULT, ENVIRONMENT, FLAG, IN_FILE };
 
 struct settings_one {
@@ -182,15 +185,14 @@ static const char *find_credential(const char *text, char **out)
     const char *dir = getenv("CREDENTIALS_DIRECTORY"), *name;
     size_t size;
 
+    if (dir == NULL || *dir == '\0')
+        dir = CREDENTIALS_USUAL;
     *out = NULL;
     if (strncmp(text, CREDENTIAL, strlen(CREDENTIAL)) != 0)
         return NULL;
     name = text + strlen(CREDENTIAL);
     if (*name == '\0' || *name == '.' || strchr(name, '/') != NULL)
         return "not the name of a credential";
-    if (dir == NULL || *dir == '\0')
-        return "no credentials: CREDENTIALS_DIRECTORY is not set; see LoadCredential= in "
-               "systemd.exec(5)";
     size = strlen(dir) + 1 + strlen(name) + 1;
     if ((*out = malloc(size)) == NULL)
         return "out of memory";
@@ -492,44 +494,42 @@ void settings_fill(const struct settings *s, void *out)
     }
 }
 
-const char *settings_value(const struct settings *s, size_t row, char *from, size_t size)
+/* The source of a value, as settings_print() writes it. */
+static void print_source(const struct settings *s, size_t row, FILE *out)
 {
     const struct settings_one *v = &s->value[row];
     char name[NAME_MAX_BYTES];
 
     switch (v->source) {
     case UNSET:
-        (void)snprintf(from, size, "not set");
+        (void)fprintf(out, "# not set\n");
         break;
     case DEFAULT:
-        (void)snprintf(from, size, "default");
+        (void)fprintf(out, "# default\n");
         break;
     case ENVIRONMENT:
         env_name(&s->table[row], name);
-        (void)snprintf(from, size, "%s", name);
+        (void)fprintf(out, "# %s\n", name);
         break;
     case FLAG:
-        (void)snprintf(from, size, "--%s", s->table[row].name);
+        (void)fprintf(out, "# --%s\n", s->table[row].name);
         break;
     case IN_FILE:
-        (void)snprintf(from, size, "%s:%u", s->file, v->line);
+        (void)fprintf(out, "# %s:%u\n", s->file, v->line);
         break;
     }
-    return v->text;
 }
 
 void settings_print(const struct settings *s, FILE *out)
 {
-    char from[REPORT_MAX];
-
     for (size_t i = 0; i < s->n; i++) {
-        const char *name = s->table[i].name;
-        const char *text = settings_value(s, i, from, sizeof from);
+        const char *name = s->table[i].name, *text = s->value[i].text;
 
+        print_source(s, i, out);
         if (text == NULL)
-            (void)fprintf(out, "# %s\n#%s =\n", from, name);
+            (void)fprintf(out, "#%s =\n", name);
         else
-            (void)fprintf(out, "# %s\n%s = %s\n", from, name, text);
+            (void)fprintf(out, "%s = %s\n", name, text);
     }
 }
 

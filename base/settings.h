@@ -79,11 +79,6 @@ unsigned settings_problems(const struct settings *s);
  * long as s.  Precondition: no problem was reported by the reading. */
 void settings_fill(const struct settings *s, void *out);
 
-/* settings_value(s, row, from, size): the value of a row as it was given, NULL where it
- * is unset.  from[size]: where it came from: "default", "SURFACED_QUEUE", "--queue",
- * "FILE:3", or "not set". */
-const char *settings_value(const struct settings *s, size_t row, char *from, size_t size);
-
 /* settings_print(s, out): as a file that settings_file() reads, with where each value
  * came from; what is unset stands in a comment. */
 void settings_print(const struct settings *s, FILE *out);

@@ -17,7 +17,7 @@
     X(ctl_subject_enable) X(ctl_subject_hold) X(ctl_subject_release) X(ctl_erase) \
     X(ctl_erase_purge) X(ctl_template_list) X(ctl_template_show) \
     X(ctl_template_export) X(ctl_template_reencode) X(ctl_erase_template) X(ctl_dedup) \
-    X(ctl_config_show) X(ctl_config_check) X(ctl_database_check) X(ctl_calibrate) \
+    X(ctl_database_check) X(ctl_calibrate) \
     X(ctl_backup) X(ctl_backup_copy) X(ctl_backup_restore) X(ctl_backup_reapply) X(ctl_database_accept) X(ctl_database_join) X(ctl_archive_export) \
     X(ctl_archive_import) X(ctl_backup_rekey) X(ctl_doctor) X(ctl_database_stats) \
     X(ctl_database_vacuum) X(ctl_token_create) X(ctl_token_list) X(ctl_token_rotate) \
@@ -116,7 +116,7 @@ static void print_summaries(const char *group)
 static bool can_fail(const struct ctl_command *k, int code)
 {
     if (code == EXIT_DATA || code == EXIT_NOINPUT)
-        return k->database != CTL_NO_DATABASE || (k->shared & (CTL_UNITS | CTL_CONFIG));
+        return k->database != CTL_NO_DATABASE || (k->shared & CTL_UNITS);
     if (code == EXIT_SOFTWARE || code == EXIT_TEMPFAIL || code == EXIT_NOPERM)
         return k->database != CTL_NO_DATABASE;
     return true;
