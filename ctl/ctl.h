@@ -57,8 +57,6 @@ struct ctl {
     struct ctl_scans scans;
     const char *label;
     const char *dir;        /* --out; NULL: the command's own */
-    double threshold;       /* NAN: the default */
-    double fmr;             /* that is wanted; 0: the default */
     uint32_t threads;       /* 0: one a core */
     const char *public_key; /* 64 hexadecimal digits, or NULL */
     struct ctl_expires expires;
@@ -71,7 +69,7 @@ struct ctl {
     char usual_key[PATH_MAX];  /* the database's path and ".key" */
     struct crypt_file *asked;  /* a passphrase, once asked for; to be freed */
     struct store *store;       /* the database, once opened (ctl_model.h) */
-    struct surface_work *work; /* where the command takes scans (CTL_UNITS) */
+    struct surface_work *work; /* NULL if the command takes no --model */
     bool piped; /* --out -: the result is on standard output, what is said of it not */
     int code;   /* EXIT_FINE until a command says otherwise */
     struct json *out; /* NULL without json */

@@ -19,7 +19,7 @@
 #define ERRORS_LIMIT 60.0    /* those that give this many errors at the wanted rate */
 
 static bool wants_list, wants_reset; /* --list, --reset */
-static const char *mated;            /* --mated */
+static double wanted_fmr;            /* --fmr; 0: not given */
 
 struct result {
     struct ctl_cross cross;
@@ -66,7 +66,7 @@ static enum status too_few(struct ctl *c, size_t subjects, size_t pairs)
         &c->e, ST_ETOOFEW,
         "a false match rate of %g needs %u subjects with templates (%zu pairs "
         "of people, rule of 3); the database has %zu (%zu pair%s%s)",
-        c->fmr, rates_subjects(c->fmr), rates_needed(c->fmr), subjects, pairs,
+        wanted_fmr, rates_subjects(wanted_fmr), rates_needed(wanted_fmr), subjects, pairs,
         pairs == 1 ? "" : "s", supported);
 }
 
@@ -82,18 +82,16 @@ static enum status compare_all(struct ctl *c, struct result *r)
 
     if (st != ST_OK)
         return st;
-    if (!rates_supported(c->fmr, pairs_of(p->nsubject)))
+    if (!rates_supported(wanted_fmr, pairs_of(p->nsubject)))
         return too_few(c, p->nenrolled, pairs_of(p->nsubject));
-    st = ctl_cross_non_mated(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / c->fmr), SEED);
+    st = ctl_cross_non_mated(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / wanted_fmr), SEED);
     /* Each pair was compared from both sides, or else nscore / 2 pairs were. */
     r->pairs =
         p->nscore / 2 < pairs_of(p->nsubject) ? p->nscore / 2 : pairs_of(p->nsubject);
-    if (st == ST_OK && !rates_supported(c->fmr, r->pairs))
+    if (st == ST_OK && !rates_supported(wanted_fmr, r->pairs))
         return too_few(c, p->nenrolled, r->pairs);
     if (st == ST_OK)
         st = ctl_cross_mated(c, p);
-    if (st == ST_OK && mated != NULL)
-        st = ctl_cross_manifest(c, p, mated);
     return st;
 }
 
@@ -118,10 +116,10 @@ static enum status learn(struct ctl *c, struct result *r)
 
     r->suspects = count_suspects(c, &r->cross);
     if (st == ST_OK)
-        st = rates_calibrate(r->rates, c->fmr, &k->table);
+        st = rates_calibrate(r->rates, wanted_fmr, &k->table);
     threshold = k->table.threshold;
     if (st == ST_OK)
-        st = rates_at_bootstrap(r->rates, c->fmr, RATES_REPLICATES, SEED, &k->low,
+        st = rates_at_bootstrap(r->rates, wanted_fmr, RATES_REPLICATES, SEED, &k->low,
                                 &k->high);
     if (st == ST_OK)
         st = rates_bootstrap(r->rates, threshold, RATES_REPLICATES, SEED, &low, &high);
@@ -130,12 +128,12 @@ static enum status learn(struct ctl *c, struct result *r)
                            "no score is reached by %g of the %zu comparisons alone: too "
                            "many score the same; are people enrolled more than once? "
                            "surfacectl dedup lists them",
-                           c->fmr, r->cross.nscore);
+                           wanted_fmr, r->cross.nscore);
     if (st != ST_OK)
         return errinfo_set(&c->e, st, "calibrating: %s", status_message(st));
     k->low = fmin(k->low, threshold);
     k->high = fmax(fmin(k->high, highest(&r->cross)), threshold);
-    k->fmr = c->fmr;
+    k->fmr = wanted_fmr;
     k->subjects = r->cross.nsubject;
     k->impostors = rates_nimpostor(r->rates);
     k->genuine = rates_ngenuine(r->rates);
@@ -188,8 +186,6 @@ static void out_result(struct ctl *c, const struct result *r)
         json_rate(o, "fnmr_low", r->fnmr_low);
         json_rate(o, "fnmr_high", r->fnmr_high);
     }
-    json_number(o, "scans_outside", (double)r->cross.outside);
-    json_number(o, "scans_refused", (double)r->cross.refused);
     json_number(o, "suspicious", (double)r->suspects);
 }
 
@@ -230,11 +226,6 @@ static void print_result(const struct ctl *c, const struct result *r)
             100 * r->fnmr_high, 100 * r->shipped_fnmr);
     else
         (void)printf("mated        none: the false non-match rate is unknown\n");
-    if (p->outside + p->refused > 0)
-        (void)printf(
-            "scans        %zu are of other subjects or enrolled themselves, %zu are "
-            "refused\n",
-            p->outside, p->refused);
     (void)printf("\n  false match rate      score\n");
     for (uint32_t i = 0; i < d->n; i++)
         (void)printf("  %14.4g %%  %7.2f\n", 100 * d->knot[i].rate, d->knot[i].score);
@@ -360,12 +351,12 @@ static enum status ctl_calibrate_run(struct ctl *c)
     const bool learns = !wants_list && !wants_reset;
     enum status st;
 
-    if ((wants_list && wants_reset) || (!learns && (mated != NULL || c->fmr > 0)) ||
+    if ((wants_list && wants_reset) || (!learns && wanted_fmr > 0) ||
         (wants_list && (c->dry_run || c->yes)))
         return ctl_usage(c, "--list takes no other option of calibrate, and --reset only "
                             "--dry-run and --yes");
-    if (!(c->fmr > 0))
-        c->fmr = DEFAULT_FMR;
+    if (!(wanted_fmr > 0))
+        wanted_fmr = DEFAULT_FMR;
     st = ctl_model_open(c, wants_list || c->dry_run ? STORE_READ : STORE_WRITE);
     if (st != ST_OK)
         return st;
@@ -376,11 +367,9 @@ const struct ctl_command ctl_calibrate = {
     .name = "calibrate",
     .args = "[--list | --reset]",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL | CTL_FMR | CTL_THREADS | CTL_DRY_RUN | CTL_YES,
-    .options = {CTL_OPTION(
-                    "mated", "MANIFEST", command_text, &mated,
-                    "more scans of the subjects: a folder, or a table with the columns\n"
-                    "file and subject"),
+    .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN | CTL_YES,
+    .options = {CTL_OPTION("fmr", "RATE", command_rate, &wanted_fmr,
+                           "the wanted false match rate (0.001)"),
                 CTL_OPTION("list", NULL, command_flag, &wants_list,
                            "list the calibrations"),
                 CTL_OPTION("reset", NULL, command_flag, &wants_reset,
@@ -390,7 +379,7 @@ const struct ctl_command ctl_calibrate = {
     .help =
         "Compares the templates of different subjects with each other and chooses the threshold\n"
         "that a share --fmr (0.001) of these comparisons reaches. Subjects with several\n"
-        "templates, and the scans of --mated, give the false non-match rate. A running daemon\n"
+        "templates give the false non-match rate. A running daemon\n"
         "uses the new threshold at once. A threshold lower than the one in force needs --yes, or\n"
         "accept typed on a terminal.",
     .example = "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run"};

@@ -5,15 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "digest.h"
 #include "ctl.h"
 #include "ctl_model.h"
-#include "ctl_face.h"
-#include "corpus.h"
-#include "corpus_read.h"
 #include "pool.h"
-
-#define NOBODY UINT32_MAX
 
 static enum status ctl_cross_no_memory(struct ctl *c)
 {
@@ -61,7 +55,7 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
 {
     struct store_template *list = NULL, t;
     size_t n = 0;
-    void *faces, *digests;
+    void *faces;
     enum status st = store_template_list(c->store, one->id, &list, &n, &c->e);
 
     one->first = p->ntemplate;
@@ -72,18 +66,14 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
         return st;
     if ((faces = realloc(p->face, (p->ntemplate + n + 1) * sizeof *p->face)) != NULL)
         p->face = faces;
-    digests = realloc(p->digest, (p->ntemplate + n + 1) * sizeof *p->digest);
-    if (digests != NULL)
-        p->digest = digests;
-    if (faces == NULL || digests == NULL)
+    else
         st = ctl_cross_no_memory(c);
     for (size_t i = 0; i < n && st == ST_OK; i++) {
         struct surface_face *f = NULL;
 
         st = store_template_load(c->store, list[i].id, &t, c->work, &f, &c->e);
         if (st == ST_OK) {
-            p->face[p->ntemplate] = f;
-            memcpy(p->digest[p->ntemplate++], t.digest, sizeof t.digest);
+            p->face[p->ntemplate++] = f;
             one->n++;
         } else {
             if (st == ST_EVERSION) /* of another engine, and of no use to this one */
@@ -121,7 +111,6 @@ void ctl_cross_free(struct ctl_cross *p)
     for (uint32_t i = 0; i < p->ntemplate; i++)
         surface_face_free(p->face[i]);
     free(p->face);
-    free(p->digest);
     free(p->subject);
     free(p->score);
     memset(p, 0, sizeof *p);
@@ -191,26 +180,18 @@ static enum status do_trial(void *arg, size_t i, struct surface_work *w,
                              &t->score[i].score, e);
 }
 
-/* Room for n more scores; what they will be, at *out. */
-static enum status make_room(struct ctl *c, struct ctl_cross *p, size_t n,
-                             struct rates_score **out)
-{
-    void *larger = realloc(p->score, (p->nscore + n + 1) * sizeof *p->score);
-
-    if (larger == NULL)
-        return ctl_cross_no_memory(c);
-    p->score = larger;
-    *out = p->score + p->nscore;
-    return ST_OK;
-}
-
 static enum status do_trials(struct ctl *c, struct ctl_cross *p, const char *what,
                              const struct trial *trial, size_t n)
 {
     struct trials t = {.p = p, .trial = trial};
-    enum status st = make_room(c, p, n, &t.score);
+    void *larger = realloc(p->score, (p->nscore + n + 1) * sizeof *p->score);
+    enum status st = ST_OK;
 
-    if (st == ST_OK && n > 0)
+    if (larger == NULL)
+        return ctl_cross_no_memory(c);
+    p->score = larger;
+    t.score = p->score + p->nscore;
+    if (n > 0)
         st = pool_run(what, c->threads, c->model, n, do_trial, &t, &c->e);
     if (st == ST_OK)
         p->nscore += n;
@@ -274,106 +255,5 @@ enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p)
             trial[n++] = (struct trial){i, p->subject[i].first + k};
     st = do_trials(c, p, "mated", trial, n);
     free(trial);
-    return st;
-}
-
-/* ---- scans of a manifest */
-
-/* What became of a scan. */
-enum fate { OUTSIDE, REFUSED, COMPARED };
-
-struct scans {
-    const struct ctl *c;
-    const struct ctl_cross *p;
-    const struct corpus *corpus;
-    const uint32_t *subject;   /* [corpus->nsubject] or NOBODY */
-    struct rates_score *score; /* [corpus->nscan] */
-    enum fate *fate;           /* [corpus->nscan] */
-};
-
-static enum status do_scan(void *arg, size_t i, struct surface_work *w, struct errinfo *e)
-{
-    const struct scans *s = arg;
-    const struct corpus_scan *scan = &s->corpus->scan[i];
-    const uint32_t subject = s->subject[scan->subject];
-    struct rates_score *x = &s->score[i];
-    struct ctl c = {.scans = s->c->scans};
-    struct sample_found found;
-    struct surface_face *f = NULL;
-    char digest[65];
-    enum status st;
-
-    *x = (struct rates_score){.template = subject, .probe = subject};
-    s->fate[i] = OUTSIDE;
-    if (subject == NOBODY)
-        return ST_OK;
-    st = ctl_face_read(&c, scan->path, false, w, &f, &found);
-    if (st == ST_OK && (st = digest_face(f, digest)) == ST_OK) {
-        const struct ctl_cross_subject *one = &s->p->subject[subject];
-        uint32_t t = 0;
-
-        while (t < one->n && strcmp(s->p->digest[one->first + t], digest) != 0)
-            t++;
-        if (t == one->n) { /* else it is one of the templates */
-            st = ctl_cross_compare(s->p, subject, NOBODY, f, w, &x->score, &c.e);
-            s->fate[i] = COMPARED;
-        }
-    } else if (st != ST_ENOMEM && st != ST_EIO && st != ST_ENOTFOUND) {
-        s->fate[i] = REFUSED;
-        st = ST_OK;
-    }
-    surface_face_free(f);
-    return st == ST_OK ? ST_OK : errinfo_set(e, st, "%s", c.e.msg);
-}
-
-static uint32_t find_subject(const struct ctl_cross *p, const char *id)
-{
-    for (uint32_t i = 0; i < p->nsubject; i++)
-        if (strcmp(p->subject[i].id, id) == 0)
-            return i;
-    return NOBODY;
-}
-
-static void keep_scores(struct ctl_cross *p, const struct scans *s)
-{
-    for (size_t i = 0; i < s->corpus->nscan; i++) {
-        if (s->fate[i] == COMPARED)
-            p->score[p->nscore++] = s->score[i];
-        p->outside += s->fate[i] == OUTSIDE;
-        p->refused += s->fate[i] == REFUSED;
-    }
-}
-
-enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *path)
-{
-    struct corpus *corpus = NULL;
-    struct scans s = {.c = c, .p = p};
-    uint32_t *subject = NULL;
-    enum status st = corpus_read(path, &corpus, &c->e);
-
-    if (st != ST_OK)
-        return st;
-    s.corpus = corpus;
-    subject = malloc(corpus->nsubject * sizeof *subject);
-    s.fate = malloc(corpus->nscan * sizeof *s.fate);
-    if (subject == NULL || s.fate == NULL) {
-        st = ctl_cross_no_memory(c);
-        goto out;
-    }
-    for (uint32_t i = 0; i < corpus->nsubject; i++)
-        subject[i] = find_subject(p, corpus->subject[i].id);
-    s.subject = subject;
-    if ((st = make_room(c, p, corpus->nscan, &s.score)) != ST_OK)
-        goto out;
-    st = pool_run("scans", c->threads, c->model, corpus->nscan, do_scan, &s, &c->e);
-    if (st == ST_OK)
-        keep_scores(p, &s);
-    json_array(c->out, "left_out");
-    corpus_left_json(corpus, c->out);
-    corpus_left_print(corpus, "surfacectl");
-out:
-    free(subject);
-    free(s.fate);
-    corpus_free(corpus);
     return st;
 }

@@ -24,13 +24,10 @@ struct ctl_cross {
     uint32_t nsubject;
     uint32_t nenrolled; /* that have templates: nsubject, or more than are in memory */
     struct surface_face **face; /* [ntemplate] */
-    char (*digest)[65];
     uint32_t ntemplate;
 
     struct rates_score *score; /* subjects are indices of subject */
     size_t nscore;
-    size_t outside; /* of the manifest: scans of other subjects, or that are templates */
-    size_t refused; /* scans that are no face */
 };
 
 /* ctl_cross_load(c, seed, p): *p is all zero.  Of more than CTL_CROSS_MAX
@@ -41,12 +38,9 @@ void ctl_cross_free(struct ctl_cross *p);
 /* ctl_cross_non_mated(c, p, limit, seed): add the scores of each subject's templates
  * against every other's; where that is more than about limit comparisons of two templates,
  * each subject is met by as many others' templates, drawn without replacement.
- * ctl_cross_mated(c, p): each template against the same subject's others.
- * ctl_cross_manifest(c, p, path): the scans of a corpus (corpus.h) against the
- * templates of their subjects. */
+ * ctl_cross_mated(c, p): each template against the same subject's others. */
 enum status ctl_cross_non_mated(struct ctl *c, struct ctl_cross *p, double limit,
                                 uint64_t seed);
 enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p);
-enum status ctl_cross_manifest(struct ctl *c, struct ctl_cross *p, const char *path);
 
 #endif

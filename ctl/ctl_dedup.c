@@ -5,17 +5,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "calibration.h"
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
 
-#define TRIALS 16 /* comparisons that the time is estimated by */
 #define NOBODY UINT32_MAX
 
-static const char *only; /* --subject */
+static const char *only;                      /* --subject */
+static double chosen_threshold = (double)NAN; /* --threshold */
 
 struct ctl_dedup_entry { /* a template */
     char id[STORE_ID_LEN + 1];
@@ -40,8 +39,7 @@ struct dedup {
 
     struct store_calibration calibration; /* in force */
     double threshold;
-    double pairs;      /* of templates that are to be compared */
-    double estimate_s; /* that it takes, where the threads have a core each */
+    double pairs; /* of templates that are to be compared */
 
     pthread_mutex_t lock; /* of what follows */
     struct ctl_dedup_pair
@@ -49,15 +47,6 @@ struct dedup {
     size_t nfound;
     uint64_t compared, inconclusive;
 };
-
-/* Of this thread's own work: what else the machine does at the moment is not counted. */
-static double clock_s(void)
-{
-    struct timespec t;
-
-    (void)clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + (double)t.tv_nsec * 1e-9;
-}
 
 /* ---- templates that are compared */
 
@@ -124,29 +113,6 @@ static void count_pairs(struct dedup *d)
         else if (d->entry[from].owner == d->alone)
             d->pairs = (double)(to - from) * (d->n - (to - from));
     }
-}
-
-/* The smallest score whose false match rate is at most fmr. */
-static enum status threshold_for(struct dedup *d, double fmr)
-{
-    const struct surface_calibration *k = &d->calibration.table;
-    double low = k->knot[0].score, high = k->knot[k->n - 1].score;
-
-    if (surface_calibration_rate(k, high) > fmr)
-        return errinfo_set(&d->c->e, ST_EINVAL,
-                           "no threshold has a false match rate of %g: the calibration "
-                           "supports no rate below %.2g",
-                           fmr, surface_calibration_rate(k, high));
-    for (int i = 0; i < 60; i++) {
-        const double mid = (low + high) / 2;
-
-        if (surface_calibration_rate(k, mid) <= fmr)
-            high = mid;
-        else
-            low = mid;
-    }
-    d->threshold = high;
-    return ST_OK;
 }
 
 /* ---- comparing */
@@ -240,36 +206,6 @@ static enum status do_row(void *arg, size_t i, struct surface_work *w, struct er
     return st;
 }
 
-/* Some templates with the next ones, where the processors are free. */
-static enum status estimate(struct dedup *d)
-{
-    struct surface_work *w = surface_work_new(d->c->model);
-    const double start = clock_s();
-    struct surface_comparison x = {0};
-    struct row r = {0};
-    uint32_t n = 0;
-    enum status st =
-        w != NULL ? ST_OK : errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
-
-    for (uint32_t k = 0; st == ST_OK && k < TRIALS && d->n > 1; k++) {
-        const uint32_t i = (uint32_t)((uint64_t)k * (d->n - 1) / TRIALS);
-
-        if ((st = ctl_dedup_load(d, i, w, &r.a, &d->c->e)) != ST_OK ||
-            (st = ctl_dedup_load(d, i + 1, w, &r.b, &d->c->e)) != ST_OK || r.a == NULL ||
-            r.b == NULL)
-            continue;
-        if ((st = status_from(surface_compare(w, r.a, r.b, &x))) != ST_OK)
-            (void)errinfo_set(&d->c->e, st, "comparing: %s", status_message(st));
-        n++;
-    }
-    if (n > 0)
-        d->estimate_s = d->pairs * (clock_s() - start) / n / pool_threads(d->c->threads);
-    surface_face_free(r.a);
-    surface_face_free(r.b);
-    surface_work_free(w);
-    return st;
-}
-
 /* ---- output */
 
 static void tell_costs(const struct dedup *d)
@@ -281,16 +217,14 @@ static void tell_costs(const struct dedup *d)
     json_number(d->c->out, "subjects", d->nsubject);
     json_number(d->c->out, "templates", d->n);
     json_number(d->c->out, "pairs", d->pairs);
-    json_number(d->c->out, "estimate_s", d->estimate_s);
     json_score(d->c->out, "threshold", d->threshold);
     json_rate(d->c->out, "by_chance", chance);
     json_text(d->c->out, "calibration", d->calibration.shipped ? "shipped" : "database");
     (void)fprintf(stderr,
-                  "surfacectl: %.0f comparisons of %" PRIu32
-                  " subject%s, about %.*f s; by chance about %.2g of them at or above "
-                  "%.2f, by the calibration of %s\n",
-                  d->pairs, d->nsubject, d->nsubject == 1 ? "" : "s",
-                  d->estimate_s < 10 ? 1 : 0, d->estimate_s, chance, d->threshold,
+                  "surfacectl: %.0f comparisons of %" PRIu64
+                  " subject%s; by chance about %.2g of them at or above %.2f, by the "
+                  "calibration of %s\n",
+                  d->pairs, CTL_COUNT(d->nsubject), chance, d->threshold,
                   d->calibration.shipped
                       ? "other people: these may be more alike (see surfacectl calibrate)"
                       : "this database");
@@ -384,14 +318,9 @@ static enum status dedup(struct dedup *d)
     if ((st = calibration_current(d->c->store, &d->calibration, &c->e)) != ST_OK ||
         (st = list_all(d)) != ST_OK)
         return st;
-    d->threshold = d->calibration.table.threshold;
-    if (!isnan(c->threshold))
-        d->threshold = c->threshold;
-    else if (c->fmr > 0 && (st = threshold_for(d, c->fmr)) != ST_OK)
-        return st;
+    d->threshold =
+        isnan(chosen_threshold) ? d->calibration.table.threshold : chosen_threshold;
     count_pairs(d);
-    if ((st = estimate(d)) != ST_OK)
-        return st;
     tell_costs(d);
     if (c->dry_run)
         return ST_OK;
@@ -409,8 +338,6 @@ static enum status ctl_dedup_run(struct ctl *c)
     struct dedup d = {.c = c};
     enum status st;
 
-    if (c->fmr > 0 && !isnan(c->threshold))
-        return ctl_usage(c, "use either --fmr or --threshold");
     (void)pthread_mutex_init(&d.lock, NULL);
     if ((st = ctl_model_open(c, STORE_READ)) == ST_OK)
         st = dedup(&d);
@@ -425,17 +352,19 @@ static enum status ctl_dedup_run(struct ctl *c)
 const struct ctl_command ctl_dedup = {
     .name = "dedup",
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_MODEL | CTL_THRESHOLD | CTL_FMR | CTL_THREADS | CTL_DRY_RUN,
+    .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN,
     .options = {CTL_OPTION("subject", "ID", command_text, &only,
-                           "compare this subject with the others")},
+                           "compare this subject with the others"),
+                CTL_OPTION("threshold", "SCORE", command_score, &chosen_threshold,
+                           "use this threshold instead of the calibration's")},
     .exits = {"no duplicates", "duplicates were found"},
     .run = ctl_dedup_run,
     .summary = "find one face enrolled under two subjects",
     .help =
         "Compares all templates of each subject with those of every other subject. Pairs at or\n"
-        "above the threshold (in force, --threshold, or that of --fmr) are listed, highest score\n"
+        "above the threshold (in force, or --threshold) are listed, highest score\n"
         "first: they may be one person, relatives, or alike by chance. In a large database choose\n"
-        "a higher threshold. The number of comparisons, the expected time and how many match by\n"
-        "chance are printed first; with --dry-run nothing else. The shipped calibration is of other\n"
+        "a higher threshold. The number of comparisons and how many match by chance are printed\n"
+        "first; with --dry-run nothing else. The shipped calibration is of other\n"
         "people, so that many more may match by chance. Nothing is changed.",
     .example = "surfacectl --db faces.db dedup --threshold 25"};

@@ -102,7 +102,6 @@ static enum status ctl_run_template_show(struct ctl *c)
 static enum status export_template(struct ctl *c)
 {
     struct store_template t = {.points = 0};
-    struct surface_work *w;
     struct surface_face *f = NULL;
     enum status st;
 
@@ -110,10 +109,8 @@ static enum status export_template(struct ctl *c)
         return ctl_usage(c, "template export needs --out FILE");
     if ((st = ctl_may_pipe(c, 0)) != ST_OK)
         return st;
-    if ((w = surface_work_new(c->model)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
-        st = store_template_load(c->store, c->args[0], &t, w, &f, &c->e);
+        st = store_template_load(c->store, c->args[0], &t, c->work, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
         st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);
@@ -126,7 +123,6 @@ static enum status export_template(struct ctl *c)
         ctl_say(c, "%s: %u points, %u triangles\n", c->dir, t.points, t.triangles);
     }
     surface_face_free(f);
-    surface_work_free(w);
     return st;
 }
 

@@ -1,7 +1,6 @@
 /* surfacectl -- administer a template database from the command line, beside a running
  * daemon or without one. */
 #include <sodium.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -160,7 +159,7 @@ static enum status ctl_run(struct ctl *c, struct surface_model **model)
     if (sodium_init() < 0)
         return errinfo_set(&c->e, ST_EINTERNAL,
                            "the cryptographic library does not start");
-    if (st == ST_OK && (c->cmd->shared & CTL_UNITS) != 0 &&
+    if (st == ST_OK && (c->cmd->shared & CTL_MODEL) != 0 &&
         (c->work = surface_work_new(c->model)) == NULL)
         st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (st == ST_OK && database >= CTL_READS_DATABASE)
@@ -171,7 +170,7 @@ static enum status ctl_run(struct ctl *c, struct surface_model **model)
 
 int main(int argc, char **argv)
 {
-    struct line l = {.c = {.threshold = (double)NAN}, .typed = {.program = "surfacectl"}};
+    struct line l = {.typed = {.program = "surfacectl"}};
     struct ctl *c = &l.c;
     struct surface_model *model = NULL;
     bool ok = ctl_read_line(argc, argv, &l);

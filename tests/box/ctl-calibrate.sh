@@ -24,13 +24,11 @@ is "one in a thousand of 66 pairs" $CODE 65
 ok "says how many people it takes: $(said .error.detail)" \
     matches "$(said .error.detail)" '0.001 needs 78 subjects.*3000 pairs.*12 \(66 pairs.*0.045'
 for wrong in "--fmr 0" "--fmr 0.6" "--fmr nan" "--fmr" "--list --reset" "--list --dry-run" \
-    "--reset --fmr 0.1" "--list --mated x" "--list --yes"; do
+    "--reset --fmr 0.1" "--list --yes"; do
     # shellcheck disable=SC2086 # words
     ctl calibrate $wrong
     is "calibrate $wrong" $CODE 64
 done
-ctl calibrate --fmr 0.05 --mated "$T/nowhere"
-is "a manifest that is not there" $CODE 66
 
 # ---- shown, not stored
 start_daemon --no-auth
@@ -54,18 +52,6 @@ ok "the same again" cmp "$T/ctl" "$T/first"
 ctl calibrate --list
 is "none is there" "$(said '[(.calibrations | length), .in_force.version, .in_force.source] | @csv')" \
     '0,0,"shipped"'
-
-# ---- further scans of the subjects
-mkdir "$T/more"
-scan 2 1 "$T/more/s2_later.ply" --points 1500 --pose 5
-scan 3 1 "$T/more/s3_later.ply" --points 1500 --pose 5
-cp "$T/s3.ply" "$T/more/s3_enrolled.ply"
-scan 99 1 "$T/more/stranger_1.ply" --points 1500
-"$BUILD/facegen" --subject 4 --points 120 --format xyz | awk '{ print $1 / 99, $2, $3 }' \
-    >"$T/more/s4_bad.xyz"
-ctl calibrate --fmr 0.05 --dry-run --mated "$T/more"
-is "two more, two that do not count, one refused" \
-    "$(said '[.mated, .scans_outside, .scans_refused] | @csv')" 4,2,1
 
 # ---- a laxer threshold than the one in force: only when it is asked for
 ctl calibrate --fmr 0.05

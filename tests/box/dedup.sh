@@ -36,9 +36,9 @@ ctl_exits 1 dedup --threads 1
 is "both are found, the copy first" "$(who)" 's4=copy s2=stranger'
 is "the very same scan" "$(said '[.duplicates[].same_scan] | join(" ")')" 'true false'
 is "each two once" "$(said .compared)" 21
-jq -c 'del(.estimate_s)' "$T/ctl" >"$T/one"
+cp "$T/ctl" "$T/one"
 ctl_exits 1 dedup --threads 3
-ok "the same on three threads" test "$(jq -c 'del(.estimate_s)' "$T/ctl")" = "$(cat "$T/one")"
+ok "the same on three threads" cmp "$T/one" "$T/ctl"
 score=$(said '.duplicates[1].score')
 between=$(said '(.duplicates[0].score + .duplicates[1].score) / 2')
 "$BUILD/surfacectl" --json compare "$T/s2.ply" "$T/again.ply" >"$T/ctl"
@@ -47,10 +47,10 @@ is "by the digits of a comparison" "$(said .score)" "$score"
 is "as text: exit" $? 1
 ok "the pairs" grep -Eq '^ +[-0-9.]+ +[0-9.e+-]+  s4  copy  \(identical scan\)$' "$T/text"
 ok "and how many" grep -q '^2 pairs of subjects, by 21 comparisons' "$T/text"
-ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects, about .* by chance .* of other people" "$T/ctl.err"
+ok "the costs" grep -q "^surfacectl: 21 comparisons of 7 subjects; by chance .* of other people" "$T/ctl.err"
 ctl_exits 0 dedup --dry-run
 is "told in advance alone" "$(said '.pairs, .compared' | tr '\n' ' ')" '21 null '
-ok "with the time" jq_true '.estimate_s > 0 and .by_chance > 0' "$T/ctl"
+ok "with those by chance" jq_true '.by_chance > 0' "$T/ctl"
 
 # ---- of one alone; by another threshold
 ctl_exits 1 dedup --subject stranger
@@ -62,10 +62,6 @@ ctl_exits 66 dedup --subject nobody
 ctl_exits 66 dedup --subject nowhere
 ctl_exits 1 dedup --threshold "$between"
 is "by a threshold" "$(who)" 's4=copy'
-ctl_exits 65 dedup --fmr 1e-30
-ctl_exits 1 dedup --fmr 0.001
-is "the rate of the threshold" "$(who)" 's4=copy s2=stranger'
-ctl_exits 64 dedup --fmr 0.001 --threshold 9
 ctl_exits 64 dedup s2
 
 # ---- a pair is of subjects, by the nearest of their templates
