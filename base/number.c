@@ -1,24 +1,16 @@
-/* Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990: a mantissa below
- * 2^53 and a power of ten up to 10^22 are both exact as doubles, so that one
- * multiplication or division rounds correctly.  Scanners' coordinates are of this kind, or
- * floats printed with the digits of a double: up to 19, divided as whole numbers.
- * Everything else goes to strtod() as digits and an exponent, without the decimal point,
- * which is all that a locale could change. */
+/* Clinger, "How to Read Floating Point Numbers Accurately", PLDI 1990: a mantissa below 2^53 and a
+ * power of ten up to 10^22 are both exact as doubles, so that one multiplication or division rounds
+ * correctly.  Scanners' coordinates are of this kind, or floats printed with the digits of a double:
+ * up to 19, divided as whole numbers.  strtod() reads every other number. */
 #include "number.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define WHOLE_DIGITS 19 /* as many as always fit 64 bits */
-
-/* No decimal boundary between doubles has more than 768 significant digits: what follows
- * only says on which side of it the number lies, and one digit can say that. */
-#define DIGITS_KEPT 780
-
-#define EXPONENT_CLAMP INT64_C(99999) /* far beyond 10^308 with DIGITS_KEPT digits */
 
 static bool is_digit(char c)
 {
@@ -70,53 +62,15 @@ static double divide(uint64_t mantissa, int places)
     return ldexp((double)(quotient | (quotient * divisor != dividend)), -shift);
 }
 
-struct digits {
-    char text[DIGITS_KEPT + 32];
-    uint32_t kept;    /* significant digits, at most DIGITS_KEPT */
-    int64_t exponent; /* value = digits kept * 10^exponent */
-    bool dropped;     /* a digit other than 0 was left out after those kept */
-};
-
-/* Keep the digits at p; those after the decimal point lower the exponent. */
-static const char *keep_digits(struct digits *d, const char *p, const char *end,
-                               bool after)
+/* The number from first to end, of up to NUMBER_MAX bytes; no program sets a locale. */
+static double slow(const char *first, const char *end)
 {
-    for (; p < end && is_digit(*p); p++) {
-        if (d->kept < DIGITS_KEPT) {
-            d->text[d->kept] = *p;
-            d->kept += (d->kept != 0) | (*p != '0'); /* leading zeros do not count */
-            d->exponent -= after;
-        } else {
-            d->dropped |= *p != '0';
-            d->exponent += !after;
-        }
-    }
-    return p;
-}
+    char text[NUMBER_MAX + 1];
+    const size_t n = (size_t)(end - first);
 
-/* The digits stand at p; the exponent after them is e10. */
-static double slow(const char *p, const char *end, int64_t e10)
-{
-    struct digits d;
-
-    d.kept = 0;
-    d.exponent = e10;
-    d.dropped = false;
-    p = keep_digits(&d, p, end, false);
-    if (p < end && *p == '.')
-        (void)keep_digits(&d, p + 1, end, true);
-    if (d.kept == 0)
-        return 0;
-    if (d.dropped) {
-        d.text[d.kept++] = '1';
-        d.exponent--;
-    }
-    if (d.exponent > EXPONENT_CLAMP)
-        d.exponent = EXPONENT_CLAMP;
-    else if (d.exponent < -EXPONENT_CLAMP)
-        d.exponent = -EXPONENT_CLAMP;
-    (void)snprintf(d.text + d.kept, sizeof d.text - d.kept, "e%d", (int)d.exponent);
-    return strtod(d.text, NULL);
+    memcpy(text, first, n);
+    text[n] = '\0';
+    return strtod(text, NULL);
 }
 
 const char *number_read(const char *p, const char *end, double *out)
@@ -142,8 +96,10 @@ const char *number_read(const char *p, const char *end, double *out)
         return NULL;
     q = take_exponent(q, end, &e10);
     places -= e10;
+    if (q - p > NUMBER_MAX)
+        return NULL;
     if (digits > WHOLE_DIGITS)
-        value = slow(first, end, e10);
+        value = slow(first, q);
     else if (mantissa == 0)
         value = 0;
     else if (mantissa <= UINT64_C(1) << 53 && places >= -22 && places <= 22)
@@ -152,7 +108,7 @@ const char *number_read(const char *p, const char *end, double *out)
     else if (places > 0 && places <= WHOLE_DIGITS)
         value = divide(mantissa, (int)places);
     else
-        value = slow(first, end, e10);
+        value = slow(first, q);
     *out = negative ? -value : value;
     return q;
 }
