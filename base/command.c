@@ -206,33 +206,6 @@ void command_line_add(struct command_line *l, const struct command_option *o)
                             NULL, o->letter != 0 ? o->letter : LONG + k};
 }
 
-const char *command_one_hyphen(int argc, char **argv, const struct option *options)
-{
-    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; i++) {
-        const char *name = argv[i] + 1;
-
-        if (argv[i][0] != '-' || *name == '-' || strlen(name) < 2)
-            continue;
-        for (const struct option *o = options; o->name != NULL; o++)
-            if (strlen(o->name) == strcspn(name, "=") &&
-                strncmp(o->name, name, strlen(o->name)) == 0)
-                return o->name;
-    }
-    return NULL;
-}
-
-const char *command_unknown(char **argv)
-{
-    const char *last = argv[optind - 1], *next = argv[optind];
-    const bool has_value = strncmp(last, "--", 2) == 0 && strchr(last, '=') != NULL;
-
-    /* A letter that is not the last one of its word: getopt_long() has not passed the word. */
-    return !has_value && optopt > 0 && optopt < LONG && next != NULL && next[0] == '-' &&
-                   next[1] != '-' && strchr(next + 1, optopt) != NULL
-               ? next
-               : last;
-}
-
 static bool no_option(const struct command_line *l, const char *word, struct errinfo *e)
 {
     struct command_near near = {.name = ""};
@@ -255,20 +228,17 @@ static bool wrong(const struct command_line *l, const char *what, const char *wh
 
 bool command_line_read(struct command_line *l, int argc, char **argv, struct errinfo *e)
 {
-    const char *name = command_one_hyphen(argc, argv, l->option);
+    char letter[] = "-?";
     int got;
 
-    if (name != NULL) {
-        (void)errinfo_set(e, ST_EINVAL, "-%s needs two hyphens: --%s (%s --help)", name,
-                          name, l->program);
-        return false;
-    }
     opterr = 0;
-    while ((got = getopt_long(argc, argv, ":ho:", l->option, NULL)) != -1) {
+    while ((got = getopt_long_only(argc, argv, ":ho:", l->option, NULL)) != -1) {
         int k = 0;
 
+        letter[1] = (char)optopt; /* the unknown one of several letters; 0: a word */
         if (got == '?')
-            return no_option(l, command_unknown(argv), e);
+            return no_option(l, optopt > 0 && optopt < LONG ? letter : argv[optind - 1],
+                             e);
         if (got == ':')
             return wrong(l, "a value is missing after", argv[optind - 1], e);
         while (l->option[k].val != got)

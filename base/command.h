@@ -96,13 +96,6 @@ bool command_line_take(const struct command_line *l, int k,
                        const struct command_option *o, const char *command, void *to,
                        struct errinfo *e);
 
-/* command_one_hyphen(argc, argv, options): Returns the name of an option that was typed with one hyphen,
- * "-units mm", which getopt_long() would take for letters; NULL: there is none. */
-const char *command_one_hyphen(int argc, char **argv, const struct option *options);
-
-/* command_unknown(argv): Returns the word for which getopt_long() has just returned '?'. */
-const char *command_unknown(char **argv);
-
 /* ---- for both programs
  *
  * command_grow(list, n, size): a list of n elements that this function has grown (NULL for the

@@ -3,7 +3,6 @@
 #include <getopt.h>
 #include <stddef.h>
 
-#include "command.h"
 #include "libsurface.h"
 #include "options.h"
 
@@ -39,7 +38,6 @@ static void read_flags(int argc, char **argv, struct settings *s,
                        const char *value[FLAGS])
 {
     struct option longopts[FLAGS + 1] = {{0}};
-    const char *name;
     int flag;
 
     for (int i = 0; i < FLAGS; i++) {
@@ -49,18 +47,12 @@ static void read_flags(int argc, char **argv, struct settings *s,
                                                        : command[i - OPTIONS_ROWS],
                                       wants ? required_argument : no_argument, NULL, i};
     }
-    if ((name = command_one_hyphen(argc, argv, longopts)) != NULL) {
-        settings_wrong(s, "-%s needs two hyphens: --%s; see --help", name, name);
-        return;
-    }
     opterr = 0;
     optind = 1;
-    while ((flag = getopt_long(argc, argv, ":", longopts, NULL)) != -1) {
-        if (flag == '?') {
-            settings_wrong(s, "%s: no such option; see --help", command_unknown(argv));
-            if (optopt != 0)
-                return; /* before the other letters of the word */
-        } else if (flag == ':')
+    while ((flag = getopt_long_only(argc, argv, ":", longopts, NULL)) != -1) {
+        if (flag == '?')
+            settings_wrong(s, "%s: no such option; see --help", argv[optind - 1]);
+        else if (flag == ':')
             settings_wrong(s, "%s: its value is missing", argv[optind - 1]);
         else if (value[flag] != NULL)
             settings_wrong(s, "--%s is given twice", longopts[flag].name);
