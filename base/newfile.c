@@ -16,8 +16,7 @@
 
 #define LINKS 40 /* as many as the kernel follows */
 
-/* The folder of a file, whose name is relative to dir. */
-static int open_directory(int dir, const char *path)
+int newfile_open_directory(const char *path)
 {
     char name[PATH_MAX];
     const char *slash = strrchr(path, '/');
@@ -27,12 +26,7 @@ static int open_directory(int dir, const char *path)
                    : slash == path ? 1
                                    : (int)(slash - path),
                    slash == NULL ? "." : path);
-    return openat(dir, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-}
-
-int newfile_open_directory(const char *path)
-{
-    return open_directory(AT_FDCWD, path);
+    return open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
 }
 
 /* A file system that has no flush of a folder (EINVAL) keeps its names in order by itself. */
@@ -107,8 +101,7 @@ static bool is_named(const struct newfile *n)
 {
     struct stat ours, named;
 
-    return fstat(n->fd, &ours) == 0 &&
-           fstatat(n->dir, n->part, &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+    return fstat(n->fd, &ours) == 0 && lstat(n->part, &named) == 0 &&
            ours.st_ino == named.st_ino && ours.st_dev == named.st_dev;
 }
 
@@ -139,7 +132,7 @@ static enum status remove_left(struct newfile *n, struct errinfo *e)
     bool ours;
     enum status st;
 
-    if (fstatat(n->dir, n->part, &sb, AT_SYMLINK_NOFOLLOW) != 0)
+    if (lstat(n->part, &sb) != 0)
         return errno == ENOENT ? ST_OK : newfile_fail(n, "create", e);
     if (!S_ISREG(sb.st_mode) || sb.st_uid != geteuid() || (sb.st_mode & 077) != 0)
         return errinfo_set(
@@ -147,12 +140,12 @@ static enum status remove_left(struct newfile *n, struct errinfo *e)
             "%.160s exists and was not left by an earlier run of this user (owner %u, "
             "mode %03o): remove it",
             n->part, (unsigned)sb.st_uid, (unsigned)(sb.st_mode & 0777));
-    n->fd = openat(n->dir, n->part, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    n->fd = open(n->part, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (n->fd < 0)
         return errno == ENOENT ? ST_OK : newfile_fail(n, "create", e);
     if ((st = lock_part(n, &ours, e)) != ST_OK || !ours)
         return st;
-    (void)unlinkat(n->dir, n->part, 0);
+    (void)unlink(n->part);
     (void)close(n->fd);
     n->fd = -1;
     return ST_OK;
@@ -165,7 +158,7 @@ static enum status open_part(struct newfile *n, struct errinfo *e)
     enum status st;
 
     while (!ours) {
-        n->fd = openat(n->dir, n->part, flags, 0600);
+        n->fd = open(n->part, flags, 0600);
         if (n->fd < 0 && errno != EEXIST)
             return newfile_fail(n, "create", e);
         st = n->fd < 0 ? remove_left(n, e) : lock_part(n, &ours, e);
@@ -175,32 +168,25 @@ static enum status open_part(struct newfile *n, struct errinfo *e)
     return fchmod(n->fd, 0600) == 0 ? ST_OK : newfile_fail(n, "write", e);
 }
 
-enum status newfile_open_at(int dir, const char *name, struct newfile *n,
-                            struct errinfo *e)
+enum status newfile_open(const char *path, struct newfile *n, struct errinfo *e)
 {
-    const size_t len = strlen(name) + sizeof ".part";
+    const size_t len = strlen(path) + sizeof ".part";
     enum status st;
 
     n->fd = n->folder = -1;
-    n->dir = dir;
-    n->path = strdup(name);
+    n->path = strdup(path);
     if ((n->part = malloc(len)) == NULL || n->path == NULL) {
         newfile_close(n);
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
-    (void)snprintf(n->part, len, "%s.part", name);
-    if ((n->folder = open_directory(dir, name)) < 0)
+    (void)snprintf(n->part, len, "%s.part", path);
+    if ((n->folder = newfile_open_directory(path)) < 0)
         st = newfile_fail(n, "open the folder of", e);
     else
         st = open_part(n, e);
     if (st != ST_OK)
         newfile_close(n);
     return st;
-}
-
-enum status newfile_open(const char *path, struct newfile *n, struct errinfo *e)
-{
-    return newfile_open_at(AT_FDCWD, path, n, e);
 }
 
 enum status newfile_put(struct newfile *n, const void *data, size_t len,
@@ -277,20 +263,20 @@ enum status newfile_commit(struct newfile *n, struct errinfo *e)
 
     if (st != ST_OK)
         return st;
-    if (renameat2(n->dir, n->part, n->dir, n->path, 0) != 0)
+    if (rename(n->part, n->path) != 0)
         return newfile_fail(n, "write", e);
     return named(n, e);
 }
 
 /* In one step if the file system supports it.  If it does not, a process that is killed between
  * the two steps leaves both names. */
-static int rename_new(int dir, const char *from, const char *to)
+static int rename_new(const char *from, const char *to)
 {
-    if (renameat2(dir, from, dir, to, RENAME_NOREPLACE) == 0)
+    if (renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0)
         return 0;
-    if ((errno != EINVAL && errno != ENOSYS) || linkat(dir, from, dir, to, 0) != 0)
+    if ((errno != EINVAL && errno != ENOSYS) || link(from, to) != 0)
         return -1;
-    (void)unlinkat(dir, from, 0);
+    (void)unlink(from);
     return 0;
 }
 
@@ -300,7 +286,7 @@ enum status newfile_keep(struct newfile *n, struct errinfo *e)
 
     if (st != ST_OK)
         return st;
-    if (rename_new(n->dir, n->part, n->path) != 0)
+    if (rename_new(n->part, n->path) != 0)
         return errno == EEXIST
                    ? errinfo_set(e, ST_EEXISTS, "the file %.160s exists already", n->path)
                    : newfile_fail(n, "write", e);
@@ -312,7 +298,7 @@ enum status newfile_rename(const char *from, const char *to, struct errinfo *e)
     const int folder = newfile_open_directory(to);
     enum status st = ST_OK;
 
-    if (folder < 0 || rename_new(AT_FDCWD, from, to) != 0)
+    if (folder < 0 || rename_new(from, to) != 0)
         st = errinfo_set(e, errno == EEXIST ? ST_EEXISTS : ST_EIO,
                          "cannot rename %.150s to %.150s: %s", from, to, strerror(errno));
     else if (!newfile_sync_directory(folder))
@@ -340,6 +326,6 @@ void newfile_leave(struct newfile *n)
 void newfile_close(struct newfile *n)
 {
     if (n->fd >= 0 && is_named(n))
-        (void)unlinkat(n->dir, n->part, 0);
+        (void)unlink(n->part);
     newfile_leave(n);
 }

@@ -15,7 +15,6 @@ struct errinfo;
 
 struct newfile {
     int fd;     /* descriptor of the part; -1: there is no part */
-    int dir;    /* folder that the names are relative to, or AT_FDCWD; borrowed */
     int folder; /* descriptor of the file's folder, to flush the rename; -1: not open */
     char *path; /* name of the file; NULL: no file */
     char *part; /* name of the part */
@@ -23,7 +22,7 @@ struct newfile {
 
 #define NEWFILE_NONE                                                                     \
     {                                                                                    \
-        -1, -1, -1, NULL, NULL                                                           \
+        -1, -1, NULL, NULL                                                               \
     }
 
 /* newfile_open(path, n, e): Creates an empty PATH.part and opens the folder.  Removes a part that a
@@ -32,11 +31,6 @@ struct newfile {
  * not be opened, or the part's name is taken by a link, by another user's file, or by one that others
  * may read.  ST_EIO, ST_ENOMEM. */
 enum status newfile_open(const char *path, struct newfile *n, struct errinfo *e);
-
-/* newfile_open_at(dir, name, n, e): Like newfile_open(), with a name relative to the open folder dir,
- * which the caller keeps open until n is released. */
-enum status newfile_open_at(int dir, const char *name, struct newfile *n,
-                            struct errinfo *e);
 
 /* newfile_put(n, data, len, e): Appends len bytes.  ST_EIO. */
 enum status newfile_put(struct newfile *n, const void *data, size_t len,

@@ -221,18 +221,17 @@ static enum status print(FILE *to, const void *arg, struct errinfo *why)
 
 TEST(test_fill)
 {
-    const int dir = open(folder, O_RDONLY | O_DIRECTORY);
     int fd;
 
-    assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     assert_int_equal(newfile_fill(&n, print, "bad", &e), ST_ECORRUPT);
     newfile_close(&n);
-    assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     assert_int_equal(newfile_fill(&n, print, "good", &e), ST_OK);
     assert_int_equal(newfile_commit(&n, &e), ST_OK);
     newfile_close(&n);
     holds("good");
-    assert_int_equal(newfile_open_at(dir, "x", &n, &e), ST_OK);
+    assert_int_equal(newfile_open(in_folder("x"), &n, &e), ST_OK);
     fd = n.fd;
     assert_true((n.fd = open("/dev/full", O_WRONLY)) >= 0);
     assert_int_equal(newfile_fill(&n, print, "good", &e), ST_EIO);
@@ -240,7 +239,6 @@ TEST(test_fill)
     (void)close(n.fd);
     n.fd = fd;
     newfile_close(&n);
-    (void)close(dir);
     holds("good");
 }
 

@@ -147,10 +147,8 @@ expect 65 "cut off" "$ctl" compare "$a" "$b" --model "$T/bad.model"
 sed '1s/[0-9]*$/9/' "$m" >"$T/bad.model"
 expect 65 "another version" "$ctl" compare "$a" "$b" --model "$T/bad.model"
 says "$T/err" "another version" 'a version that this program does not read'
-expect 65 "a folder" "$ctl" compare "$a" "$b" --model "$T"
-says "$T/err" "a folder" 'not a regular file'
-mkfifo "$T/pipe"
-expect 65 "a pipe" "$ctl" compare "$a" "$b" --model "$T/pipe"
+expect 74 "a folder" "$ctl" compare "$a" "$b" --model "$T"
+says "$T/err" "a folder" 'Is a directory'
 expect 66 "missing" "$ctl" compare "$a" "$b" --model "$T/none"
 expect 64 "where there is no model to use" "$ctl" --db "$DB" subject list --model "$m"
 expect 1 "the daemon" "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 --model "$T/bad.model"
