@@ -1,10 +1,8 @@
-#define _GNU_SOURCE /* fopencookie() */
 #include "outfile.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <poll.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -63,36 +61,12 @@ static enum status outfile_fail(struct errinfo *e, const char *name)
 
 /* ---- standard output */
 
-/* Returns n, or less if an error ended it. */
-static ssize_t write_and_wait(void *none, const char *data, size_t n)
-{
-    struct pollfd out = {.fd = STDOUT_FILENO, .events = POLLOUT};
-    size_t done = 0;
-
-    (void)none;
-    while (done < n) {
-        const ssize_t more = write(STDOUT_FILENO, data + done, n - done);
-
-        if (more < 0 && errno != EAGAIN)
-            break;
-        if (more < 0)
-            (void)poll(&out, 1, -1);
-        else
-            done += (size_t)more;
-    }
-    return (ssize_t)done;
-}
-
 void outfile_wait(void)
 {
     const int flags = fcntl(STDOUT_FILENO, F_GETFL);
-    FILE *waits;
 
-    if (flags < 0 || (flags & O_NONBLOCK) == 0)
-        return;
-    waits = fopencookie(NULL, "w", (cookie_io_functions_t){.write = write_and_wait});
-    if (waits != NULL)
-        stdout = waits;
+    if (flags >= 0 && (flags & O_NONBLOCK) != 0)
+        (void)fcntl(STDOUT_FILENO, F_SETFL, flags & ~O_NONBLOCK);
 }
 
 bool outfile_flush(FILE *to)

@@ -24,8 +24,8 @@ enum status outfile_may(const char *path, bool force, struct errinfo *e);
 enum status outfile_write(const char *path, bool force, newfile_writer *write,
                           const void *arg, struct errinfo *e);
 
-/* outfile_wait(): Lets each write to standard output wait for a slow reader if another process has
- * made it non-blocking.  stdio would lose bytes there.  Before the first output. */
+/* outfile_wait(): Makes standard output blocking if another process has made it non-blocking, since stdio
+ * would lose bytes while the reader is slow.  The caller calls it before the first output. */
 void outfile_wait(void);
 
 /* outfile_flush(to): Writes out all that was printed to `to`.  Returns true if no byte was lost, neither
