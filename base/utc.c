@@ -1,5 +1,7 @@
+#define _DEFAULT_SOURCE /* timegm() */
 #include "utc.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <time.h>
 
@@ -18,32 +20,18 @@ bool utc_now(int64_t *ms)
     return true;
 }
 
-/* n digits of v, and what follows them. */
-static char *utc_put(char *to, int v, int n, char after)
-{
-    for (int i = n - 1; i >= 0; i--, v /= 10)
-        to[i] = (char)('0' + v % 10);
-    to[n] = after;
-    return to + n + 1;
-}
-
 void utc_print(int64_t ms, char out[UTC_TEXT])
 {
     struct tm tm = {0};
     time_t s;
+    size_t n;
 
     if (ms > LAST_MS)
         ms = LAST_MS;
     s = (time_t)(ms / 1000);
     (void)gmtime_r(&s, &tm);
-    out = utc_put(out, tm.tm_year + 1900, 4, '-');
-    out = utc_put(out, tm.tm_mon + 1, 2, '-');
-    out = utc_put(out, tm.tm_mday, 2, 'T');
-    out = utc_put(out, tm.tm_hour, 2, ':');
-    out = utc_put(out, tm.tm_min, 2, ':');
-    out = utc_put(out, tm.tm_sec, 2, '.');
-    out = utc_put(out, (int)(ms % 1000), 3, 'Z');
-    *out = '\0';
+    n = strftime(out, UTC_TEXT, "%Y-%m-%dT%H:%M:%S", &tm);
+    (void)snprintf(out + n, UTC_TEXT - n, ".%03dZ", (int)(ms % 1000));
 }
 
 /* Exactly n digits as a number; false: others. */
@@ -66,21 +54,18 @@ static bool letter(const char **text, char c)
 /* "2027-01-31" as days since 1970. */
 static bool read_day(const char **text, int64_t *out)
 {
-    static const int days[] = {31, 28, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31};
+    struct tm day = {0};
     int y, m, d;
-    bool leap;
 
     if (!digits(text, 4, &y) || !letter(text, '-') || !digits(text, 2, &m) ||
-        !letter(text, '-') || !digits(text, 2, &d))
+        !letter(text, '-') || !digits(text, 2, &d) || y < 1970)
         return false;
-    leap = y % 4 == 0 && (y % 100 != 0 || y % 400 == 0);
-    if (y < 1970 || m < 1 || m > 12 || d < 1 || d > days[m - 1] + (leap && m == 2))
-        return false;
-    *out = (y - 1970) * INT64_C(365) + (y - 1969) / 4 - (y - 1901) / 100 +
-           (y - 1601) / 400 + d - 1;
-    for (int i = 0; i < m - 1; i++)
-        *out += days[i] + (leap && i == 1);
-    return true;
+    day.tm_year = y - 1900;
+    day.tm_mon = m - 1;
+    day.tm_mday = d;
+    *out = (int64_t)timegm(&day) / (DAY_MS / 1000);
+    /* timegm() has moved a day that does not exist. */
+    return day.tm_mon == m - 1 && day.tm_mday == d;
 }
 
 /* "Z" or "+01:00" as milliseconds. */
