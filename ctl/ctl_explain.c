@@ -1,81 +1,60 @@
 /* surfacectl explain: why a scan matches a subject or a template, or not. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "cloudpoints.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
 #include "describe.h"
-#include "mem.h"
 #include "page.h"
-#include "select.h"
 
 static const char *page; /* --page */
 
-#define BEYOND_MM 1.0 /* the share of the gaps beyond this is reported */
-
 struct explanation {
-    struct ctl_nearest best;
-    struct store_template stored; /* of which tmpl is */
-    struct surface_face *tmpl, *probe;
-    struct cloudpoints pts; /* of the probe */
-    size_t compared;        /* points that have a gap; these are of their amounts */
-    double median_mm, most_mm, beyond;
+    struct templates templates;
+    struct templates_nearest best;
+    struct surface_disparity minimal; /* against the template that decides, weighed */
+    struct surface_parts parts;
+    const struct store_template *stored; /* that decides; of templates, as tmpl */
+    const struct surface_face *tmpl;
+    struct surface_face *probe;
 };
 
-/* How far the probe's points lie off the template, as measured. */
-static enum status measure_gaps(struct explanation *x)
+/* The argument names a subject, or else a template. */
+static enum status read_templates(struct ctl *c, struct templates_context *with,
+                                  struct templates *out)
 {
-    const double *t = x->best.minimal.align_transform;
-    double *v = mem_array(x->pts.n, sizeof *v);
-    size_t n = 0, beyond = 0;
+    const char *id = c->args[0];
     enum status st =
-        v != NULL ? status_from(surface_gaps(x->tmpl, (const double(*)[3])x->pts.at,
-                                             x->pts.n, t, v))
-                  : ST_ENOMEM;
+        templates_read(with, &(struct templates_of){.subject = id}, out, &c->e);
 
-    for (size_t i = 0; st == ST_OK && i < x->pts.n; i++)
-        if (!isnan(v[i])) {
-            v[n] = fabs(v[i]);
-            beyond += v[n++] > BEYOND_MM;
-        }
-    x->compared = n;
-    x->median_mm = x->most_mm = x->beyond = (double)NAN;
-    if (st == ST_OK && n > 0) {
-        select_sort(v, n);
-        x->median_mm = v[n / 2];
-        x->most_mm = v[n * 95 / 100];
-        x->beyond = (double)beyond / (double)n;
-    }
-    mem_free(v);
-    return st;
+    if (st != ST_ENOTFOUND || !ident_id_valid(id))
+        return st;
+    templates_free(out);
+    return templates_read(with, &(struct templates_of){.template_id = id}, out, &c->e);
 }
 
-static enum status ctl_explain_compare(struct ctl *c, struct explanation *x)
+static enum status ctl_explain_compare(struct ctl *c, struct templates_context *with,
+                                       struct explanation *x)
 {
     struct sample_found found;
-    enum status st = ctl_face_parse(c, c->args[1], &x->pts);
+    enum status st = ctl_face_read(c, c->args[1], false, c->work, &x->probe, &found);
 
-    if (st != ST_OK || (st = ctl_face_build(c, c->args[1], &x->pts, false, c->work,
-                                            &x->probe, &found)) != ST_OK)
-        return st;
-    st = ctl_face_nearest(c, &(struct templates_of){.subject = c->args[0]}, x->probe,
-                          &x->best);
-    if (st == ST_ENOTFOUND && ident_id_valid(c->args[0]))
-        st = ctl_face_nearest(c, &(struct templates_of){.template_id = c->args[0]},
-                              x->probe, &x->best);
-    if (st == ST_OK)
-        st = store_template_load(c->store, x->best.tmpl.id, &x->stored, c->work, &x->tmpl,
-                                 &c->e);
-    if (st == ST_OK)
-        st = store_event(c->store, "explain", c->actor, x->stored.subject, x->stored.id,
-                         templates_decision(x->best.nearest.result.decision), &c->e);
     if (st != ST_OK)
         return st;
-    st = measure_gaps(x);
-    return st == ST_OK ? st : errinfo_set(&c->e, st, "comparing: %s", status_message(st));
+    st = read_templates(c, with, &x->templates);
+    if (st == ST_OK)
+        st = templates_nearest(&x->templates, false, x->probe, &x->best, &c->e);
+    ctl_face_passed_over(&x->templates);
+    if (st == ST_OK)
+        st = templates_minimal(&x->templates, x->probe, &x->best, &x->minimal, &x->parts,
+                               &c->e);
+    if (st != ST_OK)
+        return st;
+    x->stored = &x->templates.of.t[x->best.index];
+    x->tmpl = x->templates.face[x->best.index];
+    return store_event(c->store, "explain", c->actor, x->stored->subject, x->stored->id,
+                       templates_decision(x->best.result.decision), &c->e);
 }
 
 /* Why the decision is what it is, in a sentence. */
@@ -100,37 +79,33 @@ static void print_quality(const char *who, const struct surface_face *f)
 
 static void print_text(const struct ctl *c, const struct explanation *x)
 {
-    const struct surface_comparison *r = &x->best.nearest.result;
+    const struct surface_comparison *r = &x->best.result;
 
     (void)printf("subject      %s\ntemplate     %s, with the highest score of %u\n",
-                 x->stored.subject, x->stored.id, x->best.nearest.compared);
+                 x->stored->subject, x->stored->id, x->best.compared);
     (void)printf("probe        %s\n", c->args[1]);
     (void)printf("decision     %s: %s\n", templates_decision(r->decision), reason(r));
     ctl_face_score(stdout, r);
-    ctl_face_minimal(stdout, &x->best.minimal);
+    ctl_face_minimal(stdout, &x->minimal);
     (void)printf("expected     %.2f for two such scans of one person\n", r->expected);
     (void)printf("common       %.0f %% of the template's face\n", 100 * r->overlap);
-    ctl_face_alignment(stdout, &x->best.minimal);
-    ctl_face_regions(stdout, &x->best.parts);
+    ctl_face_alignment(stdout, &x->minimal);
+    ctl_face_regions(stdout, &x->parts);
     print_quality("template", x->tmpl);
     print_quality("probe", x->probe);
-    (void)printf(
-        "gap          at %zu of %zu points: median %.3f mm, 95 %% below %.3f mm, "
-        "%.1f %% beyond %g mm\n",
-        x->compared, x->pts.n, x->median_mm, x->most_mm, 100 * x->beyond, BEYOND_MM);
 }
 
 static struct describe_comparison comparison(const struct ctl *c,
                                              const struct explanation *x)
 {
-    return (struct describe_comparison){.result = &x->best.nearest.result,
-                                        .minimal = &x->best.minimal,
+    return (struct describe_comparison){.result = &x->best.result,
+                                        .minimal = &x->minimal,
                                         .probe = x->probe,
                                         .engine = c->engine,
-                                        .subject = x->stored.subject,
-                                        .template_id = x->stored.id,
-                                        .templates_compared = x->best.nearest.compared,
-                                        .parts = &x->best.parts};
+                                        .subject = x->stored->subject,
+                                        .template_id = x->stored->id,
+                                        .templates_compared = x->best.compared,
+                                        .parts = &x->parts};
 }
 
 static enum status ctl_explain_write_page(struct ctl *c, const struct explanation *x)
@@ -139,16 +114,16 @@ static enum status ctl_explain_write_page(struct ctl *c, const struct explanatio
     struct json *j = json_new();
     char about[64];
 
-    (void)snprintf(about, sizeof about, "template %.8s, enrolled", x->stored.id);
+    (void)snprintf(about, sizeof about, "template %.8s, enrolled", x->stored->id);
     json_object(j, "extras");
-    page_side(j, "a", x->stored.subject, about, x->stored.created,
+    page_side(j, "a", x->stored->subject, about, x->stored->created,
               surface_face_quality(x->tmpl).score);
     return ctl_face_page(c, page, x->tmpl, &of, j);
 }
 
 static void ctl_explain_report(struct ctl *c, const struct explanation *x)
 {
-    const struct surface_comparison *r = &x->best.nearest.result;
+    const struct surface_comparison *r = &x->best.result;
     const struct surface_quality quality = surface_face_quality(x->tmpl);
     const struct describe_comparison of = comparison(c, x);
 
@@ -157,26 +132,19 @@ static void ctl_explain_report(struct ctl *c, const struct explanation *x)
     describe_quality(c->out, "template_quality", &quality, x->tmpl);
     json_text(c->out, "reason", reason(r));
     json_score(c->out, "expected", r->expected);
-    json_object(c->out, "gap");
-    json_number(c->out, "points", (double)x->pts.n);
-    json_number(c->out, "compared", (double)x->compared);
-    json_number(c->out, "median_mm", x->median_mm);
-    json_number(c->out, "most_mm", x->most_mm);
-    json_number(c->out, "limit_mm", BEYOND_MM);
-    json_number(c->out, "share_beyond", x->beyond);
-    json_close(c->out);
     json_object(c->out, "cells");
-    describe_cells(c->out, &x->best.parts);
+    describe_cells(c->out, &x->parts);
     json_close(c->out);
 }
 
 static enum status ctl_explain_run(struct ctl *c)
 {
-    struct explanation x = {.compared = 0};
+    struct templates_context with = ctl_face_context(c, c->work);
+    struct explanation x = {.tmpl = NULL};
     enum status st = page != NULL ? ctl_may_write(c, page, c->nargs) : ST_OK;
 
     if (st == ST_OK)
-        st = ctl_explain_compare(c, &x);
+        st = ctl_explain_compare(c, &with, &x);
     if (st == ST_OK && page != NULL)
         st = ctl_explain_write_page(c, &x);
     if (st == ST_OK) {
@@ -184,11 +152,10 @@ static enum status ctl_explain_run(struct ctl *c)
             ctl_explain_report(c, &x);
         else
             print_text(c, &x);
-        c->code = ctl_face_exit(x.best.nearest.result.decision);
+        c->code = ctl_face_exit(x.best.result.decision);
     }
-    surface_face_free(x.tmpl);
+    templates_free(&x.templates);
     surface_face_free(x.probe);
-    cloudpoints_free(&x.pts);
     return st;
 }
 
@@ -206,7 +173,7 @@ const struct ctl_command ctl_explain = {
     .summary = "say why a scan matches a subject, or not",
     .help =
         "Compares FILE with the subject's templates, or with the template named, and prints for\n"
-        "the one with the highest score: the score of each region, the qualities and the gap;\n"
+        "the one with the highest score: the score of each region and the qualities;\n"
         "with --json also what each cell of the face adds to the score. The audit log records\n"
         "it. --page writes one file that shows it in any browser, without a network; it is\n"
         "biometric data: only its owner can read it. surfacectl compare has it of two files.",

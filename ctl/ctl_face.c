@@ -37,25 +37,6 @@ void ctl_face_passed_over(const struct templates *t)
         (void)fprintf(stderr, "surfacectl: template skipped: %s\n", t->passed_over.msg);
 }
 
-enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
-                             const struct surface_face *probe, struct ctl_nearest *best)
-{
-    struct templates_context with = ctl_face_context(c, c->work);
-    struct templates t;
-    enum status st = templates_read(&with, which, &t, &c->e);
-
-    if (st == ST_OK)
-        st = templates_nearest(&t, false, probe, &best->nearest, &c->e);
-    if (st == ST_OK)
-        st = templates_minimal(&t, probe, &best->nearest, &best->minimal, &best->parts,
-                               &c->e);
-    if (st == ST_OK)
-        best->tmpl = t.of.t[best->nearest.index];
-    ctl_face_passed_over(&t);
-    templates_free(&t);
-    return st;
-}
-
 enum status ctl_face_page(struct ctl *c, const char *path,
                           const struct surface_face *tmpl,
                           const struct describe_comparison *x, struct json *j)
@@ -162,24 +143,16 @@ enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *
     return st;
 }
 
-enum status ctl_face_build(struct ctl *c, const char *path, struct cloudpoints *p,
-                           bool enrolment, struct surface_work *w,
-                           struct surface_face **out, struct sample_found *found)
-{
-    const struct sample_options o = {.enrolment = enrolment};
-
-    return sample_build(path, p, &o, w, out, found, &c->e);
-}
-
 enum status ctl_face_read(struct ctl *c, const char *path, bool enrolment,
                           struct surface_work *w, struct surface_face **out,
                           struct sample_found *found)
 {
+    const struct sample_options o = {.enrolment = enrolment};
     struct cloudpoints p;
     enum status st = ctl_face_parse(c, path, &p);
 
     if (st == ST_OK)
-        st = ctl_face_build(c, path, &p, enrolment, w, out, found);
+        st = sample_build(path, &p, &o, w, out, found, &c->e);
     cloudpoints_free(&p);
     return st;
 }

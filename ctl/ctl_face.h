@@ -14,17 +14,19 @@ struct cloudpoints; /* cloudpoints.h */
 struct ctl;         /* ctl.h */
 struct json;        /* json.h */
 
-/* ctl_face_read(c, path, enrolment, w, out, found): the face in a file ("-": standard input), read as
- * c->scans says.  enrolment: by the strict gate.  Every failure is in c->e, with the path.
- * ctl_face_parse(), ctl_face_build(): the same in two steps, for callers that need the points
- * or what was found (sample.h); cloudpoints_free() (empty on failure). */
+/* ctl_face_parse(c, path, out): Reads the points of a file ("-": standard input) as c->scans says.
+ *   out     to be released by cloudpoints_free(); empty on failure
+ * A failure is in c->e, with the path. */
+enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *out);
+
+/* ctl_face_read(c, path, enrolment, w, out, found): Reads a file like ctl_face_parse() and builds its face.
+ *   enrolment  applies the stricter gate of enrolments
+ *   out        the face, to be released by surface_face_free()
+ *   found      see sample.h
+ * A failure is in c->e, with the path. */
 enum status ctl_face_read(struct ctl *c, const char *path, bool enrolment,
                           struct surface_work *w, struct surface_face **out,
                           struct sample_found *found);
-enum status ctl_face_parse(struct ctl *c, const char *path, struct cloudpoints *out);
-enum status ctl_face_build(struct ctl *c, const char *path, struct cloudpoints *p,
-                           bool enrolment, struct surface_work *w,
-                           struct surface_face **out, struct sample_found *found);
 
 /* ctl_face_warnings(to, label, f): a line "warnings     occluded, turned", where "warnings" is
  * the label; nothing without any. */
@@ -34,18 +36,6 @@ void ctl_face_warnings(FILE *to, const char *label, const struct sample_found *f
  * ctl_face_passed_over(t): the template of another engine that was left out, to standard error. */
 struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w);
 void ctl_face_passed_over(const struct templates *t);
-
-/* ctl_face_nearest(c, which, probe, best): the probe compared with a subject's templates, or one
- * of them, by the database's calibration (templates_nearest()).  ST_EDENIED: the subject may not
- * be verified. */
-struct ctl_nearest {
-    struct templates_nearest nearest;
-    struct surface_disparity minimal; /* against the template that decides, weighed */
-    struct surface_parts parts;
-    struct store_template tmpl; /* that decides */
-};
-enum status ctl_face_nearest(struct ctl *c, const struct templates_of *which,
-                             const struct surface_face *probe, struct ctl_nearest *best);
 
 /* ctl_face_subject(c, id, where): is the id one?  where begins what c->e says; ST_EINVAL. */
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);

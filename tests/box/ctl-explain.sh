@@ -21,13 +21,11 @@ has out '^decision *match: the score reaches the threshold'
 has out '^fmr .* at this score'
 has out "^template *$id, with the highest score of 2"
 has out '^template *29[0-9]* points, quality'
-has out '^gap *at 2[0-9]* of 29[0-9]* points'
 expect 0 "as JSON" "$ctl" --db faces.db explain alice a1.ply --json
 ok "its members" jq_true '.decision == "match" and .score >= .threshold and
     .fmr_at_score < 0.01 and .disparity_mm > 0 and .overlap > 0.8 and .expected > .threshold and
     .quality.score > 0.5 and .template_quality.score > 0.5 and
-    (.alignment.transform | length) == 16 and .gap.points > 2800 and .gap.compared > 2500 and
-    .gap.median_mm < 0.6 and .gap.median_mm < .gap.most_mm and .gap.share_beyond < 0.2' out
+    (.alignment.transform | length) == 16' out
 is "the template that decides" "$(jq -r .template_id out)" "$id"
 "$ctl" --db faces.db verify alice a1.ply --json >verified
 is "as verify" "$(jq -c '[.decision, .score, .disparity_mm, .template_id]' verified)" \
@@ -35,8 +33,7 @@ is "as verify" "$(jq -c '[.decision, .score, .disparity_mm, .template_id]' verif
 ok "what each cell adds to the score" jq_true '(.score + ([.templates_compared] | map(log)[0])) as $s |
     .cells | .nx * .ny == (.part | length) and (.part | map(numbers) | add - $s | fabs < 0.02)' out
 expect 1 "two people" "$ctl" --db faces.db explain bob a1.ply --json
-ok "more lies between them" jq_true '.reason == "the score is below the threshold" and
-    .gap.share_beyond > 0.2' out
+ok "more lies between them" jq_true '.reason == "the score is below the threshold"' out
 expect 2 "a part of the face" "$ctl" --db faces.db explain alice part.xyz
 has out '^decision *inconclusive: '
 expect 0 "a template" "$ctl" --db faces.db explain "$id" a1.ply
