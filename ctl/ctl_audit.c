@@ -17,7 +17,7 @@ static const char *about, *uid, *kind;    /* --subject, --uid, --kind */
 static const char *actor, *since, *until; /* --actor, --since, --until */
 static uint32_t limit, keep;              /* --limit, --keep */
 
-/* ---- show, recent */
+/* ---- show */
 
 static void hex_of(const void *bytes, size_t n, char *out)
 {
@@ -36,7 +36,7 @@ static const char *who(const struct store_audit_entry *a, char out[16])
     return out;
 }
 
-static void show_entry(struct ctl *c, const struct store_audit_entry *a, bool by_name)
+static void show_entry(struct ctl *c, const struct store_audit_entry *a)
 {
     const struct log_entry *entry = &a->entry;
     char name[16], log[24];
@@ -48,41 +48,23 @@ static void show_entry(struct ctl *c, const struct store_audit_entry *a, bool by
     json_close(c->out);
     ctl_say(c, "%-10s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
             log, entry->seq, entry->at, entry->at + 11, entry->kind, who(a, name),
-            entry->object, entry->outcome,
-            by_name && a->actor_name[0] != '\0' ? a->actor_name : entry->actor);
-}
-
-/* The newest entries that the filter leaves, oldest first. */
-static enum status show_list(struct ctl *c, struct store_audit_filter wanted,
-                             bool by_name)
-{
-    struct store_audit_entry *a = NULL;
-    size_t n = 0;
-    enum status st;
-
-    wanted.newest = wanted.names = true;
-    wanted.limit = limit != 0 ? limit : SHOWN;
-    if ((st = store_audit_list(c->store, &wanted, &a, &n, NULL, &c->e)) != ST_OK)
-        return st;
-    json_array(c->out, "entries");
-    if (n > 0)
-        ctl_say(c, "%-10s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
-                "TIME (UTC)", "KIND", "SUBJECT", "OBJECT", "OUTCOME", "ACTOR");
-    for (size_t i = n; i > 0; i--)
-        show_entry(c, &a[i - 1], by_name);
-    json_close(c->out);
-    if (n == 0)
-        ctl_say(c, "no entries\n");
-    free(a);
-    return ST_OK;
+            entry->object, entry->outcome, entry->actor);
 }
 
 static enum status ctl_run_audit_show(struct ctl *c)
 {
     unsigned char bytes[LOG_UID];
-    struct store_audit_filter wanted = {
-        .subject = about, .kind = kind, .actor = actor, .since = since, .until = until};
-    size_t got = 0;
+    struct store_audit_filter wanted = {.subject = about,
+                                        .kind = kind,
+                                        .actor = actor,
+                                        .since = since,
+                                        .until = until,
+                                        .newest = true,
+                                        .names = true,
+                                        .limit = limit != 0 ? limit : SHOWN};
+    struct store_audit_entry *a = NULL;
+    size_t n = 0, got = 0;
+    enum status st;
 
     if (uid != NULL) {
         if (about != NULL ||
@@ -92,12 +74,19 @@ static enum status ctl_run_audit_show(struct ctl *c)
             return ctl_usage(c, "--uid takes 32 hexadecimal digits, and no --subject");
         wanted.uid = bytes;
     }
-    return show_list(c, wanted, false);
-}
-
-static enum status recent(struct ctl *c)
-{
-    return show_list(c, (struct store_audit_filter){.kind = AUDIT_RECENT}, true);
+    if ((st = store_audit_list(c->store, &wanted, &a, &n, NULL, &c->e)) != ST_OK)
+        return st;
+    json_array(c->out, "entries");
+    if (n > 0)
+        ctl_say(c, "%-10s %8s  %-23s  %-15s  %-16s  %-32s  %-12s  %s\n", "LOG", "ENTRY",
+                "TIME (UTC)", "KIND", "SUBJECT", "OBJECT", "OUTCOME", "ACTOR");
+    for (size_t i = n; i > 0; i--) /* oldest first */
+        show_entry(c, &a[i - 1]);
+    json_close(c->out);
+    if (n == 0)
+        ctl_say(c, "no entries\n");
+    free(a);
+    return ST_OK;
 }
 
 /* ---- checkpoint */
@@ -231,17 +220,6 @@ const struct ctl_command ctl_audit_show = {
         "or surfacectl:USER. In the log a subject has a random uid, which a rename does not\n"
         "change; after an erasure only the receipt says whose uid it was.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
-
-const struct ctl_command ctl_audit_recent = {
-    .name = "recent",
-    .database = CTL_READS_DATABASE,
-    .options = {CTL_OPTION("limit", "N", command_whole, &limit, "the newest N (100)")},
-    .run = recent,
-    .summary = "list the latest verifications and enrolments",
-    .help =
-        "As audit show, of verifications, enrolments, samples that did not fit, and lock-outs.\n"
-        "Scores, and why a scan was refused, are in the daemon's memory alone: GET /v1/recent.",
-    .example = "surfacectl --db faces.db recent --limit 30"};
 
 const struct ctl_command ctl_audit_export = {
     .name = "audit export",

@@ -1,4 +1,4 @@
-/* The commands, by name; their help texts, made from the table; the command help. */
+/* The commands, by name; their help texts, made from the table. */
 #include "ctl_table.h"
 
 #include <ctype.h>
@@ -22,9 +22,9 @@
     X(ctl_archive_import) X(ctl_backup_rekey) X(ctl_doctor) X(ctl_database_stats) \
     X(ctl_database_vacuum) X(ctl_token_create) X(ctl_token_list) X(ctl_token_rotate) \
     X(ctl_token_revoke) X(ctl_device_add) X(ctl_device_list) X(ctl_device_remove) \
-    X(ctl_subject_attempts_list) X(ctl_subject_attempts_reset) X(ctl_audit_show) X(ctl_audit_recent) \
+    X(ctl_subject_attempts_list) X(ctl_subject_attempts_reset) X(ctl_audit_show) \
     X(ctl_review_verify) X(ctl_audit_export) X(ctl_audit_checkpoint) X(ctl_audit_compare) \
-    X(ctl_audit_trim) X(ctl_completion) X(ctl_table_help)
+    X(ctl_audit_trim) X(ctl_completion)
 /* clang-format on */
 
 #define EXTERN(name)  extern const struct ctl_command name;
@@ -88,7 +88,6 @@ static const struct {
     {EXIT_TEMPFAIL, "another process has locked the database; try again"},
     {EXIT_NOPERM, "not permitted; the subject is disabled, expired or on hold"},
 };
-#define NEXIT (sizeof exits / sizeof *exits)
 
 /* ---- parts */
 
@@ -112,27 +111,13 @@ static void print_summaries(const char *group)
     (void)printf("\n");
 }
 
-/* Can the command end with this error? */
-static bool can_fail(const struct ctl_command *k, int code)
-{
-    if (code == EXIT_DATA || code == EXIT_NOINPUT)
-        return k->database != CTL_NO_DATABASE || (k->shared & CTL_UNITS);
-    if (code == EXIT_SOFTWARE || code == EXIT_TEMPFAIL || code == EXIT_NOPERM)
-        return k->database != CTL_NO_DATABASE;
-    return true;
-}
-
 static void print_exits(const struct ctl_command *k)
 {
     (void)printf("Exit codes:\n");
     for (int i = 0; i < 3; i++)
         if (i == 0 || k->exits[i] != NULL)
             (void)printf("  %2d  %s\n", i, k->exits[i] != NULL ? k->exits[i] : "done");
-    (void)printf("  64");
-    for (size_t i = 0; i < NEXIT; i++)
-        if (exits[i].code > EXIT_USAGE && can_fail(k, exits[i].code))
-            (void)printf(", %d", exits[i].code);
-    (void)printf("  an error (surfacectl help exit)\n");
+    (void)printf("  64 to 77  an error (surfacectl --help)\n");
 }
 
 /* ---- pages */
@@ -146,7 +131,9 @@ static void print_all(void)
                  "  surfacectl --db faces.db enroll alice alice.ply\n"
                  "  surfacectl --db faces.db verify alice probe.ply\n"
                  "\n"
-                 "Exit codes: surfacectl help exit\n");
+                 "Exit codes:\n");
+    for (size_t i = 0; i < sizeof exits / sizeof *exits; i++)
+        (void)printf("  %2d  %s\n", exits[i].code, exits[i].meaning);
 }
 
 static void print_group(const char *group)
@@ -157,7 +144,7 @@ static void print_group(const char *group)
     for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
         if (ctl_table_in(*k, group))
             (void)printf("  %s\n", (*k)->example);
-    (void)printf("\nExit codes: surfacectl help exit\n");
+    (void)printf("\nExit codes: surfacectl --help\n");
 }
 
 static void print_command(const struct ctl_command *k)
@@ -171,13 +158,6 @@ static void print_command(const struct ctl_command *k)
     print_options(ctl_table_options(k) & ~(unsigned)CTL_VERSION, k->options);
     (void)printf("Example:\n  %s\n\n", k->example);
     print_exits(k);
-}
-
-static void print_exit_codes(void)
-{
-    (void)printf("Exit codes of surfacectl:\n");
-    for (size_t i = 0; i < NEXIT; i++)
-        (void)printf("  %2d  %s\n", exits[i].code, exits[i].meaning);
 }
 
 static void print_version(void)
@@ -199,33 +179,3 @@ void ctl_table_print(bool version, const struct ctl_command *cmd, const char *gr
     else
         print_all();
 }
-
-/* ---- the command */
-
-static enum status ctl_table_run(struct ctl *c)
-{
-    const struct ctl_command *cmd = NULL;
-    const char *word = c->nargs > 0 ? c->args[0] : NULL;
-    int used = 0;
-
-    if (c->json)
-        return ctl_usage(c, "help is text, not JSON");
-    if (word != NULL && strcmp(word, "exit") == 0) {
-        print_exit_codes();
-        return ST_OK;
-    }
-    if (word != NULL && (cmd = ctl_table_find(c->args, c->nargs, &used)) == NULL &&
-        !ctl_table_is_group(word))
-        return ctl_usage(c, "there is no command %.80s (surfacectl help)", word);
-    ctl_table_print(false, cmd, word);
-    return ST_OK;
-}
-
-const struct ctl_command ctl_table_help = {
-    .name = "help",
-    .args = "[COMMAND | exit]",
-    .takes = {0, 2},
-    .run = ctl_table_run,
-    .summary = "print a help text",
-    .help = "For surfacectl, a command, a group of commands, or the exit codes.",
-    .example = "surfacectl help token create"};

@@ -142,17 +142,6 @@ struct batch {
     struct outcome *outcome; /* [n] */
 };
 
-/* As store_reencode(), but that nothing is written. */
-static enum status try_one(const struct batch *b, const char *id, struct surface_work *w,
-                           struct surface_face **f, struct store_template *t, bool *done,
-                           struct errinfo *e)
-{
-    const enum status st = store_template_load(b->c->store, id, t, w, f, e);
-
-    *done = st == ST_OK && store_template_outdated(b->c->store, t);
-    return st;
-}
-
 static enum status do_one(void *arg, size_t i, struct surface_work *w, struct errinfo *e)
 {
     const struct batch *b = arg;
@@ -160,9 +149,8 @@ static enum status do_one(void *arg, size_t i, struct surface_work *w, struct er
     struct store_template t;
     struct surface_face *f = NULL;
     bool done = false;
-    enum status st = b->c->dry_run ? try_one(b, b->id[i], w, &f, &t, &done, &o->e)
-                                   : store_reencode(b->c->store, b->c->actor, b->id[i], w,
-                                                    &f, &t, &done, &o->e);
+    const enum status st =
+        store_reencode(b->c->store, b->c->actor, b->id[i], w, &f, &t, &done, &o->e);
 
     surface_face_free(f);
     if (st == ST_OK)
@@ -174,22 +162,6 @@ static enum status do_one(void *arg, size_t i, struct surface_work *w, struct er
     else
         return errinfo_set(e, st, "%s", o->e.msg);
     return ST_OK;
-}
-
-/* Those that the command line names: all there, or nothing is done. */
-static enum status take_ids(struct batch *b)
-{
-    struct ctl *c = b->c;
-    struct store_template t;
-    enum status st = ST_OK;
-
-    b->n = (size_t)c->nargs;
-    if ((b->id = calloc(b->n, sizeof *b->id)) == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    for (size_t i = 0; i < b->n && st == ST_OK; i++)
-        if ((st = store_template_get(b->c->store, c->args[i], &t, &c->e)) == ST_OK)
-            memcpy(b->id[i], t.id, sizeof t.id);
-    return st;
 }
 
 /* Returns how many failed. */
@@ -219,11 +191,8 @@ static size_t ctl_template_report(const struct batch *b)
     json_number(c->out, "gone", (double)count[GONE]);
     json_number(c->out, "failed", (double)count[FAILED]);
     json_number(c->out, "undone", (double)count[UNDONE]);
-    json_flag(c->out, "dry_run", c->dry_run);
-    ctl_say(c, "%" PRIu64 " template%s: %zu %s by %s, %zu current, %zu failed\n",
-            CTL_COUNT(b->n), count[REENCODED],
-            c->dry_run ? "can be re-encoded" : "re-encoded", c->engine, count[CURRENT],
-            count[FAILED]);
+    ctl_say(c, "%" PRIu64 " template%s: %zu re-encoded by %s, %zu current, %zu failed\n",
+            CTL_COUNT(b->n), count[REENCODED], c->engine, count[CURRENT], count[FAILED]);
     if (count[GONE] > 0)
         ctl_say(c, "%zu were deleted meanwhile\n", count[GONE]);
     if (count[UNDONE] > 0)
@@ -234,8 +203,7 @@ static size_t ctl_template_report(const struct batch *b)
 static enum status reencode(struct batch *b, size_t *failed)
 {
     struct ctl *c = b->c;
-    enum status st = c->nargs > 0 ? take_ids(b)
-                                  : store_reencode_due(b->c->store, &b->id, &b->n, &c->e);
+    enum status st = store_reencode_due(b->c->store, &b->id, &b->n, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -304,18 +272,16 @@ const struct ctl_command ctl_template_export = {
 
 const struct ctl_command ctl_template_reencode = {
     .name = "template reencode",
-    .args = "[ID...]",
-    .takes = {0, CTL_MANY},
     .database = CTL_WRITES_DATABASE,
-    .shared = CTL_MODEL | CTL_THREADS | CTL_DRY_RUN,
+    .shared = CTL_MODEL | CTL_THREADS,
     .exits = {"all of these templates are now of this engine"},
     .run = reencode_them,
     .summary = "re-encode templates of another engine",
     .help =
-        "Computes every template, or each ID, that another engine or model made again from its\n"
-        "stored points, with this engine and --model. Id, label, time and digest are kept. Until\n"
+        "Computes every template that another engine or model made again from its stored\n"
+        "points, with this engine and --model. Id, label, time and digest are kept. Until\n"
         "then the template is re-encoded each time it is loaded, which takes some milliseconds\n"
         "and gives the same decisions. A running daemon is not interrupted; an interrupted run\n"
         "continues when it is started again. A template whose points this engine does not accept\n"
         "as a face is listed and not changed: delete it and enroll another scan.",
-    .example = "surfacectl --db faces.db template reencode --dry-run"};
+    .example = "surfacectl --db faces.db template reencode"};

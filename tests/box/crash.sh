@@ -25,16 +25,15 @@ for n in 1 2 3 4; do
     scan "$n" 0 "$T/s$n.ply" --points 1000
 done
 scan 4 1 "$T/p4.ply" --points 1000
-# A model of another mean face: to it all templates are of another engine.
+# A model of another mean face: its templates are of another engine.
 awk '/^change/ { on = 0 } on { for (i = 1; i <= NF; i++) if ($i != ".") $i = $i + 1500 } /^mean/ { on = 1 } { print }' \
     core/face/default.model >"$T/raised.model"
 
 # ---- what there is before
-mkdir "$T/full" "$T/lost"
+mkdir "$T/full" "$T/lost" "$T/old"
 db=$T/full/db
 admin "$db" --anchor "$T/full/anchor" init
 admin "$db" --anchor "$T/full/anchor" enroll alice "$T/s1.ply"
-id=$(sqlite3 "$db" 'SELECT id FROM templates')
 admin "$db" --anchor "$T/full/anchor" enroll bob "$T/s2.ply"
 admin "$db" --anchor "$T/full/anchor" token create gate --scope verify
 admin "$db" --anchor "$T/full/anchor" backup "$T/full/copy"
@@ -44,6 +43,8 @@ admin "$db" --anchor "$T/full/anchor" subject erase --yes bob
 admin "$db" --anchor "$T/full/anchor" enroll carol "$T/s3.ply"
 admin "$db" --anchor "$T/full/anchor" enroll bob "$T/s2.ply"
 cp "$T/full/anchor" "$T/lost/"
+admin "$T/old/db" --anchor "$T/old/anchor" init
+admin "$T/old/db" --anchor "$T/old/anchor" enroll alice "$T/s1.ply" --model "$T/raised.model"
 admin "$T/other" init
 admin "$T/other" enroll dave "$T/s4.ply"
 admin "$T/other" enroll erin "$T/s1.ply"
@@ -78,7 +79,7 @@ crash restore full restore "$T/backup"
 crash restore-lost lost restore "$T/backup"
 crash backup full backup --force @copy
 crash vacuum full vacuum
-crash reencode full template reencode "$id" --model "$T/raised.model"
+crash reencode old template reencode
 
 # ---- the daemon
 if [ "${CRASH_ONLY:-daemon}" = daemon ]; then

@@ -51,7 +51,6 @@ refuse 64 '--grace takes' "$ctl" --db f.db token rotate 000000000000000000000000
 refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
 refuse 64 'attempts COMMAND, which is one of list, reset' "$ctl" --db f.db attempts
 refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
-refuse 64 'no command frobnicate' "$ctl" help frobnicate
 refuse 64 'did you mean subject show' "$ctl" --db f.db subject shwo alice
 
 # ids

@@ -173,10 +173,10 @@ fi
 ok "for zsh too" grep -q bashcompinit "$T/complete"
 "$BUILD/surfacectl" completion fish >"$T/text" 2>&1
 is "no other" $? 64
-"$BUILD/surfacectl" help exit >"$T/text"
+"$BUILD/surfacectl" --help >"$T/text"
 for code in 0 1 2 64 65 66 70 71 74 75 77; do
     ok "the manual has exit code $code" grep -q "^\.It $code$" man/surfacectl.1
-    ok "help exit too" grep -q "^ *$code  " "$T/text"
+    ok "--help too" grep -q "^ *$code  " "$T/text"
 done
 
 # ---- every command: help with an example and the exit codes
