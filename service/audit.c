@@ -127,7 +127,8 @@ put_all(FILE *to, const struct audit_export *x, const struct store_audit_filter 
         size_t n = 0;
 
         if (x->stop != NULL && atomic_load(x->stop))
-            return errinfo_set(e, ST_EBUSY, "the client disconnected; the export was stopped");
+            return errinfo_set(e, ST_EBUSY,
+                               "the client disconnected; the export was stopped");
         if (x->most != 0 && ftello(to) > (off_t)x->most)
             return errinfo_set(e, ST_ESIZE, "the table has more than %zu MB",
                                x->most >> 20);

@@ -45,18 +45,16 @@ TEST(test_mirror)
     }
 }
 
-/* Every region has cells, is symmetric, and lies where its name says. */
+/* Every region has cells, is symmetric, and lies where its name says (test_libsurface.c has the names). */
 TEST(test_regions)
 {
     static const struct {
         double x, y;
         enum surface_region r;
-        const char *name;
     } at[] = {
-        {2, 2, SURFACE_NOSE, "nose"},      {32, 32, SURFACE_EYES, "eyes"},
-        {2, 40, SURFACE_EYES, "eyes"},     {10, 62, SURFACE_FOREHEAD, "forehead"},
-        {40, 0, SURFACE_CHEEKS, "cheeks"}, {58, 30, SURFACE_CHEEKS, "cheeks"},
-        {6, -30, SURFACE_MOUTH, "mouth"},  {6, -66, SURFACE_CHIN, "chin"},
+        {2, 2, SURFACE_NOSE},    {32, 32, SURFACE_EYES},     {2, 40, SURFACE_EYES},
+        {40, 0, SURFACE_CHEEKS}, {10, 62, SURFACE_FOREHEAD}, {58, 30, SURFACE_CHEEKS},
+        {6, -66, SURFACE_CHIN},  {6, -30, SURFACE_MOUTH},
     };
     uint32_t count[SURFACE_REGIONS] = {0}, sum = 0;
 
@@ -68,13 +66,8 @@ TEST(test_regions)
     for (int r = 0; r < SURFACE_REGIONS; r++) {
         assert_true(count[r] > 20);
         sum += count[r];
-        for (int s = 0; s < r; s++)
-            assert_string_not_equal(surface_region_name((enum surface_region)r),
-                                    surface_region_name((enum surface_region)s));
     }
     assert_int_equal(sum, GRID_N);
-    for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++)
         assert_int_equal(grid_region_of(grid_cell(at[i].x, at[i].y)), at[i].r);
-        assert_string_equal(surface_region_name(at[i].r), at[i].name);
-    }
 }

@@ -57,23 +57,6 @@ TEST(test_range)
     assert_int_equal(refused(-1e308), ST_ERANGE);
 }
 
-TEST(test_array)
-{
-    const struct dvec3 good[] = {{1, 2, 3}, {-0.0015, 0.0025, 16777.216}};
-    struct ivec3 out[2];
-    size_t bad = 99;
-
-    assert_int_equal(lattice_from_mm(good, 2, LATTICE_PER_MM, out, &bad), ST_OK);
-    assert_int_equal(bad, 99);
-    assert_int_equal(out[0].x, 1000);
-    assert_int_equal(out[0].y, 2000);
-    assert_int_equal(out[0].z, 3000);
-    assert_int_equal(out[1].x, -2);
-    assert_int_equal(out[1].y, 2);
-    assert_int_equal(out[1].z, LATTICE_MAX);
-    assert_int_equal(lattice_from_mm(good, 0, LATTICE_PER_MM, out, &bad), ST_OK);
-}
-
 /* Whichever coordinate of whichever point is bad, the point's index is returned. */
 TEST(test_offender)
 {

@@ -309,25 +309,32 @@ TEST(test_refused)
     surface_model_free(NULL);
 }
 
-/* Each status has a message of its own, each bit a name. */
+/* Each status has a message of its own, each bit a name; what is none has none. */
 TEST(test_words)
 {
-    static const enum surface_status all[] = {
-        SURFACE_OK,       SURFACE_EINVAL,     SURFACE_ENOMEM,         SURFACE_ELIMIT,
-        SURFACE_ETOOFEW,  SURFACE_ENOTFINITE, SURFACE_ERANGE,         SURFACE_EDEGENERATE,
-        SURFACE_EUNITS,   SURFACE_ENOFACE,    SURFACE_ESEVERAL,       SURFACE_EMIRRORED,
-        SURFACE_ENOTFACE, SURFACE_EQUALITY,   SURFACE_ECORRUPT,       SURFACE_EVERSION,
-        SURFACE_ESTOPPED, SURFACE_EINTERNAL,  (enum surface_status)99};
+    const char *name[3][10];
+    static const int count[3] = {SURFACE_WARNINGS, SURFACE_REASONS, SURFACE_REGIONS};
 
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        for (size_t k = 0; k < i; k++)
-            assert_string_not_equal(surface_message(all[i]), surface_message(all[k]));
-    assert_string_equal(surface_warning_name(SURFACE_THINNED), "thinned");
-    assert_string_equal(surface_reason_name(SURFACE_OBLIQUE), "turned");
-    assert_string_equal(surface_region_name(SURFACE_CHIN), "chin");
-    assert_null(surface_warning_name((enum surface_warning)64));
-    assert_null(surface_reason_name((enum surface_reason)64));
-    assert_null(surface_region_name(SURFACE_REGIONS));
+    for (int i = 0; i < ST_COUNT; i++)
+        for (int k = -1; k < i; k++)
+            assert_string_not_equal(status_message((enum status)i),
+                                    status_message((enum status)(k < 0 ? ST_COUNT : k)));
+    assert_string_equal(status_message((enum status)(-1)), "unknown status");
+    assert_string_equal(surface_message(SURFACE_ERANGE), status_message(ST_ERANGE));
+    for (int i = 0; i <= 9; i++) {
+        name[0][i] = surface_warning_name((enum surface_warning)i);
+        name[1][i] = surface_reason_name((enum surface_reason)i);
+        name[2][i] = surface_region_name((enum surface_region)i);
+    }
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i <= count[k]; i++) {
+            assert_int_equal(name[k][i] == NULL, i == count[k]);
+            for (int j = 0; j < i && i < count[k]; j++)
+                assert_string_not_equal(name[k][i], name[k][j]);
+        }
+    assert_string_equal(name[0][SURFACE_THINNED], "thinned");
+    assert_string_equal(name[1][SURFACE_OBLIQUE], "turned");
+    assert_string_equal(name[2][SURFACE_CHIN], "chin");
 }
 
 /* ---- memory */

@@ -52,11 +52,3 @@ TEST(test_turned)
             assert_int_equal(quality_reasons(&good, &f), 1U << SURFACE_OBLIQUE);
         }
 }
-
-TEST(test_words)
-{
-    for (int i = 0; i < SURFACE_REASONS; i++)
-        for (int k = 0; k < i; k++)
-            assert_string_not_equal(surface_reason_name((enum surface_reason)i),
-                                    surface_reason_name((enum surface_reason)k));
-}

@@ -149,25 +149,6 @@ TEST(test_one_way)
     }
 }
 
-/* What lies on the forehead from its rim down is no part of the face: it is told, and left out. */
-TEST(test_cap)
-{
-    for (uint64_t subject = 1; subject < 6; subject++) {
-        double without;
-
-        enroll(subject);
-        sample(subject, 1, 3000);
-        assert_int_equal(build(&probe), ST_OK);
-        without = found.occluded;
-        for (size_t i = 0; i < n; i++)
-            pts[i].z += pts[i].y > 50 ? 8 : 0;
-        assert_int_equal(build(&probe), ST_OK);
-        assert_true(found.cropped && warned(SURFACE_OCCLUDED));
-        assert_true(found.occluded > without + 0.03);
-        assert_decision(SURFACE_MATCH);
-    }
-}
-
 /* In another unit, given or not. */
 TEST(test_units)
 {
@@ -258,24 +239,6 @@ static void assert_view(void)
 
         assert_true(vec_dot(d, d) < 1e-12);
     }
-}
-
-/* Turned, and without what a scanner in front of it cannot see then. */
-TEST(test_half)
-{
-    size_t kept = 0;
-
-    enroll(5);
-    sample(5, 1, 5000);
-    for (size_t i = 0; i < n; i++)
-        if (pts[i].x < 22)
-            pts[kept++] = pts[i];
-    n = kept;
-    turn(42, 0, 0, 1);
-    assert_int_equal(build(&probe), ST_OK);
-    assert_true(warned(SURFACE_TURNED) && found.yaw_deg > 30);
-    assert_int_equal(build(&enrolment), ST_EQUALITY);
-    assert_true(warned(SURFACE_TURNED));
 }
 
 /* Points that are too far apart for a face to be seen are rated nevertheless: their distance is the reason. */
@@ -547,24 +510,6 @@ TEST(test_two)
     assert_int_equal(build(&enrolment), ST_ESEVERAL);
 }
 
-/* Shoulders make it larger than a face is, in whatever unit: taken for mm, metres are one
- * place. */
-TEST(test_shoulders)
-{
-    struct brute_rng rng = {brute_seed("scan")};
-
-    enroll(8);
-    sample(8, 1, 12000);
-    for (size_t i = 0; i < n; i += 5)
-        pts[i] =
-            (struct dvec3){-280 + 560 * brute_real(&rng), -260 + 100 * brute_real(&rng),
-                           -140 + 60 * brute_real(&rng)};
-    turn(0, 0, 0, 1000);
-    assert_int_equal(build(&probe), ST_OK);
-    assert_true(found.cropped && found.unit_mm == 1000);
-    assert_decision(SURFACE_MATCH);
-}
-
 /* ---- what is told, and what is refused */
 
 /* Everything below the nose is under a cover. */
@@ -687,24 +632,6 @@ TEST(test_as_is_kept)
         assert_int_equal(face.surface.mesh.nv, 0);
         assert_int_equal(bad, kind == 2 ? 700 : 0);
     }
-}
-
-static int nobody_waits(const void *arg)
-{
-    (void)arg;
-    return 1;
-}
-
-/* Nobody waits for the model any more. */
-TEST(test_stopped)
-{
-    const struct surface_stop stop = {nobody_waits, NULL};
-    const struct scan_options stopped = {.stop = &stop};
-
-    sample(1, 0, 11000);
-    turn(0, 0, 90, 1);
-    assert_int_equal(build(&stopped), ST_EBUSY);
-    assert_int_equal(build(&probe), ST_OK);
 }
 
 /* A number that no scanner gives is told as such, and where. */

@@ -41,22 +41,6 @@ static bool covered(const struct shape_fit *f, double x, double y)
     return f->cell[grid_cell(x, y)] == SHAPE_COVER;
 }
 
-static double nothing(double x, double y)
-{
-    (void)x;
-    (void)y;
-    return 0;
-}
-
-TEST(test_nothing)
-{
-    for (int hard = 0; hard < 2; hard++) {
-        const struct shape_fit f = see(nothing, hard);
-
-        assert_int_equal(f.cover, 0);
-    }
-}
-
 /* ---- above the brows */
 
 static double cap(double x, double y)
