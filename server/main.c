@@ -12,7 +12,6 @@
 #include "calibration.h"
 #include "erasures.h"
 #include "errinfo.h"
-#include "expiry.h"
 #include "flags.h"
 #include "http.h"
 #include "libsurface.h"
@@ -214,7 +213,6 @@ static void say_stopping(int sig)
 struct daemon {
     struct app *app;
     struct http *http;
-    struct expiry expiry;
     uint64_t served;    /* when it was looked at last */
     double progress_ms; /* when it had changed, or had nothing to do, last */
 };
@@ -240,13 +238,6 @@ static bool healthy(void *arg)
         d->progress_ms = now;
     }
     return now - d->progress_ms < STALLED_MS;
-}
-
-static void hourly(void *arg)
-{
-    struct daemon *d = arg;
-
-    expiry_look(&d->expiry, d->app);
 }
 
 /* --check-config: what the files of TLS hold. */
@@ -337,7 +328,7 @@ int main(int argc, char **argv)
     d.http = http;
     d.progress_ms = logger_clock_ms();
     systemd_ready(url);
-    sig = systemd_wait(&(struct systemd_hooks){reload, healthy, hourly, &d});
+    sig = systemd_wait(&(struct systemd_hooks){reload, healthy, &d});
     say_stopping(sig);
     http_quiesce(http, GRACE_MS);
     stop_workers(&app); /* queued requests are still handled */

@@ -62,10 +62,9 @@ static void reload(const struct systemd_hooks *hooks)
 
 int systemd_wait(const struct systemd_hooks *hooks)
 {
-    struct timespec pause = {60, 0}, now;
+    struct timespec pause = {60, 0};
     uint64_t watchdog_us = 0;
     const bool watched = sd_watchdog_enabled(0, &watchdog_us) > 0;
-    time_t hour = 0;
     sigset_t set;
     int sig;
 
@@ -77,11 +76,6 @@ int systemd_wait(const struct systemd_hooks *hooks)
     for (;;) {
         if (watched && hooks->healthy(hooks->arg))
             (void)sd_notify(0, "WATCHDOG=1");
-        (void)clock_gettime(CLOCK_MONOTONIC, &now);
-        if (hour == 0 || now.tv_sec >= hour) {
-            hooks->hourly(hooks->arg);
-            hour = now.tv_sec + 3600;
-        }
         sig = sigtimedwait(&set, NULL, &pause);
         if (sig == SIGHUP) {
             reload(hooks);

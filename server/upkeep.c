@@ -8,20 +8,23 @@
 #include "app.h"
 #include "errinfo.h"
 #include "every.h"
+#include "expiry.h"
 #include "logger.h"
 #include "metrics.h"
 #include "refusal.h"
 #include "store.h"
 
 #define LOOK_MS        1000
-#define TRIM_MS        3600000.0
+#define HOUR_MS        3600000.0
 #define VERIFY_MS      60000.0 /* at most so often, */
 #define VERIFY_PER_RUN 50.0    /* and after so many times as long as it took */
 
 struct upkeep {
     struct app *app;
     unsigned days;
-    double trim_ms, verify_ms; /* when they are due */
+    double hour_ms,
+        verify_ms; /* time of the next hourly work, of the next verification */
+    struct expiry expiry;
     struct every *thread;
     bool ended;
     bool unread; /* the last verification could not read the rows */
@@ -86,9 +89,11 @@ static void upkeep_look(void *arg)
     if (!u->ended && store_behind(u->app->store))
         upkeep_end(u);
     store_follow(u->app->store);
-    if (u->days > 0 && now >= u->trim_ms) {
-        trim(u);
-        u->trim_ms = logger_clock_ms() + TRIM_MS;
+    if (now >= u->hour_ms) {
+        expiry_look(&u->expiry, u->app);
+        if (u->days > 0)
+            trim(u);
+        u->hour_ms = logger_clock_ms() + HOUR_MS;
     }
     if (now >= u->verify_ms) {
         const double begin = logger_clock_ms();
