@@ -110,8 +110,7 @@ static enum status server_start(const struct options *o, struct app *app,
         return errinfo_set(e, st, "cannot start a worker for the audit log");
     if ((app->erasures = erasures_start(app)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    st = http_listen(o, http, url, e);
-    return st == ST_OK ? http_start(*http, app, e) : st;
+    return http_start(o, app, http, url, e);
 }
 
 static void stop_workers(struct app *app)

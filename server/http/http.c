@@ -85,10 +85,8 @@ struct http {
     struct app *app;
     struct MHD_Daemon *daemon;
     struct listen_socket socket;
-    const char *proxies; /* NULL: none, and libmicrohttpd itself accepts connections */
-    struct proxy *proxy;
+    struct proxy *proxy; /* NULL: libmicrohttpd itself accepts connections */
     struct peer_host host;
-    unsigned connections;
     atomic_uint exchanges;
     struct quota *quota; /* I/O thread only */
     unsigned long serial;
@@ -563,79 +561,18 @@ static void on_connection(void *cls, struct MHD_Connection *conn, void **context
 
 /* ---- start and stop */
 
-enum status http_listen(const struct options *o, struct http **out,
-                        char url[HTTP_URL_MAX], struct errinfo *e)
+/* Behind proxies libmicrohttpd itself accepts no connections. */
+static enum status start_daemon(struct http *h, const struct options *o,
+                                struct errinfo *e)
 {
-    struct guard_rules rules = {.connections = o->max_connections,
-                                .per_address = o->max_connections_per_address,
-                                .local_too = true,
-                                .timeout_s = o->timeout_s,
-                                .waiting = o->proxy_protocol != NULL ? PROXY_WAITING : 0};
-    const struct quota_limits limits = {
-        .all = {SMALL_AT_ONCE, LARGE_AT_ONCE * (o->max_body + 1)},
-        .one = {SMALL_AT_ONCE / 2, LARGE_OF_ONE * (o->max_body + 1)}};
-    struct tls_names names = {o->tls_cert, o->tls_key, o->tls_client_ca};
-    struct http *h = calloc(1, sizeof *h);
-    enum status st = ST_OK;
-
-    *out = NULL;
-    if (h == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    h->socket.fd = -1;
-    h->proxies = o->proxy_protocol;
-    h->connections = o->max_connections;
-    if (rules.per_address == OPTIONS_UNSET) {
-        rules.per_address = PER_ADDRESS;
-        rules.local_too = false;
-    }
-    h->quota = quota_new(&limits);
-    if (h->quota == NULL)
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (st == ST_OK && names.cert != NULL)
-        st = tls_open(&names, &h->host.tls, e);
-    if (st == ST_OK)
-        st = guard_start(&rules, &h->host.guard, e);
-    if (st == ST_OK)
-        st = listen_start(o, &h->socket, e);
-    if (st != ST_OK) {
-        http_stop(h);
-        return st;
-    }
-    address_url(&h->socket.ss, h->host.tls != NULL, url);
-    *out = h;
-    return ST_OK;
-}
-
-void http_reload(struct http *h)
-{
-    struct errinfo e = {0};
-    struct logger_line line;
-
-    if (h->host.tls == NULL || tls_reload(h->host.tls, &e) == ST_OK)
-        return;
-    logger_begin(&line, "error", "the TLS certificate stays as it was");
-    logger_text(&line, "reason", e.msg);
-    logger_end(&line);
-}
-
-enum status http_start(struct http *h, struct app *app, struct errinfo *e)
-{
-    const bool behind = h->proxies != NULL;
+    const bool behind = o->proxy_protocol != NULL;
     struct MHD_OptionItem listening[] = {
         {behind ? MHD_OPTION_END : MHD_OPTION_LISTEN_SOCKET, h->socket.fd, NULL},
         {MHD_OPTION_END, 0, NULL}};
-    /* Where a connection that was added is beyond this limit, libmicrohttpd (0.9.75) closes it
-     * with a mutex locked, and hangs: there the guard's limit is the only one. */
-    const unsigned limit = behind ? UINT_MAX : h->connections + CONNECTIONS_CLOSING;
+    /* libmicrohttpd (0.9.75) closes an added connection beyond this limit with a mutex locked, and hangs:
+     * behind proxies the guard's limit is the only one. */
+    const unsigned limit = behind ? UINT_MAX : o->max_connections + CONNECTIONS_CLOSING;
 
-    h->app = app;
-    app->guard = h->host.guard;
-    app->quota = h->quota;
-    app->tls = h->host.tls;
-    h->host.refuse = on_refusal;
-    h->host.arg = h;
-    if (peer_init(e) != ST_OK)
-        return e->code;
     h->daemon = MHD_start_daemon(
         MHD_USE_EPOLL_INTERNAL_THREAD | MHD_ALLOW_SUSPEND_RESUME |
             (h->host.tls != NULL ? MHD_USE_TLS : 0) |
@@ -649,9 +586,69 @@ enum status http_start(struct http *h, struct app *app, struct errinfo *e)
         MHD_OPTION_HTTPS_PRIORITIES, tls_priorities, MHD_OPTION_END);
     if (h->daemon == NULL)
         return errinfo_set(e, ST_EIO, "cannot start serving: %s", strerror(errno));
-    return behind ? proxy_start(h->proxies, h->socket.fd, h->daemon, h->host.guard,
+    return behind ? proxy_start(o->proxy_protocol, h->socket.fd, h->daemon, h->host.guard,
                                 &h->proxy, e)
                   : ST_OK;
+}
+
+enum status http_start(const struct options *o, struct app *app, struct http **out,
+                       char url[HTTP_URL_MAX], struct errinfo *e)
+{
+    struct guard_rules rules = {.connections = o->max_connections,
+                                .per_address = o->max_connections_per_address,
+                                .local_too = true,
+                                .timeout_s = o->timeout_s,
+                                .waiting = o->proxy_protocol != NULL ? PROXY_WAITING : 0};
+    const struct quota_limits limits = {
+        .all = {SMALL_AT_ONCE, LARGE_AT_ONCE * (o->max_body + 1)},
+        .one = {SMALL_AT_ONCE / 2, LARGE_OF_ONE * (o->max_body + 1)}};
+    struct tls_names names = {o->tls_cert, o->tls_key, o->tls_client_ca};
+    struct http *h = calloc(1, sizeof *h);
+    enum status st;
+
+    if (h == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    h->app = app;
+    h->socket.fd = -1;
+    h->host.refuse = on_refusal;
+    h->host.arg = h;
+    if (rules.per_address == OPTIONS_UNSET) {
+        rules.per_address = PER_ADDRESS;
+        rules.local_too = false;
+    }
+    st = peer_init(e);
+    if (st == ST_OK && (h->quota = quota_new(&limits)) == NULL)
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+    if (st == ST_OK && names.cert != NULL)
+        st = tls_open(&names, &h->host.tls, e);
+    if (st == ST_OK)
+        st = guard_start(&rules, &h->host.guard, e);
+    if (st == ST_OK)
+        st = listen_start(o, &h->socket, e);
+    app->guard = h->host.guard;
+    app->quota = h->quota;
+    app->tls = h->host.tls;
+    if (st == ST_OK) {
+        address_url(&h->socket.ss, h->host.tls != NULL, url);
+        st = start_daemon(h, o, e);
+    }
+    if (st == ST_OK)
+        *out = h;
+    else
+        http_stop(h);
+    return st;
+}
+
+void http_reload(struct http *h)
+{
+    struct errinfo e = {0};
+    struct logger_line line;
+
+    if (h->host.tls == NULL || tls_reload(h->host.tls, &e) == ST_OK)
+        return;
+    logger_begin(&line, "error", "the TLS certificate stays as it was");
+    logger_text(&line, "reason", e.msg);
+    logger_end(&line);
 }
 
 void http_quiesce(struct http *h, double ms)
