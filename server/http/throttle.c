@@ -120,8 +120,6 @@ void throttle_note(struct throttle *t, uint64_t address, const char *token, bool
     struct bucket *b;
     uint64_t h, *place;
 
-    if (t->per_minute <= 0.0)
-        return;
     h = hash_both(t, address, token);
     place = &t->good[h % GOOD];
     (void)pthread_mutex_lock(&t->lock);

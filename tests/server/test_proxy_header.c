@@ -1,5 +1,5 @@
 /* Headers of the PROXY protocol, version 2: each kind byte by byte as the specification lays it out;
- * every part of one is incomplete, every wrong byte is found; TLVs are skipped. */
+ * every part of one is incomplete, every wrong byte is found. */
 #include <arpa/inet.h>
 #include <netinet/in.h>
 
@@ -15,7 +15,6 @@
 #define MAPPED                                                                               \
     "\0\0\0\0\0\0\0\0\0\0\xff\xff\xc0\x00\x02\x07\0\0\0\0\0\0\0\0\0\0\xff\xff\xc6\x33\x64\1" \
     "\xd9\x03\x01\xbb"
-#define TLVS "\x04\0\1x\x03\0\4\1\2\3\4" /* NOOP and a checksum, which is wrong */
 
 static struct proxy_header h;
 
@@ -78,36 +77,6 @@ TEST(test_clients)
     assert_client("2001:db8::2a", 55555);
     WHOLE(HEADER("\x21\x21", "\0\x24", MAPPED));
     assert_client("192.0.2.7", 55555);
-}
-
-TEST(test_tlvs)
-{
-    WHOLE(HEADER("\x21\x11", "\0\x17", IPV4 TLVS));
-    assert_client("192.0.2.7", 55555);
-    WHOLE(HEADER("\x21\x21", "\0\x2f", IPV6 TLVS));
-    assert_client("2001:db8::2a", 55555);
-    WHOLE(HEADER("\x20\x00", "\0\x0b", TLVS));
-    assert_int_equal(h.client_len, 0);
-}
-
-TEST(test_own_address)
-{
-    char text[16 + 216] = HEADER("\x21\x31", "\0\xd8", "/run/client");
-
-    assert_whole(text, sizeof text); /* a Unix socket */
-    assert_int_equal(h.client_len, 0);
-    WHOLE(HEADER("\x20\x00", "\0\0", "")); /* LOCAL */
-    assert_int_equal(h.client_len, 0);
-    WHOLE(HEADER("\x20\x11", "\0\x0c", IPV4)); /* what it says of an address is ignored */
-    assert_int_equal(h.client_len, 0);
-    WHOLE(HEADER("\x20\xff", "\0\x01", "x")); /* and the family too */
-    assert_int_equal(h.client_len, 0);
-    WHOLE(HEADER("\x21\x00", "\0\0", "")); /* UNSPEC */
-    assert_int_equal(h.client_len, 0);
-    WHOLE(HEADER("\x21\x10", "\0\x0c", IPV4)); /* a family without a transport */
-    assert_int_equal(h.client_len, 0);
-    WHOLE(HEADER("\x21\x01", "\0\x03", "abc"));
-    assert_int_equal(h.client_len, 0);
 }
 
 /* It is found with the wrong byte, the at-th. */
