@@ -79,7 +79,7 @@ static void larger_make(struct pair *p)
     timing_must(place_encode(&p->tmpl, &fit, work, &f.encoding));
     p->larger = timing_alloc(p->blob_size, 1);
     surface_encode(&f, p->larger);
-    timing_must(surface_compare(work, &f, &p->probe, &r));
+    timing_must(status_from(surface_compare(work, &f, &p->probe, &r)));
     p->larger_score = r.score;
 }
 
@@ -174,10 +174,10 @@ static void decide(const struct pair *p, struct surface_disparity *out)
 
     timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    timing_must(surface_compare(work, &stored, &fresh, &r));
+    timing_must(status_from(surface_compare(work, &stored, &fresh, &r)));
     same_score(p->score, &r);
     if (out != NULL)
-        timing_must(surface_disparity(work, &stored, &fresh, out));
+        timing_must(status_from(surface_disparity(work, &stored, &fresh, out)));
 }
 
 /* With a template of another head's size. */
@@ -187,7 +187,7 @@ static void decide_sizes(const struct pair *p)
 
     timing_must(codec_decode(p->larger, p->blob_size, work, &stored));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    timing_must(surface_compare(work, &stored, &fresh, &r));
+    timing_must(status_from(surface_compare(work, &stored, &fresh, &r)));
     same_score(p->larger_score, &r);
 }
 
@@ -198,7 +198,7 @@ static void decide_raw(const struct pair *p)
 
     timing_must(face_build(p->tmpl_pts, p->n_tmpl, work, &fresh2, NULL));
     timing_must(face_build(p->probe_pts, p->n_probe, work, &fresh, NULL));
-    timing_must(surface_compare(work, &fresh2, &fresh, &r));
+    timing_must(status_from(surface_compare(work, &fresh2, &fresh, &r)));
     same_score(p->score, &r);
 }
 
@@ -228,7 +228,7 @@ static void pass(struct pair *pair, size_t k)
     find_pose(&p->tmpl, &p->probe, &found);
     t = lap(SEARCH, t);
     p = turn(pair, k, COMPARE);
-    timing_must(surface_compare(work, &p->tmpl, &p->probe, &r));
+    timing_must(status_from(surface_compare(work, &p->tmpl, &p->probe, &r)));
     t = lap(COMPARE, t);
     decide(turn(pair, k, DECIDE), NULL);
     t = lap(DECIDE, t);
@@ -299,7 +299,8 @@ static void outcome(struct pair *pair)
         struct surface_comparison r;
         struct align_result a;
 
-        timing_must(surface_compare(work, &pair[k].tmpl, &pair[k].probe, &r));
+        timing_must(
+            status_from(surface_compare(work, &pair[k].tmpl, &pair[k].probe, &r)));
         pair[k].score = r.score;
         matches += r.decision == SURFACE_MATCH;
         timing_must(face_align(&pair[k].tmpl, &pair[k].probe, work, &a));
@@ -375,7 +376,7 @@ static void dense_make(struct pair *p, uint64_t k)
     p->blob_size = surface_encoded_size(&p->tmpl);
     p->blob = timing_alloc(p->blob_size, 1);
     surface_encode(&p->tmpl, p->blob);
-    timing_must(surface_compare(work, &p->tmpl, &p->probe, &r));
+    timing_must(status_from(surface_compare(work, &p->tmpl, &p->probe, &r)));
     p->score = r.score;
 }
 
@@ -389,10 +390,10 @@ static void decide_dense(struct timing *t, const struct pair *p,
     timing_start(t);
     timing_must(codec_decode(p->blob, p->blob_size, work, &stored));
     scan(&c, &fresh);
-    timing_must(surface_compare(work, &stored, &fresh, &r));
+    timing_must(status_from(surface_compare(work, &stored, &fresh, &r)));
     same_score(p->score, &r);
     if (out != NULL)
-        timing_must(surface_disparity(work, &stored, &fresh, out));
+        timing_must(status_from(surface_disparity(work, &stored, &fresh, out)));
     timing_stop(t);
     cloudpoints_free(&c);
 }
@@ -446,8 +447,8 @@ static void memory(const struct pair *p)
         timing_must(ST_ENOMEM);
     timing_must(codec_decode(p->blob, p->blob_size, w, &a));
     timing_must(face_build(p->probe_pts, p->n_probe, w, &b, NULL));
-    timing_must(surface_compare(w, &a, &b, &r));
-    timing_must(surface_disparity(w, &a, &b, &least));
+    timing_must(status_from(surface_compare(w, &a, &b, &r)));
+    timing_must(status_from(surface_disparity(w, &a, &b, &least)));
     bytes = timing_bytes() - before;
     printf("\nMemory: working set of a comparison: %.2f MB\n", bytes / 1e6);
     timing_target("memory, working set of a comparison", bytes / 1e6, 4, "MB");
