@@ -35,46 +35,20 @@ static enum status failed(struct errinfo *e)
     return errinfo_set(e, fault, "failed by the test");
 }
 
-/* The linker knows those of them that the test wraps. */
-__attribute__((weak)) enum status __real_sql_begin(struct sql *d, enum sql_begin how,
-                                                   struct sql_txn **t, struct errinfo *e);
-__attribute__((weak)) enum status __real_sql_query(struct sql_txn *t, const char *text,
-                                                   const struct sql_value *value,
-                                                   size_t n, struct sql_rows **out,
-                                                   struct errinfo *e);
-__attribute__((weak)) enum status __real_sql_first(struct sql_txn *t, const char *text,
-                                                   const struct sql_value *value,
-                                                   size_t n, struct sql_rows **out,
-                                                   struct errinfo *e);
-__attribute__((weak)) bool __real_sql_next(struct sql_rows *r);
-__attribute__((weak)) enum status __real_sql_done(struct sql_rows *r, enum status st,
-                                                  struct errinfo *e);
-__attribute__((weak)) enum status __real_sql_end(struct sql_txn *t, enum status st,
-                                                 struct errinfo *e);
-__attribute__((weak)) enum status __real_sql_run(struct sql_txn *t, const char *text,
-                                                 const struct sql_value *value, size_t n,
-                                                 struct errinfo *e);
-__attribute__((weak)) enum status __real_sql_run_one(struct sql_txn *t, const char *text,
-                                                     const struct sql_value *value,
-                                                     size_t n, struct errinfo *e);
-__attribute__((weak)) bool __real_sql_ahead(struct sql_txn *t, bool on);
-enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
-                             struct errinfo *e);
-bool __wrap_sql_ahead(struct sql_txn *t, bool on);
-enum status __wrap_sql_run(struct sql_txn *t, const char *text,
-                           const struct sql_value *value, size_t n, struct errinfo *e);
-enum status __wrap_sql_run_one(struct sql_txn *t, const char *text,
-                               const struct sql_value *value, size_t n,
-                               struct errinfo *e);
-enum status __wrap_sql_query(struct sql_txn *t, const char *text,
-                             const struct sql_value *value, size_t n,
-                             struct sql_rows **out, struct errinfo *e);
-enum status __wrap_sql_first(struct sql_txn *t, const char *text,
-                             const struct sql_value *value, size_t n,
-                             struct sql_rows **out, struct errinfo *e);
-bool __wrap_sql_next(struct sql_rows *r);
-enum status __wrap_sql_done(struct sql_rows *r, enum status st, struct errinfo *e);
-enum status __wrap_sql_end(struct sql_txn *t, enum status st, struct errinfo *e);
+/* The linker knows the real functions of those that the test wraps. */
+#define WRAPPED(f)                                                                       \
+    __attribute__((weak)) __typeof__(f) __real_##f;                                      \
+    __typeof__(f) __wrap_##f
+
+WRAPPED(sql_begin);
+WRAPPED(sql_query);
+WRAPPED(sql_first);
+WRAPPED(sql_next);
+WRAPPED(sql_done);
+WRAPPED(sql_end);
+WRAPPED(sql_run);
+WRAPPED(sql_run_one);
+WRAPPED(sql_ahead);
 
 enum status __wrap_sql_begin(struct sql *d, enum sql_begin how, struct sql_txn **t,
                              struct errinfo *e)

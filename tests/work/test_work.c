@@ -1,15 +1,18 @@
 /* No request costs more than MOST times an ordinary one of its size, whatever the points are:
  * counted in basic blocks of core, so that no clock is asked. */
 #include "align.h"
+#include "asymmetry.h"
 #include "brute.h"
 #include "clouds.h"
-#include "contrived.h"
 #include "delaunay.h"
+#include "facegen.h"
 #include "heatmap.h"
 #include "lattice.h"
 #include "locate.h"
 #include "measure.h"
+#include "minimal.h"
 #include "mst.h"
+#include "toy.h"
 #include "unit.h"
 #include "work.h"
 
@@ -26,23 +29,170 @@ static void *alloc(size_t n, size_t size)
     return p;
 }
 
-static void check(const char *name, size_t n, const double ordinary[WORK_STEPS])
+static enum status prepare(const struct dvec3 *p, size_t n, struct scratch *s,
+                           struct surface *out)
 {
-    double blocks[WORK_STEPS];
+    struct ivec3 *lattice = malloc(n * sizeof *lattice);
+    enum status st = lattice_from_mm(p, n, LATTICE_PER_MM, lattice, NULL);
 
-    work_count(a, b, n, blocks);
-    print_message("%-12s %4.1f:", name, work_ratio(blocks, ordinary));
-    for (int k = 0; k < WORK_STEPS; k++)
-        print_message(" %s %.1f", work_name((enum work_step)k), blocks[k] / ordinary[k]);
-    print_message("\n");
-    assert_true(work_ratio(blocks, ordinary) < MOST);
+    if (st == ST_OK)
+        st = surface_prepare(lattice, n, true, s, out);
+    free(lattice);
+    return st;
 }
 
-static void measure_ordinary(size_t n, double ordinary[WORK_STEPS])
+/* The basic blocks that two requests take, whatever the points a and b: no gate for faces is in
+ * the way. */
+struct cost {
+    uint64_t comparison, asymmetry;
+};
+
+static struct cost count_work(size_t n)
+{
+    const struct align_how how = {0};
+    double *gap = alloc(n, sizeof *gap);
+    struct surface s[2] = {{.spikes = 0}, {.spikes = 0}}, upright = {0};
+    struct align_work align = {0};
+    struct measure_work m = {0};
+    struct align_result found;
+    struct disparity disparity;
+    struct minimal minimal;
+    struct surface_asymmetry asymmetry;
+    uint64_t from = work_executed();
+    struct cost c = {0, 0};
+
+    if (prepare(a, n, &m.scratch, &s[0]) == ST_OK &&
+        prepare(b, n, &m.scratch, &s[1]) == ST_OK) {
+        c.asymmetry = (work_executed() - from) / 2;
+        assert_int_equal(align_search(&s[0], &s[1], &how, &align, &found), ST_OK);
+        assert_int_equal(measure_at(&s[0], &s[1], found.transform, NULL, &m, &disparity),
+                         ST_OK);
+        assert_int_equal(minimal_find(&s[0], &s[1], found.transform, &m, &minimal),
+                         ST_OK);
+        assert_int_equal(heatmap_gaps(&s[0], b, n, found.transform, gap), ST_OK);
+        c.comparison = work_executed() - from;
+        from = work_executed();
+        assert_int_equal(
+            asymmetry_find(&s[1], &toy_still, NULL, &m, &upright, &asymmetry), ST_OK);
+        c.asymmetry += work_executed() - from;
+    }
+    surface_free(&s[0]);
+    surface_free(&s[1]);
+    surface_free(&upright);
+    align_work_free(&align);
+    measure_work_free(&m);
+    free(gap);
+    return c;
+}
+
+/* How many times the work of the ordinary request of as many points. */
+static void check(const char *name, size_t n, const struct cost *ordinary)
+{
+    const struct cost c = count_work(n);
+    const double comparison = (double)c.comparison / (double)ordinary->comparison;
+    const double asymmetry = (double)c.asymmetry / (double)ordinary->asymmetry;
+
+    print_message("%-12s comparison %.1f, asymmetry %.1f\n", name, comparison, asymmetry);
+    assert_true(comparison < MOST && asymmetry < MOST);
+}
+
+static struct cost measure_ordinary(size_t n)
 {
     const size_t na = clouds_scan(1, 0, n, a), nb = clouds_scan(1, 1, n, b);
 
-    work_count(a, b, na < nb ? na : nb, ordinary);
+    return count_work(na < nb ? na : nb);
+}
+
+/* ---- point sets made to cost much work: columns, rows, fans, hulls and clusters on a face */
+
+enum contrived_gene {
+    CONTRIVED_FACE,    /* shares of the points: sampled evenly from the face */
+    CONTRIVED_COLUMNS, /* on columns and */
+    CONTRIVED_ROWS,    /* rows, which cross the face */
+    CONTRIVED_FAN,     /* on an arc round one point */
+    CONTRIVED_HULL,    /* on half a parabola below the face: one long hull */
+    CONTRIVED_CLUSTER, /* in one spot */
+    CONTRIVED_LINES,   /* columns and rows: how many, */
+    CONTRIVED_APART,   /* how far apart, */
+    CONTRIVED_PITCH,   /* and the points on them */
+    CONTRIVED_SPOT,    /* size of the spot and the arc */
+    CONTRIVED_ORDER,   /* below 0.5: shuffled */
+    CONTRIVED_STRAY,   /* above 0.5: one point 900 mm off */
+    CONTRIVED_GENES
+};
+
+/* From lo at 0 to hi at 1, by equal ratios. */
+static double between(double gene, double lo, double hi)
+{
+    return lo * pow(hi / lo, gene);
+}
+
+static double unit(struct brute_rng *r)
+{
+    return (double)brute_int(r, 0, 1 << 24) / (1 << 24);
+}
+
+/* The i-th of n points of a feature, on the plane. */
+static struct dvec3 place(enum contrived_gene kind, const double *gene, uint32_t i,
+                          uint32_t n, struct brute_rng *r)
+{
+    const uint32_t lines = 1 + (uint32_t)(gene[CONTRIVED_LINES] * 15);
+    const double apart = between(gene[CONTRIVED_APART], 0.001, 40);
+    const double pitch = between(gene[CONTRIVED_PITCH], 0.001, 130.0 * lines / (n + 1));
+    const double across = (i % lines - (lines - 1) / 2.0) * apart;
+    const double along = (i / lines - n / 2.0 / lines) * pitch;
+    const double spot = between(gene[CONTRIVED_SPOT], 0.01, 60), part = (i + 0.5) / n;
+
+    switch (kind) {
+    case CONTRIVED_COLUMNS:
+        return (struct dvec3){across, along, 0};
+    case CONTRIVED_ROWS:
+        return (struct dvec3){along, across, 0};
+    case CONTRIVED_FAN:
+        if (i == 0)
+            return (struct dvec3){0, -60, 0};
+        return (struct dvec3){spot * sin(part - 0.5), spot * cos(part - 0.5) - 60, 0};
+    case CONTRIVED_HULL:
+        return (struct dvec3){140 * part - 70, 90 * (2 * part - 1) * (2 * part - 1) - 90,
+                              0};
+    case CONTRIVED_CLUSTER:
+        return (struct dvec3){10 + spot * unit(r), 10 + spot * unit(r), 0};
+    default:
+        return (struct dvec3){110 * unit(r) - 55, 150 * unit(r) - 80, 0};
+    }
+}
+
+/* n points, mm, by CONTRIVED_GENES numbers of 0 to 1. */
+static void contrived_make(const double *gene, uint64_t seed, uint32_t n,
+                           struct dvec3 *out)
+{
+    struct brute_rng r = {seed};
+    struct facegen_face face;
+    double shares = 1e-3, sum = 1e-3;
+    uint32_t at = 0;
+
+    facegen_face(seed, 0, &face);
+    for (int k = CONTRIVED_FACE; k <= CONTRIVED_CLUSTER; k++)
+        shares += gene[k];
+    for (int k = CONTRIVED_CLUSTER; k >= CONTRIVED_FACE; k--) {
+        uint32_t from = at, end;
+
+        sum += gene[k];
+        end = k == CONTRIVED_FACE ? n : (uint32_t)(n * sum / shares);
+        for (; at < end; at++)
+            out[at] = place((enum contrived_gene)k, gene, at - from, end - from, &r);
+    }
+    for (uint32_t i = 0; i < n; i++)
+        out[i].z = facegen_height(&face, out[i].x, out[i].y);
+    for (uint32_t i = n; gene[CONTRIVED_ORDER] < 0.5 && i > 1; i--) {
+        const uint32_t k = (uint32_t)(brute_rand(&r) % i);
+        const struct dvec3 swap = out[k];
+
+        out[k] = out[i - 1];
+        out[i - 1] = swap;
+    }
+    if (gene[CONTRIVED_STRAY] > 0.5)
+        out[0].x = 900;
 }
 
 /* Of many point sets that were searched: the worst at their time, before and after the limits. */
@@ -66,13 +216,12 @@ TEST(test_found)
     };
 
     for (uint32_t n = 2000; n <= POINTS; n *= 10) {
-        double ordinary[WORK_STEPS];
+        const struct cost ordinary = measure_ordinary(n);
 
-        measure_ordinary(n, ordinary);
         for (size_t i = 0; i < sizeof gene / sizeof *gene; i++) {
             contrived_make(gene[i], 1, n, a);
             contrived_make(gene[i] + CONTRIVED_GENES, 1, n, b);
-            check("found", n, ordinary);
+            check("found", n, &ordinary);
         }
     }
 }
@@ -87,9 +236,8 @@ static double height(double x, double y)
 TEST(test_columns)
 {
     struct brute_rng r = {3};
-    double ordinary[WORK_STEPS];
+    const struct cost ordinary = measure_ordinary(POINTS);
 
-    measure_ordinary(POINTS, ordinary);
     for (int i = 0; i < POINTS; i++) {
         const double y = i % 3 == 2 ? brute_int(&r, -60000, 60000) * 0.001
                                     : (i / 3 - POINTS / 6) * 0.001;
@@ -99,16 +247,15 @@ TEST(test_columns)
         a[i] = b[i] = (struct dvec3){x, y, height(x, y)};
     }
     b[5].x = 900;
-    check("columns", POINTS, ordinary);
+    check("columns", POINTS, &ordinary);
 }
 
 /* Needles between two columns 100 mm apart, and a probe at random over them. */
 TEST(test_needles)
 {
     struct brute_rng r = {4};
-    double ordinary[WORK_STEPS];
+    const struct cost ordinary = measure_ordinary(POINTS);
 
-    measure_ordinary(POINTS, ordinary);
     for (int i = 0; i < POINTS; i++) {
         const double x = brute_int(&r, -60000, 60000) * 0.001,
                      y = brute_int(&r, -60000, 60000) * 0.001;
@@ -117,7 +264,7 @@ TEST(test_needles)
         a[i].z = height(a[i].x, a[i].y);
         b[i] = (struct dvec3){x, y, height(x, y)};
     }
-    check("needles", POINTS, ordinary);
+    check("needles", POINTS, &ordinary);
 }
 
 /* Location alone, where each step of the tree crosses hundreds of needles. */
