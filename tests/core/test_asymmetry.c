@@ -28,13 +28,12 @@ static struct surface made;
 
 static struct surface_asymmetry find(const struct dvec3 *p, uint32_t n)
 {
-    static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct measure_work m = {0};
     struct surface upright = {0};
     struct surface_asymmetry out;
 
     toy_surface(p, n, &made);
-    assert_int_equal(asymmetry_find(&made, &still, NULL, &m, &upright, &out), ST_OK);
+    assert_int_equal(asymmetry_find(&made, &toy_still, NULL, &m, &upright, &out), ST_OK);
     measure_work_free(&m);
     surface_free(&upright);
     return out;

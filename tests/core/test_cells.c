@@ -8,7 +8,6 @@
 
 #define ROOM 20000
 
-static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct surface tmpl;
 static struct align_point pts[ROOM];
 static uint32_t n;
@@ -65,7 +64,7 @@ TEST(test_plane)
 {
     for (int k = -2; k <= 2; k++) {
         make(&slope, k);
-        sample(&still, &still);
+        sample(&toy_still, &toy_still);
         for (uint32_t i = 0; i < GRID_N; i++) {
             const double x = grid_x(i), y = grid_y(i);
 
@@ -93,7 +92,7 @@ TEST(test_poses)
     make(&slope, 1.5);
     toy_pose(9, -7, 20, (struct dvec3){3, -4, 12}, &frame);
     toy_pose(20, 10, -15, (struct dvec3){30, 40, -500}, &pose);
-    back = pose_after(&pose, &still);
+    back = pose_after(&pose, &toy_still);
     for (uint32_t i = 0; i < n; i++)
         pts[i].p = pose_apply(&back, pts[i].p);
     sample(&pose, &frame);
@@ -110,7 +109,7 @@ TEST(test_poses)
 TEST(test_left_out)
 {
     const struct plane cliff = {5, 0, 0}, level = {0, 0, 0};
-    struct pose away = still;
+    struct pose away = toy_still;
 
     for (int k = 0; k < 4; k++) {
         make(k == 0 ? &cliff : &level, 1);
@@ -119,7 +118,7 @@ TEST(test_left_out)
             memset(tmpl.bridge, 1, tmpl.mesh.nt);
         for (uint32_t i = 0; k == 3 && i < n; i++)
             pts[i].area = 0.0f;
-        sample(&away, &still);
+        sample(&away, &toy_still);
         for (uint32_t i = 0; i < GRID_N; i++)
             assert_true(cells.area[i] == 0.0f && cells.gap[i] == 0.0f);
     }
@@ -135,7 +134,7 @@ TEST(test_weights)
     pts[0] = (struct align_point){{1, 3, 4}, 3, ALIGN_FIELD_NONE};
     pts[1] = (struct align_point){{3, 5, -1}, 1, ALIGN_FIELD_NONE};
     n = 2;
-    sample(&still, &still);
+    sample(&toy_still, &toy_still);
     assert_true(fabs((double)cells.area[i] - 4) < 1e-5);
     assert_true(fabs((double)cells.gap[i] - 2.75) < 1e-3);
 }

@@ -307,11 +307,6 @@ TEST(test_nothing)
 #define BODY   60000
 #define BODIES 40
 
-static double within(struct brute_rng *r, double half)
-{
-    return half * (2 * brute_real(r) - 1);
-}
-
 /* The front of a clothed body below a head in the canonical frame: rounded, with folds and a lapel's
  * edges, which stick out as noses do. */
 static size_t add_body(struct brute_rng *r, struct dvec3 *out)
@@ -320,12 +315,12 @@ static size_t add_body(struct brute_rng *r, struct dvec3 *out)
     size_t n = 0;
 
     for (int k = 0; k < 40; k++) {
-        fold[k][0] = within(r, 210);
-        fold[k][1] = -390 + within(r, 200);
+        fold[k][0] = brute_within(r, 210);
+        fold[k][1] = -390 + brute_within(r, 200);
         fold[k][2] = 8 + 14 * brute_real(r);
     }
     while (n < BODY) {
-        const double x = within(r, 230), y = -390 + within(r, 230);
+        const double x = brute_within(r, 230), y = -390 + brute_within(r, 230);
         const double a = x / 240, b = (y + 390) / 240, d = a * a * a * a + b * b * b * b;
         double z = -150 + 130 * sqrt(fmax(0, 1 - d));
 
@@ -365,8 +360,8 @@ TEST(test_body)
         for (n = 0; n < s.n; n++)
             pts[n] = s.at[n];
         n += add_body(&r, pts + n);
-        toy_pose(within(&r, 28), within(&r, 8), within(&r, 12), (struct dvec3){0, 0, 0},
-                 &to);
+        toy_pose(brute_within(&r, 28), brute_within(&r, 8), brute_within(&r, 12),
+                 (struct dvec3){0, 0, 0}, &to);
         move_all(pts, n, &to, 1);
         for (size_t i = 0; i < n; i++)
             pts[i].z = 4 * rint(pts[i].z / 4);

@@ -9,7 +9,6 @@
 
 #define ROOM 70000
 
-static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct scratch scratch;
 static struct surface surface;
 static struct dvec3 pts[ROOM];
@@ -38,7 +37,7 @@ static void sheet(double (*f)(double x, double y), double x0, double x1, double 
 static void measure(void)
 {
     toy_surface(pts, n, &surface);
-    heights(&still);
+    heights(&toy_still);
 }
 
 static double flat(double x, double y)
@@ -114,7 +113,7 @@ TEST(test_tilted)
         double squares = 0, cells = 0;
 
         toy_scan(tilted_toy, NULL, (uint32_t)1000 << 2 * k, NULL, &rng, &surface);
-        heights(&still);
+        heights(&toy_still);
         for (uint32_t i = 0; i < GRID_N; i++) {
             const double off = (double)z[i] - tilted(grid_x(i), grid_y(i));
 
@@ -152,7 +151,7 @@ static double ramp(double x, double y)
 /* Seen at 77 degrees, and at 79. */
 TEST(test_steep)
 {
-    struct pose pose = still;
+    struct pose pose = toy_still;
 
     for (int k = 0; k < 2; k++) {
         const double a = (k == 0 ? 32 : 34) * 3.14159265358979 / 180;
@@ -202,7 +201,7 @@ TEST(test_hole)
         else
             assert_false(has(i));
     memset(surface.bridge, 1, surface.mesh.nt);
-    heights(&still);
+    heights(&toy_still);
     for (uint32_t i = 0; i < GRID_N; i++)
         assert_false(has(i));
 }
@@ -255,7 +254,7 @@ TEST(test_off_grid)
     for (uint32_t i = 0; i < GRID_N; i++)
         close_to(i, -20, 1e-5);
     for (size_t k = 0; k < sizeof away / sizeof *away; k++) {
-        struct pose pose = still;
+        struct pose pose = toy_still;
 
         sheet(flat, -40, 40, -54, 66, 2);
         toy_surface(pts, n, &surface);
@@ -272,12 +271,12 @@ TEST(test_off_grid)
 /* What is beside the grid may be moved onto it. */
 TEST(test_beside)
 {
-    struct pose pose = still;
+    struct pose pose = toy_still;
     struct heights h;
 
     sheet(flat, 68, 100, -54, 66, 2);
     toy_surface(pts, n, &surface);
-    assert_int_equal(heights_take(&surface, &still, &scratch, &h), ST_OK);
+    assert_int_equal(heights_take(&surface, &toy_still, &scratch, &h), ST_OK);
     pose.t[0] = -36;
     heights_at(&h, &pose, z);
     for (uint32_t i = 0; i < GRID_N; i++)
@@ -313,7 +312,7 @@ TEST(test_samples)
     toy_pose(4, -3, 2, (struct dvec3){1, -2, 3}, &near);
     heights(&near);
     memcpy(direct, z, sizeof z);
-    assert_int_equal(heights_take(&surface, &still, &scratch, &h), ST_OK);
+    assert_int_equal(heights_take(&surface, &toy_still, &scratch, &h), ST_OK);
     heights_at(&h, &near, z);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (isnan(z[i]) || isnan(direct[i]))
@@ -328,8 +327,8 @@ TEST(test_samples)
         area += (double)h.area[k];
     }
     assert_true(area > 0.8 * surface.measured / 1e6 && area <= surface.measured / 1e6);
-    heights_at(&h, &still, z); /* as it was taken: what heights_of() gives */
+    heights_at(&h, &toy_still, z); /* as it was taken: what heights_of() gives */
     memcpy(direct, z, sizeof z);
-    heights(&still);
+    heights(&toy_still);
     assert_memory_equal(z, direct, sizeof z);
 }

@@ -11,7 +11,6 @@
 #define POINTS 4000
 #define ROOM   40000
 
-static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct surface_model model;
 static struct shape_work work;
 static struct dvec3 pts[ROOM];
@@ -118,10 +117,10 @@ TEST(test_recovered)
 
     for (int round = 0; round < 20; round++) {
         const struct pose pose = any_pose(8, 8, &rng), turn = any_pose(90, 90, &rng);
-        const struct pose start = pose_after(&turn, &still);
+        const struct pose start = pose_after(&turn, &toy_still);
 
         make_face(&rng);
-        fit(&still, false, &g);
+        fit(&toy_still, false, &g);
         move(&pose);
         move(&turn);
         fit(&start, false, &f);
@@ -196,7 +195,7 @@ TEST(test_slab)
         make_face(&rng);
         cover(mouth[0], mouth[1], mouth[2], mouth[3], 12);
         move(&pose);
-        fit(&still, true, &f);
+        fit(&toy_still, true, &f);
         check_rectangle(&f, mouth, 0, SHAPE_COVER); /* and the rim: */
         check_rectangle(&f, (const double[4]){-28, 28, -57, -9}, 1, SHAPE_COVER);
         check_outside(&f, mouth, 9);
@@ -212,7 +211,7 @@ TEST(test_small)
 
     make_face(&rng);
     cover(-28, -20, -34, -26, 8); /* four cells */
-    fit(&still, true, &f);
+    fit(&toy_still, true, &f);
     assert_int_equal(f.cover, 0);
     assert_in_range(f.apart, 1, 9);
 }
@@ -230,8 +229,8 @@ TEST(test_hard)
 
         make_face(&rng);
         cover(h[0], h[1], h[2], h[3], 9);
-        fit(&still, false, &f);
-        fit(&still, true, &g);
+        fit(&toy_still, false, &f);
+        fit(&toy_still, true, &g);
         assert_true(g.cover >= f.cover && off(&g) < off(&f) + 2);
         assert_true(k > 1 || off(&g) < 1); /* half of a face may lie elsewhere */
     }
@@ -253,7 +252,7 @@ TEST(test_glasses)
             cover(-50, 50, 16, 48, 7);
         for (int k = 0; k < 2; k++)
             cover(lens[k][0], lens[k][1], lens[k][2], lens[k][3], (double)NAN);
-        fit(&still, true, &f);
+        fit(&toy_still, true, &f);
         for (int k = 0; k < 2; k++)
             check_rectangle(&f, lens[k], 4, rims ? SHAPE_COVER : SHAPE_EMPTY);
         check_outside(&f, (const double[4]){-50, 50, 16, 48}, rims ? 9 : 0);
@@ -276,10 +275,10 @@ TEST(test_flat)
             pts[n] = (struct dvec3){
                 x, y, -25 - (what > 0 ? x * x / 130 : 0) - (what > 1 ? y * y / 220 : 0)};
         }
-        fit(&still, true, &f);
+        fit(&toy_still, true, &f);
         print_message("support %.3f likeness %.2f\n", f.support, f.likeness);
         assert_true(f.support < 0.5 && f.likeness < 1.6);
-        fit(&still, false, &f);
+        fit(&toy_still, false, &f);
         assert_true(f.support < 0.5 && f.likeness < 1.6);
     }
 }
@@ -293,11 +292,11 @@ TEST(test_nothing)
         n = few;
         for (size_t i = 0; i < n; i++)
             pts[i] = (struct dvec3){3.0 * (double)i - 60, 2.0 * (double)i - 50, -20};
-        fit(&still, true, &f);
+        fit(&toy_still, true, &f);
         assert_true(f.support < 0.1);
-        fit(&still, false, &f);
+        fit(&toy_still, false, &f);
         move(&(struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {4000, 0, 0}});
-        fit(&still, true, &f);
+        fit(&toy_still, true, &f);
         assert_int_equal(f.skin + f.cover + f.apart, 0);
         assert_true(f.support == 0.0);
     }
@@ -332,25 +331,25 @@ TEST(test_invariant)
 
     make_face(&rng);
     cover(-28, 28, -52, -14, 12);
-    fit(&still, true, &f);
-    fit(&still, true, &g);
+    fit(&toy_still, true, &f);
+    fit(&toy_still, true, &g);
     check_same(&f, &g);
 
     brute_shuffle(pts, n, sizeof *pts, &rng);
-    fit(&still, true, &g);
+    fit(&toy_still, true, &g);
     assert_true(most_apart(&f, &g) < 0.01);
     assert_int_equal(f.cover, g.cover);
 
     for (size_t i = 0; i < 1000; i++)
         pts[n + i] = (struct dvec3){pts[i].x, pts[i].y, pts[i].z - 90};
     n += 1000;
-    fit(&still, true, &f);
+    fit(&toy_still, true, &f);
     check_same(&f, &g);
     n -= 1000;
 
     toy_pose(70, -30, 130, (struct dvec3){400, -900, 1200}, &pose);
     move(&pose);
-    start = pose_after(&pose, &still);
+    start = pose_after(&pose, &toy_still);
     fit(&start, true, &g);
     assert_true(most_apart(&f, &g) < 0.01);
     assert_true(fabs(f.support - g.support) < 0.01);
@@ -364,14 +363,14 @@ TEST(test_starts)
     struct shape_fit f, g;
 
     make_face(&rng);
-    fit(&still, false, &f);
+    fit(&toy_still, false, &f);
     toy_pose(0, 0, 180, (struct dvec3){0, 0, 0}, &start[0]);
-    start[1] = still;
+    start[1] = toy_still;
     toy_pose(60, 0, 0, (struct dvec3){0, 0, 0}, &start[2]);
     assert_int_equal(shape_fit(&work, pts, n, start, 3, false, &g), ST_OK);
     check_same(&f, &g);
     scan(face, ROOM, &rng);
-    fit(&still, false, &g);
+    fit(&toy_still, false, &g);
     assert_true(most_apart(&f, &g) < 0.5 && g.support > 0.9 && g.cover == 0);
 }
 
@@ -387,9 +386,9 @@ TEST(test_map)
     for (size_t i = 0; i < n; i++)
         pts[i].z += i % 5 == 0 ? -20 : i % 7 == 0 ? -60 : i % 11 == 0 ? 9 : 0;
     n -= 3; /* no whole number of lanes */
-    assert_int_equal(shape_map_points(pts, n, &still, model.mean, &s, &p), ST_OK);
+    assert_int_equal(shape_map_points(pts, n, &toy_still, model.mean, &s, &p), ST_OK);
     assert_in_range(p.n, 3 * n / 4, n); /* the farthest behind are left out */
-    shape_map_make(&p, &still, model.mean, got);
+    shape_map_make(&p, &toy_still, model.mean, got);
     for (uint32_t c = 0; c < GRID_N; c++) {
         double first = -SHAPE_BEHIND_MM, sum = 0, count = 0, over[POINTS];
         float zx, zy;
@@ -412,7 +411,7 @@ TEST(test_map)
         assert_true(count == 0 || fabs((double)got[c] - sum / count) < 1e-3);
     }
     scan(face, ROOM, &rng);
-    assert_int_equal(shape_map_points(pts, n, &still, model.mean, &s, &p), ST_OK);
+    assert_int_equal(shape_map_points(pts, n, &toy_still, model.mean, &s, &p), ST_OK);
     assert_in_range(p.n, SHAPE_POINTS / 2, SHAPE_POINTS);
     scratch_free(&s);
 }
@@ -460,7 +459,7 @@ TEST(test_sizes)
         for (size_t i = 0; i < n; i++)
             pts[i] = (struct dvec3){by[k] * pts[i].x, by[k] * pts[i].y, by[k] * pts[i].z};
         move(&pose);
-        assert_int_equal(shape_fit(&work, pts, n, &still, 1, true, &f), ST_OK);
+        assert_int_equal(shape_fit(&work, pts, n, &toy_still, 1, true, &f), ST_OK);
         assert_true(fabs(f.size - want[k]) < 1e-9);
         assert_true(f.support > 0.8 && f.cover == 0);
     }

@@ -7,7 +7,6 @@
 
 #define POINTS 4000
 
-static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 static struct shape_work work;
 static struct dvec3 pts[POINTS];
 static struct brute_rng rng;
@@ -32,7 +31,7 @@ static struct shape_fit see(thing *on, bool hard)
     struct shape_fit f;
 
     make(on);
-    assert_int_equal(shape_fit(&work, pts, POINTS, &still, 1, hard, &f), ST_OK);
+    assert_int_equal(shape_fit(&work, pts, POINTS, &toy_still, 1, hard, &f), ST_OK);
     return f;
 }
 

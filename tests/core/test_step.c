@@ -2,11 +2,10 @@
 #include "facegen.h"
 #include "pose.h"
 #include "step.h"
+#include "toy.h"
 #include "unit.h"
 
 #define ROOM 20000
-
-static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
 
 static struct dvec3 pts[ROOM];
 static size_t n;
@@ -40,7 +39,7 @@ TEST(test_continuous)
 {
     for (uint32_t points = 150; points < ROOM; points *= 5) {
         sample(1, points);
-        assert_step(0, 0, &still);
+        assert_step(0, 0, &toy_still);
         assert_step(0, 0, NULL);
     }
 }
@@ -53,7 +52,7 @@ TEST(test_steps)
     for (size_t k = 0; k < sizeof step / sizeof *step; k++) {
         sample(2 + k, k == 0 ? 15000 : 1500);
         round_to(step[k], 0.3);
-        assert_step(step[k], 1e-9, &still);
+        assert_step(step[k], 1e-9, &toy_still);
         assert_step(step[k], 1e-9, NULL);
     }
 }
@@ -70,7 +69,7 @@ TEST(test_disparity)
 
         pts[i].z = far - to + 0.01 * (double)(i % 20);
     }
-    assert_step(2.3, 0.3, &still);
+    assert_step(2.3, 0.3, &toy_still);
 }
 
 /* x and y on a grid, as of an image that was computed anew, say nothing of the depth. */
@@ -81,7 +80,7 @@ TEST(test_grid)
         pts[i].x = rint(pts[i].x);
         pts[i].y = rint(pts[i].y);
     }
-    assert_step(0, 0, &still);
+    assert_step(0, 0, &toy_still);
 }
 
 /* The axis that the face looks along, whichever that is. */

@@ -39,6 +39,11 @@ double brute_real(struct brute_rng *r)
     return (double)(brute_rand(r) >> 11) * 0x1p-53;
 }
 
+double brute_within(struct brute_rng *r, double half)
+{
+    return half * (2 * brute_real(r) - 1);
+}
+
 void brute_shuffle(void *items, size_t n, size_t size, struct brute_rng *r)
 {
     unsigned char *at = items, t[64];

@@ -18,8 +18,9 @@ struct brute_rng {
 uint64_t brute_seed(const char *name);
 uint64_t brute_rand(struct brute_rng *r);
 int32_t brute_int(struct brute_rng *r, int32_t lo,
-                  int32_t hi);          /* lo..hi, both included */
-double brute_real(struct brute_rng *r); /* [0, 1) */
+                  int32_t hi);                         /* lo..hi, both included */
+double brute_real(struct brute_rng *r);                /* [0, 1) */
+double brute_within(struct brute_rng *r, double half); /* [-half, half) */
 
 /* brute_shuffle(items, n, size, r): puts n items of size bytes (64 at most) in random order. */
 void brute_shuffle(void *items, size_t n, size_t size, struct brute_rng *r);

@@ -16,11 +16,6 @@
 static struct dvec3 pts[POINTS];
 static struct surface_work *work;
 
-static double random_in(struct brute_rng *r, double half)
-{
-    return half * (2 * brute_real(r) - 1);
-}
-
 static uint64_t count(void)
 {
     const uint64_t before = work_executed();
@@ -38,8 +33,8 @@ static uint64_t ordinary(struct brute_rng *r)
     for (size_t i = 0; i < POINTS; i++) {
         const struct dvec3 p = h.at[i % h.n];
 
-        pts[i] = (struct dvec3){p.x + random_in(r, 0.5), p.y + random_in(r, 0.5),
-                                p.z + random_in(r, 0.5)};
+        pts[i] = (struct dvec3){p.x + brute_within(r, 0.5), p.y + brute_within(r, 0.5),
+                                p.z + brute_within(r, 0.5)};
     }
     head_free(&h);
     return count();
@@ -58,7 +53,8 @@ static struct dvec3 bumpy(double x, double y, double z, double radius, double hi
 static void contrive(int kind, struct brute_rng *r)
 {
     for (size_t i = 0; i < POINTS; i++) {
-        const double x = random_in(r, 1), y = random_in(r, 1), z = random_in(r, 1);
+        const double x = brute_within(r, 1), y = brute_within(r, 1),
+                     z = brute_within(r, 1);
         const double e = x * 200 - 60 * rint(x * 200 / 60);
         const double f = y * 200 - 60 * rint(y * 200 / 60);
 

@@ -18,11 +18,6 @@
 static struct dvec3 pts[POINTS];
 static struct surface_work *work;
 
-static double random_in(struct brute_rng *r, double half)
-{
-    return half * (2 * brute_real(r) - 1);
-}
-
 static uint64_t count(enum scan_axes axes, enum status *st)
 {
     struct scan_search search = {.done = false};
@@ -62,7 +57,8 @@ static void contrive(int kind, struct brute_rng *r)
 {
     ordinary();
     for (size_t i = 0; i < POINTS; i++) {
-        const double x = random_in(r, 90), y = random_in(r, 110), z = random_in(r, 1);
+        const double x = brute_within(r, 90), y = brute_within(r, 110),
+                     z = brute_within(r, 1);
         const double e = x - 40 * rint(x / 40), f = y - 40 * rint(y / 40);
         const double ball = sqrt(fmax(0, 1 - x * x / 8100 - y * y / 12100));
 
