@@ -67,6 +67,15 @@ check_quoted() {
         END { exit bad || n == 0 }' docs/benchmarks.md README.md
 }
 
+# The core keeps nothing between its calls, so that threads need no lock: no object has writable data but
+# model_digest.o, an atomic number.
+check_state() {
+    size -A $(find "$BUILD/core" -name '*.o' ! -name model_digest.o) | awk '
+        /:$/ { file = $1 }
+        $1 ~ /^\.t?(data|bss)$/ && $2 > 0 { print file " " $1 ": " $2 " bytes"; bad = 1 }
+        END { exit bad }'
+}
+
 # Of the tests the sanitizers' builds would tell, but of those that have none.
 clang_all() {
     make -s -j2 BUILD="$BUILD/clang" CC=clang OPT=-O0 EXTRA=-Wno-sign-conversion all \
@@ -84,6 +93,7 @@ check "dependencies: nothing points up" scripts/check_deps.sh
 check "README quotes docs/benchmarks.md" check_quoted
 check "no overlong file or function" check_length
 check "nothing unfinished" check_unfinished
+check "no state in the core" check_state
 check "no warning from clang at -O0" clang_all
 check "format (make format)" clang-format --dry-run -Werror \
     $code $(find tests -name '*.[ch]')
