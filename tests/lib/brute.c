@@ -187,66 +187,22 @@ size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
 
 /* ---- triangulation by definition */
 
-/* Directed edges and the half-edge that has them: a table by open addressing. */
-struct edge_table {
-    uint64_t *key;
-    uint32_t *he;
-    size_t mask;
-};
-
-static struct edge_table table_new(size_t nv)
+/* The half-edge from u to v; UINT32_MAX if there is none. */
+static uint32_t half_edge(const struct mesh *m, uint32_t u, uint32_t v)
 {
-    struct edge_table t = {NULL, NULL, 63};
-
-    while (t.mask < 16 * nv)
-        t.mask = 2 * t.mask + 1;
-    t.key = allocate(t.mask + 1, sizeof *t.key);
-    t.he = allocate(t.mask + 1, sizeof *t.he);
-    memset(t.key, 0xff, (t.mask + 1) * sizeof *t.key);
-    return t;
+    for (uint32_t h = 0; h < 3 * m->nt; h++)
+        if (m->org[h] == u && mesh_dest(m, h) == v)
+            return h;
+    return UINT32_MAX;
 }
 
-static void table_free(struct edge_table *t)
+static void add_triangle(struct mesh *m, uint32_t a, uint32_t b, uint32_t c)
 {
-    free(t->key);
-    free(t->he);
-}
+    uint32_t *org = &m->org[3 * m->nt++];
 
-static size_t table_slot(const struct edge_table *t, uint32_t u, uint32_t v)
-{
-    const uint64_t key = (uint64_t)u << 32 | v;
-    size_t i = (size_t)(key * UINT64_C(0x9e3779b97f4a7c15) >> 20) & t->mask;
-
-    while (t->key[i] != UINT64_MAX && t->key[i] != key)
-        i = (i + 1) & t->mask;
-    return i;
-}
-
-static bool table_has(const struct edge_table *t, uint32_t u, uint32_t v)
-{
-    return t->key[table_slot(t, u, v)] != UINT64_MAX;
-}
-
-static void table_put(struct edge_table *t, uint32_t u, uint32_t v, uint32_t he)
-{
-    const size_t i = table_slot(t, u, v);
-
-    assert(t->key[i] == UINT64_MAX);
-    t->key[i] = (uint64_t)u << 32 | v;
-    t->he[i] = he;
-}
-
-static void add_triangle(struct mesh *m, struct edge_table *t, uint32_t a, uint32_t b,
-                         uint32_t c)
-{
-    const uint32_t h = 3 * m->nt++;
-
-    m->org[h] = a;
-    m->org[h + 1] = b;
-    m->org[h + 2] = c;
-    table_put(t, a, b, h);
-    table_put(t, b, c, h + 1);
-    table_put(t, c, a, h + 2);
+    org[0] = a;
+    org[1] = b;
+    org[2] = c;
 }
 
 /* The point on the left of ab whose circle through a and b is empty; nv if there is none. */
@@ -281,7 +237,6 @@ static void first_edge(const struct mesh *m, uint32_t *a, uint32_t *b)
 
 void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out)
 {
-    struct edge_table t = table_new(n);
     uint32_t a, b, c, finite;
 
     if (mesh_reserve(out, (uint32_t)n) != ST_OK)
@@ -294,27 +249,23 @@ void brute_delaunay(const struct ivec3 *pts, size_t n, struct mesh *out)
     first_edge(out, &a, &b);
     if ((c = apex(out, a, b)) == out->nv)
         abort(); /* all on a line */
-    add_triangle(out, &t, a, b, c);
+    add_triangle(out, a, b, c);
     for (uint32_t h = 0; h < 3 * out->nt; h++) { /* grows as triangles are added */
         a = mesh_dest(out, h);
         b = out->org[h];
-        if (table_has(&t, a, b) || (c = apex(out, a, b)) == out->nv)
-            continue;
-        add_triangle(out, &t, a, b, c);
+        if (half_edge(out, a, b) == UINT32_MAX && (c = apex(out, a, b)) < out->nv)
+            add_triangle(out, a, b, c);
     }
     finite = 3 * out->nt;
     for (uint32_t h = 0; h < finite; h++)
-        if (!table_has(&t, mesh_dest(out, h), out->org[h]))
-            add_triangle(out, &t, mesh_dest(out, h), out->org[h], out->nv);
+        if (half_edge(out, mesh_dest(out, h), out->org[h]) == UINT32_MAX)
+            add_triangle(out, mesh_dest(out, h), out->org[h], out->nv);
+    assert(out->nt == 2 * out->nv - 2);
     for (uint32_t h = 0; h < 3 * out->nt; h++) {
-        const size_t i = table_slot(&t, mesh_dest(out, h), out->org[h]);
-
-        assert(t.key[i] != UINT64_MAX);
-        out->twin[h] = t.he[i];
+        out->twin[h] = half_edge(out, mesh_dest(out, h), out->org[h]);
+        assert(out->twin[h] != UINT32_MAX);
         out->out[out->org[h]] = h;
     }
-    assert(out->nt == 2 * out->nv - 2);
-    table_free(&t);
 }
 
 static void pair(struct mesh *m, uint32_t h, uint32_t org, uint32_t twin)
@@ -385,16 +336,6 @@ static struct corners *canonical(const struct mesh *m, size_t *n)
     return c;
 }
 
-/* The half-edge opposite to h. */
-static uint32_t opposite(const struct mesh *m, uint32_t h)
-{
-    for (uint32_t g = 0; g < 3 * m->nt; g++)
-        if (m->org[g] == mesh_dest(m, h) && mesh_dest(m, g) == m->org[h])
-            return g;
-    assert(0);
-    return h;
-}
-
 /* Triangle n of the new order is the one of the old half-edge h, which becomes its first. */
 static void renumber(const struct mesh *m, uint32_t h, uint32_t n, uint32_t *now,
                      uint32_t *was)
@@ -416,7 +357,7 @@ void brute_order(struct mesh *m, struct brute_rng *r)
     memcpy(org, m->org, halves * sizeof *org);
     memset(now, 0xff, halves * sizeof *now);
     for (uint32_t h = 0; h < halves; h++)
-        m->twin[h] = opposite(m, h);
+        m->twin[h] = half_edge(m, mesh_dest(m, h), m->org[h]);
     while (m->org[mesh_prev(first)] != m->nv)
         first++;
     for (uint32_t h = first; now[h] == UINT32_MAX; h = mesh_next(m->twin[mesh_next(h)]))
