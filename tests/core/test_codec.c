@@ -365,8 +365,18 @@ TEST(test_bad_encoding)
 {
     static const uint32_t none[] = {0x7fc00000, 0x7f800000, 0xff800000, 0xffffffff,
                                     0x7f800001}; /* NAN, infinite, ... */
-    const size_t step = HEADER - 12, seen = HEADER - 8, explained = HEADER - 4,
-                 residual = HEADER, cells = HEADER + 4, there = HEADER + 8;
+    static const struct {
+        size_t at;
+        uint32_t bits;
+    } bad[] = {
+        {HEADER - 12, 0xbf800000},                           /* a step of -1 */
+        {HEADER - 8, 0xbf800000},                            /* -1 cells seen, 1312.03 */
+        {HEADER - 8, 0x44a40100},  {HEADER - 4, 0x3f800001}, /* 1 and a bit explained */
+        {HEADER, 0xbf800000},                                /* a residual of -1 */
+        {HEADER + 4, 0}, /* fewer cells than there are, more */
+        {HEADER + 4, GRID_N},
+    };
+    static const size_t there[] = {HEADER + 8 + 50, HEADER + 8 + GRID_N / 8 - 1};
     struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len), *other = malloc(len);
@@ -377,39 +387,27 @@ TEST(test_bad_encoding)
     for (size_t k = 0; k < sizeof none / sizeof *none; k++)
         for (size_t i = 0; i <= sizeof at / sizeof *at; i++) {
             memcpy(other, buf, len);
-            put_bits(other + (i == 0 ? residual : HEADER + ENCODING + 4 * at[i - 1]),
+            put_bits(other + (i == 0 ? HEADER : HEADER + ENCODING + 4 * at[i - 1]),
                      none[k]);
             assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
         }
     for (size_t k = 0; k < sizeof none / sizeof *none; k++)
-        for (size_t i = step; i < HEADER; i += 4) {
+        for (size_t i = HEADER - 12; i < HEADER; i += 4) {
             memcpy(other, buf, len);
             put_bits(other + i, none[k]);
             assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
         }
-    for (int i = 0; i < 9; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         memcpy(other, buf, len);
-        if (i == 8)
-            put_bits(other + explained, 0x3f800001); /* 1 and a bit */
-        if (i == 7)
-            put_bits(other + seen, 0xbf800000);
-        if (i == 6)
-            put_bits(other + seen, 0x44a40100); /* 1312.03 */
-        if (i == 5)
-            put_bits(other + step, 0xbf800000);
-        if (i == 0)
-            put_bits(other + residual, 0xbf800000); /* -1 */
-        if (i == 1)
-            put_bits(other + cells, f.encoding.cells + 1);
-        if (i == 2)
-            put_bits(other + cells, 0);
-        if (i == 3)
-            other[there + 50] ^= 16;
-        if (i == 4)
-            other[there + GRID_N / 8 - 1] ^= 128;
+        put_bits(other + bad[i].at, bad[i].bits);
         assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
     }
-    put_bits(buf + residual, 0); /* as little as there may be */
+    for (size_t i = 0; i < sizeof there / sizeof *there; i++) { /* a cell more or less */
+        memcpy(other, buf, len);
+        other[there[i]] ^= 16;
+        assert_int_equal(decode(other, len, &g), ST_ECORRUPT);
+    }
+    put_bits(buf + HEADER, 0); /* as little as there may be */
     assert_int_equal(decode(buf, len, &g), ST_OK);
     free(buf);
     free(other);
