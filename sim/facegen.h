@@ -22,18 +22,18 @@ struct facegen_face {
     double nose, bridge, hump, length, nose_width, side;
     struct facegen_bump bump[FACEGEN_BUMPS];
     uint32_t nbumps;
-    double symmetry; /* share of the asymmetry that is taken away; 0: as drawn */
+    double symmetry; /* removed share of the asymmetry; 0: none */
 };
 
-/* facegen_face(subject, smile, out): the face of a subject; smile 0 (neutral) to 1. */
+/* facegen_face(subject, smile, out): Makes the face of a subject; smile 0 (neutral) to 1. */
 void facegen_face(uint64_t subject, double smile, struct facegen_face *out);
 
-/* facegen_height(f, x, y): z of the surface, in the head's own coordinates: the even part of
- * what was drawn, and of the odd part, f(x) - f(-x) over 2, the share 1 - symmetry. */
+/* facegen_height(f, x, y): Returns z of the surface, in the coordinates of the head: the even part of
+ * the drawn height, plus 1 - symmetry times its odd part, (f(x) - f(-x)) / 2. */
 double facegen_height(const struct facegen_face *f, double x, double y);
 
 struct facegen_scan {
-    uint64_t subject, scan;  /* seeds: who, and which scan of them */
+    uint64_t subject, scan;  /* seeds of the person and of the scan */
     uint32_t points;         /* sampled; the scan has fewer when holes are cut out */
     double yaw, pitch, roll; /* degrees about y, x, z; centre 80 mm behind the nose */
     double tx, ty, tz;       /* then moved, mm */
@@ -42,23 +42,23 @@ struct facegen_scan {
     double holes;  /* share of the points cut out in blobs */
     double spikes; /* share of the points thrown 4 to 40 mm off */
     double smile;  /* 0 to 1 */
-    double symmetry; /* facegen_face's; negative: more asymmetric than drawn */
+    double symmetry; /* facegen_face.symmetry; negative: more asymmetric than drawn */
 };
 
-/* facegen_default(s): a clean frontal scan of subject 0: 3,000 points, 0.12 mm of noise,
+/* facegen_default(s): Sets *s to a clean frontal scan of subject 0: 3,000 points, 0.12 mm of noise,
  * 0.15 mm of smooth error. */
 void facegen_default(struct facegen_scan *s);
 
-/* facegen_pose(s, degrees, mm): a pose drawn from the scan's seeds: each angle within
+/* facegen_pose(s, degrees, mm): Draws the pose from the seeds of the scan: each angle within
  * +-degrees, each shift within +-mm. */
 void facegen_pose(struct facegen_scan *s, double degrees, double mm);
 
-/* facegen_turn(s, r): the rotation of a scan's pose, Rz Rx Ry. */
+/* facegen_turn(s, r): Sets r to the rotation of the pose, Rz Rx Ry. */
 void facegen_turn(const struct facegen_scan *s, double r[9]);
 
-/* facegen_sample(s, out): the points (out has room for s->points) that a scanner looking
- * along -z sees, within an irregular oval outline of this scan's own, in random order.
- * Returns how many; 0 when the pose hides nearly all of the face. */
+/* facegen_sample(s, out): Samples the points that a scanner looking along -z sees, within an
+ * irregular oval outline of this scan, in random order; out has capacity s->points.  Returns the
+ * number of points; 0 if the pose hides nearly all of the face. */
 size_t facegen_sample(const struct facegen_scan *s, struct dvec3 *out);
 
 #endif

@@ -1,4 +1,4 @@
-/* headcover.h -- what covers a face: simulated, drawn anew for every seed. */
+/* headcover.h -- simulated covers of a face, drawn by the seed. */
 #ifndef SIM_HEADCOVER_H
 #define SIM_HEADCOVER_H
 #include <stdbool.h>
@@ -17,7 +17,7 @@ enum headcover {
     HEADCOVERS
 };
 
-/* headcover_add(h, kind, seed, one_layer): append its points to h, HEAD_COVER_MM apart.
+/* headcover_add(h, kind, seed, one_layer): Appends the points of a cover to h, HEAD_COVER_MM apart.
  * h          in the canonical frame, its spacing measured
  * one_layer  as in headview_make(): of a frontal crop, beyond which nothing is added */
 void headcover_add(struct head *h, enum headcover kind, uint64_t seed, bool one_layer);

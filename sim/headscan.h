@@ -36,7 +36,7 @@ struct headscan_options {
     double spikes;   /* share of the points thrown 4 to 40 mm off */
     double behind;   /* share of hidden points among the visible ones */
     bool shoulders;
-    bool two; /* the same head once more beside it, farther away */
+    bool two; /* a copy of the head beside it, farther away */
     bool mirrored;
     enum headscan_axes axes;
     double unit_mm;

@@ -22,16 +22,17 @@ enum clouds_kind {
 
 const char *clouds_name(enum clouds_kind kind);
 
-/* clouds_make(kind, k, n, out): the k-th point set of a kind, in random order, in lattice
- * units; room for n points.  Returns how many (about n; the circle has 3,072 at most). */
+/* clouds_make(kind, k, n, out): Makes the k-th point set of a kind, in random order, in lattice
+ * units; out has capacity n.  Returns the number of points: about n; 3,072 at most of a circle. */
 size_t clouds_make(enum clouds_kind kind, uint64_t k, size_t n, struct ivec3 *out);
 
-/* clouds_scan(subject, scan, n, out): a frontal scan in millimetres; n points or fewer. */
+/* clouds_scan(subject, scan, n, out): Makes a frontal scan of facegen_default(), in mm.  Returns the
+ * number of points, n or fewer. */
 size_t clouds_scan(uint64_t subject, uint64_t scan, size_t n, struct dvec3 *out);
 
-/* clouds_move(pts, n, k, degrees, mm, transform): turns the points by this angle about a
- * random axis, then shifts them by mm in a random direction, both drawn with seed k;
- * transform: the motion (row-major 4 x 4). */
+/* clouds_move(pts, n, k, degrees, mm, transform): Turns the points by this angle about a random
+ * axis, then shifts them by mm in a random direction, both drawn with seed k.  Sets transform to
+ * the motion (row-major 4 x 4). */
 void clouds_move(struct dvec3 *pts, size_t n, uint64_t k, double degrees, double mm,
                  double transform[16]);
 

@@ -5,14 +5,17 @@
 #include <stddef.h>
 #include "status.h"
 
-/* The n-th allocation from now on fails; 0: none.  The counts start again. */
+/* fail_alloc_at(n): Lets the n-th allocation from now on fail; 0: no allocation.  The counts restart. */
 void fail_alloc_at(unsigned long n);
-unsigned long fail_alloc_count(void); /* allocations since fail_alloc_at() */
-size_t fail_alloc_bytes(void);        /* and what they asked for */
 
-/* fail_alloc_walk(run, arg): run(arg) again and again, with its first, second, ... allocation
- * failing, until it returns ST_OK; before that it must return ST_ENOMEM.  Returns how many
- * allocations failed. */
+/* fail_alloc_count(): Returns the number of allocations since fail_alloc_at(). */
+unsigned long fail_alloc_count(void);
+
+/* fail_alloc_bytes(): Returns the sum of their sizes. */
+size_t fail_alloc_bytes(void);
+
+/* fail_alloc_walk(run, arg): Calls run(arg) with its first, second, ... allocation failing, until it
+ * returns ST_OK; before that it must return ST_ENOMEM.  Returns the number of failed allocations. */
 unsigned long fail_alloc_walk(enum status (*run)(void *arg), void *arg);
 
 #endif

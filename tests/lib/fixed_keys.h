@@ -4,7 +4,8 @@
 
 struct crypt;
 
-/* fixed_keys(): every secret of it is 32 times 0x5a; released by crypt_free().  One thread. */
+/* fixed_keys(): Returns keys whose every secret is 32 times 0x5a, to be released by crypt_free().
+ * Threads: one. */
 struct crypt *fixed_keys(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* narrow.h -- core/face/lsq.c compiled for any processor, where the build has wider vectors too. */
+/* narrow.h -- core/face/lsq.c compiled for any processor, also if the build has wider vectors. */
 #ifndef TESTS_NARROW_H
 #define TESTS_NARROW_H
 #include <stdbool.h>

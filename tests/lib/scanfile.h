@@ -1,4 +1,4 @@
-/* scanfile.h -- scanners' files made in memory, and read as cloudfile_read() does. */
+/* scanfile.h -- files of scanners, made in memory and read by cloudfile_read(). */
 #ifndef TESTS_SCANFILE_H
 #define TESTS_SCANFILE_H
 #include <stdbool.h>
@@ -13,43 +13,54 @@ struct scanfile {
     size_t len;
 };
 
+/* scanfile_put(f, bytes, len), scanfile_text(f, text): Append to f. */
 void scanfile_put(struct scanfile *f, const void *bytes, size_t len);
 void scanfile_text(struct scanfile *f, const char *text);
 
-/* The low size bytes of value; a float or a double. */
+/* scanfile_whole(f, value, size, big): Appends the low size bytes of value. */
 void scanfile_whole(struct scanfile *f, uint64_t value, unsigned size, bool big);
+
+/* scanfile_real(f, value, size, big): Appends a float (size 4) or a double. */
 void scanfile_real(struct scanfile *f, double value, unsigned size, bool big);
 
-/* By these options, from a copy of exactly len bytes and a 0; line: of the message, or 0;
- * what: the message without its place.  Checks what holds on every failure. */
 struct scanfile_said {
     char msg[480];
-    uint32_t line;
-    size_t where;
-    const char *what;
+    uint32_t line;    /* line that the message names, or 0 */
+    size_t where;     /* byte that it names, or 0 */
+    const char *what; /* message without its place */
 };
+
+/* scanfile_read(bytes, len, o, out, err): Reads a copy of exactly len bytes and a 0, and checks the
+ * invariants of success and failure. */
 enum status scanfile_read(const void *bytes, size_t len,
                           const struct cloudfile_options *o, struct cloudpoints *out,
                           struct scanfile_said *err);
 
-/* It is read, as this format or as what it is recognised to be. */
+/* scanfile_good(f, format, out): Fails the test unless f is read. */
 void scanfile_good(const struct scanfile *f, enum cloudformat format,
                    struct cloudpoints *out);
-/* It is not, for this reason, and with these words in the message. */
+
+/* scanfile_good_text(text, out): Fails the test unless the text is read, in the recognised format. */
+void scanfile_good_text(const char *text, struct cloudpoints *out);
+
+/* scanfile_bad(f, format, want, words): Fails the test unless f is refused with this status and with
+ * these words in the message. */
 void scanfile_bad(const struct scanfile *f, enum cloudformat format, enum status want,
                   const char *words);
-/* scanfile_refused(c, n): each text is not read, for its reason, and with these words. */
+
 struct scanfile_case {
     const char *text;
     enum status st;
     const char *words;
 };
+
+/* scanfile_refused(c, n): Calls scanfile_bad() for n texts. */
 void scanfile_refused(const struct scanfile_case *c, size_t n);
-/* The text is read, as what it is recognised to be. */
-void scanfile_good_text(const char *text, struct cloudpoints *out);
-/* However much of the file's end is missing. */
+
+/* scanfile_cut(f, format): Fails the test if any proper prefix of f is read. */
 void scanfile_cut(const struct scanfile *f, enum cloudformat format);
 
+/* scanfile_at(p, x, y, z): Fails the test unless p is (x, y, z). */
 void scanfile_at(struct dvec3 p, double x, double y, double z);
 
 #endif

@@ -1,7 +1,6 @@
-/* tempdb.h -- a database in a folder of its own, for the tests of what is stored.  A program that uses
- * it has the folder and the faces before its own BEFORE_ALL and until after its AFTER_ALL; where the
- * folder cannot be removed, it ends with status 1.  A failure here fails the test that called, and
- * says why. */
+/* tempdb.h -- a database in a temporary folder, for the tests of the store.  Folder and faces exist
+ * from before the program's BEFORE_ALL until after its AFTER_ALL.  If the folder cannot be removed,
+ * the program exits with status 1.  A failure here fails the calling test with a message. */
 #ifndef TESTS_TEMPDB_H
 #define TESTS_TEMPDB_H
 #include <stdbool.h>
@@ -10,65 +9,81 @@
 #include "rawdb.h"
 #include "store.h"
 
-extern char tempdb_dir[32]; /* the folder, under /tmp */
-extern char
-    tempdb_path[40]; /* the database in it, or with PGHOST set (scripts/with_postgres) */
-extern bool tempdb_server;          /* the URL of one on that server, of the same name */
-extern struct store_key tempdb_key; /* its key, in the folder */
+extern char tempdb_dir[32]; /* folder, under /tmp */
+/* path of the database in it; with PGHOST set (scripts/with_postgres) the URL of a database there */
+extern char tempdb_path[40];
+extern bool tempdb_server;          /* true: tempdb_path is a URL */
+extern struct store_key tempdb_key; /* key of the database, in the folder */
 
 /* Scans of different people, 1,500 points each, and working memory to compare them. */
 #define TEMPDB_FACES 4
 extern struct surface_face tempdb_face[TEMPDB_FACES];
 extern struct surface_work *tempdb_work;
 
-/* tempdb_remove(): every file of the folder, keys and copies as well as the database.
- * tempdb_fresh(): then a new database, open.  tempdb_open(mode): the one that is
- * there. */
+/* tempdb_remove(): Deletes every file of the folder, and the database on a server. */
 void tempdb_remove(void);
+
+/* tempdb_fresh(): Calls tempdb_remove(), and opens a new database. */
 struct store *tempdb_fresh(void);
+
+/* tempdb_open(mode): Opens the present database. */
 struct store *tempdb_open(enum store_mode mode);
 
-/* tempdb_sql(text): run statements on the database, as another program would, which does not
- * keep to the tables' CHECKs; made where it is missing.  Waits for a writer, up to 5 s.  Its tables are
- * in the schema main; another, aside, is empty.
- * tempdb_raw(): that program's connection, to be closed by rawdb_close().
- * tempdb_keep(name), tempdb_put_back(name): subjects and logs are copied aside, as NAME_subjects, and
- * so on; and are again what they were then.
- * tempdb_number(text): the first number that a query gives.
- * tempdb_count(rows): how many there are of "TABLE", or "TABLE WHERE ...".
- * tempdb_mislead(index, rows): an index of one column gets other contents, as a query gives them:
- * the rows' keys, and what each is found by.  Its table stays as it is. */
+/* tempdb_sql(text): Runs statements as another program, which ignores the CHECKs of the tables and
+ * creates a missing database.  Waits for a writer for up to 5 s.  The tables are in the schema main;
+ * another schema, aside, is empty. */
 void tempdb_sql(const char *text);
+
+/* tempdb_raw(): Returns the connection of that program, to be closed by rawdb_close(). */
 struct rawdb *tempdb_raw(void);
+
+/* tempdb_keep(name): Copies subjects and logs to aside.NAME_subjects, and so on. */
 void tempdb_keep(const char *name);
+
+/* tempdb_put_back(name): Restores these copies. */
 void tempdb_put_back(const char *name);
+
+/* tempdb_number(text): Returns the first number of a query. */
 int64_t tempdb_number(const char *text);
+
+/* tempdb_count(rows): Returns the number of rows of "TABLE", or "TABLE WHERE ...". */
 int64_t tempdb_count(const char *rows);
+
+/* tempdb_mislead(index, rows): Replaces the contents of an index of one column by the pairs of row key
+ * and value that a query gives.  The table is not changed. */
 void tempdb_mislead(const char *index, const char *rows);
 
-/* tempdb_store(s, actor, subject, label, f, t, created, e): store_enroll() of a face that was
- * compared with nothing.
- * tempdb_enroll(s, subject, label, f, t): as "test"; the subject has no such template yet.
- * tempdb_add(s, subject): one without templates.
- * tempdb_erase(s, actor, subject, e): store_subject_erase(), without the receipt.
- * tempdb_in(s): so many seconds from now, as an end; 0: STORE_NEVER.
- * tempdb_expire(s, subject): its end is set to the next moment, and has passed.
- * tempdb_calibration(threshold): a possible one, of 3 knots.
- * tempdb_record(s, subject, as, e): store_record_verification() of a verification by "test".
- * tempdb_attempts(s, token, subject): those of a store_snapshot_begin(). */
+/* tempdb_store(s, actor, subject, label, f, t, created, e): Calls store_enroll() for a face that was
+ * compared with no template. */
 enum status tempdb_store(struct store *s, const char *actor, const char *subject,
                          const char *label, const struct surface_face *f,
                          struct store_template *t, bool *created, struct errinfo *e);
+
+/* tempdb_add(s, subject): Adds a subject without templates. */
 void tempdb_add(struct store *s, const char *subject);
+
+/* tempdb_enroll(s, subject, label, f, t): Enrols f as actor "test"; the template must be new. */
 void tempdb_enroll(struct store *s, const char *subject, const char *label,
                    const struct surface_face *f, struct store_template *t);
+
+/* tempdb_erase(s, actor, subject, e): Calls store_subject_erase() and drops the receipt. */
 enum status tempdb_erase(struct store *s, const char *actor, const char *subject,
                          struct errinfo *e);
+
+/* tempdb_in(s): Returns the time s seconds from now; 0: STORE_NEVER. */
 int64_t tempdb_in(int64_t s);
+
+/* tempdb_expire(s, subject): Sets the expiry of a subject to the next moment, and waits for it. */
 void tempdb_expire(struct store *s, const char *subject);
+
+/* tempdb_calibration(threshold): Returns a valid calibration of 3 knots. */
 struct store_calibration tempdb_calibration(double threshold);
+
+/* tempdb_record(s, subject, as, e): Calls store_record_verification() for actor "test". */
 enum status tempdb_record(struct store *s, const char *subject, enum store_record_as as,
                           struct errinfo *e);
+
+/* tempdb_attempts(s, token, subject): Returns the attempts of a store_snapshot_begin(). */
 struct store_attempts tempdb_attempts(struct store *s, const char *token,
                                       const char *subject);
 

@@ -4,7 +4,7 @@
 #define TESTS_TEMPDB_CHECK_H
 #include "admin_check.h"
 
-/* tempdb_check(s): what it reports is printed. */
+/* tempdb_check(s): Runs admin_check() and prints its report. */
 struct admin_check tempdb_check(struct store *s);
 
 #endif

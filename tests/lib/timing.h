@@ -31,33 +31,34 @@ void timing_free(struct timing *t);
 
 double timing_now_ms(void); /* processor time of this thread: waiting does not count */
 
-/* timing_bytes(): bytes allocated at the moment, from mallinfo2(). */
+/* timing_bytes(): Returns the bytes allocated at the moment, from mallinfo2(). */
 double timing_bytes(void);
 
-/* timing_peers(): the peers of the shared object $BENCH_PEERS, or NULL: not installed. */
+/* timing_peers(): Returns the peers of the shared object $BENCH_PEERS, or NULL if it is not there. */
 const struct peers *timing_peers(void);
 
-/* timing_alloc(n, size): zeroed memory; exits if there is none.
- * timing_must(st): exits with the status's message unless st is ST_OK. */
+/* timing_alloc(n, size): Returns zeroed memory; exits if out of memory. */
 void *timing_alloc(size_t n, size_t size);
+
+/* timing_must(st): Exits with the message of the status unless st is ST_OK. */
 void timing_must(enum status st);
 
-/* timing_graph(peers, m): the peer's graph of m's edges with their lengths. */
+/* timing_graph(peers, m): Makes the peer's graph of the edges of m with their lengths. */
 void *timing_graph(const struct peers *peers, const struct mesh *m);
 
-/* timing_triangulation(peers, kind, first, n, sets, ours, theirs): times the triangulation of so
- * many point sets of a kind, the first one numbered `first`, in turn, eight times each; theirs:
- * the peer's, unless peers is NULL.  Returns the number of points of the first set. */
+/* timing_triangulation(peers, kind, first, n, sets, ours, theirs): Times the triangulation of this
+ * number of point sets of a kind, from number `first` on, in turn, eight times each; theirs: the
+ * peer's time, unless peers is NULL.  Returns the number of points of the first set. */
 size_t timing_triangulation(const struct peers *peers, enum clouds_kind kind,
                             uint64_t first, size_t n, size_t sets, struct timing *ours,
                             struct timing *theirs);
 
-/* timing_unit(ms): leaves CGAL's time for one triangulation of 3,000 points in the file
- * $BENCH_UNIT, for what scripts/bench measures itself; nothing if ms is NAN. */
+/* timing_unit(ms): Writes CGAL's time for one triangulation of 3,000 points to the file $BENCH_UNIT,
+ * the unit of scripts/bench; does nothing if ms is NAN. */
 void timing_unit(double ms);
 
-/* timing_target(what, value, limit, unit): adds a row to the table of targets, which
- * scripts/bench prints at the end from the file $BENCH_TARGETS. */
+/* timing_target(what, value, limit, unit): Adds a row to the table of targets in the file
+ * $BENCH_TARGETS, which scripts/bench prints at the end. */
 void timing_target(const char *what, double value, double limit, const char *unit);
 
 #endif

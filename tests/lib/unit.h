@@ -21,9 +21,8 @@
 #include <string.h>
 #include <cmocka.h>
 
-/* Of calls that return a status and say why in the test's own `e`, a struct errinfo.
- * must(call): it returns ST_OK; else its message is printed.
- * fails(call, code): it returns this code. */
+/* must(call), fails(call, code): Fail the test unless the call returns ST_OK, or this code.  Its
+ * message is in the test's own `e`, a struct errinfo. */
 #define must(call)                                                                       \
     do {                                                                                 \
         if ((call) != ST_OK)                                                             \
