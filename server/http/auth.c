@@ -14,13 +14,14 @@
 #include "store.h"
 #include "throttle.h"
 
-void auth_take(struct request *r, const char *header)
+bool auth_take(struct request *r, const char *header)
 {
+    unsigned wait_s;
     size_t len;
 
     if (header == NULL || strncasecmp(header, "Bearer ", 7) != 0) {
         request_problem(r, ERRMAP_NO_TOKEN, "send Authorization: Bearer TOKEN");
-        return;
+        return false;
     }
     header += 7;
     header += strspn(header, " ");
@@ -28,16 +29,10 @@ void auth_take(struct request *r, const char *header)
     if (len == 0 || len > REQUEST_TOKEN_MAX) {
         request_problem(r, ERRMAP_NO_TOKEN, "the token is not valid");
         r->response.bad_token = true;
-        return;
+        return false;
     }
     memcpy(r->token, header, len + 1);
-}
-
-bool auth_admit(struct request *r)
-{
-    const unsigned wait_s =
-        throttle_wait(r->app->throttle, r->address, r->token, logger_clock_ms());
-
+    wait_s = throttle_wait(r->app->throttle, r->address, r->token, logger_clock_ms());
     if (wait_s == 0)
         return true;
     sodium_memzero(r->token, sizeof r->token);

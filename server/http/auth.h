@@ -7,41 +7,37 @@
 struct request;
 struct response;
 
-/* auth_take(r, header): keep the token of the Authorization header's value (may be NULL) in
- * r->token.  Without a usable one r->response is set.  Does not read the store. */
-void auth_take(struct request *r, const char *header);
+/* auth_take(r, header): Copies the token to r->token.  Returns false if there is none, it is malformed, or
+ * r->address has sent too many wrong tokens; then sets r->response.  Does not read the store.
+ *   header  value of Authorization; NULL: none */
+bool auth_take(struct request *r, const char *header);
 
-/* auth_admit(r): may the token be checked?  False: r->address has sent too many wrong ones, and
- * r->response is set.  Does not read the store. */
-bool auth_admit(struct request *r);
-
-/* auth_check(r): is r->token one of the store's, with a scope of r->route?  Then r->actor
- * is its id, else r->response is set; where the store cannot say and the route needs no token, neither
- * is.  The token is wiped.  On a worker. */
+/* auth_check(r): Looks for r->token in the store, and wipes it.  If it is valid, sets the fields of the token in
+ * r.  If it is not, or has no scope of r->route, sets r->response.  If the store fails on a route that needs
+ * no token, sets neither.  On a worker. */
 void auth_check(struct request *r);
 
-/* auth_free(r): r needs no token (--no-auth): it may do everything but make and revoke tokens, which
- * would outlive that.  False: r->response is set. */
+/* auth_free(r): Without tokens (--no-auth): gives r all scopes except tokens, because a new token would
+ * outlive the daemon.  Returns false if r->route needs that scope; then sets r->response. */
 bool auth_free(struct request *r);
 
-/* auth_has(r, scopes): has r one of these scopes?  After auth_check() or auth_free(). */
+/* auth_has(r, scopes): Returns true if r has one of these scopes.  After auth_check() or auth_free(). */
 bool auth_has(const struct request *r, unsigned scopes);
 
-/* auth_scores(r): may the response say how much like an enrolled face one is that does not match?
- * r's token must have score, detail or manage: from ten such scores the face can be computed. */
+/* auth_scores(r): Returns true if the response may tell the score of a non-match.  The token needs score,
+ * detail or manage, because the enrolled face can be computed from ten such scores. */
 bool auth_scores(const struct request *r);
 
-/* auth_may(r, scopes): auth_has(); where it is false, r->response is a 403 that names
- * the scopes. */
+/* auth_may(r, scopes): Like auth_has(); if false, sets r->response to a 403 that names the scopes. */
 bool auth_may(struct request *r, unsigned scopes);
 
-/* auth_gives(r, scopes): may r make, renew or revoke a token of these scopes?  Its own token must have
- * all of them, where one is needed.  False: r->response is a 403. */
+/* auth_gives(r, scopes): Returns true if r may create, rotate or revoke a token of these scopes: its own token
+ * has all of them.  If false, sets r->response to a 403. */
 bool auth_gives(struct request *r, unsigned scopes);
 
 #define AUTH_CHALLENGE_MAX 200
 
-/* auth_challenge(a, out): the value of WWW-Authenticate, where a->challenge is set. */
+/* auth_challenge(a, out): Writes the value of WWW-Authenticate; a->challenge is set. */
 void auth_challenge(const struct response *a, char out[AUTH_CHALLENGE_MAX]);
 
 #endif

@@ -67,7 +67,7 @@ static void headers_count(struct headers_framing *f, const char *name, const cha
     }
 }
 
-void headers_frame(struct headers_framing *f, const char *name, const char *value)
+static void take_framing(struct headers_framing *f, const char *name, const char *value)
 {
     const bool coding = strcasecmp(name, "Transfer-Encoding") == 0;
 
@@ -158,8 +158,10 @@ static void take_text(char *to, size_t size, const char *value)
     (void)snprintf(to, size, "%s", strlen(value) < size ? value : "?");
 }
 
-void headers_take(struct request *r, const char *name, const char *value)
+void headers_take(struct request *r, struct headers_framing *f, const char *name,
+                  const char *value)
 {
+    take_framing(f, name, value);
     if (value == NULL)
         value = "";
     if (strcasecmp(name, "Content-Encoding") == 0)

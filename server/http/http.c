@@ -384,8 +384,7 @@ static enum MHD_Result on_header(void *cls, enum MHD_ValueKind kind, const char 
     struct exchange *x = cls;
 
     (void)kind;
-    headers_frame(&x->framing, name, value);
-    headers_take(&x->r, name, value);
+    headers_take(&x->r, &x->framing, name, value);
     return MHD_YES;
 }
 
@@ -414,8 +413,7 @@ static enum MHD_Result arrive(struct exchange *x, const char *method, const char
 
     if (r->route->scope == 0 || (token == NULL && route_open(r->route)))
         return admit(x);
-    auth_take(r, token);
-    if (r->response.http != 0 || !auth_admit(r))
+    if (!auth_take(r, token))
         return send_early(x);
     to_worker(x, ADMITTED);
     return MHD_YES;

@@ -1,21 +1,20 @@
 #include "tls.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 #include <gnutls/gnutls.h>
 #include <gnutls/x509.h>
 
 #include "errinfo.h"
 #include "logger.h"
+#include "readfile.h"
+#include "utc.h"
 
 #define FILE_MAX ((size_t)1 << 20)
 
@@ -42,47 +41,27 @@ struct tls {
 
 /* ---- files */
 
-/* What f holds, for gnutls_free(); secret: others must have no access to it. */
+/* Reads a file.  secret: refuses one that others may read or write. */
 static enum status read_file(const char *name, bool secret, gnutls_datum_t *out,
                              struct errinfo *e)
 {
-    int fd = open(name, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     struct stat sb;
-    size_t len = 0;
-    ssize_t got = 1;
-    enum status st = ST_OK;
+    unsigned char *bytes;
+    size_t len;
+    enum status st;
 
     *out = (gnutls_datum_t){0};
-    if (fd < 0 || fstat(fd, &sb) != 0) {
-        st = errinfo_set(e, ST_EIO, "cannot read %s: %s", name, strerror(errno));
-        goto out;
-    }
-    if (!S_ISREG(sb.st_mode) || (size_t)sb.st_size > FILE_MAX) {
-        st = errinfo_set(e, ST_EINVAL, "%s: not a file of at most 1 MB", name);
-        goto out;
-    }
-    if (secret && (sb.st_mode & (S_IROTH | S_IWOTH)) != 0) {
-        st = errinfo_set(e, ST_EINVAL,
-                         "%s: others can read or change it (mode %03o); run: chmod o= %s",
-                         name, (unsigned)sb.st_mode & 0777, name);
-        goto out;
-    }
-    out->data = gnutls_malloc(FILE_MAX + 1);
-    if (out->data == NULL) {
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-        goto out;
-    }
-    while (got > 0 && len < FILE_MAX) {
-        got = read(fd, out->data + len, FILE_MAX - len);
-        len += got > 0 ? (size_t)got : 0;
-    }
-    out->data[len] = '\0';
-    out->size = (unsigned)len;
-    if (got < 0)
-        st = errinfo_set(e, ST_EIO, "cannot read %s: %s", name, strerror(errno));
-out:
-    if (fd >= 0)
-        (void)close(fd);
+    if (stat(name, &sb) != 0)
+        return errinfo_set(e, ST_EIO, "cannot read %s: %s", name, strerror(errno));
+    if (!S_ISREG(sb.st_mode))
+        return errinfo_set(e, ST_EINVAL, "%s: not a file", name);
+    if (secret && (sb.st_mode & (S_IROTH | S_IWOTH)) != 0)
+        return errinfo_set(
+            e, ST_EINVAL,
+            "%s: others can read or change it (mode %03o); run: chmod o= %s", name,
+            (unsigned)sb.st_mode & 0777, name);
+    st = readfile_all(name, FILE_MAX, &bytes, &len, e);
+    *out = (gnutls_datum_t){bytes, (unsigned)len};
     return st;
 }
 
@@ -90,16 +69,12 @@ static void forget(gnutls_datum_t *d)
 {
     if (d->data != NULL)
         gnutls_memset(d->data, 0, d->size);
-    gnutls_free(d->data);
-    d->data = NULL;
+    free(d->data);
 }
 
-static const char *day(time_t t, char text[32])
+static const char *day(time_t t, char text[UTC_TEXT])
 {
-    struct tm tm;
-
-    if (gmtime_r(&t, &tm) == NULL || strftime(text, 32, "%Y-%m-%dT%H:%M:%SZ", &tm) == 0)
-        text[0] = '\0';
+    utc_print(t > 0 ? (int64_t)t * 1000 : 0, text);
     return text;
 }
 
@@ -109,7 +84,7 @@ static enum status check_certificate(const char *name, const gnutls_datum_t *pem
 {
     gnutls_x509_crt_t *list = NULL;
     unsigned n = 0;
-    char text[32];
+    char text[UTC_TEXT];
     enum status st = ST_OK;
     int rc = gnutls_x509_crt_list_import2(&list, &n, pem, GNUTLS_X509_FMT_PEM,
                                           GNUTLS_X509_CRT_LIST_SORT);
@@ -181,7 +156,7 @@ static enum status read_all(struct tls *t, struct tls_files **out, struct errinf
 {
     struct tls_files *f = calloc(1, sizeof *f);
     struct logger_line line;
-    char text[32];
+    char text[UTC_TEXT];
     enum status st;
 
     *out = NULL;
