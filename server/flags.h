@@ -7,12 +7,12 @@ struct options; /* options.h */
 
 enum flags_outcome { FLAGS_RUN, FLAGS_CHECK, FLAGS_DONE, FLAGS_BAD };
 
-/* flags_read(argc, argv, errors, out): the settings by the command line and what it
- * leaves to the file and the environment.  Writes no file.  Release out with
- * options_free() whatever it returns:
- * FLAGS_RUN; FLAGS_CHECK for --check-config when no problem was found up to here;
- * FLAGS_DONE when what --help, --version or --print-config asks for was printed to
- * stdout; FLAGS_BAD with a line on errors for each problem. */
+/* flags_read(argc, argv, errors, out): Reads the settings from the command line, then from the environment and the
+ * file.  Writes no file.  The caller releases out by options_free() in all cases.
+ * FLAGS_RUN    the daemon is to run
+ * FLAGS_CHECK  --check-config: no problem was found so far
+ * FLAGS_DONE   --help, --version or --print-config: the text was printed to stdout
+ * FLAGS_BAD    errors has a line for each problem */
 enum flags_outcome flags_read(int argc, char **argv, FILE *errors, struct options *out);
 
 #endif

@@ -10,7 +10,6 @@
 #include "logger.h"
 #include "metrics.h"
 #include "request.h"
-#include "worker.h"
 
 static void refuse_attempt(struct request *r, const struct templates_refusal *why)
 {
@@ -101,6 +100,17 @@ static void note(struct request *r, const struct verification *v)
     memcpy(r->subject, v->templates.of.subject.id, sizeof r->subject);
 }
 
+static void warn_passed_over(const struct templates *t)
+{
+    struct logger_line l;
+
+    if (t->passed_over.code == ST_OK)
+        return;
+    logger_begin(&l, "warn", "template skipped");
+    logger_text(&l, "fault", t->passed_over.msg);
+    logger_end(&l);
+}
+
 void outcome_verified(struct request *r, const struct verification *v, enum status st)
 {
     const bool compared = st == ST_OK && v->request->other != NULL;
@@ -108,7 +118,7 @@ void outcome_verified(struct request *r, const struct verification *v, enum stat
     char outcome[CAPTURE_OUTCOME];
 
     count_stages(r, v);
-    worker_passed_over(&v->templates);
+    warn_passed_over(&v->templates);
     outcome_warn(r, v->recorded.warnings);
     if (v->decided || compared)
         metrics_event(r->app->metrics, METRICS_DECISIONS + decision);

@@ -1,16 +1,17 @@
-/* access.h -- what is recorded of requests: a line of the log, entries of the audit log. */
+/* access.h -- the record of requests: a line of the log, and entries of the audit log. */
 #ifndef SERVER_ACCESS_H
 #define SERVER_ACCESS_H
 
 struct request;
 
-/* access_log(r, http, ms): its id, route, status and times, the token's id, and the fault
- * behind a 5xx; no subject; and a warning a minute of requests that were refused for overload.
- * http, ms: as for metrics_request().  On the I/O thread. */
+/* access_log(r, http, ms): Logs a request that has ended: its id, route, status and times, the id of its token,
+ * and the cause of a 5xx.  Logs no subject.  At most once a minute, logs the number of requests that were refused
+ * because of overload.  On the I/O thread.
+ *   http, ms  as in metrics_request() */
 void access_log(const struct request *r, int http, double ms);
 
-/* access_event(r, kind, outcome): an entry of the audit log that r's response does not wait for, of
- * its subject and template; where it is lost, the response stands. */
+/* access_event(r, kind, outcome): Appends an entry about r's subject and template to the audit log.  If that
+ * fails, logs it; the response stands. */
 void access_event(struct request *r, const char *kind, const char *outcome);
 
 #endif

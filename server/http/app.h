@@ -1,5 +1,5 @@
-/* app.h -- what the parts of the daemon share.  Made by main.c before the first request and
- * released after the last; nothing but the atomic members and anchor_behind changes in between. */
+/* app.h -- the objects and settings that the parts of the daemon share.  main.c creates them before the first
+ * request and releases them after the last one.  Only the atomic members and anchor_behind change in between. */
 #ifndef SERVER_APP_H
 #define SERVER_APP_H
 #include <stdatomic.h>
@@ -22,35 +22,35 @@ struct tls;           /* tls.h */
 struct upkeep;        /* upkeep.h */
 
 struct app {
-    struct store *store;         /* its calibration and engine are by the model */
+    struct store *store;         /* with the calibration and engine of the model */
     struct surface_model *model; /* NULL: the shipped one */
     struct cache *cache;
     struct metrics *metrics;
-    struct store_limits limits; /* of failed verifications */
-    const char *db;             /* the database's file, */
-    size_t disk_reserve;        /* and bytes that must be free on its disk to add more */
+    struct store_limits limits; /* limits of failed verifications */
+    const char *db;             /* file of the database */
+    size_t disk_reserve;        /* bytes that must be free on the disk of db to enrol */
     struct throttle *throttle;
     struct queue *queue;
-    struct queue *slow; /* of one worker: what walks along everything, one at a time */
-    atomic_flag slow_taken;
+    struct queue *slow;     /* queue of routes with ROUTE_SLOW, with one worker */
+    atomic_flag slow_taken; /* a request of slow waits or runs */
     struct upkeep *upkeep;
     struct erasures *erasures;
     struct recent *recent;
-    struct guard *guard;        /* of the connections; http.c's */
-    struct quota *quota;        /* of bodies and responses; http.c's, for its thread */
-    struct tls *tls;            /* http.c's; NULL: no TLS */
+    struct guard *guard;        /* owned by http.c */
+    struct quota *quota;        /* owned by http.c; on the I/O thread only */
+    struct tls *tls;            /* owned by http.c; NULL: no TLS */
     const struct route *routes; /* [nroutes] */
     size_t nroutes;
     bool no_auth;
     bool no_console;
-    const char
-        *cors_origin;     /* whose pages may read responses, with commas; NULL: none's */
-    bool signed_captures; /* nothing else is taken (capture.h) */
-    size_t max_body;      /* bytes */
+    const char *
+        cors_origin; /* origins whose pages may read responses, with commas; NULL: none */
+    bool signed_captures; /* a scan without a signature is refused (capture.h) */
+    size_t max_body;      /* limit of a body, bytes */
     atomic_bool stopping;
     atomic_flag refusal_told;
     bool
-        anchor_behind; /* the log's last word on the anchor; refusal_tell() alone uses it */
+        anchor_behind; /* the last line about the anchor was a warning; for refusal_tell() only */
 };
 
 #endif

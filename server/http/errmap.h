@@ -1,5 +1,5 @@
-/* errmap.h -- the one place where an outcome becomes an HTTP status code, the stable machine
- * word `code` and the title of its problem document (RFC 9457). */
+/* errmap.h -- the one place that maps an outcome to an HTTP status code, the stable machine word `code` and the
+ * title of its problem document (RFC 9457). */
 #ifndef SERVER_ERRMAP_H
 #define SERVER_ERRMAP_H
 #include "status.h"
@@ -18,11 +18,11 @@ enum errmap_kind {
     ERRMAP_MEDIA_TYPE,   /* a body of another kind is needed */
     ERRMAP_CODING,       /* a body compressed otherwise, or not at all, is needed */
     ERRMAP_PACKED,       /* the body cannot be unpacked */
-    ERRMAP_NO_TOKEN,     /* no token, or not one of ours */
+    ERRMAP_NO_TOKEN,     /* no token, or an invalid one */
     ERRMAP_SCOPE,        /* the token lacks the scope */
-    ERRMAP_OTHER_SITE,   /* --no-auth, and another site's page */
+    ERRMAP_OTHER_SITE,   /* --no-auth, and a page of another site */
     ERRMAP_DISABLED,     /* the subject is disabled */
-    ERRMAP_EXPIRED,      /* it has expired */
+    ERRMAP_EXPIRED,      /* the subject has expired */
     ERRMAP_TOKENS,       /* the address is rate-limited for wrong tokens */
     ERRMAP_ATTEMPTS,     /* the subject is locked out */
     ERRMAP_SUBJECTS,     /* the token has tried too many subjects in vain */
@@ -32,7 +32,7 @@ enum errmap_kind {
     ERRMAP_CAPTURE_INVALID,  /* malformed, of an unknown device, or wrong */
     ERRMAP_CAPTURE_STALE,    /* its nonce has expired */
     ERRMAP_CAPTURE_REPLAYED, /* its nonce was used */
-    ERRMAP_LIVENESS,         /* the scanner says that it is nobody alive */
+    ERRMAP_LIVENESS,         /* the scanner's liveness check has failed */
     ERRMAP_PARAMETER,        /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,         /* the queue is full, or the daemon is stopping */
     ERRMAP_NOT_READY,        /* /readyz: the daemon cannot work now */
@@ -47,11 +47,11 @@ struct errmap {
     const char *title;
 };
 
-/* errmap_get(kind): kind is an enum status but ST_OK, or an enum errmap_kind; any other
- * value gives the entry of ST_EINTERNAL.  Never NULL. */
+/* errmap_get(kind): Returns the entry of an enum status or an enum errmap_kind; for ST_OK and any other value,
+ * that of ST_EINTERNAL.  Never NULL. */
 const struct errmap *errmap_get(unsigned kind);
 
-/* errmap_problem(m, detail, request_id): the problem document, for further members (json.h). */
+/* errmap_problem(m, detail, request_id): Returns the problem document, open for further members (json.h). */
 struct json *errmap_problem(const struct errmap *m, const char *detail,
                             const char *request_id);
 

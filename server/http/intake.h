@@ -1,5 +1,5 @@
-/* intake.h -- may something more be stored now?  A reserve of the disk is left to verifications, which
- * write too, so that a token with enroll alone cannot fill it.  Safe on any thread. */
+/* intake.h -- the reserve of disk space for verifications, which write too: a token with the scope enroll
+ * alone cannot fill the disk.  Any thread. */
 #ifndef SERVER_INTAKE_H
 #define SERVER_INTAKE_H
 #include <stdbool.h>
@@ -7,11 +7,12 @@
 
 struct request;
 
-/* intake_full(db, reserve, left): are fewer bytes than the reserve free on that file's disk?  *left:
- * those that are; may be NULL. */
+/* intake_full(db, reserve, left): Returns true if less than reserve is free on the disk of the file db.
+ *   reserve  bytes
+ *   left     set to the free bytes; may be NULL */
 bool intake_full(const char *db, size_t reserve, unsigned long long *left);
 
-/* intake_admit(r): is there room on the disk?  False: r->response says why not. */
+/* intake_admit(r): Returns true if there is room on the disk.  If false, sets r->response. */
 bool intake_admit(struct request *r);
 
 #endif

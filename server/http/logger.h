@@ -1,8 +1,8 @@
-/* logger.h -- one line an event, to stderr, in one write: logfmt or JSON.  Nothing biometric,
- * no token, no subject.  Any thread.  A line is built in a struct logger_line:
+/* logger.h -- writes one line for each event to stderr, in one write: logfmt or JSON.  Nothing biometric, no
+ * token, no subject.  Any thread.  A line is built in a struct logger_line:
  *     logger_begin(&l, "warn", "slow");  logger_text(&l, "route", name);  logger_end(&l);
- * Keys are our own words.  A value may be any bytes: bytes that could end it, or are not
- * UTF-8, are escaped, so that no sender can forge a field or a line. */
+ * Keys are words of the program.  A value may be any bytes: those that could end it, or are not UTF-8, are
+ * escaped, so that no sender can forge a field or a line. */
 #ifndef SERVER_LOGGER_H
 #define SERVER_LOGGER_H
 #include <stdbool.h>
@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 #define LOG_LINE_MAX                                                                     \
-    2048 /* bytes; fields that do not fit are left out, and cut=true says so */
-#define LOG_VALUE_MAX 600 /* bytes of a value that are taken */
+    2048 /* bytes of a line; if a field does not fit, it is left out, and cut=true added */
+#define LOG_VALUE_MAX 600 /* bytes of a value; the rest is left out */
 
 struct logger_line {
     char text[LOG_LINE_MAX];
@@ -21,37 +21,41 @@ struct logger_line {
 
 enum logger_format { LOGGER_LOGFMT, LOGGER_JSON };
 
-/* logger_use(format): LOGGER_LOGFMT until then.  Before other threads log. */
+/* logger_use(format): Sets the format, which is LOGGER_LOGFMT at first.  Before other threads log. */
 void logger_use(enum logger_format format);
 
-/* logger_begin(l, level, msg): the time, the level ("info", "warn", "error") and what it is. */
+/* logger_begin(l, level, msg): Begins a line with the time, the level ("info", "warn", "error") and the message. */
 void logger_begin(struct logger_line *l, const char *level, const char *msg);
+
+/* logger_text(l, key, value): Adds a field. */
 void logger_text(struct logger_line *l, const char *key, const char *value);
+
+/* logger_count(l, key, value): Adds a field with an integer. */
 void logger_count(struct logger_line *l, const char *key, uint64_t value);
 
-/* logger_real(l, key, value, decimals): finite. */
+/* logger_real(l, key, value, decimals): Adds a field with a finite number. */
 void logger_real(struct logger_line *l, const char *key, double value, int decimals);
 
-/* logger_end(l): write it. */
+/* logger_end(l): Writes the line. */
 void logger_end(struct logger_line *l);
 
-/* logger_line(level, fmt, ...): a line that is a message alone. */
+/* logger_line(level, fmt, ...): Writes a line with a message alone. */
 __attribute__((format(printf, 2, 3))) void logger_line(const char *level, const char *fmt,
                                                        ...);
 
-/* logger_clock_ms(): a monotonic clock, ms. */
+/* logger_clock_ms(): Returns the time of a monotonic clock, ms. */
 double logger_clock_ms(void);
 
 #define LOG_SELDOM_MS 60000.0
 
-/* What strangers can cause as often as they like gets a line a minute.  All zero at first. */
+/* Counts events that any client can cause as often as it likes, for one line a minute.  All zero at first. */
 struct logger_seldom {
-    uint64_t n; /* since the last line */
-    double next_ms;
+    uint64_t n;     /* events since the last line */
+    double next_ms; /* time of the next line */
 };
 
-/* logger_seldom(s, now_ms): it happened once more.  Returns how often since the last line, where
- * another one is due; else 0.  The caller locks. */
+/* logger_seldom(s, now_ms): Counts one more event.  If a line is due, returns the number of events since the last
+ * one; else 0.  The caller locks s. */
 uint64_t logger_seldom(struct logger_seldom *s, double now_ms);
 
 #endif

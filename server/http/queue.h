@@ -1,8 +1,8 @@
 /* queue.h -- a bounded queue of requests, and the workers that serve it.
- * Time is shared fairly over senders, whatever each request takes: of all that wait, the sender is
- * served next that has had the least of the processor's time (start-time fair queueing; Goyal, Vin and
- * Cheng 1996).  A request that runs is not interrupted: so of two or more workers one takes no
- * heavy requests, that is, large ones and those of a sender whose last ones took long. */
+ * The queue shares time fairly among senders, however long their requests take: it serves next the waiting sender
+ * that has had the least processor time (start-time fair queueing; Goyal, Vin and Cheng 1996).  It does not
+ * interrupt a request.  Therefore, of two or more workers one takes no heavy requests: no large ones, and no
+ * requests of a sender whose last ones took long. */
 #ifndef SERVER_QUEUE_H
 #define SERVER_QUEUE_H
 #include <stdbool.h>
@@ -16,37 +16,40 @@ struct request;
 struct worker;
 
 enum queue_kind {
-    QUEUE_TOKEN, /* a token is checked, which takes no time: before all others */
+    QUEUE_TOKEN, /* check of a token, which takes little time: before all other kinds */
     QUEUE_SMALL,
     QUEUE_LARGE
 };
 
-/* queue_start(app, workers, limit, run, out): limit: requests that may wait.
- * run(w, r) is called on a worker; when it returns, r is no longer the queue's.
- * Returns ST_OK, ST_ENOMEM. */
+/* queue_start(app, workers, limit, run, out): Starts the workers.  ST_OK, ST_ENOMEM.
+ *   limit  number of requests that may wait
+ *   run    called on a worker w with a request r; the queue does not own r afterwards */
 enum status queue_start(struct app *app, unsigned workers, unsigned limit,
                         void (*run)(struct worker *w, struct request *r),
                         struct queue **out);
 
-/* queue_push(q, r, kind, sender): adds r.  Returns NULL, or the request that gets no place and is no
- * longer the queue's: r itself, or, in a full queue, the last one of the sender with the most
- * waiting, if these are more than r's sender has.  A queue that is stopped takes none.
- * sender: any number that is the same for those who share turns.  O(limit). */
+/* queue_push(q, r, kind, sender): Adds r to the queue.  Returns NULL, or a request that the queue rejects and no
+ * longer owns.  A stopped queue rejects r.  A full queue rejects the last request of the sender with the most
+ * waiting requests if that sender has more of them than r's sender, else r.  Cost: O(limit).
+ *   sender  number of the sender: request_sender() */
 struct request *queue_push(struct queue *q, struct request *r, enum queue_kind kind,
                            uint64_t sender);
 
-/* queue_drop(q, r): true: it was waiting, and is no longer the queue's.  O(waiting). */
+/* queue_drop(q, r): Removes r if it waits.  Returns true if it did.  Cost: O(waiting requests). */
 bool queue_drop(struct queue *q, const struct request *r);
 
-/* queue_stop(q): no more is taken, what waits is served, the workers end. */
+/* queue_stop(q): Serves the waiting requests, takes no more, and ends the workers. */
 void queue_stop(struct queue *q);
-void queue_free(struct queue *q); /* after queue_stop(); NULL is allowed */
+
+/* queue_free(q): Releases q after queue_stop().  NULL is allowed. */
+void queue_free(struct queue *q);
 
 struct queue_state {
-    unsigned waiting, running;
-    uint64_t served; /* since the start */
+    unsigned waiting, running; /* requests now */
+    uint64_t served;           /* requests since the start */
 };
 
+/* queue_look(q, out): Copies the numbers. */
 void queue_look(struct queue *q, struct queue_state *out);
 
 #endif

@@ -1,4 +1,4 @@
-/* refusal.h -- a database that is not the one that was opened is served to nobody. */
+/* refusal.h -- refuses all of /v1 if the database is not the one that was opened. */
 #ifndef SERVER_REFUSAL_H
 #define SERVER_REFUSAL_H
 #include <stdbool.h>
@@ -6,10 +6,12 @@
 struct app;     /* app.h */
 struct request; /* request.h */
 
-/* refusal_stands(r): on a route of /v1 whose database is refused the response is 503 now.
- * refusal_found(r): the same after a look at the database, for those of which nobody asked for a
- * token, since other requests need not read it. */
+/* refusal_stands(r): Returns true if r->route is one of /v1 and the database is refused; then sets r->response
+ * to 503. */
 bool refusal_stands(struct request *r);
+
+/* refusal_found(r): Like refusal_stands(), but looks at the database first.  Only with --no-auth: otherwise
+ * the check of the token has looked at it. */
 bool refusal_found(struct request *r);
 
 /* refusal_tell(app): Writes a line to the log when the refusal is first seen, whenever the anchor has

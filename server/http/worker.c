@@ -19,17 +19,6 @@ enum status worker_open(struct worker *w, struct app *app)
     return w->compare.work != NULL ? ST_OK : ST_ENOMEM;
 }
 
-void worker_passed_over(const struct templates *t)
-{
-    struct logger_line l;
-
-    if (t->passed_over.code == ST_OK)
-        return;
-    logger_begin(&l, "warn", "template skipped");
-    logger_text(&l, "fault", t->passed_over.msg);
-    logger_end(&l);
-}
-
 void worker_wipe(struct worker *w)
 {
     surface_work_wipe(w->compare.work);
