@@ -31,7 +31,7 @@ void expiry_look(struct expiry *x, const struct app *app)
     size_t n, soon = 0;
 
     if (store_token_list(app->store, &t, &n, &e) != ST_OK) {
-        logger_line("warn", "the tokens' expiry cannot be read: %s", e.msg);
+        logger_line("warn", "the tokens' expiry cannot be read", "reason", e.msg);
         return;
     }
     for (size_t i = 0; i < n; i++) {

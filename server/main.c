@@ -41,13 +41,9 @@
 static void tell_problem(void *arg, const char *line)
 {
     unsigned *told = arg;
-    struct logger_line l;
 
-    if (++*told > TOLD)
-        return;
-    logger_begin(&l, "error", "the database is not as it was written");
-    logger_text(&l, "problem", line);
-    logger_end(&l);
+    if (++*told <= TOLD)
+        logger_line("error", "the database is not as it was written", "problem", line);
 }
 
 /* While a failover lasts, or all machines start at once, no server takes writes yet. */
@@ -60,7 +56,6 @@ static enum status open_store(const struct options *o, struct store **out,
         .make = o->plaintext_database ? CRYPT_PLAINTEXT : CRYPT_FILE,
         .plaintext = o->plaintext_database,
     };
-    struct logger_line l;
     enum status st;
 
     for (int s = 0;; s++) {
@@ -68,11 +63,8 @@ static enum status open_store(const struct options *o, struct store **out,
         if (st != ST_EBUSY || !store_on_server(o->db) || s == SERVER_S ||
             systemd_pause(1000))
             return st;
-        if (s == 0) {
-            logger_begin(&l, "warn", "the database server is waited for");
-            logger_text(&l, "reason", e->msg);
-            logger_end(&l);
-        }
+        if (s == 0)
+            logger_line("warn", "the database server is waited for", "reason", e->msg);
     }
 }
 
@@ -199,15 +191,6 @@ static void say_last_change(struct store *s)
     logger_end(&l);
 }
 
-static void say_stopping(int sig)
-{
-    struct logger_line l;
-
-    logger_begin(&l, "info", "stopping");
-    logger_text(&l, "signal", sig == SIGTERM ? "SIGTERM" : "SIGINT");
-    logger_end(&l);
-}
-
 /* What the hooks of systemd_wait() see. */
 struct daemon {
     struct app *app;
@@ -328,7 +311,7 @@ int main(int argc, char **argv)
     d.progress_ms = logger_clock_ms();
     systemd_ready(url);
     sig = systemd_wait(&(struct systemd_hooks){reload, healthy, &d});
-    say_stopping(sig);
+    logger_line("info", "stopping", "signal", sig == SIGTERM ? "SIGTERM" : "SIGINT");
     http_quiesce(http, GRACE_MS);
     stop_workers(&app); /* queued requests are still handled */
     http_quiesce(http, FLUSH_MS);
@@ -336,7 +319,7 @@ int main(int argc, char **argv)
     store_follow(app.store);
     behind = store_behind(app.store);
     stop(&app, http);
-    logger_line("info", "stopped");
+    logger_line("info", "stopped", NULL, NULL);
     status = behind ? EX_TEMPFAIL : 0; /* which a service manager starts again */
 out:
     options_free(&o);

@@ -54,19 +54,15 @@ static void upkeep_verify(struct upkeep *u)
 {
     struct errinfo e;
     const enum status st = store_verify(u->app->store, NULL, NULL, &e);
-    struct logger_line l;
 
     if (st == ST_OK)
         metrics_rows_verified(u->app->metrics);
     if (st == ST_OK && u->unread)
-        logger_line("info", "the rows were verified again");
+        logger_line("info", "the rows were verified again", NULL, NULL);
     if (st != ST_OK)
         metrics_database_error(u->app->metrics, st);
-    if (st != ST_OK && st != ST_EREFUSED && !u->unread) {
-        logger_begin(&l, "warn", "the rows could not be verified");
-        logger_text(&l, "reason", e.msg);
-        logger_end(&l);
-    }
+    if (st != ST_OK && st != ST_EREFUSED && !u->unread)
+        logger_line("warn", "the rows could not be verified", "reason", e.msg);
     u->unread = st != ST_OK && st != ST_EREFUSED;
 }
 
@@ -76,7 +72,8 @@ static void upkeep_end(struct upkeep *u)
 {
     refusal_tell(u->app);
     logger_line("warn",
-                "the database server went back: the daemon ends, to be started again");
+                "the database server went back: the daemon ends, to be started again",
+                NULL, NULL);
     u->ended = true;
     (void)kill(getpid(), SIGTERM);
 }

@@ -100,17 +100,6 @@ static void note(struct request *r, const struct verification *v)
     memcpy(r->subject, v->templates.of.subject.id, sizeof r->subject);
 }
 
-static void warn_passed_over(const struct templates *t)
-{
-    struct logger_line l;
-
-    if (t->passed_over.code == ST_OK)
-        return;
-    logger_begin(&l, "warn", "template skipped");
-    logger_text(&l, "fault", t->passed_over.msg);
-    logger_end(&l);
-}
-
 void outcome_verified(struct request *r, const struct verification *v, enum status st)
 {
     const bool compared = st == ST_OK && v->request->other != NULL;
@@ -118,7 +107,8 @@ void outcome_verified(struct request *r, const struct verification *v, enum stat
     char outcome[CAPTURE_OUTCOME];
 
     count_stages(r, v);
-    warn_passed_over(&v->templates);
+    if (v->templates.passed_over.code != ST_OK)
+        logger_line("warn", "template skipped", "fault", v->templates.passed_over.msg);
     outcome_warn(r, v->recorded.warnings);
     if (v->decided || compared)
         metrics_event(r->app->metrics, METRICS_DECISIONS + decision);

@@ -640,13 +640,9 @@ enum status http_start(const struct options *o, struct app *app, struct http **o
 void http_reload(struct http *h)
 {
     struct errinfo e = {0};
-    struct logger_line line;
 
-    if (h->host.tls == NULL || tls_reload(h->host.tls, &e) == ST_OK)
-        return;
-    logger_begin(&line, "error", "the TLS certificate stays as it was");
-    logger_text(&line, "reason", e.msg);
-    logger_end(&line);
+    if (h->host.tls != NULL && tls_reload(h->host.tls, &e) != ST_OK)
+        logger_line("error", "the TLS certificate stays as it was", "reason", e.msg);
 }
 
 void http_quiesce(struct http *h, double ms)

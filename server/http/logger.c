@@ -1,7 +1,6 @@
 #include "logger.h"
 
 #include <inttypes.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -144,16 +143,13 @@ void logger_end(struct logger_line *l)
         return; /* nobody is there to be told */
 }
 
-void logger_line(const char *level, const char *fmt, ...)
+void logger_line(const char *level, const char *msg, const char *key, const char *value)
 {
     struct logger_line l;
-    char msg[LOG_VALUE_MAX];
-    va_list ap;
 
-    va_start(ap, fmt);
-    (void)vsnprintf(msg, sizeof msg, fmt, ap);
-    va_end(ap);
     logger_begin(&l, level, msg);
+    if (key != NULL)
+        logger_text(&l, key, value);
     logger_end(&l);
 }
 

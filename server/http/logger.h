@@ -39,9 +39,9 @@ void logger_real(struct logger_line *l, const char *key, double value, int decim
 /* logger_end(l): Writes the line. */
 void logger_end(struct logger_line *l);
 
-/* logger_line(level, fmt, ...): Writes a line with a message alone. */
-__attribute__((format(printf, 2, 3))) void logger_line(const char *level, const char *fmt,
-                                                       ...);
+/* logger_line(level, msg, key, value): Writes a line with one field.
+ *   key  NULL: the message alone */
+void logger_line(const char *level, const char *msg, const char *key, const char *value);
 
 /* logger_clock_ms(): Returns the time of a monotonic clock, ms. */
 double logger_clock_ms(void);

@@ -30,15 +30,6 @@ bool refusal_found(struct request *r)
     return true;
 }
 
-static void refusal_tell_log(const char *level, const char *what, const struct errinfo *e)
-{
-    struct logger_line l;
-
-    logger_begin(&l, level, what);
-    logger_text(&l, "reason", e->msg);
-    logger_end(&l);
-}
-
 /* The lock keeps the lines of several threads in the order of what they report. */
 static void tell_anchor(struct app *app)
 {
@@ -49,9 +40,9 @@ static void tell_anchor(struct app *app)
     (void)pthread_mutex_lock(&lock);
     behind = store_anchor_fault(app->store, &e);
     if (behind && !app->anchor_behind)
-        refusal_tell_log("warn", "the database's anchor is not up to date", &e);
+        logger_line("warn", "the database's anchor is not up to date", "reason", e.msg);
     else if (!behind && app->anchor_behind)
-        logger_line("info", "the database's anchor is up to date again");
+        logger_line("info", "the database's anchor is up to date again", NULL, NULL);
     app->anchor_behind = behind;
     (void)pthread_mutex_unlock(&lock);
 }
@@ -61,7 +52,7 @@ void refusal_tell(struct app *app)
     struct errinfo e;
 
     if (store_refused(app->store, &e) && !atomic_flag_test_and_set(&app->refusal_told))
-        refusal_tell_log("error", "the database is refused until the daemon is restarted",
-                         &e);
+        logger_line("error", "the database is refused until the daemon is restarted",
+                    "reason", e.msg);
     tell_anchor(app);
 }

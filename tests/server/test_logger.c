@@ -133,8 +133,11 @@ TEST(test_long)
 TEST(test_line)
 {
     catch_stderr();
-    logger_line("warn", "%s is %d", "it", 3);
-    assert_string_equal(caught("level"), "level=warn msg=\"it is 3\"");
+    logger_line("warn", "it is", "n", "3");
+    assert_string_equal(caught("level"), "level=warn msg=\"it is\" n=3");
+    catch_stderr();
+    logger_line("warn", "it is", NULL, NULL);
+    assert_string_equal(caught("level"), "level=warn msg=\"it is\"");
 }
 
 /* The first is told at once, the others together a minute later. */
