@@ -462,8 +462,8 @@ install: all
 	install -m 644 packaging/surfaced.socket packaging/surfaced-backup.timer \
 	    "$(DESTDIR)$(UNITDIR)/"
 	install -d "$(DESTDIR)$(PREFIX)/share/bash-completion/completions"
-	$(BUILD)/surfacectl completion bash \
-	    > "$(DESTDIR)$(PREFIX)/share/bash-completion/completions/surfacectl"
+	install -m 644 packaging/surfacectl.bash \
+	    "$(DESTDIR)$(PREFIX)/share/bash-completion/completions/surfacectl"
 	install -m 644 packaging/surfaced.sysusers \
 	    "$(DESTDIR)$(PREFIX)/lib/sysusers.d/surfaced.conf"
 	[ -e "$(DESTDIR)/etc/surfaced.conf" ] || \

@@ -141,57 +141,6 @@ const char *command_rate(const char *text, void *value)
                                                     : "a rate above 0 and at most 0.5";
 }
 
-/* ---- the nearest name */
-
-/* How many letters are inserted, removed or replaced; of up to 39. */
-static size_t edits_between(const char *a, const char *b)
-{
-    size_t row[40], before, was;
-    const size_t n = strlen(b);
-
-    for (size_t j = 0; j <= n; j++)
-        row[j] = j;
-    for (size_t i = 0; a[i] != '\0'; i++) {
-        before = row[0]++;
-        for (size_t j = 0; j < n; j++) {
-            was = row[j + 1];
-            row[j + 1] = before + (a[i] != b[j]);
-            if (row[j + 1] > was + 1)
-                row[j + 1] = was + 1;
-            if (row[j + 1] > row[j] + 1)
-                row[j + 1] = row[j] + 1;
-            before = was;
-        }
-    }
-    return row[n];
-}
-
-void command_near(struct command_near *near, const char *word, const char *before,
-                  const char *name)
-{
-    char whole[sizeof near->name];
-    size_t edits;
-
-    (void)snprintf(whole, sizeof whole, "%s%s", before, name);
-    edits = strlen(word) > 2 && strncmp(whole, word, strlen(word)) == 0
-                ? 1
-                : edits_between(word, whole);
-    if (3 * edits > strlen(whole) || (near->name[0] != '\0' && edits >= near->edits))
-        return;
-    (void)snprintf(near->name, sizeof near->name, "%s", whole);
-    near->edits = edits;
-}
-
-const char *command_meant(const struct command_near *near)
-{
-    static char text[sizeof near->name + 20];
-
-    text[0] = '\0';
-    if (near->name[0] != '\0')
-        (void)snprintf(text, sizeof text, "; did you mean %s?", near->name);
-    return text;
-}
-
 /* ---- what was typed */
 
 void command_line_add(struct command_line *l, const struct command_option *o)
@@ -208,14 +157,10 @@ void command_line_add(struct command_line *l, const struct command_option *o)
 
 static bool no_option(const struct command_line *l, const char *word, struct errinfo *e)
 {
-    struct command_near near = {.name = ""};
-
-    for (int k = 0; strncmp(word, "--", 2) == 0 && k < l->noption; k++)
-        command_near(&near, word, "--", l->option[k].name);
     (void)errinfo_set(e, ST_EINVAL,
-                      "there is no option %.60s%s (%s --help; put -- before an argument "
+                      "there is no option %.60s (%s --help; put -- before an argument "
                       "that begins with a hyphen)",
-                      word, command_meant(&near), l->program);
+                      word, l->program);
     return false;
 }
 
@@ -228,14 +173,14 @@ static bool wrong(const struct command_line *l, const char *what, const char *wh
 
 bool command_line_read(struct command_line *l, int argc, char **argv, struct errinfo *e)
 {
-    char letter[] = "-?";
+    char letter[] = "-?"; /* the unknown one of several letters */
     int got;
 
     opterr = 0;
     while ((got = getopt_long_only(argc, argv, ":ho:", l->option, NULL)) != -1) {
         int k = 0;
 
-        letter[1] = (char)optopt; /* the unknown one of several letters; 0: a word */
+        letter[1] = (char)optopt;
         if (got == '?')
             return no_option(l, optopt > 0 && optopt < LONG ? letter : argv[optind - 1],
                              e);

@@ -60,17 +60,6 @@ bool command_number(const char *text, double low, double high, double *to);
 
 /* ---- what was typed */
 
-/* The name that is nearest to a mistyped word; "" before, and where none is near.
- * command_near(near, word, before, name): is `before` and name together nearer?
- * command_meant(near): "; did you mean NAME?", or ""; static. */
-struct command_near {
-    char name[40];
-    size_t edits;
-};
-void command_near(struct command_near *near, const char *word, const char *before,
-                  const char *name);
-const char *command_meant(const struct command_near *near);
-
 #define COMMAND_OPTIONS 64 /* of different names, at most */
 
 /* All zero but the program's name, before command_line_add(). */

@@ -24,7 +24,7 @@
     X(ctl_token_revoke) X(ctl_device_add) X(ctl_device_list) X(ctl_device_remove) \
     X(ctl_subject_attempts_list) X(ctl_subject_attempts_reset) X(ctl_audit_show) \
     X(ctl_review_verify) X(ctl_audit_export) X(ctl_audit_checkpoint) X(ctl_audit_compare) \
-    X(ctl_audit_trim) X(ctl_completion)
+    X(ctl_audit_trim)
 /* clang-format on */
 
 #define EXTERN(name)  extern const struct ctl_command name;

@@ -56,29 +56,21 @@ static bool ctl_read_values(struct line *l)
 
 /* ---- the command */
 
-/* No command: of a group the verbs are listed, else the nearest name is. */
-static bool no_command(struct line *l, char **words, int n)
+/* Reports that the words name no command; of a group it lists the verbs. */
+static bool no_command(struct line *l, const char *word)
 {
-    struct command_near near = {.name = ""};
-    char list[160] = "", typed[160];
+    char list[160] = "";
     size_t at = 0;
 
-    (void)snprintf(typed, sizeof typed, "%.70s%s%.70s", words[0], n > 1 ? " " : "",
-                   n > 1 ? words[1] : "");
-    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++) {
-        if (ctl_table_in(*k, words[0]) && at < sizeof list)
+    for (const struct ctl_command *const *k = ctl_table; *k != NULL; k++)
+        if (ctl_table_in(*k, word) && at < sizeof list)
             at += (size_t)snprintf(list + at, sizeof list - at, "%s%s",
                                    at > 0 ? ", " : "", strchr((*k)->name, ' ') + 1);
-        command_near(&near, strchr((*k)->name, ' ') != NULL ? typed : words[0], "",
-                     (*k)->name);
-    }
-    if (at > 0 && n == 1)
-        (void)ctl_usage(&l->c, "usage: surfacectl %s COMMAND, which is one of %s",
-                        words[0], list);
+    if (at > 0)
+        (void)ctl_usage(&l->c, "usage: surfacectl %s COMMAND, which is one of %s", word,
+                        list);
     else
-        (void)ctl_usage(&l->c, "there is no command %s%s (surfacectl %s%s--help)",
-                        at > 0 ? typed : words[0], command_meant(&near),
-                        at > 0 ? words[0] : "", at > 0 ? " " : "");
+        (void)ctl_usage(&l->c, "there is no command %.80s (surfacectl --help)", word);
     return false;
 }
 
@@ -93,7 +85,7 @@ static bool read_words(struct line *l, char **words, int n)
     if ((l->cmd = ctl_table_find(words, n, &used)) == NULL) {
         l->group = words[0];
         return (help && n == 1 && ctl_table_is_group(words[0])) ||
-               no_command(l, words, n);
+               no_command(l, words[0]);
     }
     l->c.cmd = l->cmd;
     l->c.command = l->cmd->name;

@@ -206,17 +206,13 @@ static void print_help(const struct command *k)
 
 static enum status find_command(struct lab *c, const char *word, const struct command **k)
 {
-    struct command_near near = {.name = ""};
-
     for (size_t i = 0; i < COMMANDS; i++) {
         if (strcmp(command[i].name, word) == 0) {
             *k = &command[i];
             return ST_OK;
         }
-        command_near(&near, word, "", command[i].name);
     }
-    return lab_usage(c, "there is no command %.80s%s (surfacelab --help)", word,
-                     command_meant(&near));
+    return lab_usage(c, "there is no command %.80s (surfacelab --help)", word);
 }
 
 /* Values are read into *c, which also a wrong one may change. */

@@ -40,7 +40,7 @@ refuse 64 'does not take' "$ctl" --db f.db subject list --yes
 refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
 refuse 64 'axes takes auto or scanner' "$ctl" --db f.db --axes camera enroll alice good.ply
 refuse 64 'threshold' "$ctl" --db f.db dedup --threshold nan
-refuse 64 'no command token destroy' "$ctl" --db f.db token destroy all
+refuse 64 'token COMMAND, which is one of create, ' "$ctl" --db f.db token destroy all
 refuse 64 'token create \[NAME' "$ctl" --db f.db token create a b
 refuse 64 'scope takes a list' "$ctl" --db f.db token create --scope 'enroll verify' a
 refuse 64 "needs --scope: one or more of $ALL" "$ctl" --db f.db token create a
@@ -51,7 +51,6 @@ refuse 64 '--grace takes' "$ctl" --db f.db token rotate 000000000000000000000000
 refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
 refuse 64 'attempts COMMAND, which is one of list, reset' "$ctl" --db f.db attempts
 refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
-refuse 64 'did you mean subject show' "$ctl" --db f.db subject shwo alice
 
 # ids
 refuse 65 'not a subject id' "$ctl" --db f.db enroll 'al ice' good.ply

@@ -149,30 +149,25 @@ is "the daemon goes on" "$STATUS $(get .decision)" '200 match'
 ctl_exits 0 check-database
 
 # ---- the shell
-"$BUILD/surfacectl" completion bash >"$T/complete" || ok "completion" false
 if command -v bash >/dev/null 2>&1; then
     # completes WANTED WORD...: what the last word can become
     completes() {
         f_wanted=$1
         shift
         # shellcheck disable=SC2016 # the variables are bash's
-        is "completion of $*" "$(bash -c '. "$0"
-            COMP_WORDS=(surfacectl "$@") COMP_CWORD=$#
+        is "completion of $*" "$(bash -c '. packaging/surfacectl.bash
+            COMP_WORDS=("$0" "$@") COMP_CWORD=$#
             _surfacectl
-            echo "${COMPREPLY[*]}"' "$T/complete" "$@")" "$f_wanted"
+            echo "${COMPREPLY[*]}"' "$BUILD/surfacectl" "$@")" "$f_wanted"
     }
-    completes 'scan subject stats' s
-    completes 'list show set rename disable enable hold release erase' subject ''
-    completes 'rename release' --db x subject re
+    completes 'scan stats subject' s
+    completes 'disable enable erase hold list release rename set show' subject ''
+    completes 'release rename' --db x subject re
     completes '--consent' subject set alice --cons
     completes 'auto mm cm m in um' verify --units ''
     completes "$T/a.ply $T/a2.ply" verify alice "$T/a"
     completes "$T/a.ply $T/a2.ply" --key "$T/a"
 fi
-"$BUILD/surfacectl" completion zsh >"$T/complete"
-ok "for zsh too" grep -q bashcompinit "$T/complete"
-"$BUILD/surfacectl" completion fish >"$T/text" 2>&1
-is "no other" $? 64
 "$BUILD/surfacectl" --help >"$T/text"
 for code in 0 1 2 64 65 66 70 71 74 75 77; do
     ok "the manual has exit code $code" grep -q "^\.It $code$" man/surfacectl.1

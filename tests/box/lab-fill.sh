@@ -83,7 +83,7 @@ expect 64 "no --out" "$lab" fill holes.xyz
 expect 64 "two files" "$lab" fill holes.xyz whole.xyz --out none.ply
 expect 64 "an option of another command" "$lab" fill holes.xyz --tolerance 1 --out none.ply
 expect 64 "a mistyped command" "$lab" fil holes.xyz
-has err 'did you mean fill?'
+has err 'there is no command'
 expect 66 "no such scan" "$lab" fill --json none.xyz --out none.ply
 is "as JSON" "$(jq -r '.error | [.code, .exit] | @tsv' out | tr '\t' ' ')" 'not_found 66'
 head -n 50 whole.xyz >few.xyz
