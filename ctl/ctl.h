@@ -1,8 +1,8 @@
 /* ctl.h -- what every part of surfacectl is given: what the command line said, the output,
  * and the error that it ends with.  From the bottom up:
  *   ctl                        errors, exit codes, output; files that are written
- *   ctl_option, ctl_command    what an option and a command are
- *   ctl_model, ctl_config      the database, opened by its key and for a model; each subject
+ *   ctl_command, ctl_option    a command and its options
+ *   ctl_model                  the model and the database, named and opened; each subject
  *   ctl_face                   a scan as a face, compared
  *   ctl_cross                  many comparisons
  *   the other files            a command each, or a few of one group
@@ -55,21 +55,20 @@ struct ctl {
     bool short_passphrase;   /* a new one may have few characters */
     const char *archive_key; /* a file with its key or passphrase; NULL: asked for */
     struct ctl_scans scans;
-    const char *label;
     const char *dir;        /* --out; NULL: the command's own */
     uint32_t threads;       /* 0: one a core */
-    const char *public_key; /* 64 hexadecimal digits, or NULL */
+    const char *public_key; /* --public-key, 64 hexadecimal digits; NULL: not given */
     struct ctl_expires expires;
     const char *model_path; /* --model; NULL: the shipped one */
     bool dry_run, yes, force, json, help, version;
 
     const struct surface_model *model; /* that model_path names */
     char engine[SURFACE_ENGINE_SIZE];  /* by that model */
-    struct options *settings;  /* of the daemon, once read; by ctl_config_free() */
-    char usual_key[PATH_MAX];  /* the database's path and ".key" */
-    struct crypt_file *asked;  /* a passphrase, once asked for; to be freed */
-    struct store *store;       /* the database, once opened (ctl_model.h) */
-    struct surface_work *work; /* NULL if the command takes no --model */
+    struct options *settings;          /* of the daemon, once read; by ctl_model_free() */
+    char usual_key[PATH_MAX];          /* the database's path and ".key" */
+    struct crypt_file *asked;          /* a passphrase, once asked for; to be freed */
+    struct store *store;               /* the database, once opened (ctl_model.h) */
+    struct surface_work *work;         /* NULL if the command takes no --model */
     bool piped; /* --out -: the result is on standard output, what is said of it not */
     int code;   /* EXIT_FINE until a command says otherwise */
     struct json *out; /* NULL without json */

@@ -22,8 +22,8 @@
 #include "pool.h"
 #include "utf8.h"
 
-static bool force, each; /* --force, --each */
-static const char *kind; /* --kind */
+static bool force, each;         /* --force, --each */
+static const char *label, *kind; /* --label, --kind */
 
 /* The scans of a subject that are enrolled together. */
 struct burst {
@@ -41,7 +41,7 @@ static enum status ctl_enroll_add(struct ctl *c, struct burst *b,
 {
     const struct enrolment x = {.actor = c->actor,
                                 .subject = c->args[0],
-                                .label = c->label != NULL ? c->label : "",
+                                .label = label != NULL ? label : "",
                                 .sample = sample,
                                 .n = b->n,
                                 .manager = true,
@@ -230,8 +230,8 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     struct sample_found found;
     const struct enrolment x = {.actor = c->actor,
                                 .subject = w->corpus->subject[scan->subject].id,
-                                .label = c->label != NULL ? c->label
-                                                          : w->corpus->kind[scan->kind],
+                                .label =
+                                    label != NULL ? label : w->corpus->kind[scan->kind],
                                 .sample = &sample,
                                 .n = 1,
                                 .manager = true,
@@ -423,11 +423,13 @@ const struct ctl_command ctl_enroll = {
     .args = "SUBJECT FILE... | DIR | MANIFEST",
     .takes = {1, CTL_MANY},
     .database = CTL_NEEDS_DATABASE,
-    .shared = CTL_SCANS | CTL_MODEL | CTL_LABEL | CTL_THREADS,
+    .shared = CTL_SCANS | CTL_MODEL | CTL_THREADS,
     .options = {CTL_OPTION("force", NULL, command_flag, &force,
                            "enroll scans that do not match the subject's other samples"),
                 CTL_OPTION("each", NULL, command_flag, &each,
                            "make each file a template of its own"),
+                CTL_OPTION("label", "TEXT", command_text, &label,
+                           "a note stored with each template"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
                            "enroll only the scans of this kind (folder or table)")},
     .run = ctl_enroll_run,

@@ -1,4 +1,4 @@
-/* The model that a command judges by, and the database opened for it by its key. */
+/* The model and the database of a command: named, and opened. */
 #include "ctl_model.h"
 
 #include <inttypes.h>
@@ -13,6 +13,7 @@
 #include "ctl_command.h"
 #include "calibration.h"
 #include "modelfile.h"
+#include "options.h"
 
 #define PAGE 1000 /* subjects read at a time */
 
@@ -132,7 +133,89 @@ enum status ctl_model_archive_key(struct ctl *c, bool make, struct crypt_file **
                                                        : st;
 }
 
-/* ---- the model, the database */
+/* ---- the database that is named */
+
+/* Reads the daemon's settings into c->settings, to be released by ctl_model_free().  Returns ST_EINVAL with
+ * the first problem in c->e. */
+static enum status read_settings(struct ctl *c)
+{
+    static const char program[] = "surfaced: ";
+    char *problems = NULL;
+    size_t len;
+    FILE *errors = open_memstream(&problems, &len);
+    bool read = false;
+    enum status st = ST_OK;
+
+    c->settings = calloc(1, sizeof *c->settings);
+    if (c->settings != NULL && errors != NULL &&
+        (read = options_new(errors, c->settings)))
+        options_load(c->settings, c->config, NULL);
+    if (errors != NULL)
+        read = fclose(errors) == 0 && read;
+    if (!read)
+        st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    else if (settings_problems(c->settings->settings) > 0)
+        st = ctl_usage(c, "%.*s", (int)strcspn(problems, "\n") - (int)strlen(program),
+                       problems + strlen(program));
+    free(problems);
+    return st;
+}
+
+void ctl_model_free(struct ctl *c)
+{
+    if (c->settings != NULL)
+        options_free(c->settings);
+    free(c->settings);
+    c->settings = NULL;
+}
+
+/* Returns NULL if the variable is not set, or empty. */
+static const char *environment(const char *name)
+{
+    const char *value = getenv(name);
+
+    return value != NULL && value[0] != '\0' ? value : NULL;
+}
+
+/* What the daemon's configuration says if neither command line nor environment does. */
+static void take_settings(struct ctl *c)
+{
+    if (c->db == NULL)
+        c->db = c->settings->db;
+    if (c->key == NULL)
+        c->key = c->settings->key;
+    if (c->anchor == NULL)
+        c->anchor = c->settings->anchor;
+    c->plaintext = c->plaintext || c->settings->plaintext_database;
+    if (c->model_path == NULL && (c->cmd->shared & CTL_MODEL) != 0)
+        c->model_path = c->settings->model;
+}
+
+enum status ctl_model_find(struct ctl *c)
+{
+    enum status st = ST_OK;
+
+    if (c->model_path == NULL && (c->cmd->shared & CTL_MODEL) != 0)
+        c->model_path = environment("SURFACED_MODEL");
+    if (c->cmd->database == CTL_NO_DATABASE)
+        return ST_OK;
+    if (c->db == NULL && c->config == NULL)
+        c->db = environment("SURFACED_DB");
+    if (c->key == NULL)
+        c->key = environment("SURFACED_KEY");
+    if (c->anchor == NULL)
+        c->anchor = environment("SURFACED_ANCHOR");
+    if (environment("SURFACED_PLAINTEXT_DATABASE") != NULL)
+        c->plaintext = strcmp(environment("SURFACED_PLAINTEXT_DATABASE"), "1") == 0;
+    if (c->config != NULL || (c->db == NULL && c->public_key == NULL)) {
+        st = read_settings(c);
+        if (st == ST_OK)
+            take_settings(c);
+    }
+    return st;
+}
+
+/* ---- the model, the database opened */
 
 enum status ctl_model_read(struct ctl *c, struct surface_model **owned)
 {

@@ -1,11 +1,10 @@
-#include "ctl_option.h"
+#include "ctl_command.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "cloudfile.h"
-#include "ctl.h"
 #include "store.h"
 #include "utc.h"
 
@@ -92,8 +91,6 @@ static const struct command_option shared_options[] = {
            "without a header (see the manual)"),
     SHARED("model", "FILE", command_text, model_path, 0,
            "a model that surfacelab train wrote; or set SURFACED_MODEL"),
-    SHARED("label", "TEXT", command_text, label, 0,
-           "a note stored with each template, or a model's name"),
     SHARED("out", "DIR|FILE", command_text, dir, 'o',
            "the folder or the file that is written"),
     SHARED("threads", "N", command_whole, threads, 0,
@@ -104,8 +101,6 @@ static const struct command_option shared_options[] = {
            "accept a new passphrase of fewer than 12 characters"),
     SHARED("archive-key", "FILE", command_text, archive_key, 0,
            "a file with the archive's key or passphrase, instead of asking"),
-    SHARED("public-key", "HEX", command_text, public_key, 0,
-           "the public key of the database that signed FILE"),
     SHARED("expires", "TIME", read_expires, expires, 0,
            "the end: 90d, 12h or 30m from now, the end of 2027-01-31 (UTC),\n"
            "2027-01-31T14:30:00Z, or never"),

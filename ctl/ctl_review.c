@@ -10,7 +10,6 @@
 #include <string.h>
 
 #include "ctl_command.h"
-#include "ctl_config.h"
 #include "ctl_model.h"
 #include "json.h"
 #include "store.h"
@@ -370,8 +369,6 @@ static enum status ctl_review_run(struct ctl *c)
 
     if (c->nargs == 0 && c->public_key != NULL)
         return ctl_usage(c, "--public-key is for a file");
-    if (c->public_key == NULL && c->db == NULL && ctl_config_database(c, false) != ST_OK)
-        return ST_EINVAL;
     json_array(c->out, "problems");
     st = c->nargs > 0 ? ctl_review_file(c, &how, &found, &receipt)
                       : verify_database(c, &found, public_key);
@@ -393,8 +390,10 @@ const struct ctl_command ctl_review_verify = {
     .name = "audit verify",
     .args = "[FILE]",
     .takes = {0, 1},
-    .database = CTL_TAKES_DATABASE,
-    .shared = CTL_PUBLIC_KEY,
+    .database = CTL_NEEDS_DATABASE,
+    .options = {{"public-key", "HEX", command_text, NULL,
+                 "the public key of the database that signed FILE",
+                 offsetof(struct ctl, public_key), 0}},
     .exits = {"all is as it was written", "it is not; problems are printed"},
     .run = ctl_review_run,
     .summary = "verify the audit log, or a file that the database signed",

@@ -150,10 +150,8 @@ static void print_group(const char *group)
 static void print_command(const struct ctl_command *k)
 {
     (void)printf("Usage: surfacectl%s %s%s%s\n\n%c%s.\n%s\n\n",
-                 k->database >= CTL_NEEDS_DATABASE   ? " --db PATH"
-                 : k->database == CTL_TAKES_DATABASE ? " [--db PATH]"
-                                                     : "",
-                 k->name, k->args != NULL ? " " : "", k->args != NULL ? k->args : "",
+                 k->database != CTL_NO_DATABASE ? " --db PATH" : "", k->name,
+                 k->args != NULL ? " " : "", k->args != NULL ? k->args : "",
                  toupper((unsigned char)k->summary[0]), k->summary + 1, k->help);
     print_options(ctl_table_options(k) & ~(unsigned)CTL_VERSION, k->options);
     (void)printf("Example:\n  %s\n\n", k->example);

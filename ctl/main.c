@@ -8,7 +8,6 @@
 #include "crypt_file.h"
 #include "nodump.h"
 #include "ctl_command.h"
-#include "ctl_config.h"
 #include "ctl_model.h"
 #include "ctl_table.h"
 #include "outfile.h"
@@ -112,36 +111,6 @@ static bool ctl_read_line(int argc, char **argv, struct line *l)
     return l->c.e.code == ST_OK;
 }
 
-/* NULL where it is not set, or empty. */
-static const char *environment(const char *name)
-{
-    const char *value = getenv(name);
-
-    return value != NULL && value[0] != '\0' ? value : NULL;
-}
-
-/* What the environment says, or the daemon's configuration, where the command line did not. */
-static bool read_environment(struct line *l)
-{
-    struct ctl *c = &l->c;
-    const bool model = (l->cmd->shared & CTL_MODEL) != 0;
-
-    if (model && c->model_path == NULL)
-        c->model_path = environment("SURFACED_MODEL");
-    if (c->key == NULL)
-        c->key = environment("SURFACED_KEY");
-    if (c->anchor == NULL)
-        c->anchor = environment("SURFACED_ANCHOR");
-    if (environment("SURFACED_PLAINTEXT_DATABASE") != NULL)
-        c->plaintext = strcmp(environment("SURFACED_PLAINTEXT_DATABASE"), "1") == 0;
-    if (l->cmd->database == CTL_TAKES_DATABASE && c->config == NULL) {
-        if (c->db == NULL)
-            c->db = environment("SURFACED_DB");
-        return true;
-    }
-    return l->cmd->database == CTL_NO_DATABASE || ctl_config_database(c, model) == ST_OK;
-}
-
 static enum status ctl_run(struct ctl *c, struct surface_model **model)
 {
     const enum ctl_database database = c->cmd->database;
@@ -174,7 +143,7 @@ int main(int argc, char **argv)
         ctl_table_print(c->version, l.cmd, l.group);
         return command_end("surfacectl", NULL, false, &c->e, EXIT_FINE);
     }
-    ok = ok && read_environment(&l);
+    ok = ok && ctl_model_find(c) == ST_OK;
     c->json = command_line_given(&l.typed, "json"); /* of a wrong command line too */
     if (c->json && (c->out = json_new()) == NULL) {
         (void)fprintf(stderr, "surfacectl: out of memory\n");
@@ -188,7 +157,7 @@ int main(int argc, char **argv)
     store_close(c->store);
     surface_work_free(c->work);
     surface_model_free(model);
-    ctl_config_free(c);
+    ctl_model_free(c);
     crypt_file_free(c->asked);
     return command_end("surfacectl", c->out, c->code == EXIT_USAGE, &c->e, code);
 }
