@@ -250,44 +250,27 @@ static const struct json_value *value_of(const cJSON *item)
     return (const struct json_value *)item;
 }
 
-/* Where a value is: chained from it to the outermost one. */
-struct place {
-    const struct place *in;
-    cJSON *item;
-    size_t index;
-};
-
-/* As in a.points[17]; nothing for the outermost.  Returns the length. */
-static size_t print_place(const struct place *p, char *out, size_t size)
+/* The number of bytes of a member's name that a message shows. */
+static int shown(const char *key)
 {
-    size_t n;
-    int more;
+    const size_t len = strlen(key);
 
-    if (p->in == NULL)
-        return 0;
-    n = print_place(p->in, out, size);
-    more = p->item->string == NULL ? snprintf(out + n, size - n, "[%zu]", p->index)
-                                   : snprintf(out + n, size - n, "%s%.32s",
-                                              n > 0 ? "." : "", p->item->string);
-    return more > 0 && (size_t)more < size - n ? n + (size_t)more : n;
+    return (int)utf8_valid(key, len < 64 ? len : 64);
 }
 
-static enum status check_object(const struct place *p, struct errinfo *e)
+static enum status check_object(const cJSON *object, struct errinfo *e)
 {
-    const cJSON *first = p->item->child;
-    char where[120] = "the document";
     unsigned n = 0;
 
-    (void)print_place(p, where, sizeof where);
-    for (const cJSON *a = first; a != NULL; a = a->next) {
+    for (const cJSON *a = object->child; a != NULL; a = a->next) {
         if (++n > JSON_MEMBERS)
-            return errinfo_set(e, ST_EINVAL, "more than %d members in %s", JSON_MEMBERS,
-                               where);
-        for (const cJSON *b = first; b != a; b = b->next)
+            return errinfo_set(e, ST_EINVAL, "an object has more than %d members",
+                               JSON_MEMBERS);
+        for (const cJSON *b = object->child; b != a; b = b->next)
             if (strcmp(a->string, b->string) == 0)
                 return errinfo_set(e, ST_EINVAL,
-                                   "member %u of %s has the name of an earlier one", n,
-                                   where);
+                                   "an object has two members named \"%.*s\"",
+                                   shown(a->string), a->string);
     }
     return ST_OK;
 }
@@ -320,21 +303,16 @@ static void give_points(cJSON *array, struct reader *r)
     r->arrays++;
 }
 
-/* Checks the objects of p and below, which are as deep as json_text_check() allowed, and
+/* Checks the objects of item and below, which are as deep as json_text_check() allowed, and
  * gives the arrays, which come in the order of the text, their points. */
-static enum status check_values(const struct place *p, struct reader *r)
+static enum status check_values(cJSON *item, struct reader *r)
 {
-    struct place below = {.in = p, .item = p->item->child};
-    enum status st = cJSON_IsObject(p->item) ? check_object(p, r->e) : ST_OK;
+    enum status st = cJSON_IsObject(item) ? check_object(item, r->e) : ST_OK;
 
-    if (cJSON_IsArray(p->item)) {
-        give_points(p->item, r);
-        below.index = points_in(p->item);
-    }
-    for (; below.item != NULL && st == ST_OK; below.item = below.item->next) {
-        st = check_values(&below, r);
-        below.index++;
-    }
+    if (cJSON_IsArray(item))
+        give_points(item, r);
+    for (item = item->child; item != NULL && st == ST_OK; item = item->next)
+        st = check_values(item, r);
     return st;
 }
 
@@ -369,7 +347,7 @@ static enum status read_document(struct reader *r, struct json_value **out)
     if (st == ST_OK)
         st = parse(&r->text, &doc, r->e);
     if (st == ST_OK)
-        st = check_values(&(struct place){.item = doc}, r);
+        st = check_values(doc, r);
     json_text_free(&r->text);
     if (st != ST_OK)
         cJSON_Delete(doc);
@@ -441,7 +419,6 @@ static bool is_known(const char *key, const char *const known[])
 static enum status unknown_member(const char *key, const char *where,
                                   const char *const known[], struct errinfo *e)
 {
-    const size_t len = strlen(key), shown = utf8_valid(key, len < 64 ? len : 64);
     char list[120] = "";
 
     for (size_t i = 0, n = 0; known[i] != NULL && n < sizeof list; i++)
@@ -451,7 +428,7 @@ static enum status unknown_member(const char *key, const char *where,
                                                      : ", ",
                               known[i]);
     return errinfo_set(e, ST_EINVAL, "%s: unknown member \"%.*s\"; allowed: %s", where,
-                       (int)shown, key, list);
+                       shown(key), key, list);
 }
 
 enum status json_expect(const struct json_value *v, const char *where,

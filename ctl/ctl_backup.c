@@ -23,27 +23,11 @@ static void out_copied(struct ctl *c, const struct admin_copied *k)
     json_number(c->out, "bytes", (double)k->bytes);
 }
 
-static enum status backup(struct ctl *c)
-{
-    struct admin_copied copied;
-    struct store_key key;
-    char size[32];
-    enum status st = ctl_may_write(c, c->args[0], 0);
-
-    if (st == ST_OK && (st = ctl_model_key(c, c->db, &key)) == ST_OK &&
-        (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
-        st = admin_backup(c->store, c->args[0], &key, &copied, &c->e);
-    if (st != ST_OK)
-        return st;
-    json_text(c->out, "backup", c->args[0]);
-    out_copied(c, &copied);
-    ctl_say(c, "%s: verified: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n",
-            c->args[0], CTL_COUNT(copied.subjects), CTL_COUNT(copied.templates),
-            ctl_bytes(copied.bytes, size));
-    return ST_OK;
-}
-
-static enum status copy(struct ctl *c)
+/* Writes a verified copy of the database to the argument.  what: the member of the result that names it. */
+static enum status copy_to(struct ctl *c, const char *what,
+                           enum status (*write)(struct store *, const char *,
+                                                const struct store_key *,
+                                                struct admin_copied *, struct errinfo *))
 {
     const char *to = c->args[0];
     struct admin_copied copied;
@@ -53,17 +37,27 @@ static enum status copy(struct ctl *c)
 
     if (st == ST_OK &&
         (st = store_open(c->db, STORE_READ, &key, &c->store, &c->e)) == ST_OK)
-        st = admin_move(c->store, to, &key, &copied, &c->e);
+        st = write(c->store, to, &key, &copied, &c->e);
     if (st != ST_OK)
         return st;
-    json_text(c->out, "copy", to);
+    json_text(c->out, what, to);
     out_copied(c, &copied);
     ctl_say(c, "%s: verified: %" PRIu64 " subject%s, %" PRIu64 " template%s, %s\n", to,
             CTL_COUNT(copied.subjects), CTL_COUNT(copied.templates),
             ctl_bytes(copied.bytes, size));
-    if (key.given == NULL && !key.plaintext)
-        ctl_say(c, "It opens with the same key: --db %s --key %s\n", to, key.path);
     return ST_OK;
+}
+
+static enum status backup(struct ctl *c)
+{
+    const enum status st = ctl_may_write(c, c->args[0], 0);
+
+    return st == ST_OK ? copy_to(c, "backup", admin_backup) : st;
+}
+
+static enum status copy(struct ctl *c)
+{
+    return copy_to(c, "copy", admin_move);
 }
 
 static void tell_restored(const struct ctl *c, const struct admin_restored *r)

@@ -125,9 +125,9 @@ TEST(test_refused)
     bad("{\"a\":[[1,2,3],[4,5,6]],\"b\":[[1,2,3],[4,5,6]],,}", ST_EINVAL,
         "not valid JSON at byte 46");
     bad("{\"a\":[[1,2,3],[4,5,6]],\"b\":[[1,2,3],[4,5,6]],\"a\":1}", ST_EINVAL,
-        "member 3 of the document has the name of an earlier one");
+        "an object has two members named \"a\"");
     bad("{\"a\":[[1,2,3],[4,5,6],{\"c\":1,\"c\":1}]}", ST_EINVAL,
-        "member 2 of a[2] has the name of an earlier one");
+        "an object has two members named \"c\"");
     bad("[[[[[[[[[[[[[[[[[1,2,3]]]]]]]]]]]]]]]]]", ST_EINVAL,
         "deeper than 16 at byte 16");
     check("[[1,2,3],[1,2,3],[1,2,3],[1,2,3],[1,2,3],[1,2,3],[1,2,3],[1,2,3],[1,2,3]]", "",
