@@ -18,99 +18,107 @@ static enum status ctl_cross_no_memory(struct ctl *c)
 
 struct ctl_cross_list {
     struct ctl *c;
-    struct ctl_cross_subject *subject;
-    uint32_t n;
+    struct ctl_cross *p;
 };
 
-/* Those that have a template. */
 static enum status list_subject(void *arg, const struct store_subject *one,
                                 struct errinfo *e)
 {
-    struct ctl_cross_list *l = arg;
-    void *larger;
+    struct ctl *c = ((struct ctl_cross_list *)arg)->c;
+    struct ctl_cross *p = ((struct ctl_cross_list *)arg)->p;
+    struct store_template *t = NULL;
+    void *subjects = NULL, *templates = NULL;
+    size_t n = 0;
+    enum status st =
+        one->templates > 0 ? store_template_list(c->store, one->id, &t, &n, e) : ST_OK;
 
-    (void)e;
-    if (one->templates == 0)
-        return ST_OK;
-    if ((larger = command_grow(l->subject, l->n, sizeof *l->subject)) == NULL)
-        return ctl_cross_no_memory(l->c);
-    l->subject = larger;
-    memcpy(l->subject[l->n++].id, one->id, sizeof one->id);
-    return ST_OK;
+    if (st != ST_OK || n == 0)
+        goto out;
+    if ((subjects = command_grow(p->subject, p->nsubject, sizeof *p->subject)) != NULL)
+        p->subject = subjects;
+    templates = realloc(p->tmpl, (p->ntemplate + n) * sizeof *p->tmpl);
+    if (templates != NULL)
+        p->tmpl = templates;
+    if (subjects == NULL || templates == NULL) {
+        st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        goto out;
+    }
+    p->subject[p->nsubject] =
+        (struct ctl_cross_subject){.first = p->ntemplate, .n = (uint32_t)n};
+    memcpy(p->subject[p->nsubject].id, one->id, sizeof one->id);
+    for (size_t i = 0; i < n; i++) {
+        struct ctl_cross_template *to = &p->tmpl[p->ntemplate++];
+
+        memcpy(to->id, t[i].id, sizeof to->id);
+        memcpy(to->digest, t[i].digest, sizeof to->digest);
+        to->owner = p->nsubject;
+    }
+    p->nsubject++;
+out:
+    free(t);
+    return st;
 }
 
-/* Keep n of list[0..m-1], in their order (Knuth's algorithm S). */
-static void draw_subjects(struct ctl_cross_subject *list, uint32_t m, uint32_t n,
-                          uint64_t seed)
+enum status ctl_cross_list(struct ctl *c, struct ctl_cross *p)
 {
-    uint32_t taken = 0;
-
-    for (uint32_t i = 0; i < m && taken < n; i++)
-        if (rates_below(&seed, m - i) < n - taken)
-            list[taken++] = list[i];
+    return ctl_model_each(c->store, list_subject, &(struct ctl_cross_list){c, p}, &c->e);
 }
 
-static enum status load_subject(struct ctl *c, struct ctl_cross_subject *one,
+/* Appends the subject and the templates of it that have a face, which are at its place or behind. */
+static enum status load_subject(struct ctl *c, struct ctl_cross_subject one,
                                 struct ctl_cross *p)
 {
-    struct store_template *list = NULL, t;
-    size_t n = 0;
-    void *faces;
-    enum status st = store_template_list(c->store, one->id, &list, &n, &c->e);
+    const uint32_t first = p->ntemplate;
+    enum status st = ST_OK;
 
-    one->first = p->ntemplate;
-    one->n = 0;
-    if (st == ST_ENOTFOUND)
-        return ST_OK; /* deleted since it was listed */
-    if (st != ST_OK)
-        return st;
-    if ((faces = realloc(p->face, (p->ntemplate + n + 1) * sizeof *p->face)) != NULL)
-        p->face = faces;
-    else
-        st = ctl_cross_no_memory(c);
-    for (size_t i = 0; i < n && st == ST_OK; i++) {
+    for (uint32_t i = one.first; i < one.first + one.n && st == ST_OK; i++) {
+        struct store_template t;
         struct surface_face *f = NULL;
 
-        st = store_template_load(c->store, list[i].id, &t, c->work, &f, &c->e);
+        st = store_template_load(c->store, p->tmpl[i].id, &t, c->work, &f, &c->e);
         if (st == ST_OK) {
-            p->face[p->ntemplate++] = f;
-            one->n++;
+            p->face[p->ntemplate] = f;
+            p->tmpl[p->ntemplate] = p->tmpl[i];
+            p->tmpl[p->ntemplate++].owner = p->nsubject;
         } else {
             if (st == ST_EVERSION) /* of another engine, and of no use to this one */
                 (void)fprintf(stderr, "surfacectl: template skipped: %s\n", c->e.msg);
             st = st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
         }
     }
-    free(list);
+    one.first = first;
+    one.n = p->ntemplate - first;
+    if (one.n > 0)
+        p->subject[p->nsubject++] = one;
     return st;
 }
 
 enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p)
 {
-    struct ctl_cross_list list = {.c = c};
-    enum status st = ctl_model_each(c->store, list_subject, &list, &c->e);
-    uint32_t all = list.n;
+    enum status st = ctl_cross_list(c, p);
+    const uint32_t all = p->nsubject;
+    uint32_t wanted = all < CTL_CROSS_MAX ? all : CTL_CROSS_MAX;
 
-    p->subject = list.subject;
+    if (st != ST_OK)
+        return st;
+    if ((p->face = malloc((p->ntemplate + (size_t)1) * sizeof(void *))) == NULL)
+        return ctl_cross_no_memory(c);
     p->nenrolled = all;
-    if (st == ST_OK && all > CTL_CROSS_MAX) {
-        draw_subjects(p->subject, all, CTL_CROSS_MAX, seed);
-        all = CTL_CROSS_MAX;
-    }
-    for (uint32_t i = 0; i < all && st == ST_OK; i++) {
-        p->subject[p->nsubject] = p->subject[i];
-        if ((st = load_subject(c, &p->subject[p->nsubject], p)) == ST_OK &&
-            p->subject[p->nsubject].n > 0)
-            p->nsubject++;
-    }
+    p->nsubject = p->ntemplate = 0;
+    for (uint32_t i = 0; i < all && st == ST_OK; i++)
+        if (rates_below(&seed, all - i) < wanted) { /* Knuth's algorithm S */
+            wanted--;
+            st = load_subject(c, p->subject[i], p);
+        }
     return st;
 }
 
 void ctl_cross_free(struct ctl_cross *p)
 {
-    for (uint32_t i = 0; i < p->ntemplate; i++)
+    for (uint32_t i = 0; p->face != NULL && i < p->ntemplate; i++)
         surface_face_free(p->face[i]);
     free(p->face);
+    free(p->tmpl);
     free(p->subject);
     free(p->score);
     memset(p, 0, sizeof *p);
@@ -153,21 +161,6 @@ struct trials {
     struct rates_score *score; /* [trials] */
 };
 
-static uint32_t owner(const struct ctl_cross *p, uint32_t template)
-{
-    uint32_t low = 0, high = p->nsubject;
-
-    while (high - low > 1) {
-        const uint32_t mid = low + (high - low) / 2;
-
-        if (p->subject[mid].first <= template)
-            low = mid;
-        else
-            high = mid;
-    }
-    return low;
-}
-
 static enum status do_trial(void *arg, size_t i, struct surface_work *w,
                             struct errinfo *e)
 {
@@ -175,7 +168,7 @@ static enum status do_trial(void *arg, size_t i, struct surface_work *w,
     const struct trial *x = &t->trial[i];
 
     t->score[i].template = x->subject;
-    t->score[i].probe = owner(t->p, x->probe);
+    t->score[i].probe = t->p->tmpl[x->probe].owner;
     return ctl_cross_compare(t->p, x->subject, x->probe, t->p->face[x->probe], w,
                              &t->score[i].score, e);
 }

@@ -1,7 +1,7 @@
-/* ctl_cross.h -- everybody in the database compared with everybody else.
- * A comparison is what a verification does: one scan against all templates of a subject, of
- * which the highest score counts, lowered by the logarithm of their number (surface_best_of()), also
- * where that is inconclusive at the threshold in force: at a lower one it may match. */
+/* ctl_cross.h -- each subject in the database compared with every other.
+ * A comparison is that of a verification: one scan against all templates of a subject, of which the highest
+ * score counts, lowered by the logarithm of their number (surface_best_of()).  The score counts also if it
+ * is inconclusive at the threshold in force: at a lower one it may match. */
 #ifndef CTL_CROSS_H
 #define CTL_CROSS_H
 #include <stddef.h>
@@ -12,35 +12,50 @@
 
 struct ctl;
 
-#define CTL_CROSS_MAX 2000 /* subjects in memory at once */
+#define CTL_CROSS_MAX 2000 /* subjects with faces in memory at once */
 
 struct ctl_cross_subject {
     char id[STORE_SUBJECT_MAX + 1];
-    uint32_t first, n; /* templates first .. first + n - 1 */
+    uint32_t first, n; /* its templates: tmpl[first] to tmpl[first + n - 1] */
+};
+
+struct ctl_cross_template {
+    char id[STORE_ID_LEN + 1];
+    char digest[65];
+    uint32_t owner; /* index of its subject */
 };
 
 struct ctl_cross {
-    struct ctl_cross_subject *subject; /* with templates, as they came */
-    uint32_t nsubject;
-    uint32_t nenrolled; /* that have templates: nsubject, or more than are in memory */
-    struct surface_face **face; /* [ntemplate] */
-    uint32_t ntemplate;
+    struct ctl_cross_subject
+        *subject;                    /* [nsubject] with templates, in order of creation */
+    struct ctl_cross_template *tmpl; /* [ntemplate] */
+    uint32_t nsubject, ntemplate;
+    uint32_t nenrolled;         /* number of subjects in the database with templates */
+    struct surface_face **face; /* [ntemplate]; NULL: not loaded */
 
-    struct rates_score *score; /* subjects are indices of subject */
+    struct rates_score *score; /* [nscore]; subjects are indices of subject */
     size_t nscore;
 };
 
-/* ctl_cross_load(c, seed, p): *p is all zero.  Of more than CTL_CROSS_MAX
- * subjects that many are drawn.  c->e is filled on failure, here and below. */
+/* Every function fills c->e if it fails. */
+
+/* ctl_cross_list(c, p): Lists the subjects with templates, and these.
+ *   p   all zero before; to be released by ctl_cross_free() */
+enum status ctl_cross_list(struct ctl *c, struct ctl_cross *p);
+
+/* ctl_cross_load(c, seed, p): Lists them, and loads the faces of the templates.  If there are more than
+ * CTL_CROSS_MAX subjects, draws that many.  Skips templates that this engine cannot re-encode. */
 enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p);
+
 void ctl_cross_free(struct ctl_cross *p);
 
-/* ctl_cross_non_mated(c, p, limit, seed): add the scores of each subject's templates
- * against every other's; where that is more than about limit comparisons of two templates,
- * each subject is met by as many others' templates, drawn without replacement.
- * ctl_cross_mated(c, p): each template against the same subject's others. */
+/* ctl_cross_non_mated(c, p, limit, seed): Adds the scores of each subject's templates against those of every
+ * other subject.  If these are more than about limit comparisons of two templates, draws for each subject
+ * an equal number of probes, without replacement. */
 enum status ctl_cross_non_mated(struct ctl *c, struct ctl_cross *p, double limit,
                                 uint64_t seed);
+
+/* ctl_cross_mated(c, p): Adds the score of each template against the other templates of its subject. */
 enum status ctl_cross_mated(struct ctl *c, struct ctl_cross *p);
 
 #endif

@@ -9,18 +9,13 @@
 #include "calibration.h"
 #include "pool.h"
 #include "ctl_command.h"
+#include "ctl_cross.h"
 #include "ctl_model.h"
 
 #define NOBODY UINT32_MAX
 
 static const char *only;                      /* --subject */
 static double chosen_threshold = (double)NAN; /* --threshold */
-
-struct ctl_dedup_entry { /* a template */
-    char id[STORE_ID_LEN + 1];
-    char digest[65];
-    uint32_t owner; /* of subject[] */
-};
 
 /* A comparison of two subjects' templates. */
 struct ctl_dedup_pair {
@@ -31,10 +26,7 @@ struct ctl_dedup_pair {
 
 struct dedup {
     struct ctl *c;
-    char (*subject)[STORE_SUBJECT_MAX + 1]; /* [nsubject] with templates, as they came */
-    uint32_t nsubject;
-    struct ctl_dedup_entry *entry; /* [n] */
-    uint32_t n;
+    struct ctl_cross all;
     uint32_t alone; /* the subject that is compared with all others; or NOBODY */
 
     struct store_calibration calibration; /* in force */
@@ -50,45 +42,14 @@ struct dedup {
 
 /* ---- templates that are compared */
 
-static enum status list_one(void *arg, const struct store_subject *one, struct errinfo *e)
-{
-    struct dedup *d = arg;
-    struct store_template *t = NULL;
-    void *larger;
-    size_t n = 0;
-    enum status st =
-        one->templates > 0 ? store_template_list(d->c->store, one->id, &t, &n, e) : ST_OK;
-
-    if (st != ST_OK || n == 0)
-        goto out;
-    st = ST_ENOMEM;
-    if ((larger = command_grow(d->subject, d->nsubject, sizeof *d->subject)) == NULL)
-        goto out;
-    d->subject = larger;
-    if ((larger = realloc(d->entry, (d->n + n) * sizeof *d->entry)) == NULL)
-        goto out;
-    d->entry = larger;
-    if (only != NULL && strcmp(one->id, only) == 0)
-        d->alone = d->nsubject;
-    memcpy(d->subject[d->nsubject], t[0].subject, sizeof t[0].subject);
-    for (size_t i = 0; i < n; i++, d->n++) {
-        memcpy(d->entry[d->n].id, t[i].id, sizeof t[i].id);
-        memcpy(d->entry[d->n].digest, t[i].digest, sizeof t[i].digest);
-        d->entry[d->n].owner = d->nsubject;
-    }
-    d->nsubject++;
-    st = ST_OK;
-out:
-    free(t);
-    return st == ST_ENOMEM ? errinfo_set(&d->c->e, ST_ENOMEM, "out of memory") : st;
-}
-
 static enum status list_all(struct dedup *d)
 {
-    enum status st;
+    enum status st = ctl_cross_list(d->c, &d->all);
 
     d->alone = NOBODY;
-    st = ctl_model_each(d->c->store, list_one, d, &d->c->e);
+    for (uint32_t i = 0; only != NULL && i < d->all.nsubject; i++)
+        if (strcmp(d->all.subject[i].id, only) == 0)
+            d->alone = i;
     if (st == ST_OK && only != NULL && d->alone == NOBODY)
         st =
             errinfo_set(&d->c->e, ST_ENOTFOUND, "no subject %.128s has a template", only);
@@ -98,20 +59,22 @@ static enum status list_all(struct dedup *d)
 /* Each two once, the one that came first as the template. */
 static bool is_pair(const struct dedup *d, uint32_t a, uint32_t b)
 {
-    const uint32_t x = d->entry[a].owner, y = d->entry[b].owner;
+    const uint32_t x = d->all.tmpl[a].owner, y = d->all.tmpl[b].owner;
 
     return x < y && (d->alone == NOBODY || x == d->alone || y == d->alone);
 }
 
 static void count_pairs(struct dedup *d)
 {
-    for (uint32_t from = 0, to; from < d->n; from = to) { /* a subject's */
-        for (to = from; to < d->n && d->entry[to].owner == d->entry[from].owner;)
-            to++;
+    const struct ctl_cross *p = &d->all;
+
+    for (uint32_t i = 0; i < p->nsubject; i++) {
+        const struct ctl_cross_subject *one = &p->subject[i];
+
         if (d->alone == NOBODY)
-            d->pairs += (double)(to - from) * (d->n - to);
-        else if (d->entry[from].owner == d->alone)
-            d->pairs = (double)(to - from) * (d->n - (to - from));
+            d->pairs += (double)one->n * (p->ntemplate - one->first - one->n);
+        else if (i == d->alone)
+            d->pairs = (double)one->n * (p->ntemplate - one->n);
     }
 }
 
@@ -125,7 +88,7 @@ static enum status ctl_dedup_keep(struct dedup *d, uint32_t a, uint32_t b, doubl
         return ST_ENOMEM;
     d->found = larger;
     d->found[d->nfound++] =
-        (struct ctl_dedup_pair){d->entry[a].owner, d->entry[b].owner, a, b, score};
+        (struct ctl_dedup_pair){d->all.tmpl[a].owner, d->all.tmpl[b].owner, a, b, score};
     return ST_OK;
 }
 
@@ -136,7 +99,8 @@ static enum status ctl_dedup_load(const struct dedup *d, uint32_t i,
                                   struct errinfo *e)
 {
     struct store_template t;
-    const enum status st = store_template_load(d->c->store, d->entry[i].id, &t, w, f, e);
+    const enum status st =
+        store_template_load(d->c->store, d->all.tmpl[i].id, &t, w, f, e);
 
     return st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
 }
@@ -175,7 +139,7 @@ static enum status compare_row(struct dedup *d, uint32_t a, struct surface_work 
     bool loaded = false;
     enum status st = ST_OK;
 
-    for (uint32_t b = a + 1; b < d->n && st == ST_OK; b++) {
+    for (uint32_t b = a + 1; b < d->all.ntemplate && st == ST_OK; b++) {
         if (!is_pair(d, a, b))
             continue;
         if (!loaded && (st = ctl_dedup_load(d, a, w, &r->a, e)) != ST_OK)
@@ -195,7 +159,8 @@ static enum status do_row(void *arg, size_t i, struct surface_work *w, struct er
     struct dedup *d = arg;
     const uint32_t k = (uint32_t)i / 2;
     struct row r = {0};
-    const enum status st = compare_row(d, i % 2 == 0 ? k : d->n - 1 - k, w, &r, e);
+    const enum status st =
+        compare_row(d, i % 2 == 0 ? k : d->all.ntemplate - 1 - k, w, &r, e);
 
     (void)pthread_mutex_lock(&d->lock);
     d->compared += r.compared;
@@ -214,8 +179,8 @@ static void tell_costs(const struct dedup *d)
         d->pairs * surface_calibration_rate(&d->calibration.table, d->threshold);
 
     json_text(d->c->out, "engine", d->c->engine);
-    json_number(d->c->out, "subjects", d->nsubject);
-    json_number(d->c->out, "templates", d->n);
+    json_number(d->c->out, "subjects", d->all.nsubject);
+    json_number(d->c->out, "templates", d->all.ntemplate);
     json_number(d->c->out, "pairs", d->pairs);
     json_score(d->c->out, "threshold", d->threshold);
     json_rate(d->c->out, "by_chance", chance);
@@ -224,7 +189,7 @@ static void tell_costs(const struct dedup *d)
                   "surfacectl: %.0f comparisons of %" PRIu64
                   " subject%s; by chance about %.2g of them at or above %.2f, by the "
                   "calibration of %s\n",
-                  d->pairs, CTL_COUNT(d->nsubject), chance, d->threshold,
+                  d->pairs, CTL_COUNT(d->all.nsubject), chance, d->threshold,
                   d->calibration.shipped
                       ? "other people: these may be more alike (see surfacectl calibrate)"
                       : "this database");
@@ -232,21 +197,21 @@ static void tell_costs(const struct dedup *d)
 
 static void tell_pair(const struct dedup *d, const struct ctl_dedup_pair *p)
 {
-    const struct ctl_dedup_entry *a = &d->entry[p->a], *b = &d->entry[p->b];
+    const struct ctl_cross_template *a = &d->all.tmpl[p->a], *b = &d->all.tmpl[p->b];
     const double fmr = surface_calibration_rate(&d->calibration.table, p->score);
     const bool same = strcmp(a->digest, b->digest) == 0;
 
     json_object(d->c->out, NULL);
-    json_text(d->c->out, "subject_a", d->subject[p->x]);
-    json_text(d->c->out, "subject_b", d->subject[p->y]);
+    json_text(d->c->out, "subject_a", d->all.subject[p->x].id);
+    json_text(d->c->out, "subject_b", d->all.subject[p->y].id);
     json_text(d->c->out, "template_a", a->id);
     json_text(d->c->out, "template_b", b->id);
     json_score(d->c->out, "score", p->score);
     json_rate(d->c->out, "fmr_at_score", fmr);
     json_flag(d->c->out, "same_scan", same);
     json_close(d->c->out);
-    ctl_say(d->c, "%9.2f  %8.1e  %s  %s%s\n", p->score, fmr, d->subject[p->x],
-            d->subject[p->y], same ? "  (identical scan)" : "");
+    ctl_say(d->c, "%9.2f  %8.1e  %s  %s%s\n", p->score, fmr, d->all.subject[p->x].id,
+            d->all.subject[p->y].id, same ? "  (identical scan)" : "");
 }
 
 static void tell_found(const struct dedup *d)
@@ -325,7 +290,8 @@ static enum status dedup(struct dedup *d)
     if (c->dry_run)
         return ST_OK;
     if (d->pairs > 0)
-        st = pool_run("compare", c->threads, c->model, d->n, do_row, d, &c->e);
+        st =
+            pool_run("compare", c->threads, c->model, d->all.ntemplate, do_row, d, &c->e);
     if (st != ST_OK)
         return st;
     d->nfound = sort_pairs(d->found, d->nfound);
@@ -343,8 +309,7 @@ static enum status ctl_dedup_run(struct ctl *c)
         st = dedup(&d);
     c->code = d.nfound > 0 ? EXIT_NO : EXIT_FINE;
     (void)pthread_mutex_destroy(&d.lock);
-    free(d.subject);
-    free(d.entry);
+    ctl_cross_free(&d.all);
     free(d.found);
     return st;
 }
