@@ -24,11 +24,21 @@ struct enrolling {
     struct rows_subject of;
 };
 
-/* The subject, added where it is new, else seen. */
+static enum status find_subject(void *arg, struct errinfo *e)
+{
+    struct enrolling *g = arg;
+    enum status st = store_actor_may(&g->t, &g->by, e);
+
+    if (sql_goes_on(g->t.sql, st))
+        st = rows_subject_find(&g->t, g->what->subject, &g->of, e);
+    return st;
+}
+
+/* Adds the subject if there is none, else records the time of its use. */
 static enum status need_subject(struct enrolling *g, struct errinfo *e)
 {
     struct store_subject about = {0};
-    enum status st = rows_subject_find(&g->t, g->what->subject, &g->of, e);
+    enum status st = find_subject(g, e);
 
     if (st == ST_OK)
         return rows_subject_seen(&g->t, g->of.one.uid, g->by.at, e);
@@ -133,16 +143,10 @@ static enum status enroll_rows(struct store *s, struct enrolling *g,
 
     if (st != ST_OK)
         return st;
-    if (sql_ahead(g->t.sql, true)) {
-        (void)store_actor_may(&g->t, &g->by, NULL);
-        (void)rows_subject_find(&g->t, g->what->subject, &g->of, NULL);
-        log_txn_ahead(&g->t);
-        (void)sql_ahead(g->t.sql, false);
-    }
+    store_read_ahead(&g->t, find_subject, g);
     if ((st = store_check(s, &g->t, e)) != ST_OK)
         return st;
-    if ((st = store_actor_may(&g->t, &g->by, e)) == ST_OK)
-        st = need_subject(g, e);
+    st = need_subject(g, e);
     for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
         st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);
     sodium_memzero(&g->of, sizeof g->of);

@@ -254,34 +254,42 @@ static enum status accept(const struct rows_token *one,
     return ST_OK;
 }
 
+struct search { /* for a token, by the hash of its secret */
+    struct log_txn x;
+    unsigned char hash[ROWS_TOKEN_HASH];
+    struct rows_token one;
+};
+
+static enum status find_token(void *arg, struct errinfo *e)
+{
+    struct search *f = arg;
+
+    return rows_token_find(&f->x, f->hash, &f->one, e);
+}
+
 enum status store_token_check(struct store *s, const char *secret, struct store_token *t,
                               struct errinfo *e)
 {
-    unsigned char hash[ROWS_TOKEN_HASH];
-    struct rows_token one;
-    struct log_txn x;
+    struct search f;
     int64_t ms;
     enum status st;
 
     memset(t, 0, sizeof *t);
     if (!ident_consists(secret, "0123456789abcdef", 2 * SECRET_BYTES, 2 * SECRET_BYTES))
         return errinfo_set(e, ST_EDENIED, "not a token");
-    hash_secret(secret, hash);
+    hash_secret(secret, f.hash);
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_start(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, &f.x, e)) != ST_OK)
         return st;
-    if (sql_ahead(x.sql, true)) {
-        (void)rows_token_find(&x, hash, &one, NULL);
-        (void)sql_ahead(x.sql, false);
-    }
-    if ((st = store_check(s, &x, e)) != ST_OK)
+    store_read_ahead(&f.x, find_token, &f);
+    if ((st = store_check(s, &f.x, e)) != ST_OK)
         return st;
-    st = store_end(s, &x, rows_token_find(&x, hash, &one, e), e);
+    st = store_end(s, &f.x, find_token(&f, e), e);
     if (st == ST_ENOTFOUND)
         st = errinfo_set(e, ST_EDENIED, "no such token");
-    if (st != ST_OK || (st = accept(&one, hash, ms, e)) != ST_OK)
+    if (st != ST_OK || (st = accept(&f.one, f.hash, ms, e)) != ST_OK)
         return st;
-    *t = one.token;
+    *t = f.one.token;
     note_use(s, t, ms);
     return ST_OK;
 }

@@ -216,6 +216,16 @@ enum status store_begin_use(struct store *s, enum sql_begin how,
     return st == ST_OK ? store_check(s, t, e) : st;
 }
 
+void store_read_ahead(struct log_txn *t, store_read *read, void *arg)
+{
+    if (!sql_ahead(t->sql, true))
+        return;
+    (void)read(arg, NULL);
+    if (t->how != SQL_READ)
+        log_txn_ahead(t);
+    (void)sql_ahead(t->sql, false);
+}
+
 enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e)
 {
     struct errinfo why;

@@ -49,9 +49,16 @@ enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
 
 /* store_start(s, how, t, e): The first step of store_begin(): begins t and takes its lock.  The caller
- * may then send queries ahead (sql_ahead()), and nothing else, until store_check(). */
+ * may then call store_read_ahead(), and nothing else, until store_check(). */
 enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
+
+/* store_read_ahead(t, read, arg): Sends the queries of read(arg, NULL) ahead, between store_start() and
+ * store_check(), and, in a transaction that writes, the query for the end of the access log.  After
+ * store_check() the caller calls read(arg, e), which receives the rows: all in one round trip.
+ *   read  asks sql_goes_on() before each query but the first, and makes no changes */
+typedef enum status store_read(void *arg, struct errinfo *e);
+void store_read_ahead(struct log_txn *t, store_read *read, void *arg);
 
 /* store_check(s, t, e): The second step of store_begin(): checks the database.  After a failure t has
  * ended.  Returns as store_begin(). */

@@ -17,6 +17,7 @@
 
 struct store_reading {
     struct store *store;
+    const struct store_snapshot_of *what; /* until store_snapshot_begin() returns */
     struct log_txn t;
     struct rows_subject of;
     struct rows_template *row; /* [n] of the snapshot */
@@ -25,25 +26,58 @@ struct store_reading {
     bool begun, future;
 };
 
-/* The subject and those of its templates that are asked for. */
-static enum status read_templates(const struct store_snapshot_of *what,
-                                  struct store_snapshot *out, struct errinfo *e)
+/* Reads the subject with all its templates, and the attempts. */
+static enum status read_subject(struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    enum status st = rows_subject_find(&r->t, r->what->subject, &r->of, e);
+
+    if (sql_goes_on(r->t.sql, st))
+        st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e);
+    if (sql_goes_on(r->t.sql, st))
+        st = rows_attempts_find(&r->t, &r->of, r->token, r->now, &out->attempts,
+                                &r->future, e);
+    return st;
+}
+
+/* Reads one template with its subject, and the attempts. */
+static enum status read_template(struct store_snapshot *out, struct errinfo *e)
 {
     struct store_reading *r = out->reading;
     enum status st;
 
-    if (what->subject != NULL) {
-        if ((st = rows_subject_find(&r->t, what->subject, &r->of, e)) != ST_OK ||
-            (st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e)) != ST_OK)
-            return st;
-    } else {
-        if ((r->row = malloc(sizeof *r->row)) == NULL)
-            return errinfo_set(e, ST_ENOMEM, "out of memory");
-        if ((st = rows_template_get(&r->t, what->template_id, r->row, &r->of, e)) !=
-            ST_OK)
-            return st;
-        out->n = 1;
-    }
+    if (r->row == NULL && (r->row = malloc(sizeof *r->row)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    out->n = 1;
+    if ((st = rows_template_get(&r->t, r->what->template_id, r->row, &r->of, e)) != ST_OK)
+        return st;
+    return rows_attempts_find(&r->t, &r->of, r->token, r->now, &out->attempts, &r->future,
+                              e);
+}
+
+static enum status read_all(void *arg, struct errinfo *e)
+{
+    struct store_snapshot *out = arg;
+    struct store_reading *r = out->reading;
+    struct store_calibration k;
+    enum status st =
+        r->what->subject != NULL ? read_subject(out, e) : read_template(out, e);
+
+    if (!sql_goes_on(r->t.sql, st))
+        return st;
+    if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
+        return st == ST_ENOTFOUND ? ST_OK : st;
+    out->calibration = k.version;
+    if (k.version != r->what->calibration)
+        out->k = k;
+    return ST_OK;
+}
+
+/* Describes the rows to the caller. */
+static enum status describe(struct store_snapshot *out, struct errinfo *e)
+{
+    const struct store_reading *r = out->reading;
+
     if (out->n > STORE_TEMPLATES_MAX)
         return errinfo_set(e, ST_ECORRUPT, "subject %s has %zu templates, more than %d",
                            r->of.one.id, out->n, STORE_TEMPLATES_MAX);
@@ -51,52 +85,9 @@ static enum status read_templates(const struct store_snapshot_of *what,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     for (size_t i = 0; i < out->n; i++)
         out->t[i] = r->row[i].one;
-    return ST_OK;
-}
-
-static enum status read_all(const struct store_snapshot_of *what,
-                            struct store_snapshot *out, struct errinfo *e)
-{
-    struct store_reading *r = out->reading;
-    struct store_calibration k;
-    enum status st = read_templates(what, out, e);
-
-    if (st != ST_OK)
-        return st;
     out->subject = r->of.one;
     out->subject.expired = store_rules_past(out->subject.expires, r->now);
-    if ((st = rows_attempts_find(&r->t, out->subject.id, r->token, r->now, &out->attempts,
-                                 &r->future, e)) != ST_OK)
-        return st;
-    if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
-        return st == ST_ENOTFOUND ? ST_OK : st;
-    out->calibration = k.version;
-    if (k.version != what->calibration)
-        out->k = k;
     return ST_OK;
-}
-
-/* What read_all() reads, all at once. */
-static void snapshot_ahead(struct store_reading *r, const struct store_snapshot_of *what)
-{
-    struct store_calibration k;
-    struct store_attempts now;
-    struct rows_template one;
-    size_t n;
-
-    if (!sql_ahead(r->t.sql, true))
-        return;
-    if (what->subject != NULL) {
-        (void)snprintf(r->of.one.id, sizeof r->of.one.id, "%s", what->subject);
-        (void)rows_template_list(&r->t, &r->of, &r->row, &n, NULL);
-        (void)rows_attempts_find(&r->t, what->subject, r->token, r->now, &now, &r->future,
-                                 NULL);
-        (void)rows_subject_find(&r->t, what->subject, &r->of, NULL);
-    } else {
-        (void)rows_template_get(&r->t, what->template_id, &one, &r->of, NULL);
-    }
-    (void)rows_calibration_get(&r->t, &k, NULL);
-    (void)sql_ahead(r->t.sql, false);
 }
 
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
@@ -113,16 +104,17 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     if ((r = out->reading = calloc(1, sizeof *r)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     r->store = s;
+    r->what = what;
     (void)snprintf(r->token, sizeof r->token, "%s",
                    what->token != NULL ? what->token : "");
     if ((st = store_rules_now(&r->now, e)) != ST_OK ||
         (st = store_start(s, SQL_READ, &r->t, e)) != ST_OK)
         return st;
-    snapshot_ahead(r, what);
+    store_read_ahead(&r->t, read_all, out);
     if ((st = store_check(s, &r->t, e)) != ST_OK)
         return st;
     r->begun = true;
-    return read_all(what, out, e);
+    return (st = read_all(out, e)) == ST_OK ? describe(out, e) : st;
 }
 
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
@@ -140,17 +132,16 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
     return st;
 }
 
-static enum status move_future(const struct store_reading *r,
-                               const struct store_subject *one, struct errinfo *e)
+static enum status move_future(const struct store_reading *r, struct errinfo *e)
 {
-    const struct store_use use = {.subject = one->key, .token = r->token};
+    const struct store_use use = {.subject = r->of.one.key, .token = r->token};
     struct log_txn t;
     const enum status st = store_begin_use(r->store, SQL_LAZY, &use, &t, e);
 
     if (st != ST_OK)
         return st;
-    return store_end(r->store, &t, rows_attempts_not_after(&t, one, r->token, r->now, e),
-                     e);
+    return store_end(r->store, &t,
+                     rows_attempts_not_after(&t, &r->of.one, r->token, r->now, e), e);
 }
 
 enum status store_snapshot_end(struct store_snapshot *out, enum status st,
@@ -165,8 +156,7 @@ enum status store_snapshot_end(struct store_snapshot *out, enum status st,
     if (r->begun)
         st = store_end(r->store, &r->t, st, e);
     /* also where the reading was refused: a lock-out must end some day */
-    if (r->future && (moved = move_future(r, &out->subject, &why)) != ST_OK &&
-        st == ST_OK)
+    if (r->future && (moved = move_future(r, &why)) != ST_OK && st == ST_OK)
         st = errinfo_set(e, moved, "%s", why.msg);
     free(r->row);
     sodium_memzero(r, sizeof *r);
@@ -183,36 +173,54 @@ void store_snapshot_free(struct store_snapshot *out)
 
 /* ---- what it writes */
 
-/* The id of the template that one of the probe's frames was made into; "": none was. */
-static enum status find_same(struct log_txn *t, const struct store_record *what,
-                             char id[STORE_ID_LEN + 1], struct errinfo *e)
+/* A record that is being written. */
+struct recording {
+    struct log_txn t;
+    struct store_record what;
+    struct log_act by;
+    char
+        same[STORE_ID_LEN + 1]; /* template made of one of the probe's frames; "": none */
+    struct store_day day;
+    bool future;
+    struct store_recorded *out;
+};
+
+static enum status find_same(struct recording *r, struct errinfo *e)
 {
-    const struct store_probe *p = what->probe;
+    const struct store_probe *p = r->what.probe;
     enum status st = ST_OK;
 
-    id[0] = '\0';
-    for (size_t i = 0; st == ST_OK && id[0] == '\0' && p->read[i] != NULL; i++)
-        st = rows_template_same(t, what->subject->uid, p->used, p->read[i], id, e);
+    for (size_t i = 0; st == ST_OK && r->same[0] == '\0' && p->read[i] != NULL; i++)
+        st = rows_template_same(&r->t, r->what.subject->uid, p->used, p->read[i], r->same,
+                                e);
+    return st;
+}
+
+static enum status read_before(void *arg, struct errinfo *e)
+{
+    struct recording *r = arg;
+    const struct store_record *what = &r->what;
+    enum status st = store_actor_may(&r->t, &r->by, e);
+
+    if (sql_goes_on(r->t.sql, st))
+        st = rows_attempts_get(&r->t, what->subject, what->actor, r->by.ms, &r->out->now,
+                               &r->future, e);
+    if (sql_goes_on(r->t.sql, st) && what->probe != NULL)
+        st = find_same(r, e);
+    if (sql_goes_on(r->t.sql, st) && what->decision != NULL)
+        st = rows_day_get(&r->t, r->by.at, what->decision, &r->day, e);
     return st;
 }
 
 /* A match by a scan that is no new one is no match. */
-static enum status look_back(struct log_txn *t, struct store_record *what,
-                             struct store_recorded *out, struct errinfo *e)
+static void look_back(struct recording *r)
 {
-    char id[STORE_ID_LEN + 1] = "";
-    enum status st;
-
-    if (what->probe == NULL)
-        return ST_OK;
-    st = find_same(t, what, id, e);
-    if (st != ST_OK || (id[0] == '\0' && !what->replayed))
-        return st;
-    out->replayed = true;
-    what->outcome = "replayed";
-    if (what->as == STORE_RECORD_PASSED)
-        what->as = STORE_RECORD_FAILED;
-    return ST_OK;
+    if (r->what.probe == NULL || (r->same[0] == '\0' && !r->what.replayed))
+        return;
+    r->out->replayed = true;
+    r->what.outcome = "replayed";
+    if (r->what.as == STORE_RECORD_PASSED)
+        r->what.as = STORE_RECORD_FAILED;
 }
 
 /* Returns the warnings of an attempt after was: a bit of enum store_warning each. */
@@ -279,49 +287,22 @@ static enum status add_events(struct log_txn *t, const struct store_record *what
     return st;
 }
 
-static enum status write_all(struct log_txn *t, const struct store_record *asked,
-                             const struct log_act *by, struct store_recorded *out,
-                             struct errinfo *e)
+static enum status write_all(struct recording *r, struct errinfo *e)
 {
-    struct store_record what = *asked;
-    bool future;
-    enum status st =
-        rows_attempts_get(t, what.subject, what.actor, by->ms, &out->now, &future, e);
+    struct store_recorded *out = r->out;
+    enum status st;
 
-    if (st != ST_OK)
-        return st;
-    out->wait_ms = store_attempts_wait_ms(what.limits, &out->now, &out->why);
+    out->wait_ms = store_attempts_wait_ms(r->what.limits, &out->now, &out->why);
     if (out->why != STORE_WAIT_NONE)
         return ST_OK;
-    if ((st = look_back(t, &what, out, e)) != ST_OK)
+    look_back(r);
+    if ((r->what.decision != NULL && !out->replayed &&
+         (st = rows_day_count(&r->t, &r->day, r->what.score, e)) != ST_OK) ||
+        (st = store_record_attempt(&r->t, &r->what, r->by.ms, out, e)) != ST_OK ||
+        (st = add_events(&r->t, &r->what, &r->by, out, e)) != ST_OK ||
+        store_rules_recent(r->what.subject->seen, r->by.ms))
         return st;
-    if ((what.decision != NULL && !out->replayed &&
-         (st = rows_day_count(t, by->at, what.decision, what.score, e)) != ST_OK) ||
-        (st = store_record_attempt(t, &what, by->ms, out, e)) != ST_OK ||
-        (st = add_events(t, &what, by, out, e)) != ST_OK ||
-        store_rules_recent(what.subject->seen, by->ms))
-        return st;
-    return rows_subject_seen(t, what.subject->uid, by->at, e);
-}
-
-/* What write_all() reads, all at once. */
-static void record_ahead(struct log_txn *t, const struct store_record *what,
-                         const struct log_act *by)
-{
-    struct store_attempts now;
-    char id[STORE_ID_LEN + 1];
-    bool future;
-
-    if (!sql_ahead(t->sql, true))
-        return;
-    (void)store_actor_may(t, by, NULL);
-    (void)rows_attempts_get(t, what->subject, what->actor, by->ms, &now, &future, NULL);
-    if (what->probe != NULL)
-        (void)find_same(t, what, id, NULL);
-    if (what->decision != NULL)
-        rows_day_ahead(t, by->at, what->decision);
-    log_txn_ahead(t);
-    (void)sql_ahead(t->sql, false);
+    return rows_subject_seen(&r->t, r->what.subject->uid, r->by.at, e);
 }
 
 enum status store_record_verification(struct store *s, const struct store_record *what,
@@ -331,20 +312,19 @@ enum status store_record_verification(struct store *s, const struct store_record
     const struct store_use use = {.subject = what->subject->key,
                                   .token = failed ? what->actor : NULL,
                                   .appends = true};
-    struct log_act by;
-    struct log_txn t;
+    struct recording r = {.what = *what, .out = out};
     enum status st;
 
     *out = (struct store_recorded){.why = STORE_WAIT_NONE};
-    if ((st = log_act(&by, what->actor, e)) != ST_OK ||
-        (st = store_start_use(s, failed ? SQL_WRITE : SQL_LAZY, &use, &t, e)) != ST_OK)
+    if ((st = log_act(&r.by, what->actor, e)) != ST_OK ||
+        (st = store_start_use(s, failed ? SQL_WRITE : SQL_LAZY, &use, &r.t, e)) != ST_OK)
         return st;
-    record_ahead(&t, what, &by);
-    if ((st = store_check(s, &t, e)) != ST_OK)
+    store_read_ahead(&r.t, read_before, &r);
+    if ((st = store_check(s, &r.t, e)) != ST_OK)
         return st;
-    if ((st = store_actor_may(&t, &by, e)) == ST_OK)
-        st = write_all(&t, what, &by, out, e);
-    return store_end(s, &t, st, e);
+    if ((st = read_before(&r, e)) == ST_OK)
+        st = write_all(&r, e);
+    return store_end(s, &r.t, st, e);
 }
 
 enum status store_days(struct store *s, struct store_day **out, size_t *n,

@@ -119,8 +119,7 @@ enum status log_access(struct log_txn *t, const struct log_act *by, const char *
 /* log_txn_appends(t, e): Takes the lock of this daemon's access log at once, for a later log_access(). */
 enum status log_txn_appends(struct log_txn *t, struct errinfo *e);
 
-/* log_txn_ahead(t): Sends the query for the end of the access log ahead.  Call it before log_txn_begin(),
- * while sql_ahead() is on. */
+/* log_txn_ahead(t): Sends the query for the end of the access log, while sql_ahead() is on. */
 void log_txn_ahead(struct log_txn *t);
 
 /* log_found(t, by, daemon, to, e): Appends a change that names the present end of another daemon's access

@@ -119,15 +119,13 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
                future, e);
 }
 
-enum status rows_attempts_find(struct log_txn *t, const char *id, const char *token,
-                               int64_t now, struct store_attempts *out, bool *future,
-                               struct errinfo *e)
+enum status rows_attempts_find(struct log_txn *t, const struct rows_subject *of,
+                               const char *token, int64_t now, struct store_attempts *out,
+                               bool *future, struct errinfo *e)
 {
-    unsigned char lookup[CRYPT_HASH];
-
-    rows_subject_lookup(t, id, lookup);
     return get(t, ATTEMPTS("(SELECT s.subject_key FROM subjects s WHERE s.lookup = $1)"),
-               sql_blob(lookup, sizeof lookup), id, token, now, out, future, e);
+               sql_blob(of->lookup, sizeof of->lookup), of->one.id, token, now, out,
+               future, e);
 }
 
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,

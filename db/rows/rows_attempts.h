@@ -5,7 +5,7 @@
 #ifndef DB_ROWS_ATTEMPTS_H
 #define DB_ROWS_ATTEMPTS_H
 #include "log_txn.h"
-#include "rows_types.h"
+#include "rows_subject.h"
 
 /* rows_attempts_get(t, subject, token, now, out, future, e): Reads the attempts on subject and by token.
  *   out     all members are set; a count without failures is 0, and so is its age
@@ -14,11 +14,11 @@ enum status rows_attempts_get(struct log_txn *t, const struct store_subject *sub
                               const char *token, int64_t now, struct store_attempts *out,
                               bool *future, struct errinfo *e);
 
-/* rows_attempts_find(t, id, token, now, out, future, e): Like rows_attempts_get(), but finds the subject by its
- * id within the same query.  If no subject has this id, the counts of the subject are 0. */
-enum status rows_attempts_find(struct log_txn *t, const char *id, const char *token,
-                               int64_t now, struct store_attempts *out, bool *future,
-                               struct errinfo *e);
+/* rows_attempts_find(t, of, token, now, out, future, e): Like rows_attempts_get(), but reads only of->lookup
+ * and of->one.id, which are known before the row of the subject was read. */
+enum status rows_attempts_find(struct log_txn *t, const struct rows_subject *of,
+                               const char *token, int64_t now, struct store_attempts *out,
+                               bool *future, struct errinfo *e);
 
 /* rows_attempts_not_after(t, subject, token, now, e): Sets the time of each failure that lies after now to now,
  * in all rows of subject and all rows of token. */

@@ -26,50 +26,38 @@ static int bin_of(double score)
     return !(at > 0) ? 0 : at >= STORE_DAY_BINS ? STORE_DAY_BINS - 1 : (int)at;
 }
 
-static enum status read_one(struct log_txn *t, const char *at, const char *decision,
-                            char day[STORE_DAY + 1], uint32_t bin[STORE_DAY_BINS],
-                            struct errinfo *e)
+enum status rows_day_get(struct log_txn *t, const char *at, const char *decision,
+                         struct store_day *out, struct errinfo *e)
 {
     struct sql_rows *r;
     enum status st;
 
-    (void)snprintf(day, STORE_DAY + 1, "%s", at);
+    memset(out, 0, sizeof *out);
+    (void)snprintf(out->day, sizeof out->day, "%s", at);
+    (void)snprintf(out->decision, sizeof out->decision, "%s", decision);
     if ((st = SQL_QUERY(t->sql, &r, e,
                         "SELECT bins FROM days WHERE day = $1 AND decision = $2 "
                         "AND daemon = $3",
-                        sql_text(day), sql_text(decision), sql_int(t->log->daemon))) ==
-            ST_OK &&
+                        sql_text(out->day), sql_text(decision),
+                        sql_int(t->log->daemon))) == ST_OK &&
         sql_next(r))
-        read_bins(r, 0, bin);
+        read_bins(r, 0, out->bin);
     return sql_done(r, st, e);
 }
 
-void rows_day_ahead(struct log_txn *t, const char *at, const char *decision)
-{
-    uint32_t bin[STORE_DAY_BINS];
-    char day[STORE_DAY + 1];
-
-    (void)read_one(t, at, decision, day, bin, NULL);
-}
-
-enum status rows_day_count(struct log_txn *t, const char *at, const char *decision,
-                           double score, struct errinfo *e)
+enum status rows_day_count(struct log_txn *t, struct store_day *day, double score,
+                           struct errinfo *e)
 {
     unsigned char bytes[BINS_BYTES], *to = bytes;
-    uint32_t bin[STORE_DAY_BINS] = {0};
-    char day[STORE_DAY + 1];
-    const enum status st = read_one(t, at, decision, day, bin, e);
 
-    if (st != ST_OK)
-        return st;
-    bin[bin_of(score)]++;
+    day->bin[bin_of(score)]++;
     for (int i = 0; i < STORE_DAY_BINS; i++)
-        bytes_put_number(&to, bin[i], 4);
+        bytes_put_number(&to, day->bin[i], 4);
     return SQL_RUN(
         t->sql, e,
         "INSERT INTO days (day, decision, daemon, bins) VALUES ($1, $2, $3, $4) "
         "ON CONFLICT (day, decision, daemon) DO UPDATE SET bins = excluded.bins",
-        sql_text(day), sql_text(decision), sql_int(t->log->daemon),
+        sql_text(day->day), sql_text(day->decision), sql_int(t->log->daemon),
         sql_blob(bytes, sizeof bytes));
 }
 

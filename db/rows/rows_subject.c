@@ -82,8 +82,8 @@ const struct rows_table rows_subjects = {
 
 /* ---- reading */
 
-void rows_subject_lookup(const struct log_txn *t, const char *subject,
-                         unsigned char out[CRYPT_HASH])
+static void set_lookup(const struct log_txn *t, const char *subject,
+                       unsigned char out[CRYPT_HASH])
 {
     crypt_lookup(t->crypt, "subject", subject, strlen(subject), out);
 }
@@ -92,11 +92,14 @@ enum status rows_subject_find(struct log_txn *t, const char *subject,
                               struct rows_subject *out, struct errinfo *e)
 {
     unsigned char lookup[CRYPT_HASH];
+    enum status st;
 
-    rows_subject_lookup(t, subject, lookup);
-    return rows_table_find(t, &rows_subjects,
-                           "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.lookup = $1",
-                           COL_LOOKUP, sql_blob(lookup, sizeof lookup), subject, out, e);
+    set_lookup(t, subject, lookup);
+    st = rows_table_find(t, &rows_subjects,
+                         "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.lookup = $1",
+                         COL_LOOKUP, sql_blob(lookup, sizeof lookup), subject, out, e);
+    memcpy(out->lookup, lookup, sizeof lookup);
+    return st;
 }
 
 enum status rows_subject_get(struct log_txn *t, const unsigned char uid[STORE_UID],
@@ -151,7 +154,7 @@ static void encrypt(const struct log_txn *t, struct rows_subject *p)
 {
     const struct sql_field_blob label = label_of(p);
 
-    rows_subject_lookup(t, p->one.id, p->lookup);
+    set_lookup(t, p->one.id, p->lookup);
     rows_table_encrypt(p->key, &label, about, ABOUT, p, &p->about);
 }
 

@@ -24,11 +24,6 @@ extern const struct rows_table rows_subjects;
     "(SELECT count(*) FROM templates x WHERE x.uid = s.uid)"
 #define ROWS_SUBJECT_N 13
 
-/* rows_subject_lookup(t, subject, out): what the row of this id is found by: a query that names it, and
- * not the row's key, needs no round trip for the row. */
-void rows_subject_lookup(const struct log_txn *t, const char *subject,
-                         unsigned char out[CRYPT_HASH]);
-
 /* rows_subject_find(t, subject, out, e), rows_subject_get(t, uid, out, e): by id, by uid.
  * ST_ENOTFOUND, ST_ECORRUPT.
  * rows_subject_list(t, after, limit, out, n, e): in the order of creation, those whose key is

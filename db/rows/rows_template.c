@@ -183,16 +183,14 @@ static enum status rows_template_list_rows(struct log_txn *t,
                                            struct errinfo *e)
 {
     struct rows_template_listing l = {t, of};
-    unsigned char lookup[CRYPT_HASH];
     struct sql_rows *r;
     void *rows = NULL;
-    enum status st;
+    enum status st =
+        SQL_QUERY(t->sql, &r, e,
+                  "SELECT " COLUMNS " FROM templates t "
+                  "WHERE t.uid = (SELECT s.uid FROM subjects s WHERE s.lookup = $1)",
+                  sql_blob(of->lookup, sizeof of->lookup));
 
-    rows_subject_lookup(t, of->one.id, lookup);
-    st = SQL_QUERY(t->sql, &r, e,
-                   "SELECT " COLUMNS " FROM templates t "
-                   "WHERE t.uid = (SELECT s.uid FROM subjects s WHERE s.lookup = $1)",
-                   sql_blob(lookup, sizeof lookup));
     st = sql_read_list(r, st, list_row, &l, sizeof **out, &rows, n, e);
     *out = rows;
     if (*n > 1)

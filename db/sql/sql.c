@@ -51,10 +51,8 @@ enum status sql_settle(struct sql_txn *t, struct errinfo *e)
 
 bool sql_ahead(struct sql_txn *t, bool on)
 {
-    if (t->driver->ahead == NULL)
-        return false;
-    t->driver->ahead(t, on);
-    return true;
+    t->ahead = on && t->driver->pipelines;
+    return t->driver->pipelines;
 }
 
 void sql_prove(struct sql_txn *t, const char *text, const struct sql_value *value,

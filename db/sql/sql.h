@@ -84,6 +84,8 @@ enum status sql_settle(struct sql_txn *t, struct errinfo *e);
 /* sql_ahead(t, on): Switches pipelining on or off.  While it is on, a query is only sent and gives no rows;
  * the same query with the same values later in t gives them.  So several queries cost one round trip
  * to a server.  A change meanwhile fails (ST_EINTERNAL).  After the first change queries are sent again.
+ * A function that reads is called twice, first while it is on, and asks sql_goes_on() before each query
+ * but the first.
  * Returns false if the driver has no round trips to save; queries then work as usual. */
 bool sql_ahead(struct sql_txn *t, bool on);
 
@@ -199,7 +201,8 @@ enum status sql_first(struct sql_txn *t, const char *text, const struct sql_valu
 /* ---- a driver: a table of the functions above, and the head of each of its objects */
 
 struct sql_driver {
-    bool file; /* the database is a file: sql_file.h can be used */
+    bool file;      /* the database is a file: sql_file.h can be used */
+    bool pipelines; /* a statement costs a round trip: sql_ahead() saves some */
     void (*close)(struct sql *d);
     enum status (*begin)(struct sql *d, enum sql_begin how, struct sql_txn **t,
                          struct errinfo *e);
@@ -207,10 +210,8 @@ struct sql_driver {
     enum status (*version)(struct sql_txn *t, int *version, struct errinfo *e);
     enum status (*create)(struct sql_txn *t, struct errinfo *e);
     enum status (*bytes)(struct sql_txn *t, uint64_t *bytes, struct errinfo *e);
-    /* lock, prove, settle: NULL if one process writes at a time.  ahead: NULL if a statement costs no
-     * round trip. */
+    /* lock, prove, settle: NULL if one process writes at a time. */
     enum status (*lock)(struct sql_txn *t, uint32_t key, struct errinfo *e);
-    void (*ahead)(struct sql_txn *t, bool on);
     void (*prove)(struct sql_txn *t, const char *text, const struct sql_value *value,
                   size_t n);
     enum status (*settle)(struct sql_txn *t, struct errinfo *e);
@@ -233,11 +234,19 @@ struct sql {
 
 struct sql_txn {
     const struct sql_driver *driver;
+    bool ahead; /* queries are only sent */
 };
 
 struct sql_rows {
     const struct sql_driver *driver;
 };
+
+/* sql_goes_on(t, st): Returns true if a function that reads makes its next query: st, the status of the
+ * query before, is ST_OK, or queries are only sent. */
+static inline bool sql_goes_on(const struct sql_txn *t, enum status st)
+{
+    return st == ST_OK || t->ahead;
+}
 
 /* sql_one_row(n, e): Returns ST_ECORRUPT, for a change that must be of one row and was of n rows. */
 enum status sql_one_row(uint64_t n, struct errinfo *e);

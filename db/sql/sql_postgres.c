@@ -204,7 +204,7 @@ static enum status begin_until(struct sql_postgres *d, enum sql_begin how, int64
     c->wait_ms = WAIT_MS;
     c->until = until;
     c->writes = how != SQL_READ;
-    c->ahead = c->committing = c->committed = c->warned = false;
+    c->base.ahead = c->committing = c->committed = c->warned = false;
     c->cursors = c->lock = 0;
     c->proof = NULL;
     st = sql_postgres_conn_run(&c->base, begins[how][0], NULL, 0, false, e);
@@ -454,6 +454,7 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
 }
 
 const struct sql_driver sql_postgres_driver = {
+    .pipelines = true,
     .close = close_server,
     .begin = sql_postgres_begin,
     .end = sql_postgres_end,
@@ -461,7 +462,6 @@ const struct sql_driver sql_postgres_driver = {
     .create = sql_postgres_create,
     .bytes = bytes,
     .lock = lock,
-    .ahead = sql_postgres_conn_ahead,
     .prove = prove,
     .settle = sql_postgres_settle,
     .run = sql_postgres_conn_run,

@@ -69,7 +69,7 @@ struct sql_postgres_conn { /* a connection, and its transaction */
     bool closing;  /* an error was one that a rollback does not repair: closed after it */
     int wait_ms;   /* limit of the wait for each result */
     int64_t until; /* limit of all waits, by sql_postgres_wait_clock(); INT64_MAX: none */
-    bool writes, ahead, committing, committed;
+    bool writes, committing, committed;
     bool warned; /* while committing */
     unsigned cursors;
     uint64_t changed;                 /* by the last RUN */
@@ -148,6 +148,5 @@ enum status sql_postgres_conn_query(struct sql_txn *t, const char *text,
 bool sql_postgres_conn_next(struct sql_rows *r);
 struct sql_value sql_postgres_conn_column(const struct sql_rows *r, int i);
 enum status sql_postgres_conn_done(struct sql_rows *r, enum status st, struct errinfo *e);
-void sql_postgres_conn_ahead(struct sql_txn *t, bool on);
 
 #endif

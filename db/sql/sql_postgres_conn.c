@@ -449,14 +449,14 @@ enum status sql_postgres_conn_query(struct sql_txn *t, const char *text,
                                     struct sql_rows **out, struct errinfo *e)
 {
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
-    struct sql_postgres_rows *r = c->ahead ? NULL : unpark(c, text, value, n);
+    struct sql_postgres_rows *r = c->base.ahead ? NULL : unpark(c, text, value, n);
     enum status st;
 
     *out = r != NULL ? &r->base : NULL;
     if (r != NULL)
         return ST_OK;
     if ((r = new_rows(c, text)) == NULL ||
-        (c->ahead && (r->key = key_of(value, n, &r->key_len)) == NULL)) {
+        (c->base.ahead && (r->key = key_of(value, n, &r->key_len)) == NULL)) {
         free(r);
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
@@ -464,7 +464,7 @@ enum status sql_postgres_conn_query(struct sql_txn *t, const char *text,
                 : post(c, text, value, n, SQL_POSTGRES_QUERY, r, e);
     if (st != ST_OK) {
         drop_rows(r);
-    } else if (c->ahead) {
+    } else if (c->base.ahead) {
         r->next = c->parked;
         c->parked = r;
     } else {
@@ -564,11 +564,6 @@ static void unpark_all(struct sql_postgres_conn *c)
     }
 }
 
-void sql_postgres_conn_ahead(struct sql_txn *t, bool on)
-{
-    ((struct sql_postgres_conn *)t)->ahead = on;
-}
-
 /* ---- changes */
 
 enum status sql_postgres_conn_run(struct sql_txn *t, const char *text,
@@ -577,7 +572,7 @@ enum status sql_postgres_conn_run(struct sql_txn *t, const char *text,
 {
     struct sql_postgres_conn *c = (struct sql_postgres_conn *)t;
 
-    if (c->ahead)
+    if (c->base.ahead)
         return errinfo_set(e, ST_EINTERNAL, "a change while queries are sent ahead");
     unpark_all(c); /* they do not see it */
     return post(c, text, value, n, one ? SQL_POSTGRES_RUN_ONE : SQL_POSTGRES_RUN, NULL,
