@@ -12,7 +12,7 @@
 #include "newfile.h"
 #include "rows_root.h"
 #include "sql_file.h"
-#include "sql_open.h"
+#include "sql.h"
 #include "store_txn.h"
 
 /* ---- keys */
@@ -509,7 +509,7 @@ bool store_in_use(const char *path, int64_t *pid)
 
 bool store_on_server(const char *path)
 {
-    return sql_open_is_url(path);
+    return sql_is_url(path);
 }
 
 enum status store_root(const char *path, struct crypt_root *root, struct errinfo *e)

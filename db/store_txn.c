@@ -57,7 +57,7 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
     enum status st;
 
     sql_file_forget(t->sql);
-    if ((st = rows_digest(t, tell, to, sum, &bad, &why)) != ST_OK ||
+    if ((st = rows_digest(t, false, tell, to, sum, &bad, &why)) != ST_OK ||
         (st = sql_file_index_check(t->sql, tell, to, &lost, &why)) != ST_OK ||
         (!sql_file_is(t->sql) &&
          (st = rows_digest_twice(t, tell, to, &twice, &why)) != ST_OK)) {

@@ -21,7 +21,7 @@ struct checking { /* what all threads have in common */
     struct store *store;
     bool decode;
     struct admin_check *found;
-    void (*report)(void *arg, const char *line);
+    store_report *report;
     void *arg;
     pthread_mutex_t lock; /* of found->problems, and of report() */
 };

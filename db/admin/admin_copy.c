@@ -18,7 +18,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
-#include "sql_open.h"
+#include "sql.h"
 #include "sql_read.h"
 #include "store_txn.h"
 
@@ -277,14 +277,12 @@ static enum status verify_copy(struct log_txn *to, struct errinfo *e)
 enum status admin_copy_as_is(void *arg, struct log_txn *from, struct log_txn *to,
                              struct errinfo *e)
 {
-    static const struct rows_table *const table[] = {
-        &rows_subjects, &rows_templates, &rows_tokens, &rows_devices, &rows_calibrations};
     unsigned char sum[LOG_DIGEST] = {0};
     enum status st = copy_logs(from, to, e);
 
     (void)arg;
-    for (size_t i = 0; i < sizeof table / sizeof *table && st == ST_OK; i++)
-        st = copy_rows(from, to, table[i], sum, e);
+    for (size_t i = 0; i < ROWS_TABLES && st == ST_OK; i++)
+        st = copy_rows(from, to, rows_tables[i], sum, e);
     if (st != ST_OK || (st = need_all(from, sum, e)) != ST_OK ||
         (st = copy_plain(from, to,
                          "SELECT t.id, f.face FROM templates t JOIN faces f "

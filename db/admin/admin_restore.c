@@ -19,7 +19,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
-#include "sql_open.h"
+#include "sql.h"
 #include "store.h"
 #include "store_txn.h"
 
@@ -620,11 +620,11 @@ static enum status accept_rows(struct log_txn *t, const struct log_act *by,
     bool same = false;
     enum status st;
 
-    if ((st = rows_digest_clear(t, report, arg, &out->removed, e)) != ST_OK ||
+    if ((st = rows_digest(t, true, report, arg, sum, &out->removed, e)) != ST_OK ||
         (st = sql_file_reindex(t->sql, e)) != ST_OK ||
         (st = rows_digest_orphans(t, report, arg, &orphans, e)) != ST_OK ||
         (st = rows_digest_twice(t, report, arg, &twins, e)) != ST_OK ||
-        (st = rows_digest(t, NULL, NULL, sum, &bad, e)) != ST_OK ||
+        (st = rows_digest(t, false, NULL, NULL, sum, &bad, e)) != ST_OK ||
         (st = log_txn_agrees(t, sum, &same, e)) != ST_OK)
         return st;
     if (twins > 0) /* which of them is right nobody can say */

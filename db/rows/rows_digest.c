@@ -15,14 +15,12 @@ const char rows_digest_problem[] =
     "the rows are not those of the last change: one was removed, hidden, doubled, or put "
     "back as it was earlier";
 
-static const struct rows_table *const tables[] = {
+const struct rows_table *const rows_tables[ROWS_TABLES] = {
     &rows_subjects, &rows_templates, &rows_tokens, &rows_devices, &rows_calibrations};
-
-#define TABLES (sizeof tables / sizeof *tables)
 
 struct adding {
     struct log_txn *t;
-    void (*report)(void *arg, const char *line);
+    store_report *report;
     void *arg;
     unsigned char *sum;
     uint64_t problems;
@@ -71,41 +69,21 @@ static enum status add_table(struct adding *a, const struct rows_table *table,
     return sql_done(r, st, e);
 }
 
-static enum status add_all(struct adding *a, struct errinfo *e)
-{
-    enum status st = ST_OK;
-
-    memset(a->sum, 0, LOG_DIGEST);
-    for (size_t i = 0; i < TABLES && st == ST_OK; i++)
-        st = add_table(a, tables[i], e);
-    return st;
-}
-
-enum status rows_digest(struct log_txn *t, void (*report)(void *arg, const char *line),
-                        void *arg, unsigned char sum[LOG_DIGEST], uint64_t *problems,
+enum status rows_digest(struct log_txn *t, bool clear, store_report *report, void *arg,
+                        unsigned char sum[LOG_DIGEST], uint64_t *problems,
                         struct errinfo *e)
 {
-    struct adding a = {.t = t, .report = report, .arg = arg, .sum = sum};
-    const enum status st = add_all(&a, e);
+    struct adding a = {.t = t, .report = report, .arg = arg, .sum = sum, .clear = clear};
+    enum status st = ST_OK;
 
+    memset(sum, 0, LOG_DIGEST);
+    for (size_t i = 0; i < ROWS_TABLES && st == ST_OK; i++)
+        st = add_table(&a, rows_tables[i], e);
     *problems = a.problems;
     return st;
 }
 
-enum status rows_digest_clear(struct log_txn *t,
-                              void (*report)(void *arg, const char *line), void *arg,
-                              uint64_t *removed, struct errinfo *e)
-{
-    unsigned char sum[LOG_DIGEST];
-    struct adding a = {.t = t, .report = report, .arg = arg, .sum = sum, .clear = true};
-    const enum status st = add_all(&a, e);
-
-    *removed = a.problems;
-    return st;
-}
-
-enum status rows_digest_orphans(struct log_txn *t,
-                                void (*report)(void *arg, const char *line), void *arg,
+enum status rows_digest_orphans(struct log_txn *t, store_report *report, void *arg,
                                 uint64_t *removed, struct errinfo *e)
 {
     char line[80];
@@ -150,8 +128,7 @@ static const char *const twice[] = {
     TWICE("calibrations", "calibration_key", "have one number"),
 };
 
-enum status rows_digest_twice(struct log_txn *t,
-                              void (*report)(void *arg, const char *line), void *arg,
+enum status rows_digest_twice(struct log_txn *t, store_report *report, void *arg,
                               uint64_t *problems, struct errinfo *e)
 {
     enum status st = ST_OK;

@@ -293,8 +293,7 @@ enum status rows_template_face(struct log_txn *t, const struct rows_template *ro
 #define SHARE "(t.template_key >> 6 & 9223372036854775807) % $2"
 
 enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
-                               rows_template_use *use,
-                               void (*report)(void *arg, const char *line), void *arg,
+                               rows_template_use *use, store_report *report, void *arg,
                                struct errinfo *e)
 {
     struct rows_template row;

@@ -45,8 +45,7 @@ enum status rows_template_face(struct log_txn *t, const struct rows_template *ro
                                size_t *len, struct errinfo *e);
 void rows_template_wipe(unsigned char *face, size_t len);
 enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
-                               rows_template_use *use,
-                               void (*report)(void *arg, const char *line), void *arg,
+                               rows_template_use *use, store_report *report, void *arg,
                                struct errinfo *e);
 
 /* rows_template_add(t, of, row, face, len, e): a new row of row->one.

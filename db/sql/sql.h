@@ -1,8 +1,7 @@
 /* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.
  * The callers write the statements, in the subset that SQLite 3.40 and PostgreSQL 15 both know
- * (scripts/check_statements.sh has both prepare every statement).  A driver executes them (sql_open.h
- * opens a database): sql_sqlite.c for a file, sql_postgres.c for a URL.  Functions for databases in files
- * only are in sql_file.h.
+ * (scripts/check_statements.sh has both prepare every statement).  A driver executes them: sql_sqlite.c
+ * for a file, sql_postgres.c for a URL.  Functions for databases in files only are in sql_file.h.
  *
  * Each call returns ST_OK, or an error and fills *e (may be NULL).  A driver may report the error of a
  * change only at a later call or at the commit.  After an error the caller may call only sql_end().
@@ -24,7 +23,13 @@ struct sql_txn;  /* a transaction.  One thread at a time */
 struct sql_rows; /* the rows of a query */
 struct sql_value;
 
-/* How sql_open() (sql_open.h) opens a database. */
+/* Receives a problem, as a line of text. */
+typedef void sql_report(void *arg, const char *line);
+
+/* sql_is_url(where): Returns true if `where` is the URL of a database on a server, postgresql://..., and
+ * not a file. */
+bool sql_is_url(const char *where);
+
 enum sql_open {
     SQL_OPEN_READ,   /* read only; the database need not be writable */
     SQL_OPEN_WRITE,  /* the database must exist */
@@ -32,6 +37,14 @@ enum sql_open {
     SQL_OPEN_LOOK,   /* one connection, for reading a schema of any version */
     SQL_OPEN_ALONE /* one connection; no other process has the database open or can open it */
 };
+
+/* sql_open(where, how, out, e): Opens the database of a file or of a URL, by the driver for it.
+ *   out  the database, to be released by sql_close(); NULL after a failure
+ * ST_ENOTFOUND: there is none; ST_ECORRUPT: it is another program's; ST_EVERSION: its schema is newer than
+ * this program; ST_EBUSY: SQL_OPEN_ALONE, and another process has it open; ST_EINVAL: the URL has a
+ * password. */
+enum status sql_open(const char *where, enum sql_open how, struct sql **out,
+                     struct errinfo *e);
 
 /* sql_close(d): Closes d; NULL is allowed.  No transaction may be open.  Removes a file that sql_open()
  * has created, unless a SQL_SCHEMA transaction was committed or another process has it open. */
@@ -131,11 +144,6 @@ static inline struct sql_value sql_blob(const void *data, size_t n)
 static inline struct sql_value sql_null(void)
 {
     return (struct sql_value){.type = SQL_NULL};
-}
-
-static inline struct sql_value sql_text_or_null(const char *text) /* "" is NULL */
-{
-    return text[0] != '\0' ? sql_text(text) : sql_null();
 }
 
 /* sql_run(t, text, value, n, e): Runs a statement that gives no rows.

@@ -117,8 +117,7 @@ void sql_file_forget(struct sql_txn *t)
 
 /* Every row of a pragma that names a problem a row, as "name: a, b, c". */
 static enum status check_pragma(struct sql_sqlite_conn *t, const char *sql,
-                                const char *name,
-                                void (*report)(void *arg, const char *line), void *arg,
+                                const char *name, sql_report *report, void *arg,
                                 struct errinfo *e)
 {
     sqlite3_stmt *stmt = NULL;
@@ -154,8 +153,8 @@ static enum status check_pragma(struct sql_sqlite_conn *t, const char *sql,
     return st;
 }
 
-enum status sql_file_check(struct sql_txn *t, void (*report)(void *arg, const char *line),
-                           void *arg, struct errinfo *e)
+enum status sql_file_check(struct sql_txn *t, sql_report *report, void *arg,
+                           struct errinfo *e)
 {
     struct sql_sqlite_conn *c = in_file(t);
     struct errinfo why;

@@ -19,7 +19,7 @@
 
 struct sql_file_index_walk {
     struct sql_sqlite_conn *c;
-    void (*report)(void *arg, const char *line);
+    sql_report *report;
     void *arg;
     uint64_t problems;
     unsigned char hash_key[crypto_shorthash_KEYBYTES]; /* of this walk alone */
@@ -314,8 +314,7 @@ static enum status check_table(struct sql_file_index_walk *w, const char *table,
     return st == ST_OK ? ST_OK : sql_sqlite_conn_fail(w->c, "cannot check", e);
 }
 
-enum status sql_file_index_check(struct sql_txn *t,
-                                 void (*report)(void *arg, const char *line), void *arg,
+enum status sql_file_index_check(struct sql_txn *t, sql_report *report, void *arg,
                                  uint64_t *problems, struct errinfo *e)
 {
     static const char *const tables[] = {"subjects", "templates", "tokens", "devices",

@@ -47,29 +47,8 @@ static const struct sql_postgres_state table[] = {
     /* values, constraints */
     {"22", ST_EDB, true},
     {"23", ST_EDB, true},
-    {"54", ST_EDB, false}, /* a limit of the server */
-    /* no errors, or none that our statements can cause */
-    {"00", ST_EDB, false},
-    {"01", ST_EDB, false},
-    {"02", ST_EDB, false},
-    {"03", ST_EDB, false},
-    {"09", ST_EDB, false},
-    {"0F", ST_EDB, false},
-    {"0L", ST_EDB, false},
-    {"0P", ST_EDB, false},
-    {"0Z", ST_EDB, false},
-    {"20", ST_EDB, false},
-    {"21", ST_EDB, false},
-    {"27", ST_EDB, false},
-    {"2B", ST_EDB, false},
-    {"2F", ST_EDB, false},
-    {"38", ST_EDB, false},
-    {"39", ST_EDB, false},
-    {"44", ST_EDB, false},
-    {"HV", ST_EDB, false},
-    {"P0", ST_EDB, false},
-    {"XX", ST_EDB, false},
-    {"", ST_EDB, false}, /* the unknown classes */
+    {"", ST_EDB,
+     false}, /* the other classes, among them those of success and of code that is not ours */
 };
 
 const struct sql_postgres_state *sql_postgres_state_of(const char *code)

@@ -87,7 +87,7 @@ struct sql_value sql_field_value(const struct sql_field *f, const void *from)
     case SQL_FIELD_TEXT:
         return sql_text(from);
     case SQL_FIELD_TEXT_OR_NULL:
-        return sql_text_or_null(from);
+        return *(const char *)from != '\0' ? sql_text(from) : sql_null();
     case SQL_FIELD_BYTES:
         return sql_blob(from, f->size);
     case SQL_FIELD_BYTES_OR_NULL:

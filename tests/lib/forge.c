@@ -91,7 +91,7 @@ static enum status forge(struct log_txn *t, const struct log_act *by, struct err
 
     for (size_t i = 0; i < sizeof all / sizeof *all && st == ST_OK; i++)
         st = forge_table(t, all[i].table, all[i].update, e);
-    if (st != ST_OK || (st = rows_digest(t, NULL, NULL, sum, &bad, e)) != ST_OK)
+    if (st != ST_OK || (st = rows_digest(t, false, NULL, NULL, sum, &bad, e)) != ST_OK)
         return st;
     log_txn_accept(t, sum);
     return log_change(t, by, "forge", NULL, "", "", e);
