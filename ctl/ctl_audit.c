@@ -93,17 +93,16 @@ static enum status ctl_run_audit_show(struct ctl *c)
 
 static enum status checkpoint(struct ctl *c)
 {
-    unsigned char public[CRYPT_KEY];
     struct log_entry entry;
     char hash[2 * LOG_HASH + 1], signature[2 * CRYPT_SIGN + 1], key[2 * CRYPT_KEY + 1];
-    enum status st = store_audit_public(c->store, public, &c->e);
+    const enum status st =
+        store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry, NULL, &c->e);
 
-    if (st != ST_OK || (st = store_audit_sign(c->store, c->actor, LOG_CHECKPOINT, &entry,
-                                              NULL, &c->e)) != ST_OK)
+    if (st != ST_OK)
         return st;
     hex_of(entry.hash, LOG_HASH, hash);
     hex_of(entry.signature, sizeof entry.signature, signature);
-    hex_of(public, sizeof public, key);
+    store_audit_public(c->store, key);
     json_number(c->out, "checkpoint", (double)entry.seq);
     json_text(c->out, "at", entry.at);
     json_text(c->out, "hash", hash);

@@ -169,17 +169,15 @@ static void tell_problem(void *arg, enum log_name log, uint64_t seq, const char 
 static enum status read_later(struct ctl *c, struct later *l)
 {
     char public_key[2 * CRYPT_KEY + 1];
-    unsigned char public[CRYPT_KEY];
     const struct ctl_review how = {tell_problem, take_change, l};
     struct log_walk found;
     enum status st;
 
     c->anchor = "none"; /* it names what is not there any more */
     if ((st = ctl_model_open(c, STORE_READ)) != ST_OK ||
-        (st = store_audit_public(c->store, public, &c->e)) != ST_OK ||
         (st = store_last_change(c->store, &l->after, &c->e)) != ST_OK)
         return st;
-    (void)sodium_bin2hex(public_key, sizeof public_key, public, sizeof public);
+    store_audit_public(c->store, public_key);
     c->public_key = public_key;
     st = ctl_review_file(c, &how, &found, NULL);
     c->public_key = NULL;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration.h"
+#include "store.h"
 #include "pool.h"
 #include "ctl_command.h"
 #include "ctl_cross.h"

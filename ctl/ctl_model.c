@@ -11,7 +11,7 @@
 
 #include "crypt_file.h"
 #include "ctl_command.h"
-#include "calibration.h"
+#include "store.h"
 #include "modelfile.h"
 #include "options.h"
 

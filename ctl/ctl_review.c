@@ -316,15 +316,12 @@ static void tell_problem(void *arg, enum log_name log, uint64_t seq, const char 
 static enum status verify_database(struct ctl *c, struct log_walk *out,
                                    char public_key[2 * CRYPT_KEY + 1])
 {
-    unsigned char public[CRYPT_KEY];
-    enum status st;
+    const enum status st = ctl_model_open(c, STORE_READ);
 
-    if ((st = ctl_model_open(c, STORE_READ)) == ST_OK &&
-        (st = store_audit_public(c->store, public, &c->e)) == ST_OK) {
-        (void)sodium_bin2hex(public_key, 2 * CRYPT_KEY + 1, public, sizeof public);
-        st = store_audit_verify(c->store, tell_problem, c, out, &c->e);
-    }
-    return st;
+    if (st != ST_OK)
+        return st;
+    store_audit_public(c->store, public_key);
+    return store_audit_verify(c->store, tell_problem, c, out, &c->e);
 }
 
 static void tell_receipt(struct ctl *c, const struct store_receipt *r,

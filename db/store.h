@@ -228,7 +228,7 @@ enum store_captured { /* result of the verification; the first that applies */
 enum status store_capture_take(struct store *s, const struct store_capture *c,
                                enum store_captured *out, struct errinfo *e);
 
-/* ---- calibrations: the newest is in force (calibration.h) */
+/* ---- calibrations */
 
 /* store_calibration_add(s, actor, k, e): Adds *k as the newest calibration, and sets its version, time, actor and
  * engine.  Appends a change.  ST_EINVAL: its numbers are invalid. */
@@ -243,6 +243,27 @@ enum status store_calibration_get(struct store *s, struct store_calibration *k,
  *   out  a new array of *n elements, to be released by free() */
 enum status store_calibration_list(struct store *s, struct store_calibration **out,
                                    size_t *n, struct errinfo *e);
+
+/* The calibration in force is the newest, or the model's own table (core/face/model.h) if there is none, if the
+ * newest says so, or if it was made for another measure or another model.
+ *
+ * calibration_current(s, k, e): Reads the calibration in force.
+ *   k  version is that of the newest, 0: there is none; table decides; shipped: it is the model's own;
+ *      ignored: the newest does not decide, which a program should report when it starts
+ * ST_ECORRUPT: the newest is damaged; nothing may be decided. */
+enum status calibration_current(struct store *s, struct store_calibration *k,
+                                struct errinfo *e);
+
+/* calibration_apply(s, k, w): Makes w decide by k, which is the newest as store_snapshot_begin() reads it;
+ * zeros: there is none. */
+void calibration_apply(const struct store *s, struct store_calibration k,
+                       struct surface_work *w);
+
+/* calibration_refresh(s, w, version, e): Makes w decide by the calibration in force.  On failure w is unchanged.
+ *   version  of the calibration that w decides by, 0 for a new w; the caller keeps it with w
+ * Cost: some microseconds if it has not changed. */
+enum status calibration_refresh(struct store *s, struct surface_work *w, int64_t *version,
+                                struct errinfo *e);
 
 /* ---- the audit log: the change log and the access log (log_entry.h) */
 
@@ -306,9 +327,8 @@ enum status store_audit_sign(struct store *s, const char *actor, const char *kin
                              struct log_entry *out, struct store_audit_place *to,
                              struct errinfo *e);
 
-/* store_audit_public(s, public, e): Reads the public key of the signatures. */
-enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
-                               struct errinfo *e);
+/* store_audit_public(s, hex): Writes the public key of the signatures, in hexadecimal. */
+void store_audit_public(const struct store *s, char hex[2 * CRYPT_KEY + 1]);
 
 /* store_audit_has(s, at, has, e): Sets *has to true if the change log has the entry *at. */
 enum status store_audit_has(struct store *s, const struct log_end *at, bool *has,

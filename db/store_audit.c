@@ -280,12 +280,12 @@ enum status store_audit_list(struct store *s, const struct store_audit_filter *f
     return ST_OK;
 }
 
-enum status store_audit_public(struct store *s, unsigned char public[CRYPT_KEY],
-                               struct errinfo *e)
+void store_audit_public(const struct store *s, char hex[2 * CRYPT_KEY + 1])
 {
-    (void)e;
+    unsigned char public[CRYPT_KEY];
+
     crypt_public(s->crypt, public);
-    return ST_OK;
+    (void)sodium_bin2hex(hex, 2 * CRYPT_KEY + 1, public, sizeof public);
 }
 
 enum status store_audit_has(struct store *s, const struct log_end *at, bool *has,

@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "rows_calibration.h"
 #include "store_txn.h"
@@ -49,12 +50,60 @@ enum status store_calibration_get(struct store *s, struct store_calibration *k,
 enum status store_calibration_list(struct store *s, struct store_calibration **out,
                                    size_t *n, struct errinfo *e)
 {
-    struct log_txn t;
-    enum status st;
+    void *list;
+    const enum status st = store_list(s, &rows_calibrations, sizeof **out, &list, n, e);
 
-    *out = NULL;
-    *n = 0;
-    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+    *out = list;
+    return st;
+}
+
+/* ---- the calibration in force */
+
+/* Returns true if *k was made for the measure and the model that s is used with. */
+static bool holds(const struct store *s, const struct store_calibration *k)
+{
+    return k->shipped || surface_same_engine(k->engine, s->made_by);
+}
+
+/* Completes *k, the newest or zeros: the model's own table decides if *k does not. */
+static void complete(const struct store *s, struct store_calibration *k)
+{
+    k->ignored = k->version != 0 && !holds(s, k);
+    if (k->version == 0 || k->shipped || k->ignored) {
+        k->shipped = true;
+        k->table = *surface_model_calibration(s->model);
+    }
+}
+
+enum status calibration_current(struct store *s, struct store_calibration *k,
+                                struct errinfo *e)
+{
+    const enum status st = store_calibration_get(s, k, e);
+
+    if (st == ST_ENOTFOUND)
+        memset(k, 0, sizeof *k);
+    else if (st != ST_OK)
         return st;
-    return store_end(s, &t, rows_calibration_list(&t, out, n, e), e);
+    complete(s, k);
+    return ST_OK;
+}
+
+void calibration_apply(const struct store *s, struct store_calibration k,
+                       struct surface_work *w)
+{
+    complete(s, &k);
+    (void)surface_work_calibrate(w, k.shipped ? NULL : &k.table);
+}
+
+enum status calibration_refresh(struct store *s, struct surface_work *w, int64_t *version,
+                                struct errinfo *e)
+{
+    struct store_calibration k;
+    const enum status st = calibration_current(s, &k, e);
+
+    if (st != ST_OK || k.version == *version)
+        return st;
+    calibration_apply(s, k, w);
+    *version = k.version;
+    return ST_OK;
 }

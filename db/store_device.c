@@ -50,16 +50,9 @@ enum status store_device_add(struct store *s, const char *actor, const char *nam
 enum status store_device_list(struct store *s, struct store_device **out, size_t *n,
                               struct errinfo *e)
 {
-    void *list = NULL;
-    struct log_txn t;
-    enum status st;
+    void *list;
+    const enum status st = store_list(s, &rows_devices, sizeof **out, &list, n, e);
 
-    *out = NULL;
-    *n = 0;
-    if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
-        return st;
-    st =
-        store_end(s, &t, rows_table_all(&t, &rows_devices, sizeof **out, &list, n, e), e);
     *out = list;
     return st;
 }
@@ -76,7 +69,7 @@ enum status store_device_remove(struct store *s, const char *actor, const char *
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     if ((st = rows_device_find(&t, name, &row, e)) == ST_OK &&
-        (st = rows_device_delete(&t, &row, e)) == ST_OK)
+        (st = rows_table_delete(&t, &rows_devices, &row, e)) == ST_OK)
         st = log_change(&t, &by, "remove_device", NULL, row.one.id, name, e);
     return store_end(s, &t, st, e);
 }

@@ -148,27 +148,6 @@ static enum status fill_database(struct store *s, struct opening *o, struct log_
     return first_entry(s, t, o->key->make, e);
 }
 
-/* The commit may have been done even if it failed: a server that was lost amid it, a WAL whose flush
- * failed.  The key and the part of the anchor then stay, as the database may need them. */
-static enum status commit_made(struct store *s, struct log_txn *t, struct newfile *anchor,
-                               struct errinfo *e)
-{
-    struct errinfo why;
-    enum status st;
-
-    log_txn_prove(t);
-    if ((st = sql_end(t->sql, ST_OK, e)) == ST_OK) {
-        log_txn_committed(t);
-        if (s->anchor != NULL && (st = newfile_commit(anchor, &why)) != ST_OK)
-            (void)errinfo_set(e, st,
-                              "the database %.120s was made, but its anchor is not in "
-                              "place yet: %.200s; run the command again",
-                              s->path, why.msg);
-    }
-    newfile_leave(anchor);
-    return st;
-}
-
 /* In one transaction; nothing if another process has just done so.  An anchor that is there is
  * another database's, or of one that is lost. */
 static enum status make_database(struct store *s, struct opening *o, struct errinfo *e)
@@ -192,8 +171,8 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
         (st = fill_database(s, o, &t, e)) == ST_OK && s->anchor != NULL)
         st = log_anchor_prepare(s->anchor, s->crypt,
                                 &(struct log_anchor){.end = t.changes}, &anchor, e);
-    if (st == ST_OK && version == 0)
-        return commit_made(s, &t, &anchor, e);
+    if (st == ST_OK && version == 0) /* the key stays also if the commit fails */
+        return store_commit(s, &t, &anchor, "the database was made", e);
     st = sql_end(t.sql, st, e);
     newfile_close(&anchor);
     if (o->made) /* no database has it */
@@ -426,11 +405,6 @@ void store_use_model(struct store *s, const struct surface_model *m)
     surface_engine(m, s->made_by);
 }
 
-const struct surface_model *store_model(const struct store *s)
-{
-    return s->model;
-}
-
 const char *store_made_by(const struct store *s)
 {
     return s->made_by;
@@ -444,17 +418,6 @@ enum status store_ready(struct store *s, struct errinfo *e)
     if ((st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
         return st;
     return store_end(s, &t, ST_OK, e);
-}
-
-enum status store_verify(struct store *s, store_report *report, void *arg,
-                         struct errinfo *e)
-{
-    return store_verify_rows(s, report, arg, e);
-}
-
-bool store_refused(struct store *s, struct errinfo *e)
-{
-    return store_fault_get(&s->refusal, e);
 }
 
 bool store_behind(struct store *s)

@@ -92,9 +92,6 @@ bool store_in_use(const char *path, int64_t *pid);
  *   m  borrowed while s is open; NULL: the shipped model, as after store_open() */
 void store_use_model(struct store *s, const struct surface_model *m);
 
-/* store_model(s): Returns the model that store_use_model() has set; NULL: the shipped one. */
-const struct surface_model *store_model(const struct store *s);
-
 /* store_made_by(s): Returns surface_engine() of the model, borrowed while s is open. */
 const char *store_made_by(const struct store *s);
 

@@ -191,18 +191,12 @@ enum status store_token_list(struct store *s, struct store_token **out, size_t *
                              struct errinfo *e)
 {
     void *list = NULL;
-    struct log_txn x;
     int64_t ms;
-    enum status st;
+    enum status st = store_rules_now(&ms, e);
 
-    *out = NULL;
     *n = 0;
-    if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK ||
-        (st =
-             store_end(s, &x, rows_table_all(&x, &rows_tokens, sizeof **out, &list, n, e),
-                       e)) != ST_OK)
-        return st;
+    if (st == ST_OK)
+        st = store_list(s, &rows_tokens, sizeof **out, &list, n, e);
     *out = list;
     for (size_t i = 0; i < *n; i++)
         (*out)[i].expired = store_rules_past((*out)[i].expires, ms);

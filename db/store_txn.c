@@ -5,28 +5,22 @@
 #include "bytes.h"
 #include "log_anchor.h"
 #include "ident.h"
+#include "newfile.h"
 #include "rows_digest.h"
 #include "rows_token.h"
 #include "sql_file.h"
 #include "sql_file_index.h"
+#include "store_open.h"
 #include "utc.h"
 
 /* ---- is the database as it was written? */
 
-static void set_fault(struct store_fault *f, const struct errinfo *why)
+bool store_refused(struct store *s, struct errinfo *e)
 {
-    if (!atomic_flag_test_and_set(&f->begun)) {
-        f->why = *why;
-        atomic_store(&f->stands, true);
-    }
-}
-
-bool store_fault_get(struct store_fault *f, struct errinfo *e)
-{
-    if (!atomic_load(&f->stands))
+    if (!atomic_load(&s->refused))
         return false;
     if (e != NULL)
-        *e = f->why;
+        *e = s->refusal;
     return true;
 }
 
@@ -84,8 +78,10 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
 enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
                          struct errinfo *e)
 {
-    if (st == ST_EREFUSED && s->open)
-        set_fault(&s->refusal, why);
+    if (st == ST_EREFUSED && s->open && !atomic_flag_test_and_set(&s->refusing)) {
+        s->refusal = *why;
+        atomic_store(&s->refused, true);
+    }
     return errinfo_set(e, st, "%s", why->msg);
 }
 
@@ -136,7 +132,7 @@ static enum status store_txn_start(struct store *s, enum sql_begin how, struct l
                           .how = how,
                           .added = LOGS,
                           .before = log_newest(&s->log)};
-    if (store_fault_get(&s->refusal, &why))
+    if (store_refused(s, &why))
         return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
     return sql_begin(s->sql, how, &t->sql, e);
 }
@@ -173,8 +169,8 @@ enum status store_lock_token(struct log_txn *t, const char *token, struct errinf
     return sql_lock(t->sql, LOG_LOCK_TOKEN(hash_token(token)), e);
 }
 
-enum status store_verify_rows(struct store *s, store_report *report, void *arg,
-                              struct errinfo *e)
+enum status store_verify(struct store *s, store_report *report, void *arg,
+                         struct errinfo *e)
 {
     struct errinfo why;
     struct log_txn t;
@@ -197,7 +193,7 @@ enum status store_start_use(struct store *s, enum sql_begin how,
     enum status st = ST_OK;
 
     if (!atomic_load(&s->verified))
-        st = store_verify_rows(s, NULL, NULL, e);
+        st = store_verify(s, NULL, NULL, e);
     if (st != ST_OK || (st = store_txn_start(s, how, t, e)) != ST_OK)
         return st;
     if ((use->subject != 0 && (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
@@ -309,6 +305,36 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
     if (t->how != SQL_LAZY && (t->added != LOGS || t->settled))
         advance_anchor(s, &t->changes);
     return ST_OK;
+}
+
+enum status store_commit(struct store *s, struct log_txn *t, struct newfile *anchor,
+                         const char *what, struct errinfo *e)
+{
+    struct errinfo why;
+    enum status st;
+
+    if (anchor->part != NULL)
+        atomic_store(&s->anchored, t->changes.seq); /* it says so */
+    if ((st = store_end(s, t, ST_OK, e)) == ST_OK && anchor->part != NULL &&
+        (st = newfile_commit(anchor, &why)) != ST_OK)
+        (void)errinfo_set(
+            e, st,
+            "%s, but the anchor is not in place yet: %.300s; run the command again", what,
+            why.msg);
+    newfile_leave(anchor);
+    return st;
+}
+
+enum status store_list(struct store *s, const struct rows_table *table, size_t size,
+                       void **list, size_t *n, struct errinfo *e)
+{
+    struct log_txn t;
+    const enum status st = store_begin(s, SQL_READ, &t, e);
+
+    *list = NULL;
+    *n = 0;
+    return st == ST_OK ? store_end(s, &t, rows_table_all(&t, table, size, list, n, e), e)
+                       : st;
 }
 
 void store_scrub(struct store *s)

@@ -6,16 +6,11 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
+struct newfile;       /* newfile.h */
 struct surface_model; /* libsurface.h */
 struct rows_subject;  /* rows_subject.h */
+struct rows_table;    /* rows_table.h */
 struct store_receipt; /* store.h */
-
-struct
-    store_fault { /* a lasting error; all zero at first, set once, then read by any thread */
-    atomic_flag begun;  /* a thread has begun to write why */
-    atomic_bool stands; /* why is complete */
-    struct errinfo why; /* status and reason */
-};
 
 struct store {
     struct sql *sql;
@@ -36,7 +31,10 @@ struct store {
     bool open;                       /* store_open() has succeeded */
     atomic_bool
         behind; /* a server lacks a change, and there is an anchor: store_behind() */
-    struct store_fault refusal; /* the ST_EREFUSED that all transactions now fail with */
+    /* The ST_EREFUSED that all transactions now fail with; set once, then read by any thread. */
+    struct errinfo refusal;
+    atomic_flag refusing; /* a thread has begun to write refusal */
+    atomic_bool refused;  /* refusal is complete */
 };
 
 /* store_begin(s, how, t, e): Begins a transaction t, to be ended by store_end().  A transaction that
@@ -69,14 +67,18 @@ enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e);
 enum status store_end(struct store *s, struct log_txn *t, enum status st,
                       struct errinfo *e);
 
+/* store_commit(s, t, anchor, what, e): Commits t, then gives a new anchor its name.  If the commit fails it may
+ * have been done all the same (a server that was lost amid it, a WAL whose flush failed): the part of the
+ * anchor then stays, as the database may need it.
+ *   anchor  of log_anchor_prepare(); NEWFILE_NONE: none.  Is released
+ *   what    done by the commit, for the message if the anchor cannot be put in its place */
+enum status store_commit(struct store *s, struct log_txn *t, struct newfile *anchor,
+                         const char *what, struct errinfo *e);
+
 /* store_refuse(s, st, why, e): Returns st and fills *e with the text of *why.  If st is ST_EREFUSED and
  * store_open() has succeeded, all later transactions on s fail with ST_EREFUSED. */
 enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
                          struct errinfo *e);
-
-/* store_fault_get(f, e): Returns true if the fault f is set, and fills *e (may be NULL) with its
- * reason. */
-bool store_fault_get(struct store_fault *f, struct errinfo *e);
 
 /* store_txn_may_pass(st): Returns true if st is a temporary error of the database engine: a lock, a lost
  * server, a full disk, no memory. */
@@ -88,10 +90,9 @@ bool store_txn_may_pass(enum status st);
 enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
                              struct errinfo *e);
 
-/* store_verify_rows(s, report, arg, e): Runs store_txn_verify() in a transaction of its own: the whole of
- * store_verify(). */
-enum status store_verify_rows(struct store *s, store_report *report, void *arg,
-                              struct errinfo *e);
+/* store_list(s, table, size, list, n, e): Runs rows_table_all() in a transaction of its own. */
+enum status store_list(struct store *s, const struct rows_table *table, size_t size,
+                       void **list, size_t *n, struct errinfo *e);
 
 /* store_scrub(s): Removes deleted bytes from the file and its WAL, after an erasure. */
 void store_scrub(struct store *s);

@@ -9,7 +9,6 @@
 
 #include "app.h"
 #include "cache.h"
-#include "calibration.h"
 #include "erasures.h"
 #include "errinfo.h"
 #include "flags.h"

@@ -60,12 +60,9 @@ void audit_describe(struct json *j, const struct store_audit_entry *a)
 enum status audit_export_begin(struct store *s, const char *actor, struct audit_export *x,
                                struct errinfo *e)
 {
-    unsigned char public[CRYPT_KEY];
-    const enum status st = store_audit_public(s, public, e);
-
     *x = (struct audit_export){.store = s};
-    (void)sodium_bin2hex(x->public_key, sizeof x->public_key, public, sizeof public);
-    return st == ST_OK ? store_audit_sign(s, actor, LOG_EXPORT, &x->end, &x->to, e) : st;
+    store_audit_public(s, x->public_key);
+    return store_audit_sign(s, actor, LOG_EXPORT, &x->end, &x->to, e);
 }
 
 static enum status audit_put(FILE *to, const char *text, struct errinfo *e)

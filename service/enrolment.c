@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dry_run.h"
-#include "calibration.h"
+#include "store.h"
 
 #define ANYWAY "; to enroll it anyway use force (scope manage)"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "calibration.h"
+#include "store.h"
 #include "json.h"
 
 #define MANY_TRIED    10 /* subjects in a day */

@@ -4,7 +4,7 @@
 
 #include "describe.h"
 #include "findings.h"
-#include "calibration.h"
+#include "store.h"
 #include "json.h"
 #include "show.h"
 

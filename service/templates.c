@@ -3,7 +3,7 @@
 #include <math.h>
 
 #include "cache.h"
-#include "calibration.h"
+#include "store.h"
 
 /* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
  * far above the threshold.  Of 40 made-up people the 13 whose mirrored scans do not match gain 20

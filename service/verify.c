@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "digest.h"
-#include "calibration.h"
+#include "store.h"
 #include "mem.h"
 #include "sample.h"
 #include "session.h"

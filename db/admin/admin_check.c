@@ -168,7 +168,7 @@ static enum status check_templates(struct checking *c, struct errinfo *e)
 /* Pages and references, and the calibrations' numbers. */
 static enum status check_pages(struct checking *c, struct errinfo *e)
 {
-    struct store_calibration *k = NULL;
+    void *k = NULL;
     struct errinfo why;
     struct log_txn t;
     size_t n;
@@ -177,7 +177,8 @@ static enum status check_pages(struct checking *c, struct errinfo *e)
     if (st != ST_OK)
         return st;
     if ((st = sql_file_check(t.sql, count_problem, c, e)) == ST_OK &&
-        (st = rows_calibration_list(&t, &k, &n, &why)) == ST_ECORRUPT) {
+        (st = rows_table_all(&t, &rows_calibrations, sizeof(struct store_calibration), &k,
+                             &n, &why)) == ST_ECORRUPT) {
         count_problem(c, why.msg);
         st = ST_OK;
     }

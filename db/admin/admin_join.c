@@ -79,29 +79,22 @@ static enum status admin_join_join(struct log_txn *t, const struct log_act *by,
     return log_change(t, by, LOG_JOIN, NULL, "", outcome, e);
 }
 
-/* The commit, with an anchor that is on the disk before it.  If the commit fails it may have been done
- * all the same, and the part of the anchor be needed. */
+/* Commits t, with an anchor that is on the disk before. */
 static enum status commit(struct store *s, struct log_txn *t, const char *anchor,
                           uint32_t daemon, struct errinfo *e)
 {
     const struct log_anchor at = {.daemon = daemon, .end = t->changes};
     struct newfile n = NEWFILE_NONE;
-    struct errinfo why;
-    enum status st = log_anchor_prepare(anchor, s->crypt, &at, &n, e);
+    char what[40];
+    const enum status st = log_anchor_prepare(anchor, s->crypt, &at, &n, e);
 
     if (st != ST_OK) {
         (void)store_end(s, t, st, NULL);
         newfile_close(&n);
         return st;
     }
-    if ((st = store_end(s, t, ST_OK, e)) == ST_OK &&
-        (st = newfile_commit(&n, &why)) != ST_OK)
-        (void)errinfo_set(e, st,
-                          "daemon %" PRIu32 " has joined, but its anchor is not in place "
-                          "yet: %.300s; run the command again",
-                          daemon, why.msg);
-    newfile_leave(&n);
-    return st;
+    (void)snprintf(what, sizeof what, "daemon %" PRIu32 " has joined", daemon);
+    return store_commit(s, t, &n, what, e);
 }
 
 /* A call that was interrupted behind its commit has left the anchor as a part.  *daemon: its number.

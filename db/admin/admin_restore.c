@@ -257,18 +257,15 @@ static enum status revoke_again(struct restoring *r, struct log_txn *to, const c
 static enum status remove_again(struct restoring *r, struct log_txn *to, const char *id,
                                 struct errinfo *e)
 {
-    struct rows_device *list = NULL;
-    size_t n;
-    enum status st = rows_device_list(to, &list, &n, e);
+    struct rows_device row;
+    enum status st = rows_device_get(to, id, &row, e);
 
-    for (size_t i = 0; i < n && st == ST_OK; i++)
-        if (strcmp(list[i].one.id, id) == 0 &&
-            (st = rows_device_delete(to, &list[i], e)) == ST_OK) {
-            r->out->revoked++;
-            st = log_change(to, &r->by, "remove_device", NULL, id, list[i].one.name, e);
-        }
-    free(list);
-    return st;
+    if (st != ST_OK)
+        return st == ST_ENOTFOUND ? ST_OK : st;
+    if ((st = rows_table_delete(to, &rows_devices, &row, e)) != ST_OK)
+        return st;
+    r->out->revoked++;
+    return log_change(to, &r->by, "remove_device", NULL, id, row.one.name, e);
 }
 
 static enum status count_lost(struct restoring *r, struct log_txn *to, struct errinfo *e)
@@ -513,15 +510,13 @@ enum status admin_restore(const char *path, const char *from, const struct store
     return st;
 }
 
-/* Committed, or with dry rolled back.  The anchor, whose daemon stays the same, goes on from here.  If
- * the commit fails it may have been done all the same, and the part of the anchor be needed. */
+/* Commits t, or rolls it back if dry.  The anchor, whose daemon stays the same, goes on from here. */
 static enum status end_alone(struct store *s, struct log_txn *t,
                              const struct store_key *key, bool dry, enum status st,
                              struct errinfo *e)
 {
     struct newfile anchor = NEWFILE_NONE;
     struct log_anchor at = {.daemon = 0};
-    struct errinfo why;
 
     if (st == ST_OK && !dry && key->anchor != NULL) {
         st = log_anchor_read(key->anchor, s->crypt, &at, e);
@@ -534,14 +529,7 @@ static enum status end_alone(struct store *s, struct log_txn *t,
         newfile_close(&anchor);
         return st;
     }
-    if ((st = store_end(s, t, ST_OK, e)) == ST_OK && key->anchor != NULL &&
-        (st = newfile_commit(&anchor, &why)) != ST_OK)
-        (void)errinfo_set(e, st,
-                          "the change was made, but its anchor is not in place yet: "
-                          "%.300s; run the command again",
-                          why.msg);
-    newfile_leave(&anchor);
-    return st;
+    return store_commit(s, t, &anchor, "the change was made", e);
 }
 
 /* ---- what a server has restored by itself */

@@ -119,14 +119,3 @@ enum status rows_calibration_add(struct log_txn *t, struct store_calibration *k,
     row.knots.n = (size_t)(to - row.knots.bytes);
     return rows_table_insert(t, &rows_calibrations, &row, e);
 }
-
-enum status rows_calibration_list(struct log_txn *t, struct store_calibration **out,
-                                  size_t *n, struct errinfo *e)
-{
-    void *list;
-    const enum status st =
-        rows_table_all(t, &rows_calibrations, sizeof **out, &list, n, e);
-
-    *out = list;
-    return st;
-}

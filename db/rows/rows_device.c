@@ -6,7 +6,7 @@
 #define COLUMNS         "id, revision, name, public, created, mac, device_key"
 #define F(kind, member) SQL_FIELD(kind, struct rows_device, member)
 
-enum { COL_NAME = 2, COL_MAC = 5 };
+enum { COL_ID, COL_NAME = 2, COL_MAC = 5 };
 
 static const struct sql_field columns[COL_MAC] = {
     F(TEXT, one.id),      F(NUMBER, revision),  F(TEXT, one.name),
@@ -44,14 +44,12 @@ enum status rows_device_find(struct log_txn *t, const char *name, struct rows_de
                            sql_text(name), name, out, e);
 }
 
-enum status rows_device_list(struct log_txn *t, struct rows_device **out, size_t *n,
-                             struct errinfo *e)
+enum status rows_device_get(struct log_txn *t, const char *id, struct rows_device *out,
+                            struct errinfo *e)
 {
-    void *list;
-    const enum status st = rows_table_all(t, &rows_devices, sizeof **out, &list, n, e);
-
-    *out = list;
-    return st;
+    return rows_table_find(t, &rows_devices,
+                           "SELECT " COLUMNS " FROM devices WHERE id = $1", COL_ID,
+                           sql_text(id), id, out, e);
 }
 
 enum status rows_device_add(struct log_txn *t, const struct store_device *one,
@@ -66,10 +64,4 @@ enum status rows_device_add(struct log_txn *t, const struct store_device *one,
                                          one->name);
     row = (struct rows_device){.one = *one};
     return rows_table_insert(t, &rows_devices, &row, e);
-}
-
-enum status rows_device_delete(struct log_txn *t, const struct rows_device *row,
-                               struct errinfo *e)
-{
-    return rows_table_delete(t, &rows_devices, row, e);
 }

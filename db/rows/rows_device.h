@@ -4,7 +4,7 @@
 #include "rows_table.h"
 #include "rows_types.h"
 
-struct rows_device { /* a row as it was read and found authentic */
+struct rows_device { /* an authentic row */
     struct store_device one;
     int64_t revision;
     unsigned char mac[CRYPT_HASH];
@@ -12,17 +12,16 @@ struct rows_device { /* a row as it was read and found authentic */
 
 extern const struct rows_table rows_devices;
 
-/* rows_device_find(t, name, out, e): ST_ENOTFOUND, ST_ECORRUPT.
- * rows_device_list(t, out, n, e): oldest first; released by free().
- * rows_device_add(t, one, e): ST_EEXISTS: another has the name.
- * rows_device_delete(t, row, e). */
+/* rows_device_find(t, name, out, e): Reads the device with this name.  ST_ENOTFOUND, ST_ECORRUPT. */
 enum status rows_device_find(struct log_txn *t, const char *name, struct rows_device *out,
                              struct errinfo *e);
-enum status rows_device_list(struct log_txn *t, struct rows_device **out, size_t *n,
-                             struct errinfo *e);
+
+/* rows_device_get(t, id, out, e): Reads the device with this id.  ST_ENOTFOUND, ST_ECORRUPT. */
+enum status rows_device_get(struct log_txn *t, const char *id, struct rows_device *out,
+                            struct errinfo *e);
+
+/* rows_device_add(t, one, e): Adds a device.  ST_EEXISTS: another device has this name. */
 enum status rows_device_add(struct log_txn *t, const struct store_device *one,
                             struct errinfo *e);
-enum status rows_device_delete(struct log_txn *t, const struct rows_device *row,
-                               struct errinfo *e);
 
 #endif

@@ -7,7 +7,6 @@
 #include "app.h"
 #include "auth.h"
 #include "cache.h"
-#include "calibration.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "json.h"

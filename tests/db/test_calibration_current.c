@@ -1,5 +1,4 @@
 /* Calibrations: followed by a worker, refused when impossible or damaged. */
-#include "calibration.h"
 #include "face.h"
 #include "model.h"
 #include "model_digest.h"
