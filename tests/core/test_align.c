@@ -121,7 +121,7 @@ TEST(test_field)
 {
     static const struct pose still = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
     struct surface_face f = {0};
-    struct brute_rng rng = {seed + 4};
+    struct draw rng = {seed + 4};
     struct align_field field;
     struct align_point p = {{0, 0, 0}, 1, ALIGN_FIELD_NONE};
 
@@ -166,7 +166,7 @@ TEST(test_field)
 TEST(test_finds_pose)
 {
     struct surface_face a = {0}, b = {0};
-    struct brute_rng rng = {seed + 1};
+    struct draw rng = {seed + 1};
     double sum = 0;
 
     for (uint64_t subject = 0; subject < 12; subject++) {
@@ -182,12 +182,12 @@ TEST(test_finds_pose)
             s.spikes = 0.012;
             s.noise = 0.3;
         }
-        s.yaw = 60 * brute_real(&rng) - 30;
-        s.pitch = 40 * brute_real(&rng) - 20;
-        s.roll = 40 * brute_real(&rng) - 20;
-        s.tx = 400 * brute_real(&rng) - 200;
-        s.ty = 400 * brute_real(&rng) - 200;
-        s.tz = 400 * brute_real(&rng) - 200;
+        s.yaw = draw_uniform(&rng, -30, 30);
+        s.pitch = draw_uniform(&rng, -20, 20);
+        s.roll = draw_uniform(&rng, -20, 20);
+        s.tx = draw_uniform(&rng, -200, 200);
+        s.ty = draw_uniform(&rng, -200, 200);
+        s.tz = draw_uniform(&rng, -200, 200);
         build(points, sample(&s, subject, 1, points), &b);
         align(&a, &b, &r);
         facegen_turn(&s, true_r);

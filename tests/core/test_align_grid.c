@@ -125,21 +125,21 @@ static void compare(const struct align_point *pts, uint32_t n, uint32_t stride,
 TEST(test_sum)
 {
     static struct align_point pts[POINTS];
-    struct brute_rng rng = {brute_seed("align_grid")};
+    struct draw rng = {brute_seed("align_grid")};
 
     for (int round = 0; round < 50; round++) {
         /* The points may lie far from the origin: the pose brings them back. */
         const struct dvec3 far = {round % 5 * 2000.0, round % 3 * -3000.0, 5000.0};
         struct pose pose = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {-far.x, -far.y, -far.z}};
-        const double x[6] = {0.2 * brute_real(&rng), 0.2, -0.1, 3, 2, 1};
+        const double x[6] = {draw_uniform(&rng, 0, 0.2), 0.2, -0.1, 3, 2, 1};
 
         for (uint32_t i = 0; i < POINTS; i++) {
-            const double px = 150 * brute_real(&rng) - 75;
-            const double py = 200 * brute_real(&rng) - 110;
+            const double px = draw_uniform(&rng, -75, 75);
+            const double py = draw_uniform(&rng, -110, 90);
 
             pts[i].p = (struct dvec3){far.x + px, far.y + py,
                                       far.z + 30 - 0.008 * px * px - 0.005 * py * py +
-                                          20 * brute_real(&rng) - 10};
+                                          draw_uniform(&rng, -10, 10)};
         }
         pose_move(&pose, (struct dvec3){0, 0, -80}, x);
         for (uint32_t stride = 1; stride < 9; stride += 1 + stride / 3) {

@@ -31,7 +31,7 @@ static const double flat = 0.87287156094396952; /* the z of its unit normal */
  * seen along z. */
 static void make(const struct plane *p, double mm)
 {
-    struct brute_rng rng = {4};
+    struct draw rng = {4};
 
     toy_scan(plane, p, 4000, NULL, &rng, &tmpl);
     n = 0;

@@ -23,7 +23,7 @@ static struct scratch scratch;
 static struct surface_work *work;
 static struct ivec3 pts[70000];
 
-static void build(enum brute_shape shape, size_t n, struct brute_rng *r,
+static void build(enum brute_shape shape, size_t n, struct draw *r,
                   struct surface_face *f)
 {
     n = brute_points(shape, n, r, pts);
@@ -99,7 +99,7 @@ TEST(test_round_trip)
     static const struct {
         uint32_t n, bytes, less;
     } edge[] = {{10923, 26, 12}, {10924, 30, 16}, {65535, 30, 16}, {65536, 33, 18}};
-    struct brute_rng r = {brute_seed("codec")};
+    struct draw r = {brute_seed("codec")};
     struct surface_face f = {0};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
@@ -123,7 +123,7 @@ TEST(test_round_trip)
 /* Any other length than the block's own is refused. */
 TEST(test_length)
 {
-    struct brute_rng r = {brute_seed("bytes")};
+    struct draw r = {brute_seed("bytes")};
     struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf;
@@ -158,7 +158,7 @@ static void assert_safe(const struct mesh *m)
  * with another one the frame is found again, which takes a millisecond. */
 TEST(test_checked)
 {
-    struct brute_rng r = {brute_seed("sealed")};
+    struct draw r = {brute_seed("sealed")};
     struct surface_face f = {0}, g = {0};
     uint32_t accepted = 0, refused = 0;
     size_t len;
@@ -330,7 +330,7 @@ static void put_bits(unsigned char *p, uint32_t v)
 TEST(test_encoding)
 {
     static const uint32_t modes[] = {0, 1, 7, MODEL_MODES};
-    struct brute_rng r = {brute_seed("encoding")};
+    struct draw r = {brute_seed("encoding")};
     struct surface_face f = {0}, g = {0};
     size_t len;
     unsigned char *buf = encoded_face(&f, &len);
@@ -343,11 +343,11 @@ TEST(test_encoding)
         memset(&f.encoding, 0, sizeof f.encoding);
         memset(&g.encoding, 0, sizeof g.encoding);
         f.encoding.n = modes[i];
-        f.encoding.residual_mm = (float)brute_real(&r);
+        f.encoding.residual_mm = (float)draw_uniform(&r, 0, 1);
         for (uint32_t k = 0; k < modes[i]; k++)
-            f.encoding.b[k] = (float)(brute_real(&r) - 0.5);
+            f.encoding.b[k] = (float)draw_uniform(&r, -0.5, 0.5);
         for (uint32_t k = 0; k < modes[i] * (modes[i] + 1) / 2; k++)
-            f.encoding.a[k] = (float)(brute_real(&r) - 0.5);
+            f.encoding.a[k] = (float)draw_uniform(&r, -0.5, 0.5);
         for (uint32_t k = 0; k < GRID_N; k += 5, f.encoding.cells++)
             f.encoding.there[k / 8] |= (uint8_t)(1U << k % 8);
         buf = encode(&f, &len);

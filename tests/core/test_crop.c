@@ -14,7 +14,7 @@
 #define POINTS 12000
 #define ROOM   60000
 
-static struct brute_rng rng;
+static struct draw rng;
 static uint8_t cell[GRID_N];
 static struct crop_view view;
 static struct pose pose; /* of the scan: canonical frame -> points */
@@ -23,7 +23,7 @@ static size_t n;
 
 BEFORE_EACH(set_up)
 {
-    rng.state = brute_seed("crop");
+    rng.x = brute_seed("crop");
     memset(cell, SHAPE_EMPTY, sizeof cell);
     for (uint32_t i = 0; i < GRID_N; i++)
         if (!isnan(model_default.mean[i]))
@@ -35,26 +35,17 @@ BEFORE_EACH(set_up)
     n = 0;
 }
 
-/* About normally distributed. */
-static double normal(void)
-{
-    double sum = -6;
-
-    for (int k = 0; k < 12; k++)
-        sum += brute_real(&rng);
-    return sum;
-}
-
 /* So many points of the face, by so much before it, with noise. */
 static void add_face(size_t count, double before, double noise)
 {
     for (size_t k = 0; k < count;) {
-        const double x = -60 + 120 * brute_real(&rng), y = -88 + 154 * brute_real(&rng);
+        const double x = draw_uniform(&rng, -60, 60), y = draw_uniform(&rng, -88, 66);
         const double z = toy_at(model_default.mean, x, y);
 
         if (isnan(z))
             continue;
-        pts[n++] = pose_apply(&pose, (struct dvec3){x, y, z + before + noise * normal()});
+        pts[n++] = pose_apply(
+            &pose, (struct dvec3){x, y, z + before + noise * draw_normal(&rng)});
         k++;
     }
 }
@@ -63,10 +54,9 @@ static void add_face(size_t count, double before, double noise)
 static void add_box(size_t count, struct dvec3 lo, struct dvec3 hi)
 {
     for (size_t k = 0; k < count; k++)
-        pts[n++] =
-            pose_apply(&pose, (struct dvec3){lo.x + (hi.x - lo.x) * brute_real(&rng),
-                                             lo.y + (hi.y - lo.y) * brute_real(&rng),
-                                             lo.z + (hi.z - lo.z) * brute_real(&rng)});
+        pts[n++] = pose_apply(&pose, (struct dvec3){draw_uniform(&rng, lo.x, hi.x),
+                                                    draw_uniform(&rng, lo.y, hi.y),
+                                                    draw_uniform(&rng, lo.z, hi.z)});
 }
 
 static void take(struct cloudpoints *c)
@@ -320,8 +310,8 @@ static bool told(double ax, double bx, double ay, double by, bool shuffled)
 
     n = 0;
     for (uint32_t i = 0; i < 40 * 50; i++) {
-        const double u = shuffled ? 40 * brute_real(&rng) : i % 40;
-        const double v = shuffled ? 50 * brute_real(&rng) : i / 40;
+        const double u = shuffled ? draw_uniform(&rng, 0, 40) : i % 40;
+        const double v = shuffled ? draw_uniform(&rng, 0, 50) : i / 40;
 
         pts[n++] = (struct dvec3){ax * u + bx * v, ay * u + by * v, -0.02 * u * u};
     }

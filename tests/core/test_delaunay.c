@@ -81,7 +81,7 @@ static void check_brute(struct ivec3 *pts, size_t n)
 
 TEST(test_by_definition)
 {
-    struct brute_rng r = {brute_seed("by definition")};
+    struct draw r = {brute_seed("by definition")};
     struct ivec3 pts[400];
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
@@ -129,7 +129,7 @@ TEST(test_all_small_sets)
 TEST(test_duplicates)
 {
     static const int side[] = {2, 3, 4, 7, 15};
-    struct brute_rng r = {brute_seed("duplicates")};
+    struct draw r = {brute_seed("duplicates")};
     struct ivec3 pts[500];
 
     for (size_t s = 0; s < 5; s++)
@@ -148,7 +148,7 @@ TEST(test_duplicates)
 
 TEST(test_canonical)
 {
-    struct brute_rng r = {brute_seed("canonical")};
+    struct draw r = {brute_seed("canonical")};
     struct ivec3 *pts = malloc(2 * LARGE * sizeof *pts);
     struct mesh a = {0}, b = {0};
 
@@ -158,7 +158,7 @@ TEST(test_canonical)
             size_t k = brute_points((enum brute_shape)shape, n, &r, pts);
 
             for (size_t i = 0; i < n / 3; i++) { /* some twice, at another height */
-                pts[k + i] = pts[brute_rand(&r) % k];
+                pts[k + i] = pts[draw_next(&r) % k];
                 pts[k + i].z += brute_int(&r, -9, 9);
             }
             k += n / 3;
@@ -218,7 +218,7 @@ TEST(test_refused)
 TEST(test_reuse)
 {
     static const size_t size[] = {3000, 7, 400, 3, 5000, 3000, 12};
-    struct brute_rng r = {brute_seed("reuse")};
+    struct draw r = {brute_seed("reuse")};
     struct ivec3 *pts = malloc(5000 * sizeof *pts);
     struct mesh kept = {0};
 
@@ -259,7 +259,7 @@ static enum status build_fresh(void *pts)
 
 TEST(test_no_memory)
 {
-    struct brute_rng r = {brute_seed("no memory")};
+    struct draw r = {brute_seed("no memory")};
     struct ivec3 pts[60];
 
     assert_int_equal(brute_points(BRUTE_RANDOM, 60, &r, pts), 60);
@@ -269,7 +269,7 @@ TEST(test_no_memory)
 /* mesh_check() must notice each kind of damage. */
 TEST(test_check_can_fail)
 {
-    struct brute_rng r = {brute_seed("check")};
+    struct draw r = {brute_seed("check")};
     struct ivec3 pts[60];
     const size_t n = brute_points(BRUTE_RANDOM, 60, &r, pts);
     struct mesh m = {0};

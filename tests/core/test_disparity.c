@@ -135,12 +135,12 @@ static bool close_to(double a, double b)
  * disparity is exactly the volume of their overlay. */
 TEST(test_same_points)
 {
-    struct brute_rng r = {brute_seed("disparity") + 2};
+    struct draw r = {brute_seed("disparity") + 2};
 
     for (int round = 0; round < 6; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             const size_t n =
-                brute_points((enum brute_shape)shape, 4 + brute_rand(&r) % 60, &r, pts_a);
+                brute_points((enum brute_shape)shape, 4 + draw_next(&r) % 60, &r, pts_a);
             struct both *p;
             double area, volume;
 
@@ -257,7 +257,7 @@ static double gap_again(const struct both *p, uint32_t v)
 
 TEST(test_classes)
 {
-    struct brute_rng r = {brute_seed("disparity") + 6};
+    struct draw r = {brute_seed("disparity") + 6};
 
     for (int round = 0; round < 3 * BRUTE_SHAPES; round++) {
         const size_t na =
@@ -323,7 +323,7 @@ TEST(test_classes)
  * whole number of sixths. */
 TEST(test_compensated)
 {
-    struct brute_rng r = {brute_seed("disparity") + 7};
+    struct draw r = {brute_seed("disparity") + 7};
     __extension__ __int128 exact = 0;
     size_t n = 0;
     struct both *p;
@@ -369,11 +369,13 @@ TEST(test_compensated)
 
 TEST(test_cell_symmetries)
 {
-    struct brute_rng r = {brute_seed("disparity") + 9};
+    struct draw r = {brute_seed("disparity") + 9};
 
     for (int round = 0; round < 5000; round++) {
-        const double a = brute_real(&r) - 0.5, b = brute_real(&r) - 0.5;
-        const double c = round % 3 == 0 ? 0 : round % 7 == 0 ? a : brute_real(&r) - 0.5;
+        const double a = draw_uniform(&r, -0.5, 0.5), b = draw_uniform(&r, -0.5, 0.5);
+        const double c = round % 3 == 0   ? 0
+                         : round % 7 == 0 ? a
+                                          : draw_uniform(&r, -0.5, 0.5);
         const double v = disparity_prism(3, a, b, c);
 
         assert_true(v > 0);
@@ -418,14 +420,14 @@ static double quadrature(const double gap[3], const double u[3], int depth)
 
 TEST(test_weighted_by_quadrature)
 {
-    struct brute_rng r = {brute_seed("disparity") + 10};
+    struct draw r = {brute_seed("disparity") + 10};
 
     for (int round = 0; round < 300; round++) {
         double gap[3], u[3], want;
 
         for (int i = 0; i < 3; i++) {
-            gap[i] = brute_real(&r) - 0.5;
-            u[i] = round % 5 == 0 ? (i == round % 3) : brute_real(&r);
+            gap[i] = draw_uniform(&r, -0.5, 0.5);
+            u[i] = round % 5 == 0 ? (i == round % 3) : draw_uniform(&r, 0, 1);
         }
         for (int i = 0; i < 3; i++) /* all of them, one, or none are 0 */
             gap[i] *= round > 0 && (round % 4 != 0 || i != round % 3);

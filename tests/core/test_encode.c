@@ -12,7 +12,7 @@
 #define HUBER  2.5
 #define LEAST  230
 
-static struct brute_rng rng;
+static struct draw rng;
 static struct scratch scratch;
 static struct surface_model model; /* the toy's, or another */
 static struct encode_basis basis;
@@ -75,16 +75,16 @@ static uint32_t draw(double noise, double missing)
     uint32_t cells = 0;
 
     for (int k = 0; k < 6; k++)
-        motion[k] = 2 * brute_real(&rng) - 1;
+        motion[k] = draw_uniform(&rng, -1, 1);
     for (uint32_t k = 0; k < MODEL_MODES; k++) {
-        change[k] = brute_real(&rng) - 0.5;
-        identity[k] = 2 * brute_real(&rng) - 1;
+        change[k] = draw_uniform(&rng, -0.5, 0.5);
+        identity[k] = draw_uniform(&rng, -1, 1);
     }
     for (uint32_t i = 0; i < GRID_N; i++) {
-        double h = noise * (2 * brute_real(&rng) - 1), n[3];
+        double h = noise * draw_uniform(&rng, -1, 1), n[3];
 
         z[i] = (float)NAN;
-        if (!used(i) || brute_real(&rng) < missing)
+        if (!used(i) || draw_uniform(&rng, 0, 1) < missing)
             continue;
         for (int k = 0; k < 6; k++)
             h += motion[k] * moves(i, k);
@@ -432,7 +432,7 @@ TEST(test_part_of_cell)
 
     (void)draw(0.5 * noise_of(0.3), 0.1);
     for (uint32_t k = 0; k < MODEL_MODES; k++)
-        slope[k] = 2 * brute_real(&rng) - 1;
+        slope[k] = draw_uniform(&rng, -1, 1);
     memset(part, 0, sizeof part);
     assert_int_equal(encode_parts(&basis, z, 0.3, slope, &scratch, part), ST_OK);
     for (uint32_t i = 11; i < GRID_N; i += 53) {
@@ -458,7 +458,7 @@ TEST(test_part_of_cell)
 
 BEFORE_ALL(set_up)
 {
-    rng.state = brute_seed("encode");
+    rng.x = brute_seed("encode");
     toy_model(&model);
     encode_prepare(&model, &basis);
 }

@@ -87,7 +87,7 @@ static void refused(const struct cloud *c, enum status want)
 static bool no_face(int k, struct cloud *c, enum status *want)
 {
     static const double scale[] = {0.25, 5.5, 0.001, 0.1, 10};
-    struct brute_rng r = {brute_seed("no face")};
+    struct draw r = {brute_seed("no face")};
 
     scan(4, 5, POINTS, c);
     if (k < 5) /* few points */
@@ -98,7 +98,7 @@ static bool no_face(int k, struct cloud *c, enum status *want)
             : k < 19 ? ST_ENOTFACE
                      : ST_EQUALITY;
     for (size_t i = 0; i < c->n; i++) {
-        const double t = (double)i, noise = brute_real(&r) - 0.5;
+        const double t = (double)i, noise = draw_uniform(&r, -0.5, 0.5);
         struct dvec3 *p = &c->pts[i];
 
         if (k == 5) /* many points, but at 60 places */

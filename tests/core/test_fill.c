@@ -15,7 +15,7 @@
 #define MOST  40000
 #define PITCH 1000
 
-static struct brute_rng rng;
+static struct draw rng;
 static struct scratch scratch;
 static struct ivec3 pts[MOST];
 static struct surface scan;
@@ -47,8 +47,8 @@ static size_t cut_scan(uint64_t k, size_t n, int holes)
 
     assert_non_null(mm);
     for (int i = 0; i < holes; i++) {
-        const struct dvec3 c = mm[brute_rand(&rng) % left];
-        const double radius = 2 + 18 * brute_real(&rng);
+        const struct dvec3 c = mm[draw_next(&rng) % left];
+        const double radius = draw_uniform(&rng, 2, 20);
         size_t kept = 0;
 
         for (size_t p = 0; p < left; p++)
@@ -314,5 +314,5 @@ TEST(test_memory)
 
 BEFORE_ALL(set_up)
 {
-    rng.state = brute_seed("fill");
+    rng.x = brute_seed("fill");
 }

@@ -17,15 +17,15 @@ BEFORE_ALL(open_work)
 
 /* ---- motions */
 
-static struct pose any_pose(struct brute_rng *r)
+static struct pose any_pose(struct draw *r)
 {
     struct pose p = toy_still;
 
     for (int k = 0; k < 4; k++) /* tangents of half angles */
-        pose_tilt(&p, (struct dvec3){0, 0, 0}, 6 * brute_real(r) - 3,
-                  6 * brute_real(r) - 3);
+        pose_tilt(&p, (struct dvec3){0, 0, 0}, draw_uniform(r, -3, 3),
+                  draw_uniform(r, -3, 3));
     for (int i = 0; i < 3; i++)
-        p.t[i] = 2000 * brute_real(r) - 1000;
+        p.t[i] = draw_uniform(r, -1000, 1000);
     return p;
 }
 
@@ -156,7 +156,7 @@ static size_t crop(uint64_t subject, struct dvec3 *out)
 
 /* Turned, moved and in another unit the face is found at the same place. */
 static void check_any(const struct dvec3 *pts, size_t n, const struct pose *still,
-                      struct brute_rng *r)
+                      struct draw *r)
 {
     static const double units[] = {0.001, 1, 10, 25.4, 1000};
 
@@ -178,7 +178,7 @@ static void check_any(const struct dvec3 *pts, size_t n, const struct pose *stil
 TEST(test_any_pose)
 {
     static struct dvec3 pts[3000];
-    struct brute_rng r = {brute_seed("test_find")};
+    struct draw r = {brute_seed("test_find")};
 
     tried = missed = 0;
     for (uint64_t subject = 1; subject <= 4; subject++) {
@@ -268,7 +268,7 @@ TEST(test_strays)
 {
     static struct dvec3 pts[3400];
     const size_t n = crop(7, pts);
-    struct brute_rng r = {brute_seed("test_find")};
+    struct draw r = {brute_seed("test_find")};
     struct find_result f, with;
 
     assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
@@ -276,8 +276,8 @@ TEST(test_strays)
         const double far = i % 10 == 0 ? 300 : 1e6;
 
         pts[i] =
-            (struct dvec3){far * (2 * brute_real(&r) - 1), far * (2 * brute_real(&r) - 1),
-                           far * (2 * brute_real(&r) - 1)};
+            (struct dvec3){far * draw_uniform(&r, -1, 1), far * draw_uniform(&r, -1, 1),
+                           far * draw_uniform(&r, -1, 1)};
     }
     assert_int_equal(find_face(pts, n + 100, 0, work, NULL, &with), ST_OK);
     assert_int_equal(with.faces, 1);
@@ -309,18 +309,19 @@ TEST(test_nothing)
 
 /* The front of a clothed body below a head in the canonical frame: rounded, with folds and a lapel's
  * edges, which stick out as noses do. */
-static size_t add_body(struct brute_rng *r, struct dvec3 *out)
+static size_t add_body(struct draw *r, struct dvec3 *out)
 {
     double fold[40][3];
     size_t n = 0;
 
     for (int k = 0; k < 40; k++) {
-        fold[k][0] = brute_within(r, 210);
-        fold[k][1] = -390 + brute_within(r, 200);
-        fold[k][2] = 8 + 14 * brute_real(r);
+        fold[k][0] = draw_uniform(r, -210, 210);
+        fold[k][1] = -390 + draw_uniform(r, -200, 200);
+        fold[k][2] = draw_uniform(r, 8, 22);
     }
     while (n < BODY) {
-        const double x = brute_within(r, 230), y = -390 + brute_within(r, 230);
+        const double x = draw_uniform(r, -230, 230),
+                     y = -390 + draw_uniform(r, -230, 230);
         const double a = x / 240, b = (y + 390) / 240, d = a * a * a * a + b * b * b * b;
         double z = -150 + 130 * sqrt(fmax(0, 1 - d));
 
@@ -338,7 +339,7 @@ static size_t add_body(struct brute_rng *r, struct dvec3 *out)
 /* A coarse camera's picture of head and body: the face is found, not a fold at the shoulder. */
 TEST(test_body)
 {
-    struct brute_rng r = {brute_seed("body")};
+    struct draw r = {brute_seed("body")};
     unsigned wrong = 0;
 
     for (uint64_t subject = 0; subject < BODIES; subject++) {
@@ -360,8 +361,8 @@ TEST(test_body)
         for (n = 0; n < s.n; n++)
             pts[n] = s.at[n];
         n += add_body(&r, pts + n);
-        toy_pose(brute_within(&r, 28), brute_within(&r, 8), brute_within(&r, 12),
-                 (struct dvec3){0, 0, 0}, &to);
+        toy_pose(draw_uniform(&r, -28, 28), draw_uniform(&r, -8, 8),
+                 draw_uniform(&r, -12, 12), (struct dvec3){0, 0, 0}, &to);
         move_all(pts, n, &to, 1);
         for (size_t i = 0; i < n; i++)
             pts[i].z = 4 * rint(pts[i].z / 4);

@@ -97,18 +97,18 @@ static void naive(const struct model_basis *b, const struct cells *c, double tie
     }
 }
 
-static void noisy(struct brute_rng *rng, double amount)
+static void noisy(struct draw *rng, double amount)
 {
     for (uint32_t i = 0; i < GRID_N; i++)
         if (cells.area[i] > 0.0f)
-            cells.gap[i] += (float)(amount * (brute_real(rng) - 0.5));
+            cells.gap[i] += (float)(amount * draw_uniform(rng, -0.5, 0.5));
 }
 
 /* Random gaps over random parts, and random modes: the coefficients, motion and rest are
  * those of the dense solver. */
 TEST(test_against_naive)
 {
-    struct brute_rng rng = {seed};
+    struct draw rng = {seed};
 
     for (int round = 0; round < 24; round++) {
         static struct model_basis b;
@@ -122,12 +122,12 @@ TEST(test_against_naive)
         b.n = (uint32_t)brute_int(&rng, 0, round < 12 ? 8 : MODEL_MODES);
         for (uint32_t i = 0; i < GRID_N; i++)
             for (uint32_t k = 0; k < MODEL_MODES; k++)
-                b.mode[i][k] = k < b.n ? (float)(brute_real(&rng) - 0.5) : 0.0f;
+                b.mode[i][k] = k < b.n ? (float)draw_uniform(&rng, -0.5, 0.5) : 0.0f;
         no_gap(&cells);
         noisy(&rng, 2);
         for (uint32_t i = 0; i < GRID_N; i++)
-            if (brute_real(&rng) < 0.1 * (round % 5))
-                cells.area[i] = (float)(8 * brute_real(&rng)); /* some not covered */
+            if (draw_uniform(&rng, 0, 1) < 0.1 * (round % 5))
+                cells.area[i] = (float)draw_uniform(&rng, 0, 8); /* some not covered */
         fit_prepare(&b, &p);
         assert_int_equal(fit_solve(&p, &cells, tie, passes, &scratch, &fit), ST_OK);
         naive(&b, &cells, tie, passes, y, rest);

@@ -39,7 +39,7 @@ TEST(test_toy)
 {
     static const struct dvec3 corners[] = {
         {0, 0, 0}, {50, 0, -40}, {-50, 0, -40}, {0, 60, -30}, {0, -60, -30}};
-    struct brute_rng rng = {brute_seed("frame")};
+    struct draw rng = {brute_seed("frame")};
 
     for (int k = 0; k < 5; k++) {
         struct pose pose, both;

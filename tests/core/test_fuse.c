@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "clouds.h"
+#include "draw.h"
 #include "fail_alloc.h"
 #include "libsurface.h"
 #include "pose.h"
@@ -35,28 +36,16 @@ AFTER_EACH(end)
     surface_work_free(work);
 }
 
-/* About normal, of deviation 1. */
-static double noise(uint64_t *state)
-{
-    double sum = -6;
-
-    for (int i = 0; i < 12; i++) {
-        *state = *state * 6364136223846793005U + 1442695040888963407U;
-        sum += (double)(*state >> 11) * 0x1p-53;
-    }
-    return sum;
-}
-
 /* Frame k: subject, turned by some degrees, with so much noise. */
 static void take(uint32_t k, uint64_t subject, double noise_mm, double yaw)
 {
     const size_t n = clouds_scan(subject, 10 + k, POINTS, pts[k]);
     struct pose turn = {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {4.0 * k, -3.0 * k, 2.0 * k}};
-    uint64_t state = 77 + k;
+    struct draw r = {77 + k};
 
     pose_tilt(&turn, (struct dvec3){0, 0, -80}, yaw, yaw / 3);
     for (size_t i = 0; i < n; i++) {
-        pts[k][i].z += noise_mm * noise(&state);
+        pts[k][i].z += noise_mm * draw_normal(&r);
         pts[k][i] = pose_apply(&turn, pts[k][i]);
     }
     cloud[k] = (struct surface_cloud){.points = (const double(*)[3])pts[k], .n = n};

@@ -78,20 +78,20 @@ static double relief(const double u[16], double x, double y)
 }
 
 /* What a scanner sees of a thing: nothing steeper than 75 degrees. */
-static size_t scan_thing(thing *height, struct brute_rng *r)
+static size_t scan_thing(thing *height, struct draw *r)
 {
     double u[16];
     size_t n = 0;
 
     for (int i = 0; i < 16; i++)
-        u[i] = brute_real(r);
+        u[i] = draw_uniform(r, 0, 1);
     while (n < N) {
-        const double x = 150 * brute_real(r) - 75, y = 200 * brute_real(r) - 100;
+        const double x = draw_uniform(r, -75, 75), y = draw_uniform(r, -100, 100);
         const double z = height(u, x, y), dx = 2 * (height(u, x + 0.5, y) - z);
         const double dy = 2 * (height(u, x, y + 0.5) - z);
 
         if (hypot(x / 75, y / 100) <= 1 && dx * dx + dy * dy <= 15)
-            pts[n++] = (struct dvec3){x, y, z + 0.4 * brute_real(r)};
+            pts[n++] = (struct dvec3){x, y, z + draw_uniform(r, 0, 0.4)};
     }
     return n;
 }
@@ -99,7 +99,7 @@ static size_t scan_thing(thing *height, struct brute_rng *r)
 TEST(test_things)
 {
     static thing *const kind[] = {vase, egg, relief};
-    struct brute_rng r = {brute_seed("gate")};
+    struct draw r = {brute_seed("gate")};
 
     for (size_t k = 0; k < 30; k++) {
         const size_t n = scan_thing(kind[k % 3], &r);

@@ -6,7 +6,7 @@
 /* Every point of the grid lies in one cell, whose centre is within half a cell. */
 TEST(test_cells)
 {
-    struct brute_rng rng = {brute_seed("grid")};
+    struct draw rng = {brute_seed("grid")};
     const double right = GRID_LEFT + GRID_NX * GRID_MM;
     const double top = GRID_BOTTOM + GRID_NY * GRID_MM;
 
@@ -16,8 +16,8 @@ TEST(test_cells)
                          c); /* the lower left corner is its own */
     }
     for (int i = 0; i < 100000; i++) {
-        const double x = GRID_LEFT + (right - GRID_LEFT) * brute_real(&rng);
-        const double y = GRID_BOTTOM + (top - GRID_BOTTOM) * brute_real(&rng);
+        const double x = draw_uniform(&rng, GRID_LEFT, right);
+        const double y = draw_uniform(&rng, GRID_BOTTOM, top);
         const uint32_t c = grid_cell(x, y);
 
         assert_true(c < GRID_N);

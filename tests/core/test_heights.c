@@ -98,7 +98,7 @@ TEST(test_tilted)
 {
     static const double step[] = {0.5, 1, 2, 4};
     static const double most[] = {0.25, 0.22, 0.15}; /* mm, root mean square */
-    struct brute_rng rng = {brute_seed("tilted")};
+    struct draw rng = {brute_seed("tilted")};
 
     for (size_t k = 0; k < sizeof step / sizeof *step; k++) {
         sheet(tilted, -40, 40, -54, 66, step[k]);
@@ -124,22 +124,6 @@ TEST(test_tilted)
         assert_true(cells > 600);
         assert_true(sqrt(squares / cells) < most[k]);
     }
-}
-
-static double step_at_zero(double x, double y)
-{
-    (void)y;
-    return x < 0.1 ? -30 : -20;
-}
-
-/* Of a step each side keeps its height, and the wall between them is left out. */
-TEST(test_step)
-{
-    sheet(step_at_zero, -40, 40, -54, 66, 0.5);
-    measure();
-    for (uint32_t i = 0; i < GRID_N; i++)
-        if (in(i, -40, 40, -54, 66))
-            close_to(i, grid_x(i) < 0 ? -30 : -20, 1e-5);
 }
 
 static double ramp(double x, double y)

@@ -44,7 +44,7 @@ static bool bridged_at(const struct mesh *m, int32_t x, int32_t y)
  * at most the limit. */
 TEST(test_spacing)
 {
-    struct brute_rng r = {brute_seed("holes")};
+    struct draw r = {brute_seed("holes")};
     static double sum[100], count[100], s2[100], c2[100];
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
@@ -97,7 +97,7 @@ static bool bridges(const struct mesh *m, const float *space, uint32_t a, uint32
  * the triangles without a mark. */
 TEST(test_marks)
 {
-    struct brute_rng r = {brute_seed("holes") + 1};
+    struct draw r = {brute_seed("holes") + 1};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         struct mesh m = {0};

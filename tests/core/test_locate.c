@@ -11,7 +11,7 @@
 
 #define MAX_POINTS 400
 
-static struct mesh make(enum brute_shape shape, size_t n, struct brute_rng *r)
+static struct mesh make(enum brute_shape shape, size_t n, struct draw *r)
 {
     static struct ivec3 pts[MAX_POINTS];
     struct mesh m = {0};
@@ -23,10 +23,10 @@ static struct mesh make(enum brute_shape shape, size_t n, struct brute_rng *r)
 
 /* Flips edges in every second mesh, so that it is not Delaunay: location must work in any
  * triangulation. */
-static void disturb(struct mesh *m, int round, struct brute_rng *r)
+static void disturb(struct mesh *m, int round, struct draw *r)
 {
     for (int i = 0; round % 2 != 0 && i < 100; i++)
-        (void)brute_flip(m, (uint32_t)(brute_rand(r) % (3 * m->nt)));
+        (void)brute_flip(m, (uint32_t)(draw_next(r) % (3 * m->nt)));
 }
 
 static bool same_xy(struct ivec2 a, struct ivec2 b)
@@ -65,13 +65,13 @@ static void check_location(const struct mesh *m, struct location at, struct ivec
 }
 
 /* The kinds of query points: vertices, middles of edges, inside, near and far outside. */
-static struct ivec2 query(const struct mesh *m, struct brute_rng *r)
+static struct ivec2 query(const struct mesh *m, struct draw *r)
 {
-    const struct ivec2 a = m->xy[brute_rand(r) % m->nv], b = m->xy[brute_rand(r) % m->nv];
+    const struct ivec2 a = m->xy[draw_next(r) % m->nv], b = m->xy[draw_next(r) % m->nv];
     const int32_t far = 1 << 24;
     struct ivec2 q = a;
 
-    switch (brute_rand(r) % 6) {
+    switch (draw_next(r) % 6) {
     case 0:
         break;
     case 1:
@@ -99,7 +99,7 @@ static struct ivec2 query(const struct mesh *m, struct brute_rng *r)
     return q;
 }
 
-static void walk_and_check(const struct mesh *m, struct brute_rng *r)
+static void walk_and_check(const struct mesh *m, struct draw *r)
 {
     struct ivec2 start = query(m, r);
     const struct ivec2 q = query(m, r);
@@ -114,11 +114,11 @@ static void walk_and_check(const struct mesh *m, struct brute_rng *r)
 
 TEST(test_point)
 {
-    struct brute_rng r = {brute_seed("locate")};
+    struct draw r = {brute_seed("locate")};
 
     for (int round = 0; round < 40; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            struct mesh m = make((enum brute_shape)shape, 3 + brute_rand(&r) % 60, &r);
+            struct mesh m = make((enum brute_shape)shape, 3 + draw_next(&r) % 60, &r);
 
             disturb(&m, round, &r);
             for (int k = 0; k < 60; k++)
@@ -146,12 +146,12 @@ static void check_find(const struct mesh *m, const struct chains *c, struct ivec
 
 TEST(test_chains)
 {
-    struct brute_rng r = {brute_seed("locate") + 1};
+    struct draw r = {brute_seed("locate") + 1};
     struct scratch s = {0};
 
     for (int round = 0; round < 60; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
-            struct mesh m = make((enum brute_shape)shape, 3 + brute_rand(&r) % 60, &r);
+            struct mesh m = make((enum brute_shape)shape, 3 + draw_next(&r) % 60, &r);
             struct chains c;
 
             disturb(&m, round, &r);
@@ -168,23 +168,23 @@ TEST(test_chains)
 /* Whole meshes, along any tree: what the walk finds does not depend on the tree. */
 TEST(test_mesh)
 {
-    struct brute_rng r = {brute_seed("locate") + 2};
+    struct draw r = {brute_seed("locate") + 2};
     static struct location loc[MAX_POINTS];
 
     for (int round = 0; round < 12; round++)
         for (int pair = 0; pair < BRUTE_SHAPES * BRUTE_SHAPES; pair++) {
-            struct mesh in = make((enum brute_shape)(pair / BRUTE_SHAPES),
-                                  3 + brute_rand(&r) % 80, &r);
-            struct mesh pts = make((enum brute_shape)(pair % BRUTE_SHAPES),
-                                   3 + brute_rand(&r) % 80, &r);
+            struct mesh in =
+                make((enum brute_shape)(pair / BRUTE_SHAPES), 3 + draw_next(&r) % 80, &r);
+            struct mesh pts =
+                make((enum brute_shape)(pair % BRUTE_SHAPES), 3 + draw_next(&r) % 80, &r);
 
             disturb(&in, round, &r);
             pts.parent[0] = 0;
             for (uint32_t v = 1; v < pts.nv; v++)
-                pts.parent[v] = (uint32_t)(brute_rand(&r) % v);
+                pts.parent[v] = (uint32_t)(draw_next(&r) % v);
             if (round % 3 == 0) /* points that both have */
                 for (uint32_t v = 0; v < pts.nv; v += 2)
-                    pts.xy[v] = in.xy[brute_rand(&r) % in.nv];
+                    pts.xy[v] = in.xy[draw_next(&r) % in.nv];
             assert_int_equal(locate_mesh(&in, &pts, loc), ST_OK);
             for (uint32_t v = 0; v < pts.nv; v++)
                 check_location(&in, loc[v], pts.xy[v]);
@@ -200,7 +200,7 @@ TEST(test_needles)
     enum { N = 3000 };
     static struct ivec3 pts[N];
     static struct location loc[N];
-    struct brute_rng r = {brute_seed("locate") + 4};
+    struct draw r = {brute_seed("locate") + 4};
     struct scratch s = {0};
     struct mesh in = {0}, across = {0};
 
@@ -227,12 +227,12 @@ TEST(test_needles)
 /* On a plane every height is the plane's, up to the largest coordinates. */
 TEST(test_plane)
 {
-    struct brute_rng r = {brute_seed("locate") + 5};
+    struct draw r = {brute_seed("locate") + 5};
 
     for (int round = 0; round < 20 * BRUTE_SHAPES; round++) {
         const int32_t a = brute_int(&r, -1, 1), b = brute_int(&r, -1, 1);
         struct mesh m =
-            make((enum brute_shape)(round % BRUTE_SHAPES), 4 + brute_rand(&r) % 60, &r);
+            make((enum brute_shape)(round % BRUTE_SHAPES), 4 + draw_next(&r) % 60, &r);
 
         for (uint32_t v = 0; v < m.nv; v++)
             m.z[v] = a * m.xy[v].x + b * m.xy[v].y + 17;
@@ -254,7 +254,7 @@ TEST(test_plane)
  * a whole mesh are those of its points. */
 TEST(test_heights)
 {
-    struct brute_rng r = {brute_seed("locate") + 6};
+    struct draw r = {brute_seed("locate") + 6};
     static struct location loc[MAX_POINTS];
     static double out[MAX_POINTS];
 

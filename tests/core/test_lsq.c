@@ -9,7 +9,7 @@
 #define WIDTH  NORMAL_WIDTH
 #define STRIDE (WIDTH + 8)
 
-static struct brute_rng rng;
+static struct draw rng;
 static struct lsq_rows rows;
 
 /* ---- sums */
@@ -18,7 +18,7 @@ static void fill(uint32_t width, uint32_t n)
 {
     for (uint32_t j = 0; j < n; j++)
         for (uint32_t k = 0; k < width; k++) {
-            rows.row[j][k] = (float)(brute_real(&rng) - 0.5);
+            rows.row[j][k] = (float)draw_uniform(&rng, -0.5, 0.5);
             rows.times[j][k] = rows.row[j][k] * (float)(0.1 + j);
         }
     rows.n = n;
@@ -31,7 +31,7 @@ static void check_sums(uint32_t from, uint32_t to, uint32_t n)
     static float sum[WIDTH * STRIDE], before[WIDTH * STRIDE], narrow[WIDTH * STRIDE];
 
     for (size_t i = 0; i < WIDTH * STRIDE; i++)
-        sum[i] = before[i] = narrow[i] = (float)brute_real(&rng);
+        sum[i] = before[i] = narrow[i] = (float)draw_uniform(&rng, 0, 1);
     lsq_add(&rows, from, to, sum, STRIDE);
     assert_int_equal(rows.n, 0);
     rows.n = n;
@@ -76,10 +76,10 @@ TEST(test_products)
     static float row[ROWS * STRIDE], by[STRIDE], got[STRIDE], narrow[STRIDE];
 
     for (uint32_t i = 0; i < ROWS * STRIDE; i++)
-        row[i] = (float)(brute_real(&rng) - 0.5);
+        row[i] = (float)draw_uniform(&rng, -0.5, 0.5);
     for (uint32_t width = NORMAL_LANES; width <= WIDTH; width += NORMAL_LANES) {
         for (uint32_t k = 0; k < STRIDE; k++) {
-            by[k] = (float)(brute_real(&rng) - 0.5);
+            by[k] = (float)draw_uniform(&rng, -0.5, 0.5);
             got[k] = narrow[k] = 7;
         }
         lsq_times(row, STRIDE, ROWS, by, width, got);
@@ -119,7 +119,7 @@ static void draw(uint32_t n)
 
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t k = 0; k < n; k++)
-            g[i][k] = brute_real(&rng) - 0.5;
+            g[i][k] = draw_uniform(&rng, -0.5, 0.5);
     for (uint32_t i = 0; i < MOST * STRIDE; i++)
         h[i] = 1e300;
     for (uint32_t i = 0; i < n; i++)
@@ -209,7 +209,7 @@ TEST(test_partial)
         for (uint32_t to = 0; to <= n; to += n < 12 ? 1 : 5) {
             draw(n);
             for (uint32_t i = 0; i < n; i++)
-                x[i] = v[i] = brute_real(&rng) - 0.5;
+                x[i] = v[i] = draw_uniform(&rng, -0.5, 0.5);
             assert_true(lsq_factor(h, STRIDE, 0, to, n));
             eliminated(to, n, v, s, left);
             for (uint32_t k = to; k < n; k++)
@@ -236,7 +236,7 @@ TEST(test_solve)
 
         draw(n);
         for (uint32_t i = 0; i < n; i++)
-            x[i] = y[i] = v[i] = brute_real(&rng) - 0.5;
+            x[i] = y[i] = v[i] = draw_uniform(&rng, -0.5, 0.5);
         assert_true(lsq_factor(h, STRIDE, 0, n, n));
         lsq_forward(h, STRIDE, n, n, x);
         for (uint32_t i = 0; i < n; i++)
@@ -281,5 +281,5 @@ TEST(test_indefinite)
 
 BEFORE_ALL(set_up)
 {
-    rng.state = brute_seed("normal");
+    rng.x = brute_seed("normal");
 }

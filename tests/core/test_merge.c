@@ -143,7 +143,7 @@ static void check_both_ways(const struct cloud *a, const struct cloud *b)
 TEST(test_kinds)
 {
     static const size_t size[][2] = {{3, 3}, {5, 60}, {80, 6}, {150, 150}, {700, 500}};
-    struct brute_rng r = {brute_seed("kinds")};
+    struct draw r = {brute_seed("kinds")};
 
     for (int ka = 0; ka < BRUTE_SHAPES; ka++)
         for (int kb = 0; kb < BRUTE_SHAPES; kb++)
@@ -157,7 +157,7 @@ TEST(test_kinds)
 /* Some, then all points of b are points of a. */
 TEST(test_shared)
 {
-    struct brute_rng r = {brute_seed("shared")};
+    struct draw r = {brute_seed("shared")};
     struct pair p;
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
@@ -165,7 +165,7 @@ TEST(test_shared)
             first.n = brute_points((enum brute_shape)shape, n, &r, first.pts);
             second.n = brute_points((enum brute_shape)shape, n, &r, second.pts);
             for (size_t i = 0; i < second.n; i += 2)
-                second.pts[i] = first.pts[brute_rand(&r) % first.n];
+                second.pts[i] = first.pts[draw_next(&r) % first.n];
             check_both_ways(&first, &second);
             pair_make(&p, &first, &first);
             assert_int_equal(
@@ -180,7 +180,7 @@ TEST(test_shared)
 /* b's points on a's edges, inner and hull edges, and on the lines beyond their ends. */
 TEST(test_on_edges)
 {
-    struct brute_rng r = {brute_seed("on edges")};
+    struct draw r = {brute_seed("on edges")};
 
     for (int round = 0; round < 60; round++) {
         struct mesh m = {0};
@@ -197,7 +197,7 @@ TEST(test_on_edges)
             const uint32_t u = m.org[h], v = mesh_dest(&m, h);
             const int32_t part = brute_int(&r, -1, 5); /* -1 and 5: beyond the ends */
 
-            if (u < m.nv && v < m.nv && u < v && brute_rand(&r) % 3 != 0)
+            if (u < m.nv && v < m.nv && u < v && draw_next(&r) % 3 != 0)
                 add(&second, m.xy[u].x + (m.xy[v].x - m.xy[u].x) / 4 * part,
                     m.xy[u].y + (m.xy[v].y - m.xy[u].y) / 4 * part);
         }
@@ -233,7 +233,7 @@ TEST(test_work_limit)
 /* Two scans of one surface never come near that limit, whatever their sampling. */
 TEST(test_steady_state)
 {
-    struct brute_rng r = {brute_seed("steady state")};
+    struct draw r = {brute_seed("steady state")};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
         first.n = brute_points((enum brute_shape)shape, 3000, &r, first.pts);
@@ -309,7 +309,7 @@ static int64_t area(const struct mesh *m)
 /* If a is not Delaunay, the result is still a triangulation of all points. */
 TEST(test_flipped)
 {
-    struct brute_rng r = {brute_seed("flipped")};
+    struct draw r = {brute_seed("flipped")};
 
     for (int round = 0; round < 300; round++) {
         const enum brute_shape shape = (enum brute_shape)(round % BRUTE_SHAPES);
@@ -319,7 +319,7 @@ TEST(test_flipped)
         first.n = brute_points(shape, 60, &r, first.pts);
         triangulate(&first, &p.a);
         for (int i = 0; i < 500; i++)
-            (void)brute_flip(&p.a, (uint32_t)(brute_rand(&r) % (3 * p.a.nt)));
+            (void)brute_flip(&p.a, (uint32_t)(draw_next(&r) % (3 * p.a.nt)));
         second.n = brute_points(BRUTE_RANDOM, 60, &r, second.pts);
         pair_locate(&p, &second);
         assert_int_equal(merge_build(&p.a, &p.b, p.b_in_a, &scratch, &p.out, p.b_vertex),
@@ -362,7 +362,7 @@ static void no_memory(const struct cloud *a, const struct cloud *b, unsigned lon
 
 TEST(test_no_memory)
 {
-    struct brute_rng r = {brute_seed("no memory")};
+    struct draw r = {brute_seed("no memory")};
 
     first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);
     second.n = brute_points(BRUTE_RANDOM, 50, &r, second.pts);
@@ -373,7 +373,7 @@ TEST(test_no_memory)
 
 TEST(test_limit)
 {
-    struct brute_rng r = {brute_seed("limit")};
+    struct draw r = {brute_seed("limit")};
     struct pair p;
 
     first.n = brute_points(BRUTE_RANDOM, 50, &r, first.pts);

@@ -130,7 +130,7 @@ static bool valid(const struct mesh *m)
 
 TEST(test_links)
 {
-    struct brute_rng r = {brute_seed("mesh")};
+    struct draw r = {brute_seed("mesh")};
     struct mesh m = {0}, d = {0};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)
@@ -150,7 +150,7 @@ TEST(test_links)
  * the mesh. */
 TEST(test_flipped)
 {
-    struct brute_rng r = {brute_seed("flipped")};
+    struct draw r = {brute_seed("flipped")};
     struct mesh m = {0}, d = {0};
     uint32_t accepted = 0;
 
@@ -204,7 +204,7 @@ static uint32_t *number(struct mesh *m, uint32_t i)
 /* Every number of the code of small meshes, set to every other value. */
 TEST(test_each_index)
 {
-    struct brute_rng r = {brute_seed("indices")};
+    struct draw r = {brute_seed("indices")};
     struct mesh m = {0}, k = {0}, d = {0};
 
     refused = accepted = 0;
@@ -236,7 +236,7 @@ TEST(test_each_index)
 /* A pair that is listed twice, in place of another: the other one would be without twins. */
 TEST(test_pair_twice)
 {
-    struct brute_rng r = {brute_seed("pairs")};
+    struct draw r = {brute_seed("pairs")};
     struct mesh m = {0}, k = {0}, d = {0};
 
     build(brute_points(BRUTE_RANDOM, 20, &r, pts), &m);
@@ -265,7 +265,7 @@ TEST(test_pair_twice)
 /* Up to three numbers exchanged or overwritten, points moved. */
 TEST(test_damaged)
 {
-    struct brute_rng r = {brute_seed("damaged")};
+    struct draw r = {brute_seed("damaged")};
     struct mesh m = {0}, code = {0}, k = {0}, d = {0};
 
     refused = accepted = 0;
@@ -342,7 +342,7 @@ TEST(test_turns_twice)
 
 TEST(test_limits)
 {
-    struct brute_rng r = {brute_seed("limits")};
+    struct draw r = {brute_seed("limits")};
     struct mesh m = {0}, d = {0};
     int32_t *at;
 
@@ -377,7 +377,7 @@ TEST(test_limits)
 
 TEST(test_no_memory)
 {
-    struct brute_rng r = {brute_seed("memory")};
+    struct draw r = {brute_seed("memory")};
     struct mesh m = {0}, d = {0};
     struct scratch empty = {0};
 

@@ -267,7 +267,7 @@ static double sheet(const void *arg, double x, double y)
 
 static void sheets(const double a[3], const double b[3])
 {
-    struct brute_rng r = {brute_seed("minimal")};
+    struct draw r = {brute_seed("minimal")};
 
     toy_scan(sheet, a, 1500, NULL, &r, &tmpl.surface);
     toy_scan(sheet, b, 1800, NULL, &r, &probe.surface);

@@ -65,19 +65,19 @@ static void check_preorder(const struct mesh *m)
 
 TEST(test_against_prim)
 {
-    struct brute_rng r = {brute_seed("mst")};
+    struct draw r = {brute_seed("mst")};
     struct scratch s = {0};
 
     for (int round = 0; round < 30; round++)
         for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
             struct mesh m = {0}, before = {0};
             const size_t n =
-                brute_points((enum brute_shape)shape, 3 + brute_rand(&r) % 90, &r, pts);
+                brute_points((enum brute_shape)shape, 3 + draw_next(&r) % 90, &r, pts);
 
             brute_delaunay(pts, n, &m);
             for (int i = 0; round % 2 != 0 && i < 100;
                  i++) /* so that it is not Delaunay */
-                (void)brute_flip(&m, (uint32_t)(brute_rand(&r) % (3 * m.nt)));
+                (void)brute_flip(&m, (uint32_t)(draw_next(&r) % (3 * m.nt)));
             assert_int_equal(mesh_copy(&before, &m, 0), ST_OK);
             assert_int_equal(mst_build(&m, &s), ST_OK);
             check_tree(&m, &before);
@@ -92,7 +92,7 @@ TEST(test_against_prim)
  * mesh that already has them. */
 TEST(test_canonical)
 {
-    struct brute_rng r = {brute_seed("mst") + 1};
+    struct draw r = {brute_seed("mst") + 1};
     struct scratch s = {0};
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++) {
@@ -118,7 +118,7 @@ TEST(test_canonical)
 /* mst_check() must notice a tree that spans but is not minimal. */
 TEST(test_check)
 {
-    struct brute_rng r = {brute_seed("mst") + 2};
+    struct draw r = {brute_seed("mst") + 2};
     struct scratch s = {0};
     struct mesh m = {0};
     int caught = 0;
@@ -149,7 +149,7 @@ TEST(test_check)
  * tree. */
 TEST(test_deep_and_large)
 {
-    struct brute_rng r = {brute_seed("mst") + 3};
+    struct draw r = {brute_seed("mst") + 3};
     struct scratch s = {0};
     struct mesh m = {0};
     const size_t n = 20000;

@@ -111,13 +111,13 @@ TEST(test_extremes)
 {
     static const int32_t at[] = {-LATTICE_MAX,    1 - LATTICE_MAX, -1, 0, 1,
                                  LATTICE_MAX - 1, LATTICE_MAX};
-    struct brute_rng r = {brute_seed("extremes")};
+    struct draw r = {brute_seed("extremes")};
 
     for (int k = 0; k < 200000; k++) {
         struct ivec2 p[4];
 
         for (int i = 0; i < 4; i++)
-            p[i] = (struct ivec2){at[brute_rand(&r) % 7], at[brute_rand(&r) % 7]};
+            p[i] = (struct ivec2){at[draw_next(&r) % 7], at[draw_next(&r) % 7]};
         check_orient(p[0], p[1], p[2]);
         check_incircle(p[0], p[1], p[2], p[3]);
     }

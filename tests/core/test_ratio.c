@@ -9,16 +9,9 @@
 
 #define MOST MODEL_MODES
 
-static struct brute_rng rng;
+static struct draw rng;
 static struct scratch scratch;
 static struct encoding tmpl, probe;
-
-static double normal(void)
-{
-    const double u = 1 - brute_real(&rng), v = brute_real(&rng);
-
-    return sqrt(-2 * log(u)) * cos(6.283185307179586 * v);
-}
 
 /* ---- encodings */
 
@@ -32,7 +25,7 @@ static void draw_a(uint32_t n, double size, struct encoding *e)
     e->n = n;
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t k = 0; k < n; k++)
-            g[i][k] = normal() / sqrt(n);
+            g[i][k] = draw_normal(&rng) / sqrt(n);
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t k = 0; k <= i; k++) {
             double sum = i == k ? 0.5 : 0;
@@ -65,7 +58,7 @@ static void draw_b(const double *y, struct encoding *e)
             l[i][k] = i == k ? sqrt(sum) : sum / l[k][k];
         }
     for (uint32_t i = 0; i < e->n; i++)
-        x[i] = normal();
+        x[i] = draw_normal(&rng);
     for (uint32_t i = 0; i < e->n; i++) {
         double sum = 0;
 
@@ -81,8 +74,8 @@ static void draw_pair(double rho)
     double y[2][MOST];
 
     for (uint32_t i = 0; i < tmpl.n; i++) {
-        y[0][i] = normal();
-        y[1][i] = rho * y[0][i] + sqrt(1 - rho * rho) * normal();
+        y[0][i] = draw_normal(&rng);
+        y[1][i] = rho * y[0][i] + sqrt(1 - rho * rho) * draw_normal(&rng);
     }
     draw_b(y[0], &tmpl);
     draw_b(y[1], &probe);
@@ -252,10 +245,10 @@ TEST(test_ln)
     assert_true(ratio_ln(1) == 0);
     for (int power = -1074; power < 1024; power++)
         for (int i = 0; i < 50; i++)
-            check_ln(ldexp(1 + brute_real(&rng), power));
+            check_ln(ldexp(1 + draw_uniform(&rng, 0, 1), power));
     for (int power = -52; power < 0; power++)
         for (int i = 0; i < 50; i++) { /* near 1, where its value is small */
-            const double off = ldexp(1 + brute_real(&rng), power);
+            const double off = ldexp(1 + draw_uniform(&rng, 0, 1), power);
 
             check_ln(1 + off);
             check_ln(1 - off / 2);
@@ -346,5 +339,5 @@ TEST(test_many)
 
 BEFORE_ALL(set_up)
 {
-    rng.state = brute_seed("ratio");
+    rng.x = brute_seed("ratio");
 }

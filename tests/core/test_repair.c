@@ -44,7 +44,7 @@ static enum status repair(const struct ivec2 *to)
 
 /* The mesh of a point set, scaled up, where the lattice has the room for it, so that its
  * points can move between their neighbours. */
-static void make(enum brute_shape shape, size_t n, int32_t scale, struct brute_rng *r)
+static void make(enum brute_shape shape, size_t n, int32_t scale, struct draw *r)
 {
     n = brute_points(shape, n, r, pts);
     for (size_t i = 0; i < n; i++)
@@ -63,7 +63,7 @@ static int32_t within_lattice(int64_t x)
 }
 
 /* Each point moves a little by itself, by up to `most` in each axis. */
-static void jitter(struct ivec2 *to, int32_t most, struct brute_rng *r)
+static void jitter(struct ivec2 *to, int32_t most, struct draw *r)
 {
     for (uint32_t v = 0; v < mesh.nv; v++)
         to[v] = (struct ivec2){
@@ -78,7 +78,7 @@ TEST(test_kinds)
 {
     static const size_t size[] = {3, 4, 7, 30, 200, 900};
     static const int32_t most[] = {0, 1, 3, 10, 30, 100, 1000, 30000};
-    struct brute_rng r = {brute_seed("kinds")};
+    struct draw r = {brute_seed("kinds")};
     static struct ivec2 to[MOST], home[MOST];
     uint32_t done = 0, all = 0;
 
@@ -103,12 +103,12 @@ TEST(test_kinds)
 /* Turned in space by up to 12 degrees, as in a comparison: nearly all can be repaired. */
 TEST(test_turned)
 {
-    struct brute_rng r = {brute_seed("turned")};
+    struct draw r = {brute_seed("turned")};
     static struct ivec2 to[MOST];
     uint32_t done = 0;
 
     for (int round = 0; round < 60; round++) {
-        const double x = 0.4 * brute_real(&r) - 0.2, y = 0.4 * brute_real(&r) - 0.2;
+        const double x = draw_uniform(&r, -0.2, 0.2), y = draw_uniform(&r, -0.2, 0.2);
 
         make(BRUTE_RANDOM, 2000, 1, &r);
         for (uint32_t v = 0; v < mesh.nv; v++)
@@ -124,16 +124,16 @@ TEST(test_turned)
 /* One point falls on another, be it its neighbour or not: no triangulation has both. */
 TEST(test_coincide)
 {
-    struct brute_rng r = {brute_seed("coincide")};
+    struct draw r = {brute_seed("coincide")};
     static struct ivec2 to[MOST];
 
     for (int round = 0; round < 200; round++) {
         uint32_t v, w;
 
         make(BRUTE_RANDOM, 60, 1, &r);
-        v = (uint32_t)(brute_rand(&r) % mesh.nv);
+        v = (uint32_t)(draw_next(&r) % mesh.nv);
         w = round % 2 ? mesh_dest(&mesh, mesh.out[v])
-                      : (uint32_t)(brute_rand(&r) % mesh.nv);
+                      : (uint32_t)(draw_next(&r) % mesh.nv);
         memcpy(to, mesh.xy, mesh.nv * sizeof *to);
         if (w == v || w == mesh.nv)
             continue;
@@ -146,7 +146,7 @@ TEST(test_coincide)
  * places at random. */
 TEST(test_gives_up)
 {
-    struct brute_rng r = {brute_seed("gives up")};
+    struct draw r = {brute_seed("gives up")};
     static struct ivec2 to[MOST];
 
     make(BRUTE_RANDOM, 300, 1, &r);
@@ -157,7 +157,7 @@ TEST(test_gives_up)
         to[v] = (struct ivec2){0, mesh.xy[v].y};
     assert_int_equal(repair(to), ST_ELIMIT);
     for (uint32_t v = 0; v < mesh.nv; v++)
-        to[v] = mesh.xy[brute_rand(&r) % mesh.nv];
+        to[v] = mesh.xy[draw_next(&r) % mesh.nv];
     assert_int_equal(repair(to), ST_ELIMIT);
     make(BRUTE_RANDOM, 3, 1, &r);
     for (int i = 0; i < 27; i++) {
@@ -210,7 +210,7 @@ static void check_numbered(uint32_t n)
 
 TEST(test_numbered)
 {
-    struct brute_rng r = {brute_seed("kinds")};
+    struct draw r = {brute_seed("kinds")};
     struct ivec3 before[HEAP];
 
     for (int shape = 0; shape < BRUTE_SHAPES; shape++)

@@ -471,15 +471,14 @@ TEST(test_focal)
 /* A tenth of the points are of the back of the head. */
 TEST(test_elsewhere)
 {
-    struct brute_rng rng = {brute_seed("scan")};
+    struct draw rng = {brute_seed("scan")};
     size_t front = 0;
 
     enroll(7);
     sample(7, 1, 3000);
     for (size_t i = 0; i < n; i += 10)
-        pts[i] =
-            (struct dvec3){-55 + 110 * brute_real(&rng), -70 + 130 * brute_real(&rng),
-                           -180 + 20 * brute_real(&rng)};
+        pts[i] = (struct dvec3){draw_uniform(&rng, -55, 55), draw_uniform(&rng, -70, 60),
+                                draw_uniform(&rng, -180, -160)};
     assert_int_equal(build(&enrolment), ST_OK);
     assert_true(warned(SURFACE_BEHIND) && found.elsewhere > 0.08 &&
                 found.elsewhere < 0.2);
@@ -547,11 +546,12 @@ TEST(test_mirrored)
 
 TEST(test_no_face)
 {
-    struct brute_rng rng = {brute_seed("ball")};
+    struct draw rng = {brute_seed("ball")};
 
     for (n = 0; n < 4000;) { /* a ball of a head's size */
-        const struct dvec3 q = {brute_real(&rng) - 0.5, brute_real(&rng) - 0.5,
-                                brute_real(&rng) - 0.5};
+        const struct dvec3 q = {draw_uniform(&rng, -0.5, 0.5),
+                                draw_uniform(&rng, -0.5, 0.5),
+                                draw_uniform(&rng, -0.5, 0.5)};
         const double r = sqrt(vec_dot(q, q));
 
         if (r > 0.1 && r < 0.5)

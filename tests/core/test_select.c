@@ -30,27 +30,27 @@ static void check(size_t n)
 }
 
 /* A value of a kind: close together, of all magnitudes, many equal ones, both signs. */
-static double draw(int kind, struct brute_rng *r)
+static double draw(int kind, struct draw *r)
 {
     switch (kind) {
     case 0:
-        return brute_real(r);
+        return draw_uniform(r, 0, 1);
     case 1:
-        return ldexp(brute_real(r) - 0.5, brute_int(r, -1100, 1020));
+        return ldexp(draw_uniform(r, -0.5, 0.5), brute_int(r, -1100, 1020));
     case 2:
         return brute_int(r, -2, 2);
     case 3:
         return brute_int(r, -(1 << 24), 1 << 24);
     case 4:
-        return brute_real(r) < 0.5 ? 0.0 : -0.0;
+        return draw_uniform(r, 0, 1) < 0.5 ? 0.0 : -0.0;
     default:
-        return brute_real(r) < 0.5 ? (double)INFINITY : -DBL_MAX;
+        return draw_uniform(r, 0, 1) < 0.5 ? (double)INFINITY : -DBL_MAX;
     }
 }
 
 TEST(test_random)
 {
-    struct brute_rng r = {brute_seed("select")};
+    struct draw r = {brute_seed("select")};
 
     for (int kind = 0; kind < 6; kind++)
         for (size_t n = 1; n < 3000; n += 1 + n / 3) {

@@ -19,10 +19,10 @@ static float face[GRID_N];          /* heights of a face made of modes */
 static double made_of[MODEL_MODES]; /* its coefficients */
 
 /* So many points of the surface h, anywhere on it. */
-static void scan(const float *h, size_t count, struct brute_rng *rng)
+static void scan(const float *h, size_t count, struct draw *rng)
 {
     for (n = 0; n < count;) {
-        const double x = -58 + 116 * brute_real(rng), y = -76 + 138 * brute_real(rng);
+        const double x = draw_uniform(rng, -58, 58), y = draw_uniform(rng, -76, 62);
         const double z = toy_at(h, x, y);
 
         if (!isnan(z))
@@ -31,11 +31,11 @@ static void scan(const float *h, size_t count, struct brute_rng *rng)
 }
 
 /* A new face, as points in its frame. */
-static void make_face(struct brute_rng *rng)
+static void make_face(struct draw *rng)
 {
     memcpy(face, model.mean, sizeof face);
     for (uint32_t k = 0; k < model.shape.n; k++) {
-        made_of[k] = 2 * brute_real(rng) - 1;
+        made_of[k] = draw_uniform(rng, -1, 1);
         for (uint32_t i = 0; i < GRID_N; i++)
             face[i] += (float)made_of[k] * model.shape.mode[i][k];
     }
@@ -85,15 +85,15 @@ static double off(const struct shape_fit *f)
     return most;
 }
 
-static struct pose any_pose(double deg, double mm, struct brute_rng *rng)
+static struct pose any_pose(double deg, double mm, struct draw *rng)
 {
     struct pose pose;
 
-    toy_pose(
-        2 * deg * brute_real(rng) - deg, 2 * deg * brute_real(rng) - deg,
-        2 * deg * brute_real(rng) - deg,
-        (struct dvec3){mm * brute_real(rng), -mm * brute_real(rng), mm * brute_real(rng)},
-        &pose);
+    toy_pose(draw_uniform(rng, -deg, deg), draw_uniform(rng, -deg, deg),
+             draw_uniform(rng, -deg, deg),
+             (struct dvec3){mm * draw_uniform(rng, 0, 1), -mm * draw_uniform(rng, 0, 1),
+                            mm * draw_uniform(rng, 0, 1)},
+             &pose);
     return pose;
 }
 
@@ -112,7 +112,7 @@ static void check_pose(const struct shape_fit *f)
 
 TEST(test_recovered)
 {
-    struct brute_rng rng = {brute_seed("shape")};
+    struct draw rng = {brute_seed("shape")};
     struct shape_fit f, g;
 
     for (int round = 0; round < 20; round++) {
@@ -186,7 +186,7 @@ static void check_outside(const struct shape_fit *f, const double r[4], double m
 TEST(test_slab)
 {
     static const double mouth[4] = {-28, 28, -52, -14};
-    struct brute_rng rng = {brute_seed("slab")};
+    struct draw rng = {brute_seed("slab")};
     struct shape_fit f;
 
     for (int round = 0; round < 10; round++) {
@@ -206,7 +206,7 @@ TEST(test_slab)
 /* A few cells in front are no cover: a nose ring, or strays. */
 TEST(test_small)
 {
-    struct brute_rng rng = {brute_seed("small")};
+    struct draw rng = {brute_seed("small")};
     struct shape_fit f;
 
     make_face(&rng);
@@ -221,7 +221,7 @@ TEST(test_hard)
 {
     static const double hidden[][4] = {
         {-70, 70, 12, 44}, {-70, 70, -94, 0}, {-70, 0, -94, 94}, {0, 70, -94, 94}};
-    struct brute_rng rng = {brute_seed("hard")};
+    struct draw rng = {brute_seed("hard")};
     struct shape_fit f, g;
 
     for (size_t k = 0; k < sizeof hidden / sizeof *hidden; k++) {
@@ -240,7 +240,7 @@ TEST(test_hard)
  * too.  Holes alone are not. */
 TEST(test_glasses)
 {
-    struct brute_rng rng = {brute_seed("glasses")};
+    struct draw rng = {brute_seed("glasses")};
     struct shape_fit f;
 
     for (int round = 0; round < 10; round++) {
@@ -264,13 +264,12 @@ TEST(test_glasses)
 /* Planes, cylinders and eggs are no faces. */
 TEST(test_flat)
 {
-    struct brute_rng rng = {brute_seed("flat")};
+    struct draw rng = {brute_seed("flat")};
     struct shape_fit f;
 
     for (int what = 0; what < 3; what++) {
         for (n = 0; n < POINTS; n++) {
-            const double x = -60 + 120 * brute_real(&rng),
-                         y = -80 + 150 * brute_real(&rng);
+            const double x = draw_uniform(&rng, -60, 60), y = draw_uniform(&rng, -80, 70);
 
             pts[n] = (struct dvec3){
                 x, y, -25 - (what > 0 ? x * x / 130 : 0) - (what > 1 ? y * y / 220 : 0)};
@@ -325,7 +324,7 @@ static double most_apart(const struct shape_fit *f, const struct shape_fit *g)
  * same call gives the same digits. */
 TEST(test_invariant)
 {
-    struct brute_rng rng = {brute_seed("invariant")};
+    struct draw rng = {brute_seed("invariant")};
     static struct shape_fit f, g;
     struct pose pose, start;
 
@@ -358,7 +357,7 @@ TEST(test_invariant)
 /* Of several starts that which leads to a face; and many points are as good as few. */
 TEST(test_starts)
 {
-    struct brute_rng rng = {brute_seed("starts")};
+    struct draw rng = {brute_seed("starts")};
     struct pose start[3];
     struct shape_fit f, g;
 
@@ -377,7 +376,7 @@ TEST(test_starts)
 /* shape_map_make() by definition. */
 TEST(test_map)
 {
-    struct brute_rng rng = {brute_seed("map")};
+    struct draw rng = {brute_seed("map")};
     struct scratch s = {0};
     struct shape_points p;
     float got[GRID_N];
@@ -449,7 +448,7 @@ TEST(test_fill)
 TEST(test_sizes)
 {
     static const double by[] = {0.71, 0.78, 1, 1.16}, want[] = {0.71, 0.77, 1, 1.16};
-    struct brute_rng rng = {brute_seed("sizes")};
+    struct draw rng = {brute_seed("sizes")};
     struct shape_fit f;
 
     for (size_t k = 0; k < sizeof by / sizeof *by; k++) {
@@ -537,15 +536,16 @@ static double reference(void)
 /* Any heights, seen anywhere. */
 TEST(test_detail)
 {
-    struct brute_rng rng = {brute_seed("detail")};
+    struct draw rng = {brute_seed("detail")};
 
     for (int k = 0; k < 200; k++) {
-        const double share = k == 0 ? 0 : brute_real(&rng);
+        const double share = k == 0 ? 0 : draw_uniform(&rng, 0, 1);
 
         see_all();
         for (uint32_t i = 0; i < GRID_N; i++)
-            z[i] = brute_real(&rng) < share ? z[i] + (float)(6 * brute_real(&rng) - 3)
-                                            : (float)NAN;
+            z[i] = draw_uniform(&rng, 0, 1) < share
+                       ? z[i] + (float)draw_uniform(&rng, -3, 3)
+                       : (float)NAN;
         assert_true(fabs(detail() - reference()) < 1e-4);
     }
 }

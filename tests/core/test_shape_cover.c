@@ -9,7 +9,7 @@
 
 static struct shape_work work;
 static struct dvec3 pts[POINTS];
-static struct brute_rng rng;
+static struct draw rng;
 
 /* Something on the mean face: what is added to its height, mm. */
 typedef double thing(double x, double y);
@@ -17,11 +17,11 @@ typedef double thing(double x, double y);
 static void make(thing *on)
 {
     for (size_t n = 0; n < POINTS;) {
-        const double x = -58 + 116 * brute_real(&rng), y = -76 + 142 * brute_real(&rng);
+        const double x = draw_uniform(&rng, -58, 58), y = draw_uniform(&rng, -76, 66);
         const double z = toy_at(work.mean, x, y);
 
         if (!isnan(z))
-            pts[n++] = (struct dvec3){x, y, z + on(x, y) + 0.2 * brute_real(&rng)};
+            pts[n++] = (struct dvec3){x, y, z + on(x, y) + draw_uniform(&rng, 0, 0.2)};
     }
 }
 
@@ -153,6 +153,6 @@ TEST(test_mask)
 
 BEFORE_ALL(set_up)
 {
-    rng = (struct brute_rng){brute_seed("cover")};
+    rng = (struct draw){brute_seed("cover")};
     shape_work_prepare(&model_default, &work);
 }

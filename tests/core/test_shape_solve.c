@@ -13,7 +13,7 @@
 static struct surface_model model;
 static struct shape_work work; /* its basis and normals */
 static struct shape_solve solve;
-static struct brute_rng rng;
+static struct draw rng;
 static float over[GRID_N], weight[GRID_N];
 
 /* A row by definition: how the height at cell i changes with each turn by 1 mm at the lever's length
@@ -83,10 +83,12 @@ static void check(const struct shape_prior *prior)
 static void draw(double one, double none)
 {
     for (uint32_t i = 0; i < GRID_N; i++) {
-        const double p = brute_real(&rng);
+        const double p = draw_uniform(&rng, 0, 1);
 
-        weight[i] = p < one ? 1.0f : p < one + none ? 0.0f : (float)brute_real(&rng);
-        over[i] = weight[i] > 0.0f ? (float)(4 * brute_real(&rng) - 2) : (float)NAN;
+        weight[i] = p < one          ? 1.0f
+                    : p < one + none ? 0.0f
+                                     : (float)draw_uniform(&rng, 0, 1);
+        over[i] = weight[i] > 0.0f ? (float)draw_uniform(&rng, -2, 2) : (float)NAN;
     }
 }
 
@@ -99,7 +101,7 @@ TEST(test_against_naive)
         check(&(struct shape_prior){10, 0.01, 8});
         for (int k = 0; k < 4; k++) {
             for (uint32_t i = (uint32_t)k; i < GRID_N; i += 7) {
-                weight[i] = k == 2 ? 0.0f : (float)brute_real(&rng);
+                weight[i] = k == 2 ? 0.0f : (float)draw_uniform(&rng, 0, 1);
                 over[i] = weight[i] > 0.0f ? (float)k - 1.5f : (float)NAN;
             }
             check(&(struct shape_prior){k < 2 ? 100 : 1, 0.01, MODEL_MODES});
@@ -133,7 +135,7 @@ TEST(test_bend)
     double a[MODEL_MODES];
 
     for (uint32_t k = 0; k < MODEL_MODES; k++)
-        a[k] = 2 * brute_real(&rng) - 1;
+        a[k] = draw_uniform(&rng, -1, 1);
     for (uint32_t n = 0; n <= model.shape.n; n++) {
         for (uint32_t i = 0; i < GRID_N; i++)
             height[i] = -7;
@@ -150,7 +152,7 @@ TEST(test_bend)
 
 BEFORE_ALL(set_up)
 {
-    rng.state = brute_seed("shape_solve");
+    rng.x = brute_seed("shape_solve");
     toy_model(&model);
     shape_work_prepare(&model, &work);
 }

@@ -18,7 +18,7 @@
 
 #define MOST 3000
 
-static struct brute_rng rng;
+static struct draw rng;
 static struct scratch scratch;
 static struct ivec3 pts[MOST], rest[MOST];
 static double gap[MOST];
@@ -178,9 +178,9 @@ TEST(test_greedy)
         }
         build(pts, n, &m);
         if (round % 4 < 2)
-            limit.error = height * brute_real(&rng);
+            limit.error = draw_uniform(&rng, 0, height);
         else
-            limit.disparity = height / 4 * brute_real(&rng);
+            limit.disparity = height / draw_uniform(&rng, 0, 4);
         limit.least = round % 3 ? 0 : 10;
         assert_int_equal(simplify_mesh(&m, NULL, &limit, &scratch, &out, gap, &r), ST_OK);
         by_definition(&m, &limit, in);
@@ -322,5 +322,5 @@ TEST(test_memory)
 
 BEFORE_ALL(set_up)
 {
-    rng.state = brute_seed("simplify");
+    rng.x = brute_seed("simplify");
 }

@@ -204,7 +204,7 @@ static int32_t slope(struct ivec2 p)
  * laid back on the plane, though its height changes by millimetres between neighbours. */
 TEST(test_spikes)
 {
-    struct brute_rng r = {7};
+    struct draw r = {7};
     struct ivec3 pts[SPIKED];
     struct surface s = {0};
     uint32_t laid = 0;

@@ -26,12 +26,12 @@ static void grid(double step, double degrees)
                                          (float)(-x * x / 100), (uint32_t)n, 0};
 }
 
-static void anywhere(size_t count, struct brute_rng *rng)
+static void anywhere(size_t count, struct draw *rng)
 {
     for (n = 0; n < count; n++)
-        pts[n] = (struct thin_point){(float)(150 * brute_real(rng)),
-                                     (float)(190 * brute_real(rng)),
-                                     (float)brute_real(rng), (uint32_t)n, 0};
+        pts[n] = (struct thin_point){(float)draw_uniform(rng, 0, 150),
+                                     (float)draw_uniform(rng, 0, 190),
+                                     (float)draw_uniform(rng, 0, 1), (uint32_t)n, 0};
 }
 
 /* Squares without a point, of those well inside. */
@@ -74,7 +74,7 @@ TEST(test_grids)
 TEST(test_mean)
 {
     static const double near[] = {0, NEAR};
-    struct brute_rng rng = {brute_seed("mean")};
+    struct draw rng = {brute_seed("mean")};
 
     for (int k = 0; k < 2; k++) {
         size_t kept, strays = 0;
@@ -108,7 +108,7 @@ static int by_index(const void *a, const void *b)
 
 TEST(test_order)
 {
-    struct brute_rng rng = {brute_seed("order")};
+    struct draw rng = {brute_seed("order")};
 
     for (int k = 0; k < 4; k++) {
         size_t kept, as_many;
@@ -133,7 +133,7 @@ TEST(test_order)
 /* Few enough points stay as they are; any numbers are safe. */
 TEST(test_limits)
 {
-    struct brute_rng rng = {brute_seed("limits")};
+    struct draw rng = {brute_seed("limits")};
     size_t kept;
 
     anywhere(MOST, &rng);

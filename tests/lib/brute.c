@@ -18,39 +18,20 @@ uint64_t brute_seed(const char *name)
     return seed;
 }
 
-uint64_t brute_rand(struct brute_rng *r)
-{
-    uint64_t x = r->state += UINT64_C(0x9e3779b97f4a7c15);
-
-    x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return x ^ (x >> 31);
-}
-
-int32_t brute_int(struct brute_rng *r, int32_t lo, int32_t hi)
+int32_t brute_int(struct draw *r, int32_t lo, int32_t hi)
 {
     const uint64_t span = (uint64_t)((int64_t)hi - lo) + 1;
 
-    return (int32_t)(lo + (int64_t)(brute_rand(r) % span));
+    return (int32_t)(lo + (int64_t)(draw_next(r) % span));
 }
 
-double brute_real(struct brute_rng *r)
-{
-    return (double)(brute_rand(r) >> 11) * 0x1p-53;
-}
-
-double brute_within(struct brute_rng *r, double half)
-{
-    return half * (2 * brute_real(r) - 1);
-}
-
-void brute_shuffle(void *items, size_t n, size_t size, struct brute_rng *r)
+void brute_shuffle(void *items, size_t n, size_t size, struct draw *r)
 {
     unsigned char *at = items, t[64];
 
     assert(size <= sizeof t);
     for (size_t i = n; i-- > 1;) {
-        unsigned char *a = at + i * size, *b = at + brute_rand(r) % (i + 1) * size;
+        unsigned char *a = at + i * size, *b = at + draw_next(r) % (i + 1) * size;
 
         memcpy(t, a, size);
         memmove(a, b, size);
@@ -88,8 +69,7 @@ static size_t circle_points(struct ivec3 *out)
     return n;
 }
 
-static struct ivec3 one_point(enum brute_shape shape, size_t i, size_t n,
-                              struct brute_rng *r)
+static struct ivec3 one_point(enum brute_shape shape, size_t i, size_t n, struct draw *r)
 {
     const int32_t side = (int32_t)ceil(sqrt((double)n));
     const int32_t far = 1 << 24;
@@ -149,7 +129,7 @@ static bool on_a_line(const struct ivec3 *p, size_t n)
     return true;
 }
 
-static size_t some_points(enum brute_shape shape, size_t n, struct brute_rng *r,
+static size_t some_points(enum brute_shape shape, size_t n, struct draw *r,
                           struct ivec3 *out)
 {
     struct ivec3 *all = allocate(n + 324, sizeof *all);
@@ -174,8 +154,7 @@ static size_t some_points(enum brute_shape shape, size_t n, struct brute_rng *r,
     return kept;
 }
 
-size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
-                    struct ivec3 *out)
+size_t brute_points(enum brute_shape shape, size_t n, struct draw *r, struct ivec3 *out)
 {
     size_t kept;
 
@@ -347,7 +326,7 @@ static void renumber(const struct mesh *m, uint32_t h, uint32_t n, uint32_t *now
     }
 }
 
-void brute_order(struct mesh *m, struct brute_rng *r)
+void brute_order(struct mesh *m, struct draw *r)
 {
     const uint32_t halves = 3 * m->nt;
     uint32_t *now = malloc(halves * sizeof *now), *was = malloc(halves * sizeof *was);

@@ -5,25 +5,19 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "draw.h"
 #include "locate.h"
 #include "mesh.h"
-
-/* A small generator (splitmix64): the same numbers on every machine. */
-struct brute_rng {
-    uint64_t state;
-};
 
 /* brute_seed(name): Prints and returns the seed of a test: SEED in the environment, else a fixed
  * number. */
 uint64_t brute_seed(const char *name);
-uint64_t brute_rand(struct brute_rng *r);
-int32_t brute_int(struct brute_rng *r, int32_t lo,
-                  int32_t hi);                         /* lo..hi, both included */
-double brute_real(struct brute_rng *r);                /* [0, 1) */
-double brute_within(struct brute_rng *r, double half); /* [-half, half) */
+
+/* brute_int(r, lo, hi): Draws an integer of lo..hi, both included. */
+int32_t brute_int(struct draw *r, int32_t lo, int32_t hi);
 
 /* brute_shuffle(items, n, size, r): Puts n items of size bytes (64 at most) in random order. */
-void brute_shuffle(void *items, size_t n, size_t size, struct brute_rng *r);
+void brute_shuffle(void *items, size_t n, size_t size, struct draw *r);
 
 /* Shapes of point sets.  All points are distinct in (x, y) and not all on a line. */
 enum brute_shape {
@@ -40,8 +34,7 @@ enum brute_shape {
 
 /* brute_points(shape, n, r, out): Draws at most n points, 3 <= n; their heights are a bumpy surface
  * plus noise.  Returns the number of points. */
-size_t brute_points(enum brute_shape shape, size_t n, struct brute_rng *r,
-                    struct ivec3 *out);
+size_t brute_points(enum brute_shape shape, size_t n, struct draw *r, struct ivec3 *out);
 
 /* brute_delaunay(pts, n, out): Triangulates by definition: each directed edge forms a triangle with
  * the point on its left whose circle is empty.  Cost: O(n^2), a search of all points and edges. */
@@ -55,7 +48,7 @@ bool brute_flip(struct mesh *m, uint32_t h);
 /* brute_order(m, r): Links the edges of the triangles in m->org, which form a sphere, and puts the
  * triangles in the order of mesh.h: each behind the first half-edge that shows it, or, with r,
  * behind a random half-edge.  Cost: O(nt^2). */
-void brute_order(struct mesh *m, struct brute_rng *r);
+void brute_order(struct mesh *m, struct draw *r);
 
 /* brute_code(m): Overwrites all members of m that mesh_link() does not read.  The triangles are in
  * the order of mesh.h. */

@@ -49,7 +49,7 @@ static struct ivec3 lifted(int32_t x, int32_t y)
 }
 
 /* Rows and columns with one spacing each, within an oval, 3 % missing. */
-static size_t sensor_grid(struct brute_rng *r, size_t n, struct ivec3 *out)
+static size_t sensor_grid(struct draw *r, size_t n, struct ivec3 *out)
 {
     const int32_t dx = brute_int(r, 300, 3000), dy = dx + brute_int(r, 0, 1) * 77;
     const int32_t half = (int32_t)(sqrt((double)n * 1.28 / 0.97) / 2) + 1;
@@ -57,12 +57,12 @@ static size_t sensor_grid(struct brute_rng *r, size_t n, struct ivec3 *out)
 
     for (int32_t y = -half; y <= half; y++)
         for (int32_t x = -half; x <= half; x++)
-            if (x * x + y * y < half * half && brute_rand(r) % 100 >= 3 && m < n)
+            if (x * x + y * y < half * half && draw_next(r) % 100 >= 3 && m < n)
                 out[m++] = lifted(x * dx, y * dy);
     return m;
 }
 
-static size_t tilted_grid(struct brute_rng *r, size_t n, struct ivec3 *out)
+static size_t tilted_grid(struct draw *r, size_t n, struct ivec3 *out)
 {
     const int32_t a = brute_int(r, 100, 900), b = brute_int(r, 50, 800);
     const int32_t side = (int32_t)sqrt((double)n);
@@ -75,7 +75,7 @@ static size_t tilted_grid(struct brute_rng *r, size_t n, struct ivec3 *out)
 }
 
 /* x^2 + y^2 = r2, a product of small primes 4k + 1: 3,072 solutions. */
-static size_t circle(struct brute_rng *r, size_t n, struct ivec3 *out)
+static size_t circle(struct draw *r, size_t n, struct ivec3 *out)
 {
     static struct ivec3 all[3072];
     static size_t count;
@@ -98,8 +98,8 @@ static size_t circle(struct brute_rng *r, size_t n, struct ivec3 *out)
 }
 
 /* Scatter: kinds whose points are drawn one by one. */
-static struct ivec3 drawn(enum clouds_kind kind, struct brute_rng *r, uint64_t k,
-                          size_t i, size_t n)
+static struct ivec3 drawn(enum clouds_kind kind, struct draw *r, uint64_t k, size_t i,
+                          size_t n)
 {
     const int32_t slope = (int32_t)(k % 5), half = (int32_t)(n / 2);
     const int32_t step = 10 + (int32_t)(k % 7), far = LATTICE_MAX / 2;
@@ -112,7 +112,7 @@ static struct ivec3 drawn(enum clouds_kind kind, struct brute_rng *r, uint64_t k
         t = ((int32_t)(i / 2) - half / 2) * step;
         return i % 2 == 0 ? lifted(t, slope * t) : lifted(-slope * t, t);
     case CLOUDS_CLUSTERS:
-        t = (int32_t)(brute_rand(r) % 30);
+        t = (int32_t)(draw_next(r) % 30);
         return lifted(t % 6 * 4000000 - far + brute_int(r, 0, 400),
                       t * 7 % 30 * 700000 - far + brute_int(r, 0, 400));
     case CLOUDS_COLUMNS:
@@ -128,7 +128,7 @@ static struct ivec3 drawn(enum clouds_kind kind, struct brute_rng *r, uint64_t k
 
 size_t clouds_make(enum clouds_kind kind, uint64_t k, size_t n, struct ivec3 *out)
 {
-    struct brute_rng r = {k * 1000 + (uint64_t)kind};
+    struct draw r = {k * 1000 + (uint64_t)kind};
     size_t m;
 
     switch (kind) {
@@ -158,12 +158,12 @@ size_t clouds_make(enum clouds_kind kind, uint64_t k, size_t n, struct ivec3 *ou
 void clouds_move(struct dvec3 *pts, size_t n, uint64_t k, double degrees, double mm,
                  double transform[16])
 {
-    struct brute_rng r = {k ^ 0x6d6f7665};
+    struct draw r = {k ^ 0x6d6f7665};
     const double pi = 3.14159265358979323846, angle = degrees * pi / 180;
-    const double c = cos(angle), s = sin(angle), along = 2 * pi * brute_real(&r);
-    const double h = 2 * brute_real(&r) - 1, rim = sqrt(1 - h * h);
+    const double c = cos(angle), s = sin(angle), along = draw_uniform(&r, 0, 2 * pi);
+    const double h = draw_uniform(&r, -1, 1), rim = sqrt(1 - h * h);
     const double a[3] = {rim * cos(along), rim * sin(along), h};
-    const double way = 2 * pi * brute_real(&r), up = 2 * brute_real(&r) - 1;
+    const double way = draw_uniform(&r, 0, 2 * pi), up = draw_uniform(&r, -1, 1);
     const double out = sqrt(1 - up * up);
     const double shift[3] = {mm * out * cos(way), mm * out * sin(way), mm * up};
     const double cross[9] = {0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0};

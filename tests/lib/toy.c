@@ -159,7 +159,7 @@ void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out)
 }
 
 void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct pose *pose,
-              struct brute_rng *rng, struct surface *out)
+              struct draw *rng, struct surface *out)
 {
     const double step = sqrt(3.14159265358979 * 55 * 70 / n);
     struct dvec3 *pts = mem_array(2 * (size_t)n + 1000, sizeof *pts);
@@ -168,8 +168,8 @@ void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct pose *po
     require(pts != NULL);
     for (double y = -70; y < 70; y += step)
         for (double x = -55; x < 55; x += step) {
-            const double u = x + step * (0.1 + 0.8 * brute_real(rng));
-            const double v = y + step * (0.1 + 0.8 * brute_real(rng));
+            const double u = x + step * draw_uniform(rng, 0.1, 0.9);
+            const double v = y + step * draw_uniform(rng, 0.1, 0.9);
 
             if (u * u / (55 * 55) + v * v / (70 * 70) >= 1)
                 continue;

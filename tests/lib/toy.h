@@ -30,7 +30,7 @@ typedef double toy_heights(const void *arg, double x, double y);
 /* toy_scan(z, arg, n, pose, rng, out): Makes the surface of about n points of z, spread roughly
  * evenly over an oval of half axes 55 and 70 mm and moved by pose (NULL: not moved). */
 void toy_scan(toy_heights *z, const void *arg, uint32_t n, const struct pose *pose,
-              struct brute_rng *rng, struct surface *out);
+              struct draw *rng, struct surface *out);
 
 /* toy_surface(pts, n, out): Calls surface_prepare() for points in mm, without a search for spikes. */
 void toy_surface(const struct dvec3 *pts, size_t n, struct surface *out);

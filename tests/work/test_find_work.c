@@ -25,7 +25,7 @@ static uint64_t count(void)
     return work_executed() - before;
 }
 
-static uint64_t ordinary(struct brute_rng *r)
+static uint64_t ordinary(struct draw *r)
 {
     struct head h = {0};
 
@@ -33,8 +33,9 @@ static uint64_t ordinary(struct brute_rng *r)
     for (size_t i = 0; i < POINTS; i++) {
         const struct dvec3 p = h.at[i % h.n];
 
-        pts[i] = (struct dvec3){p.x + brute_within(r, 0.5), p.y + brute_within(r, 0.5),
-                                p.z + brute_within(r, 0.5)};
+        pts[i] = (struct dvec3){p.x + draw_uniform(r, -0.5, 0.5),
+                                p.y + draw_uniform(r, -0.5, 0.5),
+                                p.z + draw_uniform(r, -0.5, 0.5)};
     }
     head_free(&h);
     return count();
@@ -50,11 +51,11 @@ static struct dvec3 bumpy(double x, double y, double z, double radius, double hi
     return (struct dvec3){r * x, r * y, r * z};
 }
 
-static void contrive(int kind, struct brute_rng *r)
+static void contrive(int kind, struct draw *r)
 {
     for (size_t i = 0; i < POINTS; i++) {
-        const double x = brute_within(r, 1), y = brute_within(r, 1),
-                     z = brute_within(r, 1);
+        const double x = draw_uniform(r, -1, 1), y = draw_uniform(r, -1, 1),
+                     z = draw_uniform(r, -1, 1);
         const double e = x * 200 - 60 * rint(x * 200 / 60);
         const double f = y * 200 - 60 * rint(y * 200 / 60);
 
@@ -89,7 +90,7 @@ static void contrive(int kind, struct brute_rng *r)
 
 TEST(test_contrived)
 {
-    struct brute_rng r = {1};
+    struct draw r = {1};
     double head;
 
     work = surface_work_new(NULL);
@@ -116,7 +117,7 @@ static int is_set(const void *flag)
 /* A search that is stopped, at whatever moment, ends with the step that it is at. */
 TEST(test_stopped)
 {
-    struct brute_rng r = {1};
+    struct draw r = {1};
     uint64_t all;
 
     work = surface_work_new(NULL);

@@ -53,12 +53,12 @@ static void ordinary(void)
     assert_int_equal(facegen_sample(&s, pts), POINTS);
 }
 
-static void contrive(int kind, struct brute_rng *r)
+static void contrive(int kind, struct draw *r)
 {
     ordinary();
     for (size_t i = 0; i < POINTS; i++) {
-        const double x = brute_within(r, 90), y = brute_within(r, 110),
-                     z = brute_within(r, 1);
+        const double x = draw_uniform(r, -90, 90), y = draw_uniform(r, -110, 110),
+                     z = draw_uniform(r, -1, 1);
         const double e = x - 40 * rint(x / 40), f = y - 40 * rint(y / 40);
         const double ball = sqrt(fmax(0, 1 - x * x / 8100 - y * y / 12100));
 
@@ -93,7 +93,7 @@ static void contrive(int kind, struct brute_rng *r)
 
 TEST(test_contrived)
 {
-    struct brute_rng r = {1};
+    struct draw r = {1};
     enum status st;
     double usual;
 

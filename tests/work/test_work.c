@@ -127,14 +127,14 @@ static double between(double gene, double lo, double hi)
     return lo * pow(hi / lo, gene);
 }
 
-static double unit(struct brute_rng *r)
+static double unit(struct draw *r)
 {
     return (double)brute_int(r, 0, 1 << 24) / (1 << 24);
 }
 
 /* The i-th of n points of a feature, on the plane. */
 static struct dvec3 place(enum contrived_gene kind, const double *gene, uint32_t i,
-                          uint32_t n, struct brute_rng *r)
+                          uint32_t n, struct draw *r)
 {
     const uint32_t lines = 1 + (uint32_t)(gene[CONTRIVED_LINES] * 15);
     const double apart = between(gene[CONTRIVED_APART], 0.001, 40);
@@ -166,7 +166,7 @@ static struct dvec3 place(enum contrived_gene kind, const double *gene, uint32_t
 static void contrived_make(const double *gene, uint64_t seed, uint32_t n,
                            struct dvec3 *out)
 {
-    struct brute_rng r = {seed};
+    struct draw r = {seed};
     struct facegen_face face;
     double shares = 1e-3, sum = 1e-3;
     uint32_t at = 0;
@@ -185,7 +185,7 @@ static void contrived_make(const double *gene, uint64_t seed, uint32_t n,
     for (uint32_t i = 0; i < n; i++)
         out[i].z = facegen_height(&face, out[i].x, out[i].y);
     for (uint32_t i = n; gene[CONTRIVED_ORDER] < 0.5 && i > 1; i--) {
-        const uint32_t k = (uint32_t)(brute_rand(&r) % i);
+        const uint32_t k = (uint32_t)(draw_next(&r) % i);
         const struct dvec3 swap = out[k];
 
         out[k] = out[i - 1];
@@ -235,7 +235,7 @@ static double height(double x, double y)
  * bounding box had every walk cross most triangles, 41 s for 300,000 points. */
 TEST(test_columns)
 {
-    struct brute_rng r = {3};
+    struct draw r = {3};
     const struct cost ordinary = measure_ordinary(POINTS);
 
     for (int i = 0; i < POINTS; i++) {
@@ -253,7 +253,7 @@ TEST(test_columns)
 /* Needles between two columns 100 mm apart, and a probe at random over them. */
 TEST(test_needles)
 {
-    struct brute_rng r = {4};
+    struct draw r = {4};
     const struct cost ordinary = measure_ordinary(POINTS);
 
     for (int i = 0; i < POINTS; i++) {
@@ -270,7 +270,7 @@ TEST(test_needles)
 /* Location alone, where each step of the tree crosses hundreds of needles. */
 TEST(test_location)
 {
-    struct brute_rng r = {6};
+    struct draw r = {6};
     struct ivec3 *pts = alloc(POINTS, sizeof *pts);
     struct location *loc = alloc(POINTS, sizeof *loc);
     struct scratch s = {0};
@@ -331,7 +331,7 @@ TEST(test_one_vertex)
 TEST(test_not_delaunay)
 {
     const struct align_how how = {0};
-    struct brute_rng r = {5};
+    struct draw r = {5};
     struct surface tmpl = {0}, probe = {0};
     struct measure_work m = {0};
     struct align_work w = {0};
@@ -350,7 +350,7 @@ TEST(test_not_delaunay)
                 ST_OK);
         }
         for (int i = 0; i < flips * 100000; i++) {
-            const uint32_t h = (uint32_t)(brute_rand(&r) % (3 * tmpl.mesh.nt));
+            const uint32_t h = (uint32_t)(draw_next(&r) % (3 * tmpl.mesh.nt));
 
             if (!mesh_is_ghost(&tmpl.mesh, h / 3))
                 (void)brute_flip(&tmpl.mesh, h);
