@@ -113,12 +113,31 @@ static enum status need_normals(struct cloudlist *l)
     return ST_OK;
 }
 
-enum status cloudlist_normal(struct cloudlist *l, struct dvec3 n)
+enum status cloudlist_point(struct cloudlist *l, const double v[6], bool normals)
 {
-    enum status st = need_normals(l);
+    enum status st = cloudlist_add(l, (struct dvec3){v[0], v[1], v[2]});
 
-    if (st == ST_OK && l->kept && isfinite(n.x) && isfinite(n.y) && isfinite(n.z))
-        l->out.normal[l->out.n - 1] = n;
+    if (st == ST_OK && normals)
+        st = need_normals(l);
+    if (st == ST_OK && normals && l->kept && isfinite(v[3]) && isfinite(v[4]) &&
+        isfinite(v[5]))
+        l->out.normal[l->out.n - 1] = (struct dvec3){v[3], v[4], v[5]};
+    return st;
+}
+
+enum status cloudlist_rows(struct cloudlist *l, const struct cloudlist_column c[6],
+                           bool normals, uint64_t n)
+{
+    const int values = normals ? 6 : 3;
+    enum status st = ST_OK;
+
+    for (uint64_t i = 0; i < n && st == ST_OK; i++) {
+        double v[6];
+
+        for (int k = 0; k < values; k++)
+            v[k] = cloudvalue_load(c[k].at + i * c[k].step, c[k].type, c[k].swap);
+        st = cloudlist_point(l, v, normals);
+    }
     return st;
 }
 
@@ -147,9 +166,13 @@ enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3])
     size_t at[3];
     enum status st;
 
+    if (l->faceless)
+        return ST_OK;
     for (int i = 0; i < 3; i++) {
-        if (corner[i] >= out->read)
-            return ST_EINVAL;
+        if (corner[i] >= out->read) {
+            cloudlist_forget(l);
+            return ST_OK;
+        }
         if ((at[i] = cloudlist_find(out, corner[i])) == out->n)
             return ST_OK;
     }
@@ -162,8 +185,22 @@ enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3])
     return ST_OK;
 }
 
+enum status cloudlist_corner(struct cloudlist *l, struct cloudlist_fan *f, uint64_t k)
+{
+    uint64_t *const c = f->corner;
+    enum status st;
+
+    c[f->n < 2 ? f->n : 2] = k;
+    if (++f->n < 3)
+        return ST_OK;
+    st = cloudlist_face(l, f->clockwise ? (const uint64_t[3]){c[0], c[2], c[1]} : c);
+    c[1] = c[2];
+    return st;
+}
+
 void cloudlist_forget(struct cloudlist *l)
 {
+    l->faceless = true;
     mem_free(l->out.normal);
     l->out.normal = NULL;
 }

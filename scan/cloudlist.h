@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "cloudpoints.h"
+#include "cloudvalue.h"
 #include "status.h"
 
 struct errinfo; /* errinfo.h */
@@ -16,6 +17,7 @@ struct cloudlist {
     size_t room;        /* of the arrays of out that are there */
     size_t zeros, zero; /* points at (0, 0, 0); where the first of them is in out */
     bool kept;          /* the last point was not dropped */
+    bool faceless;      /* the faces are not readable: cloudlist_forget() */
     struct errinfo *e;  /* may be NULL */
 };
 
@@ -27,15 +29,41 @@ enum status cloudlist_room(struct cloudlist *l, size_t n);
  * Returns ST_OK, ST_ELIMIT, ST_ENOMEM, with a message. */
 enum status cloudlist_add(struct cloudlist *l, struct dvec3 p);
 
-/* cloudlist_normal(l, n): the normal of the point added last; what is not finite counts as
- * unknown.  Once called, it is called for every point.  Returns ST_OK, ST_ENOMEM. */
-enum status cloudlist_normal(struct cloudlist *l, struct dvec3 n);
+/* cloudlist_point(l, v, normals): Adds a point by its coordinates, as cloudlist_add(), with its normal.
+ *   v        x, y, z and, with normals, those of its normal; a normal that is not finite is unknown
+ *   normals  the same for all points of a file */
+enum status cloudlist_point(struct cloudlist *l, const double v[6], bool normals);
 
-/* cloudlist_face(l, corner): a triangle, of points by their numbers in the file.  Returns
- * ST_OK; ST_EINVAL there is no such point (no message); ST_ENOMEM. */
+/* A value of each point in binary data. */
+struct cloudlist_column {
+    const unsigned char *at; /* first point's value */
+    uint64_t step;           /* bytes from one point's value to the next one's */
+    enum cloudvalue type;
+    bool swap; /* cloudvalue_swap() */
+};
+
+/* cloudlist_rows(l, c, normals, n): Adds n points by cloudlist_point().
+ *   c  a column for each number of a point; all values are within the data */
+enum status cloudlist_rows(struct cloudlist *l, const struct cloudlist_column c[6],
+                           bool normals, uint64_t n);
+
+/* cloudlist_face(l, corner): Adds a triangle's normal to those of its corners, which are points by their
+ * numbers in the file.  If there is no such point, the faces are forgotten (cloudlist_forget()).
+ * Returns ST_OK; ST_ENOMEM. */
 enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3]);
 
-/* cloudlist_forget(l): the faces have turned out not to be readable: no normals. */
+/* A polygon while its corners are read; {0} before the first one. */
+struct cloudlist_fan {
+    uint64_t corner[3], n;
+    bool clockwise; /* order of the corners, seen from the front */
+};
+
+/* cloudlist_corner(l, f, k): Adds the corner k to the polygon f, and with the third one and each further one
+ * a triangle, by cloudlist_face(). */
+enum status cloudlist_corner(struct cloudlist *l, struct cloudlist_fan *f, uint64_t k);
+
+/* cloudlist_forget(l): Drops all normals: the faces have turned out not to be readable.  Further faces do
+ * nothing. */
 void cloudlist_forget(struct cloudlist *l);
 
 /* mm: no camera measures a face from farther away. */

@@ -363,15 +363,6 @@ static bool numbers(const struct json_value *array, size_t n, double *out)
     return true;
 }
 
-static void multiply(const double a[16], const double b[16], double out[16])
-{
-    for (int i = 0; i < 16; i++) {
-        out[i] = 0;
-        for (int k = 0; k < 4; k++)
-            out[i] += a[i / 4 * 4 + k] * b[4 * k + i % 4];
-    }
-}
-
 /* A node's own, row by row: its matrix, or translation after rotation after scale. */
 static bool transform_of(const struct json_value *node, double out[16])
 {
@@ -539,7 +530,7 @@ static enum status read_nodes(struct scene *s)
             return errinfo_set(s->e, ST_EINVAL,
                                "GLB: the transform of node %llu is malformed",
                                (unsigned long long)p.node);
-        multiply(p.above, own, m);
+        vec_after(p.above, own, m);
         if (json_get_count(json_member(node, "mesh"), &mesh))
             st = read_mesh(s, mesh, m);
         if (st == ST_OK)

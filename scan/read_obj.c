@@ -38,60 +38,51 @@ static enum status vertex(struct cloudtext *t, struct cloudlist *list)
 }
 
 /* The vertex that a corner of a face names, "7/1/2" or, counted from the last, "-1": its
- * number from 0. */
+ * number from 0, which may be that of no vertex. */
 static bool read_obj_corner(const struct cloudlist *list, const char *word, size_t len,
                             uint64_t *out)
 {
-    const char *slash = len > 0 ? memchr(word, '/', len) : NULL;
-    const bool negative = len > 0 && *word == '-';
+    const char *slash = memchr(word, '/', len);
+    const bool negative = *word == '-';
     uint64_t k;
 
     if (slash != NULL)
         len = (size_t)(slash - word);
-    if (!cloudtext_count(word + negative, len - negative, &k) || k == 0 ||
-        k > list->out.read)
+    if (!cloudtext_count(word + negative, len - negative, &k) || k == 0)
         return false;
     *out = negative ? list->out.read - k : k - 1;
     return true;
 }
 
-/* A polygon as a fan of triangles.  ST_EINVAL, without a message: not a face. */
+/* A polygon.  If it is none, the faces are forgotten. */
 static enum status face(struct cloudtext *t, struct cloudlist *list)
 {
-    uint64_t c[3];
-    size_t len;
+    struct cloudlist_fan fan = {.n = 0};
     enum status st = ST_OK;
+    uint64_t k;
+    size_t len;
+    const char *word;
 
-    for (unsigned n = 0; st == ST_OK; n++) {
-        const char *word = cloudtext_word(t, &len);
-
-        if (len == 0)
-            return n >= 3 ? ST_OK : ST_EINVAL;
-        if (!read_obj_corner(list, word, len, &c[n < 3 ? n : 2]))
-            return ST_EINVAL;
-        if (n >= 2) {
-            st = cloudlist_face(list, c);
-            c[1] = c[2];
+    while (st == ST_OK && (word = cloudtext_word(t, &len), len != 0)) {
+        if (!read_obj_corner(list, word, len, &k)) {
+            cloudlist_forget(list);
+            return ST_OK;
         }
+        st = cloudlist_corner(list, &fan, k);
     }
+    if (fan.n < 3)
+        cloudlist_forget(list);
     return st;
 }
 
 /* A line whose first word is read. */
 static enum status line(struct cloudtext *t, struct cloudlist *list, const char *word,
-                        size_t len, bool *faces)
+                        size_t len)
 {
-    enum status st;
-
     if (cloudtext_is(word, len, "v"))
         return vertex(t, list);
-    if (*faces && cloudtext_is(word, len, "f")) {
-        if ((st = face(t, list)) != ST_EINVAL)
-            return st;
-        cloudlist_forget(list);
-        *faces = false;
-        return ST_OK;
-    }
+    if (cloudtext_is(word, len, "f"))
+        return face(t, list);
     if (len == 0 || cloudtext_is_letter(word[0]))
         return ST_OK;
     t->p = word;
@@ -102,7 +93,6 @@ enum status read_obj_parse(struct cloudtext *t, const struct cloudfile_options *
                            struct cloudlist *list)
 {
     (void)o;
-    bool faces = true;
 
     t->continued = true;
     while (t->p < t->end) {
@@ -117,7 +107,7 @@ enum status read_obj_parse(struct cloudtext *t, const struct cloudfile_options *
             t->continued = true;
             continue;
         }
-        if ((st = line(t, list, word, len, &faces)) != ST_OK)
+        if ((st = line(t, list, word, len)) != ST_OK)
             return st;
         cloudtext_skip(t);
     }

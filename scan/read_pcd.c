@@ -239,16 +239,6 @@ static enum status lay_out(const struct header *h, struct layout *l)
 
 /* ---- the points */
 
-static enum status read_pcd_add(struct cloudlist *list, const struct layout *l,
-                                const double v[6])
-{
-    enum status st = cloudlist_add(list, (struct dvec3){v[0], v[1], v[2]});
-
-    if (st == ST_OK && l->normals)
-        st = cloudlist_normal(list, (struct dvec3){v[3], v[4], v[5]});
-    return st;
-}
-
 static enum status cut_off(const struct header *h, uint64_t row)
 {
     return cloudtext_fail(h->t, ST_EINVAL,
@@ -256,28 +246,19 @@ static enum status cut_off(const struct header *h, uint64_t row)
                           (unsigned long long)h->points, (unsigned long long)row + 1);
 }
 
-/* Points of one length: value k of point i is at column[k] + i step[k]. */
+/* The points of the data, one behind the other or, by_field, field behind field. */
 static enum status read_pcd_read_values(const struct header *h, const struct layout *l,
                                         const unsigned char *data, bool by_field,
                                         struct cloudlist *list)
 {
-    const bool swap = cloudvalue_swap(false);
-    const int most = l->normals ? 6 : 3;
-    uint64_t column[6], step[6];
-    enum status st = ST_OK;
+    struct cloudlist_column column[6] = {{NULL}};
 
-    for (int k = 0; k < most; k++) {
-        column[k] = by_field ? l->at[k] * h->points : l->at[k];
-        step[k] = by_field ? cloudvalue_size[l->type[k]] : l->stride;
-    }
-    for (uint64_t i = 0; i < h->points && st == ST_OK; i++) {
-        double v[6];
-
-        for (int k = 0; k < most; k++)
-            v[k] = cloudvalue_load(data + column[k] + i * step[k], l->type[k], swap);
-        st = read_pcd_add(list, l, v);
-    }
-    return st;
+    for (int k = 0; k < (l->normals ? 6 : 3); k++)
+        column[k] =
+            (struct cloudlist_column){data + l->at[k] * (by_field ? h->points : 1),
+                                      by_field ? cloudvalue_size[l->type[k]] : l->stride,
+                                      l->type[k], cloudvalue_swap(false)};
+    return cloudlist_rows(list, column, l->normals, h->points);
 }
 
 static enum status read_binary(const struct header *h, const struct layout *l,
@@ -396,7 +377,7 @@ static enum status read_text(const struct header *h, const struct layout *l,
         if (!cloudtext_find(t))
             return cut_off(h, i);
         if ((st = read_pcd_read_row(t, l, v)) == ST_OK)
-            st = read_pcd_add(list, l, v);
+            st = cloudlist_point(list, v, l->normals);
     }
     return st;
 }

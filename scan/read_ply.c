@@ -331,24 +331,20 @@ static enum status skip(struct data *d, enum cloudvalue type, uint64_t n)
     return ST_OK;
 }
 
-/* A face's n corners, as a fan of triangles. */
+/* A face's n corners. */
 static enum status take_corners(struct data *d, enum cloudvalue type, uint64_t n)
 {
-    uint64_t corner[3];
+    struct cloudlist_fan fan = {.n = 0};
     enum status st = ST_OK;
 
-    for (uint64_t i = 0; i < n && st == ST_OK; i++) {
+    while (fan.n < n && st == ST_OK) {
         double value;
 
         if ((st = read_ply_take(d, type, &value)) != ST_OK)
             return st;
         if (!(value >= 0 && value <= UINT32_MAX && floor(value) == value))
             return ST_EINVAL;
-        corner[i < 3 ? i : 2] = (uint64_t)value;
-        if (i >= 2) {
-            st = cloudlist_face(d->list, corner);
-            corner[1] = corner[2];
-        }
+        st = cloudlist_corner(d->list, &fan, (uint64_t)value);
     }
     return st;
 }
@@ -398,42 +394,23 @@ static enum status read_ply_read_row(struct data *d, const struct ply_head_eleme
 
 /* ---- the vertices */
 
-static enum status read_ply_add(struct data *d, const double value[6])
-{
-    enum status st = cloudlist_add(d->list, (struct dvec3){value[0], value[1], value[2]});
-
-    if (st == ST_OK && d->h.normals)
-        st = cloudlist_normal(d->list, (struct dvec3){value[3], value[4], value[5]});
-    return st;
-}
-
 /* Binary rows of one length, which are all there. */
 static enum status read_fixed(struct data *d, const struct ply_head_element *e)
 {
-    const unsigned char *row = (const unsigned char *)d->t->p;
-    size_t at[6] = {0}, offset = 0;
-    enum cloudvalue type[6] = {CLOUDVALUE_NONE};
-    const int most = d->h.normals ? 6 : 3;
-    enum status st = ST_OK;
+    const unsigned char *const row = (const unsigned char *)d->t->p;
+    struct cloudlist_column column[6] = {{NULL}};
+    size_t offset = 0;
 
     for (uint32_t i = e->first; i < e->first + e->n; i++) {
         const struct ply_head_property *q = &d->h.property[i];
 
-        if (q->role < PLY_CORNERS) {
-            at[q->role] = offset;
-            type[q->role] = q->type;
-        }
+        if (q->role < PLY_CORNERS)
+            column[q->role] = (struct cloudlist_column){
+                row + offset, e->stride, (enum cloudvalue)q->type, d->h.swap};
         offset += cloudvalue_size[q->type];
     }
-    for (uint64_t k = 0; k < e->rows && st == ST_OK; k++, row += e->stride) {
-        double value[6];
-
-        for (int i = 0; i < most; i++)
-            value[i] = cloudvalue_load(row + at[i], type[i], d->h.swap);
-        st = read_ply_add(d, value);
-    }
-    d->t->p = (const char *)row;
-    return st;
+    d->t->p += e->rows * e->stride;
+    return cloudlist_rows(d->list, column, d->h.normals, e->rows);
 }
 
 static enum status read_vertices(struct data *d, const struct ply_head_element *e)
@@ -446,7 +423,7 @@ static enum status read_vertices(struct data *d, const struct ply_head_element *
 
         if (st == ST_ENOTFOUND)
             return cut_off(d, i);
-        if (st != ST_OK || (st = read_ply_add(d, value)) != ST_OK)
+        if (st != ST_OK || (st = cloudlist_point(d->list, value, d->h.normals)) != ST_OK)
             return st;
     }
     return ST_OK;
@@ -504,10 +481,11 @@ static enum status read_faces(struct data *d, const struct ply_head_element *e)
     while (d->stream && st == ST_OK && ++e <= last)
         st = skip_element(d, e);
     d->t->e = report;
-    if (st == ST_OK || st == ST_ENOMEM)
+    if (st == ST_ENOMEM)
         return st;
-    cloudlist_forget(d->list);
-    return d->stream ? ST_EINVAL : ST_OK;
+    if (st != ST_OK)
+        cloudlist_forget(d->list);
+    return d->stream && d->list->faceless ? ST_EINVAL : ST_OK;
 }
 
 /* Nothing but line ends may follow the last element. */

@@ -50,8 +50,7 @@ struct named {
 struct read_vrml_reading {
     struct cloudtext *t;
     struct cloudlist *list;
-    bool old;   /* VRML 1.0 */
-    bool faces; /* they can be read, up to now */
+    bool old; /* VRML 1.0 */
     unsigned places;
     struct frame frame[VRML_DEPTH]; /* the first one is the file */
     int depth;
@@ -159,11 +158,7 @@ static void move(struct read_vrml_reading *r, const struct frame *f, struct stat
         }
     }
     own[15] = 1;
-    for (int i = 0; i < 16; i++) {
-        m[i] = 0;
-        for (int k = 0; k < 4; k++)
-            m[i] += s->m[i / 4 * 4 + k] * own[4 * k + i % 4];
-    }
+    vec_after(s->m, own, m);
     memcpy(s->m, m, sizeof m);
     s->place = ++r->places;
 }
@@ -224,48 +219,24 @@ static enum status read_vrml_read_points(struct read_vrml_reading *r, struct fra
     return ST_OK;
 }
 
-/* The faces of a list of corners, each face ended by -1; as fans of triangles.  ST_EINVAL,
- * without a message: they are none. */
+/* The faces of a list of corners, each face ended by -1.  If they are none, the faces are forgotten. */
 static enum status read_faces(struct read_vrml_reading *r, const struct frame *f)
 {
     struct cloudtext t = f->index;
-    uint64_t c[3] = {0};
-    unsigned n = 0;
+    struct cloudlist_fan fan = {.clockwise = f->s.clockwise};
     enum status st = ST_OK;
+    struct word w;
+    uint64_t k;
 
-    while (st == ST_OK) {
-        struct word w;
-        uint64_t k;
-
-        if (next(&t, &w) != WORD)
-            return ST_OK;
+    while (st == ST_OK && next(&t, &w) == WORD)
         if (cloudtext_is(w.p, w.len, "-1")) {
-            n = 0;
-            continue;
+            fan.n = 0;
+        } else if (cloudtext_count(w.p, w.len, &k) && k < f->s.n) {
+            st = cloudlist_corner(r->list, &fan, f->s.first + k);
+        } else {
+            cloudlist_forget(r->list);
+            return ST_OK;
         }
-        if (!cloudtext_count(w.p, w.len, &k) || k >= f->s.n)
-            return ST_EINVAL;
-        c[n < 2 ? n : 2] = f->s.first + k;
-        if (++n < 3)
-            continue;
-        st = cloudlist_face(r->list,
-                            f->s.clockwise ? (const uint64_t[3]){c[0], c[2], c[1]} : c);
-        c[1] = c[2];
-    }
-    return st;
-}
-
-static enum status end_faces(struct read_vrml_reading *r, const struct frame *f)
-{
-    enum status st;
-
-    if (!r->faces || f->index.p == NULL || (st = read_faces(r, f)) == ST_OK)
-        return ST_OK;
-    if (st == ST_EINVAL) {
-        cloudlist_forget(r->list);
-        r->faces = false;
-        return ST_OK;
-    }
     return st;
 }
 
@@ -363,8 +334,8 @@ static enum status read_vrml_end(struct read_vrml_reading *r, bool list)
         return read_vrml_fail(r, "a closing bracket without an opening one");
     if (o[3] != 0 && (s[0] != s[1] || s[1] != s[2]))
         return read_vrml_refuse(r, (struct word){"a scaleOrientation", 18});
-    if (f->kind == FACES)
-        st = end_faces(r, f);
+    if (f->kind == FACES && f->index.p != NULL)
+        st = read_faces(r, f);
     if (st == ST_OK)
         st = add_name(r, f);
     if (r->old && f->kind == TRANSFORM)
@@ -469,7 +440,7 @@ enum status read_vrml_parse(struct cloudtext *t, const struct cloudfile_options 
 {
     (void)o;
     static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    struct read_vrml_reading r = {.t = t, .list = list, .faces = true};
+    struct read_vrml_reading r = {.t = t, .list = list};
     enum status st = cloudtext_plain(t);
 
     if (st != ST_OK)

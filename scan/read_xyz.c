@@ -377,7 +377,6 @@ static enum status read_point(struct read_xyz_reading *r)
     const struct columns *c = &r->columns;
     struct fields line = fields_of(r->t, c->separator);
     double value[6] = {0};
-    enum status st;
 
     if (c->separator == 0 && line.by == '\t' &&
         memchr(line.p, ',', (size_t)(line.end - line.p)) == NULL)
@@ -392,10 +391,7 @@ static enum status read_point(struct read_xyz_reading *r)
             return not_a_number(r, &field);
     }
     r->t->p = line.end;
-    st = cloudlist_add(r->list, (struct dvec3){value[0], value[1], value[2]});
-    if (st == ST_OK && c->normals)
-        st = cloudlist_normal(r->list, (struct dvec3){value[3], value[4], value[5]});
-    return st;
+    return cloudlist_point(r->list, value, c->normals);
 }
 
 static enum status check_due(struct read_xyz_reading *r)

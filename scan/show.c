@@ -52,16 +52,6 @@ static void show_put(float to[3], const double m[16], const double p[3])
                                    m[4 * i + 2] * p[2] + m[4 * i + 3]);
 }
 
-/* first, then m */
-static void after(const double m[16], const double first[16], double out[16])
-{
-    for (int i = 0; i < 16; i++) {
-        out[i] = 0;
-        for (int k = 0; k < 4; k++)
-            out[i] += m[i / 4 * 4 + k] * first[4 * k + i % 4];
-    }
-}
-
 /* The surface of f, moved by m. */
 static enum status surface_node(const struct surface_face *f, const double m[16],
                                 const char *name, struct arrays *a,
@@ -194,7 +184,7 @@ enum status show_comparison(const struct surface_face *tmpl,
     enum status st = surface_node(tmpl, parts->frame, "template", &a[0], &node[0]);
 
     *out = (struct show){0};
-    after(parts->frame, transform, both);
+    vec_after(parts->frame, transform, both);
     if (st == ST_OK)
         st = surface_node(probe, both, "probe", &a[1], &node[1]);
     if (st == ST_OK)
@@ -241,7 +231,7 @@ enum status show_scan(const struct surface_face *face, const struct dvec3 *at, s
     }
     if (st == ST_OK && n > 0) {
         if (face != NULL)
-            after(frame, view, both);
+            vec_after(frame, view, both);
         st = scan_node(at, n, most, face != NULL ? both : NULL, &a[1], &node[nodes++]);
     }
     if (st == ST_OK)

@@ -47,4 +47,14 @@ static inline struct dvec3 vec_transform(const double t[16], struct dvec3 p)
                           t[8] * p.x + t[9] * p.y + t[10] * p.z + t[11]};
 }
 
+/* vec_after(t, first, out): Writes the matrix that moves a point by first, and then by t. */
+static inline void vec_after(const double t[16], const double first[16], double out[16])
+{
+    for (int i = 0; i < 16; i++) {
+        out[i] = 0;
+        for (int k = 0; k < 4; k++)
+            out[i] += t[i / 4 * 4 + k] * first[4 * k + i % 4];
+    }
+}
+
 #endif
