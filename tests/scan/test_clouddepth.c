@@ -240,11 +240,7 @@ TEST(test_pgm)
 {
     struct scanfile_said err;
     struct cloudpoints p;
-    static const struct {
-        const char *text;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"P5\n2 2\n255\n\1\2\3\4", ST_EVERSION, "of 8 bits: a depth image has 16"},
         {"P2\n2 2\n255\n1 2 3 4\n", ST_EVERSION, "of 8 bits: a depth image has 16"},
         {"P2\n2 2\n65536\n1 2 3 4\n", ST_EINVAL, "line 3: a number from 0 to 65535"},

@@ -1,54 +1,28 @@
-/* Scanner files: every PLY type and byte order, OBJ, XYZ, and malformed files. */
+/* Scanner files: every PLY type and byte order, OBJ, and malformed files. */
 #include "cloudfile.h"
 #include "mem.h"
 #include "scanfile.h"
 #include "unit.h"
 
-static enum status parse(const void *bytes, size_t len, enum cloudformat format,
-                         struct dvec3 **out, size_t *n, struct scanfile_said *err)
+static void expect_points(const struct scanfile *f, enum cloudformat format,
+                          const double (*want)[3], size_t n)
 {
     struct cloudpoints p;
-    const struct cloudfile_options o = {
-        .format = format, .max_points = SCANFILE_LIMIT, .max_bytes = 1 << 20};
-    const enum status st = scanfile_read(bytes, len, &o, &p, err);
 
-    *out = p.at;
-    *n = p.n;
-    p.at = NULL;
+    scanfile_good(f, format, &p);
+    assert_int_equal(p.n, n);
+    for (size_t i = 0; i < n; i++)
+        scanfile_at(p.at[i], want[i][0], want[i][1], want[i][2]);
     cloudpoints_free(&p);
-    return st;
 }
 
-static void expect_points(const void *bytes, size_t len, enum cloudformat format,
-                          const double (*want)[3], size_t nwant)
+static void expect_text(const char *text, const double (*want)[3], size_t n)
 {
-    struct scanfile_said err;
-    struct dvec3 *pts;
-    size_t n;
-    enum status st = parse(bytes, len, format, &pts, &n, &err);
+    static struct scanfile f;
 
-    if (st != ST_OK)
-        fail_msg("line %u: %s", err.line, err.what);
-    assert_int_equal(n, nwant);
-    for (size_t i = 0; i < n; i++) {
-        assert_true(pts[i].x == want[i][0]);
-        assert_true(pts[i].y == want[i][1]);
-        assert_true(pts[i].z == want[i][2]);
-    }
-    mem_free(pts);
-}
-
-static void expect_error(const char *text, enum cloudformat format, enum status want,
-                         uint32_t line)
-{
-    struct scanfile_said err;
-    struct dvec3 *pts;
-    size_t n;
-    enum status st = parse(text, strlen(text), format, &pts, &n, &err);
-
-    if (st != want || (line != 0 && err.line != line))
-        fail_msg("status %d, line %u (%s) for: %.80s", st, err.line, err.what, text);
-    mem_free(pts);
+    f.len = 0;
+    scanfile_text(&f, text);
+    expect_points(&f, CLOUDFORMAT_ANY, want, n);
 }
 
 /* ---- PLY */
@@ -172,8 +146,7 @@ TEST(test_ply_all_types)
                 for (size_t e = 0; e < 3; e++) {
                     for (int list = 0; list < 2; list++) {
                         make_ply(&b, encoding, axis, count, list != 0, eols[e], want, 20);
-                        expect_points(b.bytes, b.len, CLOUDFORMAT_ANY,
-                                      (const double(*)[3])want, 20);
+                        expect_points(&b, CLOUDFORMAT_ANY, (const double(*)[3])want, 20);
                     }
                 }
             }
@@ -199,7 +172,7 @@ TEST(test_ply_first_byte)
                        eols[e], eols[e], eols[e], eols[e], eols[e], eols[e], eols[e]);
         scanfile_text(&b, text);
         scanfile_put(&b, "\n\r\n", 3);
-        expect_points(b.bytes, b.len, CLOUDFORMAT_PLY, want, 1);
+        expect_points(&b, CLOUDFORMAT_PLY, want, 1);
     }
 }
 
@@ -213,60 +186,39 @@ TEST(test_ply_truncated)
     for (int encoding = LITTLE; encoding <= BIG; encoding++) {
         for (int list = 0; list < 2; list++) {
             const size_t axis[3] = {6, 6, 6};
-            size_t after;
 
             make_ply(&b, encoding, axis, 1, list != 0, "\n", want, 20);
-            after = 1 + 3 * 4; /* the face */
-            for (size_t len = 0; len < b.len; len++) {
-                struct scanfile_said err;
-                struct dvec3 *pts;
-                size_t n;
-                enum status st = parse(b.bytes, len, CLOUDFORMAT_PLY, &pts, &n, &err);
-
-                assert_int_equal(st == ST_OK, len >= b.len - after);
-                mem_free(pts);
-            }
+            for (int i = 0; i < 1 + 3 * 4; i++, b.len--) /* the face */
+                expect_points(&b, CLOUDFORMAT_PLY, (const double(*)[3])want, 20);
+            scanfile_cut(&b, CLOUDFORMAT_PLY);
         }
     }
 }
 
-static const char head[] = PLY "element vertex 2\n" XYZ "end_header\n";
-
-static void expect_ply_body(const char *body, enum status want, uint32_t line)
-{
-    static struct scanfile b;
-
-    b.len = 0;
-    scanfile_text(&b, head);
-    scanfile_put(&b, body, strlen(body) + 1);
-    expect_error((const char *)b.bytes, CLOUDFORMAT_ANY, want, line);
-}
-
 TEST(test_ply_bad_text)
 {
+#define HEAD PLY "element vertex 2\n" XYZ "end_header\n"
+    static const struct scanfile_case bad[] = {
+        {HEAD "1.000 2 3\n4 5\n", ST_EINVAL, "line 9: the line has too few"},
+        {HEAD "1.000000 2 3\n", ST_EINVAL, "line 9: the header promises 2"},
+        {HEAD "1 2 3\n4 5 6 7\n", ST_EINVAL, "line 9: the line has more"},
+        {HEAD "1 2 3\n4 5 6\n7 8 9\n", ST_EINVAL, "line 10: data is left"},
+        {HEAD "1 2 3\n4 5 x\n", ST_EINVAL, "line 9: a number is expected"},
+        {HEAD "1 2 3\n4 5 6x\n", ST_EINVAL, "line 9: a number is expected"},
+        {HEAD "1 2 3\n4 5 0x10\n", ST_EINVAL, "line 9: a number is expected"},
+        {HEAD "1 2 3\n4 nano 6\n", ST_EINVAL, "line 9: a number is expected"},
+        {HEAD "1 2 3\n4 1.#\n", ST_EINVAL, "line 9: a number is expected"},
+        {HEAD "1 nan 3\n4 5 inf\n", ST_ENOTFINITE, "none of the 2 points"},
+        {HEAD "1 2 3\n4 5 \x01 6\n", ST_EINVAL, "line 9: binary data inside text"},
+    };
     static struct scanfile b;
-    struct scanfile_said err;
-    struct dvec3 *pts;
-    size_t n;
 
-    expect_ply_body("1 2 3\n4 5 6\n", ST_OK, 0);
-    expect_ply_body("1 2 3\n\n  4\t5 6e0", ST_OK, 0);
-    expect_ply_body("1.000 2 3\n4 5\n", ST_EINVAL, 9);
-    expect_ply_body("1.000000 2 3\n", ST_EINVAL, 9);
-    expect_ply_body("1 2 3\n4 5 6 7\n", ST_EINVAL, 9);
-    expect_ply_body("1 2 3\n4 5 6\n7 8 9\n", ST_EINVAL, 10);
-    expect_ply_body("1 2 3\n4 5 x\n", ST_EINVAL, 9);
-    expect_ply_body("1 2 3\n4 5 6x\n", ST_EINVAL, 9);
-    expect_ply_body("1 2 3\n4 5 0x10\n", ST_EINVAL, 9);
-    expect_ply_body("1 2 3\n4 nano 6\n", ST_EINVAL, 9);
-    expect_ply_body("1 2 3\n4 1.#\n", ST_EINVAL, 9);
-    expect_ply_body("1 nan 3\n4 5 inf\n", ST_ENOTFINITE, 0);
-    expect_ply_body("1 2 3\n4 5 \x01 6\n", ST_EINVAL, 9);
-    b.len = 0;
-    scanfile_text(&b, head);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
+    expect_text(HEAD "1 2 3\n\n  4\t5 6e0", (const double[2][3]){{1, 2, 3}, {4, 5, 6}},
+                2);
+    scanfile_text(&b, HEAD);
     scanfile_put(&b, "1 2 3\n4 5 6\0\n", 13);
-    assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_ANY, &pts, &n, &err), ST_EINVAL);
-    assert_string_equal(err.what, "binary data inside text");
+    scanfile_bad(&b, CLOUDFORMAT_ANY, ST_EINVAL, "binary data inside text");
 }
 
 /* Rows that are not lines: over several of them, or several on one. */
@@ -287,11 +239,11 @@ TEST(test_ply_stream)
 
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         (void)snprintf(text, sizeof text, "%s%s", faces, good[i]);
-        expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 2);
+        expect_text(text, want, 2);
     }
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         (void)snprintf(text, sizeof text, "%s%s", faces, bad[i]);
-        expect_error(text, CLOUDFORMAT_ANY, ST_EINVAL, 13);
+        scanfile_refused(&(struct scanfile_case){text, ST_EINVAL, "line 13"}, 1);
     }
 }
 
@@ -328,12 +280,18 @@ TEST(test_ply_bad_header)
             "end_header\n-1\n1 2 3\n",
     };
 
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        expect_error(bad[i], CLOUDFORMAT_PLY, ST_EINVAL, 0);
-    expect_error("ply\nformat ascii 2.0\n", CLOUDFORMAT_PLY, ST_EVERSION, 2);
-    expect_error("ply\nformat binary_middle_endian 1.0\n", CLOUDFORMAT_PLY, ST_EVERSION,
-                 2);
-    expect_error("solid x\n", CLOUDFORMAT_PLY, ST_EINVAL, 1);
+    static const struct scanfile_case other[] = {
+        {"ply\nformat ascii 2.0\n", ST_EVERSION, "line 2: not PLY version 1.0"},
+        {"ply\nformat binary_middle_endian 1.0\n", ST_EVERSION, "line 2: an unknown"},
+    };
+
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        struct scanfile f = {.len = 0};
+
+        scanfile_text(&f, bad[i]);
+        scanfile_bad(&f, CLOUDFORMAT_PLY, ST_EINVAL, "");
+    }
+    scanfile_refused(other, sizeof other / sizeof *other);
 }
 
 /* A count (of the vertices or of an element before them) far beyond the data is an error at
@@ -347,10 +305,7 @@ TEST(test_ply_false_counts)
     for (int encoding = ASCII; encoding <= BIG; encoding++) {
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             for (int before = 0; before < 3; before++) {
-                struct scanfile_said err;
-                struct dvec3 *pts;
                 char text[300];
-                size_t n;
 
                 b.len = 0;
                 (void)snprintf(text, sizeof text,
@@ -369,8 +324,7 @@ TEST(test_ply_false_counts)
                     scanfile_put(&b, (const unsigned char[24]){0}, 24);
                 if (before && i == 0 && (before == 2 || encoding == ASCII))
                     continue; /* the data may hold three such rows */
-                assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_ANY, &pts, &n, &err),
-                                 ST_EINVAL);
+                scanfile_bad(&b, CLOUDFORMAT_ANY, ST_EINVAL, "");
             }
         }
     }
@@ -383,34 +337,32 @@ TEST(test_ply_rows_of_nothing)
     static const char text[] = PLY "element a 99999999999999999\nelement vertex 2\n" XYZ
                                    "end_header\n1 2 3\n4 5 6\n";
 
-    expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 2);
+    expect_text(text, want, 2);
 }
 
 TEST(test_ply_no_vertices)
 {
-    static const char text[] =
-        "ply\nformat binary_big_endian 1.0\nelement vertex 0\n" XYZ "end_header\n";
+    struct scanfile f = {.len = 0};
 
-    expect_points(text, strlen(text), CLOUDFORMAT_ANY, NULL, 0);
-    expect_points(text, strlen(text) - 1, CLOUDFORMAT_ANY, NULL, 0);
+    scanfile_text(&f, "ply\nformat binary_big_endian 1.0\nelement vertex 0\n" XYZ
+                      "end_header\n");
+    expect_points(&f, CLOUDFORMAT_ANY, NULL, 0);
+    f.len--;
+    expect_points(&f, CLOUDFORMAT_ANY, NULL, 0);
 }
 
 /* Bytes after the last vertex that the header promises. */
 TEST(test_ply_left_over)
 {
-    static struct scanfile b;
-    struct scanfile_said err;
-    struct dvec3 *pts;
-    size_t n;
+    struct scanfile b = {.len = 0};
+    char words[40];
 
-    b.len = 0;
     scanfile_text(&b, "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" XYZ
                       "end_header\n");
+    (void)snprintf(words, sizeof words, "byte %zu: data is left", b.len + 36);
     for (size_t k = 0; k < 12; k++)
         put_value(&b, LITTLE, 6, 1);
-    assert_int_equal(parse(b.bytes, b.len, CLOUDFORMAT_PLY, &pts, &n, &err), ST_EINVAL);
-    assert_int_equal(err.line, 0);
-    assert_int_equal(err.where, b.len - 12);
+    scanfile_bad(&b, CLOUDFORMAT_PLY, ST_EINVAL, words);
 }
 
 /* ---- points without a value, normals */
@@ -452,7 +404,6 @@ TEST(test_dropped)
     assert_int_equal(p.n, 2);
     assert_null(p.index);
     cloudpoints_free(&p);
-    expect_error("nan nan nan\n0 0 0\n0 0 0\n", CLOUDFORMAT_XYZ, ST_ENOTFINITE, 0);
 }
 
 /* More points than the first room, with and without a value, and their normals. */
@@ -547,64 +498,28 @@ TEST(test_obj)
 {
     static const double want[4][3] = {
         {1, 2, 3}, {-4.5, 5e-1, 6}, {7, 8, 9}, {10, 11, 12}};
-    static const char text[] =
+    static const char *const text =
         "\xEF\xBB\xBF# made by a scanner \\\n\nmtllib C:\\a\nv 1 2 3\nvn 0 0 1\n"
         "  v\t-4.5 5e-1 6 1.0\r\nvt 0.5 0.5\nv 7 \\\n8 \\\r\n9 0.1 0.2 0.3\n"
         "f 1//1 2//1 \\\n v 3//1\ng v 1 2 3\nusemtl \\\nv 9 9 9\nv 10 11 12";
 
-    expect_points(text, strlen(text), CLOUDFORMAT_OBJ, want, 4);
-    expect_points(text, strlen(text), CLOUDFORMAT_ANY, want, 4);
+    expect_text(text, want, 4);
 }
 
 TEST(test_obj_bad)
 {
-    expect_error("v 1 2\nv 1 2 3\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("v 1 2 3\nv 1 2 x\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
-    expect_error("v 1 2 3 4 5 6 7 8 9\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
-    expect_error("v 1,2,3\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
-    expect_error("v\n", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
-    expect_error("v", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
-    expect_error("v 1 2 \\", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
-    expect_error("v 1 2 3\n\x02\x03\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
-    expect_error("v 1 2 3\n{\"points\": 1}\n", CLOUDFORMAT_OBJ, ST_EINVAL, 2);
-    expect_error("# nothing\nvn 1 2 3\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
-    expect_error("", CLOUDFORMAT_OBJ, ST_EINVAL, 1);
-}
-
-/* ---- XYZ */
-
-TEST(test_xyz)
-{
-    static const double want[3][3] = {{1, 2, 3}, {-4, 5.5, 6}, {7, 8, 9}};
-    static const char *const texts[] = {
-        "1 2 3\n-4 5.5 6\n7 8 9",
-        "1,2,3\r\n-4, 5.5, 6\r\n7 ,8 ,9\r\n",
-        "1;2;3\n-4 ; 5.5 ; 6\n7;8;9;\n",
-        "x y z\n1 2 3 255 0 0\n-4\t5.5\t6\n7 8 9 skin\n",
-        "# a comment\n// X Y Z\n\"X\",\"Y\",\"Z\"\n1,2,3\n\n-4,5.5,6,#\n#\n7,8,9\n",
-        ("\xEF\xBB\xBF"
-         "1 2 3\r-4 5.5 6\r7 8 9\r"),
+    static const struct scanfile_case bad[] = {
+        {"v 1 2\nv 1 2 3\n", ST_EINVAL, "line 1: the line has too few"},
+        {"v 1 2 3\nv 1 2 x\n", ST_EINVAL, "line 2: a number is expected"},
+        {"v 1 2 3 4 5 6 7 8 9\n", ST_EINVAL, "line 1: more than 8 numbers"},
+        {"v 1,2,3\n", ST_EINVAL, "line 1: numbers of an OBJ file"},
+        {"v\n", ST_EINVAL, "line 1: the line has too few"},
+        {"v", ST_EINVAL, "line 1: the line has too few"},
+        {"v 1 2 \\", ST_EINVAL, "line 1: a number is expected"},
+        {"v 1 2 3\n\x02\x03\n", ST_EINVAL, "line 2: binary data inside text"},
+        {"v 1 2 3\n{\"points\": 1}\n", ST_EINVAL, "line 2: not a line of an OBJ"},
+        {"# nothing\nvn 1 2 3\n", ST_EINVAL, "there are no points"},
     };
 
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-        expect_points(texts[i], strlen(texts[i]), CLOUDFORMAT_XYZ, want, 3);
-        expect_points(texts[i], strlen(texts[i]), CLOUDFORMAT_ANY, want, 3);
-    }
-}
-
-TEST(test_xyz_bad)
-{
-    expect_error("1 2\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("1 2 3\n4 5\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
-    expect_error("1 2 3\nx y z\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
-    expect_error("1,5 2,5 3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("1,5\t2,5 3,5\n", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("1,,2,3\n", CLOUDFORMAT_XYZ, ST_ENOTFINITE, 0);
-    expect_error("1 inf 3\n", CLOUDFORMAT_ANY, ST_ENOTFINITE, 0);
-    expect_error("1 2 3\n1 2 \"3\n", CLOUDFORMAT_XYZ, ST_EINVAL, 2);
-    expect_error("hello world\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
-    expect_error("{\"points\": [[1,2,3]]}", CLOUDFORMAT_XYZ, ST_EINVAL, 1);
-    expect_error("", CLOUDFORMAT_ANY, ST_EINVAL, 1);
-    expect_error("\n\n# only\n", CLOUDFORMAT_ANY, ST_EINVAL, 0);
-    expect_error("1 2 3\n4 5 6 \x7f\n", CLOUDFORMAT_ANY, ST_EINVAL, 2);
+    scanfile_refused(bad, sizeof bad / sizeof *bad);
 }

@@ -231,11 +231,7 @@ TEST(test_units)
 
 TEST(test_bad)
 {
-    static const struct {
-        const char *json;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"{", ST_EINVAL, "GLB: not valid JSON"},
         {"{}", ST_EINVAL, "no node of the scene"},
         {SCENE("[{\"mesh\":1}]", MESH("1")), ST_EINVAL, "no mesh 1"},
@@ -288,7 +284,7 @@ TEST(test_bad)
     static struct scanfile f;
 
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        make(&f, bad[i].json);
+        make(&f, bad[i].text);
         scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
     }
     for (size_t i = 0; i < sizeof change / sizeof *change; i++) {

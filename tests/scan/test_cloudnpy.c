@@ -211,11 +211,7 @@ TEST(test_depth)
 
 TEST(test_bad)
 {
-    static const struct {
-        const char *dictionary;
-        enum status st;
-        const char *words;
-    } bad[] = {
+    static const struct scanfile_case bad[] = {
         {"", ST_EINVAL, "byte 10: malformed NPY header"},
         {"{}", ST_EINVAL, "byte 12: the NPY header has no type or no shape"},
         {"{'shape': (4, 3)}", ST_EINVAL, "no type or no shape"},
@@ -251,7 +247,7 @@ TEST(test_bad)
     static struct scanfile f;
 
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        begin(&f, 1, bad[i].dictionary);
+        begin(&f, 1, bad[i].text);
         for (int k = 0; k < 12; k++)
             scanfile_real(&f, k, 8, false);
         scanfile_bad(&f, CLOUDFORMAT_ANY, bad[i].st, bad[i].words);
