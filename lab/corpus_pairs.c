@@ -111,7 +111,7 @@ static enum status read_list(struct corpus_pairs_list *l)
 {
     struct csv *t;
     bool more;
-    enum status st = csv_open_list(l->path, &t, l->b->e);
+    enum status st = csv_open(l->path, true, &t, l->b->e);
 
     for (bool first = true;
          st == ST_OK && (st = csv_next(t, &more, l->b->e)) == ST_OK && more;

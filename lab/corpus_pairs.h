@@ -1,6 +1,6 @@
 /* corpus_pairs.h -- a list of comparisons: pairs of scans, compared exactly as listed.
  *
- * A file without a heading (csv_open_list()), a pair a line:
+ * A file without a heading (csv_open()), a pair a line:
  *   template probe [label]
  * Files are relative to the list's folder.  The label, of every pair or of none, is mated,
  * genuine, same or 1, or else non-mated, impostor, different or 0.  With labels the people are

@@ -63,7 +63,7 @@ static enum status methods_begin(struct methods_reading *r, const char *path)
         r->entry[i] = (struct methods_entry){c->scan[r->t->trial[i].template].file,
                                              c->scan[r->t->trial[i].probe].file, i};
     qsort(r->entry, r->t->n, sizeof *r->entry, by_files);
-    if ((st = csv_open(path, &r->csv, r->e)) != ST_OK ||
+    if ((st = csv_open(path, false, &r->csv, r->e)) != ST_OK ||
         (st = csv_need(r->csv, "template", &r->template, r->e)) != ST_OK ||
         (st = csv_need(r->csv, "probe", &r->probe, r->e)) != ST_OK)
         return st;

@@ -380,7 +380,7 @@ static enum status read_scores(const char *path, struct rates **out, struct erri
     int type = -1, score = -1;
     struct csv *csv;
     bool more = false;
-    enum status st = csv_open(path, &csv, e);
+    enum status st = csv_open(path, false, &csv, e);
 
     *out = NULL;
     if (st != ST_OK)

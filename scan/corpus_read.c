@@ -140,7 +140,7 @@ static enum status read_manifest(struct corpus_build *b, const char *path)
     struct columns col;
     struct csv *t;
     bool more;
-    enum status st = csv_open(path, &t, b->e);
+    enum status st = csv_open(path, false, &t, b->e);
 
     if (st == ST_OK)
         st = find_columns(t, &col, b->e);
@@ -192,7 +192,7 @@ static enum status read_subjects(struct corpus_build *b)
         free(path);
         return ST_OK;
     }
-    if ((st = csv_open(path, &t, b->e)) == ST_OK &&
+    if ((st = csv_open(path, false, &t, b->e)) == ST_OK &&
         (st = csv_need(t, "id", &id, b->e)) == ST_OK) {
         population = csv_column(t, "population");
         relative = csv_column(t, "relative_of");

@@ -18,15 +18,6 @@ struct csv {
     char *head[CSV_MAX_COLUMNS], *field[CSV_MAX_COLUMNS];
 };
 
-static enum status read_file(struct csv *t, size_t *size, struct errinfo *e)
-{
-    unsigned char *bytes;
-    const enum status st = readfile_all(t->path, CSV_MAX_FILE, &bytes, size, e);
-
-    t->text = (char *)bytes;
-    return st;
-}
-
 static enum status bad_row(const struct csv *t, struct errinfo *e, const char *what)
 {
     return errinfo_set(e, ST_EINVAL, "%.120s, line %u, field %d: %s", t->path, t->line,
@@ -164,7 +155,6 @@ static enum status csv_read_row(struct csv *t, bool *more, struct errinfo *e)
 /* From the file's first byte; of a list, which of the two separates. */
 static void csv_begin(struct csv *t, size_t len)
 {
-    t->text[len] = '\0';
     t->at = t->text;
     t->end = t->text + len;
     t->line = 1;
@@ -195,23 +185,22 @@ static enum status read_head(struct csv *t, struct errinfo *e)
     return ST_OK;
 }
 
-/* Of a file, where bytes is NULL. */
-static enum status open_table(const char *name, const void *bytes, size_t len, bool list,
-                              struct csv **out, struct errinfo *e)
+enum status csv_open(const char *path, bool list, struct csv **out, struct errinfo *e)
 {
     struct csv *t = calloc(1, sizeof *t);
-    enum status st = ST_OK;
+    unsigned char *bytes = NULL;
+    size_t len;
+    enum status st;
 
     *out = NULL;
-    if (t == NULL || (t->path = strdup(name)) == NULL ||
-        (bytes != NULL && (t->text = malloc(len + 1)) == NULL))
-        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", name);
-    else if (bytes != NULL)
-        memcpy(t->text, bytes, len);
-    else
-        st = read_file(t, &len, e);
-    if (st == ST_OK) {
+    if (t == NULL || (t->path = strdup(path)) == NULL) {
+        st = errinfo_set(e, ST_ENOMEM, "%.160s: out of memory", path);
+    } else {
         t->list = list;
+        st = readfile_all(path, CSV_MAX_FILE, &bytes, &len, e);
+        t->text = (char *)bytes;
+    }
+    if (st == ST_OK) {
         csv_begin(t, len);
         if (!list)
             st = read_head(t, e);
@@ -221,22 +210,6 @@ static enum status open_table(const char *name, const void *bytes, size_t len, b
     else
         csv_close(t);
     return st;
-}
-
-enum status csv_open(const char *path, struct csv **out, struct errinfo *e)
-{
-    return open_table(path, NULL, 0, false, out, e);
-}
-
-enum status csv_open_list(const char *path, struct csv **out, struct errinfo *e)
-{
-    return open_table(path, NULL, 0, true, out, e);
-}
-
-enum status csv_read(const void *bytes, size_t len, const char *name, bool list,
-                     struct csv **out, struct errinfo *e)
-{
-    return open_table(name, bytes != NULL ? bytes : "", len, list, out, e);
 }
 
 void csv_close(struct csv *t)

@@ -14,19 +14,14 @@
 
 struct csv;
 
-/* csv_open(path, out, e): read a file and its heading.
- * out  new object, released by csv_close(); NULL on error
- * Returns ST_OK; ST_ENOTFOUND; ST_EIO; ST_EINVAL malformed (a NUL byte, an open quotation,
- * text after a closing quotation mark), no heading, a column named twice; ST_ESIZE;
- * ST_ELIMIT; ST_ENOMEM.  Messages name the file and the line. */
-enum status csv_open(const char *path, struct csv **out, struct errinfo *e);
-/* csv_open_list(path, out, e): the same of a table without a heading.  Its fields are separated
- * by commas or, where its first row has none, by spaces and tabs; lines that begin with # are
- * skipped. */
-enum status csv_open_list(const char *path, struct csv **out, struct errinfo *e);
-/* csv_read(bytes, len, name, list, out, e): either of them in memory (copied), called name. */
-enum status csv_read(const void *bytes, size_t len, const char *name, bool list,
-                     struct csv **out, struct errinfo *e);
+/* csv_open(path, list, out, e): Reads a file, and the heading of a table.
+ *   list  a table without a heading.  Its fields are separated by commas or, if its first row has none, by
+ *         spaces and tabs; lines that begin with # are skipped
+ *   out   a new object, to be released by csv_close(); NULL on failure
+ * Messages name the file and the line.
+ * Returns ST_OK; ST_ENOTFOUND; ST_EIO; ST_EINVAL: malformed (a NUL byte, an open quotation, text after a
+ * closing quotation mark), no heading, a column named twice; ST_ESIZE; ST_ELIMIT; ST_ENOMEM. */
+enum status csv_open(const char *path, bool list, struct csv **out, struct errinfo *e);
 void csv_close(struct csv *t); /* NULL is allowed */
 
 /* csv_column(t, name): the column of that name, in any mixture of small and capital

@@ -16,14 +16,24 @@ static void write_table(const char *text, size_t len)
     assert_int_equal(fclose(f), 0);
 }
 
-static struct csv *table(const char *text)
+static struct csv *opened(const char *text, bool without_heading)
 {
     struct csv *t;
 
     write_table(text, strlen(text));
-    if (csv_open(path, &t, &e) != ST_OK)
+    if (csv_open(path, without_heading, &t, &e) != ST_OK)
         fail_msg("%s", e.msg);
     return t;
+}
+
+static struct csv *table(const char *text)
+{
+    return opened(text, false);
+}
+
+static struct csv *list(const char *text)
+{
+    return opened(text, true);
 }
 
 /* Reads all of a table that has an error; the message must contain `words`. */
@@ -34,7 +44,7 @@ static void refuse(const char *text, size_t len, enum status want, const char *w
     enum status st;
 
     write_table(text, len);
-    st = csv_open(path, &t, &e);
+    st = csv_open(path, false, &t, &e);
     while (st == ST_OK && more)
         st = csv_next(t, &more, &e);
     csv_close(t);
@@ -152,20 +162,10 @@ TEST(test_absent)
 {
     struct csv *t;
 
-    assert_int_equal(csv_open("/nowhere/x.csv", &t, &e), ST_ENOTFOUND);
+    assert_int_equal(csv_open("/nowhere/x.csv", false, &t, &e), ST_ENOTFOUND);
     assert_null(t);
-    assert_int_equal(csv_open("/", &t, &e), ST_EIO);
+    assert_int_equal(csv_open("/", false, &t, &e), ST_EIO);
     csv_close(NULL);
-}
-
-static struct csv *list(const char *text)
-{
-    struct csv *t;
-
-    write_table(text, strlen(text));
-    if (csv_open_list(path, &t, &e) != ST_OK)
-        fail_msg("%s", e.msg);
-    return t;
 }
 
 /* Without a heading: what separates is what the first row has. */
