@@ -81,6 +81,30 @@ const char *cloudtext_word(struct cloudtext *t, size_t *len)
     return word;
 }
 
+enum status cloudtext_pass(struct cloudtext *t)
+{
+    size_t len;
+
+    (void)cloudtext_word(t, &len);
+    return len > 0 ? ST_OK : cloudtext_fail(t, ST_EINVAL, "the line has too few numbers");
+}
+
+enum status cloudtext_row_end(struct cloudtext *t)
+{
+    cloudtext_blank(t);
+    return cloudtext_eol(t)
+               ? ST_OK
+               : cloudtext_fail(t, ST_EINVAL,
+                                "the line has more numbers than the header says");
+}
+
+enum status cloudtext_cut_off(struct cloudtext *t, uint64_t n, uint64_t row)
+{
+    return cloudtext_fail(t, ST_EINVAL,
+                          "the header promises %llu points, the data ends in number %llu",
+                          (unsigned long long)n, (unsigned long long)row + 1);
+}
+
 bool cloudtext_is(const char *word, size_t len, const char *what)
 {
     return strlen(what) == len && memcmp(word, what, len) == 0;

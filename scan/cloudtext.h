@@ -49,6 +49,16 @@ bool cloudtext_like(const char *word, size_t len, const char *what); /* in any c
  * Returns ST_OK, ST_EINVAL (no number). */
 enum status cloudtext_number(struct cloudtext *t, double *out);
 
+/* cloudtext_pass(t): Passes over the next word of the line.  Returns ST_OK; ST_EINVAL: there is none. */
+enum status cloudtext_pass(struct cloudtext *t);
+
+/* cloudtext_row_end(t): Returns ST_OK if nothing but blanks is left on the line; else ST_EINVAL. */
+enum status cloudtext_row_end(struct cloudtext *t);
+
+/* cloudtext_cut_off(t, n, row): Returns ST_EINVAL: the data ends in the point `row`, counted from 0, of the n
+ * that the header promises. */
+enum status cloudtext_cut_off(struct cloudtext *t, uint64_t n, uint64_t row);
+
 /* cloudtext_count(word, len, out): a word of 1 to 18 digits. */
 bool cloudtext_count(const char *word, size_t len, uint64_t *out);
 

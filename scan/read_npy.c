@@ -47,6 +47,16 @@ static bool read_npy_take(struct cloudtext *t, const char *what)
     return true;
 }
 
+/* Takes the digits that are here.  Returns false if there are none, or more than 18. */
+static bool take_digits(struct cloudtext *t, uint64_t *out)
+{
+    const char *word = t->p;
+
+    while (t->p < t->end && *t->p >= '0' && *t->p <= '9')
+        t->p++;
+    return cloudtext_count(word, (size_t)(t->p - word), out);
+}
+
 /* "'<f4'": a type, and its size in bytes.  Of types that have no numbers the size alone. */
 static bool take_type(struct cloudtext *t, struct read_npy_value *v, uint64_t *size)
 {
@@ -58,7 +68,6 @@ static bool take_type(struct cloudtext *t, struct read_npy_value *v, uint64_t *s
         {'i', 1, CLOUDVALUE_I8},  {'u', 1, CLOUDVALUE_U8},  {'i', 2, CLOUDVALUE_I16},
         {'u', 2, CLOUDVALUE_U16}, {'i', 4, CLOUDVALUE_I32}, {'u', 4, CLOUDVALUE_U32},
         {'i', 8, CLOUDVALUE_I64}, {'u', 8, CLOUDVALUE_U64}};
-    const char *word;
     char kind;
 
     if (!read_npy_take(t, "'") || t->end - t->p < 3)
@@ -66,10 +75,7 @@ static bool take_type(struct cloudtext *t, struct read_npy_value *v, uint64_t *s
     v->big = *t->p == '>';
     t->p += memchr("<>|=", *t->p, 4) != NULL;
     kind = *t->p++;
-    for (word = t->p; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
-        ;
-    if (kind == 'O' || !cloudtext_count(word, (size_t)(t->p - word), size) ||
-        *size > 65535)
+    if (kind == 'O' || !take_digits(t, size) || *size > 65535)
         return false;
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (types[i].kind == kind && (uint64_t)types[i].size == *size)
@@ -86,7 +92,7 @@ static bool take_field(struct cloudtext *t, struct array *a)
 {
     struct read_npy_value v = {.type = CLOUDVALUE_NONE, .at = a->size};
     uint64_t size, n, items = 1;
-    const char *name, *word;
+    const char *name;
     bool of_three = false;
     size_t len;
 
@@ -99,9 +105,7 @@ static bool take_field(struct cloudtext *t, struct array *a)
         return false;
     if (read_npy_take(t, ",") && read_npy_take(t, "(")) {
         while (!read_npy_take(t, ")")) {
-            for (word = t->p; t->p < t->end && *t->p >= '0' && *t->p <= '9'; t->p++)
-                ;
-            if (!cloudtext_count(word, (size_t)(t->p - word), &n) || n > 65535)
+            if (!take_digits(t, &n) || n > 65535)
                 return false;
             of_three = items == 1 && n == 3;
             items = items * n < 65535 ? items * n : 65535;
@@ -152,12 +156,7 @@ static enum status read_shape(struct cloudtext *t, struct array *a)
     if (!read_npy_take(t, "("))
         return cloudtext_fail(t, ST_EINVAL, "the shape of the array is expected here");
     for (a->dims = 0; !read_npy_take(t, ")"); (void)read_npy_take(t, ",")) {
-        const char *word = t->p;
-
-        while (t->p < t->end && *t->p >= '0' && *t->p <= '9')
-            t->p++;
-        if (a->dims == DIMS ||
-            !cloudtext_count(word, (size_t)(t->p - word), &a->shape[a->dims++]))
+        if (a->dims == DIMS || !take_digits(t, &a->shape[a->dims++]))
             return cloudtext_fail(t, ST_EVERSION, "the shape of the array is not read");
         (void)read_npy_take(t, "L"); /* Python 2 */
     }

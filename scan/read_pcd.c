@@ -239,13 +239,6 @@ static enum status lay_out(const struct header *h, struct layout *l)
 
 /* ---- the points */
 
-static enum status cut_off(const struct header *h, uint64_t row)
-{
-    return cloudtext_fail(h->t, ST_EINVAL,
-                          "the header promises %llu points, the data ends in number %llu",
-                          (unsigned long long)h->points, (unsigned long long)row + 1);
-}
-
 /* The points of the data, one behind the other or, by_field, field behind field. */
 static enum status read_pcd_read_values(const struct header *h, const struct layout *l,
                                         const unsigned char *data, bool by_field,
@@ -267,7 +260,7 @@ static enum status read_binary(const struct header *h, const struct layout *l,
     const uint64_t left = (uint64_t)(h->t->end - h->t->p);
 
     if (h->points > left / l->stride)
-        return cut_off(h, left / l->stride);
+        return cloudtext_cut_off(h->t, h->points, left / l->stride);
     return read_pcd_read_values(h, l, (const unsigned char *)h->t->p, false, list);
 }
 
@@ -318,7 +311,7 @@ static enum status read_compressed(const struct header *h, const struct layout *
     enum status st;
 
     if (left < 8)
-        return cut_off(h, 0);
+        return cloudtext_cut_off(h->t, h->points, 0);
     packed = (uint64_t)cloudvalue_load(p, CLOUDVALUE_U32, swap);
     size = (uint64_t)cloudvalue_load(p + 4, CLOUDVALUE_U32, swap);
     if (packed > left - 8)
@@ -341,28 +334,16 @@ static enum status read_compressed(const struct header *h, const struct layout *
 static enum status read_pcd_read_row(struct cloudtext *t, const struct layout *l,
                                      double v[6])
 {
-    enum status st;
+    enum status st = ST_OK;
 
-    for (uint64_t i = 0; i < l->words; i++) {
+    for (uint64_t i = 0; i < l->words && st == ST_OK; i++) {
         int k = 0;
-        size_t len;
 
         while (k < 6 && (l->type[k] == CLOUDVALUE_NONE || l->before[k] != i))
             k++;
-        if (k < 6) {
-            if ((st = cloudtext_number(t, &v[k])) != ST_OK)
-                return st;
-            continue;
-        }
-        (void)cloudtext_word(t, &len);
-        if (len == 0)
-            return cloudtext_fail(t, ST_EINVAL, "the line has too few numbers");
+        st = k < 6 ? cloudtext_number(t, &v[k]) : cloudtext_pass(t);
     }
-    cloudtext_blank(t);
-    return cloudtext_eol(t)
-               ? ST_OK
-               : cloudtext_fail(t, ST_EINVAL,
-                                "the line has more numbers than the header says");
+    return st == ST_OK ? cloudtext_row_end(t) : st;
 }
 
 static enum status read_text(const struct header *h, const struct layout *l,
@@ -375,7 +356,7 @@ static enum status read_text(const struct header *h, const struct layout *l,
         double v[6] = {0};
 
         if (!cloudtext_find(t))
-            return cut_off(h, i);
+            return cloudtext_cut_off(t, h->points, i);
         if ((st = read_pcd_read_row(t, l, v)) == ST_OK)
             st = cloudlist_point(list, v, l->normals);
     }

@@ -272,22 +272,9 @@ struct data {
     bool stream; /* as text: a row does not have a line of its own */
 };
 
-static enum status cut_off(struct data *d, uint64_t row)
-{
-    return cloudtext_fail(
-        d->t, ST_EINVAL,
-        "the header promises %llu vertices, the data ends in number %llu",
-        (unsigned long long)d->h.element[d->h.vertex].rows, (unsigned long long)row + 1);
-}
-
 static enum status ends_before(struct data *d)
 {
     return cloudtext_fail(d->t, ST_EINVAL, "the data ends before the vertices");
-}
-
-static enum status too_few(struct data *d)
-{
-    return cloudtext_fail(d->t, ST_EINVAL, "the line has too few numbers");
 }
 
 /* ---- rows of any kind, text or binary */
@@ -319,14 +306,11 @@ static enum status skip(struct data *d, enum cloudvalue type, uint64_t n)
         t->p += n * cloudvalue_size[type];
         return ST_OK;
     }
-    for (; n > 0; n--) {
-        size_t len;
-
-        if (d->stream)
-            (void)cloudtext_find(t);
-        (void)cloudtext_word(t, &len);
-        if (len == 0)
-            return d->stream ? ST_ENOTFOUND : too_few(d);
+    for (enum status st = ST_OK; n > 0 && st == ST_OK; n--) {
+        if (d->stream && !cloudtext_find(t))
+            return ST_ENOTFOUND;
+        if ((st = cloudtext_pass(t)) != ST_OK)
+            return st;
     }
     return ST_OK;
 }
@@ -383,13 +367,7 @@ static enum status read_ply_read_row(struct data *d, const struct ply_head_eleme
         else
             st = skip(d, q->type, 1);
     }
-    if (st != ST_OK || !d->text || d->stream)
-        return st;
-    cloudtext_blank(t);
-    return cloudtext_eol(t)
-               ? ST_OK
-               : cloudtext_fail(t, ST_EINVAL,
-                                "the line has more numbers than the header says");
+    return st != ST_OK || !d->text || d->stream ? st : cloudtext_row_end(t);
 }
 
 /* ---- the vertices */
@@ -422,7 +400,7 @@ static enum status read_vertices(struct data *d, const struct ply_head_element *
         enum status st = read_ply_read_row(d, e, value, false);
 
         if (st == ST_ENOTFOUND)
-            return cut_off(d, i);
+            return cloudtext_cut_off(d->t, e->rows, i);
         if (st != ST_OK || (st = cloudlist_point(d->list, value, d->h.normals)) != ST_OK)
             return st;
     }
@@ -437,7 +415,7 @@ static enum status check_count(struct data *d, const struct ply_head_element *e)
     const uint64_t least = d->text ? 2 * (uint64_t)e->n : e->stride;
     const uint64_t fit = (left + d->text) / least;
 
-    return e->rows > fit ? cut_off(d, fit) : ST_OK;
+    return e->rows > fit ? cloudtext_cut_off(d->t, e->rows, fit) : ST_OK;
 }
 
 /* ---- the other elements */
