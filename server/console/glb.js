@@ -7,7 +7,7 @@ const PARTS = { SCALAR: 1, VEC3: 3, VEC4: 4 };
 export const readSeen = (response) => (response instanceof ArrayBuffer ? readGlb(response) : { extras: response, nodes: null });
 
 /** Where a file's (ArrayBuffer) arrays begin, and what it says of them. */
-function openGlb(file) {
+export function openGlb(file) {
   const head = new DataView(file);
   if (head.byteLength < 20 || head.getUint32(0, true) !== 0x46546c67)
     throw new Error("the response is no 3D file");

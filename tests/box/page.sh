@@ -26,7 +26,7 @@ expect 0 "a scan" "$ctl" scan bust.ply --page scan.html
 expect 1 "a scan without a face" "$ctl" scan plane.xyz --page plane.html
 for page in match differ scan plane files; do
     is "$page: its owner's alone" "$(stat -c %a $page.html)" 600
-    ok "$page: $(wc -c <$page.html) bytes, of at most 400 KB" test "$(wc -c <$page.html)" -le 409600
+    ok "$page: $(wc -c <$page.html) bytes, of at most 300 KB" test "$(wc -c <$page.html)" -le 307200
     ok "$page: no address in it" sh -c "! sed 's|http://www.w3.org/2000/svg||' $page.html | grep -q 'https*://'"
 done
 cp match.html before.html
