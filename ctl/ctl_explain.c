@@ -7,6 +7,7 @@
 #include "ctl_model.h"
 #include "describe.h"
 #include "page.h"
+#include "show.h"
 
 static const char *page; /* --page */
 
@@ -95,40 +96,52 @@ static void print_text(const struct ctl *c, const struct explanation *x)
     print_quality("probe", x->probe);
 }
 
-static struct describe_comparison comparison(const struct ctl *c,
-                                             const struct explanation *x)
+static void comparison(struct json *j, const struct ctl *c, const struct explanation *x)
 {
-    return (struct describe_comparison){.result = &x->best.result,
-                                        .minimal = &x->minimal,
-                                        .probe = x->probe,
-                                        .engine = c->engine,
-                                        .subject = x->stored->subject,
-                                        .template_id = x->stored->id,
-                                        .templates_compared = x->best.compared,
-                                        .parts = &x->parts};
+    describe_comparison(
+        j, &(struct describe_comparison){.result = &x->best.result,
+                                         .minimal = &x->minimal,
+                                         .probe = x->probe,
+                                         .engine = c->engine,
+                                         .subject = x->stored->subject,
+                                         .template_id = x->stored->id,
+                                         .templates_compared = x->best.compared,
+                                         .parts = &x->parts});
 }
 
 static enum status ctl_explain_write_page(struct ctl *c, const struct explanation *x)
 {
-    const struct describe_comparison of = comparison(c, x);
     struct json *j = json_new();
+    struct show show;
     char about[64];
+    enum status st;
 
     (void)snprintf(about, sizeof about, "template %.8s, enrolled", x->stored->id);
     json_object(j, "extras");
+    comparison(j, c, x);
+    json_object(j, "calibration");
+    show_calibration(j, surface_work_calibration(c->work));
+    json_close(j);
     page_side(j, "a", x->stored->subject, about, x->stored->created,
               surface_face_quality(x->tmpl).score);
-    return ctl_face_page(c, page, x->tmpl, &of, j);
+    page_file(j, "b", c->args[1], surface_face_quality(x->probe).score);
+    page_made(j);
+    json_close(j);
+    st = show_comparison(x->tmpl, x->probe, x->minimal.align_transform, &x->parts, j,
+                         &show);
+    st = st == ST_OK ? ctl_write(c, page, page_write, &show)
+                     : errinfo_set(&c->e, st, "%s: %s", page, status_message(st));
+    free(show.glb);
+    return st;
 }
 
 static void ctl_explain_report(struct ctl *c, const struct explanation *x)
 {
     const struct surface_comparison *r = &x->best.result;
     const struct surface_quality quality = surface_face_quality(x->tmpl);
-    const struct describe_comparison of = comparison(c, x);
 
     json_text(c->out, "probe", c->args[1]);
-    describe_comparison(c->out, &of);
+    comparison(c->out, c, x);
     describe_quality(c->out, "template_quality", &quality, x->tmpl);
     json_text(c->out, "reason", reason(r));
     json_score(c->out, "expected", r->expected);
@@ -176,5 +189,5 @@ const struct ctl_command ctl_explain = {
         "the one with the highest score: the score of each region and the qualities;\n"
         "with --json also what each cell of the face adds to the score. The audit log records\n"
         "it. --page writes one file that shows it in any browser, without a network; it is\n"
-        "biometric data: only its owner can read it. surfacectl compare has it of two files.",
+        "biometric data: only its owner can read it. surfacelab explain compares two files.",
     .example = "surfacectl --db faces.db explain alice probe.ply --page why.html"};

@@ -5,8 +5,6 @@
 #include "cloudfile.h"
 #include "ctl.h"
 #include "ctl_face.h"
-#include "page.h"
-#include "show.h"
 
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
 {
@@ -35,27 +33,6 @@ void ctl_face_passed_over(const struct templates *t)
 {
     if (t->passed_over.code != ST_OK)
         (void)fprintf(stderr, "surfacectl: template skipped: %s\n", t->passed_over.msg);
-}
-
-enum status ctl_face_page(struct ctl *c, const char *path,
-                          const struct surface_face *tmpl,
-                          const struct describe_comparison *x, struct json *j)
-{
-    struct show show;
-    enum status st;
-
-    describe_comparison(j, x);
-    json_object(j, "calibration");
-    show_calibration(j, surface_work_calibration(c->work));
-    json_close(j);
-    page_file(j, "b", c->args[1], surface_face_quality(x->probe).score);
-    page_made(j);
-    json_close(j);
-    st = show_comparison(tmpl, x->probe, x->minimal->align_transform, x->parts, j, &show);
-    st = st == ST_OK ? ctl_write(c, path, page_write, &show)
-                     : errinfo_set(&c->e, st, "%s: %s", path, status_message(st));
-    free(show.glb);
-    return st;
 }
 
 void ctl_face_regions(FILE *to, const struct surface_parts *p)

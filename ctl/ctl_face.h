@@ -4,7 +4,6 @@
 #define CTL_FACE_H
 #include <stdbool.h>
 #include <stdio.h>
-#include "describe.h"
 #include "libsurface.h"
 #include "sample.h"
 #include "store.h"
@@ -12,7 +11,6 @@
 
 struct cloudpoints; /* cloudpoints.h */
 struct ctl;         /* ctl.h */
-struct json;        /* json.h */
 
 /* ctl_face_parse(c, path, out): Reads the points of a file ("-": standard input) as c->scans says.
  *   out     to be released by cloudpoints_free(); empty on failure
@@ -41,14 +39,6 @@ void ctl_face_passed_over(const struct templates *t);
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
 
 int ctl_face_exit(enum surface_decision d);
-
-/* ctl_face_page(c, path, tmpl, x, j): Writes the page of a comparison with the probe c->args[1] to the file.
- *   tmpl  the face that the probe was compared with
- *   j     a document with the open member "extras", which has its side "a" (page_side(), page_file());
- *         takes ownership */
-enum status ctl_face_page(struct ctl *c, const char *path,
-                          const struct surface_face *tmpl,
-                          const struct describe_comparison *x, struct json *j);
 
 /* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)". */
 void ctl_face_score(FILE *to, const struct surface_comparison *r);

@@ -7,9 +7,6 @@
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_session.h"
-#include "page.h"
-
-static const char *page; /* compare --page */
 
 static void print_result(struct ctl *c, const struct describe_comparison *x)
 {
@@ -29,20 +26,6 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     if (x->other != NULL)
         ctl_face_warnings(stdout, "warnings of A", x->other);
     (void)printf("time         %.1f ms\n", x->times->total);
-}
-
-/* The page of two files, if it is wanted. */
-static enum status ctl_verify_write_page(struct ctl *c,
-                                         const struct describe_comparison *x)
-{
-    struct json *j;
-
-    if (page == NULL)
-        return ST_OK;
-    j = json_new();
-    json_object(j, "extras");
-    page_file(j, "a", c->args[0], surface_face_quality(x->other_face).score);
-    return ctl_face_page(c, page, x->other_face, x, j);
 }
 
 /* Compares probe.  Anyone who has the database is not locked out of it: attempts are not counted. */
@@ -69,8 +52,7 @@ static enum status ctl_verify_run(struct ctl *c, struct session *probe,
         v.times.total = command_clock_ms() - start;
         x = verify_describe(&v, c->engine);
         c->code = ctl_face_exit(v.best.result.decision);
-        if ((st = ctl_verify_write_page(c, &x)) == ST_OK)
-            print_result(c, &x);
+        print_result(c, &x);
     }
     if (st == ST_OK && r->other == NULL) {
         const struct store_template *t = &v.templates.of.t[v.best.index];
@@ -105,8 +87,6 @@ static enum status ctl_run_verify_compare(struct ctl *c)
     struct verify_request r = {.other = s, .other_face = &face};
     enum status st = s != NULL ? ST_OK : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
 
-    if (st == ST_OK && page != NULL)
-        st = ctl_may_write(c, page, c->nargs);
     for (int i = 0; st == ST_OK && i < 2; i++) {
         s[i].n = 1;
         s[i].frame[0].name = c->args[i];
@@ -141,14 +121,9 @@ const struct ctl_command ctl_verify_compare = {
     .name = "compare",
     .args = "A B",
     .takes = {2, 2},
-    .shared = CTL_SCANS | CTL_MODEL | CTL_FORCE,
-    .options = {CTL_OPTION(
-        "page", "FILE", command_text, &page,
-        "write a page for a browser (HTML): both faces, and what decided")},
+    .shared = CTL_SCANS | CTL_MODEL,
     .exits = {"match", "no match", CTL_INCONCLUSIVE},
     .run = ctl_run_verify_compare,
     .summary = "compare two scans, without a database",
-    .help =
-        "B is moved onto A.  Nothing is stored.  --page writes one file that shows both in any\n"
-        "browser, without a network; it is biometric data: only its owner can read it.",
-    .example = "surfacectl compare monday.ply tuesday.ply --page why.html"};
+    .help = "B is moved onto A.  Nothing is stored.",
+    .example = "surfacectl compare monday.ply tuesday.ply"};

@@ -54,6 +54,7 @@ struct lab {
 
 enum status lab_asymmetry(struct lab *c);
 enum status lab_evaluate(struct lab *c);
+enum status lab_explain(struct lab *c);
 enum status lab_fill(struct lab *c);
 enum status lab_simplify(struct lab *c);
 enum status lab_study(struct lab *c);

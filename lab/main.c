@@ -1,5 +1,5 @@
 /* surfacelab -- what researchers do with scans, off the daemon's path: models are learned, error
- * rates measured, the papers' studies recomputed. */
+ * rates measured, comparisons drawn, the papers' studies recomputed. */
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -18,11 +18,12 @@
 enum { /* a bit for each command */
        ASYMMETRY = 1,
        EVALUATE = 2,
-       FILL = 4,
-       SIMPLIFY = 8,
-       STUDY = 16,
-       TRAIN = 32,
-       ALL = 63,
+       EXPLAIN = 4,
+       FILL = 8,
+       SIMPLIFY = 16,
+       STUDY = 32,
+       TRAIN = 64,
+       ALL = 127,
        SCANS = ALL & ~STUDY, /* commands that read scans */
 };
 
@@ -47,6 +48,11 @@ static const struct command {
      "as for evaluate: of 20 subjects with two scans or more.  The error rates of the new model\n"
      "are cross-validated.  A model that is worse than the base model is written only with\n"
      "--force (exit code 1)."},
+    {EXPLAIN, "explain", "A B", 2, 2, lab_explain,
+     "compare two scans and write where they differ",
+     "B is moved onto A.  The folder --out (./explanation) gets explain.html (for a\n"
+     "browser: both faces, and what decided), explain.json, points.csv (the gap and its part of\n"
+     "the score at each point of B) and cells.csv (the gap and the part of each cell)."},
     {ASYMMETRY, "asymmetry", "FILE", 1, 1, lab_asymmetry,
      "measure a scan against its own mirror image",
      "The symmetry plane is corrected until the gap between the face and its mirror image is\n"
@@ -178,7 +184,8 @@ static const struct taken {
     {STUDY, {"seed", "N", read_seed, NULL, "of everything random (20261121)", IN(seed)}},
     {STUDY,
      {"reduced", NULL, command_flag, NULL, "small sizes and few draws", IN(reduced)}},
-    {SCANS, {"json", NULL, command_flag, NULL, "print the result as JSON", IN(json)}},
+    {SCANS & ~EXPLAIN,
+     {"json", NULL, command_flag, NULL, "print the result as JSON", IN(json)}},
     {ALL, {"help", NULL, command_flag, NULL, "print this text", IN(help), .letter = 'h'}},
     {ALL, {"version", NULL, command_flag, NULL, "print the version", IN(version)}},
 };

@@ -77,8 +77,7 @@ static enum status surface_node(const struct surface_face *f, const double m[16]
     return ST_OK;
 }
 
-/* Between the centres of the four cells round a place, of those that have a value; NAN: none. */
-static float between(const float cell[SURFACE_CELLS], double x, double y)
+float show_between(const float cell[SURFACE_CELLS], double x, double y)
 {
     const double i = (x - SURFACE_CELLS_LEFT) / SURFACE_CELL_MM;
     const double j = (y - SURFACE_CELLS_BOTTOM) / SURFACE_CELL_MM;
@@ -136,8 +135,8 @@ static enum status differences(const struct surface_face *tmpl,
                      y = (double)a->at[v][1] * parts->scale;
 
         a->gap[v] = coarse(gap[v]);
-        a->rest[v] = coarse((double)between(parts->rest_mm, x, y));
-        a->part[v] = coarse((double)between(parts->part, x, y));
+        a->rest[v] = coarse((double)show_between(parts->rest_mm, x, y));
+        a->part[v] = coarse((double)show_between(parts->part, x, y));
         if (isnan(a->gap[v]) || isnan(a->rest[v]) || isnan(a->part[v])) {
             a->gap[v] = a->rest[v] = a->part[v] = 0.0f;
             memset(a->color[v], 0, sizeof a->color[v]);

@@ -4,13 +4,11 @@
 #ifndef SCAN_SHOW_H
 #define SCAN_SHOW_H
 #include <stddef.h>
+#include "libsurface.h"
 #include "status.h"
 
-struct dvec3;               /* vec.h */
-struct json;                /* json.h */
-struct surface_calibration; /* libsurface.h */
-struct surface_face;        /* libsurface.h */
-struct surface_parts;       /* libsurface.h */
+struct dvec3; /* vec.h */
+struct json;  /* json.h */
 
 /* What is shown: a file as glbwrite() makes it. */
 struct show {
@@ -22,6 +20,10 @@ struct show {
  * "threshold" and "knots".  show_knots(j, name, c): their share at or above each of some scores. */
 void show_knots(struct json *j, const char *name, const struct surface_calibration *c);
 void show_calibration(struct json *j, const struct surface_calibration *c);
+
+/* show_between(cell, x, y): Returns the value at a place of the canonical frame, mm: linear between the
+ * middles of the four cells around it, of those that have a value; NAN if its own cell has none. */
+float show_between(const float cell[SURFACE_CELLS], double x, double y);
 
 /* show_comparison(tmpl, probe, transform, parts, j, out): the node "template", and over it, moved
  * by transform, the node "probe", which has for each of its points

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Goal: surfacectl explain says why a scan matches a subject or a template, or not: its figures
 # agree with each other and with verify, the audit log has an entry, and nothing is explained of
-# somebody who is not there.  surfacectl compare draws two files.  The pages in a browser: page.sh.
+# somebody who is not there.  surfacelab explain does it of two files, as tables.  The pages
+# in a browser: page.sh.
 # shellcheck disable=SC2016 # the variables are jq's
 . tests/box/lib.sh
 in_folder
@@ -45,11 +46,23 @@ expect 66 "no such scan" "$ctl" --db faces.db explain alice none.ply
 expect 64 "a threshold of one's own" "$ctl" --db faces.db explain --threshold -50 alice a1.ply
 
 # ---- two files
-expect 0 "two files" "$ctl" compare a0.ply a1.ply --page files.html --json
-is "its owner's alone" "$(stat -c %a files.html)" 600
-ok "the regions sum up to the score" jq_true '.score as $s | .regions | map(numbers) | add - $s | fabs < 0.05' out
-expect 65 "a second time" "$ctl" compare a0.ply b0.ply --page files.html
-expect 1 "two people" "$ctl" compare a0.ply b0.ply --page files.html --force
-expect 66 "no such scan" "$ctl" compare a0.ply none.ply --page none.html
-ok "no page of it" [ ! -e none.html ]
+expect 0 "two files" "$lab" explain a0.ply a1.ply
+has out '^decision *match, score'
+is "the files" "$(files explanation)" 'cells.csv explain.html explain.json points.csv'
+is "the folder's mode" "$(stat -c %a explanation)" 700
+is "the files' modes" "$(stat -c %a explanation/* | sort -u)" 600
+"$ctl" compare --json a0.ply a1.ply >compared
+is "as compare" "$(jq -c '[.decision, .score, .disparity_mm]' compared)" \
+    "$(jq -c '[.decision, .score, .disparity_mm]' explanation/explain.json)"
+is "every point of the probe's face" "$(wc -l <explanation/points.csv)" $(($("$ctl" scan --json a1.ply | jq '.scans[0].scan.points_used') + 1))
+ok "the cells' parts sum up to the score" awk -F, -v score="$(jq -r .score explanation/explain.json)" \
+    'NR > 1 { s += $4 } END { d = s - score; exit d * d > 0.05 ^ 2 }' explanation/cells.csv
+ok "the regions' too" jq_true '.score as $s | .regions | map(numbers) | add - $s | fabs < 0.05' \
+    explanation/explain.json
+ok "a part only with a gap" awk -F, '$4 == "" && $5 != "" { exit 1 }' explanation/points.csv
+expect 65 "a second time" "$lab" explain a0.ply b0.ply
+expect 1 "two people" "$lab" explain a0.ply b0.ply --force
+expect 2 "a part of the face" "$lab" explain a0.ply part.xyz --out part
+expect 66 "no such scan" "$lab" explain a0.ply none.ply --out none
+ok "no folder for it" [ ! -e none ]
 finish

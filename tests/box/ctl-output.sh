@@ -38,17 +38,18 @@ sums() {
 }
 
 # ---- a file that is there
-mkdir report
-for f in o.ply report/report.json; do
+mkdir explanation report
+for f in o.ply explanation/explain.json report/report.json; do
     echo mine >$f
 done
 while read -r name line; do
     case $name in
+    explain) file=explanation/explain.json ;;
     evaluate) file=report/report.json ;;
     *) file=o.ply ;;
     esac
     case $name in
-    simplify | fill | train | evaluate) program=$lab ;;
+    simplify | fill | train | explain | evaluate) program=$lab ;;
     *) program=$ctl ;;
     esac
     # shellcheck disable=SC2086 # words
@@ -74,7 +75,7 @@ template --db f.db template export $id -o o.ply
 audit --db f.db audit export -o o.ply
 export --db f.db export alice -o o.ply --archive-key phrase
 train train --calibrate scores.csv -o o.ply
-compare compare a.ply a1.ply --page o.ply
+explain explain a.ply a1.ply
 evaluate evaluate scans -o report
 backup --db f.db backup o.ply
 END
@@ -83,6 +84,7 @@ END
 ln -s a.ply link.ply
 ln a.ply hard.ply
 mkdir sub
+ln -sf ../a.ply explanation/points.csv
 cp a.ply p.ply.part
 read='is a file that this command reads'
 for name in a.ply ./a.ply sub/../a.ply "$PWD/a.ply" link.ply hard.ply; do
@@ -92,7 +94,7 @@ done
 kept "a scan of the name that the new file has at first" "$read" \
     "$lab" simplify p.ply.part --tolerance 1 -o p.ply --force
 kept "fill" "$read" "$lab" fill link.ply -o a.ply --force
-kept "compare" "$read" "$ctl" compare a1.ply a.ply --page a.ply --force
+kept "explain" "$read" "$lab" explain a1.ply a.ply --force
 kept "a scan of a collection" "$read" "$lab" train scans -o scans/p1_0.ply --force
 kept "the list of a collection" "$read" "$lab" train scans -o scans/index.csv --force
 kept "the subjects of a collection" "$read" "$lab" train scans/index.csv -o scans/subjects.csv --force
@@ -133,13 +135,13 @@ has err 'points, '
 expect 0 "audit export" "$ctl" --db f.db audit export -o -
 ok "JSON lines alone" jq -e . out >/dev/null
 expect 64 "and --json" "$lab" simplify --json a.ply --tolerance 1 -o -
-for line in 'scan a.ply --face -' 'compare a.ply a1.ply --page -' '--db f.db backup -' \
+for line in 'scan a.ply --face -' '--db f.db backup -' \
     '--db f.db export alice --archive-key phrase -o -'; do
     # shellcheck disable=SC2086 # words
     expect 64 "$line" "$ctl" $line
     has err '(./- is one)'
 done
-for line in 'train --calibrate scores.csv -o -' 'evaluate scans -o -'; do
+for line in 'train --calibrate scores.csv -o -' 'explain a.ply a1.ply -o -' 'evaluate scans -o -'; do
     # shellcheck disable=SC2086 # words
     expect 64 "$line" "$lab" $line
     has err '(./- is one)'

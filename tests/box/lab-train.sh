@@ -134,7 +134,7 @@ expect 65 "no scores" "$lab" train --calibrate "$m" --out "$T/x.model"
 
 # ---- refused
 
-for c in "$ctl compare $a $b" "$lab evaluate $T/few --out $T/r" \
+for c in "$ctl compare $a $b" "$lab evaluate $T/few --out $T/r" "$lab explain $a $b --out $T/e" \
     "$lab train $T/scans --out $T/x.model" "$ctl --db $DB verify anna $b" \
     "$ctl --db $DB enroll carl $b" "$ctl --db $DB calibrate"; do
     sed '43s/[0-9]/x/' "$m" >"$T/bad.model"

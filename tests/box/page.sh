@@ -1,5 +1,5 @@
 #!/bin/sh
-# Goal: the pages that surfacectl explain, compare and scan write are one small
+# Goal: the pages that surfacectl explain, surfacectl scan and surfacelab explain write are one small
 # file each, show in a real browser who and what was compared, when, and what decided, ask nothing of
 # a network, and run no script but their own.
 . tests/box/lib.sh
@@ -21,7 +21,8 @@ created=$("$ctl" --db faces.db subject show alice --json | jq -r '.templates[0].
 
 expect 0 "one person" "$ctl" --db faces.db explain alice "$hostile" --page match.html
 expect 1 "two people" "$ctl" --db faces.db explain alice other.ply --page differ.html
-expect 0 "two files" "$ctl" compare a.ply a2.ply --page files.html
+expect 0 "two files" "$lab" explain a.ply a2.ply
+cp explanation/explain.html files.html
 expect 0 "a scan" "$ctl" scan bust.ply --page scan.html
 expect 1 "a scan without a face" "$ctl" scan plane.xyz --page plane.html
 for page in match differ scan plane files; do
