@@ -132,7 +132,8 @@ ok "not which it is" sh -c "! grep -q ends- '$T/body'"
 # late TITLE HOW METHOD PATH TYPE FILE: half of the body, the end of the token, the other half.
 late() {
     AUTH=$(new_token late --scope verify,enroll,manage,delete --expires "$([ "$2" = expires ] && echo 2s || echo 1d)")
-    rm -f "$T/go" "$T/said"
+    rm -f "$T/go"
+    : >"$T/said"
     mkfifo "$T/go"
     python3 tests/box/late.py "${URL#*//}" "$3" "$4" "$AUTH" "$5" "$6" "$T/head" "$T/body" <"$T/go" >"$T/said" &
     exec 9>"$T/go"

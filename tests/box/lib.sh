@@ -8,7 +8,7 @@ T=$(mktemp -d "${TMPDIR:-/tmp}/surfaced-test.XXXXXX")
 passed=0 failed=0
 PID='' URL='' DB=$T/faces.db KEY=$T/faces.db.key LOG=$T/log AUTH=''
 PLY='Content-Type: model/x-ply' JSON='Content-Type: application/json'
-BYTES='Content-Type: application/octet-stream'
+BYTES='Content-Type: application/octet-stream' CR=$(printf '\r')
 # The tests must not read the machine's own configuration.
 export SURFACED_CONFIG=/dev/null
 # The entries of both logs, for SQL.
@@ -315,9 +315,17 @@ get() {
     jq -r "$1" "$T/body" 2>/dev/null
 }
 
-# field NAME: a header of the last response.
+# field NAME: prints the values of a header of the last response.  No other program, as one takes longer to
+# start than the daemon to answer.
 field() {
-    sed -n "s/\r\$//; s/^$1: //Ip" "$T/head"
+    while IFS= read -r v_line; do
+        case $v_line in
+        "$1: "*)
+            v_line=${v_line#*: }
+            printf '%s\n' "${v_line%"$CR"}"
+            ;;
+        esac
+    done <"$T/head"
 }
 
 # ending: a change of a subject that expires a second later.
@@ -363,7 +371,9 @@ fits() {
 
 # matches TEXT PATTERN: a line of TEXT matches PATTERN.
 matches() {
-    printf '%s\n' "$1" | grep -Eq -- "$2"
+    grep -Eq -- "$2" <<END
+$1
+END
 }
 
 # metric SERIES: its value in /metrics; nothing if there is no such series.  WATCHER: a token with
