@@ -4,6 +4,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 out=${BUILD:-build}/deb
+# The package has its own $BUILD, in the copy: make's one, on its command line, would reach that too.
+unset BUILD MAKEFLAGS MAKEOVERRIDES
 for tool in dpkg-buildpackage dh; do
     command -v $tool >/dev/null || {
         echo "deb: $tool is not installed (scripts/setup deb)" >&2
@@ -12,7 +14,7 @@ for tool in dpkg-buildpackage dh; do
 done
 rm -rf "$out"/tree "$out"/*.deb "$out"/surfaced_*
 mkdir -p "$out/tree"
-tar -c --exclude=./build --exclude=./.git . | tar -x -C "$out/tree"
+tar -c --exclude=./build --exclude=./.git --exclude="./$(realpath --relative-to=. "$out")" . | tar -x -C "$out/tree"
 cp -R packaging/debian "$out/tree/debian"
 (cd "$out/tree" && dpkg-buildpackage --no-sign --build=binary)
 rm -rf "$out/tree"
