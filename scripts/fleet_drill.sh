@@ -4,113 +4,23 @@
 
 # ---- load
 
-# ask WANTED VERB SUBJECT PATH CURL-OPTION...: sends a request with the token $auth; prints when it began
-# and ended, verb, subject, status and WANTED; succeeds if the status is that.  Of a verification that is
-# no match the status has the decision behind it.
-ask() {
-    wanted=$1 verb=$2 subject=$3 path=$4
-    shift 4
-    began=$(ms)
-    code=$(printf 'Authorization: Bearer %s\n' "$auth" | curl -sS -m 60 -o "$body" -w '%{http_code}' \
-        -H @- "$@" "http://127.0.0.1:$front/v1/$path" 2>/dev/null || :)
-    [ "$verb$code" != verify200 ] || grep -q '"decision":"match"' "$body" || code=200-no-match
-    echo "$began $(ms) $verb $subject $code $wanted"
-    [ "$code" = "$wanted" ] || {
-        sleep 0.1
-        return 1
-    }
-}
-
-# said NAME: a member of the last response, text.
-said() {
-    sed -n "s/.*\"$1\":\"\([^\"]*\)\".*/\1/p" "$body"
-}
-
-json='Content-Type: application/json'
-
-# own_token NAME: makes the client one; sets auth, token.
-own_token() {
-    auth=$(cat "$dir/token")
-    if ask 201 token "$1" tokens -H "$json" \
-        -d "{\"name\": \"$1\", \"scopes\": [\"enroll\", \"verify\", \"read\", \"delete\", \"manage\", \"tokens\"]}"; then
-        auth=$(said secret) token=$(said id)
-    else
-        auth=''
-    fi
-    [ -n "$auth" ]
-}
-
-verify() {
-    ask "$1" verify "$2" "subjects/$2/verify" --data-binary "@$dir/alice1.ply"
-}
-
-# set_disabled VALUE SUBJECT
-set_disabled() {
-    ask 200 "disabled-$1" "$2" "subjects/$2" -X PATCH -H "$json" -d "{\"disabled\": $1}"
-}
-
-rotate() {
-    ask 200 rotate "$1" "tokens/$token/rotate" -H "$json" -d '{"grace_s": 0}' || return 1
-    was=$auth now=$(said secret)
-    verify 401 "$1" || return 1
-    auth=$now
-    verify 200 "$1"
-    auth=$was verify 401 "$1"
-    auth=$now
-}
-
-# client N: with a token of its own, enrolls and verifies subjects of its own, and erases every second
-# one; of the others it disables and enables one, and rotates its token at the next.
-client() {
-    body=$dir/load/body$1 mine=c$(ms)-$1 j=0 auth=''
-    while [ -e "$dir/load/go" ]; do
-        j=$((j + 1)) s=$mine-$j
-        [ -n "$auth" ] || own_token "$s" || continue
-        ask 201 enroll "$s" "subjects/$s/templates" --data-binary "@$dir/alice0.ply" || continue
-        verify 200 "$s" || continue
-        case $((j % 4)) in
-        0) set_disabled true "$s" && verify 403 "$s" && set_disabled false "$s" && verify 200 "$s" ;;
-        2) rotate "$s" || auth='' ;;
-        *) ask 200 erase "$s" "subjects/$s" -X DELETE && verify 404 "$s" ;;
-        esac || :
-    done
-}
-
-# under_load COMMAND...: runs it while $CLIENTS (4) work; then each subject has to be as the last
-# response of its client said.  Where that was none, or an error, it may be either way.
+# under_load COMMAND...: runs it while $CLIENTS (4) clients work (scripts/fleet_client); then each subject
+# must be as the last response to its client said.
 under_load() {
     rm -rf "$dir/load"
     mkdir "$dir/load"
     : >"$dir/load/go"
     trap 'rm -f "$dir/load/go"' EXIT
-    clients=''
-    for c in $(seq "${CLIENTS:-4}"); do
-        client "$c" >"$dir/load/$c" &
-        clients="$clients $!"
-    done
+    scripts/fleet_client "$dir" "$front" "${CLIENTS:-4}" &
+    clients=$!
     sleep 2
     "$@"
     sleep 2
     rm "$dir/load/go"
-    # shellcheck disable=SC2086 # a list
     wait $clients
-    cat "$dir/load"/[1-9]* >"$dir/load/all"
-    awk '{ n[$5]++ } END { printf "%d requests:", NR; for (s in n) printf " %s x %d", s, n[s]; print "" }' \
-        "$dir/load/all"
-    [ "$(unlike 'none|000|502|503')" -eq 0 ] || die "$(unlike 'none|000|502|503') responses are wrong: $dir/load/all"
-    awk '$3 == "enroll" { is[$4] = $5 == 201 ? 200 : 0 }
-        $3 == "erase" { is[$4] = $5 == 200 ? 404 : 0 }
-        END { for (s in is) if (is[s]) print s, is[s] }' "$dir/load/all" | sort >"$dir/load/said"
-    sed "s|\(.*\) .*|url = http://127.0.0.1:$front/v1/subjects/\1\noutput = /dev/null|" "$dir/load/said" |
-        curl -sS -m 60 -H "@$dir/auth" -K - -w '%{url_effective} %{http_code}\n' |
-        sed 's|.*/||' | sort >"$dir/load/is"
-    cmp -s "$dir/load/said" "$dir/load/is" ||
-        die "lost: $(diff "$dir/load/said" "$dir/load/is" | head -n 10)"
-    echo "as acknowledged: $(grep -c ' 200$' "$dir/load/is") enrolled are there, $(
-        grep -c ' 404$' "$dir/load/is") erased are gone"
 }
 
-# unlike BUT: how many responses were neither as wanted nor one of these.
+# unlike BUT: prints the number of responses that were neither as wanted nor one of these.
 unlike() {
     awk -v but="^($1)$" '$5 != $6 && $5 !~ but' "$dir/load/all" | wc -l
 }
@@ -129,7 +39,7 @@ audit() {
 
 fail_over() {
     kill_primary
-    sleep 3
+    sleep 1
     rejoin
 }
 
@@ -158,8 +68,7 @@ lose_commit() {
     for n in 1 2 3; do
         [ $n = "$was" ] || kill_server $n
     done
-    body=$dir/ghost.json auth=$(cat "$dir/token")
-    ask 201 enroll "$ghost" "subjects/$ghost/templates" --data-binary "@$dir/alice0.ply" >"$dir/ghost" &
+    request --data-binary "@$dir/alice0.ply" "http://127.0.0.1:$front/v1/subjects/$ghost/templates" >"$dir/ghost" &
     client=$!
     soon 10 waits "$was" || die "the commit does not wait: $(cat "$dir/ghost")"
     sql "$was" "SELECT $1(pid) $waiting" >/dev/null
@@ -178,7 +87,7 @@ lose_commit() {
     soon 30 all_write || die "a daemon does not write within 30 s: $(tail -n 1 "$dir"/d*/log)"
     echo "all daemons write again $(seconds $(($(ms) - began))) after the promotion"
     wait $client || :
-    read -r _ _ _ _ code _ <"$dir/ghost"
+    code=$(cat "$dir/ghost")
     is=$(request "http://127.0.0.1:$front/v1/subjects/$ghost")
     echo "the enrolment: $code; afterwards: $is"
     case $code$is in
