@@ -1,6 +1,6 @@
 #!/bin/sh
-# run_tests.sh TEST...: run each test, $JOBS at a time (default: twice the number of cores,
-# because tests of the daemon wait much), and add up the results.  A test is a cmocka program or a
+# run_tests.sh TEST...: runs each test, $JOBS at a time (default: three times the number of cores,
+# because tests of the daemon wait much), and adds up the results.  A test is a cmocka program or a
 # black-box script; a script that counts for itself ends with "N passed, N failed".  A test's
 # output goes to $BUILD/log/NAME.log and is shown if it fails; a line that begins with SKIP is
 # always shown.  The totals are appended to the file $RESULTS, if set.  Exit: 0 if all passed,
@@ -63,7 +63,7 @@ if [ -f "$BUILD/record_shim.so" ]; then # for scripts/check_statements.sh
     RECORD_STATEMENTS=$(cd "$BUILD" && pwd)/log/statements
     export LD_PRELOAD RECORD_STATEMENTS
 fi
-[ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-$(($(nproc) * 2))}" -n 1 "$0" --one
+[ $# -eq 0 ] || printf '%s\n' "$@" | xargs -P "${JOBS:-$(($(nproc) * 3))}" -n 1 "$0" --one
 counts=$(cat "$BUILD"/log/*.counts /dev/null |
     awk '{ p += $1; f += $2; n++ } END { print p + 0, f + 0, n + 0 }')
 done=${counts##* } counts=${counts% *}
