@@ -13,7 +13,7 @@ struct every {
     void *arg;
     pthread_t thread;
     pthread_mutex_t lock;
-    pthread_cond_t wake; /* by the monotonic clock */
+    pthread_cond_t wake; /* waits by the monotonic clock */
     bool stopping;
 };
 

@@ -205,8 +205,8 @@ static void reload(void *arg)
     http_reload(d->http);
 }
 
-/* The workers get on with what they have.  How long one request may take depends on the
- * machine, so the time is far longer than any should. */
+/* Returns true if the workers make progress.  The time of one request depends on the machine, so STALLED_MS is
+ * far longer than any request should take. */
 static bool healthy(void *arg)
 {
     struct daemon *d = arg;
@@ -237,7 +237,7 @@ static bool check_files(const struct options *o)
     return true;
 }
 
-/* Returns the exit status after what was asked for is printed. */
+/* Returns the exit status after the requested text was printed. */
 static int end_of_output(void)
 {
     if (outfile_flush(stdout))
@@ -246,13 +246,13 @@ static int end_of_output(void)
     return EX_IOERR;
 }
 
-/* An ordinary request allocates no block of MEM_MAPPED; and what it frees is kept, up to so much
- * in each arena, instead of being asked for again. */
+/* Freed memory that each arena keeps, bytes.  An ordinary request allocates no block of MEM_MAPPED, so all its
+ * memory is reused. */
 #define KEPT_FREE (8 << 20)
 
-/* Nothing is dumped (nodump.h); what is freed is overwritten, also by libraries, as qsort() and
- * GnuTLS do not, in blocks of more than 1 KB (core/basic/mem.h does it for all of its own); blocks
- * that only large requests need go back to the system when they are freed. */
+/* The kernel dumps no memory (nodump.h).  The allocator overwrites freed blocks of more than 1 KB, also those of
+ * libraries like GnuTLS that do not; core/basic/mem.h does it for all its blocks.  Freed blocks that only
+ * large requests need go back to the system. */
 static void prepare_memory(void)
 {
     nodump_begin();
@@ -319,7 +319,7 @@ int main(int argc, char **argv)
     behind = store_behind(app.store);
     stop(&app, http);
     logger_line("info", "stopped", NULL, NULL);
-    status = behind ? EX_TEMPFAIL : 0; /* which a service manager starts again */
+    status = behind ? EX_TEMPFAIL : 0; /* a service manager starts the daemon again */
 out:
     options_free(&o);
     return status;

@@ -13,7 +13,7 @@
 
 #include "errinfo.h"
 
-/* What is waited for. */
+/* The signals that systemd_wait() waits for. */
 static void waited_for(sigset_t *set)
 {
     (void)sigemptyset(set);

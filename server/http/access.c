@@ -12,9 +12,9 @@
 #include "route.h"
 #include "store.h"
 
-/* What somebody has to look into.  Strangers may ask as often as they like whether the daemon is
- * ready; that a database is refused was told once (refusal.h), and of overload there is a line a
- * minute. */
+/* Returns true if the operator must look into a request.  Not into a refusal of /readyz, which any client can
+ * request; not into a refused database, which was reported once (refusal.h); and not into overload, which gets a
+ * line a minute. */
 static bool is_error(const struct request *r)
 {
     return r->fault[0] != '\0' && r->response.problem != ERRMAP_OVERLOAD &&

@@ -34,7 +34,7 @@ struct guard_peer {
     int fd;
     enum guard_step step;
     double begin_ms, end_ms;
-    void (*gone)(void *arg); /* of GUARD_WORK; NULL: called already */
+    void (*gone)(void *arg); /* callback of GUARD_WORK; NULL: it was called */
     void *arg;
     bool cut; /* amid a body the client had gone at the last look, with nothing unread */
     bool ended; /* shut down here, and not yet closed by libmicrohttpd */
@@ -43,12 +43,12 @@ struct guard_peer {
 struct guard {
     struct guard_rules rules;
     pthread_t thread;
-    pthread_mutex_t lock; /* of all below, and of every peer */
+    pthread_mutex_t lock; /* protects the members below and every peer */
     pthread_cond_t wake;
     struct guard_peer *peers;
     struct guard_state state;
-    unsigned ended;    /* of the open ones */
-    uint64_t reported; /* of refused and late */
+    unsigned ended;    /* open connections with ended set */
+    uint64_t reported; /* refused and late connections in the last line of the log */
     double report_ms;
     bool stopping;
     int linger[LINGER_MAX]; /* sockets that are read from and shut down for writing, */
@@ -233,9 +233,9 @@ void guard_look(struct guard *l, struct guard_state *out)
     (void)pthread_mutex_unlock(&l->lock);
 }
 
-/* ---- those that are late */
+/* ---- late connections */
 
-/* One line now and then, not one for each: many may come at once. */
+/* Logs the numbers at most every REPORT_MS: many connections may be closed at once. */
 static void guard_report(struct guard *l)
 {
     const struct guard_state *s = &l->state;
@@ -258,8 +258,8 @@ static void guard_report(struct guard *l)
     logger_end(&line);
 }
 
-/* What a client that closed its side looks like, or one that is reset; what it sent before may
- * still be unread. */
+/* Returns the events of a socket whose client has closed its side, or was reset; 0: neither.  Bytes that the
+ * client sent before may still be unread. */
 static short look_at(int fd)
 {
     struct pollfd p = {.fd = fd, .events = POLLRDHUP};
@@ -327,10 +327,10 @@ void guard_linger(struct guard *l, int fd)
         (void)close(fd);
 }
 
-/* Discards what has come; closes those whose client has closed, and those whose time is over. */
+/* Discards the bytes that have come.  Closes each socket whose client has closed it or whose time is over. */
 static void drain(struct guard *l)
 {
-    static char waste[65536]; /* of this thread alone */
+    static char waste[65536]; /* used by this thread alone */
 
     for (unsigned i = l->lingering; i-- > 0;) {
         ssize_t n = 0;

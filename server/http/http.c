@@ -39,9 +39,9 @@
 #include "upload.h"
 #include "worker.h"
 
-/* libmicrohttpd's own buffer for a connection, where a request's headers must fit in.  It
- * clears all of it after every request, so that an idle connection costs that much: a
- * thousand of them 13 MB.  Measured: a body of 100 KB arrives 0.1 ms later than with 256 KB. */
+/* Size of libmicrohttpd's buffer for a connection, which limits the headers of a request.  libmicrohttpd clears all of it
+ * after every request: a thousand idle connections take 13 MB.  Measured: a body of 100 KB arrives 0.1 ms
+ * later than with 256 KB. */
 #define CONNECTION_MEMORY (12 * 1024)
 /* Connections that are being closed still count with libmicrohttpd. */
 #define CONNECTIONS_CLOSING 64
@@ -71,11 +71,11 @@ struct exchange {
     struct http *http;
     struct MHD_Connection *conn;
     struct peer *peer;
-    enum state state;    /* of the I/O thread; of a worker while it has the request */
-    struct queue *queue; /* to which it was handed last; NULL: to none yet */
+    enum state state;    /* changed by the thread that has the request */
+    struct queue *queue; /* queue that got it last; NULL: none yet */
     struct upload upload;
     struct headers_framing framing;
-    bool unframed;    /* nobody knows where the next request begins */
+    bool unframed;    /* the beginning of the next request is unknown */
     bool body_sent;   /* the client sends a body, or says so */
     double queued_ms; /* logger_clock_ms() when it was last handed to the workers */
     int linger_fd;    /* responded to before the body was read; -1: not */
@@ -121,9 +121,9 @@ static const struct sockaddr *client_address(const struct exchange *x)
     return info == NULL ? NULL : info->client_addr;
 }
 
-/* Respond before the body is read.  A client that still sends it, or is about to, may lose
- * the response unless the socket is kept open past libmicrohttpd (guard_linger()).  If there is no
- * body, the response waits for the next call, so that the connection can be used again. */
+/* Responds before the body is read.  A client that still sends it may lose the response unless the socket stays
+ * open longer than libmicrohttpd keeps it (guard_linger()).  Without a body the response waits for the next
+ * call, so that the connection can be used again. */
 static enum MHD_Result send_early(struct exchange *x)
 {
     if (!x->body_sent) {
@@ -134,8 +134,8 @@ static enum MHD_Result send_early(struct exchange *x)
     return send_response(x);
 }
 
-/* Respond amid the body, so that one of unknown length is refused as soon as it is over the
- * limit.  The connection is closed. */
+/* Responds before the body has ended, so that a body of unknown length is refused as soon as it is over the
+ * limit.  Closes the connection. */
 static enum MHD_Result send_amid(struct exchange *x)
 {
     if (peer_respond_midbody(x->peer, &x->r.response, x->r.id)) {
@@ -171,7 +171,7 @@ static void explain(struct request *r, unsigned status)
     } known[] = {{414, ERRMAP_TARGET, "the limit for path and query is about 11 KB"},
                  {431, ERRMAP_HEADERS, "the limit for all headers is about 11 KB"},
                  {505, ERRMAP_VERSION, "use HTTP/1.1 or HTTP/1.0"},
-                 /* it may be a stranger, who does not learn the limit */
+                 /* without the limit: the client may have no token */
                  {413, ST_ESIZE, "Content-Length or a chunk's size has too many digits"},
                  {400, ST_EINVAL, "a header, Content-Length or a chunk is malformed"},
                  /* its buffer is full, and we cannot take anything of it */
@@ -275,8 +275,8 @@ void http_run(struct worker *w, struct request *r)
     MHD_resume_connection(x->conn);
 }
 
-/* The client has gone (guard_work()).  A worker that has x finds out by itself.  The guard's thread
- * calls this, perhaps while the I/O thread changes x->state: so it is not read here. */
+/* The client has disconnected (guard_work()).  A worker that has x sees r.gone.  Called on the guard's thread,
+ * perhaps while the I/O thread changes x->state: this function must not read it. */
 static void on_gone(void *arg)
 {
     struct exchange *x = arg;
@@ -304,7 +304,7 @@ static void to_worker(struct exchange *x, enum state state)
 
 /* ---- the body */
 
-/* What body the headers promise. */
+/* Reads the headers of the body. */
 static void look_at_body(struct exchange *x)
 {
     const char *length = header(x, "Content-Length");
@@ -361,7 +361,7 @@ static enum MHD_Result body_complete(struct exchange *x)
 
 /* ---- libmicrohttpd's callbacks */
 
-/* The token is good: are the path's id, the query and the body's headers? */
+/* The token is valid.  Checks the path's id, the query and the body's headers. */
 static enum MHD_Result admit(struct exchange *x)
 {
     route_read_id(&x->r);
@@ -449,10 +449,9 @@ static enum MHD_Result on_request(void *cls, struct MHD_Connection *conn, const 
     return MHD_NO;
 }
 
-/* libmicrohttpd (0.9.75) would keep each parameter in the connection's memory next.  Where that is
- * full, it refuses the request, frees the memory, and goes on with it: some 190 parameters ended the
- * program.  So it finds none: the byte behind the '?', which is in its buffer for what is read, ends
- * them. */
+/* libmicrohttpd (0.9.75) would then keep each parameter in the connection's memory.  If that is full, it refuses
+ * the request, frees the memory, and goes on with it: some 190 parameters ended the program.  A NUL behind
+ * the '?', in its buffer, hides the parameters. */
 static void hide_query(const char *uri)
 {
     char *query = strchr(uri, '?');
@@ -525,8 +524,7 @@ static void on_completed(void *cls, struct MHD_Connection *conn, void **con_cls,
     (void)atomic_fetch_sub(&h->exchanges, 1);
 }
 
-/* Nothing is decoded but by request_decode(): libmicrohttpd's way would lose the difference
- * between "/" and "%2F". */
+/* request_decode() decodes the path.  libmicrohttpd would lose the difference between "/" and "%2F". */
 static size_t keep_encoded(void *cls, struct MHD_Connection *conn, char *s)
 {
     (void)cls;
@@ -651,7 +649,7 @@ void http_quiesce(struct http *h, double ms)
     double now, end, busy;
 
     if (!atomic_exchange(&h->app->stopping, true)) {
-        (void)MHD_quiesce_daemon(h->daemon); /* nothing where it does not listen */
+        (void)MHD_quiesce_daemon(h->daemon); /* does nothing behind proxies */
         proxy_stop(h->proxy);
         listen_end(&h->socket); /* not closed: the I/O thread may be at it */
     }

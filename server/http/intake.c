@@ -6,7 +6,7 @@
 #include "errmap.h"
 #include "request.h"
 
-#define FULL_S 60 /* Retry-After where the disk is full: somebody must make room */
+#define FULL_S 60 /* Retry-After, s, if the disk is full: the operator must make room */
 
 bool intake_full(const char *db, size_t reserve, unsigned long long *left)
 {
@@ -14,7 +14,7 @@ bool intake_full(const char *db, size_t reserve, unsigned long long *left)
     unsigned long long bytes;
 
     if (statvfs(db, &fs) != 0)
-        return false; /* then the database itself will say what is wrong */
+        return false; /* the database then reports the error */
     bytes = (unsigned long long)fs.f_bavail * fs.f_frsize;
     if (left != NULL)
         *left = bytes;

@@ -16,8 +16,8 @@
 #define BACKLOG   1024
 #define UNIX_MODE 0660
 
-/* Make the way free: remove a socket that nobody listens on.  What is not a socket stays,
- * and bind() will say that the address is in use. */
+/* Removes a socket's file that no process listens on.  If another kind of file is there, it stays, and bind()
+ * fails. */
 static void remove_abandoned(const struct listen_socket *s)
 {
     const char *path = address_path(&s->ss);
@@ -77,8 +77,7 @@ static enum status open_address(const struct sockaddr_storage *ss, socklen_t len
     return st;
 }
 
-/* Takes over a socket that listens already; a Unix socket's file stays when it is closed, for it is
- * another's. */
+/* Takes a socket that already listens.  Its file stays when it is closed: the service manager owns it. */
 static enum status adopt(int fd, struct listen_socket *out, struct errinfo *e)
 {
     *out = (struct listen_socket){.fd = fd, .len = sizeof out->ss, .passed = true};
@@ -114,8 +113,7 @@ static enum status passed_socket(int *fd, struct errinfo *e)
     return ST_OK;
 }
 
-/* The options have been checked to go together; where a socket was passed, its address is known only
- * now. */
+/* The options were checked together at the start.  The address of a passed socket is known only now. */
 enum status listen_start(const struct options *o, struct listen_socket *s,
                          struct errinfo *e)
 {

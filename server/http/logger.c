@@ -125,7 +125,7 @@ void logger_begin(struct logger_line *l, const char *level, const char *msg)
     logger_put(l, "{", format == LOGGER_JSON);
     logger_text(l, "ts", ts);
     logger_text(l, "level", level);
-    put_key(l, "msg"); /* quoted also where it is one word */
+    put_key(l, "msg"); /* quoted even if it is one word */
     put_quoted(l, msg, strnlen(msg, LOG_VALUE_MAX));
 }
 
@@ -140,7 +140,7 @@ void logger_end(struct logger_line *l)
         l->text[l->len++] = '}';
     l->text[l->len++] = '\n';
     if (write(STDERR_FILENO, l->text, l->len) < 0)
-        return; /* nobody is there to be told */
+        return; /* the log is closed */
 }
 
 void logger_line(const char *level, const char *msg, const char *key, const char *value)

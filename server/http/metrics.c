@@ -40,8 +40,7 @@ struct histogram {
     counter ns;
 };
 
-/* The counters: those of enum metrics_event, those that metrics.c counts by itself, and one for each kind of
- * problem (errmap.h). */
+/* The counters: first enum metrics_event, then more events, then one for each kind of problem (errmap.h). */
 enum {
     CAPTURED = METRICS_EVENTS, /* accepted captures */
     DATABASE,                  /* failures, in the order of metrics_database_error() */
@@ -315,7 +314,7 @@ static void print_histogram(FILE *f, const char *name, const char *labels,
     fprintf(f, "%s_count{%s} %" PRIu64 "\n", name, labels, sum);
 }
 
-/* NULL: what is counted without a route. */
+/* Returns NULL for the counters of requests without a route. */
 static const struct route *route_at(const struct metrics *m, size_t i)
 {
     return i < m->nroutes ? &m->routes[i] : NULL;
@@ -472,7 +471,7 @@ static void print_connections(FILE *f, const struct app *app)
                 closed[i].reason, closed[i].n);
 }
 
-/* Under the names that every exporter has for these.  What cannot be read is 0.  Some 100 us. */
+/* The metrics of a process that all exporters have.  A value that cannot be read is 0.  Cost: some 100 us. */
 struct process_state {
     double cpu_seconds;
     uint64_t resident_bytes, virtual_bytes;

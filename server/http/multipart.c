@@ -73,7 +73,7 @@ bool multipart_boundary(const char *type, char out[MULTIPART_BOUNDARY_MAX + 1])
 struct reader {
     const unsigned char *body, *p, *end;
     const char *boundary;
-    size_t len; /* of the boundary */
+    size_t len; /* length of boundary */
     struct errinfo *e;
 };
 

@@ -58,16 +58,15 @@ void peer_close(struct peer *p)
 
 /* ---- responses */
 
-/* libmicrohttpd (0.9.75) responds by itself to what it cannot parse as HTTP: with HTML, without
- * a media type, sometimes with the status line sent twice, and there is no option to change
- * that.  But it queues this response by calling its own public MHD_queue_response() through
- * the dynamic linker, which finds the one below first, because the program exports it; the
- * program itself calls the library's by queue_response.  In a build of the library that binds
- * its own calls, these responses are HTML again.
+/* libmicrohttpd (0.9.75) responds by itself to malformed HTTP: with HTML and without a media type; if
+ * Content-Length is malformed, it sends the status line and the headers twice.  No option changes this.  But the
+ * library queues this response by its public MHD_queue_response(), through the dynamic linker, which finds the
+ * function below first, because the program exports it.  The program itself calls the library's function by
+ * queue_response.  In a build of the library that binds its own calls, the responses are HTML again.
  *
- * The library's response is queued all the same, for a socket that sends no more: were it refused
- * here, the library would free the connection's memory at once, and go on with it where it was, as
- * amid a header with many cookies. */
+ * The function queues the library's response too, on a socket that sends no more.  If it failed instead, the
+ * library would free the connection's memory and go on with it, for example in a header with many
+ * cookies. */
 static enum MHD_Result (*queue_response)(struct MHD_Connection *conn, unsigned status,
                                          struct MHD_Response *resp);
 
@@ -93,12 +92,12 @@ enum MHD_Result MHD_queue_response(struct MHD_Connection *conn, unsigned status,
     return queue_response(conn, status, resp);
 }
 
-/* A body that is handed over a part at a time, so that the guard sees how the client takes it. */
+/* A body that is handed over in parts, so that the guard sees how fast the client reads. */
 struct parts {
     struct peer *peer;
     const char *text;
-    char *body; /* to be released; NULL: text is static */
-    FILE *file; /* instead, to be closed */
+    char *body; /* owner of text; NULL: text is static */
+    FILE *file; /* file in place of text; NULL: none */
 };
 
 static ssize_t read_part(void *arg, uint64_t pos, char *to, size_t max)

@@ -19,7 +19,7 @@
 #include "logger.h"
 #include "proxy_header.h"
 
-/* Until it is tried again where a connection cannot be accepted, as with too many open files. */
+/* Pause after a connection could not be accepted, for example with too many open files. */
 #define PAUSE_MS 100.0
 /* Until libmicrohttpd is taken to have dropped the connection that it got. */
 #define TAKEN_S 1
@@ -199,7 +199,7 @@ static void accept_one(struct proxy *p)
 
     if (fd < 0) {
         if (errno != EAGAIN && errno != EINTR && errno != ECONNABORTED)
-            listen_again(p, false); /* or it would be tried without end */
+            listen_again(p, false); /* without a pause it would be tried without end */
         return;
     }
     if (!address_in_list(p->from, (const struct sockaddr *)&own)) {
@@ -210,7 +210,7 @@ static void accept_one(struct proxy *p)
         proxy_refuse(p, p->first, "too many wait for their header");
     w = begin_waiting(p, fd, &own, len);
     if (w != NULL)
-        proxy_read_header(p, w); /* it is there as a rule */
+        proxy_read_header(p, w); /* the header has usually come */
 }
 
 /* Until there is something to do without an event; -1: never. */

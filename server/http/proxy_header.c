@@ -3,7 +3,7 @@
 #include <netinet/in.h>
 #include <string.h>
 
-/* Where the fields are; the addresses: source, destination, source port, destination port. */
+/* Offsets of the fields.  The addresses are: source, destination, source port, destination port. */
 enum { COMMAND = 12, FAMILY = 13, LENGTH = 14, ADDRESSES = 16 };
 enum { LOCAL, PROXY };
 enum { UNSPEC, INET, INET6, UNIX, FAMILIES };

@@ -9,21 +9,21 @@
 #include "logger.h"
 #include "worker.h"
 
-/* A worker that has had nothing to do for so long wipes what it worked with, and one that is
- * busy does so as often as this: it costs less than a thousandth of the time. */
+/* A worker wipes its memory after IDLE_MS without a request, and at least every BUSY_MS: that costs less than a
+ * thousandth of the time. */
 #define IDLE_MS 200
 #define BUSY_MS 500.0
 
 #define FIRST_MS 10.0 /* what a request of an unknown sender is taken to cost */
 #define HEAVY_MS 50.0 /* a sender whose requests take longer is a heavy one */
-#define FORGET   0.8  /* of what one request cost, when a cheaper one follows */
+#define FORGET   0.8  /* part of the last cost that stays after a cheaper request */
 #define KNOWN    64   /* senders that are remembered beside those that have requests */
 
 struct sender {
     uint64_t id;
     double
-        time_ms; /* its virtual time: the processor's that its requests took, or will */
-    double cost_ms; /* of its last requests, likewise */
+        time_ms; /* virtual time: processor time of its requests, also of running ones */
+    double cost_ms; /* processor time of one of its last requests */
     double seen_ms;
     unsigned waiting, running;
 };
@@ -35,14 +35,15 @@ struct waiting {
     uint64_t serial;
 };
 
-/* A thread, what it works with, and what it runs. */
+/* A thread, its memory, and the request that it runs. */
 struct server {
     struct queue *queue;
     struct worker worker;
     pthread_t thread;
     bool used; /* since it was wiped */
     double wiped_ms;
-    struct sender *sender; /* of what runs; NULL: nothing, or a token is checked */
+    struct sender
+        *sender; /* sender of the running request; NULL: none, or a token is checked */
     bool heavy;
     double begin_ms, charged_ms;
 };
@@ -136,9 +137,9 @@ static struct request *remove_one(struct queue *q, struct waiting *w)
     return r;
 }
 
-/* ---- workers; the lock is held but where it says so */
+/* ---- workers; the lock is held unless a comment says otherwise */
 
-/* Until there may be something to take; false: nothing came for IDLE_MS, and s was used. */
+/* Waits for a request.  Returns false if none came for IDLE_MS and s was used. */
 static bool wait_for_more(struct queue *q, const struct server *s)
 {
     struct timespec t;
@@ -187,7 +188,7 @@ static void queue_end(struct queue *q, struct server *s)
     q->heavy -= s->heavy;
 }
 
-/* The next request; NULL when s is to be wiped first, or *ended: the queue is closed and empty.
+/* Returns the next request.  NULL: s is to be wiped first, or *ended is set: the queue is closed and empty.
  * Without the lock. */
 static struct request *queue_take(struct queue *q, struct server *s, bool was_running,
                                   bool *ended)
@@ -301,7 +302,7 @@ struct request *queue_push(struct queue *q, struct request *r, enum queue_kind k
     }
     if (out != r) {
         of->seen_ms = logger_clock_ms();
-        if (of->waiting + of->running == 0) /* what it did not use is lost */
+        if (of->waiting + of->running == 0) /* its unused time is lost */
             of->time_ms = fmax(of->time_ms, q->time_ms);
         of->waiting++;
         q->waits[q->waiting++] = (struct waiting){r, of, kind, ++q->serial};

@@ -8,7 +8,7 @@
 struct holder {
     uint64_t sender;
     size_t bytes[QUOTA_SIZES];
-    struct holder *next; /* in the bucket */
+    struct holder *next; /* next in the bucket */
 };
 
 struct quota {
@@ -31,7 +31,7 @@ void quota_free(struct quota *q)
     free(q); /* nothing is held */
 }
 
-/* The link to the sender's holder; *link is NULL where it holds nothing. */
+/* Returns the link to the sender's holder; *link is NULL if the sender holds nothing. */
 static struct holder **quota_find(struct quota *q, uint64_t sender)
 {
     struct holder **link = &q->bucket[sender % BUCKETS];

@@ -30,7 +30,7 @@ bool refusal_found(struct request *r)
     return true;
 }
 
-/* The lock keeps the lines of several threads in the order of what they report. */
+/* The lock keeps the lines of several threads in the order of the events. */
 static void tell_anchor(struct app *app)
 {
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;

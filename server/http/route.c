@@ -70,7 +70,7 @@ void route_find(const struct route *table, size_t n, struct request *r)
         }
     }
     if (r->method == REQUEST_OPTIONS && strcmp(r->target, "*") == 0)
-        methods = (1u << REQUEST_OPTIONS) - 1; /* of the whole server */
+        methods = (1u << REQUEST_OPTIONS) - 1; /* methods of the whole server */
     if (methods != 0) {
         write_allow(methods, r->response.allow, sizeof r->response.allow);
         if (r->method == REQUEST_OPTIONS) {

@@ -72,7 +72,7 @@ static uint64_t hash_both(const struct throttle *t, uint64_t address, const char
     return h;
 }
 
-/* What has not leaked out by now. */
+/* Returns the level that is left now. */
 static double level(const struct throttle *t, const struct bucket *b, double now_ms)
 {
     return fmax(0.0, b->level - (now_ms - b->at_ms) * t->per_minute / MINUTE_MS);
@@ -127,7 +127,7 @@ void throttle_note(struct throttle *t, uint64_t address, const char *token, bool
         *place = h;
     } else {
         if (*place == h)
-            *place = 0; /* it was, and is no more */
+            *place = 0; /* it is no longer valid */
         b = bucket_of(t, address, now_ms);
         if (b->address == address) {
             b->level = level(t, b, now_ms) + 1.0;

@@ -23,25 +23,24 @@ const char tls_priorities[] =
     "-CIPHER-ALL:+AES-256-GCM:+CHACHA20-POLY1305:+AES-128-GCM:-MAC-ALL:+AEAD:"
     "%SERVER_PRECEDENCE:%SAFE_RENEGOTIATION";
 
-/* What was read from the files at one time; lives as long as a session or the daemon uses
- * it. */
+/* The content of the files at one time; lives as long as a session or the daemon uses it. */
 struct tls_files {
     struct tls *owner;
     gnutls_certificate_credentials_t credentials;
     bool clients; /* must have a certificate */
-    time_t end;   /* of the daemon's own */
+    time_t end;   /* expiry of the daemon's certificate */
     unsigned refs;
 };
 
 struct tls {
     struct tls_names names;
-    pthread_mutex_t lock; /* of current and of every refs */
+    pthread_mutex_t lock; /* protects current and every refs */
     struct tls_files *current;
 };
 
 /* ---- files */
 
-/* Reads a file.  secret: refuses one that others may read or write. */
+/* Reads a file.  With secret, refuses a file that other users may read or write. */
 static enum status read_file(const char *name, bool secret, gnutls_datum_t *out,
                              struct errinfo *e)
 {

@@ -49,9 +49,9 @@ static bool make_room(struct upload *u, size_t n)
     if (need <= cap)
         return true;
     if (cap == 0 && u->length < QUOTA_SMALL)
-        cap = (size_t)u->length + 1; /* as announced, for that costs little */
+        cap = (size_t)u->length + 1; /* the announced length: it costs little */
     while (cap <
-           need) /* a large one is moved at no cost, and what is unused is to be wiped */
+           need) /* moving a large body costs nothing, and unused memory must be wiped */
         cap = cap < FIRST_ROOM ? FIRST_ROOM : cap < QUOTA_SMALL ? 2 * cap : cap + cap / 8;
     if (cap > most)
         cap = most;

@@ -82,7 +82,7 @@ TEST(test_packed)
 
         r.coding = INFLATE_GZIP;
         assert_int_equal(needs_large(r, len), i);
-        /* a file that nobody said to be packed */
+        /* a packed file without Content-Encoding */
         r = request_of(&cloud, packed, pack(many, len, packed, sizeof packed));
         assert_true(needs_large(r, r.len));
     }

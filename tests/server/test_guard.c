@@ -48,32 +48,6 @@ static struct guard_peer *open_from(const char *text)
     return p;
 }
 
-TEST(test_in_all)
-{
-    struct guard_peer *p[3];
-    struct guard_state s;
-
-    start(3, 0, false);
-    for (int i = 0; i < 3; i++) {
-        assert_true(guard_admit(g, from("192.0.2.1")));
-        p[i] = open_from("192.0.2.1");
-        guard_begin(p[i], GUARD_BODY); /* none is waited for */
-    }
-    assert_false(guard_admit(g, from("192.0.2.2")));
-    assert_false(guard_admit(g, NULL));
-    guard_look(g, &s);
-    assert_int_equal(s.open, 3);
-    assert_int_equal(s.refused_total, 2);
-    assert_int_equal(s.refused_address, 0);
-    guard_close(p[1]); /* from the middle of the list */
-    assert_true(guard_admit(g, from("192.0.2.2")));
-    guard_close(p[0]);
-    guard_close(p[2]);
-    guard_look(g, &s);
-    assert_int_equal(s.open, 0);
-    guard_stop(g);
-}
-
 TEST(test_by_address)
 {
     /* the address of two open connections, and whether a third may connect */
@@ -221,7 +195,7 @@ TEST(test_gone)
     (void)send(fd[4][1], "x", 1, 0); /* is still to be read */
     (void)shutdown(fd[4][1], SHUT_WR);
     (void)shutdown(fd[3][1], SHUT_WR);
-    (void)shutdown(fd[1][1], SHUT_WR); /* as far as it is seen from here, it has closed */
+    (void)shutdown(fd[1][1], SHUT_WR); /* looks like a closed connection */
     (void)send(fd[0][1], "x", 1, 0);   /* the next request is not yet the end */
     (void)close(fd[2][1]);
     for (int i = 0; i < 500 && atomic_load(&gone[1]) == 0; i++)
@@ -280,8 +254,8 @@ TEST(test_crowded)
     close_all(p, fd, 3);
 }
 
-/* Who makes room is of the address that has most, and does so once; one that is closed already
- * has made it. */
+/* The oldest connection of the address with most connections makes room, and does so once.  A closed connection
+ * has made room. */
 TEST(test_crowd)
 {
     struct guard_peer *p[4];
@@ -345,8 +319,8 @@ static void note_when(void *arg)
     atomic_store((atomic_long *)arg, t.tv_sec * 1000L + t.tv_nsec / 1000000L);
 }
 
-/* A client that only says that it has sent all is let wait for 2 s; one that is gone is not, and is
- * nobody's concern once the work is done. */
+/* A client that has closed its side alone counts as gone after 2 s, a closed one at once, and neither once the
+ * work is done. */
 TEST(test_half)
 {
     const struct timespec pause = {0, 20 * 1000 * 1000};

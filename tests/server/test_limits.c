@@ -128,7 +128,7 @@ TEST(test_attempts)
                      0);
 }
 
-/* Those of other tokens, and of other subjects. */
+/* Failures of other tokens, and for other subjects. */
 TEST(test_others)
 {
     struct store_limits a = {3, 30, 5};
@@ -139,11 +139,11 @@ TEST(test_others)
     now.others = 3;
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 30000);
     assert_int_equal(why, STORE_WAIT_OTHERS);
-    now.others = 1000; /* nobody keeps others out for longer */
+    now.others = 1000; /* one token keeps others out for no longer */
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 60000);
     now.others_age_ms = 59999;
     assert_int_equal(store_attempts_wait_ms(&a, &now, &why), 1);
-    /* those of all tokens add up for one that has failed itself, for an hour at most */
+    /* for a token that has failed itself, the failures of all tokens add up, for an hour at most */
     now = (struct store_attempts){.token = "a", .failures = 1, .others = 2};
     now.age_ms = 1000;
     now.others_age_ms = 20000;

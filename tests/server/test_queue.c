@@ -51,7 +51,7 @@ static void run(struct worker *w, struct request *r)
     (void)w;
     (void)pthread_mutex_lock(&lock);
     order[atomic_load(&runs)] = (int)(r - request);
-    (void)atomic_fetch_add(&runs, 1); /* who has seen it reads what is before it */
+    (void)atomic_fetch_add(&runs, 1); /* a thread that sees it also sees order[] */
     (void)pthread_mutex_unlock(&lock);
     while (r - request < atomic_load(&held) && sem_wait(&gate) != 0)
         ;
@@ -126,7 +126,7 @@ TEST(test_turns)
     assert_int_equal(turns, 1 << 1 | 1 << 4 | 1 << 5);
 }
 
-/* Who takes much time waits longer: one slow request against several quick ones. */
+/* A sender of slow requests waits longer: one slow request against several quick ones. */
 TEST(test_time)
 {
     struct queue *q = start(1, MOST);
@@ -162,7 +162,7 @@ TEST(test_full)
     assert_int_equal(atomic_load(&ran), 5);
 }
 
-/* Large requests, and those of a sender whose last ones took long, leave a worker to others. */
+/* Large requests, and requests of a sender whose last ones took long, leave a worker free. */
 TEST(test_heavy)
 {
     struct queue *q = start(2, MOST);

@@ -59,7 +59,7 @@ TEST(test_all)
     quota_free(q);
 }
 
-/* What is held without asking keeps out what asks. */
+/* Bytes held without a check count for later checks. */
 TEST(test_owed)
 {
     struct quota *q = quota_new(&limits);
@@ -75,7 +75,7 @@ TEST(test_owed)
     quota_free(q);
 }
 
-/* What a share has already does not count against what it asks for, but only of the same size. */
+/* A share's own bytes of the same size do not count against it. */
 TEST(test_instead)
 {
     struct quota *q = quota_new(&limits);
