@@ -119,10 +119,8 @@ static enum status learn(struct ctl *c, struct result *r)
         st = rates_calibrate(r->rates, wanted_fmr, &k->table);
     threshold = k->table.threshold;
     if (st == ST_OK)
-        st = rates_at_bootstrap(r->rates, wanted_fmr, RATES_REPLICATES, SEED, &k->low,
-                                &k->high);
-    if (st == ST_OK)
-        st = rates_bootstrap(r->rates, threshold, RATES_REPLICATES, SEED, &low, &high);
+        st = rates_bootstrap(r->rates, threshold, wanted_fmr, RATES_REPLICATES, SEED,
+                             &low, &high);
     if (st == ST_ETOOFEW)
         return errinfo_set(&c->e, st,
                            "no score is reached by %g of the %zu comparisons alone: too "
@@ -131,8 +129,8 @@ static enum status learn(struct ctl *c, struct result *r)
                            wanted_fmr, r->cross.nscore);
     if (st != ST_OK)
         return errinfo_set(&c->e, st, "calibrating: %s", status_message(st));
-    k->low = fmin(k->low, threshold);
-    k->high = fmax(fmin(k->high, highest(&r->cross)), threshold);
+    k->low = fmin(low.at, threshold);
+    k->high = fmax(fmin(high.at, highest(&r->cross)), threshold);
     k->fmr = wanted_fmr;
     k->subjects = r->cross.nsubject;
     k->impostors = rates_nimpostor(r->rates);

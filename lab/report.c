@@ -96,8 +96,8 @@ static enum status report_share(const struct report *r, const struct rates_score
     struct rates *rates;
     enum status st = rates_new(s, n, r->t->corpus->nsubject, &rates);
 
-    if (st == ST_OK && (st = rates_bootstrap(rates, right, RATES_REPLICATES, SEED, &low,
-                                             &high)) == ST_OK) {
+    if (st == ST_OK && (st = rates_bootstrap(rates, right, (double)NAN, RATES_REPLICATES,
+                                             SEED, &low, &high)) == ST_OK) {
         rates_figures(rates, right, &f);
         *out = mated ? (struct report_rate){f.fnmr, low.fnmr, high.fnmr, n}
                      : (struct report_rate){f.fmr, low.fmr, high.fmr, n};
@@ -221,8 +221,8 @@ static enum status curve_of(const struct trials *t, const struct rates_score *s,
         return st;
     out->n = rates_ngenuine(out->rates);
     rates_figures(out->rates, t->threshold, &out->f);
-    return rates_bootstrap(out->rates, t->threshold, RATES_REPLICATES, SEED, &out->low,
-                           &out->high);
+    return rates_bootstrap(out->rates, t->threshold, (double)NAN, RATES_REPLICATES, SEED,
+                           &out->low, &out->high);
 }
 
 static enum status measure_curve(const struct report *r, const struct report_group *g,

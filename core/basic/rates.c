@@ -152,26 +152,25 @@ static double weight(const struct rates_score *s, const uint32_t *drawn)
                                    : (double)drawn[s->template] * (double)drawn[s->probe];
 }
 
-/* Where the rates crossed between the last threshold and this one. */
-static void cross(double fmr0, double fnmr0, double fmr1, double fnmr1, double score,
-                  struct rates_figures *out)
+/* The rate at which both cross between the last threshold and this one. */
+static double crossing(double fmr0, double fnmr0, double fmr1, double fnmr1)
 {
     const double before = fnmr0 - fmr0, after = fmr1 - fnmr1;
     const double t = before / (before + after);
 
-    out->eer = fmr0 + t * (fmr1 - fmr0);
-    out->eer_score = score;
+    return fmr0 + t * (fmr1 - fmr0);
 }
 
-/* figures(r, drawn, threshold, out): one pass over the scores, each group of ties at once.
- * drawn[i]: how often subject i counts; NULL: once. */
+/* Computes the figures in one pass over the scores, each group of ties at once.
+ *   drawn  [nsubject] how often each subject counts; NULL: once
+ *   at     the FMR of out->at */
 static void rates_figures_of(const struct rates *r, const uint32_t *drawn,
-                             double threshold, struct rates_figures *out)
+                             double threshold, double at, struct rates_figures *out)
 {
     struct rates_sums s = {0};
     double fmr0 = 0, fnmr0 = 1;
 
-    *out = (struct rates_figures){NAN, NAN, {NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN};
+    *out = (struct rates_figures){NAN, {NAN, NAN, NAN}, {NAN, NAN, NAN}, NAN, NAN, NAN};
     for (size_t i = 0; i < r->n; i++) {
         const double w = weight(&r->score[i], drawn);
 
@@ -182,6 +181,7 @@ static void rates_figures_of(const struct rates *r, const uint32_t *drawn,
     }
     out->fmr = s.all_impostor > 0 ? 0 : (double)NAN;
     out->fnmr = s.all_genuine > 0 ? 1 : (double)NAN;
+    out->at = s.all_impostor > 0 ? (double)INFINITY : (double)NAN;
     for (int k = 0; k < RATES_TARGETS && s.all_impostor > 0; k++) {
         out->tar_score[k] = (double)INFINITY;
         out->tar[k] = s.all_genuine > 0 ? 0 : (double)NAN;
@@ -200,7 +200,7 @@ static void rates_figures_of(const struct rates *r, const uint32_t *drawn,
                 s.impostor += w;
         }
         if (s.genuine + s.impostor <= last.genuine + last.impostor)
-            continue; /* nobody of these was drawn */
+            continue; /* none of their subjects was drawn */
         fmr = s.impostor / s.all_impostor;
         fnmr = (s.all_genuine - s.genuine) / s.all_genuine;
         if (score >= threshold) {
@@ -212,8 +212,10 @@ static void rates_figures_of(const struct rates *r, const uint32_t *drawn,
                 out->tar[k] = 1 - fnmr;
                 out->tar_score[k] = score;
             }
+        if (fmr <= at)
+            out->at = score;
         if (isnan(out->eer) && fmr >= fnmr)
-            cross(fmr0, fnmr0, fmr, fnmr, score, out);
+            out->eer = crossing(fmr0, fnmr0, fmr, fnmr);
         fmr0 = fmr;
         fnmr0 = fnmr;
     }
@@ -223,7 +225,7 @@ static void rates_figures_of(const struct rates *r, const uint32_t *drawn,
 
 void rates_figures(const struct rates *r, double threshold, struct rates_figures *out)
 {
-    rates_figures_of(r, NULL, threshold, out);
+    rates_figures_of(r, NULL, threshold, (double)NAN, out);
 }
 
 /* ---- bootstrap */
@@ -274,8 +276,8 @@ static void draw_subjects(const struct rates *r, uint64_t *seed, uint32_t *drawn
 /* The figures as an array of doubles, which they are. */
 #define FIGURES (sizeof(struct rates_figures) / sizeof(double))
 
-enum status rates_bootstrap(const struct rates *r, double threshold, unsigned replicates,
-                            uint64_t seed, struct rates_figures *low,
+enum status rates_bootstrap(const struct rates *r, double threshold, double at,
+                            unsigned replicates, uint64_t seed, struct rates_figures *low,
                             struct rates_figures *high)
 {
     uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
@@ -292,7 +294,7 @@ enum status rates_bootstrap(const struct rates *r, double threshold, unsigned re
         double value[FIGURES];
 
         draw_subjects(r, &seed, drawn);
-        rates_figures_of(r, drawn, threshold, &f);
+        rates_figures_of(r, drawn, threshold, at, &f);
         memcpy(value, &f, sizeof value);
         for (size_t k = 0; k < FIGURES; k++)
             all[k * replicates + i] = value[k];
@@ -305,55 +307,6 @@ enum status rates_bootstrap(const struct rates *r, double threshold, unsigned re
     }
     mem_free(drawn);
     mem_free(all);
-    return st;
-}
-
-/* rates_at() of what was drawn; NaN where that are no impostors. */
-static double at_drawn(const struct rates *r, double fmr, const uint32_t *drawn)
-{
-    double all = 0, sum = 0, best = (double)INFINITY;
-
-    for (size_t i = 0; i < r->n; i++)
-        if (r->score[i].template != r->score[i].probe)
-            all += weight(&r->score[i], drawn);
-    if (!(all > 0))
-        return (double)NAN;
-    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
-        const double score = r->score[i].score;
-        double any = 0;
-
-        for (; i < r->n && r->score[i].score == score; i++) {
-            const double w = weight(&r->score[i], drawn);
-
-            any += w;
-            if (r->score[i].template != r->score[i].probe)
-                sum += w;
-        }
-        if (sum > fmr * all)
-            break;
-        if (any > 0)
-            best = score;
-    }
-    return best;
-}
-
-enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
-                               uint64_t seed, double *low, double *high)
-{
-    uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
-    double *at = mem_array((size_t)replicates + 1, sizeof *at);
-    enum status st = replicates > 0 ? ST_OK : ST_EINVAL;
-
-    if (drawn == NULL || at == NULL)
-        st = ST_ENOMEM;
-    for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
-        draw_subjects(r, &seed, drawn);
-        at[i] = at_drawn(r, fmr, drawn);
-    }
-    if (st == ST_OK)
-        interval(at, replicates, low, high);
-    mem_free(drawn);
-    mem_free(at);
     return st;
 }
 

@@ -1,96 +1,97 @@
 /* rates.h -- error rates of comparisons, with their uncertainty.
- * A comparison matches at a threshold when its score is at or above it (the higher the more
- * alike).  -INFINITY stands for one that never matches: a scan was refused.  Terms as in
+ * A comparison matches at a threshold if its score is at or above it (a higher score: more
+ * alike).  The score -INFINITY never matches: a scan was refused.  Terms as in
  * ISO/IEC 19795-1: FMR, the share of non-mated (impostor) comparisons that match; FNMR, the
- * share of mated (genuine) ones that do not; TAR = 1 - FNMR; EER, where both are equal. */
+ * share of mated (genuine) comparisons that do not; TAR = 1 - FNMR; EER, the rate at which both are equal. */
 #ifndef CORE_RATES_H
 #define CORE_RATES_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "surface_basic.h"
 #include "status.h"
+#include "surface_basic.h"
 
 struct rates_score {
     double score;             /* any sign, -INFINITY; never NaN or INFINITY */
-    uint32_t template, probe; /* whose; the same subject: a genuine comparison */
+    uint32_t template, probe; /* numbers of the subjects; equal: a genuine comparison */
 };
 
 /* Rule of 3: after n independent comparisons without an error the rate is below 3 / n with
- * 95 % confidence, so n comparisons support no smaller rate.
- * rates_least(n) is 3 / n, INFINITY for n = 0; rates_needed(rate) is the n that supports
- * it. */
-double rates_least(size_t n);
+ * 95 % confidence, so n comparisons support no smaller rate. */
+double rates_least(size_t n);                /* 3 / n, INFINITY for n = 0 */
 bool rates_supported(double rate, size_t n); /* rate >= 3 / n */
-size_t rates_needed(double rate);            /* 0 < rate <= 1 */
+size_t rates_needed(double rate);            /* the n that supports 0 < rate <= 1 */
 
 #define RATES_TARGETS 3
 extern const double rates_target[RATES_TARGETS]; /* FMR: 0.01, 0.001, 0.0001 */
 
-/* A rate of no comparisons is NaN.  The caller asks rates_supported() what can be stated. */
+/* Figures of comparisons.  A rate of no comparisons is NaN.  rates_supported() tells which can be
+ * stated. */
 struct rates_figures {
-    double eer,
-        eer_score; /* linear between the two scores at the crossing, of which eer_score
-                      is the smaller; where more is -INFINITY, the least FNMR */
     double
-        tar[RATES_TARGETS]; /* at the smallest score that keeps the FMR at the target */
-    double tar_score[RATES_TARGETS]; /* that score; INFINITY: none does */
-    double fmr, fnmr;                /* at the given threshold */
+        eer; /* linear between the two scores at the crossing; if more genuine scores are
+                   -INFINITY, the least FNMR */
+    double tar[RATES_TARGETS]; /* at tar_score */
+    double tar_score
+        [RATES_TARGETS]; /* smallest score that keeps the FMR at the target; INFINITY: none */
+    double fmr, fnmr; /* at the given threshold */
+    double at; /* smallest score that keeps the FMR at the given one; INFINITY: none */
 };
 
 struct rates;
 
-/* rates_new(s, n, nsubject, out): sort n comparisons (copied) of subjects 0..nsubject-1.
- * out  released by rates_free(); NULL on error.  O(n log n).
- * Returns ST_OK, ST_EINVAL (a NaN, a subject out of range), ST_ENOMEM. */
+/* rates_new(s, n, nsubject, out): Sorts n comparisons (copied) of subjects 0..nsubject-1.
+ *   out  to be released by rates_free(); NULL on error
+ * Cost: O(n log n).
+ * Returns ST_OK; ST_EINVAL: a NaN, or a subject out of range; ST_ENOMEM. */
 enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
                       struct rates **out);
 void rates_free(struct rates *r); /* NULL is allowed */
 size_t rates_ngenuine(const struct rates *r);
 size_t rates_nimpostor(const struct rates *r);
 
-/* rates_fmr(r, score), rates_fnmr(r, score): at a threshold; O(log n). */
+/* rates_fmr(r, score): Returns the FMR at a threshold.  Cost: O(log n). */
 double rates_fmr(const struct rates *r, double score);
+
+/* rates_fnmr(r, score): Returns the FNMR at a threshold.  Cost: O(log n). */
 double rates_fnmr(const struct rates *r, double score);
 
-/* rates_at(r, fmr): the smallest score at which the FMR is at most fmr; INFINITY: none.  Of
- * equal scores all match or none.  O(log n). */
+/* rates_at(r, fmr): Returns the smallest score at which the FMR is at most fmr; INFINITY: none.
+ * Equal scores match together.  Cost: O(log n). */
 double rates_at(const struct rates *r, double fmr);
 
-/* rates_figures(r, threshold, out): O(n). */
+/* rates_figures(r, threshold, out): Computes all figures but at.  Cost: O(n). */
 void rates_figures(const struct rates *r, double threshold, struct rates_figures *out);
 
-/* rates_bootstrap(r, threshold, replicates, seed, low, high): 95 % intervals of all
+/* rates_bootstrap(r, threshold, at, replicates, seed, low, high): Computes 95 % intervals of all
  * figures: the 2.5 and 97.5 % quantiles over replicates, in which the *subjects* are drawn
  * with replacement.  A mated comparison counts as often as its subject was drawn, a non-mated
- * one as often as the product of both.  The intervals account for what scans of one person
+ * comparison as often as the product of both.  The intervals account for what scans of one person
  * have in common, not for errors that never occurred (rule of 3).
- * Deterministic in its arguments.  A replicate in which a figure has no comparisons is left
- * out of it.
- * Cost  replicates x O(n).  Returns ST_OK, ST_EINVAL (no replicates), ST_ENOMEM. */
+ * Deterministic in its arguments.  A replicate in which a figure has no comparisons does not
+ * count for it.
+ *   at  the FMR of the figure at; NAN: not wanted
+ * Cost: O(replicates n).
+ * Returns ST_OK; ST_EINVAL: no replicates; ST_ENOMEM. */
 #define RATES_REPLICATES 1000
-enum status rates_bootstrap(const struct rates *r, double threshold, unsigned replicates,
-                            uint64_t seed, struct rates_figures *low,
+enum status rates_bootstrap(const struct rates *r, double threshold, double at,
+                            unsigned replicates, uint64_t seed, struct rates_figures *low,
                             struct rates_figures *high);
 
-/* rates_at_bootstrap(r, fmr, replicates, seed, low, high): the same interval of
- * rates_at(r, fmr), with the same draws; a bound is INFINITY where no score keeps the rate. */
-enum status rates_at_bootstrap(const struct rates *r, double fmr, unsigned replicates,
-                               uint64_t seed, double *low, double *high);
-
-/* rates_random(state): splitmix64: the same numbers on every machine. */
+/* rates_random(state): Returns the next number of splitmix64, on every machine the same. */
 uint64_t rates_random(uint64_t *state);
-/* rates_below(state, n): uniform on 0..n-1; n > 0. */
+
+/* rates_below(state, n): Returns a number uniform on 0..n-1; n > 0. */
 uint32_t rates_below(uint64_t *state, uint32_t n);
 
-/* rates_calibrate(r, fmr, c): the calibration from r's non-mated scores.  The threshold is the
+/* rates_calibrate(r, fmr, c): Computes the calibration from the non-mated scores of r.  The threshold is the
  * smallest score with a false match rate of at most fmr.  The knots are the threshold and
  * quantiles that rest on five comparisons or more each.
- * Returns ST_OK; ST_ETOOFEW too few comparisons for the rate (rule of 3). */
+ * Returns ST_OK; ST_ETOOFEW: too few comparisons for the rate (rule of 3). */
 enum status rates_calibrate(const struct rates *r, double fmr,
                             struct surface_calibration *c);
 
-/* rates_subjects(fmr): the number of subjects, with a template each, that have as many
+/* rates_subjects(fmr): Returns the number of subjects, with a template each, that have as many
  * pairs as the rule of 3 asks for.  Both comparisons of a pair count once: they are nearly
  * the same. */
 uint32_t rates_subjects(double fmr);

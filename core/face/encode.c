@@ -243,7 +243,7 @@ static void solve(const struct encode_basis *e, const float z[GRID_N], double re
     add_cells(e, out->cells, w);
     add_gaps(e, w);
     set_up(e, *variance, w);
-    if (!lsq_factor(w->h[0], WIDTH, 0, n, n))
+    if (!lsq_factor(w->h[0], WIDTH, n, n))
         return;
     lsq_forward(w->h[0], WIDTH, n, n, w->g);
     lsq_backward(w->h[0], WIDTH, n, w->g);
@@ -252,7 +252,7 @@ static void solve(const struct encode_basis *e, const float z[GRID_N], double re
         add_gaps(e, w);
     }
     set_up(e, *variance, w);
-    if (!lsq_factor(w->h[0], WIDTH, 0, e->identity, n))
+    if (!lsq_factor(w->h[0], WIDTH, e->identity, n))
         return;
     lsq_forward(w->h[0], WIDTH, e->identity, n, w->g);
     out->n = e->m->identity.n;
@@ -336,7 +336,7 @@ enum status encode_rest(const struct encode_basis *e, const float tmpl[GRID_N],
     add_gaps(e, w);
     /* The coefficients of two scans differ by twice the variance of one: so does the noise. */
     set_up(e, (noise_of(e, residual_mm[0]) + noise_of(e, residual_mm[1])) / 2, w);
-    if (!lsq_factor(w->h[0], WIDTH, 0, n, n))
+    if (!lsq_factor(w->h[0], WIDTH, n, n))
         return ST_OK;
     lsq_forward(w->h[0], WIDTH, n, n, w->g);
     lsq_backward(w->h[0], WIDTH, n, w->g);

@@ -202,7 +202,7 @@ static bool factor(struct fit_work *w, double tie)
         w->h[i][i] += i < w->modes ? 1 : tie;
         w->g[i] = (double)w->sum[i][w->modes + GAP];
     }
-    return lsq_factor(w->h[0], WIDTH, 0, n, n);
+    return lsq_factor(w->h[0], WIDTH, n, n);
 }
 
 /* The deviation of an unknown is the length of its column of the inverse factor; those of

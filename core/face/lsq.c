@@ -178,87 +178,49 @@ EITHER void dot_all(const float *row, uint32_t stride, uint32_t n, const float *
     }
 }
 
+/* LSQ_EACH(name, wider, parameters, arguments): name_any() with these parameters runs name_all(), or on
+ * processors with AVX-512 wider(), compiled for the processor's vectors. */
 #ifdef NORMAL_WIDE
-NORMAL_WIDE static void add_wide(const struct lsq_rows *r, uint32_t from, uint32_t to,
-                                 float *sum, uint32_t stride)
-{
-    add_all(r, from, to, sum, stride);
-}
-
-NORMAL_WIDER static void add_wider(const struct lsq_rows *r, uint32_t from, uint32_t to,
-                                   float *sum, uint32_t stride)
-{
-    add_all_two(r, from, to, sum, stride);
-}
-
-NORMAL_WIDE static void reduce_wide(double *h, uint32_t stride, uint32_t panel,
-                                    uint32_t n)
-{
-    reduce_all(h, stride, panel, n);
-}
-
-NORMAL_WIDER static void reduce_wider(double *h, uint32_t stride, uint32_t panel,
-                                      uint32_t n)
-{
-    reduce_all(h, stride, panel, n);
-}
-
-NORMAL_WIDE static void times_wide(const float *row, uint32_t stride, uint32_t n,
-                                   const float *by, uint32_t width, float *out)
-{
-    times_all(row, stride, n, by, width, out);
-}
-
-NORMAL_WIDE static void dot_wide(const float *row, uint32_t stride, uint32_t n,
-                                 const float *by, uint32_t width, float *out)
-{
-    dot_all(row, stride, n, by, width, out);
-}
-
-static void times_any(const float *row, uint32_t stride, uint32_t n, const float *by,
-                      uint32_t width, float *out)
-{
-    if (__builtin_cpu_supports("avx2"))
-        times_wide(row, stride, n, by, width, out);
-    else
-        times_all(row, stride, n, by, width, out);
-}
-
-static void dot_any(const float *row, uint32_t stride, uint32_t n, const float *by,
-                    uint32_t width, float *out)
-{
-    if (__builtin_cpu_supports("avx2"))
-        dot_wide(row, stride, n, by, width, out);
-    else
-        dot_all(row, stride, n, by, width, out);
-}
-
-static void add_any(const struct lsq_rows *r, uint32_t from, uint32_t to, float *sum,
-                    uint32_t stride)
-{
-    if (__builtin_cpu_supports("avx512f"))
-        add_wider(r, from, to, sum, stride);
-    else if (__builtin_cpu_supports("avx2"))
-        add_wide(r, from, to, sum, stride);
-    else
-        add_all(r, from, to, sum, stride);
-}
-
-static void reduce_any(double *h, uint32_t stride, uint32_t panel, uint32_t n)
-{
-    if (__builtin_cpu_supports("avx512f"))
-        reduce_wider(h, stride, panel, n);
-    else if (__builtin_cpu_supports("avx2"))
-        reduce_wide(h, stride, panel, n);
-    else
-        reduce_all(h, stride, panel, n);
-}
+#define LSQ_EACH(name, wider, parameters, arguments)                                     \
+    NORMAL_WIDE static void name##_wide parameters                                       \
+    {                                                                                    \
+        name##_all arguments;                                                            \
+    }                                                                                    \
+    NORMAL_WIDER static void name##_wider parameters                                     \
+    {                                                                                    \
+        wider arguments;                                                                 \
+    }                                                                                    \
+    static void name##_any parameters                                                    \
+    {                                                                                    \
+        if (__builtin_cpu_supports("avx512f"))                                           \
+            name##_wider arguments;                                                      \
+        else if (__builtin_cpu_supports("avx2"))                                         \
+            name##_wide arguments;                                                       \
+        else                                                                             \
+            name##_all arguments;                                                        \
+    }
 #else
-#define add_any    add_all
-#define times_any  times_all
-#define dot_any    dot_all
-#define reduce_any reduce_all
+#define LSQ_EACH(name, wider, parameters, arguments)                                     \
+    static void name##_any parameters                                                    \
+    {                                                                                    \
+        name##_all arguments;                                                            \
+    }
 #endif
+
+LSQ_EACH(add, add_all_two,
+         (const struct lsq_rows *r, uint32_t from, uint32_t to, float *sum,
+          uint32_t stride),
+         (r, from, to, sum, stride))
+LSQ_EACH(reduce, reduce_all, (double *h, uint32_t stride, uint32_t panel, uint32_t n),
+         (h, stride, panel, n))
+LSQ_EACH(times, times_all,
+         (const float *row, uint32_t stride, uint32_t n, const float *by, uint32_t width,
+          float *out),
+         (row, stride, n, by, width, out))
+LSQ_EACH(dot, dot_all,
+         (const float *row, uint32_t stride, uint32_t n, const float *by, uint32_t width,
+          float *out),
+         (row, stride, n, by, width, out))
 
 void lsq_add(struct lsq_rows *r, uint32_t from, uint32_t to, float *sum, uint32_t stride)
 {
@@ -280,9 +242,9 @@ void lsq_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
     dot_any(row, stride, n, by, width, out);
 }
 
-bool lsq_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint32_t n)
+bool lsq_factor(double *h, uint32_t stride, uint32_t to, uint32_t n)
 {
-    for (uint32_t k = from; k < to; k += PANEL) {
+    for (uint32_t k = 0; k < to; k += PANEL) {
         const uint32_t end = k + PANEL <= to ? k + PANEL : to;
 
         if (!factor_panel(h, stride, k, end, n))

@@ -17,31 +17,34 @@ struct lsq_rows {
     uint32_t n;
 };
 
-/* lsq_add(r, from, to, sum, stride): sum[k][l] += the rows' products, weighted, for the
+/* lsq_add(r, from, to, sum, stride): Adds the rows' weighted products to sum[k][l], for the
  * columns l of from..to-1 (multiples of NORMAL_LANES) and all k up to l: the upper triangle,
- * and up to NORMAL_LANES - 1 below the diagonal.  r is empty then.  O(rows to (to - from)). */
+ * and up to NORMAL_LANES - 1 below the diagonal.  Empties r.
+ * Cost: O(rows to (to - from)). */
 void lsq_add(struct lsq_rows *r, uint32_t from, uint32_t to, float *sum, uint32_t stride);
 
-/* lsq_times(row, stride, n, by, width, out): out[k], k below width, is the sum over n rows of
- * by[i] row[i stride + k], in the rows' order.  O(n width). */
+/* lsq_times(row, stride, n, by, width, out): Sets out[k], k below width, to the sum over n rows of
+ * by[i] row[i stride + k], in the rows' order.  Cost: O(n width). */
 void lsq_times(const float *row, uint32_t stride, uint32_t n, const float *by,
                uint32_t width, float *out);
 
-/* lsq_dot(row, stride, n, by, width, out): out[i] is the product of the i-th of n rows with by,
- * in NORMAL_LANES sums.  O(n width). */
+/* lsq_dot(row, stride, n, by, width, out): Sets out[i] to the product of the i-th of n rows with by,
+ * in NORMAL_LANES sums.  Cost: O(n width). */
 void lsq_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
              uint32_t width, float *out);
 
-/* lsq_factor(h, stride, from, to, n): Cholesky's factor of the symmetric n x n matrix whose
- * lower triangle stands in h by columns (h[column * stride + row]), in place, for the columns
- * from..to-1; those before are factored already.  The columns from `to` on are then the Schur
- * complement of those before.  False: not positive definite.  O(n^2 (to - from)). */
-bool lsq_factor(double *h, uint32_t stride, uint32_t from, uint32_t to, uint32_t n);
+/* lsq_factor(h, stride, to, n): Computes in place the first `to` columns of Cholesky's factor of a
+ * symmetric n x n matrix, whose lower triangle stands in h by columns (h[column * stride + row]).
+ * The other columns become the Schur complement of the first ones.
+ * Cost: O(n^2 to).
+ * Returns false if the matrix is not positive definite. */
+bool lsq_factor(double *h, uint32_t stride, uint32_t to, uint32_t n);
 
-/* lsq_forward(h, stride, to, n, v): v becomes L^-1 v for the first `to` unknowns, and for
- * the others what eliminating those leaves of them.
- * lsq_backward(h, stride, n, v): v becomes L^-T v. */
+/* lsq_forward(h, stride, to, n, v): Sets the first `to` elements of v to those of L^-1 v, and
+ * eliminates these unknowns from the others. */
 void lsq_forward(const double *h, uint32_t stride, uint32_t to, uint32_t n, double *v);
+
+/* lsq_backward(h, stride, n, v): Sets v to L^-T v. */
 void lsq_backward(const double *h, uint32_t stride, uint32_t n, double *v);
 
 #endif

@@ -70,7 +70,7 @@ static struct evidence evidence(double h[N][N], uint32_t n, double *g)
 {
     struct evidence out = {0, 0};
 
-    if (!lsq_factor(h[0], N, 0, n, n))
+    if (!lsq_factor(h[0], N, n, n))
         return (struct evidence){(double)NAN, (double)NAN};
     lsq_forward(h[0], N, n, n, g);
     for (uint32_t i = 0; i < n; i++)

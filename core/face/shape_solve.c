@@ -149,7 +149,7 @@ void shape_solve(const struct shape_basis *b, const float over[GRID_N],
             w->h[k][i] = (double)w->sum[k][i]; /* h[column][row] */
         w->h[k][k] += k < NORMAL_LANES ? prior->x : prior->a;
     }
-    if (!lsq_factor(w->h[0], SHAPE_WIDTH, 0, width, width))
+    if (!lsq_factor(w->h[0], SHAPE_WIDTH, width, width))
         return;
     lsq_forward(w->h[0], SHAPE_WIDTH, width, width, g);
     lsq_backward(w->h[0], SHAPE_WIDTH, width, g);

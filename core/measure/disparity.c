@@ -164,17 +164,15 @@ static void disparity_gaps_along(const uint32_t *b_vertex, const struct disparit
  * hull's are below 2^52, so they are exact. */
 struct totals {
     struct sum volume, weighted, weights; /* six times, twice, six times */
-    double common, bridged, outside;
+    double common;
 };
 
 static struct totals add_triangles(const struct mesh *general,
-                                   const struct disparity_vertex *vertex, bool weighted,
-                                   struct disparity *out)
+                                   const struct disparity_vertex *vertex, bool weighted)
 {
     const uint32_t *const org = general->org;
     const uint32_t nv = general->nv, nh = 3 * general->nt;
-    struct totals t = {{0, 0}, {0, 0}, {0, 0}, 0, 0, 0};
-    uint32_t common = 0, bridged = 0, outside = 0;
+    struct totals t = {{0, 0}, {0, 0}, {0, 0}, 0};
 
     for (uint32_t h = 0; h < nh; h += 3) {
         const uint32_t i = org[h], j = org[h + 1], k = org[h + 2];
@@ -182,19 +180,8 @@ static struct totals add_triangles(const struct mesh *general,
 
         if (__builtin_expect((i == nv) | (j == nv) | (k == nv), 0))
             continue;
-        switch (disparity_kind(general, vertex, h, &area)) {
-        case DISPARITY_OUTSIDE:
-            outside++;
-            t.outside += area;
+        if (__builtin_expect(!disparity_common(general, vertex, h, &area), 0))
             continue;
-        case DISPARITY_BRIDGED:
-            bridged++;
-            t.bridged += area;
-            continue;
-        case DISPARITY_COMMON:
-            break;
-        }
-        common++;
         t.common += area;
         volume = area * mean3(vertex[i].gap, vertex[j].gap, vertex[k].gap);
         sum_add(&t.volume, volume);
@@ -207,9 +194,6 @@ static struct totals add_triangles(const struct mesh *general,
             sum_add(&t.weights, area * (u[0] + u[1] + u[2]));
         }
     }
-    out->common = common;
-    out->bridged = bridged;
-    out->outside = outside;
     return t;
 }
 
@@ -226,19 +210,15 @@ void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
     disparity_gaps_along(b_vertex, a, b, vertex);
     if (weight != NULL)
         disparity_weigh(b_vertex, a, b, weight, vertex);
-    t = add_triangles(general, vertex, weight != NULL, out);
+    t = add_triangles(general, vertex, weight != NULL);
     out->volume_mm3 = sum_total(&t.volume) / 6 * mm2 / per_mm;
     out->area_mm2 = 0.5 * t.common * mm2;
-    out->bridged_mm2 = 0.5 * t.bridged * mm2;
-    out->outside_mm2 = 0.5 * t.outside * mm2;
     if (t.common > 0)
         out->plain_mm = sum_total(&t.volume) / (3 * t.common) / per_mm;
     out->weighted_mm = out->plain_mm;
-    out->weight_mm2 = out->area_mm2;
     if (weight != NULL) {
         const double weights = sum_total(&t.weights);
 
-        out->weight_mm2 = weights / 6 * mm2;
         out->weighted_mm =
             weights > 0 ? 3 * sum_total(&t.weighted) / weights / per_mm : 0;
     }

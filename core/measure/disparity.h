@@ -54,14 +54,12 @@ struct disparity_vertex {
     float u;       /* the weight; 0 without a finite gap, or without a weight */
 };
 
-enum disparity_kind { DISPARITY_COMMON, DISPARITY_BRIDGED, DISPARITY_OUTSIDE };
-
-/* disparity_kind(general, vertex, h, twice): the kind of the triangle with the half-edges h,
- * h + 1, h + 2, as disparity_measure() defines it; not for ghosts.  *twice becomes twice its
- * area, exact. */
-static inline enum disparity_kind disparity_kind(const struct mesh *general,
-                                                 const struct disparity_vertex *vertex,
-                                                 uint32_t h, double *twice)
+/* disparity_common(general, vertex, h, twice): Returns true if the triangle with the half-edges h,
+ * h + 1, h + 2 counts (disparity_measure()); not for ghosts.
+ *   twice  receives twice its area, exact */
+static inline bool disparity_common(const struct mesh *general,
+                                    const struct disparity_vertex *vertex, uint32_t h,
+                                    double *twice)
 {
     const uint32_t *v = &general->org[h];
     const struct disparity_vertex *a = &vertex[v[0]], *b = &vertex[v[1]],
@@ -71,42 +69,32 @@ static inline enum disparity_kind disparity_kind(const struct mesh *general,
         holes_wide(general->xy[v[0]], general->xy[v[1]], general->xy[v[2]],
                    (double)a->spacing + (double)b->spacing + (double)c->spacing, twice);
 
-    if (__builtin_expect(isnan(sum), 0))
-        return DISPARITY_OUTSIDE;
-    if (__builtin_expect(wide | !(sum < (double)INFINITY), 0))
-        return DISPARITY_BRIDGED;
-    return DISPARITY_COMMON;
+    return !wide & (sum < (double)INFINITY); /* false for NAN */
 }
 
 struct disparity {
-    double volume_mm3;  /* sum of |gap| over the common triangles, u = 1 */
-    double area_mm2;    /* their area */
-    double plain_mm;    /* volume / area; 0 when the area is 0 */
-    double weighted_mm; /* integral of u |gap| over that of u, over the same; or 0 */
-    double weight_mm2;  /* the integral of u; area_mm2 without a weight */
-    double overlap;     /* area over a's measured area, 0..1 */
-    double bridged_mm2; /* area left out because a surface only bridges missing points */
-    double outside_mm2; /* area of the triangles not wholly inside both hulls */
-    uint32_t common, bridged, outside; /* how many triangles of each kind */
+    double volume_mm3; /* integral of |gap| over the common triangles */
+    double area_mm2;   /* area of the common triangles */
+    double plain_mm;   /* volume / area; 0 if the area is 0 */
+    double
+        weighted_mm; /* integral of u |gap| over integral of u, over the same triangles; or 0 */
+    double overlap; /* area / measured area of surface a, 0..1 */
 };
 
-/* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out): the disparity of
+/* disparity_measure(general, b_vertex, a, b, weight, per_mm, vertex, out): Measures the disparity of
  * the surfaces a and b.
- * general, b_vertex  from merge_build() of the meshes of a and b
- * weight   may be NULL: u = 1
- * per_mm   lattice units per millimetre
- * vertex   [general->nv] scratch, set on return
- *
- * Each triangle of the general triangulation is one of three:
- *   outside  a corner lies outside the other mesh's hull;
- *   bridged  else, a corner is where the other mesh only bridges missing points: strictly
- *            inside a bridging triangle of it, or on an edge or vertex of it all of whose
- *            triangles bridge; or the triangle itself is too wide for the spacings at its
- *            corners (holes_wide()): then neither mesh has a point where the triangle has
- *            its gap;
- *   common   else.  Only these count.
+ *   general, b_vertex  results of merge_build() for the meshes of a and b
+ *   weight   NULL: u = 1
+ *   per_mm   lattice units per millimetre
+ *   vertex   [general->nv] set on return
+ * Only common triangles count.  A triangle of the general triangulation is not common if
+ *   - a corner lies outside the other mesh's hull;
+ *   - at a corner the other mesh spans a hole: the corner is strictly inside a gap triangle, or on an
+ *     edge or vertex that has only gap triangles;
+ *   - it is too wide for the spacings at its corners (holes_wide()): then neither mesh has a
+ *     point where the triangle has its gap.
  * Sums are compensated (Neumaier) and in the order of the triangles, areas are whole
- * numbers.  O(general->nv). */
+ * numbers.  Cost: O(general->nv). */
 void disparity_measure(const struct mesh *general, const uint32_t *b_vertex,
                        const struct disparity_side *a, const struct disparity_side *b,
                        const struct disparity_weight *weight, double per_mm,

@@ -92,7 +92,7 @@ TEST(test_weigh)
         double gap[3], u[3], twice;
 
         if (mesh_is_ghost(&m.general, h / 3) ||
-            disparity_kind(&m.general, m.vertex, h, &twice) != DISPARITY_COMMON)
+            !disparity_common(&m.general, m.vertex, h, &twice))
             continue;
         for (uint32_t i = 0; i < 3; i++) {
             const uint32_t v = m.general.org[h + i];
