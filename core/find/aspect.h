@@ -1,5 +1,5 @@
-/* aspect.h -- does a face have the proportions of one, or are x and y of a depth image scaled against z
- * by a wrong focal length? */
+/* aspect.h -- the proportions of a face in a depth image, of which a wrong focal length scales x and y
+ * against z. */
 #ifndef CORE_ASPECT_H
 #define CORE_ASPECT_H
 #include <stddef.h>

@@ -11,19 +11,59 @@
 #include "select.h"
 #include "shape.h"
 
-/* A child's head, upright before a scanner, is looked at as if it were so much larger; it must be
- * worth so much more. */
+/* The fit score of eyes that are as the mean face's. */
+#define FIND_WORTH_EYES 200.0
+
+/* The fit score of a face within 45 degrees (1 + 2 cos) of upright before a scanner; of a probable face,
+ * so that other units are not tried; and of a rough fit that is refined at once. */
+#define FIND_UPRIGHT       560.0
+#define FIND_UPRIGHT_TRACE 2.4142
+#define FIND_LIKELY        350.0
+#define FIND_SURE          400.0
+
+/* mm: the longest side of a head with shoulders, and of a room, without one point in STRAY_IN at
+ * either end, or one in STRAYS_IN if that finds no face.  The smallest crops are 130 mm, of a child of
+ * five 90, busts 500. */
+#define FIND_HEAD_MIN_MM 80
+#define FIND_ROOM_MIN_MM 900
+#define FIND_ROOM_MAX_MM 6000
+#define FIND_STRAY_IN    100
+#define FIND_STRAYS_IN   10
+
+/* Numbers of starts that are fitted roughly (SEEKS), and of rough fits that are refined (FITS): along a
+ * scanner's axes, without a definite face MORE of them; from the OTHER sides, and the LAST of these. */
+#define FIND_SEEKS        12
+#define FIND_FITS         4
+#define FIND_SEEKS_MORE   16
+#define FIND_FITS_MORE    6
+#define FIND_SEEKS_OTHERS 30
+#define FIND_FITS_OTHERS  6
+#define FIND_SEEKS_LAST   16
+#define FIND_FITS_LAST    4
+
+/* The budget of a search, in noses, of some 4 us each (find_view_all()), and one more for PER points
+ * each.  A fit costs FIT and one for FAR cubes.  A head that may be small has the budget SMALL, and
+ * the rest of the points' share. */
+#define FIND_SPENT       4600
+#define FIND_SPENT_SMALL 1120
+#define FIND_SPENT_ONCE  300
+#define FIND_SPENT_PER   12
+#define FIND_SPENT_FIT   25
+#define FIND_SPENT_FAR   1000
+
+/* A child's head, upright before a scanner, is searched for as if it were SMALL times as large; its fit
+ * score must be higher by SMALL_COST. */
 #define FIND_SMALL      1.25
 #define FIND_SMALL_COST 80.0
 
-/* Where no face is plain, other poses than the best are reported if they are worth this share of it. */
+/* Without a definite face, poses with this share of the best fit score are reported too. */
 #define FIND_RIVAL 0.75
 
-/* mm: where the nose is in a face that was fitted the wrong way up. */
+/* mm: the place of the nose in a face that was fitted upside down. */
 #define FIND_WAY_UP_MM 56.0
 
-/* Poses are the same within MM and 10 degrees (1 + 2 cos).  Another face is OTHER_MM away, of
- * nose from nose, and its start costs less than COST. */
+/* Poses are the same within MM and 10 degrees (1 + 2 cos).  The nose of another face is OTHER_MM
+ * away, and its start costs less than COST. */
 #define FIND_SAME_MM    10.0
 #define FIND_SAME_TRACE 2.9696
 #define FIND_OTHER_MM   120.0
@@ -42,7 +82,7 @@ static double coordinate(struct dvec3 p, int axis)
     return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
 }
 
-/* Of a sample, leaving out every share-th point at either end of each axis. */
+/* Measures a sample of the points, without every share-th point at either end of each axis. */
 static void measure_extent(const struct dvec3 *pts, size_t n, size_t share,
                            struct extent *out)
 {
@@ -80,16 +120,16 @@ struct finder {
     const struct dvec3 *pts;
     size_t n;
     double unit_mm; /* 0: to be found */
-    double size;    /* by which what is looked at is larger than it is */
+    double size;    /* factor of the points; 1, or FIND_SMALL */
     struct shape_work *shape;
-    const struct surface_stop *stop; /* find.h */
+    const struct surface_stop *stop; /* NULL: none */
     struct extent extent;
     struct find_view_face face;
     struct find_starts starts;
     struct find_list rough, best;
 };
 
-/* Does nobody wait any more, or has all been spent that the cloud's size allows? */
+/* Returns true if the caller cancels, or the budget is spent. */
 static bool stopped(const struct finder *f)
 {
     return f->starts.left <= 0 || (f->stop != NULL && f->stop->wanted(f->stop->arg));
@@ -109,7 +149,7 @@ static bool near(struct dvec3 a, struct dvec3 b, double mm)
     return vec_dot(way, way) < mm * mm;
 }
 
-/* Less than FIND_SAME_MM and FIND_SAME_TRACE apart? */
+/* Returns true if both are less than FIND_SAME_MM and FIND_SAME_TRACE apart. */
 static bool find_is_same(const struct found *a, const struct found *b)
 {
     const struct pose d = pose_after(&a->pose.pose, &b->pose.pose);
@@ -118,7 +158,7 @@ static bool find_is_same(const struct found *a, const struct found *b)
            d.r[0] + d.r[4] + d.r[8] > FIND_SAME_TRACE;
 }
 
-/* The place of one that is the same; l->n: there is none. */
+/* Returns the index of the pose that is the same; l->n: none. */
 static uint32_t place_of(const struct find_list *l, const struct found *one)
 {
     uint32_t i = 0;
@@ -143,7 +183,7 @@ static void find_take(struct find_list *l, const struct found *one)
     l->at[i] = *one;
 }
 
-/* Is a plain face at a place, or in another unit? */
+/* Returns true if a definite face is there, or has another unit. */
 static bool taken(const struct finder *f, const struct found *one)
 {
     const struct found *best = f->best.at;
@@ -224,8 +264,8 @@ static enum status fit_closely(struct finder *f, const struct find_grid *g,
     return st;
 }
 
-/* Follow the best starts from one on roughly, `left` of them, and the best of these to the end; once a face is plain, those
- * elsewhere that may well be another. */
+/* Fits `left` starts roughly, from start `from` on, and refines the `most` best fits.  Once a face is
+ * definite, only starts elsewhere that are probably another face. */
 static enum status seek(struct finder *f, const struct find_grid *g, double unit_mm,
                         uint32_t from, uint32_t left, uint32_t most)
 {
@@ -254,7 +294,7 @@ static enum status seek(struct finder *f, const struct find_grid *g, double unit
     return st;
 }
 
-/* Fit the best again, and the other way up: a face the wrong way up resembles one, whose nose is
+/* Refines the best pose again, and turned upside down: a face upside down resembles one, whose nose is
  * between its brows. */
 static enum status turn_over(struct finder *f, const struct find_grid *g, double unit_mm)
 {
@@ -278,8 +318,8 @@ static enum status turn_over(struct finder *f, const struct find_grid *g, double
 
 /* ---- sides and units */
 
-/* A face that stands upright before a scanner, of agreed axes or a camera's, as most do, may show
- * less of itself. */
+/* Returns true if there is a face that is upright before a scanner, of agreed axes or a camera's, as most
+ * are.  It may show less of itself. */
 static bool upright(const struct finder *f)
 {
     const double *r = f->best.at[0].pose.pose.r;
@@ -301,7 +341,7 @@ static void find_look(struct finder *f, const struct find_grid *g, bool others,
     }
 }
 
-/* Is there a face, so that nothing else is tried? */
+/* Returns true if there is a face, so that nothing else is tried. */
 static bool sure(const struct finder *f)
 {
     return found(f, FIND_PLAIN) || upright(f);
@@ -357,8 +397,8 @@ static enum status search(struct finder *f, double unit_mm)
     return st;
 }
 
-/* Is there what need not be looked for in other units?  There may be a face; of a head that may not be
- * of the usual size, plainly. */
+/* Returns true if other units need not be tried: there is a probable face, or, of a head that may not be
+ * of the usual size, a definite one. */
 static bool enough(const struct finder *f)
 {
     return f->size == 1 ? found(f, FIND_LIKELY) : sure(f);
@@ -388,7 +428,7 @@ static enum status search_extent(struct finder *f)
     return st == ST_OK ? search_units(f, FIND_ROOM_MIN_MM, FIND_ROOM_MAX_MM) : st;
 }
 
-/* What is left to spend, up to what was allowed for the points alone. */
+/* Returns the rest of the budget, up to the share of the points. */
 static int64_t spare(const struct finder *f)
 {
     const int64_t most = (int64_t)(f->n / FIND_SPENT_PER);
@@ -396,7 +436,7 @@ static int64_t spare(const struct finder *f)
     return f->starts.left < 0 ? 0 : f->starts.left < most ? f->starts.left : most;
 }
 
-/* As it is; once more where there are many strays; and as if a child's head were larger. */
+/* Searches the points as they are; once more if many are strays; and as if a child's head were larger. */
 static enum status search_all(struct finder *f)
 {
     static const size_t strays[] = {FIND_STRAY_IN, FIND_STRAYS_IN};
@@ -424,7 +464,7 @@ static enum status search_all(struct finder *f)
 
 /* ---- what is reported */
 
-/* Is best[i] plainly a face, and another one than those before it? */
+/* Returns true if best[i] is a definite face, and another one than those before it. */
 static bool another(const struct finder *f, uint32_t i)
 {
     for (uint32_t k = 0; k < i; k++)
@@ -441,7 +481,7 @@ static bool nearness(const struct found *f, double side, double *near)
     return side * f->pose.pose.r[8] >= FIND_FACING;
 }
 
-/* Is a nearer than b, where both are seen along the same axes? */
+/* Returns true if a is nearer than b, and both look at one scanner. */
 static bool nearer(const struct found *a, const struct found *b)
 {
     double near_a, near_b;
@@ -481,11 +521,11 @@ double find_extent(const struct dvec3 *pts, size_t n)
     return extent.size;
 }
 
-/* In the unit given alone, as it is. */
+/* Searches the points, in mm, as they are. */
 static enum status search_once(struct finder *f)
 {
     measure_extent(f->pts, f->n, FIND_STRAY_IN, &f->extent);
-    return search(f, f->unit_mm);
+    return search(f, 1);
 }
 
 static enum status find_run(const struct dvec3 *pts, size_t n, double unit_mm,
@@ -527,9 +567,8 @@ enum status find_face(const struct dvec3 *pts, size_t n, double unit_mm,
                     search_all, w, stop, out);
 }
 
-enum status find_once(const struct dvec3 *pts, size_t n, double unit_mm,
-                      struct surface_work *w, const struct surface_stop *stop,
-                      struct find_result *out)
+enum status find_once(const struct dvec3 *pts, size_t n, struct surface_work *w,
+                      const struct surface_stop *stop, struct find_result *out)
 {
-    return find_run(pts, n, unit_mm, FIND_SPENT_ONCE, search_once, w, stop, out);
+    return find_run(pts, n, 1, FIND_SPENT_ONCE, search_once, w, stop, out);
 }

@@ -5,6 +5,9 @@
 
 #include "mem.h"
 
+#define FIND_GRID_MM  5    /* side of a cube */
+#define FIND_REACH_MM 4000 /* of points from the median */
+
 #define DIGIT_BITS 11
 #define DIGITS     (1u << DIGIT_BITS)
 #define ALONG      (UINT64_C(2) * FIND_REACH_MM / FIND_GRID_MM + 1)

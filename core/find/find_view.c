@@ -7,11 +7,11 @@
 #include "frame.h"
 #include "mem.h"
 
-/* A view (find_view.h), mm: its cells; a nose stands out by OUT, as no ball of a head's size does,
- * from a ring about it, of which RING_SEEN of 16 places must be seen; what lies farther than NEAR
- * before or behind the nose is something else.  The samples of the mean face: without what hair, a
- * collar or the view hides.  So great a share of them must be SEEN; gaps count up to CAP; the plane
- * may be so STEEP. */
+/* A view, mm: its cells.  A nose protrudes by OUT, as no ball of a head's size does, from a ring
+ * around it, of which RING_SEEN of 16 places must have points.  A surface farther than NEAR before or
+ * behind the nose is something else.  The samples of the mean face leave out what hair, a
+ * collar or the view hides.  The share SEEN of them must have points; gaps count up to CAP; the slope
+ * of the plane is at most STEEP. */
 #define FIND_CELL_MM        8.0
 #define FIND_RING_MM        32.0
 #define FIND_RING_SEEN      10
@@ -24,10 +24,23 @@
 #define FIND_CAP_MM         6.0
 #define FIND_STEEP          0.6
 
-/* A start with something above it is followed after others whose cost is not so many times as much; and
- * so is one that does not stand upright before a scanner, of agreed axes or a camera's, as most do. */
+/* Factors of the cost of a start with something above it, and of a start that is not upright before a
+ * scanner, of agreed axes or a camera's, as most are. */
 #define FIND_ABOVE_COST  1.3
 #define FIND_ASLANT_COST 1.15
+
+/* mm from the tip of the nose: above LOW the crown has ended, and hair nearly always.  If most of a
+ * band from there to HIGH, SIDE to each side, has points no more than BEFORE before the nose and BEHIND
+ * behind it, something else is above: the head, above a place on a chest or a shoulder, or the body. */
+#define FIND_ABOVE_LOW_MM    210.0
+#define FIND_ABOVE_HIGH_MM   270.0
+#define FIND_ABOVE_SIDE_MM   45.0
+#define FIND_ABOVE_BEFORE_MM 80.0
+#define FIND_ABOVE_BEHIND_MM 140.0
+
+/* The cost of a view, in noses (find.c): one for CUBES cubes and one for CELLS cells that have a height. */
+#define FIND_SPENT_CUBES 512
+#define FIND_SPENT_CELLS 96
 
 #define ROLLS FIND_VIEW_ROLLS
 #define NONE  (-1e9f)
@@ -195,7 +208,7 @@ static float sum_of(lanes v)
     return (v[0] + v[2]) + (v[1] + v[3]);
 }
 
-/* How far each cell stands out from the mean of a ring about it, if as a nose does. */
+/* Sets how far each cell protrudes from the mean of a ring around it, if as a nose does. */
 static void protrude(struct map *m)
 {
     const float near = (float)FIND_NEAR_MM;
@@ -252,7 +265,7 @@ static void make_map(const struct find_view_face *f, const struct find_grid *g,
                           (int)rintf(f->x[k][r] * (float)UNIT * per);
 }
 
-/* Does no cell beside it stand out more? */
+/* Returns true if no cell beside it protrudes more. */
 static bool highest(const struct map *m, int at)
 {
     for (int y = -m->nx; y <= m->nx; y += m->nx)
@@ -435,7 +448,7 @@ static void find_view_keep(struct find_starts *s, const struct find_start *start
     s->start[i] = *start;
 }
 
-/* Is there something above a head whose nose is in the cell, turned by the roll? */
+/* Returns true if something is above a head whose nose is in the cell, rotated by the roll. */
 static bool above(const struct map *m, int at, int roll)
 {
     const double low = FIND_ABOVE_LOW_MM, step = (FIND_ABOVE_HIGH_MM - low) / 2;
@@ -461,7 +474,8 @@ static bool above(const struct map *m, int at, int roll)
     return taken > 6;
 }
 
-/* Within one roll of upright before a scanner: y up as it looks along -z, down along z (seen_from())? */
+/* Returns true if a head is within one roll of upright before a scanner: y up if it looks along -z, down
+ * along z (seen_from()). */
 static bool upright(const struct map *m, int roll)
 {
     const double z = m->to.r[8];

@@ -1,6 +1,6 @@
-/* frames.h -- the frames of one capture session become one face: which is the base, which others
- * show the same person and can be laid on it, and does the fused face pass the gate?
- * A frame of another person is told by the score against the base, as any two scans are
+/* frames.h -- the frames of one capture session become one face: chooses the base and the frames that
+ * show the same person and can be laid on it, and judges the fused face.
+ * A frame of another person is recognised by its score against the base, like any two scans
  * (core/face/ratio.h). */
 #ifndef CORE_FRAMES_H
 #define CORE_FRAMES_H
@@ -15,36 +15,39 @@
 struct cloudpoints; /* cloudpoints.h */
 
 struct frames_one {
-    enum status st; /* as struct surface_frame has it */
-    bool built;     /* face is one */
+    enum status st; /* status of struct surface_frame */
+    bool built;     /* true: face is a face */
     double score;
     struct fuse_place at;
     struct surface_face face;
-    struct surface_found found; /* but points and kept, which are the caller's */
+    struct surface_found found; /* the caller sets points and kept */
 };
 
-/* One session.  All zero but w and how is an empty one. */
+/* One session.  An empty one is all zero except for w and how. */
 struct frames {
     struct surface_work *w;
     struct scan_options
-        how; /* of a frame: frame unless it is the only one; not search, near */
+        how; /* options of a frame: frame unless it is the only one; not search, near */
     uint32_t n, base;
-    bool placed;           /* near is known */
-    struct scan_near near; /* where the first face was found */
+    bool placed;           /* true: near is known */
+    struct scan_near near; /* place of the first face */
     struct frames_one one[SURFACE_FRAMES_MAX];
 };
 
-/* frames_add(f, c, bad): builds the next frame from c, which is afterwards as scan_build() leaves
- * it; bad as there.  A frame without a face is no failure: f->one[f->n - 1].st says why.
- * f->n must be less than SURFACE_FRAMES_MAX.  Returns ST_OK; ST_ENOMEM, ST_EBUSY. */
+/* frames_add(f, c, bad): Builds the next frame from c.  A frame without a face is no failure:
+ * f->one[f->n - 1].st has the reason.
+ *   f       f->n is less than SURFACE_FRAMES_MAX
+ *   c, bad  as in scan_build()
+ * Returns ST_OK, ST_ENOMEM, ST_EBUSY. */
 enum status frames_add(struct frames *f, struct cloudpoints *c, size_t *bad);
 
-/* frames_fuse(f, out, found): the face of all frames, as surface_fuse() says; out as in
- * face_build().  Of the frames f->base, st, score and at are set.
+/* frames_fuse(f, out, found): Fuses the faces of all frames (surface_fuse()).  Sets f->base, and st,
+ * score and at of the frames.
+ *   out  as in face_build()
  * Returns as surface_fuse(). */
 enum status frames_fuse(struct frames *f, struct surface_face *out,
                         struct surface_found *found);
 
-void frames_free(struct frames *f); /* the faces of f, which is empty again */
+void frames_free(struct frames *f); /* resets f to the empty state */
 
 #endif

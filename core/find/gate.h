@@ -8,16 +8,15 @@
 #include "surface_scan.h"
 #include "status.h"
 
-/* Share of the face that is covered, and of the points that are elsewhere, from which they are
- * reported. */
+/* The share of the face that is covered, and the share of points elsewhere, that are reported. */
 #define SCAN_OCCLUDED_SOME  0.05
 #define SCAN_ELSEWHERE_SOME 0.05
 
 struct shape_fit;  /* shape.h */
 struct shape_work; /* shape.h */
 
-/* gate_judge(w, fit, enrolment, out): judges what shape_fit() found.  Sets out->support to
- * out->forehead, each with the least that is wanted of it (shape.h says how they are measured).
+/* gate_judge(w, fit, enrolment, out): Judges a result of shape_fit().  Sets out->support to
+ * out->forehead (measured as in shape.h) and the least value wanted of each.
  * Returns ST_OK; ST_ENOTFACE; ST_EQUALITY: a face, but too little of it, too much covered, or too
  * noisy. */
 enum status gate_judge(const struct shape_work *w, const struct shape_fit *fit,

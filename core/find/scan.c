@@ -557,7 +557,7 @@ static enum status try_scale(struct scan *s, struct scan_search *k, struct dvec3
     enum status st;
 
     sample(s, at, n, mm);
-    if ((st = find_once(at, n, 1, s->w, s->o->stop, &find)) == ST_OK)
+    if ((st = find_once(at, n, s->w, s->o->stop, &find)) == ST_OK)
         st = shape_fit(s->shape, at, n, &find.pose[0].pose, 1, true, &fit);
     if (st != ST_OK)
         return st == ST_ENOFACE ? ST_OK : st;

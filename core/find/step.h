@@ -8,7 +8,7 @@
 
 /* step_of(pts, n, view): Returns the typical distance, in mm, between neighbouring depths of a face;
  * 0 if the depths come in no steps.
- *   pts   mm, in the axes of the file: a scanner's axes, or a turn of them by right angles
+ *   pts   mm, in the axes of the file: a scanner's axes, or those rotated by right angles
  *   view  pts -> canonical frame of the face, rigid; NULL: pts are of a face alone, and z is the depth
  * A depth is the coordinate along that axis of pts which the face looks along.  Sorted, the depths of
  * a continuous surface are n / range apart, and those in steps lie in a few heaps: the step is the mean
