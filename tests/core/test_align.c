@@ -9,6 +9,7 @@
 #include "brute.h"
 #include "clouds.h"
 #include "face.h"
+#include "faces.h"
 #include "facegen.h"
 #include "fit.h"
 #include "frame.h"
@@ -22,7 +23,6 @@
 
 static const double degree = 3.14159265358979323846 / 180;
 static uint64_t seed;
-static struct surface_work *work;
 static struct frame_mean mean;
 static struct fit_basis motion; /* the default model's, prepared */
 static struct dvec3 points[MAX_POINTS], turned[MAX_POINTS];
@@ -38,7 +38,7 @@ static size_t sample(struct facegen_scan *s, uint64_t subject, uint64_t scan,
 
 static void build(const struct dvec3 *pts, size_t n, struct surface_face *f)
 {
-    assert_int_equal(face_build(pts, n, work, f, NULL), ST_OK);
+    assert_int_equal(face_build(pts, n, faces_work, f, NULL), ST_OK);
 }
 
 static void enroll(uint64_t subject, struct surface_face *f)
@@ -57,7 +57,7 @@ static enum status search(const struct surface_face *a, const struct surface_fac
     struct pair pair;
     struct pose to, from, first;
 
-    assert_int_equal(pair_make(a, b, work, &pair), ST_OK);
+    assert_int_equal(pair_make(a, b, faces_work, &pair), ST_OK);
     to = pose_unscaled(&pair.tmpl.pose);
     from = pose_unscaled(&pair.probe.pose);
     first = pose_after(&to, &from);
@@ -78,7 +78,7 @@ static void align(const struct surface_face *a, const struct surface_face *b,
 
     assert_int_equal(search(a, b, &w, r), ST_OK);
     align_work_free(&w);
-    assert_int_equal(face_align(a, b, work, &same), ST_OK);
+    assert_int_equal(face_align(a, b, faces_work, &same), ST_OK);
     assert_memory_equal(r->transform, same.transform, sizeof r->transform);
 }
 
@@ -422,7 +422,6 @@ TEST(test_apart)
 BEFORE_ALL(set_up)
 {
     seed = brute_seed("align");
-    assert_non_null(work = surface_work_new(NULL));
     assert_int_equal(frame_mean_make(&model_default, &mean), ST_OK);
     fit_prepare(&model_default.change, &motion);
 }

@@ -4,6 +4,7 @@
 #include "pose.h"
 #include "asymmetry.h"
 #include "face.h"
+#include "faces.h"
 #include "facegen.h"
 #include "measure.h"
 #include "toy.h"
@@ -12,7 +13,6 @@
 #define POINTS 3000
 #define DEGREE (3.14159265358979323846 / 180)
 
-static struct surface_work *work;
 static struct surface_face face;
 static struct dvec3 points[POINTS];
 
@@ -112,14 +112,14 @@ static void scan(const struct facegen_scan *s)
 {
     const size_t n = facegen_sample(s, points);
 
-    assert_int_equal(face_build(points, n, work, &face, NULL), ST_OK);
+    assert_int_equal(face_build(points, n, faces_work, &face, NULL), ST_OK);
 }
 
 static struct surface_asymmetry measured(void)
 {
     struct surface_asymmetry a;
 
-    assert_int_equal(surface_asymmetry(work, &face, &a), ST_OK);
+    assert_int_equal(surface_asymmetry(faces_work, &face, &a), ST_OK);
     return a;
 }
 
@@ -268,12 +268,7 @@ TEST(test_half)
     for (size_t i = 0; i < n; i++)
         if (points[i].x > -4)
             points[half++] = points[i];
-    assert_int_equal(face_build(points, half, work, &face, NULL), ST_OK);
+    assert_int_equal(face_build(points, half, faces_work, &face, NULL), ST_OK);
     a = measured();
     assert_false(a.conclusive);
-}
-
-BEFORE_ALL(set_up)
-{
-    work = surface_work_new(NULL);
 }

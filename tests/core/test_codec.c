@@ -1,10 +1,10 @@
 /* A face model as bytes and back; damaged bytes are refused. */
 #include "pose.h"
 #include "brute.h"
-#include "clouds.h"
 #include "codec.h"
 #include "delaunay.h"
 #include "face.h"
+#include "faces.h"
 #include "locate.h"
 #include "mem.h"
 #include "mesh.h"
@@ -20,7 +20,6 @@
 #define FRAME    32  /* and the frame: 12 doubles */
 
 static struct scratch scratch;
-static struct surface_work *work;
 static struct ivec3 pts[70000];
 
 static void build(enum brute_shape shape, size_t n, struct draw *r,
@@ -48,7 +47,7 @@ static enum status decode(const unsigned char *buf, size_t len, struct surface_f
 
     assert_non_null(exact);
     memcpy(exact, buf, len);
-    st = codec_decode(exact, len, work, f);
+    st = codec_decode(exact, len, faces_work, f);
     if (st != ST_OK)
         assert_int_equal(f->surface.mesh.nv, 0);
     free(exact);
@@ -74,13 +73,13 @@ static void round_trip(const struct surface_face *f)
         assert_true(len <= 32 * (size_t)f->surface.mesh.nv + ENCODING);
     assert_non_null(odd);
     memcpy(odd + 1, buf, len); /* at an odd address */
-    assert_int_equal(codec_decode(odd + 1, len, work, &g), ST_OK);
+    assert_int_equal(codec_decode(odd + 1, len, faces_work, &g), ST_OK);
     assert_same(&f->surface.mesh, &g.surface.mesh);
     rigid = pose_unscaled(&g.frame.pose);
     assert_true(pose_rigid(&rigid) && g.frame.mean_id != 0);
     free(buf);
     buf = encode(&g, &len);
-    assert_int_equal(codec_decode(buf, len, work, &h), ST_OK);
+    assert_int_equal(codec_decode(buf, len, faces_work, &h), ST_OK);
     assert_same(&f->surface.mesh, &h.surface.mesh);
     assert_memory_equal(&g.frame.pose, &h.frame.pose, sizeof g.frame.pose);
     assert_int_equal(g.encoding.n, h.encoding.n);
@@ -222,7 +221,7 @@ TEST(test_golden)
     size_t len = 0;
 
     len = golden(GOLDEN, buf);
-    assert_int_equal(codec_decode(buf, len, work, &f), ST_OK);
+    assert_int_equal(codec_decode(buf, len, faces_work, &f), ST_OK);
     assert_int_equal(f.surface.mesh.nv, 5);
     assert_int_equal(f.surface.mesh.nt, 8);
     assert_int_equal(mesh_real(&f.surface.mesh), 4);
@@ -239,9 +238,9 @@ TEST(test_golden)
     surface_encode(&f, again);
     assert_memory_equal(buf, again, len);
     buf[4] = 5; /* a version to come */
-    assert_int_equal(codec_decode(buf, len, work, &f), ST_EVERSION);
+    assert_int_equal(codec_decode(buf, len, faces_work, &f), ST_EVERSION);
     buf[4] = 2;
-    assert_int_equal(codec_decode(buf, len, work, &f), ST_EVERSION);
+    assert_int_equal(codec_decode(buf, len, faces_work, &f), ST_EVERSION);
     face_free(&f);
 }
 
@@ -258,10 +257,8 @@ static void put_double(unsigned char *p, double v)
 
 static unsigned char *encoded_face(struct surface_face *f, size_t *len)
 {
-    static struct dvec3 cloud[2000];
-    const size_t n = clouds_scan(3, 1, 2000, cloud);
-
-    assert_int_equal(face_build(cloud, n, work, f, NULL), ST_OK);
+    faces_scan(3, 1, 2000);
+    faces_build(f);
     return encode(f, len);
 }
 
@@ -457,13 +454,7 @@ TEST(test_modes)
     face_free(&g);
 }
 
-BEFORE_ALL(set_up)
-{
-    assert_non_null(work = surface_work_new(NULL));
-}
-
 AFTER_ALL(tear_down)
 {
-    surface_work_free(work);
     scratch_free(&scratch);
 }

@@ -3,12 +3,10 @@
 #include "clouds.h"
 #include "face.h"
 #include "facegen.h"
+#include "faces.h"
 #include "unit.h"
 
 #define POINTS 3000
-
-static struct surface_work
-    *work; /* one for the whole program: reuse is tested throughout */
 
 struct cloud {
     size_t n;
@@ -27,13 +25,7 @@ static enum status build(const struct cloud *c, struct surface_face *f)
 {
     size_t bad;
 
-    return face_build(c->pts, c->n, work, f, &bad);
-}
-
-static void make(uint64_t subject, uint64_t number, struct surface_face *f)
-{
-    scan(subject, number, POINTS, &cloud);
-    assert_int_equal(build(&cloud, f), ST_OK);
+    return face_build(c->pts, c->n, faces_work, f, &bad);
 }
 
 /* The estimate of the noise follows the noise; more holes, less coverage. */
@@ -75,7 +67,7 @@ static void refused(const struct cloud *c, enum status want)
     assert_int_equal(build(c, &f), want);
     assert_int_equal(f.surface.mesh.nv, 0);
     face_free(&f);
-    make(1, 1, &f); /* now into a face that is in use: its memory is used again */
+    faces_make(1, 1, &f); /* now into a face that is in use: its memory is used again */
     assert_int_equal(build(c, &f), want);
     assert_int_equal(f.surface.mesh.nv, 0);
     scan(1, 1, POINTS, &other);
@@ -123,9 +115,4 @@ TEST(test_refused)
 
     for (int k = 0; no_face(k, &c, &want); k++)
         refused(&c, want);
-}
-
-BEFORE_ALL(set_up)
-{
-    assert_non_null(work = surface_work_new(NULL));
 }

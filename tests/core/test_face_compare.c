@@ -1,41 +1,14 @@
 /* Comparing faces: the score depends on the two faces alone, the decision on that and the
  * threshold; parts of cells and regions add up to it. */
-#include "clouds.h"
 #include "libsurface.h"
 #include "face.h"
+#include "faces.h"
 #include "heatmap.h"
 #include "lattice.h"
 #include "measure.h"
 #include "minimal.h"
 #include "model.h"
 #include "unit.h"
-
-#define POINTS 3000
-
-static struct surface_work
-    *work; /* one for the whole program: reuse is tested throughout */
-
-static struct {
-    size_t n;
-    struct dvec3 pts[2 * POINTS];
-} cloud;
-
-static void scan(uint64_t subject, uint64_t number, size_t n)
-{
-    cloud.n = clouds_scan(subject, number, n, cloud.pts);
-    assert_true(cloud.n > SURFACE_MIN_POINTS);
-}
-
-static void build(struct surface_face *f)
-{
-    assert_int_equal(face_build(cloud.pts, cloud.n, work, f, NULL), ST_OK);
-}
-
-static void make(uint64_t subject, uint64_t number, struct surface_face *f)
-{
-    scan(subject, number, POINTS);
-    build(f);
-}
 
 /* Byte for byte. */
 static void check_same(const struct surface_comparison *a,
@@ -80,11 +53,11 @@ TEST(test_weigh)
     double sum = 0, weights = 0;
     const double scale = share_scale();
 
-    make(3, 0, &a);
-    make(4, 1, &b);
-    assert_int_equal(surface_disparity(work, &a, &b, &least), ST_OK);
+    faces_make(3, 0, &a);
+    faces_make(4, 1, &b);
+    assert_int_equal(surface_disparity(faces_work, &a, &b, &least), ST_OK);
     weighed = least;
-    assert_int_equal(surface_weigh(work, &a, &b, &weighed), ST_OK);
+    assert_int_equal(surface_weigh(faces_work, &a, &b, &weighed), ST_OK);
     assert_true(weighed.disparity_mm == least.disparity_mm);
     assert_int_equal(
         measure_at(&a.surface, &b.surface, least.transform, NULL, &m, &plain), ST_OK);
@@ -123,10 +96,10 @@ static enum surface_status compare_at(double threshold, const struct surface_fac
                                       const struct surface_face *b,
                                       struct surface_comparison *out)
 {
-    const enum surface_status st = surface_compare(work, a, b, out);
+    const enum surface_status st = surface_compare(faces_work, a, b, out);
 
     out->threshold = threshold;
-    surface_best_of(work, 1, out);
+    surface_best_of(faces_work, 1, out);
     return st;
 }
 
@@ -136,16 +109,16 @@ TEST(test_threshold)
     struct surface_face a = {0}, b = {0};
     struct surface_comparison usual, strict, loose, below, best;
 
-    make(12, 0, &a);
-    make(12, 1, &b);
-    assert_int_equal(surface_compare(work, &a, &b, &usual), ST_OK);
+    faces_make(12, 0, &a);
+    faces_make(12, 1, &b);
+    assert_int_equal(surface_compare(faces_work, &a, &b, &usual), ST_OK);
     assert_int_equal(compare_at(1e3, &a, &b, &strict), ST_OK);
     assert_int_equal(compare_at(usual.score, &a, &b, &loose), ST_OK);
     assert_int_equal(compare_at(-1, &a, &b, &below), ST_OK);
     assert_int_equal(usual.decision, SURFACE_MATCH);
     assert_true(usual.threshold == model_default.calibration.threshold);
     best = usual; /* of five templates */
-    surface_best_of(work, 5, &best);
+    surface_best_of(faces_work, 5, &best);
     assert_true(fabs(usual.score - log(5) - best.score) < 1e-12);
     assert_true(best.false_match_rate ==
                 surface_calibration_rate(&model_default.calibration, best.score));
@@ -160,8 +133,8 @@ TEST(test_threshold)
     strict.decision = usual.decision;
     strict.threshold = usual.threshold;
     check_same(&usual, &strict);
-    make(15, 0, &b);
-    assert_int_equal(surface_compare(work, &a, &b, &usual), ST_OK);
+    faces_make(15, 0, &b);
+    assert_int_equal(surface_compare(faces_work, &a, &b, &usual), ST_OK);
     assert_true(usual.score < usual.expected);
     assert_int_equal(compare_at(usual.expected, &a, &b, &loose), ST_OK);
     assert_int_equal(compare_at(nextafter(usual.expected, INFINITY), &a, &b, &strict),
@@ -201,21 +174,21 @@ TEST(test_mirrored)
     struct surface_comparison plain, as_is, mirrored, again;
 
     for (uint64_t k = 20; k < 24; k++) {
-        make(k, 0, &a);
-        make(k, 1, &b);
-        for (size_t i = 0; i < cloud.n; i++)
-            cloud.pts[i].x = -cloud.pts[i].x;
-        build(&m);
-        assert_int_equal(surface_compare(work, &a, &b, &plain), ST_OK);
-        assert_int_equal(surface_compare(work, &a, &m, &as_is), ST_OK);
-        assert_int_equal(surface_compare_mirrored(work, &a, &m, &mirrored), ST_OK);
+        faces_make(k, 0, &a);
+        faces_make(k, 1, &b);
+        for (size_t i = 0; i < faces_n; i++)
+            faces_pts[i].x = -faces_pts[i].x;
+        faces_build(&m);
+        assert_int_equal(surface_compare(faces_work, &a, &b, &plain), ST_OK);
+        assert_int_equal(surface_compare(faces_work, &a, &m, &as_is), ST_OK);
+        assert_int_equal(surface_compare_mirrored(faces_work, &a, &m, &mirrored), ST_OK);
         print_message("%.2f, mirrored %.2f, back %.2f\n", plain.score, as_is.score,
                       mirrored.score);
         assert_true(fabs(mirrored.score - plain.score) < 0.2);
         assert_true(mirrored.score > as_is.score);
-        assert_int_equal(surface_compare_mirrored(work, &a, &m, &again), ST_OK);
+        assert_int_equal(surface_compare_mirrored(faces_work, &a, &m, &again), ST_OK);
         check_same(&mirrored, &again);
-        assert_int_equal(surface_compare(work, &a, &m, &again), ST_OK);
+        assert_int_equal(surface_compare(faces_work, &a, &m, &again), ST_OK);
         check_same(&as_is, &again);
     }
     face_free(&a);
@@ -228,10 +201,10 @@ static void keep(bool (*holds)(const struct dvec3 *p))
 {
     size_t n = 0;
 
-    for (size_t i = 0; i < cloud.n; i++)
-        if (holds(&cloud.pts[i]))
-            cloud.pts[n++] = cloud.pts[i];
-    cloud.n = n;
+    for (size_t i = 0; i < faces_n; i++)
+        if (holds(&faces_pts[i]))
+            faces_pts[n++] = faces_pts[i];
+    faces_n = n;
 }
 
 static bool is_nose(const struct dvec3 *p)
@@ -252,20 +225,20 @@ TEST(test_inconclusive)
     static struct surface_parts field;
     struct surface_face a = {0}, b = {0};
 
-    make(13, 0, &a);
+    faces_make(13, 0, &a);
     for (int k = 0; k < 2; k++) {
         struct surface_comparison r;
 
-        scan(13, 1, 2 * POINTS);
+        faces_scan(13, 1, 2 * FACES_POINTS);
         keep(part[k]);
-        build(&b);
-        assert_int_equal(surface_compare(work, &a, &b, &r), ST_OK);
+        faces_build(&b);
+        assert_int_equal(surface_compare(faces_work, &a, &b, &r), ST_OK);
         assert_true(r.overlap > 0 && r.overlap < 0.3 && r.expected < r.threshold);
         assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
         assert_int_equal(compare_at(-1000, &a, &b, &r), ST_OK);
         assert_int_equal(r.decision, SURFACE_INCONCLUSIVE);
         assert_int_equal(b.encoding.n, 0);
-        assert_int_equal(surface_parts(work, &a, &b, &field), ST_OK);
+        assert_int_equal(surface_parts(faces_work, &a, &b, &field), ST_OK);
         for (uint32_t i = 0; i < GRID_N; i++)
             assert_true(isnan(field.part[i]));
         for (int i = 0; i < SURFACE_REGIONS; i++)
@@ -287,12 +260,12 @@ TEST(test_clock)
     struct surface_face a = {0};
     struct surface_disparity least, plain;
 
-    make(14, 0, &a);
-    assert_int_equal(surface_disparity(work, &a, &a, &plain), ST_OK);
+    faces_make(14, 0, &a);
+    assert_int_equal(surface_disparity(faces_work, &a, &a, &plain), ST_OK);
     assert_true(plain.align_ms == 0 && plain.minimal_ms == 0);
-    surface_work_clock(work, ticking);
-    assert_int_equal(surface_disparity(work, &a, &a, &least), ST_OK);
-    surface_work_clock(work, NULL);
+    surface_work_clock(faces_work, ticking);
+    assert_int_equal(surface_disparity(faces_work, &a, &a, &least), ST_OK);
+    surface_work_clock(faces_work, NULL);
     assert_true(least.align_ms == 2.5 && least.minimal_ms == 2.5);
     least.align_ms = least.minimal_ms = 0;
     assert_memory_equal(&least, &plain, sizeof least);
@@ -321,8 +294,8 @@ static void check_field(const struct surface_face *tmpl, const struct surface_fa
     double cells = 0, regions = 0, region[SURFACE_REGIONS] = {0};
     struct surface_comparison r;
 
-    assert_int_equal(surface_compare(work, tmpl, probe, &r), ST_OK);
-    assert_int_equal(surface_parts(work, tmpl, probe, &field), ST_OK);
+    assert_int_equal(surface_compare(faces_work, tmpl, probe, &r), ST_OK);
+    assert_int_equal(surface_parts(faces_work, tmpl, probe, &field), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++) {
         const uint8_t bit = (uint8_t)(1U << i % 8);
         const bool has[] = {tmpl->encoding.there[i / 8] & bit,
@@ -345,7 +318,7 @@ static void check_field(const struct surface_face *tmpl, const struct surface_fa
                   regions - r.score);
     assert_true(fabs(cells - r.score) < 1e-5);
     assert_true(fabs(regions - r.score) < 1e-10 * (1 + fabs(r.score)));
-    assert_int_equal(surface_parts(work, tmpl, probe, &again), ST_OK);
+    assert_int_equal(surface_parts(faces_work, tmpl, probe, &again), ST_OK);
     assert_memory_equal(field.region, again.region, sizeof field.region);
 }
 
@@ -353,23 +326,23 @@ TEST(test_field)
 {
     struct surface_face a = {0}, b = {0};
 
-    make(16, 0, &a);
+    faces_make(16, 0, &a);
     check_field(&a, &a);
-    make(16, 1, &b);
+    faces_make(16, 1, &b);
     check_field(&a, &b);
-    make(17, 0, &b);
+    faces_make(17, 0, &b);
     check_field(&a, &b);
-    scan(16, 1, 2 * POINTS);
+    faces_scan(16, 1, 2 * FACES_POINTS);
     keep(is_left);
-    build(&b);
+    faces_build(&b);
     check_field(&a, &b);
     check_field(&b, &a);
-    scan(16, 0, 2 * POINTS); /* and of halves that have no cell in common */
+    faces_scan(16, 0, 2 * FACES_POINTS); /* and of halves that have no cell in common */
     keep(is_far_left);
-    build(&a);
-    scan(16, 1, 2 * POINTS);
+    faces_build(&a);
+    faces_scan(16, 1, 2 * FACES_POINTS);
     keep(is_far_right);
-    build(&b);
+    faces_build(&b);
     for (uint32_t i = 0; i < GRID_N / 8; i++)
         assert_int_equal(a.encoding.there[i] & b.encoding.there[i], 0);
     assert_true(a.encoding.n > 0 && b.encoding.n > 0);
@@ -386,10 +359,10 @@ TEST(test_field_gap)
     struct surface_face a = {0}, b = {0};
     uint32_t n = 0;
 
-    make(16, 0, &a);
-    build(&b);
+    faces_make(16, 0, &a);
+    faces_build(&b);
     b.frame.pose.t[2] += 2;
-    assert_int_equal(surface_parts(work, &a, &b, &field), ST_OK);
+    assert_int_equal(surface_parts(faces_work, &a, &b, &field), ST_OK);
     for (uint32_t i = 0; i < GRID_N; i++) {
         if (isnan(field.gap_mm[i]))
             continue;
@@ -405,8 +378,8 @@ TEST(test_field_gap)
  * their triangles was measured. */
 TEST(test_heatmap)
 {
-    static struct dvec3 pts[POINTS];
-    static double gap[POINTS];
+    static struct dvec3 pts[FACES_POINTS];
+    static double gap[FACES_POINTS];
     const double up[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 2, 0, 0, 0, 1};
     const double aside[16] = {1, 0, 0, 400, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     const struct dvec3 odd[] = {
@@ -414,12 +387,12 @@ TEST(test_heatmap)
     struct surface_face f = {0};
     size_t n = 0, rim = 0;
 
-    scan(15, 0, POINTS);
-    for (size_t i = 0; i < cloud.n; i++)
-        if (hypot(cloud.pts[i].x - 25, cloud.pts[i].y) > 14)
-            cloud.pts[n++] = cloud.pts[i];
-    cloud.n = n;
-    build(&f);
+    faces_scan(15, 0, FACES_POINTS);
+    for (size_t i = 0; i < faces_n; i++)
+        if (hypot(faces_pts[i].x - 25, faces_pts[i].y) > 14)
+            faces_pts[n++] = faces_pts[i];
+    faces_n = n;
+    faces_build(&f);
     for (uint32_t v = 0; v < f.surface.mesh.nv; v++)
         pts[v] = (struct dvec3){f.surface.mesh.xy[v].x / LATTICE_PER_MM,
                                 f.surface.mesh.xy[v].y / LATTICE_PER_MM,
@@ -444,9 +417,4 @@ TEST(test_heatmap)
     assert_int_equal(heatmap_gaps(&f.surface, odd, 3, up, gap), ST_OK);
     assert_true(isnan(gap[0]) && isnan(gap[1]) && isnan(gap[2]));
     face_free(&f);
-}
-
-BEFORE_ALL(set_up)
-{
-    assert_non_null(work = surface_work_new(NULL));
 }

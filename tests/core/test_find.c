@@ -2,18 +2,12 @@
  * is none. */
 #include "brute.h"
 #include "face.h"
+#include "faces.h"
 #include "facegen.h"
 #include "find.h"
 #include "headscan.h"
 #include "toy.h"
 #include "unit.h"
-
-static struct surface_work *work;
-
-BEFORE_ALL(open_work)
-{
-    assert_non_null(work = surface_work_new(NULL));
-}
 
 /* ---- motions */
 
@@ -116,7 +110,7 @@ static void render(uint64_t subject, const struct headscan_options *o,
 
     head_make_up(subject, &h);
     head_measure(&h);
-    assert_int_equal(find_face(h.at, h.n, 1, work, NULL, &f), ST_OK);
+    assert_int_equal(find_face(h.at, h.n, 1, faces_work, NULL, &f), ST_OK);
     *pose = f.pose[0].pose;
     headscan_render(&h, o, out);
     drop_empty(out);
@@ -166,7 +160,7 @@ static void check_any(const struct dvec3 *pts, size_t n, const struct pose *stil
         struct find_result f;
 
         move_all(moved, n, &by, units[u]);
-        assert_int_equal(find_face(moved, n, 0, work, NULL, &f), ST_OK);
+        assert_int_equal(find_face(moved, n, 0, faces_work, NULL, &f), ST_OK);
         assert_in_range(f.n, 1, FIND_POSES);
         assert_int_equal(f.faces, 1);
         assert_true(f.pose[0].unit_mm == units[u]);
@@ -186,10 +180,10 @@ TEST(test_any_pose)
         struct head h = {0};
         struct find_result f;
 
-        assert_int_equal(find_face(pts, n, 1, work, NULL, &f), ST_OK);
+        assert_int_equal(find_face(pts, n, 1, faces_work, NULL, &f), ST_OK);
         check_any(pts, n, &f.pose[0].pose, &r);
         head_make_up(subject, &h);
-        assert_int_equal(find_face(h.at, h.n, 1, work, NULL, &f), ST_OK);
+        assert_int_equal(find_face(h.at, h.n, 1, faces_work, NULL, &f), ST_OK);
         check_any(h.at, h.n, &f.pose[0].pose, &r);
         head_free(&h);
     }
@@ -217,7 +211,7 @@ TEST(test_kinds)
             assert_true(headscan_kind(kinds[k].name, subject, false, &o));
             render(subject, &o, &s, &still);
             by = motion_of(&o);
-            assert_int_equal(find_face(s.at, s.n, 0, work, NULL, &f), ST_OK);
+            assert_int_equal(find_face(s.at, s.n, 0, faces_work, NULL, &f), ST_OK);
             assert_int_equal(f.faces, 1);
             assert_true(f.pose[0].unit_mm == o.unit_mm);
             look_among(&still, &f, &by, kinds[k].deg, kinds[k].mm);
@@ -255,7 +249,7 @@ TEST(test_nearest)
         for (size_t i = 0; i < b.n; i += 2)
             pts[n++] = pose_apply(
                 &axes[k], (struct dvec3){b.at[i].x + 330, b.at[i].y, b.at[i].z + 50});
-        assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
+        assert_int_equal(find_face(pts, n, 0, faces_work, NULL, &f), ST_OK);
         assert_int_equal(f.faces, 2);
         assert_true(fabs(nose_at(&f) - (k < 2 ? 330 : 0)) < 10);
     }
@@ -271,7 +265,7 @@ TEST(test_strays)
     struct draw r = {brute_seed("test_find")};
     struct find_result f, with;
 
-    assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
+    assert_int_equal(find_face(pts, n, 0, faces_work, NULL, &f), ST_OK);
     for (size_t i = n; i < n + 100; i++) {
         const double far = i % 10 == 0 ? 300 : 1e6;
 
@@ -279,7 +273,7 @@ TEST(test_strays)
             (struct dvec3){far * draw_uniform(&r, -1, 1), far * draw_uniform(&r, -1, 1),
                            far * draw_uniform(&r, -1, 1)};
     }
-    assert_int_equal(find_face(pts, n + 100, 0, work, NULL, &with), ST_OK);
+    assert_int_equal(find_face(pts, n + 100, 0, faces_work, NULL, &with), ST_OK);
     assert_int_equal(with.faces, 1);
     assert_true(with.pose[0].unit_mm == 1);
     assert_near(&f.pose[0].pose, &with.pose[0].pose, 2, 2);
@@ -290,14 +284,15 @@ TEST(test_nothing)
     static struct dvec3 pts[2000];
     struct find_result f;
 
-    assert_int_equal(find_face(pts, 0, 0, work, NULL, &f), ST_ENOFACE);
-    assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE); /* all equal */
+    assert_int_equal(find_face(pts, 0, 0, faces_work, NULL, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, faces_work, NULL, &f),
+                     ST_ENOFACE); /* all equal */
     for (size_t i = 0; i < 2000; i++)
         pts[i] = (struct dvec3){0.1 * (double)i, 0, 0};
-    assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, faces_work, NULL, &f), ST_ENOFACE);
     for (size_t i = 0; i < 2000; i++)
         pts[i] = (struct dvec3){1e300 * (double)i, -1e308, i % 2 == 0 ? 1e-300 : 1e308};
-    assert_int_equal(find_face(pts, 2000, 0, work, NULL, &f), ST_ENOFACE);
+    assert_int_equal(find_face(pts, 2000, 0, faces_work, NULL, &f), ST_ENOFACE);
     assert_int_equal(f.n, 0);
     assert_int_equal(f.faces, 0);
 }
@@ -366,7 +361,7 @@ TEST(test_body)
         move_all(pts, n, &to, 1);
         for (size_t i = 0; i < n; i++)
             pts[i].z = 4 * rint(pts[i].z / 4);
-        assert_int_equal(find_face(pts, n, 0, work, NULL, &f), ST_OK);
+        assert_int_equal(find_face(pts, n, 0, faces_work, NULL, &f), ST_OK);
         at = toy_then(&to, &f.pose[0].pose);
         apart(&truth, &at, &deg, &mm);
         wrong += deg > 15 || mm > 25;

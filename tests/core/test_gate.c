@@ -2,6 +2,7 @@
 #include "brute.h"
 #include "cloudpoints.h"
 #include "face.h"
+#include "faces.h"
 #include "facegen.h"
 #include "mem.h"
 #include "scan.h"
@@ -9,7 +10,6 @@
 
 #define N 4000
 
-static struct surface_work *work;
 static struct dvec3 pts[N];
 static struct surface_found found;
 
@@ -23,7 +23,7 @@ static enum status build(const struct dvec3 *from, size_t n, enum scan_axes axes
 
     assert_non_null(c.at = mem_array(n, sizeof *c.at));
     memcpy(c.at, from, n * sizeof *from);
-    st = scan_build(&c, &o, work, &face, NULL, &found);
+    st = scan_build(&c, &o, faces_work, &face, NULL, &found);
     cloudpoints_free(&c);
     face_free(&face);
     return st;
@@ -237,14 +237,4 @@ TEST(test_lower_half)
         hidden += found.forehead < 0;
     }
     assert_true(hidden >= 3);
-}
-
-BEFORE_ALL(set_up)
-{
-    assert_false((work = surface_work_new(NULL)) == NULL);
-}
-
-AFTER_ALL(tear_down)
-{
-    surface_work_free(work);
 }

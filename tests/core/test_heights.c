@@ -1,8 +1,7 @@
 /* Heights of cells: by hand where the mean is known exactly, holes and steep places left out, the
  * same whether the surface moves or the pose. */
 #include "brute.h"
-#include "face.h"
-#include "facegen.h"
+#include "faces.h"
 #include "heights.h"
 #include "toy.h"
 #include "unit.h"
@@ -271,17 +270,11 @@ TEST(test_beside)
 
 static void face(void)
 {
-    static struct surface_face f;
-    struct surface_work *w = surface_work_new(NULL);
-    struct facegen_scan s;
+    struct surface_face f = {0};
 
-    assert_non_null(w);
-    facegen_default(&s);
-    assert_int_equal(face_build(pts, n = facegen_sample(&s, pts), w, &f, NULL), ST_OK);
+    faces_make(0, 0, &f);
     surface_free(&surface);
     surface = f.surface;
-    memset(&f, 0, sizeof f);
-    surface_work_free(w);
 }
 
 /* Samples are taken at one pose, and seen from another near it. */

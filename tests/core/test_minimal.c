@@ -3,6 +3,7 @@
 #include "pose.h"
 #include "brute.h"
 #include "face.h"
+#include "faces.h"
 #include "facegen.h"
 #include "measure.h"
 #include "minimal.h"
@@ -12,7 +13,6 @@
 #define POINTS 3000
 #define LEVER  80.0
 
-static struct surface_work *work;
 static struct measure_work measure;
 static struct surface_face tmpl, probe;
 static struct dvec3 points[POINTS];
@@ -26,7 +26,7 @@ static void build(const struct facegen_scan *s, double from_x, struct surface_fa
     for (size_t i = 0; i < n; i++)
         if (points[i].x > from_x)
             points[kept++] = points[i];
-    assert_int_equal(face_build(points, kept, work, out, NULL), ST_OK);
+    assert_int_equal(face_build(points, kept, faces_work, out, NULL), ST_OK);
 }
 
 /* A template, and a probe of the same person or another, of so many points, of which those
@@ -46,7 +46,7 @@ static const double *pair(uint64_t subject, bool mated, uint32_t n, double from_
     s.smile = subject % 2 ? 0.3 : 0;
     facegen_pose(&s, 8, 12);
     build(&s, from_x, &probe);
-    assert_int_equal(face_align(&tmpl, &probe, work, &r), ST_OK);
+    assert_int_equal(face_align(&tmpl, &probe, faces_work, &r), ST_OK);
     return r.transform;
 }
 
@@ -299,7 +299,7 @@ TEST(test_itself)
     double t[16];
 
     (void)aligned;
-    assert_int_equal(face_build(points, 0, work, &probe, NULL), ST_ETOOFEW);
+    assert_int_equal(face_build(points, 0, faces_work, &probe, NULL), ST_ETOOFEW);
     face_free(&probe);
     probe = tmpl;
     m = find(still);
@@ -340,9 +340,4 @@ TEST(test_overturned)
         moved(aligned, x, t);
         assert_true(find(t).disparity.plain_mm <= at(t).plain_mm);
     }
-}
-
-BEFORE_ALL(start)
-{
-    assert_non_null(work = surface_work_new(NULL));
 }

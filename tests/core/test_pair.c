@@ -2,26 +2,20 @@
 /* link: -Wl,--wrap=aligned_alloc */
 #include "pair.h"
 
-#include "clouds.h"
 #include "face.h"
+#include "faces.h"
 #include "fail_alloc.h"
 #include "place.h"
 #include "pose.h"
 #include "unit.h"
 #include "face_work.h"
 
-#define POINTS 3000
-
-static struct surface_work *work;
-
 static void make(uint64_t subject, uint64_t number, double size, struct surface_face *f)
 {
-    static struct dvec3 pts[2 * POINTS];
-    const size_t n = clouds_scan(subject, number, POINTS, pts);
-
-    for (size_t i = 0; i < n; i++)
-        pts[i] = (struct dvec3){size * pts[i].x, size * pts[i].y, size * pts[i].z};
-    assert_int_equal(face_build(pts, n, work, f, NULL), ST_OK);
+    faces_scan(subject, number, FACES_POINTS);
+    for (size_t i = 0; i < faces_n; i++)
+        faces_pts[i] = vec_along((struct dvec3){0, 0, 0}, size, faces_pts[i]);
+    faces_build(f);
 }
 
 /* As if f had been taken for a head so large. */
@@ -29,18 +23,18 @@ static void mistake(struct surface_face *f, double size)
 {
     struct shape_fit fit;
 
-    assert_int_equal(place_at(f, size, work, &fit), ST_OK);
+    assert_int_equal(place_at(f, size, faces_work, &fit), ST_OK);
     f->frame.pose = fit.pose;
     place_keep(&fit, &f->frame);
-    assert_int_equal(place_encode(f, &fit, work, &f->encoding), ST_OK);
+    assert_int_equal(place_encode(f, &fit, faces_work, &f->encoding), ST_OK);
 }
 
 static double score(const struct surface_face *a, const struct surface_face *b)
 {
     struct surface_comparison ab, ba;
 
-    assert_int_equal(surface_compare(work, a, b, &ab), ST_OK);
-    assert_int_equal(surface_compare(work, b, a, &ba), ST_OK);
+    assert_int_equal(surface_compare(faces_work, a, b, &ab), ST_OK);
+    assert_int_equal(surface_compare(faces_work, b, a, &ba), ST_OK);
     assert_true(fabs(ab.score - ba.score) < 1e-6);
     return ab.score;
 }
@@ -84,14 +78,14 @@ TEST(test_all_of_one_pair)
 
     make(3, 0, 1, &a);
     make(3, 1, 1, &b);
-    assert_int_equal(surface_disparity(work, &a, &b, &want), ST_OK);
+    assert_int_equal(surface_disparity(faces_work, &a, &b, &want), ST_OK);
     mistake(&b, 1.2);
-    assert_int_equal(surface_parts(work, &a, &b, &parts), ST_OK);
+    assert_int_equal(surface_parts(faces_work, &a, &b, &parts), ST_OK);
     for (int i = 0; i < SURFACE_REGIONS; i++)
         sum += parts.region[i];
     assert_true(fabs(sum - score(&a, &b)) < 1e-3);
     assert_true(fabs(parts.scale - 1) < 1e-9);
-    assert_int_equal(surface_disparity(work, &a, &b, &d), ST_OK);
+    assert_int_equal(surface_disparity(faces_work, &a, &b, &d), ST_OK);
     assert_true(fabs(d.disparity_mm - want.disparity_mm) < 0.01 * want.disparity_mm);
     face_free(&a);
     face_free(&b);
@@ -105,9 +99,9 @@ TEST(test_mirrored)
 
     make(4, 0, 1, &a);
     make(4, 1, 1, &b);
-    assert_int_equal(surface_compare_mirrored(work, &a, &b, &right), ST_OK);
+    assert_int_equal(surface_compare_mirrored(faces_work, &a, &b, &right), ST_OK);
     mistake(&b, 0.85);
-    assert_int_equal(surface_compare_mirrored(work, &a, &b, &mistaken), ST_OK);
+    assert_int_equal(surface_compare_mirrored(faces_work, &a, &b, &mistaken), ST_OK);
     assert_true(fabs(right.score - mistaken.score) < 8);
     face_free(&a);
     face_free(&b);
@@ -131,23 +125,23 @@ TEST(test_doubt)
     pose_move(&b.frame.pose, nose, off);
     fit.pose = b.frame.pose;
     fit.residual_mm = 0.5;
-    assert_int_equal(place_encode(&b, &fit, work, &b.encoding), ST_OK);
-    assert_int_equal(surface_compare(work, &a, &b, &r), ST_OK);
+    assert_int_equal(place_encode(&b, &fit, faces_work, &b.encoding), ST_OK);
+    assert_int_equal(surface_compare(faces_work, &a, &b, &r), ST_OK);
     assert_true(r.score < SURFACE_DOUBT && r.decision == SURFACE_NO_MATCH);
     again = r;
-    assert_int_equal(surface_compare_again(work, &a, &b, &again), ST_OK);
+    assert_int_equal(surface_compare_again(faces_work, &a, &b, &again), ST_OK);
     assert_true(again.score > 20 && again.decision == SURFACE_MATCH);
     assert_true(again.threshold == r.threshold);
     assert_true(again.false_match_rate < r.false_match_rate);
-    assert_int_equal(surface_parts(work, &a, &b, &parts), ST_OK);
+    assert_int_equal(surface_parts(faces_work, &a, &b, &parts), ST_OK);
     for (int i = 0; i < SURFACE_REGIONS; i++)
         sum += parts.region[i];
     assert_true(fabs(sum - again.score) < 1e-3);
 
-    assert_int_equal(surface_compare(work, &a, &other, &r), ST_OK);
+    assert_int_equal(surface_compare(faces_work, &a, &other, &r), ST_OK);
     assert_true(r.score < SURFACE_DOUBT);
     again = r;
-    assert_int_equal(surface_compare_again(work, &a, &other, &again), ST_OK);
+    assert_int_equal(surface_compare_again(faces_work, &a, &other, &again), ST_OK);
     assert_memory_equal(&r, &again, sizeof r);
     face_free(&a);
     face_free(&b);
@@ -178,14 +172,4 @@ TEST(test_allocations)
     assert_true(fail_alloc_walk(compare, NULL) > 1);
     face_free(&failing[0]);
     face_free(&failing[1]);
-}
-
-BEFORE_ALL(set_up)
-{
-    assert_non_null(work = surface_work_new(NULL));
-}
-
-AFTER_ALL(tear_down)
-{
-    surface_work_free(work);
 }

@@ -169,27 +169,6 @@ TEST(test_gives_up)
     }
 }
 
-/* A fan of twelve triangles about a point, wound round it twice: each triangle is
- * counter-clockwise, each circle empty, the hull turns left at each corner. */
-TEST(test_wound_twice)
-{
-    static const int32_t x[6] = {1000, 500, -500, -1000, -500, 500};
-    static const int32_t y[6] = {0, 866, 866, 0, -866, -866};
-    static const int32_t fan[12][2] = {
-        {1000, 0},  {866, 500},   {500, 866},   {0, 1000},  {-500, 866}, {-866, 500},
-        {-1000, 0}, {-866, -500}, {-500, -866}, {0, -1000}, {500, -866}, {866, -500}};
-    struct ivec2 to[13] = {{0, 0}};
-
-    pts[0] = (struct ivec3){0, 0, 0};
-    for (int i = 0; i < 12; i++) {
-        pts[i + 1] = (struct ivec3){fan[i][0], fan[i][1], 0};
-        to[i + 1] =
-            (struct ivec2){x[i % 6] * (i < 6 ? 1 : 2), y[i % 6] * (i < 6 ? 1 : 2)};
-    }
-    assert_int_equal(delaunay_numbered(pts, 13, &scratch, &mesh), ST_OK);
-    assert_int_equal(repair(to), ST_ELIMIT);
-}
-
 /* ---- given numbers */
 
 #define HEAP 1000

@@ -3,6 +3,7 @@
 #include "brute.h"
 #include "cloudpoints.h"
 #include "face.h"
+#include "faces.h"
 #include "facegen.h"
 #include "headscan.h"
 #include "mem.h"
@@ -13,17 +14,11 @@
 #define ROOM         60000
 #define FOCAL_PEOPLE 16
 
-static struct surface_work *work;
 static struct surface_face tmpl, face, plain;
 static struct surface_found found;
 static struct dvec3 pts[ROOM];
 static size_t n;
 static struct cloudpoints c;
-
-BEFORE_ALL(set_up)
-{
-    assert_non_null(work = surface_work_new(NULL));
-}
 
 static void sample(uint64_t subject, uint64_t scan, uint32_t points)
 {
@@ -40,7 +35,7 @@ static void sample(uint64_t subject, uint64_t scan, uint32_t points)
 static void enroll(uint64_t subject)
 {
     sample(subject, 0, 3000);
-    assert_int_equal(face_build(pts, n, work, &tmpl, NULL), ST_OK);
+    assert_int_equal(face_build(pts, n, faces_work, &tmpl, NULL), ST_OK);
 }
 
 /* Turns all points, and then gives them in units of so many mm. */
@@ -68,7 +63,7 @@ static bool take(void)
 static enum status build(const struct scan_options *o)
 {
     assert_true(take());
-    return scan_build(&c, o, work, &face, NULL, &found);
+    return scan_build(&c, o, faces_work, &face, NULL, &found);
 }
 
 static const struct scan_options probe,
@@ -93,7 +88,7 @@ static void assert_decision(enum surface_decision want)
 {
     struct surface_comparison r;
 
-    assert_int_equal(surface_compare(work, &tmpl, &face, &r), ST_OK);
+    assert_int_equal(surface_compare(faces_work, &tmpl, &face, &r), ST_OK);
     if (r.decision != want)
         fail_msg("decision %d, wanted %d: score %.2f", r.decision, want, r.score);
 }
@@ -107,7 +102,7 @@ TEST(test_as_it_is)
         const struct surface *a = &plain.surface, *b = &face.surface;
 
         sample(subject, 2, subject % 2 ? 3000 : 800);
-        assert_int_equal(face_build(pts, n, work, &plain, NULL), ST_OK);
+        assert_int_equal(face_build(pts, n, faces_work, &plain, NULL), ST_OK);
         assert_int_equal(build(subject % 3 ? &agreed_enrolment : &agreed), ST_OK);
         assert_memory_equal(c.at, pts, n * sizeof *pts);
         assert_true(c.n == n && c.index == NULL);
@@ -139,10 +134,10 @@ TEST(test_one_way)
         face_free(&tmpl);
         tmpl = face;
         face = (struct surface_face){0};
-        assert_int_equal(surface_compare(work, &tmpl, &tmpl, &self), ST_OK);
+        assert_int_equal(surface_compare(faces_work, &tmpl, &tmpl, &self), ST_OK);
         turn(40, 20, 30, 1);
         assert_int_equal(build(&enrolment), ST_OK);
-        assert_int_equal(surface_compare(work, &tmpl, &face, &turned), ST_OK);
+        assert_int_equal(surface_compare(faces_work, &tmpl, &face, &turned), ST_OK);
         if (!(turned.score > 0.95 * self.score))
             fail_msg("subject %d: %.2f, with itself %.2f", (int)subject, turned.score,
                      self.score);
@@ -163,11 +158,12 @@ TEST(test_units)
         assert_true(fabs(view_scale() - mm[k]) < 1e-9 * mm[k]);
         assert_true(take());
         c.unit_mm = mm[k];
-        assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_OK);
+        assert_int_equal(scan_build(&c, &probe, faces_work, &face, NULL, &found), ST_OK);
         assert_true(found.unit_mm == mm[k] && !found.unit_found);
         assert_true(take());
         c.unit_mm = 1;
-        assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_EUNITS);
+        assert_int_equal(scan_build(&c, &probe, faces_work, &face, NULL, &found),
+                         ST_EUNITS);
     }
 }
 
@@ -192,12 +188,12 @@ TEST(test_unusual_unit)
         }
         assert_true(take());
         c.unit_mm = 1;
-        assert_true(scan_build(&c, &enrolment, work, &face, NULL, &found) != ST_OK);
+        assert_true(scan_build(&c, &enrolment, faces_work, &face, NULL, &found) != ST_OK);
         assert_true(found.fits_mm == 0);
         assert_true(take());
         c.unit_mm = 1;
         c.pinhole = true;
-        assert_int_equal(scan_build(&c, &enrolment, work, &face, NULL, &found),
+        assert_int_equal(scan_build(&c, &enrolment, faces_work, &face, NULL, &found),
                          ST_EUNITS);
         assert_true(fabs(log(found.fits_mm / mm[k])) < 0.2);
     }
@@ -408,11 +404,11 @@ TEST(test_stepped)
             assert_true(warned(SURFACE_STEPPED) && fabs(found.step_mm - step) < 1e-6);
             assert_true(found.quality.noise_mm >= step / 2);
             assert_true(face.encoding.residual_mm > 2);
-            assert_int_equal(surface_compare(work, &tmpl, &face, &r), ST_OK);
+            assert_int_equal(surface_compare(faces_work, &tmpl, &face, &r), ST_OK);
             assert_int_not_equal(r.decision,
                                  subject % 2 ? SURFACE_MATCH : SURFACE_NO_MATCH);
             residual = face.encoding.residual_mm;
-            assert_int_equal(face_rebuild(&face, work), ST_OK);
+            assert_int_equal(face_rebuild(&face, faces_work), ST_OK);
             assert_true(face.encoding.residual_mm == residual);
         }
     }
@@ -441,7 +437,7 @@ static unsigned focal_warnings(double wide, double *mean)
         }
         assert_true(take());
         c.pinhole = true;
-        assert_int_equal(scan_build(&c, &probe, work, &face, NULL, &found), ST_OK);
+        assert_int_equal(scan_build(&c, &probe, faces_work, &face, NULL, &found), ST_OK);
         warnings += warned(SURFACE_FOCAL);
         known += found.focal_times > 0;
         *mean += found.focal_times;
@@ -538,7 +534,7 @@ TEST(test_mirrored)
         assert_non_null(c.normal);
         for (size_t i = 0; i < n; i++)
             c.normal[i] = (struct dvec3){0, mirrored ? 0.87 : 0, mirrored ? -0.5 : 1};
-        assert_int_equal(scan_build(&c, &enrolment, work, &face, NULL, &found),
+        assert_int_equal(scan_build(&c, &enrolment, faces_work, &face, NULL, &found),
                          mirrored ? ST_EMIRRORED : ST_OK);
         assert_int_equal(warned(SURFACE_MIRRORED), mirrored);
     }
@@ -623,10 +619,11 @@ TEST(test_as_is_kept)
         quality = face.quality;
         assert_int_not_equal(st, ST_OK);
         assert_true(take());
-        assert_int_not_equal(scan_build(&c, &strict, work, &face, &bad, &found), ST_OK);
+        assert_int_not_equal(scan_build(&c, &strict, faces_work, &face, &bad, &found),
+                             ST_OK);
         assert_true(take());
         bad = 0;
-        assert_int_equal(scan_build(&c, &loose, work, &face, &bad, &found), st);
+        assert_int_equal(scan_build(&c, &loose, faces_work, &face, &bad, &found), st);
         assert_memory_equal(&found, &before, sizeof found);
         assert_memory_equal(&face.quality, &quality, sizeof quality);
         assert_int_equal(face.surface.mesh.nv, 0);
@@ -644,6 +641,6 @@ TEST(test_range)
         pts[i].z = 0;
     pts[1234].x = 1e300;
     assert_true(take());
-    assert_int_equal(scan_build(&c, &probe, work, &face, &bad, &found), ST_ERANGE);
+    assert_int_equal(scan_build(&c, &probe, faces_work, &face, &bad, &found), ST_ERANGE);
     assert_int_equal(bad, 1234);
 }
