@@ -259,8 +259,12 @@ enum status store_record_attempt(struct log_txn *t, const struct store_record *w
         st = rows_attempts_fail(t, what->subject, what->actor, now, suspicion, e);
     else if (what->as == STORE_RECORD_PASSED && (was->failures > 0 || was->suspicion > 0))
         st = rows_attempts_match(t, what->subject, what->actor, suspicion, e);
+    /* One or the other: all rows of a subject, and old rows of a token on any subject.  Two transactions
+     * that changed both could wait for each other on a server. */
     if (st == ST_OK && (out->warnings & 1U << STORE_ATTEMPTS_PATTERN) != 0)
         st = rows_attempts_told(t, what->subject, e);
+    else if (st == ST_OK && failed)
+        st = rows_attempts_expire(t, what->actor, now, e);
     return st;
 }
 

@@ -148,6 +148,12 @@ enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *su
         return st;
     if (n == 0)
         return errinfo_set(e, ST_ENOTFOUND, "there is no subject %s", subject->id);
+    return ST_OK;
+}
+
+enum status rows_attempts_expire(struct log_txn *t, const char *token, int64_t now,
+                                 struct errinfo *e)
+{
     return SQL_RUN(t->sql, e, "DELETE FROM attempts WHERE token = $1 AND at_ms < $2",
                    sql_text(token), sql_int(now - STORE_ATTEMPTS_DAYS * DAY));
 }

@@ -27,12 +27,16 @@ enum status rows_attempts_not_after(struct log_txn *t,
                                     const char *token, int64_t now, struct errinfo *e);
 
 /* rows_attempts_fail(t, subject, token, now, suspicion, e): Records one more failure of token for subject
- * at time now.  Deletes the token's rows that are older than STORE_ATTEMPTS_DAYS.
+ * at time now.
  *   suspicion  new suspicion of the row
  * ST_ENOTFOUND: the subject was erased. */
 enum status rows_attempts_fail(struct log_txn *t, const struct store_subject *subject,
                                const char *token, int64_t now, uint32_t suspicion,
                                struct errinfo *e);
+
+/* rows_attempts_expire(t, token, now, e): Deletes the token's rows that are older than STORE_ATTEMPTS_DAYS. */
+enum status rows_attempts_expire(struct log_txn *t, const char *token, int64_t now,
+                                 struct errinfo *e);
 
 /* rows_attempts_match(t, subject, token, suspicion, e): Deletes the failures of token for subject, after a
  * match.
