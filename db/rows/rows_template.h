@@ -3,65 +3,75 @@
 #define DB_ROWS_TEMPLATE_H
 #include "rows_subject.h"
 
-struct rows_template { /* a row as it was read and found authentic */
+struct rows_template { /* an authentic row */
     struct store_template one;
     int64_t revision;
-    uint64_t number; /* of its subject's, in the order of enrolment */
+    uint64_t number; /* number among the subject's templates, in the order of enrolment */
     unsigned char mac[CRYPT_HASH];
-    /* Set when the row is written: keyed hashes of both digests, what is encrypted. */
+    /* Set when the row is written: the subject, keyed hashes of both digests, encrypted columns. */
     unsigned char uid[STORE_UID], by_used[CRYPT_HASH], by_read[CRYPT_HASH];
     struct sql_field_blob about;
 };
 
 extern const struct rows_table rows_templates;
 
-/* Receives one template; its status ends the reading where it is not ST_OK. */
+/* Receives a template.  Any status but ST_OK and ST_ECORRUPT ends the reading. */
 typedef enum status rows_template_use(void *arg, const struct rows_template *row,
                                       const struct rows_subject *of, const void *face,
                                       size_t len, struct errinfo *e);
 
-/* rows_template_get(t, id, out, of, e): with its subject.  ST_ENOTFOUND, ST_ECORRUPT.
- * rows_template_list(t, of, out, n, e): the subject's, oldest first; released by free().
- * ST_ECORRUPT also where they are not all: one that is hidden must not make another the oldest.
- * rows_template_same(t, uid, used, read, id, e): the id of the subject's template that was made of
- * these points as they were used or as they were read (64 digits each, "" for unknown); "" where
- * there is none.  ST_ENOTFOUND: there is no such subject. */
+/* rows_template_get(t, id, out, of, e): Reads a template and its subject.  ST_ENOTFOUND, ST_ECORRUPT. */
 enum status rows_template_get(struct log_txn *t, const char *id,
                               struct rows_template *out, struct rows_subject *of,
                               struct errinfo *e);
+
+/* rows_template_list(t, of, out, n, e): Lists the subject's templates, oldest first.
+ *   of   the query uses only of->lookup, which is known before the subject's row was read
+ *   out  a new array of *n elements, to be released by free()
+ * ST_ECORRUPT: also if one is missing: a hidden template must not make another the oldest. */
 enum status rows_template_list(struct log_txn *t, const struct rows_subject *of,
                                struct rows_template **out, size_t *n, struct errinfo *e);
+
+/* rows_template_same(t, uid, used, read, id, e): Finds the subject's template that was made of the same points.
+ *   used, read  digests of the points as used and as read, 64 digits each; "": unknown
+ *   id          receives the template's id; "": there is none
+ * ST_ENOTFOUND: there is no such subject. */
 enum status rows_template_same(struct log_txn *t, const unsigned char uid[STORE_UID],
                                const char *used, const char *read,
                                char id[STORE_ID_LEN + 1], struct errinfo *e);
 
-/* rows_template_face(t, row, of, face, len, e): decrypted; wiped and released by
- * rows_template_wipe(), also NULL.
- * rows_template_each(t, part, parts, use, report, arg, e): every template with its face,
- * or the part'th of parts shares of them, from 0 on; a damaged one is reported and
- * skipped. */
+/* rows_template_face(t, row, of, face, len, e): Reads and decrypts the face of a template.
+ *   face  to be released by rows_template_wipe(), also after a failure */
 enum status rows_template_face(struct log_txn *t, const struct rows_template *row,
                                const struct rows_subject *of, unsigned char **face,
                                size_t *len, struct errinfo *e);
+
+/* rows_template_wipe(face, len): Wipes and releases a face; NULL is allowed. */
 void rows_template_wipe(unsigned char *face, size_t len);
+
+/* rows_template_each(t, part, parts, use, report, arg, e): Calls use() for each template of the part'th of
+ * `parts` shares, from 0 on.  Calls report() for a damaged template, and if use() returns ST_ECORRUPT. */
 enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
                                rows_template_use *use, store_report *report, void *arg,
                                struct errinfo *e);
 
-/* rows_template_add(t, of, row, face, len, e): a new row of row->one.
- * rows_template_write(t, of, row, face, len, e): what row->one says by now, and another face.
- * rows_template_delete(t, of, row, e): and its face.
- * Each writes the subject's row, *of, too.
- * Of a subject that is deleted itself: rows_table_delete().
- * rows_template_accept(t, of, e): those that there are are all. */
+/* rows_template_add(t, of, row, face, len, e): Adds a template described by row->one, with its face.  Writes the
+ * subject's row too. */
 enum status rows_template_add(struct log_txn *t, struct rows_subject *of,
                               struct rows_template *row, const void *face, size_t len,
                               struct errinfo *e);
+
+/* rows_template_write(t, of, row, face, len, e): Replaces row->one and the face.  Writes the subject's row too. */
 enum status rows_template_write(struct log_txn *t, struct rows_subject *of,
                                 struct rows_template *row, const void *face, size_t len,
                                 struct errinfo *e);
+
+/* rows_template_delete(t, of, row, e): Deletes a template with its face.  Writes the subject's row too; if the
+ * subject is deleted itself, use rows_table_delete(). */
 enum status rows_template_delete(struct log_txn *t, struct rows_subject *of,
                                  const struct rows_template *row, struct errinfo *e);
+
+/* rows_template_accept(t, of, e): Makes the present templates the ones that the subject must have. */
 enum status rows_template_accept(struct log_txn *t, struct rows_subject *of,
                                  struct errinfo *e);
 

@@ -6,8 +6,7 @@
 
 #define ROWS_TOKEN_HASH 32 /* bytes of a secret's hash */
 
-struct
-    rows_token { /* a row as it was read and found authentic; token.expired is not set */
+struct rows_token { /* an authentic row; token.expired is not set */
     struct store_token token;
     unsigned char hash[ROWS_TOKEN_HASH], old_hash[ROWS_TOKEN_HASH];
     char scopes[STORE_SCOPES_MAX]; /* set when the row is written */
@@ -17,18 +16,23 @@ struct
 
 extern const struct rows_table rows_tokens;
 
-/* rows_token_get(t, id, out, e), rows_token_find(t, hash, out, e): by id, by the hash of the
- * secret or of the one before the last rotation.  ST_ENOTFOUND, ST_ECORRUPT.
- * rows_token_add(t, one, e): a new row.
- * rows_token_write(t, one, e): what *one says by now.
- * rows_token_used(t, id, at, e): it was used; this is not authenticated. */
+/* rows_token_get(t, id, out, e): Reads the token with this id.  ST_ENOTFOUND, ST_ECORRUPT. */
 enum status rows_token_get(struct log_txn *t, const char *id, struct rows_token *out,
                            struct errinfo *e);
+
+/* rows_token_find(t, hash, out, e): Reads the token whose secret, or the secret before the last rotation, has
+ * this hash.  ST_ENOTFOUND, ST_ECORRUPT. */
 enum status rows_token_find(struct log_txn *t, const unsigned char hash[ROWS_TOKEN_HASH],
                             struct rows_token *out, struct errinfo *e);
+
+/* rows_token_add(t, one, e): Adds a token. */
 enum status rows_token_add(struct log_txn *t, struct rows_token *one, struct errinfo *e);
+
+/* rows_token_write(t, one, e): Replaces the row of a token by *one. */
 enum status rows_token_write(struct log_txn *t, struct rows_token *one,
                              struct errinfo *e);
+
+/* rows_token_used(t, id, at, e): Sets the time of last use, which is not authenticated. */
 enum status rows_token_used(struct log_txn *t, const char *id, const char *at,
                             struct errinfo *e);
 
