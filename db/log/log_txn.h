@@ -53,7 +53,7 @@ struct log_txn {
         added; /* log of the last entry of this transaction; LOGS: no entry yet */
 };
 
-/* log_init(l), log_free(l): Begin and end the use of *l. */
+/* log_init(l), log_free(l): Begins and ends the use of *l. */
 void log_init(struct log *l);
 void log_free(struct log *l);
 
