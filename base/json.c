@@ -387,11 +387,6 @@ void json_free(struct json_value *document)
     cJSON_Delete((cJSON *)document);
 }
 
-bool json_is_object(const struct json_value *v)
-{
-    return cJSON_IsObject(item_of(v));
-}
-
 bool json_is_array(const struct json_value *v)
 {
     return cJSON_IsArray(item_of(v));
@@ -404,7 +399,7 @@ bool json_is_null(const struct json_value *v)
 
 const struct json_value *json_member(const struct json_value *object, const char *key)
 {
-    return json_is_object(object)
+    return cJSON_IsObject(item_of(object))
                ? value_of(cJSON_GetObjectItemCaseSensitive(item_of(object), key))
                : NULL;
 }
@@ -434,11 +429,11 @@ static enum status unknown_member(const char *key, const char *where,
 enum status json_expect(const struct json_value *v, const char *where,
                         const char *const known[], struct errinfo *e)
 {
-    if (!json_is_object(v))
+    if (!cJSON_IsObject(item_of(v)))
         return errinfo_set(e, ST_EINVAL, "%s is not an object", where);
     for (v = json_first(v); v != NULL; v = json_next(v))
-        if (!is_known(json_key(v), known))
-            return unknown_member(json_key(v), where, known, e);
+        if (!is_known(item_of(v)->string, known))
+            return unknown_member(item_of(v)->string, where, known, e);
     return ST_OK;
 }
 
@@ -450,11 +445,6 @@ const struct json_value *json_first(const struct json_value *v)
 const struct json_value *json_next(const struct json_value *v)
 {
     return value_of(item_of(v)->next);
-}
-
-const char *json_key(const struct json_value *v)
-{
-    return item_of(v)->string;
 }
 
 const char *json_get_text(const struct json_value *v)

@@ -1,89 +1,95 @@
-/* settings.h -- settings by name: a table lists them; a file, the environment and the
- * command line give the values, and each wins over the one before.  Knows no setting
- * itself. Every value is checked when it is read, even if another wins over it; each
- * problem is one line on a stream, which says where the value came from. */
+/* settings.h -- settings by name.  A table lists them; a file, the environment and the command line give
+ * the values, and each overrides the one before.  This module knows no setting itself.  It checks every
+ * value that it reads, even if another one overrides it.  Each problem is one line on a stream, which names
+ * the source of the value. */
 #ifndef BASE_SETTINGS_H
 #define BASE_SETTINGS_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
-enum setting_kind {                  /* the member that it fills */
-                    SETTING_TEXT,    /* const char * */
-                    SETTING_FILE,    /* const char *: a file that must be there */
-                    SETTING_PATH,    /* const char *: a file that may be made */
-                    SETTING_ADDRESS, /* const char *: what address_read() reads */
+enum setting_kind {               /* type of the member that the setting fills */
+                    SETTING_TEXT, /* const char * */
+                    SETTING_FILE, /* const char *: path of a file that must exist */
+                    SETTING_PATH, /* const char *: path of a file that may be created */
+                    SETTING_ADDRESS, /* const char *: an address for address_read() */
                     SETTING_NUMBER,  /* unsigned, within min..max */
-                    SETTING_BYTES, /* size_t, within min..max; K, M, G after it: times 2^10, 2^20, 2^30 */
-                    SETTING_BOOL, /* bool: 0 or 1; as a flag it takes no value and means 1 */
-                    SETTING_CHOICE /* unsigned: the index of one of the words in arg, "a|b|c" */
+                    SETTING_BYTES, /* size_t, within min..max; suffix K, M, G: times 2^10, 2^20, 2^30 */
+                    SETTING_BOOL, /* bool: 0 or 1; a flag without a value sets 1 */
+                    SETTING_CHOICE /* unsigned: index of one of the words in arg, "a|b|c" */
 };
 
-/* A row of the table.  "max-body" is --max-body, SURFACED_MAX_BODY, and max-body = in the
- * file.  FILE and PATH: "credential:NAME" is $CREDENTIALS_DIRECTORY/NAME, where systemd's
- * LoadCredential= puts it. */
+/* A row of the table.  The setting "max-body" is the flag --max-body, the variable SURFACED_MAX_BODY, and
+ * max-body = in the file.  FILE and PATH: "credential:NAME" is the file NAME in $CREDENTIALS_DIRECTORY, into
+ * which systemd puts it (LoadCredential=). */
 struct setting {
     const char *name;
     enum setting_kind kind;
-    const char *fallback;   /* NULL: unset, the member stays as it is */
-    size_t offset;          /* of the member in the structure to fill */
-    unsigned long min, max; /* NUMBER, BYTES */
-    const char *arg;        /* what stands for the value in the help; BOOL: NULL */
-    const char *help;       /* its lines by '\n'; the fallback is added */
+    const char *fallback; /* default value; NULL: unset, and the member is not changed */
+    size_t offset;        /* offset of the member in the structure that is filled */
+    unsigned long min, max; /* range of NUMBER and BYTES */
+    const char *arg;        /* name of the value in the help text; BOOL: NULL */
+    const char *help;       /* lines of the help text; the default is appended */
 };
 
-struct settings; /* opaque: the values so far, and where each came from */
+struct settings; /* opaque: the values so far, and their sources */
 
-/* settings_new(table, n, errors, out): table and errors are borrowed.  False: no memory,
- * and *out is NULL. */
+/* settings_new(table, n, errors, out): Begins with the defaults of the table.
+ *   table, errors  borrowed until settings_free()
+ *   errors         receives a line for each problem
+ *   out            to be released by settings_free(); on failure: NULL
+ * Returns false if out of memory. */
 bool settings_new(const struct setting *table, size_t n, FILE *errors,
                   struct settings **out);
-void settings_free(struct settings *s); /* NULL is allowed */
 
-/* settings_default(s, name, text): a fallback that the table cannot know.  Before
- * reading. */
+/* settings_free(s): Releases s with its values; NULL is allowed. */
+void settings_free(struct settings *s);
+
+/* settings_default(s, name, text): Sets a default that the table cannot contain.  The caller calls it before
+ * it reads a source. */
 void settings_default(struct settings *s, const char *name, const char *text);
 
-/* settings_read(s, in, name): an INI file: "name = value", comments from # or ; at the
- * start of a line, no section or [surfaced]; a line has at most 4,000 bytes.  Wrong are:
- * a stream that cannot be read, a malformed line, an unknown name or section, a setting
- * given twice, a bad value.  name: of the file, for the reports.  Not from two threads at
- * once. */
+/* settings_read(s, in, name): Reads an INI file: "name = value", comments from # or ; at the start of a line,
+ * no section or [surfaced], lines of at most 4,000 bytes.  Reports a read error, a malformed line, an unknown
+ * name or section, a setting that is given twice, and a bad value.
+ *   name    name of the file in the reports
+ * Threads: one at a time. */
 void settings_read(struct settings *s, FILE *in, const char *name);
 
-/* settings_file(s, path, may_miss): the same by its path; true: it need not be there. */
+/* settings_file(s, path, may_miss): Opens the file and reads it by settings_read().
+ *   may_miss  true: does not report that the file is missing */
 void settings_file(struct settings *s, const char *path, bool may_miss);
 
-/* settings_environment(s): SURFACED_NAME of every row; an empty one counts as unset. */
+/* settings_environment(s): Reads the variable SURFACED_NAME of every row; an empty variable is unset. */
 void settings_environment(struct settings *s);
 
-/* settings_flag(s, row, text): the value of a flag of the command line. */
+/* settings_flag(s, row, text): Takes the value of a flag of the command line. */
 void settings_flag(struct settings *s, size_t row, const char *text);
 
-/* settings_wrong(s, fmt, ...): report a problem as the reading does. */
+/* settings_wrong(s, fmt, ...): Reports a problem. */
 __attribute__((format(printf, 2, 3))) void settings_wrong(struct settings *s,
                                                           const char *fmt, ...);
 
-/* settings_wrong_value(s, name, why): the same with the value of a setting: where it came
- * from is said before it. */
+/* settings_wrong_value(s, name, why): Reports a problem with the value of a setting, preceded by the value
+ * and its source. */
 void settings_wrong_value(struct settings *s, const char *name, const char *why);
 
-/* settings_check_files(s): report each FILE that cannot be read, and each PATH that
- * neither can be written nor made, but those that are URLs.  Opens nothing. */
+/* settings_check_files(s): Reports each FILE that cannot be read, and each PATH that can be neither written
+ * nor created.  Skips URLs.  Opens no file. */
 void settings_check_files(struct settings *s);
 
-/* settings_problems(s): how many were reported; 0: all is well. */
+/* settings_problems(s): Returns the number of problems that were reported. */
 unsigned settings_problems(const struct settings *s);
 
-/* settings_fill(s, out): the members of the structure by the values.  The strings live as
- * long as s.  Precondition: no problem was reported by the reading. */
+/* settings_fill(s, out): Sets the members of the structure to the values.  The strings belong to s.  The
+ * caller has made sure that no problem was reported. */
 void settings_fill(const struct settings *s, void *out);
 
-/* settings_print(s, out): as a file that settings_file() reads, with where each value
- * came from; what is unset stands in a comment. */
+/* settings_print(s, out): Prints a file that settings_file() reads, with the source of each value in a
+ * comment.  An unset setting is a comment. */
 void settings_print(const struct settings *s, FILE *out);
 
-/* settings_help(table, n, out): a line or more for each row, as in --help. */
+/* settings_help(table, n, out): Prints the help text of each row. */
 void settings_help(const struct setting *table, size_t n, FILE *out);
 
 #endif

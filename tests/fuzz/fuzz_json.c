@@ -44,7 +44,7 @@ static void same(const struct json_value *a, const struct json_value *b)
         abort();
     mem_free(pa);
     mem_free(pb);
-    if (json_is_object(a))
+    if (!json_is_array(a))
         for (a = json_first(a), b = json_first(b); a != NULL;
              a = json_next(a), b = json_next(b))
             same(a, b);
