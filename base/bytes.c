@@ -55,15 +55,6 @@ void bytes_put_text(unsigned char **to, const char *text)
     bytes_put(to, text, n);
 }
 
-bool bytes_get(struct bytes *b, void *to, size_t n)
-{
-    if ((size_t)(b->end - b->at) < n)
-        return false;
-    memcpy(to, b->at, n);
-    b->at += n;
-    return true;
-}
-
 bool bytes_get_number(struct bytes *b, size_t n, uint64_t *out)
 {
     *out = 0;
@@ -76,10 +67,9 @@ bool bytes_get_number(struct bytes *b, size_t n, uint64_t *out)
 
 bool bytes_get_finite(struct bytes *b, double *out)
 {
-    unsigned char in[8];
-
-    if (!bytes_get(b, in, sizeof in))
+    if (b->end - b->at < 8)
         return false;
-    *out = bytes_real(in);
+    *out = bytes_real(b->at);
+    b->at += 8;
     return isfinite(*out);
 }

@@ -1,6 +1,5 @@
-/* errinfo.h -- a status with a message, in the caller's memory: the error path allocates
- * nothing.  The message says what was wrong and where, and never has a coordinate or a
- * token in it. */
+/* errinfo.h -- a status with a message, in the caller's memory: the error path allocates nothing.  A message
+ * names the object and the error, and never contains a coordinate or a token. */
 #ifndef BASE_ERRINFO_H
 #define BASE_ERRINFO_H
 #include "status.h"
@@ -10,7 +9,7 @@ struct errinfo {
     char msg[480];
 };
 
-/* errinfo_set(e, st, fmt, ...): fill *e (NULL is allowed) and return st. */
+/* errinfo_set(e, st, fmt, ...): Fills *e (NULL is allowed) and returns st. */
 __attribute__((format(printf, 3, 4))) enum status
 errinfo_set(struct errinfo *e, enum status st, const char *fmt, ...);
 

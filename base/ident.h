@@ -7,19 +7,27 @@
 
 struct errinfo;
 
-#define IDENT_SUBJECT 128 /* bytes of a subject's id, at most: A-Z a-z 0-9 . _ - @ : */
-#define IDENT_ID      32 /* of a template's, token's or device's: 128 random bits in hex */
+#define IDENT_SUBJECT 128 /* greatest length of a subject's id: A-Z a-z 0-9 . _ - @ : */
+#define IDENT_ID                                                                         \
+    32 /* length of the id of a template, token or device: 128 random bits in hex */
 
-/* Is it a subject's id, but "." or ".."; is it an id of the second kind? */
+/* ident_subject_valid(subject): Returns true for a subject's id, and false also for "." and "..". */
 bool ident_subject_valid(const char *subject);
+
+/* ident_id_valid(id): Returns true for the id of a template, a token or a device. */
 bool ident_id_valid(const char *id);
 
-/* The same: ST_OK, or ST_EINVAL with the rule as text; what: "template", "token". */
+/* ident_subject(subject, e): Returns ST_OK for a subject's id; else ST_EINVAL, and states the rule in *e. */
 enum status ident_subject(const char *subject, struct errinfo *e);
+
+/* ident_id(id, what, e): Returns ST_OK for an id of the second kind; else ST_EINVAL, and states the rule in *e.
+ *   what    name of the object in the message, "template" */
 enum status ident_id(const char *id, const char *what, struct errinfo *e);
 
-/* min to max characters, all of set; min to max characters of printable ASCII. */
+/* ident_consists(text, set, min, max): Returns true for a text of min to max characters, all of set. */
 bool ident_consists(const char *text, const char *set, size_t min, size_t max);
+
+/* ident_printable(text, min, max): Returns true for a text of min to max characters of printable ASCII. */
 bool ident_printable(const char *text, size_t min, size_t max);
 
 #endif

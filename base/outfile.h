@@ -1,6 +1,5 @@
-/* outfile.h -- the rules of files that a command writes: they are there whole or not at all,
- * readable by their owner alone; a file that exists is replaced with --force alone, a file that
- * the command reads never. */
+/* outfile.h -- the rules for files that a command writes: they are complete or absent, and readable only by
+ * their owner.  A file that exists is replaced only with --force, a file that the command reads never. */
 #ifndef BASE_OUTFILE_H
 #define BASE_OUTFILE_H
 #include <stdbool.h>
@@ -10,17 +9,20 @@
 
 struct errinfo; /* errinfo.h */
 
-/* outfile_not_read(path, input, e): ST_EEXISTS if both are one file, by whatever name (a link,
- * another path), or input is PATH.part, which is written first.  input may be NULL or missing.
- * outfile_may(path, force, e): may a file be written there?  ST_EEXISTS: it exists, and force is
- * false, or it is no regular file; ST_EINVAL: a folder. */
+/* outfile_not_read(path, input, e): Returns ST_EEXISTS if the file at path is the file input, by whatever name
+ * (a link, another path), or if input is PATH.part, which is written first.
+ *   input   may be NULL, or missing */
 enum status outfile_not_read(const char *path, const char *input, struct errinfo *e);
+
+/* outfile_may(path, force, e): Returns ST_OK if a file may be written at path; ST_EEXISTS: it exists, and force
+ * is false, or it is no regular file; ST_EINVAL: it is a folder. */
 enum status outfile_may(const char *path, bool force, struct errinfo *e);
 
-/* outfile_write(path, force, write, arg, e): a file with what write(to, arg, e) writes; its folder
- * is made if it is missing.  path NULL: standard output.  ST_EEXISTS: a file of that name has come
- * in the meantime, and force is false.  write need not look at write errors; when it fails, or
- * not everything could be written, nothing has changed.  ST_EIO, ST_EDENIED, ST_ENOMEM. */
+/* outfile_write(path, force, write, arg, e): Creates a file with the output of write(to, arg, e), which need not
+ * check for write errors; creates its folder if that is missing.  On failure nothing has changed.
+ *   path    NULL: standard output
+ * Returns ST_OK; the status of write; ST_EEXISTS: a file of that name has appeared, and force is false; ST_EIO;
+ * ST_EDENIED; ST_ENOMEM. */
 enum status outfile_write(const char *path, bool force, newfile_writer *write,
                           const void *arg, struct errinfo *e);
 

@@ -6,10 +6,10 @@
 
 struct errinfo; /* errinfo.h */
 
-/* readfile_all(path, most, bytes, len, e): the file ("-": standard input) of up to that many
- * bytes, with a zero byte behind it; *bytes is released by free(), also on failure.  A regular
- * file that is larger is not read at all.
- * Returns ST_OK; ST_ENOTFOUND, ST_EIO, ST_ESIZE, ST_ENOMEM. */
+/* readfile_all(path, most, bytes, len, e): Reads a file ("-": standard input), and appends a zero byte.
+ *   most    greatest number of bytes; a larger regular file is not read at all
+ *   bytes   to be released by free(), also on failure
+ * Returns ST_OK; ST_ENOTFOUND; ST_EIO; ST_ESIZE: more than most bytes; ST_ENOMEM. */
 enum status readfile_all(const char *path, size_t most, unsigned char **bytes,
                          size_t *len, struct errinfo *e);
 

@@ -1,12 +1,11 @@
-/* ctl.h -- what every part of surfacectl is given: what the command line said, the output,
- * and the error that it ends with.  From the bottom up:
+/* ctl.h -- the state of a run of surfacectl: command line, output, error.  From the bottom up:
  *   ctl                        errors, exit codes, output; files that are written
  *   ctl_command, ctl_option    a command and its options
  *   ctl_model                  the model and the database, named and opened; each subject
- *   ctl_face                   a scan as a face, compared
+ *   ctl_face, ctl_session      scans as faces, comparisons as text
  *   ctl_cross                  many comparisons
- *   the other files            a command each, or a few of one group
- *   ctl_table, main            the list of the commands, their help texts, the command line */
+ *   ctl_table, main            the list of the commands, their help texts, the command line
+ * Each other file has a command, or a few of one group. */
 #ifndef CTL_H
 #define CTL_H
 #include <limits.h>
@@ -21,101 +20,103 @@
 #include "newfile.h"
 
 struct crypt_file;    /* crypt_file.h */
-struct surface_model; /* model.h */
+struct surface_model; /* libsurface.h */
 struct options;       /* options.h */
 struct store;         /* store.h */
 struct ctl_command;   /* ctl_command.h */
 
-struct ctl_scans {                   /* how scans are read */
-    double unit_mm;                  /* --units, millimetres; 0: found */
+struct ctl_scans {                   /* options for reading scans */
+    double unit_mm;                  /* --units, millimetres; 0: detected */
     bool frontal;                    /* --axes scanner */
-    struct clouddepth_camera camera; /* of those that are depth images */
+    struct clouddepth_camera camera; /* --camera, for depth images */
 };
 
 struct ctl_expires { /* --expires */
     bool given;
-    int64_t end_ms; /* STORE_NEVER, or since 1970 */
+    int64_t end_ms; /* ms since 1970, or STORE_NEVER */
 };
 
 struct ctl {
     const struct ctl_command *cmd;
-    const char *command; /* its name */
+    const char *command; /* name of cmd */
     int nargs;
-    char **args; /* its arguments */
+    char **args; /* arguments of cmd */
 
-    const char *actor; /* in the audit log: ctl_actor() */
+    const char *actor; /* actor in the audit log: ctl_actor() */
 
     /* Options that several commands take (ctl_option.c). */
     const char *db;
-    const char *config;      /* the daemon's file; NULL: where it looks for one */
-    const char *key;         /* its file; NULL: the database's path and ".key" */
-    const char *anchor;      /* NULL: beside the key; "none": it is a copy, only read */
-    bool plaintext;          /* --plaintext-database: it has no key */
-    bool passphrase;         /* instead of a file, for a new database or key */
-    bool short_passphrase;   /* a new one may have few characters */
-    const char *archive_key; /* a file with its key or passphrase; NULL: asked for */
+    const char *config;    /* the daemon's configuration file; NULL: its usual file */
+    const char *key;       /* file of the database's key; NULL: db and ".key" */
+    const char *anchor;    /* file of the anchor; NULL or "none": no anchor */
+    bool plaintext;        /* --plaintext-database: the database has no key */
+    bool passphrase;       /* true: a new database or key gets a passphrase */
+    bool short_passphrase; /* true: a new passphrase may be short */
+    const char
+        *archive_key; /* file with the key or passphrase of an archive; NULL: ask */
     struct ctl_scans scans;
-    const char *dir;        /* --out; NULL: the command's own */
-    uint32_t threads;       /* 0: one a core */
+    const char *dir;        /* --out; NULL: not given */
+    uint32_t threads;       /* number of threads; 0: one a core */
     const char *public_key; /* --public-key, 64 hexadecimal digits; NULL: not given */
     struct ctl_expires expires;
-    const char *model_path; /* --model; NULL: the shipped one */
+    const char *model_path; /* --model; NULL: the shipped model */
     bool dry_run, yes, force, json, help, version;
 
-    const struct surface_model *model; /* that model_path names */
-    char engine[SURFACE_ENGINE_SIZE];  /* by that model */
-    struct options *settings;          /* of the daemon, once read; by ctl_model_free() */
-    char usual_key[PATH_MAX];          /* the database's path and ".key" */
-    struct crypt_file *asked;          /* a passphrase, once asked for; to be freed */
-    struct store *store;               /* the database, once opened (ctl_model.h) */
-    struct surface_work *work;         /* NULL if the command takes no --model */
-    bool piped; /* --out -: the result is on standard output, what is said of it not */
-    int code;   /* EXIT_FINE until a command says otherwise */
-    struct json *out; /* NULL without json */
-    struct errinfo e; /* why a command did not end with 0, 1 or 2 */
+    const struct surface_model
+        *model; /* model in the file model_path; NULL: the shipped model */
+    char engine[SURFACE_ENGINE_SIZE]; /* engine with this model */
+    struct options
+        *settings; /* the daemon's settings, if read; released by ctl_model_free() */
+    char usual_key[PATH_MAX];  /* db and ".key" */
+    struct crypt_file *asked;  /* passphrase from the terminal; NULL: not asked for yet */
+    struct store *store;       /* the open database; NULL: not open */
+    struct surface_work *work; /* NULL if the command takes no --model */
+    bool
+        piped; /* true for --out -: the file goes to standard output, messages to standard error */
+    int code;         /* exit code of a command that does not fail; EXIT_FINE at first */
+    struct json *out; /* result; NULL without --json */
+    struct errinfo e; /* error of a command that fails */
 };
 
-/* ctl_usage(c, ...): the command line is wrong, and the text in c->e says how; ST_EINVAL, and
- * the exit code EXIT_USAGE. */
+/* ctl_usage(c, ...): Reports a wrong command line: sets c->e, and the exit code EXIT_USAGE.
+ * Returns ST_EINVAL. */
 __attribute__((format(printf, 2, 3))) enum status ctl_usage(struct ctl *c,
                                                             const char *fmt, ...);
 
-/* ctl_actor(): "surfacectl:" and the login name of the process's real user, or its number where
- * it has none that an actor's name can hold (STORE_NAME_MAX printable ASCII).  Static. */
+/* ctl_actor(): Returns "surfacectl:" and the login name of the process's real user, or the user's number if
+ * the name is missing, is longer than STORE_NAME_MAX allows or is not printable ASCII.  The text is static. */
 const char *ctl_actor(void);
 
-/* ctl_confirm(c, what, word): ST_OK with --yes, or when a person on a terminal types the
- * word after reading what will be done ("This erases ..."); else ST_EDENIED, and the exit
- * code EXIT_USAGE. */
+/* ctl_confirm(c, what, word): Asks a person on the terminal to type the word after the text "This WHAT.".
+ * Returns ST_OK with --yes or after the word; else ST_EDENIED, and sets the exit code EXIT_USAGE. */
 enum status ctl_confirm(struct ctl *c, const char *what, const char *word);
 
-/* A count and what makes a word plural where it is not 1, for "%" PRIu64 " template%s". */
+/* A count and the plural's "s" of its word, for "%" PRIu64 " template%s". */
 #define CTL_COUNT(n) (uint64_t)(n), (n) == 1 ? "" : "s"
 
-/* Bytes as people read them: "1.5 MB". */
+/* ctl_bytes(n, out): Prints a number of bytes with a unit, "1.5 MB", and returns out. */
 const char *ctl_bytes(uint64_t n, char out[32]);
 
-/* A command's result is JSON, in c->out, or text.
- * ctl_say(c, ...): print text, unless it is JSON; to standard error if c->piped. */
+/* ctl_say(c, ...): Prints text of the result, to standard error if c->piped; nothing with --json. */
 __attribute__((format(printf, 2, 3))) void ctl_say(const struct ctl *c, const char *fmt,
                                                    ...);
 
-/* Files that a command writes, by the rules of outfile.h.  Before anything is computed: may it write
- * there?  Failures are in c->e.
- * ctl_may_write(c, path, nread): a file at path.  It is compared with those that the command
- * reads: its first nread arguments ("-" and what does not exist are none), and the shared
- * options' (the database and what belongs to it, keys, model, configuration).
- * ST_EEXISTS: it is one of them, by whatever name (a link, another path); or it exists, and
- * there is no --force; or it is no regular file.  ST_EINVAL: "-", or a folder.
- * ctl_may_pipe(c, nread): the same of --out, which may be "-", standard output:
- * c->piped is set then; ST_EINVAL with --json. */
+/* ctl_may_write(c, path, nread): Checks by the rules of outfile.h if the command may write a file at path.  A
+ * command calls it before it computes anything.  No file that the command reads may be written: its first
+ * nread arguments, the database and the files that belong to it, keys, model, configuration.
+ * Returns ST_OK, or an error with c->e set: ST_EEXISTS: the command reads the file, by whatever name; the file
+ * exists, and --force is not given; it is no regular file.  ST_EINVAL: path is "-", or a folder. */
 enum status ctl_may_write(struct ctl *c, const char *path, int nread);
+
+/* ctl_may_pipe(c, nread): Like ctl_may_write() for the path of --out, but for "-" it sets c->piped.
+ * Returns also ST_EINVAL: "-" with --json. */
 enum status ctl_may_pipe(struct ctl *c, int nread);
 
-/* ctl_write(c, path, write, arg): outfile_write(), to standard output if c->piped.
- * ctl_write_face(c, path, f): a face there, PLY in millimetres. */
+/* ctl_write(c, path, write, arg): Calls outfile_write(), for standard output if c->piped. */
 enum status ctl_write(struct ctl *c, const char *path, newfile_writer *write,
                       const void *arg);
+
+/* ctl_write_face(c, path, f): Writes a face like ctl_write(), as PLY in millimetres. */
 enum status ctl_write_face(struct ctl *c, const char *path, const struct surface_face *f);
 
 #endif

@@ -1,5 +1,4 @@
-/* ctl_face.h -- a scan's file as a face; a face compared with a subject's templates, and the
- * comparison as text. */
+/* ctl_face.h -- the face in a scan's file; comparisons as text. */
 #ifndef CTL_FACE_H
 #define CTL_FACE_H
 #include <stdbool.h>
@@ -26,26 +25,31 @@ enum status ctl_face_read(struct ctl *c, const char *path, bool enrolment,
                           struct surface_work *w, struct surface_face **out,
                           struct sample_found *found);
 
-/* ctl_face_warnings(to, label, f): a line "warnings     occluded, turned", where "warnings" is
- * the label; nothing without any. */
+/* ctl_face_warnings(to, label, f): Prints a line like "warnings     occluded, turned", which begins with the
+ * label; nothing if there are no warnings. */
 void ctl_face_warnings(FILE *to, const char *label, const struct sample_found *f);
 
-/* ctl_face_context(c, w): c's database, and w.
- * ctl_face_passed_over(t): the template of another engine that was left out, to standard error. */
+/* ctl_face_context(c, w): Returns the context of comparisons with c's database and w. */
 struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w);
+
+/* ctl_face_passed_over(t): Reports on standard error that a template was left out, if one was. */
 void ctl_face_passed_over(const struct templates *t);
 
-/* ctl_face_subject(c, id, where): is the id one?  where begins what c->e says; ST_EINVAL. */
+/* ctl_face_subject(c, id, where): Checks the id of a subject.
+ * Returns ST_OK; ST_EINVAL, with a message in c->e that begins with where. */
 enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
 
+/* ctl_face_exit(d): Returns the exit code of a decision. */
 int ctl_face_exit(enum surface_decision d);
 
-/* Parts of a comparison as text: lines; of the reasons the rest of one, "" or " (noisy)". */
+/* Print lines of a comparison. */
 void ctl_face_score(FILE *to, const struct surface_comparison *r);
 void ctl_face_minimal(FILE *to, const struct surface_disparity *d);
 void ctl_face_scan(FILE *to, const struct surface_face *f);
 void ctl_face_regions(FILE *to, const struct surface_parts *p);
 void ctl_face_alignment(FILE *to, const struct surface_disparity *a);
+
+/* ctl_face_reasons(to, f): Prints the end of a line, "" or " (noisy)". */
 void ctl_face_reasons(FILE *to, const struct surface_face *f);
 
 #endif

@@ -7,7 +7,7 @@
 struct ctl; /* ctl.h */
 
 struct ctl_session {
-    size_t n; /* files */
+    size_t n; /* number of files */
     char *path[SURFACE_FRAMES_MAX];
     struct session session;
 };

@@ -5,6 +5,7 @@
 struct ctl;            /* ctl.h */
 struct store_template; /* store.h */
 
+/* ctl_template_tell(c, t): Adds the description of a template to the result. */
 void ctl_template_tell(struct ctl *c, const struct store_template *t);
 
 #endif
