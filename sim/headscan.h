@@ -50,7 +50,7 @@ struct headscan {
 };
 
 /* headscan_kind(name, seed, crop, o): Sets *o to the options of a kind, drawn by the seed: head,
- * bust, round, half, depth, grid, behind, two, glasses, mask, scarf, hand, fringe, beard, cap.
+ * bust, round, half, depth, grid, behind, two, glasses, mask, fringe, beard, cap.
  * Returns false if there is no kind of that name. */
 bool headscan_kind(const char *name, uint64_t seed, bool crop,
                    struct headscan_options *o);
