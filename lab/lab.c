@@ -39,7 +39,7 @@ const char *lab_decision(enum surface_decision d)
 
 /* ---- files */
 
-enum status lab_may_write(struct lab *c, const char *path, int nread)
+enum status lab_may_write(struct lab *c, const char *path)
 {
     enum status st = outfile_not_read(path, c->model_path, &c->e);
 
@@ -47,15 +47,15 @@ enum status lab_may_write(struct lab *c, const char *path, int nread)
         return lab_usage(c,
                          "%s cannot write to standard output: name a file (./- is one)",
                          c->command);
-    for (int i = 0; st == ST_OK && i < nread; i++)
+    for (int i = 0; st == ST_OK && i < c->nargs; i++)
         st = outfile_not_read(path, c->args[i], &c->e);
     return st == ST_OK ? outfile_may(path, c->force, &c->e) : st;
 }
 
-enum status lab_may_pipe(struct lab *c, int nread)
+enum status lab_may_pipe(struct lab *c)
 {
     if (strcmp(c->out, "-") != 0)
-        return lab_may_write(c, c->out, nread);
+        return lab_may_write(c, c->out);
     if (c->json)
         return lab_usage(c,
                          "--out - and --json both write to standard output: name a file");

@@ -72,12 +72,11 @@ __attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const ch
 const char *lab_decision(enum surface_decision d);
 
 /* Files, by the rules of outfile.h.
- * lab_may_write(c, path, nread): may the command write path?  Its first nread arguments and the
- * model are read.
- * lab_may_pipe(c, nread): the same of --out, which may be "-"; sets c->piped.
+ * lab_may_write(c, path): may the command write path?  Its arguments and the model are read.
+ * lab_may_pipe(c): the same of --out, which may be "-"; sets c->piped.
  * lab_write(c, path, write, arg): writes the file, or to standard output if c->piped. */
-enum status lab_may_write(struct lab *c, const char *path, int nread);
-enum status lab_may_pipe(struct lab *c, int nread);
+enum status lab_may_write(struct lab *c, const char *path);
+enum status lab_may_pipe(struct lab *c);
 enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
                       const void *arg);
 

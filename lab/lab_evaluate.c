@@ -3,7 +3,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "corpus_pairs.h"
@@ -13,11 +12,12 @@
 #include "model.h"
 #include "outfile.h"
 #include "report.h"
+#include "utc.h"
 
 /* A collection, and the folder that its report is written into. */
 struct set {
     const char *source;
-    char *dir;
+    char dir[PATH_MAX];
     struct corpus *corpus;
     struct trials *trials;
 };
@@ -27,9 +27,8 @@ struct run {
     struct set *set;
     struct report *report; /* [n], as are they */
     size_t n;
-    struct trials_how how;
     const char *calibration; /* whose decides */
-    char made[32];
+    char made[UTC_TEXT];
 };
 
 /* ---- the files */
@@ -47,64 +46,56 @@ static const struct {
 #define METHODS (OUTPUTS - 1)
 #define TABLE   "sets.csv" /* of several */
 
-static char *lab_evaluate_join(const char *dir, const char *file, unsigned number)
-{
-    const size_t size = strlen(dir) + strlen(file) + 16;
-    char *path = malloc(size), suffix[12] = "";
-
-    if (number > 1)
-        (void)snprintf(suffix, sizeof suffix, "-%u", number);
-    if (path != NULL)
-        (void)snprintf(path, size, "%s/%s%s", dir, file, suffix);
-    return path;
-}
+#define PATH_SIZE (PATH_MAX + 16) /* a file in a folder */
 
 /* Of several sets each has a folder in --out, by the set's own name, made different. */
-static char *folder_of(const struct run *r, size_t i, const char *out)
+static void name_folder(const struct run *r, size_t i, const char *out)
 {
-    const char *source = r->set[i].source;
-    size_t end = strlen(source), begin;
-    char *base, *dir = NULL;
-    bool taken = true;
+    struct set *const s = &r->set[i];
+    const char *base = s->source;
+    size_t end = strlen(base), begin, len;
+    bool taken = r->n > 1;
 
-    if (r->n == 1)
-        return strdup(out);
-    while (end > 0 && source[end - 1] == '/')
+    while (end > 0 && base[end - 1] == '/')
         end--;
-    for (begin = end; begin > 0 && source[begin - 1] != '/'; begin--)
+    for (begin = end; begin > 0 && base[begin - 1] != '/'; begin--)
         ;
-    base = strndup(source + begin, end - begin);
-    if (base != NULL && base[strspn(base, ".")] == '\0') { /* "", ".", ".." */
-        free(base);
-        base = strdup("set");
+    base += begin;
+    len = end - begin;
+    if (strspn(base, ".") >= len) { /* "", ".", ".." */
+        base = "set";
+        len = strlen(base);
     }
-    for (unsigned number = 1; base != NULL && taken; number++) {
-        free(dir);
-        if ((dir = lab_evaluate_join(out, base, number)) == NULL)
-            break;
+    (void)snprintf(s->dir, sizeof s->dir, "%s", out);
+    for (unsigned number = 1; taken; number++) {
+        char suffix[12] = "";
+
+        if (number > 1)
+            (void)snprintf(suffix, sizeof suffix, "-%u", number);
+        (void)snprintf(s->dir, sizeof s->dir, "%s/%.*s%s", out, (int)len, base, suffix);
         taken = false;
         for (size_t k = 0; k < i; k++)
-            taken = taken || strcmp(r->set[k].dir, dir) == 0;
+            taken = taken || strcmp(r->set[k].dir, s->dir) == 0;
     }
-    free(base);
-    return dir;
 }
 
-/* May this file be written?  It is none of those that are read. */
+static const char *path_of(const char *dir, const char *file, char out[PATH_SIZE])
+{
+    (void)snprintf(out, PATH_SIZE, "%s/%s", dir, file);
+    return out;
+}
+
+/* Returns ST_OK if this file may be written: it is none of those that are read. */
 static enum status may_write(struct run *r, const char *dir, const char *file)
 {
     struct lab *c = r->c;
-    char *path = lab_evaluate_join(dir, file, 1);
-    enum status st;
+    char path[PATH_SIZE];
+    enum status st = lab_may_write(c, path_of(dir, file, path));
 
-    if (path == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    st = lab_may_write(c, path, c->nargs);
     if (st == ST_OK)
         st = outfile_not_read(path, c->scores, &c->e);
     for (size_t i = 0; i < r->n && st == ST_OK; i++)
         st = lab_scan_not_read(c, r->set[i].corpus, r->set[i].source, path);
-    free(path);
     return st;
 }
 
@@ -118,39 +109,26 @@ static enum status may_write_all(struct run *r, const char *out)
     return st;
 }
 
-/* A file of a folder; write NULL: none is left of a former run. */
-static enum status write_in(struct lab *c, const char *dir, const char *file,
-                            newfile_writer *write, const void *arg)
-{
-    char *path = lab_evaluate_join(dir, file, 1);
-    enum status st = ST_OK;
-
-    if (path == NULL)
-        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if (write != NULL)
-        st = lab_write(c, path, write, arg);
-    else
-        (void)unlink(path);
-    free(path);
-    return st;
-}
-
 static enum status write_all(struct run *r, const char *out)
 {
     const struct report_list list = {r->report, r->n};
     struct lab *c = r->c;
+    char path[PATH_SIZE];
     enum status st = ST_OK;
 
     if (r->n > 1)
-        st = write_in(c, out, TABLE, report_csv_sets, &list);
+        st = lab_write(c, path_of(out, TABLE, path), report_csv_sets, &list);
     for (size_t i = 0; i < r->n; i++)
         for (size_t k = 0; k < OUTPUTS && st == ST_OK; k++) {
             const bool wanted = k == MATRIX    ? c->matrix
                                 : k == METHODS ? c->scores != NULL
                                                : true;
 
-            st = write_in(c, r->set[i].dir, output[k].file,
-                          wanted ? output[k].write : NULL, &r->report[i]);
+            (void)path_of(r->set[i].dir, output[k].file, path);
+            if (wanted)
+                st = lab_write(c, path, output[k].write, &r->report[i]);
+            else
+                (void)unlink(path); /* none is left of a former run */
         }
     return st;
 }
@@ -205,7 +183,7 @@ static void print_set(const struct report *r)
                  r->t->corpus->nsubject, r->t->corpus->nscan);
     (void)printf("comparisons  %zu mated, %zu non-mated, %zu of close relatives\n",
                  all->mated.n, r->non_mated.n, r->relative.n);
-    (void)printf("threshold    %.4g, calibration %s\n", r->threshold, r->calibration);
+    (void)printf("threshold    %.4g, calibration %s\n", r->t->threshold, r->calibration);
     print_share("FTE", &r->fte);
     print_share("FTA", &all->fta);
     print_curve(&all->curve[REPORT_SCORED]);
@@ -293,8 +271,7 @@ static enum status read_sets(struct run *r, const char *out)
             st = corpus_sessions(s->corpus, c->burst, &c->e);
         if (st == ST_OK && c->enroll_kind != NULL)
             st = corpus_enroll(s->corpus, c->enroll_kind, &c->e);
-        if (st == ST_OK && (s->dir = folder_of(r, i, out)) == NULL)
-            st = errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+        name_folder(r, i, out);
     }
     return st;
 }
@@ -303,7 +280,7 @@ static enum status evaluate(struct run *r, size_t i)
 {
     struct lab *c = r->c;
     struct set *s = &r->set[i];
-    enum status st = trials_run(c, s->corpus, &r->how, &s->trials);
+    enum status st = trials_run(c, s->corpus, &s->trials);
 
     if (st != ST_OK)
         return st;
@@ -329,12 +306,11 @@ static enum status evaluate(struct run *r, size_t i)
 static enum status evaluate_all(struct run *r)
 {
     const char *out = r->c->out != NULL ? r->c->out : "evaluation";
-    const time_t now = time(NULL);
-    struct tm utc;
+    int64_t now;
     enum status st = read_sets(r, out);
 
-    if (gmtime_r(&now, &utc) != NULL)
-        (void)strftime(r->made, sizeof r->made, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    (void)utc_now(&now);
+    utc_print(now, r->made);
     if (st == ST_OK)
         st = may_write_all(r, out);
     for (size_t i = 0; i < r->n && st == ST_OK; i++)
@@ -346,7 +322,6 @@ static enum status evaluate_all(struct run *r)
         report_free(&r->report[i]);
         trials_free(r->set[i].trials);
         corpus_free(r->set[i].corpus);
-        free(r->set[i].dir);
     }
     free(r->report);
     free(r->set);
@@ -360,9 +335,6 @@ enum status lab_evaluate(struct lab *c)
                         isnan(c->threshold) ? "of the model" : "replaced by --threshold"};
     const enum status st = check_usage(c);
 
-    r.how.non_mated = c->non_mated > 0 ? c->non_mated : c->matrix ? TRIALS_ALL : 0;
-    r.how.minimal = c->minimal;
-    r.how.regions = c->regions;
     if (st == ST_OK && c->out != NULL && strcmp(c->out, "-") == 0)
         return lab_usage(
             c, "evaluate writes several files: --out takes a folder (./- is one)");

@@ -196,7 +196,7 @@ enum status lab_explain(struct lab *c)
             c, "explain writes several files: --out takes a folder (./- is one)");
     for (size_t i = 0; st == ST_OK && i < FILES; i++) {
         (void)snprintf(path, sizeof path, "%s/%s", folder, file[i].name);
-        st = lab_may_write(c, path, c->nargs);
+        st = lab_may_write(c, path);
     }
     if (st == ST_OK)
         st = lab_explain_compare(c, &x);

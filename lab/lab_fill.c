@@ -156,7 +156,7 @@ enum status lab_fill(struct lab *c)
 
     if (c->out == NULL)
         return lab_usage(c, "fill needs --out FILE");
-    if ((st = lab_may_pipe(c, 1)) != ST_OK)
+    if ((st = lab_may_pipe(c)) != ST_OK)
         return st;
     c->frontal = true; /* the points stay where they are */
     st = lab_scan_parse(c, c->args[0], &f.scan, &c->e);

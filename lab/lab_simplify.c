@@ -42,7 +42,7 @@ enum status lab_simplify(struct lab *c)
 
     if (!(c->tolerance_mm > 0) || c->out == NULL)
         return lab_usage(c, "simplify needs --tolerance MM and --out FILE");
-    if ((st = lab_may_pipe(c, 1)) != ST_OK)
+    if ((st = lab_may_pipe(c)) != ST_OK)
         return st;
     if ((st = lab_scan_read(c, c->args[0], &f, &found)) == ST_OK &&
         (st = simplify_mesh(&f.surface.mesh, f.surface.bridge, &limit, &scratch, &small,

@@ -139,7 +139,7 @@ static bool valid_name(const char *text)
 
 static enum status may_write(struct lab *c)
 {
-    const enum status st = lab_may_write(c, c->out, c->nargs);
+    const enum status st = lab_may_write(c, c->out);
 
     return st == ST_OK ? outfile_not_read(c->out, c->calibrate, &c->e) : st;
 }

@@ -4,8 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define SEED UINT64_C(1) /* of the bootstrap */
-
 /* ---- counting */
 
 static void report_count_all(struct report_count *c, const struct trial *x)
@@ -97,7 +95,7 @@ static enum status report_share(const struct report *r, const struct rates_score
     enum status st = rates_new(s, n, r->t->corpus->nsubject, &rates);
 
     if (st == ST_OK && (st = rates_bootstrap(rates, right, (double)NAN, RATES_REPLICATES,
-                                             SEED, &low, &high)) == ST_OK) {
+                                             REPORT_SEED, &low, &high)) == ST_OK) {
         rates_figures(rates, right, &f);
         *out = mated ? (struct report_rate){f.fnmr, low.fnmr, high.fnmr, n}
                      : (struct report_rate){f.fmr, low.fmr, high.fmr, n};
@@ -221,8 +219,8 @@ static enum status curve_of(const struct trials *t, const struct rates_score *s,
         return st;
     out->n = rates_ngenuine(out->rates);
     rates_figures(out->rates, t->threshold, &out->f);
-    return rates_bootstrap(out->rates, t->threshold, (double)NAN, RATES_REPLICATES, SEED,
-                           &out->low, &out->high);
+    return rates_bootstrap(out->rates, t->threshold, (double)NAN, RATES_REPLICATES,
+                           REPORT_SEED, &out->low, &out->high);
 }
 
 static enum status measure_curve(const struct report *r, const struct report_group *g,
@@ -314,9 +312,6 @@ enum status report_measure(struct report *r, const struct trials *t)
     enum status st;
 
     r->t = t;
-    r->threshold = t->threshold;
-    r->replicates = RATES_REPLICATES;
-    r->seed = SEED;
     for (uint32_t i = 0; i < c->nsubject; i++)
         r->untemplated += c->nlisted == 0 && c->subject[i].enrolled == CORPUS_NONE;
     for (size_t i = 0; i < t->n; i++)
@@ -342,11 +337,6 @@ void report_free(struct report *r)
     free(r->group);
 }
 
-size_t report_done(const struct report *r)
-{
-    return r->group[0].mated.n + r->non_mated.n + r->relative.n;
-}
-
 double report_bound(double rate, size_t n)
 {
     /* Upper limits of a Poisson mean where 0, 1, ... were counted. */
@@ -354,21 +344,4 @@ double report_bound(double rate, size_t n)
     const double errors = ceil(rate * (double)n - 1e-9);
 
     return most[errors > 0 ? (int)fmin(errors, 3) : 0] / (double)n;
-}
-
-double report_step(const struct report *r, size_t most, double *from, size_t *n)
-{
-    static const double factor[3] = {2, 2.5, 2}; /* 1, 2, 5, 10 */
-    double low = r->threshold, high = low, step = 1e-2;
-
-    for (size_t i = 0; i < r->t->n; i++)
-        if (r->t->trial[i].done) {
-            low = fmin(low, r->t->trial[i].score);
-            high = fmax(high, r->t->trial[i].score);
-        }
-    for (int i = 0; (high - low) / step + 2 > (double)most; i++)
-        step *= factor[i % 3];
-    *from = floor(low / step) * step;
-    *n = (size_t)ceil((high - *from) / step);
-    return step;
 }

@@ -29,6 +29,8 @@ enum report_of {
     REPORT_OF
 };
 
+#define REPORT_SEED UINT64_C(1) /* of the bootstrap */
+
 struct report_curve {
     size_t n; /* mated comparisons */
     struct rates *rates;
@@ -67,10 +69,7 @@ struct report {
     const char *calibration;   /* whose decided */
     const char *engine;        /* surface_engine() */
     const struct surface_model *model;
-    const char *enroll_kind; /* that was asked for, or NULL */
-    double threshold;
-    unsigned replicates; /* of the bootstrap */
-    uint64_t seed;
+    const char *enroll_kind;    /* that was asked for, or NULL */
     struct report_group *group; /* the first is all */
     uint32_t ngroup;
     uint32_t untemplated;   /* subjects without a scan of the kind that is enrolled */
@@ -94,16 +93,9 @@ void report_free(struct report *r);
  * released by rates_free().  Returns ST_OK, ST_ENOMEM. */
 enum status report_measure_method(struct report_method *m, const struct trials *t);
 
-/* report_done(r): comparisons that were made, of all types. */
-size_t report_done(const struct report *r);
-
 /* report_bound(rate, n): n independent comparisons of which this share, fewer than 3, went
  * wrong: what the true rate is below with 95 % confidence; 3 / n without any. */
 double report_bound(double rate, size_t n);
-
-/* report_step(r, most, from, n): the step of thresholds, a round number, that leads from *from,
- * at or below the lowest score, to the highest in *n <= most steps. */
-double report_step(const struct report *r, size_t most, double *from, size_t *n);
 
 /* ---- its forms: writers (newfile.h) of a struct report, and of lists of them.  An empty field
  * is a number that is not known.  Return ST_OK, ST_ENOMEM, ST_EIO.

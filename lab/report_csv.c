@@ -186,12 +186,31 @@ enum status report_csv_matrix(FILE *to, const void *arg, struct errinfo *e)
 
 /* ---- rates.csv */
 
+/* Returns the step of thresholds, a round number, that leads from *from, at or below the lowest score, to
+ * the highest in *n <= THRESHOLDS steps. */
+static double step_of(const struct report *r, double *from, size_t *n)
+{
+    static const double factor[3] = {2, 2.5, 2}; /* 1, 2, 5, 10 */
+    double low = r->t->threshold, high = low, step = 1e-2;
+
+    for (size_t i = 0; i < r->t->n; i++)
+        if (r->t->trial[i].done) {
+            low = fmin(low, r->t->trial[i].score);
+            high = fmax(high, r->t->trial[i].score);
+        }
+    for (int i = 0; (high - low) / step + 2 > THRESHOLDS; i++)
+        step *= factor[i % 3];
+    *from = floor(low / step) * step;
+    *n = (size_t)ceil((high - *from) / step);
+    return step;
+}
+
 enum status report_csv_rates(FILE *to, const void *arg, struct errinfo *e)
 {
     const struct report *r = arg;
     size_t n;
     double from;
-    const double step = report_step(r, THRESHOLDS, &from, &n);
+    const double step = step_of(r, &from, &n);
 
     (void)e;
     (void)fprintf(to, "threshold,fmr,fnmr");
@@ -302,7 +321,7 @@ enum status report_csv_sets(FILE *to, const void *sets, struct errinfo *e)
         text(to, r->source);
         (void)fputc(',', to);
         text(to, r->engine);
-        fixed(to, 6, r->threshold);
+        fixed(to, 6, r->t->threshold);
         (void)fprintf(to, ",%u", r->t->corpus->nsubject);
         write_rate(to, &r->fte);
         write_rate(to, &all->fta);

@@ -131,12 +131,13 @@ static void made_by(const struct report *r, struct json *o)
     /* A model does not record whose scans it was learned from. */
     json_text(o, "learned_from_these_people", "unknown");
     json_text(o, "calibration", r->calibration);
-    json_score(o, "threshold", r->threshold);
+    json_score(o, "threshold", r->t->threshold);
 }
 
 void report_json_out(struct json *o, const struct report *r)
 {
     const struct trials *t = r->t;
+    const size_t done = r->group[0].mated.n + r->non_mated.n + r->relative.n;
 
     json_text(o, "scans", r->source);
     made_by(r, o);
@@ -157,7 +158,7 @@ void report_json_out(struct json *o, const struct report *r)
     report_json_rate(o, "far", &r->far);
     json_number(o, "of_each_probe",
                 t->non_mated == TRIALS_ALL ? (double)NAN : t->non_mated);
-    json_number(o, "seed", (double)t->seed);
+    json_number(o, "seed", (double)TRIALS_SEED);
     json_close(o);
     json_object(o, "relative");
     report_json_count(o, &r->relative);
@@ -179,14 +180,14 @@ void report_json_out(struct json *o, const struct report *r)
     }
     json_close(o);
     json_object(o, "bootstrap");
-    json_number(o, "replicates", r->replicates);
-    json_number(o, "seed", (double)r->seed);
+    json_number(o, "replicates", RATES_REPLICATES);
+    json_number(o, "seed", (double)REPORT_SEED);
     json_close(o);
     json_object(o, "speed");
     json_number(o, "threads", t->nthread);
     json_number(o, "enroll_s", t->build_s);
     json_number(o, "compare_s", t->compare_s);
-    json_number(o, "comparisons_a_second", (double)report_done(r) / t->compare_s);
+    json_number(o, "comparisons_a_second", (double)done / t->compare_s);
     json_number(o, "score_ms", r->score_ms);
     json_close(o);
 }

@@ -8,8 +8,6 @@
 #include "pool.h"
 #include "rates.h"
 
-#define SEED UINT64_C(19795) /* the standard's number */
-
 /* ---- what is compared */
 
 static bool plan_add(struct trials *t, uint32_t template, uint32_t probe,
@@ -45,7 +43,7 @@ static bool plan_probe(struct trials *t, uint32_t probe, uint32_t *list)
 {
     const struct corpus *c = t->corpus;
     const uint32_t subject = c->scan[probe].subject;
-    uint64_t seed = SEED + ((uint64_t)probe << 32);
+    uint64_t seed = TRIALS_SEED + ((uint64_t)probe << 32);
     uint32_t m = 0;
     bool ok = c->subject[subject].enrolled == CORPUS_NONE ||
               plan_add(t, c->subject[subject].enrolled, probe, CORPUS_GENUINE);
@@ -132,7 +130,6 @@ static enum status plan_all(struct trials *t)
 struct run {
     struct trials *t;
     const struct lab *c;
-    const struct trials_how *how;
     uint32_t *templates;           /* [ntemplate] of corpus.scan */
     uint32_t *slot;                /* [nscan] a template's place among them */
     struct surface_face *template; /* [ntemplate] */
@@ -180,9 +177,9 @@ static enum status trials_compare(const struct run *r, const struct surface_face
     if (st == ST_OK)
         st = status_from(surface_compare_again(w, own, face, &f));
     x->score_ms = (float)(command_clock_ms() - start);
-    if (st == ST_OK && r->how->regions)
+    if (st == ST_OK && r->c->regions)
         st = status_from(surface_parts(w, own, face, &parts));
-    if (st == ST_OK && r->how->minimal)
+    if (st == ST_OK && r->c->minimal)
         st = status_from(surface_disparity(w, own, face, &least));
     if (st != ST_OK)
         return errinfo_set(e, st, "%.120s with %.80s: %s", probe->file, template->file,
@@ -192,9 +189,9 @@ static enum status trials_compare(const struct run *r, const struct surface_face
     x->score = f.score;
     x->fmr_at_score = f.false_match_rate;
     x->overlap = (float)f.overlap;
-    for (int i = 0; i < SURFACE_REGIONS && r->how->regions; i++)
+    for (int i = 0; i < SURFACE_REGIONS && r->c->regions; i++)
         x->region[i] = (float)parts.region[i];
-    if (r->how->minimal)
+    if (r->c->minimal)
         x->disparity_mm = (float)least.disparity_mm;
     return ST_OK;
 }
@@ -272,11 +269,10 @@ static enum status run_all(struct run *r, struct errinfo *e)
     return st;
 }
 
-enum status trials_run(struct lab *c, const struct corpus *corpus,
-                       const struct trials_how *how, struct trials **out)
+enum status trials_run(struct lab *c, const struct corpus *corpus, struct trials **out)
 {
     struct trials *t = calloc(1, sizeof *t);
-    struct run r = {.t = t, .c = c, .how = how};
+    struct run r = {.t = t, .c = c};
     enum status st = ST_ENOMEM;
 
     *out = NULL;
@@ -284,11 +280,11 @@ enum status trials_run(struct lab *c, const struct corpus *corpus,
         t->corpus = corpus;
         t->threshold =
             isnan(c->threshold) ? c->model->calibration.threshold : c->threshold;
-        t->seed = SEED;
         t->nthread = pool_threads(c->threads);
-        t->non_mated = corpus->nlisted > 0  ? TRIALS_ALL
-                       : how->non_mated > 0 ? how->non_mated
-                                            : trials_share(corpus);
+        t->non_mated = corpus->nlisted > 0 ? TRIALS_ALL
+                       : c->non_mated > 0  ? c->non_mated
+                       : c->matrix         ? TRIALS_ALL
+                                           : trials_share(corpus);
         t->template = calloc(corpus->nscan, sizeof *t->template);
         t->probe = calloc(corpus->nscan, sizeof *t->probe);
     }

@@ -10,6 +10,7 @@
  * many. */
 #define TRIALS_NON_MATED 200000
 #define TRIALS_ALL       UINT32_MAX
+#define TRIALS_SEED      UINT64_C(19795) /* of the sampling; the standard's number */
 
 struct trial {
     uint32_t template, probe; /* of corpus.scan */
@@ -36,29 +37,20 @@ struct trials {
     size_t n;
     struct trials_scan *template, *probe; /* [corpus->nscan] */
     double threshold;                     /* the model's, or the one given */
-    uint64_t seed;                        /* of the sampling */
     uint32_t non_mated; /* of each probe, at most; TRIALS_ALL; of a list TRIALS_ALL */
     uint32_t nthread;
     double build_s,
         compare_s; /* by the clock on the wall: enrolment; all of the probes */
 };
 
-struct trials_how {
-    uint32_t non_mated; /* of each probe; TRIALS_ALL; 0: all, but TRIALS_NON_MATED in
-                           all.  Nothing where the corpus lists its pairs */
-    bool minimal;       /* the minimal disparity too */
-    bool regions;       /* each region's part of the score too */
-};
-
-/* trials_run(c, corpus, how, out): progress goes to standard error, when that is a
+/* trials_run(c, corpus, out): progress goes to standard error, when that is a
  * terminal.
  * out  new object, released by trials_free(); NULL on error; borrows corpus
  * A scan that is malformed or no face is refused and listed, no error.  Non-mated pairs
  * are drawn without replacement, for each probe on its own.
  * Memory: a face of each template, and one of a probe for each thread.
  * Returns ST_OK; ST_ENOMEM, ST_EIO, ST_ENOTFOUND with c->e filled. */
-enum status trials_run(struct lab *c, const struct corpus *corpus,
-                       const struct trials_how *how, struct trials **out);
+enum status trials_run(struct lab *c, const struct corpus *corpus, struct trials **out);
 void trials_free(struct trials *t); /* NULL is allowed */
 
 #endif
