@@ -332,38 +332,8 @@ TEST(test_pairs_by_label)
     corpus_free(c);
     refuse_pairs("3 1 same\n4 2 same\n3 2 0\n1 4 1\n", ST_EINVAL,
                  "line 3: a non-mated pair of two scans that the mated pairs say");
-}
-
-/* Random labels of a known partition: the people are the connected scans. */
-TEST(test_pairs_people)
-{
-    static char text[1 << 14];
-    struct corpus *c;
-    unsigned x = 1;
-    size_t n = 0;
-
-    for (int i = 0; i < 60; i++) {
-        char name[16];
-
-        (void)snprintf(name, sizeof name, "f%d", i);
-        put(name, "");
-    }
-    for (int i = 0; i < 400; i++) {
-        const unsigned a = (x = x * 1103515245U + 12345U) >> 16 & 63,
-                       b = (x = x * 1103515245U + 12345U) >> 16 & 63;
-
-        if (a < 60 && b < 60 && a != b)
-            n += (size_t)snprintf(text + n, sizeof text - n, "f%u f%u %d\n", a, b,
-                                  a % 3 == b % 3);
-    }
-    c = pairs(text);
-    for (uint32_t i = 0; i < c->nscan; i++)
-        for (uint32_t k = 0; k < i; k++)
-            assert_int_equal(c->scan[i].subject == c->scan[k].subject,
-                             atoi(c->scan[i].file + 1) % 3 ==
-                                 atoi(c->scan[k].file + 1) % 3);
-    assert_int_equal(c->nsubject, 3);
-    corpus_free(c);
+    refuse_pairs("4 5 1\n3 4 1\n2 3 1\n1 2 1\n1 5 0\n", ST_EINVAL,
+                 "line 5: a non-mated pair");
 }
 
 TEST(test_bad_pairs)
