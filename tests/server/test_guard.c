@@ -13,23 +13,22 @@
 
 static struct guard *g;
 
-static void start(unsigned connections, unsigned per_address, bool local_too)
+static void start(const struct guard_rules *rules)
 {
-    const struct guard_rules rules = {.connections = connections,
-                                      .per_address = per_address,
-                                      .local_too = local_too,
-                                      .timeout_s = 1};
     struct errinfo e = {0};
 
-    assert_int_equal(guard_start(&rules, &g, &e), ST_OK);
+    assert_int_equal(guard_start(rules, &g, &e), ST_OK);
 }
 
+/* NULL: a Unix socket. */
 static const struct sockaddr *from(const char *text)
 {
     static struct sockaddr_storage ss;
     struct sockaddr_in in = {.sin_family = AF_INET};
     struct sockaddr_in6 in6 = {.sin6_family = AF_INET6};
 
+    if (text == NULL)
+        return NULL;
     memset(&ss, 0, sizeof ss);
     if (inet_pton(AF_INET, text, &in.sin_addr) == 1) {
         memcpy(&ss, &in, sizeof in);
@@ -38,46 +37,6 @@ static const struct sockaddr *from(const char *text)
         memcpy(&ss, &in6, sizeof in6);
     }
     return (const struct sockaddr *)&ss;
-}
-
-static struct guard_peer *open_from(const char *text)
-{
-    struct guard_peer *p = guard_open(g, -1, text != NULL ? from(text) : NULL);
-
-    assert_non_null(p);
-    return p;
-}
-
-TEST(test_by_address)
-{
-    /* the address of two open connections, and whether a third may connect */
-    static const struct {
-        const char *two, *third;
-        bool local_too, ok;
-    } cases[] = {
-        {"192.0.2.1", "192.0.2.1", false, false},
-        {"192.0.2.1", "192.0.2.2", false, true},
-        {"127.0.0.1", "127.0.0.1", false, true},
-        {"127.0.0.1", "127.0.0.1", true, false},
-        {"127.0.0.1", "127.0.0.2", true, true},
-        {"::1", "::1", false, true},
-        {"::1", "::1", true, false},
-        {NULL, NULL, true, true}, /* a Unix socket has no address */
-    };
-
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        struct guard_peer *a, *b;
-
-        start(100, 2, cases[i].local_too);
-        a = open_from(cases[i].two);
-        b = open_from(cases[i].two);
-        assert_int_equal(
-            guard_admit(g, cases[i].third != NULL ? from(cases[i].third) : NULL),
-            cases[i].ok);
-        guard_close(a);
-        guard_close(b);
-        guard_stop(g);
-    }
 }
 
 /* A connection with a socket pair in fd. */
@@ -101,6 +60,35 @@ static void close_all(struct guard_peer *p[], int fd[][2], int n)
     guard_stop(g);
 }
 
+TEST(test_by_address)
+{
+    /* the address of two open connections, and whether a third may connect */
+    static const struct {
+        const char *two, *third;
+        bool local_too, ok;
+    } cases[] = {
+        {"192.0.2.1", "192.0.2.1", false, false},
+        {"192.0.2.1", "192.0.2.2", false, true},
+        {"127.0.0.1", "127.0.0.1", false, true},
+        {"127.0.0.1", "127.0.0.1", true, false},
+        {"127.0.0.1", "127.0.0.2", true, true},
+        {"::1", "::1", false, true},
+        {"::1", "::1", true, false},
+        {NULL, NULL, true, true}, /* a Unix socket has no address */
+    };
+
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct guard_peer *p[2];
+        int fd[2][2];
+
+        start(&(struct guard_rules){100, 2, cases[i].local_too, .timeout_s = 1});
+        p[0] = connect_from(cases[i].two, fd[0]);
+        p[1] = connect_from(cases[i].two, fd[1]);
+        assert_int_equal(guard_admit(g, from(cases[i].third)), cases[i].ok);
+        close_all(p, fd, 2);
+    }
+}
+
 /* Has the other side read the end of the connection? */
 static bool has_ended(int fd)
 {
@@ -109,7 +97,7 @@ static bool has_ended(int fd)
     return recv(fd, &c, 1, MSG_DONTWAIT) == 0;
 }
 
-/* The same for one that sends as much as it must, until *other* has ended. */
+/* Sends as much as a body must, until the other connection has ended. */
 static void keep_up(struct guard_peer *p, int other)
 {
     const struct timespec pause = {0, 50 * 1000 * 1000};
@@ -125,40 +113,28 @@ TEST(test_late)
 {
     static const enum guard_step steps[] = {GUARD_REQUEST, GUARD_HEADERS, GUARD_BODY,
                                             GUARD_RESPONSE, GUARD_IDLE};
+    enum { LATE, WORK, PATIENT, PEERS };
+    struct guard_peer *p[PEERS];
     struct guard_state s;
-    struct guard_peer *late, *work, *patient;
-    int a[2], b[2], c[2];
+    int fd[PEERS][2];
 
     for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
-        start(100, 0, false);
-        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, a), 0);
-        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, b), 0);
-        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, c), 0);
-        work = guard_open(g, b[0], NULL);
-        patient = guard_open(g, c[0], NULL);
-        late = guard_open(g, a[0], NULL);
-        assert_true(late != NULL && work != NULL && patient != NULL);
-        guard_begin(work, GUARD_WORK);
-        guard_begin(patient, GUARD_BODY);
-        guard_begin(late, GUARD_IDLE); /* a request is complete */
-        guard_begin(late, steps[i]);
+        start(&(struct guard_rules){.connections = 100, .timeout_s = 1});
+        for (int k = 0; k < PEERS; k++)
+            p[k] = connect_from(NULL, fd[k]);
+        guard_begin(p[WORK], GUARD_WORK);
+        guard_begin(p[PATIENT], GUARD_BODY);
+        guard_begin(p[LATE], GUARD_IDLE); /* a request is complete */
+        guard_begin(p[LATE], steps[i]);
         if (steps[i] != GUARD_IDLE) /* much at once earns no more than little */
-            guard_more(late, (size_t)(3600 * GUARD_BYTES_PER_S));
-        keep_up(patient, a[1]);
-        assert_false(has_ended(b[1]));
-        assert_false(has_ended(c[1]));
+            guard_more(p[LATE], (size_t)(3600 * GUARD_BYTES_PER_S));
+        keep_up(p[PATIENT], fd[LATE][1]);
+        assert_false(has_ended(fd[WORK][1]));
+        assert_false(has_ended(fd[PATIENT][1]));
         guard_look(g, &s);
         for (unsigned k = 0; k < GUARD_NSTEPS; k++)
             assert_int_equal(s.late[k], k == steps[i] && steps[i] != GUARD_IDLE);
-        guard_close(late);
-        guard_close(work);
-        guard_close(patient);
-        guard_stop(g);
-        for (int k = 0; k < 2; k++) {
-            (void)close(a[k]);
-            (void)close(b[k]);
-            (void)close(c[k]);
-        }
+        close_all(p, fd, PEERS);
     }
 }
 
@@ -177,14 +153,9 @@ TEST(test_gone)
     atomic_uint gone[5];
     int fd[5][2];
 
-    assert_int_equal(
-        guard_start(&(struct guard_rules){.connections = 100, .timeout_s = 100}, &g,
-                    &(struct errinfo){0}),
-        ST_OK);
+    start(&(struct guard_rules){.connections = 100, .timeout_s = 100});
     for (int i = 0; i < 5; i++) {
-        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
-        p[i] = guard_open(g, fd[i][0], NULL);
-        assert_non_null(p[i]);
+        p[i] = connect_from(NULL, fd[i]);
         atomic_init(&gone[i], 0);
     }
     guard_work(p[0], count_gone, &gone[0]);
@@ -197,7 +168,7 @@ TEST(test_gone)
     (void)shutdown(fd[3][1], SHUT_WR);
     (void)shutdown(fd[1][1], SHUT_WR); /* looks like a closed connection */
     (void)send(fd[0][1], "x", 1, 0);   /* the next request is not yet the end */
-    (void)close(fd[2][1]);
+    (void)shutdown(fd[2][1], SHUT_RDWR);
     for (int i = 0; i < 500 && atomic_load(&gone[1]) == 0; i++)
         (void)nanosleep(&pause, NULL);
     for (int i = 0; i < 25; i++) /* another look or two */
@@ -209,13 +180,7 @@ TEST(test_gone)
     assert_true(has_ended(fd[3][1]));
     assert_false(has_ended(fd[4][1]));
     assert_false(has_ended(fd[0][1]));
-    for (int i = 0; i < 5; i++) {
-        guard_close(p[i]);
-        (void)close(fd[i][0]);
-        if (i != 2)
-            (void)close(fd[i][1]);
-    }
-    guard_stop(g);
+    close_all(p, fd, 5);
 }
 
 /* Of connections without a whole request the one that is so for the longest time makes room; one
@@ -223,18 +188,13 @@ TEST(test_gone)
 TEST(test_crowded)
 {
     const struct timespec while_ = {1, 100 * 1000 * 1000};
-    const struct guard_rules rules = {.connections = 3, .timeout_s = 100};
     struct guard_peer *p[3];
     struct guard_state s;
-    struct errinfo e = {0};
     int fd[3][2];
 
-    assert_int_equal(guard_start(&rules, &g, &e), ST_OK);
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(socketpair(AF_UNIX, SOCK_STREAM, 0, fd[i]), 0);
-        p[i] = guard_open(g, fd[i][0], NULL);
-        assert_non_null(p[i]);
-    }
+    start(&(struct guard_rules){.connections = 3, .timeout_s = 100});
+    for (int i = 0; i < 3; i++)
+        p[i] = connect_from(NULL, fd[i]);
     guard_begin(p[0], GUARD_BODY);
     assert_false(guard_admit(g, NULL)); /* all have just come, from there */
     (void)nanosleep(&while_, NULL);
@@ -262,7 +222,7 @@ TEST(test_crowd)
     struct guard_state s;
     int fd[4][2];
 
-    start(3, 0, false);
+    start(&(struct guard_rules){.connections = 3, .timeout_s = 1});
     for (int i = 0; i < 3; i++)
         p[i] = connect_from(i == 0 ? "192.0.2.1" : "192.0.2.2", fd[i]);
     assert_true(guard_admit(g, from("192.0.2.3")));
@@ -278,7 +238,7 @@ TEST(test_crowd)
     assert_int_equal(s.crowded_out, 2);
     close_all(p, fd, 4);
 
-    start(1, 0, false);
+    start(&(struct guard_rules){.connections = 1, .timeout_s = 1});
     p[0] = connect_from("192.0.2.1", fd[0]);
     guard_begin(p[0], GUARD_WORK);
     assert_false(guard_admit(g, from("192.0.2.3")));
@@ -296,7 +256,7 @@ TEST(test_steps)
     struct guard_state s;
     int fd[2][2];
 
-    start(100, 0, false);
+    start(&(struct guard_rules){.connections = 100, .timeout_s = 1});
     p[0] = connect_from("192.0.2.1", fd[0]);
     p[1] = connect_from("192.0.2.1", fd[1]);
     guard_begin(p[0], GUARD_IDLE);
@@ -328,10 +288,7 @@ TEST(test_half)
     atomic_long when[3], begin = 0;
     int fd[3][2];
 
-    assert_int_equal(
-        guard_start(&(struct guard_rules){.connections = 100, .timeout_s = 100}, &g,
-                    &(struct errinfo){0}),
-        ST_OK);
+    start(&(struct guard_rules){.connections = 100, .timeout_s = 100});
     for (int i = 0; i < 3; i++) {
         p[i] = connect_from("192.0.2.1", fd[i]);
         atomic_init(&when[i], 0);
