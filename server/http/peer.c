@@ -19,7 +19,7 @@
 #include "tls.h"
 
 #define PART     ((size_t)64 << 10)
-#define CORS_MAX 768 /* bytes of its headers */
+#define HEAD_MAX 2048 /* bytes of the headers of a response written by hand */
 
 struct peer *peer_open(const struct peer_host *host, struct MHD_Connection *conn)
 {
@@ -144,72 +144,57 @@ static struct MHD_Response *make_body(struct peer *p, const struct response *a)
     return resp;
 }
 
+/* Calls add(arg, name, value) for each header, except Content-Length. */
+static void peer_headers(const struct response *a, const char *id, bool close,
+                         void (*add)(void *arg, const char *name, const char *value),
+                         void *arg)
+{
+    char again[16] = "", challenge[AUTH_CHALLENGE_MAX] = "";
+    const struct {
+        const char *name, *value; /* value: "" or NULL: no such header */
+    } header[] = {{"Content-Type", a->len > 0 ? a->type : NULL},
+                  {"X-Request-Id", id},
+                  {"Cache-Control", a->etag != NULL ? "no-cache" : "no-store"},
+                  {"ETag", a->etag},
+                  {"Vary", a->etag != NULL ? "Accept-Encoding" : NULL},
+                  {"Content-Encoding", a->gzip ? "gzip" : NULL},
+                  {"X-Content-Type-Options", "nosniff"},
+                  {"Content-Disposition", a->name},
+                  {"Location", a->location},
+                  {"Allow", a->allow},
+                  {"Content-Security-Policy", a->policy},
+                  {"WWW-Authenticate", challenge},
+                  {"Accept-Encoding", a->codings ? INFLATE_ACCEPTED : NULL},
+                  {"Preference-Applied", a->minimal ? "return=minimal" : NULL},
+                  {"Retry-After", again},
+                  {"Connection", close ? "close" : NULL}};
+
+    if (a->challenge)
+        auth_challenge(a, challenge);
+    if (a->retry_after > 0) /* clients refused together do not all come back together */
+        (void)snprintf(again, sizeof again, "%u",
+                       a->retry_after + randombytes_uniform(a->retry_after / 8 + 3));
+    for (size_t i = 0; i < sizeof header / sizeof *header; i++)
+        if (header[i].value != NULL && header[i].value[0] != '\0')
+            add(arg, header[i].name, header[i].value);
+    cors_headers(a, add, arg);
+}
+
 static void add_header(void *resp, const char *name, const char *value)
 {
     (void)MHD_add_response_header(resp, name, value);
 }
 
-/* Clients that were refused together do not all come back together. */
-static unsigned again_in(const struct response *a)
-{
-    return a->retry_after + randombytes_uniform(a->retry_after / 8 + 3);
-}
-
-static struct MHD_Response *make_response(struct peer *p, struct response *a,
-                                          const char *id, bool close)
-{
-    char number[16], challenge[AUTH_CHALLENGE_MAX];
-    struct MHD_Response *resp = make_body(p, a);
-
-    if (resp == NULL)
-        return NULL;
-    a->body = NULL; /* resp's now */
-    a->file = NULL;
-    if (a->len > 0)
-        (void)MHD_add_response_header(resp, "Content-Type", a->type);
-    (void)MHD_add_response_header(resp, "X-Request-Id", id);
-    (void)MHD_add_response_header(resp, "Cache-Control",
-                                  a->etag != NULL ? "no-cache" : "no-store");
-    if (a->etag != NULL) {
-        (void)MHD_add_response_header(resp, "ETag", a->etag);
-        (void)MHD_add_response_header(resp, "Vary", "Accept-Encoding");
-    }
-    cors_headers(a, add_header, resp);
-    if (a->gzip)
-        (void)MHD_add_response_header(resp, "Content-Encoding", "gzip");
-    (void)MHD_add_response_header(resp, "X-Content-Type-Options", "nosniff");
-    if (a->name != NULL)
-        (void)MHD_add_response_header(resp, "Content-Disposition", a->name);
-    if (a->location[0] != '\0')
-        (void)MHD_add_response_header(resp, "Location", a->location);
-    if (a->allow[0] != '\0')
-        (void)MHD_add_response_header(resp, "Allow", a->allow);
-    if (a->policy != NULL)
-        (void)MHD_add_response_header(resp, "Content-Security-Policy", a->policy);
-    if (a->challenge) {
-        auth_challenge(a, challenge);
-        (void)MHD_add_response_header(resp, "WWW-Authenticate", challenge);
-    }
-    if (a->codings)
-        (void)MHD_add_response_header(resp, "Accept-Encoding", INFLATE_ACCEPTED);
-    if (a->minimal)
-        (void)MHD_add_response_header(resp, "Preference-Applied", "return=minimal");
-    if (a->retry_after > 0) {
-        (void)snprintf(number, sizeof number, "%u", again_in(a));
-        (void)MHD_add_response_header(resp, "Retry-After", number);
-    }
-    if (close)
-        (void)MHD_add_response_header(resp, "Connection", "close");
-    return resp;
-}
-
 bool peer_respond(struct peer *p, struct response *a, const char *id, bool close)
 {
-    struct MHD_Response *resp = make_response(p, a, id, close);
+    struct MHD_Response *resp = make_body(p, a);
     enum MHD_Result sent;
 
     if (resp == NULL)
         return false;
+    a->body = NULL; /* resp owns it */
+    a->file = NULL;
+    peer_headers(a, id, close, add_header, resp);
     guard_begin(p->place, GUARD_RESPONSE);
     sent = queue_response(p->conn, (unsigned)a->http, resp);
     MHD_destroy_response(resp);
@@ -223,12 +208,13 @@ static bool peer_send(const struct peer *p, const void *data, size_t len)
     return send(p->fd, data, len, MSG_NOSIGNAL | MSG_DONTWAIT) == (ssize_t)len;
 }
 
+/* Appends to a text of HEAD_MAX bytes. */
 static void print_header(void *to, const char *name, const char *value)
 {
     char *text = to;
     const size_t n = strlen(text);
 
-    (void)snprintf(text + n, CORS_MAX - n, "%s: %s\r\n", name, value);
+    (void)snprintf(text + n, HEAD_MAX - n, "%s: %s\r\n", name, value);
 }
 
 /* libmicrohttpd accepts a response before or after the body, not amid it, so this one is
@@ -236,18 +222,13 @@ static void print_header(void *to, const char *name, const char *value)
  * gone. */
 bool peer_respond_midbody(struct peer *p, const struct response *a, const char *id)
 {
-    char head[512 + CORS_MAX], retry[32] = "", cors[CORS_MAX] = "";
-    int n;
+    char head[HEAD_MAX], length[16];
 
-    if (a->retry_after > 0)
-        (void)snprintf(retry, sizeof retry, "Retry-After: %u\r\n", again_in(a));
-    cors_headers(a, print_header, cors);
-    n = snprintf(head, sizeof head,
-                 "HTTP/1.1 %d %s\r\nContent-Type: %s\r\nX-Request-Id: %s\r\n"
-                 "Cache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n%s%s"
-                 "Connection: close\r\nContent-Length: %zu\r\n\r\n",
-                 a->http, MHD_get_reason_phrase_for((unsigned)a->http), a->type, id,
-                 retry, cors, a->len);
-    return n > 0 && (size_t)n < sizeof head && peer_send(p, head, (size_t)n) &&
+    (void)snprintf(length, sizeof length, "%zu\r\n", a->len); /* the headers end */
+    (void)snprintf(head, sizeof head, "HTTP/1.1 %d %s\r\n", a->http,
+                   MHD_get_reason_phrase_for((unsigned)a->http));
+    peer_headers(a, id, true, print_header, head);
+    print_header(head, "Content-Length", length);
+    return strlen(head) < HEAD_MAX - 1 && peer_send(p, head, strlen(head)) &&
            peer_send(p, a->body, a->len);
 }
