@@ -119,7 +119,7 @@ static void see_by_camera(struct head *s, const struct headscan_options *o,
 #define RADIAN   (1 / VEC_DEGREES)
 #define PURPOSES 16
 
-enum purpose { P_KIND, P_RAYS, P_NOISE, P_AXES, P_BEHIND, P_SECOND, P_WARP };
+enum purpose { P_KIND, P_RAYS, P_NOISE, P_BEHIND };
 
 static struct draw stream(const struct headscan_options *o, enum purpose purpose)
 {
@@ -136,12 +136,10 @@ static const struct {
 } kinds[] = {
     {"head", HEADSCAN_VIEW, HEADCOVER_NONE, 20000},
     {"bust", HEADSCAN_VIEW, HEADCOVER_NONE, 30000},
-    {"round", HEADSCAN_ROUND, HEADCOVER_NONE, 60000},
     {"half", HEADSCAN_VIEW, HEADCOVER_NONE, 15000},
     {"depth", HEADSCAN_CAMERA, HEADCOVER_NONE, 0},
     {"grid", HEADSCAN_GRID, HEADCOVER_NONE, 0},
     {"behind", HEADSCAN_VIEW, HEADCOVER_NONE, 20000},
-    {"two", HEADSCAN_VIEW, HEADCOVER_NONE, 30000},
     {"glasses", HEADSCAN_VIEW, HEADCOVER_GLASSES, 20000},
     {"mask", HEADSCAN_VIEW, HEADCOVER_MASK, 20000},
     {"fringe", HEADSCAN_VIEW, HEADCOVER_FRINGE, 20000},
@@ -176,15 +174,12 @@ bool headscan_kind(const char *name, uint64_t seed, bool crop, struct headscan_o
         o->yaw = draw_uniform(&r, 35, 55) * (o->yaw < 0 ? -1 : 1);
     } else if (strcmp(name, "bust") == 0) {
         o->shoulders = true;
-        o->axes = HEADSCAN_DOWN;
+        o->down = true;
         o->unit_mm = 1000;
         o->distance = draw_uniform(&r, 500, 1200);
-    } else if (strcmp(name, "round") == 0) {
-        o->axes = HEADSCAN_ANY;
-        o->noise = 0;
     } else if (strcmp(name, "depth") == 0) {
         o->shoulders = true;
-        o->axes = HEADSCAN_DOWN;
+        o->down = true;
         o->unit_mm = draw_uniform(&r, 0, 1) < 0.5 ? 1 : 1000;
         o->distance = draw_uniform(&r, 450, 800);
     } else if (strcmp(name, "grid") == 0) {
@@ -193,23 +188,20 @@ bool headscan_kind(const char *name, uint64_t seed, bool crop, struct headscan_o
         o->spikes = 0.005;
     } else if (strcmp(name, "behind") == 0) {
         o->behind = 0.1;
-    } else if (strcmp(name, "two") == 0) {
-        o->two = true;
     }
     return true;
 }
 
 /* ---- where the head is */
 
-/* Rz Rx Ry about (0, 0, PIVOT), then by shift; a positive pitch turns the face upwards. */
-static void pose(double yaw, double pitch, double roll, struct dvec3 shift, double t[16])
+/* Rz Rx Ry about (0, 0, PIVOT); a positive pitch turns the face upwards. */
+static void pose(double yaw, double pitch, double roll, double t[16])
 {
     const double cy = cos(yaw * RADIAN), sy = sin(yaw * RADIAN);
     const double cx = cos(pitch * RADIAN), sx = -sin(pitch * RADIAN);
     const double cz = cos(roll * RADIAN), sz = sin(roll * RADIAN);
     const double yx[3][3] = {
         {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
-    const double at[3] = {shift.x, shift.y, shift.z + PIVOT};
 
     for (int j = 0; j < 3; j++) {
         t[j] = cz * yx[0][j] - sz * yx[1][j];
@@ -217,27 +209,9 @@ static void pose(double yaw, double pitch, double roll, struct dvec3 shift, doub
         t[8 + j] = yx[2][j];
     }
     for (int i = 0; i < 3; i++)
-        t[4 * i + 3] = at[i] - PIVOT * t[4 * i + 2];
+        t[4 * i + 3] = PIVOT * ((i == 2) - t[4 * i + 2]);
     t[12] = t[13] = t[14] = 0;
     t[15] = 1;
-}
-
-static void add_second(struct head *h, const struct head *other,
-                       const struct headscan_options *o)
-{
-    struct draw r = stream(o, P_SECOND);
-    struct head second = head_copy(other);
-    const double side = draw_uniform(&r, 0, 1) < 0.5 ? -1 : 1;
-    const struct dvec3 shift = {side * draw_uniform(&r, 230, 320),
-                                draw_uniform(&r, -60, 60), draw_uniform(&r, -250, -40)};
-    double t[16];
-
-    pose(draw_uniform(&r, -15, 15), draw_uniform(&r, -15, 15), draw_uniform(&r, -8, 8),
-         shift, t);
-    head_move(&second, t);
-    for (size_t i = 0; i < second.n; i++)
-        head_add(h, second.at[i], second.part[i]);
-    head_free(&second);
 }
 
 /* What stands before the scanner, seen along -z. */
@@ -249,10 +223,8 @@ static struct head scene(const struct head *h, const struct headscan_options *o)
     headcover_add(&s, o->cover, o->seed, o->crop);
     if (o->shoulders)
         head_add_shoulders(&s);
-    pose(o->yaw, o->pitch, o->roll, (struct dvec3){0, 0, 0}, t);
+    pose(o->yaw, o->pitch, o->roll, t);
     head_move(&s, t);
-    if (o->two)
-        add_second(&s, h, o);
     return s;
 }
 
@@ -312,18 +284,6 @@ static void see_crop(const struct headview *v, const struct headscan_options *o,
             headscan_add(out, v->head->at[i]);
 }
 
-/* Everything but the skin that something covers from the front. */
-static void see_round(const struct head *s, struct headscan *out)
-{
-    struct headview v;
-
-    headview_make(s, true, &v);
-    for (size_t i = 0; i < s->n; i++)
-        if (s->part[i] == HEAD_COVER || (s->part[i] == HEAD_SKIN && v.seen[i]))
-            headscan_add(out, s->at[i]);
-    headview_free(&v);
-}
-
 static void add_behind(const struct headview *v, const struct headscan_options *o,
                        struct headscan *out)
 {
@@ -358,40 +318,16 @@ static void add_errors(const struct headscan_options *o, struct headscan *s)
 
 /* ---- the file's axes and unit */
 
-/* A rotation drawn evenly (Shoemake). */
-static void any_rotation(struct draw *r, double m[9])
-{
-    const double u = draw_uniform(r, 0, 1), a = draw_uniform(r, 0, 6.283185307);
-    const double b = draw_uniform(r, 0, 6.283185307);
-    const double x = sqrt(1 - u) * sin(a), y = sqrt(1 - u) * cos(a);
-    const double z = sqrt(u) * sin(b), w = sqrt(u) * cos(b);
-    const double q[9] = {
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
-        2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
-
-    memcpy(m, q, sizeof q);
-}
-
 static void deliver(const struct headscan_options *o, struct headscan *s)
 {
-    static const double of_axes[][9] = {[HEADSCAN_AGREED] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                                        [HEADSCAN_DOWN] = {1, 0, 0, 0, -1, 0, 0, 0, -1}};
-    struct draw r = stream(o, P_AXES);
-    double m[9];
+    const double x = (o->mirrored ? -1 : 1) / o->unit_mm;
+    const double yz = (o->down ? -1 : 1) / o->unit_mm;
+    const double back = o->view == HEADSCAN_CAMERA ? 0 : o->distance; /* there already */
 
-    if (o->axes == HEADSCAN_ANY)
-        any_rotation(&r, m);
-    else
-        memcpy(m, of_axes[o->axes], sizeof m);
     for (size_t i = 0; i < s->n; i++) {
-        struct dvec3 p = s->at[i];
+        const struct dvec3 p = s->at[i];
 
-        p.x = o->mirrored ? -p.x : p.x;
-        p.z -= o->view == HEADSCAN_CAMERA ? 0 : o->distance; /* there already */
-        s->at[i] = (struct dvec3){(m[0] * p.x + m[1] * p.y + m[2] * p.z) / o->unit_mm,
-                                  (m[3] * p.x + m[4] * p.y + m[5] * p.z) / o->unit_mm,
-                                  (m[6] * p.x + m[7] * p.y + m[8] * p.z) / o->unit_mm};
+        s->at[i] = (struct dvec3){x * p.x, yz * p.y, yz * (p.z - back)};
     }
 }
 
@@ -404,9 +340,6 @@ void headscan_render(const struct head *h, const struct headscan_options *o,
     *out = (struct headscan){0};
     if (o->view == HEADSCAN_CAMERA) {
         see_by_camera(&s, o, out);
-    } else if (o->view == HEADSCAN_ROUND) {
-        see_round(&s, out);
-        add_errors(o, out);
     } else {
         headview_make(&s, o->crop, &v);
         if (o->view == HEADSCAN_GRID)

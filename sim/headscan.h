@@ -1,5 +1,5 @@
-/* headscan.h -- renders a head as scanners deliver it: views, a depth camera's grid, points all
- * round, with covers, in any unit and axes.  The head and the seed determine every point. */
+/* headscan.h -- renders a head as scanners deliver it: views, a depth camera's grid, with
+ * covers, in any unit.  The head and the seed determine every point. */
 #ifndef SIM_HEADSCAN_H
 #define SIM_HEADSCAN_H
 #include <stdbool.h>
@@ -11,15 +11,8 @@
 
 enum headscan_view {
     HEADSCAN_VIEW, /* `points` random rays over the visible surface; a crop's own points */
-    HEADSCAN_GRID,   /* a ray every `step` mm */
-    HEADSCAN_CAMERA, /* a ray for each pixel of a depth camera, a wall behind */
-    HEADSCAN_ROUND   /* all points, hidden or not */
-};
-
-enum headscan_axes {
-    HEADSCAN_AGREED, /* x to the image's right, y up, z towards the scanner */
-    HEADSCAN_DOWN,   /* a camera's: y down, z away from it */
-    HEADSCAN_ANY     /* a random rotation */
+    HEADSCAN_GRID,  /* a ray every `step` mm */
+    HEADSCAN_CAMERA /* a ray for each pixel of a depth camera, a wall behind */
 };
 
 struct headscan_options {
@@ -36,9 +29,10 @@ struct headscan_options {
     double spikes;   /* share of the points thrown 4 to 40 mm off */
     double behind;   /* share of hidden points among the visible ones */
     bool shoulders;
-    bool two; /* a copy of the head beside it, farther away */
     bool mirrored;
-    enum headscan_axes axes;
+    bool
+        down; /* a camera's axes: y down, z away from it; false: x to the image's right, y up,
+                * z towards the scanner */
     double unit_mm;
 };
 
@@ -50,7 +44,7 @@ struct headscan {
 };
 
 /* headscan_kind(name, seed, crop, o): Sets *o to the options of a kind, drawn by the seed: head,
- * bust, round, half, depth, grid, behind, two, glasses, mask, fringe, beard, cap.
+ * bust, half, depth, grid, behind, glasses, mask, fringe, beard, cap.
  * Returns false if there is no kind of that name. */
 bool headscan_kind(const char *name, uint64_t seed, bool crop,
                    struct headscan_options *o);

@@ -17,7 +17,7 @@ static const char usage[] =
     "usage: headscan --kind KIND [OPTION]... IN -o OUT\n"
     "Write a scan of a made-up head, or a frontal scan with something that covers the face.\n"
     "  IN             made-up:N, a made-up head; or a frontal scan in mm\n"
-    "  --kind KIND    head, bust, round, half, depth, grid, behind, two;\n"
+    "  --kind KIND    head, bust, half, depth, grid, behind;\n"
     "                 glasses, mask, fringe, beard, cap\n"
     "  --seed N       of all that is drawn (0)\n"
     "  --yaw D        turned by D degrees (drawn at random)\n"
@@ -185,7 +185,7 @@ static bool options_of(const struct command *c, bool crop, struct headscan_optio
         return false;
     o->yaw = isnan(c->yaw) ? o->yaw : c->yaw;
     o->unit_mm = isnan(c->unit_mm) ? o->unit_mm : c->unit_mm;
-    o->axes = c->agreed ? HEADSCAN_AGREED : o->axes;
+    o->down = o->down && !c->agreed;
     o->mirrored = c->mirrored;
     return true;
 }

@@ -68,7 +68,7 @@ stepped steps 1
 for kind in glasses mask fringe beard cap; do
     cover $kind
 done
-for kind in head bust round half depth grid behind two; do
+for kind in head bust half depth grid behind; do
     head_of $kind
 done
 expect 0 "copies of $(files scans | wc -w) scans" "$jitter" "$copies" "$seed" scans/*

@@ -121,7 +121,7 @@ static void render(uint64_t subject, const struct headscan_options *o,
 static struct pose motion_of(const struct headscan_options *o)
 {
     const struct dvec3 centre = {0, 0, -90};
-    const double down = o->axes == HEADSCAN_DOWN ? -1 : 1;
+    const double down = o->down ? -1 : 1;
     const struct pose axes = {.r = {1, 0, 0, 0, down, 0, 0, 0, down}};
     const double half = tan(o->roll / VEC_DEGREES / 2);
     const struct pose roll = {.r = {(1 - half * half) / (1 + half * half),
