@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "draw.h"
+#include "facegen.h"
 #include "head.h"
 #include "headview.h"
 
@@ -116,7 +117,6 @@ static void see_by_camera(struct head *s, const struct headscan_options *o,
 }
 
 #define PIVOT    (-90.0) /* z of the centre that a head turns about */
-#define RADIAN   (1 / VEC_DEGREES)
 #define PURPOSES 16
 
 enum purpose { P_KIND, P_RAYS, P_NOISE, P_BEHIND };
@@ -194,23 +194,19 @@ bool headscan_kind(const char *name, uint64_t seed, bool crop, struct headscan_o
 
 /* ---- where the head is */
 
-/* Rz Rx Ry about (0, 0, PIVOT); a positive pitch turns the face upwards. */
-static void pose(double yaw, double pitch, double roll, double t[16])
+/* The rotation about (0, 0, PIVOT); a positive pitch turns the face upwards. */
+static void pose(const struct headscan_options *o, double t[16])
 {
-    const double cy = cos(yaw * RADIAN), sy = sin(yaw * RADIAN);
-    const double cx = cos(pitch * RADIAN), sx = -sin(pitch * RADIAN);
-    const double cz = cos(roll * RADIAN), sz = sin(roll * RADIAN);
-    const double yx[3][3] = {
-        {cy, 0, sy}, {sx * sy, cx, -sx * cy}, {-cx * sy, sx, cx * cy}};
+    const struct facegen_scan turn = {.yaw = o->yaw, .pitch = -o->pitch, .roll = o->roll};
+    double r[9];
 
-    for (int j = 0; j < 3; j++) {
-        t[j] = cz * yx[0][j] - sz * yx[1][j];
-        t[4 + j] = sz * yx[0][j] + cz * yx[1][j];
-        t[8 + j] = yx[2][j];
+    facegen_turn(&turn, r);
+    for (int i = 0; i < 3; i++) {
+        for (int k = 0; k < 3; k++)
+            t[4 * i + k] = r[3 * i + k];
+        t[4 * i + 3] = PIVOT * ((i == 2) - r[3 * i + 2]);
+        t[12 + i] = 0;
     }
-    for (int i = 0; i < 3; i++)
-        t[4 * i + 3] = PIVOT * ((i == 2) - t[4 * i + 2]);
-    t[12] = t[13] = t[14] = 0;
     t[15] = 1;
 }
 
@@ -223,7 +219,7 @@ static struct head scene(const struct head *h, const struct headscan_options *o)
     headcover_add(&s, o->cover, o->seed, o->crop);
     if (o->shoulders)
         head_add_shoulders(&s);
-    pose(o->yaw, o->pitch, o->roll, t);
+    pose(o, t);
     head_move(&s, t);
     return s;
 }

@@ -203,19 +203,6 @@ TEST(test_slab)
     }
 }
 
-/* A few cells in front are no cover: a nose ring, or strays. */
-TEST(test_small)
-{
-    struct draw rng = {brute_seed("small")};
-    struct shape_fit f;
-
-    make_face(&rng);
-    cover(-28, -20, -34, -26, 8); /* four cells */
-    fit(&toy_still, true, &f);
-    assert_int_equal(f.cover, 0);
-    assert_in_range(f.apart, 1, 9);
-}
-
 /* What hides more than a simple fit can leave out is found from the parts that it leaves. */
 TEST(test_hard)
 {
