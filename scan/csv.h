@@ -24,32 +24,31 @@ struct csv;
 enum status csv_open(const char *path, bool list, struct csv **out, struct errinfo *e);
 void csv_close(struct csv *t); /* NULL is allowed */
 
-/* csv_column(t, name): the column of that name, in any mixture of small and capital
- * letters, or -1. */
+/* csv_column(t, name): Returns the column of that name, in small or capital letters, or -1. */
 int csv_column(const struct csv *t, const char *name);
 
-/* csv_need(t, name, column, e): the same, but a missing column is ST_EINVAL, said in e. */
+/* csv_need(t, name, column, e): Finds the column of that name.  Returns ST_OK; ST_EINVAL: there is none. */
 enum status csv_need(const struct csv *t, const char *name, int *column,
                      struct errinfo *e);
 
-/* csv_next(t, more, e): go to the next row; *more is false after the last.
- * Returns ST_OK; ST_EINVAL malformed, or not as many fields as the heading has; ST_ELIMIT. */
+/* csv_next(t, more, e): Goes to the next row; *more is false after the last.
+ * Returns ST_OK; ST_EINVAL: malformed, or not as many fields as the heading has; ST_ELIMIT. */
 enum status csv_next(struct csv *t, bool *more, struct errinfo *e);
 
-/* csv_fields(t), csv_line(t): the number of fields of the current row; the line where it
- * begins, from 1. */
+/* csv_fields(t): Returns the number of fields of the current row. */
 int csv_fields(const struct csv *t);
+
+/* csv_line(t): Returns the first line of the current row, from 1. */
 unsigned csv_line(const struct csv *t);
 
-/* csv_field(t, column): the field of the current row, without blanks round it; "" where
- * column is -1 or the row has no such field.  Valid until the next csv_next(). */
+/* csv_field(t, column): Returns the field of the current row, without blanks around it; "" if column is -1 or
+ * the row has no such field.  Valid until the next csv_next(). */
 const char *csv_field(const struct csv *t, int column);
 
-/* csv_bad(t, column, e, what): returns ST_EINVAL, with a message that names the file, the
- * line and the column, and says what. */
+/* csv_bad(t, column, e, what): Returns ST_EINVAL, and fills *e with the file, the line, the column and what. */
 enum status csv_bad(const struct csv *t, int column, struct errinfo *e, const char *what);
 
-/* csv_number(t, column, out, e): the field as a number; ST_EINVAL where it is not a finite
+/* csv_number(t, column, out, e): Reads the field as a number.  Returns ST_OK; ST_EINVAL: it is no finite
  * number. */
 enum status csv_number(const struct csv *t, int column, double *out, struct errinfo *e);
 
