@@ -9,19 +9,21 @@
 #include <stdint.h>
 #include "status.h"
 
-/* eigen_symmetric(a, n, value): the eigenvalues of a, falling, into value[n]; row k of a becomes
- * the eigenvector of value[k], of length 1; its largest entry by size is positive.
- * a  [n][n], symmetric
- * An eigenvalue's error is about n 1e-16 of the largest one.  Cost  about 5 n^3 products.
- * Returns ST_OK; ST_EINVAL an entry is not finite; ST_EINTERNAL QL does not converge; ST_ENOMEM. */
+/* eigen_symmetric(a, n, value): Finds the eigenvalues of a, falling.  Row k of a becomes the eigenvector of
+ * value[k], of length 1, with its largest entry by size positive.
+ *   a  [n][n], symmetric
+ * An eigenvalue's error is about n 1e-16 of the largest one.  Cost: about 5 n^3 products.
+ * Returns ST_OK; ST_EINVAL: an entry is not finite; ST_EINTERNAL: QL does not converge; ST_ENOMEM. */
 enum status eigen_symmetric(double *a, uint32_t n, double *value);
 
-/* eigen_cholesky(a, n): the lower triangle of a, [n][n], becomes L with L L' = a; the rest is
- * neither read nor written.  False: a is not positive definite. */
+/* eigen_cholesky(a, n): Replaces the lower triangle of a, [n][n], by L with L L' = a; neither reads nor writes
+ * the rest.  Returns false if a is not positive definite. */
 bool eigen_cholesky(double *a, uint32_t n);
 
-/* eigen_add(y, by, x, n): y += by x.  eigen_dot(x, y, n): their product. */
+/* eigen_add(y, by, x, n): Adds by x to y. */
 void eigen_add(double *restrict y, double by, const double *restrict x, uint32_t n);
+
+/* eigen_dot(x, y, n): Returns the scalar product. */
 double eigen_dot(const double *x, const double *y, uint32_t n);
 
 #endif

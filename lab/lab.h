@@ -1,5 +1,5 @@
-/* lab.h -- what each command of surfacelab is given, and what the commands share: the command
- * line as it was read, how files are written, errors, scans as faces. */
+/* lab.h -- the values of the command line that each command of surfacelab reads, and the functions that the
+ * commands share: files, errors, scans as faces. */
 #ifndef LAB_LAB_H
 #define LAB_LAB_H
 #include <limits.h>
@@ -23,7 +23,7 @@ struct lab {
     const char *command;
     int nargs;
     char **args;
-    /* options (main.c), those of one command behind those of several */
+    /* options (main.c): first those that several commands have */
     double unit_mm; /* 0: to be found */
     bool frontal;   /* --axes scanner */
     struct clouddepth_camera camera;
@@ -42,7 +42,7 @@ struct lab {
     bool reduced;
 
     const struct surface_model *model;
-    char engine[SURFACE_ENGINE_SIZE]; /* by that model */
+    char engine[SURFACE_ENGINE_SIZE]; /* name of the engine with this model */
     struct surface_work *work;
     struct json *report; /* NULL without --json */
     bool piped;       /* the result goes to standard output, the text to standard error */
@@ -60,50 +60,60 @@ enum status lab_simplify(struct lab *c);
 enum status lab_study(struct lab *c);
 enum status lab_train(struct lab *c);
 
-/* ---- shared (lab.c)
- *
- * lab_usage(c, ...): the command line is wrong as the text says; ST_EINVAL, exit code EXIT_USAGE.
- * lab_say(c, ...): prints text, unless the result is printed as JSON.
- * lab_decision(d): "match", "no_match", "inconclusive". */
+/* ---- shared (lab.c) */
+
+/* lab_usage(c, ...): Fills c->e with a fault of the command line, and sets the exit code EXIT_USAGE.  Returns
+ * ST_EINVAL. */
 __attribute__((format(printf, 2, 3))) enum status lab_usage(struct lab *c,
                                                             const char *fmt, ...);
+
+/* lab_say(c, ...): Prints text, unless the result is printed as JSON. */
 __attribute__((format(printf, 2, 3))) void lab_say(const struct lab *c, const char *fmt,
                                                    ...);
+
+/* lab_decision(d): Returns "match", "no_match" or "inconclusive". */
 const char *lab_decision(enum surface_decision d);
 
-/* Files, by the rules of outfile.h.
- * lab_may_write(c, path): may the command write path?  Its arguments and the model are read.
- * lab_may_pipe(c): the same of --out, which may be "-"; sets c->piped.
- * lab_write(c, path, write, arg): writes the file, or to standard output if c->piped. */
+/* lab_may_write(c, path): Returns ST_OK if the command may write the file: it is none of its arguments and not
+ * the model, and outfile_may() allows it. */
 enum status lab_may_write(struct lab *c, const char *path);
+
+/* lab_may_pipe(c): Like lab_may_write() for --out, which may also be "-"; then sets c->piped. */
 enum status lab_may_pipe(struct lab *c);
+
+/* lab_write(c, path, write, arg): Writes the file, or to standard output if c->piped. */
 enum status lab_write(struct lab *c, const char *path, newfile_writer *write,
                       const void *arg);
 
-/* ---- scans (lab_scan.c)
- *
- * lab_scan_parse(c, path, out): the points of a file ("-": standard input).
- * lab_scan_build(c, path, p, enrolment, w, out, found, e): the face in points (scan_build());
- * any thread may call it.
- * lab_scan_read(c, path, out, found): both, for a command that compares. */
+/* ---- scans (lab_scan.c) */
+
+/* lab_scan_parse(c, path, out, e): Reads the points of a file ("-": standard input). */
 enum status lab_scan_parse(const struct lab *c, const char *path, struct cloudpoints *out,
                            struct errinfo *e);
+
+/* lab_scan_build(c, path, p, enrolment, w, out, found, e): Builds the face in points, by scan_build().  Any
+ * thread may call it.
+ *   path  for messages */
 enum status lab_scan_build(const struct lab *c, const char *path, struct cloudpoints *p,
                            bool enrolment, struct surface_work *w,
                            struct surface_face *out, struct surface_found *found,
                            struct errinfo *e);
+
+/* lab_scan_read(c, path, out, found): Reads and builds a face that is compared, not enrolled. */
 enum status lab_scan_read(struct lab *c, const char *path, struct surface_face *out,
                           struct surface_found *found);
 
-/* lab_scan_of(c, scan, enrolment, w, out, found, code, refused, e): a scan of a collection as a
- * face, on any thread.  A scan that is malformed or no face is no failure: *refused gives the
- * reason, for free(), and *code (NULL is allowed) the status.  Returns ST_OK, ST_ENOMEM, ST_EIO, ST_ENOTFOUND. */
+/* lab_scan_of(c, scan, enrolment, w, out, found, code, refused, e): Builds the face of a collection's scan.  A
+ * malformed scan and one without a face are no failure.  Any thread may call it.
+ *   code     receives the scan's status; NULL is allowed
+ *   refused  receives the reason, to be released by free(), unless that status is ST_OK
+ * Returns ST_OK; ST_ENOMEM; ST_EIO; ST_ENOTFOUND. */
 enum status lab_scan_of(const struct lab *c, const struct corpus_scan *scan,
                         bool enrolment, struct surface_work *w, struct surface_face *out,
                         struct surface_found *found, enum status *code, char **refused,
                         struct errinfo *e);
 
-/* lab_scan_not_read(c, k, source, path): path is no scan and no table of the collection;
+/* lab_scan_not_read(c, k, source, path): Returns ST_OK if path is no scan and no table of the collection k;
  * ST_EEXISTS. */
 enum status lab_scan_not_read(struct lab *c, const struct corpus *k, const char *source,
                               const char *path);

@@ -11,14 +11,14 @@ struct population_scan {
     float gap[GRID_N]; /* mm, free of motion; NAN: unknown */
 };
 
-/* population_scans_gap(p, z, gap): the heights z of a scan (heights.h; mm at its canonical frame)
- * as gaps.  Cells more than 12 mm from the mean face count as unknown, as in encode.h; what moving
- * the mean face explains (least squares over the others) is removed.
- * Returns how many cells are known; 0, and none is, where they are too few to be of use. */
+/* population_scans_gap(p, z, gap): Computes the gaps of a scan from its heights z (heights.h; mm at its
+ * canonical frame).  Cells more than 12 mm from the mean face count as unknown, as in encode.h.  The motion of
+ * the mean face that explains most of the others (least squares) is removed.
+ * Returns the number of known cells; 0 if they are too few to be of use, then all are unknown. */
 uint32_t population_scans_gap(const struct population *p, const float z[GRID_N],
                               float gap[GRID_N]);
 
-/* population_scans_share(nsubject): the weight that scans of that many subjects have by default,
+/* population_scans_share(nsubject): Returns the default weight of scans of that many subjects,
  * nsubject / (nsubject + 200). */
 double population_scans_share(uint32_t nsubject);
 

@@ -41,24 +41,24 @@ struct report_curve {
  * error. */
 struct report_method {
     char *name;
-    double *score;           /* of each trial, higher: more alike; NaN: none */
-    size_t scored;           /* comparisons with a score, of all types */
-    size_t mated, non_mated; /* those of these types with a score */
+    double *score; /* [t->n] score of each trial, higher: more alike; NaN: none */
+    size_t scored; /* comparisons with a score */
+    size_t mated, non_mated; /* mated and non-mated ones with a score */
     struct report_curve curve;
 };
 
 /* The probes of one kind, or all. */
 struct report_group {
     const char *name;
-    uint32_t kind;          /* of the corpus, or CORPUS_NONE: all */
+    uint32_t kind;          /* index of corpus.kind; CORPUS_NONE: all */
     struct report_rate fta; /* failures to acquire, of the probes */
     uint32_t ranked, first; /* probes compared with others too; own template nearest */
     struct report_count mated;
     struct report_rate fnmr;      /* mated comparisons that are a non-match */
     struct report_rate unmatched; /* those that are no match: inconclusive ones too */
     struct report_rate
-        frr; /* and those that refusals made impossible, of the planned ones:
-                               the generalised false reject rate */
+        frr; /* unmatched and refused ones of those planned: the generalised
+                               false reject rate */
     struct report_curve
         curve[REPORT_OF]; /* this kind's mated scores, everybody's others */
 };
@@ -66,18 +66,19 @@ struct report_group {
 struct report {
     const struct trials *t;
     const char *source, *made; /* folder, manifest or list; when */
-    const char *calibration;   /* whose decided */
+    const char *calibration;   /* origin of the threshold */
     const char *engine;        /* surface_engine() */
     const struct surface_model *model;
-    const char *enroll_kind;    /* that was asked for, or NULL */
+    const char *enroll_kind;    /* kind of the option --enroll-kind, or NULL */
     struct report_group *group; /* the first is all */
     uint32_t ngroup;
     uint32_t untemplated;   /* subjects without a scan of the kind that is enrolled */
     struct report_rate fte; /* failures to enroll, of the templates */
     struct report_count non_mated, relative;
     struct report_rate fmr; /* non-mated comparisons that are a match */
-    struct report_rate far; /* of those planned: the generalised false accept rate */
-    double score_ms;        /* median of a comparison */
+    struct report_rate
+        far;         /* share of the planned ones: the generalised false accept rate */
+    double score_ms; /* median of a comparison */
     struct report_method *method; /* [nmethod]; the caller's */
     size_t nmethod;
 };
@@ -106,8 +107,7 @@ double report_bound(double rate, size_t n);
  * report_csv_rates   FMR and FNMR by threshold, of the comparisons made
  * report_csv_methods the FNMR of the program and of each method by FMR, with refusals
  * report_csv_sets    a row for each report of a struct report_list
- * report_json        the report as report.json has it; report_json_out(o, r) the same as members
- *                    of o's open object */
+ * report_json        the report as report.json has it */
 struct report_list {
     const struct report *report;
     size_t n;
@@ -115,6 +115,8 @@ struct report_list {
 newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_methods,
     report_csv_sets;
 newfile_writer report_json;
+
+/* report_json_out(o, r): Writes the members of report.json into the object that is open in o. */
 void report_json_out(struct json *o, const struct report *r);
 
 #endif

@@ -1,6 +1,6 @@
 /* train.h -- a model (core/face/model.h) adapted to scans of real people, and its calibration:
  * docs/model.md, "How it is learned".
- * Deterministic: the same files give the same model, with any compiler and any number of
+ * Deterministic: a model depends on nothing but the files, with any compiler and any number of
  * threads. */
 #ifndef LAB_TRAIN_H
 #define LAB_TRAIN_H
@@ -18,12 +18,12 @@ struct surface_face; /* face.h */
 #define TRAIN_MIN_SUBJECTS 20 /* with two scans or more */
 
 struct train {
-    const struct surface_model
-        *base; /* the model to adapt; the new model keeps what is not learned */
+    const struct surface_model *
+        base; /* the model to adapt; the new model keeps the parts that are not learned */
     const struct corpus *corpus; /* scans; NULL: none */
     const struct surface_face
         *face;     /* [corpus->nscan] built by base; of no points: not used */
-    double weight; /* of the scans, 0 to 1; below 0: by the number of subjects */
+    double weight; /* weight of the scans, 0 to 1; below 0: by the number of subjects */
     const char
         *scores; /* a file that evaluate wrote, to calibrate by; NULL: the base's table */
     unsigned threads; /* 0: one for each core */

@@ -1,6 +1,6 @@
 /* trials.h -- the comparisons of a corpus, on all cores: every probe with its own subject's
- * template and with others', or the pairs that it lists.  What is compared is settled before
- * anything is: the same on any number of threads. */
+ * template and with others', or the pairs that it lists.  The comparisons are chosen before the first one is
+ * made, so that the number of threads does not matter. */
 #ifndef LAB_TRIALS_H
 #define LAB_TRIALS_H
 #include "corpus.h"
@@ -13,11 +13,11 @@
 #define TRIALS_SEED      UINT64_C(19795) /* of the sampling; the standard's number */
 
 struct trial {
-    uint32_t template, probe; /* of corpus.scan */
+    uint32_t template, probe; /* indices of corpus.scan */
     enum corpus_pair type;    /* mated, non-mated or relative */
     bool done;                /* false: one of both scans was refused */
     enum surface_decision decision;
-    double score, fmr_at_score;             /* as in surface_comparison, as is */
+    double score, fmr_at_score;             /* unrounded, of surface_comparison */
     float overlap, region[SURFACE_REGIONS]; /* region: NAN, not asked for */
     float disparity_mm; /* the minimal disparity; NAN: not asked for */
     float score_ms;
@@ -25,22 +25,21 @@ struct trial {
 
 /* A scan as a template or as a probe. */
 struct trials_scan {
-    bool used; /* in this role; else the rest is 0 */
+    bool used; /* the scan has this role; else the rest is 0 */
     enum status
         st;    /* why no face could be made of it: a failure to enroll or to acquire */
-    char *why; /* in words; NULL where st is ST_OK */
+    char *why; /* reason in words; NULL if st is ST_OK */
 };
 
 struct trials {
     const struct corpus *corpus;
-    struct trial *trial; /* by probe, its own template first; or as listed */
+    struct trial *trial; /* [n] by probe, its own template first; or as listed */
     size_t n;
     struct trials_scan *template, *probe; /* [corpus->nscan] */
     double threshold;                     /* the model's, or the one given */
-    uint32_t non_mated; /* of each probe, at most; TRIALS_ALL; of a list TRIALS_ALL */
+    uint32_t non_mated; /* most comparisons of each probe, or TRIALS_ALL */
     uint32_t nthread;
-    double build_s,
-        compare_s; /* by the clock on the wall: enrolment; all of the probes */
+    double build_s, compare_s; /* wall time of the enrolment and of all probes, s */
 };
 
 /* trials_run(c, corpus, out): progress goes to standard error, when that is a
