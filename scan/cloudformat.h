@@ -24,34 +24,32 @@ enum cloudformat {
     CLOUDFORMAT_COUNT
 };
 
-/* What is read, for messages. */
+/* The formats that are read, for messages. */
 #define CLOUDFORMAT_READ                                                                 \
     "PLY, OBJ, STL, PCD, GLB, VRML, XYZ, PTS, CSV, NPY, BNT, ABS, JSON, and depth "      \
     "images in PNG, PGM and RAW"
 
 const char *cloudformat_name(enum cloudformat f); /* "PLY"; "" of CLOUDFORMAT_ANY */
 
-/* cloudformat_ending(name): where the ending of a scan's file begins in its name, the
- * ending .gz with the one before it ("a.ply.gz": at ".ply.gz"); NULL: it is not the name of
- * a scan.  Small and capital letters are alike. */
+/* cloudformat_ending(name): Returns the ending of a scan's file within its name, small and capital letters
+ * alike; .gz with the ending before it ("a.ply.gz": ".ply.gz").  NULL: it is not the name of a scan. */
 const char *cloudformat_ending(const char *name);
 
-/* cloudformat_media(type, len, out): the format that a media type (without parameters)
- * says, CLOUDFORMAT_ANY where it only says text, bytes, or nothing about the content.
- * False: it says that this is no scan.
- * cloudformat_media_list(): for messages. */
+/* cloudformat_media(type, len, out): Finds the format of a media type without parameters; CLOUDFORMAT_ANY for
+ * text, bytes and types that say nothing about the content.  Returns false if the type is that of no scan. */
 bool cloudformat_media(const char *type, size_t len, enum cloudformat *out);
+
+/* cloudformat_media_list(): Returns the media types, for messages. */
 const char *cloudformat_media_list(void);
 
 /* cloudformat_foreign(p, len): Returns the kind of a file that is known and not read by its first
  * bytes, in words ("an OFF file"); NULL if it is none of them. */
 const char *cloudformat_foreign(const char *p, size_t len);
 
-/* cloudformat_converted(bytes, len): Returns true if these are binary data that a program took for text
- * and converted, to other line ends, to UTF-8 or to ASCII: what has zero bytes is not at the same time
- * valid UTF-8 with characters beyond ASCII, nor ASCII with many question marks, nor has it a CR before each
- * LF, by chance.  O(len) for such data and for
- * text; else it stops at the first byte that shows it. */
+/* cloudformat_converted(bytes, len): Returns true if these are binary data that a program has converted as text,
+ * to other line ends, to UTF-8 or to ASCII.  Binary data have zero bytes.  By chance they are not valid UTF-8 with
+ * characters beyond ASCII, nor ASCII with many question marks, nor do they have a CR before each LF.
+ * Cost: O(len) for such data and for text; else it stops at the first byte that shows the contrary. */
 bool cloudformat_converted(const char *bytes, size_t len);
 
 #endif

@@ -14,24 +14,24 @@ struct errinfo; /* errinfo.h */
 struct cloudlist {
     struct cloudpoints out;
     size_t max;         /* points that may be kept */
-    size_t room;        /* of the arrays of out that are there */
-    size_t zeros, zero; /* points at (0, 0, 0); where the first of them is in out */
+    size_t room;        /* capacity of those arrays of out that exist */
+    size_t zeros, zero; /* number of points at (0, 0, 0); index of the first one in out */
     bool kept;          /* the last point was not dropped */
     bool faceless;      /* the faces are not readable: cloudlist_forget() */
     struct errinfo *e;  /* may be NULL */
 };
 
-/* cloudlist_room(l, n): n points will be added, or fewer; to be called at most once, first.
- * Without it the room grows. */
+/* cloudlist_room(l, n): Makes the capacity n, if that many points are expected.  To be called at most once, before
+ * the first point.  Without it the capacity grows. */
 enum status cloudlist_room(struct cloudlist *l, size_t n);
 
-/* cloudlist_add(l, p): the next point of the file, which may be without a value.
- * Returns ST_OK, ST_ELIMIT, ST_ENOMEM, with a message. */
+/* cloudlist_add(l, p): Adds the next point of the file, which may be without a value.
+ * Returns ST_OK; ST_ELIMIT; ST_ENOMEM; with a message. */
 enum status cloudlist_add(struct cloudlist *l, struct dvec3 p);
 
 /* cloudlist_point(l, v, normals): Adds a point by its coordinates, as cloudlist_add(), with its normal.
- *   v        x, y, z and, with normals, those of its normal; a normal that is not finite is unknown
- *   normals  the same for all points of a file */
+ *   v        x, y, z; with normals, nx, ny, nz as well, which are unknown unless all three are finite
+ *   normals  does not change within a file */
 enum status cloudlist_point(struct cloudlist *l, const double v[6], bool normals);
 
 /* A value of each point in binary data. */
@@ -47,8 +47,8 @@ struct cloudlist_column {
 enum status cloudlist_rows(struct cloudlist *l, const struct cloudlist_column c[6],
                            bool normals, uint64_t n);
 
-/* cloudlist_face(l, corner): Adds a triangle's normal to those of its corners, which are points by their
- * numbers in the file.  If there is no such point, the faces are forgotten (cloudlist_forget()).
+/* cloudlist_face(l, corner): Adds a triangle's normal to the normals of its corners.  Corners are numbers of
+ * points in the file; if there is no such point, the faces are forgotten (cloudlist_forget()).
  * Returns ST_OK; ST_ENOMEM. */
 enum status cloudlist_face(struct cloudlist *l, const uint64_t corner[3]);
 
@@ -69,9 +69,9 @@ void cloudlist_forget(struct cloudlist *l);
 /* mm: no camera measures a face from farther away. */
 #define CLOUDLIST_RANGE_MM 5000.0
 
-/* cloudlist_finish(l): all are added.  Of an organised cloud the points whose coordinate stands for "no
- * value", or is beyond the range of cameras, are dropped.  Returns ST_OK; ST_ENOTFINITE there were points, and
- * none has a value. */
+/* cloudlist_finish(l): Ends the list.  Drops those points of an organised cloud whose coordinate stands for "no
+ * value", or exceeds the range of cameras.
+ * Returns ST_OK; ST_ENOTFINITE: there were points, and none has a value. */
 enum status cloudlist_finish(struct cloudlist *l);
 
 #endif

@@ -6,14 +6,16 @@
 
 #define CLOUDUNIT_NAMES "mm, cm, m, in or um" /* for messages */
 
-/* cloudunit_mm(name, len, mm): millimetres per unit; false: it is none of the names.
- * cloudunit_or_auto(): likewise, or 0 for "auto". */
+/* cloudunit_mm(name, len, mm): Sets *mm to the millimetres per unit.  Returns false if the name is no unit's. */
 bool cloudunit_mm(const char *name, size_t len, double *mm);
+
+/* cloudunit_or_auto(name, mm): Like cloudunit_mm(), and sets *mm to 0 for "auto". */
 bool cloudunit_or_auto(const char *name, double *mm);
 
-/* cloudunit_name(mm): the name of such a unit, as cloudunit_mm() takes it; "": of none.
- * cloudunit_plural(mm): "metres"; likewise. */
+/* cloudunit_name(mm): Returns the name of a unit, as cloudunit_mm() takes it; "" if there is none. */
 const char *cloudunit_name(double mm);
+
+/* cloudunit_plural(mm): Returns the unit's word for messages, "metres"; "" if there is none. */
 const char *cloudunit_plural(double mm);
 
 #endif

@@ -25,7 +25,7 @@ enum cloudvalue {
 /* In bytes, by type. */
 static const unsigned char cloudvalue_size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 2, 8, 8};
 
-/* cloudvalue_swap(big): are the bytes of data in that order the other way round here? */
+/* cloudvalue_swap(big): Returns true if this machine has the other byte order than data of this order. */
 static inline bool cloudvalue_swap(bool big)
 {
     static const uint16_t probe = 1;
@@ -33,7 +33,7 @@ static inline bool cloudvalue_swap(bool big)
     return big == (*(const unsigned char *)&probe == 1);
 }
 
-/* cloudvalue_half(h): The value of a float of 16 bits: 10 of the fraction below 5 of the exponent. */
+/* cloudvalue_half(h): Returns the value of a float of 16 bits: 10 of the fraction below 5 of the exponent. */
 static inline double cloudvalue_half(uint16_t h)
 {
     const int exponent = h >> 10 & 31, fraction = h & 1023;
@@ -44,7 +44,7 @@ static inline double cloudvalue_half(uint16_t h)
     return h >> 15 ? -v : v;
 }
 
-/* cloudvalue_load(p, type, swap): the value at p; type is not CLOUDVALUE_NONE. */
+/* cloudvalue_load(p, type, swap): Reads the value at p.  type is not CLOUDVALUE_NONE. */
 static inline double cloudvalue_load(const unsigned char *p, enum cloudvalue type,
                                      bool swap)
 {

@@ -25,7 +25,7 @@ struct corpus_scan {
 };
 
 struct corpus_subject {
-    char *id;          /* id; of a list of pairs as long as a file's name */
+    char *id;          /* as long as a file's name in a list of pairs */
     uint32_t enrolled; /* index of corpus.scan; CORPUS_NONE: nothing (corpus_enroll()) */
     uint32_t nscan;    /* number of scans, the enrolled one included */
     uint32_t population; /* index of corpus.population */
@@ -113,7 +113,7 @@ enum status corpus_build_begin(struct corpus_build *b, struct errinfo *e);
  * Returns st; ST_ENOMEM. */
 enum status corpus_build_end(struct corpus_build *b, enum status st, struct corpus **out);
 
-/* corpus_build_scan(b, file, id, kind): Adds a scan, not enrolled, of a new or a known subject. */
+/* corpus_build_scan(b, file, id, kind): Adds a scan, not enrolled.  The subject is new or known. */
 enum status corpus_build_scan(struct corpus_build *b, const char *file, const char *id,
                               const char *kind);
 

@@ -11,8 +11,8 @@
  * Other columns are ignored.  A file subjects.csv in the same folder is optional too, with the columns id and,
  * both optional, population and relative_of (a close relative's id).
  *
- * One scan of each subject is enrolled: the first of kind `enroll`, or else the first one (of a folder by
- * name, of a manifest in its order).  All others are probes. */
+ * One scan of each subject is enrolled: the first of kind `enroll`, or else the first one, by name or in
+ * the manifest's order.  All others are probes. */
 #ifndef SCAN_CORPUS_READ_H
 #define SCAN_CORPUS_READ_H
 #include "errinfo.h"

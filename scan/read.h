@@ -1,12 +1,11 @@
 /* read.h -- the readers of the formats behind cloudfile.h, each in read_FORMAT.c.
- * read_FORMAT_is(t): does a file of this format begin here?  Of BNT a header whose numbers
- * agree, of STL the word "solid" or a binary file of just the length that its count says, of
- * ABS a line like "480 rows"; of OBJ and XYZ the first line that is no comment is at t.
+ * read_FORMAT_is(t): Returns true if a file of this format begins at t.  BNT is known by a header whose
+ * numbers agree, STL by the word "solid" or the length that a binary file's count says, ABS by a line like
+ * "480 rows"; OBJ and XYZ by their first line that is no comment.
  * read_FORMAT_count(t): Returns the number of points or pixels that the header at t says, which may be
  * wrong; 0: the header cannot be read.
- * read_FORMAT_parse(t, o, list): add the points to list; t stands at the first byte of the file,
- * of OBJ and XYZ behind a byte order mark.  Returns as cloudfile_read(), which says what is
- * read of each format; besides that
+ * read_FORMAT_parse(t, o, list): Adds the points to list; t stands at the first byte of the file,
+ * for OBJ and XYZ behind a byte order mark.  Returns as cloudfile_read(), whose list of formats holds, and
  * PLY   ST_EVERSION also for a header of more than 16 elements or 256 properties
  * PCD   ST_EVERSION also for more than 64 fields
  * GLB   skins, morph targets and cameras are ignored
@@ -18,8 +17,8 @@
  * BNT   the rows of its grid go from the bottom up, unlike an image's: the cloud is not called
  *       organised, so that it does not seem to be a mirror image (mirror.h)
  * ABS   an organised cloud; ST_EVERSION also for other lists than flag, X, Y and Z
- * NPY   floats or integers, in C or Fortran order, by the shape, C being 3 to 16, of which the
- *       first three are x, y and z: (N, C) and (3, N) are points, (H, W, C) and (3, H, W) an
+ * NPY   floats or integers, in C or Fortran order, by the shape.  C is 3 to 16, the first
+ *       three are x, y and z: (N, C) and (3, N) are points, (H, W, C) and (3, H, W) an
  *       organised cloud, (H, W) a depth image (of floats without a scale the unit is unknown);
  *       of items with the fields x, y and z, or xyz, (N) and (H, W).  Other dimensions may be
  *       of length 1.  ST_EVERSION also for other types and shapes

@@ -33,7 +33,7 @@ float show_between(const float cell[SURFACE_CELLS], double x, double y);
  *     _GAP_MM   height above the template along its scanner's z (surface_gaps())
  *     _REST_MM  the gap without the motion and the change that explain most of it
  *     _PART     the part that its cell adds to the score
- * and COLOR_0, the colour of _PART.  _REST_MM and _PART are those of parts, between the middles of the cells.
+ * and COLOR_0, the colour of _PART.  _REST_MM and _PART are taken from parts, between the middles of the cells.
  * If one of the numbers is unknown, all three are 0 and so is the opacity.
  *   j  as in glbwrite()
  * Returns ST_OK; ST_ENOMEM. */
@@ -43,7 +43,7 @@ enum status show_comparison(const struct surface_face *tmpl,
                             struct show *out);
 
 /* show_scan(face, at, n, most, view, j, out): Writes the node "face" and, if n > 0, the node "scan", of the
- * points at; of more than `most` points an even choice.
+ * points at, or an even choice if they are more than `most`.
  *   face  NULL: none was found
  *   at    in the scan's own unit and axes
  *   view  moves the points (surface_found); without a face they stay where they are

@@ -15,7 +15,7 @@
 #include "vec.h"
 
 struct study {
-    const char *dir; /* where the study's files go */
+    const char *dir; /* folder of the study's files */
     uint64_t seed;
     bool reduced; /* few draws, small sizes: for tests */
 };
@@ -31,9 +31,10 @@ void missing_run(
 void study_must(enum status st);          /* ends the program unless ST_OK */
 void *study_alloc(size_t n, size_t size); /* zeroed; free() */
 
-/* study_open(study, name): the file name in the study's folder, for writing; study_close() ends
- * the program where it could not all be written. */
+/* study_open(study, name): Opens a file of the study's folder for writing. */
 FILE *study_open(const struct study *study, const char *name);
+
+/* study_close(f): Closes it; ends the program if not all could be written. */
 void study_close(FILE *f);
 
 /* ---- numbers */
@@ -66,7 +67,7 @@ struct study_fit study_fit(const double *x, const double *y, size_t n);
 double study_function(unsigned f, double x, double y); /* f 0 to 5 for F1 to F6 */
 const char *study_function_name(unsigned f);
 
-/* study_lattice(f, x, y): the point of the function's surface over (x, y). */
+/* study_lattice(f, x, y): Returns the point of the function's surface over (x, y). */
 struct ivec3 study_lattice(unsigned f, double x, double y);
 
 /* ---- surfaces */
@@ -74,16 +75,17 @@ struct ivec3 study_lattice(unsigned f, double x, double y);
 struct study_surface {
     struct surface surface; /* no spikes are looked for */
     struct scratch scratch;
-    struct location last; /* where the last point was found */
+    struct location last; /* place of the last point */
 };
 
-/* study_triangulate(s, pts, n): all zero, or a former surface whose memory is used again.
+/* study_triangulate(s, pts, n): Triangulates the points.
+ *   s  all zero, or a former surface, whose memory is used again
  * Returns ST_OK or ST_EDEGENERATE. */
 enum status study_triangulate(struct study_surface *s, const struct ivec3 *pts, size_t n);
 void study_surface_free(struct study_surface *s);
 
-/* study_height(s, q, inside): the surface's height at q, lattice units; outside the hull that
- * of the nearest point of the hull, and *inside is false. */
+/* study_height(s, q, inside): Returns the surface's height at q, lattice units; outside the hull the height of
+ * its nearest point, and *inside is false. */
 double study_height(struct study_surface *s, struct ivec2 q, bool *inside);
 
 /* ---- pictures */
@@ -91,8 +93,8 @@ double study_height(struct study_surface *s, struct ivec2 q, bool *inside);
 /* study_edges(m, per, tag, f): lines "tag,x1,y1,x2,y2", every edge once, per lattice units. */
 void study_edges(const struct mesh *m, double per, const char *tag, FILE *f);
 
-/* study_triangles(study, name, m, per): a file of the triangles as gnuplot's pm3d wants them: each a
- * surface of its own of two scans of two points; behind each point how bright the triangle is. */
+/* study_triangles(study, name, m, per): Writes a file of the triangles for gnuplot's pm3d: each as a surface of
+ * two scans of two points, with the triangle's brightness behind each point. */
 void study_triangles(const struct study *study, const char *name, const struct mesh *m,
                      double per);
 
