@@ -185,7 +185,7 @@ bool command_line_read(struct command_line *l, int argc, char **argv, struct err
             return no_option(l, optopt > 0 && optopt < LONG ? letter : argv[optind - 1],
                              e);
         if (got == ':')
-            return wrong(l, "a value is missing after", argv[optind - 1], e);
+            return wrong(l, "value missing:", argv[optind - 1], e);
         while (l->option[k].val != got)
             k++;
         if (l->given[k])
@@ -211,9 +211,8 @@ bool command_line_take(const struct command_line *l, int k,
     const char *wanted;
 
     if (o == NULL)
-        (void)errinfo_set(e, ST_EINVAL,
-                          "--%s is an option that %s does not take (%s %s --help)",
-                          l->option[k].name, command, l->program, command);
+        (void)errinfo_set(e, ST_EINVAL, "%s does not take --%s (%s %s --help)", command,
+                          l->option[k].name, l->program, command);
     else if ((wanted = o->read(l->value[k],
                                o->value != NULL ? o->value : (char *)to + o->at)) != NULL)
         (void)errinfo_set(e, ST_EINVAL, "--%s takes %s, not '%.80s'", o->name, wanted,

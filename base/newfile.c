@@ -114,7 +114,9 @@ static enum status lock_part(struct newfile *n, bool *ours, struct errinfo *e)
 
     if (!locked)
         st = errno == EWOULDBLOCK
-                 ? errinfo_set(e, ST_EBUSY, "another process writes %.160s", n->path)
+                 ? errinfo_set(e, ST_EBUSY,
+                               "%.160s: another process is writing it: try again later",
+                               n->path)
                  : newfile_fail(n, "create", e);
     *ours = locked && is_named(n);
     if (!*ours) {
@@ -234,7 +236,7 @@ static enum status named(struct newfile *n, struct errinfo *e)
                ? ST_OK
                : errinfo_set(e, ST_EUNSYNCED,
                              "%.160s is written, but its folder cannot be flushed to the "
-                             "disk (%s): a loss of power may take its name back",
+                             "disk (%s): a power failure may remove it",
                              n->path, strerror(errno));
 }
 
@@ -288,7 +290,7 @@ enum status newfile_keep(struct newfile *n, struct errinfo *e)
         return st;
     if (rename_new(n->part, n->path) != 0)
         return errno == EEXIST
-                   ? errinfo_set(e, ST_EEXISTS, "the file %.160s exists already", n->path)
+                   ? errinfo_set(e, ST_EEXISTS, "%.160s: the file exists", n->path)
                    : newfile_fail(n, "write", e);
     return named(n, e);
 }
@@ -304,7 +306,7 @@ enum status newfile_rename(const char *from, const char *to, struct errinfo *e)
     else if (!newfile_sync_directory(folder))
         st = errinfo_set(e, ST_EUNSYNCED,
                          "%.120s is now %.120s, but its folder cannot be flushed to the "
-                         "disk (%s): a loss of power may take that back",
+                         "disk (%s): a power failure may undo that",
                          from, to, strerror(errno));
     if (folder >= 0)
         (void)close(folder);

@@ -42,14 +42,17 @@ enum status outfile_may(const char *path, bool force, struct errinfo *e)
 
     if ((slash != NULL && slash[1] == '\0') ||
         (stat(path, &there) == 0 && S_ISDIR(there.st_mode)))
-        return errinfo_set(e, ST_EINVAL, "%.160s is a folder, not a file", path);
+        return errinfo_set(e, ST_EINVAL, "%.160s: a folder, not a file: name a file",
+                           path);
     if (lstat(path, &named) != 0)
         return ST_OK; /* or the writing says why not */
     if (stat(path, &there) == 0 && !S_ISREG(there.st_mode))
         return errinfo_set(e, ST_EEXISTS,
-                           "%.160s is not a regular file: it is not replaced", path);
-    return force ? ST_OK
-                 : errinfo_set(e, ST_EEXISTS, "%.160s exists: --force replaces it", path);
+                           "%.160s: not a regular file, therefore not replaced", path);
+    return force
+               ? ST_OK
+               : errinfo_set(e, ST_EEXISTS,
+                             "%.160s: the file exists: use --force to replace it", path);
 }
 
 static enum status outfile_fail(struct errinfo *e, const char *name)

@@ -162,9 +162,11 @@ static enum status ctl_run_audit_compare(struct ctl *c)
         json_number(c->out, "change", (double)at.seq);
         json_flag(c->out, "in_log", has);
         json_close(c->out);
-        ctl_say(c, "%s: daemon %" PRIu32 ", change %" PRIu64 ": %s\n", c->args[i], daemon,
-                at.seq,
-                has ? "in the log" : "NOT in the log: this daemon saw another database");
+        ctl_say(
+            c, "%s: daemon %" PRIu32 ", change %" PRIu64 ": %s\n", c->args[i], daemon,
+            at.seq,
+            has ? "in the log"
+                : "NOT in the log: the daemon has read another history of the database");
     }
     json_close(c->out);
     json_flag(c->out, "ok", differ == 0);
@@ -180,7 +182,7 @@ static enum status trim(struct ctl *c)
     enum status st;
 
     if (keep == 0)
-        return ctl_usage(c, "--keep DAYS is missing");
+        return ctl_usage(c, "audit trim needs --keep DAYS");
     st = store_audit_trim(c->store, c->actor, keep, c->dry_run, &cut, &c->e);
     if (st != ST_OK)
         return st;

@@ -186,12 +186,13 @@ static enum status read_later(struct ctl *c, struct later *l)
     if (l->full)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     if (found.problems > 0)
-        return errinfo_set(&c->e, ST_EREFUSED, "%.120s is not as the database signed it",
+        return errinfo_set(&c->e, ST_EREFUSED,
+                           "%.120s: not authentic: the database has signed other entries",
                            c->args[0]);
     return l->has ? ST_OK
                   : errinfo_set(&c->e, ST_EMISMATCH,
-                                "%.120s does not go on from this database: it lacks its "
-                                "last change, %" PRIu64,
+                                "%.120s does not contain this database's last change "
+                                "(%" PRIu64 "): use a newer export of this database",
                                 c->args[0], l->after.seq);
 }
 
@@ -253,7 +254,7 @@ static enum status read_new(struct ctl *c, struct admin_rekey *to,
     *to = (struct admin_rekey){
         .kind = CRYPT_FILE, .keep = keep_old, .weak = c->short_passphrase};
     if (to_plaintext && new_key != NULL)
-        return errinfo_set(&c->e, ST_EINVAL, "--plaintext takes no key");
+        return errinfo_set(&c->e, ST_EINVAL, "--plaintext contradicts --new-key");
     if (to_plaintext)
         to->kind = CRYPT_PLAINTEXT;
     else if (c->passphrase)

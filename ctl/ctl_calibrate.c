@@ -123,9 +123,9 @@ static enum status learn(struct ctl *c, struct result *r)
                              &low, &high);
     if (st == ST_ETOOFEW)
         return errinfo_set(&c->e, st,
-                           "no score is reached by %g of the %zu comparisons alone: too "
-                           "many score the same; are people enrolled more than once? "
-                           "surfacectl dedup lists them",
+                           "no threshold gives a false match rate of %g: too many of "
+                           "the %zu comparisons have equal scores: find people who are "
+                           "enrolled twice with surfacectl dedup",
                            wanted_fmr, r->cross.nscore);
     if (st != ST_OK)
         return errinfo_set(&c->e, st, "calibrating: %s", status_message(st));

@@ -33,8 +33,8 @@ static enum status ask(struct ctl *c, const char *what, const char *option,
         if (tty != NULL)
             (void)fclose(tty);
         return errinfo_set(&c->e, ST_EINVAL,
-                           "a passphrase is needed: type it on a terminal, or give %s "
-                           "a file that holds it",
+                           "no passphrase: type it on a terminal, or name a file that "
+                           "contains it with %s",
                            option);
     }
     if ((k = sodium_malloc(sizeof *k)) == NULL) {
@@ -55,7 +55,7 @@ static enum status ask(struct ctl *c, const char *what, const char *option,
         *end = '\0';
     if ((k->len = strlen(k->text)) == 0) {
         crypt_file_free(k);
-        return errinfo_set(&c->e, ST_EINVAL, "no passphrase was given");
+        return errinfo_set(&c->e, ST_EINVAL, "the passphrase is empty");
     }
     *out = k;
     return ST_OK;
@@ -111,8 +111,7 @@ enum status ctl_model_key(struct ctl *c, const char *db, struct store_key *key)
             return st;
     }
     if (c->key == NULL && c->asked == NULL && !c->plaintext && store_on_server(db))
-        return ctl_usage(c, "a database on a server has no usual place for its key: name "
-                            "it (--key FILE)");
+        return ctl_usage(c, "a database on a server needs --key FILE");
     key->given = c->asked;
     return ST_OK;
 }

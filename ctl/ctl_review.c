@@ -129,9 +129,12 @@ static enum status need_version(struct ctl *c, const char *head)
         json_get_count(json_member(v, "surface_audit"), &version) && version == 2;
 
     json_free(v);
-    return known ? ST_OK
-                 : errinfo_set(&c->e, ST_EVERSION, "%.120s is of another version",
-                               c->args[0]);
+    return known
+               ? ST_OK
+               : errinfo_set(
+                     &c->e, ST_EVERSION,
+                     "%.120s: an export of another version: use the surfacectl that wrote it",
+                     c->args[0]);
 }
 
 /* Walks along the lines behind the head. */
@@ -153,7 +156,7 @@ static enum status walk_lines(struct ctl *c, FILE *in, const struct ctl_review *
             changes = w->at.seq;
     }
     if (ferror(in))
-        return errinfo_set(&c->e, ST_EIO, "%.120s cannot be read", c->args[0]);
+        return errinfo_set(&c->e, ST_EIO, "%.120s: the file cannot be read", c->args[0]);
     if (w->log == LOG_CHANGES)
         log_walk_accesses(w);
     log_walk_end(w);
@@ -248,9 +251,11 @@ static enum status verify_receipt(struct ctl *c, const struct store_receipt *r,
     enum status st;
 
     if (!store_receipt_true(r))
-        log_walk_problem(w, r->seq, "its contents differ from what was signed");
+        log_walk_problem(w, r->seq,
+                         "the contents of the receipt differ from what was signed");
     if (c->public_key != NULL && strcmp(c->public_key, r->public_key) != 0)
-        log_walk_problem(w, r->seq, "it was signed by a key other than the one given");
+        log_walk_problem(w, r->seq,
+                         "the receipt was signed by a key other than the one given");
     if (c->db == NULL || (st = ctl_model_open(c, STORE_READ)) != ST_OK)
         return c->db == NULL ? ST_OK : st;
     /* The entry's hash covers the log before it, so this is its database, whatever key signed. */
@@ -283,7 +288,8 @@ enum status ctl_review_file(struct ctl *c, const struct ctl_review *how,
         return errinfo_set(&c->e, ST_EINVAL, "a public key is 64 hexadecimal digits");
     log_walk_begin(out, NULL, public, how->report, c);
     if ((in = stream ? stdin : fopen(c->args[0], "rb")) == NULL)
-        return errinfo_set(&c->e, ST_ENOTFOUND, "there is no file %.120s", c->args[0]);
+        return errinfo_set(&c->e, ST_ENOTFOUND, "%.120s: the file cannot be opened",
+                           c->args[0]);
     if (is_export(in, line)) {
         if (c->public_key == NULL)
             st = errinfo_set(&c->e, ST_EINVAL, "an export needs --public-key");

@@ -72,7 +72,7 @@ enum status ctl_session_list(struct ctl *c, struct ctl_session *s)
                  ? add_folder(c, s, c->args[i])
                  : add_path(c, s, "", c->args[i]);
     if (st == ST_OK && s->n > SURFACE_FRAMES_MAX)
-        return ctl_usage(c, "%zu scans: at most %d are taken at once", s->n,
+        return ctl_usage(c, "%zu scans: a capture session has at most %d", s->n,
                          SURFACE_FRAMES_MAX);
     return st;
 }

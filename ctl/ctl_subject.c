@@ -146,8 +146,8 @@ static enum status set(struct ctl *c)
     (void)snprintf(new.id, sizeof new.id, "%s", id);
     if ((consent != NULL && strlen(consent) >= sizeof new.reference) ||
         (purpose != NULL && strlen(purpose) >= sizeof new.purpose))
-        return errinfo_set(&c->e, ST_EINVAL, "a consent or a purpose is up to %d bytes",
-                           STORE_NOTE_MAX);
+        return errinfo_set(&c->e, ST_EINVAL,
+                           "--consent and --purpose take up to %d bytes", STORE_NOTE_MAX);
     (void)snprintf(new.reference, sizeof new.reference, "%s",
                    consent != NULL ? consent : "");
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
@@ -264,7 +264,7 @@ static enum status reset_attempts(struct ctl *c)
     enum status st;
 
     if ((c->nargs > 0) == (reset_token != NULL))
-        return ctl_usage(c, "attempts reset takes a subject, or --token");
+        return ctl_usage(c, "attempts reset needs a subject or --token, not both");
     st = reset_token != NULL ? store_attempts_reset_token(c->store, c->actor, of, &c->e)
                              : store_attempts_reset(c->store, c->actor, of, &c->e);
     if (st != ST_OK)

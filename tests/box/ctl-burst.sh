@@ -63,9 +63,9 @@ for k in $(seq 21); do
 done
 before=$(stored)
 ctl_exits 64 enroll carol --each "$@"
-is "21 files" "$(said .error.detail)" '21 scans: at most 20 are taken at once'
+is "21 files" "$(said .error.detail)" '21 scans: a capture session has at most 20'
 ctl_exits 64 enroll carol --each empty a1.ply
-is "22 in a folder and beside it" "$(said .error.detail)" '22 scans: at most 20 are taken at once'
+is "22 in a folder and beside it" "$(said .error.detail)" '22 scans: a capture session has at most 20'
 is "nothing was stored" "$(stored)" "$before"
 rm empty/21.ply
 ctl_exits 0 enroll carol --each empty

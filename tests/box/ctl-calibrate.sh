@@ -136,5 +136,5 @@ export SURFACED_DB="$T/same.db" DB="$T/same.db"
 ctl init
 for i in 1 2 3 4 5 6 7 8 9 10 11 12; do ctl enroll "s$i" "$T/again.ply"; done
 ctl calibrate --fmr 0.05
-ctl_failed "all scores are the same" 65 'score the same.*surfacectl dedup'
+ctl_failed "all scores are the same" 65 'equal scores.*surfacectl dedup'
 finish

@@ -29,12 +29,12 @@ refuse 64 'a command is missing' "$ctl"
 refuse 64 'no command' "$ctl" frobnicate
 refuse 64 'no option --frob' "$ctl" --frob subject list
 refuse 64 'no database: give --db PATH' "$ctl" subject list
-refuse 64 'value is missing' "$ctl" subject list --db
+refuse 64 'value missing: --db' "$ctl" subject list --db
 refuse 64 'given twice' "$ctl" --db f.db --db f.db subject list
 refuse 64 'usage: surfacectl enroll' "$ctl" --db f.db enroll alice
 refuse 64 'good.ply is one scan, and its subject is missing; usage: surfacectl enroll SUBJECT FILE' \
     "$ctl" --db f.db enroll good.ply
-refuse 65 'a passphrase is needed: .*give --archive-key a file' "$ctl" --db f.db import good.ply
+refuse 65 'no passphrase: .*name a file that contains it with --archive-key' "$ctl" --db f.db import good.ply
 refuse 64 'usage: surfacectl subject list' "$ctl" --db f.db subject list alice
 refuse 64 'does not take' "$ctl" --db f.db subject list --yes
 refuse 64 'units takes auto, mm, cm, m, in or um' "$ctl" --db f.db --units inch enroll alice good.ply
@@ -48,7 +48,7 @@ for time in 0d 90 1w -1d 1.5h 99999999d 99999999999999999999d d '' '90 d'; do
     refuse 64 '--expires takes' "$ctl" --db f.db token create --scope read --expires "$time" a
 done
 refuse 64 '--grace takes' "$ctl" --db f.db token rotate 00000000000000000000000000000000 --grace never
-refuse 64 'token create does not take' "$ctl" --db f.db token create --grace 1h a
+refuse 64 'token create does not take --grace' "$ctl" --db f.db token create --grace 1h a
 refuse 64 'attempts COMMAND, which is one of list, reset' "$ctl" --db f.db attempts
 refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
 

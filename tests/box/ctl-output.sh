@@ -53,7 +53,7 @@ while read -r name line; do
     *) program=$ctl ;;
     esac
     # shellcheck disable=SC2086 # words
-    kept "$name" "$file exists: --force replaces it" "$program" $line
+    kept "$name" "$file: the file exists: use --force" "$program" $line
     # shellcheck disable=SC2086
     case $name in
     backup) # of another program: never
@@ -113,13 +113,13 @@ expect 0 "the database is whole" "$ctl" --db f.db check-database
 
 # ---- what is no file
 mkfifo pipe
-kept "a pipe" 'pipe is not a regular file' "$lab" simplify a.ply --tolerance 1 -o pipe --force
+kept "a pipe" 'pipe: not a regular file' "$lab" simplify a.ply --tolerance 1 -o pipe --force
 expect 65 "a device" "$lab" simplify a.ply --tolerance 1 -o /dev/null --force
-has err '/dev/null is not a regular file'
+has err '/dev/null: not a regular file'
 ok "it is a device still" test -c /dev/null
-kept "a folder" 'sub is a folder' "$lab" fill a.ply -o sub --force
+kept "a folder" 'sub: a folder' "$lab" fill a.ply -o sub --force
 ln -s nowhere dangling
-kept "a link to nowhere" 'dangling exists' "$lab" simplify a.ply --tolerance 1 -o dangling
+kept "a link to nowhere" 'dangling: the file exists' "$lab" simplify a.ply --tolerance 1 -o dangling
 ok "it made nothing" test ! -e nowhere
 
 # ---- standard output

@@ -88,7 +88,7 @@ for force in '' --force; do
 done
 ok "it was not" cmp kept.xyz wall.xyz
 expect 65 "over another file" "$ctl" scan wall.xyz --face found.ply
-has err 'found.ply exists: --force'
+has err 'found.ply: the file exists: use --force'
 expect 0 "with --force" "$ctl" scan wall.xyz --face found.ply --force
 expect 1 "of what is no face" "$ctl" scan few.xyz --face few.ply
 ok "there is none" [ ! -e few.ply ]

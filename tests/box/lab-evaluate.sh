@@ -122,7 +122,7 @@ expect 64 "of several collections" "$lab" evaluate wrong scans --scores same.csv
 
 # ---- a file that exists is replaced with --force only, one that is read never
 expect 65 "there is a report" "$lab" evaluate scans
-has err 'evaluation/scores.csv exists: --force replaces it'
+has err 'evaluation/scores.csv: the file exists: use --force'
 touch evaluation/matrix.csv # of a former run
 expect 0 "replaced" "$lab" evaluate scans --force
 is "nothing of the former one stays" "$(files evaluation)" "$tables"

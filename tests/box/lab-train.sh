@@ -167,7 +167,7 @@ expect 64 "a name with a line's end" "$lab" train "$T/scans" --out "$T/x.model" 
 b'
 cksum "$m" >"$T/sum"
 expect 65 "an existing file" "$lab" train "$T/scans" --out "$m"
-says "$T/err" "force" 'exists: --force replaces it'
+says "$T/err" "force" 'the file exists: use --force'
 expect 65 "its input" "$lab" train --calibrate "$T/scores.csv" --out "$T/scores.csv" --force
 expect 65 "the base" "$lab" train --calibrate "$T/scores.csv" --model "$m" --out "$m" --force
 is "untouched" "$(cksum "$m")" "$(cat "$T/sum")"

@@ -32,7 +32,7 @@ for page in match differ scan plane files; do
 done
 cp match.html before.html
 expect 65 "a second time" "$ctl" --db faces.db explain alice other.ply --page match.html
-has err 'match.html exists: --force'
+has err 'match.html: the file exists: use --force'
 ok "it is as it was" cmp -s match.html before.html
 expect 1 "with --force" "$ctl" --db faces.db explain alice other.ply --page before.html --force
 ok "is another" sh -c "! cmp -s match.html before.html"
