@@ -82,9 +82,8 @@ const struct ctl_command ctl_archive_export = {
     .run = export_subjects,
     .summary = "write subjects to an archive for another machine",
     .help =
-        "The file --out is encrypted with a passphrase that is asked for, or with the line in the\n"
-        "file --archive-key: 64 hexadecimal digits are a key, other text is a passphrase. It\n"
-        "contains no tokens, calibrations or events. The audit log records each exported subject.",
+        "The file --out is encrypted with a passphrase, which is asked for, or with the line in\n"
+        "--archive-key. It contains no tokens, calibrations or logs.",
     .example = "surfacectl --db faces.db export alice bob --out moving.archive"};
 
 const struct ctl_command ctl_archive_import = {
@@ -98,10 +97,7 @@ const struct ctl_command ctl_archive_import = {
     .run = import_subjects,
     .summary = "read subjects from an archive",
     .help =
-        "The archive is verified, then imported whole or not at all. Existing subjects and\n"
-        "templates do not change, so a second import changes nothing. A new template of a subject\n"
-        "that exists is refused without --force, because no import compares faces: whoever made\n"
-        "the archive decides whose face it is. Subjects that were erased here are skipped, whatever\n"
-        "their id: enroll them again. Templates of another engine are imported unchanged (see\n"
-        "template reencode).",
+        "Imports everything or nothing. Existing subjects and templates do not change; a new\n"
+        "template of an existing subject is refused without --force, since no import compares\n"
+        "faces. Subjects that were erased here are skipped.",
     .example = "surfacectl --db faces.db import moving.archive --dry-run"};

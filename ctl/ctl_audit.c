@@ -217,9 +217,8 @@ const struct ctl_command ctl_audit_show = {
     .run = ctl_run_audit_show,
     .summary = "list who did what, and when",
     .help =
-        "The newest entries of the audit log, oldest first. The actor is a token's id, a program,\n"
-        "or surfacectl:USER. In the log a subject has a random uid, which a rename does not\n"
-        "change; after an erasure only the receipt says whose uid it was.",
+        "The newest entries, oldest first. The actor is a token's id, a program, or\n"
+        "surfacectl:USER. A subject has a random uid, which the receipt of its erasure names.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_export = {
@@ -236,8 +235,7 @@ const struct ctl_command ctl_audit_checkpoint = {
     .database = CTL_WRITES_DATABASE,
     .run = checkpoint,
     .summary = "sign the audit log as it is now",
-    .help =
-        "Store the output elsewhere: it shows later whether an older log was put back.",
+    .help = "Keep the output elsewhere: it reveals later that an older log was put back.",
     .example = "surfacectl --db faces.db --json audit checkpoint"};
 
 const struct ctl_command ctl_audit_trim = {
@@ -250,9 +248,7 @@ const struct ctl_command ctl_audit_trim = {
     .summary = "delete the oldest accesses from the audit log",
     .help =
         "Accesses (verifications, comparisons, refusals, exports) older than --keep days are\n"
-        "deleted, except the last. Changes are never deleted; one of them records where the\n"
-        "accesses begin, so that audit verify finds every other loss. The setting audit-days\n"
-        "makes surfaced do this.",
+        "deleted; changes never. The setting audit-days makes surfaced do this.",
     .example = "surfacectl --db faces.db audit trim --keep 400"};
 
 const struct ctl_command ctl_audit_compare = {
@@ -264,9 +260,8 @@ const struct ctl_command ctl_audit_compare = {
     .run = ctl_run_audit_compare,
     .summary = "hold the anchors of other daemons against the log",
     .help =
-        "Copies of the anchors of the daemons that share a database on a server. Each names the\n"
-        "newest change that its daemon knows: one that the log lacks was made in another history,\n"
-        "which the server has shown to that daemon alone, or from which it has gone back.",
+        "The anchors are copies from the daemons that share a database on a server. A change that\n"
+        "the log lacks belongs to another history, or the server was rolled back.",
     .example =
         "surfacectl --db postgresql://surfaced@db1/faces audit compare door1.anchor "
         "door2.anchor"};

@@ -338,9 +338,8 @@ const struct ctl_command ctl_backup = {
     .run = backup,
     .summary = "copy the database, also while the daemon runs",
     .help =
-        "A consistent copy of one moment. Before it gets its name every page, subject, template\n"
-        "and the audit log are verified. FILE is complete or absent; --force replaces an older\n"
-        "backup of that name. The key is not in the backup.",
+        "FILE is a verified copy of one moment, complete or absent, without the key. --force\n"
+        "replaces an older backup.",
     .example = "surfacectl --db faces.db backup faces-monday.db"};
 
 const struct ctl_command ctl_backup_copy = {
@@ -351,10 +350,8 @@ const struct ctl_command ctl_backup_copy = {
     .run = copy,
     .summary = "copy the database to another engine or place, as it is",
     .help =
-        "TO is a file that does not exist yet, or postgresql://USER@HOST/NAME, an empty database.\n"
-        "Rows, keys, logs and hashes stay the same, so that the copy opens with the same key and\n"
-        "the same anchor. It is verified, and complete or absent; after an interruption begin\n"
-        "again. Stop the daemon first: what it changes afterwards is not in the copy.",
+        "TO is a file that does not exist, or postgresql://USER@HOST/NAME, an empty database. The\n"
+        "copy is verified, and opens with the same key and anchor. Stop the daemon first.",
     .example = "surfacectl --db faces.db copy postgresql://owner@db1/faces"};
 
 const struct ctl_command ctl_backup_restore = {
@@ -368,10 +365,8 @@ const struct ctl_command ctl_backup_restore = {
     .run = ctl_run_backup_restore,
     .summary = "replace the database with a backup",
     .help =
-        "FILE is verified first. From the log of the replaced database, if it verifies and\n"
-        "continues the backup's, erasures, revocations and rotations since the backup are\n"
-        "repeated. The result opens with the present key, even if the backup was made under\n"
-        "another. The replaced database is renamed to PATH.before-restore. Stop the daemon first.",
+        "FILE is verified, and the erasures and revocations since the backup are repeated. The\n"
+        "replaced database becomes PATH.before-restore. Stop the daemon first.",
     .example = "surfacectl --db faces.db restore faces-monday.db --dry-run"};
 
 const struct ctl_command ctl_backup_reapply = {
@@ -383,10 +378,8 @@ const struct ctl_command ctl_backup_reapply = {
     .run = reapply,
     .summary = "after a server's restore, erase again who was erased since",
     .help =
-        "For a database that its server has restored. LOG is the newest audit export of the\n"
-        "database as it was before: it is verified, and what it erased, revoked, rotated or\n"
-        "removed since the restored state is so again. The anchor is made again. Stop all\n"
-        "daemons first; afterwards run accept-state for the anchor of each other daemon.",
+        "LOG is the newest audit export from before the restore. Stop all daemons first;\n"
+        "afterwards run accept-state with the anchor of each other daemon.",
     .example =
         "surfacectl --db postgresql://surfaced@db1/faces --key key --anchor anchor "
         "reapply-erasures log.jsonl"};
@@ -405,10 +398,7 @@ const struct ctl_command ctl_backup_rekey = {
     .run = rekey,
     .summary = "replace every key of the database",
     .help =
-        "The database is copied under new keys (master key, subject keys, and those of hashes,\n"
-        "MACs and signatures), and the copy replaces it; the old file is overwritten and removed.\n"
-        "A new random key replaces PATH.key (or --key); or give a key with --new-key, a\n"
-        "passphrase with --passphrase (asked for, or read from --new-key), or none with\n"
-        "--plaintext. Stop the daemon first. Older backups need the old key: unless --keep-old is\n"
-        "given, its removal must be confirmed. If it is interrupted, run it again: it completes.",
+        "A new random key replaces the one in PATH.key (or --key), unless --new-key, --passphrase\n"
+        "or --plaintext chooses another. Stop the daemon first. Older backups need the old key:\n"
+        "its removal must be confirmed without --keep-old. Run an interrupted rekey again.",
     .example = "surfacectl --db faces.db rekey --keep-old"};

@@ -375,9 +375,7 @@ const struct ctl_command ctl_calibrate = {
     .run = ctl_calibrate_run,
     .summary = "compute a threshold from the enrolled templates",
     .help =
-        "Compares the templates of different subjects with each other and chooses the threshold\n"
-        "that a share --fmr (0.001) of these comparisons reaches. Subjects with several\n"
-        "templates give the false non-match rate. A running daemon\n"
-        "uses the new threshold at once. A threshold lower than the one in force needs --yes, or\n"
-        "accept typed on a terminal.",
+        "Compares templates of different subjects; the threshold is the score that a share --fmr\n"
+        "of these comparisons reaches. It is in force at once. A lower threshold than the one in\n"
+        "force needs --yes, or accept typed on a terminal.",
     .example = "surfacectl --db faces.db calibrate --fmr 0.01 --dry-run"};

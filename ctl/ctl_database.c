@@ -48,9 +48,9 @@ const struct ctl_command ctl_database_init = {
     .run = init,
     .summary = "make a new database",
     .help =
-        "Names, notes and faces are encrypted with the key in PATH.key (or --key); the file is\n"
-        "made if it is missing. Keep a copy of the key elsewhere: without it nothing in the\n"
-        "database can be read. An existing database is not changed.",
+        "Names, notes and faces are encrypted with the key in PATH.key (or --key), which is\n"
+        "created if it is missing. Keep a copy of it elsewhere: without it the database cannot be\n"
+        "read.",
     .example = "surfacectl --db faces.db init"};
 
 /* ---- check-database */
@@ -94,9 +94,8 @@ const struct ctl_command ctl_database_check = {
     .run = ctl_run_database_check,
     .summary = "read and verify the whole database",
     .help =
-        "Verifies the integrity and references of the database, the rows against the change log,\n"
-        "both logs, and of each template the triangulation, the spanning tree, the digest and the\n"
-        "counts. Nothing is changed.",
+        "Verifies integrity, rows, both logs, and the digest and triangulation of each template.\n"
+        "Nothing is changed.",
     .example = "surfacectl --db faces.db check-database"};
 
 /* ---- stats, vacuum */
@@ -187,9 +186,8 @@ const struct ctl_command ctl_database_stats = {
     .run = stats,
     .summary = "count what is in the database, and the scores of each day",
     .help =
-        "Subjects, templates, points, events and tokens, and their size on disk; of the last 180\n"
-        "days how many verifications were decided how, and by what scores. With --json also the\n"
-        "calibration in force and what doctor finds in the database.",
+        "Also the verifications of each of the last 180 days by decision and score. With --json\n"
+        "also the calibration in force and the findings of doctor.",
     .example = "surfacectl --db faces.db stats"};
 
 const struct ctl_command ctl_database_vacuum = {
@@ -198,10 +196,8 @@ const struct ctl_command ctl_database_vacuum = {
     .run = vacuum,
     .summary = "return the space of deleted rows to the file system",
     .help =
-        "Copies the database, which needs as much free disk space as its size. Others can read\n"
-        "meanwhile but not write: a running daemon answers 503 to an enrolment that "
-        "would wait more\n"
-        "than 5 seconds.",
+        "Copies the database, which needs as much free disk space. Other processes can read\n"
+        "meanwhile, and wait to write.",
     .example = "surfacectl --db faces.db vacuum"};
 
 /* ---- accept-state */
@@ -243,11 +239,9 @@ const struct ctl_command ctl_database_accept = {
     .run = accept_state,
     .summary = "accept the present rows, despite log and anchor",
     .help =
-        "A database is refused if its rows differ from those of its last change, or if it is\n"
-        "older than its anchor. If that is intended (a snapshot of the file system was put back)\n"
-        "or there is no backup, this command accepts the present rows: it removes rows that are\n"
-        "not authentic and records that in the change log. Every later change is lost, erasures\n"
-        "included. If there is a backup, use surfacectl restore, which repeats the erasures.",
+        "For an intended rollback, or if there is no backup: rows that are not authentic are\n"
+        "removed, and every later change is lost, erasures included. If there is a backup, use\n"
+        "restore.",
     .example = "surfacectl --db faces.db accept-state --dry-run"};
 
 /* ---- join */
@@ -274,9 +268,7 @@ const struct ctl_command ctl_database_join = {
     .run = ctl_run_database_join,
     .summary = "let another daemon share a database on a server",
     .help =
-        "On the machine of the new daemon, with a copy of the database's key. Verifies the\n"
-        "database and makes the new daemon's anchor (--anchor FILE), by which it writes its\n"
-        "accesses into a log of its own and waits for no other daemon. Each daemon has its own\n"
-        "anchor; the first has that of init.",
+        "Run it on the machine of the new daemon, with a copy of the database's key. It makes the\n"
+        "new daemon's anchor (--anchor FILE); each daemon has its own.",
     .example = "surfacectl --db postgresql://surfaced@db1,db2/faces --key key --anchor "
                "anchor join"};

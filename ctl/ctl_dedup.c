@@ -326,10 +326,7 @@ const struct ctl_command ctl_dedup = {
     .run = ctl_dedup_run,
     .summary = "find one face enrolled under two subjects",
     .help =
-        "Compares all templates of each subject with those of every other subject. Pairs at or\n"
-        "above the threshold (in force, or --threshold) are listed, highest score\n"
-        "first: they may be one person, relatives, or alike by chance. In a large database choose\n"
-        "a higher threshold. The number of comparisons and how many match by chance are printed\n"
-        "first; with --dry-run nothing else. The shipped calibration is of other\n"
-        "people, so that many more may match by chance. Nothing is changed.",
+        "Lists pairs of subjects at or above the threshold, highest score first: they may be one\n"
+        "person, relatives, or similar by chance. The expected number by chance is printed first;\n"
+        "with --dry-run nothing else. Choose a higher threshold for a large database.",
     .example = "surfacectl --db faces.db dedup --threshold 25"};

@@ -133,9 +133,7 @@ const struct ctl_command ctl_device_add = {
     .database = CTL_WRITES_DATABASE,
     .run = ctl_run_device_add,
     .summary = "register a scanner that signs its captures",
-    .help =
-        "The key is Ed25519: 64 hexadecimal digits, base64, or a PEM file as openssl writes it.\n"
-        "The daemon accepts captures of the device at once.",
+    .help = "The key is Ed25519: 64 hexadecimal digits, base64, or a PEM file.",
     .example = "surfacectl --db faces.db device add door-1 door-1.pem"};
 
 const struct ctl_command ctl_device_list = {
@@ -153,6 +151,5 @@ const struct ctl_command ctl_device_remove = {
     .database = CTL_WRITES_DATABASE,
     .run = do_remove,
     .summary = "remove a device",
-    .help =
-        "A running daemon refuses its captures at once. The name can be used for another device.",
+    .help = "A running daemon refuses its captures at once.",
     .example = "surfacectl --db faces.db device remove door-1"};

@@ -421,10 +421,6 @@ const struct ctl_command ctl_doctor = {
     .run = ctl_doctor_run,
     .summary = "find what is wrong with a database and its files",
     .help =
-        "Also says what to do about it. Checks the permissions of the database, its folder and\n"
-        "key; that the key opens it; a key left by an interrupted rekey; a database "
-        "older than its\n"
-        "anchor; schema, WAL, free disk space; rows that were changed; templates of another\n"
-        "engine; tokens that expire soon, or that fail to verify many subjects. Nothing "
-        "is changed.",
+        "Checks permissions, key, anchor, schema, WAL, disk space, rows, templates and tokens,\n"
+        "and says what to do. Nothing is changed.",
     .example = "surfacectl --db faces.db doctor"};

@@ -435,16 +435,10 @@ const struct ctl_command ctl_enroll = {
     .run = ctl_enroll_run,
     .summary = "enroll scans of one subject, or of many subjects",
     .help =
-        "The FILEs (any format in the manual; -: standard input; a folder: the scans in it) are\n"
-        "frames of one capture session, at most 20: fused into one face with less noise, which\n"
-        "becomes one template. A frame that shows no face, or cannot be laid on the others, is\n"
-        "left out; if one shows another person, nothing is enrolled. With --each each file becomes\n"
-        "a template, all in one transaction; those behind the first must match it. A sample must\n"
-        "match the subject's oldest template or one enrolled by this command or with scope manage;\n"
-        "one that does not, or is inconclusive, is refused unless --force is given. Enrolling the\n"
-        "same scan again changes nothing.\n"
+        "The FILEs (-: standard input; a folder: the scans in it) are frames of one capture\n"
+        "session, at most 20, and become one template; with --each a template each. A face that\n"
+        "does not match the subject's templates is refused without --force.\n"
         "DIR holds scans named SUBJECT_KIND.ply, or an index.csv; MANIFEST is such a table with\n"
-        "the columns file and subject. These scans are enrolled on all cores; an interrupted run\n"
-        "continues when it is started again. Refused scans are listed at the end with the reason\n"
-        "and do not stop the others (surfacectl scan FILE says more).",
+        "the columns file and subject. Refused scans are listed, and do not stop the others; an\n"
+        "interrupted run continues when it is started again.",
     .example = "surfacectl --db faces.db enroll alice alice-1.ply alice-2.ply"};

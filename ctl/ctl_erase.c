@@ -148,9 +148,8 @@ const struct ctl_command ctl_erase = {
     .run = erase,
     .summary = "delete a subject with all its templates",
     .help =
-        "The subject's key is deleted too, so that copies of its data cannot be decrypted. A\n"
-        "receipt is printed; --json prints it in full, with its signature. On a terminal the id\n"
-        "must be typed again; elsewhere --yes is required.",
+        "Prints a receipt; with --json in full, with its signature. Type the id again on a\n"
+        "terminal, or give --yes.",
     .example = "surfacectl --db faces.db --yes subject erase alice"};
 
 const struct ctl_command ctl_erase_template = {
@@ -161,7 +160,7 @@ const struct ctl_command ctl_erase_template = {
     .shared = CTL_DRY_RUN | CTL_YES,
     .run = erase_template,
     .summary = "delete one template",
-    .help = "On a terminal the id must be typed again; elsewhere --yes is required.",
+    .help = "Type the id again on a terminal, or give --yes.",
     .example =
         "surfacectl --db faces.db template delete 0123456789abcdef0123456789abcdef --yes"};
 
@@ -172,6 +171,6 @@ const struct ctl_command ctl_erase_purge = {
     .run = purge,
     .summary = "erase the subjects that have expired",
     .help =
-        "Subjects on hold are listed and not erased. On a terminal the number of subjects must be\n"
-        "typed; elsewhere --yes is required.",
+        "Lists them, and those on hold, which are not erased. Type their number on a terminal, or\n"
+        "give --yes.",
     .example = "surfacectl --db faces.db purge --dry-run"};

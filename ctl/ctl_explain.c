@@ -185,9 +185,7 @@ const struct ctl_command ctl_explain = {
     .run = ctl_explain_run,
     .summary = "say why a scan matches a subject, or not",
     .help =
-        "Compares FILE with the subject's templates, or with the template named, and prints for\n"
-        "the one with the highest score: the score of each region and the qualities;\n"
-        "with --json also what each cell of the face adds to the score. The audit log records\n"
-        "it. --page writes one file that shows it in any browser, without a network; it is\n"
-        "biometric data: only its owner can read it. surfacelab explain compares two files.",
+        "For the template with the highest score: the score of each region and the qualities;\n"
+        "with --json and --page also what each cell of the face adds to the score. The audit log\n"
+        "records it.",
     .example = "surfacectl --db faces.db explain alice probe.ply --page why.html"};

@@ -401,11 +401,7 @@ const struct ctl_command ctl_review_verify = {
     .run = ctl_review_run,
     .summary = "verify the audit log, or a file that the database signed",
     .help =
-        "Without FILE: finds entries of the database's log that were removed or changed. FILE (-:\n"
-        "standard input) is an export of the log (audit export) or the receipt of an erasure (the\n"
-        "response to DELETE over HTTP, or the output of subject erase --json). With --public-key:\n"
-        "verifies that this key signed it; an export needs the key. A receipt with a database (the\n"
-        "default): verifies that its present or an earlier key signed it, that its log has the\n"
-        "entry, and that none of the templates exists.",
+        "Without FILE: finds entries of the log that were removed or changed. FILE (-: standard\n"
+        "input) is an export of the log, which needs --public-key, or the receipt of an erasure.",
     .example = "surfacectl audit verify log.jsonl --public-key "
                "fc51cd8e6218a1a38da47ed00230f0580816ed13ba3303ac5deb911548908025"};

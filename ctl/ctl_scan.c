@@ -174,10 +174,7 @@ const struct ctl_command ctl_scan = {
     .run = ctl_scan_run,
     .summary = "describe scans, and what to change at the scanner",
     .help =
-        "For each FILE: format, points, unit, how the face is turned and covered, the quality,\n"
-        "whether it can be enrolled and verified or why not, and what to change at the scanner.\n"
-        "Nothing is stored. --face writes the cropped face with its triangles, in millimetres,\n"
-        "seen from the front (x to the image's right, y up, z towards the scanner); --page\n"
-        "writes one file that shows the scan as dots, and the face that is found in it, in any\n"
-        "browser, without a network. Both are biometric data: only their owner can read them.",
+        "Prints what is found, whether it can be enrolled and verified, and what to change.\n"
+        "Nothing is stored. Only the owner can read the files of --face and --page: they are\n"
+        "biometric data.",
     .example = "surfacectl scan alice.glb --page alice.html"};

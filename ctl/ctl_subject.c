@@ -312,10 +312,8 @@ const struct ctl_command ctl_subject_set = {
     .run = set,
     .summary = "record a subject's consent and expiry",
     .help =
-        "Values that are not given are kept. A subject that does not exist is created\n"
-        "without a template, since the consent often precedes the first scan. An expired subject\n"
-        "is not verified, and purge erases it. A day without a time ends at 23:59:59.999 UTC; an\n"
-        "end in the past is refused.",
+        "Values that are not given are kept. A subject that does not exist is created without a\n"
+        "template. An expired subject is not verified, and purge erases it.",
     .example =
         "surfacectl --db faces.db subject set alice --consent C-17 --expires 2027-01-31"};
 
@@ -326,9 +324,7 @@ const struct ctl_command ctl_subject_rename = {
     .database = CTL_WRITES_DATABASE,
     .run = rename_it,
     .summary = "change a subject's id",
-    .help =
-        "Templates and records are kept. If another subject has the new id, nothing is "
-        "changed.",
+    .help = "Templates and records are kept. An id that another subject has is refused.",
     .example = "surfacectl --db faces.db subject rename alice alice.b"};
 
 const struct ctl_command ctl_subject_disable = {
@@ -353,8 +349,7 @@ const struct ctl_command ctl_subject_hold = {
     .run = hold,
     .summary = "protect a subject from being erased",
     .help =
-        "The subject and its templates cannot be deleted until `subject release`, even after its\n"
-        "expiry.",
+        "Neither it nor a template can be deleted until subject release, even after its expiry.",
     .example = "surfacectl --db faces.db subject hold alice"};
 
 const struct ctl_command ctl_subject_release = {
@@ -371,10 +366,8 @@ const struct ctl_command ctl_subject_attempts_list = {
     .run = list_attempts,
     .summary = "list subjects with failed verifications",
     .help =
-        "After some failures in a row the daemon locks a token out of a subject for a while, and\n"
-        "after failures on many subjects in an hour out of all others. The list shows the number\n"
-        "of failures by each token and the time of the last, and at how many subjects each token\n"
-        "has failed within an hour.",
+        "For each subject and token the failures in a row and the last; for each token the\n"
+        "subjects that it failed on within an hour.",
     .example = "surfacectl --db faces.db attempts list"};
 
 const struct ctl_command ctl_subject_attempts_reset = {
@@ -386,7 +379,5 @@ const struct ctl_command ctl_subject_attempts_reset = {
                            "of this token, on all subjects")},
     .run = reset_attempts,
     .summary = "end a lock-out, of a subject or of a token",
-    .help =
-        "Clears the failed verifications of the subject by every token, or those by the token,\n"
-        "so that verifications go on at once.",
+    .help = "Clears the failures on the subject by all tokens, or those by --token.",
     .example = "surfacectl --db faces.db attempts reset alice"};

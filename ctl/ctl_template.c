@@ -241,8 +241,8 @@ const struct ctl_command ctl_template_list = {
     .run = ctl_run_template_list,
     .summary = "list the templates",
     .help =
-        "Of one subject, oldest first, or of all subjects. Templates made by another engine or\n"
-        "model are marked (see template reencode).",
+        "Of one subject or of all, oldest first. Templates of another engine are marked (template\n"
+        "reencode).",
     .example = "surfacectl --db faces.db template list alice"};
 
 const struct ctl_command ctl_template_show = {
@@ -264,9 +264,7 @@ const struct ctl_command ctl_template_export = {
     .shared = CTL_MODEL | CTL_OUT | CTL_FORCE,
     .run = export_template,
     .summary = "write a template's points and triangles",
-    .help =
-        "To the file --out (PLY, millimetres; -: standard output). It is biometric data: only its\n"
-        "owner can read it. The audit log records the export.",
+    .help = "PLY, millimetres. It is biometric data: only its owner can read the file.",
     .example =
         "surfacectl --db faces.db template export 0123456789abcdef0123456789abcdef -o a.ply"};
 
@@ -278,10 +276,7 @@ const struct ctl_command ctl_template_reencode = {
     .run = reencode_them,
     .summary = "re-encode templates of another engine",
     .help =
-        "Computes every template that another engine or model made again from its stored\n"
-        "points, with this engine and --model. Id, label, time and digest are kept. Until\n"
-        "then the template is re-encoded each time it is loaded, which takes some milliseconds\n"
-        "and gives the same decisions. A running daemon is not interrupted; an interrupted run\n"
-        "continues when it is started again. A template whose points this engine does not accept\n"
-        "as a face is listed and not changed: delete it and enroll another scan.",
+        "Stores what each program otherwise computes when it loads such a template, with the same\n"
+        "decisions. A template that this engine does not accept as a face is listed and not\n"
+        "changed.",
     .example = "surfacectl --db faces.db template reencode"};

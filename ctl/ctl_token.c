@@ -165,9 +165,7 @@ const struct ctl_command ctl_token_create = {
         "manage,tokens,audit,events,score,detail")},
     .run = ctl_run_token_create,
     .summary = "make a Bearer token for the daemon",
-    .help =
-        "The token is printed once, on standard output; only its hash is stored. It has the\n"
-        "scopes of --scope and ends after a year, unless --expires is given.",
+    .help = "Its secret is printed once. It is valid for a year, or until --expires.",
     .example =
         "surfacectl --db faces.db token create front-door --scope verify --expires 90d"};
 

@@ -111,10 +111,8 @@ const struct ctl_command ctl_verify = {
     .run = ctl_verify_verify,
     .summary = "compare a scan with a subject's templates",
     .help =
-        "Several FILEs, or a folder, are the frames of one capture session, at most 20: they are\n"
-        "fused into one probe, as by enroll.\n"
-        "The template with the highest score decides; of n templates the score is lowered by\n"
-        "ln n, since each is a chance for a false match.",
+        "Several FILEs, or a folder, are frames of one capture session, at most 20, and become\n"
+        "one probe. The template with the highest score decides.",
     .example = "surfacectl --db faces.db verify alice probe.ply"};
 
 const struct ctl_command ctl_verify_compare = {
