@@ -20,7 +20,7 @@ enum status {
     ST_EDEGENERATE = SURFACE_EDEGENERATE, /* all points on one line, or no area */
     ST_EUNITS = SURFACE_EUNITS,     /* the extent is not that of a face in millimetres */
     ST_ENOFACE = SURFACE_ENOFACE,   /* no face was found */
-    ST_ESEVERAL = SURFACE_ESEVERAL, /* more than one face, where there must be one */
+    ST_ESEVERAL = SURFACE_ESEVERAL, /* more than one face */
     ST_EMIRRORED = SURFACE_EMIRRORED, /* a mirror image */
     ST_ENOTFACE = SURFACE_ENOTFACE,   /* the surface is not a face (quality gate) */
     ST_EQUALITY = SURFACE_EQUALITY,   /* a face, but too poor a scan (quality gate) */
@@ -57,12 +57,12 @@ static inline enum surface_status status_to(enum status st)
     return (enum surface_status)st;
 }
 
-/* status_message(st): one short English phrase for st, never NULL; "unknown status" for
- * values that are no code. */
+/* status_message(st): Returns a short English phrase for st, never NULL; "unknown status" for another
+ * value. */
 const char *status_message(enum status st);
 
-/* status_refusal(st): the word for a refusal of a scan, as in the API ("not_a_face");
- * "malformed" for what is no scan, NULL for ST_OK. */
+/* status_refusal(st): Returns the API's code of a refused scan ("not_a_face"); "malformed" for a status
+ * that is not about the points, NULL for ST_OK. */
 const char *status_refusal(enum status st);
 
 #endif

@@ -33,13 +33,13 @@ static inline struct dvec3 vec_sub(struct dvec3 a, struct dvec3 b)
     return (struct dvec3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-/* vec_along(a, s, b): a + s b. */
+/* vec_along(a, s, b): Returns a + s b. */
 static inline struct dvec3 vec_along(struct dvec3 a, double s, struct dvec3 b)
 {
     return (struct dvec3){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
 
-/* vec_transform(t, p): p moved by t, a row-major 4 x 4 matrix. */
+/* vec_transform(t, p): Returns p moved by t, a row-major 4 x 4 matrix. */
 static inline struct dvec3 vec_transform(const double t[16], struct dvec3 p)
 {
     return (struct dvec3){t[0] * p.x + t[1] * p.y + t[2] * p.z + t[3],

@@ -5,7 +5,7 @@
  *     surfaces; over a grid, as it lies, where that is cheaper by far than all of these.
  * (2) Reweighted Gauss-Newton steps, coarse to fine, on a robust sum of the gaps at points
  *     of the probe.  Each point is located in the template's triangulation, from the
- *     triangle where the step before found it.
+ *     triangle in which the step before found it.
  * (3) The last step separates motion from change between two scans of one person (fit.h), so
  *     that an expression does not move the nose.
  * All arithmetic is in doubles in a fixed order, + - * / and sqrt only: the same two
@@ -32,7 +32,7 @@ enum align_stop {
     ALIGN_APART      /* the surfaces have too little in common at every start */
 };
 
-/* "converged", "steps", "apart": as struct surface_disparity has it. */
+/* Returns "converged", "steps" or "apart", for struct surface_disparity. */
 const char *align_stop_name(enum align_stop stop);
 
 struct align_result {
@@ -42,16 +42,15 @@ struct align_result {
     enum align_stop stop;
     double within;   /* share of the probe's points over the template, 0..1 */
     double cost_mm;  /* mean gap (capped, L1) at the coarse pose that was refined */
-    double rival_mm; /* the same of the best coarse pose elsewhere; INFINITY: none */
-    /* standard deviation of the rotation, from the curvature at the end */
-    double turn_deg;
-    double shift_mm; /* of the shift; INFINITY: unknown */
+    double rival_mm; /* mean gap at the best coarse pose elsewhere; INFINITY: none */
+    /* standard deviations of rotation and shift, from the curvature at the end; INFINITY: unknown */
+    double turn_deg, shift_mm;
 };
 
 /* How to search; every member may be NULL. */
 struct align_how {
     const struct pose *start;     /* tried first: probe -> template */
-    const struct align_weight *u; /* large where the template keeps its shape */
+    const struct align_weight *u; /* weight, large on parts that keep their shape */
     /* for (3), which is skipped without it or without u */
     const struct fit_basis *motion;
     /* A template that is a grid, and its axes; both or neither: */
@@ -64,10 +63,10 @@ struct align_work {
     struct scratch field, fit;
 };
 
-void align_work_free(struct align_work *w);              /* w is empty again */
+void align_work_free(struct align_work *w);              /* resets w to the empty state */
 void align_work_wipe(struct align_work *w, size_t keep); /* as measure_work_wipe() */
 
-/* align_search(tmpl, probe, how, w, out): the pose of probe over tmpl.
+/* align_search(tmpl, probe, how, w, out): Finds the pose of probe over tmpl.
  * tmpl, probe  lattice units at LATTICE_PER_MM; both need their spanning-tree order; tmpl is
  *              NULL where how has a grid, and how->u and how->motion count nothing then
  * out          filled; with ALIGN_APART the transform is the best one found

@@ -10,7 +10,7 @@
 /* Residuals, mm.  |r| is rounded off below SOFT, so that L1's weight 1 / |r| stays finite;
  * beyond TUKEY a residual counts nothing: it belongs to another expression, to hair or to a
  * spike; one residual adds at most CAP to a pose's cost; a point without a gap adds NO_GAP,
- * so that sliding apart does not pay.  By hand. */
+ * so that sliding apart does not pay.  Chosen empirically. */
 #define ALIGN_SOFT_MM   0.05
 #define ALIGN_TUKEY_MM  2.5
 #define ALIGN_CAP_MM    5.0
@@ -50,10 +50,10 @@ static inline double align_lanes_total(align_lanes v)
 
 /* Points and the surface under them, mm. */
 struct align_under {
-    align_masks there;     /* is there a surface? */
+    align_masks there;     /* true: there is a surface */
     align_lanes x, y, z;   /* the points, from the centre of rotations */
-    align_lanes normal[3]; /* of the surface, of length 1 */
-    align_lanes gap;       /* at right angles to it */
+    align_lanes normal[3]; /* unit normal of the surface */
+    align_lanes gap;       /* gap at right angles to the surface */
     align_lanes weight;    /* u */
 };
 
@@ -115,7 +115,7 @@ static inline void align_lanes_add(struct align_lanes_sums *to,
     to->within -= s->there;
 }
 
-/* align_lanes_finish(sums, count, loss, out): of count points, with or without a gap. */
+/* align_lanes_finish(sums, count, loss, out): Completes the sum over count points, with or without a gap. */
 static inline void align_lanes_finish(const struct align_lanes_sums *sums, uint32_t count,
                                       enum solve_loss loss, struct solve_sum *out)
 {

@@ -1,6 +1,6 @@
 /* asymmetry.h -- a surface against its mirror image.
  * Paper 1 section 4 and [9]: the disparity between a surface and its reflection in a plane is
- * the initial estimate of its asymmetry; the disparity at the plane where it is least is the
+ * the initial estimate of its asymmetry; the least disparity over all planes is the
  * final one.
  * A reflection has three unknowns, not a pose's six.  Turning the plane by an angle about
  * an axis in it turns the mirror image by twice that angle about the same axis, and
@@ -19,15 +19,15 @@ struct pose;         /* pose.h */
 struct surface;      /* surface.h */
 struct measure_work; /* measure.h */
 
-/* asymmetry_find(s, start, u, m, upright, out): the plane with the least disparity between s
+/* asymmetry_find(s, start, u, m, upright, out): Finds the plane with the least disparity between s
  * and its mirror image.
  * start    a rigid motion (mm) that brings the plane to x = 0 and the view to z, to within 15
  *          degrees and 10 mm: a face's canonical frame
  * u        the weight of out->weighted_mm, over the surface turned upright; NULL: 1 everywhere
  * upright  memory for s turned upright: empty, or a former surface
  * A surface and its mirror image have the same asymmetry to within 1 %.
- * conclusive: a plane was found, and enough of the surface lies over its mirror image.  Apart, or
- * where a pose leaves the lattice, both disparities may be 0.
+ * conclusive: a plane was found, and enough of the surface lies over its mirror image.  If both are apart, or
+ * a pose leaves the lattice, both disparities may be 0.
  * Cost  six triangulations, two general triangulations, and up to some 100 robust sums
  *       over at most 4,000 points.  Returns ST_OK, ST_ENOMEM. */
 enum status asymmetry_find(const struct surface *s, const struct pose *start,

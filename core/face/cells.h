@@ -8,8 +8,8 @@
 #include "grid.h"
 #include "status.h"
 
-/* mm^2 of a cell's 16 that both surfaces must cover before the cell counts at all.  By
- * hand: what little counts beyond it rises from nothing (cells_cover()). */
+/* mm^2 of a cell's 16 that both surfaces must cover before the cell counts at all.
+ * Chosen empirically: the weight beyond it rises from 0 (cells_cover()). */
 #define CELLS_COVERED 1.0f
 
 struct align_field; /* align_field.h */
@@ -22,7 +22,7 @@ struct cells {
     float normal[GRID_N][3]; /* its mean normal, in the frame */
 };
 
-/* cells_cover(c, i): the weight of cell i, 0..1: 0 up to CELLS_COVERED, 1 from half of the
+/* cells_cover(c, i): Returns the weight of cell i, 0..1: 0 up to CELLS_COVERED, 1 from half of the
  * cell covered, linear between: a rim that moves a little changes little. */
 static inline float cells_cover(const struct cells *c, uint32_t i)
 {
@@ -32,10 +32,11 @@ static inline float cells_cover(const struct cells *c, uint32_t i)
     return share < 0.0f ? 0.0f : share < 1.0f ? share : 1.0f;
 }
 
-/* cells_sample(field, pts, n, pose, frame, out): the gap at points of the probe, moved by pose
- * over the template's field, each weighted by the area it stands for; frame maps the template to
- * its canonical frame.  Places more than 75 degrees off the frame's z (CELLS_STEEP), and triangles
- * that bridge missing points of the template, are left out.  O(n). */
+/* cells_sample(field, pts, n, pose, frame, out): Averages the gaps at points of the probe, moved by pose
+ * over the template's field, each weighted by the area it stands for.  Ignores places more than 75 degrees
+ * off the frame's z (CELLS_STEEP), and triangles of the template that span a hole.
+ *   frame  template -> its canonical frame
+ * Cost: O(n). */
 void cells_sample(struct align_field *field, struct align_point *pts, uint32_t n,
                   const struct pose *pose, const struct pose *frame, struct cells *out);
 

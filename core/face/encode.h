@@ -16,7 +16,7 @@
  * Elder, "Probabilistic Linear Discriminant Analysis for Inferences About Identity", ICCV 2007),
  * i-vectors with their uncertainty (Kenny et al., "PLDA for Speaker Verification with Utterances
  * of Arbitrary Duration", ICASSP 2013).
- * Sums of products are floats in a fixed order, what is solved doubles, by + - * / and sqrt:
+ * Sums of products are floats in a fixed order, solutions doubles, by + - * / and sqrt:
  * the same digits on every machine with IEEE 754 numbers, compiler and number of threads. */
 #ifndef CORE_ENCODE_H
 #define CORE_ENCODE_H
@@ -30,29 +30,31 @@
 #define ENCODE_MOTION_MM 2.0
 #define ENCODE_PAIRS     (MODEL_MODES * (MODEL_MODES + 1) / 2)
 
-/* What is stored of a face beside its surface: 22 KB. */
+/* The part of a stored face beside its surface: 22 KB. */
 struct encoding {
     float a[ENCODE_PAIRS]; /* A's lower triangle, row by row */
     float b[MODEL_MODES];
-    float residual_mm;         /* of the scan, by encode_noise() */
-    uint32_t cells;            /* that were there */
-    uint8_t there[GRID_N / 8]; /* which: a bit each */
-    uint32_t n; /* modes of identity: rows of A; 0: nothing is known of the face */
+    float residual_mm;         /* residual of the scan, by encode_noise() */
+    uint32_t cells;            /* number of cells with a height */
+    uint8_t there[GRID_N / 8]; /* a bit for each cell: 1: it has a height */
+    uint32_t
+        n; /* number of identity's modes: rows of A; 0: nothing is known of the face */
 };
 
-/* What does not depend on the scan; for many encodings. */
+/* The part that does not depend on the scan, for many encodings. */
 struct encode_basis {
     const struct surface_model *m;
     uint32_t change,
-        identity;           /* where each begins among the columns; the motion is first */
-    uint32_t width;         /* columns in use */
-    uint32_t cells;         /* that the model uses */
-    float normal_z[GRID_N]; /* of the mean face: scales heights to gaps; 0: not used */
+        identity;   /* where each begins among the columns; the motion is first */
+    uint32_t width; /* columns in use */
+    uint32_t cells; /* number of cells that the model uses */
+    float
+        normal_z[GRID_N]; /* factor of heights to gaps, from the mean face; 0: not used */
     float motion[GRID_N][NORMAL_LANES];     /* J, 6 columns */
     float gram[NORMAL_WIDTH][NORMAL_WIDTH]; /* the products' sum over all cells */
 };
 
-/* encode_prepare(m, out): m is borrowed.  About 5 ms. */
+/* encode_prepare(m, out): Prepares encodings by m, which is borrowed.  Cost: about 5 ms. */
 void encode_prepare(const struct surface_model *m, struct encode_basis *out);
 
 /* encode_noise(residual_mm, step_mm): Returns the residual, in mm, that a scan's own residual and the
@@ -61,10 +63,10 @@ void encode_prepare(const struct surface_model *m, struct encode_basis *out);
  * step / sqrt(12): by ENCODE_STEP. */
 double encode_noise(double residual_mm, double step_mm);
 
-/* encode_heights(e, z, residual_mm, s, out): the encoding of heights z (heights.h, at the face's
- * canonical frame; NAN: none), of which the shape of a face leaves that residual.
- * Cells more than ENCODE_FAR_MM from the mean face are left out, as no face is there; those
- * more than ENCODE_HUBER deviations from what all the others say count less.
+/* encode_heights(e, z, residual_mm, s, out): Encodes the heights z (heights.h, at the face's
+ * canonical frame; NAN: none), whose fit by the shape of a face has this residual.
+ * Cells more than ENCODE_FAR_MM from the mean face do not count, as no face is there; those
+ * more than ENCODE_HUBER deviations from the prediction by all others count less.
  * With fewer than ENCODE_LEAST cells out->n is 0.  About 1 ms.  Returns ST_OK, ST_ENOMEM. */
 enum status encode_heights(const struct encode_basis *e, const float z[GRID_N],
                            double residual_mm, struct scratch *s, struct encoding *out);
@@ -76,7 +78,7 @@ enum status encode_parts(const struct encode_basis *e, const float z[GRID_N],
                          double residual_mm, const double slope[MODEL_MODES],
                          struct scratch *s, double part[GRID_N]);
 
-/* encode_rest(e, tmpl, probe, residual_mm, s, rest): the gaps of one scan above another, from the
+/* encode_rest(e, tmpl, probe, residual_mm, s, rest): Computes the gaps of one scan above another, from the
  * heights of both, less the motion and the change that explain most of them (a scan's residual_mm
  * each): what would be left if both were of one person.  NAN where either has no height, and
  * in all cells where fewer than ENCODE_LEAST are common.  Cost as encode_heights().

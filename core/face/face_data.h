@@ -1,4 +1,4 @@
-/* face_data.h -- what a face consists of.  Immutable once built: any number of threads may compare it
+/* face_data.h -- the parts of a face.  Immutable once built: any number of threads may compare it
  * at the same time. */
 #ifndef CORE_FACE_DATA_H
 #define CORE_FACE_DATA_H
@@ -11,8 +11,8 @@ struct surface_face {
     struct surface surface;
     struct surface_quality quality;
     struct frame frame;       /* its canonical frame */
-    struct encoding encoding; /* what is compared (encode.h) */
-    float step_mm; /* between neighbouring depths of the sensor; 0: they are continuous */
+    struct encoding encoding; /* input of comparisons (encode.h) */
+    float step_mm; /* distance between neighbouring depths of the sensor; 0: continuous */
 };
 
 #endif

@@ -1,4 +1,4 @@
-/* face_work.h -- a worker's reusable memory: what struct surface_work of the library is.  One thread at a
+/* face_work.h -- struct surface_work of the library: a worker's reusable memory.  One thread at a
  * time. */
 #ifndef CORE_FACE_WORK_H
 #define CORE_FACE_WORK_H
@@ -19,7 +19,7 @@ struct surface_work {
     struct measure_work measure; /* its scratch serves the builders too */
     struct align_work align;
     struct surface upright; /* asymmetry_find()'s */
-    struct scratch normal;  /* of encodings, and of ratios */
+    struct scratch normal;  /* memory of encodings and ratios */
     const struct surface_model *model;
     struct frame_mean mean;  /* the model's */
     struct fit_basis change; /* the model's, for alignment */
@@ -30,9 +30,12 @@ struct surface_work {
     double (*clock_ms)(void); /* NULL: none */
 };
 
-/* face_work_exchange(w): search and measure use one block in turns: before and after a search.
- * face_work_lend(w): so do fits to a surface and the builders: before and after a fit. */
+/* face_work_exchange(w): Exchanges the block that search and measure use in turns: before and after a
+ * search. */
 void face_work_exchange(struct surface_work *w);
+
+/* face_work_lend(w): Exchanges the block that fits to a surface and the builders use in turns: before and
+ * after a fit. */
 void face_work_lend(struct surface_work *w);
 
 #endif

@@ -23,7 +23,7 @@
  * sums' work, and scores change by less than 0.1 %. */
 #define FIT_STILL 0.05
 
-/* With fewer covered cells nothing is explained; a third of a face has 350.  By hand. */
+/* With fewer covered cells nothing is explained; a third of a face has 350.  Chosen empirically. */
 #define FIT_MIN_CELLS 40
 
 struct fit {
@@ -45,11 +45,11 @@ struct fit_basis {
     float gram[MODEL_MODES][MODEL_MODES]; /* upper triangle, in tiles */
 };
 
-/* fit_prepare(b, out): once for many fits; again after a change of *b.
- * Cost  O(GRID_N n^2), n the number of modes. */
+/* fit_prepare(b, out): Prepares *b for many fits; to be called again after a change of *b.
+ * Cost: O(GRID_N n^2), n the number of modes. */
 void fit_prepare(const struct model_basis *b, struct fit_basis *out);
 
-/* fit_solve(p, c, tie, passes, s, out): split c's gap.
+/* fit_solve(p, c, tie, passes, s, out): Splits c's gap.
  * tie     strength of the prior on x, in 1 / mm^2 with rotations at POSE_LEVER_MM; a
  *         small one leaves x free
  * passes  reweightings, 0 or more; a weight that would change by less than FIT_STILL of a

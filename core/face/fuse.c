@@ -19,6 +19,9 @@
 #include "select.h"
 #include "solve.h"
 
+/* Two frames with fewer cells in common, a quarter of a face, are not registered. */
+#define FUSE_CELLS 230
+
 /* Registration: looks at the heights, and reweightings at each; Huber's limit, about twice the noise
  * of a cell of a depth camera. */
 #define FUSE_LOOKS    2

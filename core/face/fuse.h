@@ -14,41 +14,42 @@
 struct surface_face; /* face.h */
 struct surface_work; /* face.h */
 
-/* With fewer cells in common than a quarter of a face two frames are not registered; nor beyond a
- * median gap that no noise explains: another expression, or another place than the face's. */
-#define FUSE_CELLS  230
+/* The largest median gap of two registered frames.  No noise explains more: another expression, or another
+ * object than the face. */
 #define FUSE_GAP_MM 2.0
 
-/* Where a frame lies over the base. */
+/* The place of a frame over the base. */
 struct fuse_place {
     double transform[16]; /* frame (mm) -> base (mm), row-major 4 x 4, rigid */
-    double gap_mm; /* the median there of the cells' gaps; INFINITY: too few in common */
+    double
+        gap_mm; /* median of the cells' gaps at transform; INFINITY: too few in common */
 };
 
-/* fuse_worth(f, w): how much f tells of a face: its cells over the variance of its noise. */
+/* fuse_worth(f, w): Returns the information of f about a face: its cells over the variance of its noise. */
 double fuse_worth(const struct surface_face *f, const struct surface_work *w);
 
-/* fuse_cells(f, w, z): the heights of f in the cells of its canonical frame (heights.h), for
+/* fuse_cells(f, w, z): Computes the heights of f in the cells of its canonical frame (heights.h), for
  * fuse_register().  Returns ST_OK, ST_ENOMEM. */
 enum status fuse_cells(const struct surface_face *f, struct surface_work *w,
                        float z[GRID_N]);
 
-/* fuse_register(base, z, f, w, out, own): lays f on the base, whose cells are z, from where their
- * canonical frames coincide: reweighted Gauss-Newton steps on the gaps of the cells, at right
+/* fuse_register(base, z, f, w, out, own): Lays f on the base, whose cells are z, starting from
+ * coinciding canonical frames: reweighted Gauss-Newton steps on the gaps of the cells, at right
  * angles to the mean face, by the six motions.  own receives the heights of f there, in the base's
  * cells.  Returns ST_OK, ST_ENOMEM. */
 enum status fuse_register(const struct surface_face *base, const float z[GRID_N],
                           const struct surface_face *f, struct surface_work *w,
                           struct fuse_place *out, float own[GRID_N]);
 
-/* fuse_points(base, n, f, at, w, out, npts): the points of the fused surface, in the base's frame, mm:
- * those of the base, numbered as in its mesh; then those of the others where no frame before has
- * measured anything.  (Where cells are missing there is nothing that tells other people.)
- * f, at  [n] the other frames, and where each lies over the base
- * out    *npts points, to be released by mem_free(); NULL on failure
- * The height of each is the robust mean of all frames that have measured there: a frame weighs by
- * the square of 1 / its residual, and less where it is far from the median.
- * Cost  two locations for each of the others.  Returns ST_OK, ST_ENOMEM. */
+/* fuse_points(base, n, f, at, w, out, npts): Makes the points of the fused surface, in the base's frame, mm:
+ * the base's points, numbered as in its mesh; then points of the other frames in cells that no earlier
+ * frame has measured.  (Missing cells do not distinguish people.)  The height of each is the robust
+ * mean of all frames that have measured there: the weight of a frame is the square of 1 / its residual,
+ * and less if it is far from the median.
+ *   f, at  [n] the other frames, and their places over the base
+ *   out    receives *npts points, to be released by mem_free(); NULL on failure
+ * Cost: two locations for each of the other frames.
+ * Returns ST_OK, ST_ENOMEM. */
 enum status fuse_points(const struct surface_face *base, uint32_t n,
                         const struct surface_face *const f[],
                         const struct fuse_place at[], struct surface_work *w,

@@ -16,7 +16,7 @@
 #define GRID_BOTTOM SURFACE_CELLS_BOTTOM
 #define GRID_NONE   UINT32_MAX
 
-/* grid_cell(x, y): the cell that holds a point of the frame, or GRID_NONE.  Cells are
+/* grid_cell(x, y): Returns the cell that holds a point of the frame, or GRID_NONE.  Cells are
  * numbered by rows from the lower left. */
 static inline uint32_t grid_cell(double x, double y)
 {
@@ -38,7 +38,7 @@ static inline double grid_y(uint32_t cell)
     return GRID_BOTTOM + GRID_MM * (cell / GRID_NX + 0.5);
 }
 
-/* grid_mirror(cell): the cell at the mirrored place. */
+/* grid_mirror(cell): Returns the cell at the mirrored place. */
 static inline uint32_t grid_mirror(uint32_t cell)
 {
     return cell + GRID_NX - 1 - 2 * (cell % GRID_NX);

@@ -1,4 +1,4 @@
-/* model.h -- the model: what is known of faces in general.  A comparison depends on it and on
+/* model.h -- the model: knowledge of faces in general.  A comparison depends on it and on
  * the two faces, nothing else.
  * One model is shipped (core/face/default.model, compiled in as model_default); `surfacelab train`
  * learns another.  How it is learned: docs/model.md. */
@@ -26,11 +26,11 @@ struct model_basis {
  *     motion + change + identity + noise:
  * the motion is what moving the mean face a little brings, and the modes are free of it. */
 struct surface_model {
-    char name[MODEL_NAME_MAX + 1]; /* what it was learned from; printable ASCII */
+    char name[MODEL_NAME_MAX + 1]; /* origin of the training data; printable ASCII */
     float mean[GRID_N];            /* height of the mean face, mm; NAN off the face */
-    struct model_basis change; /* of gaps: what differs between two scans of one person */
-    struct model_basis identity; /* of gaps: what differs between people; its rest is 0 */
-    struct model_basis shape;    /* of heights: what a face may look like, identity and
+    struct model_basis change;     /* variation of gaps between two scans of one person */
+    struct model_basis identity;   /* variation of gaps between people; its rest is 0 */
+    struct model_basis shape;      /* variation of heights over all faces, identity and
                                     change together (shape.h) */
     double kinship; /* correlation of two people's identities, 0 to below 1: they have
                               in common what the mean face has not */
@@ -44,8 +44,8 @@ struct surface_model {
 
 extern const struct surface_model model_default;
 
-/* model_parse(text, len, out, line): a model from its text form (docs/model.md), in which
- * every number is an integer: the same text is the same model everywhere.
+/* model_parse(text, len, out, line): Parses a model from its text form (docs/model.md), in which
+ * every number is an integer: a text is the same model everywhere.
  * out   filled on ST_OK; else unspecified
  * line  the number of the line that failed, from 1; may be NULL
  * Returns ST_OK; ST_EVERSION another version of the text; ST_ECORRUPT. */

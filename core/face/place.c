@@ -28,10 +28,16 @@ enum { STARTS = 3 };
 #define FACE_SIZE_GAIN 120.0
 #define FACE_SIZE_STEP 0.04
 
+/* Returns the number of cells of the face with points. */
+static double seen(const struct shape_fit *fit)
+{
+    return fit->skin + fit->cover + fit->apart;
+}
+
 /* The share of what is seen that a face's shape explains. */
 static double support(const struct surface_work *w, const struct shape_fit *fit)
 {
-    return place_seen(fit) > 0 ? fit->support * w->shape.cells / place_seen(fit) : -1;
+    return seen(fit) > 0 ? fit->support * w->shape.cells / seen(fit) : -1;
 }
 
 /* What a fit explains, in cells of a whole face. */
@@ -203,19 +209,14 @@ double place_size(const struct pose *pose)
     return 1 / sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
 }
 
-double place_seen(const struct shape_fit *fit)
-{
-    return fit->skin + fit->cover + fit->apart;
-}
-
 double place_explained(const struct shape_fit *fit)
 {
-    return fit->worth / (place_seen(fit) + 1);
+    return fit->worth / (seen(fit) + 1);
 }
 
 void place_keep(const struct shape_fit *fit, struct frame *out)
 {
-    out->seen = (float)place_seen(fit);
+    out->seen = (float)seen(fit);
     out->explained = (float)place_explained(fit);
 }
 

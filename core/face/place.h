@@ -8,27 +8,25 @@
 #include "shape_work.h"
 #include "status.h"
 
-/* place_find(f, w): f->frame and f->encoding of f->surface, by w's model.  Returns ST_OK, ST_ENOMEM. */
+/* place_find(f, w): Computes f->frame and f->encoding of f->surface, by w's model.  Returns ST_OK, ST_ENOMEM. */
 enum status place_find(struct surface_face *f, struct surface_work *w);
 
-/* place_at(f, size, w, fit): f, whose frame is known, laid on the mean face once more as if its head
- * were so large, over the mean face's.  About 0.8 ms.  Returns ST_OK, ST_ENOMEM. */
+/* place_at(f, size, w, fit): Lays f, whose frame is known, on the mean face again, as if its head had
+ * this size, over the mean face's.  Cost: about 0.8 ms.  Returns ST_OK, ST_ENOMEM. */
 enum status place_at(const struct surface_face *f, double size, struct surface_work *w,
                      struct shape_fit *fit);
 
-/* place_encode(f, fit, w, out): the encoding of f as fit lays it.  Returns ST_OK, ST_ENOMEM. */
+/* place_encode(f, fit, w, out): Encodes f at the place of fit.  Returns ST_OK, ST_ENOMEM. */
 enum status place_encode(const struct surface_face *f, const struct shape_fit *fit,
                          struct surface_work *w, struct encoding *out);
 
-/* place_size(pose): the size of the head that a canonical frame takes it for. */
+/* place_size(pose): Returns the size of the head that a canonical frame implies. */
 double place_size(const struct pose *pose);
 
-/* place_seen(fit): the cells of the face with points; place_explained(fit): what is explained of each
- * of them, at most 1. */
-double place_seen(const struct shape_fit *fit);
+/* place_explained(fit): Returns the mean share, at most 1, that is explained of each cell with points. */
 double place_explained(const struct shape_fit *fit);
 
-/* place_keep(fit, out): both, with the frame that the fit leads to, for pair.h. */
+/* place_keep(fit, out): Sets seen and explained of the frame that the fit leads to, for pair.h. */
 void place_keep(const struct shape_fit *fit, struct frame *out);
 
 #endif

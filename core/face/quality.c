@@ -198,6 +198,12 @@ static bool turned(const struct pose *p)
            fabs(atan2(r[3], r[4])) * VEC_DEGREES > SURFACE_TILT_DEG;
 }
 
+/* The share of the outline below which a third of it is missing.  The other defects begin
+ * (SURFACE_NOISY_MM, ...) at the density at which q->score begins to fall, at more noise than 99 of 100
+ * scans of a good scanner have (0.51 mm), and at rotations beyond those that align_search() is
+ * made for. */
+#define QUALITY_INCOMPLETE_SHARE 0.7
+
 unsigned quality_reasons(const struct surface_quality *q, const struct frame *frame)
 {
     unsigned bits = 0;

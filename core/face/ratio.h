@@ -17,26 +17,29 @@
 
 #define RATIO_MOST 9999.0
 
-/* What depends on the probe alone: computed once, to compare it with many templates. */
+/* The part that depends on the probe only, to compare it with many templates. */
 struct ratio_probe;
 
-/* ratio_probe(p, rho, s): prepares p, which is borrowed.  The result is in s, and valid until s is
- * used again.  NULL: out of memory.  O(n^3), n modes: 0.15 ms.
- * ratio_score(r, t, expected): the score of the probe against the encoding t; symmetric but for
- * rounding; about -100 to 60, always between -RATIO_MOST and RATIO_MOST; -RATIO_MOST also where t
- * is damaged (not positive definite).  Two Cholesky factors: 0.1 ms.
- * expected  the mean score of two such scans of one person (exact with rho 0): how much they can
- *           tell at all
- * Both are 0 where an encoding has no modes (n = 0) or another number of them. */
+/* ratio_probe(p, rho, s): Prepares the encoding p, which is borrowed.  The result is in s, and valid
+ * until s is used again.
+ * Cost: O(n^3), n modes: 0.15 ms.
+ * Returns NULL if out of memory. */
 struct ratio_probe *ratio_probe(const struct encoding *p, double rho, struct scratch *s);
+
+/* ratio_score(r, t, expected): Returns the score of the probe against the encoding t; symmetric up to
+ * rounding; about -100 to 60, always between -RATIO_MOST and RATIO_MOST; -RATIO_MOST also if t
+ * is damaged (not positive definite).
+ *   expected  receives the mean score of two such scans of one person (exact with rho 0)
+ * Both are 0 if an encoding has no modes (n = 0) or another number of them.
+ * Cost: two Cholesky factors, 0.1 ms. */
 double ratio_score(struct ratio_probe *r, const struct encoding *t, double *expected);
 
-/* ratio_slopes(r, t, tmpl, probe): the derivatives of the score by b of t and of the probe.
+/* ratio_slopes(r, t, tmpl, probe): Computes the derivatives of the score by b of t and of the probe.
  * The score is expected + (b_t' tmpl + b_probe' probe) / 2.  Returns the score. */
 double ratio_slopes(struct ratio_probe *r, const struct encoding *t,
                     double tmpl[MODEL_MODES], double probe[MODEL_MODES]);
 
-/* ratio_ln(x): the natural logarithm of a positive, finite x; to 1e-15 of its size or better. */
+/* ratio_ln(x): Returns the natural logarithm of a positive, finite x; to 1e-15 of its size or better. */
 double ratio_ln(double x);
 
 #endif

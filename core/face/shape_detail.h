@@ -5,22 +5,21 @@
 #define CORE_SHAPE_DETAIL_H
 #include "grid.h"
 
-/* Cells: fine relief is what is left once the mean over a square that reaches so far to each
- * side, 20 mm wide, is subtracted.  Squares of 12 and of 28 mm separated faces from surfaces sought
+/* Cells: fine relief is the height less the mean over a square that reaches so far to each
+ * side, 20 mm wide.  Squares of 12 and of 28 mm separated faces from surfaces sought
  * against the gate as well or a little less well. */
 #define SHAPE_FINE 2
 
-/* shape_detail_prepare(mean, fine): the fine relief of the mean face, mm, of which NAN is not used; 0
- * where it has none, as at its rim. */
+/* shape_detail_prepare(mean, fine): Computes the fine relief, mm, of the mean face (NAN: not used); 0 if
+ * it is unknown, as at the rim. */
 void shape_detail_prepare(const float mean[GRID_N], float fine[GRID_N]);
 
-/* shape_detail(fine, weight, over): the fine relief of a surface that lies over[] mm in front of
- * the mean face (NAN: not seen there), as a multiple of the mean face's: both multiplied and
- * summed over what is seen, over the sum of the mean face's squared, weighed.  1 for the mean
- * face itself, 0 where nothing is seen of it.  Noise changes it little, as it is no square of
- * what is measured.  The fine relief is what is left once the mean over a square of
- * 2 SHAPE_FINE + 1 cells is subtracted; here of over[], whose slope at the rim of what is seen
- * is small.  O(cells). */
+/* shape_detail(fine, weight, over): Returns the fine relief of a surface that lies over[] mm in front of
+ * the mean face (NAN: not seen there), as a multiple of the mean face's: the weighted sum of both
+ * multiplied, over the weighted sum of the mean face's squared, over the visible cells.  1 for the mean
+ * face itself, 0 for an invisible one.  Noise changes it little, as no measured value is squared.
+ * The mean of the square is subtracted from over[], whose slope at the rim of the visible part
+ * is small.  Cost: O(cells). */
 double shape_detail(const float fine[GRID_N], const float weight[GRID_N],
                     const float over[GRID_N]);
 

@@ -1,10 +1,10 @@
-/* shape_solve.h -- a face's shape and its motion by least squares: what lies over the mean face
+/* shape_solve.h -- a face's shape and its motion by least squares: the height over the mean face
  * in each cell, as a sum of modes, a small rigid motion and a rest.  Internal to shape.h.
  *     height over the mean = modes a - J x + rest
  * with a prior on a and x.  All that is fixed is prepared: the rows, divided by the deviation of
  * their rest, and the sum of their products over all cells.  A solution then takes the products
- * of those cells alone whose weight differs: from that of a whole face, from that of the solution
- * before, or from nothing.
+ * of those cells alone whose weight differs from the weight in a whole face, from the weight in the
+ * solution before, or from 0.
  * Products are floats, summed in a fixed order; the rest is + - * / and sqrt: the same digits
  * everywhere. */
 #ifndef CORE_SHAPE_SOLVE_H
@@ -17,30 +17,30 @@
 /* A row: six motions, two zeros, the modes. */
 #define SHAPE_WIDTH (NORMAL_LANES + MODEL_MODES)
 
-/* With fewer cells nothing is explained; a third of a face has 350.  By hand. */
+/* With fewer cells nothing is explained; a third of a face has 350.  Chosen empirically. */
 #define SHAPE_LEAST 40
 
 /* Immutable once prepared. */
 struct shape_basis {
     uint32_t modes, cells;
-    uint32_t cell[GRID_N];          /* of each row */
-    float rest[GRID_N];             /* of each row: the deviation of its height, mm */
-    float row[GRID_N][SHAPE_WIDTH]; /* [cells], over rest */
+    uint32_t cell[GRID_N];                /* cell of each row */
+    float rest[GRID_N];                   /* deviation of each row's height, mm */
+    float row[GRID_N][SHAPE_WIDTH];       /* [cells], over rest */
     float gram[SHAPE_WIDTH][SHAPE_WIDTH]; /* upper triangle: the rows' products, summed */
 };
 
 /* One solution after the other. */
 struct shape_solve {
     uint32_t width;                      /* columns of sum that hold; 0: none */
-    float weight[GRID_N];                /* of each row in sum */
-    float gap[GRID_N];                   /* of each row, weighted, over its rest */
+    float weight[GRID_N];                /* weight of each row in sum */
+    float gap[GRID_N];                   /* gap of each row, weighted, over its rest */
     float sum[SHAPE_WIDTH][SHAPE_WIDTH]; /* upper triangle */
     struct lsq_rows block;
     double h[SHAPE_WIDTH][SHAPE_WIDTH];
 };
 
 struct shape_solution {
-    double a[MODEL_MODES]; /* of the modes; the others are 0 */
+    double a[MODEL_MODES]; /* coefficients of the modes; the others are 0 */
     double
         x[6]; /* motion of the points: a rotation (radians) about (0, 0, -POSE_LEVER_MM),
                     then a shift (mm) */

@@ -1,4 +1,4 @@
-/* shape_work.h -- what fitting the shape of a face (shape.h) works with, and its result. */
+/* shape_work.h -- the memory of fits of a face's shape (shape.h), and their result. */
 #ifndef CORE_SHAPE_WORK_H
 #define CORE_SHAPE_WORK_H
 #include <stdint.h>
@@ -8,22 +8,22 @@
 #include "model.h"
 #include "shape_solve.h"
 
-/* Likeness: what is not explained counts up to REST mm; more where faces hardly differ, though
- * not below a rest of LEAST, and as it is at one of TYPICAL.  Both mean squares (mm^2) are
- * raised a little, so that neither noise nor a flat thing decides.  Of scans that these were
- * not chosen by, uncovered faces have 2.08 and more, masks 1.65; things and reliefs that are no
- * faces, and have a support of 0.25, 1.02 at most. */
+/* Likeness: residuals count up to REST mm; more in cells in which faces hardly differ, though
+ * not below a rest of LEAST, and unchanged at a rest of TYPICAL.  Both mean squares (mm^2) are
+ * raised a little, so that neither noise nor a flat object decides.  In held-out scans
+ * uncovered faces have 2.08 and more, masks 1.65; non-face objects and reliefs
+ * with a support of 0.25 have 1.02 at most. */
 #define SHAPE_REST_MM         3.0
 #define SHAPE_REST_LEAST_MM   0.2
 #define SHAPE_REST_TYPICAL_MM 0.54
 #define SHAPE_REST_MM2        0.05
 #define SHAPE_RELIEF_MM2      0.5
 
-/* What the points in a cell of the mean face are. */
+/* The kind of the points in a cell of the mean face. */
 enum shape_cell {
     SHAPE_EMPTY, /* no points; or off the mean face */
     SHAPE_SKIN,  /* explained */
-    SHAPE_COVER, /* what covers the face: connected cells in front of it, the holes beside
+    SHAPE_COVER, /* occlusion: connected cells in front of the face, the holes beside
                     them, and one cell around */
     SHAPE_APART  /* not explained, and no cover: behind the fitted face, or strays */
 };
@@ -32,48 +32,47 @@ enum shape_cell {
 
 struct shape_fit {
     struct pose pose;      /* points -> canonical frame, mm, shrunk by size */
-    double size;           /* of the head, over the mean face's */
+    double size;           /* size of the head, over the mean face's */
     double a[MODEL_MODES]; /* coefficients of the modes */
-    float height[GRID_N];  /* of the fitted face, mm; NAN off it */
-    float z[GRID_N];       /* of the points; NAN: none */
+    float height[GRID_N];  /* height of the fitted face, mm; NAN off it */
+    float z[GRID_N];       /* height of the points, mm; NAN: none */
     uint8_t cell[GRID_N];  /* enum shape_cell */
     /* root mean square of what the fit leaves of the cells with points that nothing covers, each
      * up to SHAPE_RESIDUAL_MM */
     double residual_mm;
     uint32_t skin, cover, apart; /* cells of each kind */
-    double worth;     /* by which fits to the same points are chosen (shape.h) */
-    double explained; /* worth, and what a cover explains, in cells */
+    double worth; /* fit score, for the choice among fits to the same points (shape.h) */
+    double explained; /* worth, and the part that an occlusion explains, in cells */
     double support; /* S, at most 1: (cells within SHAPE_NEAR_MM - 2 cells behind the face
                         - 4 |a|^2) / cells of the mean face */
-    /* the lesser of two: the likeness (frame.h) of the place round an eye to the mean
-     * face's.  Where less than SHAPE_EYE_LEAST of it is skin: SHAPE_EYE_UNKNOWN if the other is
+    /* the lesser of two: the likeness of the surface around an eye to the mean
+     * face's.  If less than SHAPE_EYE_LEAST of it is skin: SHAPE_EYE_UNKNOWN if the other is
      * like an eye, else -1 */
     double eyes;
     /* the likeness of the forehead to the fitted one; -1, as for the eyes */
     double forehead;
     double detail; /* fine relief, as a multiple of the mean face's (shape_detail()) */
-    /* ln of the relief (frame.h) of the skin over what is not explained, both root
-     * mean squares: how much more than a rest there is to the face */
+    /* ln of the relief of the skin over the residual, both root mean squares */
     double likeness;
 };
 
 /* Ready to fit, and a worker's reusable memory.  One thread at a time. */
 struct shape_work {
-    uint32_t cells;           /* of the mean face */
-    float mean[GRID_N];       /* mm; NAN: the cell is not used */
-    float normal[GRID_N][3];  /* of the mean face; normal[i][2] scales heights to gaps */
+    uint32_t cells;     /* number of cells of the mean face */
+    float mean[GRID_N]; /* mm; NAN: the cell is not used */
+    float normal[GRID_N]
+                [3]; /* normals of the mean face; normal[i][2] scales heights to gaps */
     float scale[GRID_N];      /* each cell's rest over the mean of all */
     float over_rest[GRID_N];  /* SHAPE_REST_TYPICAL_MM over it, less for a small one */
     float fine[GRID_N];       /* the mean face's fine relief, mm; 0: none */
     struct shape_basis basis; /* the modes and the motions, prepared */
-    const struct model_basis *modes; /* of height, the model's */
+    const struct model_basis *modes; /* the model's modes of heights */
     struct scratch points, solve;
 };
 
-/* shape_work_prepare(m, out): out for m, borrowed.  *out must stay where it is.
- * shape_work_free(w): its memory.  shape_work_wipe(w, keep): as measure_work_wipe(). */
+/* shape_work_prepare(m, out): Prepares fits by m, which is borrowed.  *out must not move. */
 void shape_work_prepare(const struct surface_model *m, struct shape_work *out);
 void shape_work_free(struct shape_work *w);
-void shape_work_wipe(struct shape_work *w, size_t keep);
+void shape_work_wipe(struct shape_work *w, size_t keep); /* as measure_work_wipe() */
 
 #endif

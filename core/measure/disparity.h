@@ -11,10 +11,10 @@
 
 struct location; /* locate.h */
 
-/* disparity_prism(area, a, b, c): the volume between two planes over a triangle of the given
- * area: the integral of |gap|, where a, b, c are the signed gaps at the corners.  Covers
+/* disparity_prism(area, a, b, c): Returns the volume between two planes over a triangle of the given
+ * area: the integral of |gap|; a, b, c are the signed gaps at the corners.  Covers
  * every sign case of Fig. 9: one sign throughout (pyramid, prism), zeros, and the wedge
- * where the surfaces cross.  The order of the corners and of the surfaces does not change
+ * of surfaces that cross.  The order of the corners and of the surfaces does not change
  * the result. */
 double disparity_prism(double area, double a, double b, double c);
 
@@ -24,18 +24,18 @@ struct disparity_side {
     const double *gap; /* [nv] disparity_gaps() */
 };
 
-/* disparity_gaps(own, other, loc, above, gap): the gap at own's vertices, as struct
- * disparity_vertex has it.
- * loc    own's vertices located in other's mesh
- * above  own is surface b
- * gap    [own->mesh.nv] on entry other's height at each vertex (locate_heights())
- * O(nv). */
+/* disparity_gaps(own, other, loc, above, gap): Computes the gap at own's vertices, for struct
+ * disparity_vertex.
+ *   loc    own's vertices located in other's mesh
+ *   above  true: own is surface b
+ *   gap    [own->mesh.nv] has other's height at each vertex (locate_heights()), and receives the gap
+ * Cost: O(nv). */
 void disparity_gaps(const struct surface *own, const struct surface *other,
                     const struct location *loc, bool above, double *gap);
 
-/* disparity_prism_weighted(area, gap, u): the integral of u |gap| over a triangle of the given
- * area, u (not negative) and the signed gap linear between their values at the corners:
- * definition (1) in closed form, where the sign of the gap changes too. */
+/* disparity_prism_weighted(area, gap, u): Returns the integral of u |gap| over a triangle of the given
+ * area, with u (not negative) and the signed gap linear between their values at the corners:
+ * definition (1) in closed form, also if the sign of the gap changes. */
 double disparity_prism_weighted(double area, const double gap[3], const double u[3]);
 
 /* u(x, y) of definition (1), taken at each vertex of the general triangulation and linear
@@ -48,10 +48,11 @@ struct disparity_weight {
 
 /* The gap at a vertex of the general triangulation. */
 struct disparity_vertex {
-    double gap;    /* height of b minus height of a, lattice units; NAN outside a hull,
-                      else INFINITY where a surface only bridges missing points */
-    float spacing; /* of the surface that the vertex is from; of both, the larger */
-    float u;       /* the weight; 0 without a finite gap, or without a weight */
+    double gap; /* height of b minus height of a, lattice units; NAN outside a hull,
+                      else INFINITY if a surface spans a hole there */
+    float
+        spacing; /* spacing of the vertex's surface; the larger one for a vertex of both */
+    float u;     /* the weight; 0 without a finite gap, or without a weight */
 };
 
 /* disparity_common(general, vertex, h, twice): Returns true if the triangle with the half-edges h,

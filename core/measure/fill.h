@@ -6,7 +6,7 @@
  * outline: nothing says that there was a surface, and they are not filled.
  * The new points stand on the interpolated surface as densely as the points round the hole,
  * by the local spacing at its rim: they are the corners of equilateral triangles; but there is
- * none where a point of the scan is nearer than FILL_APART of their side. */
+ * no new point nearer to a point of the scan than FILL_APART of their side. */
 #ifndef CORE_FILL_H
 #define CORE_FILL_H
 #include <stdint.h>
@@ -33,11 +33,11 @@ struct surface; /* surface.h */
 
 struct fill_hole {
     double area;     /* square lattice units */
-    double diameter; /* of a circle of that area */
-    uint32_t points; /* restored in it */
+    double diameter; /* diameter of a circle of that area */
+    uint32_t points; /* number of points restored in it */
 };
 
-/* All zero is an empty one. */
+/* Restored points; empty if all zero. */
 struct fill {
     struct ivec3 *pts;      /* [n] restored, hole by hole */
     struct fill_hole *hole; /* [nholes] */
@@ -45,23 +45,24 @@ struct fill {
     double beyond; /* area of the triangles that bridge beyond the outline */
 };
 
-/* fill_holes(s, most, w, out): restore what is missing in s, at most `most` points.  s is
- * from surface_prepare(): vertices in its order.
- * out  empty, or a former one; fill_free() also after a failure
- * A hole counts where, by its area and its rim, FILL_LEAST points or more are missing.  The
- * heights are those of s, so each lies between those of the corners of a triangle of s.
- * New points change the spacing round them, so the surface of all points is looked at again
- * until nothing more is found, FILL_PASSES times at most: filling what was filled adds
+/* fill_holes(s, most, w, out): Restores the missing points of s, at most `most`.
+ *   s    a result of surface_prepare(): vertices in its order
+ *   out  empty, or a former one; to be released by fill_free(), also after a failure
+ * A hole counts if, by its area and its rim, FILL_LEAST points or more are missing.  The
+ * heights lie on s, so each is between the heights of the corners of a triangle of s.
+ * New points change the spacing round them, so the surface of all points is searched again
+ * until no hole is found, FILL_PASSES times at most: filling a filled surface adds
  * nothing.  The result depends on the set of points alone, not on their order.
- * Cost  O(n log n) for n points, restored ones included, if no vertex has very many
- * neighbours.  Returns ST_OK; ST_ELIMIT there would be more points; ST_ENOMEM. */
+ * Cost: O(n log n) for n points, restored ones included, if no vertex has very many
+ * neighbours.
+ * Returns ST_OK; ST_ELIMIT: there would be more points; ST_ENOMEM. */
 enum status fill_holes(const struct surface *s, uint32_t most, struct scratch *w,
                        struct fill *out);
-void fill_free(struct fill *f); /* empty again */
+void fill_free(struct fill *f); /* resets f to the empty state */
 
-/* fill_error(diameter_mm, rms_mm, most_mm): how far the points restored in a hole of this
- * diameter are expected to be from the true surface (FILL_SIZE_MM): root mean
- * square, and what 95 % of them stay below.  NAN above the largest hole that was studied. */
+/* fill_error(diameter_mm, rms_mm, most_mm): Looks up the expected distance (FILL_SIZE_MM) from the true
+ * surface of the points restored in a hole of this diameter: its root mean square, and the limit that
+ * 95 % of them stay below.  NAN above the largest hole that was studied. */
 void fill_error(double diameter_mm, double *rms_mm, double *most_mm);
 
 #endif

@@ -7,11 +7,11 @@
 
 struct surface; /* surface.h */
 
-/* heatmap_gaps(tmpl, pts, n, transform, gap_mm): gap_mm[i] = how far pts[i] (mm), moved by
- * transform (row-major 4 x 4), lies above tmpl along the scanner's z, in mm; NAN where the
- * template does not cover it or it is off the lattice.  A point's gap depends on no other
+/* heatmap_gaps(tmpl, pts, n, transform, gap_mm): Sets gap_mm[i] to the height, in mm, of pts[i] (mm),
+ * moved by transform (row-major 4 x 4), above tmpl along the scanner's z; NAN if the
+ * template does not cover it, or it is off the lattice.  A point's gap depends on no other
  * point.
- * Cost  O(nv + n log n), nv = tmpl->mesh.nv, for points spread like the template's, in any
+ * Cost: O(nv + n log n), nv = tmpl->mesh.nv, for points spread like the template's, in any
  * order; for any others O((nv + n) log^2 nv).
  * Returns ST_OK; ST_ENOMEM: each gap is NAN. */
 enum status heatmap_gaps(const struct surface *tmpl, const struct dvec3 *pts, size_t n,

@@ -10,17 +10,21 @@
 /* tan(MINIMAL_TURN_DEG / 2). */
 #define MINIMAL_TAN_HALF_TURN 0.08748866352592400
 
-/* The longest Newton step, mm, in the first steps and in the last.  By hand. */
+/* The number of the first steps; a seventh gains nothing.  The length, mm, of a step that is the last one. */
+#define MINIMAL_STEPS    6
+#define MINIMAL_SHORT_MM 0.1
+
+/* The longest Newton step, mm, in the first steps and in the last.  Chosen empirically. */
 #define MINIMAL_FAR_MM  4
 #define MINIMAL_LAST_MM 1
 
-/* Looks at all vertices, at most; and how long, mm, the way from the last one must have been
- * for another: one pair in 18.  Non-mated pairs more than 2 % above the least known value
+/* Samplings of all vertices, at most; and the length of the last step, mm, that asks for another
+ * one: one pair in 18.  Non-mated pairs more than 2 % above the least known value
  * become 0.7 % instead of 1.0; with 0.35 mm no fewer. */
 #define MINIMAL_LOOKS   3
 #define MINIMAL_NEAR_MM 1
 
-/* A mean gap, mm, below which there is nothing to make less: a tenth of a lattice unit. */
+/* The mean gap, mm, below which nothing is minimised: a tenth of a lattice unit. */
 #define MINIMAL_LEVEL_MM 1e-4
 
 /* The alignment is measured too unless estimate and measure are less than this share of the
@@ -30,19 +34,19 @@
 #define MINIMAL_SURE_GAP  0.95
 #define MINIMAL_SURE_AREA 0.97
 
-/* The least share of the motion that is tried where all of it is not allowed.  By hand. */
+/* The least share of the motion that is tried if all of it is not allowed.  Chosen empirically. */
 #define MINIMAL_LEAST_SHARE 0.1
 
 /* A search in progress. */
 struct minimal_search {
     struct minimal_pair pair;
-    const double *transform; /* the alignment, */
-    struct pose aligned;
-    double x[6]; /* and the motion from there that was found */
+    const double *transform; /* the alignment */
+    struct pose aligned;     /* the same as a pose */
+    double x[6];             /* the motion found, from the alignment */
     struct measure_work *w;
 };
 
-/* What few of the probe's vertices tell. */
+/* An estimate of the measure, from few of the probe's vertices. */
 struct estimate {
     double gap;  /* mean of |gap|, mm */
     double area; /* common to both */
@@ -136,7 +140,7 @@ static enum status measure_along(const struct minimal_search *s, double share,
     return minimal_measure(s, transform, out);
 }
 
-/* May m be the result, the alignment measured as a? */
+/* Returns true if m may be the result, a being the measure at the alignment. */
 static bool allowed(const struct minimal *m, const struct minimal *a)
 {
     return m->disparity.plain_mm <= a->disparity.plain_mm &&

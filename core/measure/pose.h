@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include "vec.h"
 
-/* Turns are taken about a point this far behind the surface, mm: a face is roughly a ball of
- * that radius, so that turns and shifts disturb each other least.  Turns count as lengths at
+/* mm behind the surface: the centre of rotations.  A face is roughly a ball of
+ * that radius, so that rotations and shifts disturb each other least.  Rotations count as arcs at
  * this distance. */
 #define POSE_LEVER_MM 80.0
 
@@ -25,37 +25,38 @@ static inline struct dvec3 pose_apply(const struct pose *a, struct dvec3 p)
                           a->r[6] * p.x + a->r[7] * p.y + a->r[8] * p.z + a->t[2]};
 }
 
-/* pose_move(a, c, x): append a small motion to a: a rotation about c by the vector
+/* pose_move(a, c, x): Appends a small motion to a: a rotation about c by the vector
  * x[0..2], then a shift by x[3..5].  x[0..2] are radians to first order: the rotation is that
  * of the normalised quaternion (1, x/2), which needs no sine.  The rotation matrix stays
  * orthonormal to rounding. */
 void pose_move(struct pose *a, struct dvec3 c, const double x[6]);
 
-/* pose_tilt(a, c, yaw, pitch): append rotations about c, round y and then round x,
+/* pose_tilt(a, c, yaw, pitch): Appends rotations about c, round y and then round x,
  * given by the tangents of their half angles. */
 void pose_tilt(struct pose *a, struct dvec3 c, double yaw, double pitch);
 
 void pose_to_matrix(const struct pose *a, double m[16]);
 void pose_from_matrix(const double m[16], struct pose *a);
 
-/* pose_after(a, b): first b, then the inverse of a.  Where a and b each map a surface
- * to the same frame, that moves b's surface to a's. */
+/* pose_after(a, b): Returns first b, then the inverse of a.  If a and b each map a surface
+ * to the same frame, the result moves b's surface to a's. */
 struct pose pose_after(const struct pose *a, const struct pose *b);
 
-/* pose_follow(a, b): first b, then a. */
+/* pose_follow(a, b): Returns first b, then a. */
 struct pose pose_follow(const struct pose *a, const struct pose *b);
 
-/* pose_scale(a, by): p -> by (r p + t), a similarity: where poses are applied or moved, one may
- * stand in their place.
- * pose_unscaled(a): the rigid motion of which a is a multiple. */
+/* pose_scale(a, by): Returns the similarity p -> by (r p + t).  It may be applied and moved like a
+ * pose. */
 struct pose pose_scale(const struct pose *a, double by);
+
+/* pose_unscaled(a): Returns the rigid motion of which a is a multiple. */
 struct pose pose_unscaled(const struct pose *a);
 
-/* pose_origin(a): what a moves to the origin. */
+/* pose_origin(a): Returns the point that a moves to the origin. */
 struct dvec3 pose_origin(const struct pose *a);
 
-/* pose_rigid(a): is a a rigid motion that shifts by less than 10^5 mm?  To check what
- * comes from a file. */
+/* pose_rigid(a): Returns true if a is a rigid motion that shifts by less than 10^5 mm: for poses
+ * from a file. */
 bool pose_rigid(const struct pose *a);
 
 /* A surface's own axes. */
@@ -67,10 +68,10 @@ struct pose_axes {
     struct dvec3 nose; /* the mean of the points that stick out most along axis[2] */
 };
 
-/* pose_centre(m): the mean of the points, mm.  O(nv). */
+/* pose_centre(m): Returns the mean of the points, mm.  Cost: O(nv). */
 struct dvec3 pose_centre(const struct mesh *m);
 
-/* pose_find_axes(s, f): O(nv). */
+/* pose_find_axes(s, f): Computes the axes of s.  Cost: O(nv). */
 void pose_find_axes(const struct surface *s, struct pose_axes *f);
 
 #endif

@@ -4,8 +4,8 @@
 #define CORE_SOLVE_H
 #include <stdbool.h>
 
-/* Gauss-Newton: the longest step, and damping that keeps what nothing determines where it is.  By
- * hand. */
+/* Gauss-Newton: the longest step, and damping that keeps undetermined unknowns in place.  Chosen
+ * empirically. */
 #define SOLVE_MAX_TURN_RAD 0.25
 #define SOLVE_MAX_SHIFT_MM 25.0
 #define SOLVE_DAMPING      1e-4
@@ -44,11 +44,11 @@ static inline void solve_add(struct solve_normal *a, const double j[6], double r
     }
 }
 
-/* solve_equations(a, damping, x): x minimises sum w (r + J x)^2.
- * damping  every diagonal element is multiplied by 1 + damping, and grows by damping times
+/* solve_equations(a, damping, x): Sets x to the minimum of sum w (r + J x)^2.
+ *   damping  every diagonal element is multiplied by 1 + damping, and grows by damping times
  *          the mean of its kind (the first three unknowns, or the last three), so that
  *          unknowns which the residuals do not determine stay near 0
- * Returns false, with x zero, when the matrix is singular all the same. */
+ * Returns false, with x zero, if the matrix is singular nevertheless. */
 bool solve_equations(const struct solve_normal *a, double damping, double x[6]);
 
 #endif

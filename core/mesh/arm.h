@@ -10,7 +10,7 @@ struct arm {
     int64_t x, y, lift; /* lift: the square of its length */
 };
 
-/* arm_to(o, p): p seen from o. */
+/* arm_to(o, p): Returns the arm from o to p. */
 static inline struct arm arm_to(struct ivec2 o, struct ivec2 p)
 {
     const int64_t x = p.x - o.x, y = p.y - o.y;
@@ -18,7 +18,7 @@ static inline struct arm arm_to(struct ivec2 o, struct ivec2 p)
     return (struct arm){x, y, x * x + y * y};
 }
 
-/* arm_cross(a, b): twice the signed area of the triangle that two arms span. */
+/* arm_cross(a, b): Returns twice the signed area of the triangle that two arms span. */
 static inline int64_t arm_cross(const struct arm *a, const struct arm *b)
 {
     return a->x * b->y - a->y * b->x;
@@ -28,11 +28,13 @@ static inline int64_t arm_cross(const struct arm *a, const struct arm *b)
  * each product is below 2^60, and 64 bits hold the sum. */
 #define ARM_LONG (INT64_C(1) << 30)
 
-/* arm_incircle(a, b, c, ab, bc, ca): less than 0 where the circle through the origin and the
- * ends of a and b, in this order counter-clockwise, holds the end of c, more than 0 where it
- * does not; 0: too long, or on the circle: incircle() must tell.  As well, by the symmetry of
- * the test: less than 0 where the circle through the ends of b, a and c, in this order
- * counter-clockwise, holds the origin.  ab is arm_cross(a, b), and so on. */
+/* arm_incircle(a, b, c, ab, bc, ca): Tests whether the circle through the origin and the
+ * ends of a and b, in this order counter-clockwise, holds the end of c.  By the symmetry of
+ * the test that is whether the circle through the ends of b, a and c, in this order
+ * counter-clockwise, holds the origin.
+ *   ab, bc, ca  arm_cross(a, b), and so on
+ * Returns less than 0: it does; more than 0: it does not; 0: an arm is too long, or the point is on
+ * the circle: incircle() decides. */
 static inline int64_t arm_incircle(const struct arm *a, const struct arm *b,
                                    const struct arm *c, int64_t ab, int64_t bc,
                                    int64_t ca)

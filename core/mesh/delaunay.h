@@ -15,7 +15,7 @@
 struct mesh;    /* mesh.h */
 struct scratch; /* mem.h */
 
-/* delaunay_build(pts, n, s, out): triangulate pts[0..n-1] by (x, y).
+/* delaunay_build(pts, n, s, out): Triangulates pts[0..n-1] by (x, y).
  * pts   borrowed; lattice points in any order; points with the same (x, y) become one
  *       vertex whose height is the mean of theirs, rounded down (independent of order).
  * out   reserved as needed; vertices, org, twin and out are set, the spanning tree is not.
@@ -26,10 +26,10 @@ struct scratch; /* mem.h */
 enum status delaunay_build(const struct ivec3 *pts, size_t n, struct scratch *s,
                            struct mesh *out);
 
-/* delaunay_numbered(pts, n, s, out): the same, but vertex v is pts[v].
- * pts   room for 2 n points, the second half is scratch.  Points are not joined: in a row
- *       (the same y), taken by x, then by number, a point that is not right of the one before
- *       it is put next to it, 1 lattice unit farther right (in pts too). */
+/* delaunay_numbered(pts, n, s, out): Triangulates like delaunay_build(), but vertex v is pts[v].
+ * Points are not joined.  In a row (of one y), by x, then by number, a point that is not right of
+ * the previous one moves next to it, 1 lattice unit farther right (in pts too).
+ *   pts  buffer of 2 n points, the second half is scratch */
 enum status delaunay_numbered(struct ivec3 *pts, size_t n, struct scratch *s,
                               struct mesh *out);
 

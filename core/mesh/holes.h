@@ -1,6 +1,6 @@
 /* holes.h -- which triangles only bridge missing points.
  * Paper 2 (missing points): a Delaunay triangulation fills the convex hull, so a scan with
- * holes or a concave outline gets long triangles where nothing was measured.  They are
+ * holes or a concave outline gets long triangles over unmeasured parts.  They are
  * recognised by the local point spacing, which follows from the spanning tree's edges.
  *
  * The rule: a triangle bridges when its longest side exceeds HOLES_SIDE times the mean
@@ -30,15 +30,16 @@ struct location; /* locate.h */
 struct mesh;     /* mesh.h */
 struct scratch;  /* mem.h */
 
-/* holes_spacing(m, s, spacing): spacing[v] = the local point spacing round v in lattice
+/* holes_spacing(m, s, spacing): Sets spacing[v] to the local point spacing around v in lattice
  * units: the mean length of the tree's edges within three steps of v, each counted once for
  * every walk that reaches it, but at most HOLES_MOST times the mean of all edges.
  * Needs m->parent.  O(nv).  Returns ST_OK, ST_ENOMEM. */
 enum status holes_spacing(const struct mesh *m, struct scratch *s, float *spacing);
 
-/* holes_wide(p, q, r, sum, twice): does the triangle pqr bridge missing points, where sum
- * is the sum of the spacings at its corners?  The corners may come from different meshes.
- * *twice is twice the signed area of pqr, exact. */
+/* holes_wide(p, q, r, sum, twice): Returns true if the triangle pqr spans a hole.  The corners may come
+ * from different meshes.
+ *   sum    sum of the spacings at the corners
+ *   twice  receives twice the signed area of pqr, exact */
 static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, double sum,
                               double *twice)
 {
@@ -55,13 +56,13 @@ static inline bool holes_wide(struct ivec2 p, struct ivec2 q, struct ivec2 r, do
            (a * b * c > 4 * HOLES_CIRCLE * HOLES_CIRCLE * mean2 * (cross * cross));
 }
 
-/* holes_mark(m, spacing, bridge): bridge[t] = 1 for each triangle of m that bridges missing
- * points and for each ghost, 0 for the others.  Returns the measured area: that of the
- * triangles with 0, in square lattice units.  O(nv). */
+/* holes_mark(m, spacing, bridge): Sets bridge[t] to 1 for each triangle of m that spans a hole,
+ * and for each ghost, else to 0.  Cost: O(nv).
+ * Returns the measured area, of the triangles with 0, in square lattice units. */
 double holes_mark(const struct mesh *m, const float *spacing, uint8_t *bridge);
 
-/* holes_measured(m, bridge, loc): does loc, which is not outside, lie in a triangle of m that
- * does not bridge, or on an edge or vertex of one? */
+/* holes_measured(m, bridge, loc): Returns true if loc, which is not outside, lies in a triangle of m
+ * that spans no hole, or on an edge or vertex of one. */
 bool holes_measured(const struct mesh *m, const uint8_t *bridge, struct location loc);
 
 #endif

@@ -1,4 +1,4 @@
-/* locate.h -- where a point lies in a triangulation, by walking towards it, and how high it is there.
+/* locate.h -- the place of a point in a triangulation, by walking towards it, and the height there.
  * Paper 1 sections 3.2 (one point, straight) and 3.3 (a whole mesh, along its spanning tree).
  * Exact: every turn of the walk is decided by orient2d on the lattice.  The straight walk ends
  * on every mesh that mesh_link() or mesh_check() accepts, Delaunay or not.  locate_mesh() goes
@@ -28,14 +28,14 @@ struct location {
 };
 
 /* enter() is called for each triangle that the walk enters, in order, with the first one and
- * without ghosts.  Consecutive triangles differ and share an edge or, where the walk passes
+ * without ghosts.  Consecutive triangles differ and share an edge or, if the walk passes
  * through a vertex, that vertex. */
 struct locate_trace {
     void (*enter)(void *arg, uint32_t triangle);
     void *arg;
 };
 
-/* locate_point(m, he, from, q, trace): walk straight from `from` to q.
+/* locate_point(m, he, from, q, trace): Walks straight from `from` to q.
  * he     a half-edge of a real triangle that contains `from`, border included
  * trace  may be NULL
  * Handles every degenerate case: q on a vertex, on an edge or outside; a walk through a
@@ -45,8 +45,8 @@ struct locate_trace {
 struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 from,
                              struct ivec2 q, const struct locate_trace *trace);
 
-/* locate_mesh(in, pts, loc): loc[v] = where vertex v of pts lies in `in`, for every vertex.
- * Each walk starts where the vertex's parent in pts' spanning tree lies (needs pts->parent,
+/* locate_mesh(in, pts, loc): Sets loc[v] to the location of vertex v of pts in `in`, for every vertex.
+ * Each walk starts from the vertex's parent in pts' spanning tree (needs pts->parent,
  * not in->parent).
  * Cost  O(in->nv + pts->nv) for meshes of comparable density; at most
  * O((in->nv + pts->nv) log^2 in->nv), with memory of its own for the time.
@@ -54,14 +54,15 @@ struct location locate_point(const struct mesh *m, uint32_t he, struct ivec2 fro
 enum status locate_mesh(const struct mesh *in, const struct mesh *pts,
                         struct location *loc);
 
-/* The height of a triangulated surface at a located point, by barycentric interpolation (paper 1
- * section 3.4).
- * locate_height(m, loc, q): the height of m at q, in lattice units; loc is q's location in m.
- * Exact at the vertices and on level triangles; elsewhere the weights are exact integers and
- * the error is below 1e-6 units.  Outside the hull: NAN.
- * locate_heights(m, pts, loc, out): out[v] = the height of m at vertex v of pts, for every
- * vertex; loc from locate_mesh(m, pts, loc).  O(pts->nv). */
+/* locate_height(m, loc, q): Returns the height of m at q, in lattice units, by barycentric interpolation
+ * (paper 1 section 3.4); NAN outside the hull.  Exact at the vertices and on level triangles;
+ * elsewhere the weights are exact integers and the error is below 1e-6 units.
+ *   loc  q's location in m */
 double locate_height(const struct mesh *m, struct location loc, struct ivec2 q);
+
+/* locate_heights(m, pts, loc, out): Sets out[v] to the height of m at vertex v of pts, for every vertex.
+ *   loc  from locate_mesh(m, pts, loc)
+ * Cost: O(pts->nv). */
 void locate_heights(const struct mesh *m, const struct mesh *pts,
                     const struct location *loc, double *out);
 

@@ -29,17 +29,17 @@
 struct mesh {
     uint32_t nv;      /* points, at distinct (x, y) */
     uint32_t nt;      /* triangles, ghosts included: 2 nv - 2 */
-    uint32_t cap;     /* points there is room for */
+    uint32_t cap;     /* capacity, in points */
     struct ivec2 *xy; /* [nv]; there is room for the ghost's too */
     int32_t *z;       /* [nv] height over (x, y) */
-    uint32_t *org;    /* [3 nt] where the half-edge starts */
+    uint32_t *org;    /* [3 nt] vertex at the half-edge's start */
     uint32_t *twin;   /* [3 nt] its other side */
     uint32_t *out;    /* [nv + 1] a half-edge that leaves the vertex */
     uint32_t *parent; /* [nv] towards the root of the spanning tree */
     void *block;      /* holds all of the above */
 };
 
-/* mesh_next(h), mesh_prev(h): the triangle's next and previous half-edge.  Without a branch,
+/* mesh_next(h), mesh_prev(h): Return the triangle's next and previous half-edge.  Without a branch,
  * which would be mispredicted: h is at a random corner. */
 static inline uint32_t mesh_next(uint32_t h)
 {
@@ -51,13 +51,13 @@ static inline uint32_t mesh_prev(uint32_t h)
     return h - 1 + 3 * (uint32_t)(h % 3 == 0);
 }
 
-/* mesh_dest(m, h): the vertex where h ends. */
+/* mesh_dest(m, h): Returns the vertex at the end of h. */
 static inline uint32_t mesh_dest(const struct mesh *m, uint32_t h)
 {
     return m->org[mesh_next(h)];
 }
 
-/* mesh_turn(m, h): the next half-edge out of org[h], counter-clockwise. */
+/* mesh_turn(m, h): Returns the next half-edge out of org[h], counter-clockwise. */
 static inline uint32_t mesh_turn(const struct mesh *m, uint32_t h)
 {
     return m->twin[mesh_prev(h)];
@@ -69,26 +69,25 @@ static inline bool mesh_is_ghost(const struct mesh *m, uint32_t t)
            m->org[3 * t + 2] == m->nv;
 }
 
-/* mesh_real(m): the number of triangles without the ghosts.  O(nt). */
+/* mesh_real(m): Returns the number of triangles without the ghosts.  Cost: O(nt). */
 uint32_t mesh_real(const struct mesh *m);
 
-/* mesh_reserve(m, n): room for n points; the content is lost.  A mesh that is all zero is
- * empty.  Memory: 68 bytes a point.  Returns ST_OK; ST_ELIMIT n > SURFACE_MAX_POINTS;
- * ST_ENOMEM: then m is as before. */
+/* mesh_reserve(m, n): Gives m, which may be all zero, the capacity for n points; its content is lost.
+ * Cost: 68 bytes a point.
+ * Returns ST_OK; ST_ELIMIT: n > SURFACE_MAX_POINTS; ST_ENOMEM: m is unchanged. */
 enum status mesh_reserve(struct mesh *m, uint32_t n);
-void mesh_free(struct mesh *m); /* m is empty again; NULL is allowed */
+void mesh_free(struct mesh *m); /* resets m to the empty state; NULL is allowed */
 
-/* mesh_copy(dst, src): dst becomes src, with room for at least extra more points.
- * Returns ST_OK, ST_ELIMIT, ST_ENOMEM (dst is as before). */
+/* mesh_copy(dst, src, extra): Copies src to dst, with capacity for at least extra more points.
+ * Returns ST_OK; ST_ELIMIT; ST_ENOMEM: dst is unchanged. */
 enum status mesh_copy(struct mesh *dst, const struct mesh *src, uint32_t extra);
 
-/* Is a mesh the Delaunay triangulation of its points? */
-
-/* mesh_check(m): all of mesh_link()'s conditions on a mesh with twins, and the empty
+/* mesh_check(m, tree): Checks all of mesh_link()'s conditions on a mesh with twins, and the empty
  * circle across every inner edge (so: the Delaunay triangulation).  For tests and for
- * surfacectl check.  If tree is true, parent[] must be a spanning tree of mesh edges (its
- * minimality: mst_check()).  O(nv).
- * Returns ST_OK or ST_ECORRUPT. */
+ * surfacectl check.
+ *   tree  true: parent[] must be a spanning tree of mesh edges (its minimality: mst_check())
+ * Cost: O(nv).
+ * Returns ST_OK, ST_ECORRUPT. */
 enum status mesh_check(const struct mesh *m, bool tree);
 
 #endif

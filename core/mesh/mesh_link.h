@@ -8,7 +8,7 @@
 struct mesh;    /* mesh.h */
 struct scratch; /* mem.h */
 
-/* mesh_link(m, s): the triangulation that delaunay_build() wrote, from part of it, and a check
+/* mesh_link(m, s): Completes the triangulation that delaunay_build() wrote from a part of it, and checks
  * that the result is a triangulation of the convex hull: coordinates on the lattice, indices
  * in range, every edge shared by exactly two triangles, every real triangle
  * counter-clockwise, one ring of ghosts round a convex hull, every vertex with one full ring
@@ -19,11 +19,12 @@ struct scratch; /* mem.h */
  *   org[3 t + 1]  in turns the first and the second of nv - 1 pairs of half-edges that are each
  *                 other's twins: mesh_listed()
  *   org[3 t + 2]  its third corner
- * Cost  O(nv) time.  Returns ST_OK, ST_ECORRUPT, ST_ENOMEM. */
+ * Cost: O(nv).
+ * Returns ST_OK, ST_ECORRUPT, ST_ENOMEM. */
 enum status mesh_link(struct mesh *m, struct scratch *s);
 
-/* mesh_listed(m, h): is h less than its twin, and do the two follow neither from a gate nor
- * from the ring of ghosts?  nv - 1 half-edges are listed. */
+/* mesh_listed(m, h): Returns true if h is less than its twin, and the two follow neither from a gate nor
+ * from the ring of ghosts.  nv - 1 half-edges are listed. */
 bool mesh_listed(const struct mesh *m, uint32_t h);
 
 #endif

@@ -12,20 +12,21 @@
 struct mesh;    /* mesh.h */
 struct scratch; /* mem.h */
 
-/* mst_build(m, s): find the tree of m's edges of least total length, set m->parent, and
- * renumber the vertices along a depth-first walk from the lexicographically first point,
+/* mst_build(m, s): Finds the tree of m's edges of least total length, sets m->parent, and
+ * renumbers the vertices along a depth-first walk from the lexicographically first point,
  * neighbours in the order of their coordinates (mesh.h: parent[v] < v).  Half-edges and
  * triangles keep their numbers.  Edges of equal length are ordered by the end point that
  * comes first, then by the other, points by x, then y: the tree and the numbers are a
  * function of the set of points alone, whatever the numbers were before.
  * Works on any triangulation, Delaunay or not; edges are compared by squared length.
  * Cost  O(nv) time on every input; scratch: 116 bytes a point.
- * Returns ST_OK, ST_ENOMEM (m is as before). */
+ * Returns ST_OK; ST_ENOMEM: m is unchanged. */
 enum status mst_build(struct mesh *m, struct scratch *s);
 
-/* mst_check(m): is m->parent the tree that mst_build() makes?  By the cycle property over
- * every edge, O(nv * depth): for tests and surfacectl check-database.  That the tree's edges are
- * edges of the mesh is mesh_check()'s business.  Returns ST_OK, ST_ECORRUPT. */
+/* mst_check(m): Checks that m->parent is the tree that mst_build() makes, by the cycle property over
+ * every edge: for tests and surfacectl check.  mesh_check() checks that the tree's edges are
+ * edges of the mesh.  Cost: O(nv depth).
+ * Returns ST_OK, ST_ECORRUPT. */
 enum status mst_check(const struct mesh *m);
 
 #endif

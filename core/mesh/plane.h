@@ -21,8 +21,8 @@ static inline void plane_add(struct plane *p, double x, double y, double z)
     p->yz += y * z;
 }
 
-/* plane_solve(p, a, b, c): *c is the height at the origin, *a and *b are the slopes.  False:
- * there is no such plane, for the points are too few or on a line. */
+/* plane_solve(p, a, b, c): Sets *c to the height at the origin, *a and *b to the slopes.  Returns false if
+ * there is no such plane: the points are too few or on a line. */
 static inline bool plane_solve(const struct plane *p, double *a, double *b, double *c)
 {
     const double xx = p->xx - p->x * p->x / p->n, xy = p->xy - p->x * p->y / p->n;

@@ -11,20 +11,20 @@
 
 __extension__ typedef __int128 predicates_i128;
 
-/* orient2d(a, b, c): twice the signed area of triangle abc in square lattice units:
+/* orient2d(a, b, c): Returns twice the signed area of triangle abc in square lattice units:
  * > 0 counter-clockwise (c to the left of a->b), 0 on one line, < 0 clockwise. */
 static inline int64_t orient2d(struct ivec2 a, struct ivec2 b, struct ivec2 c)
 {
     return (int64_t)(b.x - a.x) * (c.y - a.y) - (int64_t)(b.y - a.y) * (c.x - a.x);
 }
 
-/* lex_less(a, b): a before b by x, then y. */
+/* lex_less(a, b): Returns true if a is before b by x, then y. */
 static inline bool lex_less(struct ivec2 a, struct ivec2 b)
 {
     return a.x != b.x ? a.x < b.x : a.y < b.y;
 }
 
-/* incircle_det(a, b, c, d): the determinant whose sign says where d lies relative to the
+/* incircle_det(a, b, c, d): Returns the determinant whose sign tells the place of d relative to the
  * circle through the counter-clockwise triangle abc: > 0 inside, 0 on it, < 0 outside. */
 static inline predicates_i128 incircle_det(struct ivec2 a, struct ivec2 b, struct ivec2 c,
                                            struct ivec2 d)
@@ -41,15 +41,15 @@ static inline predicates_i128 incircle_det(struct ivec2 a, struct ivec2 b, struc
            (predicates_i128)(cx * cx + cy * cy) * ab;
 }
 
-/* incircle_tie(a, b, c, d): incircle() where the determinant is 0. */
+/* incircle_tie(a, b, c, d): Returns incircle() if the determinant is 0. */
 bool incircle_tie(struct ivec2 a, struct ivec2 b, struct ivec2 c, struct ivec2 d);
 
-/* incircle(a, b, c, d): does d lie inside the circle through the counter-clockwise
- * triangle abc?  Cocircular points are decided by symbolic perturbation: the lift x^2 + y^2
- * of each point is lowered by an infinitesimal, that of the first by x, then y, by far the
+/* incircle(a, b, c, d): Returns true if d lies inside the circle through the counter-clockwise
+ * triangle abc.  Cocircular points are decided by symbolic perturbation: the lift x^2 + y^2
+ * of each point is lowered by an infinitesimal: of the first point by x, then y, by far the
  * most, and so on.  So cocircular points have one triangulation in any order: the fan from
  * the lexicographically first.
- * False where d is a, b or c.  Precondition: abc counter-clockwise. */
+ * False if d is a, b or c.  Precondition: abc counter-clockwise. */
 static inline bool incircle(struct ivec2 a, struct ivec2 b, struct ivec2 c,
                             struct ivec2 d)
 {

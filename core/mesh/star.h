@@ -30,16 +30,16 @@ struct star {
 };
 #define STAR_RING (UINT32_C(1) << 31)
 
-/* star_find(m, v, s): the triangles that would replace v; m is not changed.  Returns false if
- * v is on the hull, was removed before, or has more than STAR_MAX neighbours.  O(n^2),
- * for n neighbours. */
+/* star_find(m, v, s): Finds the triangles that would replace v; m is not changed.
+ * Cost: O(n^2), for n neighbours.
+ * Returns false if v is on the hull, was removed before, or has more than STAR_MAX neighbours. */
 bool star_find(const struct mesh *m, uint32_t v, struct star *s);
 
-/* star_remove(m, s): remove s->v: m->out of it becomes STAR_NONE.  The triangles of
+/* star_remove(m, s): Removes s->v: m->out of it becomes STAR_NONE.  The triangles of
  * s->edge[0 .. n-3] become those that fill the polygon, in that order; the corners of the
  * last two become STAR_NONE.  nv and nt stay, so mesh_check() would refuse m, though the
  * triangles left are a Delaunay triangulation.  Precondition: s is
- * from star_find(m, ...), and m is as it was.  O(n). */
+ * from star_find(m, ...), and m is unchanged since.  Cost: O(n). */
 void star_remove(struct mesh *m, const struct star *s);
 
 #endif
