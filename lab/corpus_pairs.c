@@ -4,6 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "command.h"
 #include "corpus.h"
 #include "csv.h"
 
@@ -25,7 +26,7 @@ struct corpus_pairs_list {
     const char *path;
     struct mention *mention; /* [2 * n]: the template, the probe */
     unsigned char *label;    /* [n] enum label */
-    size_t n, room;
+    size_t n;
     uint32_t *person; /* [nscan] another scan of the person, or itself: a forest */
 };
 
@@ -45,19 +46,12 @@ static enum label read_label(const char *word)
 
 static bool make_room(struct corpus_pairs_list *l)
 {
-    const size_t room = l->room > 0 ? 2 * l->room : 64;
-    void *p;
+    void *mention = command_grow(l->mention, l->n, 2 * sizeof *l->mention);
+    void *label = command_grow(l->label, l->n, sizeof *l->label);
 
-    if (l->n < l->room)
-        return true;
-    if ((p = realloc(l->mention, 2 * room * sizeof *l->mention)) == NULL)
-        return false;
-    l->mention = p;
-    if ((p = realloc(l->label, room)) == NULL)
-        return false;
-    l->label = p;
-    l->room = room;
-    return true;
+    l->mention = mention != NULL ? mention : l->mention;
+    l->label = label != NULL ? label : l->label;
+    return mention != NULL && label != NULL;
 }
 
 static enum status corpus_pairs_read_row(struct corpus_pairs_list *l, const struct csv *t)

@@ -17,25 +17,10 @@ struct filled {
     struct fill fill;
 };
 
-/* A number with as many digits as bring back the same double. */
-static void print_exact(FILE *to, double x, char end)
-{
-    char text[32];
-
-    for (int digits = 15; digits <= 17; digits++) {
-        (void)snprintf(text, sizeof text, "%.*g", digits, x);
-        if (strtod(text, NULL) == x)
-            break;
-    }
-    (void)fprintf(to, "%s%c", text, end);
-}
-
+/* 17 digits bring back the same double. */
 static void print_point(FILE *to, double x, double y, double z, int restored)
 {
-    print_exact(to, x, ' ');
-    print_exact(to, y, ' ');
-    print_exact(to, z, ' ');
-    (void)fprintf(to, "%d\n", restored);
+    (void)fprintf(to, "%.17g %.17g %.17g %d\n", x, y, z, restored);
 }
 
 /* The scan's points as they came, then those restored. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "command.h"
 #include "csv.h"
 #include "report.h"
 
@@ -81,12 +82,13 @@ static struct report_method *method_of(struct methods_reading *r)
 {
     const char *name =
         r->method_column >= 0 ? csv_field(r->csv, r->method_column) : r->name;
-    struct report_method *m, *larger;
+    struct report_method *m;
+    void *larger;
 
     for (size_t i = 0; i < r->n; i++)
         if (strcmp(r->method[i].name, name) == 0)
             return &r->method[i];
-    if ((larger = realloc(r->method, (r->n + 1) * sizeof *larger)) == NULL)
+    if ((larger = command_grow(r->method, r->n, sizeof *r->method)) == NULL)
         return NULL;
     r->method = larger;
     m = &r->method[r->n];

@@ -7,6 +7,7 @@
 
 #include "place.h"
 #include "pose.h"
+#include "command.h"
 #include "corpus.h"
 #include "csv.h"
 #include "errinfo.h"
@@ -376,7 +377,8 @@ static enum status learn(const struct train *t, struct surface_model *out,
 static enum status read_scores(const char *path, struct rates **out, struct errinfo *e)
 {
     struct rates_score *s = NULL;
-    size_t n = 0, room = 0;
+    void *larger;
+    size_t n = 0;
     int type = -1, score = -1;
     struct csv *csv;
     bool more = false;
@@ -392,15 +394,11 @@ static enum status read_scores(const char *path, struct rates **out, struct erri
         if (strcmp(csv_field(csv, type), "non-mated") != 0 ||
             csv_field(csv, score)[0] == '\0')
             continue;
-        if (n == room) {
-            void *larger = realloc(s, (room = 2 * room + 1024) * sizeof *s);
-
-            if (larger == NULL) {
-                st = train_no_memory(e);
-                break;
-            }
-            s = larger;
+        if ((larger = command_grow(s, n, sizeof *s)) == NULL) {
+            st = train_no_memory(e);
+            break;
         }
+        s = larger;
         s[n] = (struct rates_score){0, 0, 1};
         st = csv_number(csv, score, &s[n++].score, e);
     }

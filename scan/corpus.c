@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "cloudformat.h"
+#include "command.h"
 #include "json.h"
 #include "utf8.h"
 
@@ -17,21 +18,6 @@
 enum status corpus_build_no_memory(struct errinfo *e)
 {
     return errinfo_set(e, ST_ENOMEM, "the list of scans: out of memory");
-}
-
-/* grow(at, n, room, size): room for one more of n; false: out of memory. */
-static bool corpus_grow(void **at, uint32_t n, uint32_t *room, size_t size)
-{
-    const uint32_t larger = *room > 0 ? 2 * *room : 64;
-    void *p;
-
-    if (n < *room)
-        return true;
-    if ((p = realloc(*at, larger * size)) == NULL)
-        return false;
-    *at = p;
-    *room = larger;
-    return true;
 }
 
 /* What is wrong with a name, or NULL. */
@@ -79,12 +65,12 @@ enum status corpus_build_subject(struct corpus_build *b, const char *id, uint32_
     uint32_t *slot = slot_of(b, id);
 
     if (*slot == CORPUS_NONE) {
-        void *at = c->subject;
+        void *larger = command_grow(c->subject, c->nnamed, sizeof *c->subject);
         char *copy;
 
-        if (!corpus_grow(&at, c->nnamed, &b->subject_room, sizeof *c->subject))
+        if (larger == NULL)
             return corpus_build_no_memory(b->e);
-        c->subject = at;
+        c->subject = larger;
         if ((copy = strdup(id)) == NULL)
             return corpus_build_no_memory(b->e);
         c->subject[c->nnamed].id = copy;
@@ -104,7 +90,7 @@ enum status corpus_build_subject(struct corpus_build *b, const char *id, uint32_
 static enum status intern(struct corpus_build *b, char ***list, uint32_t *n,
                           const char *name, uint32_t *out)
 {
-    char **larger;
+    void *larger;
 
     for (*out = 0; *out < *n; ++*out)
         if (strcmp((*list)[*out], name) == 0)
@@ -112,10 +98,10 @@ static enum status intern(struct corpus_build *b, char ***list, uint32_t *n,
     if (*n == MAX_NAMES)
         return errinfo_set(b->e, ST_ELIMIT, "more than %d kinds or populations",
                            MAX_NAMES);
-    if ((larger = realloc(*list, (*n + (size_t)1) * sizeof **list)) == NULL)
+    if ((larger = command_grow(*list, *n, sizeof **list)) == NULL)
         return corpus_build_no_memory(b->e);
     *list = larger;
-    if ((larger[*n] = strdup(name)) == NULL)
+    if (((*list)[*n] = strdup(name)) == NULL)
         return corpus_build_no_memory(b->e);
     ++*n;
     return ST_OK;
@@ -163,14 +149,14 @@ enum status corpus_build_scan(struct corpus_build *b, const char *file, const ch
 {
     struct corpus *c = b->c;
     struct corpus_scan s = {0};
-    void *at = c->scan;
+    void *larger;
     enum status st;
 
     if (c->nscan == CORPUS_MAX_SCANS)
         return errinfo_set(b->e, ST_ELIMIT, "more than %d scans", CORPUS_MAX_SCANS);
-    if (!corpus_grow(&at, c->nscan, &b->scan_room, sizeof *c->scan))
+    if ((larger = command_grow(c->scan, c->nscan, sizeof *c->scan)) == NULL)
         return corpus_build_no_memory(b->e);
-    c->scan = at;
+    c->scan = larger;
     if ((st = corpus_build_subject(b, id, &s.subject)) != ST_OK ||
         (st = intern(b, &c->kind, &c->nkind, kind, &s.kind)) != ST_OK)
         return st;
@@ -219,11 +205,11 @@ enum status corpus_build_left(struct corpus_build *b, const char *file, const ch
                               bool scan)
 {
     struct corpus *c = b->c;
-    void *at = c->left;
+    void *larger = command_grow(c->left, c->nleft, sizeof *c->left);
 
-    if (!corpus_grow(&at, c->nleft, &b->left_room, sizeof *c->left))
+    if (larger == NULL)
         return corpus_build_no_memory(b->e);
-    c->left = at;
+    c->left = larger;
     c->left[c->nleft] = (struct corpus_left){printable(file), why, scan};
     c->nleft_scan += scan;
     return c->left[c->nleft++].file != NULL ? ST_OK : corpus_build_no_memory(b->e);

@@ -98,8 +98,7 @@ enum corpus_pair corpus_pair(const struct corpus *c, uint32_t a, uint32_t b);
 
 struct corpus_build {
     struct corpus *c;
-    char *dir; /* folder of relative file names; set by the reader, from malloc() */
-    uint32_t scan_room, subject_room, left_room;
+    char *dir;      /* folder of relative file names; set by the reader, from malloc() */
     uint32_t *hash; /* subjects by id, open addressing; CORPUS_NONE is empty */
     uint32_t nhash; /* a power of two */
     struct errinfo *e;
