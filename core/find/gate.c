@@ -6,7 +6,7 @@
 
 /* The least of an enrolment's evidence.  Of real people's scans from stereo photogrammetry and
  * structured light the least has 13, of Kinect v2's single frames two of nine have 10 and 11;
- * of some 200 things that are no faces the most has 10.2 (docs/accuracy.md). */
+ * of 600 made-up things that are no faces one has 12.6, and too little support (docs/model.md). */
 #define GATE_SUPPORT  0.35
 #define GATE_SEEN     0.475
 #define GATE_EVIDENCE 12.5
