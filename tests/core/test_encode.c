@@ -496,8 +496,6 @@ TEST(test_motion_and_change_leave_little)
     static const double by[6] = {0.6, -0.4, 0.5, -0.3, 0.7, 0.4};
     float moved[GRID_N], rest[GRID_N];
 
-    toy_model(&model);
-    encode_prepare(&model, &basis);
     (void)draw(0.0, 0.1);
     move_scan(by, 0.8, moved);
     assert_int_equal(
@@ -512,8 +510,6 @@ TEST(test_a_dent_is_left)
     const uint32_t at = 20 * GRID_NX + 16;
     float dented[GRID_N], rest[GRID_N];
 
-    toy_model(&model);
-    encode_prepare(&model, &basis);
     (void)draw(0.0, 0.0);
     memcpy(dented, z, sizeof dented);
     assert_true(used(at));
@@ -527,8 +523,6 @@ TEST(test_too_little_in_common_leaves_nothing_known)
 {
     float half[GRID_N], rest[GRID_N];
 
-    toy_model(&model);
-    encode_prepare(&model, &basis);
     (void)draw(0.0, 0.0);
     for (uint32_t i = 0; i < GRID_N; i++)
         half[i] = i < GRID_N / 6 ? z[i] : (float)NAN;

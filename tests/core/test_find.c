@@ -3,7 +3,7 @@
 #include "brute.h"
 #include "face.h"
 #include "faces.h"
-#include "facegen.h"
+#include "clouds.h"
 #include "find.h"
 #include "headscan.h"
 #include "toy.h"
@@ -137,15 +137,6 @@ static struct pose motion_of(const struct headscan_options *o)
     return toy_then(&p, &axes);
 }
 
-static size_t crop(uint64_t subject, struct dvec3 *out)
-{
-    struct facegen_scan s;
-
-    facegen_default(&s);
-    s.subject = subject;
-    return facegen_sample(&s, out);
-}
-
 /* ---- tests */
 
 /* Turned, moved and in another unit the face is found at the same place. */
@@ -176,7 +167,7 @@ TEST(test_any_pose)
 
     tried = missed = 0;
     for (uint64_t subject = 1; subject <= 4; subject++) {
-        const size_t n = crop(subject, pts);
+        const size_t n = clouds_scan(subject, 0, 3000, pts);
         struct head h = {0};
         struct find_result f;
 
@@ -261,7 +252,7 @@ TEST(test_nearest)
 TEST(test_strays)
 {
     static struct dvec3 pts[3400];
-    const size_t n = crop(7, pts);
+    const size_t n = clouds_scan(7, 0, 3000, pts);
     struct draw r = {brute_seed("test_find")};
     struct find_result f, with;
 

@@ -4,7 +4,7 @@
 #include "cloudpoints.h"
 #include "face.h"
 #include "faces.h"
-#include "facegen.h"
+#include "clouds.h"
 #include "headscan.h"
 #include "mem.h"
 #include "scan.h"
@@ -22,13 +22,7 @@ static struct cloudpoints c;
 
 static void sample(uint64_t subject, uint64_t scan, uint32_t points)
 {
-    struct facegen_scan s;
-
-    facegen_default(&s);
-    s.subject = subject;
-    s.scan = scan;
-    s.points = points;
-    n = facegen_sample(&s, pts);
+    n = clouds_scan(subject, scan, points, pts);
     assert_true(n > 0);
 }
 

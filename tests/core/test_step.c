@@ -1,5 +1,5 @@
 /* Depths in steps are told from continuous ones, from a regular grid and from rounding. */
-#include "facegen.h"
+#include "clouds.h"
 #include "pose.h"
 #include "step.h"
 #include "toy.h"
@@ -12,12 +12,7 @@ static size_t n;
 
 static void sample(uint64_t subject, uint32_t points)
 {
-    struct facegen_scan s;
-
-    facegen_default(&s);
-    s.subject = subject;
-    s.points = points;
-    n = facegen_sample(&s, pts);
+    n = clouds_scan(subject, 0, points, pts);
     assert_true(n > points / 2);
 }
 

@@ -4,9 +4,8 @@
 #include "brute.h"
 #include "cloudpoints.h"
 #include "face.h"
-#include "facegen.h"
+#include "clouds.h"
 #include "mem.h"
-#include "scan.h"
 #include "scan.h"
 #include "unit.h"
 #include "work.h"
@@ -45,12 +44,7 @@ static uint64_t count(enum scan_axes axes, enum status *st)
 
 static void ordinary(void)
 {
-    struct facegen_scan s;
-
-    facegen_default(&s);
-    s.subject = 1;
-    s.points = POINTS;
-    assert_int_equal(facegen_sample(&s, pts), POINTS);
+    assert_int_equal(clouds_scan(1, 0, POINTS, pts), POINTS);
 }
 
 static void contrive(int kind, struct draw *r)
