@@ -112,7 +112,7 @@ for change in '.subject = "bob"' '.erased_at = "2026-01-01T00:00:00.000Z"' '.tem
     '.signature |= sub("^...."; "0000")'; do
     jq "$change" "$T/receipt" >"$T/forged"
     ctl audit verify "$T/forged"
-    is "changed: $change" "$CODE $(said '.problems[0].problem')" '1 its contents differ from what was signed'
+    is "changed: $change" "$CODE $(said '.problems[0].problem')" '1 the contents of the receipt differ from what was signed'
 done
 for change in 'del(.audit)' '.audit.seq = 0' '.template_ids = "x"' '.template_ids = [1]' \
     'del(.signature)' '.subject = "a b"' '[.]'; do
@@ -182,6 +182,12 @@ wrong 13 "/$C,\"seq\":13,/s/.*/&\n&/"
 wrong 2 "/$A,\"seq\":2,/s/no_match/match/"
 wrong 2 "/$A,\"seq\":2,/{h;d};/$A,\"seq\":3,/G"
 wrong 1 "/$A/d"
+wrong 1 '2,$d'
+wrong 4 "/$C,\"seq\":13,/h;\$G"
+for line in nonsense '{}' '{"log":"changes"}'; do
+    wrong 4 "\$s/\$/\n$line/"
+    is "it is malformed" "$(said '.problems[0].problem')" 'line 18 of the file is malformed'
+done
 
 # ---- a changed row: `audit verify` says where, and nobody takes it for a backup
 stop_daemon
