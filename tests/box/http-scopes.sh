@@ -1,7 +1,8 @@
 #!/bin/sh
 # Goal: what each scope alone may do, on every route of the API's description.  A route that is not
 # in the table below fails the test, and so does one that the description does not have.  Then what
-# every error of every route looks like, and what a stranger is told of the daemon.
+# every error of every route looks like, and what a stranger is told of the daemon.  On a server only what
+# is allowed: the rest is refused before a statement is run.
 . tests/box/lib.sh
 
 # METHOD PATH, and the scopes of which a token needs one; "-": none is needed.
@@ -104,12 +105,14 @@ for scope in $(echo "$ALL" | tr ',' ' '); do
     while read -r verb route needs; do
         enrolled
         AUTH=$one needs=${needs#-,}
-        try "$verb" "$route"
         case ,$needs, in
         ,-, | *,"$scope",*)
+            try "$verb" "$route"
             ok "$scope alone may $verb $route: $STATUS" matches "$STATUS" '^20[014]$'
             ;;
         *)
+            [ -z "${PGHOST:-}" ] || continue
+            try "$verb" "$route"
             case $needs in
             *,*) needed="with one of the scopes $needs;" ;;
             *) needed="with the scope $needs;" ;;
@@ -119,7 +122,7 @@ for scope in $(echo "$ALL" | tr ',' ' '); do
                 "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$(echo "$needs" | tr ',' ' ')\""
             ;;
         esac
-        [ "$needs" = "$scope" ] || continue
+        [ "$needs" = "$scope" ] && [ -z "${PGHOST:-}" ] || continue
         enrolled
         AUTH=$others
         try "$verb" "$route"
@@ -145,6 +148,7 @@ problem "force" 403 insufficient_scope manage
 
 # ---- errors, on every route
 AUTH=$all
+[ -z "${PGHOST:-}" ] || : >"$T/matrix"
 while read -r verb route needs; do
     enrolled
     AUTH=
