@@ -1,7 +1,8 @@
 #!/bin/sh
 # Goal: a file, the environment and flags give the same settings to the daemon and to surfacectl, each
 # overriding the one before; problems are reported with their source, and --check-config writes
-# nothing.  The message for each wrong line is in tests/base/test_settings.c.
+# nothing.  The daemon does not listen if an option is wrong, or if it cannot open the database or bind the
+# address.  The message for each wrong value is in tests/base/test_settings.c and test_options.c.
 . tests/box/lib.sh
 unset SURFACED_DB SURFACED_KEY SURFACED_MODEL CREDENTIALS_DIRECTORY
 
@@ -92,6 +93,43 @@ is "a credential" $? 0
 conf "db = $DB" "model = credential:other"
 wrong "no such credential" 'credential:other: No such file'
 unset CREDENTIALS_DIRECTORY
+
+# ---- options
+start_fails "no database" 64 '--db'
+start_fails "an unknown option" 64 '--unknown' --db "$DB" --unknown
+start_fails "a word" 64 'word' --db "$DB" word
+start_fails "a missing value" 64 'missing' --db
+start_fails "an option twice" 64 '--db is given twice' --db "$DB" --db "$DB"
+start_fails "a flag twice" 64 'twice' --db "$DB" --no-auth --no-auth
+start_fails "a wrong number" 64 '--workers .*from 1 to' --db "$DB" --workers 257
+start_fails "no room in the queue" 64 '--queue' --db "$DB" --queue 0
+start_fails "a body of more than 1 GiB" 64 '--max-body' --db "$DB" --max-body 1073741825
+start_fails "no address" 64 'not an address' --db "$DB" --listen 8787
+start_fails "no loopback address" 64 'loopback' --db "$DB" --listen 0.0.0.0:0
+start_fails "proxies" 64 'proxy-protocol' --create --db "$DB" --proxy-protocol localhost
+SURFACED_NO_AUTH=yes start_fails "a flag of the environment" 64 'SURFACED_NO_AUTH' --db "$DB"
+SURFACED_WORKERS=x start_fails "a number of the environment" 64 'SURFACED_WORKERS=x: not a number' --db "$DB"
+ok "no database was made" test ! -e "$DB"
+surfaced --help
+is "--help" $? 0
+contains "--help names the options" "$T/out" --max-body
+start_fails "an unwritable place" 1 '/proc/' --db /proc/surfaced.db --listen 127.0.0.1:0
+SURFACED_NO_AUTH=1 SURFACED_WORKERS=3 SURFACED_QUEUE=9 start_daemon --queue 7
+ok "the environment sets options, and an option overrides it" grep -q 'workers=3 queue=7 .*auth=none' "$LOG"
+is "only its owner can read the database" "$(stat -c %a "$DB")" 600
+start_fails "a busy port" 1 'cannot listen.*in use' --create --db "$T/busy.db" --listen "127.0.0.1:${URL##*:}"
+stop_daemon
+rm "$DB"*
+# Not every machine has IPv6.
+if [ -e /proc/net/if_inet6 ] && grep -q '^0*1 ' /proc/net/if_inet6; then
+    LISTEN='[::1]:0' start_daemon --no-auth
+    req GET /healthz -g
+    is "IPv6 ($URL)" "$STATUS" 200
+    stop_daemon
+    rm "$DB"*
+else
+    echo "SKIP: no IPv6 on the loopback interface"
+fi
 
 # ---- the file alone starts the daemon
 conf "db = $DB" 'queue = 9' 'workers = 3'
