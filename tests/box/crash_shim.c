@@ -46,7 +46,6 @@ struct crash_op {
 #define FOLDER  UINT64_MAX /* instead of an inode */
 
 int __open_2(const char *path, int flags);
-int __open64_2(const char *path, int flags);
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static const char *dir; /* NULL: nothing is recorded */
@@ -167,14 +166,6 @@ int open(const char *path, int flags, ...)
     return open_at(path, flags, mode);
 }
 
-int open64(const char *path, int flags, ...)
-{
-    mode_t mode;
-
-    MODE(flags, mode);
-    return open_at(path, flags, mode);
-}
-
 int openat(int from, const char *path, int flags, ...)
 {
     mode_t mode;
@@ -190,10 +181,10 @@ int __open_2(const char *path, int flags)
     return open_at(path, flags, 0);
 }
 
-int __open64_2(const char *path, int flags)
-{
-    return open_at(path, flags, 0);
-}
+/* These do the same where off_t has 64 bits. */
+#define ALIAS(name, of) extern __typeof(of) name __attribute__((alias(#of)))
+ALIAS(open64, open);
+ALIAS(__open64_2, __open_2);
 
 int close(int fd)
 {
@@ -221,10 +212,7 @@ ssize_t pwrite(int fd, const void *data, size_t n, off_t to)
                           : syscall(SYS_pwrite64, fd, data, n, to);
 }
 
-ssize_t pwrite64(int fd, const void *data, size_t n, off64_t to)
-{
-    return pwrite(fd, data, n, to);
-}
+ALIAS(pwrite64, pwrite);
 
 ssize_t write(int fd, const void *data, size_t n)
 {
@@ -247,10 +235,7 @@ int ftruncate(int fd, off_t size)
     return (int)end(syscall(SYS_ftruncate, fd, size), &op, NULL, NULL, NULL);
 }
 
-int ftruncate64(int fd, off64_t size)
-{
-    return ftruncate(fd, size);
-}
+ALIAS(ftruncate64, ftruncate);
 
 /* Syncs need not reach the disk, since the machine itself keeps running. */
 static int sync_nothing(long call, int fd)
