@@ -100,7 +100,7 @@ check "format (make format)" clang-format --dry-run -Werror \
 check "the same digits from gcc and clang, -O0 and -O3" scripts/check_digits.sh
 check "shell scripts (shellcheck)" shell_all
 check "Lua (luacheck)" luacheck --quiet --std luajit --globals wrk setup init delay request \
-    response 'done' matches busy other -- scripts/load.lua scripts/large.lua
+    response 'done' good busy other -- scripts/wrk.lua
 check "C (cppcheck)" cppcheck --quiet --std=c11 --error-exitcode=1 --inline-suppr \
     --enable=warning,portability --suppress=missingIncludeSystem \
     --suppress=ctuuninitvar -D_POSIX_C_SOURCE=200809L \
