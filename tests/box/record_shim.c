@@ -1,10 +1,8 @@
 /* record_shim -- loaded into a program (LD_PRELOAD): records what it asks of its database.
  * RECORD_STATEMENTS  a file that the text of each statement prepared by sqlite3_prepare_v3() is
  *                    added to: the store's, whose driver alone uses that call
- * RECORD_BEGINS      a file that each transaction's first statement is added to, as it runs,
- *                    except those of the thread that looks for erasures now and then
  * RECORD_TRIPS       a file that a line is added to for each round trip to a PostgreSQL server that a
- *                    thread waits for, but that one
+ *                    thread waits for, except the one that looks for erasures now and then
  * A line each, which ends with a semicolon if it is whole. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -77,21 +75,6 @@ static int looks_for_erasures(void)
     char name[16] = "";
 
     return prctl(PR_GET_NAME, name) == 0 && strcmp(name, "erasures") == 0;
-}
-
-int sqlite3_step(sqlite3_stmt *stmt)
-{
-    static int (*real)(sqlite3_stmt *);
-    const char *text = getenv("RECORD_BEGINS") != NULL ? sqlite3_sql(stmt) : NULL;
-    void *symbol;
-
-    if (real == NULL) {
-        symbol = dlsym(RTLD_NEXT, "sqlite3_step");
-        memcpy(&real, &symbol, sizeof real);
-    }
-    if (text != NULL && strncmp(text, "BEGIN", 5) == 0 && !looks_for_erasures())
-        add_line("RECORD_BEGINS", text);
-    return real(stmt);
 }
 
 /* ---- libpq */

@@ -107,6 +107,14 @@ for i in 2 3 4; do
     is "enroll again, after a comparison" "$STATUS" 201
     trips "one that is compared" 8
 done
+for _ in 1 2; do
+    ok "a non-match" matches "$(verify b1)" '^\["no_match"'
+done
+: >"$T/trips"
+send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
+problem "locked out" 429 too_many_attempts
+trips "a refusal, which writes nothing" 3
+ctl_exits 0 attempts reset alice
 for i in 2 3 4; do
     req DELETE "/v1/subjects/new$i"
     is "erase new$i" "$STATUS" 200
