@@ -402,17 +402,11 @@ CLANG := -Wno-sign-conversion
 SANE := -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all -DSANITIZED
 SANITIZED = CC=clang OPT=-O1 EXTRA="$(foreach s,$(1),-fsanitize=$s) $(SANE) $(CLANG)" \
     LINKER=$(if $(shell command -v ld.lld),-fuse-ld=lld)
-.PHONY: asan ubsan tsan sanitize
-## asan: the tests under the address and leak sanitizers
-asan:
-	$(MAKE) check BUILD=build/asan $(call SANITIZED,address)
-## ubsan: the tests under the undefined-behaviour sanitizer
-ubsan:
-	$(MAKE) check BUILD=build/ubsan $(call SANITIZED,undefined)
+.PHONY: tsan sanitize
 ## tsan: the tests with threads under the thread sanitizer
 tsan:
 	$(MAKE) threads BUILD=build/tsan $(call SANITIZED,thread)
-## sanitize: address, leak and undefined-behaviour sanitizers in one run
+## sanitize: the tests under the address, leak and undefined-behaviour sanitizers
 sanitize:
 	$(MAKE) check BUILD=build/sanitize $(call SANITIZED,address undefined)
 
