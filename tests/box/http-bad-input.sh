@@ -210,22 +210,6 @@ sent=$(curl -sS -m 5 --limit-rate 2M -o "$T/body" -w '%{http_code} %{size_upload
 ok "rejected by the headers alone: $sent" test "${sent% *}" = 413 -a "${sent#* }" -lt 20000000
 rm "$T/big"
 
-# ---- clients that disconnect in the middle
-clients=
-for _ in 1 2 3; do
-    curl -sS -m 1 --limit-rate 2000 -o /dev/null -H "Authorization: Bearer $AUTH" -H "$PLY" --data-binary "@$T/a.ply" \
-        "$URL/v1/subjects/alice/verify" 2>/dev/null &
-    clients="$clients $!"
-    curl -sS -m 0.02 -o /dev/null -H "Authorization: Bearer $AUTH" -H "$PLY" --data-binary "@$T/a.ply" \
-        "$URL/v1/subjects/alice/verify" 2>/dev/null &
-    clients="$clients $!"
-done
-# shellcheck disable=SC2086 # a list
-wait $clients
-alive "clients that disconnect"
-req GET /v1/subjects/alice
-is "nothing changed" "$(get '.templates | length')" 1
-
 # ---- a damaged database
 restart() {
     stop_daemon

@@ -2,32 +2,6 @@
 # Goal: the number of connections is limited in all and by address; the daemon closes
 # connections of slow senders and readers, even if bytes keep coming, and serves others meanwhile.
 . tests/box/lib.sh
-HOLD=''
-
-# hold N FORMAT [OPTION...]: opens N connections that send printf's FORMAT and stay open; the
-# output of the program hold.py is in $T/held.
-hold() {
-    h_n=$1
-    # shellcheck disable=SC2059 # with \r\n in it
-    printf "$2" >"$T/text"
-    shift 2
-    : >"$T/held"
-    python3 tests/box/hold.py "${URL#http://}" "$h_n" "$@" <"$T/text" >"$T/held" 2>&1 &
-    HOLD=$!
-}
-let_go() {
-    kill "$HOLD" 2>/dev/null
-    wait "$HOLD" 2>/dev/null
-}
-# held TITLE LINE: the program hold.py prints LINE soon.
-held() {
-    ok "$1" soon grep -qx "$2" "$T/held"
-}
-# shellcheck disable=SC2317 # called by soon
-serves() {
-    req GET /healthz
-    [ "$STATUS" = 200 ]
-}
 # open_files: of the daemon.
 open_files() {
     find "/proc/$PID/fd" -mindepth 1 | wc -l

@@ -4,7 +4,7 @@
 # a good header, in time, a proxy's connection is closed, at no cost to others.
 . tests/box/lib.sh
 needs openssl python3 prlimit
-HOLD=''
+FROM=127.0.0.2
 
 # via HEADER PATH [OPTION...]: what proxy.py prints, from 127.0.0.2.
 via() {
@@ -24,21 +24,6 @@ counted() {
 refused() {
     headers=$((headers + 1))
     ok "$1: counted" soon counted
-}
-# hold N FORMAT [OPTION...]: opens N connections that send printf's FORMAT and stay open, from
-# 127.0.0.2.
-hold() {
-    h_n=$1
-    # shellcheck disable=SC2059 # with \r\n in it
-    printf "$2" >"$T/text"
-    shift 2
-    : >"$T/held"
-    python3 tests/box/hold.py "${URL#http://}" "$h_n" --from 127.0.0.2 "$@" <"$T/text" >"$T/held" 2>&1 &
-    HOLD=$!
-}
-let_go() {
-    kill "$HOLD" 2>/dev/null
-    wait "$HOLD" 2>/dev/null
 }
 # ticks: of processor time that the daemon has taken.
 ticks() {
@@ -102,14 +87,14 @@ ok "with the first one's reason" grep -q 'closed" connections=1 proxy=127.0.0.2 
 
 # ---- many that wait for their header: the oldest make room
 hold 1500 "$signature"
-ok "of 1,500 waiting ones" soon grep -qx sent "$T/held"
+held "of 1,500 waiting ones" sent
 ok "no more than 1,024 are open" test "$(find "/proc/$PID/fd" -mindepth 1 | wc -l)" -lt 1100
 begin=$(date +%s%N)
 is "another is served" "$(via 192.0.2.7 /healthz)" 200
 req GET /healthz
 is "and one from elsewhere" "$STATUS" 200
 sanitized || ok "at once" test $((($(date +%s%N) - begin) / 1000000)) -lt 2000
-ok "the others are closed in time" soon grep -qx 'closed 1500' "$T/held"
+held "the others are closed in time" 'closed 1500'
 let_go
 stop_daemon
 
@@ -125,14 +110,14 @@ is "a good token of the first client" "$(via 192.0.2.7 /v1/stats --token "$good"
 is "a good token of another" "$(via 192.0.2.9 /v1/stats --token "$good")" 200
 header="$signature"'\041\021\0\014\300\0\002\007\306\063\144\001\331\003\001\273' # 192.0.2.7
 hold 8 "$header$idle"
-ok "of eight connections of one client three are closed" soon grep -qx 'closed 3' "$T/held"
+held "of eight connections of one client three are closed" 'closed 3'
 is "one more of it" "$(via 192.0.2.7 /healthz)" closed
 is "one of another" "$(via 192.0.2.8 /healthz)" 200
 let_go
 stop_daemon
 start_daemon --proxy-protocol 127.0.0.2 --max-connections 8 --no-auth
 hold 30 "$header$idle"
-ok "of thirty in all, those beyond eight are closed" soon grep -qx 'closed 22' "$T/held"
+held "of thirty in all, those beyond eight are closed" 'closed 22'
 sleep 1.2 # until then they are safe
 is "one of another client takes the place of one" "$(via 192.0.2.8 /healthz)" 200
 let_go
@@ -146,11 +131,6 @@ before=$(ticks)
 sleep 2
 ok "too many open files: $(($(ticks) - before)) ticks in 2 s" test $(($(ticks) - before)) -lt 20
 let_go
-# shellcheck disable=SC2317 # called by soon
-serves() {
-    req GET /healthz
-    [ "$STATUS" = 200 ]
-}
 ok "served again" soon serves
 stop_daemon
 
@@ -162,7 +142,7 @@ hold 3 "$signature"
 soon grep -qx sent "$T/held"
 sleep 0.5
 kill -TERM "$PID"
-ok "waiting ones are closed" soon grep -qx 'closed 3' "$T/held"
+held "waiting ones are closed" 'closed 3'
 touch "$T/go"
 wait "$half"
 is "the request that has begun" "$(cat "$T/half")" 200

@@ -385,6 +385,35 @@ metric() {
     awk -v name="$1" '$1 == name { print $2 }' "$T/body"
 }
 
+# serves: the daemon accepts a connection and serves a request.
+serves() {
+    req GET /healthz
+    [ "$STATUS" = 200 ]
+}
+
+# hold N FORMAT [OPTION...]: opens N connections that send printf's FORMAT and stay open, from $FROM if that
+# is set; what hold.py says of them is in $T/held.
+hold() {
+    h_n=$1
+    # shellcheck disable=SC2059 # with \r\n in it
+    printf "$2" >"$T/text"
+    shift 2
+    : >"$T/held"
+    python3 tests/box/hold.py "${URL#http://}" "$h_n" ${FROM:+--from "$FROM"} "$@" <"$T/text" >"$T/held" 2>&1 &
+    HOLD=$!
+}
+
+# held TITLE LINE: hold.py says LINE soon.
+held() {
+    ok "$1" soon grep -qx "$2" "$T/held"
+}
+
+# let_go: closes these connections.
+let_go() {
+    kill "$HOLD" 2>/dev/null
+    wait "$HOLD" 2>/dev/null
+}
+
 # alive WHAT: the daemon still serves requests after WHAT.
 alive() {
     req GET /healthz
