@@ -244,7 +244,7 @@ static enum status read_pcd_read_values(const struct header *h, const struct lay
                                         const unsigned char *data, bool by_field,
                                         struct cloudlist *list)
 {
-    struct cloudlist_column column[6] = {{NULL}};
+    struct cloudlist_column column[6] = {{.at = NULL}};
 
     for (int k = 0; k < (l->normals ? 6 : 3); k++)
         column[k] =
