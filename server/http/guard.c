@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* POLLRDHUP */
+#define _GNU_SOURCE /* POLLRDHUP, pthread_cond_clockwait() */
 #include "guard.h"
 
 #include <errno.h>
@@ -365,7 +365,7 @@ static void *guard_run(void *arg)
             t.tv_nsec -= 1000000000L;
             t.tv_sec++;
         }
-        (void)pthread_cond_timedwait(&l->wake, &l->lock, &t);
+        (void)pthread_cond_clockwait(&l->wake, &l->lock, CLOCK_MONOTONIC, &t);
         sweep(l);
         guard_report(l);
         drain(l);
@@ -407,7 +407,6 @@ enum status guard_start(const struct guard_rules *rules, struct guard **out,
                         struct errinfo *e)
 {
     struct guard *l;
-    pthread_condattr_t attr;
 
     *out = NULL;
     l = calloc(1, sizeof *l);
@@ -417,10 +416,7 @@ enum status guard_start(const struct guard_rules *rules, struct guard **out,
     l->rules.connections =
         ask_for_files(rules->connections, OTHER_FILES + rules->waiting);
     (void)pthread_mutex_init(&l->lock, NULL);
-    (void)pthread_condattr_init(&attr);
-    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&l->wake, &attr);
-    (void)pthread_condattr_destroy(&attr);
+    (void)pthread_cond_init(&l->wake, NULL);
     if (pthread_create(&l->thread, NULL, guard_run, l) != 0) {
         (void)pthread_cond_destroy(&l->wake);
         (void)pthread_mutex_destroy(&l->lock);

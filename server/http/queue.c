@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* pthread_cond_clockwait() */
 #include "queue.h"
 
 #include <errno.h>
@@ -150,7 +151,7 @@ static bool wait_for_more(struct queue *q, const struct server *s)
     t.tv_nsec += IDLE_MS * 1000000L;
     t.tv_sec += t.tv_nsec / 1000000000L;
     t.tv_nsec %= 1000000000L;
-    return pthread_cond_timedwait(&q->wake, &q->lock, &t) != ETIMEDOUT;
+    return pthread_cond_clockwait(&q->wake, &q->lock, CLOCK_MONOTONIC, &t) != ETIMEDOUT;
 }
 
 /* The sender pays what its requests have cost so far, and later the difference. */
@@ -246,7 +247,6 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
                         struct queue **out)
 {
     struct queue *q = calloc(1, sizeof *q);
-    pthread_condattr_t attr;
 
     *out = NULL;
     if (q == NULL)
@@ -256,10 +256,7 @@ enum status queue_start(struct app *app, unsigned workers, unsigned limit,
     q->workers = workers;
     q->nsenders = limit + workers + KNOWN;
     (void)pthread_mutex_init(&q->lock, NULL);
-    (void)pthread_condattr_init(&attr);
-    (void)pthread_condattr_setclock(&attr, CLOCK_MONOTONIC);
-    (void)pthread_cond_init(&q->wake, &attr);
-    (void)pthread_condattr_destroy(&attr);
+    (void)pthread_cond_init(&q->wake, NULL);
     q->waits = calloc(limit, sizeof *q->waits);
     q->senders = calloc(q->nsenders, sizeof *q->senders);
     q->servers = calloc(workers, sizeof *q->servers);
