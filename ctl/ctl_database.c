@@ -139,12 +139,11 @@ static enum status stats(struct ctl *c)
 {
     struct store_day *days = NULL;
     struct store_stats t;
-    uint64_t other = 0;
-    size_t n = 0;
+    size_t n = 0, other = 0;
     enum status st;
 
     if ((st = store_stats(c->store, true, &t, &c->e)) == ST_OK &&
-        (st = store_reencode_count(c->store, &other, &c->e)) == ST_OK &&
+        (st = store_reencode_due(c->store, NULL, &other, &c->e)) == ST_OK &&
         (st = store_days(c->store, &days, &n, &c->e)) == ST_OK)
         st = stats_describe(c->out, c->store, days, n, true, &c->e);
     if (st == ST_OK) {

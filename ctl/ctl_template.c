@@ -146,13 +146,10 @@ static enum status do_one(void *arg, size_t i, struct surface_work *w, struct er
 {
     const struct batch *b = arg;
     struct outcome *o = &b->outcome[i];
-    struct store_template t;
-    struct surface_face *f = NULL;
     bool done = false;
     const enum status st =
-        store_reencode(b->c->store, b->c->actor, b->id[i], w, &f, &t, &done, &o->e);
+        store_reencode(b->c->store, b->c->actor, b->id[i], w, &done, &o->e);
 
-    surface_face_free(f);
     if (st == ST_OK)
         o->result = done ? REENCODED : CURRENT;
     else if (st == ST_ENOTFOUND)

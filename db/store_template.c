@@ -368,30 +368,33 @@ static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
 }
 
 enum status store_reencode(struct store *s, const char *actor, const char *id,
-                           struct surface_work *w, struct surface_face **f,
-                           struct store_template *t, bool *done, struct errinfo *e)
+                           struct surface_work *w, bool *done, struct errinfo *e)
 {
-    unsigned char *face;
+    struct surface_face *f = NULL;
+    unsigned char *face = NULL;
+    struct store_template t;
     struct log_act by;
     struct log_txn x;
-    size_t len;
-    enum status st;
+    size_t len = 0;
+    enum status st = store_template_load(s, id, &t, w, &f, e);
 
     *done = false;
-    if ((st = store_template_load(s, id, t, w, f, e)) != ST_OK ||
-        !store_template_outdated(s, t))
-        return st;
-    (void)snprintf(t->engine, sizeof t->engine, "%s", s->made_by);
-    t->triangles = surface_face_triangles(*f, NULL);
-    t->quality = surface_face_quality(*f);
-    len = surface_encoded_size(*f);
-    if ((face = malloc(len)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
-    surface_encode(*f, face);
-    if ((st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) == ST_OK)
-        st = store_end(s, &x, write_reencoded(&x, &by, t, face, len, done, e), e);
+    if (st == ST_OK && store_template_outdated(s, &t)) {
+        (void)snprintf(t.engine, sizeof t.engine, "%s", s->made_by);
+        t.triangles = surface_face_triangles(f, NULL);
+        t.quality = surface_face_quality(f);
+        len = surface_encoded_size(f);
+        if ((face = malloc(len)) == NULL)
+            st = errinfo_set(e, ST_ENOMEM, "out of memory");
+        else
+            surface_encode(f, face);
+        if (st == ST_OK &&
+            (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) == ST_OK)
+            st = store_end(s, &x, write_reencoded(&x, &by, &t, face, len, done, e), e);
+    }
     *done = *done && st == ST_OK;
     rows_template_wipe(face, len);
+    surface_face_free(f);
     return st;
 }
 
@@ -416,30 +419,18 @@ enum status store_reencode_due(struct store *s, char (**out)[STORE_ID_LEN + 1], 
     void *list = NULL;
     enum status st;
 
-    *out = NULL;
     *n = 0;
+    if (out != NULL)
+        *out = NULL;
     if ((st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
         return st;
     st = SQL_QUERY(x.sql, &r, e,
                    "SELECT id FROM templates WHERE " OUTDATED " ORDER BY template_key",
                    sql_text(strchr(s->made_by, ' ')));
     st = sql_read_list(r, st, list_id, NULL, sizeof **out, &list, n, e);
-    *out = list;
+    if (out != NULL)
+        *out = list;
+    else
+        free(list);
     return store_end(s, &x, st, e);
-}
-
-enum status store_reencode_count(struct store *s, uint64_t *n, struct errinfo *e)
-{
-    struct sql_rows *r;
-    struct log_txn x;
-    enum status st;
-
-    *n = 0;
-    if ((st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
-        return st;
-    st = SQL_QUERY(x.sql, &r, e, "SELECT count(*) FROM templates WHERE " OUTDATED,
-                   sql_text(strchr(s->made_by, ' ')));
-    if (st == ST_OK && sql_next(r))
-        *n = (uint64_t)sql_column(r, 0).i;
-    return store_end(s, &x, sql_done(r, st, e), e);
 }

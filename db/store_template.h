@@ -71,23 +71,17 @@ enum status store_template_list(struct store *s, const char *subject,
                                 struct store_template **out, size_t *n,
                                 struct errinfo *e);
 
-/* store_reencode(s, actor, id, w, f, t, done, e): Replaces the face of an outdated template by this engine's,
- * under the same id, label, time and digest, and appends a change.  Other threads and processes can use
- * the template all the time.
- *   f     memory to use, as in store_template_load()
- *   t     receives the template as it is now
+/* store_reencode(s, actor, id, w, done, e): Replaces the face of an outdated template by this engine's, under the
+ * same id, label, time and digest, and appends a change.  Other threads and processes can use the
+ * template all the time.
  *   done  receives false if the template was not outdated, or is no longer
  * ST_EVERSION: as store_template_load(); the template is not changed. */
 enum status store_reencode(struct store *s, const char *actor, const char *id,
-                           struct surface_work *w, struct surface_face **f,
-                           struct store_template *t, bool *done, struct errinfo *e);
+                           struct surface_work *w, bool *done, struct errinfo *e);
 
 /* store_reencode_due(s, out, n, e): Lists the ids of all outdated templates, oldest first.  Reads only an index.
- *   out  a new array of *n elements, to be released by free() */
+ *   out  a new array of *n elements, to be released by free(); NULL: they are only counted */
 enum status store_reencode_due(struct store *s, char (**out)[STORE_ID_LEN + 1], size_t *n,
                                struct errinfo *e);
-
-/* store_reencode_count(s, n, e): Sets *n to the number of outdated templates.  Reads only an index. */
-enum status store_reencode_count(struct store *s, uint64_t *n, struct errinfo *e);
 
 #endif

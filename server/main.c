@@ -147,9 +147,9 @@ static void warn_of_calibration(struct store *s)
 static void warn_of_outdated(struct store *s)
 {
     struct logger_line l;
-    uint64_t n;
+    size_t n;
 
-    if (store_reencode_count(s, &n, NULL) != ST_OK || n == 0)
+    if (store_reencode_due(s, NULL, &n, NULL) != ST_OK || n == 0)
         return;
     logger_begin(&l, "warn",
                  "templates were made by another engine: surfacectl template reencode");

@@ -46,11 +46,11 @@ static void look_at_templates(struct findings *x, struct store *s)
 {
     struct store_stats all;
     struct errinfo e;
-    uint64_t others = 0;
+    size_t others = 0;
     enum status st = store_stats(s, false, &all, &e);
 
     if (st == ST_OK)
-        st = store_reencode_count(s, &others, &e);
+        st = store_reencode_due(s, NULL, &others, &e);
     if (st != ST_OK)
         findings_say(x, FINDINGS_ERROR, "templates", FIND_ALL, "%s", e.msg);
     else if (others > 0)

@@ -403,6 +403,17 @@ enum status admin_swap(const char *path, struct store *held, struct newfile *n,
     return st;
 }
 
+enum status admin_unfinished(enum status st, const char *done, const struct errinfo *why,
+                             struct errinfo *e)
+{
+    return st == ST_OK
+               ? ST_OK
+               : errinfo_set(e, st,
+                             "%s, but %.300s; nothing that is needed was removed: "
+                             "run the command again",
+                             done, why->msg);
+}
+
 static bool overwrite(int fd, off_t size)
 {
     static const char zeros[65536];

@@ -69,6 +69,12 @@ enum status admin_in_file(const char *path, const char *instead, struct errinfo 
 enum status admin_swap(const char *path, struct store *held, struct newfile *n,
                        const char *aside, struct errinfo *e);
 
+/* admin_unfinished(st, done, why, e): Returns st, the status of what follows the swap; if it is an error, fills *e with
+ * what was done and the reason *why.
+ *   done  "the database was restored" */
+enum status admin_unfinished(enum status st, const char *done, const struct errinfo *why,
+                             struct errinfo *e);
+
 /* admin_discard(path, e): Overwrites a file that is not needed any more, and removes it.
  * ST_EUNSYNCED: removed, but perhaps not on the disk. */
 enum status admin_discard(const char *path, struct errinfo *e);

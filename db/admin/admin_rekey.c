@@ -255,17 +255,6 @@ static enum status is_old_key(const struct rekeying *x, bool *out, struct errinf
     return st;
 }
 
-/* What comes behind the swap. */
-static enum status say_unfinished(enum status st, const struct errinfo *why,
-                                  struct errinfo *e)
-{
-    return st == ST_OK ? ST_OK
-                       : errinfo_set(e, st,
-                                     "the key was changed, but %.300s; nothing that is "
-                                     "needed was removed: run the command again",
-                                     why->msg);
-}
-
 /* Keys are placed, the database is opened by them and read, and only then the old ones go. */
 static enum status admin_rekey_finish(const struct rekeying *x, bool *last,
                                       struct errinfo *e)
@@ -285,7 +274,7 @@ static enum status admin_rekey_finish(const struct rekeying *x, bool *last,
         if (st == ST_OK)
             st = admin_discard(x->discard, &why);
     }
-    return say_unfinished(st, &why, e);
+    return admin_unfinished(st, "the key was changed", &why, e);
 }
 
 /* ---- what one that was interrupted has left */
@@ -453,7 +442,7 @@ static enum status swap(struct rekeying *x, struct store *s, struct newfile *n,
     if (st == ST_OK && x->key->anchor != NULL)
         st = newfile_commit(anchor, &why);
     newfile_leave(anchor);
-    return say_unfinished(st, &why, e);
+    return admin_unfinished(st, "the key was changed", &why, e);
 }
 
 static enum status copy_and_swap(struct rekeying *x, struct store *s,

@@ -225,13 +225,13 @@ static enum status relate(struct restoring *r, struct errinfo *e)
 }
 
 static enum status erase_again(struct restoring *r, struct log_txn *to,
-                               const unsigned char uid[STORE_UID], struct errinfo *e)
+                               const struct log_entry *c, struct errinfo *e)
 {
     struct rows_subject of;
-    enum status st = rows_subject_get(to, uid, &of, e);
+    enum status st = rows_subject_get(to, c->uid, &of, e);
 
     if (st == ST_ENOTFOUND) /* no older archive brings it back either */
-        return log_change(to, &r->by, "delete_subject", uid, "", "erased before", e);
+        return log_change(to, &r->by, "delete_subject", c->uid, "", "erased before", e);
     if (st == ST_OK &&
         (st = store_erase_rows(to, &r->by, &of, "erased again", NULL, e)) == ST_OK)
         r->out->erased++;
@@ -239,11 +239,11 @@ static enum status erase_again(struct restoring *r, struct log_txn *to,
     return st;
 }
 
-static enum status revoke_again(struct restoring *r, struct log_txn *to, const char *id,
-                                struct errinfo *e)
+static enum status revoke_again(struct restoring *r, struct log_txn *to,
+                                const struct log_entry *c, struct errinfo *e)
 {
     struct rows_token one;
-    enum status st = rows_token_get(to, id, &one, e);
+    enum status st = rows_token_get(to, c->object, &one, e);
 
     if (st != ST_OK || one.token.revoked[0] != '\0')
         return st == ST_ENOTFOUND ? ST_OK : st;
@@ -251,21 +251,21 @@ static enum status revoke_again(struct restoring *r, struct log_txn *to, const c
     if ((st = rows_token_write(to, &one, e)) != ST_OK)
         return st;
     r->out->revoked++;
-    return log_change(to, &r->by, "revoke_token", NULL, id, one.token.name, e);
+    return log_change(to, &r->by, "revoke_token", NULL, c->object, one.token.name, e);
 }
 
-static enum status remove_again(struct restoring *r, struct log_txn *to, const char *id,
-                                struct errinfo *e)
+static enum status remove_again(struct restoring *r, struct log_txn *to,
+                                const struct log_entry *c, struct errinfo *e)
 {
     struct rows_device row;
-    enum status st = rows_device_get(to, id, &row, e);
+    enum status st = rows_device_get(to, c->object, &row, e);
 
     if (st != ST_OK)
         return st == ST_ENOTFOUND ? ST_OK : st;
     if ((st = rows_table_delete(to, &rows_devices, &row, e)) != ST_OK)
         return st;
     r->out->revoked++;
-    return log_change(to, &r->by, "remove_device", NULL, id, row.one.name, e);
+    return log_change(to, &r->by, "remove_device", NULL, c->object, row.one.name, e);
 }
 
 static enum status count_lost(struct restoring *r, struct log_txn *to, struct errinfo *e)
@@ -288,23 +288,37 @@ static enum status count_lost(struct restoring *r, struct log_txn *to, struct er
     return store_end(r->held, &t, sql_done(rows, st, e), e);
 }
 
-static enum status do_again(struct restoring *r, struct log_txn *to,
-                            const struct log_entry *c, struct errinfo *e)
+typedef enum status repeat(struct restoring *r, struct log_txn *to,
+                           const struct log_entry *c, struct errinfo *e);
+
+/* Returns the function that repeats changes of this kind; NULL: they are not repeated. */
+static repeat *repeat_of(const struct log_entry *c)
 {
-    if (strcmp(c->kind, "delete_subject") == 0)
-        return erase_again(r, to, c->uid, e);
-    if (strcmp(c->kind, "revoke_token") == 0 || strcmp(c->kind, "rotate_token") == 0)
-        return revoke_again(r, to, c->object, e);
-    if (strcmp(c->kind, "remove_device") == 0)
-        return remove_again(r, to, c->object, e);
-    return ST_OK;
+    static const struct {
+        const char *kind;
+        repeat *again;
+    } row[] = {{"delete_subject", erase_again},
+               {"revoke_token", revoke_again},
+               {"rotate_token", revoke_again},
+               {"remove_device", remove_again}};
+
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++)
+        if (strcmp(c->kind, row[i].kind) == 0)
+            return row[i].again;
+    return NULL;
 }
 
 bool admin_again_is(const struct log_entry *c)
 {
-    return strcmp(c->kind, "delete_subject") == 0 ||
-           strcmp(c->kind, "revoke_token") == 0 || strcmp(c->kind, "rotate_token") == 0 ||
-           strcmp(c->kind, "remove_device") == 0;
+    return repeat_of(c) != NULL;
+}
+
+static enum status do_again(struct restoring *r, struct log_txn *to,
+                            const struct log_entry *c, struct errinfo *e)
+{
+    repeat *const again = repeat_of(c);
+
+    return again != NULL ? again(r, to, c, e) : ST_OK;
 }
 
 /* All of the backup, and what was erased, revoked or removed since is so again. */
@@ -366,19 +380,6 @@ static enum status ask_anchor(struct restoring *r, struct errinfo *e)
     return st;
 }
 
-/* What comes after the swap: the work is done, and the anchor is found as a part too. */
-static enum status say_unfinished(enum status st, const struct errinfo *why,
-                                  struct errinfo *e)
-{
-    return st == ST_OK
-               ? ST_OK
-               : errinfo_set(
-                     e, st,
-                     "the database was restored, but %.300s; nothing was removed: "
-                     "run the command again",
-                     why->msg);
-}
-
 static enum status admin_restore_place(const struct restoring *r, struct newfile *n,
                                        struct newfile *anchor, struct errinfo *e)
 {
@@ -395,7 +396,7 @@ static enum status admin_restore_place(const struct restoring *r, struct newfile
     if (st == ST_OK && r->key->anchor != NULL)
         st = newfile_commit(anchor, &why);
     newfile_leave(anchor);
-    return say_unfinished(st, &why, e);
+    return admin_unfinished(st, "the database was restored", &why, e);
 }
 
 static enum status copy_and_place(struct restoring *r, bool dry, struct errinfo *e)

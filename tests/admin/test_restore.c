@@ -3,7 +3,6 @@
  * accepted as it is. */
 #include <unistd.h>
 
-#include "admin_rekey.h"
 #include "admin_restore.h"
 #include "crypt_file.h"
 #include "filled.h"
@@ -14,7 +13,6 @@
 #include "unit.h"
 
 static struct errinfo e;
-static bool completed; /* by admin_rekey() */
 static char backup[80], aside[80], key_path[80];
 static const struct store_key usual = {.path = key_path, .make = CRYPT_FILE};
 static struct filled have;
@@ -280,35 +278,6 @@ TEST(test_other_key)
     s = tempdb_open(STORE_WRITE); /* by the configured key */
     filled_look(s, after);
     assert_string_equal(after, before);
-    assert_int_equal(tempdb_check(s).problems, 0);
-    store_close(s);
-    fails(store_open(tempdb_path, STORE_READ, &(struct store_key){.path = old}, &s, &e),
-          ST_EDENIED);
-}
-
-/* The same beside the database that was rekeyed: its log goes on from the backup's. */
-TEST(test_rekeyed)
-{
-    struct store *s = filled_fresh(&have);
-    struct admin_restored r;
-    struct store_subject one;
-    char old[100];
-
-    make_backup(s);
-    store_close(s);
-    must(admin_rekey(tempdb_path, &usual,
-                     &(struct admin_rekey){.kind = CRYPT_FILE, .keep = true}, "",
-                     &completed, &e));
-    (void)snprintf(old, sizeof old, "%s.old", key_path);
-    s = tempdb_open(STORE_WRITE);
-    must(tempdb_erase(s, "test", "bob", &e));
-    store_close(s);
-    assert_int_equal(restore(false, &r), ST_EDENIED);
-    must(admin_restore(tempdb_path, backup, &usual, old, "me", false, &r, &e));
-    assert_int_equal(r.erased, 1);
-    s = tempdb_open(STORE_WRITE);
-    fails(store_subject_get(s, "bob", &one, &e), ST_ENOTFOUND);
-    must(store_subject_get(s, "alice", &one, &e));
     assert_int_equal(tempdb_check(s).problems, 0);
     store_close(s);
     fails(store_open(tempdb_path, STORE_READ, &(struct store_key){.path = old}, &s, &e),

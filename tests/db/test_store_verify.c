@@ -54,9 +54,7 @@ static enum status write_subject(struct store *s, int sort)
 static enum status write_template(struct store *s, int sort)
 {
     struct store_template t;
-    struct surface_face *f = NULL;
     bool created;
-    enum status st;
 
     switch (sort) {
     case 0:
@@ -66,9 +64,7 @@ static enum status write_template(struct store *s, int sort)
     case 2:
         return store_template_delete(s, "test", tmpl.id, &e);
     default:
-        st = store_reencode(s, "test", tmpl.id, tempdb_work, &f, &t, &created, &e);
-        surface_face_free(f);
-        return st;
+        return store_reencode(s, "test", tmpl.id, tempdb_work, &created, &e);
     }
 }
 
