@@ -481,7 +481,7 @@ enum status store_root(const char *path, struct crypt_root *root, struct errinfo
     struct sql *d;
     enum status st;
 
-    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
+    if ((st = sql_open(path, SQL_OPEN_READ, &d, e)) != ST_OK)
         return st;
     if (sql_version(d) == 0)
         st = errinfo_set(e, ST_ENOTFOUND, "%s is empty: it has to be initialised", path);

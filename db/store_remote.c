@@ -51,7 +51,7 @@ enum status store_server(const char *path, struct store_server *out, struct erri
     enum status st;
 
     *out = (struct store_server){.local = false};
-    if ((st = sql_open(path, SQL_OPEN_LOOK, &d, e)) != ST_OK)
+    if ((st = sql_open(path, SQL_OPEN_READ, &d, e)) != ST_OK)
         return st;
     if ((st = sql_begin(d, SQL_READ, &t, e)) == ST_OK)
         st = sql_end(t, store_server_look(t, out, e), e);

@@ -37,7 +37,7 @@ static enum status replaceable(const char *path, const char *db, struct errinfo 
         return errinfo_set(e, ST_EINVAL, "%.160s is the database itself", path);
     if ((st = sql_file_may_be(path, e)) != ST_OK || stat(path, &there) != 0)
         return st;
-    st = S_ISREG(there.st_mode) ? sql_open(path, SQL_OPEN_LOOK, &d, NULL) : ST_EINVAL;
+    st = S_ISREG(there.st_mode) ? sql_open(path, SQL_OPEN_READ, &d, NULL) : ST_EINVAL;
     sql_close(d);
     return st == ST_OK
                ? ST_OK

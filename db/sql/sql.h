@@ -34,7 +34,6 @@ enum sql_open {
     SQL_OPEN_READ,   /* read only; the database need not be writable */
     SQL_OPEN_WRITE,  /* the database must exist */
     SQL_OPEN_CREATE, /* a missing database is created, readable only by its owner */
-    SQL_OPEN_LOOK,   /* one connection, for reading a schema of any version */
     SQL_OPEN_ALONE /* one connection; no other process has the database open or can open it */
 };
 

@@ -440,7 +440,7 @@ enum status sql_postgres_open(const char *url, enum sql_open how, struct sql **o
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     }
     d->base.driver = &sql_postgres_driver;
-    d->read_only = how == SQL_OPEN_READ || how == SQL_OPEN_LOOK;
+    d->read_only = how == SQL_OPEN_READ;
     (void)pthread_mutex_init(&d->lock, NULL);
     if (how == SQL_OPEN_ALONE)
         st = take_alone(d, e);

@@ -219,7 +219,7 @@ static enum status bytes(struct sql_txn *t, uint64_t *out, struct errinfo *e)
  * one ourselves: SQLite would let others read it. */
 static enum status check_file(struct sql_sqlite *d, enum sql_open how, struct errinfo *e)
 {
-    const bool read = how == SQL_OPEN_READ || how == SQL_OPEN_LOOK;
+    const bool read = how == SQL_OPEN_READ;
     const char *path = d->path;
     struct stat sb;
     int fd;
@@ -259,7 +259,7 @@ static enum status new_database(const char *path, enum sql_open how,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     d->base.driver = &sql_sqlite_driver;
     d->flags = SQLITE_OPEN_READONLY;
-    d->single = how == SQL_OPEN_LOOK || how == SQL_OPEN_ALONE;
+    d->single = how == SQL_OPEN_ALONE;
     (void)pthread_mutex_init(&d->lock, NULL);
     (void)pthread_condattr_init(&monotonic);
     (void)pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
