@@ -139,7 +139,7 @@ static enum status describe(const struct store *s, const struct log_act *by,
 static enum status enroll_rows(struct store *s, struct enrolling *g,
                                struct store_template *t, bool *created, struct errinfo *e)
 {
-    enum status st = store_start(s, SQL_WRITE, &g->t, e);
+    enum status st = store_start(s, SQL_WRITE, NULL, &g->t, e);
 
     if (st != ST_OK)
         return st;

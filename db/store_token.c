@@ -273,7 +273,7 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
         return errinfo_set(e, ST_EDENIED, "not a token");
     hash_secret(secret, f.hash);
     if ((st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_start(s, SQL_READ, &f.x, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, NULL, &f.x, e)) != ST_OK)
         return st;
     store_read_ahead(&f.x, find_token, &f);
     if ((st = store_check(s, &f.x, e)) != ST_OK)

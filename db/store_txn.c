@@ -75,8 +75,8 @@ enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
 
 /* A difference stands until the database is opened again.  Any other error of its engine is the
  * caller's alone: the next transaction may succeed. */
-enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
-                         struct errinfo *e)
+static enum status refuse(struct store *s, enum status st, const struct errinfo *why,
+                          struct errinfo *e)
 {
     if (st == ST_EREFUSED && s->open && !atomic_flag_test_and_set(&s->refusing)) {
         s->refusal = *why;
@@ -137,18 +137,6 @@ static enum status store_txn_start(struct store *s, enum sql_begin how, struct l
     return sql_begin(s->sql, how, &t->sql, e);
 }
 
-/* What a SQL_TRY writes is in no log, and no other row depends on it. */
-enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
-                        struct errinfo *e)
-{
-    enum status st = store_txn_start(s, how, t, e);
-
-    if (st == ST_OK && how != SQL_READ && how != SQL_TRY &&
-        (st = sql_lock(t->sql, LOG_LOCK_CHANGES, e)) != ST_OK)
-        (void)sql_end(t->sql, st, NULL);
-    return st;
-}
-
 /* An id is text, the key of a lock a number. */
 static uint32_t hash_token(const char *token)
 {
@@ -183,22 +171,34 @@ enum status store_verify(struct store *s, store_report *report, void *arg,
         note_verified(s, st);
     }
     (void)sql_end(t.sql, st, NULL);
-    return st == ST_OK ? ST_OK : store_refuse(s, st, &why, e);
+    return st == ST_OK ? ST_OK : refuse(s, st, &why, e);
 }
 
-enum status store_start_use(struct store *s, enum sql_begin how,
-                            const struct store_use *use, struct log_txn *t,
-                            struct errinfo *e)
+static enum status lock(enum sql_begin how, const struct store_use *use,
+                        struct log_txn *t, struct errinfo *e)
 {
     enum status st = ST_OK;
 
-    if (!atomic_load(&s->verified))
+    /* What a SQL_TRY writes is in no log, and no other row depends on it. */
+    if (use == NULL)
+        return how != SQL_READ && how != SQL_TRY ? sql_lock(t->sql, LOG_LOCK_CHANGES, e)
+                                                 : ST_OK;
+    if (use->subject != 0)
+        st = store_lock_subject(t, use->subject, e);
+    if (st == ST_OK && use->token != NULL)
+        st = store_lock_token(t, use->token, e);
+    return st == ST_OK && use->appends ? log_txn_appends(t, e) : st;
+}
+
+enum status store_start(struct store *s, enum sql_begin how, const struct store_use *use,
+                        struct log_txn *t, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    if (use != NULL && !atomic_load(&s->verified))
         st = store_verify(s, NULL, NULL, e);
-    if (st != ST_OK || (st = store_txn_start(s, how, t, e)) != ST_OK)
-        return st;
-    if ((use->subject != 0 && (st = store_lock_subject(t, use->subject, e)) != ST_OK) ||
-        (use->token != NULL && (st = store_lock_token(t, use->token, e)) != ST_OK) ||
-        (use->appends && (st = log_txn_appends(t, e)) != ST_OK))
+    if (st == ST_OK && (st = store_txn_start(s, how, t, e)) == ST_OK &&
+        (st = lock(how, use, t, e)) != ST_OK)
         (void)sql_end(t->sql, st, NULL);
     return st;
 }
@@ -207,7 +207,7 @@ enum status store_begin_use(struct store *s, enum sql_begin how,
                             const struct store_use *use, struct log_txn *t,
                             struct errinfo *e)
 {
-    const enum status st = store_start_use(s, how, use, t, e);
+    const enum status st = store_start(s, how, use, t, e);
 
     return st == ST_OK ? store_check(s, t, e) : st;
 }
@@ -230,15 +230,13 @@ enum status store_check(struct store *s, struct log_txn *t, struct errinfo *e)
     if (st == ST_OK)
         return ST_OK;
     (void)sql_end(t->sql, st, NULL);
-    return store_refuse(s, st, &why, e);
+    return refuse(s, st, &why, e);
 }
 
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e)
 {
-    const enum status st = store_start(s, how, t, e);
-
-    return st == ST_OK ? store_check(s, t, e) : st;
+    return store_begin_use(s, how, NULL, t, e);
 }
 
 enum status store_actor_may(struct log_txn *t, const struct log_act *by,

@@ -37,6 +37,15 @@ struct store {
     atomic_bool refused;  /* refusal is complete */
 };
 
+/* The locks of a transaction that makes no entry in the change log.  It does not wait for changes, only
+ * for transactions that use the same subject or token, or append to the same access log. */
+struct store_use {
+    int64_t
+        subject; /* key of the subject whose attempts it reads and writes; 0: no subject */
+    const char *token; /* token whose attempts on all subjects it uses; NULL: no token */
+    bool appends;      /* it appends to the access log */
+};
+
 /* store_begin(s, how, t, e): Begins a transaction t, to be ended by store_end().  A transaction that
  * writes is the only one that does (LOG_LOCK_CHANGES), except with SQL_TRY.  Before the first write of
  * an open store it verifies the rows.
@@ -46,10 +55,17 @@ struct store {
 enum status store_begin(struct store *s, enum sql_begin how, struct log_txn *t,
                         struct errinfo *e);
 
-/* store_start(s, how, t, e): The first step of store_begin(): begins t and takes its lock.  The caller
- * may then call store_read_ahead(), and nothing else, until store_check(). */
-enum status store_start(struct store *s, enum sql_begin how, struct log_txn *t,
-                        struct errinfo *e);
+/* store_begin_use(s, how, use, t, e): Begins a transaction with the locks of *use instead of LOG_LOCK_CHANGES.
+ * Verifies the rows before if they were not verified yet.  Returns as store_begin(). */
+enum status store_begin_use(struct store *s, enum sql_begin how,
+                            const struct store_use *use, struct log_txn *t,
+                            struct errinfo *e);
+
+/* store_start(s, how, use, t, e): The first step of store_begin_use(), or, if use is NULL, of store_begin():
+ * begins t and takes its locks.  The caller may then call store_read_ahead(), and nothing else, until
+ * store_check(). */
+enum status store_start(struct store *s, enum sql_begin how, const struct store_use *use,
+                        struct log_txn *t, struct errinfo *e);
 
 /* store_read_ahead(t, read, arg): Sends the queries of read(arg, NULL) ahead, between store_start() and
  * store_check(), and, in a transaction that writes, the query for the end of the access log.  After
@@ -74,11 +90,6 @@ enum status store_end(struct store *s, struct log_txn *t, enum status st,
  *   what    done by the commit, for the message if the anchor cannot be put in its place */
 enum status store_commit(struct store *s, struct log_txn *t, struct newfile *anchor,
                          const char *what, struct errinfo *e);
-
-/* store_refuse(s, st, why, e): Returns st and fills *e with the text of *why.  If st is ST_EREFUSED and
- * store_open() has succeeded, all later transactions on s fail with ST_EREFUSED. */
-enum status store_refuse(struct store *s, enum status st, const struct errinfo *why,
-                         struct errinfo *e);
 
 /* store_txn_may_pass(st): Returns true if st is a temporary error of the database engine: a lock, a lost
  * server, a full disk, no memory. */
@@ -114,26 +125,6 @@ enum status store_actor_may(struct log_txn *t, const struct log_act *by,
  * failure t has ended. */
 enum status store_act_begin(struct store *s, const char *actor, enum sql_begin how,
                             struct log_act *by, struct log_txn *t, struct errinfo *e);
-
-/* The locks of a transaction that makes no entry in the change log.  It does not wait for changes, only
- * for transactions that use the same subject or token, or append to the same access log. */
-struct store_use {
-    int64_t
-        subject; /* key of the subject whose attempts it reads and writes; 0: no subject */
-    const char *token; /* token whose attempts on all subjects it uses; NULL: no token */
-    bool appends;      /* it appends to the access log */
-};
-
-/* store_start_use(s, how, use, t, e): Begins a transaction with the locks of *use, as store_start(); to be
- * followed by store_check().  Verifies the rows first if they were not verified yet. */
-enum status store_start_use(struct store *s, enum sql_begin how,
-                            const struct store_use *use, struct log_txn *t,
-                            struct errinfo *e);
-
-/* store_begin_use(s, how, use, t, e): Runs store_start_use() and store_check(). */
-enum status store_begin_use(struct store *s, enum sql_begin how,
-                            const struct store_use *use, struct log_txn *t,
-                            struct errinfo *e);
 
 /* store_lock_subject(t, key, e): Takes the lock of a subject's attempts.  A change that writes to them
  * takes it too, before it writes anything of the subject, and before store_lock_token(). */

@@ -108,7 +108,7 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     (void)snprintf(r->token, sizeof r->token, "%s",
                    what->token != NULL ? what->token : "");
     if ((st = store_rules_now(&r->now, e)) != ST_OK ||
-        (st = store_start(s, SQL_READ, &r->t, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, NULL, &r->t, e)) != ST_OK)
         return st;
     store_read_ahead(&r->t, read_all, out);
     if ((st = store_check(s, &r->t, e)) != ST_OK)
@@ -321,7 +321,7 @@ enum status store_record_verification(struct store *s, const struct store_record
 
     *out = (struct store_recorded){.why = STORE_WAIT_NONE};
     if ((st = log_act(&r.by, what->actor, e)) != ST_OK ||
-        (st = store_start_use(s, failed ? SQL_WRITE : SQL_LAZY, &use, &r.t, e)) != ST_OK)
+        (st = store_start(s, failed ? SQL_WRITE : SQL_LAZY, &use, &r.t, e)) != ST_OK)
         return st;
     store_read_ahead(&r.t, read_before, &r);
     if ((st = store_check(s, &r.t, e)) != ST_OK)
