@@ -9,6 +9,7 @@
 
 #include "json.h"
 #include "outfile.h"
+#include "settings.h"
 
 #define LONG 256 /* what getopt_long() returns for the first option */
 
@@ -83,18 +84,11 @@ int command_end(const char *program, struct json *out, bool usage,
 void command_print_option(const struct command_option *o)
 {
     char name[64], letter[] = "-?, ";
-    const char *text = o->help;
 
     letter[1] = o->letter;
     (void)snprintf(name, sizeof name, "%s--%s%s%s", o->letter != 0 ? letter : "", o->name,
                    o->arg != NULL ? " " : "", o->arg != NULL ? o->arg : "");
-    if (strlen(name) > 20)
-        (void)printf("  %s\n%23s", name, "");
-    else
-        (void)printf("  %-20s ", name);
-    for (size_t n; (n = strcspn(text, "\n")), text[n] != '\0'; text += n + 1)
-        (void)printf("%.*s\n%23s", (int)n, text, "");
-    (void)printf("%s\n", text);
+    settings_print_row(stdout, name, o->help, NULL);
 }
 
 const char *command_flag(const char *text, void *value)

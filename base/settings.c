@@ -16,7 +16,7 @@
 #define LINE_MAX_BYTES 4000
 #define NAME_MAX_BYTES 64
 #define REPORT_MAX     (LINE_MAX_BYTES + 1000)
-#define HELP_COLUMN    22 /* where the text begins */
+#define HELP_COLUMN    23 /* column of the text */
 #define SECTION        "surfaced"
 #define CREDENTIAL     "credential:"
 
@@ -533,26 +533,29 @@ void settings_print(const struct settings *s, FILE *out)
     }
 }
 
+void settings_print_row(FILE *out, const char *name, const char *help,
+                        const char *fallback)
+{
+    if (fprintf(out, "  %-*s", HELP_COLUMN - 3, name) > HELP_COLUMN - 1)
+        (void)fprintf(out, "\n%*s", HELP_COLUMN - 1, "");
+    (void)fputc(' ', out);
+    for (; *help != '\0'; help++) {
+        (void)fputc(*help, out);
+        if (*help == '\n')
+            (void)fprintf(out, "%*s", HELP_COLUMN, "");
+    }
+    if (fallback != NULL)
+        (void)fprintf(out, " (%s)", fallback);
+    (void)fputc('\n', out);
+}
+
 void settings_help(const struct setting *table, size_t n, FILE *out)
 {
-    for (size_t i = 0; i < n; i++) {
-        const char *text = table[i].help;
-        int column =
-            fprintf(out, "  --%s%s%s", table[i].name, table[i].arg != NULL ? " " : "",
-                    table[i].arg != NULL ? table[i].arg : "");
+    char name[NAME_MAX_BYTES];
 
-        if (column > HELP_COLUMN - 2) {
-            (void)fputc('\n', out);
-            column = 0;
-        }
-        (void)fprintf(out, "%*s", HELP_COLUMN - column, "");
-        for (; *text != '\0'; text++) {
-            (void)fputc(*text, out);
-            if (*text == '\n')
-                (void)fprintf(out, "%*s", HELP_COLUMN, "");
-        }
-        if (table[i].fallback != NULL && table[i].arg != NULL)
-            (void)fprintf(out, " (%s)", table[i].fallback);
-        (void)fputc('\n', out);
+    for (const struct setting *row = table; row < table + n; row++) {
+        (void)snprintf(name, sizeof name, "--%s%s%s", row->name,
+                       row->arg != NULL ? " " : "", row->arg != NULL ? row->arg : "");
+        settings_print_row(out, name, row->help, row->arg != NULL ? row->fallback : NULL);
     }
 }

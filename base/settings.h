@@ -89,6 +89,11 @@ void settings_fill(const struct settings *s, void *out);
  * comment.  An unset setting is a comment. */
 void settings_print(const struct settings *s, FILE *out);
 
+/* settings_print_row(out, name, help, fallback): Prints the lines of an option in a help text.
+ *   fallback  its default; NULL: none */
+void settings_print_row(FILE *out, const char *name, const char *help,
+                        const char *fallback);
+
 /* settings_help(table, n, out): Prints the help text of each row. */
 void settings_help(const struct setting *table, size_t n, FILE *out);
 

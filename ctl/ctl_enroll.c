@@ -1,26 +1,21 @@
 /* enroll: the files of a subject; or a folder or a table of many subjects' scans (corpus.h), on
  * all cores: started again, it goes on where it was. */
-#include <dirent.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
-#include "cloudformat.h"
 #include "corpus.h"
 #include "corpus_read.h"
 #include "describe.h"
 #include "digest.h"
 #include "enrolment.h"
-#include "utf8.h"
 #include "ctl_command.h"
 #include "ctl_face.h"
 #include "ctl_model.h"
 #include "ctl_session.h"
-#include "describe.h"
 #include "pool.h"
-#include "utf8.h"
 
 static bool force, each;         /* --force, --each */
 static const char *label, *kind; /* --label, --kind */
@@ -162,8 +157,6 @@ struct outcome { /* of a scan */
 struct folder {
     struct ctl *c;
     const struct corpus *corpus;
-    uint32_t *scan;  /* [corpus->nscan] those that are enrolled, a subject's together */
-    uint32_t *first; /* [corpus->nsubject + 2] each subject's first, of scan */
     struct outcome *outcome; /* [corpus->nscan] */
 };
 
@@ -172,23 +165,6 @@ struct folder {
 static bool wanted(const struct folder *w, const struct corpus_scan *scan)
 {
     return kind == NULL || strcmp(w->corpus->kind[scan->kind], kind) == 0;
-}
-
-/* The scans by subject, each one's in the order of the collection: by counting. */
-static uint32_t sort_scans(struct folder *w)
-{
-    const struct corpus *k = w->corpus;
-
-    for (uint32_t i = 0; i < k->nscan; i++)
-        if (wanted(w, &k->scan[i]))
-            w->first[k->scan[i].subject + 2]++;
-    for (uint32_t i = 0; i <= k->nsubject; i++)
-        w->first[i + 1] += w->first[i]; /* a subject's first stands one place too far */
-    for (uint32_t i = 0; i < k->nscan; i++)
-        if (wanted(w, &k->scan[i]))
-            w->scan[w->first[k->scan[i].subject + 1]++] =
-                i; /* and is the next one's then */
-    return w->first[k->nsubject];
 }
 
 /* ---- one subject after the other */
@@ -268,7 +244,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     return ST_OK;
 }
 
-/* All of a subject's scans, since the later have to fit the earlier. */
+/* Enrolls a subject's scans in the order of the collection: the later ones must match the earlier ones. */
 static enum status enroll_subject(void *arg, size_t i, struct surface_work *work,
                                   struct errinfo *e)
 {
@@ -277,8 +253,9 @@ static enum status enroll_subject(void *arg, size_t i, struct surface_work *work
     struct surface_face *f = NULL;
     enum status st = ST_OK;
 
-    for (uint32_t k = w->first[i]; st == ST_OK && k < w->first[i + 1]; k++)
-        if ((st = enroll_scan(w, &mine, w->scan[k], work, &f)) != ST_OK && e != NULL)
+    for (uint32_t k = 0; st == ST_OK && k < w->corpus->nscan; k++)
+        if (w->corpus->scan[k].subject == i && wanted(w, &w->corpus->scan[k]) &&
+            (st = enroll_scan(w, &mine, k, work, &f)) != ST_OK && e != NULL)
             *e = mine.e;
     surface_face_free(f);
     return st;
@@ -327,13 +304,15 @@ static uint32_t ctl_enroll_report(const struct folder *w, uint32_t n, double sec
 
     json_text(c->out, "collection", c->args[0]);
     json_array(c->out, "failures");
-    for (uint32_t k = 0; k < n; k++) {
-        const struct outcome *o = &w->outcome[w->scan[k]];
+    for (uint32_t i = 0; i < w->corpus->nscan; i++) {
+        const struct outcome *o = &w->outcome[i];
 
+        if (!wanted(w, &w->corpus->scan[i]))
+            continue;
         count[o->result]++;
         if (o->result == FAILED) {
             why[o->e.code]++;
-            tell_failed(c, w->corpus, w->scan[k], o);
+            tell_failed(c, w->corpus, i, o);
         }
     }
     corpus_left_json(w->corpus, c->out);
@@ -362,12 +341,11 @@ static enum status enroll_all(struct folder *w, uint32_t *failed, uint32_t *n)
     const struct corpus *k = w->corpus;
     enum status st;
 
-    w->scan = calloc(k->nscan, sizeof *w->scan);
-    w->first = calloc((size_t)k->nsubject + 2, sizeof *w->first);
-    w->outcome = calloc(k->nscan, sizeof *w->outcome);
-    if (w->scan == NULL || w->first == NULL || w->outcome == NULL)
+    if ((w->outcome = calloc(k->nscan, sizeof *w->outcome)) == NULL)
         return errinfo_set(&w->c->e, ST_ENOMEM, "out of memory");
-    if ((*n = sort_scans(w)) == 0)
+    for (uint32_t i = 0; i < k->nscan; i++)
+        *n += wanted(w, &k->scan[i]);
+    if (*n == 0)
         return errinfo_set(&w->c->e, ST_ENOTFOUND, "%.120s has no scan of kind %.40s",
                            w->c->args[0], kind);
     st = pool_run("enroll", w->c->threads, w->c->model, k->nsubject, enroll_subject, w,
@@ -390,8 +368,6 @@ static enum status enroll_collection(struct ctl *c)
         st = errinfo_set(&c->e, ST_EINVAL, "%u of %u scans were not enrolled", failed,
                          n + corpus->nleft_scan);
     corpus_free(corpus);
-    free(w.scan);
-    free(w.first);
     free(w.outcome);
     return st;
 }

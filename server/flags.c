@@ -19,11 +19,11 @@ static void usage(void)
                 stdout);
     settings_help(options_table, OPTIONS_ROWS, stdout);
     (void)fputs(
-        "  --create            make the database and its key if neither exists\n"
-        "  --config FILE       read the settings from FILE (" OPTIONS_FILE ")\n"
-        "  --check-config      check the settings, and exit\n"
-        "  --print-config      print the settings as a file, and exit\n"
-        "  --help, --version   print this, or the version, and exit\n"
+        "  --create             make the database and its key if neither exists\n"
+        "  --config FILE        read the settings from FILE (" OPTIONS_FILE ")\n"
+        "  --check-config       check the settings, and exit\n"
+        "  --print-config       print the settings as a file, and exit\n"
+        "  --help, --version    print this, or the version, and exit\n"
         "\n"
         "The file has settings as NAME = VALUE, the environment as SURFACED_NAME:\n"
         "SURFACED_MAX_BODY=1M, SURFACED_NO_AUTH=1.  An option overrides the environment,\n"

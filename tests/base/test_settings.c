@@ -237,9 +237,9 @@ TEST(test_help)
     settings_help(table + LISTEN, 2, to);
     (void)fclose(to);
     assert_string_equal(out, "  --listen ADDRESS:PORT\n"
-                             "                      an address,\n"
-                             "                      or more (127.0.0.1:1)\n"
-                             "  --some-number N     n (4)\n");
+                             "                       an address,\n"
+                             "                       or more (127.0.0.1:1)\n"
+                             "  --some-number N      n (4)\n");
     free(out);
 }
 
