@@ -135,7 +135,7 @@ const char *command_rate(const char *text, void *value)
                                                     : "a rate above 0 and at most 0.5";
 }
 
-/* ---- what was typed */
+/* ---- the command line */
 
 void command_line_add(struct command_line *l, const struct command_option *o)
 {

@@ -17,12 +17,12 @@
 #define ZSTD_WINDOW_LOG 23        /* 8 MB: what RFC 9659 allows a sender */
 #define GZIP_WINDOW     (15 + 16) /* 32 KB, the gzip format alone */
 
-/* What has been unpacked.  size grows by doubling up to limit + 1: the byte beyond the
+/* The decompressed bytes.  size grows by doubling up to limit + 1: the byte beyond the
  * limit separates "just as long" from "longer", and holds the final 0. */
 struct sink {
     unsigned char *data;
     size_t len, size, limit;
-    const char *why; /* static: what is wrong with what was sent */
+    const char *why; /* reason of a failure; static */
 };
 
 /* Room for at least one more byte.  Returns ST_OK, ST_ESIZE, ST_ENOMEM. */
@@ -87,7 +87,7 @@ static enum status gunzip(const unsigned char *in, size_t len, struct sink *s)
 }
 
 /* Does a frame of RFC 8878 begin here, one with data or one to skip?  The library may also
- * know the formats that came before it; nobody needs those. */
+ * read the formats of older versions, which no client needs. */
 static bool frame_begins(const unsigned char *in, size_t len)
 {
     uint32_t magic;

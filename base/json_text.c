@@ -80,11 +80,11 @@ static enum status json_text_drop(struct json_points *points, enum status st)
     return st;
 }
 
-/* The points at the front of the array whose first byte after the bracket is p, which ends at end,
- * where a 0 is: [x, y, z] of three finite numbers each, correctly rounded in every locale.
- * *rest: where the array's remainder begins, which is for the parser: its closing bracket if all of it
- * was points; else the last of the points that came before something else, which is not in *out: a
- * parser that finds an error there finds it at the byte where it is in the whole document.
+/* The points at the front of the array whose first byte after the bracket is p, which ends at end
+ * with a 0: [x, y, z] of three finite numbers each, correctly rounded.
+ *   rest    begin of the remainder for the parser: the array's closing bracket if it has only points; else the
+ *           last point before another element, which is not in *out, so that the parser reports an error at
+ *           its byte in the document
  * Memory: at most 48 bytes a point, and no less than 1.5 KB.  On failure *out is empty; ST_ELIMIT: more
  * than max points. */
 static enum status json_text_read_points(const char *p, const char *end, size_t max,
@@ -163,7 +163,7 @@ enum status json_text_wrong(const char *p, size_t at, struct errinfo *e)
     return errinfo_set(e, ST_EINVAL, "not valid JSON at byte %zu", at);
 }
 
-/* Takes what is at *i, which moves to the last byte of it. */
+/* Takes the token at *i, and moves *i to its last byte. */
 static enum status take_token(struct json_text *t, bool *quoted, size_t *depth, size_t *i,
                               struct errinfo *e)
 {
@@ -179,7 +179,7 @@ static enum status take_token(struct json_text *t, bool *quoted, size_t *depth, 
     } else if (*quoted && *p == '\\') {
         if (strncmp(p, "\\u0000", 6) == 0)
             return errinfo_set(e, ST_EINVAL, "\\u0000 cannot be in a text");
-        ++*i; /* what is escaped, be it a quote; if that is the end, bytes[len] is 0 */
+        ++*i; /* the escaped byte, perhaps a quote; bytes[len] is 0 */
     } else if (number) {
         *i += strspn(p, "0123456789+-.eE") - 1;
     } else if (!*quoted) {

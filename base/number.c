@@ -17,7 +17,7 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-/* Read digits into *mantissa, whose value is lost where there are more than fit. */
+/* Reads digits into *mantissa, which overflows if they are more than WHOLE_DIGITS. */
 static const char *take_digits(const char *p, const char *end, uint64_t *mantissa)
 {
     for (; p < end && is_digit(*p); p++)
@@ -47,7 +47,7 @@ static const char *take_exponent(const char *p, const char *end, int64_t *value)
 }
 
 /* mantissa / 10^places, for 1 to WHOLE_DIGITS places.  The quotient has 64 bits or more;
- * with its lowest bit set where there is a remainder it rounds as the exact value does. */
+ * with its lowest bit set for a remainder it rounds like the exact value. */
 static double divide(uint64_t mantissa, int places)
 {
     __extension__ typedef unsigned __int128 wide;

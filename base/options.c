@@ -127,7 +127,8 @@ static bool are_origins(const char *list)
     }
 }
 
-/* Has a database's URL a password?  Before anything prints it; who opens it looks closer. */
+/* Returns true if a database's URL has a password, before anything prints it.  Opening it checks the URL
+ * in full. */
 static bool has_password(const char *url)
 {
     const char *user = strstr(url, "://");
@@ -144,7 +145,7 @@ static void check_together(struct options *o)
     struct settings *s = o->settings;
     const bool read = address_read(o->listen_text, &o->listen, &o->listen_len);
 
-    assert(read); /* it was checked when the value was taken */
+    assert(read); /* the value was checked when it was read */
     (void)read;
     if (o->db == NULL)
         settings_wrong(s,

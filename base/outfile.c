@@ -45,7 +45,7 @@ enum status outfile_may(const char *path, bool force, struct errinfo *e)
         return errinfo_set(e, ST_EINVAL, "%.160s: a folder, not a file: name a file",
                            path);
     if (lstat(path, &named) != 0)
-        return ST_OK; /* or the writing says why not */
+        return ST_OK; /* or writing it will report why not */
     if (stat(path, &there) == 0 && !S_ISREG(there.st_mode))
         return errinfo_set(e, ST_EEXISTS,
                            "%.160s: not a regular file, therefore not replaced", path);

@@ -20,7 +20,7 @@ struct pool {
 
     pthread_mutex_t lock;
     size_t next, done;
-    unsigned percent; /* that was shown last */
+    unsigned percent; /* percentage that was shown last */
     enum status st;
     struct errinfo e;
 };

@@ -26,10 +26,10 @@
 enum source { UNSET, DEFAULT, ENVIRONMENT, FLAG, IN_FILE };
 
 struct settings_one {
-    char *text; /* as given; NULL: unset */
-    char *path; /* of a credential; NULL: text is the path */
+    char *text; /* the value as text; NULL: unset */
+    char *path; /* path of a credential; NULL: text is the path */
     enum source source;
-    unsigned line; /* in the file */
+    unsigned line; /* line in the file */
 };
 
 struct settings {
@@ -178,8 +178,8 @@ static bool read_choice(const char *text, const char *words, unsigned *out)
     return false;
 }
 
-/* "credential:NAME": *out its path, to free; NULL for any other text.  Returns what is
- * wrong, or NULL. */
+/* Sets *out to the path that "credential:NAME" stands for, to be released by free(); NULL for any other text.
+ * Returns the error, or NULL. */
 static const char *find_credential(const char *text, char **out)
 {
     const char *dir = getenv("CREDENTIALS_DIRECTORY"), *name;
@@ -200,7 +200,7 @@ static const char *find_credential(const char *text, char **out)
     return NULL;
 }
 
-/* Says what is wrong with v->text, and finds v->path. */
+/* Checks v->text, reports an error in it, and finds v->path. */
 static bool check_value(struct settings *s, const struct setting *row,
                         struct settings_one *v)
 {
@@ -330,7 +330,7 @@ struct settings_reading {
     struct settings *s;
     FILE *in;
     unsigned line; /* the one that was read last */
-    bool broken;   /* it cannot be read on; the reason was reported */
+    bool broken;   /* true: reading has ended, and the reason was reported */
 };
 
 /* As fgets() for inih, but a line that is no line of text ends the reading.  inih asks

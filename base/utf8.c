@@ -8,7 +8,7 @@ size_t utf8_character(const char *text, size_t len)
     const unsigned char *s = (const unsigned char *)text;
     const unsigned c = s[0];
     /* What the second byte may be: less than 0x80-0xbf after the four first bytes that could
-     * begin an overlong form, a surrogate or what lies above U+10FFFF. */
+     * begin an overlong form, a surrogate or a number above U+10FFFF. */
     const unsigned lo = c == 0xe0 ? 0xa0 : c == 0xf0 ? 0x90 : 0x80;
     const unsigned hi = c == 0xed ? 0x9f : c == 0xf4 ? 0x8f : 0xbf;
     const size_t n = c < 0x80                 ? 1
@@ -39,7 +39,7 @@ static uint32_t number(const unsigned char *s)
 
 bool utf8_is_control(const char *s)
 {
-    /* the controls; soft hyphen; bidi marks, isolates and overrides; what has no width; line and
+    /* the controls; soft hyphen; bidi marks, isolates and overrides; characters without a width; line and
      * paragraph separator; tags */
     static const uint32_t range[][2] = {
         {0, 0x1f},        {0x7f, 0x9f},      {0xad, 0xad},     {0x61c, 0x61c},

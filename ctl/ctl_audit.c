@@ -24,7 +24,7 @@ static void hex_of(const void *bytes, size_t n, char *out)
     (void)sodium_bin2hex(out, 2 * n + 1, bytes, n);
 }
 
-/* Who it was about: a name, or a part of the uid of a subject that was erased. */
+/* Returns the id of the entry's subject, or the beginning of the uid of a subject that was erased. */
 static const char *who(const struct store_audit_entry *a, char out[16])
 {
     char hex[2 * LOG_UID + 1];

@@ -128,7 +128,7 @@ static enum status ctl_run_backup_restore(struct ctl *c)
 
 struct later {            /* of an export of the log */
     struct log_end after; /* the end of the database's own log */
-    bool has;             /* that change */
+    bool has;             /* true: the export has that change */
     bool full;            /* no memory for more */
     uint64_t to;          /* the last one */
     struct log_entry *list;
@@ -173,7 +173,7 @@ static enum status read_later(struct ctl *c, struct later *l)
     struct log_walk found;
     enum status st;
 
-    c->anchor = "none"; /* it names what is not there any more */
+    c->anchor = "none"; /* the anchor names a change that the server has lost */
     if ((st = ctl_model_open(c, STORE_READ)) != ST_OK ||
         (st = store_last_change(c->store, &l->after, &c->e)) != ST_OK)
         return st;
@@ -316,7 +316,7 @@ static enum status rekey(struct ctl *c)
     bool completed;
     enum status st;
 
-    c->passphrase = false; /* it is of the new key, not of how the database is opened */
+    c->passphrase = false; /* the option is for the new key */
     st = ctl_model_key(c, c->db, &key);
     c->passphrase = passphrase;
     if (st == ST_OK && (st = read_new(c, &to, &owned)) == ST_OK &&

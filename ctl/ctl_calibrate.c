@@ -25,7 +25,7 @@ struct result {
     struct ctl_cross cross;
     struct rates *rates;
     struct store_calibration k;
-    size_t pairs; /* of subjects that were compared, at least */
+    size_t pairs; /* pairs of subjects that were compared, at least */
     double fnmr, fnmr_low, fnmr_high;
     double shipped_fmr, shipped_fnmr; /* here, at the shipped threshold */
     size_t suspects;                  /* comparisons */
@@ -95,7 +95,7 @@ static enum status compare_all(struct ctl *c, struct result *r)
     return st;
 }
 
-/* The highest score: where no threshold keeps the rate, the interval ends there. */
+/* Returns the highest score: the interval ends there if no threshold keeps the rate. */
 static double highest(const struct ctl_cross *p)
 {
     double most = -(double)INFINITY;
@@ -146,7 +146,7 @@ static enum status learn(struct ctl *c, struct result *r)
 
 /* ---- printing */
 
-/* What is the same of a new one and of those in the list. */
+/* The members of a new calibration and of those in the list. */
 static void out_calibration(struct json *o, const struct store_calibration *k)
 {
     const struct surface_calibration *d = &k->table;

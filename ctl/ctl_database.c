@@ -100,7 +100,7 @@ const struct ctl_command ctl_database_check = {
 
 /* ---- stats, vacuum */
 
-/* Beside how many, where the middle one of their scores lies. */
+/* Prints the number of verifications of a day and a decision, and their median score. */
 static void say_day(struct ctl *c, const struct store_day *d)
 {
     uint64_t all = 0, below = 0;
@@ -183,7 +183,7 @@ const struct ctl_command ctl_database_stats = {
     .database = CTL_READS_DATABASE,
     .shared = CTL_MODEL,
     .run = stats,
-    .summary = "count what is in the database, and the scores of each day",
+    .summary = "count the contents of the database, and the scores of each day",
     .help =
         "Also the verifications of each of the last 180 days by decision and score. With --json\n"
         "also the calibration in force and the findings of doctor.",

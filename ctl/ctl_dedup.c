@@ -29,13 +29,13 @@ struct dedup {
     struct ctl_cross all;
     uint32_t alone; /* the subject that is compared with all others; or NOBODY */
 
-    struct store_calibration calibration; /* in force */
+    struct store_calibration calibration; /* the calibration in force */
     double threshold;
-    double pairs; /* of templates that are to be compared */
+    double pairs; /* pairs of templates to compare */
 
-    pthread_mutex_t lock; /* of what follows */
-    struct ctl_dedup_pair
-        *found; /* [nfound]; when done, of each two subjects the nearest */
+    pthread_mutex_t lock; /* protects the following members */
+    struct ctl_dedup_pair *
+        found; /* [nfound]; in the end the pair with the highest score of each two subjects */
     size_t nfound;
     uint64_t compared, inconclusive;
 };
@@ -92,8 +92,8 @@ static enum status ctl_dedup_keep(struct dedup *d, uint32_t a, uint32_t b, doubl
     return ST_OK;
 }
 
-/* Entry i into *f, which is NULL where the template was deleted since, or is of another engine
- * and no face to this one. */
+/* Loads the face of template i.  *f is NULL if the template was deleted since, or is of another engine and
+ * no face to this one. */
 static enum status ctl_dedup_load(const struct dedup *d, uint32_t i,
                                   struct surface_work *w, struct surface_face **f,
                                   struct errinfo *e)
@@ -257,8 +257,8 @@ static int by_score(const void *p, const void *q)
                                 : by_subjects(p, q);
 }
 
-/* Keeps the highest score of each two subjects, the highest of all first: the same list in
- * whatever order they came.  Returns how many are left. */
+/* Keeps the highest score of each two subjects, the highest of all first: the list does
+ * not depend on the order of the pairs.  Returns how many are left. */
 static size_t sort_pairs(struct ctl_dedup_pair *pair, size_t n)
 {
     size_t kept = 0;

@@ -1,4 +1,4 @@
-/* Devices: scanners that sign what they capture, by their public keys. */
+/* Devices: scanners that sign their captures, with their public keys. */
 #include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>

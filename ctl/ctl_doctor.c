@@ -1,4 +1,4 @@
-/* doctor: what is wrong around a database, and what to do.  Nothing is changed. */
+/* doctor: problems around a database, and advice.  Nothing is changed. */
 #include <limits.h>
 #include <math.h>
 #include <pwd.h>
@@ -41,8 +41,8 @@ static void ctl_doctor_tell(void *arg, const struct finding *f)
 
 /* ---- files */
 
-/* What to do where this user may not use the file: run this as the database's owner, if the file is that
- * owner's; to chown it would take it from the daemon. */
+/* Returns the advice for a file that this user may not use: to run the command as the database's owner, if that
+ * user owns the file.  chown would take the file from the daemon. */
 static const char *as_owner(const struct doctor *d, const char *path,
                             const char *otherwise, char text[200])
 {
@@ -97,7 +97,7 @@ static void look_at_folder(struct doctor *d)
         return;
     if ((sb.st_mode & 022) != 0 && (sb.st_mode & STICKY) == 0)
         say(d, FINDINGS_ERROR, "folder", "chmod go-w FOLDER",
-            "others may replace files in %s (mode %03o)", dir,
+            "other users can replace files in %s (mode %03o)", dir,
             (unsigned)sb.st_mode & 0777);
     else if (access(dir, W_OK | X_OK) != 0)
         say(d, FINDINGS_ERROR, "folder",
@@ -186,7 +186,7 @@ static bool look_at_server(struct doctor *d)
             is.local ? "a socket on this machine" : "encrypted by TLS");
     if (!is.keeps)
         say(d, FINDINGS_ERROR, "server", "fsync = on and full_page_writes = on",
-            "a power failure takes back what was committed, and may destroy the rest");
+            "a power failure undoes commits, and may destroy the database");
     else
         say(d, FINDINGS_OK, "server", "",
             is.waits ? "a commit is on its disk, and on a standby"
@@ -206,7 +206,7 @@ static bool look_at_server(struct doctor *d)
     return true;
 }
 
-/* ---- what is in them */
+/* ---- contents */
 
 /* What to do about an error that says nothing of the database itself. */
 static const char *advice_on(enum status st)
@@ -239,7 +239,7 @@ static bool look_at_schema(struct doctor *d)
     return st == ST_OK;
 }
 
-/* Does a key's file, or for NULL what is usual, open the database? */
+/* Opens the database with the key in the file; NULL: the usual file. */
 static enum status try_key(struct doctor *d, const char *path, struct errinfo *e)
 {
     const struct store_key key = {
@@ -270,7 +270,7 @@ static void look_at_next(struct doctor *d)
             "rekey was interrupted: the key is %s", next);
     else if (left == ADMIN_LEFT_UNKNOWN)
         say(d, FINDINGS_ERROR, "key", "keep it, but move it away",
-            "%s is not this database's key, and may be another's", next);
+            "%s is not the key of this database, and may be the key of another", next);
     else if (left == ADMIN_LEFT_USELESS)
         say(d, FINDINGS_WARNING, "key", "surfacectl rekey removes it",
             "%s was left by a rekey that did not finish, and opens nothing here", next);
@@ -367,7 +367,7 @@ static struct store *look_at_anchor(struct doctor *d)
     return s;
 }
 
-/* Are the rows those of the last change, as the daemon looks when it starts? */
+/* Verifies the rows against the last change, as the daemon does when it starts. */
 static void look_at_state(struct doctor *d, struct store *s)
 {
     struct log_end end;
@@ -381,10 +381,9 @@ static void look_at_state(struct doctor *d, struct store *s)
             (unsigned long long)end.seq);
     else
         say(d, FINDINGS_ERROR, "state",
-            st == ST_EREFUSED
-                ? "surfacectl check-database lists what is wrong; restore a "
-                  "backup from before"
-                : advice_on(st),
+            st == ST_EREFUSED ? "surfacectl check-database lists the problems; restore a "
+                                "backup from before"
+                              : advice_on(st),
             "%s", e.msg);
 }
 
@@ -419,7 +418,7 @@ const struct ctl_command ctl_doctor = {
     .shared = CTL_MODEL,
     .exits = {"no error was found", "errors were found"},
     .run = ctl_doctor_run,
-    .summary = "find what is wrong with a database and its files",
+    .summary = "find problems with a database and its files",
     .help =
         "Checks permissions, key, anchor, schema, WAL, disk space, rows, templates and tokens,\n"
         "and says what to do. Nothing is changed.",

@@ -1,5 +1,5 @@
 /* enroll: the files of a subject; or a folder or a table of many subjects' scans (corpus.h), on
- * all cores: started again, it goes on where it was. */
+ * all cores: the next run continues an interrupted one. */
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,11 +22,11 @@ static const char *label, *kind; /* --label, --kind */
 
 /* The scans of a subject that are enrolled together. */
 struct burst {
-    struct ctl_session files; /* and, fused, the session */
+    struct ctl_session files; /* the files and the session */
     struct surface_face *face[ENROLMENT_SAMPLES];
     struct sample_found found[ENROLMENT_SAMPLES];
     struct enrolment_result each[ENROLMENT_SAMPLES];
-    size_t n; /* of face, found and each: of the files, or 1, fused */
+    size_t n; /* number of faces: that of the files, or 1 for a fused session */
 };
 
 /* ---- enrolling them */
@@ -160,8 +160,6 @@ struct folder {
     struct outcome *outcome; /* [corpus->nscan] */
 };
 
-/* ---- what is enrolled */
-
 static bool wanted(const struct folder *w, const struct corpus_scan *scan)
 {
     return kind == NULL || strcmp(w->corpus->kind[scan->kind], kind) == 0;
@@ -169,7 +167,7 @@ static bool wanted(const struct folder *w, const struct corpus_scan *scan)
 
 /* ---- one subject after the other */
 
-/* Has the subject this very cloud?  Nobody of that id: no. */
+/* Sets *there to true if a template of the subject has this face. */
 static enum status is_there(struct ctl *c, const char *subject,
                             const struct surface_face *f, bool *there)
 {
@@ -249,7 +247,7 @@ static enum status enroll_subject(void *arg, size_t i, struct surface_work *work
                                   struct errinfo *e)
 {
     const struct folder *w = arg;
-    struct ctl mine = *w->c; /* with an errinfo of its own */
+    struct ctl mine = *w->c; /* a copy for its errinfo */
     struct surface_face *f = NULL;
     enum status st = ST_OK;
 
@@ -275,7 +273,7 @@ static void tell_failed(struct ctl *c, const struct corpus *k, uint32_t i,
     (void)fprintf(stderr, "surfacectl: %s\n", o->e.msg);
 }
 
-/* How many were not taken for which reason: the statuses, then those of corpus.c. */
+/* Prints the number of scans that were not enrolled for each reason: statuses, then reasons of corpus.c. */
 static void tell_reasons(struct ctl *c, const uint32_t why[ST_COUNT],
                          const struct corpus *k)
 {

@@ -1,4 +1,4 @@
-/* subject erase, template delete, purge: what is stored of a subject, deleted. */
+/* subject erase, template delete, purge: deletion of subjects and templates. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,7 +7,7 @@
 #include "ctl_command.h"
 
 /* What --dry-run prints of a deletion: the number of templates that would be deleted; it
- * fails where a hold forbids that.  what: "deletes ...". */
+ * fails if the subject is on hold.  what: "deletes ...". */
 static enum status would_erase(struct ctl *c, const struct store_subject *one,
                                uint32_t templates, const char *what)
 {

@@ -16,7 +16,8 @@ struct explanation {
     struct templates_nearest best;
     struct surface_disparity minimal; /* against the template that decides, weighed */
     struct surface_parts parts;
-    const struct store_template *stored; /* that decides; of templates, as tmpl */
+    const struct store_template
+        *stored; /* template that decides; belongs to templates, like tmpl */
     const struct surface_face *tmpl;
     struct surface_face *probe;
 };
@@ -58,7 +59,7 @@ static enum status ctl_explain_compare(struct ctl *c, struct templates_context *
                        templates_decision(x->best.result.decision), &c->e);
 }
 
-/* Why the decision is what it is, in a sentence. */
+/* Returns the reason of the decision. */
 static const char *reason(const struct surface_comparison *r)
 {
     return r->decision == SURFACE_MATCH ? "the score reaches the threshold"

@@ -106,7 +106,7 @@ enum status ctl_model_key(struct ctl *c, const char *db, struct store_key *key)
         else if (st != ST_OK && c->passphrase)
             st = ctl_model_new_key(c, "--key", &c->asked);
         else
-            st = ST_OK; /* opening the database will report what is wrong with it */
+            st = ST_OK; /* opening the database will report the problem */
         if (st != ST_OK)
             return st;
     }

@@ -1,4 +1,4 @@
-/* surfacectl scan: what is found in scans, and what would be done with them. */
+/* surfacectl scan: the faces in scans, and whether they can be enrolled and verified. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

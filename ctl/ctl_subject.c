@@ -114,7 +114,7 @@ static enum status ctl_subject_tell(struct ctl *c, const char *id, const char *d
     return ST_OK;
 }
 
-/* The text of --expires: NULL where it is not given. */
+/* Returns the text of --expires; NULL: not given. */
 static const char *expiry(const struct ctl *c, char text[UTC_TEXT])
 {
     if (!c->expires.given)
@@ -306,7 +306,7 @@ const struct ctl_command ctl_subject_set = {
     ONE_SUBJECT(CTL_NEEDS_DATABASE),
     .shared = CTL_EXPIRES,
     .options = {CTL_OPTION("consent", "TEXT", command_text, &consent,
-                           "where the consent is: a number, a file; '' for none"),
+                           "place of the consent: a number, a file; '' for none"),
                 CTL_OPTION("purpose", "TEXT", command_text, &purpose,
                            "what the consent is for; '' for none")},
     .run = set,

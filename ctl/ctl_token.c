@@ -10,7 +10,7 @@
 static unsigned scopes; /* --scope; 0: not given */
 static int64_t grace_s; /* --grace */
 
-/* The secret on standard output, alone, for $(...); what is said of it elsewhere. */
+/* Prints the secret alone on standard output, for $(...), and its description on standard error. */
 static void out_secret(struct ctl *c, const struct store_token *t, const char *secret)
 {
     char list[STORE_SCOPES_MAX];
@@ -25,7 +25,7 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
     (void)printf("%s\n", secret);
 }
 
-/* A token that may do everything, or for ever, is one that somebody asked for. */
+/* All scopes, or no end, have to be asked for. */
 static enum status ctl_run_token_create(struct ctl *c)
 {
     struct store_token t;

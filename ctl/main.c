@@ -38,7 +38,7 @@ static bool read_options(int argc, char **argv, struct line *l)
     return command_line_read(&l->typed, argc, argv, &l->c.e);
 }
 
-/* What was given, into the places that the command's options have. */
+/* Reads the values into the variables of the command's options. */
 static bool ctl_read_values(struct line *l)
 {
     const unsigned shared = ctl_table_options(l->cmd);
@@ -55,7 +55,7 @@ static bool ctl_read_values(struct line *l)
 
 /* ---- the command */
 
-/* Reports that the words name no command; of a group it lists the verbs. */
+/* Reports that the words name no command, and lists the verbs if they name a group. */
 static bool no_command(struct line *l, const char *word)
 {
     char list[160] = "";
@@ -144,7 +144,8 @@ int main(int argc, char **argv)
         return command_end("surfacectl", NULL, false, &c->e, EXIT_FINE);
     }
     ok = ok && ctl_model_find(c) == ST_OK;
-    c->json = command_line_given(&l.typed, "json"); /* of a wrong command line too */
+    c->json =
+        command_line_given(&l.typed, "json"); /* also if the command line is wrong */
     if (c->json && (c->out = json_new()) == NULL) {
         (void)fprintf(stderr, "surfacectl: out of memory\n");
         return EXIT_OSERR;
