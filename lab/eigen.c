@@ -1,6 +1,7 @@
 #include "eigen.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -165,6 +166,13 @@ static void swap(double *x, double *y, uint32_t n)
     }
 }
 
+void eigen_transpose(double *a, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; i++)
+        for (uint32_t k = 0; k < i; k++)
+            swap(&a[(size_t)i * n + k], &a[(size_t)k * n + i], 1);
+}
+
 /* The values falling, with their rows, each row with its sign. */
 static void arrange(double *d, double *row, uint32_t n)
 {
@@ -204,33 +212,11 @@ enum status eigen_symmetric(double *a, uint32_t n, double *value)
     for (size_t i = 0; i < all && largest > 0; i++)
         a[i] /= largest; /* squares neither overflow nor vanish */
     tridiagonal(a, n, value, room, room + n);
-    for (uint32_t i = 0; i < n; i++) /* columns of Q as rows */
-        for (uint32_t k = 0; k < i; k++)
-            swap(&a[(size_t)i * n + k], &a[(size_t)k * n + i], 1);
+    eigen_transpose(a, n); /* columns of Q as rows */
     done = ql(value, room, n, a);
     free(room);
     arrange(value, a, n);
     for (uint32_t i = 0; i < n; i++)
         value[i] *= largest;
     return done ? ST_OK : ST_EINTERNAL;
-}
-
-bool eigen_cholesky(double *a, uint32_t n)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        double *row = a + (size_t)i * n;
-
-        for (uint32_t k = 0; k <= i; k++) {
-            const double *other = a + (size_t)k * n;
-            const double s = row[k] - eigen_dot(row, other, k);
-
-            if (k < i)
-                row[k] = s / other[k];
-            else if (s > 0 && isfinite(s))
-                row[k] = sqrt(s);
-            else
-                return false;
-        }
-    }
-    return true;
 }

@@ -5,7 +5,6 @@
  * the same digits with every compiler. */
 #ifndef LAB_EIGEN_H
 #define LAB_EIGEN_H
-#include <stdbool.h>
 #include <stdint.h>
 #include "status.h"
 
@@ -16,9 +15,8 @@
  * Returns ST_OK; ST_EINVAL: an entry is not finite; ST_EINTERNAL: QL does not converge; ST_ENOMEM. */
 enum status eigen_symmetric(double *a, uint32_t n, double *value);
 
-/* eigen_cholesky(a, n): Replaces the lower triangle of a, [n][n], by L with L L' = a; neither reads nor writes
- * the rest.  Returns false if a is not positive definite. */
-bool eigen_cholesky(double *a, uint32_t n);
+/* eigen_transpose(a, n): Transposes a, [n][n]. */
+void eigen_transpose(double *a, uint32_t n);
 
 /* eigen_add(y, by, x, n): Adds by x to y. */
 void eigen_add(double *restrict y, double by, const double *restrict x, uint32_t n);

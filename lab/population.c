@@ -255,7 +255,7 @@ static enum status put_identity(const struct population *p, struct spread *noise
         return st;
     spread_back(noise, mode, k);
     put_modes(p, mode, k, &m->identity);
-    spread_release(mode, k);
+    free(mode->pattern);
     return ST_OK;
 }
 
@@ -273,7 +273,7 @@ static enum status put_change(const struct population *p, struct surface_model *
     put_modes(p, mode, k, &m->change);
     put_rest(p, left, 0, &m->change);
     st = besides(p, mode, k, left, &noise);
-    spread_release(mode, k);
+    free(mode->pattern);
     if (st == ST_OK)
         st = put_identity(p, &noise, m);
     spread_free(&noise);
@@ -291,7 +291,7 @@ static enum status put_shape(const struct population *p, struct surface_model *m
         return st;
     put_modes(p, mode, k, &m->shape);
     put_rest(p, left, SHAPE_MM, &m->shape);
-    spread_release(mode, k);
+    free(mode->pattern);
     for (uint32_t i = 0; i < GRID_N; i++) { /* gaps to heights */
         const float over = p->normal_z[i] > 0.0f ? 1.0f / p->normal_z[i] : 0.0f;
 

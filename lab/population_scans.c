@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "eigen.h"
+#include "lsq.h"
 
 #define HALF_WEIGHT 200.0 /* subjects */
 #define FAR_MM      12.0f
@@ -30,20 +30,12 @@ static bool solve_motion(const struct population *p, const float gap[GRID_N],
 
             x[k] += m * (double)gap[i];
             for (uint32_t l = 0; l <= k; l++)
-                h[k * n + l] += m * (double)p->motion[l][i];
+                h[l * n + k] += m * (double)p->motion[l][i];
         }
-    if (!eigen_cholesky(h, n))
+    if (!lsq_factor(h, n, n, n))
         return false;
-    for (uint32_t k = 0; k < n; k++) {
-        for (uint32_t l = 0; l < k; l++)
-            x[k] -= h[k * n + l] * x[l];
-        x[k] /= h[k * n + k];
-    }
-    for (uint32_t k = n; k-- > 0;) {
-        for (uint32_t l = k + 1; l < n; l++)
-            x[k] -= h[l * n + k] * x[l];
-        x[k] /= h[k * n + k];
-    }
+    lsq_forward(h, n, n, n, x);
+    lsq_backward(h, n, n, x);
     return true;
 }
 

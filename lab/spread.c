@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "eigen.h"
+#include "lsq.h"
 
 #define HALF_ROOT 0.70710678118654752 /* 1 / sqrt 2 */
 
@@ -134,24 +135,13 @@ static int by_variance(const void *a, const void *b)
     return x->pattern < y->pattern ? -1 : 1; /* of one block: in its order */
 }
 
-static bool spread_keep(struct spread_mode *mode, uint32_t n)
-{
-    double *own = malloc(n * sizeof *own);
-
-    if (own == NULL)
-        return false;
-    memcpy(own, mode->pattern, n * sizeof *own);
-    mode->pattern = own;
-    return true;
-}
-
 enum status spread_lead(struct spread *s, uint32_t k, struct spread_mode *mode)
 {
     const uint32_t n = s->n;
     double *value = calloc(n + (size_t)1, sizeof *value);
     struct spread_mode *all = calloc(2 * (size_t)n + 1, sizeof *all);
-    enum status st = value != NULL && all != NULL ? ST_OK : ST_ENOMEM;
-    uint32_t kept = 0;
+    double *own = calloc(k * (size_t)n + 1, sizeof *own);
+    enum status st = value != NULL && all != NULL && own != NULL ? ST_OK : ST_ENOMEM;
 
     for (int b = 0; st == ST_OK && b < 2; b++) {
         st = eigen_symmetric(s->block[b], n, value);
@@ -163,25 +153,17 @@ enum status spread_lead(struct spread *s, uint32_t k, struct spread_mode *mode)
         st = ST_EINVAL;
     if (st == ST_OK)
         qsort(all, 2 * (size_t)n, sizeof *all, by_variance);
-    for (; st == ST_OK && kept < k; kept++) {
-        mode[kept] = all[kept];
-        if (!spread_keep(&mode[kept], n)) {
-            spread_release(mode, kept);
-            st = ST_ENOMEM;
-        }
+    for (uint32_t i = 0; st == ST_OK && i < k; i++) {
+        mode[i] = all[i];
+        mode[i].pattern = own + (size_t)i * n;
+        memcpy(mode[i].pattern, all[i].pattern, n * sizeof *own);
     }
+    if (st != ST_OK)
+        free(own);
     free(value);
     free(all);
     spread_free(s);
     return st;
-}
-
-void spread_release(struct spread_mode *mode, uint32_t k)
-{
-    for (uint32_t i = 0; i < k; i++) {
-        free(mode[i].pattern);
-        mode[i].pattern = NULL;
-    }
 }
 
 /* ---- against noise */
@@ -199,24 +181,14 @@ static void solve_rows(const double *l, double *m, uint32_t n)
     }
 }
 
-static void transpose(double *m, uint32_t n)
-{
-    for (uint32_t i = 0; i < n; i++)
-        for (uint32_t k = 0; k < i; k++) {
-            const double t = m[(size_t)i * n + k];
-
-            m[(size_t)i * n + k] = m[(size_t)k * n + i];
-            m[(size_t)k * n + i] = t;
-        }
-}
-
 enum status spread_against(struct spread *s, struct spread *noise)
 {
     for (int b = 0; b < 2; b++) {
-        if (!eigen_cholesky(noise->block[b], s->n))
+        if (!lsq_factor(noise->block[b], s->n, s->n, s->n))
             return ST_EINVAL;
+        eigen_transpose(noise->block[b], s->n); /* L by rows */
         solve_rows(noise->block[b], s->block[b], s->n);
-        transpose(s->block[b], s->n);
+        eigen_transpose(s->block[b], s->n);
         solve_rows(noise->block[b], s->block[b], s->n);
     }
     return ST_OK;

@@ -57,10 +57,9 @@ double spread_variance(const struct spread *s, uint32_t i);
 void spread_remove(struct spread *s, bool odd, double *x, uint32_t n);
 
 /* spread_lead(s, k, mode): Finds the k modes of the largest variance, falling.  s becomes empty.
- *   mode  patterns, to be released by spread_release(mode, k)
+ *   mode  patterns in one block, to be released by free(mode->pattern)
  * Returns ST_OK; ST_EINVAL: k exceeds the number of modes, or a number is not finite; ST_ENOMEM. */
 enum status spread_lead(struct spread *s, uint32_t k, struct spread_mode *mode);
-void spread_release(struct spread_mode *mode, uint32_t k);
 
 /* spread_against(s, noise): Changes to coordinates in which noise is the identity: s becomes L^-1 s L'^-1, with
  * L L' = noise.  The lower triangles of noise become L.  Cost: O(n^3).

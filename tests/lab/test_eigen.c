@@ -93,28 +93,3 @@ TEST(test_not_finite)
         assert_int_equal(eigen_symmetric(a, 3, value), ST_EINVAL);
     }
 }
-
-TEST(test_cholesky)
-{
-    uint64_t random = 3;
-    double m[] = {4, 99, 2, 5}, bad[] = {1, 0, 2, 1}, nan[] = {(double)NAN};
-    double low[10 * 10] = {0}, product[10 * 10] = {0};
-
-    assert_true(eigen_cholesky(m, 2));
-    assert_true(m[0] >= 2 && m[0] <= 2 && m[1] >= 99 && m[2] >= 1 && m[2] <= 1 &&
-                m[3] >= 2 && m[3] <= 2);
-    assert_false(eigen_cholesky(bad, 2));
-    assert_false(eigen_cholesky(nan, 1));
-    for (int i = 0; i < 10; i++)
-        for (int k = 0; k <= i; k++)
-            low[i * 10 + k] =
-                i == k ? 2 + random_number(&random) : random_number(&random);
-    for (int i = 0; i < 10; i++)
-        for (int k = 0; k < 10; k++)
-            for (int j = 0; j < 10; j++)
-                product[i * 10 + k] += low[i * 10 + j] * low[k * 10 + j];
-    assert_true(eigen_cholesky(product, 10));
-    for (int i = 0; i < 10; i++)
-        for (int k = 0; k <= i; k++)
-            assert_true(fabs(product[i * 10 + k] - low[i * 10 + k]) < 1e-12);
-}
