@@ -64,22 +64,12 @@ is "a folder of all of them" "$(said '[.scans, .enrolled, .present, .failed, .le
     '16,15,1,0,0'
 
 # ---- the scale of a depth image, and its camera
-for scale in 10000 0.0001 0.1; do
-    send POST "/v1/subjects/alice/verify?$camera$scale" 'Content-Type: image/png' "$T/in/depth.png"
-    is "depth_scale=$scale" "$STATUS $(get .decision)" "200 match"
-done
 send POST /v1/subjects/alice/verify 'Content-Type: image/png' "$T/in/depth.png"
 problem "without a camera" 400 malformed 'fx, fy, cx and cy'
 send POST "/v1/subjects/alice/verify?fx=600&fy=600&cx=119" "$BYTES" "$T/in/depth.png"
 problem "without cy" 400 malformed 'fx, fy, cx and cy'
-send POST "/v1/subjects/alice/verify?${camera}10000" "$BYTES" "$T/in/values.raw"
-problem "values alone, of no size" 400 malformed 'not a scan in a format that is read'
 send POST "/v1/subjects/alice/verify?${camera}10000&width=320&height=241" "$BYTES" "$T/in/values.raw"
 problem "of another size" 400 malformed '320 x 241 pixels of 16 bits take 154240 bytes'
-send POST "/v1/subjects/alice/verify?width=240&height=320" "$BYTES" "$T/in/values.raw"
-problem "of no camera" 400 malformed 'fx, fy, cx and cy'
-send POST "/v1/subjects/alice/verify?${camera}10000&width=240&height=320" "$BYTES" "$T/in/depth.png"
-problem "PNG as values alone" 400 malformed 'this is PNG, not RAW as declared'
 send POST "/v1/subjects/alice/verify?${camera}10000&width=240&height=320" 'Content-Type: image/png' \
     "$T/in/depth.png"
 is "PNG that says so" "$STATUS $(get .scan.format)" "200 png"
