@@ -28,22 +28,23 @@ static void print_result(struct ctl *c, const struct describe_comparison *x)
     (void)printf("time         %.1f ms\n", x->times->total);
 }
 
-/* Compares probe.  Anyone who has the database is not locked out of it: attempts are not counted. */
+/* Compares probe.  Failed attempts are not counted: anyone who has the database could compare without them. */
 static enum status ctl_verify_run(struct ctl *c, struct session *probe,
-                                  struct verify_request *r)
+                                  const struct verify_request *of)
 {
     const double start = command_clock_ms();
     struct templates_context with = ctl_face_context(c, c->work);
     struct describe_comparison x;
     struct surface_face *face = NULL;
+    struct verify_request r = *of;
     struct verification v;
     enum status st;
 
-    r->probe = probe;
-    r->face = &face;
-    r->detail = VERIFY_MEASURE;
-    r->scores = true;
-    st = verify_run(&with, r, &v, &c->e);
+    r.probe = probe;
+    r.face = &face;
+    r.detail = VERIFY_MEASURE;
+    r.scores = true;
+    st = verify_run(&with, &r, &v, &c->e);
     ctl_face_passed_over(&v.templates);
     if (probe->files)
         ctl_session_tell(probe);
@@ -54,11 +55,11 @@ static enum status ctl_verify_run(struct ctl *c, struct session *probe,
         c->code = ctl_face_exit(v.best.result.decision);
         print_result(c, &x);
     }
-    if (st == ST_OK && r->other == NULL) {
+    if (st == ST_OK && r.other == NULL) {
         const struct store_template *t = &v.templates.of.t[v.best.index];
 
         ctl_say(c, "template     %s (the nearest of %u of %s, enrolled %s)\n", t->id,
-                v.best.compared, r->of.subject, t->created);
+                v.best.compared, r.of.subject, t->created);
     }
     verify_free(&v);
     surface_face_free(face);

@@ -182,7 +182,7 @@ wrong 13 "/$C,\"seq\":13,/s/.*/&\n&/"
 wrong 2 "/$A,\"seq\":2,/s/no_match/match/"
 wrong 2 "/$A,\"seq\":2,/{h;d};/$A,\"seq\":3,/G"
 wrong 1 "/$A/d"
-wrong 1 '2,$d'
+wrong 1 "2,\$d"
 wrong 4 "/$C,\"seq\":13,/h;\$G"
 for line in nonsense '{}' '{"log":"changes"}'; do
     wrong 4 "\$s/\$/\n$line/"
