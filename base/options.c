@@ -184,16 +184,11 @@ static void check_together(struct options *o)
             "proxy or tunnel encrypts");
 }
 
-static void one_worker_per_core(struct settings *s)
+static unsigned one_per_core(void)
 {
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    char text[24];
 
-    (void)snprintf(text, sizeof text, "%ld",
-                   cores < 1             ? 1
-                   : cores > MAX_WORKERS ? MAX_WORKERS
-                                         : cores);
-    settings_default(s, "workers", text);
+    return cores < 1 ? 1 : cores > MAX_WORKERS ? MAX_WORKERS : (unsigned)cores;
 }
 
 void options_load(struct options *o, const char *config,
@@ -202,7 +197,6 @@ void options_load(struct options *o, const char *config,
     const char *env = getenv("SURFACED_CONFIG");
     struct settings *s = o->settings;
 
-    one_worker_per_core(s);
     if (config != NULL)
         settings_file(s, config, false);
     else if (env != NULL && *env != '\0')
@@ -216,6 +210,8 @@ void options_load(struct options *o, const char *config,
     if (settings_problems(s) > 0)
         return;
     settings_fill(s, o);
+    if (o->workers == 0)
+        o->workers = one_per_core();
     check_together(o);
 }
 

@@ -52,17 +52,16 @@ static void env_name(const struct setting *row, char out[NAME_MAX_BYTES])
         *out = *out == '-' ? '_' : (char)toupper((unsigned char)*out);
 }
 
-/* One line on the stream.  It goes to a terminal and contains text from outside: control
- * characters become '?'. */
-__attribute__((format(printf, 3, 0))) static void
-report(struct settings *s, const char *where, const char *fmt, va_list ap)
+/* The stream is a terminal, and the line contains text from outside: control characters become '?'. */
+void settings_wrong(struct settings *s, const char *fmt, ...)
 {
-    char text[REPORT_MAX];
+    char text[2 * REPORT_MAX];
+    va_list ap;
 
+    va_start(ap, fmt);
     (void)vsnprintf(text, sizeof text, fmt, ap);
+    va_end(ap);
     (void)fputs("surfaced: ", s->errors);
-    for (const char *c = where; *c != '\0'; c++)
-        (void)fputc(iscntrl((unsigned char)*c) ? '?' : *c, s->errors);
     for (const char *c = text; *c != '\0'; c++)
         (void)fputc(iscntrl((unsigned char)*c) ? '?' : *c, s->errors);
     (void)fputc('\n', s->errors);
@@ -77,7 +76,7 @@ __attribute__((format(printf, 4, 5))) static void bad_value(struct settings *s,
                                                             const char *fmt, ...)
 {
     const char *text = v->text != NULL ? v->text : "";
-    char where[REPORT_MAX], name[NAME_MAX_BYTES];
+    char where[REPORT_MAX], name[NAME_MAX_BYTES], why[REPORT_MAX];
     va_list ap;
 
     if (v->source == IN_FILE) {
@@ -90,20 +89,21 @@ __attribute__((format(printf, 4, 5))) static void bad_value(struct settings *s,
         (void)snprintf(where, sizeof where, "--%s %s: ", row->name, text);
     }
     va_start(ap, fmt);
-    report(s, where, fmt, ap);
+    (void)vsnprintf(why, sizeof why, fmt, ap);
     va_end(ap);
+    settings_wrong(s, "%s%s", where, why);
 }
 
 __attribute__((format(printf, 3, 4))) static void
 bad_line(struct settings *s, unsigned line, const char *fmt, ...)
 {
-    char where[REPORT_MAX];
+    char why[REPORT_MAX];
     va_list ap;
 
-    (void)snprintf(where, sizeof where, "%s:%u: ", s->file, line);
     va_start(ap, fmt);
-    report(s, where, fmt, ap);
+    (void)vsnprintf(why, sizeof why, fmt, ap);
     va_end(ap);
+    settings_wrong(s, "%s:%u: %s", s->file, line, why);
 }
 
 static size_t row_of(const struct settings *s, const char *name)
@@ -113,15 +113,6 @@ static size_t row_of(const struct settings *s, const char *name)
     while (i < s->n && strcmp(s->table[i].name, name) != 0)
         i++;
     return i;
-}
-
-void settings_wrong(struct settings *s, const char *fmt, ...)
-{
-    va_list ap;
-
-    va_start(ap, fmt);
-    report(s, "", fmt, ap);
-    va_end(ap);
 }
 
 void settings_wrong_value(struct settings *s, const char *name, const char *why)
@@ -297,14 +288,6 @@ void settings_free(struct settings *s)
     }
     free(s->file);
     free(s);
-}
-
-void settings_default(struct settings *s, const char *name, const char *text)
-{
-    const size_t i = row_of(s, name);
-
-    assert(i < s->n);
-    take_value(s, i, DEFAULT, 0, text);
 }
 
 void settings_flag(struct settings *s, size_t row, const char *text)

@@ -45,10 +45,6 @@ bool settings_new(const struct setting *table, size_t n, FILE *errors,
 /* settings_free(s): Releases s with its values; NULL is allowed. */
 void settings_free(struct settings *s);
 
-/* settings_default(s, name, text): Sets a default that the table cannot contain.  The caller calls it before
- * it reads a source. */
-void settings_default(struct settings *s, const char *name, const char *text);
-
 /* settings_read(s, in, name): Reads an INI file: "name = value", comments from # or ; at the start of a line,
  * no section or [surfaced], lines of at most 4,000 bytes.  Reports a read error, a malformed line, an unknown
  * name or section, a setting that is given twice, and a bad value.

@@ -97,7 +97,6 @@ TEST(test_strength)
     size_t len;
     FILE *to = open_memstream(&out, &len);
 
-    settings_default(s, "text", "guessed");
     read_text("some-number = 5\nbytes = 1\nlog = json\n");
     assert_int_equal(setenv("SURFACED_BYTES", "2", 1), 0);
     assert_int_equal(setenv("SURFACED_SOME_NUMBER", "6", 1), 0);
@@ -113,7 +112,7 @@ TEST(test_strength)
     assert_int_equal(a.choice, 1);
     settings_print(s, to);
     (void)fclose(to);
-    assert_string_equal(out, "# default\ntext = guessed\n"
+    assert_string_equal(out, "# not set\n#text =\n"
                              "# not set\n#key =\n"
                              "# not set\n#db =\n"
                              "# default\nlisten = 127.0.0.1:1\n"
