@@ -8,8 +8,6 @@
 #include <string.h>
 #include <time.h>
 
-#include "delaunay.h"
-#include "mem.h"
 #include "peers.h"
 #include "select.h"
 
@@ -95,72 +93,6 @@ void timing_must(enum status st)
         return;
     (void)fprintf(stderr, "bench: %s\n", status_message(st));
     exit(1);
-}
-
-void *timing_graph(const struct peers *peers, const struct mesh *m)
-{
-    uint32_t(*edges)[2] = timing_alloc(3 * (size_t)m->nv, sizeof *edges);
-    double *length = timing_alloc(3 * (size_t)m->nv, sizeof *length);
-    void *graph;
-    size_t n = 0;
-
-    for (uint32_t h = 0; h < 3 * m->nt; h++) {
-        const uint32_t u = m->org[h], v = mesh_dest(m, h);
-
-        if (u >= m->nv || v >= m->nv || u > v)
-            continue;
-        edges[n][0] = u;
-        edges[n][1] = v;
-        length[n++] = hypot(m->xy[u].x - m->xy[v].x, m->xy[u].y - m->xy[v].y);
-    }
-    graph = peers->graph(m->nv, (const uint32_t(*)[2])edges, length, n);
-    free(edges);
-    free(length);
-    return graph;
-}
-
-size_t timing_triangulation(const struct peers *peers, enum clouds_kind kind,
-                            uint64_t first, size_t n, size_t sets, struct timing *ours,
-                            struct timing *theirs)
-{
-    struct ivec3 **pts = timing_alloc(sets, sizeof *pts);
-    void **peer = timing_alloc(sets, sizeof *peer);
-    size_t *got = timing_alloc(sets, sizeof *got), points;
-    struct scratch scratch = {0};
-    struct mesh m = {0};
-
-    for (size_t k = 0; k < sets; k++) {
-        pts[k] = timing_alloc(n + 72, sizeof *pts[k]);
-        got[k] = clouds_make(kind, first + k, n, pts[k]);
-        peer[k] = peers != NULL ? peers->points(pts[k], got[k]) : NULL;
-    }
-    points = got[0];
-    timing_must(delaunay_build(pts[0], got[0], &scratch, &m));
-    for (int round = 0; round < 8; round++)
-        for (size_t k = 0; k < sets; k++) {
-            void *dt;
-
-            timing_start(ours);
-            timing_must(delaunay_build(pts[k], got[k], &scratch, &m));
-            timing_stop(ours);
-            if (peers == NULL)
-                continue;
-            timing_start(theirs);
-            dt = peers->triangulate(peer[k]);
-            timing_stop(theirs);
-            peers->triangulation_free(dt);
-        }
-    for (size_t k = 0; k < sets; k++) {
-        free(pts[k]);
-        if (peers != NULL)
-            peers->points_free(peer[k]);
-    }
-    free(pts);
-    free(peer);
-    free(got);
-    mesh_free(&m);
-    scratch_free(&scratch);
-    return points;
 }
 
 void timing_unit(double ms)

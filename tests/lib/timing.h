@@ -6,8 +6,6 @@
 #define TESTS_TIMING_H
 #include <stddef.h>
 #include <stdint.h>
-#include "clouds.h"
-#include "mesh.h"
 #include "status.h"
 
 struct peers; /* peers.h */
@@ -42,16 +40,6 @@ void *timing_alloc(size_t n, size_t size);
 
 /* timing_must(st): Exits with the message of the status unless st is ST_OK. */
 void timing_must(enum status st);
-
-/* timing_graph(peers, m): Makes the peer's graph of the edges of m with their lengths. */
-void *timing_graph(const struct peers *peers, const struct mesh *m);
-
-/* timing_triangulation(peers, kind, first, n, sets, ours, theirs): Times the triangulation of this
- * number of point sets of a kind, from number `first` on, in turn, eight times each; theirs: the
- * peer's time, unless peers is NULL.  Returns the number of points of the first set. */
-size_t timing_triangulation(const struct peers *peers, enum clouds_kind kind,
-                            uint64_t first, size_t n, size_t sets, struct timing *ours,
-                            struct timing *theirs);
 
 /* timing_unit(ms): Writes CGAL's time for one triangulation of 3,000 points to the file $BENCH_UNIT,
  * the unit of scripts/bench; does nothing if ms is NAN. */
