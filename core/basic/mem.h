@@ -36,6 +36,15 @@ void scratch_free(struct scratch *s); /* resets s to the empty state */
  * bytes. */
 void scratch_wipe(struct scratch *s, size_t keep);
 
+/* scratch_exchange(a, b): Exchanges two blocks with their owners. */
+static inline void scratch_exchange(struct scratch *a, struct scratch *b)
+{
+    const struct scratch block = *a;
+
+    *a = *b;
+    *b = block;
+}
+
 /* mem_round(bytes): Returns bytes rounded up so that the next array begins on a cache line. */
 static inline size_t mem_round(size_t bytes)
 {

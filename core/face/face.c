@@ -205,9 +205,9 @@ enum status face_align(const struct surface_face *tmpl, const struct surface_fac
 
     if (st != ST_OK)
         return st;
-    face_work_exchange(w);
+    scratch_exchange(&w->measure.scratch, &w->align.field);
     st = align_search(&tmpl->surface, &probe->surface, &how, &w->align, out);
-    face_work_exchange(w);
+    scratch_exchange(&w->measure.scratch, &w->align.field);
     return st;
 }
 

@@ -132,19 +132,3 @@ void surface_work_wipe(struct surface_work *w)
     scratch_wipe(&w->normal, FACE_WORK_KEEP);
     shape_work_wipe(&w->shape, FACE_WORK_KEEP);
 }
-
-void face_work_exchange(struct surface_work *w)
-{
-    const struct scratch block = w->measure.scratch;
-
-    w->measure.scratch = w->align.field;
-    w->align.field = block;
-}
-
-void face_work_lend(struct surface_work *w)
-{
-    const struct scratch block = w->measure.scratch;
-
-    w->measure.scratch = w->shape.points;
-    w->shape.points = block;
-}

@@ -16,7 +16,10 @@
 struct surface_model; /* model.h */
 
 struct surface_work {
-    struct measure_work measure; /* its scratch serves the builders too */
+    struct measure_work
+        measure; /* its scratch serves the builders too, and is exchanged with the
+                                    blocks of searches (align.field) and of fits (shape.points)
+                                    while these work on a surface */
     struct align_work align;
     struct surface upright; /* asymmetry_find()'s */
     struct scratch normal;  /* memory of encodings and ratios */
@@ -29,13 +32,5 @@ struct surface_work {
     struct surface_calibration calibration;
     double (*clock_ms)(void); /* NULL: none */
 };
-
-/* face_work_exchange(w): Exchanges the block that search and measure use in turns: before and after a
- * search. */
-void face_work_exchange(struct surface_work *w);
-
-/* face_work_lend(w): Exchanges the block that fits to a surface and the builders use in turns: before and
- * after a fit. */
-void face_work_lend(struct surface_work *w);
 
 #endif

@@ -129,9 +129,9 @@ static enum status start_at(struct surface_face *f, struct surface_work *w, int 
         *out = (struct pose){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {way.x, way.y, way.z}};
     if (k < 2)
         return ST_OK;
-    face_work_exchange(w);
+    scratch_exchange(&w->measure.scratch, &w->align.field);
     st = frame_find(&w->mean, &f->surface, &w->align, &f->frame);
-    face_work_exchange(w);
+    scratch_exchange(&w->measure.scratch, &w->align.field);
     *out = f->frame.pose;
     return st;
 }
@@ -142,9 +142,9 @@ enum status place_encode(const struct surface_face *f, const struct shape_fit *f
     float z[GRID_N];
     enum status st;
 
-    face_work_lend(w);
+    scratch_exchange(&w->measure.scratch, &w->shape.points);
     st = heights_of(&f->surface, &fit->pose, &w->shape.points, z);
-    face_work_lend(w);
+    scratch_exchange(&w->measure.scratch, &w->shape.points);
     return st != ST_OK
                ? st
                : encode_heights(&w->encode, z,
@@ -196,9 +196,9 @@ enum status place_find(struct surface_face *f, struct surface_work *w)
     struct shape_fit fit;
     enum status st;
 
-    face_work_lend(w);
+    scratch_exchange(&w->measure.scratch, &w->shape.points);
     st = place(f, w, &fit);
-    face_work_lend(w);
+    scratch_exchange(&w->measure.scratch, &w->shape.points);
     return st == ST_OK ? place_encode(f, &fit, w, &f->encoding) : st;
 }
 
@@ -227,9 +227,9 @@ enum status place_at(const struct surface_face *f, double size, struct surface_w
         pose_scale(&f->frame.pose, place_size(&f->frame.pose) / size);
     enum status st;
 
-    face_work_lend(w);
+    scratch_exchange(&w->measure.scratch, &w->shape.points);
     st = shape_place(&w->shape, &f->surface, &start, fit);
-    face_work_lend(w);
+    scratch_exchange(&w->measure.scratch, &w->shape.points);
     fit->size = size;
     return st;
 }
