@@ -125,7 +125,7 @@ static size_t report_burst(struct ctl *c, const struct burst *b, enum status *wo
 static enum status enroll_files(struct ctl *c)
 {
     struct burst *b;
-    enum status st = ctl_face_subject(c, c->args[0], ""), worst = ST_OK;
+    enum status st = ident_subject(c->args[0], &c->e), worst = ST_OK;
     size_t failed;
 
     if (st != ST_OK)
@@ -219,7 +219,9 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
     enum status st;
 
     (void)snprintf(where, sizeof where, "%.100s: ", scan->path);
-    if ((st = ctl_face_subject(c, x.subject, where)) == ST_OK)
+    if ((st = ident_subject(x.subject, &one.why)) != ST_OK)
+        (void)errinfo_set(&c->e, st, "%s%s", where, one.why.msg);
+    else
         st = ctl_face_read(c, scan->path, true, work, f, &found);
     if (st == ST_OK) {
         stored = true;

@@ -6,16 +6,6 @@
 #include "ctl.h"
 #include "ctl_face.h"
 
-enum status ctl_face_subject(struct ctl *c, const char *id, const char *where)
-{
-    return ident_subject_valid(id)
-               ? ST_OK
-               : errinfo_set(
-                     &c->e, ST_EINVAL,
-                     "%s'%.40s' is not a subject id (1 to %d of A-Z a-z 0-9 . _ - @ :)",
-                     where, id, STORE_SUBJECT_MAX);
-}
-
 int ctl_face_exit(enum surface_decision d)
 {
     return d == SURFACE_MATCH      ? EXIT_FINE

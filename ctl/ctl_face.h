@@ -35,10 +35,6 @@ struct templates_context ctl_face_context(struct ctl *c, struct surface_work *w)
 /* ctl_face_passed_over(t): Reports on standard error that a template was left out, if one was. */
 void ctl_face_passed_over(const struct templates *t);
 
-/* ctl_face_subject(c, id, where): Checks the id of a subject.
- * Returns ST_OK; ST_EINVAL, with a message in c->e that begins with where. */
-enum status ctl_face_subject(struct ctl *c, const char *id, const char *where);
-
 /* ctl_face_exit(d): Returns the exit code of a decision. */
 int ctl_face_exit(enum surface_decision d);
 

@@ -97,7 +97,7 @@ ctl_exits 64 enroll alice "$T/scans/s1_enroll.ply" --kind front
 ctl_exits 64 enroll "$T/scans/s1_enroll.ply"
 printf 'subject,file\na b,scans/s1_enroll.ply\n' >"$T/bad.csv"
 ctl_exits 65 enroll "$T/bad.csv"
-ok "an id that cannot be" grep -q 'not a subject id' "$T/ctl.err"
+ok "an id that cannot be" grep -q 'a subject id is 1 to' "$T/ctl.err"
 printf 'subject,file\nx,scans/s1_enroll.ply\nx,scans/none.ply\n' >"$T/bad.csv"
 ctl_exits 66 enroll "$T/bad.csv"
 ok "a file that is not there" grep -q 'bad.csv, line 3, column file: No such' "$T/ctl.err"

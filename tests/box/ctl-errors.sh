@@ -53,7 +53,7 @@ refuse 64 'attempts COMMAND, which is one of list, reset' "$ctl" --db f.db attem
 refuse 64 'no option --json=1' "$ctl" --db f.db subject list --json=1
 
 # ids
-refuse 65 'not a subject id' "$ctl" --db f.db enroll 'al ice' good.ply
+refuse 65 'a subject id is 1 to 128 characters' "$ctl" --db f.db enroll 'al ice' good.ply
 refuse 66 'no subject nobody' "$ctl" --db f.db subject erase nobody --yes
 refuse 66 'no subject nobody' "$ctl" --db f.db verify nobody good.ply
 refuse 66 'no token nonsense' "$ctl" --db f.db token revoke nonsense
