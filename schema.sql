@@ -61,11 +61,13 @@ CREATE TABLE templates (
 -- Those of another engine are found without reading the rows.
 CREATE INDEX templates_engine ON templates (engine, id);
 
--- The encoded face of a template (core/face/codec.h), encrypted with the template's id and
--- revision.  A table of its own, so that what reads all templates does not read the faces.
+-- The encoded face of a template (core/face/codec.h), its head and its mesh, each encrypted with the
+-- template's id and revision: a comparison reads the heads alone.  A table of its own, so that what
+-- reads all templates does not read the faces.
 CREATE TABLE faces (
     template_key INTEGER PRIMARY KEY REFERENCES templates (template_key) ON DELETE CASCADE,
-    face         BLOB NOT NULL CHECK (length(face) > 40)
+    face         BLOB NOT NULL CHECK (length(face) > 40),
+    mesh         BLOB NOT NULL CHECK (length(mesh) > 40)
 ) STRICT;
 
 -- Failed verifications of a subject in a row by one token (its id; '' without one), the time of the

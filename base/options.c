@@ -86,8 +86,6 @@ const struct setting options_table[] = {
     {"timeout", SETTING_NUMBER, "10", offsetof(struct options, timeout_s), 1, 3600, "S",
      "seconds for a request's headers, and the least time for a body, or\n"
      "for the client to take its response"},
-    {"cache-mb", SETTING_NUMBER, "256", offsetof(struct options, cache_mb), 0, 1 << 20,
-     "N", "megabytes of decoded templates kept in memory; 0: none"},
     {"audit-days", SETTING_NUMBER, "0", offsetof(struct options, audit_days), 0, 36500,
      "N", "days that the audit log keeps verifications; 0: forever"},
     {"log-format", SETTING_CHOICE, "logfmt", offsetof(struct options, log_format), 0, 0,

@@ -117,12 +117,6 @@ enum status store_subject_erase(struct store *s, const char *actor, const char *
 enum status store_subject_purge(struct store *s, const char *actor, const char *subject,
                                 struct errinfo *e);
 
-/* store_erased_since(s, since, erased, e): Sets *erased to true if any process has erased a subject or
- * a template after change *since (0 at first), and *since to the last change.  The caller then drops
- * its copies in memory.  On failure *since is unchanged.  O(changes since). */
-enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
-                               struct errinfo *e);
-
 /* ---- Bearer tokens: secrets of 256 random bits; the database stores only their hashes */
 
 #define STORE_NEVER    0  /* as end_ms (ms since 1970): the token does not expire */

@@ -178,25 +178,3 @@ enum status store_subject_purge(struct store *s, const char *actor, const char *
     store_receipt_free(&r);
     return st;
 }
-
-enum status store_erased_since(struct store *s, int64_t *since, bool *erased,
-                               struct errinfo *e)
-{
-    struct sql_rows *r;
-    struct log_txn t;
-    int64_t last;
-    enum status st = store_begin(s, SQL_READ, &t, e);
-
-    *erased = false;
-    if (st != ST_OK)
-        return st;
-    st = SQL_QUERY(t.sql, &r, e,
-                   "SELECT 1 FROM change_log WHERE seq > $1 "
-                   "AND kind IN ('delete_subject', 'delete_template') LIMIT 1",
-                   sql_int(*since));
-    *erased = st == ST_OK && sql_next(r);
-    last = (int64_t)t.changes.seq;
-    if ((st = store_end(s, &t, sql_done(r, st, e), e)) == ST_OK)
-        *since = last;
-    return st;
-}

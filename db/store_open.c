@@ -544,7 +544,7 @@ enum status store_stats(struct store *s, bool sizes, struct store_stats *out,
              t.sql,
              "SELECT (SELECT CAST(coalesce(sum(points), 0) AS bigint) "
              "FROM templates), "
-             "(SELECT CAST(coalesce(sum(length(face)), 0) AS bigint) FROM faces)",
+             "(SELECT CAST(coalesce(sum(length(face) + length(mesh)), 0) AS bigint) FROM faces)",
              bytes, 2, e)) == ST_OK)
         st = sql_bytes(t.sql, &out->file_bytes, e);
     return store_end(s, &t, st, e);

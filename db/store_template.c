@@ -219,7 +219,8 @@ enum status store_template_decode(const struct store *s, const struct store_temp
 
     if (st != ST_OK)
         return errinfo_set(e, st, "template %s: %s", t->id, status_message(st));
-    if (surface_face_points(*f, NULL) != t->points) {
+    if (len > surface_encoded_head(face, len) &&
+        surface_face_points(*f, NULL) != t->points) {
         st = errinfo_set(e, ST_ECORRUPT,
                          "template %s: its row says %u points, its face %u", t->id,
                          t->points, surface_face_points(*f, NULL));
@@ -233,26 +234,44 @@ enum status store_template_decode(const struct store *s, const struct store_temp
     return ST_OK;
 }
 
-/* With its face, where that is wanted. */
+/* A template that is read, with its face if that is wanted. */
+struct getting {
+    struct log_txn x;
+    const char *id;
+    struct rows_template row;
+    struct rows_subject of;
+    unsigned char **face; /* NULL: not wanted */
+    size_t *len;
+};
+
+static enum status get_rows(void *arg, struct errinfo *e)
+{
+    struct getting *g = arg;
+    const enum status st = rows_template_get(&g->x, g->id, &g->row, &g->of, e);
+
+    if (g->face == NULL || !sql_goes_on(g->x.sql, st))
+        return st;
+    (void)snprintf(g->row.one.id, sizeof g->row.one.id, "%s", g->id);
+    return rows_template_face(&g->x, &g->row, &g->of, true, g->face, g->len, e);
+}
+
 static enum status get(struct store *s, const char *id, struct store_template *t,
                        unsigned char **face, size_t *len, struct errinfo *e)
 {
-    struct rows_template row;
-    struct rows_subject of;
-    struct log_txn x;
+    struct getting g = {.id = id, .face = face, .len = len};
     enum status st;
 
     memset(t, 0, sizeof *t);
     if ((st = ident_id(id, "template", e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_start(s, SQL_READ, NULL, &g.x, e)) != ST_OK)
         return st;
-    if ((st = rows_template_get(&x, id, &row, &of, e)) == ST_OK) {
-        *t = row.one;
-        if (face != NULL)
-            st = rows_template_face(&x, &row, &of, face, len, e);
-    }
-    sodium_memzero(&of, sizeof of);
-    return store_end(s, &x, st, e);
+    store_read_ahead(&g.x, get_rows, &g);
+    if ((st = store_check(s, &g.x, e)) != ST_OK)
+        return st;
+    if ((st = get_rows(&g, e)) == ST_OK)
+        *t = g.row.one;
+    sodium_memzero(&g.of, sizeof g.of);
+    return store_end(s, &g.x, st, e);
 }
 
 enum status store_template_get(struct store *s, const char *id, struct store_template *t,

@@ -54,7 +54,7 @@ enum status store_template_load(struct store *s, const char *id, struct store_te
                                 struct errinfo *e);
 
 /* store_template_decode(s, t, face, len, w, f, e): The part of store_template_load() that decodes the bytes of
- * the face of t. */
+ * the face of t; of a template that is not outdated the head is enough (surface_decode()). */
 enum status store_template_decode(const struct store *s, const struct store_template *t,
                                   const void *face, size_t len, struct surface_work *w,
                                   struct surface_face **f, struct errinfo *e);

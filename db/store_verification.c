@@ -21,9 +21,14 @@ struct store_reading {
     struct log_txn t;
     struct rows_subject of;
     struct rows_template *row; /* [n] of the snapshot */
+    /* The heads of all faces, by rows_template_heads(); none before the first is needed. */
+    unsigned char *head[STORE_TEMPLATES_MAX];
+    size_t len[STORE_TEMPLATES_MAX];
+    bool read;
     char token[STORE_NAME_MAX + 1];
     int64_t now;
     bool begun, future;
+    bool one; /* a template was asked for, and not a subject */
 };
 
 /* Reads the subject with all its templates, and the attempts. */
@@ -73,6 +78,17 @@ static enum status read_all(void *arg, struct errinfo *e)
     return ST_OK;
 }
 
+/* What is read, and the heads of the faces, which follow if the subject is admitted. */
+static enum status read_with_heads(void *arg, struct errinfo *e)
+{
+    struct store_reading *r = ((struct store_snapshot *)arg)->reading;
+    const enum status st = read_all(arg, e);
+
+    if (!r->one && sql_goes_on(r->t.sql, st))
+        return rows_template_heads(&r->t, &r->of, NULL, 0, NULL, NULL, e);
+    return st;
+}
+
 /* Describes the rows to the caller. */
 static enum status describe(struct store_snapshot *out, struct errinfo *e)
 {
@@ -105,16 +121,30 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     r->store = s;
     r->what = what;
+    r->one = what->subject == NULL;
     (void)snprintf(r->token, sizeof r->token, "%s",
                    what->token != NULL ? what->token : "");
     if ((st = store_rules_now(&r->now, e)) != ST_OK ||
         (st = store_start(s, SQL_READ, NULL, &r->t, e)) != ST_OK)
         return st;
-    store_read_ahead(&r->t, read_all, out);
+    store_read_ahead(&r->t, read_with_heads, out);
     if ((st = store_check(s, &r->t, e)) != ST_OK)
         return st;
     r->begun = true;
     return (st = read_all(out, e)) == ST_OK ? describe(out, e) : st;
+}
+
+/* The heads of all templates, by one query; the whole face if there is one. */
+static enum status need_heads(const struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+
+    if (r->read)
+        return ST_OK;
+    r->read = true;
+    return r->one
+               ? rows_template_face(&r->t, r->row, &r->of, true, r->head, r->len, e)
+               : rows_template_heads(&r->t, &r->of, r->row, out->n, r->head, r->len, e);
 }
 
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
@@ -124,8 +154,15 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
     struct store_reading *r = out->reading;
     unsigned char *face = NULL;
     size_t len = 0;
-    enum status st = rows_template_face(&r->t, &r->row[i], &r->of, &face, &len, e);
+    enum status st;
 
+    if (!store_template_outdated(r->store, &out->t[i])) {
+        st = need_heads(out, e);
+        return st != ST_OK ? st
+                           : store_template_decode(r->store, &out->t[i], r->head[i],
+                                                   r->len[i], w, f, e);
+    }
+    st = rows_template_face(&r->t, &r->row[i], &r->of, true, &face, &len, e);
     if (st == ST_OK)
         st = store_template_decode(r->store, &out->t[i], face, len, w, f, e);
     rows_template_wipe(face, len);
@@ -158,6 +195,8 @@ enum status store_snapshot_end(struct store_snapshot *out, enum status st,
     /* also where the reading was refused: a lock-out must end some day */
     if (r->future && (moved = move_future(r, &why)) != ST_OK && st == ST_OK)
         st = errinfo_set(e, moved, "%s", why.msg);
+    for (size_t i = 0; i < out->n && i < STORE_TEMPLATES_MAX; i++)
+        rows_template_wipe(r->head[i], r->len[i]);
     free(r->row);
     sodium_memzero(r, sizeof *r);
     free(r);

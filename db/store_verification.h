@@ -36,7 +36,8 @@ struct store_snapshot_of {
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
                                  struct store_snapshot *out, struct errinfo *e);
 
-/* store_snapshot_face(out, i, w, f, e): Loads the face of template i, as store_template_load(). */
+/* store_snapshot_face(out, i, w, f, e): Loads the face of template i, as store_template_load(); of several templates
+ * without its surface (surface_decode()), unless the template is outdated. */
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
                                 struct surface_work *w, struct surface_face **f,
                                 struct errinfo *e);

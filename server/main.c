@@ -8,8 +8,6 @@
 #include <sodium.h>
 
 #include "app.h"
-#include "cache.h"
-#include "erasures.h"
 #include "errinfo.h"
 #include "flags.h"
 #include "http.h"
@@ -81,7 +79,6 @@ static enum status server_start(const struct options *o, struct app *app,
     if (st != ST_OK || (st = store_verify(app->store, tell_problem, &told, e)) != ST_OK)
         return st;
     store_use_model(app->store, app->model);
-    app->cache = cache_new((size_t)o->cache_mb << 20);
     app->routes = routes_table(&app->nroutes);
     app->metrics = metrics_new(app->routes, app->nroutes);
     app->limits =
@@ -90,8 +87,8 @@ static enum status server_start(const struct options *o, struct app *app,
     app->recent = recent_new();
     app->db = o->db;
     app->disk_reserve = o->disk_reserve;
-    if (app->cache == NULL || app->metrics == NULL || app->throttle == NULL ||
-        app->recent == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+    if (app->metrics == NULL || app->throttle == NULL || app->recent == NULL ||
+        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -99,8 +96,6 @@ static enum status server_start(const struct options *o, struct app *app,
     st = queue_start(app, 1, 1, http_run, &app->slow);
     if (st != ST_OK)
         return errinfo_set(e, st, "cannot start a worker for the audit log");
-    if ((app->erasures = erasures_start(app)) == NULL)
-        return errinfo_set(e, ST_ENOMEM, "out of memory");
     return http_start(o, app, http, url, e);
 }
 
@@ -119,8 +114,6 @@ static void stop(struct app *app, struct http *http)
     queue_free(app->queue);
     queue_free(app->slow);
     upkeep_stop(app->upkeep);
-    erasures_stop(app->erasures);
-    cache_free(app->cache);
     metrics_free(app->metrics);
     throttle_free(app->throttle);
     recent_free(app->recent);
@@ -168,7 +161,6 @@ static void say_listening(const struct options *o, const struct store *s, const 
     logger_count(&l, "workers", o->workers);
     logger_count(&l, "queue", o->queue);
     logger_count(&l, "max_body", o->max_body);
-    logger_count(&l, "cache_mb", o->cache_mb);
     logger_text(&l, "auth", o->no_auth ? "none" : "token");
     logger_end(&l);
 }

@@ -107,7 +107,7 @@ static enum status need_templates(struct enrolling *g, struct errinfo *e)
 static enum status compare_for_fit(struct enrolling *g, size_t i,
                                    struct templates_nearest *out, struct errinfo *e)
 {
-    const struct templates *a = &g->is;
+    struct templates *a = &g->is;
     enum status st = ST_OK;
 
     *out = (struct templates_nearest){.result = {0}};

@@ -2,7 +2,6 @@
 
 #include <math.h>
 
-#include "cache.h"
 #include "store.h"
 
 /* A non-match is that of a mirrored scan where its mirror image scores higher by so much, and so
@@ -46,29 +45,12 @@ static enum status admit(const struct store_limits *limits, struct templates *t,
                              : errinfo_set(e, ST_EDENIED, "the subject is locked out");
 }
 
-/* From the cache, or decoded.  since: cache_mark() before the transaction. */
-static enum status take_face(struct templates *t, size_t i, uint64_t since,
-                             struct errinfo *e)
+/* Another engine's face that this one cannot re-encode is passed over. */
+static enum status take_face(struct templates *t, size_t i, struct errinfo *e)
 {
-    const struct templates_context *c = t->context;
-    const struct store_template *one = &t->of.t[i];
-    const struct cache_held *held = cache_find(c->cache, one->id);
-    struct surface_face *f = NULL;
-    enum status st = ST_OK;
+    const enum status st =
+        store_snapshot_face(&t->of, i, t->context->work, &t->face[i], e);
 
-    if (held == NULL)
-        st = store_snapshot_face(&t->of, i, c->work, &f, e);
-    if (held == NULL && st == ST_OK) {
-        held = cache_keep(c->cache, since, one->id,
-                          store_template_outdated(c->store, one), f);
-        if (held == NULL) {
-            surface_face_free(f);
-            st = errinfo_set(e, ST_ENOMEM, "out of memory");
-        }
-    }
-    if (held != NULL)
-        t->face[i] = held->face;
-    t->held[i] = held;
     if (st != ST_EVERSION)
         return st;
     t->passed_over = *e;
@@ -82,7 +64,6 @@ enum status templates_read(struct templates_context *c, const struct templates_o
                                            .template_id = ask->template_id,
                                            .token = ask->token,
                                            .calibration = c->calibration};
-    const uint64_t since = cache_mark(c->cache);
     enum status st;
 
     *out = (struct templates){.context = c};
@@ -90,7 +71,7 @@ enum status templates_read(struct templates_context *c, const struct templates_o
     if (st == ST_OK)
         st = admit(ask->limits, out, e);
     for (size_t i = 0; st == ST_OK && i < out->of.n; i++)
-        st = take_face(out, i, since, e);
+        st = take_face(out, i, e);
     st = store_snapshot_end(&out->of, st, e);
     if (st == ST_OK && out->of.calibration != c->calibration) {
         calibration_apply(c->store, out->of.k, c->work);
@@ -102,12 +83,39 @@ enum status templates_read(struct templates_context *c, const struct templates_o
 void templates_free(struct templates *t)
 {
     for (size_t i = 0; i < t->of.n && i < STORE_TEMPLATES_MAX; i++)
-        cache_release(t->context->cache, t->held[i]);
+        surface_face_free(t->face[i]);
     store_snapshot_free(&t->of);
     *t = (struct templates){.context = t->context};
 }
 
 /* ---- comparing */
+
+/* The face of template i with its surface, which is read when it is needed.  The template may have been
+ * deleted since: ST_ENOTFOUND. */
+static enum status need_surface(struct templates *t, size_t i, struct errinfo *e)
+{
+    const struct templates_context *c = t->context;
+    struct store_template now;
+
+    if (t->of.t == NULL || surface_face_points(t->face[i], NULL) > 0)
+        return ST_OK;
+    return store_template_load(c->store, t->of.t[i].id, &now, c->work, &t->face[i], e);
+}
+
+/* By the encodings, and by the surfaces if the scans were taken for heads of different sizes. */
+static enum status templates_compare(struct templates *t, size_t i,
+                                     const struct surface_face *probe,
+                                     struct surface_comparison *out, struct errinfo *e)
+{
+    struct surface_work *w = t->context->work;
+    enum status st = status_from(surface_compare(w, t->face[i], probe, out));
+
+    if (st == ST_EINVAL && (st = need_surface(t, i, e)) == ST_OK)
+        st = status_from(surface_compare(w, t->face[i], probe, out));
+    return st == ST_OK || st == ST_ENOTFOUND
+               ? st
+               : errinfo_set(e, st, "template %s: %s", t->of.t[i].id, status_message(st));
+}
 
 const char *templates_decision(enum surface_decision d)
 {
@@ -149,14 +157,18 @@ static enum status find_mirrored(const struct templates *t,
 }
 
 /* Does the surface of the template that decides say otherwise? */
-static enum status look_again(const struct templates *t, const struct surface_face *probe,
+static enum status look_again(struct templates *t, const struct surface_face *probe,
                               struct templates_nearest *of, struct errinfo *e)
 {
     struct surface_comparison again = of->result;
     struct surface_work *w = t->context->work;
-    const enum status st =
-        status_from(surface_compare_again(w, t->face[of->index], probe, &again));
+    enum status st;
 
+    if (again.decision != SURFACE_NO_MATCH || !(again.score < SURFACE_DOUBT))
+        return ST_OK;
+    if ((st = need_surface(t, of->index, e)) != ST_OK)
+        return st;
+    st = status_from(surface_compare_again(w, t->face[of->index], probe, &again));
     if (st != ST_OK)
         return errinfo_set(e, st, "a second look: %s", status_message(st));
     if (again.score > of->result.score) {
@@ -182,7 +194,7 @@ static void templates_choose(struct surface_comparison *r, const size_t *templat
     }
 }
 
-enum status templates_nearest(const struct templates *t, bool fit,
+enum status templates_nearest(struct templates *t, bool fit,
                               const struct surface_face *probe,
                               struct templates_nearest *out, struct errinfo *e)
 {
@@ -199,11 +211,10 @@ enum status templates_nearest(const struct templates *t, bool fit,
         if (t->face[i] == NULL || (fit && n > 0 && !t->of.t[i].manager))
             continue;
         start = c->clock_ms != NULL ? c->clock_ms() : 0;
-        st = status_from(surface_compare(c->work, t->face[i], probe, &result[n]));
+        st = templates_compare(t, i, probe, &result[n], e);
         out->score_ms += c->clock_ms != NULL ? c->clock_ms() - start : 0;
         if (st != ST_OK)
-            return errinfo_set(e, st, "template %s: %s", t->of.t[i].id,
-                               status_message(st));
+            return st;
         template[n++] = i;
     }
     if (n > 0) {
@@ -229,16 +240,19 @@ enum status templates_judge(const struct templates_nearest *n, struct errinfo *e
         "are swapped; switch mirroring off where it was made");
 }
 
-enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
+enum status templates_minimal(struct templates *t, const struct surface_face *probe,
                               const struct templates_nearest *of,
                               struct surface_disparity *out, struct surface_parts *parts,
                               struct errinfo *e)
 {
     const struct templates_context *c = t->context;
+    const enum status may = need_surface(t, of->index, e);
     const struct surface_face *face = t->face[of->index];
     enum surface_status st;
 
     *out = (struct surface_disparity){0};
+    if (may != ST_OK)
+        return may;
     surface_work_clock(c->work, c->clock_ms);
     st = surface_disparity(c->work, face, probe, out);
     if (st == SURFACE_OK && parts != NULL) {

@@ -16,14 +16,10 @@
 #include "status.h"
 #include "store.h"
 
-struct cache;      /* cache.h */
-struct cache_held; /* cache.h */
-
 /* The resources of a comparison.  One thread at a time. */
 struct templates_context {
     struct store *store;
     struct surface_work *work;
-    struct cache *cache; /* cache of decoded faces; NULL: no cache */
     int64_t
         calibration; /* version of the calibration that work decides by; 0: work is new */
     double (*clock_ms)(void); /* clock for the times, ms; NULL: no times */
@@ -50,10 +46,9 @@ struct templates {
     struct templates_context *context;
     struct store_snapshot of; /* the subject, its templates, attempts, calibration */
     struct templates_refusal refusal;
-    /* Faces of the templates; NULL: of another engine, and this one cannot re-encode it. */
-    const struct surface_face *face[STORE_TEMPLATES_MAX];
-    /* References to the faces in the cache; NULL: the face belongs to the caller. */
-    const struct cache_held *held[STORE_TEMPLATES_MAX];
+    /* Faces of the templates, without their surfaces until these are needed; NULL: of another engine, and
+     * this one cannot re-encode it. */
+    struct surface_face *face[STORE_TEMPLATES_MAX];
     struct errinfo passed_over; /* reason of the last NULL in face; ST_OK: none */
 };
 
@@ -82,9 +77,10 @@ struct templates_nearest {
  * face, and chooses the one that decides.
  *   fit  true: compare only with the reference templates, which a further sample must match: the oldest
  *        one, and those enrolled with scope manage (enrolment.h states the reason)
- * Returns ST_OK; ST_ENOTFOUND: there is no template; ST_EVERSION: all templates are of another engine,
+ * Returns ST_OK; ST_ENOTFOUND: there is no template, or the one whose surface is needed was deleted after
+ * templates_read(); ST_EVERSION: all templates are of another engine,
  * and this one cannot re-encode them; ST_ENOMEM. */
-enum status templates_nearest(const struct templates *t, bool fit,
+enum status templates_nearest(struct templates *t, bool fit,
                               const struct surface_face *probe,
                               struct templates_nearest *out, struct errinfo *e);
 
@@ -100,8 +96,9 @@ enum status templates_judge(const struct templates_nearest *n, struct errinfo *e
  *   of     result of templates_nearest()
  *   parts  receives the parts of the score; *out then also has the weighted disparity
  *          (surface_weigh()); NULL: neither
- * Returns ST_OK; ST_ENOMEM. */
-enum status templates_minimal(const struct templates *t, const struct surface_face *probe,
+ * Reads the surface of the template if it was not read so far.
+ * Returns ST_OK; ST_ENOMEM; or as store_template_load(). */
+enum status templates_minimal(struct templates *t, const struct surface_face *probe,
                               const struct templates_nearest *of,
                               struct surface_disparity *out, struct surface_parts *parts,
                               struct errinfo *e);

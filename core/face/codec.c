@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "face.h"
+#include "face_work.h"
 #include "lattice.h"
 #include "mesh.h"
 #include "mesh_link.h"
@@ -142,6 +143,14 @@ size_t surface_encoded_size(const struct surface_face *f)
     return size_of(f->surface.mesh.nv, f->encoding.n);
 }
 
+size_t surface_encoded_head(const void *bytes, size_t length)
+{
+    const unsigned char *p = bytes;
+    const size_t head = length < HEADER ? 0 : HEADER + encoding_size(get16(p + AT_MODES));
+
+    return head <= length ? head : 0;
+}
+
 static void put_frame(unsigned char *p, const struct pose *a)
 {
     for (size_t i = 0; i < 12; i++) {
@@ -268,6 +277,7 @@ void surface_encode(const struct surface_face *f, void *bytes)
         put_index(p, m->parent[v], vertex);
 }
 
+/* Of the whole block, or of its head alone. */
 static enum status check_header(const unsigned char *p, size_t len)
 {
     uint32_t nv, modes;
@@ -278,38 +288,22 @@ static enum status check_header(const unsigned char *p, size_t len)
         return ST_EVERSION;
     nv = get32(p + AT_POINTS);
     modes = get16(p + AT_MODES);
-    return get64(p + AT_LENGTH) == len && nv >= 3 && nv <= SURFACE_MAX_POINTS &&
-                   modes <= MODEL_MODES && size_of(nv, modes) == len &&
+    return get64(p + AT_LENGTH) == size_of(nv, modes) && nv >= 3 &&
+                   nv <= SURFACE_MAX_POINTS && modes <= MODEL_MODES &&
+                   (size_of(nv, modes) == len || HEADER + encoding_size(modes) == len) &&
                    get32(p + AT_TRIANGLES) == 2 * nv - 2 &&
                    get32(p + AT_SCALE) == (uint32_t)LATTICE_PER_MM
                ? ST_OK
                : ST_ECORRUPT;
 }
 
-enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
-                         struct surface_face *out)
+/* The mesh of nv points behind the head, unchecked. */
+static enum status get_mesh(const unsigned char *p, uint32_t nv, struct mesh *m)
 {
-    const unsigned char *p = buf;
-    struct mesh *m = &out->surface.mesh;
-    enum status st;
-    uint32_t nv, modes;
-    bool good;
+    const enum status st = mesh_reserve(m, nv);
 
-    m->nv = m->nt = 0;
-    if ((st = check_header(p, len)) != ST_OK)
+    if (st != ST_OK)
         return st;
-    nv = get32(p + AT_POINTS);
-    modes = get16(p + AT_MODES);
-    if ((st = mesh_reserve(m, nv)) != ST_OK)
-        return st;
-    out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
-    good = get_frame(p + AT_FRAME, &out->frame.pose) || out->frame.mean_id == 0;
-    good &= get_floats(p + AT_STEP, &out->step_mm, 1) && out->step_mm >= 0.0f;
-    good &= get_fit(p + AT_SEEN, &out->frame);
-    p += HEADER;
-    if (!good || !get_encoding(p, modes, &out->encoding))
-        return ST_ECORRUPT;
-    p += encoding_size(modes);
     m->nv = nv;
     m->nt = 2 * nv - 2;
     for (uint32_t v = 0; v < nv; v++, p += 8) {
@@ -324,8 +318,34 @@ enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
         m->org[3 * t] = m->twin[3 * t]; /* a ghost has no gate */
     p = get_indices(p, m->org + 1, m->nt, 3, half_width(nv));
     (void)get_indices(p, m->parent, nv, 1, vertex_width(nv));
+    return ST_OK;
+}
+
+enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
+                         struct surface_face *out)
+{
+    const unsigned char *p = buf;
+    enum status st;
+    uint32_t modes;
+    size_t head;
+    bool good;
+
+    out->surface.mesh.nv = out->surface.mesh.nt = 0;
+    if ((st = check_header(p, len)) != ST_OK)
+        return st;
+    modes = get16(p + AT_MODES);
+    head = HEADER + encoding_size(modes);
+    out->frame = (struct frame){.mean_id = get32(p + AT_MARK)};
+    good = get_frame(p + AT_FRAME, &out->frame.pose) || out->frame.mean_id == 0;
+    good &= get_floats(p + AT_STEP, &out->step_mm, 1) && out->step_mm >= 0.0f;
+    good &= get_fit(p + AT_SEEN, &out->frame);
+    if (!good || !get_encoding(p + HEADER, modes, &out->encoding))
+        return ST_ECORRUPT;
     memset(&out->quality, 0, sizeof out->quality);
-    return face_adopt(out, w);
+    if (len == head)
+        return out->frame.mean_id == w->mean.mean_id ? ST_OK : ST_EVERSION;
+    st = get_mesh(p + head, get32(p + AT_POINTS), &out->surface.mesh);
+    return st == ST_OK ? face_adopt(out, w) : st;
 }
 
 enum surface_status surface_decode(struct surface_work *work, const void *bytes,

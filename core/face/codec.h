@@ -10,9 +10,10 @@
 struct surface_face; /* face.h */
 struct surface_work; /* face.h */
 
-/* codec_decode(buf, len, w, out): Decodes a face; buf need not be aligned.
- *   out  as in face_build(); its quality is zero.  On failure out->surface.mesh.nv is 0
- * Returns ST_OK, ST_ECORRUPT, ST_EVERSION, ST_ENOMEM. */
+/* codec_decode(buf, len, w, out): Decodes a face, or its head alone: the face then has no surface.
+ *   buf  need not be aligned
+ *   out  as in face_build(); its quality is zero.  On failure, and without a surface, out->surface.mesh.nv is 0
+ * Returns ST_OK; ST_ECORRUPT; ST_ENOMEM; ST_EVERSION, also for the head of another model's face. */
 enum status codec_decode(const void *buf, size_t len, struct surface_work *w,
                          struct surface_face *out);
 

@@ -77,14 +77,6 @@ void surface_face_frame(const struct surface_face *face, double transform[16])
     pose_to_matrix(&rigid, transform);
 }
 
-size_t surface_face_memory(const struct surface_face *face)
-{
-    const struct surface *s = &face->surface;
-
-    return sizeof *face + (size_t)s->mesh.cap * 68 + s->mesh.nv * sizeof *s->spacing +
-           s->mesh.nt * sizeof *s->bridge;
-}
-
 enum surface_status surface_face_check(const struct surface_face *face)
 {
     const struct mesh *m = &face->surface.mesh;

@@ -45,6 +45,8 @@ enum status pair_make(const struct surface_face *tmpl, const struct surface_face
     out->probe = as_it_is(probe);
     if (fabs(size - other) < PAIR_SAME || tmpl->encoding.n == 0 || probe->encoding.n == 0)
         return ST_OK;
+    if (tmpl->surface.mesh.nv == 0 || probe->surface.mesh.nv == 0)
+        return ST_EINVAL;
     if ((st = place_at(tmpl, other, w, &at_other[0])) != ST_OK ||
         (st = place_at(probe, size, w, &at_other[1])) != ST_OK)
         return st;

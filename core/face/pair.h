@@ -26,7 +26,7 @@ struct pair {
  * different sizes, chooses the size at which more of both scans together is explained.  Symmetric.
  *   out  borrows both faces, and must not move
  * Cost: two fits and one encoding, 2 ms; next to nothing if the sizes agree.
- * Returns ST_OK, ST_ENOMEM. */
+ * Returns ST_OK; ST_ENOMEM; ST_EINVAL: the sizes differ, and a face has no surface. */
 enum status pair_make(const struct surface_face *tmpl, const struct surface_face *probe,
                       struct surface_work *w, struct pair *out);
 

@@ -104,7 +104,7 @@ enum status admin_each_template(struct log_txn *t, const struct rows_subject *of
     for (size_t i = 0; i < n && st == ST_OK; i++) {
         unsigned char *face;
 
-        if ((st = rows_template_face(t, &list[i], of, &face, &len, e)) == ST_OK)
+        if ((st = rows_template_face(t, &list[i], of, true, &face, &len, e)) == ST_OK)
             st = use(arg, &list[i], face, len, e);
         rows_template_wipe(face, len);
     }
@@ -285,11 +285,11 @@ enum status admin_copy_as_is(void *arg, struct log_txn *from, struct log_txn *to
         st = copy_rows(from, to, rows_tables[i], sum, e);
     if (st != ST_OK || (st = need_all(from, sum, e)) != ST_OK ||
         (st = copy_plain(from, to,
-                         "SELECT t.id, f.face FROM templates t JOIN faces f "
+                         "SELECT t.id, f.face, f.mesh FROM templates t JOIN faces f "
                          "USING (template_key) ORDER BY t.template_key",
-                         "INSERT INTO faces (template_key, face) VALUES "
-                         "((SELECT template_key FROM templates WHERE id = $1), $2)",
-                         2, e)) != ST_OK ||
+                         "INSERT INTO faces (template_key, face, mesh) VALUES "
+                         "((SELECT template_key FROM templates WHERE id = $1), $2, $3)",
+                         3, e)) != ST_OK ||
         (st =
              copy_plain(from, to, "SELECT seen, uid FROM subjects WHERE seen IS NOT NULL",
                         "UPDATE subjects SET seen = $1 WHERE uid = $2", 2, e)) != ST_OK ||

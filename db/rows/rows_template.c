@@ -79,43 +79,63 @@ const struct rows_table rows_templates = {
 
 /* ---- what is encrypted, under the subject's key */
 
-/* Of the description, and of the face, which is bound to the row's revision: the row, with its MAC,
- * does not say anything else of it. */
+enum part { ABOUT_IT, HEAD, MESH };
+
+/* The label of the description, and of the parts of the face.  These are bound to the row's revision: the
+ * row, with its MAC, says nothing else about them. */
 static struct sql_field_blob label_of(const struct rows_template *row,
-                                      const struct rows_subject *of, bool face)
+                                      const struct rows_subject *of, enum part part)
 {
+    static const char name[][16] = {"surface about 2", "surface face  3",
+                                    "surface mesh  1"};
     struct sql_field_blob label;
     unsigned char *to = label.bytes;
 
-    bytes_put(&to, face ? "surface face  2" : "surface about 2", 16);
+    bytes_put(&to, name[part], 16);
     bytes_put(&to, of->one.uid, STORE_UID);
     bytes_put_text(&to, row->one.id);
-    if (face)
+    if (part != ABOUT_IT)
         bytes_put_number(&to, (uint64_t)row->revision, 8);
     label.n = (size_t)(to - label.bytes);
     return label;
 }
 
+/* Decrypts the column of a part to *to, which moves behind it. */
+static bool decrypt_part(const struct rows_template *row, const struct rows_subject *of,
+                         const struct sql_value *v, enum part part, unsigned char **to)
+{
+    const struct sql_field_blob label = label_of(row, of, part);
+
+    if (!crypt_decrypt(of->key, label.bytes, label.n, v->data, v->n, *to))
+        return false;
+    *to += v->n - CRYPT_OVER;
+    return true;
+}
+
+/* The head in column col and, with whole, the mesh in the next one. */
 static enum status decrypt_face(const struct rows_template *row,
                                 const struct rows_subject *of, const struct sql_rows *r,
-                                int col, unsigned char **face, size_t *len,
+                                int col, bool whole, unsigned char **face, size_t *len,
                                 struct errinfo *e)
 {
-    const struct sql_field_blob label = label_of(row, of, true);
-    const struct sql_value v = sql_column(r, col);
+    const struct sql_value head = sql_column(r, col);
+    const struct sql_value mesh = whole ? sql_column(r, col + 1) : head;
+    unsigned char *to;
 
     *face = NULL;
     *len = 0;
-    if (v.type != SQL_BLOB || v.n <= CRYPT_OVER)
+    if (head.type != SQL_BLOB || head.n <= CRYPT_OVER || mesh.type != SQL_BLOB ||
+        mesh.n <= CRYPT_OVER)
         return errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing",
                            row->one.id);
-    if ((*face = malloc(v.n)) == NULL)
+    if ((to = *face = malloc(head.n + mesh.n)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (crypt_decrypt(of->key, label.bytes, label.n, v.data, v.n, *face)) {
-        *len = v.n - CRYPT_OVER;
+    if (decrypt_part(row, of, &head, HEAD, &to) &&
+        (!whole || decrypt_part(row, of, &mesh, MESH, &to))) {
+        *len = (size_t)(to - *face);
         return ST_OK;
     }
-    free(*face);
+    rows_template_wipe(*face, (size_t)(to - *face));
     *face = NULL;
     return errinfo_set(e, ST_ECORRUPT, "template %s: its face is not authentic",
                        row->one.id);
@@ -127,7 +147,7 @@ static enum status decrypt_face(const struct rows_template *row,
 static enum status describe(const struct rows_subject *of, struct rows_template *row,
                             struct errinfo *e)
 {
-    const struct sql_field_blob label = label_of(row, of, false);
+    const struct sql_field_blob label = label_of(row, of, ABOUT_IT);
 
     if (memcmp(row->uid, of->one.uid, STORE_UID) != 0 ||
         !rows_table_decrypt(of->key, &label, about, ABOUT, &row->about, row))
@@ -269,23 +289,71 @@ void rows_template_wipe(unsigned char *face, size_t len)
 }
 
 enum status rows_template_face(struct log_txn *t, const struct rows_template *row,
-                               const struct rows_subject *of, unsigned char **face,
-                               size_t *len, struct errinfo *e)
+                               const struct rows_subject *of, bool whole,
+                               unsigned char **face, size_t *len, struct errinfo *e)
 {
     struct sql_rows *r;
-    enum status st =
-        SQL_FIRST(t->sql, &r, e,
-                  "SELECT f.face FROM templates t JOIN faces f USING (template_key) "
-                  "WHERE t.id = $1",
-                  sql_text(row->one.id));
+    enum status st = sql_first(
+        t->sql,
+        whole
+            ? "SELECT f.face, f.mesh FROM templates t JOIN faces f USING (template_key) "
+              "WHERE t.id = $1"
+            : "SELECT f.face FROM templates t JOIN faces f USING (template_key) "
+              "WHERE t.id = $1",
+        SQL_VALUES(sql_text(row->one.id)), 1, &r, e);
 
     *face = NULL;
     *len = 0;
     if (st == ST_OK)
-        st = decrypt_face(row, of, r, 0, face, len, e);
+        st = decrypt_face(row, of, r, 0, whole, face, len, e);
     else if (st == ST_ENOTFOUND)
         st = errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing", row->one.id);
     return sql_done(r, st, e);
+}
+
+/* The template that the row of a head names; NULL: none of these. */
+static const struct rows_template *named(const struct sql_rows *r,
+                                         const struct rows_template *row, size_t n)
+{
+    char id[STORE_ID_LEN + 1];
+
+    if (!sql_read_text(r, 0, id, sizeof id))
+        return NULL;
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(row[i].one.id, id) == 0)
+            return &row[i];
+    return NULL;
+}
+
+enum status rows_template_heads(struct log_txn *t, const struct rows_subject *of,
+                                const struct rows_template *row, size_t n,
+                                unsigned char **face, size_t *len, struct errinfo *e)
+{
+    struct sql_rows *r;
+    enum status st;
+
+    for (size_t i = 0; i < n; i++)
+        face[i] = NULL;
+    st = SQL_QUERY(t->sql, &r, e,
+                   "SELECT t.id, f.face, CASE WHEN (SELECT count(*) FROM templates x "
+                   "WHERE x.uid = t.uid) = 1 THEN f.mesh END "
+                   "FROM templates t JOIN faces f USING (template_key) "
+                   "WHERE t.uid = (SELECT s.uid FROM subjects s WHERE s.lookup = $1)",
+                   sql_blob(of->lookup, sizeof of->lookup));
+    while (st == ST_OK && sql_next(r)) {
+        const struct rows_template *one = named(r, row, n);
+
+        if (one != NULL && face[one - row] == NULL)
+            st = decrypt_face(one, of, r, 1, sql_column(r, 2).type == SQL_BLOB,
+                              &face[one - row], &len[one - row], e);
+    }
+    if ((st = sql_done(r, st, e)) != ST_OK)
+        return st;
+    for (size_t i = 0; i < n; i++)
+        if (face[i] == NULL)
+            return errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing",
+                               row[i].one.id);
+    return ST_OK;
 }
 
 /* Of so many shares the one that a row is in: by its key, so that no writer moves it into
@@ -300,13 +368,13 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
     struct rows_subject of;
     struct errinfo why;
     struct sql_rows *r;
-    enum status st =
-        sql_stream(t->sql,
-                   "SELECT " COLUMNS ", " ROWS_SUBJECT ", f.face FROM templates t "
-                   "LEFT JOIN subjects s ON s.uid = t.uid "
-                   "LEFT JOIN faces f ON f.template_key = t.template_key "
-                   "WHERE " SHARE " = $1 ORDER BY t.template_key",
-                   SQL_VALUES(sql_int(part), sql_int(parts)), 2, &r, e);
+    enum status st = sql_stream(t->sql,
+                                "SELECT " COLUMNS ", " ROWS_SUBJECT
+                                ", f.face, f.mesh FROM templates t "
+                                "LEFT JOIN subjects s ON s.uid = t.uid "
+                                "LEFT JOIN faces f ON f.template_key = t.template_key "
+                                "WHERE " SHARE " = $1 ORDER BY t.template_key",
+                                SQL_VALUES(sql_int(part), sql_int(parts)), 2, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         unsigned char *face = NULL;
@@ -316,7 +384,7 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
         if (one == ST_OK &&
             (one = rows_table_read(t, &rows_templates, r, 0, &row, &why)) == ST_OK &&
             (one = describe(&of, &row, &why)) == ST_OK &&
-            (one = decrypt_face(&row, &of, r, COLS + ROWS_SUBJECT_N, &face, &len,
+            (one = decrypt_face(&row, &of, r, COLS + ROWS_SUBJECT_N, true, &face, &len,
                                 &why)) == ST_OK)
             one = use(arg, &row, &of, face, len, &why);
         rows_template_wipe(face, len);
@@ -334,7 +402,7 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
 static void encrypt(const struct log_txn *t, struct rows_template *row,
                     const struct rows_subject *of)
 {
-    const struct sql_field_blob label = label_of(row, of, false);
+    const struct sql_field_blob label = label_of(row, of, ABOUT_IT);
 
     memcpy(row->uid, of->one.uid, STORE_UID);
     hash_digest(t, "used", of->one.uid, row->one.digest, row->by_used);
@@ -343,21 +411,27 @@ static void encrypt(const struct log_txn *t, struct rows_template *row,
 }
 
 static enum status put_face(struct log_txn *t, const struct rows_template *row,
-                            const struct rows_subject *of, const void *face, size_t len,
-                            struct errinfo *e)
+                            const struct rows_subject *of, const unsigned char *face,
+                            size_t len, struct errinfo *e)
 {
-    const struct sql_field_blob label = label_of(row, of, true);
-    unsigned char *stored = malloc(len + CRYPT_OVER);
+    const struct sql_field_blob head = label_of(row, of, HEAD),
+                                mesh = label_of(row, of, MESH);
+    const size_t cut = surface_encoded_head(face, len);
+    unsigned char *stored = malloc(len + 2 * CRYPT_OVER), *behind;
     enum status st;
 
     if (stored == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    crypt_encrypt(of->key, label.bytes, label.n, face, len, stored);
+    behind = stored + cut + CRYPT_OVER;
+    crypt_encrypt(of->key, head.bytes, head.n, face, cut, stored);
+    crypt_encrypt(of->key, mesh.bytes, mesh.n, face + cut, len - cut, behind);
     st = SQL_RUN(t->sql, e,
-                 "INSERT INTO faces (template_key, face) VALUES "
-                 "((SELECT template_key FROM templates WHERE id = $1), $2) "
-                 "ON CONFLICT (template_key) DO UPDATE SET face = excluded.face",
-                 sql_text(row->one.id), sql_blob(stored, len + CRYPT_OVER));
+                 "INSERT INTO faces (template_key, face, mesh) VALUES "
+                 "((SELECT template_key FROM templates WHERE id = $1), $2, $3) "
+                 "ON CONFLICT (template_key) DO UPDATE "
+                 "SET (face, mesh) = (excluded.face, excluded.mesh)",
+                 sql_text(row->one.id), sql_blob(stored, cut + CRYPT_OVER),
+                 sql_blob(behind, len - cut + CRYPT_OVER));
     free(stored);
     return st;
 }

@@ -40,11 +40,20 @@ enum status rows_template_same(struct log_txn *t, const unsigned char uid[STORE_
                                const char *used, const char *read,
                                char id[STORE_ID_LEN + 1], struct errinfo *e);
 
-/* rows_template_face(t, row, of, face, len, e): Reads and decrypts the face of a template.
+/* rows_template_face(t, row, of, whole, face, len, e): Reads and decrypts the face of a template, or its head
+ * alone (surface_encoded_head()).
  *   face  to be released by rows_template_wipe(), also after a failure */
 enum status rows_template_face(struct log_txn *t, const struct rows_template *row,
-                               const struct rows_subject *of, unsigned char **face,
-                               size_t *len, struct errinfo *e);
+                               const struct rows_subject *of, bool whole,
+                               unsigned char **face, size_t *len, struct errinfo *e);
+
+/* rows_template_heads(t, of, row, n, face, len, e): Reads and decrypts the heads of the faces of all templates of a
+ * subject, by one query; of a subject with one template its whole face, which is then mostly needed.
+ *   row   [n] as from rows_template_list()
+ *   face  [n], len [n]: receive the heads, each to be released by rows_template_wipe(), also after a failure */
+enum status rows_template_heads(struct log_txn *t, const struct rows_subject *of,
+                                const struct rows_template *row, size_t n,
+                                unsigned char **face, size_t *len, struct errinfo *e);
 
 /* rows_template_wipe(face, len): Wipes and releases a face; NULL is allowed. */
 void rows_template_wipe(unsigned char *face, size_t len);

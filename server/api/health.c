@@ -6,7 +6,6 @@
 
 #include "app.h"
 #include "auth.h"
-#include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "json.h"
@@ -84,20 +83,10 @@ void health_version(struct request *r, struct worker *w)
 static void describe_daemon(struct json *j, struct app *app)
 {
     char version[32];
-    struct cache_state c;
     struct queue_state q;
 
     version_of(app->store, version);
     json_text(j, "version", version);
-    cache_look(app->cache, &c);
-    json_object(j, "cache");
-    json_number(j, "bytes", (double)c.bytes);
-    json_number(j, "limit", (double)c.limit);
-    json_number(j, "entries", (double)c.entries);
-    json_number(j, "hits", (double)c.hits);
-    json_number(j, "misses", (double)c.misses);
-    json_number(j, "evictions", (double)c.evictions);
-    json_close(j);
     queue_look(app->queue, &q);
     json_object(j, "queue");
     json_number(j, "waiting", q.waiting);

@@ -7,7 +7,6 @@
 
 #include "app.h"
 #include "auth.h"
-#include "cache.h"
 #include "errinfo.h"
 #include "describe.h"
 #include "errmap.h"
@@ -189,8 +188,6 @@ void subjects_delete(struct request *r, struct worker *w)
         request_fail(r, &e);
         goto out;
     }
-    for (uint32_t i = 0; i < receipt.templates; i++)
-        cache_forget(r->app->cache, receipt.template_id[i]);
     request_written(r, 200, write_erased(&receipt));
 out:
     store_receipt_free(&receipt);
@@ -217,7 +214,6 @@ void subjects_template_delete(struct request *r, struct worker *w)
         request_fail(r, &e);
         return;
     }
-    cache_forget(r->app->cache, r->template_id);
     r->response.http = 204;
     r->response.minimal = r->minimal;
 }

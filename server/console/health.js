@@ -65,14 +65,13 @@ function openNow(body, who, actions) {
     const { rates, latency_ms: ms, counts } = s;
     // The rate of the last seconds; at first that since the start.
     const [n, seconds] = before ? [rates.verifications - before.n, (Date.now() - before.at) / 1000] : [rates.verifications, s.uptime_s];
-    const hits = s.cache.hits + s.cache.misses;
     const order = ["error", "warning", "ok"], bad = s.findings.filter((f) => f.severity !== "ok").length;
     body.replaceChildren(
       el("div.tiles", {},
         tile(count(rates.verifications), "Verifications", `${plain((60 * n) / Math.max(seconds, 1), 1)} a minute ${before ? "now" : "on average"}`),
         tile(ms.p50 == null ? "–" : `${plain(ms.p50, 0)} ms`, "Half are faster than", ms.p95 == null ? "none so far" : `95 of 100 faster than ${plain(ms.p95, 0)} ms`),
         tile(count(counts.subjects), "People", many(counts.templates, "template")),
-        tile(span(s.uptime_s), "Running", `${count(s.queue.waiting)} waiting; ${hits ? percent(s.cache.hits / hits) : "0 %"} from memory`)),
+        tile(span(s.uptime_s), "Running", `${count(s.queue.waiting)} waiting`)),
       el("div.try", {},
         el("div.stack", {}, el("section.card", {}, el("h2", {}, "Verifications a day"), daily(s.days)),
           el("section.card", {}, el("h2", {}, bad ? "To be mended" : "All is well"),

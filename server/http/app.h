@@ -7,8 +7,6 @@
 #include <stddef.h>
 #include "store_attempts.h"
 
-struct cache;         /* cache.h */
-struct erasures;      /* erasures.h */
 struct guard;         /* guard.h */
 struct metrics;       /* metrics.h */
 struct surface_model; /* libsurface.h */
@@ -24,7 +22,6 @@ struct upkeep;        /* upkeep.h */
 struct app {
     struct store *store;         /* with the calibration and engine of the model */
     struct surface_model *model; /* NULL: the shipped one */
-    struct cache *cache;
     struct metrics *metrics;
     struct store_limits limits; /* limits of failed verifications */
     const char *db;             /* file of the database */
@@ -34,7 +31,6 @@ struct app {
     struct queue *slow;     /* queue of routes with ROUTE_SLOW, with one worker */
     atomic_flag slow_taken; /* a request of slow waits or runs */
     struct upkeep *upkeep;
-    struct erasures *erasures;
     struct recent *recent;
     struct guard *guard;        /* owned by http.c */
     struct quota *quota;        /* owned by http.c; on the I/O thread only */

@@ -12,7 +12,6 @@
 
 #include "app.h"
 #include "auth.h"
-#include "cache.h"
 #include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
@@ -420,22 +419,6 @@ static void print_gauges(FILE *f, const struct app *app)
         "1: less than the reserve is free on the disk, and enrolments are refused.");
 }
 
-static void print_cache(FILE *f, const struct app *app)
-{
-    struct cache_state c;
-
-    cache_look(app->cache, &c);
-    print_one(f, "surfaced_cache_hits_total", "counter", c.hits,
-              "Templates found in the cache.");
-    print_one(f, "surfaced_cache_misses_total", "counter", c.misses,
-              "Templates not found in the cache.");
-    print_one(f, "surfaced_templates_reencoded_total", "counter", c.reencoded,
-              "Templates read that another engine made, re-encoded in memory: surfacectl "
-              "template reencode stores the result.");
-    print_one(f, "surfaced_cache_evictions_total", "counter", c.evictions,
-              "Decoded templates evicted from the cache.");
-}
-
 static void print_connections(FILE *f, const struct app *app)
 {
     struct guard_state g;
@@ -549,7 +532,6 @@ static char *text(const struct app *app, bool all)
         for (size_t i = 0; i < sizeof family / sizeof *family; i++)
             print_family(f, app->metrics, &family[i]);
         print_tokens(f, app->metrics);
-        print_cache(f, app);
     }
     print_verified(f, app);
     print_gauges(f, app);

@@ -14,7 +14,6 @@ enum status worker_open(struct worker *w, struct app *app)
     *w = (struct worker){.app = app,
                          .compare = {.store = app->store,
                                      .work = surface_work_new(app->model),
-                                     .cache = app->cache,
                                      .clock_ms = logger_clock_ms}};
     return w->compare.work != NULL ? ST_OK : ST_ENOMEM;
 }

@@ -26,7 +26,6 @@ is "enrolled by surfacectl" $? 0
 send POST /v1/subjects/bob/verify "$PLY" "$T/b1.ply"
 is "seen by the daemon" "$(get .decision)" match
 
-# Both templates are in the daemon's cache now.
 ctl --yes template delete "$alice"
 is "deleted by surfacectl" $? 0
 send POST "/v1/templates/$alice/verify" "$PLY" "$T/a1.ply"

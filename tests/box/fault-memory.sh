@@ -9,7 +9,7 @@ fi
 
 scan 1 0 "$T/a.ply" --points 1500
 # try N: starts the daemon, whose N-th allocation fails.  Either it ends with a message, or it serves
-# what its worker, its cache and its memory of the latest requests are needed for.
+# what its worker and its memory of the latest requests are needed for.
 try() {
     : >"$LOG"
     FAIL_ALLOC=$1 LD_PRELOAD=$BUILD/alloc_shim.so \

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Goal: metrics, health and log show what the daemon does and contain no personal data; a deleted
-# template is never used from the cache, whichever process deleted it.
+# template is never used, whichever process deleted it.
 . tests/box/lib.sh
 
 scan 1 0 "$T/a.ply"
@@ -52,10 +52,6 @@ is "mismatch" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 1
 is "match" "$(metric 'surfaced_decisions_total{decision="match"}')" 2
 is "no match" "$(metric 'surfaced_decisions_total{decision="no_match"}')" 1
 is "wrong tokens" "$(metric surfaced_wrong_tokens_total)" 1
-is "cache misses" "$(metric surfaced_cache_misses_total)" 1
-# Two enrolments, three verifications, and two whose bodies are bad: the templates are looked
-# up before the body is parsed.
-is "cache hits" "$(metric surfaced_cache_hits_total)" 6
 is "scored" "$(metric 'surfaced_stage_duration_seconds_count{stage="score"}')" 5
 is "minimised" "$(metric 'surfaced_stage_duration_seconds_count{stage="minimal"}')" 3
 is "parsed" "$(metric 'surfaced_stage_duration_seconds_count{stage="parse"}')" 6
@@ -168,7 +164,7 @@ is "nothing private in JSON either" "$(private_in_log)" ''
 AUTH=
 
 # ---- health
-start_daemon --no-auth --workers 2 --cache-mb 1
+start_daemon --no-auth --workers 2
 req GET /healthz
 is "alive" "$STATUS $(get .status)" "200 ok"
 mv "$DB" "$T/elsewhere"
@@ -182,13 +178,13 @@ mv "$T/elsewhere" "$DB"
 req GET /readyz
 problem "and back again, until the daemon is started again" 503 not_ready
 stop_daemon
-start_daemon --no-auth --workers 2 --cache-mb 1
+start_daemon --no-auth --workers 2
 
 # Another process deletes a subject during verifications: none succeeds after the deletion.
 lost=0 i=0
 while [ $i -lt 10 ]; do
     ctl enroll "s$i" "$T/a.ply"
-    send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply" # now it is in the cache
+    send POST "/v1/subjects/s$i/verify" "$PLY" "$T/p.ply"
     [ "$STATUS" = 200 ] || lost=$((lost + 1))
     for n in 1 2 3; do
         beside "$n" POST "/v1/subjects/s$i/verify" -H "$PLY" --data-binary "@$T/p.ply"
@@ -201,12 +197,6 @@ while [ $i -lt 10 ]; do
     i=$((i + 1))
 done
 is "errors before surfacectl deletes it, or successes after" "$lost" 0
-# What the command has erased is dropped, so the cache is filled by those who stay.
-for i in 1 2 3 4 5 6 7 8; do
-    ctl enroll "t$i" "$T/a.ply"
-    send POST "/v1/subjects/t$i/verify" "$PLY" "$T/p.ply"
-done
-ok "a small cache evicts" test "$(metric surfaced_cache_evictions_total)" -ge 1
 
 # While the daemon stops, /readyz on an open connection gives 503.
 for n in 1 2 3 4 5 6 7 8; do
@@ -234,12 +224,4 @@ stop_daemon
 wait "$telnet"
 ok "not ready while it stops" grep -q 'the daemon is stopping' "$T/telnet"
 ok "with 503" grep -q 'HTTP/1.1 503 ' "$T/telnet"
-
-# ---- without a cache
-start_daemon --no-auth --cache-mb 0
-send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply"
-send POST /v1/subjects/alice/verify "$PLY" "$T/p.ply"
-is "it verifies without it" "$STATUS $(get .decision)" "200 match"
-is "no hits" "$(metric surfaced_cache_hits_total)" 0
-is "two misses" "$(metric surfaced_cache_misses_total)" 2
 finish

@@ -149,9 +149,9 @@ problem "verify against it" 404 not_found
 send POST /v1/subjects/alice/verify "$PLY" "$T/b.ply"
 is "it does not match any more" "$(get '[.decision, .templates_compared] | @tsv')" \
     "$(printf 'no_match\t1')"
-# If another process deletes a template, the daemon's cache must not match either.
+# If another process deletes a template, the daemon must not match it either.
 send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"
-is "f-4 is in the cache" "$STATUS $(get .decision)" "200 match"
+is "f-4 matches" "$STATUS $(get .decision)" "200 match"
 f4=$(get .template_id)
 ctl template delete "$f4" --yes
 send POST /v1/subjects/f-4/verify "$PLY" "$T/a2.ply"

@@ -50,7 +50,7 @@ echo '{"subject": "bob"}' >"$T/new.json"
 echo '{"hold": false}' >"$T/change.json"
 echo '{"name": "x", "scopes": ["tokens"]}' >"$T/token.json"
 echo '{"grace_s": 1}' >"$T/rotate.json"
-start_daemon --workers 3 --queue 77 --cache-mb 13 --max-body 7654321 --attempts 19 \
+start_daemon --workers 3 --queue 77 --max-body 7654321 --attempts 19 \
     --attempt-wait 71 --timeout 43 --max-connections 911 --rate-limit-tokens 1000
 
 curl -sS -o "$T/api" "$URL/openapi.json"

@@ -39,6 +39,35 @@ static double score(const struct surface_face *a, const struct surface_face *b)
     return ab.score;
 }
 
+/* A head alone (surface_decode()) gives the same score; with two sizes the surfaces are needed. */
+TEST(test_heads)
+{
+    struct surface_face a = {0}, b = {0}, *head = NULL;
+    struct surface_comparison whole, c;
+    unsigned char *bytes;
+    size_t n;
+
+    make(3, 0, 1, &a);
+    make(3, 1, 1, &b);
+    bytes = malloc(n = surface_encoded_size(&a));
+    assert_non_null(bytes);
+    surface_encode(&a, bytes);
+    n = surface_encoded_head(bytes, n);
+    assert_true(n > 20000 && n < 22000);
+    assert_int_equal(surface_decode(faces_work, bytes, n, &head), SURFACE_OK);
+    assert_int_equal(surface_face_points(head, NULL), 0);
+    assert_int_equal(surface_compare(faces_work, &a, &b, &whole), SURFACE_OK);
+    assert_int_equal(surface_compare(faces_work, head, &b, &c), SURFACE_OK);
+    assert_memory_equal(&c, &whole, sizeof c);
+    mistake(&b, 0.9);
+    assert_int_equal(surface_compare(faces_work, head, &b, &c), SURFACE_EINVAL);
+    assert_int_equal(surface_compare(faces_work, &b, head, &c), SURFACE_EINVAL);
+    surface_face_free(head);
+    free(bytes);
+    face_free(&a);
+    face_free(&b);
+}
+
 /* Whichever size one of two scans was mistaken for, the score is nearly what it is without: not that
  * of a stranger. */
 TEST(test_one_size)

@@ -129,6 +129,7 @@ static void verify(struct store *s, const char *secret, const char *subject,
     const struct store_snapshot_of of = {.subject = subject, .token = "t"};
     const struct store_probe probe = {
         .read = {"0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef"}};
+    struct surface_face *face = NULL;
     struct store_snapshot is;
     struct store_recorded out;
     struct store_token t;
@@ -136,7 +137,11 @@ static void verify(struct store *s, const char *secret, const char *subject,
     assert_int_equal(store_token_check(s, secret, &t, &e), wanted);
     if (wanted != ST_OK)
         return;
-    must(store_snapshot_end(&is, store_snapshot_begin(s, &of, &is, &e), &e));
+    must(store_snapshot_begin(s, &of, &is, &e));
+    must(store_snapshot_face(&is, 0, tempdb_work, &face, &e));
+    must(store_snapshot_end(&is, ST_OK, &e));
+    assert_true(surface_face_points(face, NULL) > 0); /* one template: it is whole */
+    surface_face_free(face);
     must(store_record_verification(s,
                                    &(struct store_record){.subject = &is.subject,
                                                           .as = as,

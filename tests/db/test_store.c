@@ -1,11 +1,8 @@
 /* The store: templates, subjects and events. */
-/* link: -Wl,--wrap=sql_begin,--wrap=sql_query,--wrap=sql_first,--wrap=sql_next,--wrap=sql_done */
-/* link: -Wl,--wrap=sql_end */
 #include <pthread.h>
 #include <sys/stat.h>
 
 #include "face.h"
-#include "fail_sql.h"
 #include "store.h"
 #include "tempdb.h"
 #include "unit.h"
@@ -278,34 +275,6 @@ static bool in_files(const void *needle, size_t len)
         free(bytes);
     }
     return found;
-}
-
-TEST(test_erased_since)
-{
-    struct store *s = tempdb_fresh();
-    int64_t since = 0, last;
-    bool erased = true;
-
-    tempdb_add(s, "alice");
-    must(store_erased_since(s, &since, &erased, &e));
-    assert_false(erased);
-    must(tempdb_erase(s, "test", "alice", &e));
-    last = since;
-    for (unsigned long n = 1;; n++) { /* the n-th call to the database fails */
-        enum status st;
-
-        fail_sql_at(n, ST_EBUSY);
-        st = store_erased_since(s, &since, &erased, &e);
-        fail_sql_at(0, ST_OK);
-        if (st == ST_OK)
-            break;
-        assert_int_equal(st, ST_EBUSY);
-        assert_int_equal(since, last);
-    }
-    assert_true(erased && since > last);
-    must(store_erased_since(s, &since, &erased, &e));
-    assert_false(erased);
-    store_close(s);
 }
 
 /* A reader is there for longer than an erasure waits: the WAL is truncated when it has

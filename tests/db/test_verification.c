@@ -67,7 +67,7 @@ TEST(test_snapshot)
 
         assert_memory_equal(&a.t[i], &t[i], sizeof t[i]);
         must(store_snapshot_face(&a, i, tempdb_work, &f, &e));
-        assert_int_equal(f->surface.mesh.nv, t[i].points);
+        assert_true(f->surface.mesh.nv == 0 && f->encoding.n > 0); /* the head */
         surface_face_free(f);
     }
     must(store_snapshot_end(&a, ST_OK, &e));
