@@ -35,7 +35,7 @@ for url in "postgresql://surface:$SECRET@/x" "postgresql:///x?password=$SECRET";
 done
 SURFACED_KEY='' "$BUILD/surfacectl" --db "$DB" init >"$T/out" 2>&1
 is "no key is named" $? 64
-contains "it has to be" "$T/out" 'name it \(--key FILE\)'
+contains "it has to be" "$T/out" 'needs --key FILE'
 "$BUILD/surfacectl" --db postgresql:///none-such stats >"$T/out" 2>&1
 is "no such database" $? 75
 contains "which one" "$T/out" none-such
