@@ -376,7 +376,7 @@ static enum status read_ply_read_row(struct data *d, const struct ply_head_eleme
 static enum status read_fixed(struct data *d, const struct ply_head_element *e)
 {
     const unsigned char *const row = (const unsigned char *)d->t->p;
-    struct cloudlist_column column[6] = {{NULL}};
+    struct cloudlist_column column[6] = {{.at = NULL}};
     size_t offset = 0;
 
     for (uint32_t i = e->first; i < e->first + e->n; i++) {
