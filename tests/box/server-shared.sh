@@ -215,7 +215,7 @@ ctl_exits 1 audit compare "$T/anchor1" "$T/anchor2"
 is "both daemons have seen a later one" "$(said '[.anchors[].in_log] | tojson')" '[false,false]'
 sed 's/"outcome":"deleted"/"outcome":"dElEted"/' "$T/log.jsonl" >"$T/forged.jsonl"
 ctl reapply-erasures "$T/forged.jsonl" --anchor "$T/anchor2"
-ctl_failed "an export that was changed" 77 'not as the database signed it'
+ctl_failed "an export that was changed" 77 'not authentic'
 ctl_exits 0 reapply-erasures "$T/log.jsonl" --anchor "$T/anchor2" --dry-run
 is "who would be erased" "$(said '[.subjects_erased, .tokens_revoked] | tojson')" '[1,1]'
 ctl_exits 0 reapply-erasures "$T/log.jsonl" --anchor "$T/anchor2"
