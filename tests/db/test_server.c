@@ -123,6 +123,14 @@ int __wrap_PQpipelineSync(PGconn *pg)
     return done;
 }
 
+/* Returns a new store on the server; without a server the test is skipped. */
+static struct store *fresh(void)
+{
+    if (!tempdb_server)
+        skip();
+    return tempdb_fresh();
+}
+
 static void verify(struct store *s, const char *secret, const char *subject,
                    enum store_record_as as, enum status wanted)
 {
@@ -174,18 +182,23 @@ static unsigned enroll(struct store *s, const char *secret, const char *subject)
     return waits;
 }
 
-TEST(test_round_trips)
+/* Returns a new store with alice.  Statements are prepared, and the token was used. */
+static struct store *with_alice(char secret[65])
 {
+    struct store *s = fresh();
     struct store_token t;
-    struct store *s;
-    char secret[65];
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
                             &e));
-    (void)enroll(s, secret, "alice"); /* statements are prepared, the token is used */
+    (void)enroll(s, secret, "alice");
+    return s;
+}
+
+TEST(test_round_trips)
+{
+    char secret[65];
+    struct store *s = with_alice(secret);
+
     verify(s, secret, "alice", STORE_RECORD_FAILED, ST_OK);
     for (int i = 0; i < 3; i++) {
         char name[8] = "bob0";
@@ -206,17 +219,10 @@ TEST(test_round_trips)
 TEST(test_lost)
 {
     struct store_subject one = {.id = "eve"};
-    struct store_token t;
-    struct log_txn x;
-    struct store *s;
     char secret[65];
+    struct store *s = with_alice(secret);
+    struct log_txn x;
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
-                            &e));
-    (void)enroll(s, secret, "alice");
     for (int i = 0; i < 3; i++) {
         end_connections();
         verify(s, secret, "alice", STORE_RECORD_PASSED, ST_OK);
@@ -240,7 +246,7 @@ TEST(test_lost)
 static unsigned add_broken(unsigned *at, const char *text, unsigned *said)
 {
     unsigned done_anyway = 0;
-    struct store *s = tempdb_fresh();
+    struct store *s = fresh();
     bool broke = true;
 
     tempdb_add(s, "first");
@@ -270,8 +276,6 @@ TEST(test_cut)
 {
     unsigned lost;
 
-    if (!tempdb_server)
-        skip();
     assert_int_equal(add_broken(&cut_at, "was lost", &lost), 1); /* the commit */
     assert_true(lost > 0);
 }
@@ -281,8 +285,6 @@ TEST(test_silent)
 {
     unsigned late;
 
-    if (!tempdb_server)
-        skip();
     assert_in_range(add_broken(&silent_at, "did not answer within 120 s", &late), 1,
                     5); /* from the commit on */
     assert_in_range(late, 5, 100);
@@ -294,13 +296,10 @@ static const char much[1 << 20]; /* more than a socket takes */
 TEST(test_reads_no_more)
 {
     struct log_txn x;
-    struct store *s;
+    struct store *s = fresh();
     uint64_t n;
     int end;
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     must(store_begin(s, SQL_READ, &x, &e));
     end = divert(PQsocket(last));
     hurry = true;
@@ -318,12 +317,9 @@ TEST(test_reads_no_more)
 TEST(test_rollback_unsent)
 {
     struct log_txn x;
-    struct store *s;
+    struct store *s = fresh();
     int end;
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     must(store_begin(s, SQL_READ, &x, &e));
     end = divert(PQsocket(last));
     for (int i = 0; i < 100; i++)
@@ -338,11 +334,8 @@ TEST(test_rollback_unsent)
 TEST(test_stale_plan)
 {
     struct store_subject one;
-    struct store *s;
+    struct store *s = fresh();
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     tempdb_add(s, "first");
     must(store_subject_get(s, "first", &one, &e));
     tempdb_sql("ALTER TABLE main.subjects ALTER COLUMN hold TYPE integer");
@@ -367,12 +360,9 @@ static void set_timeout(const char *value)
 TEST(test_idle_in_transaction)
 {
     struct log_txn x;
-    struct store *s;
+    struct store *s = fresh();
     uint64_t n;
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     set_timeout("100");
     end_connections();
     must(store_begin(s, SQL_READ, &x, &e));
@@ -403,12 +393,9 @@ TEST(test_stream_cut)
 {
     struct sql_rows *r;
     struct log_txn x;
-    struct store *s;
+    struct store *s = fresh();
     uint64_t n;
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     r = stream(s, &x);
     for (int64_t i = 17; i <= 40; i++)
         assert_true(sql_next(r));
@@ -431,13 +418,10 @@ TEST(test_error_keeps_connection)
 {
     struct sql_rows *r;
     struct log_txn x;
-    struct store *s;
+    struct store *s = fresh();
     uint64_t n;
     int pid;
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
     must(store_begin(s, SQL_READ, &x, &e));
     pid = PQbackendPID(last);
     must(sql_run(x.sql, "SELECT 1 / 0", NULL, 0, &e));
@@ -567,16 +551,9 @@ TEST(test_another_daemon)
 {
     struct log_walk walk;
     struct store_subject one;
-    struct store_token t;
-    struct store *s;
     char secret[65];
+    struct store *s = with_alice(secret);
 
-    if (!tempdb_server)
-        skip();
-    s = tempdb_fresh();
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
-                            &e));
-    (void)enroll(s, secret, "alice");
     tempdb_add(s, "zoe");
     other = tempdb_open(STORE_WRITE);
     other->log.daemon = 1;
