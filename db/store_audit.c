@@ -35,7 +35,7 @@ static enum status check_filter(const struct store_audit_filter *f, struct errin
     return f->subject != NULL ? ident_subject(f->subject, e) : ST_OK;
 }
 
-/* Who it is about, and who did it; a damaged row has no name here. */
+/* Finds the names of the subject and of the actor.  A damaged row gives no name. */
 static enum status find_names(struct log_txn *t, struct store_audit_entry *a,
                               struct errinfo *e)
 {
@@ -445,8 +445,8 @@ static enum status find_first(struct log_txn *t, struct log_end before[LOG_DAEMO
 }
 
 /* The daemon's accesses after *last that are from before `until` and not its last, at most a batch, as
- * they were written: else somebody could make them older.  *last: the last of them; n: how many.
- * Their times follow each other but where the clock was set. */
+ * they were written: an attacker could make them older.  *last: the last of them; n: their number.
+ * Their times ascend, unless the clock was set. */
 static enum status find_last(struct log_txn *t, uint32_t daemon, const char *until,
                              struct log_end *last, uint64_t *n, struct errinfo *e)
 {

@@ -55,7 +55,7 @@ static enum status open_by_files(const char *path, const struct crypt_root *r,
 }
 
 /* A plaintext root carries its own master key, so that a process which can write the file can make
- * one.  It is accepted only where the operator says that the database is plaintext, and only it. */
+ * one.  If the operator says that the database is plaintext, it is accepted, and only it. */
 static enum status open_root(const struct opening *o, const struct crypt_root *r,
                              struct crypt **out, struct errinfo *e)
 {
@@ -182,7 +182,7 @@ static enum status make_database(struct store *s, struct opening *o, struct erri
 
 /* ---- opening */
 
-/* There is no database, and this program may not make one.  Where it had one, that is lost. */
+/* There is no database, and this program may not make one.  If there is a key, its database is lost. */
 static enum status nothing_there(const struct opening *o, struct errinfo *e)
 {
     if (!newfile_missing(o->key_path))

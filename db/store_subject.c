@@ -186,7 +186,7 @@ static enum status store_subject_look(struct log_txn *t,
     return st;
 }
 
-/* A damaged template is none here: who looks for the damage must see whose it is. */
+/* A damaged template counts as none: an operator who looks for the damage must see the subject. */
 static enum status store_subject_rate(struct log_txn *t, struct store_subject *one,
                                       struct errinfo *e)
 {

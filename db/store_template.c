@@ -234,7 +234,7 @@ enum status store_template_decode(const struct store *s, const struct store_temp
     return ST_OK;
 }
 
-/* A template that is read, with its face if that is wanted. */
+/* A template that is being read. */
 struct getting {
     struct log_txn x;
     const char *id;

@@ -214,7 +214,7 @@ int64_t store_token_left(const struct store_token *t)
     return utc_read(t->expires, &end) && end > now ? (end - now + 999) / 1000 : 0;
 }
 
-/* No request waits for this: where it cannot be noted at once, the next one notes it. */
+/* No request waits for this: if it cannot be recorded at once, the next request records it. */
 static void note_use(struct store *s, struct store_token *t, int64_t ms)
 {
     char now[UTC_TEXT];

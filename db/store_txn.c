@@ -266,7 +266,7 @@ enum status store_act_begin(struct store *s, const char *actor, enum sql_begin h
     return st;
 }
 
-/* What a durable commit has seen is durable too, whoever wrote it. */
+/* The changes that a durable commit has seen are durable too, whichever process wrote them. */
 static void advance_anchor(struct store *s, const struct log_end *to)
 {
     const struct log_anchor at = {.daemon = s->log.daemon, .end = *to};

@@ -192,7 +192,7 @@ enum status store_snapshot_end(struct store_snapshot *out, enum status st,
         return st;
     if (r->begun)
         st = store_end(r->store, &r->t, st, e);
-    /* also where the reading was refused: a lock-out must end some day */
+    /* also if the reading was refused: a lock-out must end */
     if (r->future && (moved = move_future(r, &why)) != ST_OK && st == ST_OK)
         st = errinfo_set(e, moved, "%s", why.msg);
     for (size_t i = 0; i < out->n && i < STORE_TEMPLATES_MAX; i++)

@@ -232,8 +232,8 @@ static enum status admin_check_verify(struct store *s, bool decode,
     return st;
 }
 
-/* SQLite takes what is missing of the last page for zeros, which is not noticed where they were
- * zeros, and does not look at what comes after the last page. */
+/* SQLite takes missing bytes of the last page for zeros, which is not noticed if they were zeros, and does not
+ * look at bytes after the last page. */
 static enum status is_whole(struct store *s, uint64_t *bytes, struct errinfo *e)
 {
     struct log_txn t;

@@ -185,8 +185,7 @@ static enum status copy_plain(struct log_txn *from, struct log_txn *to, const ch
     return sql_done(r, st, e);
 }
 
-/* What no MAC is of but the daemon's own memory: who was seen, who has failed, what was
- * added, nonces that are used. */
+/* Copies the rows without a MAC: times of last use, scores of the days, failed attempts, used nonces. */
 static enum status copy_unauthenticated(struct log_txn *from, struct log_txn *to,
                                         struct errinfo *e)
 {
@@ -266,7 +265,7 @@ static enum status copy_rows(struct log_txn *from, struct log_txn *to,
     return sql_done(r, st, e);
 }
 
-/* A file is verified when it has been written; on a server nobody sees it before the commit. */
+/* A file is verified after it was written.  On a server no other connection sees the copy before the commit. */
 static enum status verify_copy(struct log_txn *to, struct errinfo *e)
 {
     const enum status st = log_txn_begin(to, e);

@@ -162,7 +162,7 @@ static void own_as(const char *path, const char *like)
 }
 
 /* The new key into its place.  An old one in that place becomes KEY.old, also if no other comes, but
- * only if that was asked for: whoever may write the database's folder can make it look so. */
+ * only if that was asked for: an attacker who can write the folder can make it look so. */
 static enum status place_key(const struct rekeying *x, const char *aside,
                              struct errinfo *e)
 {

@@ -344,7 +344,7 @@ static enum status read_root(struct store *s, struct crypt_root *root, struct er
 }
 
 /* The configured key opens the result: its keys are those of the store that it opens, or new ones
- * under it, where no store has it. */
+ * under it if no store has it. */
 static enum status choose_keys(struct restoring *r, struct errinfo *e)
 {
     struct store *const of = r->from_key == NULL ? r->backup : r->held;
@@ -616,7 +616,7 @@ static enum status accept_rows(struct log_txn *t, const struct log_act *by,
         (st = rows_digest(t, false, NULL, NULL, sum, &bad, e)) != ST_OK ||
         (st = log_txn_agrees(t, sum, &same, e)) != ST_OK)
         return st;
-    if (twins > 0) /* which of them is right nobody can say */
+    if (twins > 0) /* nothing says which of them is right */
         return errinfo_set(e, ST_ECORRUPT,
                            "two rows have what only one may have: restore a backup");
     out->removed += orphans;

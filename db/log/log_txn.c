@@ -31,7 +31,7 @@ struct log_end log_newest(struct log *l)
     return now;
 }
 
-/* A transaction that began before another's change ended may have seen less. */
+/* A transaction may have seen less than this if it began before the end of another one. */
 static struct log_end found(struct log *l)
 {
     struct log_end at;
@@ -65,7 +65,7 @@ static bool erases(const char *kind)
 
 /* ---- where a log ends */
 
-/* The last entry, seq 0 if there is none.  *authentic: false if one was read that is not: its MAC authenticates the log up to it.  Of a change,
+/* Reads the last entry, seq 0 if there is none.  *authentic: false if one was read that is not: its MAC authenticates the log up to it.  Of a change,
  * whose fields are used, the hash is made again; that takes the entry before. */
 static enum status read_last(struct log_txn *t, enum log_name log, uint32_t daemon,
                              struct log_entry *last, bool *authentic, struct errinfo *e)

@@ -110,8 +110,8 @@ enum status rows_digest_orphans(struct log_txn *t, store_report *report, void *a
                    NULL, 0, e);
 }
 
-/* What no two authentic rows may share, whatever the file's schema says: somebody who is hidden
- * while a second one of the same id is enrolled, and put back, leaves no other difference. */
+/* Columns that no two authentic rows may share, whatever the file's schema says.  A subject that is hidden while
+ * a second one is enrolled under its id, and then put back, leaves no other difference. */
 #define TWICE(table, columns, problem)                                                   \
     "SELECT '" table ": two rows " problem "' FROM " table " GROUP BY " columns          \
     " HAVING count(*) > 1 LIMIT 1"

@@ -166,7 +166,7 @@ enum status sql_file_check(struct sql_txn *t, sql_report *report, void *arg,
     if (st != ST_OK)
         return st;
     st = check_pragma(c, "PRAGMA foreign_key_check", "reference", report, arg, &why);
-    if (st == ST_EDB) { /* tables of another's making, which cannot refer to each other */
+    if (st == ST_EDB) { /* tables of another program, which cannot refer to each other */
         report(arg, why.msg);
         return ST_OK;
     }
@@ -238,7 +238,7 @@ enum status sql_file_copy(struct sql_txn *t, const char *path, struct errinfo *e
     st = with(path, "PRAGMA journal_mode=MEMORY; PRAGMA synchronous=OFF", in_file(t), e);
     if (st != ST_OK)
         return st;
-    /* One file, which can be read where nothing can be written. */
+    /* One file, which can be read in a folder that cannot be written. */
     st = with(path, "PRAGMA journal_mode=DELETE", NULL, e);
     remove_wal(path);
     return st;
@@ -277,7 +277,7 @@ void sql_file_scrub(struct sql *of, int ms)
 
     if (!of->driver->file)
         return;
-    atomic_store(&d->scrub, true); /* also where the writer cannot be had */
+    atomic_store(&d->scrub, true); /* also if the writer's connection is not free */
     if (sql_sqlite_lock(d, SQL_SQLITE_BUSY_MS, NULL) != ST_OK)
         return;
     sql_sqlite_truncate(d, ms);

@@ -29,8 +29,8 @@ static void close_conn(struct sql_postgres_conn *c)
     free(c);
 }
 
-/* Nothing is printed.  What a server has to say of a commit is that it did not wait for a standby,
- * as somebody has cancelled that. */
+/* Prints nothing.  During a commit the server has one notice: it did not wait for a standby, because the wait
+ * was cancelled. */
 static void take_notice(void *arg, const PGresult *r)
 {
     struct sql_postgres_conn *c = arg;
@@ -57,8 +57,8 @@ static PGconn *dial(const char *url)
     return PQconnectdbParams(key, value, 1);
 }
 
-/* Every connection has a lock that is shared, of the session: who has the database alone waits for
- * the last of them to end, and keeps others out. */
+/* Every connection has a shared lock of its session.  A process that takes the database alone waits for the
+ * last of them to end, and keeps the others out. */
 #define SETTINGS  "SET synchronous_commit = on; SET lock_timeout = '5s'; "
 #define IN_USE    SETTINGS "SELECT pg_advisory_lock_shared(" SQL_IN_USE ")"
 #define IF_UNUSED SETTINGS "SELECT 1 WHERE pg_try_advisory_lock(" SQL_IN_USE ")"
@@ -383,7 +383,7 @@ static enum status bytes(struct sql_txn *t, uint64_t *out, struct errinfo *e)
 
 /* ---- opening */
 
-/* A password in a URL is seen by who lists the processes, and by who reads a log. */
+/* The list of processes and the log would show a password in a URL. */
 static enum status check_url(const char *url, struct errinfo *e)
 {
     PQconninfoOption *option = PQconninfoParse(url, NULL);

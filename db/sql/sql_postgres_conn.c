@@ -303,7 +303,7 @@ static struct sql_postgres_slot *find_slot(struct sql_postgres_conn *c, const ch
     return NULL;
 }
 
-/* Prepared where it is new, and sent. */
+/* Sends a statement, and prepares it before if it is new. */
 static enum status post(struct sql_postgres_conn *c, const char *text,
                         const struct sql_value *value, size_t n,
                         enum sql_postgres_kind kind, struct sql_postgres_rows *rows,

@@ -269,7 +269,7 @@ static enum status new_database(const char *path, enum sql_open how,
                                             : errinfo_set(e, ST_ENOMEM, "out of memory");
 }
 
-/* What another program began and was killed amid is taken back first, where it may be. */
+/* SQLite first rolls back a transaction of a killed program, if it can write. */
 static enum status open_writer(struct sql_sqlite *d, enum sql_open how, struct errinfo *e)
 {
     enum status st = sql_sqlite_conn_open(d->path, SQLITE_OPEN_READWRITE,

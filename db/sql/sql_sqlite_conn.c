@@ -30,7 +30,7 @@ static enum status status_of(int rc)
         return ST_EIO;
     case SQLITE_TOOBIG:
         return ST_ELIMIT;
-    default: /* also where a call failed without leaving an error behind */
+    default: /* also if a call failed without an error */
         return ST_EDB;
     }
 }
@@ -342,7 +342,7 @@ struct sql_value sql_sqlite_conn_column(const struct sql_rows *rows, int i)
         break;
     case SQLITE_BLOB:
         v.type = SQL_BLOB;
-        v.data = sqlite3_column_blob(r->stmt, i); /* NULL where it is empty */
+        v.data = sqlite3_column_blob(r->stmt, i); /* NULL if it is empty */
         break;
     default:
         return v;
