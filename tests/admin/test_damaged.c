@@ -131,21 +131,6 @@ TEST(test_unwritable)
         assert_int_equal(seteuid(0), 0);
 }
 
-TEST(test_ready)
-{
-    struct store *s = tempdb_fresh();
-    char aside[128];
-
-    must(store_ready(s, &e));
-    (void)snprintf(aside, sizeof aside, "%s.aside", tempdb_path);
-    assert_int_equal(rename(tempdb_path, aside), 0);
-    fails(store_ready(s, &e), ST_EREFUSED);
-    assert_int_equal(rename(aside, tempdb_path), 0);
-    fails(store_ready(s, &e), ST_EREFUSED); /* until it is opened again */
-    store_close(s);
-    store_close(tempdb_open(STORE_WRITE));
-}
-
 /* More than one thread checks: each template is read once, also one of an odd key. */
 TEST(test_check_shares)
 {
