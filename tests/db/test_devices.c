@@ -1,4 +1,4 @@
-/* What devices sign: nonces that are good once.  Names and keys: tests/box/http-signed.sh. */
+/* Captures that devices sign: nonces that are valid once.  Names and keys: tests/box/http-signed.sh. */
 #include <pthread.h>
 #include <sodium.h>
 
@@ -50,6 +50,8 @@ static void make_nonce(struct store *s, char nonce[STORE_NONCE_TEXT + 1])
     assert_int_equal(strlen(nonce), STORE_NONCE_TEXT);
 }
 
+/* Every character of a nonce counts.  Unknown devices, forged captures, nonces that were used before:
+ * tests/box/http-signed.sh. */
 TEST(test_nonces)
 {
     char nonce[STORE_NONCE_TEXT + 1], other[STORE_NONCE_TEXT + 1];
@@ -60,15 +62,7 @@ TEST(test_nonces)
     make_nonce(s, nonce);
     make_nonce(s, other);
     assert_string_not_equal(nonce, other);
-    c = capture("door-2", nonce);
-    assert_int_equal(take(s, &c), STORE_CAPTURE_UNKNOWN);
-    c = capture("door-1", nonce);
-    c.signature[0] ^= 1;
-    assert_int_equal(take(s, &c), STORE_CAPTURE_FORGED);
-    c.signature[0] ^= 1;
-    assert_int_equal(take(s, &c), STORE_CAPTURED);
-    assert_int_equal(take(s, &c), STORE_CAPTURE_REPLAYED);
-    c.nonce = other;
+    c = capture("door-1", other);
     assert_int_equal(take(s, &c), STORE_CAPTURED);
     for (size_t i = 0; i < STORE_NONCE_TEXT - 1; i++) { /* the last has spare bits */
         make_nonce(s, nonce);
@@ -80,10 +74,6 @@ TEST(test_nonces)
         c.nonce = ((const char *const[]){"", "=", "AAAA"})[i];
         assert_int_equal(take(s, &c), STORE_CAPTURE_FOREIGN);
     }
-    store_close(s);
-    s = tempdb_open(STORE_WRITE); /* as another process */
-    c.nonce = other;
-    assert_int_equal(take(s, &c), STORE_CAPTURE_REPLAYED);
     store_close(s);
 }
 
