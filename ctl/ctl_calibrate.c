@@ -238,7 +238,7 @@ static enum status may_store(struct ctl *c, const struct store_calibration *k)
 {
     struct store_calibration now;
     char what[160];
-    const enum status st = calibration_current(c->store, &now, &c->e);
+    const enum status st = store_calibration_current(c->store, &now, &c->e);
 
     if (st != ST_OK)
         return st == ST_ECORRUPT ? ST_OK : st;
@@ -313,7 +313,7 @@ static enum status ctl_calibrate_list(struct ctl *c)
 
     if (st != ST_OK)
         return st;
-    if ((st = calibration_current(c->store, &now, &c->e)) != ST_OK)
+    if ((st = store_calibration_current(c->store, &now, &c->e)) != ST_OK)
         goto out;
     json_array(c->out, "calibrations");
     ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED", "SOURCE",

@@ -280,7 +280,7 @@ static enum status dedup(struct dedup *d)
     struct ctl *c = d->c;
     enum status st;
 
-    if ((st = calibration_current(d->c->store, &d->calibration, &c->e)) != ST_OK ||
+    if ((st = store_calibration_current(d->c->store, &d->calibration, &c->e)) != ST_OK ||
         (st = list_all(d)) != ST_OK)
         return st;
     d->threshold =

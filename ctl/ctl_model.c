@@ -240,7 +240,7 @@ enum status ctl_model_open(struct ctl *c, enum store_mode mode)
         return st;
     store_use_model(c->store, c->model);
     if ((c->cmd->shared & CTL_MODEL) != 0 &&
-        calibration_current(c->store, &k, NULL) == ST_OK && k.ignored)
+        store_calibration_current(c->store, &k, NULL) == ST_OK && k.ignored)
         (void)fprintf(
             stderr,
             "surfacectl: calibration %" PRId64

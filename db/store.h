@@ -241,23 +241,23 @@ enum status store_calibration_list(struct store *s, struct store_calibration **o
 /* The calibration in force is the newest, or the model's own table (core/face/model.h) if there is none, if the
  * newest says so, or if it was made for another measure or another model.
  *
- * calibration_current(s, k, e): Reads the calibration in force.
+ * store_calibration_current(s, k, e): Reads the calibration in force.
  *   k  version is that of the newest, 0: there is none; table decides; shipped: it is the model's own;
  *      ignored: the newest does not decide, which a program should report when it starts
  * ST_ECORRUPT: the newest is damaged; nothing may be decided. */
-enum status calibration_current(struct store *s, struct store_calibration *k,
-                                struct errinfo *e);
+enum status store_calibration_current(struct store *s, struct store_calibration *k,
+                                      struct errinfo *e);
 
-/* calibration_apply(s, k, w): Makes w decide by k, which is the newest as store_snapshot_begin() reads it;
+/* store_calibration_apply(s, k, w): Makes w decide by k, which is the newest as store_snapshot_begin() reads it;
  * zeros: there is none. */
-void calibration_apply(const struct store *s, struct store_calibration k,
-                       struct surface_work *w);
+void store_calibration_apply(const struct store *s, struct store_calibration k,
+                             struct surface_work *w);
 
-/* calibration_refresh(s, w, version, e): Makes w decide by the calibration in force.  On failure w is unchanged.
+/* store_calibration_refresh(s, w, version, e): Makes w decide by the calibration in force.  On failure w is unchanged.
  *   version  of the calibration that w decides by, 0 for a new w; the caller keeps it with w
  * Cost: some microseconds if it has not changed. */
-enum status calibration_refresh(struct store *s, struct surface_work *w, int64_t *version,
-                                struct errinfo *e);
+enum status store_calibration_refresh(struct store *s, struct surface_work *w,
+                                      int64_t *version, struct errinfo *e);
 
 /* ---- the audit log: the change log and the access log (log_entry.h) */
 

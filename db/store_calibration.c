@@ -75,8 +75,8 @@ static void complete(const struct store *s, struct store_calibration *k)
     }
 }
 
-enum status calibration_current(struct store *s, struct store_calibration *k,
-                                struct errinfo *e)
+enum status store_calibration_current(struct store *s, struct store_calibration *k,
+                                      struct errinfo *e)
 {
     const enum status st = store_calibration_get(s, k, e);
 
@@ -88,22 +88,22 @@ enum status calibration_current(struct store *s, struct store_calibration *k,
     return ST_OK;
 }
 
-void calibration_apply(const struct store *s, struct store_calibration k,
-                       struct surface_work *w)
+void store_calibration_apply(const struct store *s, struct store_calibration k,
+                             struct surface_work *w)
 {
     complete(s, &k);
     (void)surface_work_calibrate(w, k.shipped ? NULL : &k.table);
 }
 
-enum status calibration_refresh(struct store *s, struct surface_work *w, int64_t *version,
-                                struct errinfo *e)
+enum status store_calibration_refresh(struct store *s, struct surface_work *w,
+                                      int64_t *version, struct errinfo *e)
 {
     struct store_calibration k;
-    const enum status st = calibration_current(s, &k, e);
+    const enum status st = store_calibration_current(s, &k, e);
 
     if (st != ST_OK || k.version == *version)
         return st;
-    calibration_apply(s, k, w);
+    store_calibration_apply(s, k, w);
     *version = k.version;
     return ST_OK;
 }

@@ -12,7 +12,7 @@
 #include "newfile.h"
 #include "rows_root.h"
 #include "sql_file.h"
-#include "sql.h"
+#include "sql_open.h"
 #include "store_txn.h"
 
 /* ---- keys */
@@ -420,6 +420,17 @@ enum status store_ready(struct store *s, struct errinfo *e)
     return store_end(s, &t, ST_OK, e);
 }
 
+enum status store_verify(struct store *s, store_report *report, void *arg,
+                         struct errinfo *e)
+{
+    return store_txn_verify_alone(s, report, arg, e);
+}
+
+bool store_refused(struct store *s, struct errinfo *e)
+{
+    return store_txn_refused(s, e);
+}
+
 bool store_behind(struct store *s)
 {
     return atomic_load(&s->behind);
@@ -472,7 +483,7 @@ bool store_in_use(const char *path, int64_t *pid)
 
 bool store_on_server(const char *path)
 {
-    return sql_is_url(path);
+    return sql_open_is_url(path);
 }
 
 enum status store_root(const char *path, struct crypt_root *root, struct errinfo *e)

@@ -2,7 +2,7 @@
 
 #include "errinfo.h"
 #include "sql_file.h"
-#include "sql.h"
+#include "sql_open.h"
 #include "sql_read.h"
 #include "utc.h"
 

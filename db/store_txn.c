@@ -10,12 +10,11 @@
 #include "rows_token.h"
 #include "sql_file.h"
 #include "sql_file_index.h"
-#include "store_open.h"
 #include "utc.h"
 
 /* ---- is the database as it was written? */
 
-bool store_refused(struct store *s, struct errinfo *e)
+bool store_txn_refused(struct store *s, struct errinfo *e)
 {
     if (!atomic_load(&s->refused))
         return false;
@@ -132,7 +131,7 @@ static enum status store_txn_start(struct store *s, enum sql_begin how, struct l
                           .how = how,
                           .added = LOGS,
                           .before = log_newest(&s->log)};
-    if (store_refused(s, &why))
+    if (store_txn_refused(s, &why))
         return errinfo_set(e, ST_EREFUSED, "%s", why.msg);
     return sql_begin(s->sql, how, &t->sql, e);
 }
@@ -157,8 +156,8 @@ enum status store_lock_token(struct log_txn *t, const char *token, struct errinf
     return sql_lock(t->sql, LOG_LOCK_TOKEN(hash_token(token)), e);
 }
 
-enum status store_verify(struct store *s, store_report *report, void *arg,
-                         struct errinfo *e)
+enum status store_txn_verify_alone(struct store *s, store_report *report, void *arg,
+                                   struct errinfo *e)
 {
     struct errinfo why;
     struct log_txn t;
@@ -196,7 +195,7 @@ enum status store_start(struct store *s, enum sql_begin how, const struct store_
     enum status st = ST_OK;
 
     if (use != NULL && !atomic_load(&s->verified))
-        st = store_verify(s, NULL, NULL, e);
+        st = store_txn_verify_alone(s, NULL, NULL, e);
     if (st == ST_OK && (st = store_txn_start(s, how, t, e)) == ST_OK &&
         (st = lock(how, use, t, e)) != ST_OK)
         (void)sql_end(t->sql, st, NULL);

@@ -101,6 +101,13 @@ bool store_txn_may_pass(enum status st);
 enum status store_txn_verify(struct log_txn *t, store_report *report, void *arg,
                              struct errinfo *e);
 
+/* store_txn_verify_alone(s, report, arg, e): Runs store_txn_verify() in a transaction of its own: store_verify(). */
+enum status store_txn_verify_alone(struct store *s, store_report *report, void *arg,
+                                   struct errinfo *e);
+
+/* store_txn_refused(s, e): Is store_refused(). */
+bool store_txn_refused(struct store *s, struct errinfo *e);
+
 /* store_list(s, table, size, list, n, e): Runs rows_table_all() in a transaction of its own. */
 enum status store_list(struct store *s, const struct rows_table *table, size_t size,
                        void **list, size_t *n, struct errinfo *e);

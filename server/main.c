@@ -127,7 +127,7 @@ static void warn_of_calibration(struct store *s)
     struct store_calibration k;
     struct logger_line l;
 
-    if (calibration_current(s, &k, NULL) != ST_OK || !k.ignored)
+    if (store_calibration_current(s, &k, NULL) != ST_OK || !k.ignored)
         return;
     logger_begin(&l, "warn", "calibration is not used: made by another measure or model");
     logger_count(&l, "version", (uint64_t)k.version);

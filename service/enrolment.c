@@ -227,7 +227,7 @@ static enum status fit_others(struct enrolling *g, struct errinfo *e)
     enum status st = ST_OK;
 
     if (g->first + 1 < g->x->n && g->is.of.n == 0)
-        st = calibration_refresh(g->c->store, g->c->work, &g->c->calibration, e);
+        st = store_calibration_refresh(g->c->store, g->c->work, &g->c->calibration, e);
     for (size_t i = g->first + 1; st == ST_OK && i < g->x->n; i++)
         if (g->x->sample[i].face != NULL)
             st = fit_other(g, i, e);

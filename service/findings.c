@@ -136,7 +136,7 @@ static void look_at_calibration(struct findings *x, struct store *s)
     struct store_calibration k;
     struct errinfo e;
 
-    if (calibration_current(s, &k, &e) != ST_OK)
+    if (store_calibration_current(s, &k, &e) != ST_OK)
         findings_say(x, FINDINGS_ERROR, "calibration", FIND_ALL, "%s", e.msg);
     else if (k.ignored)
         findings_say(

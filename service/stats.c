@@ -67,7 +67,7 @@ enum status stats_describe(struct json *j, struct store *s, const struct store_d
     enum status st;
 
     if ((st = store_stats(s, false, &all, e)) != ST_OK ||
-        (st = calibration_current(s, &k, e)) != ST_OK)
+        (st = store_calibration_current(s, &k, e)) != ST_OK)
         return st;
     describe_counts(j, &all);
     json_text(j, "engine", store_made_by(s));

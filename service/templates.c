@@ -74,7 +74,7 @@ enum status templates_read(struct templates_context *c, const struct templates_o
         st = take_face(out, i, e);
     st = store_snapshot_end(&out->of, st, e);
     if (st == ST_OK && out->of.calibration != c->calibration) {
-        calibration_apply(c->store, out->of.k, c->work);
+        store_calibration_apply(c->store, out->of.k, c->work);
         c->calibration = out->of.calibration;
     }
     return st;

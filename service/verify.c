@@ -52,7 +52,7 @@ static enum status build_other(struct templates_context *c, struct verification 
     enum status st = build_face(c, v, v->request->other, face, e);
 
     if (st == ST_OK && c->store != NULL)
-        st = calibration_refresh(c->store, c->work, &c->calibration, e);
+        st = store_calibration_refresh(c->store, c->work, &c->calibration, e);
     v->templates = (struct templates){.context = c, .of = {.n = 1}, .face = {*face}};
     return st;
 }

@@ -19,7 +19,7 @@
 #include "rows_root.h"
 #include "rows_token.h"
 #include "sql_file.h"
-#include "sql.h"
+#include "sql_open.h"
 #include "store.h"
 #include "store_txn.h"
 

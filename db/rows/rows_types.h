@@ -186,7 +186,7 @@ struct store_calibration {
     uint64_t genuine;   /* number of comparisons of one subject */
     struct surface_calibration table; /* a valid table */
     /* It is the newest, but made by another engine, and does not decide.  Set only by
-     * calibration_current(). */
+     * store_calibration_current(). */
     bool ignored;
 };
 

@@ -1,7 +1,8 @@
 /* sql.h -- a narrow layer over SQL: connections, transactions, statements, rows.
  * The callers write the statements, in the subset that SQLite 3.40 and PostgreSQL 15 both know
- * (scripts/check_statements.sh has both prepare every statement).  A driver executes them: sql_sqlite.c
- * for a file, sql_postgres.c for a URL.  Functions for databases in files only are in sql_file.h.
+ * (scripts/check_statements.sh has both prepare every statement).  A driver executes them (sql_open.h
+ * opens a database): sql_sqlite.c for a file, sql_postgres.c for a URL.  Functions for databases in files
+ * only are in sql_file.h.
  *
  * Each call returns ST_OK, or an error and fills *e (may be NULL).  A driver may report the error of a
  * change only at a later call or at the commit.  After an error the caller may call only sql_end().
@@ -26,24 +27,13 @@ struct sql_value;
 /* Receives a problem, as a line of text. */
 typedef void sql_report(void *arg, const char *line);
 
-/* sql_is_url(where): Returns true if `where` is the URL of a database on a server, postgresql://..., and
- * not a file. */
-bool sql_is_url(const char *where);
-
+/* How sql_open() (sql_open.h) opens a database. */
 enum sql_open {
     SQL_OPEN_READ,   /* read only; the database need not be writable */
     SQL_OPEN_WRITE,  /* the database must exist */
     SQL_OPEN_CREATE, /* a missing database is created, readable only by its owner */
     SQL_OPEN_ALONE /* one connection; no other process has the database open or can open it */
 };
-
-/* sql_open(where, how, out, e): Opens the database of a file or of a URL, by the driver for it.
- *   out  the database, to be released by sql_close(); NULL after a failure
- * ST_ENOTFOUND: there is none; ST_ECORRUPT: it is another program's; ST_EVERSION: its schema is newer than
- * this program; ST_EBUSY: SQL_OPEN_ALONE, and another process has it open; ST_EINVAL: the URL has a
- * password. */
-enum status sql_open(const char *where, enum sql_open how, struct sql **out,
-                     struct errinfo *e);
 
 /* sql_close(d): Closes d; NULL is allowed.  No transaction may be open.  Removes a file that sql_open()
  * has created, unless a SQL_SCHEMA transaction was committed or another process has it open. */

@@ -54,7 +54,7 @@ void health_ready(struct request *r, struct worker *w)
     if (atomic_load(&r->app->stopping)) {
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
-               calibration_current(r->app->store, &k, &e) == ST_OK) {
+               store_calibration_current(r->app->store, &k, &e) == ST_OK) {
         health_respond(r, "status", "ready");
     } else {
         request_problem(r, ERRMAP_NOT_READY, "%s", reason(e.code));

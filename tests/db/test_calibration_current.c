@@ -49,15 +49,15 @@ TEST(test_followed)
     int64_t version = 0;
     struct surface_comparison r;
 
-    must(calibration_refresh(s, tempdb_work, &version, &e));
+    must(store_calibration_refresh(s, tempdb_work, &version, &e));
     assert_int_equal(version, 0);
     add(s, &k);
-    must(calibration_current(s, &in, &e));
+    must(store_calibration_current(s, &in, &e));
     assert_memory_equal(&in.table, &k.table, sizeof in.table);
     assert_string_equal(in.engine, store_made_by(s));
     assert_true(in.fmr == k.fmr && in.low == k.low && in.high == k.high);
     assert_true(in.subjects == 80 && in.impostors == 6320 && in.genuine == 7);
-    must(calibration_refresh(s, tempdb_work, &version, &e));
+    must(store_calibration_refresh(s, tempdb_work, &version, &e));
     for (int damaged = 0; damaged < 2; damaged++) {
         assert_int_equal(version, 1);
         assert_int_equal(
@@ -69,7 +69,7 @@ TEST(test_followed)
             "INSERT INTO calibrations SELECT calibration_key + 1, revision, created, "
             "actor, engine, shipped, fmr, threshold, low, high, subjects, impostors, "
             "genuine, knots, mac FROM calibrations ORDER BY 1 DESC LIMIT 1");
-        fails(calibration_refresh(s, tempdb_work, &version, &e), ST_ECORRUPT);
+        fails(store_calibration_refresh(s, tempdb_work, &version, &e), ST_ECORRUPT);
         fails(store_calibration_add(s, "test", &k, &e), ST_ECORRUPT);
     }
     store_close(s);
@@ -95,18 +95,18 @@ TEST(test_other_model)
     assert_string_equal(store_made_by(s), ours);
 
     add(s, &k);
-    must(calibration_current(s, &in, &e));
+    must(store_calibration_current(s, &in, &e));
     assert_true(!in.shipped && !in.ignored);
     store_use_model(s, m);
     assert_string_not_equal(store_made_by(s), ours);
-    must(calibration_current(s, &in, &e));
+    must(store_calibration_current(s, &in, &e));
     assert_true(in.shipped && in.ignored);
     assert_true(in.table.threshold == m->calibration.threshold);
     add(s, &k); /* by the new one */
-    must(calibration_current(s, &in, &e));
+    must(store_calibration_current(s, &in, &e));
     assert_true(!in.shipped && !in.ignored);
     store_use_model(s, NULL);
-    must(calibration_current(s, &in, &e));
+    must(store_calibration_current(s, &in, &e));
     assert_true(in.ignored);
     store_close(s);
     free(m);

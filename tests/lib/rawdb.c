@@ -11,7 +11,7 @@ typedef void PGconn;
 #endif
 
 #include "errinfo.h"
-#include "sql.h"
+#include "sql_open.h"
 
 struct rawdb { /* one of them */
     sqlite3 *file;
@@ -86,7 +86,7 @@ enum status rawdb_open(const char *where, struct rawdb **out, struct errinfo *e)
 
     if (d == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if (sql_is_url(where))
+    if (sql_open_is_url(where))
         return server_open(d, where, e);
     if (sqlite3_open(where, &d->file) != SQLITE_OK ||
         sqlite3_busy_timeout(d->file, 5000) != SQLITE_OK ||
