@@ -1,20 +1,23 @@
+#define _GNU_SOURCE /* pthread_cond_clockwait() */
 #include "upkeep.h"
 
+#include <pthread.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <sys/prctl.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "app.h"
 #include "errinfo.h"
-#include "every.h"
 #include "expiry.h"
 #include "logger.h"
 #include "metrics.h"
 #include "refusal.h"
 #include "store.h"
 
-#define LOOK_MS        1000
+#define LOOK_S         1 /* between two looks */
 #define HOUR_MS        3600000.0
 #define VERIFY_MS      60000.0 /* at most so often, */
 #define VERIFY_PER_RUN 50.0    /* and after so many times as long as it took */
@@ -25,7 +28,10 @@ struct upkeep {
     double hour_ms,
         verify_ms; /* time of the next hourly work, of the next verification */
     struct expiry expiry;
-    struct every *thread;
+    pthread_t thread;
+    pthread_mutex_t lock; /* protects stopping */
+    pthread_cond_t wake;
+    bool stopping;
     bool ended;
     bool unread; /* the last verification could not read the rows */
 };
@@ -78,9 +84,8 @@ static void upkeep_end(struct upkeep *u)
     (void)kill(getpid(), SIGTERM);
 }
 
-static void upkeep_look(void *arg)
+static void upkeep_look(struct upkeep *u)
 {
-    struct upkeep *u = arg;
     const double now = logger_clock_ms();
 
     if (!u->ended && store_behind(u->app->store))
@@ -104,6 +109,40 @@ static void upkeep_look(void *arg)
     refusal_tell(u->app);
 }
 
+static bool upkeep_pause(struct upkeep *u)
+{
+    struct timespec t;
+    bool goes_on;
+
+    (void)clock_gettime(CLOCK_MONOTONIC, &t);
+    t.tv_sec += LOOK_S;
+    (void)pthread_mutex_lock(&u->lock);
+    while (!u->stopping &&
+           pthread_cond_clockwait(&u->wake, &u->lock, CLOCK_MONOTONIC, &t) == 0)
+        ;
+    goes_on = !u->stopping;
+    (void)pthread_mutex_unlock(&u->lock);
+    return goes_on;
+}
+
+static void *upkeep_run(void *arg)
+{
+    struct upkeep *u = arg;
+
+    (void)prctl(PR_SET_NAME, "upkeep");
+    do
+        upkeep_look(u);
+    while (upkeep_pause(u));
+    return NULL;
+}
+
+static void upkeep_release(struct upkeep *u)
+{
+    (void)pthread_cond_destroy(&u->wake);
+    (void)pthread_mutex_destroy(&u->lock);
+    free(u);
+}
+
 struct upkeep *upkeep_start(struct app *app, unsigned days)
 {
     struct upkeep *u = calloc(1, sizeof *u);
@@ -113,9 +152,11 @@ struct upkeep *upkeep_start(struct app *app, unsigned days)
     u->app = app;
     u->days = days;
     u->verify_ms = logger_clock_ms() + VERIFY_MS;
+    (void)pthread_mutex_init(&u->lock, NULL);
+    (void)pthread_cond_init(&u->wake, NULL);
     metrics_rows_verified(app->metrics);
-    if ((u->thread = every_start("upkeep", LOOK_MS, upkeep_look, u)) == NULL) {
-        free(u);
+    if (pthread_create(&u->thread, NULL, upkeep_run, u) != 0) {
+        upkeep_release(u);
         return NULL;
     }
     return u;
@@ -123,7 +164,12 @@ struct upkeep *upkeep_start(struct app *app, unsigned days)
 
 void upkeep_stop(struct upkeep *u)
 {
-    if (u != NULL)
-        every_stop(u->thread);
-    free(u);
+    if (u == NULL)
+        return;
+    (void)pthread_mutex_lock(&u->lock);
+    u->stopping = true;
+    (void)pthread_cond_signal(&u->wake);
+    (void)pthread_mutex_unlock(&u->lock);
+    (void)pthread_join(u->thread, NULL);
+    upkeep_release(u);
 }
