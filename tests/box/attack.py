@@ -135,32 +135,32 @@ def held(n, first, drip=b"", every=0.1):
         time.sleep(every)
 
 
-def half_bodies(out):
-    """D5: 33 MiB of a body, and then nothing."""
-    part = b"x" * (1 << 20)
-
+def again(out, n, request, before=0, tell=True, after=0):
+    """n threads, each on one connection after the other: a request, whose response is told or not read."""
     def one():
         s = connect()
-        s.sendall(head("POST", VERIFY, 60 << 20, PLY))
         try:
-            for _ in range(33):
-                s.sendall(part)
+            s.sendall(request)
         except OSError:
-            pass
-        told(out, s)
+            pass  # it was refused before its end
+        time.sleep(before)
+        if tell:
+            told(out, s)
         s.close()
-        time.sleep(0.05)
-    in_threads(8, one)
+        time.sleep(after)
+    in_threads(n, one)
+
+
+def post(path, body, *more):
+    return head("POST", path, len(body), *more) + body
 
 
 def deaf_heat_maps(out):
-    """D6: large responses that are not read."""
-    body = read("heat.zst")
-    first = head("POST", VERIFY + "?detail=heatmap", len(body), XYZ, "Content-Encoding: zstd")
+    request = post(VERIFY + "?detail=heatmap", read("heat.zst"), XYZ, "Content-Encoding: zstd")
 
     def one():
         s = connect()
-        s.sendall(first + body)
+        s.sendall(request)
         if told(out, s).startswith(b"HTTP/1.1 200"):
             time.sleep(60)
         time.sleep(0.2)
@@ -168,145 +168,17 @@ def deaf_heat_maps(out):
     in_threads(80, one)
 
 
-def million_points(out):
-    """D7: scans of 1,000,000 points that are hard to find a face in, one after the other."""
-    body = read("million.ply")
-
-    def one():
-        s = connect()
-        s.sendall(head("POST", VERIFY, len(body), PLY) + body)
-        told(out, s)
-        s.close()
-    in_threads(4, one)
-
-
-def slow_headers(out):
-    held(500, b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nA: ", b"x")
-
-
-def slow_bodies(out):
-    held(200, head("POST", VERIFY, 900000, PLY) + b"ply\n", b"x")
-
-
-def chunked_trickles(out):
-    held(200, head("POST", VERIFY, None, PLY, "Transfer-Encoding: chunked"), b"1\r\nx\r\n")
-
-
-def deaf_pipelines(out):
-    """Many requests on a connection, whose responses are not read."""
-    held(100, b"GET /openapi.json HTTP/1.1\r\nHost: localhost\r\n\r\n" * 200, b"", 0.5)
-
-
-def pipelines(out):
-    """Many requests on a connection, which are read."""
-    many = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n" * 500
-
-    def one():
-        s = connect()
-        s.sendall(many)
-        time.sleep(0.2)
-        told(out, s)
-        s.close()
-    in_threads(4, one)
-
-
-def connections(out):
-    """As many connections as fit, each closed at once."""
-    def one():
-        s = connect()
-        s.close()
-        time.sleep(0.002)
-    in_threads(4, one)
-
-
-def idle_hoard(out):
-    """More connections than there may be, idle after a request."""
-    held(400, b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n", b"", 0.5)
-
-
-def gone(out):
-    """Clients that go while the daemon works for them."""
-    body = read("probe.ply")
-
-    def one():
-        s = connect()
-        s.sendall(head("POST", VERIFY, len(body), PLY) + body)
-        time.sleep(0.02)
-        s.close()
-    in_threads(16, one)
-
-
-def gone_million(out):
-    """The same with scans of 1,000,000 points."""
-    body = read("million.ply")
-
-    def one():
-        s = connect()
-        s.sendall(head("POST", VERIFY, len(body), PLY) + body)
-        time.sleep(0.3)
-        s.close()
-    in_threads(4, one)
-
-
 def bombs(out, name, coding):
-    body = read(name)
-
-    def one():
-        s = connect()
-        s.sendall(head("POST", VERIFY, len(body), XYZ, "Content-Encoding: " + coding) + body)
-        told(out, s)
-        s.close()
-    in_threads(8, one)
-
-
-def gzip_bombs(out):
-    bombs(out, "bomb.gz", "gzip")
-
-
-def zstd_bombs(out):
-    bombs(out, "bomb.zst", "zstd")
+    again(out, 8, post(VERIFY, read(name), XYZ, "Content-Encoding: " + coding))
 
 
 def endless_form(out):
-    """A form with part after part."""
     part = b'--b\r\nContent-Disposition: form-data; name="x%d"\r\n\r\n\r\n'
-    body = b"".join(part % i for i in range(15000))
-
-    def one():
-        s = connect()
-        s.sendall(head("POST", VERIFY, len(body),
-                       "Content-Type: multipart/form-data; boundary=b") + body)
-        told(out, s)
-        s.close()
-    in_threads(8, one)
-
-
-def flood(out):
-    """Ordinary verifications of one token, as many as it can."""
-    body = read("probe.ply")
-    first = head("POST", VERIFY, len(body), PLY)
-
-    def one():
-        s = connect()
-        s.sendall(first + body)
-        told(out, s)
-        s.close()
-    in_threads(64, one)
-
-
-def wrong_tokens(out):
-    TOKENS["wrong"] = "0" * 64
-
-    def one():
-        s = connect()
-        s.sendall(head("GET", "/v1/subjects", None, token="wrong"))
-        told(out, s)
-        s.close()
-    in_threads(8, one)
+    again(out, 8, post(VERIFY, b"".join(part % i for i in range(15000)),
+                       "Content-Type: multipart/form-data; boundary=b"))
 
 
 def open_pages(out):
-    """Forty consoles that were left open at Live, which ask every two seconds."""
     def page():
         c = http.client.HTTPConnection(HOST, PORT, timeout=60, source_address=("127.0.0.2", 0))
         while True:
@@ -318,22 +190,45 @@ def open_pages(out):
     in_threads(40, page)
 
 
-def audit_walks(out):
-    """Walks over both logs, and a digest of all rows, as many as it can."""
-    def one():
-        s = connect()
-        s.sendall(head("POST", "/v1/audit/verify", 0, token="page"))
-        told(out, s)
-        s.close()
-    in_threads(4, one)
-
-
-ATTACKS = [half_bodies, deaf_heat_maps, million_points, slow_headers, slow_bodies,
-           chunked_trickles, deaf_pipelines, pipelines, connections, idle_hoard, gone,
-           gone_million, gzip_bombs, zstd_bombs, endless_form, flood, open_pages, audit_walks,
-           wrong_tokens]  # the last: its address may send no more for a while
+HEALTHZ = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n"
+ATTACKS = {
+    # 33 MiB of a body, and then nothing
+    "half_bodies": lambda out: again(out, 8, head("POST", VERIFY, 60 << 20, PLY) + bytes(33 << 20), after=0.05),
+    # large responses that are not read
+    "deaf_heat_maps": deaf_heat_maps,
+    # scans of 1,000,000 points that are hard to find a face in, one after the other
+    "million_points": lambda out: again(out, 4, post(VERIFY, read("million.ply"), PLY)),
+    "slow_headers": lambda out: held(500, HEALTHZ + b"A: ", b"x"),
+    "slow_bodies": lambda out: held(200, head("POST", VERIFY, 900000, PLY) + b"ply\n", b"x"),
+    "chunked_trickles": lambda out: held(
+        200, head("POST", VERIFY, None, PLY, "Transfer-Encoding: chunked"), b"1\r\nx\r\n"),
+    # many requests on a connection, whose responses are not read
+    "deaf_pipelines": lambda out: held(
+        100, b"GET /openapi.json HTTP/1.1\r\nHost: localhost\r\n\r\n" * 200, b"", 0.5),
+    # many requests on a connection, whose responses are read
+    "pipelines": lambda out: again(out, 4, (HEALTHZ + b"\r\n") * 500, before=0.2),
+    # as many connections as fit, each closed at once
+    "connections": lambda out: again(out, 4, b"", tell=False, after=0.002),
+    # more connections than there may be, idle after a request
+    "idle_hoard": lambda out: held(400, HEALTHZ + b"\r\n", b"", 0.5),
+    # clients that go while the daemon works for them
+    "gone": lambda out: again(out, 16, post(VERIFY, read("probe.ply"), PLY), before=0.02, tell=False),
+    "gone_million": lambda out: again(out, 4, post(VERIFY, read("million.ply"), PLY), before=0.3, tell=False),
+    "gzip_bombs": lambda out: bombs(out, "bomb.gz", "gzip"),
+    "zstd_bombs": lambda out: bombs(out, "bomb.zst", "zstd"),
+    # a form with part after part
+    "endless_form": endless_form,
+    # ordinary verifications of one token, as many as it can
+    "flood": lambda out: again(out, 64, post(VERIFY, read("probe.ply"), PLY)),
+    # forty consoles that were left open at Live, which ask every two seconds
+    "open_pages": open_pages,
+    # walks over both logs, and a digest of all rows, as many as it can
+    "audit_walks": lambda out: again(out, 4, head("POST", "/v1/audit/verify", 0, token="page")),
+    # the last: its address may send no more for a while
+    "wrong_tokens": lambda out: again(out, 8, head("GET", "/v1/subjects", None, token="wrong")),
+}
 # Which take more than half a second to take hold, as the daemon works or waits for them.
-HEAVY = [half_bodies, deaf_heat_maps, million_points, gone_million, gzip_bombs]
+HEAVY = ["half_bodies", "deaf_heat_maps", "million_points", "gone_million", "gzip_bombs"]
 
 
 # ---- all of it
@@ -417,16 +312,15 @@ def main():
     wanted = sys.argv[4:]
     for who in ("ordinary", "attacker", "page"):
         TOKENS[who] = read(who + ".token").decode().strip()
+    TOKENS["wrong"] = "0" * 64
     verify(5)  # warm
     print(json.dumps({"attack": "idle", **verify(count)}), flush=True)
-    for attack in ATTACKS:
-        if wanted and attack.__name__ not in wanted:
-            continue
-        pid, fd = begin(attack)
-        time.sleep(1.5 if attack in HEAVY else 0.5)
+    for name in wanted or ATTACKS:
+        pid, fd = begin(ATTACKS[name])
+        time.sleep(1.5 if name in HEAVY else 0.5)
         got = verify(count)
         said = end(pid, fd)
-        print(json.dumps({"attack": attack.__name__, **got, "attacker": said}), flush=True)
+        print(json.dumps({"attack": name, **got, "attacker": said}), flush=True)
         time.sleep(0.2)
 
 
