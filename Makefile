@@ -146,7 +146,7 @@ SEES_box   := $(call sees,db/admin)
 SEES_fuzz  := server/api server/http service lab $(call sees,db/admin)
 SEES_work  := scan base core $(CORE)
 SEES_bench := $(call sees,db/admin)
-# What is tested is built with $(OPT); -O3 of the tests themselves takes twice as long to build.
+# The tested code is built with $(OPT); building the tests themselves with -O3 would take twice as long.
 define testroom
 $(BUILD)/tests/$(1)/%.o: FLAGS := $(if $(filter-out bench,$(1)),$(OPT:-O3=-O1)) -Itests/$(1) -Itests/lib \
     -Isim $(call flags,$(1)) $(CORE:%=-I%)
@@ -204,7 +204,7 @@ $(BUILD)/gen/page_html.h: scripts/page.sh scripts/embed.sh server/console/style.
 	    scripts/embed.sh page_html < $(@:.h=.html) > $@.tmp && mv $@.tmp $@
 
 $(BUILD)/server/api/pages.o: $(SAMPLES:%=$(BUILD)/gen/sample_%_ply.h)
-# The console's sample scans, of made-up faces: who tries it has none at hand.
+# The console's sample scans, of simulated faces, for a visitor without scans.
 SAMPLE             := $(BUILD)/facegen --noise 0.06 --points 3000 --format ply
 SCAN_one           := --subject 3 --scan 0
 SCAN_one_again     := --subject 3 --scan 1 --pose 8 --smile 0.4
@@ -349,7 +349,7 @@ ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/bo
 CHECK     := $(strip $(if $(T),$(foreach t,$(ALL_TESTS),$(if $(findstring $(T),$(notdir $t)),$t)),\
     $(ALL_TESTS)))
 
-# The aids that the chosen black-box tests name, as "$BUILD/forge"; all where all tests run.
+# The aids that the chosen black-box tests name, as "$BUILD/forge"; all aids if all tests run.
 NEEDED    = $(if $(T),$(filter $(patsubst BUILD/%,$(BUILD)/%,$(shell \
     grep -oh 'BUILD/[a-z_.]*' $(filter %.sh,$(CHECK)))),$(AIDS)),$(AIDS))
 
@@ -363,7 +363,7 @@ check: $(filter-out %.sh,$(CHECK)) $(if $(filter %.sh,$(CHECK)),all $(NEEDED))
 unit: $(TEST_BIN) $(FUZZ_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(TEST_BIN) $(FUZZ_BIN)
 
-# What runs on either engine: what is stored, and what the daemon makes of it.
+# Tests that run on either engine: of the store, and of the daemon's use of it.
 SERVED := $(foreach r,db log rows service,$(filter $(BUILD)/tests/$r/%,$(TEST_BIN))) \
           $(filter %/test_move,$(TEST_BIN))
 SERVED_BOX := routes consent limits tries scopes replay narrow parallel live full-subject console

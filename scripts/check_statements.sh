@@ -1,8 +1,8 @@
 #!/bin/sh
 # check_statements.sh: every statement of the store was prepared by a test, and PostgreSQL can
 # prepare it too, against tables of its own (schema_postgres.sed).  After `make check`,
-# whose programs add what they prepare to $BUILD/log/statements (tests/box/record_shim.c).
-# Skipped where PostgreSQL 15 is not installed, but not with CI=true.
+# whose programs add the statements that they prepare to $BUILD/log/statements (tests/box/record_shim.c).
+# Skipped if PostgreSQL 15 is not installed; with CI=true that is a failure.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 BUILD=${BUILD:-build}

@@ -138,8 +138,8 @@ capture() {
         /v1/subjects/alice/verify "$dir/alice1.ply"
 }
 
-# A failure, and a nonce that was used, are on a standby when their response is there: whoever is locked
-# out stays so, and no capture is good twice.
+# A failed attempt and a used nonce are on a standby before their response: after a failover the token is
+# still locked out, and no capture is accepted twice.
 lock_out() {
     [ -e "$dir/door.key" ] || {
         openssl genpkey -algorithm ed25519 -out "$dir/door.key" 2>/dev/null

@@ -1,10 +1,10 @@
 #!/bin/sh
-# fuzz.sh BUILD SECONDS: run each fuzzer of BUILD for SECONDS, $JOBS (one per core) at a time,
-# starting from its corpus in tests/fuzz and, where there is a minute for it or more, from what
+# fuzz.sh BUILD SECONDS: runs each fuzzer of BUILD for SECONDS, $JOBS (one per core) at a time,
+# starting from its corpus in tests/fuzz and, if it has a minute or more, from the inputs that
 # earlier runs have found.  Inputs that reach new code are kept in BUILD/corpus, an input that
 # crashes in BUILD/crash.
-# fuzz.sh --keep BUILD: what was found, as few inputs as reach all of it, to tests/fuzz/found.tar.xz
-# for the next runs: they go on where this one ended.
+# fuzz.sh --keep BUILD: writes the fewest inputs that reach all code that was found to
+# tests/fuzz/found.tar.xz, from which the next runs continue.
 set -u
 found=tests/fuzz/found.tar.xz
 

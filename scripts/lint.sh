@@ -11,7 +11,7 @@ checks=0
 rooms=$(make -s layers | sed 's/ .*//')
 code=$(find $rooms -name '*.[ch]')
 
-# check TITLE COMMAND...: a check passes if the command exits 0.  All checks run at the same
+# check TITLE COMMAND...: runs a check, which passes if the command exits 0.  All checks run at the same
 # time; report() prints their results in order at the end.
 check() {
     checks=$((checks + 1))
@@ -76,7 +76,7 @@ check_state() {
         END { exit bad }'
 }
 
-# Of the tests the sanitizers' builds would tell, but of those that have none.
+# The sanitizers' builds compile the other tests with clang.
 clang_all() {
     make -s -j2 BUILD="$BUILD/clang" CC=clang OPT=-O0 EXTRA=-Wno-sign-conversion all \
         $(for t in tests/work/test_*.c; do echo "$BUILD/clang/${t%.c}"; done)

@@ -37,7 +37,7 @@ enum crash_kind {
 
 struct crash_op {
     uint32_t kind, len;
-    uint64_t file; /* its inode: another's after it is gone */
+    uint64_t file; /* inode number; reused for another file after an unlink */
     uint64_t at;
     char name[CRASH_NAME], to[CRASH_NAME];
 };

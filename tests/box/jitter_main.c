@@ -1,5 +1,5 @@
 /* jitter -- compares scans with changed copies of themselves.  A copy that does not match is a fault
- * of the frame, the crop or the cover, whoever the person is, so that no labels are needed. */
+ * of the frame, the crop or the cover.  No labels are needed. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -23,7 +23,7 @@ static const char usage[] =
     "  SEED    of all that is drawn; it grows by one after each kind had its turn\n"
     "Exit status: 0 if nothing failed, 1 if a copy failed, 2 if there is no result.\n";
 
-/* What is changed.  The first rows leave a scan nearly as it is, the last one does most at once. */
+/* Kinds of change.  The first rows change a scan least, the last one combines most changes. */
 struct kind {
     const char *name;
     double drop;     /* share of the points */
@@ -67,7 +67,7 @@ static const struct kind kinds[] = {
  * inconclusive that has this share of the score. */
 #define ENOUGH 0.6
 
-/* What became of the copies of a kind. */
+/* Results of the copies of a kind. */
 struct count {
     uint32_t copies, refused, no_match, inconclusive;
     uint32_t lopsided; /* another score with template and probe exchanged */
@@ -100,7 +100,7 @@ struct pair {
 
 /* ---- what a copy is */
 
-/* a after b, both row-major 4 x 4. */
+/* Sets out to the product of a and b, row-major 4 x 4. */
 static void multiply(const double a[16], const double b[16], double out[16])
 {
     for (int i = 0; i < 4; i++)
@@ -113,7 +113,7 @@ static void multiply(const double a[16], const double b[16], double out[16])
         }
 }
 
-/* The place in the scan of what m, a similarity, moves to q. */
+/* Returns the point that the similarity m moves to q. */
 static struct dvec3 back(const double m[16], struct dvec3 q)
 {
     const struct dvec3 x = {m[0], m[1], m[2]};
@@ -125,7 +125,7 @@ static struct dvec3 back(const double m[16], struct dvec3 q)
                           (m[2] * t.x + m[6] * t.y + m[10] * t.z) / square};
 }
 
-/* From where the face is seen, in the scan: a unit vector. */
+/* Returns the unit vector from the face to the scanner, in the scan's coordinates. */
 static struct dvec3 view_of(const double m[16])
 {
     const struct dvec3 z = {m[8], m[9], m[10]};
@@ -142,7 +142,7 @@ static struct dvec3 draw_axis(struct draw *r)
                       : (struct dvec3){0, 0, 1};
 }
 
-/* p turned about a unit vector. */
+/* Returns p rotated about a unit vector. */
 static struct dvec3 turn(struct dvec3 p, struct dvec3 axis, double rad)
 {
     const double along = vec_dot(axis, p) * (1 - cos(rad));
@@ -160,7 +160,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* How far out a point is: below 1 within the ellipse's half axes. */
+/* Returns the squared distance of a point from the nose in half axes of the ellipse: 1 on the ellipse. */
 static double far_out(const struct pair *p, struct dvec3 at)
 {
     const struct dvec3 q = vec_transform(p->frame, at);
@@ -168,7 +168,7 @@ static double far_out(const struct pair *p, struct dvec3 at)
     return q.x * q.x / (ELLIPSE_X * ELLIPSE_X) + q.y * q.y / (ELLIPSE_Y * ELLIPSE_Y);
 }
 
-/* The farthest that a point may be out, so that this share of the face's points is farther out. */
+/* Returns the far_out() that this share of the face's points exceeds. */
 static double limit(const struct pair *p, double share)
 {
     size_t n = 0;
@@ -234,7 +234,7 @@ static const char *base_name(const char *path)
     return slash != NULL ? slash + 1 : path;
 }
 
-/* Fills p->copy, whose points are in the order of the scan's. */
+/* Fills p->copy; its points keep the scan's order. */
 static void make_copy(struct pair *p, const struct kind *k, uint64_t seed)
 {
     const struct cloudpoints *from = &p->cloud;

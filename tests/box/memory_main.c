@@ -1,9 +1,9 @@
-/* memory -- for the tests: how many points of scans are in a process's memory.
+/* memory -- for the tests: counts the points of scans in a process's memory.
  *   memory PID FILE...
  * FILE: a binary PLY of float32, as facegen writes it; of a large scan some 3,000 points are looked
  * for, as of more some would be found by chance.  Prints how many are there as three float32, as
  * three doubles, and as x and y of an int32 lattice in um; where each is, on stderr.
- * Exit: 1 where the memory must not be read. */
+ * Exit status: 1 if the memory cannot be read. */
 #include <fcntl.h>
 #include <inttypes.h>
 #include <math.h>
@@ -74,7 +74,8 @@ static void add(enum form form, const void *bytes)
     begins[hash(first(needle[n++].bytes))] = 1;
 }
 
-/* Is it what the upper half of a pointer can be?  A number beside one would be a point by chance. */
+/* Returns true if um can be the upper half of a pointer: with the number beside it, it would be a point by
+ * chance. */
 static bool half_pointer(int32_t um)
 {
     const int32_t high = um >> 8;
@@ -115,7 +116,7 @@ static void add_file(const char *path)
     (void)fclose(f);
 }
 
-/* What begins in the first so many of the block's bytes; where, goes to stderr. */
+/* Marks the needles that begin in the first begin bytes of the block, and prints their places on stderr. */
 static void look(const unsigned char *block, size_t begin, size_t size, uint64_t address,
                  const char *mapping)
 {
