@@ -43,6 +43,7 @@ POST /v1/subjects/alice/verify json {"points": [[1,2,3], -> 400 malformed ends t
 POST /v1/subjects/alice/verify json {"points": [["1",2,3]]} -> 400 malformed points\[0\] is not three finite numbers
 POST /v1/subjects/alice/verify json {"units": "mm"} -> 400 malformed points is missing
 POST /v1/subjects/alice/verify json {"pts": []} -> 400 malformed the JSON: unknown member "pts"; allowed: points, units and axes
+POST /v1/subjects/alice/verify json {"points": [], "threshold": -1000} -> 400 malformed unknown member "threshold"
 POST /v1/subjects/alice/verify json {"points": []} -> 422 too_few_points 100
 POST /v1/subjects/alice/verify json @far.json -> 422 out_of_range point 201 of 201
 POST /v1/subjects/alice/verify json @nul.json -> 400 malformed byte 14
@@ -63,6 +64,8 @@ POST /v1/subjects/alice/verify multipart/form-data;boundary=b @cut.form -> 400 m
 POST /v1/subjects/alice/templates?force=maybe ply @a.ply -> 400 invalid_parameter
 POST /v1/check json @a.ply -> 400 malformed this is PLY, not JSON
 POST /v1/compare json {"a": {"points": []}} -> 400 malformed b is not an object
+POST /v1/compare json {"a": {"points": []}, "b": {"points": []}, "threshold": -1000} -> 400 malformed threshold
+POST /v1/compare json {"a": {"points": []}, "b": {"points": [], "threshold": -1000}} -> 400 malformed threshold
 POST /v1/compare ply @a.ply -> 415 unsupported_media_type
 POST /v1/compare urlencoded @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, or multipart/form-data with the files a and b$
 POST /v1/compare none @a.json -> 415 unsupported_media_type ^Content-Type must be application/json, 
@@ -90,7 +93,7 @@ GET / -> 404 no_such_route /docs .* /openapi.json
 END
     printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter unknown query parameter .*; this path accepts units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$\n' \
         unknown=1 'units=mm&unknown' '&unknown=1&' unit=mm unitss=mm Units=mm %75nits=mm unknown=%zz \
-        =mm units,%20detail=mm force=true
+        =mm units,%20detail=mm force=true threshold=-1000 Threshold=0 decision=match
     printf 'POST /v1/subjects/alice/verify?%s=%s ply @a.ply -> 400 invalid_parameter ^%s must be\n' \
         units inch units units '' units units MM units units yd units units mm%00 units \
         axes camera axes axes '' axes axes Scanner axes \
