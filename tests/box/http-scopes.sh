@@ -122,7 +122,8 @@ for scope in $(echo "$ALL" | tr ',' ' '); do
                 "Bearer realm=\"surfaced\", error=\"insufficient_scope\", scope=\"$(echo "$needs" | tr ',' ' ')\""
             ;;
         esac
-        [ "$needs" = "$scope" ] && [ -z "${PGHOST:-}" ] || continue
+        [ "$needs" = "$scope" ] || continue
+        [ -z "${PGHOST:-}" ] || continue
         enrolled
         AUTH=$others
         try "$verb" "$route"
