@@ -22,7 +22,6 @@ verdicts() {
         without_times "$T/body"
     done
 }
-metric() { req GET /metrics && sed -n "s/^$1 //p" "$T/body"; }
 
 for n in 1 2; do
     who=$([ $n = 1 ] && echo alice || echo bob)
