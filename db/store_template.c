@@ -252,7 +252,7 @@ static enum status get_rows(void *arg, struct errinfo *e)
     if (g->face == NULL || !sql_goes_on(g->x.sql, st))
         return st;
     (void)snprintf(g->row.one.id, sizeof g->row.one.id, "%s", g->id);
-    return rows_template_face(&g->x, &g->row, &g->of, true, g->face, g->len, e);
+    return rows_template_face(&g->x, &g->row, &g->of, g->face, g->len, e);
 }
 
 static enum status get(struct store *s, const char *id, struct store_template *t,

@@ -143,7 +143,7 @@ static enum status need_heads(const struct store_snapshot *out, struct errinfo *
         return ST_OK;
     r->read = true;
     return r->one
-               ? rows_template_face(&r->t, r->row, &r->of, true, r->head, r->len, e)
+               ? rows_template_face(&r->t, r->row, &r->of, r->head, r->len, e)
                : rows_template_heads(&r->t, &r->of, r->row, out->n, r->head, r->len, e);
 }
 
@@ -162,7 +162,7 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
                            : store_template_decode(r->store, &out->t[i], r->head[i],
                                                    r->len[i], w, f, e);
     }
-    st = rows_template_face(&r->t, &r->row[i], &r->of, true, &face, &len, e);
+    st = rows_template_face(&r->t, &r->row[i], &r->of, &face, &len, e);
     if (st == ST_OK)
         st = store_template_decode(r->store, &out->t[i], face, len, w, f, e);
     rows_template_wipe(face, len);

@@ -104,7 +104,7 @@ enum status admin_each_template(struct log_txn *t, const struct rows_subject *of
     for (size_t i = 0; i < n && st == ST_OK; i++) {
         unsigned char *face;
 
-        if ((st = rows_template_face(t, &list[i], of, true, &face, &len, e)) == ST_OK)
+        if ((st = rows_template_face(t, &list[i], of, &face, &len, e)) == ST_OK)
             st = use(arg, &list[i], face, len, e);
         rows_template_wipe(face, len);
     }

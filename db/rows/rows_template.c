@@ -289,23 +289,20 @@ void rows_template_wipe(unsigned char *face, size_t len)
 }
 
 enum status rows_template_face(struct log_txn *t, const struct rows_template *row,
-                               const struct rows_subject *of, bool whole,
-                               unsigned char **face, size_t *len, struct errinfo *e)
+                               const struct rows_subject *of, unsigned char **face,
+                               size_t *len, struct errinfo *e)
 {
     struct sql_rows *r;
-    enum status st = sql_first(
-        t->sql,
-        whole
-            ? "SELECT f.face, f.mesh FROM templates t JOIN faces f USING (template_key) "
-              "WHERE t.id = $1"
-            : "SELECT f.face FROM templates t JOIN faces f USING (template_key) "
-              "WHERE t.id = $1",
-        SQL_VALUES(sql_text(row->one.id)), 1, &r, e);
+    enum status st = SQL_FIRST(
+        t->sql, &r, e,
+        "SELECT f.face, f.mesh FROM templates t JOIN faces f USING (template_key) "
+        "WHERE t.id = $1",
+        sql_text(row->one.id));
 
     *face = NULL;
     *len = 0;
     if (st == ST_OK)
-        st = decrypt_face(row, of, r, 0, whole, face, len, e);
+        st = decrypt_face(row, of, r, 0, true, face, len, e);
     else if (st == ST_ENOTFOUND)
         st = errinfo_set(e, ST_ECORRUPT, "template %s: its face is missing", row->one.id);
     return sql_done(r, st, e);

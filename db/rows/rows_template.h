@@ -40,12 +40,11 @@ enum status rows_template_same(struct log_txn *t, const unsigned char uid[STORE_
                                const char *used, const char *read,
                                char id[STORE_ID_LEN + 1], struct errinfo *e);
 
-/* rows_template_face(t, row, of, whole, face, len, e): Reads and decrypts the face of a template, or its head
- * alone (surface_encoded_head()).
+/* rows_template_face(t, row, of, face, len, e): Reads and decrypts the face of a template.
  *   face  to be released by rows_template_wipe(), also after a failure */
 enum status rows_template_face(struct log_txn *t, const struct rows_template *row,
-                               const struct rows_subject *of, bool whole,
-                               unsigned char **face, size_t *len, struct errinfo *e);
+                               const struct rows_subject *of, unsigned char **face,
+                               size_t *len, struct errinfo *e);
 
 /* rows_template_heads(t, of, row, n, face, len, e): Reads and decrypts the heads of the faces of all templates of a
  * subject, by one query; of a subject with one template its whole face, which is then mostly needed.

@@ -56,7 +56,7 @@ for language in curl python node go; do
     client "$language" "$language" "$T/few.xyz" "$T/other.ply"
     tells "a scan that cannot be enrolled" 2 "^move nearer to the scanner"
     client "$language" "$language" "$T/a.ply" "$T/short.ply"
-    tells "a file that is cut off" 2 '^400 malformed: .*promises 3000 vertices'
+    tells "a file that is cut off" 2 '^400 malformed: .*promises 3000 points'
     client "$language" "$language" "$T/other.ply" "$T/other.ply"
     tells "another person's scan" 2 '^409 sample_mismatch: '
     client "$language" "$language" "$T/none.ply" "$T/other.ply"
