@@ -215,7 +215,8 @@ static enum status read_receipt(struct ctl *c, FILE *in, const char *line,
     if (text == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
     memcpy(text, line, first);
-    n = first + fread(text + first, 1, FILE_MAX - first, in);
+    n = first + fread(text + first, 1, FILE_MAX - 1 - first, in);
+    text[n] = '\0'; /* as json_read() needs it */
     if (json_read(text, n, TEMPLATES_MAX + JSON_MEMBERS, &doc, NULL) != ST_OK ||
         !take_receipt(doc, r))
         st = errinfo_set(&c->e, ST_EINVAL,
