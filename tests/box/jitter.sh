@@ -2,13 +2,10 @@
 # Goal: a scan of any kind matches changed copies of itself: points dropped, turned, cropped, thinned,
 # noisy, moved, in another unit, its picture turned, anyhow.  A copy that does not match is a fault of
 # the frame, the crop or the cover.
-# JITTER_COPIES: copies of each scan (10), JITTER_PEOPLE: of each kind (3; with sanitizers, which make it five times as
-# slow, 1), JITTER_SEED: of all that is drawn (0).
+# JITTER_COPIES: copies of each scan (10), JITTER_PEOPLE: of each kind (3), JITTER_SEED: of all that is drawn (0).
 . tests/box/lib.sh
-people=3
-! sanitized || people=1
 in_folder
-copies=${JITTER_COPIES:-10} people=${JITTER_PEOPLE:-$people} seed=${JITTER_SEED:-0}
+copies=${JITTER_COPIES:-10} people=${JITTER_PEOPLE:-3} seed=${JITTER_SEED:-0}
 jitter=$BUILD/jitter
 
 # face NAME OPTION...: of each person a frontal scan.
