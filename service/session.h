@@ -38,7 +38,7 @@ struct session {
     bool files;
     struct session_frame frame[SURFACE_FRAMES_MAX];
     unsigned char *body; /* memory of all bytes, by mem_array(), owned; or NULL */
-    /* Options of session_read().  The limits hold for all frames together, the format for none. */
+    /* Options of session_read().  The limits hold for all frames together; how.format is not used. */
     struct cloudfile_options how;
     bool axes_given; /* axes=scanner was given; a file may state it too */
     size_t base;     /* index of the frame that receives the points of the fused face */
