@@ -273,7 +273,7 @@ static void put_glasses(struct maker *m)
     put_temples(m, &g);
 }
 
-/* ---- a mask */
+/* ---- cloth */
 
 static void put_mask(struct maker *m)
 {
@@ -301,6 +301,86 @@ static void put_mask(struct maker *m)
             m->on.z[j][i] += pleat * sin(6.2832 * y_of(j) / period) *
                                  bump(hypot(x_of(i) / 55, (y_of(j) + 30) / 32)) +
                              fabs(waves(folds, 0.4, 25, x_of(i), y_of(j)));
+    put_sheet(m, 0);
+}
+
+static void put_scarf(struct maker *m)
+{
+    struct draw *r = &m->r;
+    const double top = draw_uniform(r, -52, -16), gap = draw_uniform(r, 4, 10);
+    const double fold = draw_uniform(r, 1, 2.5), period = draw_uniform(r, 16, 30);
+    const double lean = draw_uniform(r, -0.4, 0.4), phase = draw_uniform(r, 0, 6.28);
+    const struct draw edge = {draw_next(r)}, rough = {draw_next(r)};
+
+    for (int j = 0; j < NY; j++)
+        for (int i = 0; i < NX; i++)
+            if (y_of(j) < top + waves(edge, 2, 50, x_of(i), 0) +
+                              headcover_square(x_of(i)) / 500 &&
+                fabs(x_of(i)) < 85)
+                m->on.z[j][i] = least_height(m, x_of(i), y_of(j), gap);
+    drape(m, gap);
+    for (int j = 0; j < NY; j++)
+        for (int i = 0; i < NX; i++)
+            m->on.z[j][i] +=
+                fold * sin(6.2832 * (y_of(j) + lean * x_of(i)) / period + phase) +
+                fabs(waves(rough, 0.8, 14, x_of(i), y_of(j)));
+    put_sheet(m, 0);
+}
+
+/* ---- a hand */
+
+struct bone {
+    double x, y, dx, dy, length, radius, flat; /* flat: 1 round, 0 a sheet */
+};
+
+/* A finger or the palm laid on the skin: a capsule whose axis follows the cloth that would
+ * lie over it. */
+static void lay_bone(struct maker *m, const struct bone *b)
+{
+    double axis = -90; /* where there is no skin */
+
+    for (int pass = 0; pass < 2; pass++)
+        for (int j = 0; j < NY; j++)
+            for (int i = 0; i < NX; i++) {
+                const double x = x_of(i) - b->x, y = y_of(j) - b->y;
+                const double along = fmin(fmax(x * b->dx + y * b->dy, 0), b->length);
+                const double off = hypot(x - along * b->dx, y - along * b->dy);
+                double z;
+
+                if (off >= b->radius)
+                    continue;
+                if (pass == 0 && off < 2.5) {
+                    z = m->skin.z[j][i];
+                    axis = fmax(axis, isnan(z) ? -90 : z);
+                } else if (pass == 1) {
+                    /* as the skin falls away at the side, so do the fingers, but less */
+                    z = fmax(least_height(m, x_of(i), y_of(j), 0), axis - 25);
+                    z = 0.5 * (z + axis) +
+                        b->flat * (0.5 * b->radius + sqrt(headcover_square(b->radius) -
+                                                          headcover_square(off)));
+                    m->on.z[j][i] = isnan(m->on.z[j][i]) ? z : fmax(m->on.z[j][i], z);
+                }
+            }
+}
+
+static void put_hand(struct maker *m)
+{
+    struct draw *r = &m->r;
+    const double side = draw_uniform(r, 0, 1) < 0.5 ? -1 : 1;
+    const double x = side * draw_uniform(r, 38, 56), y = draw_uniform(r, -72, -50);
+    const double turn = side * draw_uniform(r, -0.5, 0.25); /* radians from upright */
+    const double fan = draw_uniform(r, 0.04, 0.14), finger = draw_uniform(r, 7, 9);
+    const double dx = sin(turn), dy = cos(turn);
+
+    for (int k = 0; k < 4; k++) {
+        const double a = turn + fan * (k - 1.5), off = (k - 1.5) * 2.1 * finger;
+
+        lay_bone(m, &(struct bone){x + 25 * dx + off * dy, y + 25 * dy - off * dx, sin(a),
+                                   cos(a), draw_uniform(r, 58, 74) - 5 * (k == 3), finger,
+                                   1});
+    }
+    lay_bone(m, &(struct bone){x, y, dx, dy, 30, 36, 0.45});
+    lay_bone(m, &(struct bone){x - 70 * dx, y - 70 * dy, dx, dy, 60, 27, 0.8});
     put_sheet(m, 0);
 }
 
@@ -386,10 +466,9 @@ static void put_cap(struct maker *m)
 void headcover_add(struct head *h, enum headcover kind, uint64_t seed, bool one_layer)
 {
     static void (*const put_kind[HEADCOVERS])(struct maker *) = {
-        [HEADCOVER_GLASSES] = put_glasses,
-        [HEADCOVER_MASK] = put_mask,
-        [HEADCOVER_FRINGE] = put_fringe,
-        [HEADCOVER_BEARD] = put_beard,
+        [HEADCOVER_GLASSES] = put_glasses, [HEADCOVER_MASK] = put_mask,
+        [HEADCOVER_SCARF] = put_scarf,     [HEADCOVER_HAND] = put_hand,
+        [HEADCOVER_FRINGE] = put_fringe,   [HEADCOVER_BEARD] = put_beard,
         [HEADCOVER_CAP] = put_cap};
     struct maker *m;
 

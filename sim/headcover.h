@@ -9,6 +9,8 @@ enum headcover {
     HEADCOVER_NONE,
     HEADCOVER_GLASSES, /* rim, bridge, temples; the lenses reflect, or nothing comes back */
     HEADCOVER_MASK,    /* taut over nose, mouth and chin; with pleats, or a ridge */
+    HEADCOVER_SCARF,   /* over mouth or chin and neck, in folds */
+    HEADCOVER_HAND,    /* on one cheek: palm, four fingers, the wrist */
     HEADCOVER_FRINGE, /* hair over the forehead, often to one side; half of it lost */
     HEADCOVER_BEARD,
     HEADCOVER_CAP, /* over the skull to the brow, with a peak */

@@ -44,7 +44,7 @@ struct headscan {
 };
 
 /* headscan_kind(name, seed, crop, o): Sets *o to the options of a kind, drawn by the seed: head,
- * bust, half, depth, grid, behind, glasses, mask, fringe, beard, cap.
+ * bust, half, depth, grid, behind, glasses, mask, scarf, hand, fringe, beard, cap.
  * Returns false if there is no kind of that name. */
 bool headscan_kind(const char *name, uint64_t seed, bool crop,
                    struct headscan_options *o);

@@ -18,7 +18,7 @@ static const char usage[] =
     "Write a scan of a made-up head, or a frontal scan with something that covers the face.\n"
     "  IN             made-up:N, a made-up head; or a frontal scan in mm\n"
     "  --kind KIND    head, bust, half, depth, grid, behind;\n"
-    "                 glasses, mask, fringe, beard, cap\n"
+    "                 glasses, mask, scarf, hand, fringe, beard, cap\n"
     "  --seed N       of all that is drawn (0)\n"
     "  --yaw D        turned by D degrees (drawn at random)\n"
     "  --agreed       x to the image's right, y up, z towards the scanner (the kind's axes)\n"

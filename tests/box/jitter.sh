@@ -62,7 +62,7 @@ sized child 0.78
 sized young 0.88
 sized large 1.12
 stepped steps 1
-for kind in glasses mask fringe beard cap; do
+for kind in glasses mask scarf hand fringe beard cap; do
     cover $kind
 done
 for kind in head bust half depth grid behind; do

@@ -61,10 +61,9 @@ TEST(test_covers)
 {
     static const struct {
         double x, y; /* a place that it covers */
-    } at[HEADCOVERS] = {[HEADCOVER_GLASSES] = {33, 14},
-                        [HEADCOVER_MASK] = {0, -30},
-                        [HEADCOVER_FRINGE] = {0, 72},
-                        [HEADCOVER_BEARD] = {0, -60},
+    } at[HEADCOVERS] = {[HEADCOVER_GLASSES] = {33, 14}, [HEADCOVER_MASK] = {0, -30},
+                        [HEADCOVER_SCARF] = {0, -60},   [HEADCOVER_HAND] = {40, -40},
+                        [HEADCOVER_FRINGE] = {0, 72},   [HEADCOVER_BEARD] = {0, -60},
                         [HEADCOVER_CAP] = {0, 70}};
     struct headview bare, v;
 
