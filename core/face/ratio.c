@@ -49,14 +49,12 @@ static void ratio_load(const struct encoding *e, double add, double h[N][N])
             h[k][i] = (double)*a++ + (k == i ? add : 0);
 }
 
-/* ln det of the matrix whose factor is h, halved: the sum of the diagonal's logarithms, as the
- * logarithm of a product that is kept in range. */
-static double half_ln_det(double h[N][N], uint32_t n)
+double ratio_half_ln_det(const double *h, uint32_t stride, uint32_t n)
 {
     double product = 1, sum = 0;
 
     for (uint32_t i = 0; i < n; i++) {
-        product *= h[i][i];
+        product *= h[(size_t)i * stride + i];
         if (product > 1e200 || product < 1e-200) {
             sum += ratio_ln(product);
             product = 1;
@@ -75,7 +73,7 @@ static struct evidence evidence(double h[N][N], uint32_t n, double *g)
     lsq_forward(h[0], N, n, n, g);
     for (uint32_t i = 0; i < n; i++)
         out.square += g[i] * g[i] / 2;
-    out.ln = -half_ln_det(h, n);
+    out.ln = -ratio_half_ln_det(h[0], N, n);
     return out;
 }
 

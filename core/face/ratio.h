@@ -39,6 +39,10 @@ double ratio_score(struct ratio_probe *r, const struct encoding *t, double *expe
 double ratio_slopes(struct ratio_probe *r, const struct encoding *t,
                     double tmpl[MODEL_MODES], double probe[MODEL_MODES]);
 
+/* ratio_half_ln_det(h, stride, n): Returns half of ln det of the n x n matrix whose factor (lsq_factor()) is h: the
+ * sum of the logarithms of the diagonal, as the logarithm of a product that is kept in range. */
+double ratio_half_ln_det(const double *h, uint32_t stride, uint32_t n);
+
 /* ratio_ln(x): Returns the natural logarithm of a positive, finite x; to 1e-15 of its size or better. */
 double ratio_ln(double x);
 
