@@ -254,7 +254,7 @@ $(COUNTED): $(BUILD)/counted/%.o: %.c Makefile
 $(call arch,counted): $(COUNTED) $(BUILD)/gen/default_model.o
 
 # The header as it is installed: libsurface.h with the header of each layer in the place of its #include.
-PUBLIC_H := core/libsurface.h $(addprefix core/,basic/surface_basic.h face/surface_face.h find/surface_scan.h)
+PUBLIC_H := core/libsurface.h $(addprefix core/,basic/surface_basic.h face/surface_face.h face/surface_search.h find/surface_scan.h)
 $(BUILD)/surface.h: $(PUBLIC_H) Makefile
 	$(call say,GEN)
 	$(Q)sed $(foreach h,$(filter-out $<,$(PUBLIC_H)),-e '/^#include ".*$(notdir $h)"/{r '$h -e 'd}') $< | \

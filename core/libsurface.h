@@ -32,6 +32,7 @@ extern "C" {
 
 #include "basic/surface_basic.h"
 #include "face/surface_face.h"
+#include "face/surface_search.h"
 #include "find/surface_scan.h"
 
 /* ---- a face from a scan */

@@ -121,6 +121,7 @@ void surface_work_free(struct surface_work *w)
     surface_free(&w->upright);
     scratch_free(&w->normal);
     shape_work_free(&w->shape);
+    mem_free(w->search);
     mem_free(w);
 }
 

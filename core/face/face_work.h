@@ -13,6 +13,7 @@
 #include "shape_work.h"
 #include "surface.h"
 
+struct search_basis;  /* search.h */
 struct surface_model; /* model.h */
 
 struct surface_work {
@@ -27,6 +28,7 @@ struct surface_work {
     struct frame_mean mean;  /* the model's */
     struct fit_basis change; /* the model's, for alignment */
     struct encode_basis encode;
+    struct search_basis *search; /* of the model; NULL: not needed so far */
     float weight[GRID_N]; /* how well each place separates people (surface_weigh()) */
     struct shape_work shape;
     struct surface_calibration calibration;

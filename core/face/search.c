@@ -179,14 +179,14 @@ static int nearest_class(const struct search_basis *b, matrix covariance)
 }
 
 enum status search_describe(const struct search_basis *b, const struct encoding *e,
-                            struct scratch *s, unsigned char out[SEARCH_DESCRIPTOR])
+                            struct scratch *s, unsigned char out[SURFACE_DESCRIPTOR])
 {
     struct {
         matrix h, x, covariance;
     } *w = scratch_need(s, sizeof *w);
     double mean[D] = {0};
 
-    memset(out, 0, SEARCH_DESCRIPTOR);
+    memset(out, 0, SURFACE_DESCRIPTOR);
     if (w == NULL)
         return ST_ENOMEM;
     if (e->n == 0)

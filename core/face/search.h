@@ -16,12 +16,14 @@
 #include "mem.h"
 #include "model.h"
 #include "status.h"
+#include "surface_search.h"
 
 #define SEARCH_MODES                                                                     \
     100 /* modes of identity that a descriptor has; those behind are left out */
 #define SEARCH_CLASSES 8
-#define SEARCH_DESCRIPTOR                                                                \
-    (1 + SEARCH_MODES) /* bytes: the class, then the coefficients, signed */
+
+/* A descriptor is the class, a byte, and then a signed byte for each mode. */
+_Static_assert((SURFACE_DESCRIPTOR) == 1 + SEARCH_MODES, "the public header says so");
 
 /* Constants of a model, for descriptors and probes; read-only, for any number of threads.  650 KB. */
 struct search_basis {
@@ -40,7 +42,7 @@ enum status search_prepare(const struct encode_basis *e, struct scratch *s,
 /* search_describe(b, e, s, out): Computes the descriptor of the encoding e.  Cost: 1 ms.
  * Returns ST_OK; ST_EINVAL: e has no modes, or is not positive definite; ST_ENOMEM. */
 enum status search_describe(const struct search_basis *b, const struct encoding *e,
-                            struct scratch *s, unsigned char out[SEARCH_DESCRIPTOR]);
+                            struct scratch *s, unsigned char out[SURFACE_DESCRIPTOR]);
 
 /* A row of the factor of a class: its value of a descriptor x is (sum of factor * x - offset) >> shift, in
  * 1 / SEARCH_UNIT of a deviation. */
@@ -71,29 +73,6 @@ enum status search_probe(const struct search_basis *b, const struct encoding *p,
 /* search_score(p, cost): Returns the score that a cost means. */
 double search_score(const struct search_probe *p, int32_t cost);
 
-/* ---- many descriptors in memory: 108 bytes each.  One writer, or any number of readers, at a time. */
-
-struct search_index;
-
-/* search_index_new(): Creates an empty index.  Returns NULL: out of memory. */
-struct search_index *search_index_new(void);
-
-/* search_index_free(x): Wipes and frees x; NULL is allowed. */
-void search_index_free(struct search_index *x);
-
-#define SEARCH_NONE UINT32_MAX
-
-/* search_index_add(x, d): Adds a descriptor.  Returns its slot, a small number that is free; SEARCH_NONE: out of
- * memory, or the class of d is unknown. */
-uint32_t search_index_add(struct search_index *x,
-                          const unsigned char d[SEARCH_DESCRIPTOR]);
-
-/* search_index_remove(x, slot): Wipes the descriptor in a slot, which is then free. */
-void search_index_remove(struct search_index *x, uint32_t slot);
-
-/* search_index_bytes(x): Returns the memory that x takes. */
-size_t search_index_bytes(const struct search_index *x);
-
 struct search_hit {
     int32_t cost;
     uint32_t slot;
@@ -107,7 +86,7 @@ struct search_hit {
  * Exact: no descriptor is left out.  Integers alone: the same digits on every machine.
  * Cost: 70 ns a descriptor of the model that is shipped.
  * Returns the number of hits. */
-size_t search_scan(const struct search_index *x, const struct search_probe *p,
+size_t search_scan(const struct surface_index *x, const struct search_probe *p,
                    const uint16_t *allowed, double floor, size_t most,
                    struct search_hit *hit);
 

@@ -7,11 +7,10 @@
 
 #include "search.h"
 
-#define D       SEARCH_MODES
-#define BLOCK   SEARCH_BLOCK
-#define CLAMP   2047 /* of a value: 32 deviations; D squares of it fit into 32 bits */
-#define CHUNK   256  /* blocks that are allocated together */
-#define NOWHERE UINT32_MAX
+#define D     SEARCH_MODES
+#define BLOCK SEARCH_BLOCK
+#define CLAMP 2047 /* of a value: 32 deviations; D squares of it fit into 32 bits */
+#define CHUNK 256  /* blocks that are allocated together */
 
 /* Numbers of rows after which a block may be left; the last one is never reached. */
 static const uint32_t looks[] = {8, 16, 24, 32, 48, 64, 80, D + 1};
@@ -23,10 +22,11 @@ struct chunk {
     uint32_t next[CHUNK]; /* another block of the class that has room */
 };
 
-struct search_index {
+struct surface_index {
     uint32_t nblock, nchunk, cap; /* cap: of chunk */
     struct chunk **chunk;
-    uint32_t room[SEARCH_CLASSES]; /* first block of the class with room, NOWHERE: none */
+    uint32_t room
+        [SEARCH_CLASSES]; /* first block of the class with room, SURFACE_NOWHERE: none */
 };
 
 /* ---- the sums */
@@ -170,19 +170,19 @@ bool search_cost(const struct search_block *b, const struct search_rows *rows,
 
 /* ---- the index */
 
-struct search_index *search_index_new(void)
+struct surface_index *surface_index_new(void)
 {
-    struct search_index *x = mem_array(1, sizeof *x);
+    struct surface_index *x = mem_array(1, sizeof *x);
 
     if (x == NULL)
         return NULL;
-    *x = (struct search_index){0};
+    *x = (struct surface_index){0};
     for (int c = 0; c < SEARCH_CLASSES; c++)
-        x->room[c] = NOWHERE;
+        x->room[c] = SURFACE_NOWHERE;
     return x;
 }
 
-void search_index_free(struct search_index *x)
+void surface_index_free(struct surface_index *x)
 {
     if (x == NULL)
         return;
@@ -192,12 +192,12 @@ void search_index_free(struct search_index *x)
     mem_free(x);
 }
 
-static struct chunk *chunk_of(const struct search_index *x, uint32_t block)
+static struct chunk *chunk_of(const struct surface_index *x, uint32_t block)
 {
     return x->chunk[block / CHUNK];
 }
 
-static bool add_chunk(struct search_index *x)
+static bool add_chunk(struct surface_index *x)
 {
     const uint32_t more = x->cap == 0 ? 16 : 2 * x->cap;
     struct chunk *c;
@@ -227,22 +227,22 @@ static int8_t *place(struct chunk *c, uint32_t block, uint32_t lane, uint32_t mo
                 .x[at / 2][lane / (BLOCK / 2)][lane % (BLOCK / 2)][at % 2];
 }
 
-uint32_t search_index_add(struct search_index *x,
-                          const unsigned char d[SEARCH_DESCRIPTOR])
+uint32_t surface_index_add(struct surface_index *x,
+                           const unsigned char d[SURFACE_DESCRIPTOR])
 {
     const uint32_t class = d[0];
     uint32_t b, lane;
     struct chunk *c;
 
     if (class >= SEARCH_CLASSES)
-        return SEARCH_NONE;
-    if ((b = x->room[class]) == NOWHERE) {
-        if (x->nblock >= SEARCH_NONE / BLOCK ||
+        return SURFACE_NOWHERE;
+    if ((b = x->room[class]) == SURFACE_NOWHERE) {
+        if (x->nblock >= SURFACE_NOWHERE / BLOCK ||
             (x->nblock == x->nchunk * CHUNK && !add_chunk(x)))
-            return SEARCH_NONE;
+            return SURFACE_NOWHERE;
         b = x->nblock++;
         chunk_of(x, b)->class[b % CHUNK] = (uint8_t) class;
-        chunk_of(x, b)->next[b % CHUNK] = NOWHERE;
+        chunk_of(x, b)->next[b % CHUNK] = SURFACE_NOWHERE;
         x->room[class] = b;
     }
     c = chunk_of(x, b);
@@ -255,7 +255,7 @@ uint32_t search_index_add(struct search_index *x,
     return b * BLOCK + lane;
 }
 
-void search_index_remove(struct search_index *x, uint32_t slot)
+void surface_index_remove(struct surface_index *x, uint32_t slot)
 {
     const uint32_t b = slot / BLOCK, lane = slot % BLOCK;
     struct chunk *c = chunk_of(x, b);
@@ -270,7 +270,7 @@ void search_index_remove(struct search_index *x, uint32_t slot)
         *place(c, b, lane, i) = 0;
 }
 
-size_t search_index_bytes(const struct search_index *x)
+size_t surface_index_bytes(const struct surface_index *x)
 {
     return sizeof *x + x->cap * sizeof *x->chunk + x->nchunk * sizeof **x->chunk;
 }
@@ -319,7 +319,7 @@ static void sort_hits(struct search_hit *h, size_t n)
     }
 }
 
-size_t search_scan(const struct search_index *x, const struct search_probe *p,
+size_t search_scan(const struct surface_index *x, const struct search_probe *p,
                    const uint16_t *allowed, double floor, size_t most,
                    struct search_hit *hit)
 {

@@ -59,29 +59,29 @@ AFTER_ALL(tear_down)
     scratch_free(&scratch);
 }
 
-static void dequantise(const unsigned char d[SEARCH_DESCRIPTOR], double m[D])
+static void dequantise(const unsigned char d[SURFACE_DESCRIPTOR], double m[D])
 {
     for (uint32_t i = 0; i < D; i++)
         m[i] = basis.step[i] * (int8_t)d[1 + i];
 }
 
 /* The cost of a descriptor by an index of its own. */
-static double score_of(const unsigned char d[SEARCH_DESCRIPTOR])
+static double score_of(const unsigned char d[SURFACE_DESCRIPTOR])
 {
-    struct search_index *x = search_index_new();
+    struct surface_index *x = surface_index_new();
     struct search_hit hit;
 
     assert_non_null(x);
-    assert_int_equal(search_index_add(x, d), 0);
+    assert_int_equal(surface_index_add(x, d), 0);
     assert_int_equal(search_scan(x, &by, NULL, -1e6, 1, &hit), 1);
-    search_index_free(x);
+    surface_index_free(x);
     return search_score(&by, hit.cost);
 }
 
 TEST(test_descriptor)
 {
     for (int class = 0; class < SEARCH_CLASSES; class ++) {
-        unsigned char d[SEARCH_DESCRIPTOR];
+        unsigned char d[SURFACE_DESCRIPTOR];
         struct encoding e;
         double m[D], got[D];
 
@@ -101,7 +101,7 @@ TEST(test_score)
 {
     for (int round = 0; round < 64; round++) {
         const int class = round % SEARCH_CLASSES;
-        unsigned char d[SEARCH_DESCRIPTOR];
+        unsigned char d[SURFACE_DESCRIPTOR];
         struct ratio_probe *r;
         struct encoding e;
         double m[D], exact, expected;
@@ -127,7 +127,7 @@ TEST(test_score)
 
 /* ---- the sums */
 
-static void draw_descriptor(unsigned char d[SEARCH_DESCRIPTOR])
+static void draw_descriptor(unsigned char d[SURFACE_DESCRIPTOR])
 {
     d[0] = (unsigned char)brute_int(&rng, 0, SEARCH_CLASSES - 1);
     for (uint32_t i = 0; i < D; i++) {
@@ -163,8 +163,8 @@ TEST(test_plain)
 
 /* ---- scans */
 
-static unsigned char all[MANY][SEARCH_DESCRIPTOR];
-static uint32_t slot[MANY]; /* SEARCH_NONE: it is not there */
+static unsigned char all[MANY][SURFACE_DESCRIPTOR];
+static uint32_t slot[MANY]; /* SURFACE_NOWHERE: it is not there */
 
 static int by_cost(const void *a, const void *b)
 {
@@ -182,23 +182,23 @@ static size_t brute_scan(const uint16_t *allowed, double floor, size_t most,
     size_t n = 0;
 
     for (size_t i = 0; i < MANY; i++) {
-        struct search_index *x;
+        struct surface_index *x;
 
-        if (slot[i] == SEARCH_NONE ||
+        if (slot[i] == SURFACE_NOWHERE ||
             (allowed != NULL && (allowed[slot[i] / 16] >> slot[i] % 16 & 1) == 0))
             continue;
-        x = search_index_new();
+        x = surface_index_new();
         assert_non_null(x);
-        assert_int_equal(search_index_add(x, all[i]), 0);
+        assert_int_equal(surface_index_add(x, all[i]), 0);
         if (search_scan(x, &by, NULL, floor, 1, &out[n]) == 1)
             out[n++].slot = slot[i];
-        search_index_free(x);
+        surface_index_free(x);
     }
     qsort(out, n, sizeof *out, by_cost);
     return n < most ? n : most;
 }
 
-static void compare(const struct search_index *x, const uint16_t *allowed, double floor,
+static void compare(const struct surface_index *x, const uint16_t *allowed, double floor,
                     size_t most)
 {
     static struct search_hit got[MANY], wanted[MANY];
@@ -214,7 +214,7 @@ static void compare(const struct search_index *x, const uint16_t *allowed, doubl
 TEST(test_scan)
 {
     static uint16_t allowed[MANY];
-    struct search_index *x = search_index_new();
+    struct surface_index *x = surface_index_new();
     struct search_hit hit;
 
     assert_non_null(x);
@@ -223,7 +223,7 @@ TEST(test_scan)
         draw_descriptor(all[i]);
         if (i % 5 == 4) /* the same once more: the lower slot comes first */
             memcpy(all[i], all[i - 1], sizeof *all);
-        assert_true((slot[i] = search_index_add(x, all[i])) < 2 * MANY);
+        assert_true((slot[i] = surface_index_add(x, all[i])) < 2 * MANY);
         allowed[i] = (uint16_t)brute_int(&rng, 0, 65536 - 1);
     }
     for (size_t round = 0; round < 3; round++) {
@@ -232,22 +232,22 @@ TEST(test_scan)
         compare(x, NULL, -60, MANY);
         compare(x, allowed, -1e6, 33);
         for (size_t i = round; i < MANY; i += 3) { /* others take their slots */
-            search_index_remove(x, slot[i]);
-            slot[i] = SEARCH_NONE;
+            surface_index_remove(x, slot[i]);
+            slot[i] = SURFACE_NOWHERE;
         }
         for (size_t i = 0; i < MANY; i += 7)
-            if (slot[i] == SEARCH_NONE)
-                assert_true((slot[i] = search_index_add(x, all[i])) < 2 * MANY);
+            if (slot[i] == SURFACE_NOWHERE)
+                assert_true((slot[i] = surface_index_add(x, all[i])) < 2 * MANY);
     }
-    assert_true(search_index_bytes(x) > 1000 * sizeof *all);
-    search_index_free(x);
+    assert_true(surface_index_bytes(x) > 1000 * sizeof *all);
+    surface_index_free(x);
 }
 
 TEST(test_refused)
 {
-    unsigned char d[SEARCH_DESCRIPTOR];
+    unsigned char d[SURFACE_DESCRIPTOR];
     static struct search_probe p;
-    struct search_index *x = search_index_new();
+    struct surface_index *x = surface_index_new();
     struct encoding e = probe;
 
     e.n = 0;
@@ -263,6 +263,6 @@ TEST(test_refused)
     assert_int_equal(search_probe(&basis, &e, 0.3, &scratch, &p), ST_EINVAL);
     d[0] = SEARCH_CLASSES;
     assert_non_null(x);
-    assert_int_equal(search_index_add(x, d), SEARCH_NONE);
-    search_index_free(x);
+    assert_int_equal(surface_index_add(x, d), SURFACE_NOWHERE);
+    surface_index_free(x);
 }
