@@ -70,15 +70,15 @@ lose_commit() {
     done
     request --data-binary "@$dir/alice0.ply" "http://127.0.0.1:$front/v1/subjects/$ghost/templates" >"$dir/ghost" &
     client=$!
-    soon 10 waits "$was" || die "the commit does not wait: $(cat "$dir/ghost")"
+    soon 60 waits "$was" || die "the commit does not wait: $(cat "$dir/ghost")"
     sql "$was" "SELECT $1(pid) $waiting" >/dev/null
     for n in $daemons; do
-        soon 10 sees "$n" "$ghost" 200 || die "the daemon $n does not see it"
+        soon 60 sees "$n" "$ghost" 200 || die "the daemon $n does not see it"
     done
     kill_server "$was"
     for n in 1 2 3; do
         [ $n = "$was" ] || {
-            soon 10 ended $n || die "db$n does not end"
+            soon 60 ended $n || die "db$n does not end"
             start_server $n
         }
     done
@@ -105,16 +105,16 @@ strike() {
     0) fail_over ;;
     10) # one of two standbys: no commit waits
         kill_server $away
-        soon 10 ended $away || die "db$away does not end"
+        soon 60 ended $away || die "db$away does not end"
         sleep 1
         start_server $away
-        soon 20 standbys "$now" 2 || die "db$away does not follow"
+        soon 60 standbys "$now" 2 || die "db$away does not follow"
         ;;
     [13579] | 1[13579]) sql "$now" "SELECT pg_terminate_backend(pid) FROM pg_stat_activity
         WHERE usename = 'surfaced' ORDER BY random() LIMIT 2" >/dev/null ;;
     *)
         kill -9 "$(cat "$dir/d$d/pid")"
-        soon 20 ready "$d" || die "the daemon $d does not start"
+        soon 60 ready "$d" || die "the daemon $d does not start"
         ;;
     esac
     sleep 0.2

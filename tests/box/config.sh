@@ -8,7 +8,7 @@ unset SURFACED_DB SURFACED_KEY SURFACED_MODEL CREDENTIALS_DIRECTORY
 
 # surfaced OPTION...: its output is in $T/out, its messages are in $T/err.
 surfaced() {
-    timeout 20 "$BUILD/surfaced" "$@" >"$T/out" 2>"$T/err"
+    timeout 60 "$BUILD/surfaced" "$@" >"$T/out" 2>"$T/err"
 }
 
 # wrong TITLE PATTERN [OPTION...]: the file is rejected with a message that matches PATTERN.

@@ -184,9 +184,7 @@ stop_daemon
 # ---- HAProxy
 needs_section test haproxy
 # shellcheck disable=SC2046 # two ports
-set -- $(python3 -c 'import socket
-s = [socket.create_server(("127.0.0.1", 0)) for _ in range(2)]
-print(*(i.getsockname()[1] for i in s))')
+set -- $(scripts/free_ports 2)
 tcp=http://127.0.0.1:$1 http=http://127.0.0.1:$2
 start_daemon --proxy-protocol 127.0.0.2 --rate-limit-tokens 3 --max-connections-per-address 5
 AUTH=$(new_token another)

@@ -43,7 +43,7 @@ refuse() {
     shift 3
     start_fails "$r_title" "$r_status" "$r_pattern" --create --db "$DB" "$@"
 }
-timeout 20 "$BUILD/surfaced" --create --db "$DB" --tls-cert "$T/one.pem" --tls-key "$T/two.key" \
+timeout 60 "$BUILD/surfaced" --create --db "$DB" --tls-cert "$T/one.pem" --tls-key "$T/two.key" \
     --check-config >"$T/out" 2>&1
 is "--check-config, another certificate's key: exit status" $? 64
 ok "--check-config reports it" grep -q 'tls-cert .*two.key: not the key' "$T/out"
@@ -90,7 +90,7 @@ scan 1 1 "$T/p.ply" --pose 8 --shift 10
     send POST /v1/subjects/alice/verify "$BYTES" "$T/big" $ca -H 'Transfer-Encoding: chunked' -H 'Expect:'
     problem "too large, in chunks" 413 body_too_large
     rm -f "$T/body"
-    curl -sS -m 20 -o "$T/body" "http://127.0.0.1:$port/healthz" 2>"$T/curl"
+    curl -sS -m 60 -o "$T/body" "http://127.0.0.1:$port/healthz" 2>"$T/curl"
     ok "plain HTTP gets no response" test ! -s "$T/body"
     req GET /healthz $ca
     is "alive after it" "$STATUS" 200

@@ -164,7 +164,7 @@ conf() {
 start_fails() {
     f_title=$1 f_status=$2 f_pattern=$3
     shift 3
-    timeout 20 "$BUILD/surfaced" "$@" >"$T/out" 2>&1
+    timeout 60 "$BUILD/surfaced" "$@" >"$T/out" 2>&1
     is "$f_title: exit status" $? "$f_status"
     contains "$f_title" "$T/out" "$f_pattern"
     ok "$f_title: does not listen" sh -c "! grep -q 'listening on' '$T/out'"
@@ -207,7 +207,7 @@ start_daemon() {
     PID=$!
     tries=0
     URL=
-    while [ -z "$URL" ] && kill -0 "$PID" 2>/dev/null && [ "$tries" -lt 300 ]; do
+    while [ -z "$URL" ] && kill -0 "$PID" 2>/dev/null && [ "$tries" -lt 600 ]; do
         URL=$(sed -n 's/.*listening on \([^"]*\)".*/\1/p' "$LOG")
         tries=$((tries + 1))
         [ -n "$URL" ] || sleep 0.1

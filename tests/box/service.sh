@@ -42,7 +42,7 @@ notified "stopping" '^STOPPING=1$'
 
 # ---- a failed start sends no notification
 rm -f "$NOTES"
-timeout 20 python3 tests/box/manager.py "$NOTES" "$BUILD/surfaced" --db /proc/x --listen 127.0.0.1:0 \
+timeout 60 python3 tests/box/manager.py "$NOTES" "$BUILD/surfaced" --db /proc/x --listen 127.0.0.1:0 \
     2>"$T/err"
 is "no database" $? 1
 ok "nothing was notified" test ! -s "$NOTES"

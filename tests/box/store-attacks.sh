@@ -14,7 +14,7 @@ command -v python3 >/dev/null || {
 
 # ctl as in lib.sh, but no command may hang.
 ctl() {
-    timeout 10 "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err" </dev/null
+    timeout 60 "$BUILD/surfacectl" --db "$DB" --json "$@" >"$T/ctl" 2>"$T/ctl.err" </dev/null
     CODE=$?
     return $CODE
 }
@@ -103,7 +103,7 @@ for name in $(list rows found) $(list pages found); do
     refuses "$name" backup "$T/b"
     refuses "$name" vacuum
     refuses "$name" purge --yes
-    timeout 5 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 >"$T/out" 2>&1
+    timeout 60 "$BUILD/surfaced" --db "$DB" --listen 127.0.0.1:0 >"$T/out" 2>&1
     r=$?
     ok "$name: the daemon does not start: $r" [ $r != 0 -a $r != 124 ]
     checked "$name: after all that" 1
