@@ -66,7 +66,8 @@ static void print_model(const struct surface_model *m)
     for (uint32_t i = 0; i < m->calibration.n; i++)
         (void)printf("{%a, %a},", m->calibration.knot[i].score,
                      m->calibration.knot[i].rate);
-    (void)printf("},\n    },\n");
+    (void)printf("},\n        .tail = {%a, %a, %u},\n    },\n", m->calibration.tail.rate,
+                 m->calibration.tail.decade, (unsigned)m->calibration.tail.people);
     print_cells("mean", m->mean);
     print_basis("change", &m->change);
     print_basis("identity", &m->identity);

@@ -49,10 +49,17 @@ struct surface_knot {
      * above 0 */
     double rate;
 };
+/* A law for scores from the last knot on, fitted to such scores.  Used by identifications alone. */
+struct surface_tail {
+    double rate;     /* at the last knot's score; above 0, not above that knot's */
+    double decade;   /* the score by which the rate falls to a tenth */
+    uint32_t people; /* the largest gallery that is searched by it; 0: there is no law */
+};
 struct surface_calibration {
     double threshold; /* a score at or above it is a match */
     uint32_t n;       /* knots, 2..SURFACE_KNOTS */
     struct surface_knot knot[SURFACE_KNOTS];
+    struct surface_tail tail;
 };
 
 /* Returns 1 if the members of by are as described above, else 0. */
@@ -63,5 +70,27 @@ SURFACE_API int surface_calibration_valid(const struct surface_calibration *by);
  * support.  NaN gives 1. */
 SURFACE_API double surface_calibration_rate(const struct surface_calibration *by,
                                             double score);
+
+/* ---- identification: one scan against a gallery of people.  Each of them is one more chance for a false
+ * match, so a larger gallery needs a higher score. */
+
+/* The share of scans of people outside the gallery that may match somebody in it: the false-positive
+ * identification rate (FPIR, ISO/IEC 19795-1) at the threshold. */
+#define SURFACE_FPIR 0.01
+
+/* Returns the FPIR at a threshold of this score, 0..1: 1 - (1 - rate)^people.  The rate is that of the knots and,
+ * from the last one on, that of the tail's law; without a law it stays the last knot's.
+ *   people        size of the gallery
+ *   extrapolated  receives 1 if the rate is the law's, else 0; may be NULL */
+SURFACE_API double surface_search_fpir(const struct surface_calibration *by,
+                                       uint32_t people, double score, int *extrapolated);
+
+/* Returns the least score, rounded up to a thousandth, at which the best of people is a match: not
+ * below by->threshold, and with an FPIR of at most SURFACE_FPIR.  INFINITY: knots and law support none, so
+ * that no score is a match.
+ * For decision and rate of the best comparison set its threshold to this, then call surface_best_of().
+ * Cost: about 10 us. */
+SURFACE_API double surface_search_threshold(const struct surface_calibration *by,
+                                            uint32_t people);
 
 #endif /* CORE_SURFACE_BASIC_H */

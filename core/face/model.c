@@ -13,7 +13,7 @@
 #define SCALAR_UNITS 1000.0 /* of the scalars, and of scores */
 #define RATE_UNITS   1e9
 
-#define VERSION 3 /* of the text */
+#define VERSION 4 /* of the text */
 
 #define HEIGHT_MAX 200000 /* of the mean face, in its units */
 #define VALUE_MAX  100000
@@ -143,6 +143,12 @@ static void calibration(struct reader *r, struct surface_calibration *c)
         c->knot[i].score = (double)integer(r, -SCORE_MAX, SCORE_MAX) / SCALAR_UNITS;
         c->knot[i].rate = (double)integer(r, 1, (int64_t)RATE_UNITS) / RATE_UNITS;
     }
+    expect(r, "tail");
+    c->tail.people = (uint32_t)integer(r, 0, UINT32_MAX);
+    if (c->tail.people > 0) {
+        c->tail.rate = (double)integer(r, 1, (int64_t)RATE_UNITS) / RATE_UNITS;
+        c->tail.decade = (double)integer(r, 1, SCORE_MAX) / SCALAR_UNITS;
+    }
     r->bad |= r->bad || !surface_calibration_valid(c);
 }
 
@@ -252,6 +258,10 @@ size_t surface_model_write(const struct surface_model *m, char *buf, size_t size
     for (uint32_t i = 0; i < c->n; i++)
         put(&w, "%lld %lld\n", llrint(c->knot[i].score * SCALAR_UNITS),
             llrint(c->knot[i].rate * RATE_UNITS));
+    put(&w, "tail %u\n", (unsigned)c->tail.people);
+    if (c->tail.people > 0)
+        put(&w, "%lld %lld\n", llrint(c->tail.rate * RATE_UNITS),
+            llrint(c->tail.decade * SCALAR_UNITS));
     put_table(&w, "mean", m->mean, 1, MEAN_UNITS);
     put_basis(&w, "change", true, &m->change);
     put_basis(&w, "identity", false, &m->identity);

@@ -216,7 +216,8 @@ SURFACE_API enum surface_status surface_compare_mirrored(struct surface_work *wo
 
 /* Corrects *c, the best of n > 0 comparisons of a probe with the templates of one person, for the
  * n chances of a false match: lowers score and expected by ln n, and sets decision and rate by
- * them and by c->threshold, which the caller may have changed. */
+ * them and by c->threshold, which the caller may have changed, for an identification to
+ * surface_search_threshold(). */
 SURFACE_API void surface_best_of(const struct surface_work *work, uint32_t n,
                                  struct surface_comparison *c);
 

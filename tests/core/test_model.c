@@ -38,6 +38,9 @@ static void check_same(const struct surface_model *a, const struct surface_model
     for (uint32_t i = 0; i < SURFACE_KNOTS; i++)
         assert_true(a->calibration.knot[i].score == b->calibration.knot[i].score &&
                     a->calibration.knot[i].rate == b->calibration.knot[i].rate);
+    assert_int_equal(a->calibration.tail.people, b->calibration.tail.people);
+    assert_true(a->calibration.tail.rate == b->calibration.tail.rate &&
+                a->calibration.tail.decade == b->calibration.tail.decade);
     assert_int_equal(model_mean_id(a), model_mean_id(b));
 }
 
@@ -129,9 +132,9 @@ TEST(test_malformed)
         const char *after, *from, *to;
         enum status st;
     } bad[] = {
-        {"", "surfaced-model 3", "surfaced-model 4", ST_EVERSION},
-        {"", "surfaced-model 3", "surfaced-model 2", ST_EVERSION},
-        {"", "surfaced-model 3", "surfaced-model x", ST_ECORRUPT},
+        {"", "surfaced-model 4", "surfaced-model 5", ST_EVERSION},
+        {"", "surfaced-model 4", "surfaced-model 3", ST_EVERSION},
+        {"", "surfaced-model 4", "surfaced-model x", ST_ECORRUPT},
         {"", "surfaced-model", "Surfaced-model", ST_ECORRUPT},
         {"", "surfaced-model", "surfaced-models", ST_ECORRUPT},
         {"", "a toy", "a\ttoy", ST_ECORRUPT},
@@ -152,6 +155,10 @@ TEST(test_malformed)
         {"", "knots 3", "knots 1", ST_ECORRUPT},
         {"", "knots 3", "knots 33", ST_ECORRUPT},
         {"knots", "-50000 1000000000", "-50000 0", ST_ECORRUPT},
+        {"", "tail 5000", "tail -1", ST_ECORRUPT},
+        {"", "tail 5000", "tail 4294967296", ST_ECORRUPT},
+        {"tail 5000", "8000", "0", ST_ECORRUPT},
+        {"8000 6000", "6000", "0", ST_ECORRUPT},
         {"mean", " . ", " 200001 ", ST_ECORRUPT},
         {"mean", " . ", " .. ", ST_ECORRUPT},
         {"mean", " . ", " .5 ", ST_ECORRUPT},
@@ -178,7 +185,7 @@ TEST(test_contradictions)
     size_t len;
     char *text;
 
-    for (int what = 0; what < 6; what++) {
+    for (int what = 0; what < 7; what++) {
         bad = model;
         for (uint32_t i = 0; i < GRID_N; i++) {
             if (what == 0)
@@ -194,6 +201,8 @@ TEST(test_contradictions)
             bad.calibration.knot[2].rate = 0.9;
         if (what == 5)
             bad.identity.n = 0;
+        if (what == 6)
+            bad.calibration.tail.rate = 2 * bad.calibration.knot[2].rate;
         text = toy_text(&bad, &len);
         assert_int_equal(model_parse(text, len, &got, NULL), ST_ECORRUPT);
         free(text);

@@ -100,8 +100,8 @@ void toy_model(struct surface_model *m)
     m->change.n = CHANGE;
     m->identity.n = IDENTITY;
     m->shape.n = CHANGE + IDENTITY;
-    m->calibration =
-        (struct surface_calibration){8, 3, {{-50, 1}, {0, 0.02}, {15, 0.00001}}};
+    m->calibration = (struct surface_calibration){
+        8, 3, {{-50, 1}, {0, 0.02}, {15, 0.00001}}, {0.000008, 6, 5000}};
     for (uint32_t c = 0; c < GRID_N; c++) {
         const double x = grid_x(c), y = grid_y(c);
         const double u = x / 60, v = (y + 3) / 78;
