@@ -54,6 +54,7 @@ CREATE TABLE templates (
     points       INTEGER NOT NULL CHECK (points BETWEEN 3 AND 2097152),
     triangles    INTEGER NOT NULL CHECK (triangles BETWEEN 1 AND 2 * points - 5),
     about        BLOB NOT NULL CHECK (length(about) BETWEEN 41 AND 1024),
+    descriptor   BLOB NOT NULL CHECK (length(descriptor) = 141), -- by which a search finds it
     mac          BLOB NOT NULL CHECK (length(mac) = 32),
     UNIQUE (uid, used)                    -- the same cloud again is the same template
 ) STRICT;

@@ -74,6 +74,11 @@ static enum status may_add(struct enrolling *g, struct errinfo *e)
 static enum status add_row(struct enrolling *g, const struct store_sample *sample,
                            const struct store_template *t, struct errinfo *e)
 {
+    unsigned char none[SURFACE_DESCRIPTOR];
+    const struct rows_face face = {
+        .face = g->encoded,
+        .len = surface_encoded_size(sample->face),
+        .descriptor = sample->descriptor != NULL ? sample->descriptor : none};
     struct rows_template row = {.one = *t};
     enum status st = may_add(g, e);
 
@@ -82,9 +87,9 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
     if (sample->read != NULL)
         (void)snprintf(row.one.read, sizeof row.one.read, "%s", sample->read);
     surface_encode(sample->face, g->encoded);
+    memset(none, UINT8_MAX, sizeof none);
     g->newest = NULL;
-    if ((st = rows_template_add(&g->t, &g->of, &row, g->encoded,
-                                surface_encoded_size(sample->face), e)) != ST_OK)
+    if ((st = rows_template_add(&g->t, &g->of, &row, &face, e)) != ST_OK)
         return st;
     return log_change(&g->t, &g->by, "enroll", g->of.one.uid, t->id, g->outcome, e);
 }
@@ -367,8 +372,9 @@ enum status store_template_delete(struct store *s, const char *actor, const char
 /* ---- another engine's */
 
 static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
-                                   const struct store_template *t, const void *face,
-                                   size_t len, bool *done, struct errinfo *e)
+                                   const struct store_template *t,
+                                   const struct rows_face *face, bool *done,
+                                   struct errinfo *e)
 {
     struct rows_template row;
     struct rows_subject of;
@@ -379,7 +385,7 @@ static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
         memcpy(row.one.engine, t->engine, sizeof row.one.engine);
         row.one.triangles = t->triangles;
         row.one.quality = t->quality;
-        if ((st = rows_template_write(x, &of, &row, face, len, e)) == ST_OK)
+        if ((st = rows_template_write(x, &of, &row, face, e)) == ST_OK)
             st = log_change(x, by, "reencode", of.one.uid, t->id, "reencoded", e);
     }
     sodium_memzero(&of, sizeof of);
@@ -389,12 +395,12 @@ static enum status write_reencoded(struct log_txn *x, const struct log_act *by,
 enum status store_reencode(struct store *s, const char *actor, const char *id,
                            struct surface_work *w, bool *done, struct errinfo *e)
 {
+    unsigned char descriptor[SURFACE_DESCRIPTOR], *encoded = NULL;
+    struct rows_face face = {.descriptor = descriptor};
     struct surface_face *f = NULL;
-    unsigned char *face = NULL;
     struct store_template t;
     struct log_act by;
     struct log_txn x;
-    size_t len = 0;
     enum status st = store_template_load(s, id, &t, w, &f, e);
 
     *done = false;
@@ -402,17 +408,19 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
         (void)snprintf(t.engine, sizeof t.engine, "%s", s->made_by);
         t.triangles = surface_face_triangles(f, NULL);
         t.quality = surface_face_quality(f);
-        len = surface_encoded_size(f);
-        if ((face = malloc(len)) == NULL)
+        face.len = surface_encoded_size(f);
+        if ((face.face = encoded = malloc(face.len)) == NULL ||
+            surface_describe(w, f, descriptor) == SURFACE_ENOMEM)
             st = errinfo_set(e, ST_ENOMEM, "out of memory");
         else
-            surface_encode(f, face);
+            surface_encode(f, encoded);
         if (st == ST_OK &&
             (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) == ST_OK)
-            st = store_end(s, &x, write_reencoded(&x, &by, &t, face, len, done, e), e);
+            st = store_end(s, &x, write_reencoded(&x, &by, &t, &face, done, e), e);
     }
     *done = *done && st == ST_OK;
-    rows_template_wipe(face, len);
+    sodium_memzero(descriptor, sizeof descriptor);
+    rows_template_wipe(encoded, face.len);
     surface_face_free(f);
     return st;
 }

@@ -10,6 +10,8 @@ struct store_sample {
     const struct surface_face *face; /* face of the sample, borrowed */
     const char *read;                /* as in struct store_template; NULL: unknown */
     double first_score;              /* as in struct store_template */
+    /* Descriptor of the face (surface_describe()); NULL: no search finds the template. */
+    const unsigned char *descriptor;
 };
 
 struct store_enroll {

@@ -85,7 +85,7 @@ static enum status read_with_heads(void *arg, struct errinfo *e)
     const enum status st = read_all(arg, e);
 
     if (!r->one && sql_goes_on(r->t.sql, st))
-        return rows_template_heads(&r->t, &r->of, NULL, 0, NULL, NULL, e);
+        return rows_template_heads(&r->t, &r->of, NULL, 0, true, NULL, NULL, e);
     return st;
 }
 
@@ -142,9 +142,9 @@ static enum status need_heads(const struct store_snapshot *out, struct errinfo *
     if (r->read)
         return ST_OK;
     r->read = true;
-    return r->one
-               ? rows_template_face(&r->t, r->row, &r->of, r->head, r->len, e)
-               : rows_template_heads(&r->t, &r->of, r->row, out->n, r->head, r->len, e);
+    return r->one ? rows_template_face(&r->t, r->row, &r->of, r->head, r->len, e)
+                  : rows_template_heads(&r->t, &r->of, r->row, out->n, true, r->head,
+                                        r->len, e);
 }
 
 enum status store_snapshot_face(const struct store_snapshot *out, size_t i,

@@ -1,5 +1,6 @@
 #include "enrolment.h"
 
+#include <sodium.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -237,6 +238,7 @@ static enum status fit_others(struct enrolling *g, struct errinfo *e)
 static enum status store_fitting(struct enrolling *g, struct errinfo *e)
 {
     const struct enrolment *x = g->x;
+    unsigned char descriptor[ENROLMENT_SAMPLES][SURFACE_DESCRIPTOR];
     struct store_sample sample[ENROLMENT_SAMPLES];
     struct store_template t[ENROLMENT_SAMPLES];
     bool created[ENROLMENT_SAMPLES];
@@ -247,12 +249,16 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
                                 .newest = x->force ? NULL : g->newest,
                                 .manager = x->manager,
                                 .captured = x->captured};
-    enum status st;
+    enum status st = ST_OK;
 
     for (size_t i = 0; i < x->n; i++)
         if (g->each[i].why.code == ST_OK) {
             sample[what.n] = x->sample[i];
-            sample[what.n++].first_score = g->first_score[i];
+            sample[what.n].first_score = g->first_score[i];
+            sample[what.n].descriptor = descriptor[what.n];
+            if (surface_describe(g->c->work, x->sample[i].face, descriptor[what.n++]) ==
+                SURFACE_ENOMEM)
+                return errinfo_set(e, ST_ENOMEM, "out of memory");
         }
     st = store_enroll(g->c->store, &what, t, created, e);
     for (size_t i = 0, k = 0; st == ST_OK && i < x->n; i++)
@@ -260,6 +266,7 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
             g->each[i].tmpl = t[k];
             g->each[i].created = created[k++];
         }
+    sodium_memzero(descriptor, sizeof descriptor);
     return st;
 }
 

@@ -186,7 +186,7 @@ enum status search_describe(const struct search_basis *b, const struct encoding 
     } *w = scratch_need(s, sizeof *w);
     double mean[D] = {0};
 
-    memset(out, 0, SURFACE_DESCRIPTOR);
+    memset(out, UINT8_MAX, SURFACE_DESCRIPTOR); /* until it is known: no class */
     if (w == NULL)
         return ST_ENOMEM;
     if (e->n == 0)
@@ -199,14 +199,13 @@ enum status search_describe(const struct search_basis *b, const struct encoding 
     lsq_forward(w->h[0], D, D, D, mean);
     lsq_backward(w->h[0], D, D, mean);
     invert(w->h, w->x, w->covariance);
-    out[0] = (unsigned char)nearest_class(b, w->covariance);
-    for (uint32_t i = 0; i < b->n; i++) {
-        const double v = mean[i] / b->step[i];
-
-        if (!isfinite(v))
+    for (uint32_t i = 0; i < b->n; i++)
+        if (!isfinite(mean[i] /= b->step[i]))
             return ST_EINVAL;
-        out[1 + i] = (unsigned char)(int8_t)lrint(fmin(fmax(v, -127), 127));
-    }
+    memset(out, 0, SURFACE_DESCRIPTOR);
+    for (uint32_t i = 0; i < b->n; i++)
+        out[1 + i] = (unsigned char)(int8_t)lrint(fmin(fmax(mean[i], -127), 127));
+    out[0] = (unsigned char)nearest_class(b, w->covariance);
     return ST_OK;
 }
 

@@ -11,7 +11,8 @@
 
 /* Describes a template for searches by the same model.
  * Cost: about 0.5 ms, and once 15 ms and 650 KB in the memory of work.
- * Returns SURFACE_OK; SURFACE_EINVAL: too little of the face is known to find it; SURFACE_ENOMEM. */
+ * Returns SURFACE_OK; SURFACE_EINVAL: too little of the face is known to find it; SURFACE_ENOMEM.  out is then
+ * no descriptor: surface_index_add() refuses it. */
 SURFACE_API enum surface_status surface_describe(struct surface_work *work,
                                                  const struct surface_face *face,
                                                  unsigned char out[SURFACE_DESCRIPTOR]);

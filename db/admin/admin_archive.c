@@ -151,8 +151,8 @@ static enum status find_subject(struct importing *m, const struct store_subject 
         s->id, s->id);
 }
 
-static enum status import_template(void *arg, struct rows_template *row, const void *face,
-                                   size_t len, struct errinfo *e)
+static enum status import_template(void *arg, struct rows_template *row,
+                                   const struct rows_face *face, struct errinfo *e)
 {
     struct importing *m = arg;
     const struct store_template *t = &row->one;
@@ -183,7 +183,7 @@ static enum status import_template(void *arg, struct rows_template *row, const v
             m->as.one.id);
     if (st != ST_ENOTFOUND ||
         (st = store_rules_room(m->as.one.id, m->templates, e)) != ST_OK ||
-        (st = rows_template_add(m->to, &m->as, row, face, len, e)) != ST_OK)
+        (st = rows_template_add(m->to, &m->as, row, face, e)) != ST_OK)
         return st;
     m->templates++;
     m->out->new_templates++;

@@ -2,6 +2,7 @@
 
 #include <inttypes.h>
 #include <pthread.h>
+#include <sodium.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,6 +58,27 @@ static void count_template(void *arg, const char *line)
     count_problem(x->c, line);
 }
 
+/* That of another engine's face is not known here. */
+static enum status check_descriptor(struct share *x, const struct rows_template *row,
+                                    const struct rows_subject *of, struct errinfo *e)
+{
+    unsigned char is[SURFACE_DESCRIPTOR], wanted[SURFACE_DESCRIPTOR];
+    enum status st = rows_template_descriptor(row, of, is, e);
+    bool same;
+
+    if (st != ST_OK || !surface_same_engine(row->one.engine, x->c->store->made_by))
+        return st;
+    if (surface_describe(x->work, x->face, wanted) == SURFACE_ENOMEM)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    same = sodium_memcmp(is, wanted, sizeof is) == 0;
+    sodium_memzero(is, sizeof is);
+    sodium_memzero(wanted, sizeof wanted);
+    return same ? ST_OK
+                : errinfo_set(e, ST_ECORRUPT,
+                              "template %s: its descriptor is not that of its face",
+                              row->one.id);
+}
+
 static enum status check_template(void *arg, const struct rows_template *row,
                                   const struct rows_subject *of, const void *face,
                                   size_t len, struct errinfo *e)
@@ -67,7 +89,6 @@ static enum status check_template(void *arg, const struct rows_template *row,
     char digest[65];
     enum status st;
 
-    (void)of;
     if (!x->c->decode) {
         x->templates++;
         return ST_OK;
@@ -94,8 +115,9 @@ static enum status check_template(void *arg, const struct rows_template *row,
     if (strcmp(digest, t->digest) != 0)
         return errinfo_set(e, ST_ECORRUPT,
                            "template %s: its digest is not that of its points", t->id);
-    x->templates++;
-    return ST_OK;
+    if ((st = check_descriptor(x, row, of, e)) == ST_OK)
+        x->templates++;
+    return st;
 }
 
 static void count_event(void *arg, enum log_name log, uint64_t seq, const char *line)
@@ -117,10 +139,10 @@ static enum status check_part(struct share *x, struct errinfo *e)
 
     if (st != ST_OK)
         return st;
-    return store_end(
-        s, &t,
-        rows_template_each(&t, x->part, x->parts, check_template, count_template, x, e),
-        e);
+    return store_end(s, &t,
+                     rows_template_each(&t, x->part, x->parts, true, check_template,
+                                        count_template, x, e),
+                     e);
 }
 
 static void *check_share(void *arg)

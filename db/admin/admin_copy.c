@@ -102,10 +102,12 @@ enum status admin_each_template(struct log_txn *t, const struct rows_subject *of
     enum status st = rows_template_list(t, of, &list, &n, e);
 
     for (size_t i = 0; i < n && st == ST_OK; i++) {
-        unsigned char *face;
+        unsigned char descriptor[SURFACE_DESCRIPTOR], *face;
 
-        if ((st = rows_template_face(t, &list[i], of, &face, &len, e)) == ST_OK)
-            st = use(arg, &list[i], face, len, e);
+        if ((st = rows_template_face(t, &list[i], of, &face, &len, e)) == ST_OK &&
+            (st = rows_template_descriptor(&list[i], of, descriptor, e)) == ST_OK)
+            st = use(arg, &list[i], &(struct rows_face){face, len, descriptor}, e);
+        sodium_memzero(descriptor, sizeof descriptor);
         rows_template_wipe(face, len);
     }
     free(list);
@@ -118,12 +120,12 @@ struct copying {
     struct rows_subject as; /* in the copy */
 };
 
-static enum status copy_template(void *arg, struct rows_template *row, const void *face,
-                                 size_t len, struct errinfo *e)
+static enum status copy_template(void *arg, struct rows_template *row,
+                                 const struct rows_face *face, struct errinfo *e)
 {
     struct copying *c = arg;
 
-    return rows_template_add(c->to, &c->as, row, face, len, e);
+    return rows_template_add(c->to, &c->as, row, face, e);
 }
 
 static enum status copy_subject(void *arg, struct log_txn *from,

@@ -16,7 +16,7 @@ enum status admin_each(struct log_txn *t, admin_use *use, void *arg, struct erri
 /* admin_each_template(t, of, use, arg, e): Calls use() for every template of the subject with its face, oldest
  * first, until a call fails.  Memory: one face. */
 typedef enum status admin_use_template(void *arg, struct rows_template *row,
-                                       const void *face, size_t len, struct errinfo *e);
+                                       const struct rows_face *face, struct errinfo *e);
 enum status admin_each_template(struct log_txn *t, const struct rows_subject *of,
                                 admin_use_template *use, void *arg, struct errinfo *e);
 

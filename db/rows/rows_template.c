@@ -12,9 +12,9 @@
 
 #define COLUMNS                                                                          \
     "t.id, t.revision, t.uid, t.used, t.read, t.created, t.engine, t.points, "           \
-    "t.triangles, t.about, t.mac, t.template_key"
+    "t.triangles, t.about, t.descriptor, t.mac, t.template_key"
 
-enum { COL_ID, COL_MAC = 10, COLS = 12 };
+enum { COL_ID, COL_MAC = 11, COLS = 13 };
 
 #define F(kind, member)        SQL_FIELD(kind, struct rows_template, member)
 #define REAL(member, min, max) SQL_FIELD_IN(REAL, struct rows_template, member, min, max)
@@ -30,6 +30,7 @@ static const struct sql_field columns[COL_MAC] = {
     SQL_FIELD_IN(COUNT, struct rows_template, one.points, 0, SURFACE_MAX_POINTS),
     F(COUNT, one.triangles),
     F(BLOB, about),
+    F(BYTES, descriptor),
 };
 
 /* What is encrypted in `about`. */
@@ -62,11 +63,12 @@ const struct rows_table rows_templates = {
     .noun = "template ",
     .all = "SELECT " COLUMNS " FROM templates t ORDER BY t.template_key",
     .insert = "INSERT INTO templates (id, revision, uid, used, read, created, engine, "
-              "points, triangles, about, mac) "
-              "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11)",
+              "points, triangles, about, descriptor, mac) "
+              "VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)",
     .update = "UPDATE templates SET (revision, uid, used, read, created, engine, points, "
-              "triangles, about, mac) = ($2, $3, $4, $5, $6, $7, $8, $9, $10, $11) "
-              "WHERE id = $1 AND mac = $12",
+              "triangles, about, descriptor, mac) = "
+              "($2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12) "
+              "WHERE id = $1 AND mac = $13",
     .remove = "DELETE FROM templates WHERE id = $1 AND mac = $2",
     .drop = {"DELETE FROM templates WHERE template_key = $1"},
     .columns = COL_MAC,
@@ -79,22 +81,22 @@ const struct rows_table rows_templates = {
 
 /* ---- what is encrypted, under the subject's key */
 
-enum part { ABOUT_IT, HEAD, MESH };
+enum part { ABOUT_IT, DESCRIPTOR, HEAD, MESH };
 
-/* The label of the description, and of the parts of the face.  These are bound to the row's revision: the
+/* The label of the description, of the descriptor, and of the parts of the face.  The latter are bound to the row's revision: the
  * row, with its MAC, says nothing else about them. */
 static struct sql_field_blob label_of(const struct rows_template *row,
                                       const struct rows_subject *of, enum part part)
 {
-    static const char name[][16] = {"surface about 2", "surface face  3",
-                                    "surface mesh  1"};
+    static const char name[][16] = {"surface about 2", "surface search1",
+                                    "surface face  3", "surface mesh  1"};
     struct sql_field_blob label;
     unsigned char *to = label.bytes;
 
     bytes_put(&to, name[part], 16);
     bytes_put(&to, of->one.uid, STORE_UID);
     bytes_put_text(&to, row->one.id);
-    if (part != ABOUT_IT)
+    if (part >= HEAD)
         bytes_put_number(&to, (uint64_t)row->revision, 8);
     label.n = (size_t)(to - label.bytes);
     return label;
@@ -171,6 +173,20 @@ enum status rows_template_get(struct log_txn *t, const char *id,
     if ((st = rows_subject_get(t, out->uid, of, e)) == ST_ENOTFOUND)
         return errinfo_set(e, ST_ECORRUPT, "template %s: its subject is missing", id);
     return st == ST_OK ? describe(of, out, e) : st;
+}
+
+enum status rows_template_descriptor(const struct rows_template *row,
+                                     const struct rows_subject *of,
+                                     unsigned char out[SURFACE_DESCRIPTOR],
+                                     struct errinfo *e)
+{
+    const struct sql_field_blob label = label_of(row, of, DESCRIPTOR);
+
+    if (crypt_decrypt(of->key, label.bytes, label.n, row->descriptor,
+                      sizeof row->descriptor, out))
+        return ST_OK;
+    return errinfo_set(e, ST_ECORRUPT, "template %s: its descriptor is not authentic",
+                       row->one.id);
 }
 
 struct rows_template_listing {
@@ -323,7 +339,7 @@ static const struct rows_template *named(const struct sql_rows *r,
 }
 
 enum status rows_template_heads(struct log_txn *t, const struct rows_subject *of,
-                                const struct rows_template *row, size_t n,
+                                const struct rows_template *row, size_t n, bool mesh,
                                 unsigned char **face, size_t *len, struct errinfo *e)
 {
     struct sql_rows *r;
@@ -333,10 +349,10 @@ enum status rows_template_heads(struct log_txn *t, const struct rows_subject *of
         face[i] = NULL;
     st = SQL_QUERY(t->sql, &r, e,
                    "SELECT t.id, f.face, CASE WHEN (SELECT count(*) FROM templates x "
-                   "WHERE x.uid = t.uid) = 1 THEN f.mesh END "
+                   "WHERE x.uid = t.uid) = $2 THEN f.mesh END "
                    "FROM templates t JOIN faces f USING (template_key) "
                    "WHERE t.uid = (SELECT s.uid FROM subjects s WHERE s.lookup = $1)",
-                   sql_blob(of->lookup, sizeof of->lookup));
+                   sql_blob(of->lookup, sizeof of->lookup), sql_int(mesh ? 1 : 0));
     while (st == ST_OK && sql_next(r)) {
         const struct rows_template *one = named(r, row, n);
 
@@ -357,21 +373,25 @@ enum status rows_template_heads(struct log_txn *t, const struct rows_subject *of
  * another meanwhile, and 64 that lie together at a time.  A negative key has one too. */
 #define SHARE "(t.template_key >> 6 & 9223372036854775807) % $2"
 
+#define EACH(faces, join)                                                                \
+    "SELECT " COLUMNS ", " ROWS_SUBJECT faces " FROM templates t "                       \
+    "LEFT JOIN subjects s ON s.uid = t.uid " join "WHERE " SHARE                         \
+    " = $1 ORDER BY t.template_key"
+
 enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
-                               rows_template_use *use, store_report *report, void *arg,
-                               struct errinfo *e)
+                               bool faces, rows_template_use *use, store_report *report,
+                               void *arg, struct errinfo *e)
 {
     struct rows_template row;
     struct rows_subject of;
     struct errinfo why;
     struct sql_rows *r;
-    enum status st = sql_stream(t->sql,
-                                "SELECT " COLUMNS ", " ROWS_SUBJECT
-                                ", f.face, f.mesh FROM templates t "
-                                "LEFT JOIN subjects s ON s.uid = t.uid "
-                                "LEFT JOIN faces f ON f.template_key = t.template_key "
-                                "WHERE " SHARE " = $1 ORDER BY t.template_key",
-                                SQL_VALUES(sql_int(part), sql_int(parts)), 2, &r, e);
+    enum status st =
+        sql_stream(t->sql,
+                   faces ? EACH(", f.face, f.mesh",
+                                "LEFT JOIN faces f ON f.template_key = t.template_key ")
+                         : EACH("", ""),
+                   SQL_VALUES(sql_int(part), sql_int(parts)), 2, &r, e);
 
     while (st == ST_OK && sql_next(r)) {
         unsigned char *face = NULL;
@@ -381,8 +401,8 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
         if (one == ST_OK &&
             (one = rows_table_read(t, &rows_templates, r, 0, &row, &why)) == ST_OK &&
             (one = describe(&of, &row, &why)) == ST_OK &&
-            (one = decrypt_face(&row, &of, r, COLS + ROWS_SUBJECT_N, true, &face, &len,
-                                &why)) == ST_OK)
+            (!faces || (one = decrypt_face(&row, &of, r, COLS + ROWS_SUBJECT_N, true,
+                                           &face, &len, &why)) == ST_OK))
             one = use(arg, &row, &of, face, len, &why);
         rows_template_wipe(face, len);
         if (one == ST_ECORRUPT)
@@ -397,20 +417,25 @@ enum status rows_template_each(struct log_txn *t, unsigned part, unsigned parts,
 /* ---- writing */
 
 static void encrypt(const struct log_txn *t, struct rows_template *row,
-                    const struct rows_subject *of)
+                    const struct rows_subject *of, const unsigned char *descriptor)
 {
-    const struct sql_field_blob label = label_of(row, of, ABOUT_IT);
+    const struct sql_field_blob label = label_of(row, of, ABOUT_IT),
+                                search = label_of(row, of, DESCRIPTOR);
 
     memcpy(row->uid, of->one.uid, STORE_UID);
     hash_digest(t, "used", of->one.uid, row->one.digest, row->by_used);
     hash_digest(t, "read", of->one.uid, row->one.read, row->by_read);
     rows_table_encrypt(of->key, &label, about, ABOUT, row, &row->about);
+    crypt_encrypt(of->key, search.bytes, search.n, descriptor, SURFACE_DESCRIPTOR,
+                  row->descriptor);
 }
 
 static enum status put_face(struct log_txn *t, const struct rows_template *row,
-                            const struct rows_subject *of, const unsigned char *face,
-                            size_t len, struct errinfo *e)
+                            const struct rows_subject *of, const struct rows_face *plain,
+                            struct errinfo *e)
 {
+    const unsigned char *face = plain->face;
+    const size_t len = plain->len;
     const struct sql_field_blob head = label_of(row, of, HEAD),
                                 mesh = label_of(row, of, MESH);
     const size_t cut = surface_encoded_head(face, len);
@@ -443,29 +468,29 @@ static enum status recount(struct log_txn *t, struct rows_subject *of,
 }
 
 enum status rows_template_add(struct log_txn *t, struct rows_subject *of,
-                              struct rows_template *row, const void *face, size_t len,
+                              struct rows_template *row, const struct rows_face *face,
                               struct errinfo *e)
 {
     enum status st;
 
     row->number = ++of->added;
-    encrypt(t, row, of);
+    encrypt(t, row, of, face->descriptor);
     if ((st = rows_table_insert(t, &rows_templates, row, e)) != ST_OK ||
-        (st = put_face(t, row, of, face, len, e)) != ST_OK)
+        (st = put_face(t, row, of, face, e)) != ST_OK)
         return st;
     return recount(t, of, NULL, row->mac, e);
 }
 
 enum status rows_template_write(struct log_txn *t, struct rows_subject *of,
-                                struct rows_template *row, const void *face, size_t len,
+                                struct rows_template *row, const struct rows_face *face,
                                 struct errinfo *e)
 {
     const struct rows_template old = *row;
     enum status st;
 
-    encrypt(t, row, of);
+    encrypt(t, row, of, face->descriptor);
     if ((st = rows_table_update(t, &rows_templates, row, e)) != ST_OK ||
-        (st = put_face(t, row, of, face, len, e)) != ST_OK)
+        (st = put_face(t, row, of, face, e)) != ST_OK)
         return st;
     return recount(t, of, old.mac, row->mac, e);
 }
