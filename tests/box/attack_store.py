@@ -105,7 +105,7 @@ FOUND = {
     'template_removed': ['DELETE FROM faces WHERE template_key = 1', 'DELETE FROM templates WHERE template_key = 1'],
     'template_given_to_another': ['UPDATE templates SET uid = %s WHERE uid = %s' % (BOB, ALICE)],
     'template_doubled': ["INSERT INTO templates SELECT 99, '0123456789abcdef0123456789abcdef', revision, uid, "
-                         'zeroblob(32), read, created, engine, points, triangles, about, mac FROM templates LIMIT 1'],
+                         'zeroblob(32), read, created, engine, points, triangles, about, descriptor, mac FROM templates LIMIT 1'],
     'template_out_of_the_lists': ['UPDATE faces SET template_key = -1 WHERE template_key = 1',
                                   'UPDATE templates SET template_key = -1 WHERE template_key = 1'],
     'template_other_engine': ["UPDATE templates SET engine = 'surfaced/0 measure/0 model/0'"],

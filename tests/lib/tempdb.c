@@ -226,12 +226,12 @@ enum status tempdb_store(struct store *s, const char *actor, const char *subject
                          const char *label, const struct surface_face *f,
                          struct store_template *t, bool *created, struct errinfo *e)
 {
-    const struct store_enroll what = {.actor = actor,
-                                      .subject = subject,
-                                      .label = label,
-                                      .sample = &(struct store_sample){.face = f},
-                                      .n = 1};
+    unsigned char descriptor[SURFACE_DESCRIPTOR];
+    const struct store_sample sample = {.face = f, .descriptor = descriptor};
+    const struct store_enroll what = {
+        .actor = actor, .subject = subject, .label = label, .sample = &sample, .n = 1};
 
+    (void)surface_describe(tempdb_work, f, descriptor);
     return store_enroll(s, &what, t, created, e);
 }
 
