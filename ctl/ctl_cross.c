@@ -29,8 +29,9 @@ static enum status list_subject(void *arg, const struct store_subject *one,
     struct store_template *t = NULL;
     void *subjects = NULL, *templates = NULL;
     size_t n = 0;
-    enum status st =
-        one->templates > 0 ? store_template_list(c->store, one->id, &t, &n, e) : ST_OK;
+    enum status st = one->templates > 0
+                         ? store_template_list(c->store, c->actor, one->id, &t, &n, e)
+                         : ST_OK;
 
     if (st != ST_OK || n == 0)
         goto out;
@@ -75,7 +76,8 @@ static enum status load_subject(struct ctl *c, struct ctl_cross_subject one,
         struct store_template t;
         struct surface_face *f = NULL;
 
-        st = store_template_load(c->store, p->tmpl[i].id, &t, c->work, &f, &c->e);
+        st = store_template_load(c->store, c->actor, p->tmpl[i].id, &t, c->work, &f,
+                                 &c->e);
         if (st == ST_OK) {
             p->face[p->ntemplate] = f;
             p->tmpl[p->ntemplate] = p->tmpl[i];

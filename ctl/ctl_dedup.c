@@ -100,7 +100,7 @@ static enum status ctl_dedup_load(const struct dedup *d, uint32_t i,
 {
     struct store_template t;
     const enum status st =
-        store_template_load(d->c->store, d->all.tmpl[i].id, &t, w, f, e);
+        store_template_load(d->c->store, d->c->actor, d->all.tmpl[i].id, &t, w, f, e);
 
     return st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
 }

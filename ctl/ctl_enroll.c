@@ -174,7 +174,7 @@ static enum status is_there(struct ctl *c, const char *subject,
     struct store_template *t = NULL;
     char digest[65];
     size_t n = 0;
-    enum status st = store_template_list(c->store, subject, &t, &n, &c->e);
+    enum status st = store_template_list(c->store, c->actor, subject, &t, &n, &c->e);
 
     *there = false;
     if (st == ST_ENOTFOUND)

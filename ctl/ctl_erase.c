@@ -25,7 +25,7 @@ static enum status erase(struct ctl *c)
     char what[256];
     struct store_subject one;
     struct store_receipt r;
-    enum status st = store_subject_get(c->store, c->args[0], &one, &c->e);
+    enum status st = store_subject_get(c->store, c->actor, c->args[0], &one, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -53,13 +53,13 @@ static enum status erase_template(struct ctl *c)
     struct store_subject one;
     struct store_template t;
     char what[256];
-    enum status st = store_template_get(c->store, c->args[0], &t, &c->e);
+    enum status st = store_template_get(c->store, c->actor, c->args[0], &t, &c->e);
 
     if (st != ST_OK)
         return st;
     (void)snprintf(what, sizeof what, "deletes template %s of %s", t.id, t.subject);
     if (c->dry_run) {
-        st = store_subject_get(c->store, t.subject, &one, &c->e);
+        st = store_subject_get(c->store, c->actor, t.subject, &one, &c->e);
         return st == ST_OK ? would_erase(c, &one, 1, what) : st;
     }
     if ((st = ctl_confirm(c, what, t.id)) != ST_OK ||

@@ -235,7 +235,7 @@ static enum status look_for_templates(struct ctl *c, const struct store_receipt 
     enum status st = ST_OK;
 
     for (uint32_t i = 0; st == ST_OK && i < r->templates; i++) {
-        st = store_template_get(c->store, r->template_id[i], &t, &c->e);
+        st = store_template_get(c->store, c->actor, r->template_id[i], &t, &c->e);
         if (st == ST_OK)
             log_walk_problem(w, r->seq, "a template named by the receipt exists");
         else if (st == ST_ENOTFOUND || st == ST_EINVAL)

@@ -33,7 +33,8 @@ static void list_one(struct ctl *c, const struct store_subject *one)
 
 static enum status ctl_run_subject_list(struct ctl *c)
 {
-    struct store_search what = {.part = part != NULL ? part : "", .limit = PAGE};
+    struct store_search what = {
+        .group = "", .part = part != NULL ? part : "", .limit = PAGE};
     struct store_subject *page;
     size_t n, all = 0;
     enum status st = ST_OK;
@@ -42,7 +43,8 @@ static enum status ctl_run_subject_list(struct ctl *c)
         return ctl_usage(c, "--state is active, disabled, hold, expired or ending");
     json_array(c->out, "subjects");
     do {
-        st = store_subject_search(c->store, &what, &page, &n, &what.after, &c->e);
+        st = store_subject_search(c->store, c->actor, &what, &page, &n, &what.after,
+                                  &c->e);
         if (n > 0 && all == 0)
             ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
                     "STATE");
@@ -80,10 +82,10 @@ static enum status ctl_run_subject_show(struct ctl *c)
     struct store_subject one;
     struct store_template *list = NULL;
     size_t n;
-    enum status st = store_subject_get(c->store, c->args[0], &one, &c->e);
+    enum status st = store_subject_get(c->store, c->actor, c->args[0], &one, &c->e);
 
     if (st != ST_OK ||
-        (st = store_template_list(c->store, one.id, &list, &n, &c->e)) != ST_OK)
+        (st = store_template_list(c->store, c->actor, one.id, &list, &n, &c->e)) != ST_OK)
         return st;
     describe_subject(c->out, &one);
     json_array(c->out, "templates");
@@ -105,7 +107,7 @@ static enum status ctl_run_subject_show(struct ctl *c)
 static enum status ctl_subject_tell(struct ctl *c, const char *id, const char *done)
 {
     struct store_subject one;
-    enum status st = store_subject_get(c->store, id, &one, &c->e);
+    enum status st = store_subject_get(c->store, c->actor, id, &one, &c->e);
 
     if (st != ST_OK)
         return st;
@@ -127,7 +129,7 @@ static const char *expiry(const struct ctl *c, char text[UTC_TEXT])
 
 static enum status set(struct ctl *c)
 {
-    struct store_subject new = {0};
+    struct store_subject new = {.identify = true};
     char text[UTC_TEXT];
     const char *id = c->args[0], *expires = expiry(c, text);
     const struct store_subject_change what = {

@@ -47,7 +47,7 @@ static enum status list_subject(struct ctl_template_listing *l, const char *subj
     struct ctl *c = l->c;
     struct store_template *t = NULL;
     size_t n;
-    enum status st = store_template_list(c->store, subject, &t, &n, &c->e);
+    enum status st = store_template_list(c->store, c->actor, subject, &t, &n, &c->e);
 
     for (size_t i = 0; st == ST_OK && i < n; i++) {
         if (c->json) {
@@ -92,7 +92,7 @@ static enum status ctl_run_template_list(struct ctl *c)
 static enum status ctl_run_template_show(struct ctl *c)
 {
     struct store_template t;
-    const enum status st = store_template_get(c->store, c->args[0], &t, &c->e);
+    const enum status st = store_template_get(c->store, c->actor, c->args[0], &t, &c->e);
 
     if (st == ST_OK)
         ctl_template_tell(c, &t);
@@ -110,7 +110,7 @@ static enum status export_template(struct ctl *c)
     if ((st = ctl_may_pipe(c, 0)) != ST_OK)
         return st;
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
-        st = store_template_load(c->store, c->args[0], &t, c->work, &f, &c->e);
+        st = store_template_load(c->store, c->actor, c->args[0], &t, c->work, &f, &c->e);
     if (st == ST_OK) /* before: what leaves the database is in the events in any case */
         st = store_event(c->store, "export_template", c->actor, t.subject, t.id,
                          "written", &c->e);

@@ -41,7 +41,7 @@ static enum status ctl_run_token_create(struct ctl *c)
         return ctl_usage(c, "token create needs --scope: one or more of %s", all);
     }
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
-        st = store_token_create(c->store, c->actor, name, scopes, end_ms, secret, &t,
+        st = store_token_create(c->store, c->actor, name, scopes, "", end_ms, secret, &t,
                                 &c->e);
     if (st == ST_OK)
         out_secret(c, &t, secret);
@@ -61,7 +61,7 @@ static enum status ctl_token_find(struct ctl *c, char id[STORE_ID_LEN + 1])
     (void)snprintf(id, STORE_ID_LEN + 1, "%s", name);
     if (ident_id_valid(name))
         return ST_OK;
-    if ((st = store_token_list(c->store, &t, &n, &c->e)) != ST_OK)
+    if ((st = store_token_list(c->store, c->actor, &t, &n, &c->e)) != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++) {
         if (t[i].revoked[0] != '\0' || strcmp(t[i].name, name) != 0)
@@ -113,7 +113,7 @@ static enum status ctl_run_token_list(struct ctl *c)
     struct store_token *t;
     char words[STORE_SCOPES_MAX];
     size_t n;
-    enum status st = store_token_list(c->store, &t, &n, &c->e);
+    enum status st = store_token_list(c->store, c->actor, &t, &n, &c->e);
 
     if (st != ST_OK)
         return st;

@@ -2,7 +2,9 @@
  * Any number of threads may use a store.  Each call is one transaction: it takes full effect or none,
  * and is durable when it returns ST_OK (except store_event()).  Other processes may use the same database
  * at the same time; each call sees their commits.  The functions check ids (ST_EINVAL).
- * actor: the caller, for the logs: a token's id, a program's name or "".
+ * actor: the caller, for the logs: a token's id, a program's name or "".  For a token that is bound to groups
+ * (groups.h) no subject of other groups exists, nor its templates, and no token that is not bound to some of
+ * these groups; it sees only its own groups of a subject.
  * Each call returns a status, and fills *e (may be NULL) on failure:
  *   ST_EINVAL, ST_ENOTFOUND, ST_EEXISTS
  *   ST_ECORRUPT   a row or the file is damaged, or the file is no database
@@ -21,13 +23,14 @@
 /* ---- subjects */
 
 /* store_subject_add(s, actor, about, e): Adds a subject without templates, because the consent is known before
- * the first scan.  Reads and checks id, reference, purpose and expires (in the future) of *about, and
- * sets created.  ST_EEXISTS: a subject has this id. */
+ * the first scan.  Reads id, reference, purpose, expires (in the future), groups (as groups_read()) and
+ * identify of *about, and sets created.  ST_EEXISTS: a subject has this id, also one that does not exist for actor.
+ * Sets groups, if they are "", to the groups that actor is bound to.  ST_EDENIED: they are others. */
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e);
 
-/* store_subject_get(s, subject, out, e): Reads the subject with this id. */
-enum status store_subject_get(struct store *s, const char *subject,
+/* store_subject_get(s, actor, subject, out, e): Reads the subject with this id. */
+enum status store_subject_get(struct store *s, const char *actor, const char *subject,
                               struct store_subject *out, struct errinfo *e);
 
 /* store_subject_list(s, after, limit, out, n, e): Lists up to limit subjects in the order of creation.
@@ -58,24 +61,27 @@ bool store_subject_state(const char *word, enum store_state *out);
 #define STORE_SEARCH_ROWS 5000 /* most rows that a search decrypts */
 
 struct store_search {
-    const char *part; /* part of the id, in any case of its letters; "": any id */
+    const char *group; /* one of the subject's groups; "": any, or none */
+    const char *part;  /* part of the id, in any case of its letters; "": any id */
     enum store_state state;
     int64_t after; /* as in store_subject_list() */
     size_t limit;  /* most results, 1 or more */
 };
 
-/* store_subject_search(s, what, out, n, next, e): Lists subjects, with their quality, in the order of creation.
+/* store_subject_search(s, actor, what, out, n, next, e): Lists subjects, with their quality, in the order of creation.
  *   out   a new array of *n elements, to be released by free(); it may have fewer than what->limit
  *         elements, or none, although more follow
  *   next  value of after for the next call; 0: there are no more
  * Cost: about 8 us for each row read. */
-enum status store_subject_search(struct store *s, const struct store_search *what,
+enum status store_subject_search(struct store *s, const char *actor,
+                                 const struct store_search *what,
                                  struct store_subject **out, size_t *n, int64_t *next,
                                  struct errinfo *e);
 
 /* store_subject_set(s, actor, subject, what, e): Applies all of *what or nothing, with one event each for
- * consent, hold and disabled.  The caller must not verify a subject that is disabled or has expired.
- * ST_OK also if nothing changes. */
+ * consent, hold, disabled, groups and identify.  The caller must not verify a subject that is disabled or has expired.
+ * ST_OK also if nothing changes.  An actor that is bound to groups replaces only its own groups of the subject, by
+ * at least one; ST_EDENIED: by others. */
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
                               const struct store_subject_change *what, struct errinfo *e);
 
@@ -122,11 +128,14 @@ enum status store_subject_purge(struct store *s, const char *actor, const char *
 #define STORE_NEVER    0  /* as end_ms (ms since 1970): the token does not expire */
 #define STORE_SAME_END -1 /* as end_ms: the expiry is not changed */
 
-/* store_token_create(s, actor, name, scopes, end_ms, secret, t, e): Creates a token.  secret receives its
- * secret, of which only a hash is stored. */
+/* store_token_create(s, actor, name, scopes, groups, end_ms, secret, t, e): Creates a token.  secret receives its
+ * secret, of which only a hash is stored.
+ *   groups  as groups_read(); "": the groups that actor is bound to, if any
+ * ST_EDENIED: actor is bound to others; ST_EINVAL: also for groups together with STORE_SCOPE_AUDIT, which is
+ * about all subjects. */
 enum status store_token_create(struct store *s, const char *actor, const char *name,
-                               unsigned scopes, int64_t end_ms, char secret[65],
-                               struct store_token *t, struct errinfo *e);
+                               unsigned scopes, const char *groups, int64_t end_ms,
+                               char secret[65], struct store_token *t, struct errinfo *e);
 
 /* store_token_rotate(s, actor, id, grace_s, end_ms, secret, t, e): Gives the token a new secret.  The old secret
  * stays valid for grace_s seconds; an older one becomes invalid.  ST_EDENIED: the token was revoked. */
@@ -134,14 +143,14 @@ enum status store_token_rotate(struct store *s, const char *actor, const char *i
                                int64_t grace_s, int64_t end_ms, char secret[65],
                                struct store_token *t, struct errinfo *e);
 
-/* store_token_get(s, id, out, e): Reads the token with this id. */
-enum status store_token_get(struct store *s, const char *id, struct store_token *out,
-                            struct errinfo *e);
+/* store_token_get(s, actor, id, out, e): Reads the token with this id. */
+enum status store_token_get(struct store *s, const char *actor, const char *id,
+                            struct store_token *out, struct errinfo *e);
 
-/* store_token_list(s, out, n, e): Lists all tokens.
+/* store_token_list(s, actor, out, n, e): Lists the tokens.
  *   out  a new array of *n elements, to be released by free() */
-enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
-                             struct errinfo *e);
+enum status store_token_list(struct store *s, const char *actor, struct store_token **out,
+                             size_t *n, struct errinfo *e);
 
 #define STORE_TOKEN_LIFE_S (INT64_C(365) * 86400) /* default life of a token, s */
 #define STORE_TOKEN_SOON_S                                                               \

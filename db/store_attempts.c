@@ -178,21 +178,22 @@ static enum status look_at(void *arg, const char *token, struct errinfo *e)
     return st;
 }
 
-enum status store_attempts_worst(struct store *s, const char *subject,
+enum status store_attempts_worst(struct store *s, const char *actor, const char *subject,
                                  const struct store_limits *l, struct store_worst *out,
                                  struct errinfo *e)
 {
     static const char another[] = "*"; /* no token's id */
     struct rows_subject of;
+    struct log_act by;
     struct log_txn t;
     struct worst w = {.t = &t, .subject = &of.one, .limits = l};
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_rules_now(&w.now, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_READ, &by, &t, e)) != ST_OK)
         return st;
+    w.now = by.ms;
     if ((st = rows_subject_find(&t, subject, &of, e)) == ST_OK &&
         (st = rows_attempts_each(&t, &of.one, look_at, &w, e)) == ST_OK)
         st = look_at(&w, another, e);

@@ -52,9 +52,9 @@ struct store_worst {
     char until[32];    /* end of the longest lock-out; "": no token is locked out */
 };
 
-/* store_attempts_worst(s, subject, l, out, e): Finds the longest lock-out from the subject among all tokens,
+/* store_attempts_worst(s, actor, subject, l, out, e): Finds the longest lock-out from the subject among all tokens,
  * including tokens that have not failed.  ST_ENOTFOUND: no such subject. */
-enum status store_attempts_worst(struct store *s, const char *subject,
+enum status store_attempts_worst(struct store *s, const char *actor, const char *subject,
                                  const struct store_limits *l, struct store_worst *out,
                                  struct errinfo *e);
 

@@ -49,22 +49,22 @@ static enum status read_end(const char *text, char out[UTC_TEXT], struct errinfo
 
 /* ---- reading */
 
-enum status store_subject_get(struct store *s, const char *subject,
+enum status store_subject_get(struct store *s, const char *actor, const char *subject,
                               struct store_subject *out, struct errinfo *e)
 {
     struct rows_subject p;
+    struct log_act by;
     struct log_txn t;
-    int64_t ms;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &t, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_READ, &by, &t, e)) != ST_OK)
         return st;
     if ((st = store_end(s, &t, rows_subject_find(&t, subject, &p, e), e)) == ST_OK) {
         *out = p.one;
-        out->expired = store_rules_past(out->expires, ms);
+        store_rules_shown(&t, out);
+        out->expired = store_rules_past(out->expires, by.ms);
     }
     sodium_memzero(&p, sizeof p);
     return st;
@@ -118,17 +118,23 @@ bool store_subject_state(const char *word, enum store_state *out)
 
 struct store_subject_searching {
     const struct store_search *what;
+    struct log_txn t;
     int64_t now;
     char soon[UTC_TEXT]; /* what expires by then is STORE_ENDING */
     struct store_subject *out;
     size_t n, looked;
-    int64_t next;
+    int64_t next, last; /* keys of the last row read, and of the page's end */
     bool done;
 };
 
 static bool is_wanted(const struct store_subject_searching *x, struct store_subject *one)
 {
+    if (!groups_meet(x->t.groups, one->groups))
+        return false;
     one->expired = store_rules_past(one->expires, x->now);
+    store_rules_shown(&x->t, one);
+    if (x->what->group[0] != '\0' && !groups_meet(x->what->group, one->groups))
+        return false;
     if (x->what->part[0] != '\0' && strcasestr(one->id, x->what->part) == NULL)
         return false;
     switch (x->what->state) {
@@ -149,23 +155,26 @@ static bool is_wanted(const struct store_subject_searching *x, struct store_subj
     return true;
 }
 
-/* Those of a batch; one more than wanted tells that there are more. */
+/* Those of a batch; one more than wanted tells that there are more.  The page ends with the last one that is
+ * wanted: what lies behind may be no subject of the actor's. */
 static void store_subject_choose(struct store_subject_searching *x,
                                  struct store_subject *list, size_t n)
 {
     for (size_t i = 0; i < n && !x->done; i++) {
-        if ((x->done = x->looked == STORE_SEARCH_ROWS))
+        if ((x->done = x->looked == STORE_SEARCH_ROWS)) {
+            x->last = x->next;
             return;
+        }
         x->looked++;
-        if (is_wanted(x, &list[i]) && !(x->done = x->n == x->what->limit))
+        if (is_wanted(x, &list[i]) && !(x->done = x->n == x->what->limit)) {
             x->out[x->n++] = list[i];
-        if (!x->done)
-            x->next = list[i].key;
+            x->last = list[i].key;
+        }
+        x->next = list[i].key;
     }
 }
 
-static enum status store_subject_look(struct log_txn *t,
-                                      struct store_subject_searching *x,
+static enum status store_subject_look(struct store_subject_searching *x,
                                       struct errinfo *e)
 {
     enum status st = ST_OK;
@@ -174,11 +183,11 @@ static enum status store_subject_look(struct log_txn *t,
         struct store_subject *list = NULL;
         size_t n = 0;
 
-        if ((st = rows_subject_list(t, x->next, BATCH, &list, &n, e)) != ST_OK)
+        if ((st = rows_subject_list(&x->t, x->next, BATCH, &list, &n, e)) != ST_OK)
             return st;
         store_subject_choose(x, list, n);
         if (!x->done && n < BATCH) {
-            x->next = 0;
+            x->last = 0;
             x->done = true;
         }
         free(list);
@@ -205,26 +214,26 @@ static enum status store_subject_rate(struct log_txn *t, struct store_subject *o
     return st == ST_ECORRUPT ? ST_OK : st;
 }
 
-enum status store_subject_search(struct store *s, const struct store_search *what,
+enum status store_subject_search(struct store *s, const char *actor,
+                                 const struct store_search *what,
                                  struct store_subject **out, size_t *n, int64_t *next,
                                  struct errinfo *e)
 {
     struct store_subject_searching x = {.what = what, .next = what->after};
-    struct log_txn t;
+    struct log_act by;
     enum status st;
 
     *out = NULL;
     *n = 0;
-    if ((st = store_rules_now(&x.now, e)) != ST_OK)
-        return st;
-    utc_print(x.now + STORE_ENDING_MS, x.soon);
     if ((x.out = calloc(what->limit, sizeof *x.out)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
-    if ((st = store_begin(s, SQL_READ, &t, e)) == ST_OK) {
-        st = store_subject_look(&t, &x, e);
+    if ((st = store_act_begin(s, actor, SQL_READ, &by, &x.t, e)) == ST_OK) {
+        x.now = by.ms;
+        utc_print(x.now + STORE_ENDING_MS, x.soon);
+        st = store_subject_look(&x, e);
         for (size_t i = 0; i < x.n && st == ST_OK; i++)
-            st = store_subject_rate(&t, &x.out[i], e);
-        st = store_end(s, &t, st, e);
+            st = store_subject_rate(&x.t, &x.out[i], e);
+        st = store_end(s, &x.t, st, e);
     }
     if (st != ST_OK) {
         free(x.out);
@@ -232,34 +241,26 @@ enum status store_subject_search(struct store *s, const struct store_search *wha
     }
     *out = x.out;
     *n = x.n;
-    *next = x.next;
+    *next = x.last;
     return ST_OK;
 }
 
 /* ---- adding */
 
-static enum status need_free(struct log_txn *t, const char *id, struct errinfo *e)
-{
-    struct rows_subject p;
-    enum status st = rows_subject_find(t, id, &p, e);
-
-    sodium_memzero(&p, sizeof p);
-    if (st == ST_OK)
-        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", id);
-    return st == ST_ENOTFOUND ? ST_OK : st;
-}
-
 /* There must be none yet. */
 static enum status add_row(struct log_txn *t, const struct log_act *by,
-                           const struct store_subject *about, struct errinfo *e)
+                           struct store_subject *about, struct errinfo *e)
 {
     struct rows_subject p;
     enum status st;
 
-    if ((st = need_free(t, about->id, e)) != ST_OK ||
+    if ((st = store_rules_groups(t, about->groups, e)) != ST_OK ||
+        (st = rows_subject_free(t, about->id, e)) != ST_OK ||
         (st = rows_subject_add(t, about, &p, e)) != ST_OK)
         return st;
     st = log_change(t, by, "add_subject", p.one.uid, "", "created", e);
+    if (st == ST_OK && !about->identify)
+        st = log_change(t, by, "opt_out", p.one.uid, "", "opted out", e);
     sodium_memzero(&p, sizeof p);
     return st;
 }
@@ -267,18 +268,20 @@ static enum status add_row(struct log_txn *t, const struct log_act *by,
 enum status store_subject_add(struct store *s, const char *actor,
                               struct store_subject *about, struct errinfo *e)
 {
-    char end[UTC_TEXT];
+    char end[UTC_TEXT], groups[GROUPS_SIZE];
     struct log_act by;
     struct log_txn t;
     enum status st;
 
     if ((st = ident_subject(about->id, e)) != ST_OK ||
+        (st = groups_read(about->groups, groups, e)) != ST_OK ||
         (st = need_note(about->reference, e)) != ST_OK ||
         (st = need_note(about->purpose, e)) != ST_OK ||
         (st = read_end(about->expires, end, e)) != ST_OK ||
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     memcpy(about->expires, end, sizeof about->expires);
+    memcpy(about->groups, groups, sizeof about->groups);
     memcpy(about->created, by.at, sizeof about->created);
     memset(about->uid, 0, sizeof about->uid); /* a new one */
     about->templates = 0;
@@ -293,14 +296,42 @@ static void copy(char *to, size_t size, const char *from)
         (void)snprintf(to, size, "%s", from);
 }
 
-/* end: what->expires as it is stored. */
+static void copy_flag(bool *to, const bool *from)
+{
+    if (from != NULL)
+        *to = *from;
+}
+
+static enum status change(const struct log_txn *t,
+                          const struct store_subject_change *what,
+                          struct store_subject *one, struct errinfo *e)
+{
+    char groups[GROUPS_SIZE];
+    enum status st;
+
+    copy(one->reference, sizeof one->reference, what->reference);
+    copy(one->purpose, sizeof one->purpose, what->purpose);
+    copy(one->expires, sizeof one->expires, what->expires);
+    copy_flag(&one->hold, what->hold);
+    copy_flag(&one->disabled, what->disabled);
+    copy_flag(&one->identify, what->identify);
+    if (what->groups == NULL)
+        return ST_OK;
+    st = groups_replace(t->groups, one->groups, what->groups, groups, e);
+    memcpy(one->groups, groups, sizeof one->groups);
+    return st;
+}
+
+/* The texts of *what are as they are stored. */
 static enum status set_row(struct log_txn *t, const struct log_act *by,
                            const char *subject, const struct store_subject_change *what,
-                           const char *end, struct errinfo *e)
+                           struct errinfo *e)
 {
-    const bool text = what->reference != NULL || what->purpose != NULL || end != NULL;
+    const bool text =
+        what->reference != NULL || what->purpose != NULL || what->expires != NULL;
     const bool hold = what->hold != NULL && *what->hold;
     const bool disabled = what->disabled != NULL && *what->disabled;
+    const bool in = what->identify != NULL && *what->identify;
     const struct {
         bool wanted;
         const char *kind, *outcome;
@@ -310,16 +341,22 @@ static enum status set_row(struct log_txn *t, const struct log_act *by,
          hold ? "held" : "released"},
         {what->disabled != NULL, disabled ? "disable_subject" : "enable_subject",
          disabled ? "disabled" : "enabled"},
+        {what->groups != NULL, "set_groups", "set"},
+        {what->identify != NULL, in ? "opt_in" : "opt_out",
+         in ? "opted in" : "opted out"},
     };
     struct rows_subject p;
-    enum status st = rows_subject_find(t, subject, &p, e);
+    bool wanted = false;
+    enum status st;
 
-    copy(p.one.reference, sizeof p.one.reference, what->reference);
-    copy(p.one.purpose, sizeof p.one.purpose, what->purpose);
-    copy(p.one.expires, sizeof p.one.expires, end);
-    p.one.hold = what->hold != NULL ? hold : p.one.hold;
-    p.one.disabled = what->disabled != NULL ? disabled : p.one.disabled;
-    if (st == ST_OK && (text || what->hold != NULL || what->disabled != NULL))
+    /* Before the subject is looked for: the answer must not depend on it. */
+    if (what->groups != NULL && (st = store_rules_within(t, what->groups, e)) != ST_OK)
+        return st;
+    if ((st = rows_subject_find(t, subject, &p, e)) == ST_OK)
+        st = change(t, what, &p.one, e);
+    for (size_t i = 0; i < sizeof event / sizeof *event; i++)
+        wanted = wanted || event[i].wanted;
+    if (st == ST_OK && wanted)
         st = rows_subject_write(t, &p, e);
     for (size_t i = 0; st == ST_OK && i < sizeof event / sizeof *event; i++)
         if (event[i].wanted)
@@ -331,19 +368,22 @@ static enum status set_row(struct log_txn *t, const struct log_act *by,
 enum status store_subject_set(struct store *s, const char *actor, const char *subject,
                               const struct store_subject_change *what, struct errinfo *e)
 {
-    char end[UTC_TEXT];
+    char end[UTC_TEXT], groups[GROUPS_SIZE] = "";
+    struct store_subject_change to = *what;
     struct log_act by;
     struct log_txn t;
     enum status st;
 
+    to.expires = what->expires != NULL ? end : NULL;
+    to.groups = what->groups != NULL ? groups : NULL;
     if ((st = need_note(what->reference, e)) != ST_OK ||
         (st = need_note(what->purpose, e)) != ST_OK ||
+        (what->groups != NULL && (st = groups_read(what->groups, groups, e)) != ST_OK) ||
         (st = read_end(what->expires, end, e)) != ST_OK ||
         (st = ident_subject(subject, e)) != ST_OK ||
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
-    st = set_row(&t, &by, subject, what, what->expires != NULL ? end : NULL, e);
-    return store_end(s, &t, st, e);
+    return store_end(s, &t, set_row(&t, &by, subject, &to, e), e);
 }
 
 enum status store_subject_rename(struct store *s, const char *actor, const char *subject,
@@ -359,7 +399,7 @@ enum status store_subject_rename(struct store *s, const char *actor, const char 
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &t, e)) != ST_OK)
         return st;
     if ((st = rows_subject_find(&t, subject, &p, e)) == ST_OK &&
-        (st = need_free(&t, to, e)) == ST_OK) {
+        (st = rows_subject_free(&t, to, e)) == ST_OK) {
         copy(p.one.id, sizeof p.one.id, to);
         if ((st = rows_subject_write(&t, &p, e)) == ST_OK)
             st = log_change(&t, &by, "rename_subject", p.one.uid, "", "renamed", e);

@@ -37,12 +37,16 @@ static enum status find_subject(void *arg, struct errinfo *e)
 /* Adds the subject if there is none, else records the time of its use. */
 static enum status need_subject(struct enrolling *g, struct errinfo *e)
 {
-    struct store_subject about = {0};
+    struct store_subject about = {.identify = true};
     enum status st = find_subject(g, e);
 
     if (st == ST_OK)
         return rows_subject_seen(&g->t, g->of.one.uid, g->by.at, e);
-    if (st != ST_ENOTFOUND)
+    if (st != ST_ENOTFOUND ||
+        (st = rows_subject_free(&g->t, g->what->subject, e)) != ST_OK ||
+        (g->what->groups != NULL &&
+         (st = groups_read(g->what->groups, about.groups, e)) != ST_OK) ||
+        (st = store_rules_groups(&g->t, about.groups, e)) != ST_OK)
         return st;
     memcpy(about.id, g->what->subject, strlen(g->what->subject) + 1);
     memcpy(about.created, g->by.at, sizeof about.created);
@@ -64,7 +68,7 @@ static enum status may_add(struct enrolling *g, struct errinfo *e)
         return st;
     last = n > 0 ? have[n - 1].one.id : "";
     if (g->newest != NULL && strcmp(last, g->newest) != 0)
-        st = errinfo_set(e, ST_EEXISTS, "the subject's templates have changed");
+        st = errinfo_set(e, ST_ECHANGED, "the subject's templates have changed");
     else
         st = store_rules_room(g->of.one.id, n, e);
     free(have);
@@ -242,6 +246,7 @@ enum status store_template_decode(const struct store *s, const struct store_temp
 /* A template that is being read. */
 struct getting {
     struct log_txn x;
+    struct log_act by;
     const char *id;
     struct rows_template row;
     struct rows_subject of;
@@ -252,22 +257,26 @@ struct getting {
 static enum status get_rows(void *arg, struct errinfo *e)
 {
     struct getting *g = arg;
-    const enum status st = rows_template_get(&g->x, g->id, &g->row, &g->of, e);
+    enum status st = store_actor_may(&g->x, &g->by, e);
 
+    if (sql_goes_on(g->x.sql, st))
+        st = rows_template_get(&g->x, g->id, &g->row, &g->of, e);
     if (g->face == NULL || !sql_goes_on(g->x.sql, st))
         return st;
     (void)snprintf(g->row.one.id, sizeof g->row.one.id, "%s", g->id);
     return rows_template_face(&g->x, &g->row, &g->of, g->face, g->len, e);
 }
 
-static enum status get(struct store *s, const char *id, struct store_template *t,
-                       unsigned char **face, size_t *len, struct errinfo *e)
+static enum status get(struct store *s, const char *actor, const char *id,
+                       struct store_template *t, unsigned char **face, size_t *len,
+                       struct errinfo *e)
 {
     struct getting g = {.id = id, .face = face, .len = len};
     enum status st;
 
     memset(t, 0, sizeof *t);
     if ((st = ident_id(id, "template", e)) != ST_OK ||
+        (st = log_act(&g.by, actor, e)) != ST_OK ||
         (st = store_start(s, SQL_READ, NULL, &g.x, e)) != ST_OK)
         return st;
     store_read_ahead(&g.x, get_rows, &g);
@@ -279,21 +288,21 @@ static enum status get(struct store *s, const char *id, struct store_template *t
     return store_end(s, &g.x, st, e);
 }
 
-enum status store_template_get(struct store *s, const char *id, struct store_template *t,
-                               struct errinfo *e)
+enum status store_template_get(struct store *s, const char *actor, const char *id,
+                               struct store_template *t, struct errinfo *e)
 {
     size_t none;
 
-    return get(s, id, t, NULL, &none, e);
+    return get(s, actor, id, t, NULL, &none, e);
 }
 
-enum status store_template_load(struct store *s, const char *id, struct store_template *t,
-                                struct surface_work *w, struct surface_face **f,
-                                struct errinfo *e)
+enum status store_template_load(struct store *s, const char *actor, const char *id,
+                                struct store_template *t, struct surface_work *w,
+                                struct surface_face **f, struct errinfo *e)
 {
     unsigned char *face = NULL;
     size_t len = 0;
-    enum status st = get(s, id, t, &face, &len, e);
+    enum status st = get(s, actor, id, t, &face, &len, e);
 
     if (st == ST_OK)
         st = store_template_decode(s, t, face, len, w, f, e);
@@ -314,18 +323,19 @@ static enum status copy_rows(const struct rows_template *row, size_t n,
     return ST_OK;
 }
 
-enum status store_template_list(struct store *s, const char *subject,
+enum status store_template_list(struct store *s, const char *actor, const char *subject,
                                 struct store_template **out, size_t *n, struct errinfo *e)
 {
     struct rows_template *row = NULL;
     struct rows_subject of;
+    struct log_act by;
     struct log_txn x;
     enum status st;
 
     *out = NULL;
     *n = 0;
     if ((st = ident_subject(subject, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK)
+        (st = store_act_begin(s, actor, SQL_READ, &by, &x, e)) != ST_OK)
         return st;
     if ((st = rows_subject_find(&x, subject, &of, e)) == ST_OK &&
         (st = rows_template_list(&x, &of, &row, n, e)) == ST_OK)
@@ -401,7 +411,7 @@ enum status store_reencode(struct store *s, const char *actor, const char *id,
     struct store_template t;
     struct log_act by;
     struct log_txn x;
-    enum status st = store_template_load(s, id, &t, w, &f, e);
+    enum status st = store_template_load(s, actor, id, &t, w, &f, e);
 
     *done = false;
     if (st == ST_OK && store_template_outdated(s, &t)) {

@@ -22,6 +22,8 @@ struct store_enroll {
     /* Id of the subject's newest template when the samples were compared; "": it had none; NULL: the
      * samples were not compared. */
     const char *newest;
+    /* Groups of the subject if it is new (groups.h); NULL: those that actor is bound to. */
+    const char *groups;
     const char *captured; /* text after the outcome in the events; NULL: none */
 };
 
@@ -31,29 +33,30 @@ struct store_enroll {
  *   created  receives [what->n] flags; false: the subject already has this cloud (by its digest as used
  *            or as read), perhaps from an earlier sample of this call; t[i] is then the existing template
  * Returns ST_OK, or an error, and nothing is stored:
- *   ST_EEXISTS   another template than what->newest is now the newest: another thread or process may
+ *   ST_ECHANGED  another template than what->newest is now the newest: another thread or process may
  *                have added a template that the samples were not compared with
+ *   ST_EEXISTS   the subject exists, but not for the actor, which is bound to other groups
  *   ST_EFULL     the subject would have more than STORE_TEMPLATES_MAX templates */
 enum status store_enroll(struct store *s, const struct store_enroll *what,
                          struct store_template *t, bool *created, struct errinfo *e);
 
-/* store_template_get(s, id, t, e): Reads a template without its face. */
-enum status store_template_get(struct store *s, const char *id, struct store_template *t,
-                               struct errinfo *e);
+/* store_template_get(s, actor, id, t, e): Reads a template without its face. */
+enum status store_template_get(struct store *s, const char *actor, const char *id,
+                               struct store_template *t, struct errinfo *e);
 
 /* store_template_outdated(s, t): Returns true if t was stored by another engine than that of s
  * (store_use_model()).  Another version of the program with the same engine does not make it outdated
  * (surface_same_engine()). */
 bool store_template_outdated(const struct store *s, const struct store_template *t);
 
-/* store_template_load(s, id, t, w, f, e): Reads a template and its face, decodes and validates the face.  The
+/* store_template_load(s, actor, id, t, w, f, e): Reads a template and its face, decodes and validates the face.  The
  * face of an outdated template is rebuilt from its points (surface_rebuild()): the same face as after
  * store_reencode(), for some milliseconds more.  *t is as stored.
  *   f  as in surface_decode(); NULL after a failure
  * ST_EVERSION: this engine cannot rebuild the face; the template should not be compared. */
-enum status store_template_load(struct store *s, const char *id, struct store_template *t,
-                                struct surface_work *w, struct surface_face **f,
-                                struct errinfo *e);
+enum status store_template_load(struct store *s, const char *actor, const char *id,
+                                struct store_template *t, struct surface_work *w,
+                                struct surface_face **f, struct errinfo *e);
 
 /* store_template_decode(s, t, face, len, w, f, e): The part of store_template_load() that decodes the bytes of
  * the face of t; of a template that is not outdated the head is enough (surface_decode()). */
@@ -66,10 +69,10 @@ enum status store_template_decode(const struct store *s, const struct store_temp
 enum status store_template_delete(struct store *s, const char *actor, const char *id,
                                   struct errinfo *e);
 
-/* store_template_list(s, subject, out, n, e): Lists the subject's templates, oldest first.
+/* store_template_list(s, actor, subject, out, n, e): Lists the subject's templates, oldest first.
  *   out  a new array of *n elements, to be released by free()
  * ST_ENOTFOUND: there is no such subject. */
-enum status store_template_list(struct store *s, const char *subject,
+enum status store_template_list(struct store *s, const char *actor, const char *subject,
                                 struct store_template **out, size_t *n,
                                 struct errinfo *e);
 

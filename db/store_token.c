@@ -53,9 +53,21 @@ static void new_secret(char secret[65], unsigned char hash[ROWS_TOKEN_HASH])
 
 /* ---- changes */
 
+static enum status give_groups(const struct log_txn *x, struct store_token *t,
+                               struct errinfo *e)
+{
+    const enum status st = store_rules_groups(x, t->groups, e);
+
+    if (st != ST_OK || rows_token_may_have(t->scopes, t->groups))
+        return st;
+    return errinfo_set(e, ST_EINVAL,
+                       "a token that is bound to groups cannot have the scope audit: the "
+                       "log and the statistics are about all subjects");
+}
+
 enum status store_token_create(struct store *s, const char *actor, const char *name,
-                               unsigned scopes, int64_t end_ms, char secret[65],
-                               struct store_token *t, struct errinfo *e)
+                               unsigned scopes, const char *groups, int64_t end_ms,
+                               char secret[65], struct store_token *t, struct errinfo *e)
 {
     struct rows_token one = {.token = {.scopes = scopes}};
     struct log_act by;
@@ -70,6 +82,7 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
     if (scopes == 0 || (scopes & ~(unsigned)STORE_SCOPE_ALL) != 0 || end_ms < 0)
         return errinfo_set(e, ST_EINVAL, "a token without a scope or an end");
     if ((st = check_end(end_ms, e)) != ST_OK ||
+        (st = groups_read(groups, one.token.groups, e)) != ST_OK ||
         (st = store_act_begin(s, actor, SQL_WRITE, &by, &x, e)) != ST_OK)
         return st;
     store_rules_random(one.token.id, STORE_ID_LEN / 2);
@@ -77,7 +90,8 @@ enum status store_token_create(struct store *s, const char *actor, const char *n
     memcpy(one.token.created, by.at, sizeof by.at);
     print_end(end_ms, one.token.expires);
     new_secret(secret, one.hash);
-    if ((st = rows_token_add(&x, &one, e)) == ST_OK)
+    if ((st = give_groups(&x, &one.token, e)) == ST_OK &&
+        (st = rows_token_add(&x, &one, e)) == ST_OK)
         st = log_change(&x, &by, "create_token", NULL, one.token.id, name, e);
     st = store_end(s, &x, st, e);
     *t = one.token;
@@ -168,38 +182,46 @@ enum status store_token_revoke(struct store *s, const char *actor, const char *i
 
 /* ---- reading */
 
-enum status store_token_get(struct store *s, const char *id, struct store_token *out,
-                            struct errinfo *e)
+enum status store_token_get(struct store *s, const char *actor, const char *id,
+                            struct store_token *out, struct errinfo *e)
 {
     struct rows_token one = {.revision = 0};
+    struct log_act by;
     struct log_txn x;
-    int64_t ms;
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_id(id, "token", e)) != ST_OK ||
-        (st = store_rules_now(&ms, e)) != ST_OK ||
-        (st = store_begin(s, SQL_READ, &x, e)) != ST_OK ||
+        (st = store_act_begin(s, actor, SQL_READ, &by, &x, e)) != ST_OK ||
         (st = store_end(s, &x, rows_token_get(&x, id, &one, e), e)) != ST_OK)
         return st;
     *out = one.token;
-    out->expired = store_rules_past(out->expires, ms);
+    out->expired = store_rules_past(out->expires, by.ms);
     return ST_OK;
 }
 
-enum status store_token_list(struct store *s, struct store_token **out, size_t *n,
-                             struct errinfo *e)
+enum status store_token_list(struct store *s, const char *actor, struct store_token **out,
+                             size_t *n, struct errinfo *e)
 {
     void *list = NULL;
-    int64_t ms;
-    enum status st = store_rules_now(&ms, e);
+    size_t all = 0;
+    struct log_act by;
+    struct log_txn x;
+    enum status st;
 
+    *out = NULL;
     *n = 0;
-    if (st == ST_OK)
-        st = store_list(s, &rows_tokens, sizeof **out, &list, n, e);
+    if ((st = store_act_begin(s, actor, SQL_READ, &by, &x, e)) != ST_OK)
+        return st;
+    st = store_end(s, &x, rows_table_all(&x, &rows_tokens, sizeof **out, &list, &all, e),
+                   e);
     *out = list;
-    for (size_t i = 0; i < *n; i++)
-        (*out)[i].expired = store_rules_past((*out)[i].expires, ms);
+    for (size_t i = 0; i < all; i++)
+        if (groups_within(x.groups, (*out)[i].groups)) {
+            (*out)[*n] = (*out)[i];
+            (*out)[*n].expired = store_rules_past((*out)[*n].expires, by.ms);
+            ++*n;
+        }
     return st;
 }
 

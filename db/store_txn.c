@@ -1,6 +1,7 @@
 #include "store_txn.h"
 
 #include <sodium.h>
+#include <string.h>
 
 #include "bytes.h"
 #include "log_anchor.h"
@@ -251,6 +252,8 @@ enum status store_actor_may(struct log_txn *t, const struct log_act *by,
         return errinfo_set(e, ST_ETOKEN, "the token was revoked");
     if (st == ST_OK && store_rules_past(one.token.expires, by->ms))
         return errinfo_set(e, ST_ETOKEN, "the token has expired");
+    if (st == ST_OK)
+        memcpy(t->groups, one.token.groups, sizeof t->groups);
     return st;
 }
 
@@ -372,6 +375,34 @@ bool store_rules_recent(const char *at, int64_t ms)
     int64_t then;
 
     return utc_read(at, &then) && then <= ms && ms - then < RECENT_MS;
+}
+
+enum status store_rules_within(const struct log_txn *t, const char *list,
+                               struct errinfo *e)
+{
+    if (groups_within(t->groups, list))
+        return ST_OK;
+    return errinfo_set(
+        e, ST_EDENIED,
+        "the token is bound to groups (%.300s): it gives one or more of these, "
+        "and no others",
+        t->groups);
+}
+
+enum status store_rules_groups(const struct log_txn *t, char list[GROUPS_SIZE],
+                               struct errinfo *e)
+{
+    if (list[0] == '\0')
+        memcpy(list, t->groups, sizeof t->groups);
+    return store_rules_within(t, list, e);
+}
+
+void store_rules_shown(const struct log_txn *t, struct store_subject *one)
+{
+    char all[GROUPS_SIZE];
+
+    memcpy(all, one->groups, sizeof all);
+    groups_common(t->groups, all, one->groups);
 }
 
 enum status store_rules_room(const char *subject, size_t templates, struct errinfo *e)

@@ -122,9 +122,9 @@ void store_scrub(struct store *s);
  * Returns as store_begin(); ST_EIO: the file could not be renamed. */
 enum status store_settle_anchor(struct store *s, const char *path, struct errinfo *e);
 
-/* store_actor_may(t, by, e): Checks that the token of *by is still valid.  A client can make a request as
- * long as it likes, and its token may be revoked or may expire between its start and its write.
- * Actors that are not tokens always pass.  ST_ETOKEN: revoked, or expired. */
+/* store_actor_may(t, by, e): Checks that the token of *by is still valid, and sets t->groups to its groups.  A
+ * client can make a request as long as it likes, and its token may be revoked or may expire between its
+ * start and its write.  Actors that are not tokens always pass, and are not bound.  ST_ETOKEN: revoked, or expired. */
 enum status store_actor_may(struct log_txn *t, const struct log_act *by,
                             struct errinfo *e);
 
@@ -163,6 +163,19 @@ bool store_rules_past(const char *at, int64_t ms);
 /* store_rules_recent(at, ms): Returns true if `at` is a time in the minute before ms.  A time after ms was
  * written before the clock was set back, and is not recent. */
 bool store_rules_recent(const char *at, int64_t ms);
+
+/* store_rules_within(t, list, e): Checks that the actor of t may give these groups to a subject or a token: if it
+ * is bound, they are some of its own.  ST_EDENIED. */
+enum status store_rules_within(const struct log_txn *t, const char *list,
+                               struct errinfo *e);
+
+/* store_rules_groups(t, list, e): Decides the groups of a new subject or token: list, or, if it is "", the groups
+ * of the actor of t.  Returns as store_rules_within(). */
+enum status store_rules_groups(const struct log_txn *t, char list[GROUPS_SIZE],
+                               struct errinfo *e);
+
+/* store_rules_shown(t, one): Leaves in one->groups those that the actor of t may know. */
+void store_rules_shown(const struct log_txn *t, struct store_subject *one);
 
 /* store_rules_room(subject, templates, e): Checks that a subject with this many templates may have one
  * more.  ST_EFULL: it has STORE_TEMPLATES_MAX. */

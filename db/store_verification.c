@@ -25,8 +25,7 @@ struct store_reading {
     unsigned char *head[STORE_TEMPLATES_MAX];
     size_t len[STORE_TEMPLATES_MAX];
     bool read;
-    char token[STORE_NAME_MAX + 1];
-    int64_t now;
+    struct log_act by; /* the token, and the time */
     bool begun, future;
     bool one; /* a template was asked for, and not a subject */
 };
@@ -40,7 +39,7 @@ static enum status read_subject(struct store_snapshot *out, struct errinfo *e)
     if (sql_goes_on(r->t.sql, st))
         st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e);
     if (sql_goes_on(r->t.sql, st))
-        st = rows_attempts_find(&r->t, &r->of, r->token, r->now, &out->attempts,
+        st = rows_attempts_find(&r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
                                 &r->future, e);
     return st;
 }
@@ -56,8 +55,8 @@ static enum status read_template(struct store_snapshot *out, struct errinfo *e)
     out->n = 1;
     if ((st = rows_template_get(&r->t, r->what->template_id, r->row, &r->of, e)) != ST_OK)
         return st;
-    return rows_attempts_find(&r->t, &r->of, r->token, r->now, &out->attempts, &r->future,
-                              e);
+    return rows_attempts_find(&r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
+                              &r->future, e);
 }
 
 static enum status read_all(void *arg, struct errinfo *e)
@@ -65,9 +64,10 @@ static enum status read_all(void *arg, struct errinfo *e)
     struct store_snapshot *out = arg;
     struct store_reading *r = out->reading;
     struct store_calibration k;
-    enum status st =
-        r->what->subject != NULL ? read_subject(out, e) : read_template(out, e);
+    enum status st = store_actor_may(&r->t, &r->by, e);
 
+    if (sql_goes_on(r->t.sql, st))
+        st = r->what->subject != NULL ? read_subject(out, e) : read_template(out, e);
     if (!sql_goes_on(r->t.sql, st))
         return st;
     if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
@@ -102,7 +102,8 @@ static enum status describe(struct store_snapshot *out, struct errinfo *e)
     for (size_t i = 0; i < out->n; i++)
         out->t[i] = r->row[i].one;
     out->subject = r->of.one;
-    out->subject.expired = store_rules_past(out->subject.expires, r->now);
+    store_rules_shown(&r->t, &out->subject);
+    out->subject.expired = store_rules_past(out->subject.expires, r->by.ms);
     return ST_OK;
 }
 
@@ -122,9 +123,7 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     r->store = s;
     r->what = what;
     r->one = what->subject == NULL;
-    (void)snprintf(r->token, sizeof r->token, "%s",
-                   what->token != NULL ? what->token : "");
-    if ((st = store_rules_now(&r->now, e)) != ST_OK ||
+    if ((st = log_act(&r->by, what->token != NULL ? what->token : "", e)) != ST_OK ||
         (st = store_start(s, SQL_READ, NULL, &r->t, e)) != ST_OK)
         return st;
     store_read_ahead(&r->t, read_with_heads, out);
@@ -171,14 +170,15 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
 
 static enum status move_future(const struct store_reading *r, struct errinfo *e)
 {
-    const struct store_use use = {.subject = r->of.one.key, .token = r->token};
+    const struct store_use use = {.subject = r->of.one.key, .token = r->by.actor};
     struct log_txn t;
     const enum status st = store_begin_use(r->store, SQL_LAZY, &use, &t, e);
 
     if (st != ST_OK)
         return st;
     return store_end(r->store, &t,
-                     rows_attempts_not_after(&t, &r->of.one, r->token, r->now, e), e);
+                     rows_attempts_not_after(&t, &r->of.one, r->by.actor, r->by.ms, e),
+                     e);
 }
 
 enum status store_snapshot_end(struct store_snapshot *out, enum status st,

@@ -23,8 +23,9 @@ struct store_snapshot {
 struct store_snapshot_of {
     const char *subject;     /* id of the subject; NULL: template_id is set */
     const char *template_id; /* id of the template, which is read with its subject */
-    const char *token;       /* token whose failed attempts are read; NULL: "" */
-    int64_t calibration;     /* version of the calibration that the caller decides by */
+    /* The actor, whose failed attempts are read; borrowed until store_snapshot_end(); NULL: "" */
+    const char *token;
+    int64_t calibration; /* version of the calibration that the caller decides by */
 };
 
 /* store_snapshot_begin(s, what, out, e): Reads everything except the faces.

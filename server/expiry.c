@@ -30,7 +30,7 @@ void expiry_look(struct expiry *x, const struct app *app)
     int64_t next = INT64_MAX;
     size_t n, soon = 0;
 
-    if (store_token_list(app->store, &t, &n, &e) != ST_OK) {
+    if (store_token_list(app->store, "", &t, &n, &e) != ST_OK) {
         logger_line("warn", "the tokens' expiry cannot be read", "reason", e.msg);
         return;
     }

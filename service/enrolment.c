@@ -287,7 +287,7 @@ enum status enrolment_add(struct templates_context *c, const struct enrolment *x
         if ((st = find_first(&g, e)) == ST_OK && (st = fit_others(&g, e)) == ST_OK)
             st = store_fitting(&g, e);
         g.read = false;
-    } while (st == ST_EEXISTS); /* another enrolment came in between */
+    } while (st == ST_ECHANGED); /* another enrolment came in between */
     templates_free(&g.is);
     return st;
 }

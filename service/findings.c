@@ -69,7 +69,7 @@ static void look_at_tokens(struct findings *x, struct store *s)
     struct store_token *t = NULL;
     struct errinfo e;
     size_t n = 0, soon = 0;
-    const enum status st = store_token_list(s, &t, &n, &e);
+    const enum status st = store_token_list(s, "", &t, &n, &e);
 
     for (size_t i = 0; i < n; i++) {
         const int64_t left = store_token_left(&t[i]);

@@ -66,7 +66,8 @@ enum status templates_read(struct templates_context *c, const struct templates_o
                                            .calibration = c->calibration};
     enum status st;
 
-    *out = (struct templates){.context = c};
+    *out =
+        (struct templates){.context = c, .token = ask->token != NULL ? ask->token : ""};
     st = store_snapshot_begin(c->store, &what, &out->of, e);
     if (st == ST_OK)
         st = admit(ask->limits, out, e);
@@ -99,7 +100,8 @@ static enum status need_surface(struct templates *t, size_t i, struct errinfo *e
 
     if (t->of.t == NULL || surface_face_points(t->face[i], NULL) > 0)
         return ST_OK;
-    return store_template_load(c->store, t->of.t[i].id, &now, c->work, &t->face[i], e);
+    return store_template_load(c->store, t->token, t->of.t[i].id, &now, c->work,
+                               &t->face[i], e);
 }
 
 /* By the encodings, and by the surfaces if the scans were taken for heads of different sizes. */

@@ -44,6 +44,7 @@ struct templates_refusal { /* reason of ST_EDENIED; all 0: admitted */
 
 struct templates {
     struct templates_context *context;
+    const char *token;        /* actor of the request, borrowed; "": none */
     struct store_snapshot of; /* the subject, its templates, attempts, calibration */
     struct templates_refusal refusal;
     /* Faces of the templates, without their surfaces until these are needed; NULL: of another engine, and

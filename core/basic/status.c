@@ -28,6 +28,7 @@ const char *status_message(enum status st)
         [ST_EREPLAYED] = "a scan that was used before",
         [ST_EDENIED] = "not permitted",
         [ST_ETOKEN] = "the token has ended",
+        [ST_ECHANGED] = "it was changed meanwhile",
         [ST_EREFUSED] = "not the database that it should be",
         [ST_EHELD] = "on hold",
         [ST_EFULL] = "the subject has the greatest number of templates",

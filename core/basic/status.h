@@ -41,8 +41,9 @@ enum status {
     ST_EUNSYNCED, /* done, but perhaps not on the disk: a loss of power may undo it */
     ST_EPEOPLE = SURFACE_EPEOPLE, /* frames of more than one person */
     ST_EAPART = SURFACE_EAPART,   /* a frame that does not lie on the others */
-    ST_ETOKEN, /* the token was revoked, or has expired, since the request began */
-    ST_COUNT   /* number of codes; not a code */
+    ST_ETOKEN,   /* the token was revoked, or has expired, since the request began */
+    ST_ECHANGED, /* it was changed since it was read */
+    ST_COUNT     /* number of codes; not a code */
 };
 
 /* status_from(st): Returns a status of the library as the program's. */

@@ -11,6 +11,7 @@
 #define DB_LOG_TXN_H
 #include <pthread.h>
 #include <stdatomic.h>
+#include "groups.h"
 #include "log_entry.h"
 #include "sql.h"
 
@@ -49,6 +50,9 @@ struct log_txn {
     bool appends;           /* log_txn_appends() was called */
     bool unlogged;          /* rows were changed after the last entry */
     bool settled;           /* sql_settle() was called */
+    /* Groups that its actor is bound to (store_actor_may()); "": it is not bound.  Subjects of other groups do
+     * not exist for the transaction: rows_subject_find(), rows_template_get(), rows_token_get(). */
+    char groups[GROUPS_SIZE];
     enum log_name
         added; /* log of the last entry of this transaction; LOGS: no entry yet */
 };

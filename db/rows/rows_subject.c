@@ -24,8 +24,8 @@ static const struct sql_field columns[COL_MAC] = {
 
 /* What is encrypted in `about`, with the digest of the templates. */
 static const struct sql_field about[] = {
-    F(TEXT, one.id),     F(TEXT, one.reference), F(TEXT, one.purpose),
-    F(BYTES, templates), F(NUMBER, added),
+    F(TEXT, one.id),  F(TEXT, one.reference), F(TEXT, one.purpose),  F(BYTES, templates),
+    F(NUMBER, added), F(TEXT, one.groups),    F(BOOL, one.identify),
 };
 
 #define ABOUT (sizeof about / sizeof *about)
@@ -49,7 +49,7 @@ static bool rows_subject_complete(const struct log_txn *t, const struct sql_rows
 
     if (!crypt_unwrap(t->crypt, key_label, p->one.uid, p->wrapped, p->key) ||
         !rows_table_decrypt(p->key, &label, about, ABOUT, &p->about, p) ||
-        !ident_subject_valid(p->one.id))
+        !ident_subject_valid(p->one.id) || !groups_valid(p->one.groups))
         return false;
     /* Not authenticated: what is no time is none, and a row is there or not. */
     (void)sql_read_text(r, col + COL_SEEN, p->one.seen, sizeof p->one.seen);
@@ -98,8 +98,27 @@ enum status rows_subject_find(struct log_txn *t, const char *subject,
     st = rows_table_find(t, &rows_subjects,
                          "SELECT " ROWS_SUBJECT " FROM subjects s WHERE s.lookup = $1",
                          COL_LOOKUP, sql_blob(lookup, sizeof lookup), subject, out, e);
+    if (st == ST_OK && !groups_meet(t->groups, out->one.groups)) {
+        sodium_memzero(out, sizeof *out);
+        st = rows_table_missing(&rows_subjects, subject, e);
+    }
     memcpy(out->lookup, lookup, sizeof lookup);
     return st;
+}
+
+enum status rows_subject_free(struct log_txn *t, const char *subject, struct errinfo *e)
+{
+    unsigned char lookup[CRYPT_HASH];
+    struct sql_rows *r;
+    enum status st;
+
+    set_lookup(t, subject, lookup);
+    st = SQL_FIRST(t->sql, &r, e, "SELECT subject_key FROM subjects WHERE lookup = $1",
+                   sql_blob(lookup, sizeof lookup));
+    if (st == ST_OK)
+        st = errinfo_set(e, ST_EEXISTS, "there is a subject %s already", subject);
+    st = sql_done(r, st, e);
+    return st == ST_ENOTFOUND ? ST_OK : st;
 }
 
 enum status rows_subject_get(struct log_txn *t, const unsigned char uid[STORE_UID],

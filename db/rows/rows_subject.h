@@ -25,11 +25,15 @@ extern const struct rows_table rows_subjects;
 #define ROWS_SUBJECT_N 13
 
 /* rows_subject_find(t, subject, out, e): Reads the subject with this id.  Sets out->lookup also if there is
- * none.  ST_ENOTFOUND, ST_ECORRUPT. */
+ * none.  ST_ENOTFOUND: also if the actor of t is bound to other groups; ST_ECORRUPT. */
 enum status rows_subject_find(struct log_txn *t, const char *subject,
                               struct rows_subject *out, struct errinfo *e);
 
-/* rows_subject_get(t, uid, out, e): Reads the subject with this uid.  ST_ENOTFOUND, ST_ECORRUPT. */
+/* rows_subject_free(t, subject, e): Checks that no subject, of whatever groups, has this id.  ST_EEXISTS. */
+enum status rows_subject_free(struct log_txn *t, const char *subject, struct errinfo *e);
+
+/* rows_subject_get(t, uid, out, e): Reads the subject with this uid, of whatever groups.  ST_ENOTFOUND,
+ * ST_ECORRUPT. */
 enum status rows_subject_get(struct log_txn *t, const unsigned char uid[STORE_UID],
                              struct rows_subject *out, struct errinfo *e);
 

@@ -133,6 +133,12 @@ static bool is_value(const struct sql_value *a, const struct sql_value *b)
            (a->n == 0 || memcmp(a->data, b->data, a->n) == 0);
 }
 
+enum status rows_table_missing(const struct rows_table *table, const char *id,
+                               struct errinfo *e)
+{
+    return errinfo_set(e, ST_ENOTFOUND, "there is no %s%s", table->noun, id);
+}
+
 enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
                             const char *text, int by, struct sql_value value,
                             const char *id, void *row, struct errinfo *e)
@@ -152,7 +158,7 @@ enum status rows_table_find(struct log_txn *t, const struct rows_table *table,
         }
     }
     if (st == ST_ENOTFOUND)
-        st = errinfo_set(e, st, "there is no %s%s", table->noun, id);
+        st = rows_table_missing(table, id, e);
     return sql_done(r, st, e);
 }
 

@@ -47,6 +47,10 @@ enum status rows_table_read(const struct log_txn *t, const struct rows_table *ta
 enum status rows_table_damaged(const struct rows_table *table, const struct sql_rows *r,
                                int col, struct errinfo *e);
 
+/* rows_table_missing(table, id, e): Returns ST_ENOTFOUND and a message that names the row. */
+enum status rows_table_missing(const struct rows_table *table, const char *id,
+                               struct errinfo *e);
+
 /* rows_table_find(t, table, text, by, value, id, row, e): Reads the row of the query text for one value.
  *   by  column that must have this value: an index is not authenticated and may lead to another row; -1:
  *       not compared

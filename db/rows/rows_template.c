@@ -172,6 +172,10 @@ enum status rows_template_get(struct log_txn *t, const char *id,
         return st;
     if ((st = rows_subject_get(t, out->uid, of, e)) == ST_ENOTFOUND)
         return errinfo_set(e, ST_ECORRUPT, "template %s: its subject is missing", id);
+    if (st == ST_OK && !groups_meet(t->groups, of->one.groups)) {
+        sodium_memzero(of, sizeof *of);
+        st = rows_table_missing(&rows_templates, id, e);
+    }
     return st == ST_OK ? describe(of, out, e) : st;
 }
 

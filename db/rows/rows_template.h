@@ -21,7 +21,8 @@ typedef enum status rows_template_use(void *arg, const struct rows_template *row
                                       const struct rows_subject *of, const void *face,
                                       size_t len, struct errinfo *e);
 
-/* rows_template_get(t, id, out, of, e): Reads a template and its subject.  ST_ENOTFOUND, ST_ECORRUPT. */
+/* rows_template_get(t, id, out, of, e): Reads a template and its subject.  ST_ENOTFOUND: also if the actor of t
+ * is bound to other groups than the subject's; ST_ECORRUPT. */
 enum status rows_template_get(struct log_txn *t, const char *id,
                               struct rows_template *out, struct rows_subject *of,
                               struct errinfo *e);

@@ -16,7 +16,12 @@ struct rows_token { /* an authentic row; token.expired is not set */
 
 extern const struct rows_table rows_tokens;
 
-/* rows_token_get(t, id, out, e): Reads the token with this id.  ST_ENOTFOUND, ST_ECORRUPT. */
+/* rows_token_may_have(scopes, groups): Returns true if a token can have these scopes and be bound to these groups:
+ * they are a list (groups.h), and audit, which is about all subjects, is only for tokens that are not bound. */
+bool rows_token_may_have(unsigned scopes, const char *groups);
+
+/* rows_token_get(t, id, out, e): Reads the token with this id.  ST_ENOTFOUND: also if the actor of t is bound to
+ * groups, and the token is not bound to some of these; ST_ECORRUPT. */
 enum status rows_token_get(struct log_txn *t, const char *id, struct rows_token *out,
                            struct errinfo *e);
 

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "crypt.h"
+#include "groups.h"
 #include "libsurface.h"
 #include "ident.h"
 
@@ -53,6 +54,8 @@ struct store_subject {
     char seen[32];    /* last enrolment or verification, to the minute; "": unknown */
     bool hold;        /* neither the subject nor its templates can be deleted */
     bool disabled;    /* the subject cannot be verified or identified */
+    bool identify;    /* a search among all subjects may find the subject */
+    char groups[GROUPS_SIZE]; /* labels of the subject (groups.h) */
     /* It was expired when it was read; set by store_subject_get() and store_snapshot_begin(). */
     bool expired;
     uint32_t templates; /* number of templates */
@@ -63,7 +66,8 @@ struct store_subject {
 struct store_subject_change {        /* new values; NULL: unchanged */
     const char *reference, *purpose; /* "": none */
     const char *expires; /* time in the future, as utc_read_end(); "": never */
-    const bool *hold, *disabled;
+    const bool *hold, *disabled, *identify;
+    const char *groups; /* the whole list, as groups_read(); "": none */
 };
 
 /* The scopes of a token, a bit each. */
@@ -95,7 +99,9 @@ void rows_scopes_write(unsigned scopes, char out[STORE_SCOPES_MAX]);
 struct store_token {
     char id[STORE_ID_LEN + 1];
     char name[STORE_NAME_MAX + 1];
-    unsigned scopes;    /* sum of enum store_scope */
+    unsigned scopes; /* sum of enum store_scope */
+    char groups
+        [GROUPS_SIZE]; /* groups that the token is bound to (groups.h); "": it is not bound */
     char created[32];   /* RFC 3339, UTC, as all times below */
     char expires[32];   /* time of expiry; "": never */
     char used[32];      /* time of the last use, to the minute; "": never */

@@ -102,7 +102,7 @@ enum status parse_newcomer(const char *text, size_t len, struct store_subject *o
     struct json_value *doc;
     enum status st = read_object(text, len, known, &doc, e);
 
-    memset(out, 0, sizeof *out);
+    *out = (struct store_subject){.identify = true};
     (void)take_text(doc, "subject", out->id, sizeof out->id, &st, e);
     if (st == ST_OK && !ident_subject_valid(out->id))
         st = errinfo_set(e, ST_EINVAL, "%s", REQUEST_SUBJECT_ID);

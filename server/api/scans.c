@@ -121,7 +121,7 @@ void scans_template(struct request *r, struct worker *w)
 
     if (!params_format(r, &ply))
         return;
-    st = store_template_load(r->app->store, r->template_id, &t, w->compare.work,
+    st = store_template_load(r->app->store, r->actor, r->template_id, &t, w->compare.work,
                              &w->probe, &e);
     if (st != ST_OK) {
         request_fail(r, &e);

@@ -88,7 +88,7 @@ static enum status read_cursor(const char *text, int64_t *after)
 void subjects_list(struct request *r, struct worker *w)
 {
     char cursor[SUBJECTS_CURSOR], part[STORE_SUBJECT_MAX + 1] = "", state[16] = "";
-    struct store_search what = {.part = part, .limit = PAGE_DEFAULT};
+    struct store_search what = {.group = "", .part = part, .limit = PAGE_DEFAULT};
     struct store_subject *s = NULL;
     struct errinfo e = {0};
     enum status st;
@@ -109,7 +109,8 @@ void subjects_list(struct request *r, struct worker *w)
         request_problem(
             r, ERRMAP_PARAMETER,
             "state must be active, disabled, hold, expired or ending, not '%s'", state);
-    else if (store_subject_search(r->app->store, &what, &s, &n, &next, &e) != ST_OK)
+    else if (store_subject_search(r->app->store, r->actor, &what, &s, &n, &next, &e) !=
+             ST_OK)
         request_fail(r, &e);
     else
         request_respond(r, 200, write_subjects(s, n, next));
@@ -126,10 +127,10 @@ static void subjects_show_one(struct request *r,
     struct errinfo e = {0};
     size_t n = 0;
 
-    if (store_subject_get(r->app->store, r->subject, &s, &e) != ST_OK ||
-        store_attempts_worst(r->app->store, r->subject, &r->app->limits, &a, &e) !=
-            ST_OK ||
-        store_template_list(r->app->store, r->subject, &t, &n, &e) != ST_OK)
+    if (store_subject_get(r->app->store, r->actor, r->subject, &s, &e) != ST_OK ||
+        store_attempts_worst(r->app->store, r->actor, r->subject, &r->app->limits, &a,
+                             &e) != ST_OK ||
+        store_template_list(r->app->store, r->actor, r->subject, &t, &n, &e) != ST_OK)
         request_fail(r, &e);
     else
         respond(r, 200, write_subject(&s, &a, t, n, auth_scores(r)));
@@ -199,7 +200,7 @@ void subjects_template(struct request *r, struct worker *w)
     struct errinfo e = {0};
 
     (void)w;
-    if (store_template_get(r->app->store, r->template_id, &t, &e) != ST_OK)
+    if (store_template_get(r->app->store, r->actor, r->template_id, &t, &e) != ST_OK)
         request_fail(r, &e);
     else
         request_respond(r, 200, write_template(&t, auth_scores(r)));

@@ -34,7 +34,7 @@ void tokens_list(struct request *r, struct worker *w)
     size_t n = 0;
 
     (void)w;
-    if (store_token_list(r->app->store, &t, &n, &e) != ST_OK) {
+    if (store_token_list(r->app->store, r->actor, &t, &n, &e) != ST_OK) {
         request_fail(r, &e);
         return;
     }
@@ -74,8 +74,8 @@ void tokens_create(struct request *r, struct worker *w)
     }
     if (!auth_gives(r, what.scopes))
         return;
-    if (store_token_create(r->app->store, r->actor, what.name, what.scopes, what.end_ms,
-                           secret, &t, &e) != ST_OK) {
+    if (store_token_create(r->app->store, r->actor, what.name, what.scopes, "",
+                           what.end_ms, secret, &t, &e) != ST_OK) {
         request_fail(r, &e);
         return;
     }
@@ -90,7 +90,7 @@ static bool own_or_less(struct request *r, struct store_token *t)
 {
     struct errinfo e = {0};
 
-    if (store_token_get(r->app->store, r->token_id, t, &e) != ST_OK) {
+    if (store_token_get(r->app->store, r->actor, r->token_id, t, &e) != ST_OK) {
         request_fail(r, &e);
         return false;
     }

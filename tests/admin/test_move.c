@@ -103,7 +103,7 @@ static void fill(const char *where)
     must(store_open(where, STORE_CREATE, &key, &s, &e));
     for (int i = 0; i < TOKENS; i++) {
         (void)snprintf(name, sizeof name, "token %d", i);
-        must(store_token_create(s, "test", name, STORE_SCOPE_VERIFY, tempdb_in(60),
+        must(store_token_create(s, "test", name, STORE_SCOPE_VERIFY, "", tempdb_in(60),
                                 secret, &token, &e));
     }
     tempdb_enroll(s, "alice", "first", &tempdb_face[0], &t);

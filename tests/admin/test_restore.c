@@ -28,7 +28,7 @@ static void make_backup(struct store *s)
 
 static void add(struct store *s, const char *id)
 {
-    struct store_subject one = {.reference = ""};
+    struct store_subject one = {.identify = true};
 
     (void)snprintf(one.id, sizeof one.id, "%s", id);
     must(store_subject_add(s, "test", &one, &e));
@@ -64,9 +64,9 @@ static void assert_restored(void)
     struct store_token t;
     size_t n;
 
-    must(store_subject_get(s, "alice", &one, &e));
-    fails(store_subject_get(s, "bob", &one, &e), ST_ENOTFOUND);
-    fails(store_subject_get(s, "dave", &one, &e), ST_ENOTFOUND);
+    must(store_subject_get(s, "", "alice", &one, &e));
+    fails(store_subject_get(s, "", "bob", &one, &e), ST_ENOTFOUND);
+    fails(store_subject_get(s, "", "dave", &one, &e), ST_ENOTFOUND);
     fails(store_token_check(s, have.gate, &t, &e), ST_EDENIED);
     fails(store_token_check(s, have.door, &t, &e), ST_EDENIED);
     must(store_device_list(s, &d, &n, &e));
@@ -94,7 +94,7 @@ TEST(test_restore)
     must(restore(true, &r));
     assert_true(access(aside, F_OK) != 0);
     s = tempdb_open(STORE_READ); /* as it was */
-    must(store_subject_get(s, "dave", &(struct store_subject){.hold = false}, &e));
+    must(store_subject_get(s, "", "dave", &(struct store_subject){.hold = false}, &e));
     store_close(s);
     must(restore(false, &r));
     assert_true(r.was_there && r.backup.subjects == 3);
@@ -121,7 +121,7 @@ TEST(test_poisoned_rows)
     static const char *const damage[] = {
         "UPDATE tokens SET revoked = NULL",
         ("INSERT INTO tokens SELECT 9, '0123456789abcdef0123456789abcdef', 1, 'mine', "
-         "zeroblob(32), created, NULL, scopes, NULL, NULL, NULL, mac, NULL FROM tokens LIMIT 1"),
+         "zeroblob(32), created, NULL, scopes, groups, NULL, NULL, NULL, mac, NULL FROM tokens LIMIT 1"),
         "DELETE FROM subjects WHERE subject_key = 1; DELETE FROM tokens; DELETE FROM devices",
         "DELETE FROM templates",
     };
@@ -250,7 +250,7 @@ TEST(test_missing)
     assert_int_equal(rename(old, tempdb_path), 0);
     must(restore(false, &r));
     s = tempdb_open(STORE_READ);
-    must(store_subject_get(s, "dave", &(struct store_subject){.hold = false}, &e));
+    must(store_subject_get(s, "", "dave", &(struct store_subject){.hold = false}, &e));
     store_close(s);
 }
 

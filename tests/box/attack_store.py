@@ -75,8 +75,9 @@ FOUND = {
     'token_older': [('tokens', "name = 'lost'")],
     'token_rotated_back': [('tokens', "name = 'stolen'")],
     'token_more_scopes': ["UPDATE tokens SET scopes = 'enroll,verify,read,delete,manage' WHERE name = 'door'"],
-    'token_made': ["INSERT INTO tokens (id, revision, name, hash, created, scopes, mac) SELECT "
-                   "'0123456789abcdef0123456789abcdef', 1, name, randomblob(32), created, scopes, mac "
+    'token_of_all_groups': ["UPDATE tokens SET groups = '' WHERE name = 'door'"],
+    'token_made': ["INSERT INTO tokens (id, revision, name, hash, created, scopes, groups, mac) SELECT "
+                   "'0123456789abcdef0123456789abcdef', 1, name, randomblob(32), created, scopes, groups, mac "
                    'FROM tokens LIMIT 1'],
     'token_secret_of_another': ["CREATE TEMP TABLE was AS SELECT hash FROM tokens WHERE name = 'door'",
                                 "UPDATE tokens SET hash = zeroblob(32) WHERE name = 'door'",
@@ -316,12 +317,12 @@ def table_away(t):
 @attack('pages', 'found')
 def table_is_view(t):
     t.run('ALTER TABLE tokens RENAME TO others')
-    t.run("CREATE VIEW tokens AS SELECT token_key, id, revision, name, hash, created, NULL AS revoked, scopes, expires, "
+    t.run("CREATE VIEW tokens AS SELECT token_key, id, revision, name, hash, created, NULL AS revoked, scopes, groups, expires, "
           'old_hash, old_until, mac, used FROM others')
 
 @attack('pages', 'found')
 def table_is_virtual(t):
-    t.run('CREATE VIRTUAL TABLE twin USING fts5(token_key, id, revision, name, hash, created, revoked, scopes, expires, '
+    t.run('CREATE VIRTUAL TABLE twin USING fts5(token_key, id, revision, name, hash, created, revoked, scopes, groups, expires, '
           'old_hash, old_until, mac, used)')
     t.run('INSERT INTO twin SELECT * FROM tokens')
     t.run('UPDATE twin SET revoked = NULL')

@@ -36,7 +36,7 @@ BEFORE_ALL(set_up)
 
         (void)snprintf(id, sizeof id, "p%u", i);
         tempdb_add(store, id);
-        must(store_subject_get(store, id, &person[i], &e));
+        must(store_subject_get(store, "", id, &person[i], &e));
     }
 }
 

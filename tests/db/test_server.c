@@ -188,8 +188,8 @@ static struct store *with_alice(char secret[65])
     struct store *s = fresh();
     struct store_token t;
 
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret, &t,
-                            &e));
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, "", tempdb_in(60), secret,
+                            &t, &e));
     (void)enroll(s, secret, "alice");
     return s;
 }
@@ -218,7 +218,7 @@ TEST(test_round_trips)
 /* At rest: nobody notices.  Amid a transaction: try again later, and nothing is changed. */
 TEST(test_lost)
 {
-    struct store_subject one = {.id = "eve"};
+    struct store_subject one = {.id = "eve", .identify = true};
     char secret[65];
     struct store *s = with_alice(secret);
     struct log_txn x;
@@ -252,7 +252,7 @@ static unsigned add_broken(unsigned *at, const char *text, unsigned *said)
     tempdb_add(s, "first");
     *said = 0;
     for (unsigned n = 1; broke; n++) {
-        struct store_subject one = {.reference = ""}, got;
+        struct store_subject one = {.identify = true}, got;
         enum status st;
 
         (void)snprintf(one.id, sizeof one.id, "s%u", n);
@@ -264,7 +264,7 @@ static unsigned add_broken(unsigned *at, const char *text, unsigned *said)
         assert_true(st == ST_OK || (broke && st == ST_EBUSY));
         *said += st == ST_EBUSY && strstr(e.msg, text) != NULL;
         done_anyway += broke && st == ST_OK;
-        assert_int_equal(store_subject_get(s, one.id, &got, NULL),
+        assert_int_equal(store_subject_get(s, "", one.id, &got, NULL),
                          st == ST_OK ? ST_OK : ST_ENOTFOUND);
         must(store_verify(s, NULL, NULL, &e));
     }
@@ -337,11 +337,11 @@ TEST(test_stale_plan)
     struct store *s = fresh();
 
     tempdb_add(s, "first");
-    must(store_subject_get(s, "first", &one, &e));
+    must(store_subject_get(s, "", "first", &one, &e));
     tempdb_sql("ALTER TABLE main.subjects ALTER COLUMN hold TYPE integer");
-    fails(store_subject_get(s, "first", &one, &e), ST_EBUSY);
+    fails(store_subject_get(s, "", "first", &one, &e), ST_EBUSY);
     assert_non_null(strstr(e.msg, "cached plan"));
-    must(store_subject_get(s, "first", &one, &e));
+    must(store_subject_get(s, "", "first", &one, &e));
     store_close(s);
 }
 
@@ -565,7 +565,7 @@ TEST(test_another_daemon)
         verify(s, secret, "alice", STORE_RECORD_PASSED, ST_OK);
         verify(s, secret, "alice", STORE_RECORD_FAILED, ST_OK);
         (void)enroll(s, secret, name);
-        must(store_subject_get(s, name, &one, &e));
+        must(store_subject_get(s, "", name, &one, &e));
         must(tempdb_erase(s, "test", name, &e));
         must(store_verify(s, NULL, NULL, &e));
         must(store_audit_verify(s, problem, NULL, &walk, &e));

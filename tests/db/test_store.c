@@ -35,7 +35,7 @@ TEST(test_templates)
     assert_string_equal(a.digest, b.digest);
     assert_string_not_equal(a.id, b.id);
 
-    must(store_template_load(s, a.id, &got, tempdb_work, &f, &e));
+    must(store_template_load(s, "", a.id, &got, tempdb_work, &f, &e));
     assert_memory_equal(&a, &got, sizeof a);
     assert_int_equal(f->surface.mesh.nv, tempdb_face[0].surface.mesh.nv);
     assert_memory_equal(f->surface.mesh.twin, tempdb_face[0].surface.mesh.twin,
@@ -49,23 +49,23 @@ TEST(test_templates)
 
     must(tempdb_store(s, "test", "alice", "K\xc3\xb6ln", &tempdb_face[1], &b, &created,
                       &e));
-    must(store_template_list(s, "alice", &list, &n, &e));
+    must(store_template_list(s, "", "alice", &list, &n, &e));
     assert_int_equal(n, 2);
     assert_string_equal(list[0].id, a.id);
     assert_string_equal(list[1].label, "K\xc3\xb6ln");
     free(list);
-    must(store_subject_get(s, "alice", &subject, &e));
+    must(store_subject_get(s, "", "alice", &subject, &e));
     assert_int_equal(subject.templates, 2);
 
     store_close(s); /* it is all in the file */
     s = tempdb_open(STORE_READ);
-    must(store_template_get(s, b.id, &got, &e));
+    must(store_template_get(s, "", b.id, &got, &e));
     assert_memory_equal(&b, &got, sizeof b);
     fails(store_template_delete(s, "", b.id, &e), ST_EDENIED);
     store_close(s);
     s = tempdb_open(STORE_WRITE);
     must(store_template_delete(s, "test", b.id, &e));
-    fails(store_template_get(s, b.id, &got, &e), ST_ENOTFOUND);
+    fails(store_template_get(s, "", b.id, &got, &e), ST_ENOTFOUND);
     fails(store_template_delete(s, "test", b.id, &e), ST_ENOTFOUND);
     must(store_verify(s, NULL, NULL, &e));
     surface_face_free(f);
@@ -95,18 +95,18 @@ TEST(test_enroll_after)
     bool created;
 
     assert_int_equal(after(s, "alice", 0, "", &a, &created), ST_OK);
-    assert_int_equal(after(s, "alice", 1, "", &t, &created), ST_EEXISTS);
+    assert_int_equal(after(s, "alice", 1, "", &t, &created), ST_ECHANGED);
     assert_false(created);
     assert_int_equal(after(s, "alice", 0, "", &t, &created), ST_OK);
     assert_false(created); /* the same cloud again changes nothing */
     assert_int_equal(after(s, "alice", 1, a.id, &b, &created), ST_OK);
     assert_true(created);
-    assert_int_equal(after(s, "alice", 2, a.id, &t, &created), ST_EEXISTS);
+    assert_int_equal(after(s, "alice", 2, a.id, &t, &created), ST_ECHANGED);
     must(store_template_delete(s, "", b.id, &e));
     assert_int_equal(after(s, "alice", 2, b.id, &t, &created),
-                     ST_EEXISTS); /* nothing new, but it cannot know */
-    assert_int_equal(after(s, "bob", 2, a.id, &t, &created), ST_EEXISTS);
-    fails(store_subject_get(s, "bob", &who, &e), ST_ENOTFOUND);
+                     ST_ECHANGED); /* nothing new, but it cannot know */
+    assert_int_equal(after(s, "bob", 2, a.id, &t, &created), ST_ECHANGED);
+    fails(store_subject_get(s, "", "bob", &who, &e), ST_ENOTFOUND);
     assert_int_equal(after(s, "alice", 2, a.id, &t, &created), ST_OK);
     store_close(s);
     assert_int_equal(tempdb_count("templates"), 2);
@@ -139,7 +139,7 @@ TEST(test_enroll_several)
     sample[4].face = &bad;
     fails(store_enroll(s, &what, t, created, &e), ST_EDB);
     assert_false(created[0] || created[1] || created[4]);
-    fails(store_subject_get(s, "alice", &who, &e), ST_ENOTFOUND);
+    fails(store_subject_get(s, "", "alice", &who, &e), ST_ENOTFOUND);
     assert_int_equal(tempdb_count("templates"), 0);
 
     sample[4].face = &tempdb_face[3];
@@ -147,18 +147,18 @@ TEST(test_enroll_several)
     assert_true(created[0] && created[1] && !created[2] && !created[3] && created[4]);
     assert_string_equal(t[2].id, t[0].id);
     assert_string_equal(t[3].id, t[1].id);
-    must(store_template_list(s, "alice", &list, &n, &e));
+    must(store_template_list(s, "", "alice", &list, &n, &e));
     assert_int_equal(n, 3);
     assert_string_equal(list[0].id, t[0].id);
     assert_string_equal(list[1].id, t[1].id);
     assert_string_equal(list[2].id, t[4].id);
     free(list);
-    must(store_subject_get(s, "alice", &who, &e));
+    must(store_subject_get(s, "", "alice", &who, &e));
     assert_int_equal(who.templates, 3);
 
     /* behind a sample that is there the last template counts all the same */
     must(store_template_delete(s, "", t[1].id, &e));
-    fails(store_enroll(s, &what, t, created, &e), ST_EEXISTS);
+    fails(store_enroll(s, &what, t, created, &e), ST_ECHANGED);
     assert_int_equal(tempdb_count("templates"), 2);
     must(store_verify(s, NULL, NULL, &e));
     store_close(s);
@@ -196,9 +196,9 @@ TEST(test_subjects)
     must(store_subject_erase(s, "test", "s03", &receipt, &e));
     assert_int_equal(receipt.templates, 2);
     store_receipt_free(&receipt);
-    fails(store_template_list(s, "s03", &list, &n, &e), ST_ENOTFOUND);
+    fails(store_template_list(s, "", "s03", &list, &n, &e), ST_ENOTFOUND);
     assert_null(list);
-    fails(store_template_get(s, t.id, &gone, &e), ST_ENOTFOUND);
+    fails(store_template_get(s, "", t.id, &gone, &e), ST_ENOTFOUND);
     fails(tempdb_erase(s, "test", "s03", &e), ST_ENOTFOUND);
     store_close(s);
 }
@@ -230,8 +230,9 @@ TEST(test_bad_arguments)
     must(tempdb_store(s, "", longest, text, &tempdb_face[0], &t, &created, &e));
     assert_string_equal(t.subject, longest);
     assert_string_equal(t.label, text);
-    fails(store_template_get(s, "nonsense", &t, &e), ST_EINVAL);
-    fails(store_template_get(s, "0123456789ABCDEF0123456789abcdef", &t, &e), ST_EINVAL);
+    fails(store_template_get(s, "", "nonsense", &t, &e), ST_EINVAL);
+    fails(store_template_get(s, "", "0123456789ABCDEF0123456789abcdef", &t, &e),
+          ST_EINVAL);
     store_close(s);
 }
 
@@ -317,8 +318,10 @@ TEST(test_erased_while_read)
 TEST(test_encrypted)
 {
     struct store *s = tempdb_fresh();
-    struct store_subject who = {
-        .id = "mary-jane", .reference = "consent 4711", .purpose = "the front door"};
+    struct store_subject who = {.id = "mary-jane",
+                                .identify = true,
+                                .reference = "consent 4711",
+                                .purpose = "the front door"};
     struct store_template t;
     bool created;
 
@@ -335,7 +338,7 @@ TEST(test_encrypted)
     assert_false(in_files(t.digest, 64));
     assert_false(in_files(tempdb_face[1].surface.mesh.z + 700, 16));
     memset(&who, 0, sizeof who);
-    must(store_subject_get(s, "mary-jane", &who, &e));
+    must(store_subject_get(s, "", "mary-jane", &who, &e));
     assert_string_equal(who.reference, "consent 4711");
     assert_string_equal(who.purpose, "the front door");
     assert_int_equal(who.templates, 1);
@@ -357,12 +360,12 @@ static void *reader(void *arg)
     for (int i = 0; i < ROUNDS && !bad; i++) {
         struct store_template *list, got;
         size_t n;
-        enum status st = store_template_list(s, "alice", &list, &n, &why);
+        enum status st = store_template_list(s, "", "alice", &list, &n, &why);
 
         if (st != ST_OK || n < 1)
             bad = 1;
         for (size_t k = 0; k < n && !bad; k++) {
-            st = store_template_load(s, list[k].id, &got, w, &f, &why);
+            st = store_template_load(s, "", list[k].id, &got, w, &f, &why);
             if (st != ST_OK && st != ST_ENOTFOUND) /* deleted meanwhile */
                 bad = 1;
         }

@@ -21,7 +21,7 @@ static struct store *written(void)
     struct store *s = tempdb_fresh();
 
     tempdb_enroll(s, "alice", "", &tempdb_face[0], &tmpl);
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, 0, secret, &token, &e));
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, "", 0, secret, &token, &e));
     return s;
 }
 
@@ -33,7 +33,8 @@ static enum status write_subject(struct store *s, int sort)
 
     switch (sort) {
     case 0:
-        return store_subject_add(s, "test", &(struct store_subject){.id = "bob"}, &e);
+        return store_subject_add(
+            s, "test", &(struct store_subject){.id = "bob", .identify = true}, &e);
     case 1:
         return store_subject_rename(s, "test", "alice", "bob", &e);
     case 2:
@@ -93,7 +94,7 @@ static enum status write_other(struct store *s, int sort)
 
     switch (sort) {
     case 0:
-        return store_token_create(s, "test", "t", STORE_SCOPE_ALL, 0, text, &t, &e);
+        return store_token_create(s, "test", "t", STORE_SCOPE_ALL, "", 0, text, &t, &e);
     case 1:
         return store_token_rotate(s, "test", token.id, 0, 0, text, &t, &e);
     case 2:
@@ -219,7 +220,7 @@ TEST(test_first_write)
         s = tempdb_open(STORE_WRITE);
         must(store_token_check(s, secret, &t, &e)); /* reads go on, and note no use */
         assert_string_equal(t.used, "");
-        fails(store_template_list(s, "alice", &list, &templates, &e),
+        fails(store_template_list(s, "", "alice", &list, &templates, &e),
               ST_ECORRUPT); /* her row is read, and is not authentic */
         if (write_it(s, i) != ST_EREFUSED && e.code != ST_ECORRUPT)
             fail_msg("write %zu: %s", i, e.msg);

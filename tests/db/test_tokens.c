@@ -18,7 +18,8 @@ static void forge(const char *text)
 static void create(struct store *s, const char *name, unsigned scopes, int64_t life_s,
                    char secret[65], struct store_token *t)
 {
-    must(store_token_create(s, "test", name, scopes, tempdb_in(life_s), secret, t, &e));
+    must(store_token_create(s, "test", name, scopes, "", tempdb_in(life_s), secret, t,
+                            &e));
     assert_int_equal(strlen(secret), 64);
 }
 
@@ -95,7 +96,7 @@ TEST(test_tokens)
     create(s, "gate 2", STORE_SCOPE_ALL, 86400, first, &t);
     forge("UPDATE tokens SET expires = '2026-01-01T00:00:00.000Z' WHERE revoked IS NULL");
     assert_int_equal(check(s, first), ST_EDENIED);
-    must(store_token_list(s, &list, &n, &e));
+    must(store_token_list(s, "", &list, &n, &e));
     assert_true(n == 2 && list[0].revoked[0] != '\0' && !list[0].expired &&
                 list[1].expired);
     free(list);
@@ -112,15 +113,17 @@ TEST(test_refused)
     struct store_token t;
     char secret[65];
 
-    fails(store_token_create(s, "", "x", 0, 0, secret, &t, &e), ST_EINVAL);
-    fails(store_token_create(s, "", "x", STORE_SCOPE_ALL + 1, 0, secret, &t, &e),
+    fails(store_token_create(s, "", "x", 0, "", 0, secret, &t, &e), ST_EINVAL);
+    fails(store_token_create(s, "", "x", STORE_SCOPE_ALL + 1, "", 0, secret, &t, &e),
           ST_EINVAL);
-    fails(store_token_create(s, "", "x", 1, STORE_SAME_END, secret, &t, &e), ST_EINVAL);
-    fails(store_token_create(s, "", "x", 1, tempdb_in(-1), secret, &t, &e), ST_EINVAL);
-    fails(
-        store_token_create(s, "", "x", 1, tempdb_in(STORE_LIFE_MAX + 1), secret, &t, &e),
-        ST_EINVAL);
-    fails(store_token_create(s, "", "x", 1, INT64_MAX, secret, &t, &e), ST_EINVAL);
+    fails(store_token_create(s, "", "x", 1, "", STORE_SAME_END, secret, &t, &e),
+          ST_EINVAL);
+    fails(store_token_create(s, "", "x", 1, "", tempdb_in(-1), secret, &t, &e),
+          ST_EINVAL);
+    fails(store_token_create(s, "", "x", 1, "", tempdb_in(STORE_LIFE_MAX + 1), secret, &t,
+                             &e),
+          ST_EINVAL);
+    fails(store_token_create(s, "", "x", 1, "", INT64_MAX, secret, &t, &e), ST_EINVAL);
     assert_string_equal(secret, "");
     fails(store_token_revoke(s, "", "0123456789abcdef0123456789abcdef", &e),
           ST_ENOTFOUND);
@@ -189,7 +192,7 @@ static struct store_recorded record(struct store *s, const char *token,
                                 .outcome = "settled",
                                 .limits = &limits};
 
-    must(store_subject_get(s, subject, &one, &e));
+    must(store_subject_get(s, "", subject, &one, &e));
     must(store_record_verification(s, &what, &out, &e));
     return out;
 }

@@ -177,7 +177,7 @@ TEST(test_record)
     uint64_t seq;
 
     tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
-    must(store_subject_get(s, "alice", &alice, &e));
+    must(store_subject_get(s, "", "alice", &alice, &e));
     reads = writes = 0;
     for (unsigned i = 0; i < 2; i++) {
         must(store_record_verification(s, &what, &out, &e));
@@ -209,7 +209,7 @@ TEST(test_record)
     assert_string_equal(last_event(s).entry.outcome, "match");
     must(store_verify(s, NULL, NULL, &e));
     /* A subject that was seen just now is not written again. */
-    must(store_subject_get(s, "alice", &alice, &e));
+    must(store_subject_get(s, "", "alice", &alice, &e));
     tempdb_sql("UPDATE subjects SET seen = '2020-01-01T00:00:00.000Z'");
     must(store_record_verification(s, &what, &out, &e));
     assert_int_equal(tempdb_count("subjects WHERE seen > '2026'"), 0);
@@ -229,7 +229,7 @@ TEST(test_no_event)
                                 .outcome = "no_match"};
     struct store_recorded out;
 
-    must(store_subject_get(s, "bob", &bob, &e));
+    must(store_subject_get(s, "", "bob", &bob, &e));
     must(store_record_verification(s, &what, &out, &e));
     tempdb_sql("UPDATE access_log SET mac = zeroblob(32)");
     fails(store_record_verification(s, &what, &out, &e), ST_ECORRUPT);
@@ -251,9 +251,9 @@ static char see(struct store *s)
                                 .outcome = "match"};
     struct store_recorded out;
 
-    must(store_subject_get(s, "alice", &alice, &e));
+    must(store_subject_get(s, "", "alice", &alice, &e));
     must(store_record_verification(s, &what, &out, &e));
-    must(store_subject_get(s, "alice", &alice, &e));
+    must(store_subject_get(s, "", "alice", &alice, &e));
     return alice.seen[0];
 }
 
@@ -265,7 +265,7 @@ TEST(test_seen)
     struct store_subject alice;
     bool created;
 
-    must(store_subject_get(s, "alice", &alice, &e));
+    must(store_subject_get(s, "", "alice", &alice, &e));
     assert_string_equal(alice.seen, t[1].created);
     tempdb_sql("UPDATE subjects SET seen = '1970-01-01T00:00:00.000Z'");
     assert_int_equal(see(s), '2');
@@ -274,7 +274,7 @@ TEST(test_seen)
     tempdb_sql("UPDATE subjects SET seen = NULL");
     must(tempdb_store(s, "", "alice", "", &tempdb_face[0], &t[0], &created, &e));
     assert_false(created);
-    must(store_subject_get(s, "alice", &alice, &e));
+    must(store_subject_get(s, "", "alice", &alice, &e));
     assert_int_equal(alice.seen[0], '2');
     store_close(s);
 }

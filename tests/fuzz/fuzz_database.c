@@ -290,7 +290,7 @@ static void ask_lists(struct store *s)
                  strcmp(subjects[i].id, "carol") == 0);
         free(subjects);
     }
-    if (store_token_list(s, &tokens, &n, &hostile_e) == ST_OK)
+    if (store_token_list(s, "", &tokens, &n, &hostile_e) == ST_OK)
         free(tokens);
     if (store_calibration_list(s, &calibrations, &n, &hostile_e) == ST_OK)
         free(calibrations);
@@ -337,8 +337,9 @@ static void change(struct store *s)
                      &t, &created, &hostile_e) == ST_OK)
         MUST(good && created && strcmp(t.subject, "dave") == 0);
     if (store_subject_erase(s, "test", "alice", &receipt, &hostile_e) == ST_OK)
-        MUST(good && store_subject_get(s, "alice", &(struct store_subject){.hold = false},
-                                       &hostile_e) == ST_ENOTFOUND);
+        MUST(good &&
+             store_subject_get(s, "", "alice", &(struct store_subject){.hold = false},
+                               &hostile_e) == ST_ENOTFOUND);
     store_receipt_free(&receipt);
     if (good)
         MUST(store_verify(s, NULL, NULL, &hostile_e) == ST_OK);

@@ -46,22 +46,25 @@ static void add_tokens(struct store *s, struct filled *f)
     struct store_token t;
     char secret[65];
 
-    must(store_token_create(s, "test", "gate", STORE_SCOPE_ALL, tempdb_in(3600), f->gate,
-                            &t, &e));
+    must(store_token_create(s, "test", "gate", STORE_SCOPE_ALL, "", tempdb_in(3600),
+                            f->gate, &t, &e));
     memcpy(f->gate_id, t.id, sizeof f->gate_id);
-    must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, 0, secret, &t, &e));
+    must(store_token_create(s, "test", "door", STORE_SCOPE_VERIFY, "east", 0, secret, &t,
+                            &e));
     memcpy(f->door_id, t.id, sizeof f->door_id);
     must(store_token_rotate(s, "test", f->door_id, 3600, 0, f->door, &t, &e));
     must(store_token_check(s, f->door, &t, &e));
-    must(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, secret, &t, &e));
+    must(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, "", 0, secret, &t, &e));
     must(store_token_revoke(s, "test", t.id, &e));
 }
 
 struct store *filled_fresh(struct filled *f)
 {
-    static const bool yes = true;
+    static const bool yes = true, no = false;
     struct store *s = tempdb_fresh();
     struct store_subject carol = {.id = "carol",
+                                  .identify = true,
+                                  .groups = "east,west",
                                   .reference = "C-17",
                                   .purpose = "the door",
                                   .expires = "2090-01-01"};
@@ -76,8 +79,9 @@ struct store *filled_fresh(struct filled *f)
     must(store_subject_set(
         s, "test", "alice",
         &(struct store_subject_change){.hold = &yes, .expires = "2080-01-01"}, &e));
-    must(store_subject_set(s, "test", "carol",
-                           &(struct store_subject_change){.disabled = &yes}, &e));
+    must(store_subject_set(
+        s, "test", "carol",
+        &(struct store_subject_change){.disabled = &yes, .identify = &no}, &e));
     must(tempdb_record(s, "bob", STORE_RECORD_FAILED, &e));
     add_devices(s);
     add_tokens(s, f);
@@ -109,9 +113,9 @@ static void say_templates(struct store *s, const char *subject, char *out)
     struct surface_face *f = NULL;
     size_t n;
 
-    must(store_template_list(s, subject, &list, &n, &e));
+    must(store_template_list(s, "", subject, &list, &n, &e));
     for (size_t i = 0; i < n; i++) {
-        must(store_template_load(s, list[i].id, &got, tempdb_work, &f, &e));
+        must(store_template_load(s, "", list[i].id, &got, tempdb_work, &f, &e));
         say(out, " template %s %s %s %u %d %g %g\n", list[i].id, list[i].label,
             list[i].digest, f->surface.mesh.nv, list[i].manager, list[i].first_score,
             list[i].quality.noise_mm);
@@ -127,8 +131,8 @@ static void say_subjects(struct store *s, char *out)
 
     must(store_subject_list(s, 0, 100, &list, &n, &e));
     for (size_t i = 0; i < n; i++) {
-        say(out, "subject %s %s %s %u\n", list[i].id, list[i].reference, list[i].purpose,
-            list[i].templates);
+        say(out, "subject %s %s %s %u %s %d\n", list[i].id, list[i].reference,
+            list[i].purpose, list[i].templates, list[i].groups, list[i].identify);
         say_templates(s, list[i].id, out);
     }
     free(list);
@@ -156,8 +160,8 @@ void filled_look(struct store *s, char out[FILLED_TEXT])
         "SELECT json_array(hex(uid), created, expires, seen, hold, disabled) FROM subjects",
         "SELECT json_array(hex(uid), id, created, engine, points, triangles) "
         "FROM templates",
-        "SELECT json_array(id, name, hex(hash), created, revoked, scopes, expires, "
-        "hex(old_hash), old_until, used) FROM tokens",
+        "SELECT json_array(id, name, hex(hash), created, revoked, scopes, groups, "
+        "expires, hex(old_hash), old_until, used) FROM tokens",
         "SELECT json_array(id, name, created, hex(public)) FROM devices",
         "SELECT json_array(calibration_key, created, actor, engine, shipped, fmr, low, "
         "high, subjects, impostors, genuine, threshold, hex(knots)) FROM calibrations",

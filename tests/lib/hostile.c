@@ -62,7 +62,7 @@ static void fill(struct store *s)
                           &tmpl[i], &created, &hostile_e) == ST_OK);
     if (templates == HOSTILE_TEMPLATES) {
         MUST(store_subject_set(s, "test", "carol", &disable, &hostile_e) == ST_OK);
-        MUST(store_subject_get(s, "bob", &bob, &hostile_e) == ST_OK);
+        MUST(store_subject_get(s, "", "bob", &bob, &hostile_e) == ST_OK);
         MUST(store_record_verification(s,
                                        &(struct store_record){.subject = &bob,
                                                               .as = STORE_RECORD_FAILED,
@@ -74,10 +74,10 @@ static void fill(struct store *s)
     }
     MUST(store_calibration_add(s, "test", &k, &hostile_e) == ST_OK);
     MUST(store_device_add(s, "test", "door", public, &device, &hostile_e) == ST_OK);
-    MUST(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, 0, revoked, &t,
+    MUST(store_token_create(s, "test", "lost", STORE_SCOPE_ALL, "", 0, revoked, &t,
                             &hostile_e) == ST_OK);
     MUST(store_token_revoke(s, "test", t.id, &hostile_e) == ST_OK);
-    MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, 0, secret, &t,
+    MUST(store_token_create(s, "test", "gate", STORE_SCOPE_VERIFY, "", 0, secret, &t,
                             &hostile_e) == ST_OK);
     MUST(store_audit_sign(s, "test", "checkpoint", &mark, NULL, &hostile_e) == ST_OK);
 }
@@ -143,7 +143,7 @@ static void check_template(struct store *s, const char *subject,
            (strcmp(t->digest, tmpl[i].digest) != 0 || strcmp(owner[i], subject) != 0))
         i++;
     MUST(i < HOSTILE_TEMPLATES && memcmp(t, &tmpl[i], sizeof *t) == 0);
-    if (store_template_load(s, t->id, &got, work, &loaded, &hostile_e) != ST_OK)
+    if (store_template_load(s, "", t->id, &got, work, &loaded, &hostile_e) != ST_OK)
         return;
     m = &loaded->surface.mesh;
     was = &face[i].surface.mesh;
@@ -170,12 +170,12 @@ static unsigned ask_subject(struct store *s, const char *subject)
     unsigned answers = 0;
     size_t n;
 
-    if (store_subject_get(s, subject, &one, &hostile_e) == ST_OK) {
+    if (store_subject_get(s, "", subject, &one, &hostile_e) == ST_OK) {
         MUST(wanted > 0 && strcmp(one.id, subject) == 0);
         MUST(one.disabled == (strcmp(subject, "carol") == 0));
         answers++;
     }
-    if (store_template_list(s, subject, &list, &n, &hostile_e) != ST_OK)
+    if (store_template_list(s, "", subject, &list, &n, &hostile_e) != ST_OK)
         return answers;
     MUST(wanted > 0);
     for (size_t i = 0; i < n; i++)

@@ -237,7 +237,7 @@ enum status tempdb_store(struct store *s, const char *actor, const char *subject
 
 void tempdb_add(struct store *s, const char *subject)
 {
-    struct store_subject one = {.reference = ""};
+    struct store_subject one = {.identify = true};
     struct errinfo e;
 
     (void)snprintf(one.id, sizeof one.id, "%s", subject);
@@ -304,7 +304,7 @@ enum status tempdb_record(struct store *s, const char *subject, enum store_recor
 {
     struct store_subject one;
     struct store_recorded out;
-    const enum status st = store_subject_get(s, subject, &one, e);
+    const enum status st = store_subject_get(s, "", subject, &one, e);
 
     if (st != ST_OK)
         return st;

@@ -66,7 +66,7 @@ TEST(test_follow)
         assert_int_equal(last(other), 3 + 2 * i);
     }
     if ((child = fork()) == 0) {
-        struct store_subject one = {.id = "carol"};
+        struct store_subject one = {.id = "carol", .identify = true};
         struct store *mine;
 
         _exit(store_open(tempdb_path, STORE_WRITE, &tempdb_key, &mine, &e) == ST_OK &&

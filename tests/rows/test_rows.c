@@ -25,7 +25,7 @@ static struct store_token token(struct store *s, const char *name)
 {
     struct store_token t;
 
-    must(store_token_create(s, "test", name, STORE_SCOPE_VERIFY, 0, secret, &t, &e));
+    must(store_token_create(s, "test", name, STORE_SCOPE_VERIFY, "", 0, secret, &t, &e));
     return t;
 }
 
@@ -52,7 +52,7 @@ TEST(test_format)
     must(store_subject_set(
         s, "test", "alice",
         &(struct store_subject_change){.expires = "2040-01-01", .hold = &yes}, &e));
-    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, tempdb_in(60), secret,
+    must(store_token_create(s, "test", "t", STORE_SCOPE_ALL, "", tempdb_in(60), secret,
                             &token, &e));
     must(store_token_rotate(s, "test", token.id, 60, tempdb_in(60), secret, &got, &e));
     device(s, "door");
@@ -173,7 +173,7 @@ TEST(test_doubled)
     assert_non_null(strstr(e.msg, "a change of one row changed 2"));
     ASSERT_NOTHING(store_token_rotate(s, "test", t.id, 0, 0, other, &got, &e));
     ASSERT_NOTHING(store_device_remove(s, "test", "door-1", &e));
-    must(store_token_list(s, &list, &n, &e));
+    must(store_token_list(s, "", &list, &n, &e));
     assert_true(n == 2 && list[0].revoked[0] == '\0' && list[1].revoked[0] == '\0');
     free(list);
     must(store_token_check(s, secret, &got, &e));
@@ -203,7 +203,7 @@ TEST(test_misled)
     ASSERT_NOTHING(store_token_rotate(s, "test", second.id, 0, 0, other, &got, &e));
     tempdb_sql("DROP TABLE twin; DROP TABLE more");
     mislead("subjects_2", "SELECT 3 - subject_key, lookup FROM subjects");
-    ASSERT_NOTHING(store_subject_get(s, "alice", &one, &e));
+    ASSERT_NOTHING(store_subject_get(s, "", "alice", &one, &e));
     ASSERT_NOTHING(store_subject_rename(s, "test", "alice", "carol", &e));
     ASSERT_NOTHING(tempdb_erase(s, "test", "bob", &e));
     tempdb_sql("DROP TABLE twin; DROP TABLE more");

@@ -41,7 +41,7 @@ static void create(const char *name, int64_t life_s)
     struct store_token t;
     char secret[65];
 
-    assert_int_equal(store_token_create(app.store, "test", name, STORE_SCOPE_VERIFY,
+    assert_int_equal(store_token_create(app.store, "test", name, STORE_SCOPE_VERIFY, "",
                                         tempdb_in(life_s), secret, &t, &e),
                      ST_OK);
 }

@@ -157,7 +157,7 @@ TEST(test_basis)
     /* by force, without scope manage: nothing is held against it */
     assert_int_equal(add(&tempdb_face[1], true, &out), ST_OK);
     assert_true(each[0].tmpl.first_score < 0);
-    assert_int_equal(store_template_get(store, each[0].tmpl.id, &t, &e), ST_OK);
+    assert_int_equal(store_template_get(store, "", each[0].tmpl.id, &t, &e), ST_OK);
     assert_true(t.first_score == each[0].tmpl.first_score && !t.manager);
     assert_int_equal(add(&other[0], false, &out), ST_EMISMATCH);
     assert_int_equal(out.nearest.compared, 1);
@@ -166,7 +166,7 @@ TEST(test_basis)
     assert_int_equal(add(&other[0], true, &out), ST_OK);
     manager = false;
     assert_true(each[0].tmpl.manager);
-    assert_int_equal(store_template_get(store, each[0].tmpl.id, &t, &e), ST_OK);
+    assert_int_equal(store_template_get(store, "", each[0].tmpl.id, &t, &e), ST_OK);
     assert_true(t.manager);
     assert_int_equal(add(&other[1], false, &out), ST_OK);
     assert_int_equal(out.nearest.compared, 2);
