@@ -16,7 +16,9 @@
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
 #define DEFAULT_FMR  0.001
 #define LEAST_LIMIT  20000.0 /* at least this many non-mated comparisons, or */
-#define ERRORS_LIMIT 60.0    /* those that give this many errors at the wanted rate */
+#define ERRORS_LIMIT 60.0    /* those that give this many errors at the wanted rate, or */
+#define PEOPLE_LIMIT                                                                     \
+    (2 * 3 / SURFACE_FPIR) /* so many for each template: all can be searched */
 
 static bool wants_list, wants_reset; /* --list, --reset */
 static double wanted_fmr;            /* --fmr; 0: not given */
@@ -84,7 +86,10 @@ static enum status compare_all(struct ctl *c, struct result *r)
         return st;
     if (!rates_supported(wanted_fmr, pairs_of(p->nsubject)))
         return too_few(c, p->nenrolled, pairs_of(p->nsubject));
-    st = ctl_cross_non_mated(c, p, fmax(LEAST_LIMIT, ERRORS_LIMIT / wanted_fmr), SEED);
+    st = ctl_cross_non_mated(
+        c, p,
+        fmax(fmax(LEAST_LIMIT, ERRORS_LIMIT / wanted_fmr), PEOPLE_LIMIT * p->ntemplate),
+        SEED);
     /* Each pair was compared from both sides, or else nscore / 2 pairs were. */
     r->pairs =
         p->nscore / 2 < pairs_of(p->nsubject) ? p->nscore / 2 : pairs_of(p->nsubject);
@@ -117,6 +122,8 @@ static enum status learn(struct ctl *c, struct result *r)
     r->suspects = count_suspects(c, &r->cross);
     if (st == ST_OK)
         st = rates_calibrate(r->rates, wanted_fmr, &k->table);
+    if (st == ST_OK)
+        st = rates_extend(r->rates, r->pairs, SEED, &k->table);
     threshold = k->table.threshold;
     if (st == ST_OK)
         st = rates_bootstrap(r->rates, threshold, wanted_fmr, RATES_REPLICATES, SEED,
@@ -146,10 +153,18 @@ static enum status learn(struct ctl *c, struct result *r)
 
 /* ---- printing */
 
+/* In how large a gallery somebody can match.  A row with the shipped table has no law. */
+static uint32_t people(const struct ctl *c, const struct store_calibration *k)
+{
+    return surface_search_people(k->shipped ? surface_model_calibration(c->model)
+                                            : &k->table);
+}
+
 /* The members of a new calibration and of those in the list. */
-static void out_calibration(struct json *o, const struct store_calibration *k)
+static void out_calibration(struct ctl *c, const struct store_calibration *k)
 {
     const struct surface_calibration *d = &k->table;
+    struct json *o = c->out;
 
     json_text(o, "source", k->shipped ? "shipped" : "database");
     json_score(o, "threshold", d->threshold);
@@ -161,6 +176,7 @@ static void out_calibration(struct json *o, const struct store_calibration *k)
         json_number(o, "non_mated", (double)k->impostors);
         json_number(o, "mated", (double)k->genuine);
     }
+    json_number(o, "people", people(c, k));
     show_knots(o, "table", d);
 }
 
@@ -168,7 +184,7 @@ static void out_result(struct ctl *c, const struct result *r)
 {
     struct json *o = c->out;
 
-    out_calibration(o, &r->k);
+    out_calibration(c, &r->k);
     json_number(o, "templates", r->cross.ntemplate);
     json_number(o, "pairs", (double)r->pairs);
     json_number(o, "replicates", RATES_REPLICATES);
@@ -198,6 +214,22 @@ static void print_suspects(const struct ctl *c, const struct result *r)
             r->suspects, suspicious(c)->score, suspicious(c)->rate);
 }
 
+/* How many people can be searched for one, and at which score. */
+static void print_search(const struct ctl *c, const struct result *r)
+{
+    const struct surface_calibration *d = &r->k.table;
+    const uint32_t n = r->cross.nenrolled, most = people(c, &r->k);
+
+    if (most == 0)
+        (void)printf("identify     never a match: too few pairs\n");
+    else
+        (void)printf(
+            "identify     %.2f among %u people%s\n",
+            surface_search_threshold(d, n < most ? n : most), n < most ? n : most,
+            n <= most ? ""
+                      : ", the most that these pairs support: among more never a match");
+}
+
 static void print_result(const struct ctl *c, const struct result *r)
 {
     const struct ctl_cross *p = &r->cross;
@@ -214,6 +246,7 @@ static void print_result(const struct ctl *c, const struct result *r)
     (void)printf("             95 %% interval %.2f to %.2f (%d bootstrap replicates over "
                  "subjects, seed %llu)\n",
                  k->low, k->high, RATES_REPLICATES, (unsigned long long)SEED);
+    print_search(c, r);
     (void)printf("shipped      %.2f: %.3g %% here\n",
                  surface_model_calibration(c->model)->threshold, 100 * r->shipped_fmr);
     if (k->genuine > 0)
@@ -300,7 +333,7 @@ static enum status reset(struct ctl *c)
                                   .high = d->threshold,
                                   .table = *d};
 
-    out_calibration(c->out, &k);
+    out_calibration(c, &k);
     ctl_say(c, "the shipped calibration is in force: %.2f\n", d->threshold);
     return store_it(c, &k);
 }
@@ -316,20 +349,20 @@ static enum status ctl_calibrate_list(struct ctl *c)
     if ((st = store_calibration_current(c->store, &now, &c->e)) != ST_OK)
         goto out;
     json_array(c->out, "calibrations");
-    ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s\n", "VERSION", "CREATED", "SOURCE",
-            "THRESHOLD", "INTERVAL", "FMR", "SUBJECTS");
+    ctl_say(c, "%7s  %-24s  %-8s  %9s  %-15s  %7s  %8s  %8s\n", "VERSION", "CREATED",
+            "SOURCE", "THRESHOLD", "INTERVAL", "FMR", "SUBJECTS", "IDENTIFY");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
         json_number(c->out, "version", (double)k[i].version);
         json_text(c->out, "created", k[i].created);
         json_text(c->out, "actor", k[i].actor);
         json_text(c->out, "engine", k[i].engine);
-        out_calibration(c->out, &k[i]);
+        out_calibration(c, &k[i]);
         json_close(c->out);
-        ctl_say(c, "%7lld  %-24s  %-8s  %9.2f  %6.2f - %6.2f  %7.2g  %8llu\n",
+        ctl_say(c, "%7lld  %-24s  %-8s  %9.2f  %6.2f - %6.2f  %7.2g  %8llu  %8u\n",
                 (long long)k[i].version, k[i].created,
                 k[i].shipped ? "shipped" : "database", k[i].table.threshold, k[i].low,
-                k[i].high, k[i].fmr, (unsigned long long)k[i].subjects);
+                k[i].high, k[i].fmr, (unsigned long long)k[i].subjects, people(c, &k[i]));
     }
     json_close(c->out);
     json_object(c->out, "in_force");

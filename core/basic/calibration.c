@@ -117,3 +117,13 @@ double surface_search_threshold(const struct surface_calibration *c, uint32_t pe
     }
     return (double)high / 1000;
 }
+
+uint32_t surface_search_people(const struct surface_calibration *c)
+{
+    uint32_t most = 0;
+
+    for (uint32_t bit = UINT32_C(1) << 31; bit > 0; bit /= 2)
+        if (fpir(c, most + bit, LARGEST, most + bit <= c->tail.people) <= SURFACE_FPIR)
+            most += bit;
+    return most;
+}

@@ -312,13 +312,19 @@ enum status rates_bootstrap(const struct rates *r, double threshold, double at,
 
 /* ---- a calibration */
 
-#define LEAST_SUPPORT 5.0 /* comparisons that a knot rests on */
+#define LEAST_SUPPORT 5.0   /* comparisons that a measured knot rests on */
+#define HIGHER        0.001 /* by which a score is above the highest one */
 
-/* A knot at the score, unless it would not rise above the last one. */
-static void add_knot(const struct rates *r, double score, struct surface_calibration *c)
+static const double quantile[] = {0.95,  0.8,   0.5,   0.2,    0.1,    0.05, 0.02, 0.01,
+                                  0.005, 0.002, 0.001, 0.0005, 0.0002, 1e-4, 5e-5, 2e-5,
+                                  1e-5,  5e-6,  2e-6,  1e-6,   5e-7,   2e-7, 1e-7, 5e-8};
+
+#define QUANTILES (sizeof quantile / sizeof *quantile)
+
+/* A knot, unless score or rate would not be beyond the last one's. */
+static void add_knot(double score, double rate, struct surface_calibration *c)
 {
     const struct surface_knot *last = &c->knot[c->n - 1];
-    const double rate = rates_fmr(r, score);
 
     if (rate > 0 && score > last->score && rate < last->rate)
         c->knot[c->n++] = (struct surface_knot){score, rate};
@@ -327,8 +333,6 @@ static void add_knot(const struct rates *r, double score, struct surface_calibra
 enum status rates_calibrate(const struct rates *r, double fmr,
                             struct surface_calibration *c)
 {
-    static const double rate[] = {0.95, 0.8,   0.5,   0.2,   0.1,    0.05,   0.02,
-                                  0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001};
     const double n = (double)rates_nimpostor(r);
     bool placed = false;
 
@@ -339,19 +343,86 @@ enum status rates_calibrate(const struct rates *r, double fmr,
     if (!isfinite(c->threshold) || !(rates_fmr(r, c->threshold) > 0))
         return ST_ETOOFEW;
     c->knot[c->n++] = (struct surface_knot){rates_at(r, 1) - 1, 1};
-    for (size_t i = 0; i < sizeof rate / sizeof *rate; i++) {
-        const double score = rates_at(r, rate[i]);
+    for (size_t i = 0; i < QUANTILES; i++) {
+        const double score = rates_at(r, quantile[i]);
 
         if (!placed && score >= c->threshold) {
-            add_knot(r, c->threshold, c);
+            add_knot(c->threshold, rates_fmr(r, c->threshold), c);
             placed = true;
         }
-        if (rate[i] * n >= LEAST_SUPPORT && isfinite(score))
-            add_knot(r, score, c);
+        if (quantile[i] * n >= LEAST_SUPPORT && isfinite(score))
+            add_knot(score, rates_fmr(r, score), c);
     }
     if (!placed)
-        add_knot(r, c->threshold, c);
+        add_knot(c->threshold, rates_fmr(r, c->threshold), c);
     return surface_calibration_valid(c) ? ST_OK : ST_ETOOFEW;
+}
+
+/* The FMR at each of m rising scores, if each subject counts as often as it was drawn.  NAN: no comparison. */
+static void drawn_rates(const struct rates *r, const uint32_t *drawn, const double *score,
+                        size_t m, double *rate)
+{
+    double sum = 0;
+    size_t k = m; /* score[k] and those behind it are done */
+
+    for (size_t i = 0; i < r->n; i++) {
+        const struct rates_score *s = &r->score[i];
+
+        for (; k > 0 && s->score < score[k - 1]; k--)
+            rate[k - 1] = sum;
+        if (s->template != s->probe)
+            sum += weight(s, drawn);
+    }
+    for (; k > 0; k--)
+        rate[k - 1] = sum;
+    for (k = 0; k < m; k++)
+        rate[k] /= sum;
+}
+
+/* The upper ends of the 95 % intervals of the FMR at each of m rising scores. */
+static enum status upper_rates(const struct rates *r, const double *score, size_t m,
+                               uint64_t seed, double *out)
+{
+    uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
+    double *all = mem_array(m * RATES_REPLICATES + 1, sizeof *all), rate[QUANTILES], low;
+    const enum status st = drawn != NULL && all != NULL ? ST_OK : ST_ENOMEM;
+
+    for (size_t i = 0; i < RATES_REPLICATES && st == ST_OK; i++) {
+        draw_subjects(r, &seed, drawn);
+        drawn_rates(r, drawn, score, m, rate);
+        for (size_t k = 0; k < m; k++)
+            all[k * RATES_REPLICATES + i] = rate[k];
+    }
+    for (size_t k = 0; k < m && st == ST_OK; k++)
+        interval(&all[k * RATES_REPLICATES], RATES_REPLICATES, &low, &out[k]);
+    mem_free(drawn);
+    mem_free(all);
+    return st;
+}
+
+enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
+                         struct surface_calibration *c)
+{
+    double score[QUANTILES], rate[QUANTILES];
+    size_t m = 0;
+    enum status st;
+
+    while (c->knot[c->n - 1].score > c->threshold)
+        c->n--;
+    for (size_t i = 0; i < QUANTILES; i++) {
+        const double at = rates_at(r, quantile[i]);
+
+        if (isfinite(at) && at > c->threshold && (m == 0 || at > score[m - 1]))
+            score[m++] = at;
+    }
+    if ((st = upper_rates(r, score, m, seed, rate)) != ST_OK)
+        return st;
+    for (size_t k = 0; k < m; k++)
+        if (rate[k] > rates_least(pairs))
+            add_knot(score[k], rate[k], c);
+    /* No comparison scores higher than the highest: there the rule of 3 holds. */
+    add_knot(r->impostor[0] + HIGHER, rates_least(pairs), c);
+    return ST_OK;
 }
 
 uint32_t rates_subjects(double fmr)

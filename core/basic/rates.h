@@ -91,6 +91,17 @@ uint32_t rates_below(uint64_t *state, uint32_t n);
 enum status rates_calibrate(const struct rates *r, double fmr,
                             struct surface_calibration *c);
 
+/* rates_extend(r, pairs, seed, c): Continues the table of rates_calibrate() beyond the threshold, to the least rate
+ * that so many pairs of people support (rule of 3).  Few comparisons score that high, so a knot's rate is
+ * the upper end of its 95 % interval (rates_bootstrap()).  The last knot lies just above the highest score and
+ * has the least rate.  Identifications need these rates.  The threshold and the knots up to it do not
+ * change.
+ *   pairs  that were compared; both comparisons of a pair count once
+ * Cost: O(RATES_REPLICATES n).
+ * Returns ST_OK, ST_ENOMEM. */
+enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
+                         struct surface_calibration *c);
+
 /* rates_subjects(fmr): Returns the number of subjects, with a template each, that have as many
  * pairs as the rule of 3 asks for.  Both comparisons of a pair count once: they are nearly
  * the same. */

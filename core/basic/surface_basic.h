@@ -88,9 +88,12 @@ SURFACE_API double surface_search_fpir(const struct surface_calibration *by,
 /* Returns the least score, rounded up to a thousandth, at which the best of people is a match: not
  * below by->threshold, and with an FPIR of at most SURFACE_FPIR.  INFINITY: knots and law support none, so
  * that no score is a match.
- * For decision and rate of the best comparison set its threshold to this, then call surface_best_of().
+ * For the decision on the best comparison set its threshold to this, then call surface_best_of().
  * Cost: about 10 us. */
 SURFACE_API double surface_search_threshold(const struct surface_calibration *by,
                                             uint32_t people);
+
+/* Returns the size of the largest gallery in which somebody can match.  Cost: about 100 us. */
+SURFACE_API uint32_t surface_search_people(const struct surface_calibration *by);
 
 #endif /* CORE_SURFACE_BASIC_H */

@@ -40,8 +40,8 @@ ok "the weight" jq_true '(.weight - 21 / 221 | fabs) < 0.001' "$T/out"
 ok "figures" jq_true '.base.eer >= 0 and .trained.eer >= 0 and .worse == false' "$T/out"
 is "the base model's name" "$(jq -r .name "$T/out")" "$(sed -n 's/^name //p' core/face/default.model)"
 engine=$(jq -r .engine "$T/out")
-is "the model adapted, as on one thread" "$(sha256sum <"$T/scans.model")" \
-    "d587b0d9b8bf773e13e42e1ff82e089690622fe1702395492c1bfbc948c88791  -"
+is "the model adapted, as on one thread" "$(sed -n '/^mean/,$p' "$T/scans.model" | sha256sum)" \
+    "1c86d34980ce2b394aa6e1401ecc2b8c2a004ba7b5c640303ad95fc23018a175  -"
 
 # Both models are compared on the same pairs: with no weight nothing changes but the rounding of
 # what is cut down to modes again.

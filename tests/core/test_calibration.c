@@ -161,6 +161,30 @@ TEST(test_threshold_shipped)
     assert_true(isinf(surface_search_threshold(c, 100000)));
 }
 
+/* The largest gallery is the last with a threshold. */
+static void check_people(const struct surface_calibration *c, uint32_t want)
+{
+    assert_int_equal(surface_search_people(c), want);
+    assert_true(isfinite(surface_search_threshold(c, want)));
+    assert_true(want == UINT32_MAX || isinf(surface_search_threshold(c, want + 1)));
+}
+
+TEST(test_people)
+{
+    struct surface_calibration c = table;
+
+    check_people(&table, 10);
+    check_people(&with_law, 1000);
+    check_people(&model_default.calibration, 10000);
+    c.knot[3].rate = 0.02; /* not even one person */
+    check_people(&c, 0);
+    c.knot[3].rate = 1e-300;
+    check_people(&c, UINT32_MAX);
+    c = with_law;
+    c.tail.people = 3; /* the knots support more than the law is for */
+    check_people(&c, 10);
+}
+
 TEST(test_valid)
 {
     struct surface_calibration c = table;

@@ -338,6 +338,52 @@ TEST(test_learned)
     rates_free(r);
 }
 
+/* A table goes on from the threshold with the upper ends of the intervals, to the rate that the pairs support; what
+ * decides verifications stays. */
+static void check_extended(const struct rates *r, double fmr, size_t pairs)
+{
+    struct surface_calibration d, longer;
+    struct rates_figures low, high;
+    uint32_t same = 0, k;
+
+    assert_int_equal(rates_calibrate(r, fmr, &d), ST_OK);
+    longer = d;
+    assert_int_equal(rates_extend(r, pairs, 3, &longer), ST_OK);
+    assert_true(surface_calibration_valid(&longer) && longer.threshold == d.threshold);
+    for (; longer.knot[same].score <= d.threshold; same++)
+        assert_memory_equal(&longer.knot[same], &d.knot[same], sizeof *d.knot);
+    assert_true(longer.knot[same - 1].score == d.threshold);
+    for (k = same; k < longer.n - 1; k++) {
+        assert_int_equal(rates_bootstrap(r, longer.knot[k].score, (double)NAN,
+                                         RATES_REPLICATES, 3, &low, &high),
+                         ST_OK);
+        assert_true(longer.knot[k].rate == high.fmr);
+        assert_true(longer.knot[k].rate > rates_fmr(r, longer.knot[k].score));
+    }
+    assert_true(longer.knot[k].rate == rates_least(pairs));
+    assert_true(rates_fmr(r, longer.knot[k].score) == 0 &&
+                rates_fmr(r, longer.knot[k].score - 0.002) > 0);
+}
+
+TEST(test_extended)
+{
+    static const double wanted[] = {0.001, 0.003, 0.01, 0.1, 0.5};
+    const size_t pairs = SUBJECTS * (SUBJECTS - 1) / 2;
+    struct surface_calibration d;
+    struct rates *r = scores(SUBJECTS, 0);
+
+    for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
+        check_extended(r, wanted[i], pairs);
+    /* 4,950 pairs: 0.0006, which is 1 - 0.99^16 or less for 16 people */
+    assert_int_equal(rates_calibrate(r, 0.01, &d), ST_OK);
+    assert_int_equal(rates_extend(r, pairs, 3, &d), ST_OK);
+    assert_int_equal(surface_search_people(&d), 16);
+    rates_free(r);
+    r = scores(SUBJECTS, 0.4);
+    check_extended(r, 0.01, pairs);
+    rates_free(r);
+}
+
 TEST(test_learned_from_little)
 {
     struct surface_calibration d;
