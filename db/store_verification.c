@@ -10,6 +10,7 @@
 #include "rows_calibration.h"
 #include "rows_day.h"
 #include "rows_template.h"
+#include "store_people.h"
 #include "store_template.h"
 #include "store_txn.h"
 
@@ -18,7 +19,7 @@
 struct store_reading {
     struct store *store;
     const struct store_snapshot_of *what; /* until store_snapshot_begin() returns */
-    struct log_txn t;
+    struct log_txn own, *t;
     struct rows_subject of;
     struct rows_template *row; /* [n] of the snapshot */
     /* The heads of all faces, by rows_template_heads(); none before the first is needed. */
@@ -27,19 +28,20 @@ struct store_reading {
     bool read;
     struct log_act by; /* the token, and the time */
     bool begun, future;
-    bool one; /* a template was asked for, and not a subject */
+    bool one;    /* a template was asked for, and not a subject */
+    bool within; /* the transaction is another one's */
 };
 
 /* Reads the subject with all its templates, and the attempts. */
 static enum status read_subject(struct store_snapshot *out, struct errinfo *e)
 {
     struct store_reading *r = out->reading;
-    enum status st = rows_subject_find(&r->t, r->what->subject, &r->of, e);
+    enum status st = rows_subject_find(r->t, r->what->subject, &r->of, e);
 
-    if (sql_goes_on(r->t.sql, st))
-        st = rows_template_list(&r->t, &r->of, &r->row, &out->n, e);
-    if (sql_goes_on(r->t.sql, st))
-        st = rows_attempts_find(&r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
+    if (sql_goes_on(r->t->sql, st))
+        st = rows_template_list(r->t, &r->of, &r->row, &out->n, e);
+    if (sql_goes_on(r->t->sql, st))
+        st = rows_attempts_find(r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
                                 &r->future, e);
     return st;
 }
@@ -53,10 +55,19 @@ static enum status read_template(struct store_snapshot *out, struct errinfo *e)
     if (r->row == NULL && (r->row = malloc(sizeof *r->row)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     out->n = 1;
-    if ((st = rows_template_get(&r->t, r->what->template_id, r->row, &r->of, e)) != ST_OK)
+    if ((st = rows_template_get(r->t, r->what->template_id, r->row, &r->of, e)) != ST_OK)
         return st;
-    return rows_attempts_find(&r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
+    return rows_attempts_find(r->t, &r->of, r->by.actor, r->by.ms, &out->attempts,
                               &r->future, e);
+}
+
+/* Reads a subject within a search. */
+static enum status read_found(struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    const enum status st = rows_subject_get(r->t, r->what->uid, &r->of, e);
+
+    return st == ST_OK ? rows_template_list(r->t, &r->of, &r->row, &out->n, e) : st;
 }
 
 static enum status read_all(void *arg, struct errinfo *e)
@@ -64,13 +75,13 @@ static enum status read_all(void *arg, struct errinfo *e)
     struct store_snapshot *out = arg;
     struct store_reading *r = out->reading;
     struct store_calibration k;
-    enum status st = store_actor_may(&r->t, &r->by, e);
+    enum status st = store_actor_may(r->t, &r->by, e);
 
-    if (sql_goes_on(r->t.sql, st))
+    if (sql_goes_on(r->t->sql, st))
         st = r->what->subject != NULL ? read_subject(out, e) : read_template(out, e);
-    if (!sql_goes_on(r->t.sql, st))
+    if (!sql_goes_on(r->t->sql, st))
         return st;
-    if ((st = rows_calibration_get(&r->t, &k, e)) != ST_OK)
+    if ((st = rows_calibration_get(r->t, &k, e)) != ST_OK)
         return st == ST_ENOTFOUND ? ST_OK : st;
     out->calibration = k.version;
     if (k.version != r->what->calibration)
@@ -84,8 +95,8 @@ static enum status read_with_heads(void *arg, struct errinfo *e)
     struct store_reading *r = ((struct store_snapshot *)arg)->reading;
     const enum status st = read_all(arg, e);
 
-    if (!r->one && sql_goes_on(r->t.sql, st))
-        return rows_template_heads(&r->t, &r->of, NULL, 0, true, NULL, NULL, e);
+    if (!r->one && sql_goes_on(r->t->sql, st))
+        return rows_template_heads(r->t, &r->of, NULL, 0, true, NULL, NULL, e);
     return st;
 }
 
@@ -102,9 +113,23 @@ static enum status describe(struct store_snapshot *out, struct errinfo *e)
     for (size_t i = 0; i < out->n; i++)
         out->t[i] = r->row[i].one;
     out->subject = r->of.one;
-    store_rules_shown(&r->t, &out->subject);
+    store_rules_shown(r->t, &out->subject);
     out->subject.expired = store_rules_past(out->subject.expires, r->by.ms);
     return ST_OK;
+}
+
+static enum status store_snapshot_start(struct store_snapshot *out, struct errinfo *e)
+{
+    struct store_reading *r = out->reading;
+    enum status st = store_start(r->store, SQL_READ, NULL, r->t, e);
+
+    if (st != ST_OK)
+        return st;
+    store_read_ahead(r->t, read_with_heads, out);
+    if ((st = store_check(r->store, r->t, e)) != ST_OK)
+        return st;
+    r->begun = true;
+    return read_all(out, e);
 }
 
 enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of *what,
@@ -114,23 +139,21 @@ enum status store_snapshot_begin(struct store *s, const struct store_snapshot_of
     enum status st;
 
     *out = (struct store_snapshot){.n = 0};
-    if ((st = what->subject != NULL
-                  ? ident_subject(what->subject, e)
-                  : ident_id(what->template_id, "template", e)) != ST_OK)
+    st = what->subject != NULL       ? ident_subject(what->subject, e)
+         : what->template_id != NULL ? ident_id(what->template_id, "template", e)
+                                     : ST_OK;
+    if (st != ST_OK)
         return st;
     if ((r = out->reading = calloc(1, sizeof *r)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     r->store = s;
     r->what = what;
-    r->one = what->subject == NULL;
-    if ((st = log_act(&r->by, what->token != NULL ? what->token : "", e)) != ST_OK ||
-        (st = store_start(s, SQL_READ, NULL, &r->t, e)) != ST_OK)
-        return st;
-    store_read_ahead(&r->t, read_with_heads, out);
-    if ((st = store_check(s, &r->t, e)) != ST_OK)
-        return st;
-    r->begun = true;
-    return (st = read_all(out, e)) == ST_OK ? describe(out, e) : st;
+    r->one = what->template_id != NULL;
+    r->within = what->uid != NULL;
+    r->t = r->within ? store_people_txn(what->people) : &r->own;
+    if ((st = log_act(&r->by, what->token != NULL ? what->token : "", e)) == ST_OK)
+        st = r->within ? read_found(out, e) : store_snapshot_start(out, e);
+    return st == ST_OK ? describe(out, e) : st;
 }
 
 /* The heads of all templates, by one query; the whole face if there is one. */
@@ -141,8 +164,8 @@ static enum status need_heads(const struct store_snapshot *out, struct errinfo *
     if (r->read)
         return ST_OK;
     r->read = true;
-    return r->one ? rows_template_face(&r->t, r->row, &r->of, r->head, r->len, e)
-                  : rows_template_heads(&r->t, &r->of, r->row, out->n, true, r->head,
+    return r->one ? rows_template_face(r->t, r->row, &r->of, r->head, r->len, e)
+                  : rows_template_heads(r->t, &r->of, r->row, out->n, !r->within, r->head,
                                         r->len, e);
 }
 
@@ -161,7 +184,7 @@ enum status store_snapshot_face(const struct store_snapshot *out, size_t i,
                            : store_template_decode(r->store, &out->t[i], r->head[i],
                                                    r->len[i], w, f, e);
     }
-    st = rows_template_face(&r->t, &r->row[i], &r->of, &face, &len, e);
+    st = rows_template_face(r->t, &r->row[i], &r->of, &face, &len, e);
     if (st == ST_OK)
         st = store_template_decode(r->store, &out->t[i], face, len, w, f, e);
     rows_template_wipe(face, len);
@@ -191,7 +214,7 @@ enum status store_snapshot_end(struct store_snapshot *out, enum status st,
     if (r == NULL)
         return st;
     if (r->begun)
-        st = store_end(r->store, &r->t, st, e);
+        st = store_end(r->store, r->t, st, e);
     /* also if the reading was refused: a lock-out must end */
     if (r->future && (moved = move_future(r, &why)) != ST_OK && st == ST_OK)
         st = errinfo_set(e, moved, "%s", why.msg);

@@ -6,6 +6,7 @@
 #include "store_open.h"
 
 struct log_txn;      /* log_txn.h */
+struct store_people; /* store_people.h */
 struct surface_work; /* libsurface.h */
 
 struct store_snapshot {
@@ -19,10 +20,14 @@ struct store_snapshot {
     struct store_reading *reading; /* the open transaction, until store_snapshot_end() */
 };
 
-/* A request for the templates of a subject, or, if subject is NULL, for one template. */
+/* A request for the templates of a subject, or for one template.  One of subject, template_id and uid is set. */
 struct store_snapshot_of {
-    const char *subject;     /* id of the subject; NULL: template_id is set */
+    const char *subject;     /* id of the subject */
     const char *template_id; /* id of the template, which is read with its subject */
+    /* [STORE_UID], uid of the subject.  It is read within the transaction `people`, which stays open, without
+     * attempts, calibration and meshes. */
+    const unsigned char *uid;
+    struct store_people *people;
     /* The actor, whose failed attempts are read; borrowed until store_snapshot_end(); NULL: "" */
     const char *token;
     int64_t calibration; /* version of the calibration that the caller decides by */
