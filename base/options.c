@@ -67,6 +67,14 @@ const struct setting options_table[] = {
      0, 1000000, "N",
      "subjects that a token may try without a match in an hour, then\n"
      "429; 0: no limit"},
+    {"identify-failures", SETTING_NUMBER, "600",
+     offsetof(struct options, identify_failures), 0, 1000000, "N",
+     "identifications without a match that a token may make in an hour,\n"
+     "then 429; 0: no limit"},
+    {"gallery-memory", SETTING_BYTES, "1G", offsetof(struct options, gallery_memory), 0,
+     UINT_MAX, "BYTES",
+     "memory for the descriptors that identifications search, about 160 a\n"
+     "person; 0: no identification"},
     {"disk-reserve", SETTING_BYTES, "128M", offsetof(struct options, disk_reserve), 0,
      1UL << 50, "BYTES",
      "free space on the database's disk that enrolments leave to\n"

@@ -14,7 +14,7 @@
 #define OPTIONS_UNSET      UINT_MAX
 #define OPTIONS_WAIT_MAX   86400 /* greatest attempt_wait, s */
 #define OPTIONS_ORIGIN_MAX 255   /* bytes of an origin */
-#define OPTIONS_ROWS       28
+#define OPTIONS_ROWS       30
 
 extern const struct setting options_table[OPTIONS_ROWS];
 
@@ -37,8 +37,12 @@ struct options {
     unsigned attempts;     /* consecutive failed attempts until a lock-out; 0: no limit */
     unsigned attempt_wait; /* first lock-out, s */
     unsigned attempt_subjects; /* subjects an hour that a token fails on; 0: no limit */
-    size_t disk_reserve;       /* free bytes that enrolments leave on the disk */
-    unsigned log_format;       /* enum log_format */
+    unsigned
+        identify_failures; /* identifications an hour and token without a match; 0: no limit */
+    size_t
+        gallery_memory; /* bytes for the descriptors of identifications; 0: none are made */
+    size_t disk_reserve; /* free bytes that enrolments leave on the disk */
+    unsigned log_format; /* enum log_format */
     unsigned
         audit_days; /* days that the audit log keeps access-log entries; 0: for ever */
     const char *tls_cert, *tls_key, *tls_client_ca;

@@ -16,6 +16,7 @@
 struct store_people {
     struct store *store;
     struct log_txn t;
+    struct log_act by;
     int64_t calibration; /* that the caller decides by */
     struct store_calibration newest;
     /* The receiver of the templates that are read at present. */
@@ -24,18 +25,20 @@ struct store_people {
     void *arg;
 };
 
-static enum status read_calibration(void *arg, struct errinfo *e)
+static enum status read_begin(void *arg, struct errinfo *e)
 {
     struct store_people *p = arg;
-    const enum status st = rows_calibration_get(&p->t, &p->newest, e);
+    enum status st = store_actor_may(&p->t, &p->by, e);
 
+    if (sql_goes_on(p->t.sql, st))
+        st = rows_calibration_get(&p->t, &p->newest, e);
     if (st != ST_ENOTFOUND)
         return st;
     p->newest = (struct store_calibration){.version = 0};
     return ST_OK;
 }
 
-enum status store_people_begin(struct store *s, int64_t calibration,
+enum status store_people_begin(struct store *s, const char *actor, int64_t calibration,
                                struct store_people **out, struct errinfo *e)
 {
     struct store_people *p = calloc(1, sizeof *p);
@@ -46,15 +49,16 @@ enum status store_people_begin(struct store *s, int64_t calibration,
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     p->store = s;
     p->calibration = calibration;
-    if ((st = store_start(s, SQL_READ, NULL, &p->t, e)) == ST_OK) {
-        store_read_ahead(&p->t, read_calibration, p);
+    if ((st = log_act(&p->by, actor, e)) == ST_OK &&
+        (st = store_start(s, SQL_READ, NULL, &p->t, e)) == ST_OK) {
+        store_read_ahead(&p->t, read_begin, p);
         st = store_check(s, &p->t, e);
     }
     if (st != ST_OK) {
         free(p);
         return st;
     }
-    if ((st = read_calibration(p, e)) != ST_OK)
+    if ((st = read_begin(p, e)) != ST_OK)
         return store_people_end(p, st, e);
     *out = p;
     return ST_OK;
@@ -72,6 +76,11 @@ enum status store_people_end(struct store_people *p, enum status st, struct erri
 uint64_t store_people_seq(const struct store_people *p)
 {
     return p->t.changes.seq;
+}
+
+const char *store_people_bound(const struct store_people *p)
+{
+    return p->t.groups;
 }
 
 int64_t store_people_calibration(const struct store_people *p,

@@ -6,10 +6,10 @@
 
 struct store_people;
 
-/* store_people_begin(s, calibration, out, e): Begins the transaction.
+/* store_people_begin(s, actor, calibration, out, e): Begins the transaction.
  *   calibration  version of the calibration that the caller decides by
  *   out          to be ended by store_people_end(); NULL after a failure */
-enum status store_people_begin(struct store *s, int64_t calibration,
+enum status store_people_begin(struct store *s, const char *actor, int64_t calibration,
                                struct store_people **out, struct errinfo *e);
 
 /* store_people_end(p, st, e): Ends the transaction and frees p; NULL is allowed.  Returns st, or the error of the
@@ -18,6 +18,9 @@ enum status store_people_end(struct store_people *p, enum status st, struct erri
 
 /* store_people_seq(p): Returns the number of the last change that p sees. */
 uint64_t store_people_seq(const struct store_people *p);
+
+/* store_people_bound(p): Returns the groups that the actor is bound to (groups.h), borrowed; "": it is not bound. */
+const char *store_people_bound(const struct store_people *p);
 
 /* store_people_calibration(p, k): Returns the version of the newest calibration, 0: there never was one, and
  * sets *k to it if the caller decides by another one; else to zeros. */

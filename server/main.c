@@ -10,6 +10,7 @@
 #include "app.h"
 #include "errinfo.h"
 #include "flags.h"
+#include "gallery.h"
 #include "http.h"
 #include "libsurface.h"
 #include "logger.h"
@@ -29,6 +30,8 @@
 #include "tls.h"
 #include "upkeep.h"
 
+#define MINUTE_MS  60000.0
+#define HOUR_MS    3600000.0
 #define GRACE_MS   10000.0 /* for the requests that have begun, on a stop */
 #define STALLED_MS 60000.0 /* without a response from any worker: something is wrong */
 #define SERVER_S   60     /* that a start waits for a database server that takes writes */
@@ -80,15 +83,18 @@ static enum status server_start(const struct options *o, struct app *app,
         return st;
     store_use_model(app->store, app->model);
     app->routes = routes_table(&app->nroutes);
+    if (o->gallery_memory > 0 && (app->gallery = gallery_new(o->gallery_memory)) == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
     app->metrics = metrics_new(app->routes, app->nroutes);
     app->limits =
         (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
-    app->throttle = throttle_new(o->rate_limit_tokens);
+    app->throttle = throttle_new(o->rate_limit_tokens, MINUTE_MS);
+    app->searches = throttle_new(o->identify_failures, HOUR_MS);
     app->recent = recent_new();
     app->db = o->db;
     app->disk_reserve = o->disk_reserve;
-    if (app->metrics == NULL || app->throttle == NULL || app->recent == NULL ||
-        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+    if (app->metrics == NULL || app->throttle == NULL || app->searches == NULL ||
+        app->recent == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -116,6 +122,8 @@ static void stop(struct app *app, struct http *http)
     upkeep_stop(app->upkeep);
     metrics_free(app->metrics);
     throttle_free(app->throttle);
+    throttle_free(app->searches);
+    gallery_free(app->gallery);
     recent_free(app->recent);
     store_close(app->store);
     surface_model_free(app->model);

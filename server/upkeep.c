@@ -11,6 +11,7 @@
 #include "app.h"
 #include "errinfo.h"
 #include "expiry.h"
+#include "gallery.h"
 #include "logger.h"
 #include "metrics.h"
 #include "refusal.h"
@@ -34,6 +35,17 @@ struct upkeep {
     bool ended;
     bool unread; /* the last verification could not read the rows */
 };
+
+static void tell_gallery(struct gallery_state is)
+{
+    struct logger_line l;
+
+    logger_begin(&l, "info", "the gallery is loaded");
+    logger_count(&l, "subjects", is.subjects);
+    logger_count(&l, "templates", is.templates);
+    logger_count(&l, "bytes", is.bytes);
+    logger_end(&l);
+}
 
 static void trim(struct upkeep *u)
 {
@@ -83,6 +95,27 @@ static void upkeep_end(struct upkeep *u)
     (void)kill(getpid(), SIGTERM);
 }
 
+/* So that a search finds little to do, and what was erased is soon gone from memory. */
+static void upkeep_gallery(struct upkeep *u)
+{
+    struct gallery *g = u->app->gallery;
+    const enum gallery_phase before = g != NULL ? gallery_phase(g) : GALLERY_FULL;
+    struct store_people *people;
+    struct errinfo e;
+    enum status st;
+
+    if (before == GALLERY_FULL || store_refused(u->app->store, NULL))
+        return;
+    if ((st = store_people_begin(u->app->store, "", 0, &people, &e)) == ST_OK)
+        st = store_people_end(people, gallery_follow(g, people, &e), &e);
+    if (st == ST_ELIMIT)
+        logger_line("error", "nobody can be identified", "reason", e.msg);
+    else if (st == ST_OK && before == GALLERY_LOADING)
+        tell_gallery(gallery_state(g));
+    else if (st != ST_OK)
+        metrics_database_error(u->app->metrics, st);
+}
+
 static void upkeep_look(struct upkeep *u)
 {
     const double now = logger_clock_ms();
@@ -90,6 +123,7 @@ static void upkeep_look(struct upkeep *u)
     if (!u->ended && store_behind(u->app->store))
         upkeep_end(u);
     store_follow(u->app->store);
+    upkeep_gallery(u);
     if (now >= u->hour_ms) {
         expiry_look(&u->expiry, u->app);
         if (u->days > 0)

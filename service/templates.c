@@ -81,6 +81,21 @@ enum status templates_read(struct templates_context *c, const struct templates_o
     return st;
 }
 
+enum status templates_read_found(struct templates_context *c, struct store_people *people,
+                                 const unsigned char *uid, struct templates *out,
+                                 struct errinfo *e)
+{
+    const struct store_snapshot_of what = {.uid = uid, .people = people};
+    enum status st;
+
+    *out = (struct templates){.context = c};
+    if ((st = store_snapshot_begin(c->store, &what, &out->of, e)) == ST_OK)
+        st = admit(NULL, out, e);
+    for (size_t i = 0; st == ST_OK && i < out->of.n; i++)
+        st = take_face(out, i, e);
+    return store_snapshot_end(&out->of, st, e);
+}
+
 void templates_free(struct templates *t)
 {
     for (size_t i = 0; i < t->of.n && i < STORE_TEMPLATES_MAX; i++)
@@ -105,9 +120,9 @@ static enum status need_surface(struct templates *t, size_t i, struct errinfo *e
 }
 
 /* By the encodings, and by the surfaces if the scans were taken for heads of different sizes. */
-static enum status templates_compare(struct templates *t, size_t i,
-                                     const struct surface_face *probe,
-                                     struct surface_comparison *out, struct errinfo *e)
+static enum status compare_one(struct templates *t, size_t i,
+                               const struct surface_face *probe,
+                               struct surface_comparison *out, struct errinfo *e)
 {
     struct surface_work *w = t->context->work;
     enum status st = status_from(surface_compare(w, t->face[i], probe, out));
@@ -196,7 +211,7 @@ static void templates_choose(struct surface_comparison *r, const size_t *templat
     }
 }
 
-enum status templates_nearest(struct templates *t, bool fit,
+enum status templates_compare(struct templates *t, bool fit,
                               const struct surface_face *probe,
                               struct templates_nearest *out, struct errinfo *e)
 {
@@ -213,7 +228,7 @@ enum status templates_nearest(struct templates *t, bool fit,
         if (t->face[i] == NULL || (fit && n > 0 && !t->of.t[i].manager))
             continue;
         start = c->clock_ms != NULL ? c->clock_ms() : 0;
-        st = templates_compare(t, i, probe, &result[n], e);
+        st = compare_one(t, i, probe, &result[n], e);
         out->score_ms += c->clock_ms != NULL ? c->clock_ms() - start : 0;
         if (st != ST_OK)
             return st;
@@ -221,15 +236,30 @@ enum status templates_nearest(struct templates *t, bool fit,
     }
     if (n > 0) {
         templates_choose(result, template, n, c->work, out);
-        if ((st = look_again(t, probe, out, e)) != ST_OK)
-            return st;
-        return find_mirrored(t, probe, out, e);
+        return ST_OK;
     }
     if (t->of.n > 0)
         return errinfo_set(e, ST_EVERSION,
                            "no template of the subject was made by this engine or can "
                            "be re-encoded by it");
     return errinfo_set(e, ST_ENOTFOUND, "the subject has no template");
+}
+
+enum status templates_doubt(struct templates *t, const struct surface_face *probe,
+                            struct templates_nearest *io, struct errinfo *e)
+{
+    const enum status st = look_again(t, probe, io, e);
+
+    return st == ST_OK ? find_mirrored(t, probe, io, e) : st;
+}
+
+enum status templates_nearest(struct templates *t, bool fit,
+                              const struct surface_face *probe,
+                              struct templates_nearest *out, struct errinfo *e)
+{
+    const enum status st = templates_compare(t, fit, probe, out, e);
+
+    return st == ST_OK ? templates_doubt(t, probe, out, e) : st;
 }
 
 enum status templates_judge(const struct templates_nearest *n, struct errinfo *e)

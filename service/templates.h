@@ -61,6 +61,15 @@ struct templates {
 enum status templates_read(struct templates_context *c, const struct templates_of *ask,
                            struct templates *out, struct errinfo *e);
 
+struct store_people; /* store_people.h */
+
+/* templates_read_found(c, people, uid, out, e): Like templates_read(), for a subject that a search has found: within
+ * its transaction, and without limits of attempts and a calibration.
+ *   uid  [STORE_UID] */
+enum status templates_read_found(struct templates_context *c, struct store_people *people,
+                                 const unsigned char *uid, struct templates *out,
+                                 struct errinfo *e);
+
 /* templates_free(t): Releases the templates; t is reset to the empty state. */
 void templates_free(struct templates *t);
 
@@ -74,13 +83,23 @@ struct templates_nearest {
     double score_ms; /* time of all comparisons, ms */
 };
 
-/* templates_nearest(t, fit, probe, out, e): Compares the probe with the templates, except those with a NULL
+/* templates_compare(t, fit, probe, out, e): Compares the probe with the templates, except those with a NULL
  * face, and chooses the one that decides.
  *   fit  true: compare only with the reference templates, which a further sample must match: the oldest
  *        one, and those enrolled with scope manage (enrolment.h states the reason)
  * Returns ST_OK; ST_ENOTFOUND: there is no template, or the one whose surface is needed was deleted after
  * templates_read(); ST_EVERSION: all templates are of another engine,
  * and this one cannot re-encode them; ST_ENOMEM. */
+enum status templates_compare(struct templates *t, bool fit,
+                              const struct surface_face *probe,
+                              struct templates_nearest *out, struct errinfo *e);
+
+/* templates_doubt(t, probe, io, e): Looks at a non-match again: by the surface of the template that decides, and for
+ * its mirror image.  Errors as templates_compare(). */
+enum status templates_doubt(struct templates *t, const struct surface_face *probe,
+                            struct templates_nearest *io, struct errinfo *e);
+
+/* templates_nearest(t, fit, probe, out, e): Runs templates_compare() and templates_doubt(). */
 enum status templates_nearest(struct templates *t, bool fit,
                               const struct surface_face *probe,
                               struct templates_nearest *out, struct errinfo *e);

@@ -4,9 +4,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "digest.h"
 #include "store.h"
 #include "mem.h"
+#include "replay.h"
 #include "sample.h"
 #include "session.h"
 #include "show.h"
@@ -92,32 +92,6 @@ static enum status heatmap(struct verification *v, struct errinfo *e)
     return ST_OK;
 }
 
-/* The codec's digest takes time, and points of another number are no template's. */
-static enum status digest_probe(const struct verification *v, struct store_probe *out,
-                                struct errinfo *e)
-{
-    const struct session *s = v->request->probe;
-    const struct surface_face *f = *v->request->face;
-
-    *out = (struct store_probe){.read = {NULL}};
-    memcpy(out->read, s->digest, s->ndigest * sizeof *out->read);
-    if (surface_face_points(f, NULL) == v->templates.of.t[v->best.index].points &&
-        digest_face(f, out->used) != ST_OK)
-        return errinfo_set(e, ST_ENOMEM, "no memory for the probe's digest");
-    return ST_OK;
-}
-
-/* Was one of the probe's frames among those that a template was fused from?  (The first of each is
- * looked for when the attempt is recorded.) */
-static bool is_frame(const struct verification *v, const struct store_probe *probe)
-{
-    for (size_t i = 0; i < v->templates.of.n; i++)
-        for (size_t k = 0; probe->read[k] != NULL; k++)
-            if (digest_read_has(v->templates.of.t[i].read, probe->read[k]))
-                return true;
-    return false;
-}
-
 static enum status record(struct templates_context *c, struct verification *v,
                           struct errinfo *e)
 {
@@ -145,9 +119,10 @@ static enum status record(struct templates_context *c, struct verification *v,
         return st;
     (void)snprintf(outcome, sizeof outcome, "%s%s", templates_decision(decision),
                    r->captured != NULL ? r->captured : "");
-    if ((st = digest_probe(v, &probe, e)) != ST_OK)
+    if ((st = replay_look(r->probe, *r->face, &v->templates, v->best.index, &probe, e)) !=
+        ST_OK)
         return st;
-    what.replayed = is_frame(v, &probe);
+    what.replayed = replay_is(&v->templates, &probe);
     if ((st = store_record_verification(c->store, &what, &v->recorded, e)) != ST_OK)
         return st;
     v->refusal.why = v->recorded.why;
@@ -156,10 +131,7 @@ static enum status record(struct templates_context *c, struct verification *v,
     if (v->recorded.why != STORE_WAIT_NONE)
         return errinfo_set(e, ST_EDENIED, "the subject is locked out");
     if (v->recorded.replayed)
-        return errinfo_set(
-            e, ST_EREPLAYED,
-            "the scan was used before: a template of the subject was made from these "
-            "points; scan again");
+        return replay_refused(e);
     v->decided = true;
     return ST_OK;
 }

@@ -8,6 +8,7 @@
 #include "auth.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "gallery.h"
 #include "json.h"
 #include "metrics.h"
 #include "queue.h"
@@ -53,6 +54,9 @@ void health_ready(struct request *r, struct worker *w)
     (void)w;
     if (atomic_load(&r->app->stopping)) {
         request_problem(r, ERRMAP_NOT_READY, "the daemon is stopping");
+    } else if (r->app->gallery != NULL &&
+               gallery_phase(r->app->gallery) == GALLERY_LOADING) {
+        request_problem(r, ERRMAP_NOT_READY, "the gallery is being loaded");
     } else if (store_ready(r->app->store, &e) == ST_OK &&
                store_calibration_current(r->app->store, &k, &e) == ST_OK) {
         health_respond(r, "status", "ready");

@@ -53,8 +53,8 @@ void live_recent(struct request *r, struct worker *w)
     struct json *j;
 
     (void)w;
-    if (!params_count(r, "after", SIZE_MAX, &after) ||
-        !params_count(r, "limit", RECENT_MOST, &most))
+    if (!params_count(r, "after", 1, SIZE_MAX, &after) ||
+        !params_count(r, "limit", 1, RECENT_MOST, &most))
         return;
     if ((entry = mem_array(most, sizeof *entry)) == NULL) {
         request_problem(r, ST_ENOMEM, "no memory for the latest requests");

@@ -121,7 +121,7 @@ void logs_list(struct request *r, struct worker *w)
     bool before, after;
 
     (void)w;
-    if (!ask(r, &a) || !params_count(r, "limit", PAGE_MAX, &limit) ||
+    if (!ask(r, &a) || !params_count(r, "limit", 1, PAGE_MAX, &limit) ||
         !take_place(r, "before", 1, &a.filter.from, &before) ||
         !take_place(r, "after", 0, &a.filter.from, &after))
         return;

@@ -10,6 +10,7 @@
 #include "logger.h"
 #include "metrics.h"
 #include "request.h"
+#include "throttle.h"
 
 static void refuse_attempt(struct request *r, const struct templates_refusal *why)
 {
@@ -117,6 +118,34 @@ void outcome_verified(struct request *r, const struct verification *v, enum stat
     if (compared)
         access_event(r, "compare",
                      capture_outcome(r, templates_decision(decision), outcome));
+}
+
+/* ---- identifications */
+
+void outcome_identified(struct request *r, const struct identification *x)
+{
+    const struct describe_times *t = &x->times;
+    const bool match = x->decision == SURFACE_MATCH;
+
+    if (t->parse > 0)
+        request_stage(r, REQUEST_PARSE, t->parse);
+    if (t->prepare > 0)
+        request_stage(r, REQUEST_PREPARE, t->prepare);
+    if (t->score > 0)
+        request_stage(r, REQUEST_SCORE, t->score);
+    if (!x->decided)
+        return;
+    if (!match)
+        throttle_note(r->app->searches, request_sender(r), "", false, logger_clock_ms());
+    metrics_event(r->app->metrics, METRICS_IDENTIFIED + x->decision);
+    r->result = (struct request_result){.kind = "identify",
+                                        .outcome = templates_decision(x->decision),
+                                        .scored = x->compared > 0,
+                                        .score = x->best.result.score,
+                                        .threshold = x->best.result.threshold,
+                                        .overlap = x->best.result.overlap};
+    if (match)
+        memcpy(r->subject, x->templates.of.subject.id, sizeof r->subject);
 }
 
 /* ---- enrolments */

@@ -4,6 +4,7 @@
 #define SERVER_OUTCOME_H
 #include <stddef.h>
 #include "enrolment.h"
+#include "identify.h"
 #include "status.h"
 #include "verify.h"
 
@@ -18,6 +19,10 @@ void outcome_refuse(struct request *r, const struct templates_refusal *why,
 /* outcome_verified(r, v, st): Reports the result st and v of verify_run(), except to the client.  A comparison of
  * two scans is recorded in the audit log; if that fails, the response stands. */
 void outcome_verified(struct request *r, const struct verification *v, enum status st);
+
+/* outcome_identified(r, x): Reports the result x of identify_run(), except to the client.  Counts one
+ * without a match towards the token's limit. */
+void outcome_identified(struct request *r, const struct identification *x);
 
 /* outcome_enrolled(r, out, each, n, st, e): Reports the result of enrolment_add().  Responds if st is an
  * error. */

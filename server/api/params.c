@@ -95,8 +95,8 @@ bool params_camera(struct request *r, struct clouddepth_camera *c)
     if (!take_number(r, "fx", true, &c->fx) || !take_number(r, "fy", true, &c->fy) ||
         !take_number(r, "cx", false, &c->cx) || !take_number(r, "cy", false, &c->cy) ||
         !take_number(r, "depth_scale", true, &c->scale) ||
-        !params_count(r, "width", CLOUDDEPTH_SIDE_MAX, &width) ||
-        !params_count(r, "height", CLOUDDEPTH_SIDE_MAX, &height))
+        !params_count(r, "width", 1, CLOUDDEPTH_SIDE_MAX, &width) ||
+        !params_count(r, "height", 1, CLOUDDEPTH_SIDE_MAX, &height))
         return false;
     c->width = (uint32_t)width;
     c->height = (uint32_t)height;
@@ -166,7 +166,8 @@ bool params_text(struct request *r, const char *name, char *out, size_t size)
     return false;
 }
 
-bool params_count(struct request *r, const char *name, size_t max, size_t *out)
+bool params_count(struct request *r, const char *name, size_t min, size_t max,
+                  size_t *out)
 {
     char buf[16], *end;
     bool there;
@@ -178,12 +179,13 @@ bool params_count(struct request *r, const char *name, size_t max, size_t *out)
             return true;
         errno = 0;
         n = strtoul(buf, &end, 10);
-        if (buf[0] >= '0' && buf[0] <= '9' && *end == '\0' && errno == 0 && n >= 1 &&
+        if (buf[0] >= '0' && buf[0] <= '9' && *end == '\0' && errno == 0 && n >= min &&
             n <= max) {
             *out = n;
             return true;
         }
     }
-    request_problem(r, ERRMAP_PARAMETER, "%s is not an integer from 1 to %zu", name, max);
+    request_problem(r, ERRMAP_PARAMETER, "%s is not an integer from %zu to %zu", name,
+                    min, max);
     return false;
 }

@@ -36,7 +36,8 @@ bool params_format(struct request *r, bool *ply);
 /* params_text(r, name, out, size): Decodes a text of 1 to size - 1 bytes. */
 bool params_text(struct request *r, const char *name, char *out, size_t size);
 
-/* params_count(r, name, max, out): Reads an integer from 1 to max. */
-bool params_count(struct request *r, const char *name, size_t max, size_t *out);
+/* params_count(r, name, min, max, out): Reads an integer from min to max. */
+bool params_count(struct request *r, const char *name, size_t min, size_t max,
+                  size_t *out);
 
 #endif

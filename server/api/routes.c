@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "enroll.h"
 #include "health.h"
+#include "identify_scan.h"
 #include "live.h"
 #include "logs.h"
 #include "metrics.h"
@@ -27,7 +28,8 @@ enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
        ENROLL = STORE_SCOPE_ENROLL,
        VERIFY = STORE_SCOPE_VERIFY,
-       CHECK = ENROLL | VERIFY | STORE_SCOPE_IDENTIFY, /* any of them */
+       IDENTIFY = STORE_SCOPE_IDENTIFY,
+       CHECK = ENROLL | VERIFY | IDENTIFY, /* any of them */
        READ = STORE_SCOPE_READ,
        DELETE = STORE_SCOPE_DELETE,
        MANAGE = STORE_SCOPE_MANAGE,
@@ -58,6 +60,8 @@ static const struct route table[] = {
      ROUTE_WORKER},
     {REQUEST_POST, TEMPLATE "/verify", ROUTE_FRAMES, VERIFY, COMPARING, compare_template,
      ROUTE_WORKER},
+    {REQUEST_POST, "/v1/identify", ROUTE_FRAMES, IDENTIFY, CLOUD ", group, candidates",
+     identify_scan, ROUTE_WORKER},
     {REQUEST_POST, "/v1/compare", ROUTE_PAIR, VERIFY, "units, axes, detail",
      compare_scans, ROUTE_WORKER},
     {REQUEST_POST, "/v1/challenge", ROUTE_NO_BODY, ENROLL | VERIFY, "", capture_challenge,

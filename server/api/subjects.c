@@ -98,7 +98,7 @@ void subjects_list(struct request *r, struct worker *w)
     (void)w;
     if (!params_text(r, "q", part, sizeof part) ||
         !params_text(r, "state", state, sizeof state) ||
-        !params_count(r, "limit", PAGE_MAX, &what.limit))
+        !params_count(r, "limit", 1, PAGE_MAX, &what.limit))
         return;
     st = request_query(r, "cursor", cursor, sizeof cursor);
     if ((st != ST_OK && st != ST_ENOTFOUND) || read_cursor(cursor, &what.after) != ST_OK)

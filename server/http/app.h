@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include "store_attempts.h"
 
+struct gallery;       /* gallery.h */
 struct guard;         /* guard.h */
 struct metrics;       /* metrics.h */
 struct surface_model; /* libsurface.h */
@@ -26,7 +27,9 @@ struct app {
     struct store_limits limits; /* limits of failed verifications */
     const char *db;             /* file of the database */
     size_t disk_reserve;        /* bytes that must be free on the disk of db to enrol */
-    struct throttle *throttle;
+    struct throttle *throttle;  /* of wrong tokens */
+    struct throttle *searches;  /* of identifications without a match */
+    struct gallery *gallery;    /* NULL: this daemon does not identify */
     struct queue *queue;
     struct queue *slow;     /* queue of routes with ROUTE_SLOW, with one worker */
     atomic_flag slow_taken; /* a request of slow waits or runs */

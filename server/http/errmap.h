@@ -26,6 +26,8 @@ enum errmap_kind {
     ERRMAP_TOKENS,       /* the address is rate-limited for wrong tokens */
     ERRMAP_ATTEMPTS,     /* the subject is locked out */
     ERRMAP_SUBJECTS,     /* the token has tried too many subjects in vain */
+    ERRMAP_SEARCHES,     /* the token has searched too often without a match */
+    ERRMAP_GALLERY,      /* there is no gallery to be searched, or not yet */
     ERRMAP_STORAGE_FULL, /* too little room on the disk for enrolments */
     /* The capture's signature (capture.h), in this order: */
     ERRMAP_CAPTURE_REQUIRED, /* there is none */

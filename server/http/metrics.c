@@ -15,6 +15,7 @@
 #include "errinfo.h"
 #include "errmap.h"
 #include "guard.h"
+#include "gallery.h"
 #include "json.h"
 #include "intake.h"
 #include "quota.h"
@@ -56,6 +57,8 @@ static const struct family {
 } family[] = {
     {METRICS_DECISIONS, 3, "surfaced_decisions_total", "decision",
      "match,no_match,inconclusive", "Verifications and comparisons by decision."},
+    {METRICS_IDENTIFIED, 3, "surfaced_identifications_total", "decision",
+     "match,no_match,inconclusive", "Identifications by decision."},
     {METRICS_ENROLLED, 3, "surfaced_enrollments_total", "outcome",
      "created,known,mismatch",
      "Enrolments; known: the subject has this scan already; mismatch: refused."},
@@ -516,6 +519,18 @@ static void print_process(FILE *f, const struct app *app, bool all)
     print_one(f, "process_open_fds", "gauge", p.open_fds, "Open file descriptors.");
 }
 
+static void print_gallery(FILE *f, const struct app *app)
+{
+    struct gallery_state is;
+
+    if (app->gallery == NULL)
+        return;
+    is = gallery_state(app->gallery);
+    print_one(f, "surfaced_gallery_subjects", "gauge", is.subjects,
+              "Subjects who may be identified.");
+    print_one(f, "surfaced_gallery_bytes", "gauge", is.bytes, "Memory of the gallery.");
+}
+
 /* all: also what grows with each person who comes, the processor time included.  The rest says
  * that the daemon runs, and how much it does at the moment. */
 static char *text(const struct app *app, bool all)
@@ -532,6 +547,7 @@ static char *text(const struct app *app, bool all)
         for (size_t i = 0; i < sizeof family / sizeof *family; i++)
             print_family(f, app->metrics, &family[i]);
         print_tokens(f, app->metrics);
+        print_gallery(f, app);
     }
     print_verified(f, app);
     print_gauges(f, app);

@@ -31,7 +31,8 @@ void metrics_request(struct metrics *m, const struct request *r, int http, doubl
 
 enum metrics_event {
     METRICS_DECISIONS, /* verifications and comparisons, by enum surface_decision */
-    METRICS_ENROLLED = METRICS_DECISIONS + SURFACE_INCONCLUSIVE + 1,
+    METRICS_IDENTIFIED = METRICS_DECISIONS + SURFACE_INCONCLUSIVE + 1, /* likewise */
+    METRICS_ENROLLED = METRICS_IDENTIFIED + SURFACE_INCONCLUSIVE + 1,
     METRICS_KNOWN,      /* an enrolled scan that the subject had already */
     METRICS_MISMATCH,   /* a sample that does not match the reference template */
     METRICS_ENROLLABLE, /* a checked scan, usable for verification too */

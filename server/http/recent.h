@@ -13,7 +13,7 @@ struct recent;
 struct recent_entry {
     uint64_t seq;  /* number since the daemon's start: 1, 2, ... */
     int64_t at_ms; /* time, ms since 1970 */
-    char kind[8];  /* "verify", "enroll" */
+    char kind[12]; /* "verify", "identify", "enroll" */
     char subject[STORE_SUBJECT_MAX + 1];
     char token_name[STORE_NAME_MAX + 1];
     char request_id[REQUEST_ID_MAX + 1];

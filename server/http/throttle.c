@@ -10,10 +10,8 @@
 #define WAYS      4 /* addresses in a set, found by a keyed hash */
 #define GOOD      4096
 #define TOKEN_MAX 128 /* of a longer one the rest does not count */
-#define MINUTE_MS 60000.0
 
-/* A bucket with a hole: each wrong token adds 1, and as many leave a minute as there may
- * be. */
+/* A bucket with a hole: each failure adds 1, and as many leave in a period as there may be. */
 struct bucket {
     uint64_t address;
     double level, at_ms;
@@ -21,13 +19,13 @@ struct bucket {
 
 struct throttle {
     pthread_mutex_t lock;
-    double per_minute;
+    double most, period_ms;
     unsigned char key[crypto_shorthash_KEYBYTES];
     struct bucket set[SETS][WAYS];
     uint64_t good[GOOD]; /* keyed hashes of address and token, each in its place */
 };
 
-struct throttle *throttle_new(unsigned per_minute)
+struct throttle *throttle_new(unsigned most, double period_ms)
 {
     struct throttle *t = calloc(1, sizeof *t);
 
@@ -35,7 +33,8 @@ struct throttle *throttle_new(unsigned per_minute)
         free(t);
         return NULL;
     }
-    t->per_minute = per_minute;
+    t->most = most;
+    t->period_ms = period_ms;
     crypto_shorthash_keygen(t->key);
     return t;
 }
@@ -75,7 +74,7 @@ static uint64_t hash_both(const struct throttle *t, uint64_t address, const char
 /* Returns the level that is left now. */
 static double level(const struct throttle *t, const struct bucket *b, double now_ms)
 {
-    return fmax(0.0, b->level - (now_ms - b->at_ms) * t->per_minute / MINUTE_MS);
+    return fmax(0.0, b->level - (now_ms - b->at_ms) * t->most / t->period_ms);
 }
 
 /* The address's bucket, or of those in its place the emptiest. */
@@ -98,12 +97,12 @@ unsigned throttle_wait(struct throttle *t, uint64_t address, const char *token,
     const struct bucket *b;
     double over = 0.0;
 
-    if (t->per_minute <= 0.0)
+    if (t->most <= 0.0)
         return 0;
     (void)pthread_mutex_lock(&t->lock);
     b = bucket_of(t, address, now_ms);
     if (b->address == address)
-        over = level(t, b, now_ms) + 1.0 - t->per_minute;
+        over = level(t, b, now_ms) + 1.0 - t->most;
     if (over > 0.0) {
         const uint64_t h = hash_both(t, address, token);
 
@@ -111,7 +110,7 @@ unsigned throttle_wait(struct throttle *t, uint64_t address, const char *token,
             over = 0.0;
     }
     (void)pthread_mutex_unlock(&t->lock);
-    return over > 0.0 ? (unsigned)ceil(over * MINUTE_MS / 1000.0 / t->per_minute) : 0;
+    return over > 0.0 ? (unsigned)ceil(over * t->period_ms / 1000.0 / t->most) : 0;
 }
 
 void throttle_note(struct throttle *t, uint64_t address, const char *token, bool good,

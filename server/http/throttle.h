@@ -10,9 +10,9 @@
 
 struct throttle;
 
-/* throttle_new(per_minute): Returns an empty table.  NULL: out of memory.
- *   per_minute  wrong tokens that are allowed; 0: no limit */
-struct throttle *throttle_new(unsigned per_minute);
+/* throttle_new(most, period_ms): Returns an empty table.  NULL: out of memory.
+ *   most  failures that are allowed in a period; 0: no limit */
+struct throttle *throttle_new(unsigned most, double period_ms);
 void throttle_free(struct throttle *t); /* NULL is allowed */
 
 /* throttle_wait(t, address, token, now_ms): Returns the time until this token from this address may be checked,

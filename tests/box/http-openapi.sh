@@ -188,6 +188,9 @@ for one in subjects/alice "templates/$id"; do
     put POST "/v1/$one/verify?units=0" 400 "$JSON" "$T/a2.json"
 done
 put POST /v1/subjects/alice/verify 422 "$PLY" "$T/b.ply"
+put POST '/v1/identify?candidates=3' 200 "$JSON" "$T/a2.json"
+put POST /v1/identify 200 "$JSON" "$T/a2.json" -H "$MIN"
+put POST '/v1/identify?candidates=51' 400 "$JSON" "$T/a2.json"
 # a subject before its first sample
 echo '{"subject": "dora", "consent": "C-18"}' >"$T/new"
 put POST /v1/subjects 201 "$JSON" "$T/new"

@@ -11,6 +11,7 @@ POST /v1/subjects/{subject}/templates enroll
 POST /v1/subjects/{subject}/verify verify
 POST /v1/templates/{template_id}/verify verify
 POST /v1/compare verify
+POST /v1/identify identify
 POST /v1/check verify,enroll,identify
 POST /v1/asymmetry verify
 POST /v1/challenge verify,enroll
@@ -85,7 +86,7 @@ try() {
     POST./v1/tokens) send POST "$t_path" "$JSON" "$T/token.json" ;;
     POST.*/rotate) send POST "$t_path" "$JSON" "$T/rotate.json" ;;
     POST./v1/challenge | POST./v1/audit/verify) req POST "$t_path" -H 'Content-Length: 0' ;;
-    POST.*/verify) send POST "$t_path" "$PLY" "$T/p.ply" ;;
+    POST.*/verify | POST./v1/identify) send POST "$t_path" "$PLY" "$T/p.ply" ;;
     POST.*) send POST "$t_path" "$PLY" "$T/a.ply" ;;
     PATCH.*) send PATCH "$t_path" "$JSON" "$T/change.json" ;;
     *) req "$1" "$t_path" ;;

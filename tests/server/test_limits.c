@@ -16,7 +16,7 @@ enum { A = 1, B = 2 }; /* addresses */
 
 TEST(test_wrong)
 {
-    struct throttle *t = throttle_new(10);
+    struct throttle *t = throttle_new(10, 60000);
     double now = 5 * S;
 
     assert_non_null(t);
@@ -42,7 +42,7 @@ TEST(test_wrong)
 
 TEST(test_good)
 {
-    struct throttle *t = throttle_new(1);
+    struct throttle *t = throttle_new(1, 60000);
 
     assert_non_null(t);
     throttle_note(t, A, "mine", true, 0);
@@ -59,7 +59,7 @@ TEST(test_good)
 /* More addresses than the table has room for: the one with the most failures stays. */
 TEST(test_room)
 {
-    struct throttle *t = throttle_new(10);
+    struct throttle *t = throttle_new(10, 60000);
 
     assert_non_null(t);
     for (int i = 0; i < 20; i++)
@@ -82,7 +82,7 @@ static void *send_wrong(void *arg)
 
 TEST(test_threads)
 {
-    struct throttle *t = throttle_new(60);
+    struct throttle *t = throttle_new(60, 60000);
     pthread_t thread[4];
 
     assert_non_null(t);
