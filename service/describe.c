@@ -84,6 +84,8 @@ void describe_subject(struct json *j, const struct store_subject *s)
     text_or_null(j, "last_seen", s->seen);
     json_flag(j, "hold", s->hold);
     json_flag(j, "disabled", s->disabled);
+    json_flag(j, "identify", s->identify);
+    describe_groups(j, s->groups);
 }
 
 void describe_subject_row(struct json *j, const struct store_subject *s)
@@ -114,11 +116,22 @@ void describe_scopes(struct json *j, unsigned scopes)
     json_close(j);
 }
 
+void describe_groups(struct json *j, const char *list)
+{
+    char label[GROUPS_LABEL + 1];
+
+    json_array(j, "groups");
+    while ((list = groups_next(list, label)) != NULL)
+        json_text(j, NULL, label);
+    json_close(j);
+}
+
 void describe_token(struct json *j, const struct store_token *t, const char *secret)
 {
     json_text(j, "id", t->id);
     json_text(j, "name", t->name);
     describe_scopes(j, t->scopes);
+    describe_groups(j, t->groups);
     json_text(j, "created", t->created);
     text_or_null(j, "expires_at", t->expires);
     text_or_null(j, "last_used", t->used);

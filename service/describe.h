@@ -40,6 +40,9 @@ void describe_attempts(struct json *j, const struct store_worst *a);
 /* describe_scopes(j, scopes): Writes an array of the scopes' names. */
 void describe_scopes(struct json *j, unsigned scopes);
 
+/* describe_groups(j, list): Writes an array of the labels of a list (groups.h). */
+void describe_groups(struct json *j, const char *list);
+
 /* describe_token(j, t, secret): Writes a token.
  *   secret  a new secret, which is shown only once; NULL: left out */
 void describe_token(struct json *j, const struct store_token *t, const char *secret);

@@ -166,6 +166,17 @@ bool params_text(struct request *r, const char *name, char *out, size_t size)
     return false;
 }
 
+bool params_group(struct request *r, char out[GROUPS_LABEL + 1])
+{
+    bool there;
+
+    if (get(r, "group", out, GROUPS_LABEL + 1, &there) && (!there || groups_label(out)))
+        return true;
+    request_problem(r, ERRMAP_PARAMETER,
+                    "group must be 1 to %d characters of a-z 0-9 . _ -", GROUPS_LABEL);
+    return false;
+}
+
 bool params_count(struct request *r, const char *name, size_t min, size_t max,
                   size_t *out)
 {

@@ -4,6 +4,7 @@
 #define SERVER_PARAMS_H
 #include <stdbool.h>
 #include <stddef.h>
+#include "groups.h"
 #include "verify.h"
 
 struct clouddepth_camera; /* clouddepth.h */
@@ -35,6 +36,9 @@ bool params_format(struct request *r, bool *ply);
 
 /* params_text(r, name, out, size): Decodes a text of 1 to size - 1 bytes. */
 bool params_text(struct request *r, const char *name, char *out, size_t size);
+
+/* params_group(r, out): Reads group=LABEL (groups.h). */
+bool params_group(struct request *r, char out[GROUPS_LABEL + 1]);
 
 /* params_count(r, name, min, max, out): Reads an integer from min to max. */
 bool params_count(struct request *r, const char *name, size_t min, size_t max,

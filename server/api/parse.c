@@ -75,11 +75,41 @@ static const bool *take_flag(const struct json_value *object, const char *key, b
     return NULL;
 }
 
+/* A flag that is true unless it is given. */
+static const bool *take_identify(const struct json_value *object, bool *out,
+                                 enum status *st, struct errinfo *e)
+{
+    *out = true;
+    return *st == ST_OK && json_is_null(json_member(object, "identify"))
+               ? out
+               : take_flag(object, "identify", out, st, e);
+}
+
+/* The list of an array of labels, "" for null; NULL: there is no such member, or *st says what is wrong. */
+static const char *take_groups(const struct json_value *object, char out[GROUPS_SIZE],
+                               enum status *st, struct errinfo *e)
+{
+    const struct json_value *v = json_member(object, "groups");
+
+    out[0] = '\0';
+    if (*st != ST_OK || v == NULL)
+        return NULL;
+    if (!json_is_null(v) && !json_is_array(v))
+        *st = errinfo_set(e, ST_EINVAL, "groups is not an array");
+    for (v = json_first(v); *st == ST_OK && v != NULL; v = json_next(v)) {
+        const char *label = json_get_text(v);
+
+        *st = label != NULL ? groups_add(out, label, e)
+                            : errinfo_set(e, ST_EINVAL, "groups has what is no text");
+    }
+    return *st == ST_OK ? out : NULL;
+}
+
 enum status parse_change(const char *text, size_t len, struct parse_change *out,
                          struct errinfo *e)
 {
-    static const char *const known[] = {"consent", "purpose",  "expires_at",
-                                        "hold",    "disabled", NULL};
+    static const char *const known[] = {"consent",  "purpose", "expires_at", "hold",
+                                        "disabled", "groups",  "identify",   NULL};
     struct store_subject_change *what = &out->what;
     struct json_value *doc;
     enum status st = read_object(text, len, known, &doc, e);
@@ -90,6 +120,8 @@ enum status parse_change(const char *text, size_t len, struct parse_change *out,
     what->expires = take_text(doc, "expires_at", out->expires, PARSE_TEXT_MAX, &st, e);
     what->hold = take_flag(doc, "hold", &out->hold, &st, e);
     what->disabled = take_flag(doc, "disabled", &out->disabled, &st, e);
+    what->groups = take_groups(doc, out->groups, &st, e);
+    what->identify = take_identify(doc, &out->identify, &st, e);
     json_free(doc);
     return st;
 }
@@ -97,18 +129,20 @@ enum status parse_change(const char *text, size_t len, struct parse_change *out,
 enum status parse_newcomer(const char *text, size_t len, struct store_subject *out,
                            struct errinfo *e)
 {
-    static const char *const known[] = {"subject", "consent", "purpose", "expires_at",
-                                        NULL};
+    static const char *const known[] = {"subject", "consent",  "purpose", "expires_at",
+                                        "groups",  "identify", NULL};
     struct json_value *doc;
     enum status st = read_object(text, len, known, &doc, e);
 
-    *out = (struct store_subject){.identify = true};
+    memset(out, 0, sizeof *out);
     (void)take_text(doc, "subject", out->id, sizeof out->id, &st, e);
     if (st == ST_OK && !ident_subject_valid(out->id))
         st = errinfo_set(e, ST_EINVAL, "%s", REQUEST_SUBJECT_ID);
     (void)take_text(doc, "consent", out->reference, sizeof out->reference, &st, e);
     (void)take_text(doc, "purpose", out->purpose, sizeof out->purpose, &st, e);
     (void)take_text(doc, "expires_at", out->expires, sizeof out->expires, &st, e);
+    (void)take_groups(doc, out->groups, &st, e);
+    (void)take_identify(doc, &out->identify, &st, e);
     json_free(doc);
     return st;
 }
@@ -152,7 +186,7 @@ static enum status take_end(const char *end, int64_t *ms, struct errinfo *e)
 enum status parse_token(const char *text, size_t len, struct parse_token *out,
                         struct errinfo *e)
 {
-    static const char *const known[] = {"name", "scopes", "expires_at", NULL};
+    static const char *const known[] = {"name", "scopes", "groups", "expires_at", NULL};
     char end[PARSE_TEXT_MAX];
     struct json_value *doc;
     enum status st = read_object(text, len, known, &doc, e);
@@ -165,6 +199,7 @@ enum status parse_token(const char *text, size_t len, struct parse_token *out,
         st = errinfo_set(e, ST_EINVAL, "name is missing");
     if (st == ST_OK)
         st = take_scopes(json_member(doc, "scopes"), &out->scopes, e);
+    (void)take_groups(doc, out->groups, &st, e);
     if (st == ST_OK)
         st = take_end(until, &out->end_ms, e);
     json_free(doc);

@@ -87,7 +87,7 @@ static const struct route table[] = {
      ROUTE_WORKER},
     {REQUEST_POST, "/v1/asymmetry", ROUTE_CLOUD, VERIFY, CLOUD, scans_asymmetry,
      ROUTE_WORKER},
-    {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "q, state, limit, cursor",
+    {REQUEST_GET, "/v1/subjects", ROUTE_NO_BODY, READ, "q, state, group, limit, cursor",
      subjects_list, ROUTE_WORKER},
     {REQUEST_POST, "/v1/subjects", ROUTE_JSON, ENROLL, "", subjects_add, ROUTE_WORKER},
     {REQUEST_GET, SUBJECT, ROUTE_NO_BODY, READ, "", subjects_show, ROUTE_WORKER},

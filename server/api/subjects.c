@@ -88,7 +88,8 @@ static enum status read_cursor(const char *text, int64_t *after)
 void subjects_list(struct request *r, struct worker *w)
 {
     char cursor[SUBJECTS_CURSOR], part[STORE_SUBJECT_MAX + 1] = "", state[16] = "";
-    struct store_search what = {.group = "", .part = part, .limit = PAGE_DEFAULT};
+    char group[GROUPS_LABEL + 1] = "";
+    struct store_search what = {.group = group, .part = part, .limit = PAGE_DEFAULT};
     struct store_subject *s = NULL;
     struct errinfo e = {0};
     enum status st;
@@ -97,7 +98,7 @@ void subjects_list(struct request *r, struct worker *w)
 
     (void)w;
     if (!params_text(r, "q", part, sizeof part) ||
-        !params_text(r, "state", state, sizeof state) ||
+        !params_text(r, "state", state, sizeof state) || !params_group(r, group) ||
         !params_count(r, "limit", 1, PAGE_MAX, &what.limit))
         return;
     st = request_query(r, "cursor", cursor, sizeof cursor);

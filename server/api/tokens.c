@@ -22,6 +22,7 @@ void tokens_own(struct request *r, struct worker *w)
     json_text(j, "id", r->app->no_auth ? NULL : r->actor);
     json_text(j, "name", r->app->no_auth ? NULL : r->token_name);
     describe_scopes(j, r->scopes);
+    describe_groups(j, r->groups);
     json_text(j, "expires_at", r->token_expires[0] != '\0' ? r->token_expires : NULL);
     request_respond(r, 200, json_compact(j));
 }
@@ -74,7 +75,7 @@ void tokens_create(struct request *r, struct worker *w)
     }
     if (!auth_gives(r, what.scopes))
         return;
-    if (store_token_create(r->app->store, r->actor, what.name, what.scopes, "",
+    if (store_token_create(r->app->store, r->actor, what.name, what.scopes, what.groups,
                            what.end_ms, secret, &t, &e) != ST_OK) {
         request_fail(r, &e);
         return;

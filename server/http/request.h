@@ -113,6 +113,7 @@ struct request {
     char token[REQUEST_TOKEN_MAX + 1]; /* Bearer token; wiped after its check */
     char actor[STORE_ID_LEN + 1];      /* id of the token; "": no token */
     unsigned scopes;                   /* scopes of the token; 0: no token */
+    char groups[GROUPS_SIZE]; /* groups that the token is bound to; "": it is not bound */
     /* Name of the token; its expiry, "": never.  "" without a token. */
     char token_name[STORE_NAME_MAX + 1], token_expires[32];
     bool minimal, has_return; /* Prefer: return=minimal; return= with any value */

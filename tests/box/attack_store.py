@@ -75,7 +75,7 @@ FOUND = {
     'token_older': [('tokens', "name = 'lost'")],
     'token_rotated_back': [('tokens', "name = 'stolen'")],
     'token_more_scopes': ["UPDATE tokens SET scopes = 'enroll,verify,read,delete,manage' WHERE name = 'door'"],
-    'token_of_all_groups': ["UPDATE tokens SET groups = '' WHERE name = 'door'"],
+    'token_of_other_groups': ["UPDATE tokens SET groups = 'east' WHERE name = 'door'"],
     'token_made': ["INSERT INTO tokens (id, revision, name, hash, created, scopes, groups, mac) SELECT "
                    "'0123456789abcdef0123456789abcdef', 1, name, randomblob(32), created, scopes, groups, mac "
                    'FROM tokens LIMIT 1'],
