@@ -17,8 +17,8 @@
 #include "ctl_session.h"
 #include "pool.h"
 
-static bool force, each;         /* --force, --each */
-static const char *label, *kind; /* --label, --kind */
+static bool force, each;                 /* --force, --each */
+static const char *label, *kind, *group; /* --label, --kind, --group */
 
 /* The scans of a subject that are enrolled together. */
 struct burst {
@@ -40,6 +40,7 @@ static enum status ctl_enroll_add(struct ctl *c, struct burst *b,
                                 .sample = sample,
                                 .n = b->n,
                                 .manager = true,
+                                .groups = group,
                                 .force = force};
     struct templates_context with = ctl_face_context(c, c->work);
     struct enrolment_outcome out;
@@ -209,6 +210,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
                                 .sample = &sample,
                                 .n = 1,
                                 .manager = true,
+                                .groups = group,
                                 .force = force};
     struct templates_context with = ctl_face_context(c, work);
     struct outcome *o = &w->outcome[i];
@@ -406,6 +408,8 @@ const struct ctl_command ctl_enroll = {
                            "make each file a template of its own"),
                 CTL_OPTION("label", "TEXT", command_text, &label,
                            "a note stored with each template"),
+                CTL_OPTION("group", "LIST", command_text, &group,
+                           "groups of a subject that is new, such as door-3,staff"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
                            "enroll only the scans of this kind (folder or table)")},
     .run = ctl_enroll_run,

@@ -13,13 +13,24 @@
 
 static const char *consent, *purpose; /* --consent, --purpose */
 static const char *part, *state;      /* --match, --state */
+static const char *group, *identify;  /* --group, --identify */
 static const char *reset_token;       /* --token */
 
 /* What stands beside an id in a list. */
 static const char *state_of(const struct store_subject *one)
 {
-    return one->hold ? (one->disabled ? "hold, disabled" : "hold")
-                     : (one->disabled ? "disabled" : "");
+    static char out[40];
+    const char *const word[] = {one->hold ? "hold" : NULL,
+                                one->disabled ? "disabled" : NULL,
+                                one->identify ? NULL : "opted out"};
+    size_t n = 0;
+
+    out[0] = '\0';
+    for (size_t i = 0; i < sizeof word / sizeof *word; i++)
+        if (word[i] != NULL)
+            n += (size_t)snprintf(out + n, sizeof out - n, "%s%s", n > 0 ? ", " : "",
+                                  word[i]);
+    return out;
 }
 
 static void list_one(struct ctl *c, const struct store_subject *one)
@@ -27,27 +38,31 @@ static void list_one(struct ctl *c, const struct store_subject *one)
     json_object(c->out, NULL);
     describe_subject_row(c->out, one);
     json_close(c->out);
-    ctl_say(c, "%-32s %9u  %-24s  %s\n", one->id, one->templates, one->created,
-            state_of(one));
+    ctl_say(c, "%-32s %9u  %-24s  %-25s  %s\n", one->id, one->templates, one->created,
+            state_of(one), one->groups);
 }
 
 static enum status ctl_run_subject_list(struct ctl *c)
 {
-    struct store_search what = {
-        .group = "", .part = part != NULL ? part : "", .limit = PAGE};
+    struct store_search what = {.group = group != NULL ? group : "",
+                                .part = part != NULL ? part : "",
+                                .limit = PAGE};
     struct store_subject *page;
     size_t n, all = 0;
     enum status st = ST_OK;
 
     if (state != NULL && !store_subject_state(state, &what.state))
         return ctl_usage(c, "--state is active, disabled, hold, expired or ending");
+    if (group != NULL && !groups_label(group))
+        return ctl_usage(c, "--group is one group: 1 to %d characters of a-z 0-9 . _ -",
+                         GROUPS_LABEL);
     json_array(c->out, "subjects");
     do {
         st = store_subject_search(c->store, c->actor, &what, &page, &n, &what.after,
                                   &c->e);
         if (n > 0 && all == 0)
-            ctl_say(c, "%-32s %9s  %-24s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
-                    "STATE");
+            ctl_say(c, "%-32s %9s  %-24s  %-25s  %s\n", "SUBJECT", "TEMPLATES", "CREATED",
+                    "STATE", "GROUPS");
         for (size_t i = 0; i < n; i++)
             list_one(c, &page[i]);
         all += n;
@@ -71,6 +86,10 @@ static void print_subject(const struct store_subject *one, size_t templates)
         (void)printf("  expires   %s\n", one->expires);
     if (one->seen[0] != '\0')
         (void)printf("  seen      %s\n", one->seen);
+    if (one->groups[0] != '\0')
+        (void)printf("  groups    %s\n", one->groups);
+    if (!one->identify)
+        (void)printf("  opted out no search finds the subject\n");
     if (one->hold)
         (void)printf("  on hold   cannot be erased\n");
     if (one->disabled)
@@ -129,15 +148,25 @@ static const char *expiry(const struct ctl *c, char text[UTC_TEXT])
 
 static enum status set(struct ctl *c)
 {
-    struct store_subject new = {.identify = true};
+    struct store_subject new = {.expired = false};
     char text[UTC_TEXT];
     const char *id = c->args[0], *expires = expiry(c, text);
-    const struct store_subject_change what = {
-        .reference = consent, .purpose = purpose, .expires = expires};
+    const struct store_subject_change what = {.reference = consent,
+                                              .purpose = purpose,
+                                              .expires = expires,
+                                              .groups = group,
+                                              .identify = identify != NULL ? &new.identify
+                                                                           : NULL};
     enum status st;
 
-    if (consent == NULL && purpose == NULL && expires == NULL)
-        return ctl_usage(c, "subject set needs --consent, --purpose or --expires");
+    if (consent == NULL && purpose == NULL && expires == NULL && group == NULL &&
+        identify == NULL)
+        return ctl_usage(c,
+                         "subject set needs --consent, --purpose, --expires, --group or "
+                         "--identify");
+    if (identify != NULL && strcmp(identify, "yes") != 0 && strcmp(identify, "no") != 0)
+        return ctl_usage(c, "--identify is yes or no");
+    new.identify = identify == NULL || strcmp(identify, "yes") == 0;
     if ((st = ctl_model_open(c, STORE_WRITE)) != ST_OK)
         return st;
     st = store_subject_set(c->store, c->actor, id, &what, &c->e);
@@ -154,6 +183,8 @@ static enum status set(struct ctl *c)
                    consent != NULL ? consent : "");
     (void)snprintf(new.purpose, sizeof new.purpose, "%s", purpose != NULL ? purpose : "");
     (void)snprintf(new.expires, sizeof new.expires, "%s", expires != NULL ? expires : "");
+    if (group != NULL && (st = groups_read(group, new.groups, &c->e)) != ST_OK)
+        return st;
     st = store_subject_add(c->store, c->actor, &new, &c->e);
     return st == ST_OK ? ctl_subject_tell(c, id, "added") : st;
 }
@@ -288,7 +319,9 @@ const struct ctl_command ctl_subject_list = {
                            "only those whose id has this in it"),
                 CTL_OPTION("state", "WORD", command_text, &state,
                            "only those that are active, disabled, on hold, expired, or\n"
-                           "ending (within 30 days): active, disabled, hold, ...")},
+                           "ending (within 30 days): active, disabled, hold, ..."),
+                CTL_OPTION("group", "NAME", command_text, &group,
+                           "only those of this group")},
     .run = ctl_run_subject_list,
     .summary = "list the subjects, or search them",
     .help = "In order of creation.",
@@ -300,7 +333,7 @@ const struct ctl_command ctl_subject_show = {
     .shared = CTL_MODEL,
     .run = ctl_run_subject_show,
     .summary = "describe a subject and its templates",
-    .help = "Consent, purpose, expiry, when it was last seen, and each template.",
+    .help = "Consent, purpose, expiry, groups, when it was last seen, and each template.",
     .example = "surfacectl --db faces.db subject show alice"};
 
 const struct ctl_command ctl_subject_set = {
@@ -310,9 +343,13 @@ const struct ctl_command ctl_subject_set = {
     .options = {CTL_OPTION("consent", "TEXT", command_text, &consent,
                            "place of the consent: a number, a file; '' for none"),
                 CTL_OPTION("purpose", "TEXT", command_text, &purpose,
-                           "what the consent is for; '' for none")},
+                           "what the consent is for; '' for none"),
+                CTL_OPTION("group", "LIST", command_text, &group,
+                           "all groups of the subject: door-3,staff; '' for none"),
+                CTL_OPTION("identify", "yes|no", command_text, &identify,
+                           "no: searches among all subjects do not find it (yes)")},
     .run = set,
-    .summary = "record a subject's consent and expiry",
+    .summary = "record a subject's consent, expiry and groups",
     .help =
         "Values that are not given are kept. A subject that does not exist is created without a\n"
         "template. An expired subject is not verified, and purge erases it.",

@@ -7,8 +7,9 @@
 #include "ctl_command.h"
 #include "ctl_model.h"
 
-static unsigned scopes; /* --scope; 0: not given */
-static int64_t grace_s; /* --grace */
+static unsigned scopes;   /* --scope; 0: not given */
+static int64_t grace_s;   /* --grace */
+static const char *group; /* --group */
 
 /* Prints the secret alone on standard output, for $(...), and its description on standard error. */
 static void out_secret(struct ctl *c, const struct store_token *t, const char *secret)
@@ -20,8 +21,9 @@ static void out_secret(struct ctl *c, const struct store_token *t, const char *s
         return;
     rows_scopes_write(t->scopes, list);
     (void)fprintf(
-        stderr, "token %s (%s) for %s, valid %s%s; its secret is not shown again:\n",
-        t->id, t->name, list, t->expires[0] != '\0' ? "until " : "forever", t->expires);
+        stderr, "token %s (%s) for %s%s%s, valid %s%s; its secret is not shown again:\n",
+        t->id, t->name, list, t->groups[0] != '\0' ? " in the groups " : "", t->groups,
+        t->expires[0] != '\0' ? "until " : "forever", t->expires);
     (void)printf("%s\n", secret);
 }
 
@@ -41,8 +43,8 @@ static enum status ctl_run_token_create(struct ctl *c)
         return ctl_usage(c, "token create needs --scope: one or more of %s", all);
     }
     if ((st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
-        st = store_token_create(c->store, c->actor, name, scopes, "", end_ms, secret, &t,
-                                &c->e);
+        st = store_token_create(c->store, c->actor, name, scopes,
+                                group != NULL ? group : "", end_ms, secret, &t, &c->e);
     if (st == ST_OK)
         out_secret(c, &t, secret);
     return st;
@@ -118,8 +120,8 @@ static enum status ctl_run_token_list(struct ctl *c)
     if (st != ST_OK)
         return st;
     json_array(c->out, "tokens");
-    ctl_say(c, "%-32s  %-7s  %-16s  %-16s  %-16s  %-73s  %s\n", "TOKEN ID", "STATE",
-            "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "NAME");
+    ctl_say(c, "%-32s  %-7s  %-16s  %-16s  %-16s  %-73s  %-16s  %s\n", "TOKEN ID",
+            "STATE", "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "GROUPS", "NAME");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
         describe_token(c->out, &t[i], NULL);
@@ -131,7 +133,8 @@ static enum status ctl_run_token_list(struct ctl *c)
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");
         print_time(t[i].used, "never");
-        (void)printf("  %-73s  %s\n", words, t[i].name);
+        (void)printf("  %-73s  %-16s  %s\n", words,
+                     t[i].groups[0] != '\0' ? t[i].groups : "all", t[i].name);
     }
     json_close(c->out);
     free(t);
@@ -159,23 +162,25 @@ const struct ctl_command ctl_token_create = {
     .takes = {0, 1},
     .database = CTL_NEEDS_DATABASE,
     .shared = CTL_EXPIRES,
-    .options = {CTL_OPTION(
-        "scope", "LIST", ctl_option_scopes, &scopes,
-        "what the token may do: some of verify,enroll,identify,read,delete,\n"
-        "manage,tokens,audit,events,score,detail")},
+    .options =
+        {CTL_OPTION("scope", "LIST", ctl_option_scopes, &scopes,
+                    "what the token may do: some of verify,enroll,identify,read,delete,\n"
+                    "manage,tokens,audit,events,score,detail"),
+         CTL_OPTION("group", "LIST", command_text, &group,
+                    "bind it to these groups of subjects: door-3,staff (all subjects)")},
     .run = ctl_run_token_create,
     .summary = "make a Bearer token for the daemon",
     .help = "Its secret is printed once. It is valid for a year, or until --expires.",
     .example =
         "surfacectl --db faces.db token create front-door --scope verify --expires 90d"};
 
-const struct ctl_command ctl_token_list = {.name = "token list",
-                                           .database = CTL_READS_DATABASE,
-                                           .run = ctl_run_token_list,
-                                           .summary = "list the tokens",
-                                           .help = "Scopes, end and last use of each.",
-                                           .example =
-                                               "surfacectl --db faces.db token list"};
+const struct ctl_command ctl_token_list = {
+    .name = "token list",
+    .database = CTL_READS_DATABASE,
+    .run = ctl_run_token_list,
+    .summary = "list the tokens",
+    .help = "Scopes, groups, end and last use of each.",
+    .example = "surfacectl --db faces.db token list"};
 
 const struct ctl_command ctl_token_rotate = {
     .name = "token rotate",

@@ -248,6 +248,7 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
                                 .sample = sample,
                                 .newest = x->force ? NULL : g->newest,
                                 .manager = x->manager,
+                                .groups = x->groups,
                                 .captured = x->captured};
     enum status st = ST_OK;
 

@@ -20,7 +20,7 @@ struct enrolment {
     const char *actor, *subject, *label; /* as in store_enroll() */
     const struct store_sample *sample;   /* samples [n]; face NULL: already refused */
     size_t n;                            /* number of samples, 1 to ENROLMENT_SAMPLES */
-    const char *captured;                /* as in store_enroll() */
+    const char *groups, *captured;       /* as in store_enroll() */
     bool manager;                        /* as in struct store_template */
     bool force; /* samples are stored even if they do not match */
     /* Limits of failed attempts.  A sample that does not match the reference templates is a failed
