@@ -55,16 +55,10 @@ static bool identify_ask(struct request *r, char group[GROUPS_LABEL + 1],
                          struct identify_request *ask)
 {
     group[0] = '\0';
-    if (!params_text(r, "group", group, GROUPS_LABEL + 1) ||
+    if (!params_group(r, group) ||
         !params_count(r, "candidates", 0, IDENTIFY_MOST, &ask->candidates) ||
         (ask->candidates > 0 && !auth_may(r, STORE_SCOPE_READ)))
         return false;
-    if (group[0] != '\0' && !groups_label(group)) {
-        request_problem(r, ERRMAP_PARAMETER,
-                        "group: a group is 1 to %d characters of a-z 0-9 . _ -",
-                        GROUPS_LABEL);
-        return false;
-    }
     ask->actor = r->actor;
     ask->group = group;
     return true;

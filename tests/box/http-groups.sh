@@ -26,6 +26,7 @@ POST /v1/subjects new
 GET /v1/tokens list
 POST /v1/tokens new
 GET /v1/token own
+POST /v1/identify search
 POST /v1/compare -
 POST /v1/check -
 POST /v1/asymmetry -

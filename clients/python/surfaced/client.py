@@ -237,20 +237,21 @@ class Client:
             query = {**query, cursor: page["next_cursor"]}
 
     def list_subjects(self, **query: Query) -> Iterator[Listed]:
-        """Subjects, page by page.  query: q (a part of the id), state, limit (the rows of a page)."""
+        """Subjects, page by page.  query: q (a part of the id), state, group, limit (the rows of a page)."""
         return self._pages("/v1/subjects", "subjects", query, "cursor")
 
     def add_subject(self, subject: str, *, consent: str | None = None, purpose: str | None = None,
-                    expires_at: str | None = None) -> Subject:
-        """A subject without a template, before the first scan."""
+                    expires_at: str | None = None, groups: Sequence[str] = (), identify: bool = True) -> Subject:
+        """A subject without a template, before the first scan.  Without groups: those of a token that is bound."""
         return self.request("POST", "/v1/subjects", json_body={
-            "subject": subject, "consent": consent, "purpose": purpose, "expires_at": expires_at})
+            "subject": subject, "consent": consent, "purpose": purpose, "expires_at": expires_at,
+            "groups": list(groups), "identify": identify})
 
     def show_subject(self, subject: str) -> Subject:
         return self.request("GET", f"/v1/subjects/{quote(subject, safe='')}")
 
-    def change_subject(self, subject: str, **changes: str | bool | None) -> Subject:
-        """changes: consent, purpose, expires_at (None: takes it away), hold, disabled."""
+    def change_subject(self, subject: str, **changes: str | bool | Sequence[str] | None) -> Subject:
+        """changes: consent, purpose, expires_at, groups (None: takes it away), hold, disabled, identify."""
         return self.request("PATCH", f"/v1/subjects/{quote(subject, safe='')}", json_body=changes,
                             content_type="application/merge-patch+json")
 
@@ -277,9 +278,12 @@ class Client:
     def list_tokens(self) -> list[dict[str, Any]]:
         return self.request("GET", "/v1/tokens")["tokens"]
 
-    def create_token(self, name: str, scopes: Sequence[str], **end: str | None) -> dict[str, Any]:
-        """The new token and its secret, which is shown once.  end: expires_at (None: never)."""
-        return self.request("POST", "/v1/tokens", json_body={"name": name, "scopes": list(scopes), **end})
+    def create_token(self, name: str, scopes: Sequence[str], *, groups: Sequence[str] = (),
+                     **end: str | None) -> dict[str, Any]:
+        """The new token and its secret, which is shown once.  groups: of subjects, to which it is bound; () is those
+        of this token.  end: expires_at (None: never)."""
+        return self.request("POST", "/v1/tokens", json_body={
+            "name": name, "scopes": list(scopes), "groups": list(groups), **end})
 
     def rotate_token(self, token_id: str, *, grace_s: int = 0) -> dict[str, Any]:
         """The token with another secret; the old one is good for grace_s seconds."""

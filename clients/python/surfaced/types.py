@@ -132,6 +132,8 @@ class Subject(TypedDict):
     last_seen: str | None
     hold: bool
     disabled: bool
+    identify: bool
+    groups: list[str]
     attempts: Attempts
     templates: list[Template]
 
@@ -147,6 +149,8 @@ class Listed(TypedDict):
     last_seen: str | None
     hold: bool
     disabled: bool
+    identify: bool
+    groups: list[str]
     templates: int
     quality: float | None
 
@@ -179,4 +183,5 @@ class OwnToken(TypedDict):
     id: str | None
     name: str | None
     scopes: list[str]
+    groups: list[str]
     expires_at: str | None

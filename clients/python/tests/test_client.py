@@ -247,10 +247,16 @@ class TestRequests(Served):
         client = self.client
         client.add_subject("managed")
         self.assertEqual([row["subject"] for row in client.list_subjects(q="MANAGE", state="active", limit=1)], ["managed"])
-        made = client.create_token("door", ["verify"], expires_at=None)
+        self.assertEqual(client.change_subject("managed", groups=["staff", "door"], identify=False)["groups"],
+                         ["door", "staff"])
+        self.assertEqual(client.add_subject("other", groups=["staff"])["groups"], ["staff"])
+        self.assertEqual([row["subject"] for row in client.list_subjects(group="door")], ["managed"])
+        made = client.create_token("door", ["verify", "read"], groups=["door"], expires_at=None)
         self.assertIsNone(made["expires_at"])
         with Client(self.url, made["secret"]) as door:
-            self.assertEqual(door.show_own_token()["scopes"], ["verify"])
+            self.assertEqual(door.show_own_token()["groups"], ["door"])
+            self.assertEqual([row["groups"] for row in door.list_subjects()], [["door"]])
+            self.refused(404, "not_found", door.show_subject, "other")
             self.refused(403, "insufficient_scope", door.list_tokens)
             again = client.rotate_token(made["id"])
             self.refused(401, "unauthorized", door.show_own_token)
