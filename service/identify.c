@@ -98,7 +98,7 @@ static enum status compare_found(struct templates_context *c, struct identificat
 
     if (st != ST_OK)
         return st;
-    st = templates_read_found(c, people, uid, &t, e);
+    st = templates_read_found(c, people, uid, x->request->actor, &t, e);
     if (st == ST_OK &&
         is_admitted(x->request, store_people_bound(people), &t.of.subject) &&
         (st = templates_compare(&t, false, *x->request->face, &n, e)) == ST_OK) {

@@ -82,13 +82,13 @@ enum status templates_read(struct templates_context *c, const struct templates_o
 }
 
 enum status templates_read_found(struct templates_context *c, struct store_people *people,
-                                 const unsigned char *uid, struct templates *out,
-                                 struct errinfo *e)
+                                 const unsigned char *uid, const char *token,
+                                 struct templates *out, struct errinfo *e)
 {
     const struct store_snapshot_of what = {.uid = uid, .people = people};
     enum status st;
 
-    *out = (struct templates){.context = c};
+    *out = (struct templates){.context = c, .token = token};
     if ((st = store_snapshot_begin(c->store, &what, &out->of, e)) == ST_OK)
         st = admit(NULL, out, e);
     for (size_t i = 0; st == ST_OK && i < out->of.n; i++)

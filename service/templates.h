@@ -63,12 +63,13 @@ enum status templates_read(struct templates_context *c, const struct templates_o
 
 struct store_people; /* store_people.h */
 
-/* templates_read_found(c, people, uid, out, e): Like templates_read(), for a subject that a search has found: within
+/* templates_read_found(c, people, uid, token, out, e): Like templates_read(), for a subject that a search has found: within
  * its transaction, and without limits of attempts and a calibration.
- *   uid  [STORE_UID] */
+ *   uid    [STORE_UID]
+ *   token  actor of the request, borrowed */
 enum status templates_read_found(struct templates_context *c, struct store_people *people,
-                                 const unsigned char *uid, struct templates *out,
-                                 struct errinfo *e);
+                                 const unsigned char *uid, const char *token,
+                                 struct templates *out, struct errinfo *e);
 
 /* templates_free(t): Releases the templates; t is reset to the empty state. */
 void templates_free(struct templates *t);
