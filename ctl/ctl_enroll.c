@@ -133,7 +133,7 @@ static enum status enroll_files(struct ctl *c)
         return st;
     if ((b = calloc(1, sizeof *b)) == NULL)
         return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
-    if ((st = ctl_session_list(c, &b->files)) == ST_OK &&
+    if ((st = ctl_session_list(c, 1, &b->files)) == ST_OK &&
         (st = ctl_model_open(c, STORE_WRITE)) == ST_OK)
         st = each || b->files.n == 1 ? enroll_each(c, b) : enroll_fused(c, b);
     if (st == ST_OK && (failed = report_burst(c, b, &worst)) > 0)

@@ -62,12 +62,12 @@ static enum status add_folder(struct ctl *c, struct ctl_session *s, const char *
     return st;
 }
 
-enum status ctl_session_list(struct ctl *c, struct ctl_session *s)
+enum status ctl_session_list(struct ctl *c, int first, struct ctl_session *s)
 {
     enum status st = ST_OK;
     struct stat sb;
 
-    for (int i = 1; st == ST_OK && i < c->nargs; i++)
+    for (int i = first; st == ST_OK && i < c->nargs; i++)
         st = stat(c->args[i], &sb) == 0 && S_ISDIR(sb.st_mode)
                  ? add_folder(c, s, c->args[i])
                  : add_path(c, s, "", c->args[i]);

@@ -12,11 +12,11 @@ struct ctl_session {
     struct session session;
 };
 
-/* ctl_session_list(c, s): Lists the files that the arguments behind the first name, and, of a folder, the
- * scans in it, by name.
+/* ctl_session_list(c, first, s): Lists the files that the arguments from index first on name, and, of a folder,
+ * the scans in it, by name.
  *   s  in: all zero; to be released by ctl_session_free(), also after a failure
  * Returns ST_OK, or an error with c->e set: more than SURFACE_FRAMES_MAX files; a folder without a scan. */
-enum status ctl_session_list(struct ctl *c, struct ctl_session *s);
+enum status ctl_session_list(struct ctl *c, int first, struct ctl_session *s);
 
 /* ctl_session_read(c, s): Reads the points of the files into s->session.  One of several files that cannot be read
  * is left out, with the reason.

@@ -10,7 +10,7 @@
 /* clang-format off */
 /* Each is at the end of the file whose name its own begins with. */
 #define COMMANDS(X) \
-    X(ctl_database_init) X(ctl_enroll) X(ctl_verify) X(ctl_verify_compare) \
+    X(ctl_database_init) X(ctl_enroll) X(ctl_verify) X(ctl_identify) X(ctl_verify_compare) \
     X(ctl_explain) X(ctl_scan) \
     X(ctl_subject_list) X(ctl_subject_show) \
     X(ctl_subject_set) X(ctl_subject_rename) X(ctl_subject_disable) \

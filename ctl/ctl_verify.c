@@ -70,7 +70,7 @@ static enum status ctl_verify_verify(struct ctl *c)
 {
     struct verify_request r = {.of = {.subject = c->args[0], .token = c->actor}};
     struct ctl_session *s = calloc(1, sizeof *s);
-    enum status st = s != NULL ? ctl_session_list(c, s)
+    enum status st = s != NULL ? ctl_session_list(c, 1, s)
                                : errinfo_set(&c->e, ST_ENOMEM, "out of memory");
 
     if (st == ST_OK && (st = ctl_session_read(c, s)) == ST_OK)

@@ -521,6 +521,22 @@ enum status gallery_find(struct gallery *g, struct surface_work *w,
     return st == ST_OK ? st : errinfo_set(e, st, "searching: %s", status_message(st));
 }
 
+enum status gallery_count(struct gallery *g, const char *bound, const char *group,
+                          struct gallery_found *out, struct errinfo *e)
+{
+    const struct gallery_search what = {.bound = bound, .group = group};
+    struct finding f = {.may = NULL};
+    bool done;
+
+    *out = (struct gallery_found){.n = 0};
+    (void)pthread_rwlock_rdlock(&g->lock);
+    done = gallery_allow(g, &what, &f, out);
+    (void)pthread_rwlock_unlock(&g->lock);
+    mem_free(f.may);
+    mem_free(f.allowed);
+    return done ? ST_OK : errinfo_set(e, ST_ENOMEM, "out of memory");
+}
+
 void gallery_found_free(struct gallery_found *f)
 {
     free(f->uid);

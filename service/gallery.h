@@ -63,6 +63,12 @@ struct gallery_found {
     unsigned char (*uid)[STORE_UID]; /* their uids [n], the most alike first; owned */
 };
 
+/* gallery_count(g, bound, group, out, e): Sets searched and skipped of out to those of a search by a token bound to
+ * these groups (struct gallery_search).
+ * Returns ST_OK; ST_ENOMEM. */
+enum status gallery_count(struct gallery *g, const char *bound, const char *group,
+                          struct gallery_found *out, struct errinfo *e);
+
 /* gallery_find(g, w, what, out, e): Finds the subjects most like a probe, by their best template each.
  *   out  to be released by gallery_found_free(), also after a failure
  * Cost: as surface_search().
