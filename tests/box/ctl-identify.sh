@@ -76,6 +76,17 @@ is "disabled" "$(said '[.searched, (.candidates | map(.subject) | index("p3"))] 
 "$ctl" --db "$DB" subject enable p3 >out
 ctl_exits 1 identify probe.ply --group door-3
 is "a group without anybody" "$(said '[.decision, .searched] | join(" ")')" 'no_match 0'
+for n in 1 2; do "$ctl" --db "$DB" subject set p$n --group door-3,staff >out; done
+ctl_exits 1 identify probe.ply --group door-3
+is "a group without the person" "$(said '[.decision, .searched] | join(" ")')" 'no_match 2'
+"$ctl" --db "$DB" subject set p3 --group door-3 >out
+ctl_exits 0 identify probe.ply --group door-3
+is "with the person" "$(said '[.decision, .subject, .searched] | join(" ")')" 'match p3 3'
+"$ctl" --db "$DB" subject set p3 --identify no >out
+ctl_exits 1 identify probe.ply
+is "opted out" "$(said '[.decision, .searched] | join(" ")')" 'no_match 5'
+ctl_exits 0 verify p3 probe.ply
+"$ctl" --db "$DB" subject set p3 --identify yes >out
 
 # ---- a dry run
 searches=$(entries identify)
@@ -84,7 +95,7 @@ is "a dry run" "$(said '[.searched, .skipped, .threshold, .people_supported, .te
 ok "what it would take" jq_true '.memory_bytes > 0 and .load_ms > 0 and .search_ms > 1 and
     .fpir_at_threshold > 0 and .fpir_at_threshold <= 0.01' "$T/ctl"
 text --dry-run --group door-3
-reads "as text, of a group" '^people       0 of the group door-3$' '^time         about '
+reads "as text, of a group" '^people       3 of the group door-3$' '^time         about '
 ctl_exits 0 identify probe.ply --dry-run
 is "nothing is searched, nor recorded" "$(said .decision) $(entries identify)" "null $searches"
 
