@@ -15,7 +15,7 @@ cp tests/box/client-openapi.ts "$T/client.ts"
     exit 0
 }
 ctl init
-token=$(new_token client --scope enroll,verify)
+token=$(new_token client --scope enroll,verify,identify,read)
 start_daemon
 scan 1 0 "$T/a.ply"
 scan 1 1 "$T/again.ply"
@@ -34,5 +34,5 @@ END
 echo '{"type": "module"}' >"$T/package.json"
 node "$T/run.mjs" "$URL" "$token" "$T/a.ply" "$T/again.ply" >"$T/out" 2>&1
 is "what it does" "$(paste -sd '|' "$T/out")" \
-    'enrollable true|label first, quality true|match|above true|not_found'
+    'enrollable true|label first, quality true|match|above true|match alice of 1, alice|not_found'
 finish

@@ -31,6 +31,9 @@ export async function client(url: string, token: string, enrol: Blob, probe: Blo
   lines.push(decision);
   if ("score" in verified && verified.score !== undefined && verified.threshold !== undefined)
     lines.push(`above ${verified.score >= verified.threshold}`);
+  const found = await post("/v1/identify", "", probe, { candidates: 2 });
+  if ("type" in found) throw new Error(found.detail);
+  if ("candidates" in found) lines.push(`${found.decision} ${found.subject} of ${found.searched}, ${found.candidates?.[0].subject}`);
   const nobody = await post("/v1/subjects/{subject}/verify", "nobody", probe);
   if (!("type" in nobody)) throw new Error("nobody was verified");
   const code: Problem["code"] = nobody.code;

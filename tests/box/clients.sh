@@ -108,6 +108,33 @@ camera = {'fx': 600, 'fy': 600, 'cx': 119.5, 'cy': 159.5, 'depth_scale': 0.0001}
 with Client() as client:
     client.enroll('line', '$T/4.png', '$T/5.png', **camera)
     assert client.verify('line', '$T/6.png', '$T/7.png', **camera)['decision'] == 'match'"
+
+# ---- who is it?
+scripts/example.sh shell docs/clients.md >"$T/who.sh"
+# who WANTED TOKEN SCAN...: what the script prints.
+who() {
+    wanted=$1 with=$2
+    shift 2
+    (cd "$T" && env SURFACED_URL="$URL" SURFACED_TOKEN="$with" no_proxy='*' sh who.sh "$@" >out 2>&1)
+    contains "who $*" "$T/out" "$wanted"
+}
+hall=$(new_token hall --scope identify)
+scan 8 0 "$T/ida.ply"
+scan 8 1 "$T/ida2.ply" --pose 8 --shift 10
+scan 8 2 "$T/ida3.ply" --pose 8 --shift 10
+scan 9 0 "$T/stranger.ply"
+ctl enroll ida "$T/ida.ply"
+who '^ida$' "$hall" ida2.ply
+who '^ida$' "$hall" ida2.ply ida3.ply
+who '^nobody of the [0-9]+ who were searched$' "$hall" stranger.ply
+who '^malformed: ' "$hall" short.ply
+who '^insufficient_scope: ' "$token" ida2.ply
+ok "Python, in one line" env SURFACED_URL="$URL" SURFACED_TOKEN="$hall" PYTHONPATH="$T/py" no_proxy='*' \
+    /usr/bin/python3 -c "
+from surfaced import Client
+with Client() as client:
+    assert client.identify('$T/ida3.ply')['subject'] == 'ida'
+    assert client.identify('$T/stranger.ply')['subject'] is None"
 stop_daemon
 for language in curl python node go; do
     client "$language" "$language" "$T/a.ply" "$T/again.ply"

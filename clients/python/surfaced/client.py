@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, overload
 from urllib.parse import quote, urlencode, urlsplit
 
-from .types import Asymmetry, Burst, Check, Erased, Listed, Nonce, OwnToken, Subject, Template, Verdict
+from .types import Asymmetry, Burst, Check, Erased, Identification, Listed, Nonce, OwnToken, Subject, Template, Verdict
 
 log = logging.getLogger("surfaced")
 
@@ -205,6 +205,13 @@ class Client:
         """As verify, by one template alone."""
         return self._post(f"/v1/templates/{quote(template_id, safe='')}/verify", frames,
                           {**how, "detail": detail}, capture)
+
+    def identify(self, *frames: Cloud, group: str | None = None, candidates: int | None = None,
+                 capture: Capture | None = None, **how: Query) -> Identification:
+        """Who of all who may be found is it, or of a group?  Several scans (up to 10) are frames of one
+        capture session: one probe.  candidates: lists so many of the most alike, for a person to review
+        (takes the scope read); only "decision": "match" names somebody."""
+        return self._post("/v1/identify", frames, {**how, "group": group, "candidates": candidates}, capture)
 
     @overload
     def compare(self, a: Cloud, b: Cloud, *, detail: Detail | None = None,

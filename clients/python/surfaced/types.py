@@ -103,6 +103,37 @@ class Verdict(TypedDict):
     cells: NotRequired[dict[str, Any]]
 
 
+class Candidate(TypedDict):
+    """To be reviewed by a person: one of the most alike, no decision."""
+
+    subject: str
+    template_id: str
+    score: float
+    fmr_at_score: float
+
+
+class Identification(TypedDict):
+    """Without a match the numbers only to a token with score, detail or manage, or with candidates.
+    threshold: None if no score is a match among so many people."""
+
+    decision: Literal["match", "no_match", "inconclusive"]
+    subject: str | None
+    template_id: str | None
+    score: NotRequired[float | None]
+    threshold: NotRequired[float | None]
+    fpir_at_score: NotRequired[float | None]
+    extrapolated: NotRequired[bool]
+    searched: int
+    skipped: NotRequired[int]
+    compared: NotRequired[int]
+    candidates: NotRequired[list[Candidate]]
+    frames: NotRequired[list[Frame]]
+    scan: Scan
+    quality: Quality
+    engine: str
+    timing_ms: dict[str, float]
+
+
 class Asymmetry(TypedDict):
     conclusive: bool
     plain_mm: float

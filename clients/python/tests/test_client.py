@@ -65,7 +65,7 @@ class Served(unittest.TestCase):
         cls.addClassCleanup(cls.stack.close)
         cls.folder = cls.stack.enter_context(tempfile.TemporaryDirectory())
         run(os.path.join(BUILD, "surfacectl"), "--db", cls.path("faces.db"), "init")
-        for name, subject, scan in (("a1.ply", 1, 0), ("a2.ply", 1, 1), ("b1.ply", 2, 0), ("a1.json", 1, 0)):
+        for name, subject, scan in (("a1.ply", 1, 0), ("a2.ply", 1, 1), ("a3.ply", 1, 2), ("b1.ply", 2, 0), ("a1.json", 1, 0)):
             run(os.path.join(BUILD, "facegen"), "--subject", str(subject), "--scan", str(scan), "-o", cls.path(name))
         cls.token = new_token(cls.folder, "test")
 
@@ -159,6 +159,23 @@ class TestRequests(Served):
             self.client.verify("frames", self.path("a1.ply"), self.path("b1.ply"))
         self.assertEqual(raised.exception.code, "several_people")
         self.client.erase_subject("frames")
+
+    def test_identify(self):
+        self.assertEqual(self.client.identify(self.path("a2.ply"), group="door-9")["searched"], 0)
+        self.client.add_subject("ida", groups=["door-9"])
+        self.client.enroll("ida", self.path("a1.ply"))
+        found = self.client.identify(self.path("a2.ply"), group="door-9", candidates=3)
+        self.assertEqual((found["decision"], found["subject"], found["searched"]), ("match", "ida", 1))
+        self.assertEqual([(c["subject"], c["score"]) for c in found["candidates"]], [("ida", found["score"])])
+        frames = self.client.identify(self.path("a2.ply"), self.path("a3.ply"), group="door-9")["frames"]
+        self.assertEqual([f["used"] for f in frames], [True, True])
+        with Client(self.url, new_token(self.folder, "hall", "identify")) as hall:
+            nobody = hall.identify(self.path("b1.ply"), group="door-9")
+            self.assertEqual((nobody["decision"], nobody["subject"]), ("no_match", None))
+            self.assertNotIn("score", nobody)
+            self.refused(403, "insufficient_scope", hall.identify, self.path("b1.ply"), candidates=1)
+        self.refused(400, "invalid_parameter", self.client.identify, self.path("a2.ply"), candidates=51)
+        self.client.erase_subject("ida")
 
     def test_subjects(self):
         names = [f"s{i}" for i in range(7)]
@@ -434,6 +451,7 @@ class TestContract(unittest.TestCase):
     def test_types(self):
         schemas = self.api["components"]["schemas"]
         rows = {"Listed": schemas["SubjectPage"]["properties"]["subjects"]["items"],
+                "Candidate": schemas["Identification"]["properties"]["candidates"]["items"],
                 "BurstFile": schemas["Burst"]["properties"]["templates"]["items"]}
         rows["Frame"] = schemas["Frames"]["items"]
         rows["Refusal"] = rows["BurstFile"]["properties"]["refusal"]
