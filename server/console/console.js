@@ -102,6 +102,7 @@ function showFrame() {
       el("div.who", {},
         el("strong", {}, who.name || "no token"),
         el("span.dim", {}, who.scopes.join(" · ")),
+        who.groups.length > 0 && el("span.dim", {}, `only ${who.groups.join(", ")}`),
         el("div.row", {}, theme,
           el("button.quiet", { type: "button", onclick: () => lock() }, icon("lock"), el("span", {}, "Lock"))))),
     main);

@@ -6,7 +6,7 @@ import { enroll } from "./enroll.js";
 import { openPerson } from "./person.js";
 import { droppable } from "./slot.js";
 import { failure } from "./verdict.js";
-import { choices, meter, personAt, state, table } from "./widgets.js";
+import { choices, groupLinks, meter, personAt, state, table } from "./widgets.js";
 import { personStates } from "./words.js";
 
 const STATES = [["", "All"], ["active", "Active"], ["ending", "Ending soon"], ["expired", "Expired"], ["disabled", "Disabled"], ["hold", "On hold"]];
@@ -16,8 +16,8 @@ export function open(main, who, asked) {
   if (!who.scopes.includes("read")) return openDesk(main, who);
   if (asked.get("subject") !== null) return openPerson(main, who, asked.get("subject"));
 
-  let q = asked.get("q") ?? "", filter = asked.get("state") ?? "", cursor = null, shown = 0, stop = null, timer = 0;
-  const here = (filter) => `#people${query({ q, state: filter })}`;
+  let q = asked.get("q") ?? "", group = asked.get("group"), filter = asked.get("state") ?? "", cursor = null, shown = 0, stop = null, timer = 0;
+  const here = (filter) => `#people${query({ q, state: filter, group })}`;
   const search = el("input", {
     type: "search", value: q, placeholder: "Find an id", "aria-label": "Find a person by a part of the id", spellcheck: false, autocapitalize: "off",
     oninput: () => {
@@ -35,6 +35,7 @@ export function open(main, who, asked) {
   const list = table("People", [
     ["Person", (s) => el("a", { href: personAt(s.subject) }, s.subject), "name"],
     ["State", (s) => el("span.states", {}, personStates(s).map(state))],
+    ["Groups", (s) => groupLinks(s.groups)],
     ["Templates", (s) => s.templates || el("span.dim", {}, "none"), "number"],
     ["Quality", (s) => meter(s.quality)],
     ["Last seen", (s) => when(s.last_seen), "dim"],
@@ -53,7 +54,7 @@ export function open(main, who, asked) {
     more.hidden = true;
     try {
       for (let got = 0, tries = 0; tries < TRIES && got < LEAST; tries++) {
-        const page = await get(`/v1/subjects${query({ q, state: filter, limit: PAGE, cursor })}`, { stop: own.signal });
+        const page = await get(`/v1/subjects${query({ q, state: filter, group, limit: PAGE, cursor })}`, { stop: own.signal });
         if (!shown && !got) list.set([]);
         list.add(page.subjects);
         got += page.subjects.length;
@@ -66,7 +67,7 @@ export function open(main, who, asked) {
       list.element.hidden = !shown;
       const n = `${count(shown)} ${shown === 1 ? "person" : "people"}`;
       status.textContent = cursor !== null ? (shown ? `${n} shown, there are more.` : "Nobody like that so far, and there are more to look at.")
-        : shown ? `${n}.` : q || filter ? "Nobody like that." : "Nobody is enrolled yet.";
+        : shown ? `${n}.` : q || filter || group ? "Nobody like that." : "Nobody is enrolled yet.";
     } catch (e) {
       if (e.name === "AbortError") return;
       status.textContent = "";
@@ -78,7 +79,8 @@ export function open(main, who, asked) {
   main.replaceChildren(
     el("header", {}, el("h1", {}, "People"), el("span.search", {}, icon("search"), search),
       who.scopes.includes("enroll") && el("button.primary", { type: "button", onclick: () => begin() }, icon("plus"), "Enroll")),
-    el("div.stack", who.scopes.includes("enroll") ? droppable(begin) : {}, nav, problem, list.element, el("div.row.end", {}, status, more)));
+    el("div.stack", who.scopes.includes("enroll") ? droppable(begin) : {}, nav,
+      group !== null && el("p.row", {}, "Of the group ", el("strong", {}, group), el("a", { href: `#people${query({ q, state: filter })}` }, "Show all")), problem, list.element, el("div.row.end", {}, status, more)));
   links();
   list.element.hidden = true;
   load(true);

@@ -9,7 +9,7 @@ import { readGlb } from "./glb.js";
 import { droppable } from "./slot.js";
 import { createStage } from "./stage.js";
 import { failure, facts, pairs, verdict } from "./verdict.js";
-import { ask, attempt, dialog, field, meter, state, table, VERBATIM } from "./widgets.js";
+import { ask, attempt, dialog, field, groupLinks, groupsField, meter, state, table, VERBATIM } from "./widgets.js";
 import { kind, personStates } from "./words.js";
 
 const LATELY = 8;
@@ -74,16 +74,18 @@ export function openPerson(main, who, subject) {
     const reference = el("input", { type: "text", maxLength: 128, value: person.consent ?? "" });
     const purpose = el("input", { type: "text", maxLength: 128, value: person.purpose ?? "" });
     const ends = el("input", { type: "date", defaultValue: person.expires_at?.slice(0, 10) ?? "" });
+    const found = el("input", { type: "checkbox", checked: person.identify });
     const button = el("button.primary", { type: "submit" }, "Save");
     d.body.append(el("form", {
       onsubmit: async (e) => {
         e.preventDefault();
-        const what = { consent: reference.value || null, purpose: purpose.value || null };
+        const what = { identify: found.checked, consent: reference.value || null, purpose: purpose.value || null };
         if (ends.value !== ends.defaultValue) what.expires_at = dayEnd(ends.value); // else its time of day stays
         if (await attempt(button, error, () => change(what))) d.close();
       },
     }, field("Reference", reference, "A number, a file"), field("Purpose", purpose),
     field("Ends", ends, "The last day, UTC; nobody is verified as them after it. Empty: never"),
+    el("label.box", {}, found, el("span", {}, "A search among all people may find them", el("span.dim", {}, " – verified they are in any case"))),
     error, el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Cancel"), button)));
     reference.focus();
   }
@@ -92,7 +94,26 @@ export function openPerson(main, who, subject) {
     el("div.row.between", {}, el("h2", {}, "Consent"),
       may("manage") && el("button.quiet", { type: "button", "aria-label": "Change the consent", onclick: editConsent }, "Change")),
     el("dl.facts", {}, pairs([["Reference", person.consent ?? "–"], ["Purpose", person.purpose ?? "–"],
-      ["Ends", person.expires_at ? day(person.expires_at) : "never"], ["Since", day(person.created)]])));
+      ["Ends", person.expires_at ? day(person.expires_at) : "never"], ["Searches", person.identify ? "may find them" : "opted out"], ["Since", day(person.created)]])));
+
+  function editGroups() {
+    const d = dialog("Groups"), error = el("p.error", { role: "alert" });
+    const groups = groupsField(who.groups.length ? `One or more of ${who.groups.join(", ")}`
+      : "Up to 8: a-z 0-9 . _ -; tokens may be bound to them. Empty: none", person.groups);
+    const button = el("button.primary", { type: "submit" }, "Save");
+    d.body.append(el("form", {
+      onsubmit: async (e) => {
+        e.preventDefault();
+        if (await attempt(button, error, () => change({ groups: groups.value }))) d.close();
+      },
+    }, groups.element, error, el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Cancel"), button)));
+    groups.input.focus();
+  }
+
+  const groupsCard = () => el("section.card", {},
+    el("div.row.between", {}, el("h2", {}, "Groups"),
+      may("manage") && el("button.quiet", { type: "button", "aria-label": "Change the groups", onclick: editGroups }, "Change")),
+    person.groups.length ? groupLinks(person.groups) : el("p.dim", {}, "None: only tokens that are bound to no group see this person."));
 
   function attemptsCard() {
     const { failures, locked_until: until } = person.attempts, error = el("p.error", { role: "alert" });
@@ -196,7 +217,7 @@ export function openPerson(main, who, subject) {
     const looked = body.querySelector(".looked") ?? el("section.stack.looked");
     body.replaceChildren(el("div.try", {},
       el("div.stack", {}, templates(), looked, may("audit") && lately()),
-      el("div.side", {}, stateCard(), attemptsCard(), consentCard(), may("delete") && eraseCard())));
+      el("div.side", {}, stateCard(), attemptsCard(), consentCard(), groupsCard(), may("delete") && eraseCard())));
   }
 
   main.replaceChildren(el("header", {}, el("a.back", { href: "#people", "aria-label": "All people" }, icon("back", 20)), el("h1.id", {}, subject), actions), body);

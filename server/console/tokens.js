@@ -3,7 +3,7 @@
 import { get, post, request, setToken } from "./api.js";
 import { away, day, dayEnd, el, icon, when } from "./dom.js";
 import { failure } from "./verdict.js";
-import { ask, attempt, dialog, field, state, table } from "./widgets.js";
+import { ask, attempt, dialog, field, groupLinks, groupsField, state, table } from "./widgets.js";
 import { SCOPES } from "./words.js";
 
 const SOON_MS = 30 * 86400e3;
@@ -37,6 +37,7 @@ export function openTokens(body, who, actions) {
     ["Token", (t) => el("span", {}, t.name, t.id === who.id && el("span.dim", {}, " (this one)")), "name"],
     ["State", (t) => state(about(t))],
     ["May", (t) => el("span.chips", {}, t.scopes.map((s) => el("span.chip", { title: SCOPES[s] ?? "" }, s))), "why"],
+    ["People", (t) => (t.groups.length ? groupLinks(t.groups) : el("span.dim", {}, "all")), "why"],
     ["Last used", (t) => when(t.last_used), "dim"],
     ["Ends", (t) => (t.expires_at ? day(t.expires_at) : "never"), "dim"],
     ["", (t) => !t.revoked_at && el("span.row.end", {},
@@ -79,15 +80,17 @@ export function openTokens(body, who, actions) {
     const name = el("input", { type: "text", required: true, maxLength: 64, autocomplete: "off", placeholder: "front door" });
     const ends = el("input", { type: "date", required: true, value: new Date(Date.now() + 365 * 86400e3).toISOString().slice(0, 10) });
     const boxes = who.scopes.map((s) => el("input", { type: "checkbox", name: "scope", value: s, onchange: () => (button.disabled = !boxes.some((b) => b.checked)) }));
+    const groups = groupsField(who.groups.length ? `One or more of ${who.groups.join(", ")}`
+      : "Nobody else exists for the token; it cannot have audit. Empty: all people", who.groups);
     const button = el("button.primary", { type: "submit", disabled: true }, "Make it");
     d.body.append(el("form", { onsubmit: async (e) => {
       e.preventDefault();
       await attempt(button, error, async () => show(d, await post("/v1/tokens", {
-        name: name.value.trim(), scopes: boxes.filter((b) => b.checked).map((b) => b.value), expires_at: dayEnd(ends.value),
+        name: name.value.trim(), scopes: boxes.filter((b) => b.checked).map((b) => b.value), groups: groups.value, expires_at: dayEnd(ends.value),
       })));
     } }, field("Name", name, "Where it is used"),
     el("fieldset", {}, el("legend", {}, "It may"), boxes.map((b) => el("label.box", {}, b, el("span", {}, el("strong", {}, b.value), el("span.dim", {}, ` – ${SCOPES[b.value] ?? ""}`))))),
-    field("Ends", ends), error,
+    groups.element, field("Ends", ends), error,
     el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Cancel"), button)));
     name.focus();
   }

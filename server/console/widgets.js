@@ -78,6 +78,16 @@ export function table(caption, columns, row) {
   return { element, body, set: (rows) => body.replaceChildren(...rows.map(make)), add: (rows) => body.append(...rows.map(make)) };
 }
 
+/** The groups that a text names, "door-3, staff"; and an input for them. */
+const groupsIn = (text) => text.split(/[\s,]+/).filter(Boolean);
+export function groupsField(note, groups = []) {
+  const input = el("input", { type: "text", value: groups.join(", "), placeholder: "door-3, staff", ...VERBATIM });
+  return { input, element: field("Groups", input, note), get value() { return groupsIn(input.value); } };
+}
+
+/** Groups, each as a link to its people. */
+export const groupLinks = (groups) => el("span.chips", {}, groups.map((group) => el("a.chip", { href: `#people${query({ group })}` }, group)));
+
 /** The address of a person's page. */
 export const personAt = (subject) => `#people${query({ subject })}`;
 

@@ -531,6 +531,21 @@ def test_person(d):
     some("consent, as a text", d, "dd", "<b>C-9</b>")
     alice = subject("alice")
     is_("and its end", [alice["consent"], alice["purpose"], alice["expires_at"][:10]], ["<b>C-9</b>", "door", "2031-12-31"])
+    one(d, "main button", "Change").click()
+    one(d, "dialog label.box input").click()
+    one(d, "dialog [type=submit]").click()
+    some("she has opted out of searches", d, "dd", "opted out")
+    is_("for the daemon, too", subject("alice")["identify"], False)
+    click(d, "[aria-label='Change the groups']")
+    press(d, *"Staff", Keys.ENTER)
+    some("what is no group is refused", d, "dialog .error", "a group is 1 to 64 characters")
+    press(d, *([Keys.BACKSPACE] * 5), *"staff, door-3", Keys.ENTER)
+    some("her groups", d, "a.chip", "door-3")
+    is_("as the daemon has them", subject("alice")["groups"], ["door-3", "staff"])
+    one(d, "a.chip", "staff").click()
+    some("the people of a group", d, "main strong", "staff")
+    check("her alone", wait(d, lambda _: [e.text for e in d.find_elements(By.CSS_SELECTOR, "tbody th")] == ["alice"]))
+    go(d, "people?subject=alice")
     # verifying
     for _ in range(2):
         send("/v1/subjects/alice/verify", "other.ply")
@@ -650,6 +665,19 @@ def test_tokens(d):
     press(d, Keys.ENTER)
     check("revoked", wait(d, lambda _: api("GET", "/v1/token", token=other)[0] == 401))
     some("as the list shows", d, "tbody tr", "Revoked")
+    # one that is bound to a group
+    one(d, "button", "Make a token").click()
+    press(d, *"bound")
+    d.execute_script("for (const s of ['read', 'tokens', 'manage']) document.querySelector(`dialog [value=${s}]`).click()")
+    d.find_element(By.CSS_SELECTOR, "dialog [placeholder='door-3, staff']").send_keys("staff")
+    one(d, "dialog [type=submit]").click()
+    secret = some("its secret", d, "code.shown").text
+    is_("bound", api("GET", "/v1/token", token=secret)[1]["groups"], ["staff"])
+    press(d, Keys.ENTER)
+    some("the list has its group", d, "tbody a.chip", "staff")
+    unlock(d, secret, "people?subject=bob")
+    some("another person is nobody", d, ".verdict h2", "Nobody")
+    some("it says what it is for", d, ".who", "only staff")
     unlock(d, token("maker", ["tokens", "read"])["secret"], "health?tab=tokens")
     one(d, "button", "Make a token").click()
     is_("never more than the maker's own", [e.get_attribute("value") for e in
@@ -686,7 +714,7 @@ def test_scopes(d):
     some("who may enroll and not read", d, "main", "may not see who is enrolled")
     api("DELETE", "/v1/subjects/bob/attempts")
     buttons = {"read": [], "enroll": ["Enroll a scan"], "verify": ["Verify a scan"], "delete": ["Delete", "Erase"],
-               "manage": ["Disable", "Hold", "Change"], "detail": ["Look"]}
+               "manage": ["Disable", "Hold", "Change", "Change"], "detail": ["Look"]}
     for scope, wanted in buttons.items():
         unlock(d, token("read and " + scope, sorted({"read", scope}))["secret"], "people?subject=bob")
         one(d, ".verdict h2", "Active")
@@ -699,6 +727,7 @@ def test_scopes(d):
 
 def test_looks(d):
     send("/v1/subjects/bob/verify", "other2.ply")
+    api("PATCH", "/v1/subjects/bob", {"groups": ["door-3", "staff"]})
     unlock(d, ALL)
     pages = [("people", "tbody tr"), ("people?subject=bob", ".verdict"), ("audit", "tbody tr"), ("health", ".tile"),
              ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"), ("live", ".live")]

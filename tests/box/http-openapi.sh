@@ -208,6 +208,16 @@ put PATCH /v1/subjects/alice 400 "$JSON" "$T/change"
 put PATCH /v1/subjects/a%20b 400 "$JSON" "$T/change"
 put PATCH /v1/subjects/alice 400 "$JSON" "$T/change" -H 'Content-Encoding: gzip'
 put PATCH /v1/subjects/alice 415 "$PLY" "$T/change"
+# by a token that is bound to a group
+AUTH=$(new_token bound --scope enroll,manage,tokens --group door-3)
+echo '{"subject": "of-others", "groups": ["west"]}' >"$T/new"
+put POST /v1/subjects 403 "$JSON" "$T/new"
+echo '{"groups": ["west"]}' >"$T/change"
+put PATCH /v1/subjects/alice 403 "$MERGE" "$T/change"
+echo '{"name": "x", "scopes": ["enroll"], "groups": ["west"]}' >"$T/new"
+put POST /v1/tokens 403 "$JSON" "$T/new"
+put POST /v1/subjects/alice/templates 409 "$PLY" "$T/a.ply"
+AUTH=$TOKEN
 # on hold, disabled
 subject() { "$BUILD/surfacectl" --db "$DB" subject "$1" alice >"$T/ctl" 2>&1; }
 subject hold

@@ -180,6 +180,19 @@ TEST(test_search)
     store_close(s);
 }
 
+/* What a verification reads has no group of others either. */
+TEST(test_snapshot)
+{
+    const struct store_snapshot_of of = {.subject = "p-both", .token = east};
+    struct store *s = people();
+    struct store_snapshot out;
+
+    must(store_snapshot_end(&out, store_snapshot_begin(s, &of, &out, &e), &e));
+    assert_string_equal(out.subject.groups, "east");
+    store_snapshot_free(&out);
+    store_close(s);
+}
+
 /* ---- new subjects */
 
 static enum status add(struct store *s, const char *actor, const char *id,
