@@ -191,6 +191,13 @@ static void print_set(const struct report *r)
     print_share("FMR", &r->fmr);
     print_share("FRR", &all->frr);
     print_share("FAR", &r->far);
+    (void)printf("search       among %u people, ", r->search.people);
+    if (isfinite(r->search.threshold))
+        (void)printf("threshold %.2f\n", r->search.threshold);
+    else
+        (void)printf("more than the calibration supports: nobody matches\n");
+    print_share("FPIR", &r->search.fpir);
+    print_share("FNIR", &r->search.fnir);
     for (size_t i = 0; i < r->nmethod; i++) {
         const struct report_method *m = &r->method[i];
 

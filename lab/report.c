@@ -32,22 +32,20 @@ static double quantile(double *v, size_t n, double share)
 /* What a probe was compared with. */
 struct rank {
     double own, others; /* the highest score */
-    size_t n;           /* of others, and whether of its own */
-    bool tried;
+    uint32_t n;         /* of others, and whether of its own */
+    bool tried, planned;
 };
 
-/* How often the own template had the highest score, of the probes that were compared with
- * their own and with others'. */
-static enum status count_ranks(struct report *r, struct report_group *g)
+/* A new array for all scans; NULL: out of memory. */
+static struct rank *rank_probes(const struct trials *t)
 {
-    const struct trials *t = r->t;
     struct rank *rank = calloc(t->corpus->nscan, sizeof *rank);
 
-    if (rank == NULL)
-        return ST_ENOMEM;
-    for (size_t i = 0; i < t->n; i++) {
+    for (size_t i = 0; i < t->n && rank != NULL; i++) {
         const struct trial *x = &t->trial[i];
         struct rank *one = &rank[x->probe];
+
+        one->planned |= x->type == CORPUS_GENUINE;
         if (!x->done || x->type == CORPUS_RELATIVE || x->type == CORPUS_FOREIGN)
             continue;
         if (x->type == CORPUS_GENUINE) {
@@ -58,6 +56,18 @@ static enum status count_ranks(struct report *r, struct report_group *g)
             one->n++;
         }
     }
+    return rank;
+}
+
+/* How often the own template had the highest score, of the probes that were compared with
+ * their own and with others'. */
+static enum status count_ranks(struct report *r, struct report_group *g)
+{
+    const struct trials *t = r->t;
+    struct rank *rank = rank_probes(t);
+
+    if (rank == NULL)
+        return ST_ENOMEM;
     for (uint32_t i = 0; i < t->corpus->nscan; i++)
         if (rank[i].tried && rank[i].n > 0 && of_kind(r, g, i)) {
             g->ranked++;
@@ -208,6 +218,53 @@ static enum status failures(const struct report *r, const struct report_group *g
     return st;
 }
 
+/* ---- searches */
+
+static double threshold_among(const struct report *r, uint32_t people)
+{
+    struct surface_calibration c = r->model->calibration;
+
+    c.threshold = r->t->threshold;
+    return surface_search_threshold(&c, people);
+}
+
+static enum status measure_search(struct report *r)
+{
+    const struct corpus *c = r->t->corpus;
+    struct rank *rank = rank_probes(r->t);
+    struct rates_score *with = malloc((c->nscan + (size_t)1) * sizeof *with);
+    struct rates_score *without = malloc((c->nscan + (size_t)1) * sizeof *without);
+    size_t nwith = 0, nwithout = 0;
+    enum status st = rank && with && without ? ST_OK : ST_ENOMEM;
+
+    for (uint32_t i = 0; i < c->nscan && st == ST_OK; i++) {
+        const struct rank *x = &rank[i];
+        const uint32_t subject = c->scan[i].subject;
+
+        if (x->n > 0)
+            without[nwithout++] = (struct rates_score){
+                x->others >= threshold_among(r, x->n) ? wrong : right, subject, subject};
+        if (x->planned)
+            with[nwith++] =
+                (struct rates_score){x->tried && x->own >= threshold_among(r, x->n + 1) &&
+                                             (x->n == 0 || x->own > x->others)
+                                         ? right
+                                         : wrong,
+                                     subject, subject};
+        if (x->n + x->tried > r->search.people)
+            r->search.people = x->n + x->tried;
+    }
+    r->search.threshold = threshold_among(r, r->search.people);
+    if (st == ST_OK)
+        st = report_share(r, without, nwithout, true, &r->search.fpir);
+    if (st == ST_OK)
+        st = report_share(r, with, nwith, true, &r->search.fnir);
+    free(rank);
+    free(with);
+    free(without);
+    return st;
+}
+
 /* ---- curves */
 
 static enum status curve_of(const struct trials *t, const struct rates_score *s, size_t n,
@@ -322,7 +379,9 @@ enum status report_measure(struct report *r, const struct trials *t)
     if ((st = measure_time(r)) != ST_OK || (st = make_groups(r)) != ST_OK ||
         (st = failures(r, &r->group[0], t->template, &r->fte)) != ST_OK ||
         (st = decided(r, &r->group[0], non_mated_match, false, &r->fmr)) != ST_OK ||
-        (st = decided(r, &r->group[0], non_mated_match_planned, false, &r->far)) != ST_OK)
+        (st = decided(r, &r->group[0], non_mated_match_planned, false, &r->far)) !=
+            ST_OK ||
+        (st = measure_search(r)) != ST_OK)
         return st;
     for (uint32_t i = 0; i < r->ngroup && st == ST_OK; i++)
         st = measure_group(r, &r->group[i]);

@@ -63,6 +63,16 @@ struct report_group {
         curve[REPORT_OF]; /* this kind's mated scores, everybody's others */
 };
 
+/* Each probe as a search among the others' templates that it was compared with: without a template of its own, and
+ * with it.  The threshold is that of their number (surface_search_threshold()). */
+struct report_search {
+    uint32_t people;  /* the most that a probe was compared with, its own included */
+    double threshold; /* among so many; INFINITY: nobody matches */
+    struct report_rate fpir; /* searches without the own template that match somebody */
+    struct report_rate
+        fnir; /* searches with it that do not find it, refusals included: 1 - TPIR */
+};
+
 struct report {
     const struct trials *t;
     const char *source, *made; /* folder, manifest or list; when */
@@ -77,8 +87,9 @@ struct report {
     struct report_count non_mated, relative;
     struct report_rate fmr; /* non-mated comparisons that are a match */
     struct report_rate
-        far;         /* share of the planned ones: the generalised false accept rate */
-    double score_ms; /* median of a comparison */
+        far; /* share of the planned ones: the generalised false accept rate */
+    struct report_search search;
+    double score_ms;              /* median of a comparison */
     struct report_method *method; /* [nmethod]; the caller's */
     size_t nmethod;
 };

@@ -160,6 +160,12 @@ void report_json_out(struct json *o, const struct report *r)
                 t->non_mated == TRIALS_ALL ? (double)NAN : t->non_mated);
     json_number(o, "seed", (double)TRIALS_SEED);
     json_close(o);
+    json_object(o, "search");
+    json_number(o, "people", r->search.people);
+    json_score(o, "threshold", r->search.threshold);
+    report_json_rate(o, "fpir", &r->search.fpir);
+    report_json_rate(o, "fnir", &r->search.fnir);
+    json_close(o);
     json_object(o, "relative");
     report_json_count(o, &r->relative);
     json_close(o);

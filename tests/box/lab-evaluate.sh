@@ -145,6 +145,15 @@ is "with the scores of the list" "$(awk -F, 'NR == FNR { score[$1, $2] = $9; nex
     FNR == 1 { for (i = 2; i <= NF; i++) probe[i] = $i; next }
     { for (i = 2; i <= NF; i++) { n++; bad += $i != score[$1, probe[i]] } }
     END { print n, bad + 0 }' full/scores.csv full/matrix.csv)" "66 0"
+# Each probe as a search, recomputed from the list: t(N) is 8 up to 86 people.
+is "searches, from the list" "$(get full '[.search.people, .search.threshold, .search.fpir.of,
+    .search.fpir.observed, .search.fnir.of, .search.fnir.observed] | map(tostring) | join(" ")')" \
+    "$(awk -F, 'NR == 1 || $7 == "relative" { next }
+    $7 == "non-mated" { n[$2]++; if (!($2 in best) || $9 > best[$2]) best[$2] = $9 }
+    $7 == "mated" { own[$2] = $9 }
+    END { for (p in n) { of++; wrong += best[p] >= 8; if (n[p] + (p in own) > most) most = n[p] + (p in own) }
+        for (p in own) { with++; miss += !(own[p] >= 8 && own[p] > best[p]) }
+        printf "%d 8 %d %g %d %g", most, of, wrong / of, with, miss / with }' full/scores.csv)"
 ok "the minimal disparity" test "$(awk -F, 'NR > 1 && $12 > 0' full/scores.csv | wc -l)" -eq 66
 is "the regions' parts sum up to the score" "$(awk -F, 'NR == 1 { next }
     { d = $9 - $14 - $15 - $16 - $17 - $18 - $19; n++; bad += (d * d > 1e-6) }
