@@ -412,7 +412,7 @@ enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
     for (size_t i = 0; i < QUANTILES; i++) {
         const double at = rates_at(r, quantile[i]);
 
-        if (isfinite(at) && at > c->threshold && (m == 0 || at > score[m - 1]))
+        if (isfinite(at) && (m == 0 || at > score[m - 1]))
             score[m++] = at;
     }
     if ((st = upper_rates(r, score, m, seed, rate)) != ST_OK)

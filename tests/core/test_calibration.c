@@ -89,7 +89,7 @@ TEST(test_fpir_by_hand)
 TEST(test_fpir_as_libm)
 {
     for (uint32_t n = 1; n < 2000000000; n = 2 * n + 1)
-        for (double score = -12; score < 90; score += 0.37) {
+        for (double score = -12; score < 300; score += 0.57) {
             const double rate = score >= 10 ? 0.0005 * pow(10, -(score - 10) / 5)
                                             : surface_calibration_rate(&table, score);
             const double want = -expm1(n * log1p(-rate));
@@ -110,6 +110,10 @@ TEST(test_threshold_by_hand)
     assert_true(surface_search_threshold(&strict, 0) == 10.25);
     assert_true(surface_search_threshold(&strict, 1) == 10.25);
     assert_true(surface_search_threshold(&strict, 20) == 10.25);
+    strict.threshold = 10.2503; /* not rounded where it decides */
+    assert_true(surface_search_threshold(&strict, 20) == 10.2503);
+    strict.threshold = 9.0905; /* the next thousandth */
+    assert_true(surface_search_threshold(&strict, 1) == 9.091);
     /* 0.0005 10^-(s / 5) = 1 - 0.99^(1/1000) = 1.00503e-5: s = 8.484 */
     assert_true(surface_search_threshold(&strict, 1000) == 18.484);
     assert_true(isinf(surface_search_threshold(&strict, 1001)));

@@ -290,8 +290,9 @@ TEST(test_random)
 #define SUBJECTS 100
 
 /* A score for every ordered pair of subjects: -35 to 5, spread over the subjects, or
- * inconclusive for the given share. */
-static struct rates *scores(uint32_t subjects, double inconclusive)
+ * inconclusive for the given share.
+ *   mated  each subject with itself too, at 20 */
+static struct rates *scores(uint32_t subjects, double inconclusive, bool mated)
 {
     static struct rates_score s[SUBJECTS * SUBJECTS];
     struct rates *r;
@@ -299,7 +300,9 @@ static struct rates *scores(uint32_t subjects, double inconclusive)
 
     for (uint32_t i = 0; i < subjects; i++)
         for (uint32_t k = 0; k < subjects; k++)
-            if (i != k) {
+            if (i == k && mated) {
+                s[n++] = (struct rates_score){20, i, i};
+            } else if (i != k) {
                 const double place = (double)((n * 7919) % 9901) / 9901;
 
                 s[n].score =
@@ -314,7 +317,7 @@ static struct rates *scores(uint32_t subjects, double inconclusive)
 TEST(test_learned)
 {
     static const double wanted[] = {0.001, 0.0013, 0.01, 0.1, 0.5};
-    struct rates *r = scores(SUBJECTS, 0);
+    struct rates *r = scores(SUBJECTS, 0, false);
 
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         struct surface_calibration d;
@@ -370,7 +373,7 @@ TEST(test_extended)
     static const double wanted[] = {0.001, 0.003, 0.01, 0.1, 0.5};
     const size_t pairs = SUBJECTS * (SUBJECTS - 1) / 2;
     struct surface_calibration d;
-    struct rates *r = scores(SUBJECTS, 0);
+    struct rates *r = scores(SUBJECTS, 0, false);
 
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
         check_extended(r, wanted[i], pairs);
@@ -378,29 +381,31 @@ TEST(test_extended)
     assert_int_equal(rates_calibrate(r, 0.01, &d), ST_OK);
     assert_int_equal(rates_extend(r, pairs, 3, &d), ST_OK);
     assert_int_equal(surface_search_people(&d), 16);
+    check_extended(r, 0.01, 1000); /* ends where the intervals go further */
     rates_free(r);
-    r = scores(SUBJECTS, 0.4);
+    r = scores(SUBJECTS, 0.4, true);
     check_extended(r, 0.01, pairs);
+    check_extended(r, 0.5, pairs);
     rates_free(r);
 }
 
 TEST(test_learned_from_little)
 {
     struct surface_calibration d;
-    struct rates *r = scores(12, 0);
+    struct rates *r = scores(12, 0, false);
 
     assert_int_equal(rates_calibrate(r, 0.001, &d), ST_ETOOFEW); /* 132 comparisons */
     assert_int_equal(rates_calibrate(r, 0.05, &d), ST_OK);
     assert_true(surface_calibration_valid(&d));
     rates_free(r);
-    r = scores(SUBJECTS, 0.4); /* 40 % are inconclusive */
+    r = scores(SUBJECTS, 0.4, false); /* 40 % are inconclusive */
     assert_int_equal(rates_calibrate(r, 0.01, &d), ST_OK);
     assert_true(d.knot[1].rate <= 0.6 && d.knot[0].rate == 1);
     rates_free(r);
-    r = scores(SUBJECTS, 1);
+    r = scores(SUBJECTS, 1, false);
     assert_int_equal(rates_calibrate(r, 0.01, &d), ST_ETOOFEW);
     rates_free(r);
-    r = scores(2, 0);
+    r = scores(2, 0, false);
     assert_int_equal(rates_calibrate(r, 0.5, &d), ST_ETOOFEW);
     rates_free(r);
 }
