@@ -110,7 +110,8 @@ static enum status use_row(void *arg, const struct rows_template *row,
     if (store_template_outdated(p->store, &row->one))
         return p->use(p->arg, &of->one, NULL, e);
     if ((st = rows_template_descriptor(row, of, descriptor, e)) == ST_OK)
-        st = p->use(p->arg, &of->one, descriptor, e);
+        st = p->use(p->arg, &of->one,
+                    descriptor[0] != SURFACE_UNDESCRIBED ? descriptor : NULL, e);
     sodium_memzero(descriptor, sizeof descriptor);
     return st;
 }

@@ -28,7 +28,7 @@ int64_t store_people_calibration(const struct store_people *p,
                                  struct store_calibration *k);
 
 /* Receives a template of the subject; both are borrowed.
- *   descriptor  [SURFACE_DESCRIPTOR]; NULL: of another engine, so that no search finds the template */
+ *   descriptor  [SURFACE_DESCRIPTOR]; NULL: of another engine, or undescribed: no search finds the template */
 typedef enum status store_people_use(void *arg, const struct store_subject *of,
                                      const unsigned char *descriptor, struct errinfo *e);
 

@@ -91,7 +91,7 @@ static enum status add_row(struct enrolling *g, const struct store_sample *sampl
     if (sample->read != NULL)
         (void)snprintf(row.one.read, sizeof row.one.read, "%s", sample->read);
     surface_encode(sample->face, g->encoded);
-    memset(none, UINT8_MAX, sizeof none);
+    memset(none, SURFACE_UNDESCRIBED, sizeof none);
     g->newest = NULL;
     if ((st = rows_template_add(&g->t, &g->of, &row, &face, e)) != ST_OK)
         return st;

@@ -80,7 +80,8 @@ static bool gallery_room(void **array, uint32_t used, uint32_t *cap, size_t size
 
 static size_t bytes_of(const struct gallery *g)
 {
-    return surface_index_bytes(g->index) + g->slot_cap * sizeof *g->slot +
+    return (g->index != NULL ? surface_index_bytes(g->index) : 0) +
+           g->slot_cap * sizeof *g->slot +
            g->person_cap * (sizeof *g->person + sizeof *g->bucket) +
            g->set_cap * sizeof *g->set;
 }
@@ -289,11 +290,11 @@ static enum status add_template(void *arg, const struct store_subject *of,
             g->soonest = g->person[i].until;
     }
     p = &g->person[i];
-    if (descriptor != NULL)
-        s = surface_index_add(g->index, descriptor);
-    if (s == NONE) { /* of another engine, of no class, or out of memory */
+    if (descriptor == NULL) {
         p->skipped++;
         g->set[p->set].skipped++;
+    } else if ((s = surface_index_add(g->index, descriptor)) == NONE) {
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
     } else if (!add_slot(g, p, i, s)) {
         surface_index_remove(g->index, s);
         return errinfo_set(e, ST_ENOMEM, "out of memory");

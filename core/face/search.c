@@ -186,7 +186,7 @@ enum status search_describe(const struct search_basis *b, const struct encoding 
     } *w = scratch_need(s, sizeof *w);
     double mean[D] = {0};
 
-    memset(out, UINT8_MAX, SURFACE_DESCRIPTOR); /* until it is known: no class */
+    memset(out, SURFACE_UNDESCRIBED, SURFACE_DESCRIPTOR);
     if (w == NULL)
         return ST_ENOMEM;
     if (e->n == 0)

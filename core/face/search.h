@@ -40,8 +40,8 @@ enum status search_prepare(const struct encode_basis *e, struct scratch *s,
                            struct search_basis *out);
 
 /* search_describe(b, e, s, out): Computes the descriptor of the encoding e.  Cost: 1 ms.
- * Returns ST_OK; ST_EINVAL: e has no modes, or is not positive definite; ST_ENOMEM.  out is then no
- * descriptor: search_index_add() refuses it. */
+ * Returns ST_OK; ST_EINVAL: e has no modes, or is not positive definite; ST_ENOMEM.  out[0] is then
+ * SURFACE_UNDESCRIBED. */
 enum status search_describe(const struct search_basis *b, const struct encoding *e,
                             struct scratch *s, unsigned char out[SURFACE_DESCRIPTOR]);
 

@@ -9,10 +9,12 @@
 /* What is searched of a template.  It is biometric data: the surface of the face can be rebuilt from it. */
 #define SURFACE_DESCRIPTOR 101
 
+#define SURFACE_UNDESCRIBED 255 /* first byte of what is no descriptor */
+
 /* Describes a template for searches by the same model.
  * Cost: about 0.5 ms, and once 15 ms and 650 KB in the memory of work.
- * Returns SURFACE_OK; SURFACE_EINVAL: too little of the face is known to find it; SURFACE_ENOMEM.  out is then
- * no descriptor: surface_index_add() refuses it. */
+ * Returns SURFACE_OK; SURFACE_EINVAL: too little of the face is known to find it; SURFACE_ENOMEM.  out[0] is
+ * then SURFACE_UNDESCRIBED: surface_index_add() refuses it. */
 SURFACE_API enum surface_status surface_describe(struct surface_work *work,
                                                  const struct surface_face *face,
                                                  unsigned char out[SURFACE_DESCRIPTOR]);

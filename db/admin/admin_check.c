@@ -66,7 +66,7 @@ static enum status check_descriptor(struct share *x, const struct rows_template 
     enum status st = rows_template_descriptor(row, of, is, e);
     bool same;
 
-    if (st != ST_OK || is[0] == UINT8_MAX /* it has none */ ||
+    if (st != ST_OK || is[0] == SURFACE_UNDESCRIBED ||
         !surface_same_engine(row->one.engine, x->c->store->made_by))
         return st;
     if (surface_describe(x->work, x->face, wanted) == SURFACE_ENOMEM)
