@@ -270,6 +270,5 @@ void session_free(struct session *s)
     for (size_t i = 0; i < s->n; i++)
         cloudpoints_free(&s->frame[i].points);
     mem_free(s->body);
-    s->body = NULL;
-    s->n = 0;
+    memset(s, 0, sizeof *s);
 }
