@@ -7,6 +7,7 @@
 #include "align.h"
 #include "align_field.h"
 #include "pose.h"
+#include "series.h"
 #include "solve.h"
 #include "lattice.h"
 #include "measure.h"
@@ -318,7 +319,7 @@ static void asymmetry_tell(const struct pose *start, const struct pose *frame,
     out->normal[2] = to.normal.z;
     out->offset_mm = to.offset;
     out->moved_deg =
-        VEC_DEGREES * atan2(sqrt(vec_dot(turn, turn)), vec_dot(from.normal, to.normal));
+        series_degrees(sqrt(vec_dot(turn, turn)), vec_dot(from.normal, to.normal));
     out->moved_mm = fabs(to.offset - vec_dot(to.normal, c));
 }
 

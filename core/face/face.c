@@ -17,6 +17,7 @@
 #include "place.h"
 #include "quality.h"
 #include "ratio.h"
+#include "series.h"
 #include "shape_work.h"
 #include "face_work.h"
 
@@ -266,8 +267,8 @@ enum surface_status surface_compare(struct surface_work *w,
 void surface_best_of(const struct surface_work *w, uint32_t n,
                      struct surface_comparison *r)
 {
-    r->score -= ratio_ln(n);
-    r->expected -= ratio_ln(n);
+    r->score -= series_ln(n);
+    r->expected -= series_ln(n);
     decide(w, r);
 }
 

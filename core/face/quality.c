@@ -11,6 +11,7 @@
 #include "plane.h"
 #include "predicates.h"
 #include "select.h"
+#include "series.h"
 #include "surface.h"
 
 /* One in this many points is left out at either end of each axis for the largest extent: a few
@@ -191,11 +192,12 @@ enum status quality_rate(const struct surface *f, double step_mm, struct scratch
  * face's. */
 static bool turned(const struct pose *p)
 {
-    const double *r = p->r, pitch = atan2(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));
+    const double *r = p->r;
+    const double pitch = series_degrees(r[7], sqrt(r[6] * r[6] + r[8] * r[8]));
 
-    return fabs(atan2(r[6], r[8])) * VEC_DEGREES > SURFACE_YAW_DEG ||
-           fabs(pitch) * VEC_DEGREES > SURFACE_TILT_DEG ||
-           fabs(atan2(r[3], r[4])) * VEC_DEGREES > SURFACE_TILT_DEG;
+    return fabs(series_degrees(r[6], r[8])) > SURFACE_YAW_DEG ||
+           fabs(pitch) > SURFACE_TILT_DEG ||
+           fabs(series_degrees(r[3], r[4])) > SURFACE_TILT_DEG;
 }
 
 /* The share of the outline below which a third of it is missing.  The other defects begin

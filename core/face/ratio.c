@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "lsq.h"
+#include "series.h"
 
 #define N MODEL_MODES
 
@@ -20,24 +21,6 @@ struct ratio_probe {
     double inverse[N][N]; /* (A + cI)^-1, lower triangle by columns */
     double h[N][N], g[N]; /* work */
 };
-
-double ratio_ln(double x)
-{
-    static const double ln2 = 0.693147180559945309;
-    int power;
-    double m = frexp(x, &power), t, tt, sum = 0;
-
-    if (m < 0.70710678118654752) {
-        m *= 2;
-        power--;
-    }
-    /* ln m = 2 artanh t, |t| < 0.172: the 13th term is below 1e-20. */
-    t = (m - 1) / (m + 1);
-    tt = t * t;
-    for (int k = 25; k >= 1; k -= 2)
-        sum = sum * tt + 1.0 / k;
-    return power * ln2 + 2 * t * sum;
-}
 
 /* h (by columns): A, plus `add` on the diagonal. */
 static void ratio_load(const struct encoding *e, double add, double h[N][N])
@@ -56,11 +39,11 @@ double ratio_half_ln_det(const double *h, uint32_t stride, uint32_t n)
     for (uint32_t i = 0; i < n; i++) {
         product *= h[(size_t)i * stride + i];
         if (product > 1e200 || product < 1e-200) {
-            sum += ratio_ln(product);
+            sum += series_ln(product);
             product = 1;
         }
     }
-    return sum + ratio_ln(product);
+    return sum + series_ln(product);
 }
 
 /* Of M in h and b in g; h becomes M's factor L, and g L^-1 b. */
@@ -177,7 +160,7 @@ static struct terms ratio_compare(struct ratio_probe *r, const struct encoding *
     }
     two = evidence(r->h, n, own);
     lsq_backward(r->h[0], N, n, own);
-    two.ln += r->own.ln + 0.5 * n * ratio_ln(r->c);
+    two.ln += r->own.ln + 0.5 * n * series_ln(r->c);
     two.square += r->own.square;
     return (struct terms){one.square - two.square + one.ln - two.ln, one.ln - two.ln};
 }

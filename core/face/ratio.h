@@ -43,7 +43,4 @@ double ratio_slopes(struct ratio_probe *r, const struct encoding *t,
  * sum of the logarithms of the diagonal, as the logarithm of a product that is kept in range. */
 double ratio_half_ln_det(const double *h, uint32_t stride, uint32_t n);
 
-/* ratio_ln(x): Returns the natural logarithm of a positive, finite x; to 1e-15 of its size or better. */
-double ratio_ln(double x);
-
 #endif

@@ -6,6 +6,7 @@
 #include "grid.h"
 #include "lsq.h"
 #include "ratio.h"
+#include "series.h"
 
 #define D SEARCH_MODES
 
@@ -339,7 +340,7 @@ static bool search_load(const struct search_basis *b, const struct encoding *p,
     ln = ln_det(w->h);
     memcpy(w->mean, w->b, sizeof w->mean);
     lsq_forward(w->h[0], D, D, D, w->mean);
-    w->rest = -ln / 2 + 0.5 * D * ratio_ln(c);
+    w->rest = -ln / 2 + 0.5 * D * series_ln(c);
     for (uint32_t i = 0; i < D; i++)
         w->rest += w->mean[i] * w->mean[i] / 2;
     lsq_backward(w->h[0], D, D, w->mean);

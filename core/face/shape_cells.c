@@ -8,6 +8,7 @@
 #include "solve.h"
 #include "frame.h"
 #include "grid.h"
+#include "series.h"
 #include "shape_cover.h"
 #include "shape_detail.h"
 #include "shape_work.h"
@@ -234,6 +235,7 @@ void shape_cells_rate(const struct shape_work *w, const float over[GRID_N],
     fit->eyes = eyes(w, z, fit->cell);
     fit->forehead = forehead(w, z, fit);
     fit->detail = detail(w, z, fit->cell);
-    fit->likeness = 0.5 * log((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /
-                              (unexplained(w, gap, fit->cell) + SHAPE_REST_MM2));
+    fit->likeness =
+        0.5 * series_ln((relief(fit->height, skin, fit->skin) + SHAPE_RELIEF_MM2) /
+                        (unexplained(w, gap, fit->cell) + SHAPE_REST_MM2));
 }

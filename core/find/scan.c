@@ -15,6 +15,7 @@
 #include "mirror.h"
 #include "place.h"
 #include "quality.h"
+#include "series.h"
 #include "shape.h"
 #include "sight.h"
 #include "step.h"
@@ -144,9 +145,9 @@ static void turn_of(const double r[9], double side, struct surface_found *f)
 {
     const double x = -side * r[2], y = -side * r[5], z = side * r[8];
 
-    f->yaw_deg = atan2(x, z) * VEC_DEGREES;
-    f->pitch_deg = atan2(y, sqrt(x * x + z * z)) * VEC_DEGREES;
-    f->roll_deg = atan2(-r[3], side * r[4]) * VEC_DEGREES;
+    f->yaw_deg = series_degrees(x, z);
+    f->pitch_deg = series_degrees(y, sqrt(x * x + z * z));
+    f->roll_deg = series_degrees(-r[3], side * r[4]);
 }
 
 /* Against the side that the face looks to, along z; of points that are all seen from there, as those of a

@@ -230,35 +230,6 @@ TEST(test_slopes)
     }
 }
 
-/* ---- the logarithm */
-
-static void check_ln(double x)
-{
-    const double want = log(x), got = ratio_ln(x);
-
-    if (!(fabs(got - want) <= 1e-15 * fabs(want)))
-        fail_msg("ln %.17g: %.17g, wanted %.17g", x, got, want);
-}
-
-TEST(test_ln)
-{
-    assert_true(ratio_ln(1) == 0);
-    for (int power = -1074; power < 1024; power++)
-        for (int i = 0; i < 50; i++)
-            check_ln(ldexp(1 + draw_uniform(&rng, 0, 1), power));
-    for (int power = -52; power < 0; power++)
-        for (int i = 0; i < 50; i++) { /* near 1, where its value is small */
-            const double off = ldexp(1 + draw_uniform(&rng, 0, 1), power);
-
-            check_ln(1 + off);
-            check_ln(1 - off / 2);
-        }
-    check_ln(DBL_MAX);
-    check_ln(DBL_MIN);
-    check_ln(0.70710678118654746);
-    check_ln(0.70710678118654757);
-}
-
 /* ---- what says nothing, and what is no encoding */
 
 TEST(test_nothing)
