@@ -35,8 +35,9 @@ for s in 1 2 3; do
 done
 on "$DB" init
 on "$DB" enroll alice "$T/s1.ply" --label 'left camera'
-on "$DB" enroll bob "$T/s2.ply"
+on "$DB" enroll bob "$T/s2.ply" --group staff,door-3
 on "$DB" enroll carol "$T/s3.ply"
+on "$DB" subject set carol --identify no
 on "$TO" init
 echo 'correct horse battery staple' >"$T/phrase"
 od -An -tx1 -N 32 /dev/urandom | tr -d ' \n' >"$T/akey"

@@ -32,6 +32,32 @@ ctl_exits 65 subject set 'a b' --consent x
 "$BUILD/surfacectl" --db "$DB" subject list >"$T/text"
 is "a list" "$(awk 'NR > 1 { print $1, $2 }' "$T/text" | tr '\n' ' ')" 'alice 1 bob 1 carol 0 '
 
+# ---- groups, and opting out of searches
+ctl_exits 0 subject set bob --group staff,door-3,staff --identify no
+ctl_exits 0 subject show bob
+is "groups and consent" "$(said '[(.groups | join(",")), .identify] | join("|")')" 'door-3,staff|false'
+"$BUILD/surfacectl" --db "$DB" subject show bob >"$T/text"
+is "as text" "$(sed -n '3,4p' "$T/text" | tr -s ' ' | tr '\n' ';')" \
+    ' groups door-3,staff; opted out no search finds the subject;'
+"$BUILD/surfacectl" --db "$DB" subject list --group staff >"$T/text"
+is "in a list" "$(awk 'NR > 1 { print $1, $4, $5, $6 }' "$T/text")" 'bob opted out door-3,staff'
+ctl_exits 0 subject list --group door-3
+is "by group" "$(said '[.subjects[].subject] | join(" ")')" bob
+ctl_exits 0 subject list --group door
+is "none of this group" "$(said '.subjects | length')" 0
+ctl_exits 64 subject list --group a,b
+ctl_exits 64 subject set bob --identify maybe
+ctl_exits 65 subject set bob --group Staff
+ctl_exits 0 subject set bob --group '' --identify yes
+is "neither" "$(said '[(.groups | join(",")), .identify] | join("|")')" '|true'
+ctl_exits 0 subject set erin --group b,a --identify no
+is "a subject that is new" "$(said '[(.groups | join(",")), .identify] | join("|")')" 'a,b|false'
+ctl_exits 0 subject erase erin --yes
+"$BUILD/surfacectl" --db "$DB" token create bound --scope read --group b,a >"$T/text" 2>"$T/ctl.err"
+ok "the groups of a token are said" grep -q 'for read in the groups a,b, valid' "$T/ctl.err"
+"$BUILD/surfacectl" --db "$DB" token list >"$T/text"
+ok "and listed" grep -q ' a,b *bound$' "$T/text"
+
 # ---- disabled
 send POST /v1/subjects/alice/verify "$PLY" "$T/a2.ply"
 is "verified" "$STATUS $(get .decision)" '200 match'
