@@ -9,7 +9,7 @@
 static const char *list_of(const char *text)
 {
     static char out[GROUPS_SIZE];
-    struct errinfo e;
+    static struct errinfo e;
 
     return groups_read(text, out, &e) == ST_OK ? out : e.msg;
 }

@@ -66,7 +66,7 @@ done
 admin=$(new_token admin)
 east=$(new_token east --scope $BOUND --group east)
 both=$(new_token both --scope $BOUND --group west,east,east)
-west=$(new_token west --scope read --group west)
+new_token west --scope read --group west >"$T/out"
 AUTH=$east
 req GET /v1/token
 is "its own groups" "$(get '.groups | tojson')" '["east"]'
