@@ -404,6 +404,7 @@ enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
                          struct surface_calibration *c)
 {
     double score[QUANTILES], rate[QUANTILES];
+    double last = c->threshold;
     size_t m = 0;
     enum status st;
 
@@ -412,8 +413,8 @@ enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
     for (size_t i = 0; i < QUANTILES; i++) {
         const double at = rates_at(r, quantile[i]);
 
-        if (isfinite(at) && (m == 0 || at > score[m - 1]))
-            score[m++] = at;
+        if (isfinite(at) && at > last)
+            score[m++] = last = at;
     }
     if ((st = upper_rates(r, score, m, seed, rate)) != ST_OK)
         return st;

@@ -130,9 +130,9 @@ TEST(test_threshold)
     assert_true(strict.threshold == 1e3 && below.threshold == -1);
     assert_true(loose.threshold == usual.score);
     assert_true(strict.false_match_rate == usual.false_match_rate);
+    /* among more people than the table supports */
     assert_int_equal(compare_at((double)INFINITY, &a, &b, &below), ST_OK);
-    assert_int_equal(below.decision,
-                     SURFACE_INCONCLUSIVE); /* more people than the table supports */
+    assert_int_equal(below.decision, SURFACE_INCONCLUSIVE);
     strict.decision = usual.decision;
     strict.threshold = usual.threshold;
     check_same(&usual, &strict);

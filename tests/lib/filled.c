@@ -69,7 +69,10 @@ struct store *filled_fresh(struct filled *f)
                                   .purpose = "the door",
                                   .expires = "2090-01-01"};
     struct store_calibration k = {
-        .fmr = 0.001, .low = 0, .high = 2, .table = {1, 2, {{-50, 1}, {1, 0.001}}}};
+        .fmr = 0.001,
+        .low = 0,
+        .high = 2,
+        .table = {.threshold = 1, .n = 2, .knot = {{-50, 1}, {1, 0.001}}}};
     struct store_template t;
 
     tempdb_enroll(s, "alice", "left", &tempdb_face[0], &t);

@@ -295,7 +295,9 @@ struct store_calibration tempdb_calibration(double threshold)
         .subjects = 80,
         .impostors = 6320,
         .genuine = 7,
-        .table = {threshold, 3, {{-900, 1}, {-800, 0.25}, {threshold, 0.001}}},
+        .table = {.threshold = threshold,
+                  .n = 3,
+                  .knot = {{-900, 1}, {-800, 0.25}, {threshold, 0.001}}},
     };
 }
 
