@@ -14,8 +14,8 @@ static const char *group = "";   /* --group */
 static uint32_t most_candidates; /* --candidates */
 
 /* What a search costs besides its templates: reading a scan, its compilation, and the comparisons. */
-#define SEARCH_MS   40.0
-#define TEMPLATE_MS 70e-6
+#define SEARCH_MS   50.0
+#define TEMPLATE_MS 100e-6
 
 #define BY_LAW ", by a law beyond what comparisons support"
 

@@ -20,6 +20,7 @@
 #include "console_glb_js.h"
 #include "console_health_js.h"
 #include "console_icon_svg.h"
+#include "console_identify_js.h"
 #include "console_index_html.h"
 #include "console_live_js.h"
 #include "console_people_js.h"
@@ -79,6 +80,7 @@ static struct page {
     PAGE("/console/enroll.js", JAVASCRIPT, console_enroll_js),
     PAGE("/console/glb.js", JAVASCRIPT, console_glb_js),
     PAGE("/console/health.js", JAVASCRIPT, console_health_js),
+    PAGE("/console/identify.js", JAVASCRIPT, console_identify_js),
     PAGE("/console/live.js", JAVASCRIPT, console_live_js),
     PAGE("/console/people.js", JAVASCRIPT, console_people_js),
     PAGE("/console/person.js", JAVASCRIPT, console_person_js),

@@ -8,6 +8,7 @@ const IDLE_MS = 15 * 60 * 1000;
 /** Who has one of the scopes sees the page, which is the module of its name: loaded once it is opened. */
 const PAGES = [
   { name: "try", title: "Try", icon: "face", scopes: ["verify", "enroll", "identify"] },
+  { name: "identify", title: "Identify", icon: "search", scopes: ["identify"] },
   { name: "live", title: "Live", icon: "live", scopes: ["audit"] },
   { name: "people", title: "People", icon: "people", scopes: ["read", "enroll"] },
   { name: "audit", title: "Audit", icon: "audit", scopes: ["audit"] },

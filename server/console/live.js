@@ -12,8 +12,10 @@ const SHOWN = 31, EVERY_MS = 2000;
 /** Why, in one sentence. */
 function why(e) {
   if (e.outcome === "refused") return WHY[e.code] ?? e.detail ?? e.code;
+  if (e.kind === "identify" && e.outcome === "inconclusive") return "The scan, or the number of people, allows no decision: scan again.";
   if (e.score === null) return e.kind === "enroll" ? "A template was made of the scan." : UNTOLD;
   if (e.outcome === "match") return `The shape speaks for them: ${plain(e.score, 1)}, and ${plain(e.threshold, 1)} is enough.`;
+  if (e.kind === "identify" && e.outcome === "no_match") return `Nobody is alike enough: ${plain(e.score, 1)} at most; ${plain(e.threshold, 1)} would be needed.`;
   if (e.outcome === "no_match") return `The shape speaks against them: ${plain(e.score, 1)}; ${plain(e.threshold, 1)} would be needed.`;
   return `Only ${percent(e.overlap)} of the face could be compared: scan again.`;
 }
@@ -58,7 +60,7 @@ export function open(main, who) {
         el("p", {}, why(e)),
         remedy(e),
         el("p.dim", {}, [time(e.at), e.token && `by ${e.token}`, `request ${e.request_id}`].filter(Boolean).join(" · "))),
-      e.score !== null && gauge(e, knots)));
+      e.score !== null && e.threshold !== null && gauge(e, knots)));
     list.set(entries.slice(0, -1).reverse());
     list.element.hidden = entries.length < 2;
   }

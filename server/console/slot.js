@@ -10,30 +10,32 @@ export const droppable = (put) => ({
     e.stopPropagation();
     e.preventDefault();
     e.currentTarget.classList.remove("over");
-    if (e.dataTransfer.files[0]) put(e.dataTransfer.files[0]);
+    if (e.dataTransfer.files[0]) put(e.dataTransfer.files[0], e.dataTransfer.files);
   },
 });
 
-/** put(file) is called with what was dropped or chosen. */
-export function createSlot(letter, put) {
-  const name = el("strong", {}, "New scan"), about = el("span.dim", {}, "Drop a file or choose one");
+/** put(file) is called with what was dropped or chosen.  several: files are taken, s.files. */
+export function createSlot(letter, put, several = false) {
+  const empty = several ? "Drop files or choose them" : "Drop a file or choose one";
+  const name = el("strong", {}, "New scan"), about = el("span.dim", {}, empty);
   const badge = el("span.badge", { hidden: true });
-  const input = el("input", { type: "file", "aria-label": letter ? `Scan ${letter}` : "Scan", onchange: () => set(input.files[0]) });
+  const input = el("input", { type: "file", "aria-label": letter ? `Scan ${letter}` : "Scan", multiple: several, onchange: () => set(input.files[0], input.files) });
   const box = el(`label.slot${letter && `.${letter.toLowerCase()}`}`, droppable(set), letter && el("span.letter", { "aria-hidden": "true" }, letter), el("span.text", {}, name, about), badge, input);
-  const s = { box, input, label, file: null };
+  const s = { box, input, label, file: null, files: [] };
 
   /** scan, quality: what the daemon said of it. */
   function label(scan, quality) {
-    name.textContent = s.file?.name ?? "New scan";
-    about.textContent = !s.file ? "Drop a file or choose one"
+    name.textContent = s.files.length > 1 ? `${s.files.length} scans of one person` : s.file?.name ?? "New scan";
+    about.textContent = !s.file ? empty
       : scan ? `${count(scan.points_read)} points${scan.units ? `, ${scan.units}` : ""}` : `${count(Math.ceil(s.file.size / 1024))} KB`;
     badge.hidden = quality == null;
     if (quality != null) badge.textContent = `quality ${quality.toFixed(2)}`;
   }
 
-  function set(file) {
+  function set(file, files) {
     if (!file) return;
     s.file = file;
+    s.files = several ? [...files] : [file];
     label();
     put(file);
   }

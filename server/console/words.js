@@ -6,6 +6,8 @@ import { VERDICTS } from "./verdict.js";
 export const WHY = {
   too_many_attempts: "Locked out: too many verifications failed.",
   too_many_subjects: "This token has tried too many people without a match.",
+  too_many_searches: "This token has searched too often without a match.",
+  gallery_unavailable: "Nobody can be identified for now.",
   subject_disabled: "This person is disabled: nobody is verified as them until somebody enables them.",
   subject_expired: "This person's time is over.",
   not_found: "Nobody is enrolled under this id.",
@@ -28,6 +30,8 @@ export const WHY = {
 /** What an entry of the audit log is about: its title, and its group. */
 export const KINDS = {
   verify: ["Verification", "Doors"],
+  identify: ["Identification", "Doors"],
+  candidate: ["Listed as a candidate", "Doors"],
   locked_out: ["Locked out", "Doors"],
   many_subjects: ["Many people tried", "Doors"],
   attempts_pattern: ["Failures between matches", "Doors"],
