@@ -12,6 +12,10 @@ make -s install DESTDIR="$place" PREFIX=/usr
 
 scripts/example.sh c docs/library.md >"$place/compare.c"
 scripts/example.sh python docs/library.md >"$place/compare.py"
+{
+    sed '/^int main/,$d' "$place/compare.c"
+    scripts/example.sh C docs/library.md
+} >"$place/who.c"
 
 # Raw scans of heads, in metres and any axes, as the lines that the programs read.
 scan() {
@@ -31,6 +35,7 @@ END
 scan 1 1 alice-1
 scan 1 2 alice-2
 scan 2 3 bob-1
+scan 3 4 carol-1
 
 # Run a program: it accepts the second scan of one person and not that of another.
 try() {
@@ -55,6 +60,16 @@ echo 'int face_build(void); int face_build(void) { return 0; }' >"$place/clash.c
 ${CC:-gcc} -std=c11 -Wall -Werror -fsanitize=address -o "$place/static" "$place/compare.c" "$place/clash.c" $static
 # shellcheck disable=SC2086 # several flags
 ${CC:-gcc} -std=c11 -Wall -Werror -o "$place/shared" "$place/compare.c" "$place/clash.c" $shared
+# shellcheck disable=SC2086 # several flags
+${CC:-gcc} -std=c11 -Wall -Werror -fsanitize=address -o "$place/who" "$place/who.c" $static
+for probe in alice-2 carol-1; do
+    "$place/who" "$place/$probe.xyz" "$place/alice-1.xyz" "$place/bob-1.xyz" || exit 1
+done >"$place/out"
+if ! grep -q 'alice-2.xyz: .*/alice-1.xyz, score' "$place/out" ||
+    ! grep -q 'carol-1.xyz: nobody, score .* threshold 8.0 among 2$' "$place/out"; then
+    cat "$place/out"
+    exit 1
+fi
 try "$place/static"
 try env LD_LIBRARY_PATH="$lib" "$place/shared"
 try env LD_LIBRARY_PATH="$lib" python3 "$place/compare.py"

@@ -11,6 +11,7 @@ scan 1 0 "$T/a.ply"
 scan 1 1 "$T/a2.ply" --pose 8 --shift 10
 scan 2 0 "$T/other.ply"
 scan 2 1 "$T/other2.ply"
+scan 2 2 "$T/other3.ply"
 scan 1 0 "$T/dense.ply" --points 7000
 scan 1 1 "$T/dense2.ply" --points 7000
 "$BUILD/headscan" --kind bust --seed 3 made-up:5 -o "$T/bust.ply"

@@ -1,5 +1,6 @@
 /* The first stage of identification: its score is the exact one of a template of its class, its sums are
- * those of plain integers, and a scan leaves nothing out. */
+ * those of plain integers, and a scan leaves nothing out; nothing of a descriptor stays when it is removed. */
+/* link: -Wl,--wrap=aligned_alloc */
 #include "brute.h"
 #include "encode.h"
 #include "ratio.h"
@@ -240,6 +241,47 @@ TEST(test_scan)
                 assert_true((slot[i] = surface_index_add(x, all[i])) < 2 * MANY);
     }
     assert_true(surface_index_bytes(x) > 1000 * sizeof *all);
+    surface_index_free(x);
+}
+
+void *__real_aligned_alloc(size_t, size_t);
+void *__wrap_aligned_alloc(size_t align, size_t size);
+
+static unsigned char *newest; /* the block that was allocated last */
+static size_t newest_size;
+
+void *__wrap_aligned_alloc(size_t align, size_t size)
+{
+    newest_size = size;
+    newest = __real_aligned_alloc(align, size);
+    return newest;
+}
+
+static size_t written(void)
+{
+    size_t n = 0;
+
+    for (size_t i = 0; i < 256 * sizeof(struct search_block); i++)
+        n += newest[i] != 0;
+    return n;
+}
+
+TEST(test_removed)
+{
+    unsigned char d[SURFACE_DESCRIPTOR];
+    struct surface_index *x = surface_index_new();
+    uint32_t at[20];
+
+    assert_non_null(x);
+    memset(d, 77, sizeof d);
+    d[0] = 3;
+    for (int i = 0; i < 20; i++)
+        assert_true((at[i] = surface_index_add(x, d)) != SURFACE_NOWHERE);
+    assert_true(newest_size >= 256 * sizeof(struct search_block));
+    assert_int_equal(written(), 20 * SEARCH_MODES);
+    for (int i = 19; i >= 0; i -= 3)
+        surface_index_remove(x, at[i]);
+    assert_int_equal(written(), 13 * SEARCH_MODES);
     surface_index_free(x);
 }
 

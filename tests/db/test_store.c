@@ -323,6 +323,7 @@ TEST(test_encrypted)
                                 .reference = "consent 4711",
                                 .purpose = "the front door"};
     struct store_template t;
+    unsigned char descriptor[SURFACE_DESCRIPTOR];
     bool created;
 
     must(store_subject_add(s, "test", &who, &e));
@@ -337,6 +338,9 @@ TEST(test_encrypted)
     assert_false(in_files("left camera", 11));
     assert_false(in_files(t.digest, 64));
     assert_false(in_files(tempdb_face[1].surface.mesh.z + 700, 16));
+    assert_int_equal(surface_describe(tempdb_work, &tempdb_face[1], descriptor),
+                     SURFACE_OK);
+    assert_false(in_files(descriptor + 1, 32));
     memset(&who, 0, sizeof who);
     must(store_subject_get(s, "", "mary-jane", &who, &e));
     assert_string_equal(who.reference, "consent 4711");
