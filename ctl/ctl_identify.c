@@ -97,7 +97,10 @@ static void print_doubt(const struct ctl *c, const struct identification *x)
     const struct surface_comparison *r = &x->best.result;
 
     (void)printf("subject      cannot tell: ");
-    if (x->compared == 0 || r->decision == SURFACE_NO_MATCH)
+    if (x->unknown)
+        (void)printf("too little of the face is known to search by it. Take a better "
+                     "scan\n");
+    else if (x->compared == 0 || r->decision == SURFACE_NO_MATCH)
         (void)printf("%" PRIu64
                      " template%s could not be searched, and may be the person's: see\n"
                      "             surfacectl template reencode, check-database\n",

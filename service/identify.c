@@ -138,8 +138,10 @@ static enum status search(struct templates_context *c, struct gallery *g,
         store_calibration_apply(c->store, k, c->work);
         c->calibration = version;
     }
-    if (st == ST_OK)
-        st = gallery_find(g, c->work, &what, &found, e);
+    if (st == ST_OK && (st = gallery_find(g, c->work, &what, &found, e)) == ST_EINVAL) {
+        x->unknown = true;
+        st = ST_OK;
+    }
     x->searched = found.searched;
     x->skipped = found.skipped;
     for (size_t i = 0; st == ST_OK && i < found.n && x->compared < most; i++)
@@ -169,7 +171,8 @@ static enum status decide(struct templates_context *c, struct identification *x,
         x->fpir = surface_search_fpir(by, people, best->score, &extrapolated);
         x->extrapolated = extrapolated != 0;
     }
-    if (x->decision == SURFACE_NO_MATCH && x->skipped > 0)
+    if (x->decision == SURFACE_NO_MATCH &&
+        (x->skipped > 0 || (x->unknown && x->searched > 0)))
         x->decision = SURFACE_INCONCLUSIVE; /* it may be one of those */
     return st;
 }

@@ -41,6 +41,7 @@ struct identification {
     uint64_t searched;          /* number of subjects searched */
     uint64_t skipped;           /* templates that could not be searched */
     uint32_t compared;          /* subjects compared exactly */
+    bool unknown; /* too little of the face is known to search by: nobody was compared */
     struct identify_candidate candidate[IDENTIFY_MOST];
     size_t n;     /* number of candidates, the most alike first */
     bool decided; /* the decision is recorded */

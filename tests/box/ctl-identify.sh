@@ -60,6 +60,14 @@ first=$(said '.candidates[0].subject')
 ctl_exits 1 verify "$first" stranger.ply
 is "the score is a verification's" "$("$ctl" --db "$DB" identify stranger.ply --candidates 1 --json | jq .score)" "$(said .score)"
 
+# ---- a scan that could be anybody's
+scan 3 1 holes.ply --holes 0.75
+ctl_exits 2 identify holes.ply
+is "too little of a face" "$(said '[.decision, .subject, .searched, .compared] | join(" ")')" 'inconclusive  6 0'
+text holes.ply
+reads "as text" '^subject      cannot tell: too little of the face is known'
+ctl_exits 2 verify p3 holes.ply
+
 # ---- several frames
 ctl_exits 0 identify frames/1.ply frames/2.ply
 is "two files" "$(said '[.subject, (.frames | length)] | join(" ")')" 'p3 2'
