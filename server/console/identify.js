@@ -82,7 +82,7 @@ export function open(main, who) {
 
   main.replaceChildren(
     el("header", {}, el("h1", {}, "Identify"), el("span.dim.note", {}, "Each search is recorded.")),
-    el("div.stack", {}, slot.box,
+    el("div.stack.column", {}, slot.box,
       el("div.row.wrap", {},
         field("Group", group, "Only these people are searched"),
         reads && field("Candidates", most, "List so many, for a person to review"),
