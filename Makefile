@@ -418,9 +418,10 @@ sanitize:
 	$(MAKE) check BUILD=build/sanitize $(call SANITIZED,address undefined)
 
 ## fuzz: every fuzzer for FUZZ_SECONDS seconds each (60), with clang's libFuzzer
-.PHONY: fuzz fuzzers
-fuzz:
+.PHONY: fuzz fuzz-build fuzzers
+fuzz-build:
 	$(MAKE) fuzzers BUILD=build/fuzz $(call SANITIZED,fuzzer-no-link address undefined)
+fuzz: fuzz-build
 	scripts/fuzz.sh build/fuzz $(FUZZ_SECONDS)
 
 $(BUILD)/tests/fuzz/%.o: CPPFLAGS += $(if $(findstring fuzzer,$(EXTRA)),-DFUZZ_LIBFUZZER)

@@ -76,13 +76,6 @@ check_state() {
         END { exit bad }'
 }
 
-# The core calls no function of the C library whose last digit may be another one elsewhere (core/basic/series.h).
-check_libm() {
-    nm -A -u $(find "$BUILD/core" -name '*.o') >"$out/called" &&
-        ! grep -E ' U (a?(sin|cos|tan)h?|atan2|sincos|exp(2|10|m1)?|log(2|10|1p)?|pow|cbrt|hypot|erfc?|[lt]gamma)[fl]?$' \
-            "$out/called"
-}
-
 # The sanitizers' builds compile the other tests with clang.
 clang_all() {
     make -s -j2 BUILD="$BUILD/clang" CC=clang OPT=-O0 EXTRA=-Wno-sign-conversion all \
@@ -101,7 +94,6 @@ check "README quotes docs/benchmarks.md" check_quoted
 check "no overlong file or function" check_length
 check "nothing unfinished" check_unfinished
 check "no state in the core" check_state
-check "no sin(), exp() in the core" check_libm
 check "no warning from clang at -O0" clang_all
 check "format (make format)" clang-format --dry-run -Werror \
     $code $(find tests -name '*.[ch]')
