@@ -1,6 +1,7 @@
 #include "lsq.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 /* The loops that matter are compiled two or three times, for processors with wider vectors too.  A
@@ -178,6 +179,25 @@ EITHER void dot_all(const float *row, uint32_t stride, uint32_t n, const float *
     }
 }
 
+/* Four rows at a time, so that `out` is read and written once for them. */
+EITHER void add_rows_all(const double *row, uint32_t stride, uint32_t n, const double *by,
+                         uint32_t width, double *restrict out)
+{
+    uint32_t k = 0;
+
+    for (; k + PANEL <= n; k += PANEL) {
+        const double *restrict a = row + (size_t)k * stride, *restrict b = a + stride,
+                               *restrict c = b + stride, *restrict d = c + stride;
+
+        for (uint32_t i = 0; i < width; i++)
+            out[i] = out[i] + by[k] * a[i] + by[k + 1] * b[i] + by[k + 2] * c[i] +
+                     by[k + 3] * d[i];
+    }
+    for (; k < n; k++)
+        for (uint32_t i = 0; i < width; i++)
+            out[i] += by[k] * row[(size_t)k * stride + i];
+}
+
 /* LSQ_EACH(name, wider, parameters, arguments): name_any() with these parameters runs name_all(), or on
  * processors with AVX-512 wider(), compiled for the processor's vectors. */
 #ifdef NORMAL_WIDE
@@ -222,6 +242,11 @@ LSQ_EACH(dot, dot_all,
           float *out),
          (row, stride, n, by, width, out))
 
+LSQ_EACH(add_rows, add_rows_all,
+         (const double *row, uint32_t stride, uint32_t n, const double *by,
+          uint32_t width, double *out),
+         (row, stride, n, by, width, out))
+
 void lsq_add(struct lsq_rows *r, uint32_t from, uint32_t to, float *sum, uint32_t stride)
 {
     if (r->n == 0)
@@ -240,6 +265,12 @@ void lsq_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
              uint32_t width, float *out)
 {
     dot_any(row, stride, n, by, width, out);
+}
+
+void lsq_add_rows(const double *row, uint32_t stride, uint32_t n, const double *by,
+                  uint32_t width, double *out)
+{
+    add_rows_any(row, stride, n, by, width, out);
 }
 
 bool lsq_factor(double *h, uint32_t stride, uint32_t to, uint32_t n)

@@ -33,6 +33,11 @@ void lsq_times(const float *row, uint32_t stride, uint32_t n, const float *by,
 void lsq_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
              uint32_t width, float *out);
 
+/* lsq_add_rows(row, stride, n, by, width, out): Adds by[k] row[k stride + i] to out[i], i below width, for each of n
+ * rows in their order.  Cost: O(n width). */
+void lsq_add_rows(const double *row, uint32_t stride, uint32_t n, const double *by,
+                  uint32_t width, double *out);
+
 /* lsq_factor(h, stride, to, n): Computes in place the first `to` columns of Cholesky's factor of a
  * symmetric n x n matrix, whose lower triangle stands in h by columns (h[column * stride + row]).
  * The other columns become the Schur complement of the first ones.

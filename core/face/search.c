@@ -46,32 +46,27 @@ static double ln_det(matrix l)
 static void solve(matrix l, matrix w, matrix x)
 {
     for (uint32_t j = 0; j < D; j++) {
-        double *restrict to = x[j];
+        double by[D];
 
-        memcpy(to, w[j], sizeof x[j]);
-        for (uint32_t k = 0; k < j; k++) {
-            const double *restrict from = x[k], by = l[k][j];
-
-            for (uint32_t i = 0; i < D; i++)
-                to[i] -= by * from[i];
-        }
+        for (uint32_t k = 0; k < j; k++)
+            by[k] = -l[k][j];
+        memcpy(x[j], w[j], sizeof x[j]);
+        lsq_add_rows(x[0], D, j, by, D, x[j]);
         for (uint32_t i = 0; i < D; i++)
-            to[i] /= l[j][j];
+            x[j][i] /= l[j][j];
     }
 }
 
 /* q += sign x' x: its upper triangle. */
 static void add_gram(matrix x, double sign, matrix q)
 {
-    for (uint32_t k = 0; k < D; k++)
-        for (uint32_t i = 0; i < D; i++) {
-            const double by = sign * x[k][i];
-            const double *restrict from = x[k];
-            double *restrict to = q[i];
+    for (uint32_t i = 0; i < D; i++) {
+        double by[D];
 
-            for (uint32_t j = i; j < D; j++)
-                to[j] += by * from[j];
-        }
+        for (uint32_t k = 0; k < D; k++)
+            by[k] = sign * x[k][i];
+        lsq_add_rows(&x[0][i], D, D, by, D - i, &q[i][i]);
+    }
 }
 
 static void make_whole(matrix q)
@@ -350,7 +345,8 @@ static bool search_load(const struct search_basis *b, const struct encoding *p,
 }
 
 enum status search_probe(const struct search_basis *b, const struct encoding *p,
-                         double rho, struct scratch *s, struct search_probe *out)
+                         double rho, unsigned classes, struct scratch *s,
+                         struct search_probe *out)
 {
     const double unit = 2.0 * SEARCH_UNIT * SEARCH_UNIT;
     struct probe_work *w = scratch_need(s, sizeof *w);
@@ -362,6 +358,8 @@ enum status search_probe(const struct search_basis *b, const struct encoding *p,
         return ST_EINVAL;
     out->best = -RATIO_MOST;
     for (int c = 0; c < SEARCH_CLASSES; c++) {
+        if ((classes >> c & 1) == 0)
+            continue;
         if (!form(w, b->precision[c], rho, g, &constant) ||
             !put_rows(b, w, g, constant, &out->class[c], &best[c]) ||
             !(fabs(best[c]) < RATIO_MOST))
@@ -369,7 +367,8 @@ enum status search_probe(const struct search_basis *b, const struct encoding *p,
         out->best = fmax(out->best, best[c]);
     }
     for (int c = 0; c < SEARCH_CLASSES; c++)
-        out->class[c].base = (int32_t)lrint(fmin((out->best - best[c]) * unit, 1e9));
+        if ((classes >> c & 1) != 0)
+            out->class[c].base = (int32_t)lrint(fmin((out->best - best[c]) * unit, 1e9));
     return ST_OK;
 }
 

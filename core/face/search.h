@@ -64,12 +64,17 @@ struct search_probe {
     struct search_rows class[SEARCH_CLASSES];
 };
 
-/* search_probe(b, p, rho, s, out): Prepares the encoding p of a probe.
- *   rho  the model's kinship
- * Cost: 8 ms.
+/* search_classes(x): Returns the classes of the descriptors in x, bit c for class c. */
+unsigned search_classes(const struct surface_index *x);
+
+/* search_probe(b, p, rho, classes, s, out): Prepares the encoding p of a probe.
+ *   rho      the model's kinship
+ *   classes  those wanted, as from search_classes(); out is only for indices without others
+ * Cost: 0.4 ms a class.
  * Returns ST_OK; ST_EINVAL: as search_describe(); ST_ENOMEM. */
 enum status search_probe(const struct search_basis *b, const struct encoding *p,
-                         double rho, struct scratch *s, struct search_probe *out);
+                         double rho, unsigned classes, struct scratch *s,
+                         struct search_probe *out);
 
 /* search_score(p, cost): Returns the score that a cost means. */
 double search_score(const struct search_probe *p, int32_t cost);

@@ -48,8 +48,8 @@ static enum status scan(struct surface_work *work, const struct surface_index *x
                         size_t most, struct search_face *g, struct surface_hit *hit,
                         size_t *n)
 {
-    const enum status st =
-        search_probe(work->search, e, work->model->kinship, &work->normal, &g->probe);
+    const enum status st = search_probe(work->search, e, work->model->kinship,
+                                        search_classes(x), &work->normal, &g->probe);
 
     *n = 0;
     if (st != ST_OK)

@@ -27,6 +27,7 @@ struct surface_index {
     struct chunk **chunk;
     uint32_t room
         [SEARCH_CLASSES]; /* first block of the class with room, SURFACE_NOWHERE: none */
+    uint32_t used[SEARCH_CLASSES]; /* number of descriptors */
 };
 
 /* ---- the sums */
@@ -248,6 +249,7 @@ uint32_t surface_index_add(struct surface_index *x,
     c = chunk_of(x, b);
     lane = (uint32_t)__builtin_ctz(~(uint32_t)c->used[b % CHUNK]);
     c->used[b % CHUNK] |= (uint16_t)(1U << lane);
+    x->used[class]++;
     if (c->used[b % CHUNK] == UINT16_MAX)
         x->room[class] = c->next[b % CHUNK];
     for (uint32_t i = 0; i < D; i++)
@@ -266,6 +268,7 @@ void surface_index_remove(struct surface_index *x, uint32_t slot)
         x->room[c->class[b % CHUNK]] = b;
     }
     *used &= (uint16_t) ~(1U << lane);
+    x->used[c->class[b % CHUNK]]--;
     for (uint32_t i = 0; i < D; i++)
         *place(c, b, lane, i) = 0;
 }
@@ -273,6 +276,15 @@ void surface_index_remove(struct surface_index *x, uint32_t slot)
 size_t surface_index_bytes(const struct surface_index *x)
 {
     return sizeof *x + x->cap * sizeof *x->chunk + x->nchunk * sizeof **x->chunk;
+}
+
+unsigned search_classes(const struct surface_index *x)
+{
+    unsigned classes = 0;
+
+    for (unsigned c = 0; c < SEARCH_CLASSES; c++)
+        classes |= (x->used[c] > 0 ? 1U : 0U) << c;
+    return classes;
 }
 
 /* ---- the best, as a heap whose first is the worst of them */
@@ -331,12 +343,12 @@ size_t search_scan(const struct surface_index *x, const struct search_probe *p,
         const struct chunk *c = chunk_of(x, b);
         const struct search_rows *rows = &p->class[c->class[b % CHUNK]];
         uint32_t lanes = c->used[b % CHUNK] & (allowed != NULL ? allowed[b] : UINT16_MAX);
-        const int32_t limit =
-            (n == most && hit[0].cost < end ? hit[0].cost : end) - rows->base;
-        int32_t cost[BLOCK];
+        int32_t cost[BLOCK], limit;
 
-        if (lanes == 0 || limit < 0 ||
-            !search_cost(&c->block[b % CHUNK], rows, limit, cost))
+        if (lanes == 0)
+            continue;
+        limit = (n == most && hit[0].cost < end ? hit[0].cost : end) - rows->base;
+        if (limit < 0 || !search_cost(&c->block[b % CHUNK], rows, limit, cost))
             continue;
         for (; lanes != 0; lanes &= lanes - 1) {
             const uint32_t lane = (uint32_t)__builtin_ctz(lanes);

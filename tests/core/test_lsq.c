@@ -105,6 +105,32 @@ TEST(test_products)
     }
 }
 
+/* Row after row, to the last digit. */
+TEST(test_add_rows)
+{
+    enum { MOST_ROWS = 20 };
+    static double row[MOST_ROWS * STRIDE], by[MOST_ROWS], want[STRIDE], got[STRIDE],
+        narrow[STRIDE];
+
+    for (uint32_t round = 0; round < 40; round++) {
+        const uint32_t n = round % MOST_ROWS, width = 90 + 3 * round;
+
+        for (size_t i = 0; i < sizeof row / sizeof *row; i++)
+            row[i] = draw_uniform(&rng, -1, 1);
+        for (uint32_t k = 0; k < n; k++)
+            by[k] = draw_uniform(&rng, -1, 1);
+        for (uint32_t i = 0; i < STRIDE; i++) {
+            got[i] = narrow[i] = want[i] = draw_uniform(&rng, -1, 1);
+            for (uint32_t k = 0; k < n && i < width; k++)
+                want[i] += by[k] * row[k * STRIDE + i];
+        }
+        lsq_add_rows(row, STRIDE, n, by, width, got);
+        narrow_add_rows(row, STRIDE, n, by, width, narrow);
+        assert_memory_equal(got, want, sizeof got);
+        assert_memory_equal(narrow, want, sizeof narrow);
+    }
+}
+
 /* ---- factors */
 
 #define MOST 107 /* no multiple of a panel's columns */

@@ -1,6 +1,10 @@
 /* The first stage of identification: its score is the exact one of a template of its class, its sums are
  * those of plain integers, and a scan leaves nothing out; nothing of a descriptor stays when it is removed. */
 /* link: -Wl,--wrap=aligned_alloc */
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
 #include "brute.h"
 #include "encode.h"
 #include "ratio.h"
@@ -51,8 +55,9 @@ BEFORE_ALL(set_up)
     assert_int_equal(search_prepare(&encode, &scratch, &basis), ST_OK);
     draw_modes(0.9, m);
     make(5, m, &probe);
-    assert_int_equal(search_probe(&basis, &probe, model_default.kinship, &scratch, &by),
-                     ST_OK);
+    assert_int_equal(
+        search_probe(&basis, &probe, model_default.kinship, UINT_MAX, &scratch, &by),
+        ST_OK);
 }
 
 AFTER_ALL(tear_down)
@@ -285,6 +290,39 @@ TEST(test_removed)
     surface_index_free(x);
 }
 
+/* A probe for the classes in an index alone finds the same. */
+TEST(test_classes)
+{
+    static struct search_probe few;
+    struct surface_index *x = surface_index_new();
+    struct search_hit wanted[8], got[8];
+    unsigned char d[SURFACE_DESCRIPTOR];
+    uint32_t last = 0;
+
+    assert_non_null(x);
+    assert_int_equal(search_classes(x), 0);
+    for (int i = 0; i < 8; i++) {
+        draw_descriptor(d);
+        d[0] = i == 7 ? 2 : i % 2 == 0 ? 4 : 6;
+        last = surface_index_add(x, d);
+    }
+    assert_int_equal(search_classes(x), 1 << 2 | 1 << 4 | 1 << 6);
+    surface_index_remove(x, last);
+    assert_int_equal(search_classes(x), 1 << 4 | 1 << 6);
+    memset(&few, 0xff, sizeof few);
+    assert_int_equal(search_probe(&basis, &probe, model_default.kinship,
+                                  search_classes(x), &scratch, &few),
+                     ST_OK);
+    assert_int_equal(search_scan(x, &by, NULL, -1e6, 8, wanted), 7);
+    assert_int_equal(search_scan(x, &few, NULL, -1e6, 8, got), 7);
+    for (int i = 0; i < 7; i++) {
+        assert_int_equal(got[i].slot, wanted[i].slot);
+        assert_true(fabs(search_score(&few, got[i].cost) -
+                         search_score(&by, wanted[i].cost)) < 1e-3);
+    }
+    surface_index_free(x);
+}
+
 TEST(test_refused)
 {
     unsigned char d[SURFACE_DESCRIPTOR];
@@ -294,15 +332,15 @@ TEST(test_refused)
 
     e.n = 0;
     assert_int_equal(search_describe(&basis, &e, &scratch, d), ST_EINVAL);
-    assert_int_equal(search_probe(&basis, &e, 0.3, &scratch, &p), ST_EINVAL);
+    assert_int_equal(search_probe(&basis, &e, 0.3, UINT_MAX, &scratch, &p), ST_EINVAL);
     e = probe;
     e.a[0] = -10;
     assert_int_equal(search_describe(&basis, &e, &scratch, d), ST_EINVAL);
-    assert_int_equal(search_probe(&basis, &e, 0.3, &scratch, &p), ST_EINVAL);
+    assert_int_equal(search_probe(&basis, &e, 0.3, UINT_MAX, &scratch, &p), ST_EINVAL);
     e = probe;
     e.b[3] = (float)NAN;
     assert_int_equal(search_describe(&basis, &e, &scratch, d), ST_EINVAL);
-    assert_int_equal(search_probe(&basis, &e, 0.3, &scratch, &p), ST_EINVAL);
+    assert_int_equal(search_probe(&basis, &e, 0.3, UINT_MAX, &scratch, &p), ST_EINVAL);
     d[0] = SEARCH_CLASSES;
     assert_non_null(x);
     assert_int_equal(surface_index_add(x, d), SURFACE_NOWHERE);

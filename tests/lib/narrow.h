@@ -12,6 +12,8 @@ void narrow_times(const float *row, uint32_t stride, uint32_t n, const float *by
                   uint32_t width, float *out);
 void narrow_dot(const float *row, uint32_t stride, uint32_t n, const float *by,
                 uint32_t width, float *out);
+void narrow_add_rows(const double *row, uint32_t stride, uint32_t n, const double *by,
+                     uint32_t width, double *out);
 bool narrow_factor(double *h, uint32_t stride, uint32_t to, uint32_t n);
 
 #endif
