@@ -1,10 +1,12 @@
 #include "pool.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <unistd.h>
 
+#include "command.h"
 #include "errinfo.h"
 #include "libsurface.h"
 
@@ -17,6 +19,7 @@ struct pool {
     void *arg;
     size_t n;
     bool terminal;
+    double start_ms;
 
     pthread_mutex_t lock;
     size_t next, done;
@@ -25,17 +28,35 @@ struct pool {
     struct errinfo e;
 };
 
+/* "3 min left", by what is done; 16 characters. */
+static void time_left(const struct pool *p, char out[17])
+{
+    const double spent = (command_clock_ms() - p->start_ms) / 1e3;
+    const double left = spent / (double)p->done * (double)(p->n - p->done);
+
+    if (p->done == p->n || spent < 2)
+        (void)snprintf(out, 17, "%16s", "");
+    else if (left < 90)
+        (void)snprintf(out, 17, "  %4.0f s left   ", left);
+    else if (left < 90 * 60)
+        (void)snprintf(out, 17, "  %4.0f min left ", left / 60);
+    else
+        (void)snprintf(out, 17, "  %4.0f h left   ", fmin(left / 3600, 9999));
+}
+
 static void pool_show(struct pool *p)
 {
     static const char full[] = "##################################################";
     const unsigned percent = (unsigned)(100 * p->done / p->n);
     const int bar = (int)percent / 2;
+    char left[17];
 
     if (!p->terminal || percent == p->percent)
         return;
     p->percent = percent;
-    (void)fprintf(stderr, "\r%-12s [%.*s%*s] %3u %%%s", p->what, bar, full, 50 - bar, "",
-                  percent, p->done == p->n ? "\n" : "");
+    time_left(p, left);
+    (void)fprintf(stderr, "\r%-12s [%.*s%*s] %3u %%%s%s", p->what, bar, full, 50 - bar,
+                  "", percent, left, p->done == p->n ? "\n" : "");
 }
 
 static void *work(void *arg)
@@ -82,6 +103,7 @@ enum status pool_run(const char *what, uint32_t threads, const struct surface_mo
     uint32_t started = 1; /* the caller is one of them */
 
     p.terminal = isatty(STDERR_FILENO) == 1;
+    p.start_ms = command_clock_ms();
     (void)pthread_mutex_init(&p.lock, NULL);
     while (started < wanted && pthread_create(&thread[started], NULL, work, &p) == 0)
         started++; /* if a thread cannot be made, fewer work */

@@ -1,4 +1,5 @@
-/* pool.h -- items of work on all cores, with a progress bar on standard error if that is a terminal. */
+/* pool.h -- items of work on all cores, with a progress bar and the time left on standard error if that
+ * is a terminal. */
 #ifndef BASE_POOL_H
 #define BASE_POOL_H
 #include <stddef.h>

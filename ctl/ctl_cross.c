@@ -8,6 +8,7 @@
 #include "ctl.h"
 #include "ctl_model.h"
 #include "pool.h"
+#include "store_people.h"
 
 static enum status ctl_cross_no_memory(struct ctl *c)
 {
@@ -16,53 +17,105 @@ static enum status ctl_cross_no_memory(struct ctl *c)
 
 /* ---- loading */
 
+struct ctl_cross_listed { /* a template */
+    int64_t key;          /* of its subject */
+    uint32_t at;          /* index of tmpl */
+    struct ctl_cross_subject of;
+};
+
 struct ctl_cross_list {
     struct ctl *c;
     struct ctl_cross *p;
+    struct ctl_cross_listed *listed; /* [ntemplate] */
 };
 
-static enum status list_subject(void *arg, const struct store_subject *one,
-                                struct errinfo *e)
+static enum status list_template(void *arg, const struct store_subject *of,
+                                 const struct store_template *t,
+                                 const unsigned char *descriptor, struct errinfo *e)
 {
-    struct ctl *c = ((struct ctl_cross_list *)arg)->c;
-    struct ctl_cross *p = ((struct ctl_cross_list *)arg)->p;
-    struct store_template *t = NULL;
-    void *subjects = NULL, *templates = NULL;
-    size_t n = 0;
-    enum status st = one->templates > 0
-                         ? store_template_list(c->store, c->actor, one->id, &t, &n, e)
-                         : ST_OK;
+    struct ctl_cross_list *l = arg;
+    struct ctl_cross *p = l->p;
+    const uint32_t n = p->ntemplate;
+    void *tmpl = command_grow(p->tmpl, n, sizeof *p->tmpl);
+    void *listed = command_grow(l->listed, n, sizeof *l->listed);
 
-    if (st != ST_OK || n == 0)
-        goto out;
-    if ((subjects = command_grow(p->subject, p->nsubject, sizeof *p->subject)) != NULL)
-        p->subject = subjects;
-    templates = realloc(p->tmpl, (p->ntemplate + n) * sizeof *p->tmpl);
-    if (templates != NULL)
-        p->tmpl = templates;
-    if (subjects == NULL || templates == NULL) {
-        st = errinfo_set(e, ST_ENOMEM, "out of memory");
-        goto out;
-    }
-    p->subject[p->nsubject] =
-        (struct ctl_cross_subject){.first = p->ntemplate, .n = (uint32_t)n};
-    memcpy(p->subject[p->nsubject].id, one->id, sizeof one->id);
-    for (size_t i = 0; i < n; i++) {
-        struct ctl_cross_template *to = &p->tmpl[p->ntemplate++];
+    p->tmpl = tmpl != NULL ? tmpl : p->tmpl;
+    l->listed = listed != NULL ? listed : l->listed;
+    if (tmpl == NULL || listed == NULL)
+        return errinfo_set(e, ST_ENOMEM, "out of memory");
+    l->listed[n] = (struct ctl_cross_listed){.key = of->key, .at = n};
+    memcpy(l->listed[n].of.id, of->id, sizeof of->id);
+    memcpy(l->listed[n].of.uid, of->uid, sizeof of->uid);
+    p->tmpl[n] = (struct ctl_cross_template){.slot = SURFACE_NOWHERE};
+    memcpy(p->tmpl[n].id, t->id, sizeof t->id);
+    memcpy(p->tmpl[n].digest, t->digest, sizeof t->digest);
+    if (descriptor != NULL)
+        p->tmpl[n].slot = surface_index_add(p->index, descriptor);
+    p->ntemplate++;
+    return ST_OK;
+}
 
-        memcpy(to->id, t[i].id, sizeof to->id);
-        memcpy(to->digest, t[i].digest, sizeof to->digest);
-        to->owner = p->nsubject;
+static void list_damaged(void *arg, const char *line)
+{
+    struct ctl_cross_list *l = arg;
+
+    l->p->damaged++;
+    (void)fprintf(stderr, "surfacectl: %s\n", line);
+}
+
+static int by_subject(const void *a, const void *b)
+{
+    const struct ctl_cross_listed *x = a, *y = b;
+
+    if (x->key != y->key)
+        return x->key < y->key ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+/* From the order of the rows to that of the subjects. */
+static enum status list_sort(struct ctl_cross_list *l)
+{
+    struct ctl_cross *p = l->p;
+    struct ctl_cross_template *tmpl =
+        malloc((p->ntemplate + (size_t)1) * sizeof *p->tmpl);
+
+    p->subject = malloc((p->ntemplate + (size_t)1) * sizeof *p->subject);
+    if (tmpl == NULL || p->subject == NULL) {
+        free(tmpl);
+        return ctl_cross_no_memory(l->c);
     }
-    p->nsubject++;
-out:
-    free(t);
-    return st;
+    if (p->ntemplate > 0)
+        qsort(l->listed, p->ntemplate, sizeof *l->listed, by_subject);
+    for (uint32_t i = 0; i < p->ntemplate; i++) {
+        if (i == 0 || l->listed[i].key != l->listed[i - 1].key) {
+            p->subject[p->nsubject] = l->listed[i].of;
+            p->subject[p->nsubject++].first = i;
+        }
+        tmpl[i] = p->tmpl[l->listed[i].at];
+        tmpl[i].owner = p->nsubject - 1;
+        p->subject[p->nsubject - 1].n++;
+    }
+    free(p->tmpl);
+    p->tmpl = tmpl;
+    return ST_OK;
 }
 
 enum status ctl_cross_list(struct ctl *c, struct ctl_cross *p)
 {
-    return ctl_model_each(c->store, list_subject, &(struct ctl_cross_list){c, p}, &c->e);
+    struct ctl_cross_list l = {.c = c, .p = p};
+    struct store_people *people = NULL;
+    enum status st;
+
+    if ((p->index = surface_index_new()) == NULL)
+        return ctl_cross_no_memory(c);
+    st = store_people_begin(c->store, c->actor, 0, &people, &c->e);
+    if (st == ST_OK)
+        st = store_people_all(people, list_template, list_damaged, &l, &c->e);
+    st = store_people_end(people, st, &c->e);
+    if (st == ST_OK)
+        st = list_sort(&l);
+    free(l.listed);
+    return st;
 }
 
 /* Appends the subject and the templates of it that have a face, which are at its place or behind. */
@@ -101,6 +154,9 @@ enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p)
     const uint32_t all = p->nsubject;
     uint32_t wanted = all < CTL_CROSS_MAX ? all : CTL_CROSS_MAX;
 
+    if (st == ST_OK && p->damaged > 0)
+        st = errinfo_set(&c->e, ST_ECORRUPT, "%u template%s damaged", p->damaged,
+                         p->damaged == 1 ? " is" : "s are");
     if (st != ST_OK)
         return st;
     if ((p->face = malloc((p->ntemplate + (size_t)1) * sizeof(void *))) == NULL)
@@ -119,6 +175,7 @@ void ctl_cross_free(struct ctl_cross *p)
 {
     for (uint32_t i = 0; p->face != NULL && i < p->ntemplate; i++)
         surface_face_free(p->face[i]);
+    surface_index_free(p->index);
     free(p->face);
     free(p->tmpl);
     free(p->subject);

@@ -16,6 +16,7 @@ struct ctl;
 
 struct ctl_cross_subject {
     char id[STORE_SUBJECT_MAX + 1];
+    unsigned char uid[STORE_UID];
     uint32_t first, n; /* its templates: tmpl[first] to tmpl[first + n - 1] */
 };
 
@@ -23,6 +24,7 @@ struct ctl_cross_template {
     char id[STORE_ID_LEN + 1];
     char digest[65];
     uint32_t owner; /* index of its subject */
+    uint32_t slot;  /* slot of its descriptor; SURFACE_NOWHERE: it has none */
 };
 
 struct ctl_cross {
@@ -30,7 +32,9 @@ struct ctl_cross {
         *subject;                    /* [nsubject] with templates, in order of creation */
     struct ctl_cross_template *tmpl; /* [ntemplate] */
     uint32_t nsubject, ntemplate;
-    uint32_t nenrolled;         /* number of subjects in the database with templates */
+    struct surface_index *index; /* descriptors of the templates */
+    uint32_t damaged;   /* templates that were left out, reported on standard error */
+    uint32_t nenrolled; /* number of subjects in the database with templates */
     struct surface_face **face; /* [ntemplate]; NULL: not loaded */
 
     struct rates_score *score; /* [nscore]; subjects are indices of subject */
@@ -39,12 +43,13 @@ struct ctl_cross {
 
 /* Every function fills c->e if it fails. */
 
-/* ctl_cross_list(c, p): Lists the subjects with templates, and these.
+/* ctl_cross_list(c, p): Lists the subjects with templates, and these; reports damaged ones.
  *   p   all zero before; to be released by ctl_cross_free() */
 enum status ctl_cross_list(struct ctl *c, struct ctl_cross *p);
 
 /* ctl_cross_load(c, seed, p): Lists them, and loads the faces of the templates.  If there are more than
- * CTL_CROSS_MAX subjects, draws that many.  Skips templates that this engine cannot re-encode. */
+ * CTL_CROSS_MAX subjects, draws that many.  Skips templates that this engine cannot re-encode.
+ * ST_ECORRUPT: also if one template is damaged. */
 enum status ctl_cross_load(struct ctl *c, uint64_t seed, struct ctl_cross *p);
 
 void ctl_cross_free(struct ctl_cross *p);

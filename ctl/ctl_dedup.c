@@ -1,23 +1,20 @@
 /* The command dedup: the same face under two subjects. */
 #include <inttypes.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "store.h"
-#include "pool.h"
 #include "ctl_command.h"
 #include "ctl_cross.h"
 #include "ctl_model.h"
-
-#define NOBODY UINT32_MAX
+#include "ctl_search.h"
 
 static const char *only;                      /* --subject */
 static double chosen_threshold = (double)NAN; /* --threshold */
 
-/* A comparison of two subjects' templates. */
+/* Two subjects, by the templates with the highest score. */
 struct ctl_dedup_pair {
     uint32_t x, y; /* two subjects, in their order */
     uint32_t a, b; /* a template of each */
@@ -27,17 +24,14 @@ struct ctl_dedup_pair {
 struct dedup {
     struct ctl *c;
     struct ctl_cross all;
-    uint32_t alone; /* the subject that is compared with all others; or NOBODY */
+    struct ctl_search search;
+    uint32_t alone; /* the subject that is compared with all others; or CTL_SEARCH_ALL */
 
     struct store_calibration calibration; /* the calibration in force */
     double threshold;
-    double pairs; /* pairs of templates to compare */
-
-    pthread_mutex_t lock; /* protects the following members */
-    struct ctl_dedup_pair *
-        found; /* [nfound]; in the end the pair with the highest score of each two subjects */
+    double pairs;                 /* pairs of templates of two subjects */
+    struct ctl_dedup_pair *found; /* [nfound] */
     size_t nfound;
-    uint64_t compared, inconclusive;
 };
 
 /* ---- templates that are compared */
@@ -46,22 +40,14 @@ static enum status list_all(struct dedup *d)
 {
     enum status st = ctl_cross_list(d->c, &d->all);
 
-    d->alone = NOBODY;
+    d->alone = CTL_SEARCH_ALL;
     for (uint32_t i = 0; only != NULL && i < d->all.nsubject; i++)
         if (strcmp(d->all.subject[i].id, only) == 0)
             d->alone = i;
-    if (st == ST_OK && only != NULL && d->alone == NOBODY)
+    if (st == ST_OK && only != NULL && d->alone == CTL_SEARCH_ALL)
         st =
             errinfo_set(&d->c->e, ST_ENOTFOUND, "no subject %.128s has a template", only);
     return st;
-}
-
-/* Each two once, the one that came first as the template. */
-static bool is_pair(const struct dedup *d, uint32_t a, uint32_t b)
-{
-    const uint32_t x = d->all.tmpl[a].owner, y = d->all.tmpl[b].owner;
-
-    return x < y && (d->alone == NOBODY || x == d->alone || y == d->alone);
 }
 
 static void count_pairs(struct dedup *d)
@@ -71,112 +57,31 @@ static void count_pairs(struct dedup *d)
     for (uint32_t i = 0; i < p->nsubject; i++) {
         const struct ctl_cross_subject *one = &p->subject[i];
 
-        if (d->alone == NOBODY)
+        if (d->alone == CTL_SEARCH_ALL)
             d->pairs += (double)one->n * (p->ntemplate - one->first - one->n);
         else if (i == d->alone)
             d->pairs = (double)one->n * (p->ntemplate - one->n);
     }
 }
 
-/* ---- comparing */
-
-static enum status ctl_dedup_keep(struct dedup *d, uint32_t a, uint32_t b, double score)
+/* That of an identification of each among all, so that about one in a hundred resembles somebody by chance.
+ * Among more people than the calibration supports its highest: the list is read by a person. */
+static double usual_threshold(const struct dedup *d)
 {
-    void *larger = command_grow(d->found, d->nfound, sizeof *d->found);
+    const struct surface_calibration *by = &d->calibration.table;
+    const uint32_t most = surface_search_people(by);
+    const uint32_t n = d->all.nsubject < most ? d->all.nsubject : most;
 
-    if (larger == NULL)
-        return ST_ENOMEM;
-    d->found = larger;
-    d->found[d->nfound++] =
-        (struct ctl_dedup_pair){d->all.tmpl[a].owner, d->all.tmpl[b].owner, a, b, score};
-    return ST_OK;
-}
-
-/* Loads the face of template i.  *f is NULL if the template was deleted since, or is of another engine and
- * no face to this one. */
-static enum status ctl_dedup_load(const struct dedup *d, uint32_t i,
-                                  struct surface_work *w, struct surface_face **f,
-                                  struct errinfo *e)
-{
-    struct store_template t;
-    const enum status st =
-        store_template_load(d->c->store, d->c->actor, d->all.tmpl[i].id, &t, w, f, e);
-
-    return st == ST_ENOTFOUND || st == ST_EVERSION ? ST_OK : st;
-}
-
-struct row { /* a template with all later ones */
-    struct surface_face *a, *b;
-    uint64_t compared, inconclusive;
-};
-
-static enum status ctl_dedup_compare(struct dedup *d, uint32_t a, uint32_t b,
-                                     struct surface_work *w, struct row *r,
-                                     struct errinfo *e)
-{
-    struct surface_comparison x = {0};
-    enum status st = status_from(surface_compare(w, r->a, r->b, &x));
-
-    if (st != ST_OK)
-        return errinfo_set(e, st, "comparing: %s", status_message(st));
-    x.threshold = d->threshold;
-    surface_best_of(w, 1, &x);
-    r->compared++;
-    r->inconclusive += x.decision == SURFACE_INCONCLUSIVE;
-    if (x.decision != SURFACE_MATCH)
-        return ST_OK;
-    (void)pthread_mutex_lock(&d->lock);
-    st = ctl_dedup_keep(d, a, b, x.score);
-    (void)pthread_mutex_unlock(&d->lock);
-    return st == ST_OK ? ST_OK : errinfo_set(e, st, "out of memory");
-}
-
-/* Loading a template costs a tenth of comparing it, so none but the row's own is kept: memory
- * does not grow with the database. */
-static enum status compare_row(struct dedup *d, uint32_t a, struct surface_work *w,
-                               struct row *r, struct errinfo *e)
-{
-    bool loaded = false;
-    enum status st = ST_OK;
-
-    for (uint32_t b = a + 1; b < d->all.ntemplate && st == ST_OK; b++) {
-        if (!is_pair(d, a, b))
-            continue;
-        if (!loaded && (st = ctl_dedup_load(d, a, w, &r->a, e)) != ST_OK)
-            break;
-        loaded = true;
-        if (r->a == NULL)
-            break;
-        if ((st = ctl_dedup_load(d, b, w, &r->b, e)) == ST_OK && r->b != NULL)
-            st = ctl_dedup_compare(d, a, b, w, r, e);
-    }
-    return st;
-}
-
-/* Rows from both ends in turns: the first are the longest, and the progress is to be even. */
-static enum status do_row(void *arg, size_t i, struct surface_work *w, struct errinfo *e)
-{
-    struct dedup *d = arg;
-    const uint32_t k = (uint32_t)i / 2;
-    struct row r = {0};
-    const enum status st =
-        compare_row(d, i % 2 == 0 ? k : d->all.ntemplate - 1 - k, w, &r, e);
-
-    (void)pthread_mutex_lock(&d->lock);
-    d->compared += r.compared;
-    d->inconclusive += r.inconclusive;
-    (void)pthread_mutex_unlock(&d->lock);
-    surface_face_free(r.a);
-    surface_face_free(r.b);
-    return st;
+    return n > 1 ? surface_search_threshold(by, n) : by->threshold;
 }
 
 /* ---- output */
 
 static void tell_costs(const struct dedup *d)
 {
-    const double chance =
-        d->pairs * surface_calibration_rate(&d->calibration.table, d->threshold);
+    int extrapolated;
+    const double chance = d->pairs * surface_search_fpir(&d->calibration.table, 1,
+                                                         d->threshold, &extrapolated);
 
     json_text(d->c->out, "engine", d->c->engine);
     json_number(d->c->out, "subjects", d->all.nsubject);
@@ -184,15 +89,17 @@ static void tell_costs(const struct dedup *d)
     json_number(d->c->out, "pairs", d->pairs);
     json_score(d->c->out, "threshold", d->threshold);
     json_rate(d->c->out, "by_chance", chance);
+    json_flag(d->c->out, "extrapolated", extrapolated != 0);
     json_text(d->c->out, "calibration", d->calibration.shipped ? "shipped" : "database");
     (void)fprintf(stderr,
-                  "surfacectl: %.0f comparisons of %" PRIu64
+                  "surfacectl: %.0f pairs of templates of %" PRIu64
                   " subject%s; by chance about %.2g of them at or above %.2f, by the "
-                  "calibration of %s\n",
+                  "calibration of %s%s\n",
                   d->pairs, CTL_COUNT(d->all.nsubject), chance, d->threshold,
                   d->calibration.shipped
                       ? "other people: these may be more alike (see surfacectl calibrate)"
-                      : "this database");
+                      : "this database",
+                  extrapolated ? ", extrapolated" : "");
 }
 
 static void tell_pair(const struct dedup *d, const struct ctl_dedup_pair *p)
@@ -222,18 +129,20 @@ static void tell_found(const struct dedup *d)
     for (size_t i = 0; i < d->nfound; i++)
         tell_pair(d, &d->found[i]);
     json_close(d->c->out);
-    json_number(d->c->out, "compared", (double)d->compared);
-    json_number(d->c->out, "inconclusive", (double)d->inconclusive);
-    ctl_say(d->c, "%zu pair%s of subjects, by %" PRIu64 " comparisons", d->nfound,
-            d->nfound == 1 ? "" : "s", d->compared);
-    if (d->inconclusive > 0)
-        ctl_say(d->c, ", of which %" PRIu64 " were inconclusive", d->inconclusive);
+    json_number(d->c->out, "compared", (double)d->search.compared);
+    json_number(d->c->out, "inconclusive", (double)d->search.inconclusive);
+    json_number(d->c->out, "skipped", d->search.skipped);
+    json_number(d->c->out, "damaged", d->all.damaged);
+    ctl_say(d->c, "%zu pair%s of subjects, by %" PRIu64 " comparison%s", d->nfound,
+            d->nfound == 1 ? "" : "s", CTL_COUNT(d->search.compared));
+    if (d->search.inconclusive > 0)
+        ctl_say(d->c, ", of which %" PRIu64 " were inconclusive", d->search.inconclusive);
     ctl_say(d->c, "\n");
-    if ((double)d->compared < d->pairs)
+    if (d->search.skipped > 0)
         ctl_say(d->c,
-                "%.0f were skipped: deleted meanwhile, or made by another engine "
-                "(template reencode)\n",
-                d->pairs - (double)d->compared);
+                "%" PRIu64 " template%s skipped: damaged, deleted meanwhile, or made by "
+                "another engine (template reencode)\n",
+                CTL_COUNT(d->search.skipped));
 }
 
 static int by_subjects(const void *p, const void *q)
@@ -257,20 +166,31 @@ static int by_score(const void *p, const void *q)
                                 : by_subjects(p, q);
 }
 
-/* Keeps the highest score of each two subjects, the highest of all first: the list does
- * not depend on the order of the pairs.  Returns how many are left. */
-static size_t sort_pairs(struct ctl_dedup_pair *pair, size_t n)
+/* The highest score of each two subjects, the highest of all first: the list does not depend on the order of the
+ * pairs. */
+static enum status keep_subjects(struct dedup *d)
 {
+    const size_t n = d->search.n;
     size_t kept = 0;
 
-    if (n == 0)
-        return 0;
-    qsort(pair, n, sizeof *pair, by_subjects);
+    if ((d->found = malloc((n + 1) * sizeof *d->found)) == NULL)
+        return errinfo_set(&d->c->e, ST_ENOMEM, "out of memory");
+    for (size_t i = 0; i < n; i++) {
+        const struct ctl_search_pair *p = &d->search.pair[i];
+
+        d->found[i] = (struct ctl_dedup_pair){
+            d->all.tmpl[p->a].owner, d->all.tmpl[p->b].owner, p->a, p->b, p->score};
+    }
+    if (n > 0)
+        qsort(d->found, n, sizeof *d->found, by_subjects);
     for (size_t i = 0; i < n; i++)
-        if (kept == 0 || pair[kept - 1].x != pair[i].x || pair[kept - 1].y != pair[i].y)
-            pair[kept++] = pair[i];
-    qsort(pair, kept, sizeof *pair, by_score);
-    return kept;
+        if (kept == 0 || d->found[kept - 1].x != d->found[i].x ||
+            d->found[kept - 1].y != d->found[i].y)
+            d->found[kept++] = d->found[i];
+    if (kept > 0)
+        qsort(d->found, kept, sizeof *d->found, by_score);
+    d->nfound = kept;
+    return ST_OK;
 }
 
 /* ---- the command */
@@ -283,33 +203,33 @@ static enum status dedup(struct dedup *d)
     if ((st = store_calibration_current(d->c->store, &d->calibration, &c->e)) != ST_OK ||
         (st = list_all(d)) != ST_OK)
         return st;
-    d->threshold =
-        isnan(chosen_threshold) ? d->calibration.table.threshold : chosen_threshold;
+    d->threshold = isnan(chosen_threshold) ? usual_threshold(d) : chosen_threshold;
     count_pairs(d);
     tell_costs(d);
     if (c->dry_run)
         return ST_OK;
-    if (d->pairs > 0)
-        st =
-            pool_run("compare", c->threads, c->model, d->all.ntemplate, do_row, d, &c->e);
-    if (st != ST_OK)
+    if ((st = ctl_search_run(c, &d->all, d->alone, d->threshold, &d->search)) != ST_OK ||
+        (st = keep_subjects(d)) != ST_OK)
         return st;
-    d->nfound = sort_pairs(d->found, d->nfound);
     tell_found(d);
-    return ST_OK;
+    if (d->all.damaged > 0)
+        st = errinfo_set(&c->e, ST_ECORRUPT,
+                         "%" PRIu64 " template%s damaged and not compared: run "
+                         "surfacectl check-database",
+                         (uint64_t)d->all.damaged, d->all.damaged == 1 ? " is" : "s are");
+    return st;
 }
 
 static enum status ctl_dedup_run(struct ctl *c)
 {
     struct dedup d = {.c = c};
-    enum status st;
+    enum status st = ctl_model_open(c, STORE_READ);
 
-    (void)pthread_mutex_init(&d.lock, NULL);
-    if ((st = ctl_model_open(c, STORE_READ)) == ST_OK)
+    if (st == ST_OK)
         st = dedup(&d);
     c->code = d.nfound > 0 ? EXIT_NO : EXIT_FINE;
-    (void)pthread_mutex_destroy(&d.lock);
     ctl_cross_free(&d.all);
+    ctl_search_free(&d.search);
     free(d.found);
     return st;
 }
@@ -321,12 +241,14 @@ const struct ctl_command ctl_dedup = {
     .options = {CTL_OPTION("subject", "ID", command_text, &only,
                            "compare this subject with the others"),
                 CTL_OPTION("threshold", "SCORE", command_score, &chosen_threshold,
-                           "use this threshold instead of the calibration's")},
+                           "use this threshold instead of an identification's among so "
+                           "many")},
     .exits = {"no duplicates", "duplicates were found"},
     .run = ctl_dedup_run,
     .summary = "find one face enrolled under two subjects",
     .help =
         "Lists pairs of subjects at or above the threshold, highest score first: they may be one\n"
         "person, relatives, or similar by chance. The expected number by chance is printed first;\n"
-        "with --dry-run nothing else. Choose a higher threshold for a large database.",
-    .example = "surfacectl --db faces.db dedup --threshold 25"};
+        "with --dry-run nothing else. The threshold rises with the number of subjects: a lower one\n"
+        "finds more pairs of one person, and more by chance.",
+    .example = "surfacectl --db faces.db dedup --threshold 15"};

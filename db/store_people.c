@@ -108,9 +108,9 @@ static enum status use_row(void *arg, const struct rows_template *row,
 
     (void)face, (void)len;
     if (store_template_outdated(p->store, &row->one))
-        return p->use(p->arg, &of->one, NULL, e);
+        return p->use(p->arg, &of->one, &row->one, NULL, e);
     if ((st = rows_template_descriptor(row, of, descriptor, e)) == ST_OK)
-        st = p->use(p->arg, &of->one,
+        st = p->use(p->arg, &of->one, &row->one,
                     descriptor[0] != SURFACE_UNDESCRIBED ? descriptor : NULL, e);
     sodium_memzero(descriptor, sizeof descriptor);
     return st;

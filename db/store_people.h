@@ -27,9 +27,10 @@ const char *store_people_bound(const struct store_people *p);
 int64_t store_people_calibration(const struct store_people *p,
                                  struct store_calibration *k);
 
-/* Receives a template of the subject; both are borrowed.
+/* Receives a template of the subject; all are borrowed.
  *   descriptor  [SURFACE_DESCRIPTOR]; NULL: of another engine, or undescribed: no search finds the template */
 typedef enum status store_people_use(void *arg, const struct store_subject *of,
+                                     const struct store_template *t,
                                      const unsigned char *descriptor, struct errinfo *e);
 
 /* store_people_all(p, use, report, arg, e): Calls use() for each template, in no order.  Calls report() for a

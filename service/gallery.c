@@ -271,12 +271,14 @@ static uint32_t seconds(const char *at)
 }
 
 static enum status add_template(void *arg, const struct store_subject *of,
+                                const struct store_template *t,
                                 const unsigned char *descriptor, struct errinfo *e)
 {
     struct gallery *g = arg;
     uint32_t i, s = NONE;
     struct person *p;
 
+    (void)t;
     if (of->disabled || !of->identify || seconds(of->expires) <= g->now)
         return ST_OK;
     if ((i = find_person(g, of->uid)) == NONE) {

@@ -110,6 +110,7 @@ enum surface_status surface_search(struct surface_work *work,
     if (st == ST_OK)
         st = scan(work, x, &probe->encoding, allowed, floor, most, g, hit, n);
     if (st == ST_OK && fabs(place_size(&probe->frame.pose) - 1) > SEARCH_SAME &&
+        (st = probe->surface.mesh.nv > 0 ? ST_OK : ST_EINVAL) == ST_OK &&
         (st = encode_other(work, probe, &g->other)) == ST_OK && g->other.n > 0) {
         st = scan(work, x, &g->other, allowed, floor, most, g, more, &m);
         search_merge(hit, n, more, m, most);

@@ -56,7 +56,8 @@ struct surface_hit {
  * Exact: no descriptor is left out.  The same digits on every machine.
  * Cost: about 0.4 ms for each class of descriptors in x, of which there are 8, and 70 ns a descriptor; twice that
  * if the head is of another size; and once as surface_describe().
- * Returns SURFACE_OK; SURFACE_EINVAL: too little of the probe is known; SURFACE_ENOMEM. */
+ * Returns SURFACE_OK; SURFACE_EINVAL: too little of the probe is known, or its head is of another size and it
+ * has no surface (surface_decode()); SURFACE_ENOMEM. */
 SURFACE_API enum surface_status
 surface_search(struct surface_work *work, const struct surface_index *x,
                const struct surface_face *probe, const uint16_t *allowed, double floor,
