@@ -1,8 +1,9 @@
 /* ctl_search.h -- the pairs of templates of two subjects with a high score, among all pairs.
  * A search by each template (surface_search()) names the pairs that may have one; these are compared exactly.
- * A search takes the other template by its class, which makes the score of a partial one too low.  Each pair
- * is searched from both sides, and it counts if either is within CTL_SEARCH_MARGIN: the side of the partial
- * template is the better one.
+ * A search takes the other template by its class, which makes the score of a partial one too low, by up to 30.  So
+ * each pair is searched from both sides: the side of the partial template has the better score.  Of 10,443 pairs
+ * with a score of -2 or more, of real and simulated scans with glasses, turned, coarse and cut, the better of both was
+ * too low by 4.8 at most, by 4.0 at scores from 8 on: none is beyond the margin.
  * Memory: 250 bytes a template and 16 a pair compared; faces are read when they are needed. */
 #ifndef CTL_SEARCH_H
 #define CTL_SEARCH_H
@@ -10,7 +11,7 @@
 #include <stdint.h>
 #include "ctl_cross.h"
 
-#define CTL_SEARCH_MARGIN 4.0
+#define CTL_SEARCH_MARGIN 5.0
 
 #define CTL_SEARCH_ALL UINT32_MAX
 

@@ -52,7 +52,14 @@ ok "and how many" grep -Eq '^2 pairs of subjects, by [0-9]+ comparisons' "$T/tex
 ok "the costs" grep -q "^surfacectl: 21 pairs of templates of 7 subjects; by chance .* of other people" "$T/ctl.err"
 ctl_exits 0 dedup --dry-run
 is "told in advance alone" "$(said '.pairs, .compared' | tr '\n' ' ')" '21 null '
-ok "with those by chance" jq_true '.by_chance > 0' "$T/ctl"
+"$BUILD/surfacectl" --json --db "$DB" calibrate --reset --dry-run >"$T/shipped"
+knot=$(jq '.table[-2].score' "$T/shipped") rate=$(jq '.table[-2].rate' "$T/shipped")
+ctl_exits 0 dedup --dry-run --threshold "$knot"
+# shellcheck disable=SC2016 # the variables are jq's
+ok "those by chance, by the calibration" jq_true --argjson r "$rate" \
+    '(.by_chance / 21 / $r - 1 | fabs < 0.01) and (.extrapolated | not)' "$T/ctl"
+ctl_exits 0 dedup --dry-run --threshold 40
+ok "beyond its table by its law" jq_true '.extrapolated and .by_chance > 0 and .by_chance < 1e-5' "$T/ctl"
 
 # ---- of one alone; by another threshold
 ctl_exits 1 dedup --subject stranger
@@ -75,4 +82,30 @@ is "nothing else was written" "$(rows | cut -d'|' -f2) $(echo "$before" | cut -d
 "$BUILD/surfacectl" --db "$DB" template delete "$(said '.duplicates[] | select(.subject_b == "copy").template_b')" --yes >"$T/text"
 ctl_exits 1 dedup
 is "gone when it is" "$(who)" 's2=stranger'
+
+# ---- one that is damaged: it is told, and the others are compared
+sql "UPDATE faces SET face = zeroblob(length(face)) WHERE template_key =
+    (SELECT template_key FROM templates ORDER BY template_key LIMIT 1)"
+ctl_exits 65 dedup
+is "the others are found" "$(who)" 's2=stranger'
+is "it is counted" "$(said '[.damaged, .skipped] | @csv')" 1,1
+ok "and named" grep -q "^surfacectl: template [0-9a-f]*: " "$T/ctl.err"
+
+# ---- among many, whole and partial ones: all that comparing all with all finds
+DB="$T/many.db"
+mkdir "$T/many"
+"$BUILD/facegen" --count 40 --points 500 -o "$T/many/a%_enroll.ply"
+"$BUILD/facegen" --count 30 --subject 20 --scan 1 --points 700 --holes 0.1 --pose 6 -o "$T/many/b%_enroll.ply"
+ctl_exits 0 init
+ctl_exits 0 enroll "$T/many"
+ctl_exits 1 dedup --threshold -4
+said '.duplicates[] | [.subject_a, .subject_b, .score] | @csv' | sort >"$T/found"
+"$BUILD/surfacectl" --json --db "$DB" subject list | jq -r '.subjects[].subject' >"$T/all"
+: >"$T/each"
+while read -r id; do
+    "$BUILD/surfacectl" --json --db "$DB" dedup --threshold -4 --subject "$id" 2>"$T/ctl.err" |
+        jq -r '.duplicates[] | [.subject_a, .subject_b, .score] | @csv' >>"$T/each"
+done <"$T/all"
+ok "as all with all" test "$(sort -u "$T/each")" = "$(cat "$T/found")"
+ok "$(wc -l <"$T/found") pairs, of lookalikes too" test "$(wc -l <"$T/found")" -gt 30
 finish
