@@ -14,7 +14,7 @@ static const char *group = "";   /* --group */
 static uint32_t most_candidates; /* --candidates */
 
 /* What a search costs besides its templates: reading a scan, its compilation, and the comparisons. */
-#define SEARCH_MS   50.0
+#define SEARCH_MS   30.0
 #define TEMPLATE_MS 100e-6
 
 #define BY_LAW ", by a law beyond what comparisons support"

@@ -218,8 +218,8 @@ static enum status record_match(struct templates_context *c, struct identificati
 }
 
 /* Those who are listed are named though they may never have been there: an entry each. */
-static enum status record(struct templates_context *c, struct identification *x,
-                          struct errinfo *e)
+static enum status record_search(struct templates_context *c, struct identification *x,
+                                 struct errinfo *e)
 {
     const struct identify_request *r = x->request;
     char outcome[STORE_NAME_MAX + 1];
@@ -264,7 +264,7 @@ enum status identify_run(struct templates_context *c, struct gallery *g,
         st = decide(c, x, e);
     x->times.score = now(c) - start;
     if (st == ST_OK)
-        st = record(c, x, e);
+        st = record_search(c, x, e);
     return st == ST_OK ? templates_judge(&x->best, e) : st;
 }
 
