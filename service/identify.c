@@ -113,9 +113,9 @@ static enum status compare_found(struct templates_context *c, struct identificat
     return st;
 }
 
-static enum status search(struct templates_context *c, struct gallery *g,
-                          struct identification *x, struct store_people *people,
-                          struct errinfo *e)
+static enum status search_people(struct templates_context *c, struct gallery *g,
+                                 struct identification *x, struct store_people *people,
+                                 struct errinfo *e)
 {
     const struct identify_request *r = x->request;
     const uint32_t most = (uint32_t)r->candidates + IDENTIFY_ALWAYS;
@@ -259,7 +259,7 @@ enum status identify_run(struct templates_context *c, struct gallery *g,
     start = now(c);
     if ((st = store_people_begin(c->store, r->actor, c->calibration, &people, e)) ==
         ST_OK)
-        st = store_people_end(people, search(c, g, x, people, e), e);
+        st = store_people_end(people, search_people(c, g, x, people, e), e);
     if (st == ST_OK)
         st = decide(c, x, e);
     x->times.score = now(c) - start;
