@@ -98,6 +98,37 @@ else
     echo "SKIP TLS: no certificate is made: $(tail -n 1 "$T/out")"
 fi
 
+# ---- descriptors: the gallery has those who may be found, and nobody else's
+
+# described TITLE WANTED FILE...: so many of the scans' descriptors are in the daemon's memory, within 3 s.
+described() {
+    d_title=$1 d_wanted=$2 tries=0
+    shift 2
+    while d_found=$("$BUILD/descriptor" "$PID" "$@") && [ "$d_found" != "$d_wanted" ] && [ "$tries" -lt 30 ]; do
+        tries=$((tries + 1))
+        sleep 0.1
+    done
+    is "$d_title: descriptors in memory" "$d_found" "$d_wanted"
+}
+start_daemon --no-auth --workers 2
+for n in 4 5 6; do
+    scan $n 0 "$T/d$n.ply"
+    scan $n 1 "$T/q$n.ply"
+    send POST "/v1/subjects/d$n/templates" "$PLY" "$T/d$n.ply"
+    send POST /v1/identify "$PLY" "$T/q$n.ply"
+    is "identified" "$STATUS $(get .subject)" "200 d$n"
+done
+described "enrolled" 3 "$T/d4.ply" "$T/d5.ply" "$T/d6.ply"
+described "nor of a probe" 0 "$T/q4.ply" "$T/q5.ply"
+req DELETE /v1/subjects/d4
+ctl_exits 0 --yes subject erase d5
+ctl_exits 0 subject set d6 --identify no
+described "erased, and opted out" 0 "$T/d4.ply" "$T/d5.ply" "$T/d6.ply"
+for file in "$T"/faces.db*; do
+    is "in $(basename "$file")" "$("$BUILD/descriptor" "$file" "$T/d4.ply" "$T/d5.ply" "$T/d6.ply")" 0
+done
+stop_daemon
+
 # ---- large requests
 start_daemon --no-auth --workers 2
 send POST "/v1/subjects/alice/templates?axes=scanner" "$PLY" "$T/a.ply"
