@@ -153,11 +153,23 @@ static enum status learn(struct ctl *c, struct result *r)
 
 /* ---- printing */
 
-/* In how large a gallery somebody can match.  A row with the shipped table has no law. */
+/* The table as it decides: a row has no law. */
+static struct surface_calibration table_of(const struct ctl *c,
+                                           const struct store_calibration *k)
+{
+    struct surface_calibration d =
+        k->shipped ? *surface_model_calibration(c->model) : k->table;
+
+    surface_calibration_continue(&d, surface_model_calibration(c->model));
+    return d;
+}
+
+/* In how large a gallery somebody can match. */
 static uint32_t people(const struct ctl *c, const struct store_calibration *k)
 {
-    return surface_search_people(k->shipped ? surface_model_calibration(c->model)
-                                            : &k->table);
+    const struct surface_calibration d = table_of(c, k);
+
+    return surface_search_people(&d);
 }
 
 /* The members of a new calibration and of those in the list. */
@@ -217,17 +229,15 @@ static void print_suspects(const struct ctl *c, const struct result *r)
 /* How many people can be searched for one, and at which score. */
 static void print_search(const struct ctl *c, const struct result *r)
 {
-    const struct surface_calibration *d = &r->k.table;
-    const uint32_t n = r->cross.nenrolled, most = people(c, &r->k);
+    const struct surface_calibration d = table_of(c, &r->k);
+    const uint32_t n = r->cross.nenrolled, most = surface_search_people(&d);
+    const uint32_t among = n < most ? n : most;
+    const double at = surface_search_threshold(&d, among);
 
-    if (most == 0)
-        (void)printf("identify     never a match: too few pairs\n");
-    else
-        (void)printf(
-            "identify     %.2f among %u people%s\n",
-            surface_search_threshold(d, n < most ? n : most), n < most ? n : most,
-            n <= most ? ""
-                      : ", the most that these pairs support: among more never a match");
+    (void)printf("identify     %.2f among %u people%s%s\n", at, among,
+                 at > d.knot[d.n - 1].score ? ", by the shipped law beyond the table"
+                                            : "",
+                 n <= most ? "" : "; among more never a match");
 }
 
 static void print_result(const struct ctl *c, const struct result *r)

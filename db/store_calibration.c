@@ -65,13 +65,16 @@ static bool holds(const struct store *s, const struct store_calibration *k)
     return k->shipped || surface_same_engine(k->engine, s->made_by);
 }
 
-/* Completes *k, the newest or zeros: the model's own table decides if *k does not. */
+/* Completes *k, the newest or zeros: the model's own table decides if *k does not, and its law goes on where the
+ * table of *k ends. */
 static void complete(const struct store *s, struct store_calibration *k)
 {
     k->ignored = k->version != 0 && !holds(s, k);
     if (k->version == 0 || k->shipped || k->ignored) {
         k->shipped = true;
         k->table = *surface_model_calibration(s->model);
+    } else {
+        surface_calibration_continue(&k->table, surface_model_calibration(s->model));
     }
 }
 

@@ -13,8 +13,8 @@
 
 #define NONE UINT32_MAX
 
-/* Templates of a subject of which its slots must not hide another one: so many are asked for each. */
-#define PER_SUBJECT STORE_TEMPLATES_MAX
+/* Templates that are asked for each subject; if that is too few, as many as a subject can have. */
+#define PER_SUBJECT 4
 
 struct person {
     unsigned char uid[STORE_UID];
@@ -481,29 +481,41 @@ static void gallery_collect(const struct gallery *g, const struct finding *f, si
     }
 }
 
+/* Into f and out, of the index as it is. */
+static enum status search(const struct gallery *g, struct surface_work *w,
+                          const struct gallery_search *what, const struct finding *f,
+                          struct gallery_found *out)
+{
+    enum status st = ST_OK;
+    size_t hits = 0, most = 0;
+
+    for (size_t each = PER_SUBJECT;
+         st == ST_OK && g->index != NULL && out->n < what->most && hits == most &&
+         each <= STORE_TEMPLATES_MAX;
+         each *= STORE_TEMPLATES_MAX / PER_SUBJECT) {
+        most = what->most * each;
+        out->n = 0;
+        st = status_from(surface_search(w, g->index, what->probe, f->allowed, what->floor,
+                                        most, f->hit, &hits));
+        if (st == ST_OK)
+            gallery_collect(g, f, hits, what->most, out);
+    }
+    return st;
+}
+
 static enum status find(struct gallery *g, struct surface_work *w,
                         const struct gallery_search *what, struct finding *f,
                         struct gallery_found *out)
 {
-    const size_t most = what->most * PER_SUBJECT;
     enum status st;
-    size_t hits = 0;
 
-    f->hit = mem_array(most, sizeof *f->hit);
+    f->hit = mem_array(what->most * STORE_TEMPLATES_MAX, sizeof *f->hit);
     f->person = mem_array(what->most, sizeof *f->person);
     out->uid = malloc(what->most * sizeof *out->uid);
     if (f->hit == NULL || f->person == NULL || out->uid == NULL)
         return ST_ENOMEM;
     (void)pthread_rwlock_rdlock(&g->lock);
-    if (!gallery_allow(g, what, f, out))
-        st = ST_ENOMEM;
-    else if (g->index == NULL)
-        st = ST_OK;
-    else
-        st = status_from(surface_search(w, g->index, what->probe, f->allowed, what->floor,
-                                        most, f->hit, &hits));
-    if (st == ST_OK)
-        gallery_collect(g, f, hits, what->most, out);
+    st = gallery_allow(g, what, f, out) ? search(g, w, what, f, out) : ST_ENOMEM;
     (void)pthread_rwlock_unlock(&g->lock);
     return st;
 }

@@ -32,6 +32,13 @@ int surface_calibration_valid(const struct surface_calibration *c)
     return tail_valid(c);
 }
 
+void surface_calibration_continue(struct surface_calibration *c,
+                                  const struct surface_calibration *by)
+{
+    c->tail = by->tail;
+    c->tail.rate = c->knot[c->n - 1].rate;
+}
+
 double surface_calibration_rate(const struct surface_calibration *c, double score)
 {
     const struct surface_knot *k = c->knot;

@@ -65,6 +65,11 @@ struct surface_calibration {
 /* Returns 1 if the members of by are as described above, else 0. */
 SURFACE_API int surface_calibration_valid(const struct surface_calibration *by);
 
+/* Gives *c the law of another calibration, from c's own last knot and its rate on: that rate is an upper limit, and
+ * how fast rates fall behind it is not known from few comparisons. */
+SURFACE_API void surface_calibration_continue(struct surface_calibration *c,
+                                              const struct surface_calibration *by);
+
 /* Returns the false match rate at a threshold of this score, 0..1: 1 below the first knot, linear
  * between the knots, and constant from the last one on: never below what the comparisons
  * support.  NaN gives 1. */

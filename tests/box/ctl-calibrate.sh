@@ -45,7 +45,7 @@ ok "the rates fall from 1 as the scores rise" jq -e '[.table[].rate] as $r
     | [.table[].score] as $s | ($r | reverse) == ($r | unique) and $s == ($s | unique)
     and $r[0] == 1' "$T/ctl" >/dev/null
 is "nobody is refused of two" "$(said .fnmr)" 0
-is "66 pairs identify nobody" "$(said .people)" 0
+is "the law goes on where 66 pairs end" "$(said .people)" 10000
 is "nobody is suspicious" "$(said .suspicious)" 0
 cp "$T/ctl" "$T/first"
 ctl calibrate --fmr 0.05 --dry-run --threads 3
@@ -111,7 +111,7 @@ is "nothing is deleted" "$(said '[.calibrations[].version, .in_force.source] | @
 "$BUILD/surfacectl" calibrate --list >"$T/text"
 is "the list as text" "$(grep -c -e database -e shipped "$T/text")" 4
 is "with the people that each identifies" "$(awk '$3 ~ /database|shipped/ { print $NF }' "$T/text" |
-    paste -sd ' ')" "0 0 10000"
+    paste -sd ' ')" "10000 10000 10000"
 ctl check-database
 is "all is well" "$CODE" 0
 

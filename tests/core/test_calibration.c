@@ -244,3 +244,23 @@ TEST(test_valid_law)
     c.tail.decade = 1e4;
     assert_false(surface_calibration_valid(&c));
 }
+
+/* A table of few pairs: its own rates to its last knot, then as fast as the other's. */
+TEST(test_continue)
+{
+    struct surface_calibration c = {8, 2, {{-10, 1}, {9, 0.02}}, {.people = 0}};
+    const struct surface_calibration by = {
+        8, 2, {{-10, 1}, {7, 0.001}}, {0.001, 5, 10000}};
+    int extrapolated;
+
+    assert_true(isinf(surface_search_threshold(&c, 100)));
+    surface_calibration_continue(&c, &by);
+    assert_int_equal(surface_calibration_valid(&c), 1);
+    assert_int_equal(surface_search_people(&c), 10000);
+    /* 0.02 falls tenfold to 0.002 at 14, where 5 people have an FPIR of 1 %. */
+    assert_true(fabs(surface_search_fpir(&c, 1, 14, &extrapolated) - 0.002) < 1e-12);
+    assert_int_equal(extrapolated, 1);
+    assert_true(fabs(surface_search_threshold(&c, 5) - 14) < 0.01);
+    assert_true(surface_calibration_rate(&c, 14) ==
+                0.02); /* verifications do not extrapolate */
+}
