@@ -77,18 +77,11 @@ static void print_scores(const struct identification *x)
 /* Why no score is a match among so many people, and what helps. */
 static void print_beyond(const struct ctl *c)
 {
-    const uint32_t reach = surface_search_people(surface_work_calibration(c->work));
-
-    if (reach == 0)
-        ctl_say(c, "the calibration in force rests on too few comparisons for any\n"
-                   "             search; surfacectl calibrate --reset returns to the "
-                   "shipped one\n");
-    else
-        ctl_say(c,
-                "the calibration is good for %u people at most. Search a group of\n"
-                "             fewer (--group), or calibrate on this database (surfacectl "
-                "calibrate)\n",
-                reach);
+    ctl_say(c,
+            "the calibration is good for %u people at most. Search a group of\n"
+            "             fewer (--group), or calibrate on this database (surfacectl "
+            "calibrate)\n",
+            surface_search_people(surface_work_calibration(c->work)));
 }
 
 /* Why nobody can say, and what helps. */
