@@ -17,7 +17,8 @@
 #include "ctl_session.h"
 #include "pool.h"
 
-static bool force, each;                 /* --force, --each */
+static bool force, each, unique;         /* --force, --each, --unique */
+static struct gallery *gallery;          /* with --unique: of all people */
 static const char *label, *kind, *group; /* --label, --kind, --group */
 
 /* The scans of a subject that are enrolled together. */
@@ -31,6 +32,16 @@ struct burst {
 
 /* ---- enrolling them */
 
+/* The database is the user's own: he learns whose face it is. */
+static enum status name_twin(enum status st, const struct enrolment_outcome *out,
+                             struct errinfo *e)
+{
+    return st == ST_EEXISTS && out->twin[0] != '\0'
+               ? errinfo_set(e, st, "this face is enrolled already, as subject %s",
+                             out->twin)
+               : st;
+}
+
 static enum status ctl_enroll_add(struct ctl *c, struct burst *b,
                                   const struct store_sample *sample)
 {
@@ -41,12 +52,13 @@ static enum status ctl_enroll_add(struct ctl *c, struct burst *b,
                                 .n = b->n,
                                 .manager = true,
                                 .groups = group,
+                                .gallery = gallery,
                                 .force = force};
     struct templates_context with = ctl_face_context(c, c->work);
     struct enrolment_outcome out;
     const enum status st = enrolment_add(&with, &x, NULL, b->each, &out, &c->e);
 
-    return out.none ? ST_OK : st;
+    return out.none ? ST_OK : name_twin(st, &out, &c->e);
 }
 
 static enum status enroll_each(struct ctl *c, struct burst *b)
@@ -191,8 +203,8 @@ static enum status is_there(struct ctl *c, const char *subject,
 /* A scan's own fault, which does not stop the others; else the machine's. */
 static bool is_fault(enum status st, bool stored)
 {
-    return stored ? st == ST_EMISMATCH || st == ST_EFULL || st == ST_EINVAL ||
-                        st == ST_EDENIED
+    return stored ? st == ST_EMISMATCH || st == ST_EEXISTS || st == ST_EFULL ||
+                        st == ST_EINVAL || st == ST_EDENIED
                   : st != ST_ENOMEM;
 }
 
@@ -231,7 +243,7 @@ static enum status enroll_scan(const struct folder *w, struct ctl *c, uint32_t i
         st = is_there(c, x.subject, *f, &there);
     }
     if (st == ST_OK && !there)
-        st = enrolment_add(&with, &x, NULL, &one, &out, &c->e);
+        st = name_twin(enrolment_add(&with, &x, NULL, &one, &out, &c->e), &out, &c->e);
     if (st == ST_OK) {
         o->result = one.created ? ENROLLED : PRESENT;
         return ST_OK;
@@ -376,7 +388,7 @@ static enum status enroll_collection(struct ctl *c)
 
 /* ---- the command */
 
-static enum status ctl_enroll_run(struct ctl *c)
+static enum status enroll(struct ctl *c)
 {
     struct stat sb;
 
@@ -396,6 +408,18 @@ static enum status ctl_enroll_run(struct ctl *c)
     return enroll_files(c);
 }
 
+static enum status ctl_enroll_run(struct ctl *c)
+{
+    enum status st;
+
+    if (unique && (gallery = gallery_new(SIZE_MAX)) == NULL)
+        return errinfo_set(&c->e, ST_ENOMEM, "out of memory");
+    st = enroll(c);
+    gallery_free(gallery);
+    gallery = NULL;
+    return st;
+}
+
 const struct ctl_command ctl_enroll = {
     .name = "enroll",
     .args = "SUBJECT FILE... | DIR | MANIFEST",
@@ -406,6 +430,8 @@ const struct ctl_command ctl_enroll = {
                            "enroll scans that do not match the subject's other samples"),
                 CTL_OPTION("each", NULL, command_flag, &each,
                            "make each file a template of its own"),
+                CTL_OPTION("unique", NULL, command_flag, &unique,
+                           "refuse a new subject whose face another subject has"),
                 CTL_OPTION("label", "TEXT", command_text, &label,
                            "a note stored with each template"),
                 CTL_OPTION("group", "LIST", command_text, &group,

@@ -155,7 +155,9 @@ static enum status enroll_rows(struct store *s, struct enrolling *g,
     store_read_ahead(&g->t, find_subject, g);
     if ((st = store_check(s, &g->t, e)) != ST_OK)
         return st;
-    st = need_subject(g, e);
+    st = g->what->seq != 0 && g->what->seq != g->t.changes.seq
+             ? errinfo_set(e, ST_ECHANGED, "the database has changed since the search")
+             : need_subject(g, e);
     for (size_t i = 0; st == ST_OK && i < g->what->n; i++)
         st = enroll_row(g, &g->what->sample[i], &t[i], &created[i], e);
     sodium_memzero(&g->of, sizeof g->of);

@@ -22,6 +22,9 @@ struct store_enroll {
     /* Id of the subject's newest template when the samples were compared; "": it had none; NULL: the
      * samples were not compared. */
     const char *newest;
+    /* Number of the last change (store_people_seq()) that the caller's search among all people has seen; 0: it
+     * made none. */
+    uint64_t seq;
     /* Groups of the subject if it is new (groups.h); NULL: those that actor is bound to. */
     const char *groups;
     const char *captured; /* text after the outcome in the events; NULL: none */
@@ -34,7 +37,8 @@ struct store_enroll {
  *            or as read), perhaps from an earlier sample of this call; t[i] is then the existing template
  * Returns ST_OK, or an error, and nothing is stored:
  *   ST_ECHANGED  another template than what->newest is now the newest: another thread or process may
- *                have added a template that the samples were not compared with
+ *                have added a template that the samples were not compared with; or there is a change
+ *                after what->seq
  *   ST_EEXISTS   the subject exists, but not for the actor, which is bound to other groups
  *   ST_EFULL     the subject would have more than STORE_TEMPLATES_MAX templates */
 enum status store_enroll(struct store *s, const struct store_enroll *what,

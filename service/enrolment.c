@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "dry_run.h"
+#include "identify.h"
 #include "store.h"
 
 #define ANYWAY "; to enroll it anyway use force (scope manage)"
@@ -235,6 +236,44 @@ static enum status fit_others(struct enrolling *g, struct errinfo *e)
     return st;
 }
 
+/* Is there another subject with the face of sample i? */
+static enum status look_for_twin(struct enrolling *g, size_t i, uint64_t *seq,
+                                 struct errinfo *e)
+{
+    const struct enrolment *x = g->x;
+    struct surface_face *face = (struct surface_face *)(uintptr_t)x->sample[i].face;
+    struct identify_request r = {
+        .actor = x->actor, .group = "", .face = &face, .captured = x->captured};
+    struct identification is;
+    enum status st = identify_sample(g->c, x->gallery, &r, &is, e);
+
+    if (st == ST_OK) {
+        g->out->is_searched = true;
+        g->out->searched = is.decision;
+    }
+    if (st == ST_OK && is.decision == SURFACE_MATCH) {
+        memcpy(g->out->twin, is.templates.of.subject.id, sizeof g->out->twin);
+        st = errinfo_set(e, ST_EEXISTS,
+                         "this face is enrolled already, as another subject");
+    }
+    if (*seq == 0) /* later searches may see more */
+        *seq = is.seq;
+    identify_free(&is);
+    return st;
+}
+
+/* Before a subject's first template. */
+static enum status need_unique(struct enrolling *g, uint64_t *seq, struct errinfo *e)
+{
+    enum status st = ST_OK;
+
+    for (size_t i = 0;
+         g->x->gallery != NULL && g->is.of.n == 0 && st == ST_OK && i < g->x->n; i++)
+        if (g->each[i].why.code == ST_OK)
+            st = look_for_twin(g, i, seq, e);
+    return st;
+}
+
 static enum status store_fitting(struct enrolling *g, struct errinfo *e)
 {
     const struct enrolment *x = g->x;
@@ -261,7 +300,8 @@ static enum status store_fitting(struct enrolling *g, struct errinfo *e)
                 SURFACE_ENOMEM)
                 return errinfo_set(e, ST_ENOMEM, "out of memory");
         }
-    st = store_enroll(g->c->store, &what, t, created, e);
+    if ((st = need_unique(g, &what.seq, e)) == ST_OK)
+        st = store_enroll(g->c->store, &what, t, created, e);
     for (size_t i = 0, k = 0; st == ST_OK && i < x->n; i++)
         if (g->each[i].why.code == ST_OK) {
             g->each[i].tmpl = t[k];

@@ -10,6 +10,7 @@
 #define SERVICE_ENROLMENT_H
 #include <stdbool.h>
 #include "errinfo.h"
+#include "gallery.h"
 #include "status.h"
 #include "store.h"
 #include "templates.h"
@@ -22,6 +23,9 @@ struct enrolment {
     size_t n;                            /* number of samples, 1 to ENROLMENT_SAMPLES */
     const char *groups, *captured;       /* as in store_enroll() */
     bool manager;                        /* as in struct store_template */
+    /* Gallery in which somebody who is enrolled under another id is looked for before the first template of a
+     * subject is stored; NULL: nobody is. */
+    struct gallery *gallery;
     bool force; /* samples are stored even if they do not match */
     /* Limits of failed attempts.  A sample that does not match the reference templates is a failed
      * attempt.  The lock-out is checked before the comparison, and again before its result is reported.
@@ -39,7 +43,11 @@ struct enrolment_outcome {
     struct templates_refusal refusal; /* reason of ST_EDENIED */
     /* Last comparison with the reference templates; compared is 0 if there was none. */
     struct templates_nearest nearest;
-    bool none;         /* all samples were refused */
+    bool none;                      /* all samples were refused */
+    bool is_searched;               /* the gallery was searched for somebody else: */
+    enum surface_decision searched; /* the decision of the last search */
+    char twin[STORE_SUBJECT_MAX +
+              1];      /* the subject that matched, with ST_EEXISTS; "": none */
     unsigned warnings; /* as in struct store_recorded */
 };
 
@@ -56,12 +64,14 @@ enum status enrolment_begin(struct templates_context *c, const struct enrolment 
  * Each sample that does not match a reference template is recorded like a failed verification
  * (store_record_verification()), as enroll_mismatch.  A sample that does not match the first accepted
  * sample is not compared with the templates; it is recorded, but not counted.
+ * With x->gallery each sample is first identified (identify_sample()).  No change may come between that and the
+ * storing, else it is done again: of two enrolments of one face at once the second is refused.
  *   begun  takes ownership; NULL: enrolment_begin() was not called
  *   each   results [x->n]; in: all zero, except why of a sample without a face
  * Returns ST_OK, also if some samples are refused.  If all are refused, sets out->none and returns the
  * status of the first one (ST_EMISMATCH: it does not match).  After any other error nothing is stored.
- * ST_EDENIED: out->refusal has the reason; or as templates_nearest(), store_record_verification(),
- * store_enroll(). */
+ * ST_EDENIED: out->refusal has the reason; ST_EEXISTS: out->twin is another subject with this face; or as
+ * templates_nearest(), store_record_verification(), identify_sample(), store_enroll(). */
 enum status enrolment_add(struct templates_context *c, const struct enrolment *x,
                           struct templates *begun, struct enrolment_result *each,
                           struct enrolment_outcome *out, struct errinfo *e);

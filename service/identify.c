@@ -187,8 +187,9 @@ static void print_outcome(const struct identification *x, char out[STORE_NAME_MA
 
     if (x->decision == SURFACE_MATCH)
         (void)snprintf(score, sizeof score, " %.1f", x->best.result.score);
-    (void)snprintf(out, STORE_NAME_MAX + 1, "%s%s of %" PRIu64 "%s%s%s",
+    (void)snprintf(out, STORE_NAME_MAX + 1, "%s%s of %" PRIu64 "%s%s%s%s",
                    templates_decision(x->decision), score, x->searched,
+                   r->probe == NULL ? ", enroll" : "",
                    r->captured != NULL ? r->captured : "", r->group[0] != '\0' ? " " : "",
                    r->group);
 }
@@ -204,10 +205,13 @@ static enum status record_match(struct templates_context *c, struct identificati
                                 .actor = r->actor,
                                 .kind = "identify",
                                 .template_id = x->templates.of.t[x->best.index].id,
-                                .outcome = outcome,
-                                .probe = &probe};
-    enum status st =
-        replay_look(r->probe, *r->face, &x->templates, x->best.index, &probe, e);
+                                .outcome = outcome};
+    enum status st;
+
+    if (r->probe == NULL) /* an enrolment, which is refused */
+        return store_record_verification(c->store, &what, &recorded, e);
+    what.probe = &probe;
+    st = replay_look(r->probe, *r->face, &x->templates, x->best.index, &probe, e);
 
     if (st != ST_OK)
         return st;
@@ -245,27 +249,42 @@ static enum status record_search(struct templates_context *c, struct identificat
     return st;
 }
 
+static enum status identify(struct templates_context *c, struct gallery *g,
+                            struct identification *x, struct errinfo *e)
+{
+    const double start = now(c);
+    struct store_people *people = NULL;
+    enum status st =
+        store_people_begin(c->store, x->request->actor, c->calibration, &people, e);
+
+    if (st == ST_OK) {
+        x->seq = store_people_seq(people);
+        st = store_people_end(people, search_people(c, g, x, people, e), e);
+    }
+    if (st == ST_OK)
+        st = decide(c, x, e);
+    x->times.score = now(c) - start;
+    return st == ST_OK ? record_search(c, x, e) : st;
+}
+
 enum status identify_run(struct templates_context *c, struct gallery *g,
                          struct identify_request *r, struct identification *x,
                          struct errinfo *e)
 {
-    struct store_people *people = NULL;
-    double start;
     enum status st;
 
     *x = (struct identification){.request = r, .templates = {.context = c}};
-    if ((st = build_probe(c, x, e)) != ST_OK)
+    if ((st = build_probe(c, x, e)) != ST_OK || (st = identify(c, g, x, e)) != ST_OK)
         return st;
-    start = now(c);
-    if ((st = store_people_begin(c->store, r->actor, c->calibration, &people, e)) ==
-        ST_OK)
-        st = store_people_end(people, search_people(c, g, x, people, e), e);
-    if (st == ST_OK)
-        st = decide(c, x, e);
-    x->times.score = now(c) - start;
-    if (st == ST_OK)
-        st = record_search(c, x, e);
-    return st == ST_OK ? templates_judge(&x->best, e) : st;
+    return templates_judge(&x->best, e);
+}
+
+enum status identify_sample(struct templates_context *c, struct gallery *g,
+                            struct identify_request *r, struct identification *x,
+                            struct errinfo *e)
+{
+    *x = (struct identification){.request = r, .templates = {.context = c}};
+    return identify(c, g, x, e);
 }
 
 void identify_free(struct identification *x)

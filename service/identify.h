@@ -14,10 +14,11 @@ struct session; /* session.h */
 #define IDENTIFY_MOST 50 /* most candidates of one identification */
 
 struct identify_request {
-    const char *actor;          /* as in store_event() */
-    const char *group;          /* as in struct gallery_search */
-    size_t candidates;          /* most candidates to be listed, up to IDENTIFY_MOST */
-    struct session *probe;      /* the scan; borrowed until identify_free() */
+    const char *actor; /* as in store_event() */
+    const char *group; /* as in struct gallery_search */
+    size_t candidates; /* most candidates to be listed, up to IDENTIFY_MOST */
+    struct session *
+        probe; /* the scan; borrowed until identify_free(); NULL: a sample of an enrolment */
     struct surface_face **face; /* receives its face, which the caller owns */
     const char *captured;       /* text after the outcome in the event; NULL: none */
     const atomic_bool *stop; /* cancellation flag, set by another thread; may be NULL */
@@ -38,6 +39,7 @@ struct identification {
     struct templates templates; /* of the best subject */
     double fpir;                /* false-positive identification rate at the score */
     bool extrapolated;          /* fpir is beyond what comparisons support */
+    uint64_t seq;               /* number of the last change that the search has seen */
     uint64_t searched;          /* number of subjects searched */
     uint64_t skipped;           /* templates that could not be searched */
     uint32_t compared;          /* subjects compared exactly */
@@ -60,6 +62,12 @@ struct identification {
 enum status identify_run(struct templates_context *c, struct gallery *g,
                          struct identify_request *r, struct identification *x,
                          struct errinfo *e);
+
+/* identify_sample(c, g, r, x, e): The part of identify_run() that follows the building of the face: for the face of a
+ * sample, which is known, so that r->probe is NULL.  The event says "enroll", and a mirror image is no error. */
+enum status identify_sample(struct templates_context *c, struct gallery *g,
+                            struct identify_request *r, struct identification *x,
+                            struct errinfo *e);
 
 /* identify_free(x): Releases the templates of x. */
 void identify_free(struct identification *x);

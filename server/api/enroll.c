@@ -11,6 +11,7 @@
 #include "enrolment.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "identify_scan.h"
 #include "intake.h"
 #include "json.h"
 #include "describe.h"
@@ -25,7 +26,8 @@
 /* What the request asks for, beside the samples. */
 struct asked {
     char label[STORE_LABEL_MAX + 1];
-    bool force, fuse;       /* fuse: of several files one template */
+    bool force, unique;     /* unique: refused if another subject has the face */
+    bool fuse;              /* of several files one template */
     struct templates begun; /* of enrolment_begin() */
 };
 
@@ -36,6 +38,7 @@ static struct enrolment enrolment_of(const struct request *r, const struct asked
                               .label = ask->label,
                               .captured = r->capture.captured,
                               .manager = auth_has(r, STORE_SCOPE_MANAGE),
+                              .gallery = ask->unique ? r->app->gallery : NULL,
                               .force = ask->force,
                               .limits =
                                   r->app->limits.failures > 0 ? &r->app->limits : NULL};
@@ -78,6 +81,7 @@ static bool read_parameters(struct request *r, struct asked *ask)
     const enum status st = request_query(r, "label", ask->label, sizeof ask->label);
 
     ask->force = false;
+    ask->unique = false;
     ask->fuse = true;
     if (st != ST_OK && st != ST_ENOTFOUND) {
         request_problem(r, ERRMAP_PARAMETER, "label is malformed or longer than %d bytes",
@@ -85,6 +89,7 @@ static bool read_parameters(struct request *r, struct asked *ask)
         return false;
     }
     return params_flag(r, "force", &ask->force) && params_flag(r, "fuse", &ask->fuse) &&
+           params_flag(r, "unique", &ask->unique) &&
            (!ask->force || auth_may(r, STORE_SCOPE_MANAGE));
 }
 
@@ -232,8 +237,9 @@ void enroll_handle(struct request *r, struct worker *w)
     struct cloud *c = NULL;
 
     r->result.kind = "enroll";
-    if (read_parameters(r, &ask) && (c = cloud_open(r, MULTIPART_FILES_MAX)) != NULL &&
-        capture_admit(r) && enroll_begin(r, w, &ask) && cloud_read(r, c)) {
+    if (read_parameters(r, &ask) && (!ask.unique || identify_may(r)) &&
+        (c = cloud_open(r, MULTIPART_FILES_MAX)) != NULL && capture_admit(r) &&
+        enroll_begin(r, w, &ask) && cloud_read(r, c)) {
         if (c->session.files && !ask.fuse)
             enroll_each(r, w, &ask, c);
         else

@@ -50,6 +50,11 @@ static bool identify_allowed(struct request *r)
     return false;
 }
 
+bool identify_may(struct request *r)
+{
+    return identify_ready(r) && identify_allowed(r);
+}
+
 /* The parameters, and the scopes and groups that they need. */
 static bool identify_ask(struct request *r, char group[GROUPS_LABEL + 1],
                          struct identify_request *ask)
@@ -108,7 +113,7 @@ void identify_scan(struct request *r, struct worker *w)
     struct cloud *probe;
 
     r->result.kind = "identify";
-    if (!identify_ask(r, group, &ask) || !identify_ready(r) || !identify_allowed(r) ||
+    if (!identify_ask(r, group, &ask) || !identify_may(r) ||
         (probe = cloud_open(r, MULTIPART_FRAMES_MAX)) == NULL)
         return;
     if (capture_admit(r))

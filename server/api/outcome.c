@@ -4,6 +4,7 @@
 
 #include "access.h"
 #include "app.h"
+#include "auth.h"
 #include "capture.h"
 #include "errinfo.h"
 #include "errmap.h"
@@ -122,6 +123,24 @@ void outcome_verified(struct request *r, const struct verification *v, enum stat
 
 /* ---- identifications */
 
+/* A search without a match counts against the token's allowance. */
+static void outcome_searched(struct request *r, enum surface_decision decision)
+{
+    if (decision != SURFACE_MATCH)
+        throttle_note(r->app->searches, request_sender(r), "", false, logger_clock_ms());
+    metrics_event(r->app->metrics, METRICS_IDENTIFIED + decision);
+}
+
+/* Who it is learns a client that may identify, and read. */
+static void refuse_twin(struct request *r, const char *twin, const struct errinfo *e)
+{
+    r->result.outcome = "already_enrolled";
+    if (auth_has(r, STORE_SCOPE_IDENTIFY) && auth_has(r, STORE_SCOPE_READ))
+        request_problem(r, ERRMAP_TWIN, "%s: %s", e->msg, twin);
+    else
+        request_problem(r, ERRMAP_TWIN, "%s", e->msg);
+}
+
 void outcome_identified(struct request *r, const struct identification *x)
 {
     const struct describe_times *t = &x->times;
@@ -135,9 +154,7 @@ void outcome_identified(struct request *r, const struct identification *x)
         request_stage(r, REQUEST_SCORE, t->score);
     if (!x->decided)
         return;
-    if (!match)
-        throttle_note(r->app->searches, request_sender(r), "", false, logger_clock_ms());
-    metrics_event(r->app->metrics, METRICS_IDENTIFIED + x->decision);
+    outcome_searched(r, x->decision);
     r->result = (struct request_result){.kind = "identify",
                                         .outcome = templates_decision(x->decision),
                                         .scored = x->compared > 0,
@@ -177,6 +194,10 @@ void outcome_enrolled(struct request *r, const struct enrolment_outcome *out,
         request_stage(r, REQUEST_SCORE, out->nearest.score_ms);
     if (st == ST_OK || out->none)
         tally(r, each, n, out->none);
-    if (st != ST_OK)
+    if (out->is_searched)
+        outcome_searched(r, out->searched);
+    if (st == ST_EEXISTS && out->twin[0] != '\0')
+        refuse_twin(r, out->twin, e);
+    else if (st != ST_OK)
         outcome_refuse(r, &out->refusal, e);
 }

@@ -55,7 +55,7 @@ static const struct route table[] = {
      ROUTE_QUICK},
     {REQUEST_GET, "/version", ROUTE_NO_BODY, ANYBODY, "", health_version, ROUTE_QUICK},
     {REQUEST_POST, SUBJECT "/templates", ROUTE_CLOUDS, ENROLL,
-     CLOUD ", label, force, fuse", enroll_handle, ROUTE_WORKER},
+     CLOUD ", label, force, unique, fuse", enroll_handle, ROUTE_WORKER},
     {REQUEST_POST, SUBJECT "/verify", ROUTE_FRAMES, VERIFY, COMPARING, compare_subject,
      ROUTE_WORKER},
     {REQUEST_POST, TEMPLATE "/verify", ROUTE_FRAMES, VERIFY, COMPARING, compare_template,

@@ -64,6 +64,7 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_SUBJECTS] = {429, "too_many_subjects", "Too many subjects without a match"},
     [ERRMAP_SEARCHES] = {429, "too_many_searches", "Too many searches without a match"},
     [ERRMAP_GALLERY] = {503, "gallery_unavailable", "Nobody can be identified for now"},
+    [ERRMAP_TWIN] = {409, "already_enrolled", "The face is that of another subject"},
     [ERRMAP_STORAGE_FULL] = {503, "storage_full", "Too little disk space for enrolments"},
     [ERRMAP_CAPTURE_REQUIRED] = {403, "capture_required", "A signed capture is needed"},
     [ERRMAP_CAPTURE_INVALID] = {403, "capture_invalid",

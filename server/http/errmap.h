@@ -28,6 +28,7 @@ enum errmap_kind {
     ERRMAP_SUBJECTS,     /* the token has tried too many subjects in vain */
     ERRMAP_SEARCHES,     /* the token has searched too often without a match */
     ERRMAP_GALLERY,      /* there is no gallery to be searched, or not yet */
+    ERRMAP_TWIN,         /* unique=true, and the face is another subject's */
     ERRMAP_STORAGE_FULL, /* too little room on the disk for enrolments */
     /* The capture's signature (capture.h), in this order: */
     ERRMAP_CAPTURE_REQUIRED, /* there is none */
