@@ -16,6 +16,7 @@ export const WHY = {
   low_quality: "The scan is too poor: scan again.",
   replayed: "This is a scan that was used before: scan again.",
   mirrored: "The scanner swaps left and right.",
+  already_enrolled: "This face is enrolled already, under another id.",
   sample_mismatch: "The new scan does not fit the person's first one.",
   too_few_points: "The scan has too few points.",
   not_a_face: "What was scanned is no face.",
