@@ -67,7 +67,7 @@ const struct setting options_table[] = {
      0, 1000000, "N",
      "subjects that a token may try without a match in an hour, then\n"
      "429; 0: no limit"},
-    {"identify-failures", SETTING_NUMBER, "600",
+    {"identify-failures", SETTING_NUMBER, "150",
      offsetof(struct options, identify_failures), 0, 1000000, "N",
      "identifications without a match that a token may make in an hour,\n"
      "then 429; 0: no limit"},

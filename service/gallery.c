@@ -279,7 +279,7 @@ static enum status add_template(void *arg, const struct store_subject *of,
     struct person *p;
 
     (void)t;
-    if (of->disabled || !of->identify || seconds(of->expires) <= g->now)
+    if (of->disabled || !of->identify)
         return ST_OK;
     if ((i = find_person(g, of->uid)) == NONE) {
         const uint32_t set = need_set(g, of->groups);

@@ -249,10 +249,10 @@ static enum status record_search(struct templates_context *c, struct identificat
     return st;
 }
 
-static enum status identify(struct templates_context *c, struct gallery *g,
-                            struct identification *x, struct errinfo *e)
+/* ST_ENOTFOUND: the best subject, or the template, was deleted after the search's transaction. */
+static enum status identify_once(struct templates_context *c, struct gallery *g,
+                                 struct identification *x, struct errinfo *e)
 {
-    const double start = now(c);
     struct store_people *people = NULL;
     enum status st =
         store_people_begin(c->store, x->request->actor, c->calibration, &people, e);
@@ -263,8 +263,23 @@ static enum status identify(struct templates_context *c, struct gallery *g,
     }
     if (st == ST_OK)
         st = decide(c, x, e);
-    x->times.score = now(c) - start;
     return st == ST_OK ? record_search(c, x, e) : st;
+}
+
+static enum status identify(struct templates_context *c, struct gallery *g,
+                            struct identification *x, struct errinfo *e)
+{
+    const struct identification begun = *x;
+    const double start = now(c);
+    enum status st = identify_once(c, g, x, e);
+
+    for (int tries = 0; st == ST_ENOTFOUND && tries < 3; tries++) {
+        templates_free(&x->templates);
+        *x = begun;
+        st = identify_once(c, g, x, e);
+    }
+    x->times.score = now(c) - start;
+    return st;
 }
 
 enum status identify_run(struct templates_context *c, struct gallery *g,

@@ -1,6 +1,6 @@
 /* An identification finds a person by another scan, with the digits of a verification; it names nobody who may not
  * be found, even if the gallery errs; it is recorded, and what it cannot know is inconclusive. */
-/* link: -Wl,--wrap=gallery_follow */
+/* link: -Wl,--wrap=gallery_follow -Wl,--wrap=store_record_verification */
 #include "clouds.h"
 #include "errinfo.h"
 #include "identify.h"
@@ -29,6 +29,27 @@ enum status __wrap_gallery_follow(struct gallery *g, struct store_people *p,
     return stale ? ST_OK : __real_gallery_follow(g, p, err);
 }
 
+static bool erase_next; /* p1 is erased before the next record of a match */
+
+enum status __real_store_record_verification(struct store *s,
+                                             const struct store_record *what,
+                                             struct store_recorded *out,
+                                             struct errinfo *err);
+enum status __wrap_store_record_verification(struct store *s,
+                                             const struct store_record *what,
+                                             struct store_recorded *out,
+                                             struct errinfo *err);
+enum status __wrap_store_record_verification(struct store *s,
+                                             const struct store_record *what,
+                                             struct store_recorded *out,
+                                             struct errinfo *err)
+{
+    if (erase_next)
+        must(tempdb_erase(s, "test", "p1", &e));
+    erase_next = false;
+    return __real_store_record_verification(s, what, out, err);
+}
+
 static const char *const name[TEMPDB_FACES] = {"p0", "p1", "p2", "p3"};
 static struct store_template enrolled[TEMPDB_FACES];
 
@@ -38,6 +59,7 @@ static void begin(void)
     actor = "test";
     store_close(store);
     gallery_free(gallery);
+    (void)surface_work_calibrate(tempdb_work, NULL);
     store = tempdb_fresh();
     gallery = gallery_new(SIZE_MAX);
     for (int i = 0; i < TEMPDB_FACES; i++)
@@ -258,4 +280,14 @@ TEST(test_out_of_reach)
     must(identify(0, 1, "", 0));
     assert_true(x.best.result.threshold >= 200);
     assert_int_equal(x.decision, SURFACE_INCONCLUSIVE);
+}
+
+/* Who is erased between the search and the record is not named: the search is made again. */
+TEST(test_erased_meanwhile)
+{
+    begin();
+    must(identify(0, 1, "", 0));
+    erase_next = true;
+    assert_nobody(1, "", TEMPDB_FACES - 1);
+    assert_false(erase_next);
 }
