@@ -147,4 +147,18 @@ is "skipped" "$(who "$T/p1.ply") $(get '.skipped, .searched' | tr '\n' ' ')" '20
 is "others" "$(who "$T/p2.ply")" '200 match s2 '
 ctl_exits 0 template reencode
 is "re-encoded" "$(who "$T/p1.ply") $(get '.skipped, .searched' | tr '\n' ' ')" '200 match s1  0 12 '
+stop_daemon
+
+# ---- two daemons: what one changes the other knows with its next request
+mkdir "$T/people"
+for n in 0 1 2 3 4 5; do
+    scan $((40 + n)) 0 "$T/people/e$n.ply"
+    scan $((40 + n)) 1 "$T/people/p$n.ply" --pose 6
+done
+start_daemon --no-auth --attempts 0 --identify-failures 0
+one=$PID one_url=$URL
+start_daemon --no-auth --attempts 0 --identify-failures 0
+ok "200 rounds" python3 tests/box/rounds.py 200 1 "$T/people" "$one_url" "$URL"
+stop_daemon
+PID=$one
 finish
