@@ -11,6 +11,7 @@
 #include "ctl_command.h"
 #include "ctl_cross.h"
 #include "ctl_model.h"
+#include "ctl_search.h"
 #include "show.h"
 
 #define SEED         UINT64_C(20250) /* of everything that is drawn */
@@ -19,6 +20,10 @@
 #define ERRORS_LIMIT 60.0    /* those that give this many errors at the wanted rate, or */
 #define PEOPLE_LIMIT                                                                     \
     (2 * 3 / SURFACE_FPIR) /* so many for each template: all can be searched */
+
+/* Where not all are compared, scores that so few of the sample reach are searched among all people: in the sample
+ * they are too few for a rate. */
+#define TAIL_RATE 5e-5
 
 static bool wants_list, wants_reset; /* --list, --reset */
 static double wanted_fmr;            /* --fmr; 0: not given */
@@ -31,6 +36,12 @@ struct result {
     double fnmr, fnmr_low, fnmr_high;
     double shipped_fmr, shipped_fnmr; /* here, at the shipped threshold */
     size_t suspects;                  /* comparisons */
+    bool all;                         /* all people were compared with all */
+    struct {
+        uint32_t subjects; /* 0: none was searched */
+        double score;      /* from this on */
+        uint64_t compared; /* exactly */
+    } tail;
 };
 
 /* ---- two ids, one face? */
@@ -77,6 +88,16 @@ static size_t pairs_of(size_t n)
     return n > 1 ? n * (n - 1) / 2 : 0;
 }
 
+/* Each subject by all probes of the others. */
+static size_t comparisons_of(const struct ctl_cross *p)
+{
+    size_t n = 0;
+
+    for (uint32_t i = 0; i < p->nsubject; i++)
+        n += p->ntemplate - p->subject[i].n;
+    return n;
+}
+
 static enum status compare_all(struct ctl *c, struct result *r)
 {
     struct ctl_cross *p = &r->cross;
@@ -90,6 +111,7 @@ static enum status compare_all(struct ctl *c, struct result *r)
         c, p,
         fmax(fmax(LEAST_LIMIT, ERRORS_LIMIT / wanted_fmr), PEOPLE_LIMIT * p->ntemplate),
         SEED);
+    r->all = p->nsubject == p->nenrolled && p->nscore == comparisons_of(p);
     /* Each pair was compared from both sides, or else nscore / 2 pairs were. */
     r->pairs =
         p->nscore / 2 < pairs_of(p->nsubject) ? p->nscore / 2 : pairs_of(p->nsubject);
@@ -110,6 +132,94 @@ static double highest(const struct ctl_cross *p)
     return most;
 }
 
+/* ---- the tail */
+
+static int by_trial(const void *p, const void *q)
+{
+    const struct rates_score *v = p, *w = q;
+
+    if (v->template != w->template)
+        return v->template <w->template ? -1 : 1;
+    if (v->probe != w->probe)
+        return v->probe < w->probe ? -1 : 1;
+    return (v->score < w->score) - (v->score > w->score);
+}
+
+/* The pairs as comparisons of each subject with probes: the highest score of a subject's templates counts, lowered
+ * as a verification's.  s has room for two of each pair.  Returns how many are at or above the floor. */
+static size_t tail_scores(struct ctl *c, const struct ctl_cross *all,
+                          const struct ctl_search *found, double floor,
+                          struct rates_score *s)
+{
+    size_t n = 0, kept = 0;
+
+    for (size_t i = 0; i < found->n; i++) { /* the probe: its template, at first */
+        const struct ctl_search_pair *x = &found->pair[i];
+
+        s[n++] = (struct rates_score){x->score, all->tmpl[x->a].owner, x->b};
+        s[n++] = (struct rates_score){x->score, all->tmpl[x->b].owner, x->a};
+    }
+    if (n > 0)
+        qsort(s, n, sizeof *s, by_trial);
+    for (size_t i = 0; i < n; i++) {
+        struct surface_comparison x = {.score = s[i].score};
+
+        if (i > 0 && s[i].template == s[i - 1].template && s[i].probe == s[i - 1].probe)
+            continue;
+        surface_best_of(c->work, all->subject[s[i].template].n, &x);
+        if (x.score >= floor)
+            s[kept++] = (struct rates_score){x.score, s[i].template, s[i].probe};
+    }
+    for (size_t i = 0; i < kept; i++)
+        s[i].probe = all->tmpl[s[i].probe].owner;
+    return kept;
+}
+
+static enum status extend_by(struct ctl *c, const struct ctl_cross *all,
+                             const struct ctl_search *found, double floor,
+                             struct surface_calibration *table)
+{
+    struct rates_score *s = malloc((2 * found->n + 1) * sizeof *s);
+    uint32_t *probes = malloc((all->nsubject + (size_t)1) * sizeof *probes);
+    struct rates *tail = NULL;
+    enum status st = s != NULL && probes != NULL ? ST_OK : ST_ENOMEM;
+
+    for (uint32_t i = 0; st == ST_OK && i < all->nsubject; i++)
+        probes[i] = all->subject[i].n;
+    if (st == ST_OK)
+        st = rates_new_tail(s, tail_scores(c, all, found, floor, s), probes,
+                            all->nsubject, &tail);
+    if (st == ST_OK)
+        st = rates_extend(tail, pairs_of(all->nsubject), SEED, table);
+    rates_free(tail);
+    free(probes);
+    free(s);
+    return st;
+}
+
+/* The table of a sample goes on by the highest scores among all people. */
+static enum status search_tail(struct ctl *c, struct result *r)
+{
+    struct ctl_cross all = {.nsubject = 0};
+    struct ctl_search found = {.n = 0};
+    const double floor = rates_at(r->rates, TAIL_RATE);
+    enum status st;
+
+    if (r->all || !isfinite(floor))
+        return ST_OK;
+    st = ctl_cross_list(c, &all);
+    if (st == ST_OK)
+        st = ctl_search_run(c, &all, CTL_SEARCH_ALL, floor, &found);
+    if (st == ST_OK)
+        st = extend_by(c, &all, &found, floor, &r->k.table);
+    r->tail.subjects = all.nsubject;
+    r->tail.score = floor;
+    r->tail.compared = found.compared;
+    ctl_search_free(&found);
+    ctl_cross_free(&all);
+    return st;
+}
+
 /* From the scores to the calibration. */
 static enum status learn(struct ctl *c, struct result *r)
 {
@@ -124,6 +234,8 @@ static enum status learn(struct ctl *c, struct result *r)
         st = rates_calibrate(r->rates, wanted_fmr, &k->table);
     if (st == ST_OK)
         st = rates_extend(r->rates, r->pairs, SEED, &k->table);
+    if (st == ST_OK)
+        st = search_tail(c, r);
     threshold = k->table.threshold;
     if (st == ST_OK)
         st = rates_bootstrap(r->rates, threshold, wanted_fmr, RATES_REPLICATES, SEED,
@@ -213,6 +325,14 @@ static void out_result(struct ctl *c, const struct result *r)
         json_rate(o, "fnmr_high", r->fnmr_high);
     }
     json_number(o, "suspicious", (double)r->suspects);
+    if (r->tail.subjects == 0)
+        return;
+    json_object(o, "tail");
+    json_score(o, "score", r->tail.score);
+    json_number(o, "subjects", r->tail.subjects);
+    json_number(o, "pairs", (double)pairs_of(r->tail.subjects));
+    json_number(o, "compared", (double)r->tail.compared);
+    json_close(o);
 }
 
 static void print_suspects(const struct ctl *c, const struct result *r)
@@ -256,6 +376,11 @@ static void print_result(const struct ctl *c, const struct result *r)
     (void)printf("             95 %% interval %.2f to %.2f (%d bootstrap replicates over "
                  "subjects, seed %llu)\n",
                  k->low, k->high, RATES_REPLICATES, (unsigned long long)SEED);
+    if (r->tail.subjects > 0)
+        (void)printf(
+            "tail         from %.2f on of all %zu pairs of subjects: searched, and "
+            "%" PRIu64 " compared\n",
+            r->tail.score, pairs_of(r->tail.subjects), r->tail.compared);
     print_search(c, r);
     (void)printf("shipped      %.2f: %.3g %% here\n",
                  surface_model_calibration(c->model)->threshold, 100 * r->shipped_fmr);

@@ -15,6 +15,8 @@ struct rates {
     uint32_t nsubject;
     struct rates_score *score;  /* falling */
     double *genuine, *impostor; /* the same scores, apart */
+    size_t listed;              /* of impostor; the others, if any, are lower */
+    uint32_t *probes;           /* [nsubject] of a tail; NULL: all are listed */
 };
 
 double rates_least(size_t n)
@@ -74,8 +76,43 @@ enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
         else
             r->impostor[r->nimpostor++] = r->score[i].score;
     }
+    r->listed = r->nimpostor;
     *out = r;
     return ST_OK;
+}
+
+/* The weight of all comparisons of a tail, if each subject counts as often as it was drawn. */
+static double tail_weight(const struct rates *r, const uint32_t *drawn)
+{
+    double probes = 0, sum = 0;
+
+    for (uint32_t i = 0; i < r->nsubject; i++)
+        probes += (double)drawn[i] * r->probes[i];
+    for (uint32_t i = 0; i < r->nsubject; i++)
+        sum += drawn[i] * (probes - (double)drawn[i] * r->probes[i]);
+    return sum;
+}
+
+enum status rates_new_tail(const struct rates_score *s, size_t n, const uint32_t *probes,
+                           uint32_t nsubject, struct rates **out)
+{
+    enum status st = rates_new(s, n, nsubject, out);
+    uint32_t *once = mem_array(nsubject + (size_t)1, sizeof *once);
+
+    if (st == ST_OK &&
+        ((*out)->probes = mem_array(nsubject + (size_t)1, sizeof *probes)) != NULL &&
+        once != NULL) {
+        memcpy((*out)->probes, probes, nsubject * sizeof *probes);
+        for (uint32_t i = 0; i < nsubject; i++)
+            once[i] = 1;
+        (*out)->nimpostor = (size_t)tail_weight(*out, once);
+    } else if (st == ST_OK) {
+        st = ST_ENOMEM;
+        rates_free(*out);
+        *out = NULL;
+    }
+    mem_free(once);
+    return st;
 }
 
 void rates_free(struct rates *r)
@@ -85,6 +122,7 @@ void rates_free(struct rates *r)
     mem_free(r->score);
     mem_free(r->genuine);
     mem_free(r->impostor);
+    mem_free(r->probes);
     mem_free(r);
 }
 
@@ -116,7 +154,7 @@ static size_t accepted(const double *v, size_t n, double threshold)
 
 double rates_fmr(const struct rates *r, double score)
 {
-    return (double)accepted(r->impostor, r->nimpostor, score) / (double)r->nimpostor;
+    return (double)accepted(r->impostor, r->listed, score) / (double)r->nimpostor;
 }
 
 double rates_fnmr(const struct rates *r, double score)
@@ -375,6 +413,8 @@ static void drawn_rates(const struct rates *r, const uint32_t *drawn, const doub
     }
     for (; k > 0; k--)
         rate[k - 1] = sum;
+    if (r->probes != NULL)
+        sum = tail_weight(r, drawn);
     for (k = 0; k < m; k++)
         rate[k] /= sum;
 }
@@ -408,7 +448,11 @@ enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
     size_t m = 0;
     enum status st;
 
-    while (c->knot[c->n - 1].score > c->threshold)
+    if (r->listed == 0)
+        return ST_OK;
+    if (r->probes != NULL)
+        last = fmax(last, r->impostor[r->listed - 1] - HIGHER);
+    while (c->knot[c->n - 1].score > last)
         c->n--;
     for (size_t i = 0; i < QUANTILES; i++) {
         const double at = rates_at(r, quantile[i]);
@@ -418,6 +462,9 @@ enum status rates_extend(const struct rates *r, size_t pairs, uint64_t seed,
     }
     if ((st = upper_rates(r, score, m, seed, rate)) != ST_OK)
         return st;
+    while (m > 0 && c->knot[c->n - 1].score > c->threshold &&
+           c->knot[c->n - 1].rate <= rate[0])
+        c->n--; /* more people have it more often */
     for (size_t k = 0; k < m; k++)
         if (rate[k] > rates_least(pairs))
             add_knot(score[k], rate[k], c);

@@ -46,6 +46,14 @@ struct rates;
  * Returns ST_OK; ST_EINVAL: a NaN, or a subject out of range; ST_ENOMEM. */
 enum status rates_new(const struct rates_score *s, size_t n, uint32_t nsubject,
                       struct rates **out);
+
+/* rates_new_tail(s, n, probes, nsubject, out): Like rates_new(), for the non-mated comparisons of each subject with all
+ * probes of the others, of which only those with the highest scores are given.
+ *   probes  [nsubject] number of probes of each
+ * Of the result only rates_nimpostor(), and rates_fmr() and rates_extend() at the scores given, are of use. */
+enum status rates_new_tail(const struct rates_score *s, size_t n, const uint32_t *probes,
+                           uint32_t nsubject, struct rates **out);
+
 void rates_free(struct rates *r); /* NULL is allowed */
 size_t rates_ngenuine(const struct rates *r);
 size_t rates_nimpostor(const struct rates *r);
@@ -96,6 +104,8 @@ enum status rates_calibrate(const struct rates *r, double fmr,
  * the upper end of its 95 % interval (rates_bootstrap()).  The last knot lies just above the highest score and
  * has the least rate.  Identifications need these rates.  The threshold and the knots up to it do not
  * change.
+ *   r      that of rates_calibrate(), or then one by rates_new_tail() of more people: its knots take the place of those
+ *          beyond its lowest score
  *   pairs  that were compared; both comparisons of a pair count once
  * Cost: O(RATES_REPLICATES n).
  * Returns ST_OK, ST_ENOMEM. */

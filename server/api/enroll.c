@@ -237,7 +237,7 @@ void enroll_handle(struct request *r, struct worker *w)
     struct cloud *c = NULL;
 
     r->result.kind = "enroll";
-    if (read_parameters(r, &ask) && (!ask.unique || identify_may(r)) &&
+    if (read_parameters(r, &ask) && (!ask.unique || identify_scan_may(r)) &&
         (c = cloud_open(r, MULTIPART_FILES_MAX)) != NULL && capture_admit(r) &&
         enroll_begin(r, w, &ask) && cloud_read(r, c)) {
         if (c->session.files && !ask.fuse)

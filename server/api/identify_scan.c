@@ -50,7 +50,7 @@ static bool identify_allowed(struct request *r)
     return false;
 }
 
-bool identify_may(struct request *r)
+bool identify_scan_may(struct request *r)
 {
     return identify_ready(r) && identify_allowed(r);
 }
@@ -113,7 +113,7 @@ void identify_scan(struct request *r, struct worker *w)
     struct cloud *probe;
 
     r->result.kind = "identify";
-    if (!identify_ask(r, group, &ask) || !identify_may(r) ||
+    if (!identify_ask(r, group, &ask) || !identify_scan_may(r) ||
         (probe = cloud_open(r, MULTIPART_FRAMES_MAX)) == NULL)
         return;
     if (capture_admit(r))

@@ -7,9 +7,9 @@
 struct request;
 struct worker;
 
-/* identify_may(r): Returns true if there is a gallery to be searched, and the token may search now.  Else r->response
+/* identify_scan_may(r): Returns true if there is a gallery to be searched, and the token may search now.  Else r->response
  * says why not. */
-bool identify_may(struct request *r);
+bool identify_scan_may(struct request *r);
 
 void identify_scan(struct request *r, struct worker *w);
 

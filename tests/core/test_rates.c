@@ -389,6 +389,56 @@ TEST(test_extended)
     rates_free(r);
 }
 
+/* The highest scores alone lead to the same table beyond them as all scores. */
+TEST(test_tail)
+{
+    enum { PEOPLE = 90 };
+    static struct rates_score all[4 * PEOPLE * PEOPLE], high[4 * PEOPLE * PEOPLE];
+    uint32_t probes[PEOPLE];
+    struct surface_calibration d, whole, tail;
+    struct rates *r, *t;
+    uint64_t seed = 9;
+    double floor;
+    size_t n = 0, m = 0;
+
+    for (uint32_t i = 0; i < PEOPLE; i++)
+        probes[i] = 1 + i % 3;
+    for (uint32_t i = 0; i < PEOPLE; i++)
+        for (uint32_t k = 0; k < PEOPLE; k++)
+            for (uint32_t p = 0; i != k && p < probes[k]; p++)
+                all[n++] = (struct rates_score){rates_below(&seed, 100000) / 1e3, i, k};
+    assert_int_equal(rates_new(all, n, PEOPLE, &r), ST_OK);
+    floor = rates_at(r, 0.004);
+    for (size_t i = 0; i < n; i++)
+        if (all[i].score >= floor)
+            high[m++] = all[i];
+    assert_int_equal(rates_new_tail(high, m, probes, PEOPLE, &t), ST_OK);
+    assert_int_equal(rates_nimpostor(t), n);
+    assert_true(rates_fmr(t, floor) == rates_fmr(r, floor));
+    assert_int_equal(rates_calibrate(r, 0.01, &d), ST_OK);
+    whole = tail = d;
+    assert_int_equal(rates_extend(r, n / 2, 3, &whole), ST_OK);
+    tail = whole;
+    assert_int_equal(rates_extend(t, n / 2, 3, &tail), ST_OK);
+    assert_true(surface_calibration_valid(&tail) && tail.n > d.n + 1);
+    for (uint32_t k = 0; k < whole.n;
+         k++) /* those beyond the floor, and up to the threshold */
+        if (whole.knot[k].score <= d.threshold || whole.knot[k].score > floor + 0.5) {
+            uint32_t at = 0;
+
+            while (at < tail.n && tail.knot[at].score != whole.knot[k].score)
+                at++;
+            assert_true(at < tail.n && tail.knot[at].rate == whole.knot[k].rate);
+        }
+    rates_free(t);
+    assert_int_equal(rates_new_tail(high, 0, probes, PEOPLE, &t), ST_OK);
+    whole = tail;
+    assert_int_equal(rates_extend(t, n / 2, 3, &tail), ST_OK); /* nobody scores so high */
+    assert_memory_equal(&whole, &tail, sizeof tail);
+    rates_free(t);
+    rates_free(r);
+}
+
 TEST(test_learned_from_little)
 {
     struct surface_calibration d;
