@@ -3,7 +3,7 @@
  *   ctl_command, ctl_option    a command and its options
  *   ctl_model                  the model and the database, named and opened; each subject
  *   ctl_face, ctl_session      scans as faces, comparisons as text
- *   ctl_cross                  many comparisons
+ *   ctl_cross, ctl_search      many comparisons, and the pairs that are alike
  *   ctl_table, main            the list of the commands, their help texts, the command line
  * Each other file has a command, or a few of one group. */
 #ifndef CTL_H

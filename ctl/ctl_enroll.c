@@ -114,7 +114,7 @@ static size_t report_burst(struct ctl *c, const struct burst *b, enum status *wo
         const char *path = b->files.path[session->n > 0 ? session->base : i];
 
         json_object(c->out, NULL);
-        describe_enrolled(c->out, path, x, &b->found[i], f);
+        enrolment_describe(c->out, path, x, &b->found[i], f);
         json_close(c->out);
         if (x->why.code == ST_OK) {
             ctl_say(c, "%s  %s  %u points, quality %.2f%s", x->tmpl.id, path,

@@ -13,7 +13,7 @@
 #define HITS  1024 /* most hits of a search at first */
 #define CHUNK 64   /* pairs that are compared by one thread */
 
-struct search {
+struct searching {
     struct ctl *c;
     struct ctl_cross *p;
     struct ctl_search *out;
@@ -43,13 +43,14 @@ static void faces_free(struct faces *f)
     *f = (struct faces){.of = CTL_SEARCH_ALL};
 }
 
-static struct surface_face **face_of(const struct search *s, struct faces *f, uint32_t i)
+static struct surface_face **face_of(const struct searching *s, struct faces *f,
+                                     uint32_t i)
 {
     return &f->face[i - s->p->subject[f->of].first];
 }
 
 /* Those of the snapshot that were listed; without their surfaces. */
-static enum status take_faces(const struct search *s, const struct store_snapshot *is,
+static enum status take_faces(const struct searching *s, const struct store_snapshot *is,
                               struct surface_work *w, struct faces *f, struct errinfo *e)
 {
     const struct ctl_cross_subject *one = &s->p->subject[f->of];
@@ -62,7 +63,7 @@ static enum status take_faces(const struct search *s, const struct store_snapsho
     return st == ST_EVERSION ? ST_OK : st;
 }
 
-static bool is_skipped(struct search *s, uint32_t i)
+static bool is_skipped(struct searching *s, uint32_t i)
 {
     bool is;
 
@@ -73,7 +74,7 @@ static bool is_skipped(struct search *s, uint32_t i)
 }
 
 /* Those without a face are skipped from now on, so that a damaged one is reported once. */
-static void skip_missing(struct search *s, struct faces *f, const struct errinfo *why)
+static void skip_missing(struct searching *s, struct faces *f, const struct errinfo *why)
 {
     const struct ctl_cross_subject *one = &s->p->subject[f->of];
 
@@ -88,8 +89,8 @@ static void skip_missing(struct search *s, struct faces *f, const struct errinfo
 
 /* Sets f to the faces of the subject.  Each is read in a transaction of its own: a long one would keep the
  * database from forgetting what is erased meanwhile. */
-static enum status need_faces(struct search *s, uint32_t subject, struct surface_work *w,
-                              struct faces *f, struct errinfo *e)
+static enum status need_faces(struct searching *s, uint32_t subject,
+                              struct surface_work *w, struct faces *f, struct errinfo *e)
 {
     struct store_people *people = NULL;
     struct store_snapshot is;
@@ -114,7 +115,7 @@ static enum status need_faces(struct search *s, uint32_t subject, struct surface
 }
 
 /* Loads a face with its surface, which scans of heads of other sizes need. */
-static enum status need_surface(const struct search *s, uint32_t i,
+static enum status need_surface(const struct searching *s, uint32_t i,
                                 struct surface_work *w, struct surface_face **f,
                                 struct errinfo *e)
 {
@@ -132,7 +133,7 @@ static enum status need_surface(const struct search *s, uint32_t i,
 static enum status search_describe(void *arg, size_t i, struct surface_work *w,
                                    struct errinfo *e)
 {
-    struct search *s = arg;
+    struct searching *s = arg;
     struct ctl_cross_template *t = &s->p->tmpl[i];
     struct faces f = {.of = CTL_SEARCH_ALL};
     unsigned char d[SURFACE_DESCRIPTOR];
@@ -156,7 +157,7 @@ static enum status search_describe(void *arg, size_t i, struct surface_work *w,
 }
 
 /* The template of each slot. */
-static enum status map_slots(struct search *s)
+static enum status map_slots(struct searching *s)
 {
     const struct ctl_cross *p = s->p;
     uint32_t slots = 0;
@@ -174,8 +175,8 @@ static enum status map_slots(struct search *s)
 
 /* ---- pairs that may score so much */
 
-static enum status keep_pairs(struct search *s, uint32_t i, const struct surface_hit *hit,
-                              size_t n)
+static enum status keep_pairs(struct searching *s, uint32_t i,
+                              const struct surface_hit *hit, size_t n)
 {
     struct ctl_search *out = s->out;
 
@@ -194,7 +195,7 @@ static enum status keep_pairs(struct search *s, uint32_t i, const struct surface
 }
 
 /* All hits, however many there are. */
-static enum status search_hits(struct search *s, struct surface_work *w,
+static enum status search_hits(struct searching *s, struct surface_work *w,
                                const struct surface_face *f, struct surface_hit **hit,
                                size_t *n)
 {
@@ -214,7 +215,7 @@ static enum status search_hits(struct search *s, struct surface_work *w,
     return st;
 }
 
-static enum status search_one(struct search *s, uint32_t i, struct surface_work *w,
+static enum status search_one(struct searching *s, uint32_t i, struct surface_work *w,
                               struct surface_face **f, struct errinfo *e)
 {
     struct surface_hit *hit = NULL;
@@ -238,7 +239,7 @@ static enum status search_one(struct search *s, uint32_t i, struct surface_work 
 static enum status search_subject(void *arg, size_t i, struct surface_work *w,
                                   struct errinfo *e)
 {
-    struct search *s = arg;
+    struct searching *s = arg;
     const struct ctl_cross_subject *one = &s->p->subject[i];
     struct faces f = {.of = CTL_SEARCH_ALL};
     enum status st = need_faces(s, (uint32_t)i, w, &f, e);
@@ -275,7 +276,7 @@ static void sort_pairs(struct ctl_search *out)
     out->n = kept;
 }
 
-static enum status pairs_of_all(struct search *s)
+static enum status pairs_of_all(struct searching *s)
 {
     struct ctl *c = s->c;
     const struct ctl_cross *p = s->p;
@@ -294,7 +295,7 @@ static enum status pairs_of_all(struct search *s)
     return st;
 }
 
-static enum status pairs_of_one(struct search *s, const struct ctl_cross_subject *one)
+static enum status pairs_of_one(struct searching *s, const struct ctl_cross_subject *one)
 {
     const uint32_t n = s->p->ntemplate, end = one->first + one->n;
     struct ctl_search *out = s->out;
@@ -313,7 +314,7 @@ static enum status pairs_of_one(struct search *s, const struct ctl_cross_subject
 
 /* ---- comparing */
 
-static enum status search_compare(struct search *s, struct ctl_search_pair *x,
+static enum status search_compare(struct searching *s, struct ctl_search_pair *x,
                                   struct faces f[2], struct surface_work *w,
                                   struct surface_comparison *r, struct errinfo *e)
 {
@@ -332,7 +333,7 @@ static enum status search_compare(struct search *s, struct ctl_search_pair *x,
 static enum status compare_chunk(void *arg, size_t i, struct surface_work *w,
                                  struct errinfo *e)
 {
-    struct search *s = arg;
+    struct searching *s = arg;
     struct faces f[2] = {{.of = CTL_SEARCH_ALL}, {.of = CTL_SEARCH_ALL}};
     uint64_t compared = 0, inconclusive = 0;
     enum status st = ST_OK;
@@ -361,7 +362,7 @@ static enum status compare_chunk(void *arg, size_t i, struct surface_work *w,
     return st;
 }
 
-static enum status compare_pairs(struct search *s)
+static enum status compare_pairs(struct searching *s)
 {
     struct ctl *c = s->c;
     struct ctl_search *out = s->out;
@@ -381,7 +382,7 @@ static enum status compare_pairs(struct search *s)
 enum status ctl_search_run(struct ctl *c, struct ctl_cross *p, uint32_t alone,
                            double floor, struct ctl_search *out)
 {
-    struct search s = {.c = c, .p = p, .out = out, .floor = floor};
+    struct searching s = {.c = c, .p = p, .out = out, .floor = floor};
     enum status st = ST_OK;
 
     *out = (struct ctl_search){.n = 0};

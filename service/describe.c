@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "cloudunit.h"
-#include "enrolment.h"
 #include "cloudformat.h"
 #include "json.h"
 #include "sample.h"
@@ -182,30 +181,6 @@ void describe_template(struct json *j, const struct store_template *t,
         return;
     json_flag(j, "manager", t->manager);
     json_score(j, "first_score", t->first_score);
-}
-
-void describe_enrolled(struct json *j, const char *file, const struct enrolment_result *x,
-                       const struct sample_found *found, const struct surface_face *face)
-{
-    const bool taken = x->why.code == ST_OK;
-
-    json_text(j, "file", file);
-    json_text(j, "template_id", taken ? x->tmpl.id : NULL);
-    json_flag(j, "new", x->created);
-    if (found->points_read > 0)
-        describe_scan(j, "scan", found);
-    else
-        json_text(j, "scan", NULL);
-    if (taken) {
-        describe_quality(j, "quality", &x->tmpl.quality, face);
-        json_text(j, "refusal", NULL);
-        return;
-    }
-    json_text(j, "quality", NULL);
-    json_object(j, "refusal");
-    json_text(j, "code", enrolment_code(x->why.code));
-    json_text(j, "detail", x->why.msg);
-    json_close(j);
 }
 
 static void alignment(struct json *j, const struct surface_disparity *a)

@@ -8,16 +8,15 @@
 #include <stdint.h>
 #include "libsurface.h"
 
-struct enrolment_result; /* enrolment.h */
-struct json;             /* json.h */
-struct sample_found;     /* sample.h */
-struct session;          /* session.h */
-struct store_receipt;    /* store.h */
-struct store_subject;    /* store.h */
-struct store_template;   /* store.h */
-struct store_token;      /* store.h */
-struct store_worst;      /* store.h */
-struct dry_run;          /* dry_run.h */
+struct json;           /* json.h */
+struct sample_found;   /* sample.h */
+struct session;        /* session.h */
+struct store_receipt;  /* store.h */
+struct store_subject;  /* store.h */
+struct store_template; /* store.h */
+struct store_token;    /* store.h */
+struct store_worst;    /* store.h */
+struct dry_run;        /* dry_run.h */
 
 /* describe_quality(j, key, q, face): Writes an object.
  *   face  of the scan, for the reasons; NULL: not available */
@@ -59,13 +58,6 @@ void describe_receipt(struct json *j, const struct store_receipt *r);
  *         only for clients that may know scores */
 void describe_template(struct json *j, const struct store_template *t,
                        const struct surface_face *face, bool how);
-
-/* describe_enrolled(j, file, x, found, face): Writes the result of one of several files of an enrolment: its
- * template, or the refusal.
- *   found  points_read is 0 if the file was not read
- *   face   not used if x was refused */
-void describe_enrolled(struct json *j, const char *file, const struct enrolment_result *x,
-                       const struct sample_found *found, const struct surface_face *face);
 
 /* Times of the steps, ms; NAN: not measured, null in JSON.  align: alignment for the minimal disparity. */
 struct describe_times {

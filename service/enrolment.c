@@ -4,8 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "describe.h"
 #include "dry_run.h"
 #include "identify.h"
+#include "json.h"
+#include "sample.h"
 #include "store.h"
 
 #define ANYWAY "; to enroll it anyway use force (scope manage)"
@@ -336,4 +339,29 @@ enum status enrolment_add(struct templates_context *c, const struct enrolment *x
 const char *enrolment_code(enum status st)
 {
     return st == ST_EMISMATCH ? "sample_mismatch" : status_refusal(st);
+}
+
+void enrolment_describe(struct json *j, const char *file,
+                        const struct enrolment_result *x,
+                        const struct sample_found *found, const struct surface_face *face)
+{
+    const bool taken = x->why.code == ST_OK;
+
+    json_text(j, "file", file);
+    json_text(j, "template_id", taken ? x->tmpl.id : NULL);
+    json_flag(j, "new", x->created);
+    if (found->points_read > 0)
+        describe_scan(j, "scan", found);
+    else
+        json_text(j, "scan", NULL);
+    if (taken) {
+        describe_quality(j, "quality", &x->tmpl.quality, face);
+        json_text(j, "refusal", NULL);
+        return;
+    }
+    json_text(j, "quality", NULL);
+    json_object(j, "refusal");
+    json_text(j, "code", enrolment_code(x->why.code));
+    json_text(j, "detail", x->why.msg);
+    json_close(j);
 }

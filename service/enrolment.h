@@ -15,6 +15,9 @@
 #include "store.h"
 #include "templates.h"
 
+struct json;         /* json.h */
+struct sample_found; /* sample.h */
+
 #define ENROLMENT_SAMPLES 20 /* most samples of one enrolment */
 
 struct enrolment {
@@ -78,5 +81,14 @@ enum status enrolment_add(struct templates_context *c, const struct enrolment *x
 
 /* enrolment_code(st): Returns the code of a sample's refusal: "sample_mismatch", or as status_refusal(). */
 const char *enrolment_code(enum status st);
+
+/* enrolment_describe(j, file, x, found, face): Writes the result of one of several files of an enrolment: its
+ * template, or the refusal.
+ *   found  points_read is 0 if the file was not read
+ *   face   not used if x was refused */
+void enrolment_describe(struct json *j, const char *file,
+                        const struct enrolment_result *x,
+                        const struct sample_found *found,
+                        const struct surface_face *face);
 
 #endif

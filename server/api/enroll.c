@@ -170,7 +170,7 @@ static char *list_each(struct json *j, const struct cloud *c, const struct burst
         const struct session_frame *f = &c->session.frame[i];
 
         json_object(j, NULL);
-        describe_enrolled(j, f->name, &b->each[i], &f->found, b->face[i]);
+        enrolment_describe(j, f->name, &b->each[i], &f->found, b->face[i]);
         json_close(j);
     }
     return json_compact(j);
