@@ -4,6 +4,7 @@
 #include <sodium.h>
 
 #include "brute.h"
+#include "clouds.h"
 #include "errinfo.h"
 #include "fail_alloc.h"
 #include "gallery.h"
@@ -82,6 +83,14 @@ static size_t templates(const struct one *p)
     return n;
 }
 
+static const unsigned char *uid_of(int i)
+{
+    static struct store_subject is;
+
+    must(store_subject_get(store, "", name(i), &is, &e));
+    return is.uid;
+}
+
 /* ---- changes */
 
 static void enroll(int i, int f)
@@ -90,7 +99,6 @@ static void enroll(int i, int f)
     const struct store_sample sample = {.face = &tempdb_face[f], .descriptor = d};
     const struct store_enroll what = {
         .actor = "test", .subject = name(i), .label = "", .sample = &sample, .n = 1};
-    struct store_subject is;
     struct store_template t;
     bool created;
 
@@ -98,8 +106,7 @@ static void enroll(int i, int f)
     for (int k = 1; k < SURFACE_DESCRIPTOR; k++)
         d[k] = (unsigned char)(below(21) - 10);
     must(store_enroll(store, &what, &t, &created, &e));
-    must(store_subject_get(store, "", name(i), &is, &e));
-    memcpy(one[i].uid, is.uid, sizeof is.uid);
+    memcpy(one[i].uid, uid_of(i), STORE_UID);
     memcpy(one[i].template_id[f], t.id, sizeof t.id);
     one[i].is = true;
 }
@@ -293,6 +300,35 @@ TEST(test_skipped)
     gallery = gallery_new(SIZE_MAX);
     assert_int_equal(skipped(), 1);
     assert_int_equal(gallery_state(gallery).subjects, 2);
+}
+
+/* More templates of one subject than are asked for at first, all more alike than the other subject's. */
+TEST(test_many_templates)
+{
+    static struct dvec3 pts[800];
+    unsigned char d[SURFACE_DESCRIPTOR];
+    static struct surface_face f;
+    const struct store_sample sample = {.face = &f, .descriptor = d};
+    const struct store_enroll what = {
+        .actor = "test", .subject = name(0), .label = "", .sample = &sample, .n = 1};
+    struct store_template t;
+    bool created;
+
+    begin(SIZE_MAX);
+    assert_int_equal(surface_describe(tempdb_work, &tempdb_face[0], d), SURFACE_OK);
+    for (uint64_t k = 0; k < 12; k++) {
+        assert_int_equal(
+            face_build(pts, clouds_scan(7, k, 800, pts), tempdb_work, &f, NULL), ST_OK);
+        must(store_enroll(store, &what, &t, &created, &e));
+        face_free(&f);
+    }
+    (void)snprintf(one[0].template_id[0], sizeof t.id, "%s", t.id);
+    one[0].is = true;
+    enroll(1, 1);
+    memcpy(one[0].uid, uid_of(0), STORE_UID);
+    must(follow(NULL));
+    for (size_t most = 1; most < 4; most++)
+        check("", "", most);
 }
 
 TEST(test_full)

@@ -291,3 +291,17 @@ TEST(test_erased_meanwhile)
     assert_nobody(1, "", TEMPDB_FACES - 1);
     assert_false(erase_next);
 }
+
+/* Among four people a match needs more than in a verification. */
+TEST(test_threshold_of_four)
+{
+    struct store_calibration k = tempdb_calibration(8);
+
+    k.table.knot[k.table.n - 1].rate = 0.2;
+    begin();
+    must(store_calibration_add(store, "test", &k, &e));
+    must(identify(0, 1, "", 0));
+    assert_true(x.best.result.threshold > 15);
+    assert_true((x.decision == SURFACE_MATCH) ==
+                (x.best.result.score >= x.best.result.threshold));
+}
