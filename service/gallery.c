@@ -38,6 +38,10 @@ struct gallery {
     pthread_rwlock_t lock;
     size_t most;
     atomic_int phase; /* enum gallery_phase */
+    struct {          /* of gallery_state(), which does not wait for the lock */
+        atomic_ullong subjects, templates;
+        atomic_size_t bytes;
+    } told;
     uint64_t seq;
     struct surface_index *index;
     struct slot *slot; /* [slots], by slot of the index */
@@ -138,12 +142,9 @@ enum gallery_phase gallery_phase(const struct gallery *g)
 
 struct gallery_state gallery_state(struct gallery *g)
 {
-    struct gallery_state is;
-
-    (void)pthread_rwlock_rdlock(&g->lock);
-    is = (struct gallery_state){g->subjects, g->templates, bytes_of(g)};
-    (void)pthread_rwlock_unlock(&g->lock);
-    return is;
+    return (struct gallery_state){atomic_load(&g->told.subjects),
+                                  atomic_load(&g->told.templates),
+                                  atomic_load(&g->told.bytes)};
 }
 
 /* ---- people by uid, which are random */
@@ -394,6 +395,9 @@ static enum status follow(struct gallery *g, struct store_people *p, struct erri
         expire(g);
     if (st == ST_ELIMIT)
         gallery_clear(g);
+    atomic_store(&g->told.subjects, g->subjects);
+    atomic_store(&g->told.templates, g->templates);
+    atomic_store(&g->told.bytes, bytes_of(g));
     if (st == ST_ELIMIT)
         atomic_store(&g->phase, GALLERY_FULL);
     else

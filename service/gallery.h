@@ -44,7 +44,7 @@ struct gallery_state {
     size_t bytes;                 /* its memory */
 };
 
-/* gallery_state(g): Returns the present state. */
+/* gallery_state(g): Returns the state after the last gallery_follow(), without waiting. */
 struct gallery_state gallery_state(struct gallery *g);
 
 struct gallery_search {
