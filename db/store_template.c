@@ -42,8 +42,9 @@ static enum status need_subject(struct enrolling *g, struct errinfo *e)
 
     if (st == ST_OK)
         return rows_subject_seen(&g->t, g->of.one.uid, g->by.at, e);
-    if (st != ST_ENOTFOUND ||
-        (st = rows_subject_free(&g->t, g->what->subject, e)) != ST_OK ||
+    if (st != ST_ENOTFOUND || /* what is not found is there only for others' groups */
+        (g->t.groups[0] != '\0' &&
+         (st = rows_subject_free(&g->t, g->what->subject, e)) != ST_OK) ||
         (g->what->groups != NULL &&
          (st = groups_read(g->what->groups, about.groups, e)) != ST_OK) ||
         (st = store_rules_groups(&g->t, about.groups, e)) != ST_OK)

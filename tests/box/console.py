@@ -705,8 +705,9 @@ def test_health(d):
 def test_identify(d):
     """bob is the only one who has a template."""
     def give(*names):
-        d.execute_script("document.querySelector('.slot input').value = ''")  # else they are added
-        d.find_element(By.CSS_SELECTOR, ".slot input").send_keys("\n".join(os.path.join(FOLDER, n) for n in names))
+        files = one(d, ".slot input")
+        d.execute_script("arguments[0].value = ''", files)  # else they are added
+        files.send_keys("\n".join(os.path.join(FOLDER, n) for n in names))
 
     unlock(d, ALL, "identify")
     some("what it is for", d, "h2", "Who is it?")

@@ -130,7 +130,7 @@ END
     printf 'GET /v1/audit?%s -> 400 invalid_parameter\n' before=x before=1 before=0-5 after=1-1- after=-1-2 after=01-1 \
         'before=1-1&after=1-1' limit=0 kind= actor= "kind=$long$long"
     printf 'GET /v1/audit/export?format=%s -> 400 invalid_parameter\n' xml 'jsonl&kind=verify'
-    printf 'GET /%s -> 404 no_such_route\n' v1 v1/ v1/subjects/ v1/subjects//verify v1/identify v2/subjects \
+    printf 'GET /%s -> 404 no_such_route\n' v1 v1/ v1/subjects/ v1/subjects//verify v1/identity v2/subjects \
         v1/subjects/x/y healthz/ v1/subjects/x/templates/y v1/subjects/../../etc/passwd
     printf 'POST /v1/tokens json %s -> 400 malformed\n' '{}' '{"name": "a"}' '{"name": "a", "scopes": []}' \
         '{"name": "a", "scopes": "verify"}' '{"name": "a", "scopes": ["root"]}' \

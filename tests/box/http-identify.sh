@@ -158,7 +158,7 @@ done
 start_daemon --no-auth --attempts 0 --identify-failures 0
 one=$PID one_url=$URL
 start_daemon --no-auth --attempts 0 --identify-failures 0
-ok "200 rounds" python3 tests/box/rounds.py 200 1 "$T/people" "$one_url" "$URL"
+ok "100 rounds" python3 tests/box/rounds.py 100 1 "$T/people" "$one_url" "$URL"
 stop_daemon
 PID=$one
 finish

@@ -63,7 +63,7 @@ SHIM=$(cd "$BUILD" && pwd)/record_shim.so
 mkdir "$T/later"
 (sleep 1.5 && ln -s "$PGHOST/.s.PGSQL.${PGPORT:-5432}" "$T/later") &
 DB="$door?host=$T/later"
-start_daemon --anchor "$ANCHOR"
+start_daemon --anchor "$ANCHOR" --gallery-memory 0 # whose upkeep has no round trips then
 contains "a start waits for the server" "$LOG" 'level=warn msg="the database server is waited for" reason=.*reached'
 UNDER='' DB=$door
 "$BUILD/surfaced" --db "$door?host=$T/none" --anchor "$ANCHOR" --listen 127.0.0.1:0 2>"$T/out" &
