@@ -705,7 +705,7 @@ def test_health(d):
 def test_identify(d):
     """bob is the only one who has a template."""
     def give(*names):
-        files = one(d, ".slot input")
+        files = wait(d, lambda d: d.find_elements(By.CSS_SELECTOR, ".slot input"))[0]  # it is never displayed
         d.execute_script("arguments[0].value = ''", files)  # else they are added
         files.send_keys("\n".join(os.path.join(FOLDER, n) for n in names))
 
