@@ -31,8 +31,11 @@ struct slot {
 
 struct set { /* subjects that have the same groups */
     char groups[GROUPS_SIZE];
+    uint32_t chain; /* the next of its bucket */
     uint64_t people, skipped;
 };
+
+#define SET_BUCKETS 4096
 
 struct gallery {
     pthread_rwlock_t lock;
@@ -48,6 +51,7 @@ struct gallery {
     struct person *person;
     uint32_t *bucket; /* [cap of person] */
     struct set *set;
+    uint32_t set_bucket[SET_BUCKETS];
     uint32_t slots, slot_cap;
     uint32_t people, person_cap,
         free_person; /* people: used so far; those that are free are chained */
@@ -104,6 +108,7 @@ static void gallery_clear(struct gallery *g)
     g->set = NULL;
     g->slots = g->slot_cap = g->people = g->person_cap = g->sets = g->set_cap = 0;
     g->free_person = NONE;
+    memset(g->set_bucket, 0xff, sizeof g->set_bucket);
     g->subjects = g->templates = g->damaged = g->seq = 0;
     g->soonest = UINT32_MAX;
 }
@@ -227,19 +232,22 @@ static void remove_person(struct gallery *g, uint32_t i)
 
 /* ---- those who are added */
 
+/* Each subject may have groups of its own: they are not compared with all others. */
 static uint32_t need_set(struct gallery *g, const char *groups)
 {
-    uint32_t i = 0;
+    uint32_t hash = 0, *bucket, i;
 
-    while (i < g->sets && strcmp(g->set[i].groups, groups) != 0)
-        i++;
-    if (i < g->sets)
-        return i;
+    for (const char *c = groups; *c != '\0'; c++)
+        hash = hash * 31 + (unsigned char)*c;
+    bucket = &g->set_bucket[hash % SET_BUCKETS];
+    for (i = *bucket; i != NONE; i = g->set[i].chain)
+        if (strcmp(g->set[i].groups, groups) == 0)
+            return i;
     if (!gallery_room((void **)&g->set, g->sets, &g->set_cap, sizeof *g->set))
         return NONE;
-    g->set[g->sets] = (struct set){.people = 0};
+    g->set[g->sets] = (struct set){.chain = *bucket};
     memcpy(g->set[g->sets].groups, groups, strlen(groups) + 1);
-    return g->sets++;
+    return *bucket = g->sets++;
 }
 
 static bool add_slot(struct gallery *g, struct person *p, uint32_t person, uint32_t s)
