@@ -315,6 +315,21 @@ get() {
     jq -r "$1" "$T/body" 2>/dev/null
 }
 
+# browser_tests LEAST FILE ARGUMENT...: runs FILE, a test in a browser, and counts its checks, at least LEAST; its
+# pictures are kept in $BUILD/console.
+browser_tests() {
+    least=$1
+    shift
+    mkdir -p "$T/home" "$BUILD/console"
+    HOME=$T/home /usr/bin/python3 "$@" >"$T/checks" 2>"$T/err"
+    cat "$T/err"
+    grep -v '^ok ' "$T/checks"
+    passed=$((passed + $(grep -c '^ok ' "$T/checks")))
+    failed=$((failed + $(grep -c '^FAIL ' "$T/checks")))
+    ok "the browser's tests ran" test "$passed" -gt "$least"
+    cp "$T"/*.png "$BUILD/console"
+}
+
 # field NAME: prints the values of a header of the last response.  No other program, as one takes longer to
 # start than the daemon to answer.
 field() {

@@ -1,39 +1,13 @@
-"""The pages of tests/box/page.sh in a browser: page.py FOLDER CREATED HOSTILE-NAME.  Prints a line for
-each check."""
-import json
+"""The pages of tests/box/page.sh in a browser: page.py file://FOLDER FOLDER - CREATED HOSTILE-NAME (browser.py)."""
 import sys
 import time
 
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
-FOLDER, CREATED, HOSTILE = sys.argv[1:]
+from browser import FOLDER, ROOT, browser, check, look, one, quiet, run, still
 
-
-def check(title, holds, got=""):
-    print("%s %s%s" % ("ok" if holds else "FAIL", title, "" if holds else ": %s" % (got,)), flush=True)
-
-
-def browser():
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--hide-scrollbars",
-                     "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--window-size=1280,860"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
-
-
-def logged(driver):
-    """What is on the console, and what was asked for but the page itself."""
-    lines = [e["message"] for e in driver.get_log("browser") if "GPU stall" not in e["message"]]
-    asked = set()
-    for entry in driver.get_log("performance"):
-        message = json.loads(entry["message"])["message"]
-        if message["method"] == "Network.requestWillBeSent":
-            asked.add(message["params"]["request"]["url"])
-    return lines, asked
+CREATED, HOSTILE = sys.argv[4:]
 
 
 # The picture: shares of its pixels that are drawn, blue, orange; in all, to the left, to the right.
@@ -75,20 +49,12 @@ def text(driver, selector):
 
 
 def show(driver, name, width=1280, dark=True):
-    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
-        "width": width, "height": 860, "deviceScaleFactor": 1, "mobile": width < 500})
-    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
-        {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
-    url = "file://%s/%s.html" % (FOLDER, name)
-    driver.get(url)
-    end = time.monotonic() + 15
-    while not text(driver, ".verdict h2") and time.monotonic() < end:
-        time.sleep(0.05)
-    time.sleep(0.3)
+    look(driver, width, dark)
+    driver.get(ROOT + name + ".html")
+    one(driver, ".verdict h2")
+    still(driver)
     driver.save_screenshot("%s/page-%s-%d.png" % (FOLDER, name, width))
-    lines, asked = logged(driver)
-    check(name + ": nothing on the console", lines == [], lines)
-    check(name + ": no request but for itself", asked <= {url, "data:,"}, asked)
+    quiet(name, driver)
     check(name + ": no text lies on another", driver.execute_script(COLLIDE) == [], driver.execute_script(COLLIDE))
     check(name + ": as wide as the screen", driver.execute_script("return document.documentElement.scrollWidth") == width)
     return driver.execute_script(PICTURE)
@@ -104,8 +70,7 @@ def curve(driver, title):
     check("%s: the curve of other people's scores" % title, len(driver.find_elements(By.CSS_SELECTOR, ".gauge .others")) == 1)
 
 
-def main():
-    d = browser()
+def test_pages(d):
     picture = show(d, "match")
     says("match", d, ".verdict h2", "Same face")
     says("match", d, ".slot", "alice", "enrolled " + CREATED, HOSTILE, "file of 20")
@@ -143,13 +108,11 @@ def main():
     says("no face", d, ".verdict h2", "Not usable")
     check("no face: has no quality", text(d, ".badge") == [], text(d, ".badge"))
     check("no face: the dots alone", 0.002 < picture["drawn"] < 0.05, picture)
-    d.get("file://%s/changed.html" % FOLDER)
+    d.get(ROOT + "changed.html")
     time.sleep(1)
-    lines, _ = logged(d)
+    lines = [entry["message"] for entry in d.get_log("browser")]
     check("a script that was changed does not run", not d.find_elements(By.TAG_NAME, "main")
           and any("Content Security Policy" in line for line in lines), lines)
-    d.quit()
-    print("-- done")
 
 
-main()
+run(browser(), test_pages)

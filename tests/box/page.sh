@@ -5,7 +5,6 @@
 . tests/box/lib.sh
 needs_section browser chromedriver
 in_folder
-export HOME="$T" # the browser's
 
 scan 1 0 a.ply
 scan 1 1 a2.ply --pose 8 --shift 10
@@ -44,12 +43,5 @@ ok "there is none" [ ! -e none.html ]
 sed 's/stage.show(nodes, two,/stage.show(nodes, !two,/' match.html >changed.html
 ok "one is changed" sh -c "! cmp -s match.html changed.html"
 
-/usr/bin/python3 "$OLDPWD/tests/box/page.py" "$T" "$created" "$hostile" >shown 2>err
-cat err
-grep -v '^ok ' shown
-passed=$((passed + $(grep -c '^ok ' shown)))
-failed=$((failed + $(grep -c '^FAIL ' shown)))
-ok "the browser's tests ran" grep -q '^-- done' shown
-mkdir -p "$BUILD/console"
-cp ./*.png "$BUILD/console"
+browser_tests 60 "$OLDPWD/tests/box/page.py" "file://$T" "$T" - "$created" "$hostile"
 finish
