@@ -114,7 +114,6 @@ AID_SRC   := $(wildcard tests/*/*_main.c)
 AID_BIN   := $(call programs,$(AID_SRC))
 # Preloaded into finished programs; the recorder not into sanitized ones.
 SHIM_BIN  := $(BUILD)/crash_shim.so $(BUILD)/slow_shim.so $(BUILD)/alloc_shim.so $(if $(findstring sanitize,$(EXTRA)),,$(BUILD)/record_shim.so)
-SAMPLES   := one one_again one_glasses other
 EMBED     := json html css js svg
 GEN       := $(patsubst %.sql,$(BUILD)/gen/%_sql.h,schema.sql schema_postgres.sql) \
              $(foreach x,$(EMBED),$(patsubst server/%.$x,$(BUILD)/gen/%_$x.h,$(wildcard server/*.$x)) \
@@ -205,18 +204,10 @@ $(BUILD)/gen/page_html.h: scripts/page.sh scripts/embed.sh server/console/style.
 	$(Q)scripts/page.sh "server/console/style.css scan/page.css" $(PAGE_JS) > $(@:.h=.html) && \
 	    scripts/embed.sh page_html < $(@:.h=.html) > $@.tmp && mv $@.tmp $@
 
-$(BUILD)/server/api/pages.o: $(SAMPLES:%=$(BUILD)/gen/sample_%_ply.h)
-# The console's sample scans, of simulated faces, for a visitor without scans.
-SAMPLE             := $(BUILD)/facegen --noise 0.06 --points 3000 --format ply
-SCAN_one           := --subject 3 --scan 0
-SCAN_one_again     := --subject 3 --scan 1 --pose 8 --smile 0.4
-SCAN_other         := --subject 8 --scan 2 --pose 6
-$(BUILD)/gen/sample_%.ply: $(BUILD)/facegen
+# The console's sample scans, for a visitor without scans; scripts/model/samples.py made them.
+$(BUILD)/server/api/pages.o: $(patsubst server/console/samples/%.ply,$(BUILD)/gen/sample_%_ply.h,$(wildcard server/console/samples/*.ply))
+$(BUILD)/gen/sample_%_ply.h: server/console/samples/%.ply scripts/embed.sh
 	@mkdir -p $(@D)
-	$(Q)$(SAMPLE) $(SCAN_$*) -o $@
-$(BUILD)/gen/sample_one_glasses.ply: $(BUILD)/gen/sample_one_again.ply $(BUILD)/headscan
-	$(Q)$(BUILD)/headscan --kind glasses --seed 5 $< -o $@
-$(BUILD)/gen/sample_%_ply.h: $(BUILD)/gen/sample_%.ply scripts/embed.sh
 	$(call say,GEN)
 	$(Q)scripts/embed.sh sample_$*_ply < $< > $@.tmp && mv $@.tmp $@
 

@@ -159,9 +159,18 @@ class Faces:
     def heights(self, at):
         """Returns the height of the front-most surface in each cell, NAN if there is none.  The mesh is
         sampled every 2 mm; slits of up to three samples along y, as between the lips, are bridged."""
-        w, h = 2 * NX, 2 * NY
-        corner = np.stack([(at[:, 0] - np.float32(LEFT)) * np.float32(0.5) - np.float32(0.5),
-                           (at[:, 1] - np.float32(BOTTOM)) * np.float32(0.5) - np.float32(0.5), at[:, 2]])
+        seen = self.seen(at, LEFT, BOTTOM, 2, 2 * NX, 2 * NY)
+        for gap in (1, 2, 3):
+            bridge(seen, gap)
+        four = np.sort(seen.reshape(NY, 2, NX, 2).transpose(0, 2, 1, 3).reshape(-1, 4), axis=1)
+        return layer(four)
+
+    def seen(self, at, left, bottom, mm, w, h):
+        """Returns the height of the front-most surface in the middle of each of h rows of w squares of mm, a
+        float32, NAN if there is none."""
+        per, half = np.float32(1 / mm), np.float32(0.5)
+        corner = np.stack([(at[:, 0] - np.float32(left)) * per - half,
+                           (at[:, 1] - np.float32(bottom)) * per - half, at[:, 2]])
         corner = corner[:, self.corner]  # [x, y, z][triangle][corner]
         low, high = corner[:2].min(axis=2), corner[:2].max(axis=2)
         first = np.maximum(np.ceil(low), 0).astype(int)
@@ -184,11 +193,7 @@ class Faces:
         order = np.argsort(z, kind="stable")
         seen = np.full(w * h, np.nan, np.float32)
         seen[sample[order]] = z[order]  # the front-most comes last
-        seen = seen.reshape(h, w)
-        for gap in (1, 2, 3):
-            bridge(seen, gap)
-        four = np.sort(seen.reshape(NY, 2, NX, 2).transpose(0, 2, 1, 3).reshape(-1, 4), axis=1)
-        return layer(four)
+        return seen.reshape(h, w)
 
 
 def bridge(z, gap):

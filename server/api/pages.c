@@ -39,8 +39,8 @@
 #include "docs_js.h"
 #include "openapi_json.h"
 #include "sample_one_again_ply.h"
-#include "sample_one_glasses_ply.h"
 #include "sample_one_ply.h"
+#include "sample_one_turned_ply.h"
 #include "sample_other_ply.h"
 
 #define HTML       "text/html; charset=utf-8"
@@ -93,8 +93,8 @@ static struct page {
     PAGE("/console/widgets.js", JAVASCRIPT, console_widgets_js),
     PAGE("/console/words.js", JAVASCRIPT, console_words_js),
     PAGE("/console/one.ply", "model/ply", sample_one_ply),
-    PAGE("/console/one-again.ply", "model/ply", sample_one_again_ply),
-    PAGE("/console/one-glasses.ply", "model/ply", sample_one_glasses_ply),
+    PAGE("/console/one_again.ply", "model/ply", sample_one_again_ply),
+    PAGE("/console/one_turned.ply", "model/ply", sample_one_turned_ply),
     PAGE("/console/other.ply", "model/ply", sample_other_ply),
 #undef PAGE
 };

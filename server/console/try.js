@@ -8,9 +8,10 @@ import { createStage } from "./stage.js";
 import { advice, checked, decided, facts, failure, notes, pairs, regions } from "./verdict.js";
 
 const SAMPLES = [
-  ["The same person, twice", "one.ply", "one-again.ply"],
+  ["The same person, twice", "one.ply", "one_again.ply"],
   ["Two people", "one.ply", "other.ply"],
-  ["The same person, with glasses", "one.ply", "one-glasses.ply"],
+  ["The same person, turned away", "one.ply", "one_turned.ply"],
+  ["One scan, with advice", "one_turned.ply"],
 ];
 
 const details = (title, ...rest) => el("details.card", {}, el("summary", {}, title), ...rest);
@@ -48,7 +49,7 @@ export function open(main, who) {
 
   async function sample(names) {
     const files = await Promise.all(names.map(async (n) => new File([await (await fetch(url(`/console/${n}`))).arrayBuffer()], n)));
-    files.forEach((f, i) => { slots[i].file = f; slots[i].label(); });
+    slots.forEach((s, i) => { s.file = files[i] ?? null; s.label(); });
     run();
   }
 
@@ -121,7 +122,7 @@ export function open(main, who) {
       el("h2", {}, "Where do two scans differ, and what decides?"),
       el("p", {}, "Drop one scan to see the face that is found in it and whether it is good to enroll; drop two to compare them. ",
         "PLY, OBJ, STL, PCD, GLB, text and depth images are read. Nothing is stored."),
-      verifies && el("p", {}, "No scan at hand? These faces were made by a computer:"),
+      verifies && el("p", {}, "No scan at hand? These people are invented:"),
       verifies && el("div.samples", {}, SAMPLES.map(([name, ...names]) =>
         el("button", { type: "button", onclick: () => sample(names) }, name))),
       el("p.dim", {}, "A score is no proof of who somebody is.")));

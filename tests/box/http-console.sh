@@ -8,7 +8,7 @@ AUTH=
 start_daemon
 
 # ---- pages
-files=$(ls server/console)
+files=$(find server/console -maxdepth 1 -type f -printf '%f\n' | sort)
 total=0
 for file in $files; do
     path=/console/$file
@@ -26,9 +26,11 @@ for file in $files; do
     ok "$path: the file" cmp -s "$T/body" "$at"
 done
 ok "all pages together have $total bytes, of at most 100 KB" test "$total" -le 102400
-for file in one.ply one-again.ply one-glasses.ply other.ply; do
-    req GET "/console/$file"
-    is "the sample $file" "$STATUS $(head -c 3 "$T/body")" '200 ply'
+for file in one one_again one_turned other; do
+    req GET "/console/$file.ply"
+    is "the sample $file" "$STATUS $(wc -c <"$T/body")" "200 $(wc -c <"server/console/samples/$file.ply")"
+    ok "is a small scan" test "$(wc -c <"$T/body")" -le 81920
+    mv "$T/body" "$T/$file.ply"
 done
 for path in /console/ /console/none.js /console/../openapi.json /console/style.css/x /consoles; do
     req GET "$path" --path-as-is
@@ -89,6 +91,18 @@ is "the node of a template" "$(jq -r '[.nodes[].name] | join(" ")' "$T/glb")" fa
 req GET "/v1/templates/$id/surface?format=ply"
 is "as PLY" "$STATUS $(head -n 1 "$T/body")" '200 ply'
 is "each is recorded" "$(sql "SELECT count(*) FROM $ENTRIES WHERE kind = 'surface'")" 3
+
+# ---- the samples say what their buttons say
+for pair in one_again:match one_turned:match other:no_match; do
+    req POST /v1/compare -F "a=@$T/one.ply" -F "b=@$T/${pair%:*}.ply"
+    is "one and ${pair%:*}" "$(get .decision)" "${pair#*:}"
+done
+for file in one one_again other; do
+    req POST /v1/check -H "$PLY" --data-binary "@$T/$file.ply"
+    is "$file: nothing to advise" "$(get '.enrollable, (.advice | length)' | paste -sd' ')" 'true 0'
+done
+req POST /v1/check -H "$PLY" --data-binary "@$T/one_turned.ply"
+contains "the turned one: something" "$T/body" 'turn the head towards the scanner'
 
 # ---- who may have them
 AUTH=$VERIFY
