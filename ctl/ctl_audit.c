@@ -10,6 +10,7 @@
 #include "json.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
+#include "ctl_token.h"
 
 #define SHOWN 100 /* entries without --limit */
 
@@ -39,16 +40,17 @@ static const char *who(const struct store_audit_entry *a, char out[16])
 static void show_entry(struct ctl *c, const struct store_audit_entry *a)
 {
     const struct log_entry *entry = &a->entry;
-    char name[16], log[24];
+    char name[16], log[24], by[CTL_TOKEN_LABEL];
 
     (void)snprintf(log, sizeof log, entry->daemon > 0 ? "%s/%" PRIu32 : "%s",
                    log_word(entry->log), entry->daemon);
+    ctl_token_label(by, a->actor_name, entry->actor);
     json_object(c->out, NULL);
     audit_describe(c->out, a);
     json_close(c->out);
     ctl_say(c, "%-10s %8" PRIu64 "  %.10s %.12s  %-15s  %-16s  %-32.32s  %-12s  %s\n",
             log, entry->seq, entry->at, entry->at + 11, entry->kind, who(a, name),
-            entry->object, entry->outcome, entry->actor);
+            entry->object, entry->outcome, by);
 }
 
 static enum status ctl_run_audit_show(struct ctl *c)
@@ -63,9 +65,14 @@ static enum status ctl_run_audit_show(struct ctl *c)
                                         .names = true,
                                         .limit = limit != 0 ? limit : SHOWN};
     struct store_audit_entry *a = NULL;
+    char token[STORE_ID_LEN + 1];
     size_t n = 0, got = 0;
     enum status st;
 
+    if (actor != NULL && (st = ctl_token_find(c, actor, true, token)) == ST_OK)
+        wanted.actor = token;
+    else if (actor != NULL && st != ST_ENOTFOUND) /* else it is a program */
+        return st;
     if (uid != NULL) {
         if (about != NULL ||
             sodium_hex2bin(bytes, sizeof bytes, uid, strlen(uid), NULL, &got, NULL) !=
@@ -207,8 +214,8 @@ const struct ctl_command ctl_audit_show = {
                     "names it, erased or not"),
                 CTL_OPTION("kind", "WORD", command_text, &kind,
                            "only entries of this kind, or these: enroll,verify"),
-                CTL_OPTION("actor", "ID", command_text, &actor,
-                           "only what this token or program did"),
+                CTL_OPTION("actor", "NAME", command_text, &actor,
+                           "only what this token (its name or id) or program did"),
                 CTL_OPTION("since", "TIME", command_text, &since,
                            "only entries since 2026-11-21 or 2026-11-21T14:30 (UTC)"),
                 CTL_OPTION("until", "TIME", command_text, &until,
@@ -217,8 +224,9 @@ const struct ctl_command ctl_audit_show = {
     .run = ctl_run_audit_show,
     .summary = "list who did what, and when",
     .help =
-        "The newest entries, oldest first. The actor is a token's id, a program, or\n"
-        "surfacectl:USER. A subject has a random uid, which the receipt of its erasure names.",
+        "The newest entries, oldest first. The actor is a token, named with the beginning of\n"
+        "its id, a program, or surfacectl:USER. A subject has a random uid, which the receipt\n"
+        "of its erasure names.",
     .example = "surfacectl --db faces.db audit show --subject alice --since 2026-11-01"};
 
 const struct ctl_command ctl_audit_export = {

@@ -7,6 +7,7 @@
 #include "ctl_command.h"
 #include "ctl_model.h"
 #include "ctl_template.h"
+#include "ctl_token.h"
 #include "utc.h"
 
 #define PAGE 500 /* subjects in memory at a time */
@@ -235,9 +236,28 @@ static int by_token(const void *a, const void *b)
                   ((const struct store_attempts *)b)->token);
 }
 
-/* How many subjects each token has failed at within the hour after which it may try others again. */
-static void list_tokens(struct ctl *c, struct store_attempts *a, size_t n)
+struct tokens {
+    struct store_token *token;
+    size_t n;
+};
+
+static const char *label_of(const struct tokens *t, const char *id,
+                            char out[CTL_TOKEN_LABEL])
 {
+    const char *name = "";
+
+    for (size_t i = 0; i < t->n; i++)
+        if (strcmp(t->token[i].id, id) == 0)
+            name = t->token[i].name;
+    ctl_token_label(out, name, id[0] != '\0' ? id : "-");
+    return out;
+}
+
+/* How many subjects each token has failed at within the hour after which it may try others again. */
+static void list_tokens(struct ctl *c, const struct tokens *tokens,
+                        struct store_attempts *a, size_t n)
+{
+    char label[CTL_TOKEN_LABEL];
     bool any = false;
 
     if (n > 0)
@@ -255,7 +275,7 @@ static void list_tokens(struct ctl *c, struct store_attempts *a, size_t n)
             json_text(c->out, "token", a[i].token);
             json_number(c->out, "subjects", (double)tried);
             json_close(c->out);
-            ctl_say(c, "%-32s %zu\n", a[i].token, tried);
+            ctl_say(c, "%-32s %zu\n", label_of(tokens, a[i].token, label), tried);
         }
         tried = 0;
     }
@@ -265,11 +285,18 @@ static void list_tokens(struct ctl *c, struct store_attempts *a, size_t n)
 static enum status list_attempts(struct ctl *c)
 {
     struct store_attempts *a;
+    struct tokens tokens;
+    char label[CTL_TOKEN_LABEL];
     size_t n;
-    enum status st = store_attempts_list(c->store, &a, &n, &c->e);
+    enum status st =
+        store_token_list(c->store, c->actor, &tokens.token, &tokens.n, &c->e);
 
     if (st != ST_OK)
         return st;
+    if ((st = store_attempts_list(c->store, &a, &n, &c->e)) != ST_OK) {
+        free(tokens.token);
+        return st;
+    }
     json_array(c->out, "attempts");
     if (n > 0)
         ctl_say(c, "%-32s %-32s %8s  %s\n", "SUBJECT", "TOKEN", "FAILURES", "LAST");
@@ -281,25 +308,31 @@ static enum status list_attempts(struct ctl *c)
         json_text(c->out, "last", a[i].at);
         json_close(c->out);
         ctl_say(c, "%-32s %-32s %8u  %s\n", a[i].subject,
-                a[i].token[0] != '\0' ? a[i].token : "-", a[i].failures, a[i].at);
+                label_of(&tokens, a[i].token, label), a[i].failures, a[i].at);
     }
     json_close(c->out);
-    list_tokens(c, a, n);
+    list_tokens(c, &tokens, a, n);
     if (n == 0)
         ctl_say(c, "no failed verifications\n");
     free(a);
+    free(tokens.token);
     return ST_OK;
 }
 
 static enum status reset_attempts(struct ctl *c)
 {
-    const char *of = reset_token != NULL ? reset_token : c->args[0];
+    const char *of = c->args[0];
+    char id[STORE_ID_LEN + 1];
     enum status st;
 
     if ((c->nargs > 0) == (reset_token != NULL))
         return ctl_usage(c, "attempts reset needs a subject or --token, not both");
-    st = reset_token != NULL ? store_attempts_reset_token(c->store, c->actor, of, &c->e)
-                             : store_attempts_reset(c->store, c->actor, of, &c->e);
+    if (reset_token == NULL) {
+        st = store_attempts_reset(c->store, c->actor, of, &c->e);
+    } else if ((st = ctl_token_find(c, reset_token, false, id)) == ST_OK) {
+        of = id;
+        st = store_attempts_reset_token(c->store, c->actor, of, &c->e);
+    }
     if (st != ST_OK)
         return st;
     json_text(c->out, reset_token != NULL ? "token" : "subject", of);
@@ -414,8 +447,8 @@ const struct ctl_command ctl_subject_attempts_reset = {
     .args = "[SUBJECT]",
     .takes = {0, 1},
     .database = CTL_WRITES_DATABASE,
-    .options = {CTL_OPTION("token", "ID", command_text, &reset_token,
-                           "of this token, on all subjects")},
+    .options = {CTL_OPTION("token", "NAME", command_text, &reset_token,
+                           "of this token (its name or id), on all subjects")},
     .run = reset_attempts,
     .summary = "end a lock-out, of a subject or of a token",
     .help = "Clears the failures on the subject by all tokens, or those by --token.",

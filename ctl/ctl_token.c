@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ctl_token.h"
 #include "describe.h"
 #include "ctl_command.h"
 #include "ctl_model.h"
@@ -50,11 +51,9 @@ static enum status ctl_run_token_create(struct ctl *c)
     return st;
 }
 
-/* The id of the token that the argument names: by its id, or by a name that no other token has
- * which is not revoked. */
-static enum status ctl_token_find(struct ctl *c, char id[STORE_ID_LEN + 1])
+enum status ctl_token_find(struct ctl *c, const char *name, bool revoked,
+                           char id[STORE_ID_LEN + 1])
 {
-    const char *name = c->args[0];
     struct store_token *t;
     char list[sizeof c->e.msg] = "";
     size_t n, found = 0, used = 0;
@@ -66,7 +65,7 @@ static enum status ctl_token_find(struct ctl *c, char id[STORE_ID_LEN + 1])
     if ((st = store_token_list(c->store, c->actor, &t, &n, &c->e)) != ST_OK)
         return st;
     for (size_t i = 0; i < n; i++) {
-        if (t[i].revoked[0] != '\0' || strcmp(t[i].name, name) != 0)
+        if ((t[i].revoked[0] != '\0' && !revoked) || strcmp(t[i].name, name) != 0)
             continue;
         memcpy(id, t[i].id, sizeof t[i].id);
         found++;
@@ -89,7 +88,7 @@ static enum status ctl_run_token_rotate(struct ctl *c)
     char id[STORE_ID_LEN + 1], secret[65];
     enum status st = ctl_model_open(c, STORE_WRITE);
 
-    if (st == ST_OK && (st = ctl_token_find(c, id)) == ST_OK)
+    if (st == ST_OK && (st = ctl_token_find(c, c->args[0], false, id)) == ST_OK)
         st = store_token_rotate(c->store, c->actor, id, grace_s,
                                 c->expires.given ? c->expires.end_ms : STORE_SAME_END,
                                 secret, &t, &c->e);
@@ -99,6 +98,14 @@ static enum status ctl_run_token_rotate(struct ctl *c)
     if (!c->json && t.expired)
         (void)fprintf(stderr, "the token has expired; give --expires too\n");
     return ST_OK;
+}
+
+void ctl_token_label(char out[CTL_TOKEN_LABEL], const char *name, const char *id)
+{
+    if (name[0] != '\0')
+        (void)snprintf(out, CTL_TOKEN_LABEL, "%s (%.8s)", name, id);
+    else
+        (void)snprintf(out, CTL_TOKEN_LABEL, "%s", id);
 }
 
 /* A time to the minute, as one reads it. */
@@ -120,8 +127,8 @@ static enum status ctl_run_token_list(struct ctl *c)
     if (st != ST_OK)
         return st;
     json_array(c->out, "tokens");
-    ctl_say(c, "%-32s  %-7s  %-16s  %-16s  %-16s  %-73s  %-16s  %s\n", "TOKEN ID",
-            "STATE", "CREATED (UTC)", "EXPIRES", "LAST USED", "SCOPES", "GROUPS", "NAME");
+    ctl_say(c, "%-20s  %-7s  %-16s  %-16s  %-16s  %-32s  %-16s  %s\n", "NAME", "STATE",
+            "CREATED (UTC)", "EXPIRES", "LAST USED", "TOKEN ID", "GROUPS", "SCOPES");
     for (size_t i = 0; i < n; i++) {
         json_object(c->out, NULL);
         describe_token(c->out, &t[i], NULL);
@@ -129,12 +136,12 @@ static enum status ctl_run_token_list(struct ctl *c)
         if (c->json)
             continue;
         rows_scopes_write(t[i].scopes, words);
-        (void)printf("%-32s  %-7s", t[i].id, describe_token_state(&t[i]));
+        (void)printf("%-20s  %-7s", t[i].name, describe_token_state(&t[i]));
         print_time(t[i].created, "");
         print_time(t[i].expires, "never");
         print_time(t[i].used, "never");
-        (void)printf("  %-73s  %-16s  %s\n", words,
-                     t[i].groups[0] != '\0' ? t[i].groups : "all", t[i].name);
+        (void)printf("  %-32s  %-16s  %s\n", t[i].id,
+                     t[i].groups[0] != '\0' ? t[i].groups : "all", words);
     }
     json_close(c->out);
     free(t);
@@ -144,7 +151,7 @@ static enum status ctl_run_token_list(struct ctl *c)
 static enum status revoke(struct ctl *c)
 {
     char id[STORE_ID_LEN + 1];
-    enum status st = ctl_token_find(c, id);
+    enum status st = ctl_token_find(c, c->args[0], false, id);
 
     if (st != ST_OK || (st = store_token_revoke(c->store, c->actor, id, &c->e)) != ST_OK)
         return st;

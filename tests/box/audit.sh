@@ -67,7 +67,11 @@ ctl audit show --since 2999
 is "since then" "$CODE $(said '.entries | length')" "0 0"
 ctl_exits 65 audit show --since soon # no such time
 "$BUILD/surfacectl" --db "$DB" audit show >"$T/text"
-ok "as text" grep -q "^changes *9  20.*delete_subject .*$DOOR" "$T/text"
+ok "as text, with the token's name" grep -Eq "^changes *9  20.*delete_subject .* door \($(echo "$DOOR" | cut -c-8)\)$" "$T/text"
+for by in door "$DOOR"; do
+    ctl audit show --actor "$by" --kind delete_subject
+    is "what $by did" "$CODE $(said '[.entries[].seq] | @csv')" '0 9'
+done
 ctl audit verify
 is "all as it was written" "$CODE $(said '[.ok, .entries, .checkpoints] | @csv')" "0 true,14,1"
 key=$(said .public_key)

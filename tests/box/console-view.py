@@ -31,7 +31,7 @@ def test_try(d):
     still(d)
     turned = pixels(d, canvas)
     check("a drag turns the surfaces", difference(front, turned) > 0.05, difference(front, turned))
-    ActionChains(d).move_to_element_with_offset(canvas, -20, 20).perform()
+    ActionChains(d).move_to_element_with_offset(canvas, 60, -40).perform()
     some("what is under the pointer", d, ".tip", "to the score here")
     check("in mm", "mm" in one(d, ".tip").text)
     # by keyboard alone

@@ -81,7 +81,7 @@ secret=$(cat out)
 ok "the token has 64 characters" [ ${#secret} -eq 64 ]
 ok "the token itself is not in the database" [ -z "$(grep -l "$secret" faces.db*)" ]
 expect 0 "list tokens" "$ctl" token list
-has out 'valid .*front door'
+has out '^front door  *valid .* read$'
 expect 0 "another of that name" "$ctl" token create 'front door' --scope read
 expect 65 "which of them" "$ctl" token revoke 'front door'
 has err '2 tokens have this name.*: [0-9a-f]\{32\} [0-9a-f]\{32\}$'
