@@ -113,7 +113,7 @@ void outcome_verified(struct request *r, const struct verification *v, enum stat
         logger_line("warn", "template skipped", "fault", v->templates.passed_over.msg);
     outcome_warn(r, v->recorded.warnings);
     if (v->decided || compared)
-        metrics_event(r->app->metrics, METRICS_DECISIONS + decision);
+        metrics_decision(r->app->metrics, decision, v->best.result.score);
     if (v->decided)
         note(r, v);
     if (compared)

@@ -28,10 +28,15 @@
 
 #define NSTATUS  600
 #define NBUCKETS 14
+#define NSCORES  8
 
 /* Upper bounds of the histograms' buckets, seconds. */
 static const double bound[NBUCKETS] = {0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05,
                                        0.1,    0.25,  0.5,    1,     2.5,  5,     10};
+
+/* Of the buckets of scores: no finer than those of GET /v1/stats, and without a sum, because two readings
+ * before and after a verification tell what was added. */
+static const int score_bound[NSCORES] = {-32, -16, -8, 0, 4, 8, 16, 32};
 
 typedef atomic_uint_fast64_t counter;
 
@@ -95,6 +100,7 @@ struct metrics {
     time_t start;
     struct histogram stage[REQUEST_STAGES + 1]; /* the last one: in all */
     counter count[COUNTERS];
+    counter score[NSCORES + 1];     /* not cumulative */
     counter rows_verified;          /* since 1970, s */
     counter tokens_soon, token_end; /* the latter seconds since 1970, 0: none ends */
     const struct route *routes;
@@ -142,6 +148,18 @@ static void observe(struct histogram *h, double ms)
 void metrics_event(struct metrics *m, unsigned e)
 {
     metrics_add(&m->count[e], 1);
+}
+
+void metrics_decision(struct metrics *m, enum surface_decision decision, double score)
+{
+    size_t b = 0;
+
+    metrics_event(m, METRICS_DECISIONS + decision);
+    if (isnan(score))
+        return;
+    while (b < NSCORES && score > score_bound[b])
+        b++;
+    metrics_add(&m->score[b], 1);
 }
 
 void metrics_refused(struct metrics *m, enum status st)
@@ -314,6 +332,21 @@ static void print_histogram(FILE *f, const char *name, const char *labels,
     fprintf(f, "%s_bucket{%s,le=\"+Inf\"} %" PRIu64 "\n", name, labels, sum);
     fprintf(f, "%s_sum{%s} %.9f\n", name, labels, (double)metrics_value(&h->ns) / 1e9);
     fprintf(f, "%s_count{%s} %" PRIu64 "\n", name, labels, sum);
+}
+
+static void print_scores(FILE *f, const struct metrics *m)
+{
+    uint64_t n = 0;
+
+    head(f, "surfaced_score", "histogram", "Scores of verifications and comparisons.");
+    for (size_t b = 0; b < NSCORES; b++)
+        fprintf(f, "surfaced_score_bucket{le=\"%d\"} %" PRIu64 "\n", score_bound[b],
+                n += metrics_value(&m->score[b]));
+    n += metrics_value(&m->score[NSCORES]);
+    fprintf(f,
+            "surfaced_score_bucket{le=\"+Inf\"} %" PRIu64
+            "\nsurfaced_score_count %" PRIu64 "\n",
+            n, n);
 }
 
 /* Returns NULL for the counters of requests without a route. */
@@ -546,6 +579,7 @@ static char *text(const struct app *app, bool all)
         print_requests(f, app->metrics);
         for (size_t i = 0; i < sizeof family / sizeof *family; i++)
             print_family(f, app->metrics, &family[i]);
+        print_scores(f, app->metrics);
         print_tokens(f, app->metrics);
         print_gallery(f, app);
     }

@@ -47,6 +47,9 @@ enum metrics_event {
 /* metrics_event(m, e): Counts one event of enum metrics_event. */
 void metrics_event(struct metrics *m, unsigned e);
 
+/* metrics_decision(m, decision, score): Counts the decision of a verification or comparison, and its score. */
+void metrics_decision(struct metrics *m, enum surface_decision decision, double score);
+
 /* metrics_refused(m, st): Counts a refused scan of several; a st for which dry_run_is_refusal() is false is not
  * counted. */
 void metrics_refused(struct metrics *m, enum status st);

@@ -51,6 +51,8 @@ is "known" "$(metric 'surfaced_enrollments_total{outcome="known"}')" 1
 is "mismatch" "$(metric 'surfaced_enrollments_total{outcome="mismatch"}')" 1
 is "match" "$(metric 'surfaced_decisions_total{decision="match"}')" 2
 is "no match" "$(metric 'surfaced_decisions_total{decision="no_match"}')" 1
+is "scores" "$(metric 'surfaced_score_bucket{le="0"}') $(metric surfaced_score_count)" '1 3'
+is "their sum, which would tell each, is not there" "$(metric surfaced_score_sum)" ''
 is "wrong tokens" "$(metric surfaced_wrong_tokens_total)" 1
 is "scored" "$(metric 'surfaced_stage_duration_seconds_count{stage="score"}')" 5
 is "minimised" "$(metric 'surfaced_stage_duration_seconds_count{stage="minimal"}')" 3
@@ -85,7 +87,7 @@ ok "the metrics' format" awk '
         if ($1 " " in seen) bad("twice")
         seen[$1 " "] = 1
         if (name ~ /_bucket$/ && type[family] == "histogram") {
-            series = $1; sub(/,?le="[^"]*"/, "", series)
+            series = $1; sub(/,?le="[^"]*"/, "", series); sub(/\{\}/, "", series)
             if ($2 < bucket[series]) bad("not cumulative")
             bucket[series] = $2 }
         if (name ~ /_count$/ && type[family] == "histogram") {
@@ -102,6 +104,10 @@ board=scripts/grafana-dashboard.json
 jq -r '.panels[].targets[].expr' "$board" | sed 's/\$__rate_interval/5m/g' >"$T/queries"
 jq -r '.templating.list[].query | .query? // empty' "$board" >>"$T/queries"
 ok "the dashboard has queries" test "$(wc -l <"$T/queries")" -gt 20
+ok "each of its panels has an id of its own and says what it is for" jq_true '
+    (.panels | map(.id) | unique | length) == (.panels | length) and all(.panels[]; .description)' "$board"
+ok "none covers another" jq_true '[.panels[].gridPos | range(.x; .x + .w) + 100 * range(.y; .y + .h)]
+    | (unique | length) == length' "$board"
 {
     echo surfaced_certificate_end_seconds # with TLS alone: http-tls.sh
     sed -n 's/^\([a-z_]*\)[{ ].*/\1/p' "$T/body"
@@ -117,7 +123,7 @@ is "and is explained" "$(sed -n 's/^  - alert: //p' $rules | while read -r alert
     grep -q "$alert" docs/operation.md || echo "$alert"
 done)" ''
 is "all metrics are used" "$(grep -c '^surfaced_' "$T/asked")" \
-    "$(grep '^surfaced_' "$T/names" | grep -vc '^surfaced_http_request_duration_seconds_[sc]')"
+    "$(grep '^surfaced_' "$T/names" | grep -Evc '^surfaced_(http_request_duration_seconds_[sc]|score_count)')"
 { # the first two are Prometheus's own
     printf 'instance=\njob=\n'
     grep -oE '[a-z]+=' "$T/body"
