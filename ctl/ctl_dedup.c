@@ -93,13 +93,13 @@ static void tell_costs(const struct dedup *d)
     json_text(d->c->out, "calibration", d->calibration.shipped ? "shipped" : "database");
     (void)fprintf(stderr,
                   "surfacectl: %.0f pairs of templates of %" PRIu64
-                  " subject%s; by chance about %.2g of them at or above %.2f, by the "
-                  "calibration of %s%s\n",
-                  d->pairs, CTL_COUNT(d->all.nsubject), chance, d->threshold,
+                  " subject%s; by chance about %.*f of them at or above %.2f, by %sthe "
+                  "calibration of %s\n",
+                  d->pairs, CTL_COUNT(d->all.nsubject), chance < 10 ? 2 : 0, chance,
+                  d->threshold, extrapolated ? "extrapolating " : "",
                   d->calibration.shipped
                       ? "other people: these may be more alike (see surfacectl calibrate)"
-                      : "this database",
-                  extrapolated ? ", extrapolated" : "");
+                      : "this database");
 }
 
 static void tell_pair(const struct dedup *d, const struct ctl_dedup_pair *p)
