@@ -36,9 +36,8 @@ struct run {
 static const struct {
     const char *file;
     newfile_writer *write;
-} output[] = {{"scores.csv", report_csv_scores},
-              {"rates.csv", report_csv_rates},
-              {"report.json", report_json},
+} output[] = {{"scores.csv", report_csv_scores},  {"rates.csv", report_csv_rates},
+              {"det.csv", report_csv_det},        {"report.json", report_json},
               {"matrix.csv", report_csv_matrix}, /* the last two, if they are wanted */
               {"methods.csv", report_csv_methods}};
 #define OUTPUTS (sizeof output / sizeof *output)

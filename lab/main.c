@@ -40,8 +40,8 @@ static const struct command {
      "the columns file and subject.  One scan of each subject is enrolled in memory and\n"
      "compared with the subject's other scans and with other subjects'.  The folder --out\n"
      "(./evaluation) gets report.json, scores.csv (each comparison and each refusal),\n"
-     "rates.csv and, if wanted, matrix.csv; with several collections a folder for each, and\n"
-     "sets.csv.  scripts/plot_evaluation draws them."},
+     "rates.csv, det.csv and, if wanted, matrix.csv; with several collections a folder for\n"
+     "each, and sets.csv.  scripts/plot_evaluation draws them."},
     {TRAIN, "train", "[DIR|MANIFEST]", 0, 1, lab_train,
      "adapt a model to scans, or calibrate it",
      "The base model (--model, or the shipped one) is adapted to a collection of scans, named\n"

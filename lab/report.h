@@ -116,6 +116,7 @@ double report_bound(double rate, size_t n);
  * report_csv_matrix  the scores, a row for each template and a column for each probe; empty if
  *                    nothing was compared or a scan was refused
  * report_csv_rates   FMR and FNMR by threshold, of the comparisons made
+ * report_csv_det     the FNMR, with intervals, and that of each kind, by FMR, of the comparisons made
  * report_csv_methods the FNMR of the program and of each method by FMR, with refusals
  * report_csv_sets    a row for each report of a struct report_list
  * report_json        the report as report.json has it */
@@ -123,8 +124,8 @@ struct report_list {
     const struct report *report;
     size_t n;
 };
-newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_methods,
-    report_csv_sets;
+newfile_writer report_csv_scores, report_csv_matrix, report_csv_rates, report_csv_det,
+    report_csv_methods, report_csv_sets;
 newfile_writer report_json;
 
 /* report_json_out(o, r): Writes the members of report.json into the object that is open in o. */

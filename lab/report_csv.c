@@ -7,7 +7,7 @@
 #include "report.h"
 
 #define THRESHOLDS 2000
-#define A_DECADE   20 /* rows of methods.csv for a power of ten of the FMR */
+#define A_DECADE   20 /* rows of det.csv and methods.csv for a power of ten of the FMR */
 
 /* A field, quoted where it must be. */
 static void text(FILE *to, const char *s)
@@ -234,7 +234,16 @@ enum status report_csv_rates(FILE *to, const void *arg, struct errinfo *e)
     return ST_OK;
 }
 
-/* ---- methods.csv */
+/* ---- det.csv and methods.csv: by FMR */
+
+#define FMRS (5 * A_DECADE + 1)
+
+/* The FMRs of the rows: from 1e-5 to 1. */
+static void list_fmrs(double fmr[FMRS])
+{
+    for (int k = 0; k < FMRS; k++)
+        fmr[k] = pow(10, (double)(k + 1 - FMRS) / A_DECADE);
+}
 
 /* At the least threshold that keeps the FMR. */
 static void write_fnmr(FILE *to, const struct rates *rates, double fmr)
@@ -244,10 +253,42 @@ static void write_fnmr(FILE *to, const struct rates *rates, double fmr)
     digits(to, 6, supported ? rates_fnmr(rates, rates_at(rates, fmr)) : (double)NAN);
 }
 
+enum status report_csv_det(FILE *to, const void *arg, struct errinfo *e)
+{
+    const struct report *r = arg;
+    const struct rates *all = r->group[0].curve[REPORT_SCORED].rates;
+    double fmr[FMRS], low[FMRS], high[FMRS];
+    enum status st;
+
+    list_fmrs(fmr);
+    st = rates_bootstrap_det(all, fmr, FMRS, RATES_REPLICATES, REPORT_SEED, low, high);
+    if (st != ST_OK)
+        return errinfo_set(e, st, "det.csv: %s", status_message(st));
+    (void)fputs("fmr,fnmr,fnmr_low,fnmr_high", to);
+    for (uint32_t k = 1; k < r->ngroup; k++) {
+        (void)fputc(',', to);
+        text(to, r->group[k].name);
+    }
+    (void)fputc('\n', to);
+    for (int i = 0; i < FMRS; i++) {
+        const bool known = rates_supported(fmr[i], rates_nimpostor(all));
+
+        (void)fprintf(to, "%.6g", fmr[i]);
+        write_fnmr(to, all, fmr[i]);
+        digits(to, 6, known ? low[i] : (double)NAN);
+        digits(to, 6, known ? high[i] : (double)NAN);
+        for (uint32_t k = 1; k < r->ngroup; k++)
+            write_fnmr(to, r->group[k].curve[REPORT_SCORED].rates, fmr[i]);
+        (void)fputc('\n', to);
+    }
+    return ST_OK;
+}
+
 enum status report_csv_methods(FILE *to, const void *arg, struct errinfo *e)
 {
     const struct report *r = arg;
     const struct report_curve *own = r->group[0].curve;
+    double fmr[FMRS];
 
     (void)e;
     (void)fprintf(to, "fmr,surfaced");
@@ -256,15 +297,14 @@ enum status report_csv_methods(FILE *to, const void *arg, struct errinfo *e)
         text(to, r->method[i].name);
     }
     (void)fputc('\n', to);
-    for (int k = -5 * A_DECADE; k <= 0; k++) {
-        const double fmr = pow(10, (double)k / A_DECADE);
-
-        (void)fprintf(to, "%.6g", fmr);
+    list_fmrs(fmr);
+    for (int k = 0; k < FMRS; k++) {
+        (void)fprintf(to, "%.6g", fmr[k]);
         write_fnmr(to,
                    own[own[REPORT_ALL].rates != NULL ? REPORT_ALL : REPORT_SCORED].rates,
-                   fmr);
+                   fmr[k]);
         for (size_t i = 0; i < r->nmethod; i++)
-            write_fnmr(to, r->method[i].curve.rates, fmr);
+            write_fnmr(to, r->method[i].curve.rates, fmr[k]);
         (void)fputc('\n', to);
     }
     return ST_OK;

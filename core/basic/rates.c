@@ -348,6 +348,65 @@ enum status rates_bootstrap(const struct rates *r, double threshold, double at,
     return st;
 }
 
+/* The FNMR at each of m rising FMRs, if each subject counts as often as it was drawn. */
+static void drawn_det(const struct rates *r, const uint32_t *drawn, const double *fmr,
+                      size_t m, double *fnmr)
+{
+    struct rates_sums all = {0}, s = {0};
+    double missed = 1;
+    size_t k = 0;
+
+    for (size_t i = 0; i < r->n; i++) {
+        const double w = weight(&r->score[i], drawn);
+        const bool genuine = r->score[i].template == r->score[i].probe;
+
+        *(genuine ? &all.all_genuine : &all.all_impostor) += w;
+    }
+    for (size_t i = 0; i < r->n && r->score[i].score > -(double)INFINITY;) {
+        const double score = r->score[i].score;
+
+        for (; i < r->n && r->score[i].score == score; i++) {
+            const bool genuine = r->score[i].template == r->score[i].probe;
+
+            *(genuine ? &s.genuine : &s.impostor) += weight(&r->score[i], drawn);
+        }
+        for (; k < m && fmr[k] < s.impostor / all.all_impostor; k++)
+            fnmr[k] = missed;
+        missed = (all.all_genuine - s.genuine) / all.all_genuine;
+    }
+    for (; k < m; k++)
+        fnmr[k] = missed;
+    for (k = 0; k < m && !(all.all_genuine > 0 && all.all_impostor > 0); k++)
+        fnmr[k] = NAN;
+}
+
+enum status rates_bootstrap_det(const struct rates *r, const double *fmr, size_t m,
+                                unsigned replicates, uint64_t seed, double *low,
+                                double *high)
+{
+    uint32_t *drawn = mem_array(r->nsubject + (size_t)1, sizeof *drawn);
+    double *all = mem_array(m * replicates + 1, sizeof *all);
+    double *one = mem_array(m + 1, sizeof *one);
+    enum status st = ST_OK;
+
+    if (drawn == NULL || all == NULL || one == NULL)
+        st = ST_ENOMEM;
+    else if (replicates == 0)
+        st = ST_EINVAL;
+    for (unsigned i = 0; i < replicates && st == ST_OK; i++) {
+        draw_subjects(r, &seed, drawn);
+        drawn_det(r, drawn, fmr, m, one);
+        for (size_t k = 0; k < m; k++)
+            all[k * replicates + i] = one[k];
+    }
+    for (size_t k = 0; k < m && st == ST_OK; k++)
+        interval(&all[k * replicates], replicates, &low[k], &high[k]);
+    mem_free(drawn);
+    mem_free(all);
+    mem_free(one);
+    return st;
+}
+
 /* ---- a calibration */
 
 #define LEAST_SUPPORT 5.0   /* comparisons that a measured knot rests on */

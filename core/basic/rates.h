@@ -86,6 +86,15 @@ enum status rates_bootstrap(const struct rates *r, double threshold, double at,
                             unsigned replicates, uint64_t seed, struct rates_figures *low,
                             struct rates_figures *high);
 
+/* rates_bootstrap_det(r, fmr, m, replicates, seed, low, high): Computes 95 % intervals of the FNMR at the smallest
+ * score that keeps the FMR at each of m rising rates, by the replicates of rates_bootstrap().
+ *   low, high  [m]; NAN where there is no comparison
+ * Cost: O(replicates (n + m)).
+ * Returns ST_OK; ST_EINVAL: no replicates; ST_ENOMEM. */
+enum status rates_bootstrap_det(const struct rates *r, const double *fmr, size_t m,
+                                unsigned replicates, uint64_t seed, double *low,
+                                double *high);
+
 /* rates_random(state): Returns the next number of splitmix64, on every machine the same. */
 uint64_t rates_random(uint64_t *state);
 

@@ -18,7 +18,7 @@ for s in 1 2 3 4 5; do
 done
 scan 6 0 scans/p6_a.ply --pose 0 --shift 0 # none is marked: the first one is enrolled
 scan 6 1 scans/p6_b.ply --pose 6 --shift 6
-tables='rates.csv report.json scores.csv'
+tables='det.csv rates.csv report.json scores.csv'
 
 expect 0 "a folder" "$lab" evaluate scans
 has out 'The report is in evaluation/'
@@ -56,6 +56,8 @@ is "rates and scores" "$(awk -F, 'FNR == 1 { next }
         a = $2 - ia / i; b = $3 - 1 + ga / g
         bad += (a * a + b * b > 1e-12); n++ }
     END { print (n > 9), bad + 0 }' evaluation/scores.csv evaluation/rates.csv)" "1 0"
+is "det.csv has what is supported, each within its interval" "$(awk -F, 'NR > 1 && $2 != "" {
+    n++; bad += !($3 <= $2 && $2 <= $4) || $1 < 3 / 55 } END { print (n > 9), bad + 0 }' evaluation/det.csv)" "1 0"
 is "no minimal disparity nor regions unasked" \
     "$(awk -F, 'NR > 1 && $12 $14 $19 != ""' evaluation/scores.csv | wc -l)" 0
 
@@ -75,8 +77,8 @@ expect 66 "not an evaluation" "$OLDPWD/scripts/plot_evaluation" scans
 if command -v gnuplot >/dev/null 2>&1; then
     expect 0 "drawn" "$OLDPWD/scripts/plot_evaluation" erred
     is "without a complaint" "$(cat err)" ''
-    ok "the curve" grep -q '</svg>' erred/det.svg
-    ok "of each kind" grep -q 'fnmr_Third_time' erred/det.svg
+    ok "the curve, with its interval" grep -q '95 % interval' erred/det.svg
+    ok "of each kind" grep -q '>Third_time<' erred/det.svg
     ok "the scores" grep -q '11 mated, 55 non-mated comparisons; threshold 8' erred/scores.svg
     expect 0 "without errors" "$OLDPWD/scripts/plot_evaluation" evaluation png
     is "a PNG" "$(head -c 4 evaluation/det.png | od -An -c | tr -d ' ')" '211PNG'
@@ -205,7 +207,7 @@ mkdir -p other/scans
 cp scans/p[12]_*.ply other/scans
 expect 0 "two sets" "$lab" evaluate scans other/scans/ wrong --out side
 is "a summary each" "$(grep -c '^scans  *.*\(scans/*: [26]\|wrong: 6\) subjects' out)" 3
-is "the folders" "$(files side | tr ' ' '\n' | grep -v 'report\|scores\|rates' | paste -sd ' ')" \
+is "the folders" "$(files side | tr ' ' '\n' | grep -v 'report\|scores\|rates\|det' | paste -sd ' ')" \
     'scans scans-2 sets.csv wrong'
 ok "each as by itself" cmp side/scans/scores.csv evaluation/scores.csv
 is "as a table" "$(awk -F, '{ print NF }' side/sets.csv | uniq -c | tr -s ' ')" \

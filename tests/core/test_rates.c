@@ -38,6 +38,11 @@ static struct rates_figures figures(const double *g, const double *i, double thr
 #define LIST(...) ((const double[]){__VA_ARGS__, (double)NAN})
 #define NOTHING   ((const double[]){(double)NAN})
 
+#define ASKED 0.25 /* the FMR of the figure at */
+#define DET   3
+
+static const double det_fmr[DET] = {0, ASKED, 1};
+
 TEST(test_by_hand)
 {
     struct rates_figures f;
@@ -173,17 +178,19 @@ TEST(test_no_replicates)
     struct rates_figures low, high;
 
     assert_int_equal(rates_bootstrap(r, 0, 0.5, 0, 7, &low, &high), ST_EINVAL);
+    assert_int_equal(rates_bootstrap_det(r, det_fmr, DET, 0, 7, &low.eer, &high.eer),
+                     ST_EINVAL);
     rates_free(r);
 }
 
 /* ---- the bootstrap against its definition */
 
 #define FIGURES (sizeof(struct rates_figures) / sizeof(double))
-#define ASKED   0.25 /* the FMR of the figure at */
 
 /* Every comparison as often as its subjects were drawn, written out. */
 static void expanded(const struct rates_score *s, size_t n, uint32_t nsubject,
-                     const uint32_t *drawn, double threshold, double out[FIGURES])
+                     const uint32_t *drawn, double threshold, double out[FIGURES],
+                     double det[DET])
 {
     static struct rates_score all[1 << 14];
     struct rates_figures f;
@@ -203,6 +210,9 @@ static void expanded(const struct rates_score *s, size_t n, uint32_t nsubject,
     rates_figures(r, threshold, &f);
     f.at = isnan(f.tar_score[0]) ? (double)NAN : rates_at(r, ASKED);
     memcpy(out, &f, sizeof f);
+    for (int i = 0; i < DET; i++)
+        det[i] =
+            isnan(f.tar_score[0]) ? (double)NAN : rates_fnmr(r, rates_at(r, det_fmr[i]));
     rates_free(r);
 }
 
@@ -222,7 +232,7 @@ static void points(double *v, size_t n, double *low, double *high)
 TEST(test_bootstrap_brute_force)
 {
     enum { REPLICATES = 60, SUBJECTS = 7 };
-    static double figure[FIGURES][REPLICATES];
+    static double figure[FIGURES + DET][REPLICATES];
     uint64_t seed = 11;
 
     for (unsigned round = 0; round < 40; round++) {
@@ -231,7 +241,7 @@ TEST(test_bootstrap_brute_force)
         const uint32_t nsubject = 1 + rates_below(&seed, SUBJECTS);
         const double threshold = (double)rates_below(&seed, 20) - 10;
         struct rates_figures low, high;
-        double bound[2][FIGURES];
+        double bound[2][FIGURES + DET];
         uint64_t draws = round;
         struct rates *r;
 
@@ -246,12 +256,12 @@ TEST(test_bootstrap_brute_force)
         }
         for (int i = 0; i < REPLICATES; i++) {
             uint32_t drawn[SUBJECTS] = {0};
-            double v[FIGURES];
+            double v[FIGURES + DET];
 
             for (uint32_t k = 0; k < nsubject; k++)
                 drawn[rates_below(&draws, nsubject)]++;
-            expanded(s, n, nsubject, drawn, threshold, v);
-            for (size_t k = 0; k < FIGURES; k++)
+            expanded(s, n, nsubject, drawn, threshold, v, v + FIGURES);
+            for (size_t k = 0; k < FIGURES + DET; k++)
                 figure[k][i] = v[k];
         }
         r = rates(s, n, nsubject);
@@ -259,7 +269,10 @@ TEST(test_bootstrap_brute_force)
             rates_bootstrap(r, threshold, ASKED, REPLICATES, round, &low, &high), ST_OK);
         memcpy(bound[0], &low, sizeof low);
         memcpy(bound[1], &high, sizeof high);
-        for (size_t k = 0; k < FIGURES; k++) {
+        assert_int_equal(rates_bootstrap_det(r, det_fmr, DET, REPLICATES, round,
+                                             bound[0] + FIGURES, bound[1] + FIGURES),
+                         ST_OK);
+        for (size_t k = 0; k < FIGURES + DET; k++) {
             double want[2];
 
             points(figure[k], REPLICATES, &want[0], &want[1]);
