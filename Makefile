@@ -364,7 +364,7 @@ unit: $(TEST_BIN) $(FUZZ_BIN)
 # Tests that run on either engine: of the store, and of the daemon's use of it.
 SERVED := $(foreach r,db log rows service,$(filter $(BUILD)/tests/$r/%,$(TEST_BIN))) \
           $(filter %/test_move,$(TEST_BIN))
-SERVED_BOX := routes consent groups identify limits tries scopes replay narrow parallel live full-subject console
+SERVED_BOX := routes consent groups identify events limits tries scopes replay narrow parallel live full-subject console
 ## check-postgres: tests of the store and the daemon on a PostgreSQL of their own
 .PHONY: check-postgres
 check-postgres: all $(SERVED) $(BUILD)/forge

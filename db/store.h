@@ -284,16 +284,32 @@ enum status store_event(struct store *s, const char *kind, const char *actor,
 struct store_audit_entry {
     struct log_entry entry;
     char subject[STORE_SUBJECT_MAX +
-                 1]; /* id of the subject; "": none, or without names */
+                 1];          /* id of the subject; "": none, or without names */
+    char groups[GROUPS_SIZE]; /* groups of the subject */
     char actor_name[STORE_NAME_MAX + 1]; /* name of the token, if the actor is a token */
     bool erased;                         /* the subject was erased */
 };
 
 struct store_audit_place {                   /* a position in all logs at once */
     uint64_t changes, accesses[LOG_DAEMONS]; /* number of an entry in each log */
+    /* store_audit_mark() of these entries, by which one finds a position of another database; 0: unknown. */
+    uint32_t change_mark, access_mark[LOG_DAEMONS];
     uint32_t daemons; /* number of used elements in accesses; the others are 0 */
     bool end;         /* no entries follow */
 };
+
+/* store_audit_mark(entry): Returns a part of the hash of an entry, never 0. */
+uint32_t store_audit_mark(const struct log_entry *entry);
+
+/* store_audit_end(s, out, e): Sets *out to the last entries of all logs. */
+enum status store_audit_end(struct store *s, struct store_audit_place *out,
+                            struct errinfo *e);
+
+/* store_audit_known(s, place, known, e): Sets *known to true if place lies in these logs: each entry is there and
+ * has its mark, or is an access that was cut off; fills in the unknown marks.  Else place is of another database, or
+ * of a later state of this one. */
+enum status store_audit_known(struct store *s, struct store_audit_place *place,
+                              bool *known, struct errinfo *e);
 
 struct store_audit_filter { /* all zero: all entries, in the order of writing */
     /* One log; NULL: both. The entries of several daemons are in the order of their clocks. */

@@ -44,8 +44,10 @@ static enum status find_names(struct log_txn *t, struct store_audit_entry *a,
     enum status st = ST_OK;
 
     if (!sodium_is_zero(a->entry.uid, sizeof a->entry.uid)) {
-        if ((st = rows_subject_get(t, a->entry.uid, &of, e)) == ST_OK)
+        if ((st = rows_subject_get(t, a->entry.uid, &of, e)) == ST_OK) {
             memcpy(a->subject, of.one.id, sizeof a->subject);
+            memcpy(a->groups, of.one.groups, sizeof a->groups);
+        }
         a->erased = st == ST_ENOTFOUND;
         sodium_memzero(&of, sizeof of);
     }
@@ -66,6 +68,7 @@ struct stream {             /* the changes, or a daemon's accesses */
     size_t n;
     const struct log_entry *at; /* the next one, NULL: there is none */
     uint64_t *next;             /* the place behind which it lies */
+    uint32_t *mark;
 };
 
 struct store_audit_listing {
@@ -133,6 +136,7 @@ static enum status store_audit_begin(struct store_audit_listing *l, struct strea
     if (f->newest && f->from.daemons > 0 && daemon >= f->from.daemons)
         x->place.seq = 1; /* it has joined since: all that it wrote is newer */
     *x->next = x->place.seq;
+    *x->mark = log == LOG_CHANGES ? f->from.change_mark : f->from.access_mark[daemon];
     if ((f->log != NULL && *f->log != log) ||
         (f->daemon != NULL && (log != LOG_ACCESSES || *f->daemon != daemon)))
         return ST_OK;
@@ -198,6 +202,7 @@ static enum status store_audit_list_log(struct store_audit_listing *l, struct er
         if (wanted && (st = store_audit_keep(l, x->at, e)) != ST_OK)
             return st;
         *x->next = x->at->seq;
+        *x->mark = store_audit_mark(x->at);
         if ((st = advance(l, x, e)) != ST_OK)
             return st;
     }
@@ -234,9 +239,11 @@ static enum status open_streams(struct store_audit_listing *l, struct errinfo *e
     l->nstreams = 1 + n;
     l->next.daemons = n;
     l->stream[0].next = &l->next.changes;
+    l->stream[0].mark = &l->next.change_mark;
     for (uint32_t i = 0; i < n; i++)
         l->stream[1 + i] = (struct stream){.place = {.log = LOG_ACCESSES, .daemon = i},
-                                           .next = &l->next.accesses[i]};
+                                           .next = &l->next.accesses[i],
+                                           .mark = &l->next.access_mark[i]};
     for (uint32_t i = 0; i < l->nstreams && st == ST_OK; i++)
         st = store_audit_begin(l, &l->stream[i], e);
     return st;

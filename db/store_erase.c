@@ -140,7 +140,7 @@ static enum status erase_rows(struct log_txn *t, const struct log_act *by,
         st = errinfo_set(e, ST_EHELD, "subject %s is on hold", subject);
     if (st == ST_OK && due && !store_rules_past(of.one.expires, by->ms))
         st = errinfo_set(e, ST_ENOTFOUND, "subject %s has not expired", subject);
-    if (st == ST_OK && (st = store_erase_rows(t, by, &of, "deleted", out, e)) == ST_OK)
+    if (st == ST_OK && (st = store_erase_rows(t, by, &of, "erased", out, e)) == ST_OK)
         give_receipt(t, by, &of.one, out);
     sodium_memzero(&of, sizeof of);
     return st;

@@ -196,6 +196,7 @@ enum status store_token_get(struct store *s, const char *actor, const char *id,
         (st = store_end(s, &x, rows_token_get(&x, id, &one, e), e)) != ST_OK)
         return st;
     *out = one.token;
+    out->revision = one.revision;
     out->expired = store_rules_past(out->expires, by.ms);
     return ST_OK;
 }
@@ -306,6 +307,8 @@ enum status store_token_check(struct store *s, const char *secret, struct store_
     if (st != ST_OK || (st = accept(&f.one, f.hash, ms, e)) != ST_OK)
         return st;
     *t = f.one.token;
+    t->revision =
+        f.one.revision - (sodium_memcmp(f.hash, f.one.hash, ROWS_TOKEN_HASH) != 0);
     note_use(s, t, ms);
     return ST_OK;
 }

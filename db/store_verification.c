@@ -330,6 +330,21 @@ enum status store_record_attempt(struct log_txn *t, const struct store_record *w
     return st;
 }
 
+/* "3 failures until 2026-11-30T01:24:54.000Z" */
+static void print_lockout(const struct store_record *what, const struct log_act *by,
+                          const struct store_attempts *was, char out[LOG_TEXT + 1])
+{
+    struct store_attempts now = *was;
+    char until[UTC_TEXT];
+    enum store_wait why;
+
+    now.failures++;
+    now.age_ms = 0;
+    utc_print(by->ms + store_attempts_wait_ms(what->limits, &now, &why), until);
+    (void)snprintf(out, LOG_TEXT + 1, "%" PRIu64 " failures until %s",
+                   (uint64_t)now.failures + now.others, until);
+}
+
 static enum status add_events(struct log_txn *t, const struct store_record *what,
                               const struct log_act *by, const struct store_recorded *out,
                               struct errinfo *e)
@@ -341,8 +356,7 @@ static enum status add_events(struct log_txn *t, const struct store_record *what
     enum status st =
         log_access(t, by, what->kind, uid, what->template_id, what->outcome, e);
 
-    (void)snprintf(outcome[STORE_LOCKED_OUT], sizeof outcome[0], "%" PRIu64 " failures",
-                   (uint64_t)out->now.failures + out->now.others + 1);
+    print_lockout(what, by, &out->now, outcome[STORE_LOCKED_OUT]);
     (void)snprintf(outcome[STORE_MANY_SUBJECTS], sizeof outcome[0],
                    "%" PRIu32 " subjects", out->now.tried_warn + 1);
     (void)snprintf(outcome[STORE_ATTEMPTS_PATTERN], sizeof outcome[0],

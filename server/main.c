@@ -9,6 +9,7 @@
 
 #include "app.h"
 #include "errinfo.h"
+#include "events.h"
 #include "flags.h"
 #include "gallery.h"
 #include "http.h"
@@ -94,7 +95,8 @@ static enum status server_start(const struct options *o, struct app *app,
     app->db = o->db;
     app->disk_reserve = o->disk_reserve;
     if (app->metrics == NULL || app->throttle == NULL || app->searches == NULL ||
-        app->recent == NULL || (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
+        app->recent == NULL || (app->events = events_start(app)) == NULL ||
+        (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
     if (st != ST_OK)
@@ -116,7 +118,9 @@ static void stop_workers(struct app *app)
 static void stop(struct app *app, struct http *http)
 {
     stop_workers(app);
+    events_stop(app->events);
     http_stop(http);
+    events_free(app->events);
     queue_free(app->queue);
     queue_free(app->slow);
     upkeep_stop(app->upkeep);

@@ -108,6 +108,9 @@ struct store_token {
     char old_until[32]; /* end of validity of the previous secret; "": it is not valid */
     char revoked[32];   /* time of the revocation; "": not revoked */
     bool expired;       /* it was expired when it was read */
+    /* Number of the row's last change: its secret, or a revocation; of store_token_check() with the secret before,
+     * one less. */
+    int64_t revision;
 };
 
 /* A histogram: the numbers of verifications of a day (UTC) with this decision, by score.  Bins begin at

@@ -16,12 +16,12 @@
 #include "json.h"
 #include "logger.h"
 #include "params.h"
+#include "place.h"
 #include "request.h"
 
 #define PAGE_DEFAULT 100
 #define PAGE_MAX     1000
 #define LOOKED       20000 /* entries that a request looks at, at most: some 50 ms */
-#define PLACE_MAX    ((1 + LOG_DAEMONS) * 21) /* bytes of one */
 #define FINDINGS_MAX 100
 #define TABLE_MAX    ((size_t)64 << 20) /* bytes of CSV, which are in memory */
 
@@ -54,32 +54,6 @@ static bool ask(struct request *r, struct asked *a)
            logs_take(r, "until", a->until, sizeof a->until, &f->until);
 }
 
-/* Numbers with hyphens: of the changes, and of each daemon's accesses. */
-static void print_place(const struct store_audit_place *p, char out[PLACE_MAX])
-{
-    int n = snprintf(out, PLACE_MAX, "%" PRIu64, p->changes);
-
-    for (uint32_t i = 0; i < p->daemons; i++)
-        n += snprintf(out + n, PLACE_MAX - (size_t)n, "-%" PRIu64, p->accesses[i]);
-}
-
-static bool read_place(const char *text, uint64_t least, struct store_audit_place *out)
-{
-    char again[PLACE_MAX];
-    int n = 0, more;
-
-    *out = (struct store_audit_place){.daemons = 0};
-    if (sscanf(text, "%18" SCNu64 "%n", &out->changes, &n) != 1 || out->changes < least)
-        return false;
-    for (; text[n] == '-' && out->daemons < LOG_DAEMONS; n += more)
-        if (sscanf(text + n, "-%18" SCNu64 "%n", &out->accesses[out->daemons], &more) !=
-                1 ||
-            out->accesses[out->daemons++] < least)
-            return false;
-    print_place(out, again);
-    return out->daemons > 0 && strcmp(again, text) == 0;
-}
-
 static bool take_place(struct request *r, const char *name, uint64_t least,
                        struct store_audit_place *out, bool *given)
 {
@@ -87,7 +61,7 @@ static bool take_place(struct request *r, const char *name, uint64_t least,
 
     if (!params_text(r, name, text, sizeof text))
         return false;
-    if (!(*given = text[0] != '\0') || read_place(text, least, out))
+    if (!(*given = text[0] != '\0') || place_read(text, least, out))
         return true;
     request_problem(r, ERRMAP_PARAMETER, "%s is not the next_cursor of a page", name);
     return false;
@@ -106,7 +80,7 @@ static char *logs_write_page(const struct store_audit_entry *a, size_t n,
         json_close(j);
     }
     json_close(j);
-    print_place(next, place);
+    place_print(next, place);
     json_text(j, "next_cursor", more ? place : NULL);
     return json_compact(j);
 }

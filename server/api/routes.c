@@ -14,6 +14,7 @@
 #include "subjects.h"
 #include "scans.h"
 #include "tokens.h"
+#include "watch.h"
 
 #define TEMPLATE "/v1/templates/{template_id}"
 #define SUBJECT  "/v1/subjects/{subject}"
@@ -35,6 +36,7 @@ enum { /* who may: those whose token has the scope */
        MANAGE = STORE_SCOPE_MANAGE,
        TOKENS = STORE_SCOPE_TOKENS,
        AUDIT = STORE_SCOPE_AUDIT,
+       EVENTS = STORE_SCOPE_EVENTS,
        DETAIL = STORE_SCOPE_DETAIL,
        EVERY = STORE_SCOPE_ALL
 };
@@ -68,6 +70,8 @@ static const struct route table[] = {
      ROUTE_WORKER},
     {REQUEST_GET, "/v1/recent", ROUTE_NO_BODY, AUDIT, "after, limit", live_recent,
      ROUTE_WORKER},
+    {REQUEST_GET, "/v1/events", ROUTE_NO_BODY, EVENTS, "after, last, limit, wait",
+     watch_events, ROUTE_WORKER},
     {REQUEST_DELETE, SUBJECT "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset,
      ROUTE_WORKER},
     {REQUEST_DELETE, TOKEN "/attempts", ROUTE_NO_BODY, MANAGE, "", live_reset_token,

@@ -13,12 +13,13 @@
 #include "store.h"
 
 /* Returns true if the operator must look into a request.  Not into a refusal of /readyz, which any client can
- * request; not into a refused database, which was reported once (refusal.h); and not into overload, which gets a
+ * request, nor of a stream too many; not into a refused database, which was reported once (refusal.h); and not into overload, which gets a
  * line a minute. */
 static bool is_error(const struct request *r)
 {
     return r->fault[0] != '\0' && r->response.problem != ERRMAP_OVERLOAD &&
-           r->response.problem != ERRMAP_NOT_READY && r->response.problem != ST_EREFUSED;
+           r->response.problem != ERRMAP_NOT_READY &&
+           r->response.problem != ERRMAP_STREAMS && r->response.problem != ST_EREFUSED;
 }
 
 static void warn_of_overload(const struct request *r)

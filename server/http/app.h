@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include "store_attempts.h"
 
+struct events;        /* events.h */
 struct gallery;       /* gallery.h */
 struct guard;         /* guard.h */
 struct metrics;       /* metrics.h */
@@ -35,6 +36,7 @@ struct app {
     atomic_flag slow_taken; /* a request of slow waits or runs */
     struct upkeep *upkeep;
     struct recent *recent;
+    struct events *events;
     struct guard *guard;        /* owned by http.c */
     struct quota *quota;        /* owned by http.c; on the I/O thread only */
     struct tls *tls;            /* owned by http.c; NULL: no TLS */

@@ -110,6 +110,7 @@ void auth_check(struct request *r)
     if (st == ST_OK) {
         memcpy(r->actor, t.id, sizeof r->actor);
         r->scopes = t.scopes;
+        r->token_revision = t.revision;
         memcpy(r->groups, t.groups, sizeof r->groups);
         memcpy(r->token_name, t.name, sizeof r->token_name);
         memcpy(r->token_expires, t.expires, sizeof r->token_expires);

@@ -84,6 +84,6 @@ void cors_headers(const struct response *a,
     add(arg, "Access-Control-Allow-Methods", a->allow);
     add(arg, "Access-Control-Allow-Headers",
         "Authorization, Content-Type, Content-Encoding, Prefer, X-Request-Id, "
-        "Capture-Signature, If-None-Match");
+        "Capture-Signature, If-None-Match, Last-Event-ID");
     add(arg, "Access-Control-Max-Age", "600");
 }

@@ -77,6 +77,8 @@ static const struct errmap map[ERRMAP_COUNT] = {
     [ERRMAP_PARAMETER] = {400, "invalid_parameter",
                           "A parameter is malformed or unknown"},
     [ERRMAP_OVERLOAD] = {503, "overloaded", "Too many requests for now"},
+    [ERRMAP_STREAMS] = {503, "too_many_streams", "Too many streams of events"},
+    [ERRMAP_CURSOR] = {410, "cursor_unknown", "The cursor is not one of this log"},
     [ERRMAP_NOT_READY] = {503, "not_ready", "Not ready"},
     [ERRMAP_OWN_TOKEN] = {409, "own_token", "The token is the request's own"},
     [ERRMAP_REVOKED] = {409, "token_revoked", "The token was revoked"},

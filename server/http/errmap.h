@@ -38,6 +38,8 @@ enum errmap_kind {
     ERRMAP_LIVENESS,         /* the scanner's liveness check has failed */
     ERRMAP_PARAMETER,        /* a path or query parameter is malformed */
     ERRMAP_OVERLOAD,         /* the queue is full, or the daemon is stopping */
+    ERRMAP_STREAMS,          /* too many streams of events are open */
+    ERRMAP_CURSOR,           /* a cursor of another database, or of a later state */
     ERRMAP_NOT_READY,        /* /readyz: the daemon cannot work now */
     ERRMAP_OWN_TOKEN,        /* a token is to revoke itself */
     ERRMAP_REVOKED,          /* a token that was revoked is to have a secret */

@@ -134,9 +134,15 @@ bool guard_admit(struct guard *l, const struct sockaddr *addr)
 
 /* ---- connections */
 
+/* The time that step has at most left. */
+static double allowed_ms(const struct guard_peer *p, enum guard_step step)
+{
+    return 1000.0 * p->guard->rules.timeout_s *
+           (step == GUARD_IDLE || step == GUARD_STREAM ? GUARD_IDLE_FACTOR : 1);
+}
+
 static void guard_begin_step(struct guard_peer *p, enum guard_step step)
 {
-    double ms = 1000.0 * p->guard->rules.timeout_s;
 
     if (step == GUARD_HEADERS && p->step == GUARD_REQUEST)
         return;
@@ -147,7 +153,7 @@ static void guard_begin_step(struct guard_peer *p, enum guard_step step)
     if (step == GUARD_WORK)
         p->end_ms = NO_END;
     else
-        p->end_ms = p->begin_ms + ms * (step == GUARD_IDLE ? GUARD_IDLE_FACTOR : 1);
+        p->end_ms = p->begin_ms + allowed_ms(p, step);
 }
 
 struct guard_peer *guard_open(struct guard *l, int fd, const struct sockaddr *addr)
@@ -212,8 +218,11 @@ void guard_more(struct guard_peer *p, size_t bytes)
 
     (void)pthread_mutex_lock(&l->lock);
     p->cut = false;
-    p->end_ms = fmin(p->end_ms + 1000.0 * (double)bytes / GUARD_BYTES_PER_S,
-                     logger_clock_ms() + timeout_ms);
+    if (p->step == GUARD_STREAM)
+        p->end_ms = logger_clock_ms() + allowed_ms(p, p->step);
+    else
+        p->end_ms = fmin(p->end_ms + 1000.0 * (double)bytes / GUARD_BYTES_PER_S,
+                         logger_clock_ms() + timeout_ms);
     if (p->step == GUARD_BODY)
         p->end_ms = fmin(p->end_ms, p->begin_ms + GUARD_BODY_FACTOR * timeout_ms);
     (void)pthread_mutex_unlock(&l->lock);

@@ -29,7 +29,8 @@ struct guard_rules {
 #define GUARD_BYTES_PER_S 8192.0
 /* A body as a whole may take this many times timeout_s: with 10 s and 64 MB that is 1.8 Mbit/s. */
 #define GUARD_BODY_FACTOR 30
-/* An open connection without a request is kept this many times timeout_s. */
+/* An open connection without a request is kept this many times timeout_s, and an endless response of which the client
+ * takes nothing. */
 #define GUARD_IDLE_FACTOR 3
 
 enum guard_step {
@@ -39,6 +40,7 @@ enum guard_step {
     GUARD_BODY,
     GUARD_WORK, /* work of the daemon: no deadline */
     GUARD_RESPONSE,
+    GUARD_STREAM, /* a response without an end, while there is something to be sent */
     GUARD_NSTEPS
 };
 

@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* strcasestr() */
 #include "headers.h"
 
 #include <stdint.h>
@@ -172,6 +173,10 @@ void headers_take(struct request *r, struct headers_framing *f, const char *name
         take_preferences(r, value);
     else if (strcasecmp(name, "Accept-Encoding") == 0)
         r->gzip = r->gzip || accepts_gzip(value);
+    else if (strcasecmp(name, "Accept") == 0)
+        r->streams = r->streams || strcasestr(value, "text/event-stream") != NULL;
+    else if (strcasecmp(name, "Last-Event-ID") == 0 && r->last_event == NULL)
+        r->last_event = strdup(value);
     else if (strcasecmp(name, "Access-Control-Request-Method") == 0)
         r->preflight = true;
     else if (strcasecmp(name, "Origin") == 0)

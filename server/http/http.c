@@ -21,6 +21,7 @@
 #include "cors.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "events.h"
 #include "guard.h"
 #include "headers.h"
 #include "listen.h"
@@ -256,6 +257,14 @@ static bool handle(struct worker *w, struct request *r)
     return true;
 }
 
+/* There is an event for x, or it has waited long enough. */
+static void on_waited(void *arg)
+{
+    struct exchange *x = arg;
+
+    MHD_resume_connection(x->conn);
+}
+
 void http_run(struct worker *w, struct request *r)
 {
     struct exchange *x = (struct exchange *)r;
@@ -272,7 +281,12 @@ void http_run(struct worker *w, struct request *r)
     }
     end_slow(x);
     refusal_tell(r->app);
-    MHD_resume_connection(x->conn);
+    if (r->method != REQUEST_GET)
+        events_poke(r->app->events);
+    if (r->waits != NULL)
+        events_wait(r->waits, on_waited, x);
+    else
+        MHD_resume_connection(x->conn);
 }
 
 /* The client has disconnected (guard_work()).  A worker that has x sees r.gone.  Called on the guard's thread,
@@ -652,6 +666,7 @@ void http_quiesce(struct http *h, double ms)
         (void)MHD_quiesce_daemon(h->daemon); /* does nothing behind proxies */
         proxy_stop(h->proxy);
         listen_end(&h->socket); /* not closed: the I/O thread may be at it */
+        events_stop(h->app->events);
     }
     now = busy = logger_clock_ms();
     end = now + ms;

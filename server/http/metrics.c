@@ -14,6 +14,7 @@
 #include "auth.h"
 #include "errinfo.h"
 #include "errmap.h"
+#include "events.h"
 #include "guard.h"
 #include "gallery.h"
 #include "json.h"
@@ -471,6 +472,7 @@ static void print_connections(FILE *f, const struct app *app)
         {"slow_headers", g.late[GUARD_REQUEST] + g.late[GUARD_HEADERS]},
         {"slow_body", g.late[GUARD_BODY]},
         {"slow_reader", g.late[GUARD_RESPONSE]},
+        {"slow_events", g.late[GUARD_STREAM]},
         {"client_gone", g.gone},
         {"proxy_header", g.proxy_header},
     };
@@ -564,6 +566,17 @@ static void print_gallery(FILE *f, const struct app *app)
     print_one(f, "surfaced_gallery_bytes", "gauge", is.bytes, "Memory of the gallery.");
 }
 
+static void print_events(FILE *f, const struct app *app)
+{
+    struct events_state is;
+
+    events_look(app->events, &is);
+    print_one(f, "surfaced_event_streams", "gauge", is.open,
+              "Open streams of events, and requests that wait for one.");
+    print_one(f, "surfaced_events_sent_total", "counter", is.sent,
+              "Events given to clients.");
+}
+
 /* all: also what grows with each person who comes, the processor time included.  The rest says
  * that the daemon runs, and how much it does at the moment. */
 static char *text(const struct app *app, bool all)
@@ -582,6 +595,7 @@ static char *text(const struct app *app, bool all)
         print_scores(f, app->metrics);
         print_tokens(f, app->metrics);
         print_gallery(f, app);
+        print_events(f, app);
     }
     print_verified(f, app);
     print_gauges(f, app);

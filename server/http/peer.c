@@ -13,6 +13,7 @@
 #include "auth.h"
 #include "cors.h"
 #include "errinfo.h"
+#include "events.h"
 #include "inflate.h"
 #include "mem.h"
 #include "request.h"
@@ -129,6 +130,11 @@ static struct MHD_Response *make_body(struct peer *p, const struct response *a)
     struct MHD_Response *resp;
     struct parts *s;
 
+    if (a->stream != NULL) {
+        events_attach(a->stream, p->conn, p->place);
+        return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, EVENTS_BLOCK,
+                                                 events_read, a->stream, events_close);
+    }
     if (a->file == NULL && a->body == NULL && a->len <= PART)
         return MHD_create_response_from_buffer(a->len, (void *)(uintptr_t)a->page,
                                                MHD_RESPMEM_PERSISTENT);
@@ -152,7 +158,7 @@ static void peer_headers(const struct response *a, const char *id, bool close,
     char again[16] = "", challenge[AUTH_CHALLENGE_MAX] = "";
     const struct {
         const char *name, *value; /* value: "" or NULL: no such header */
-    } header[] = {{"Content-Type", a->len > 0 ? a->type : NULL},
+    } header[] = {{"Content-Type", a->len > 0 || a->stream != NULL ? a->type : NULL},
                   {"X-Request-Id", id},
                   {"Cache-Control", a->etag != NULL ? "no-cache" : "no-store"},
                   {"ETag", a->etag},
@@ -167,6 +173,8 @@ static void peer_headers(const struct response *a, const char *id, bool close,
                   {"Accept-Encoding", a->codings ? INFLATE_ACCEPTED : NULL},
                   {"Preference-Applied", a->minimal ? "return=minimal" : NULL},
                   {"Retry-After", again},
+                  /* a proxy like nginx hands it on at once */
+                  {"X-Accel-Buffering", a->stream != NULL ? "no" : NULL},
                   {"Connection", close ? "close" : NULL}};
 
     if (a->challenge)
@@ -195,6 +203,7 @@ bool peer_respond(struct peer *p, struct response *a, const char *id, bool close
     a->body = NULL; /* resp owns it */
     a->file = NULL;
     peer_headers(a, id, close, add_header, resp);
+    a->stream = NULL; /* the header needs it */
     guard_begin(p->place, GUARD_RESPONSE);
     sent = queue_response(p->conn, (unsigned)a->http, resp);
     MHD_destroy_response(resp);

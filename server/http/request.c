@@ -10,6 +10,7 @@
 
 #include "errinfo.h"
 #include "errmap.h"
+#include "events.h"
 #include "mem.h"
 #include "json.h"
 #include "utf8.h"
@@ -145,6 +146,8 @@ static void set_body(struct request *r, int http, const char *type, char *body)
 {
     if (r->response.file != NULL)
         (void)fclose(r->response.file);
+    events_close(r->response.stream);
+    r->response.stream = NULL;
     r->response.file = NULL;
     r->response.name = NULL;
     mem_free(r->response.body);
@@ -189,6 +192,12 @@ void request_file(struct request *r, const char *type, FILE *file, size_t len,
     r->response.file = file;
     r->response.len = len;
     r->response.name = name;
+}
+
+void request_stream(struct request *r, struct events_stream *stream)
+{
+    set_body(r, 200, "text/event-stream", NULL);
+    r->response.stream = stream;
 }
 
 void request_not_modified(struct request *r)
@@ -293,5 +302,8 @@ void request_free(struct request *r)
     mem_free(r->response.body);
     if (r->response.file != NULL)
         (void)fclose(r->response.file);
+    events_close(r->response.stream);
+    events_close(r->waits);
+    free(r->last_event);
     sodium_memzero(r->token, sizeof r->token);
 }

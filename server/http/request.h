@@ -17,7 +17,8 @@
 
 struct app;
 struct errinfo;
-struct route; /* route.h */
+struct events_stream; /* events.h */
+struct route;         /* route.h */
 
 #define REQUEST_ID_MAX    64
 #define REQUEST_TOKEN_MAX 128
@@ -61,9 +62,10 @@ struct response {
     const void *page; /* static body, instead of body; or NULL */
     FILE *file;       /* file as body, instead of both, sent whole and closed; or NULL */
     size_t len;       /* bytes of the body; 0: no body */
-    const char *type; /* Content-Type; static */
-    char location[192]; /* Location; "": none */
-    char allow[40];     /* Allow; "": none */
+    struct events_stream *stream; /* instead of all these, an endless body; or NULL */
+    const char *type;             /* Content-Type; static */
+    char location[192];           /* Location; "": none */
+    char allow[40];               /* Allow; "": none */
     const char *name; /* Content-Disposition: name of the file to save; static; or NULL */
     /* Access-Control-Allow-Origin; "": the origin is not allowed; NULL: cors.h is off. */
     const char *origin;
@@ -113,11 +115,14 @@ struct request {
     char token[REQUEST_TOKEN_MAX + 1]; /* Bearer token; wiped after its check */
     char actor[STORE_ID_LEN + 1];      /* id of the token; "": no token */
     unsigned scopes;                   /* scopes of the token; 0: no token */
+    int64_t token_revision;            /* of store_token_check() */
     char groups[GROUPS_SIZE]; /* groups that the token is bound to; "": it is not bound */
     /* Name of the token; its expiry, "": never.  "" without a token. */
     char token_name[STORE_NAME_MAX + 1], token_expires[32];
     bool minimal, has_return; /* Prefer: return=minimal; return= with any value */
     bool gzip;                /* Accept-Encoding has gzip */
+    bool streams;             /* Accept has text/event-stream */
+    char *last_event;         /* Last-Event-ID; NULL: none */
     char origin[256];         /* Origin; "": none; "?": too long */
     char host[256];           /* Host; "": none; "?": too long */
     bool cross_site;          /* Sec-Fetch-Site: cross-site */
@@ -136,7 +141,8 @@ struct request {
     double stage_ms[REQUEST_STAGES]; /* time of each stage, ms */
     unsigned stages;                 /* a bit for each stage that was entered */
     struct response response;
-    enum status failed; /* the status given to request_fail(); ST_OK: none */
+    struct events_stream *waits; /* response comes later, by events_wait(); or NULL */
+    enum status failed;          /* the status given to request_fail(); ST_OK: none */
     struct request_result result;
     char told[512];  /* detail of the problem; "": no problem */
     char fault[512]; /* cause of a 5xx, for the log; "": none */
@@ -201,6 +207,9 @@ void request_page(struct request *r, const char *type, const void *text, size_t 
 /* request_file(r, type, file, len, name): Responds 200 with the content of a file; takes ownership of file. */
 void request_file(struct request *r, const char *type, FILE *file, size_t len,
                   const char *name);
+
+/* request_stream(r, stream): Responds 200 with a stream of events; takes ownership of stream. */
+void request_stream(struct request *r, struct events_stream *stream);
 
 /* request_not_modified(r): Responds 304, without a body. */
 void request_not_modified(struct request *r);

@@ -129,6 +129,11 @@ END
         cursor=x cursor=99999999999999999999 state=gone state= q= "q=$long"
     printf 'GET /v1/audit?%s -> 400 invalid_parameter\n' before=x before=1 before=0-5 after=1-1- after=-1-2 after=01-1 \
         'before=1-1&after=1-1' limit=0 kind= actor= "kind=$long$long"
+    printf 'GET /v1/events?%s -> 400 invalid_parameter\n' after=x after=1 after=-1-0 after=1-0- after=01-0 after=1.-0 \
+        after=1.0-0 after=1.00000000-0 after=1.g0000000-0 after=1.ABCDEF01-0 after=1-+0 after=%201-0 after= after=1-0%0a \
+        after=1-9999999999999999999 "after=1$(printf '%0140d' 0 | sed 's/0/-0/g')" last=101 last=-1 last=x limit=0 limit=1001 \
+        wait=61 wait=1.5 'after=1-0&last=1' score=true
+    printf 'GET /v1/events?after=%s -> 410 cursor_unknown\n' 1.00000001-0 999999999999999999-0 1-999999999999999999 1-0-0-1
     printf 'GET /v1/audit/export?format=%s -> 400 invalid_parameter\n' xml 'jsonl&kind=verify'
     printf 'GET /%s -> 404 no_such_route\n' v1 v1/ v1/subjects/ v1/subjects//verify v1/identity v2/subjects \
         v1/subjects/x/y healthz/ v1/subjects/x/templates/y v1/subjects/../../etc/passwd

@@ -32,6 +32,7 @@ POST /v1/check -
 POST /v1/asymmetry -
 POST /v1/challenge -
 GET /v1/recent all
+GET /v1/events own
 GET /v1/audit all
 POST /v1/audit/verify all
 GET /v1/audit/export all

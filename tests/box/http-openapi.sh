@@ -253,6 +253,12 @@ ask GET '/v1/recent?limit=20' 200
 ask GET '/v1/subjects?q=ali&state=active' 200
 ask GET '/v1/subjects?state=gone' 400
 ask GET '/v1/audit?limit=20' 200
+ask GET '/v1/events?last=20' 200
+ask GET '/v1/events?after=0-0&limit=1' 200
+is "a page of one" "$(get '.events | length')" 1
+ask GET '/v1/events?last=5' 200 -H 'Accept: text/event-stream' -m 1
+ask GET '/v1/events?after=x' 400
+ask GET '/v1/events?after=999999-0' 410
 ask GET '/v1/audit?after=0-0' 200
 ask GET '/v1/audit?before=0' 400
 ask GET '/v1/audit?subject=nobody' 404

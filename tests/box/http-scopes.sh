@@ -25,6 +25,7 @@ DELETE /v1/templates/{template_id} delete
 GET /v1/templates/{template_id}/surface detail
 GET /v1/token verify,enroll,identify,read,delete,manage,tokens,audit,events,score,detail
 GET /v1/recent audit
+GET /v1/events events
 DELETE /v1/subjects/{subject}/attempts manage
 DELETE /v1/tokens/{token_id}/attempts manage
 GET /v1/audit audit
