@@ -3,8 +3,8 @@
 reset
 if (kind eq 'svg') {
     set terminal svg size wide,high font 'Sans,12' background 'white'
-} else {
-    set terminal pngcairo size wide,high font 'Sans,10'
+} else { # of 256 colours: a picture has one palette
+    set terminal png size wide,high font 'Sans,10'
 }
 set output dir . '/' . name . '.' . kind
 set datafile separator ','

@@ -45,6 +45,9 @@ if command -v gnuplot >/dev/null 2>&1; then
     is "no nan on the page" "$(grep -c '<td>-\{0,1\}nan' "$T/page/report.html")" 0
     is "every table on the page" "$(grep -c '<table>' "$T/page/report.html")" \
         "$(cat lab/study/*.html | grep -c '^@table ')"
+    is "each is in the contents" "$(grep -o 'href="#[^"]*"' "$T/page/report.html" | sed 's/.*#//; s/"//' | sort)" \
+        "$(grep -o ' id="[^"]*"' "$T/page/report.html" | sed 's/.*="//; s/"//' | sort)"
+    ok "the page has 1 MB at most" test "$(wc -c <"$T/page/report.html")" -le 1000000
     ok "no placeholder is left" sh -c "! grep -q '^@' '$T/page/report.html'"
 else
     echo "SKIP pictures: gnuplot is not installed"
