@@ -197,7 +197,7 @@ endef
 $(foreach x,$(EMBED),$(eval $(call embed_console,$x)))
 
 # The page that surfacectl explain and scan write has the console's own view.
-PAGE_JS := $(patsubst %,server/console/%.js,dom view glb stage verdict) scan/page.js
+PAGE_JS := $(patsubst %,server/console/%.js,dom view glb section stage verdict report) scan/page.js
 $(BUILD)/gen/page_html.h: scripts/page.sh scripts/embed.sh server/console/style.css scan/page.css $(PAGE_JS)
 	@mkdir -p $(@D)
 	$(call say,GEN)

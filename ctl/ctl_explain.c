@@ -145,7 +145,6 @@ static void ctl_explain_report(struct ctl *c, const struct explanation *x)
     comparison(c->out, c, x);
     describe_quality(c->out, "template_quality", &quality, x->tmpl);
     json_text(c->out, "reason", reason(r));
-    json_score(c->out, "expected", r->expected);
     json_object(c->out, "cells");
     describe_cells(c->out, &x->parts);
     json_close(c->out);

@@ -4,8 +4,9 @@
 
 import { count, el, icon, mm, percent, plain, time } from "./dom.js";
 import { openGlb, readGlb } from "./glb.js";
+import { createReport } from "./report.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, notes, regions } from "./verdict.js";
+import { advice, checked, decided, facts, failure, notes, qualityOf, regions } from "./verdict.js";
 
 /** Puts the bytes of each array back: scan/page.c has first all first bytes of its elements, then all
  *  second ones, and so on, each as the difference from the one before, which packs better. */
@@ -35,15 +36,19 @@ function side(letter, s) {
     s.quality != null && el("span.badge", {}, `quality ${s.quality.toFixed(2)}`));
 }
 
-const comparison = (r) => [decided(r), regions(r.regions),
-  facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
-    ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`]])];
+const comparison = (r) => ({
+  cards: [decided(r), regions(r.regions)],
+  known: [["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
+    ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`], ["Version", r.engine]],
+});
 
-const check = (r) => [checked(r, false), advice(r), notes(r),
-  r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points read", count(r.scan.points_read)],
+const check = (r) => ({
+  cards: [checked(r, false), advice(r), notes(r)],
+  known: r.scan ? [["Format", r.scan.format.toUpperCase()], ["Points read", count(r.scan.points_read)],
     ["Points on the face", count(r.scan.points_used)],
     r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
-    r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]])];
+    r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]] : [],
+});
 
 function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
@@ -52,17 +57,23 @@ function setTheme(theme) {
 
 function open({ extras: r, nodes }) {
   const two = r.decision !== undefined, stage = createStage();
+  const { cards, known } = (two ? comparison : check)(r), title = two ? "What decided" : "What was found", made = `${time(r.made_at)} UTC`;
+  const sides = two ? [["A", r.a], ["B", r.b]] : [["", { ...r.a, quality: qualityOf({ ...r, quality: { score: r.a.quality } }) }]];
+  const report = createReport(stage, () => ({
+    title, at: made, facts: known, cards: cards.filter(Boolean).map((card) => card.cloneNode(true)),
+    sides: sides.map(([letter, s]) => [letter, s.name, `${s.about} ${s.at ? `${time(s.at)} UTC` : ""}${s.quality != null ? `, quality ${s.quality.toFixed(2)}` : ""}`]),
+  }));
   document.title = two ? `${r.a.name} and ${r.b.name}` : r.a.name;
   document.body.replaceChildren(el("main", {},
-    el("header", {}, el("h1", {}, two ? "What decided" : "What was found"),
-      el("span.dim.note", {}, `${time(r.made_at)} UTC`),
+    el("header", {}, el("h1", {}, title), el("span.dim.note", {}, made), report.buttons,
       el("button.quiet", { type: "button", title: "Dark or light", "aria-label": "Dark or light",
         onclick: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark") }, icon("sun"))),
-    el("div.slots", {}, side(two ? "A" : "", r.a), two && el("span.swap"), two && side("B", r.b)),
-    el("div.try", {}, stage.element, el("div.side", {}, ...(two ? comparison : check)(r).filter(Boolean),
+    el("div.slots", {}, side(...sides[0]), two && el("span.swap"), two && side(...sides[1])),
+    el("div.try", {}, stage.element, el("div.side", {}, ...cards.filter(Boolean), facts(known),
       el("p.dim", {}, "This page has the faces in it: keep it as you keep scans.",
         two && " A score is no proof of who somebody is.")))));
   stage.show(nodes, two, nodes.face || two ? undefined : "The scan as it came: no face was found in it.");
+  report.ready(true);
 }
 
 setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");

@@ -202,6 +202,7 @@ static void describe_measure(struct json *j, const struct describe_comparison *c
 {
     const struct surface_disparity *m = c->minimal;
 
+    json_score(j, "expected", c->result->expected);
     json_object(j, "minimal");
     json_extent(j, "volume_mm3", m->volume_mm3);
     json_extent(j, "overlap_mm2", m->area_mm2);

@@ -25,6 +25,8 @@
 #include "console_live_js.h"
 #include "console_people_js.h"
 #include "console_person_js.h"
+#include "console_report_js.h"
+#include "console_section_js.h"
 #include "console_slot_js.h"
 #include "console_stage_js.h"
 #include "console_style_css.h"
@@ -84,6 +86,8 @@ static struct page {
     PAGE("/console/live.js", JAVASCRIPT, console_live_js),
     PAGE("/console/people.js", JAVASCRIPT, console_people_js),
     PAGE("/console/person.js", JAVASCRIPT, console_person_js),
+    PAGE("/console/report.js", JAVASCRIPT, console_report_js),
+    PAGE("/console/section.js", JAVASCRIPT, console_section_js),
     PAGE("/console/slot.js", JAVASCRIPT, console_slot_js),
     PAGE("/console/stage.js", JAVASCRIPT, console_stage_js),
     PAGE("/console/tokens.js", JAVASCRIPT, console_tokens_js),

@@ -20,6 +20,10 @@ function scanning(d, file, verifying, ready) {
     stop?.abort();
     const own = (stop = new AbortController());
     ready(f, null);
+    if (!f) {
+      said.replaceChildren();
+      return stage.clear();
+    }
     d.element.classList.add("busy");
     try {
       const { extras: r, nodes } = readSeen(await request("POST", "/v1/check?detail=surface", { body: f, binary: true, stop: own.signal }));

@@ -63,7 +63,8 @@ export function open(main, who) {
 
   async function run() {
     running?.abort();
-    if (!slot.file || !group.reportValidity() || !most.reportValidity()) return;
+    if (!slot.file) return said.replaceChildren();
+    if (!group.reportValidity() || !most.reportValidity()) return;
     const own = (running = new AbortController());
     let body = slot.file;
     if (slot.files.length > 1) {

@@ -1,11 +1,12 @@
 // try.js -- two scans compared, or one looked at.  Nothing is stored.
 
 import { request, url } from "./api.js";
-import { count, el, icon, mm, percent, plain, save } from "./dom.js";
+import { count, el, icon, mm, percent, plain, save, time } from "./dom.js";
 import { readSeen } from "./glb.js";
+import { createReport } from "./report.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, notes, pairs, regions } from "./verdict.js";
+import { advice, checked, decided, facts, failure, notes, pairs, qualityOf, regions } from "./verdict.js";
 
 const SAMPLES = [
   ["The same person, twice", "one.ply", "one_again.ply"],
@@ -33,13 +34,13 @@ function curl(path, ...parts) {
 export function open(main, who) {
   const verifies = who.scopes.includes("verify");
   const slots = ["A", "B"].map((letter) => createSlot(letter, run));
-  const stage = createStage();
+  const stage = createStage(), report = createReport(stage, () => shown);
   const side = el("div.side", { "aria-live": "polite" });
   const title = el("h1", {}, "Compare two scans");
   const saveButton = el("button", { type: "button", disabled: true, onclick: () => save("surfaces.glb", [file], "model/gltf-binary") },
     icon("save"), "Save 3D file");
   const swapButton = el("button.quiet.swap", { type: "button", title: "Swap A and B", "aria-label": "Swap A and B", onclick: swap }, icon("swap"));
-  let file = null, running = null;
+  let file = null, running = null, shown = null; // what the report has
 
   function swap() {
     [slots[0].file, slots[1].file] = [slots[1].file, slots[0].file];
@@ -61,6 +62,7 @@ export function open(main, who) {
     }
     file = response;
     saveButton.disabled = false;
+    report.ready(true);
     stage.show(nodes, layered);
     return extras;
   }
@@ -68,34 +70,53 @@ export function open(main, who) {
   function clear(...cards) {
     file = null;
     saveButton.disabled = true;
+    shown = null;
+    report.ready(false);
     stage.clear();
     side.replaceChildren(...cards.filter(Boolean));
   }
 
-  async function check(s, stop) {
-    const glb = await request("POST", "/v1/check?detail=surface", { body: s.file, binary: true, stop });
-    const r = show(glb, false);
-    s.label(r.scan, r.quality?.score);
-    side.replaceChildren(
-      ...[checked(r, false, verifies && el("p.dim", {}, "Drop a second scan to compare them.")),
-        advice(r), notes(r),
-        r.scan && facts([["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
-          r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
-          r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]]),
-        timing(r.timing_ms), curl("/v1/check", ["--data-binary", `@${s.file.name}`])].filter(Boolean));
+  /** A request that compares or checks, by an id that the daemon's log has too. */
+  async function ask(path, body, stop) {
+    const id = [...crypto.getRandomValues(new Uint8Array(8))].map((b) => b.toString(16).padStart(2, "0")).join("");
+    const response = await request("POST", path, { body, binary: true, stop, headers: { "X-Request-Id": id } });
+    return { response, id };
   }
+
+  /** Fills the side, and the report. */
+  function tell(title, sides, cards, known, id, ...more) {
+    side.replaceChildren(...[...cards, facts(known), ...more].filter(Boolean));
+    shown = {
+      title, sides, at: `${time(new Date().toISOString())} UTC`, cards: cards.filter(Boolean).map((card) => card.cloneNode(true)),
+      facts: [...known, ["Request", id], ["Token", who.name]],
+    };
+  }
+
+  async function check(s, stop) {
+    const { response, id } = await ask("/v1/check?detail=surface", s.file, stop);
+    const r = show(response, false);
+    s.label(r.scan, qualityOf(r));
+    const known = r.scan ? [["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
+      r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
+      r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]] : [];
+    tell("What was found in a scan", [["", s.file.name, sideOf(r.scan, qualityOf(r))]],
+      [checked(r, false, verifies && el("p.dim", {}, "Drop a second scan to compare them.")), advice(r), notes(r)], known, id,
+      timing(r.timing_ms), curl("/v1/check", ["--data-binary", `@${s.file.name}`]));
+  }
+
+  const sideOf = (scan, quality) => [scan && `${count(scan.points_read)} points`, quality != null && `quality ${quality.toFixed(2)}`].filter(Boolean).join(", ");
 
   async function compare(stop) {
     const body = new FormData();
     body.append("a", slots[0].file, slots[0].file.name);
     body.append("b", slots[1].file, slots[1].file.name);
-    const r = show(await request("POST", "/v1/compare?detail=surface", { body, binary: true, stop }), true);
+    const { response, id } = await ask("/v1/compare?detail=surface", body, stop);
+    const r = show(response, true);
     slots.forEach((s, i) => s.label(r.scan["ab"[i]], r.quality["ab"[i]]?.score));
-    side.replaceChildren(
-      decided(r),
-      regions(r.regions),
-      facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
-        ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`]]),
+    tell("Two scans compared", slots.map((s, i) => ["AB"[i], s.file.name, sideOf(r.scan["ab"[i]], r.quality["ab"[i]]?.score)]),
+      [decided(r), regions(r.regions)],
+      [["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
+        ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`], ["Version", r.engine]], id,
       timing(r.timing_ms),
       curl("/v1/compare", ["-F", `a=@${slots[0].file.name}`], ["-F", `b=@${slots[1].file.name}`]));
   }
@@ -129,12 +150,13 @@ export function open(main, who) {
   }
 
   main.replaceChildren(
-    el("header", {}, title, el("span.dim.note", {}, "Nothing is stored."), saveButton),
+    el("header", {}, title, el("span.dim.note", {}, "Nothing is stored."), report.buttons, saveButton),
     el("div.slots", {}, slots[0].box, swapButton, slots[1].box),
     el("div.try", {}, stage.element, side));
   welcome();
   return () => {
     running?.abort();
+    report.close();
     stage.close();
   };
 }

@@ -25,28 +25,47 @@ export function failure(e) {
 /** In the place of numbers that the token may not know. */
 export const UNTOLD = "The numbers of a non-match are shown to a token with the scope score.";
 
+/** How far a score is from the threshold: of 4, which is 50 times as likely, and of 16. */
+function strength(r) {
+  const far = Math.abs(r.score - r.threshold);
+  return far < 4 ? "Marginal" : far < 16 ? "Clear" : "Strong";
+}
+
 /** What was decided, in a sentence. */
 function explain(r) {
   if (r.score === undefined) return UNTOLD;
   const apart = `On average the two surfaces lie ${mm(r.disparity_mm)} apart.`;
   if (r.decision === "match")
-    return `The shape speaks for one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
+    return `${strength(r)}: the shape speaks for one person. The evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} is enough. ${apart}`;
   if (r.decision === "no_match")
-    return `The shape speaks against one person: the evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} would be needed. ${apart}`;
+    return `${strength(r)}: the shape speaks against one person. The evidence is ${plain(r.score, 1)}, and ${plain(r.threshold, 1)} would be needed. ${apart}`;
   return `The two scans have ${percent(r.overlap)} of the face in common: too little, or too noisy, to say whether it is the same.`;
+}
+
+/** How many other people would match like this, in words; of what is no match there is nothing to say.  Where the knots are
+ *  unknown it is a limit: beyond the last of them the rate stays at its own. */
+function rate(r) {
+  if (r.decision !== "match") return null;
+  const knots = r.calibration?.knots, how = !knots ? "At most " : r.score > knots.at(-1).score ? "Fewer than " : "About ";
+  return el("p.dim", {}, `${oneIn(r.fmr_at_score).replace(/^(about|fewer than) /, how)} other people would score this high or higher.`);
 }
 
 /** Of a comparison: the verdict, why, the gauge, and the rate in words. */
 export function decided(r) {
-  const v = VERDICTS[r.decision];
-  return verdict(v.kind, v.icon, v.title, el("p", {}, explain(r)), r.score !== undefined && gauge(r, r.calibration?.knots),
-    r.score !== undefined && el("p.dim", {}, `${oneIn(r.fmr_at_score)} other people would score this high or higher.`.replace(/^a/, "A")));
+  const v = VERDICTS[r.decision], told = r.score !== undefined;
+  return verdict(v.kind, v.icon, v.title, el("p", {}, explain(r)), told && gauge(r, r.calibration?.knots),
+    told && r.expected > 0 && el("p.dim", {}, `Two such scans of one person score ${plain(r.expected, 1)} on average, by the model.`), told && rate(r));
 }
+
+/** The quality of a scan, if what was scanned is a face: of anything else it says nothing. */
+export const qualityOf = (r) => (r.code === "not_a_face" ? null : r.quality?.score);
 
 /** Of a scan alone, by a check; verifying: nobody is to be enrolled. */
 export function checked(r, verifying, ...rest) {
-  const [kind, iconName, title, text] = r.enrollable || (r.usable && verifying)
+  const [kind, iconName, title, text] = r.enrollable || (r.usable && verifying && r.code !== "not_a_face")
     ? ["ok", "yes", verifying ? "Good to verify" : "Good to enroll", r.enrollable ? "The face is whole, sharp and turned to the scanner." : "It is good enough for that, though not to enroll."]
+    : r.usable && r.code === "not_a_face" ? ["no", "no", "Hardly a face",
+      "What was scanned does not have the shape of a face. A verification takes such a scan, and it fits nobody."]
     : r.usable ? ["unsure", "unsure", "Good to verify, not to enroll", r.detail] : ["no", "no", "Not usable", r.detail];
   return verdict(kind, iconName, title, el("p", {}, text), ...rest);
 }
@@ -86,29 +105,36 @@ export function shareAbove(knots, score) {
   return Math.exp(Math.log(a.rate) * (1 - t) + Math.log(b.rate) * t);
 }
 
-/** The score on the curve of other people's scores, which the calibration's knots describe: the share
- *  of other people that score as high or higher. */
+/** The score between two hills: other people's scores, which the calibration's knots describe, and one person's, whose mean
+ *  is what the model expects of two such scans; its spread is the model's most, of variance 2 x mean. */
 export function gauge(r, knots) {
-  const low = Math.min(-100, r.score - 5), high = Math.max(45, r.score + 5), W = 300, y = 52;
+  const same = r.expected > 0 ? r.expected : null;
+  const low = Math.min(-100, r.score - 5), high = Math.max(45, r.score + 5, same ? same + 3 * Math.sqrt(2 * same) : 0), W = 300, y = 52;
   const x = (score) => ((score - low) / (high - low)) * W;
   const out = svg("svg", { viewBox: `0 0 ${W} 76`, class: "gauge", role: "img",
-    "aria-label": `score ${plain(r.score, 1)}, threshold ${plain(r.threshold, 1)}` });
+    "aria-label": `score ${plain(r.score, 1)}, threshold ${plain(r.threshold, 1)}${same ? `, expected of one person ${plain(same, 1)}` : ""}` });
   const line = (a, b, kind) => svg("rect", { x: x(a), y: y - 4, width: Math.max(0, x(b) - x(a)), height: 8, rx: 4, class: kind });
-  if (knots?.length > 1) {
-    const steps = 60, at = (k) => low + ((high - low) * k) / steps;
-    // Where the curve falls steeply there are many people.
-    const bins = Array.from({ length: steps }, (_, i) => Math.max(0, shareAbove(knots, at(i)) - shareAbove(knots, at(i + 1))));
-    const most = Math.max(...bins, 1e-9);
-    const points = bins.map((b, i) => `${(((i + 0.5) * W) / steps).toFixed(1)},${(y - 4 - 34 * Math.sqrt(b / most)).toFixed(1)}`);
-    out.append(svg("polygon", { class: "others", points: `0,${y - 4} ${points.join(" ")} ${W},${y - 4}` }),
-      svg("text", { x: 0, y: 10 }, "scores of other people"));
-  }
+  const steps = 60, at = (k) => low + ((high - low) * k) / steps;
+  const hill = (kind, heights) => {
+    const most = Math.max(...heights, 1e-9);
+    const points = heights.map((b, i) => `${(((i + 0.5) * W) / steps).toFixed(1)},${(y - 4 - 32 * Math.sqrt(b / most)).toFixed(1)}`);
+    out.append(svg("polyline", { class: kind, points: `0,${y - 4} ${points.join(" ")} ${W},${y - 4}` }));
+  };
+  // Where the curve falls steeply there are many people.
+  if (knots?.length > 1) hill("others", Array.from({ length: steps }, (_, i) => Math.max(0, shareAbove(knots, at(i)) - shareAbove(knots, at(i + 1)))));
+  if (same) hill("same", Array.from({ length: steps }, (_, i) => Math.exp(-((at(i + 0.5) - same) ** 2) / (4 * same))));
+  if (knots?.length > 1) out.append(svg("text", { x: 0, y: 10 }, "other people"));
+  if (same) out.append(svg("text", { x: W, y: 10, "text-anchor": "end" }, "one person"));
   const text = (at, up, what, kind = "") =>
     svg("text", { x: Math.min(Math.max(x(at), 22), W - 22), y: up, "text-anchor": "middle", class: kind }, what);
   out.append(line(low, r.threshold, "no"), line(r.threshold, high, "ok"),
     svg("rect", { x: x(r.threshold) - 0.75, y: y - 9, width: 1.5, height: 18, class: "limit" }),
-    text(r.threshold, y + 21, `needed ${plain(r.threshold, 1)}`),
-    svg("circle", { cx: x(r.score), cy: y, r: 6.5, class: "score" }),
+    text(r.threshold, y + 21, `needed ${plain(r.threshold, 1)}`));
+  if (same) {
+    out.append(svg("rect", { x: x(same) - 0.75, y: y - 36, width: 1.5, height: 40, class: "expected" }));
+    if (x(same) - x(r.threshold) > 76) out.append(text(same, y + 21, `expected ${plain(same, 1)}`));
+  }
+  out.append(svg("circle", { cx: x(r.score), cy: y, r: 6.5, class: "score" }),
     text(r.score, y - 13, plain(r.score, 1), "strong"));
   return out;
 }

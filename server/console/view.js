@@ -1,36 +1,42 @@
 // view.js -- surfaces in WebGL2: turned by pointer and keys, coloured by what differs, or two of
-// them to the left and right of a line.  Frames are drawn when something changed, without
+// them to the left and right of a line, or side by side.  Frames are drawn when something changed, without
 // multisampling while it moves, and once more with it 150 ms after it has come to rest.
 
 const SURFACE_VERTEX = `#version 300 es
 in vec3 at, normal; in float value, seen;
-uniform mat4 place; uniform mat3 turn; uniform float back;
-out float light, amount, there;
+uniform mat4 place; uniform mat3 turn; uniform float back; uniform vec4 plane;
+out float light, amount, there, cut;
 void main() {
   vec3 n = turn * normal;
   float key = max(dot(n, normalize(vec3(-0.45, 0.55, 0.75))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.8, -0.1, 0.55))), 0.0);
   light = 0.24 + 0.66 * key + 0.22 * fill;
-  amount = value; there = seen;
+  amount = value; there = seen; cut = dot(plane.xyz, at) + plane.w;
   gl_Position = place * vec4(at, 1.0);
   gl_Position.z += back * gl_Position.w;
 }`;
 
 // The colours are a texture of 25 bands, so that a place can be found on the legend; a line where
-// the amount passes the limit.
+// the amount passes the limit.  Light hardly changes them, as a shadow would be another value; towards places
+// that were not compared they fade.  The cut is a dark line on a light one.
 const SURFACE_FRAGMENT = `#version 300 es
 precision highp float;
-in float light, amount, there;
-uniform vec3 base, none, line; uniform float end, limit; uniform int coloured; uniform sampler2D scale;
+in float light, amount, there, cut;
+uniform vec3 base, none, line; uniform float end, limit; uniform int coloured, cutting; uniform sampler2D scale;
 out vec4 color;
 void main() {
-  vec3 c = base;
+  vec3 c = base * light;
   if (coloured == 1) {
-    c = mix(none, texture(scale, vec2(amount / end * 0.48 + 0.5, 0.5)).rgb, step(0.5, there));
+    float known = smoothstep(0.5, 0.8, there);
+    c = mix(none * light, texture(scale, vec2(amount / end * 0.48 + 0.5, 0.5)).rgb * mix(light, 1.0, 0.7), known);
     float far = abs(abs(amount) - limit) / max(fwidth(amount), 1e-6);
-    c = mix(c, line, (1.0 - smoothstep(0.4, 1.4, far)) * 0.55 * step(0.99, there));
+    c = mix(c, line, (1.0 - smoothstep(0.4, 1.4, far)) * 0.55 * step(0.99, known));
   }
-  color = vec4(c * light, 1.0);
+  if (cutting == 1) {
+    float off = abs(cut) / max(fwidth(cut), 1e-6);
+    c = mix(mix(c, vec3(1.0), 1.0 - smoothstep(1.6, 2.6, off)), vec3(0.05), 1.0 - smoothstep(0.6, 1.4, off));
+  }
+  color = vec4(c, 1.0);
 }`;
 
 const POINT_VERTEX = `#version 300 es
@@ -84,6 +90,41 @@ function normals(at, index) {
   return out;
 }
 
+/** How much of a surface's surroundings is seen, by its points: 0 where it is not itself, and from 0.5 to 1 where it is, so that
+ *  an edge is smooth and nothing unknown is coloured. */
+function certainty(color, index) {
+  const n = color.length / 4, seen = new Float32Array(n).map((_, v) => (color[4 * v + 3] ? 1 : 0));
+  let around = seen;
+  for (let pass = 0; pass < 2; pass++) {
+    const sum = new Float32Array(n), of = new Float32Array(n);
+    for (let t = 0; t < index.length; t += 3) {
+      const [a, b, c] = [index[t], index[t + 1], index[t + 2]], mean = (around[a] + around[b] + around[c]) / 3;
+      for (const v of [a, b, c]) {
+        sum[v] += mean;
+        of[v]++;
+      }
+    }
+    around = sum.map((x, v) => x / (of[v] || 1));
+  }
+  return seen.map((s, v) => s * (0.5 + 0.5 * around[v]));
+}
+
+/** The points of a scan but those at the surface that was found in it: by squares of the face's frame. */
+function outside(scan, face) {
+  const EDGE = 4, NEAR = 6, key = (x, y) => Math.round(x / EDGE) * 4096 + Math.round(y / EDGE), range = new Map();
+  for (let v = 0; v < face.length; v += 3)
+    for (const [dx, dy] of [[0, 0], [EDGE / 2, EDGE / 2], [-EDGE / 2, EDGE / 2], [EDGE / 2, -EDGE / 2], [-EDGE / 2, -EDGE / 2]]) {
+      const at = key(face[v] + dx, face[v + 1] + dy), [low, high] = range.get(at) ?? [Infinity, -Infinity];
+      range.set(at, [Math.min(low, face[v + 2]), Math.max(high, face[v + 2])]);
+    }
+  const out = [];
+  for (let v = 0; v < scan.length; v += 3) {
+    const found = range.get(key(scan[v], scan[v + 1]));
+    if (!found || scan[v + 2] < found[0] - NEAR || scan[v + 2] > found[1] + NEAR) out.push(scan[v], scan[v + 1], scan[v + 2]);
+  }
+  return Float32Array.from(out);
+}
+
 function program(gl, vertex, fragment) {
   const p = gl.createProgram();
   for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
@@ -105,9 +146,10 @@ function program(gl, vertex, fragment) {
 }
 
 /** A view in canvas; null where there is no WebGL2.
- *  changed(): is called after what the pointer or a key did to the curtain or the pose. */
-export function createView(canvas, changed = () => {}) {
-  const gl = canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: false });
+ *  drawn(): is called after each frame; tapped(x, y): at a place that was tapped or clicked on;
+ *  drawing(): whether a drag draws a line, lined(plane): the plane that the eye sees as that line. */
+export function createView(canvas, { drawn, tapped, drawing, lined }) {
+  const gl = canvas.getContext("webgl2", { antialias: false, alpha: true });
   if (!gl) return null;
   const surface = program(gl, SURFACE_VERTEX, SURFACE_FRAGMENT);
   const point = program(gl, POINT_VERTEX, POINT_FRAGMENT);
@@ -118,7 +160,7 @@ export function createView(canvas, changed = () => {}) {
     gl.texParameteri(gl.TEXTURE_2D, name, value);
   const nodes = {}; // by name: what was uploaded, and the arrays for picking
   let yaw = VIEWS.three[0], pitch = VIEWS.three[1], zoom = 1, curtain = 0.5, swapped = false;
-  let layer = null, centre = [0, 0, 0], radius = 100, theme = {}, asked = 0, rest = 0, smooth = null;
+  let layer = null, centre = [0, 0, 0], radius = 100, theme = {}, asked = 0, rest = 0, smooth = null, cut = null;
 
   function buffer(place, data, size) {
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
@@ -139,7 +181,7 @@ export function createView(canvas, changed = () => {}) {
       out.type = node.index.BYTES_PER_ELEMENT === 2 ? gl.UNSIGNED_SHORT : gl.UNSIGNED_INT;
     }
     if (node.color) {
-      out.seen = new Float32Array(out.n).map((_, i) => (node.color[4 * i + 3] ? 1 : 0));
+      out.seen = certainty(node.color, node.index);
       buffer(3, out.seen, 1);
       out.valueBuffer = gl.createBuffer();
     }
@@ -153,7 +195,10 @@ export function createView(canvas, changed = () => {}) {
       gl.deleteVertexArray(nodes[name].vao);
       delete nodes[name];
     }
-    for (const name in given) nodes[name] = upload(given[name]);
+    for (const name in given) {
+      const at = name === "scan" && given.face ? outside(given.scan.at, given.face.at) : given[name].at;
+      nodes[name] = upload({ ...given[name], at });
+    }
     const of = nodes.template ?? nodes.face ?? nodes.scan;
     if (of) {
       const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
@@ -163,17 +208,18 @@ export function createView(canvas, changed = () => {}) {
       });
       centre = low.map((x, i) => (x + high[i]) / 2);
       if (of.index) centre[2] -= 20; // of a face; a scan alone is in its own unit
-      radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.8 : 0.68);
+      radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.72 : 0.58);
     }
     if (pose) [yaw, pitch, zoom] = [...VIEWS[pose], 1];
     changedFrame();
   }
 
-  /** By which attribute the probe is coloured: {name, end, limit}; "curtain"; null: plain. */
+  /** By which attribute the probe is coloured: {name, sign, end, limit}; "curtain", "beside"; "a", "b": one surface
+   *  alone; null: plain. */
   function setLayer(next) {
     layer = next;
     const probe = nodes.probe;
-    if (probe && layer && layer !== "curtain") {
+    if (probe && layer?.name) {
       gl.bindVertexArray(probe.vao);
       gl.bindBuffer(gl.ARRAY_BUFFER, probe.valueBuffer);
       gl.bufferData(gl.ARRAY_BUFFER, probe[layer.name], gl.STATIC_DRAW);
@@ -189,11 +235,17 @@ export function createView(canvas, changed = () => {}) {
     changedFrame();
   }
 
+  /** The plane whose line is drawn on the surfaces, as section.js has it; null: none. */
+  function setCut(plane) {
+    cut = plane;
+    changedFrame();
+  }
+
   // Turned about its centre, then seen from 5 radii in front.
-  function matrices() {
+  function matrices(aspect = canvas.width / canvas.height / (layer === "beside" ? 2 : 1)) {
     const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
     const r = [cy, sp * sy, -cp * sy, 0, cp, sp, sy, -sp * cy, cp * cy]; // by columns
-    const aspect = canvas.width / canvas.height, far = 5 * radius;
+    const far = 5 * radius;
     const f = (5 / zoom ** -1) * Math.min(1, aspect * 1.15), near = far / 5, deep = far * 3;
     const t = [0, 1, 2].map((i) => -(r[i] * centre[0] + r[3 + i] * centre[1] + r[6 + i] * centre[2]));
     const z = (near + deep) / (near - deep), w = (2 * near * deep) / (near - deep);
@@ -205,7 +257,22 @@ export function createView(canvas, changed = () => {}) {
       place[4 * c + 2] = col[2] * z + (c === 3 ? w : 0);
       place[4 * c + 3] = -col[2];
     }
-    return { turn: new Float32Array(r), place };
+    return { turn: new Float32Array(r), place, aspect, f, eye: [t[0], t[1], t[2] - far] };
+  }
+
+  /** A place of the canvas from -1 to 1, to the right and up; beside each other, of its half. */
+  function local(x, y) {
+    const at = x / canvas.clientWidth, half = layer === "beside";
+    return [half ? 4 * (at % 0.5) - 1 : 2 * at - 1, 1 - (2 * y) / canvas.clientHeight];
+  }
+
+  /** The plane through the eye and two places of the canvas, [nx, ny, nz, w]; null: they are one. */
+  function planeThrough(from, to) {
+    const { turn: r, aspect, f, eye } = matrices();
+    const back = (v) => [0, 1, 2].map((i) => r[3 * i] * v[0] + r[3 * i + 1] * v[1] + r[3 * i + 2] * v[2]);
+    const [a, b] = [from, to].map(([x, y]) => back([(x * aspect) / f, y / f, -1])), at = back(eye.map((x) => -x));
+    const n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]], long = Math.hypot(...n);
+    return long > 1e-9 ? [...n.map((x) => x / long), -(n[0] * at[0] + n[1] * at[1] + n[2] * at[2]) / long] : null;
   }
 
   function drawSurface(node, m, base, coloured, back) {
@@ -215,6 +282,8 @@ export function createView(canvas, changed = () => {}) {
     gl.uniform1f(surface.back, back);
     gl.uniform3fv(surface.base, base);
     gl.uniform1i(surface.coloured, coloured ? 1 : 0);
+    gl.uniform1i(surface.cutting, cut && back === 0 ? 1 : 0);
+    gl.uniform4fv(surface.plane, cut ?? [0, 0, 0, 0]);
     if (coloured) {
       gl.uniform3fv(surface.none, theme.none);
       gl.uniform3fv(surface.line, [0.25, 0.27, 0.3]);
@@ -227,6 +296,7 @@ export function createView(canvas, changed = () => {}) {
 
   function drawScene() {
     const m = matrices(), { width, height } = canvas;
+    gl.viewport(0, 0, width, height);
     gl.enable(gl.DEPTH_TEST);
     gl.disable(gl.SCISSOR_TEST);
     gl.clearColor(0, 0, 0, 0);
@@ -242,9 +312,9 @@ export function createView(canvas, changed = () => {}) {
     }
     if (!nodes.template) return;
     if (!nodes.probe) return drawSurface(nodes.template, m, theme.skin, false, 0);
+    const sides = [[nodes.template, theme.a], [nodes.probe, theme.b]];
     if (layer === "curtain") {
       const at = Math.round(width * curtain);
-      const sides = [[nodes.template, theme.a], [nodes.probe, theme.b]];
       if (swapped) sides.reverse();
       gl.enable(gl.SCISSOR_TEST);
       gl.scissor(0, 0, at, height);
@@ -252,6 +322,14 @@ export function createView(canvas, changed = () => {}) {
       gl.scissor(at, 0, width - at, height);
       drawSurface(sides[1][0], m, sides[1][1], false, 0);
       gl.disable(gl.SCISSOR_TEST);
+    } else if (layer === "beside") {
+      sides.forEach(([node, color], i) => {
+        gl.viewport((i * width) / 2, 0, width / 2, height);
+        drawSurface(node, m, color, false, 0);
+      });
+    } else if (layer === "a" || layer === "b") {
+      const [node, color] = sides[layer === "a" ? 0 : 1];
+      drawSurface(node, m, color, false, 0);
     } else {
       drawSurface(nodes.probe, m, theme.skin, layer !== null, 0);
       drawSurface(nodes.template, m, theme.none, false, 0.012); // behind the probe: last, so that it costs little
@@ -278,20 +356,40 @@ export function createView(canvas, changed = () => {}) {
     return smooth;
   }
 
+  function draw(w, h, fine) {
+    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, fine ? smoothBuffer().frame : null);
+    drawScene();
+    if (!fine) return;
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, smooth.frame);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
+    gl.blitFramebuffer(0, 0, w, h, 0, 0, w, h, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
   function frame(fine) {
     asked = 0;
     const scale = Math.min(devicePixelRatio || 1, 2);
-    const [w, h] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * scale)));
-    if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-    gl.viewport(0, 0, w, h);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, fine ? smoothBuffer().frame : null);
-    drawScene();
-    if (fine) {
-      gl.bindFramebuffer(gl.READ_FRAMEBUFFER, smooth.frame);
-      gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, null);
-      gl.blitFramebuffer(0, 0, w, h, 0, 0, w, h, gl.COLOR_BUFFER_BIT, gl.NEAREST);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    }
+    draw(...[canvas.clientWidth, canvas.clientHeight].map((x) => Math.max(1, Math.round(x * scale))), fine);
+    drawn();
+  }
+
+  /** A picture of its own, on a transparent ground: a canvas of so many pixels.  as: {layer, pose, colors, cut}, else as it
+   *  is seen. */
+  function picture(width, height, as = {}) {
+    const was = { layer, theme, cut, yaw, pitch, zoom, size: [canvas.width, canvas.height] };
+    const to = document.createElement("canvas");
+    [to.width, to.height] = [width, height];
+    if (as.colors) setTheme(as.colors);
+    if (as.layer !== undefined) setLayer(as.layer);
+    if (as.cut !== undefined) cut = as.cut;
+    if (as.pose) [yaw, pitch, zoom] = [...VIEWS[as.pose], 1];
+    draw(width, height, true);
+    to.getContext("2d").drawImage(canvas, 0, 0);
+    ({ theme, cut, yaw, pitch, zoom } = was);
+    setLayer(was.layer);
+    draw(...was.size, true);
+    return to;
   }
 
   function changedFrame() {
@@ -300,12 +398,12 @@ export function createView(canvas, changed = () => {}) {
     rest = setTimeout(() => requestAnimationFrame(() => frame(true)), 150);
   }
 
-  /** What of the coloured surface is under a place of the canvas: {value, at}, or null. */
+  /** What of the coloured surface is under a place of the canvas; {none}: what was not compared; null: nothing. */
   function pick(x, y) {
     const node = nodes.probe;
-    if (!node || !layer || layer === "curtain") return null;
+    if (!node || !layer?.name) return null;
     const m = matrices().place, { at, index, seen } = node, value = node[layer.name];
-    const px = (2 * x) / canvas.clientWidth - 1, py = 1 - (2 * y) / canvas.clientHeight;
+    const [px, py] = local(x, y);
     const on = new Float32Array(at.length);
     for (let v = 0; v < at.length; v += 3) {
       const w = m[3] * at[v] + m[7] * at[v + 1] + m[11] * at[v + 2] + m[15];
@@ -324,12 +422,22 @@ export function createView(canvas, changed = () => {}) {
       near = z;
       const mean = (of, k = 0, step = 1) =>
         u * of[(a / 3) * step + k] + v * of[(b / 3) * step + k] + w * of[(c / 3) * step + k];
-      best = mean(seen) < 0.5 ? null : {
+      best = mean(seen) < 0.5 ? { none: true } : {
         value: mean(value), gap: mean(node._GAP_MM), rest: mean(node._REST_MM), part: mean(node._PART),
-        at: [mean(at, 0, 3), mean(at, 1, 3)],
+        at: [0, 1, 2].map((k) => mean(at, k, 3)), normal: [0, 1, 2].map((k) => mean(node.normal, k, 3)),
       };
     }
     return best;
+  }
+
+  /** Where a point is on the canvas, px, and whether it faces the eye. */
+  function project({ at, normal }) {
+    const { place: m, turn: r } = matrices();
+    const [x, y, , w] = [0, 1, 2, 3].map((k) => m[k] * at[0] + m[4 + k] * at[1] + m[8 + k] * at[2] + m[12 + k]);
+    return {
+      x: ((x / w + 1) / 2) * canvas.clientWidth, y: ((1 - y / w) / 2) * canvas.clientHeight,
+      faces: r[2] * normal[0] + r[5] * normal[1] + r[8] * normal[2] > 0.05,
+    };
   }
 
   function turn(dx, dy) {
@@ -343,26 +451,45 @@ export function createView(canvas, changed = () => {}) {
   }
 
   // ---- pointer and keys
-  const down = new Map(); // pointers: two of them zoom
+  const down = new Map(); // pointers: two of them turn and zoom
+  const place = (e) => {
+    const box = canvas.getBoundingClientRect();
+    return [e.clientX - box.left, e.clientY - box.top];
+  };
+  let begun = null; // where the only pointer went down
   canvas.addEventListener("pointerdown", (e) => {
     canvas.setPointerCapture(e.pointerId);
-    down.set(e.pointerId, [e.clientX, e.clientY]);
+    down.set(e.pointerId, place(e));
+    begun = down.size === 1 ? { at: place(e), moved: false, line: drawing() && e.button === 0 && !e.shiftKey } : null;
   });
   canvas.addEventListener("pointermove", (e) => {
     const was = down.get(e.pointerId);
     if (!was) return;
+    const at = place(e), [dx, dy] = [at[0] - was[0], at[1] - was[1]];
+    down.set(e.pointerId, at);
+    if (begun && !begun.moved && Math.hypot(at[0] - begun.at[0], at[1] - begun.at[1]) < 5) return;
+    if (begun) begun.moved = true;
+    if (begun?.line) {
+      const plane = planeThrough(local(...begun.at), local(...at));
+      if (plane) lined(plane);
+      return;
+    }
     const other = [...down].find(([id]) => id !== e.pointerId)?.[1];
     if (other) {
       const far = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]);
-      zoomBy(far([e.clientX, e.clientY]) / Math.max(far(was), 1));
-    } else {
-      turn((e.clientX - was[0]) * 0.008, (e.clientY - was[1]) * 0.008);
+      zoomBy(far(at) / Math.max(far(was), 1));
     }
-    down.set(e.pointerId, [e.clientX, e.clientY]);
-    changed();
+    turn(dx * 0.008, dy * 0.008);
   });
-  for (const name of ["pointerup", "pointercancel"])
-    canvas.addEventListener(name, (e) => down.delete(e.pointerId));
+  canvas.addEventListener("pointerup", (e) => {
+    down.delete(e.pointerId);
+    if (begun && !begun.moved && e.button === 0) tapped(...place(e));
+    begun = null;
+  });
+  canvas.addEventListener("pointercancel", (e) => {
+    down.delete(e.pointerId);
+    begun = null;
+  });
   canvas.addEventListener("wheel", (e) => {
     e.preventDefault();
     zoomBy(Math.exp(-e.deltaY * 0.001));
@@ -371,7 +498,6 @@ export function createView(canvas, changed = () => {}) {
     if (swapped === on) return;
     swapped = on;
     changedFrame();
-    changed();
   }
   const blink = (on) => (e) => {
     if (e.key !== " " || layer !== "curtain") return;
@@ -381,19 +507,18 @@ export function createView(canvas, changed = () => {}) {
   canvas.addEventListener("keyup", blink(false));
   canvas.addEventListener("blur", () => swap(false));
   canvas.addEventListener("keydown", (e) => {
-    const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[e.key];
+    const step = !e.shiftKey && { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[e.key];
     if (step) turn(...step);
     else if (e.key === "+" || e.key === "=") zoomBy(1.15);
     else if (e.key === "-") zoomBy(1 / 1.15);
     else return blink(true)(e);
     e.preventDefault();
-    changed();
   });
   const observer = new ResizeObserver(changedFrame);
   observer.observe(canvas);
 
   return {
-    show, setLayer, setTheme, pick, turn, swap,
+    show, setLayer, setTheme, setCut, pick, project, picture, turn, swap,
     pose: (name) => {
       [yaw, pitch, zoom] = [...VIEWS[name], 1];
       changedFrame();
@@ -410,9 +535,10 @@ export function createView(canvas, changed = () => {}) {
       gl.getExtension("WEBGL_lose_context")?.loseContext();
     },
     state: () => ({ yaw, pitch, zoom, curtain, swapped }),
-    /** The time of a frame in ms, drawn at once and waited for: for tests. */
-    time: () => {
+    /** The time of a frame in ms, drawn at once and waited for, after act(): for tests. */
+    time: (act = () => {}) => {
       const start = performance.now();
+      act();
       frame(false);
       gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
       return performance.now() - start;

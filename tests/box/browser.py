@@ -94,12 +94,16 @@ def some(title, driver, selector, text=None):
 
 
 def pixels(driver, element):
-    """The picture of an element, at a quarter of its size: width, height, bytes of RGB or RGBA, bytes a
-    pixel.  Chromium's PNGs have no interlacing."""
+    """The picture of an element, at a quarter of its size, as decoded() has it."""
     box = driver.execute_script("const b = arguments[0].getBoundingClientRect();"
                                 "return {x: b.x + scrollX, y: b.y + scrollY, width: b.width, height: b.height}", element)
-    data = io.BytesIO(base64.b64decode(driver.execute_cdp_cmd(
+    return decoded(base64.b64decode(driver.execute_cdp_cmd(
         "Page.captureScreenshot", {"format": "png", "clip": {**box, "scale": 0.25}})["data"]))
+
+
+def decoded(png):
+    """A PNG that Chromium made, without interlacing: width, height, bytes of RGB or RGBA, bytes a pixel."""
+    data = io.BytesIO(png)
     data.read(8)
     packed, size, depth = b"", None, None
     while True:

@@ -25,7 +25,7 @@ for file in $files; do
     if [ "$file" = index.html ]; then at=server/console/index.html; else at=server/console/$file; fi
     ok "$path: the file" cmp -s "$T/body" "$at"
 done
-ok "all pages together have $total bytes, of at most 100 KB" test "$total" -le 102400
+ok "all pages together have $total bytes, of at most 130 KB" test "$total" -le 133120
 for file in one one_again one_turned other; do
     req GET "/console/$file.ply"
     is "the sample $file" "$STATUS $(wc -c <"$T/body")" "200 $(wc -c <"server/console/samples/$file.ply")"

@@ -101,7 +101,7 @@ def test_pages(d):
     picture = show(d, "scan")
     says("scan", d, ".verdict h2", "Good to enroll")
     says("scan", d, ".slot", "bust.ply")
-    says("scan", d, ".about", "Dots: the scan as it came")
+    says("scan", d, ".about", "Dots: what else the scan has")
     check("scan: something is drawn", picture["drawn"] > 0.08, picture)
     check("scan: also dots", picture["blue"][0] + picture["blue"][1] > 300, picture)
     picture = show(d, "plane")
