@@ -274,7 +274,7 @@ enum status store_calibration_refresh(struct store *s, struct surface_work *w,
  * biometric data.  Changes (enroll, delete, tokens) write their own entries.  Does not wait for the disk:
  * a power failure may lose the last events.
  *   kind     "verify", "compare", ...
- *   subject  an id, or ""
+ *   subject  an id, or ""; one that does not exist for actor is left out
  *   object   id of a template, or ""
  *   outcome  may be "" */
 enum status store_event(struct store *s, const char *kind, const char *actor,

@@ -361,7 +361,12 @@ static enum status add_access(struct log_txn *t, const struct log_act *by,
     bool known = false;
 
     if (subject[0] != '\0') {
-        const enum status st = rows_subject_find(t, subject, &of, e);
+        enum status st = store_actor_may(t, by, e); /* of other groups there is none */
+
+        if (st == ST_OK)
+            st = rows_subject_find(t, subject, &of, e);
+        else if (st == ST_ETOKEN)
+            st = ST_ENOTFOUND; /* it was revoked meanwhile */
 
         sodium_memzero(of.key, sizeof of.key);
         if (st != ST_OK && st != ST_ENOTFOUND)

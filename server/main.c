@@ -7,6 +7,7 @@
 #include <sysexits.h>
 #include <sodium.h>
 
+#include "access.h"
 #include "app.h"
 #include "errinfo.h"
 #include "events.h"
@@ -91,11 +92,13 @@ static enum status server_start(const struct options *o, struct app *app,
         (struct store_limits){o->attempts, o->attempt_wait, o->attempt_subjects};
     app->throttle = throttle_new(o->rate_limit_tokens, MINUTE_MS);
     app->searches = throttle_new(o->identify_failures, HOUR_MS);
+    app->refusals = throttle_new(ACCESS_REFUSALS, MINUTE_MS);
     app->recent = recent_new();
     app->db = o->db;
     app->disk_reserve = o->disk_reserve;
     if (app->metrics == NULL || app->throttle == NULL || app->searches == NULL ||
-        app->recent == NULL || (app->events = events_start(app)) == NULL ||
+        app->refusals == NULL || app->recent == NULL ||
+        (app->events = events_start(app)) == NULL ||
         (app->upkeep = upkeep_start(app, o->audit_days)) == NULL)
         return errinfo_set(e, ST_ENOMEM, "out of memory");
     st = queue_start(app, o->workers, o->queue, http_run, &app->queue);
@@ -127,6 +130,7 @@ static void stop(struct app *app, struct http *http)
     metrics_free(app->metrics);
     throttle_free(app->throttle);
     throttle_free(app->searches);
+    throttle_free(app->refusals);
     gallery_free(app->gallery);
     recent_free(app->recent);
     store_close(app->store);

@@ -45,17 +45,28 @@ static const struct kind *event_find(const struct log_entry *entry)
     return NULL;
 }
 
-/* A matching scan that was enrolled before is refused, and logged as what it was sent for. */
-static bool was_replayed(const struct log_entry *entry)
+/* A search before an enrolment (unique=true). */
+static bool is_for_twins(const struct log_entry *entry)
 {
-    return strcmp(entry->outcome, "replayed") == 0;
+    return strcmp(entry->kind, "identify") == 0 &&
+           strstr(entry->outcome, ", enroll") != NULL;
+}
+
+/* What a request was refused with that is logged as what it was sent for; NULL: it was not. */
+static const char *refused_with(const struct log_entry *entry)
+{
+    if (strcmp(entry->outcome, "replayed") == 0)
+        return "replayed";
+    return is_for_twins(entry) ? "already_enrolled" : NULL;
 }
 
 const char *event_type(const struct log_entry *entry)
 {
     const struct kind *k = event_find(entry);
 
-    return k == NULL ? NULL : was_replayed(entry) ? "refused" : k->type;
+    if (k == NULL || (is_for_twins(entry) && strncmp(entry->outcome, "match", 5) != 0))
+        return NULL;
+    return refused_with(entry) != NULL ? "refused" : k->type;
 }
 
 static void put(struct json *j, const char *key, const char *text)
@@ -72,14 +83,17 @@ char *event_text(const struct store_audit_entry *a)
     char first[LOG_TEXT + 1];
     struct json *j;
 
-    if (k == NULL)
+    if (event_type(entry) == NULL)
         return NULL;
     (void)snprintf(first, sizeof first, "%.*s", (int)strcspn(entry->outcome, " ,"),
                    entry->outcome);
     j = json_new();
     json_text(j, "at", entry->at);
     json_text(j, "type", event_type(entry));
-    json_text(j, "outcome", k->outcome != NULL ? k->outcome : first);
+    json_text(j, "outcome",
+              refused_with(entry) != NULL ? refused_with(entry)
+              : k->outcome != NULL        ? k->outcome
+                                          : first);
     put(j, "subject", a->subject);
     put(j, "template_id", a->subject[0] != '\0' ? entry->object : "");
     put(j, "token", token ? a->actor_name : entry->actor);

@@ -11,6 +11,7 @@
 #include "request.h"
 #include "route.h"
 #include "store.h"
+#include "throttle.h"
 
 /* Returns true if the operator must look into a request.  Not into a refusal of /readyz, which any client can
  * request, nor of a stream too many; not into a refused database, which was reported once (refusal.h); and not into overload, which gets a
@@ -84,4 +85,28 @@ void access_event(struct request *r, const char *kind, const char *outcome)
     if (store_event(r->app->store, kind, r->actor, r->subject, r->template_id, outcome,
                     &e) != ST_OK)
         lost(r, kind, &e);
+}
+
+/* A refusal whose cause has an entry already: of what was compared (also if result.scored is set), of a search, of a signed capture. */
+static bool is_entered(unsigned problem)
+{
+    return problem == ST_EMISMATCH || problem == ERRMAP_TWIN || problem == ST_EREPLAYED ||
+           problem == ERRMAP_CAPTURE_STALE || problem == ERRMAP_CAPTURE_REPLAYED ||
+           problem == ERRMAP_LIVENESS;
+}
+
+void access_refusal(struct request *r)
+{
+    const unsigned problem = r->response.problem;
+    const struct errmap *m = errmap_get(problem);
+    const double now = logger_clock_ms();
+    char outcome[64];
+
+    if (r->result.kind == NULL || r->result.scored || problem == 0 || m->http >= 500 ||
+        m->http == 401 || is_entered(problem) ||
+        throttle_wait(r->app->refusals, request_sender(r), "", now) > 0)
+        return;
+    throttle_note(r->app->refusals, request_sender(r), "", false, now);
+    (void)snprintf(outcome, sizeof outcome, "%s %s", m->code, r->result.kind);
+    access_event(r, "refused", outcome);
 }

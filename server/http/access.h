@@ -14,4 +14,12 @@ void access_log(const struct request *r, int http, double ms);
  * fails, logs it; the response stands. */
 void access_event(struct request *r, const char *kind, const char *outcome);
 
+/* Refusals of a token that are entered in the audit log, a minute: a door has a few, and they are cheaper than a
+ * verification. */
+#define ACCESS_REFUSALS 120
+
+/* access_refusal(r): Appends an entry "refused" if r is a verification, an identification or an enrolment that was
+ * refused with a 4xx, unless the cause has an entry already. */
+void access_refusal(struct request *r);
+
 #endif

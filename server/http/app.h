@@ -30,6 +30,7 @@ struct app {
     size_t disk_reserve;        /* bytes that must be free on the disk of db to enrol */
     struct throttle *throttle;  /* of wrong tokens */
     struct throttle *searches;  /* of identifications without a match */
+    struct throttle *refusals;  /* of entries of refused requests */
     struct gallery *gallery;    /* NULL: this daemon does not identify */
     struct queue *queue;
     struct queue *slow;     /* queue of routes with ROUTE_SLOW, with one worker */

@@ -252,8 +252,10 @@ static bool handle(struct worker *w, struct request *r)
         r->route->handle(r, w);
     else if (r->response.http == 0)
         return false;
-    if (!atomic_load(&r->gone))
+    if (!atomic_load(&r->gone)) {
         recent_note(r->app->recent, r);
+        access_refusal(r);
+    }
     return true;
 }
 

@@ -14,12 +14,12 @@ import socket
 import ssl
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, overload
 from urllib.parse import quote, urlencode, urlsplit
 
-from .types import Asymmetry, Burst, Check, Erased, Identification, Listed, Nonce, OwnToken, Subject, Template, Verdict
+from .types import Asymmetry, Burst, Check, Erased, Event, Identification, Listed, Nonce, OwnToken, Subject, Template, Verdict
 
 log = logging.getLogger("surfaced")
 
@@ -67,6 +67,23 @@ class Capture:
                  coding, ""]
         signature = base64.b64encode(self.sign("\n".join(lines).encode())).decode()
         return f"device={self.device}; nonce={nonce}; liveness={self.liveness}; sig={signature}"
+
+
+#: Seconds after which a stream of events is lost: three of the daemon's heartbeats.
+STREAM_SILENCE = 45.0
+
+
+def _blocks(lines: Iterable[bytes]) -> Iterator[tuple[str, Event | None]]:
+    """The blocks of a text/event-stream that have an id.  One that is cut off is none."""
+    fields: dict[str, str] = {}
+    for line in lines:
+        name, _, value = line.decode().rstrip("\n").partition(": ")
+        if line == b"\n":
+            if "id" in fields:
+                yield fields["id"], json.loads(fields["data"]) if "data" in fields else None
+            fields = {}
+        elif line.endswith(b"\n"):
+            fields[name] = value
 
 
 class _UnixConnection(http.client.HTTPConnection):
@@ -311,6 +328,43 @@ class Client:
         """The last verifications and enrolments.  query: after, limit."""
         return self.request("GET", "/v1/recent", query=query)
 
+    def events(self, after: str | None = None, *, last: int | None = None) -> Iterator[Event]:
+        """What happens, as it happens, without an end (takes the scope events): after a cursor ("0-0": all
+        of the log), with the last events, or from now on.  A connection that is lost is made again, and the
+        events go on behind the last one; SurfacedError: the daemon refuses (401: the token has ended; 410:
+        the cursor is not one of this database)."""
+        waits = 0
+        while True:
+            try:
+                for after, event in self._stream(after, last):
+                    waits, last = 0, None
+                    if event is not None:
+                        yield event
+            except SurfacedError as error:
+                if error.status not in (0, 429, 503):
+                    raise
+                log.warning("events: %s", error)
+            time.sleep(min(2.0 ** waits, 30) * random.uniform(0.1, 1))
+            waits += 1
+
+    def _stream(self, after: str | None, last: int | None) -> Iterator[tuple[str, Event | None]]:
+        """One response: each id, with its event if there is one."""
+        headers = self._headers() | {"Accept": "text/event-stream"}
+        if after is not None:
+            headers["Last-Event-ID"] = after
+        target = f"{self._prefix}/v1/events" + (f"?last={last}" if after is None and last is not None else "")
+        connection = self._connect(max(self.timeout, STREAM_SILENCE))
+        try:
+            connection.request("GET", target, headers=headers)
+            response = connection.getresponse()
+            if response.status != 200:
+                self._result(response, response.read())
+            yield from _blocks(response)
+        except (OSError, http.client.HTTPException) as error:
+            raise SurfacedError(0, "unreachable", f"{self.url}: {error or type(error).__name__}") from None
+        finally:
+            connection.close()
+
     def list_audit(self, **query: Query) -> Iterator[dict[str, Any]]:
         """The audit log, newest first; with after (a page's next_cursor; "0-0": all), what came later,
         oldest first.  query: subject, kind, actor, since, until, limit (of a page)."""
@@ -347,9 +401,7 @@ class Client:
         target = self._prefix + path + (f"?{urlencode(given)}" if given else "")
         if json_body is not None:
             body = json.dumps(json_body).encode()
-        headers = {"Accept": "*/*", "User-Agent": "surfaced-python"}
-        if self.__token:
-            headers["Authorization"] = f"Bearer {self.__token}"
+        headers = self._headers()
         if body is not None:
             headers["Content-Type"] = content_type
         for left in range(self.retries, -1, -1):
@@ -365,17 +417,24 @@ class Client:
                 time.sleep(error.retry_after * random.uniform(1, 1.5))
         raise AssertionError("unreachable")
 
+    def _headers(self) -> dict[str, str]:
+        headers = {"Accept": "*/*", "User-Agent": "surfaced-python"}
+        if self.__token:
+            headers["Authorization"] = f"Bearer {self.__token}"
+        return headers
+
+    def _connect(self, timeout: float) -> http.client.HTTPConnection:
+        if self._parts.scheme == "unix":
+            return _UnixConnection(self._parts.path, timeout)
+        if self._tls is not None:
+            return http.client.HTTPSConnection(self._parts.hostname or "", self._parts.port, timeout=timeout,
+                                               context=self._tls)
+        return http.client.HTTPConnection(self._parts.hostname or "", self._parts.port, timeout=timeout)
+
     def _connection(self) -> http.client.HTTPConnection:
         connection: http.client.HTTPConnection | None = getattr(self._local, "connection", None)
         if connection is None:
-            if self._parts.scheme == "unix":
-                connection = _UnixConnection(self._parts.path, self.timeout)
-            elif self._tls is not None:
-                connection = http.client.HTTPSConnection(self._parts.hostname or "", self._parts.port,
-                                                         timeout=self.timeout, context=self._tls)
-            else:
-                connection = http.client.HTTPConnection(self._parts.hostname or "", self._parts.port,
-                                                        timeout=self.timeout)
+            connection = self._connect(self.timeout)
             self._local.connection = connection
             with self._lock:
                 self._open.append(connection)
@@ -406,6 +465,9 @@ class Client:
             # Refused: nobody listens, as while the daemon is started anew.
             wait = 1 if isinstance(error, ConnectionRefusedError) else None
             raise SurfacedError(0, "unreachable", f"{self.url}: {error or type(error).__name__}", wait) from None
+        return self._result(response, data, method)
+
+    def _result(self, response: http.client.HTTPResponse, data: bytes, method: str = "GET") -> Any:
         request_id = response.headers["X-Request-Id"]
         # No path: it has the subject.
         log.debug("%s: %d, request id %s", method, response.status, request_id)

@@ -205,6 +205,18 @@ class Erased(TypedDict):
     public_key: str
 
 
+class Event(TypedDict):
+    cursor: str
+    at: str
+    type: str
+    outcome: str
+    subject: str | None
+    template_id: str | None
+    token: str | None
+    token_id: str | None
+    until: NotRequired[str]
+
+
 class Nonce(TypedDict):
     nonce: str
     expires_at: str
