@@ -50,7 +50,7 @@ enroll $DOOR created
 verify surfacectl match
 checkpoint surfacectl 
 delete_template $DOOR deleted
-delete_subject $DOOR deleted
+delete_subject $DOOR erased
 delete_template surfacectl deleted
 revoke_token surfacectl door"
 is "with which template" "$(said '.entries[3].object')" "$id"
