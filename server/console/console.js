@@ -105,7 +105,7 @@ function showFrame() {
         el("span.dim", {}, who.scopes.join(" · ")),
         who.groups.length > 0 && el("span.dim", {}, `only ${who.groups.join(", ")}`),
         el("div.row", {}, theme,
-          el("button.quiet", { type: "button", onclick: () => lock() }, icon("lock"), el("span", {}, "Lock"))))),
+          el("button.quiet", { type: "button", "aria-label": "Lock", onclick: () => lock() }, icon("lock"), el("span", {}, "Lock"))))),
     main);
 
   const mine = session;

@@ -315,6 +315,17 @@ get() {
     jq -r "$1" "$T/body" 2>/dev/null
 }
 
+# npm_packages PACKAGE@VERSION...: installs them into $T.  Ends the test, and says so, without npm or a network.
+npm_packages() {
+    needs npm
+    (cd "$T" && HOME=$T timeout 120 npm install --silent --no-audit --no-fund --ignore-scripts \
+        --fetch-retries 1 "$@" >npm.log 2>&1) || {
+        cat "$T/npm.log"
+        echo "SKIP $0: npm cannot install $*: is there a network?"
+        exit 0
+    }
+}
+
 # browser_tests LEAST FILE ARGUMENT...: runs FILE, a test in a browser, and counts its checks, at least LEAST; its
 # pictures are kept in $BUILD/console.
 browser_tests() {

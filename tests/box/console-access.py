@@ -1,0 +1,102 @@
+"""What axe-core finds on the console's pages, against a running daemon: console-access.py URL FOLDER TOKEN (browser.py).
+FOLDER has axe-core in node_modules."""
+import json
+import time
+
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from browser import ALL, FOLDER, ROOT, browser, check, go, one, quiet, run, unlock, wait
+
+AXE = open(FOLDER + "/node_modules/axe-core/axe.min.js").read()
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
+PAGES = ["try", "identify", "live", "people", "people?subject=person-a", "audit", "health",
+         "health?tab=tokens", "health?tab=calibration"]
+# name, CSS pixels across, device pixels for each, colours
+LOOKS = [("dark, 1440 px", 1440, 1, "dark", False), ("light, 1280 px", 1280, 1, "light", False),
+         ("forced colours", 1280, 1, "dark", True), ("768 px", 768, 1, "light", False),
+         ("320 px", 320, 1, "light", False), ("200 %", 640, 2, "dark", False)]
+
+
+def set_look(d, width, ratio, colors, forced):
+    d.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": width, "height": 860, "deviceScaleFactor": ratio, "mobile": False})
+    d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [
+        {"name": "prefers-color-scheme", "value": colors},
+        {"name": "forced-colors", "value": "active" if forced else "none"},
+        {"name": "prefers-reduced-motion", "value": "reduce"}]})
+
+
+def faults(d, forced):
+    """A line for each element in which axe-core finds one.  Forced colours have the user's contrast, whatever a
+    page asks for; axe-core sees what it asks for."""
+    if not d.execute_script("return !!window.axe"):
+        d.execute_script(AXE)
+    found = d.execute_async_script("""
+        const done = arguments[arguments.length - 1];
+        axe.run(document, {runOnly: arguments[0], resultTypes: ["violations"],
+                            rules: {"color-contrast": {enabled: !arguments[1]}}}).then(
+            (r) => done(r.violations.flatMap((v) => v.nodes.map((n) => `${v.id}: ${n.target} ${n.failureSummary}`))),
+            (e) => done([`axe-core failed: ${e}`]))""", RULES, forced)
+    return [" ".join(line.split())[:300] for line in found]
+
+
+def moving(d):
+    return d.execute_script("return document.getAnimations().length")
+
+
+def wide(d):
+    """Elements that make the page scroll sideways."""
+    return d.execute_script("""
+        const root = document.documentElement;
+        return root.scrollWidth <= root.clientWidth ? [] : [...document.querySelectorAll("body *")]
+            .filter((e) => e.getBoundingClientRect().right > root.clientWidth + 1)
+            .map((e) => `${e.localName}.${e.className}`).slice(0, 5)""")
+
+
+def look_at(d, page):
+    for name, *rest in LOOKS:
+        set_look(d, *rest)
+        time.sleep(0.2)
+        found = faults(d, rest[-1])
+        check("%s, %s: axe-core finds nothing" % (page, name), not found, json.dumps(found[:6], indent=1))
+        check("%s, %s: no sideways scrolling" % (page, name), not wide(d), wide(d))
+        check("%s, %s: nothing moves" % (page, name), moving(d) == 0, moving(d))
+    set_look(d, 1280, 1, "dark", False)
+
+
+def test_locked(d):
+    d.get(ROOT + "console")
+    one(d, "#token").send_keys("0" * 64 + Keys.ENTER)
+    one(d, ".error", "token")
+    look_at(d, "the lock")
+
+
+def test_pages(d):
+    unlock(d, ALL)
+    for page in PAGES:
+        go(d, page)
+        wait(d, lambda x: x.find_element(By.CSS_SELECTOR, "main h1").text)
+        time.sleep(0.5)
+        look_at(d, page)
+
+
+def test_compared(d):
+    unlock(d, ALL)
+    one(d, ".samples button", "Two people").click()
+    one(d, ".verdict h2", "Different faces")
+    look_at(d, "two people compared")
+    for name, *rest in LOOKS:
+        set_look(d, *rest)
+        d.save_screenshot("%s/access, %s.png" % (FOLDER, name.replace(" %", " percent")))
+
+
+def test_scan(d):
+    unlock(d, ALL)
+    one(d, ".samples button", "One scan").click()
+    one(d, ".side h2")
+    look_at(d, "one scan")
+    quiet("all pages", d)
+
+
+run(browser(), test_locked, test_pages, test_compared, test_scan)

@@ -1,0 +1,125 @@
+"""The console in Firefox, against a running daemon: console-firefox.py URL FOLDER TOKEN (browser.py).  By Marionette,
+Firefox's own protocol: Debian has no geckodriver."""
+import base64
+import json
+import os
+import socket
+import subprocess
+import time
+
+from browser import ALL, FOLDER, ROOT, check, is_
+
+PORT = int(os.environ["MARIONETTE_PORT"])
+PREFS = {"marionette.port": PORT, "webgl.force-enabled": True, "gfx.x11-egl.force-enabled": True,
+         "app.normandy.enabled": False, "datareporting.policy.dataSubmissionEnabled": False,
+         "browser.startup.page": 0, "network.captive-portal-service.enabled": False}
+PAGES = {"try": "Compare", "identify": "", "live": "Live", "people": "People", "audit": "Audit", "health": ""}
+
+
+class Firefox:
+    def __init__(self):
+        profile = FOLDER + "/firefox"
+        os.makedirs(profile)
+        with open(profile + "/user.js", "w", encoding="utf-8") as f:
+            f.writelines("user_pref(%s, %s);\n" % (json.dumps(k), json.dumps(v)) for k, v in PREFS.items())
+        # In a window that nobody sees WebGL draws by Mesa's software, if it is told to.
+        self.process = subprocess.Popen(
+            ["firefox-esr", "--headless", "--marionette", "--remote-allow-system-access", "--no-remote",
+             "--window-size=1280,860", "--profile", profile],
+            env=dict(os.environ, MOZ_WEBGL_FORCE_EGL="1", LIBGL_ALWAYS_SOFTWARE="1"),
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.last = 0
+        self.socket = self.connect()
+        self.receive()  # a greeting
+        self.ask("WebDriver:NewSession")
+
+    @staticmethod
+    def connect():
+        end = time.monotonic() + 60
+        while True:
+            try:
+                return socket.create_connection(("127.0.0.1", PORT))
+            except OSError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.1)
+
+    def receive(self):
+        """A message: its length, a colon, JSON."""
+        length, data = b"", b""
+        while not length.endswith(b":"):
+            length += self.socket.recv(1) or self.closed()
+        while len(data) < int(length[:-1]):
+            data += self.socket.recv(int(length[:-1]) - len(data)) or self.closed()
+        return json.loads(data)
+
+    @staticmethod
+    def closed():
+        raise ConnectionError("Firefox has closed the connection")
+
+    def ask(self, command, **arguments):
+        self.last += 1
+        message = json.dumps([0, self.last, command, arguments]).encode()
+        self.socket.sendall(b"%d:" % len(message) + message)
+        _, _, error, result = self.receive()
+        if error:
+            raise RuntimeError("%s: %s" % (command, error["message"]))
+        return result
+
+    def run(self, script, *arguments):
+        return self.ask("WebDriver:ExecuteScript", script=script, args=list(arguments))["value"]
+
+    def wait(self, script, *arguments, seconds=40):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            found = self.run(script, *arguments)
+            if found:
+                return found
+            time.sleep(0.1)
+        return None
+
+    def picture(self, name):
+        with open("%s/%s.png" % (FOLDER, name), "wb") as f:
+            f.write(base64.b64decode(self.ask("WebDriver:TakeScreenshot", full=False)["value"]))
+
+    def messages(self):
+        """Errors of our pages, and all that their policy has refused."""
+        self.ask("Marionette:SetContext", value="chrome")
+        lines = self.run("return Services.console.getMessageArray().map(String)")
+        self.ask("Marionette:SetContext", value="content")
+        return [line for line in lines if ROOT in line and (
+            "Error:" in line or "JavaScript Error" in line or "Content-Security-Policy" in line)]
+
+
+def text(firefox, selector, part):
+    return firefox.wait("""return [...document.querySelectorAll(arguments[0])].map((e) => e.textContent)
+                               .find((t) => t.includes(arguments[1])) ?? null""", selector, part)
+
+
+def main():
+    firefox = Firefox()
+    firefox.ask("WebDriver:Navigate", url=ROOT + "console")
+    firefox.wait("return document.querySelector('#token') !== null")
+    field = firefox.ask("WebDriver:FindElement", using="css selector", value="#token")["value"]
+    firefox.ask("WebDriver:ElementSendKeys", id=next(iter(field.values())), text=ALL + "\ue007")
+    check("a token unlocks", firefox.wait("return document.querySelector('aside') !== null"))
+    for page, title in PAGES.items():
+        firefox.run("location.hash = arguments[0]", page)
+        check("the page %s" % page, text(firefox, "main h1", title) is not None)
+    firefox.run("location.hash = 'try'")
+    text(firefox, ".samples button", "Two people")
+    firefox.run("[...document.querySelectorAll('.samples button')].find((b) => b.textContent.includes('Two people')).click()")
+    check("two people are compared", text(firefox, ".verdict h2", "Different faces"))
+    check("by a picture", firefox.wait("""
+        const c = document.querySelector("canvas");
+        return c !== null && c.width > 100 && c.getContext("webgl2") !== null"""))
+    time.sleep(1)
+    firefox.picture("firefox-try")
+    is_("no error, and nothing that the policy refused", firefox.messages(), [])
+    firefox.run("[...document.querySelectorAll('aside button')].find((b) => b.textContent.includes('Lock')).click()")
+    check("locked again", firefox.wait("return document.querySelector('#token') !== null"))
+    firefox.process.terminate()
+    firefox.process.wait()
+
+
+main()
