@@ -338,7 +338,7 @@ tests: all $(TEST_BIN) $(FUZZ_BIN) $(AIDS)
 # be loaded before the sanitizer's; faults, because the leak sanitizer does not run under strace;
 # and the fuzzers, whose inputs `make fuzz` runs with sanitizers.
 LONG := client-python clients client-openapi lab-evaluate lab-train http-openapi http-upkeep accuracy http-hostile studies fault-client crash faults \
-    console console-view attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
+    console console-view console-readme attack store-attacks http-same formats ctl-hyphen ctl-output ctl-calibrate ctl-subject dedup fleet \
     http-examples http-scopes page phone shape
 # The black-box tests first: they wait much and take longest, and others run beside the last.
 ALL_TESTS := $(if $(findstring sanitize,$(EXTRA)),$(filter-out $(LONG:%=tests/box/%.sh),\
