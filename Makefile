@@ -375,7 +375,7 @@ THREAD_BIN := $(patsubst %.c,$(BUILD)/%,$(shell grep -ls pthread.h $(TEST_SRC)))
 .PHONY: threads
 threads: $(PROGRAMS) $(BUILD)/forge $(BUILD)/slow_shim.so $(THREAD_BIN)
 	BUILD=$(BUILD) scripts/run_tests.sh $(THREAD_BIN) \
-	    $(patsubst %,tests/box/http-%.sh,routes parallel) tests/box/ctl-calibrate.sh \
+	    $(patsubst %,tests/box/http-%.sh,routes parallel events) tests/box/ctl-calibrate.sh \
 	    tests/box/ctl-explain.sh
 
 ## demo: enroll and verify faces over HTTP (scripts/demo)

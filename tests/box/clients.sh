@@ -135,6 +135,75 @@ from surfaced import Client
 with Client() as client:
     assert client.identify('$T/ida3.ply')['subject'] == 'ida'
     assert client.identify('$T/stranger.ply')['subject'] is None"
+
+# ---- what happens: a door, a monitoring system, a personnel system
+scripts/example.sh py docs/clients.md >"$T/door.py"
+scripts/example.sh python3 docs/clients.md >"$T/collector.py"
+scripts/example.sh shell-script docs/clients.md >"$T/staff.sh"
+ok "the shell script is good" shellcheck "$T/staff.sh"
+id_of() {
+    sql "SELECT id FROM tokens WHERE name = '$1'"
+}
+front=$(new_token front --scope verify --group staff)
+for name in door siem; do new_token $name --scope events --group staff >"$T/$name.token"; done
+staff_token=$(new_token staff --scope manage,delete --group staff)
+echo "a secret of both" >"$T/secret"
+ctl_exits 0 subject set ida --group staff
+ctl_exits 0 enroll guest "$T/other.ply"
+env SURFACED_URL="$URL" SURFACED_TOKEN="$(cat "$T/door.token")" PYTHONPATH="$T/py" no_proxy='*' \
+    /usr/bin/python3 "$T/door.py" "$(id_of front)" >"$T/door" 2>&1 &
+door=$!
+port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+/usr/bin/python3 "$T/collector.py" "$port" "$T/secret" >"$T/collected" 2>&1 &
+collector=$!
+forward() {
+    env SURFACED_URL="$URL" PYTHONPATH="$T/py" no_proxy='*' /usr/bin/python3 -m surfaced.forward --to "http://127.0.0.1:$port/" \
+        --cursor "$T/cursor" --secret-file "$T/secret" --token-file "$T/siem.token" >"$T/forwarded" 2>&1 &
+    forwarder=$!
+}
+forward
+trap 'kill -9 $door $collector $forwarder 2>/dev/null; cleanup' EXIT
+WATCHER=$(new_token watcher --scope audit)
+two_listen() { [ "$(metric surfaced_event_streams)" = 2 ]; }
+ok "the door and the forwarder listen" soon two_listen
+# at FRONT SCAN...: a verification of ida at the door
+at_front() {
+    AUTH=$front send POST /v1/subjects/ida/verify "$PLY" "$T/$1.ply"
+    AUTH=
+}
+staff() {
+    env SURFACED_URL="$URL" SURFACED_TOKEN="$staff_token" no_proxy='*' sh "$T/staff.sh" "$@" >"$T/out" 2>&1
+    CODE=$?
+}
+at_front ida2
+ok "the door opens" soon grep -qx 'open for ida' "$T/door"
+staff suspend ida
+is "suspended" "$CODE" 0
+at_front ida2
+ok "not for whoever is suspended" soon grep -qx 'scan again: subject_disabled' "$T/door"
+is "it has opened once" "$(grep -c open "$T/door")" 1
+staff resume ida
+is "resumed" "$CODE" 0
+kill -9 $forwarder # what happens meanwhile is not lost
+for n in 1 2 3; do at_front stranger; done
+ok "a lock-out, with its end" soon grep -q '^ida is locked out until 20' "$T/door"
+forward
+all_collected() { [ "$(wc -l <"$T/collected")" -ge 8 ]; }
+ok "all is collected" soon all_collected
+is "each once, in order" "$(cut -d ' ' -f 2,3 "$T/collected" | paste -sd ,)" "verify match,subject_disabled disabled,\
+refused subject_disabled,subject_enabled enabled,verify no_match,verify no_match,verify no_match,locked_out locked_out"
+is "none but of ida" "$(cut -d ' ' -f 4 "$T/collected" | sort -u | paste -sd ' ')" ida
+staff erase ida "$T/receipt.json"
+is "erased" "$CODE" 0
+ok "with a receipt" jq_true '.signature and .subject == "ida"' "$T/receipt.json"
+staff suspend guest
+is "of other groups there is nobody" "$CODE" 2
+contains "which is said" "$T/out" '^404 not_found: '
+curl -sS -o "$T/out" -w '%{http_code}' -d '{"cursor": "1-1"}' -H "Surfaced-Signature: t=$(date +%s),v1=00" "http://127.0.0.1:$port/" >"$T/s"
+is "a forged event is refused" "$(cat "$T/s") $(grep -c '1-1' "$T/collected")" "401 0"
+kill $door $collector $forwarder
+wait $door $collector $forwarder 2>/dev/null
+
 stop_daemon
 for language in curl python node go; do
     client "$language" "$language" "$T/a.ply" "$T/again.ply"

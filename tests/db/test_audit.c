@@ -258,3 +258,59 @@ TEST(test_several)
                         "accesses 300: entry 300 of daemon 1 is cut off the end\n");
     store_close(s);
 }
+
+/* A cursor of a client: a place in these logs, and in no other. */
+TEST(test_places)
+{
+    struct store *s = written_by_several();
+    struct store_audit_filter all = {.limit = 100};
+    struct store_audit_entry *a = NULL;
+    struct store_audit_place place, was;
+    bool known;
+    uint64_t cut;
+    size_t n;
+
+    must(store_audit_end(s, &place, &e));
+    assert_int_equal(place.changes, 1 + DAEMONS);
+    assert_int_equal(place.daemons, DAEMONS);
+    for (int i = 0; i < DAEMONS; i++)
+        assert_true(place.accesses[i] == EACH && place.access_mark[i] != 0);
+    must(store_audit_known(s, &place, &known, &e));
+    assert_true(known);
+    must(store_audit_list(s, &all, &a, &n, &was, &e)); /* the page's end has its marks */
+    assert_int_equal(store_audit_mark(&a[n - 1].entry),
+                     a[n - 1].entry.log == LOG_CHANGES
+                         ? was.change_mark
+                         : was.access_mark[a[n - 1].entry.daemon]);
+    free(a);
+    must(store_audit_known(s, &was, &known, &e));
+    assert_true(known);
+    was = place;
+    place.change_mark = place.access_mark[1] = 0; /* unknown: filled in */
+    must(store_audit_known(s, &place, &known, &e));
+    assert_true(known && memcmp(&place, &was, sizeof was) == 0);
+    place.access_mark[1] ^= 1; /* of another log */
+    must(store_audit_known(s, &place, &known, &e));
+    assert_false(known);
+    place = was;
+    place.change_mark ^= 1;
+    must(store_audit_known(s, &place, &known, &e));
+    assert_false(known);
+    place = was;
+    place.accesses[2]++; /* of a later state */
+    place.access_mark[2] = 0;
+    must(store_audit_known(s, &place, &known, &e));
+    assert_false(known);
+    place = was;
+    place.changes++;
+    must(store_audit_known(s, &place, &known, &e));
+    assert_false(known);
+    place = was;
+    place.accesses[2] = 5; /* and cut off: nobody knows */
+    place.access_mark[2] = 77;
+    must(store_audit_trim(s, "test", 30, false, &cut, &e));
+    assert_int_equal(cut, EACH - 1);
+    must(store_audit_known(s, &place, &known, &e));
+    assert_true(known);
+    store_close(s);
+}
