@@ -246,7 +246,7 @@ export function createView(canvas, { drawn, tapped, drawing, lined }) {
     const [cy, sy, cp, sp] = [Math.cos(yaw), Math.sin(yaw), Math.cos(pitch), Math.sin(pitch)];
     const r = [cy, sp * sy, -cp * sy, 0, cp, sp, sy, -sp * cy, cp * cy]; // by columns
     const far = 5 * radius;
-    const f = (5 / zoom ** -1) * Math.min(1, aspect * 1.15), near = far / 5, deep = far * 3;
+    const f = (5 / zoom ** -1) * Math.min(1, aspect * 1.05), near = far / 5, deep = far * 3;
     const t = [0, 1, 2].map((i) => -(r[i] * centre[0] + r[3 + i] * centre[1] + r[6 + i] * centre[2]));
     const z = (near + deep) / (near - deep), w = (2 * near * deep) / (near - deep);
     const place = new Float32Array(16);
