@@ -166,6 +166,7 @@ export function createStage() {
   const view = createView(canvas, { drawn: () => pins.move(), tapped: (x, y) => pin(x, y), drawing: () => cut !== null, lined: (plane) => setCut(cutOf(plane)) });
   const pins = createPins(() => view, () => layer);
   scene.append(pins.element);
+  scene.hidden = !view;
   canvas.frameTime = view?.time; // for tests
   canvas.cutTime = (turn, place) => view.time(() => {
     setCut({ turn, tilt: 0, place });
@@ -198,7 +199,7 @@ export function createStage() {
     layer = layerOf(name);
     tabs.choose(name);
     about.textContent = layer?.wider ? `${layer.about} The scale is the wider one, ±10 mm.` : layer?.about ?? PLAIN.find((p) => p.layer === name)?.about ?? SCAN;
-    legend.element.classList.toggle("off", !layer?.name);
+    legend.element.classList.toggle("off", !layer?.name || !view);
     if (layer?.name) legend.show(layer, nodes.probe[name].filter((_, i) => nodes.probe.color[4 * i + 3]));
     aimAt(null);
     view?.setLayer(layer);
@@ -350,8 +351,8 @@ export function createStage() {
         setLayer(null);
         about.textContent = what;
       }
-      setCut(solid() ? old : null);
-      if (!view) about.textContent = "This browser shows no 3D here (WebGL2); the numbers are complete without it.";
+      setCut(solid() ? old ?? (view ? null : presets().profile) : null);
+      if (!view) about.textContent = "This browser shows no 3D here (WebGL2); the section and the numbers are complete without it.";
     },
     /** What a sheet of paper shows: pictures with their titles, and a section; colours as the element has them. */
     sheet(paper) {

@@ -86,6 +86,12 @@ def test_compared(d):
     one(d, ".samples button", "Two people").click()
     one(d, ".verdict h2", "Different faces")
     look_at(d, "two people compared")
+    one(d, ".stage button", "Section").click()
+    canvas = d.find_element(By.TAG_NAME, "canvas")
+    for _ in range(2):
+        d.execute_script("arguments[0].focus()", canvas)
+        canvas.send_keys(Keys.ENTER)
+    look_at(d, "with a section and a label")
     for name, *rest in LOOKS:
         set_look(d, *rest)
         d.save_screenshot("%s/access, %s.png" % (FOLDER, name.replace(" %", " percent")))

@@ -20,6 +20,11 @@ def test_no_webgl(d):
     some("without WebGL", d, ".samples button", "Two people").click()
     some("the decision", d, ".verdict h2", "Different faces")
     some("and why there is no picture", d, ".about", "WebGL2")
+    is_("nor a scale of it", one(d, ".legend", seconds=0.2), None)
+    some("a section there is", d, ".section .said", "B lies at most")
+    one(d, ".stage [role=radio]", "Nose").click()
+    check("of both", all(curves(d)), curves(d))
+    is_("and a report", one(d, "header button", "Report").is_enabled(), True)
     quiet("without WebGL", d)
 
 

@@ -1,4 +1,5 @@
 """The pages of tests/box/page.sh in a browser: page.py file://FOLDER FOLDER - CREATED HOSTILE-NAME (browser.py)."""
+import base64
 import sys
 import time
 
@@ -82,6 +83,20 @@ def test_pages(d):
     ActionChains(d).drag_and_drop_by_offset(d.find_element(By.TAG_NAME, "canvas"), 120, 20).perform()
     turned = d.execute_script(PICTURE)
     check("match: a drag turns it", turned["sum"] != picture["sum"], turned)
+    for width in (1280, 360):
+        look(d, width, True)
+        one(d, ".stage button", "Section").click()
+        says("match, %d px" % width, d, ".section .said", "B lies at most")
+        still(d)
+        d.save_screenshot("%s/page-section-%d.png" % (FOLDER, width))
+        check("match, %d px: the cut lies on nothing" % width, d.execute_script(COLLIDE) == [], d.execute_script(COLLIDE))
+        one(d, ".stage button", "Section").click()
+    look(d, 1280, True)
+    d.execute_script("addEventListener('beforeprint', () => window.sheet = document.querySelector('.paper').textContent)")
+    pdf = base64.b64decode(d.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"])
+    check("match: printed it is one sheet", pdf.count(b"/Type /Page") - pdf.count(b"/Type /Pages") == 1)
+    sheet = d.execute_script("return window.sheet")
+    check("match: with who, what and when", all(part in sheet for part in ("alice", HOSTILE, "Same face", CREATED, "surfaced/", "UTC", "B lies at most")), sheet)
     calm = picture["orange"]
     picture = show(d, "differ", dark=False)
     says("differ", d, ".verdict h2", "Different faces")
