@@ -30,6 +30,7 @@ struct asked {
     struct store_audit_filter filter;
     char subject[STORE_SUBJECT_MAX + 1], kind[257], actor[LOG_TEXT + 1];
     char since[32], until[32];
+    unsigned char uid[LOG_UID];
 };
 
 static bool logs_take(struct request *r, const char *name, char *to, size_t size,
@@ -41,6 +42,32 @@ static bool logs_take(struct request *r, const char *name, char *to, size_t size
     return true;
 }
 
+/* The number of a subject that is on the receipt of its erasure. */
+static bool take_uid(struct request *r, struct asked *a)
+{
+    char hex[2 * LOG_UID + 1];
+    const char *given;
+    size_t n;
+
+    if (!logs_take(r, "subject_uid", hex, sizeof hex, &given))
+        return false;
+    if (given == NULL)
+        return true;
+    if (a->filter.subject != NULL) {
+        request_problem(r, ERRMAP_PARAMETER, "subject and subject_uid: one of them");
+        return false;
+    }
+    if (sodium_hex2bin(a->uid, sizeof a->uid, hex, strlen(hex), NULL, &n, NULL) != 0 ||
+        n != sizeof a->uid || sodium_is_zero(a->uid, sizeof a->uid)) {
+        request_problem(r, ERRMAP_PARAMETER,
+                        "subject_uid is the %d hexadecimal digits of an entry or a receipt",
+                        2 * LOG_UID);
+        return false;
+    }
+    a->filter.uid = a->uid;
+    return true;
+}
+
 static bool ask(struct request *r, struct asked *a)
 {
     struct store_audit_filter *f = &a->filter;
@@ -48,6 +75,7 @@ static bool ask(struct request *r, struct asked *a)
     memset(a, 0, sizeof *a);
     f->names = true;
     return logs_take(r, "subject", a->subject, sizeof a->subject, &f->subject) &&
+           take_uid(r, a) &&
            logs_take(r, "kind", a->kind, sizeof a->kind, &f->kind) &&
            logs_take(r, "actor", a->actor, sizeof a->actor, &f->actor) &&
            logs_take(r, "since", a->since, sizeof a->since, &f->since) &&
@@ -244,7 +272,7 @@ void logs_export(struct request *r, struct worker *w)
     if (!table && format[0] != '\0' && strcmp(format, "jsonl") != 0)
         request_problem(r, ERRMAP_PARAMETER, "format is jsonl or csv, not '%s'", format);
     else if (!table &&
-             (a.filter.subject != NULL || a.filter.kind != NULL ||
+             (a.filter.subject != NULL || a.filter.uid != NULL || a.filter.kind != NULL ||
               a.filter.actor != NULL || a.filter.since != NULL || a.filter.until != NULL))
         request_problem(
             r, ERRMAP_PARAMETER,

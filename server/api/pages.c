@@ -14,6 +14,7 @@
 #include "console_api_js.h"
 #include "console_audit_js.h"
 #include "console_calibration_js.h"
+#include "console_camera_js.h"
 #include "console_console_js.h"
 #include "console_dom_js.h"
 #include "console_enroll_js.h"
@@ -77,6 +78,7 @@ static struct page {
     PAGE("/console/api.js", JAVASCRIPT, console_api_js),
     PAGE("/console/audit.js", JAVASCRIPT, console_audit_js),
     PAGE("/console/calibration.js", JAVASCRIPT, console_calibration_js),
+    PAGE("/console/camera.js", JAVASCRIPT, console_camera_js),
     PAGE("/console/console.js", JAVASCRIPT, console_console_js),
     PAGE("/console/dom.js", JAVASCRIPT, console_dom_js),
     PAGE("/console/enroll.js", JAVASCRIPT, console_enroll_js),
@@ -173,6 +175,14 @@ void pages_handle(struct request *r, struct worker *w)
             return;
         }
     request_problem(r, ERRMAP_ROUTE, "there is no such page");
+}
+
+void pages_root(struct request *r, struct worker *w)
+{
+    (void)w;
+    r->response.http = 303;
+    (void)snprintf(r->response.location, sizeof r->response.location, "%s",
+                   r->app->no_console ? "docs" : "console");
 }
 
 void pages_console(struct request *r, struct worker *w)

@@ -11,6 +11,9 @@ struct worker;  /* worker.h */
  * quick route (route.h). */
 void pages_handle(struct request *r, struct worker *w);
 
+/* pages_root(r, w): For "/": 303 to the console; to /docs with --no-console. */
+void pages_root(struct request *r, struct worker *w);
+
 /* pages_console(r, w): Like pages_handle(), for /console and its files; 404 with --no-console. */
 void pages_console(struct request *r, struct worker *w);
 

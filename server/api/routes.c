@@ -23,7 +23,7 @@
 /* The query parameters of a cloud, and of a comparison with one. */
 #define CLOUD     "units, axes, fx, fy, cx, cy, depth_scale, width, height"
 #define COMPARING CLOUD ", detail"
-#define ENTRIES   "subject, kind, actor, since, until"
+#define ENTRIES   "subject, subject_uid, kind, actor, since, until"
 
 enum { /* who may: those whose token has the scope */
        ANYBODY = 0,
@@ -42,6 +42,7 @@ enum { /* who may: those whose token has the scope */
 };
 
 static const struct route table[] = {
+    {REQUEST_GET, "/", ROUTE_NO_BODY, ANYBODY, "", pages_root, ROUTE_QUICK},
     {REQUEST_GET, "/healthz", ROUTE_NO_BODY, ANYBODY, "", health_live, ROUTE_QUICK},
     {REQUEST_GET, "/readyz", ROUTE_NO_BODY, ANYBODY, "", health_ready, ROUTE_WORKER},
     {REQUEST_GET, "/metrics", ROUTE_NO_BODY, AUDIT | ROUTE_OR_LESS, "", metrics_handle,

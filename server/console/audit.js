@@ -1,13 +1,15 @@
 // audit.js -- who did what and when: filtered, verified, exported.
 
 import { get, post, query, request } from "./api.js";
-import { count, el, icon, plain, save, time } from "./dom.js";
-import { failure, verdict, VERDICTS } from "./verdict.js";
-import { attempt, dialog, field, personAt, state, table } from "./widgets.js";
+import { count, el, icon, moment, plain, save } from "./dom.js";
+import { verdict, VERDICTS } from "./verdict.js";
+import { attempt, dialog, failed, field, personAt, state, table, waiting } from "./widgets.js";
 import { kind, KINDS } from "./words.js";
 
 const PAGE = 50, TRIES = 20;
-const FILTERS = ["subject", "kind", "actor", "since", "until"];
+const FILTERS = ["subject", "subject_uid", "kind", "actor", "since", "until"];
+/** What an erased person is found by: on the receipt, and in each entry. */
+const UID = /^[0-9a-f]{32}$/;
 
 const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", year: "numeric", timeZone: "UTC" });
 
@@ -22,22 +24,20 @@ export function open(main, who, from) {
   const results = el("div", { role: "status" }), problem = el("div");
   const entries = table("Entries of the audit log", [
     ["What", (e) => el("span", { title: `${e.kind}, entry ${e.seq} of the ${e.log}` }, kind(e.kind))],
-    ["Person", (e) => (e.subject === null ? (e.erased ? el("span.dim", {}, "erased since") : "")
+    ["Person", (e) => (e.subject === null ? (e.erased ? el("a.dim", { href: here({ subject: "", subject_uid: e.subject_uid }), title: `All of ${e.subject_uid}` }, "erased since") : "")
       : who.scopes.includes("read") ? el("a", { href: personAt(e.subject) }, e.subject) : e.subject), "name"],
     ["Outcome", cameOf, "dim"],
     ["By", (e) => el("a.plain", { href: here({ actor: e.actor }), title: `Only by ${e.actor}` }, e.actor_name ?? e.actor), "by"],
-    ["Time (UTC)", (e) => el("time", { dateTime: e.at, title: e.request_id ? `request ${e.request_id}` : "" }, e.at.slice(11, 19)), "dim"],
+    ["Time (UTC)", (e) => el("time", { dateTime: e.at, title: moment(e.at) }, e.at.slice(11, 19)), "dim"],
   ]);
   const status = el("p.dim", { role: "status" });
   const more = el("button", { type: "button", onclick: () => load(false) }, "Show older ones");
 
   function add(rows) {
-    for (const e of rows) {
-      if (dayOf(e.at) !== last) {
-        last = dayOf(e.at);
-        entries.body.append(el("tr.day", { role: "row" }, el("th", { role: "rowheader", colSpan: 5, scope: "colgroup" }, last)));
-      }
-      entries.add([e]);
+    for (const [title, of] of Map.groupBy(rows, (e) => dayOf(e.at))) {
+      if (title !== last) entries.body.append(el("tr.day", { role: "row" }, el("th", { role: "rowheader", colSpan: 5, scope: "colgroup" }, title)));
+      last = title;
+      entries.add(of);
     }
   }
 
@@ -62,9 +62,16 @@ export function open(main, who, from) {
       status.textContent = `${shown ? count(shown) : "No"} ${shown === 1 ? "entry" : "entries"}${cursor !== null ? ", there are older ones." : "."}`;
     } catch (e) {
       if (e.name === "AbortError") return;
+      if (e.status === 404 && UID.test(filter.subject)) { // no id: what a receipt calls a person
+        [filter.subject, filter.subject_uid] = ["", filter.subject];
+        history.replaceState(null, "", here({}));
+        return load(anew);
+      }
       status.textContent = "";
-      entries.element.hidden = true;
-      problem.replaceChildren(failure(e));
+      entries.element.hidden = anew;
+      problem.replaceChildren(e.status === 404 ? verdict("unsure", "unsure", "Nobody", el("p", {}, "Nobody is enrolled under this id. ",
+        "The id of an erased person is overwritten: look for the number on the receipt of the erasure (subject_uid).")) : failed(e, () => load(anew)));
+      more.hidden = anew || cursor === null;
     }
   }
 
@@ -78,7 +85,7 @@ export function open(main, who, from) {
       load(true);
     }, delay);
   }
-  const input = (name, props) => el("input", { ...props, value: filter[name], oninput: (e) => set(name, e.target.value.trim(), props.type === "date" ? 0 : 300) });
+  const dayInput = (name) => el("input", { type: "date", value: filter[name], oninput: (e) => set(name, e.target.value) });
   /** A select of [value, title], or of groups of them; what else is asked for in the address is added. */
   function select(name, all, groups = []) {
     const option = ([value, title]) => el("option", { value, selected: value === filter[name] }, title);
@@ -93,8 +100,9 @@ export function open(main, who, from) {
     by.replaceWith(field("By", select("actor", [["", "Anybody"], ...tokens.map((t) => [t.id, t.name])]))), () => {});
   const clear = el("a.clear", { href: "#audit", hidden: !FILTERS.some((f) => filter[f]) }, "Show all");
   const form = el("form.filters", { role: "search", onsubmit: (e) => e.preventDefault() },
-    field("What", select("kind", [["", "Everything"]], groups)), field("Person", input("subject", { type: "search", placeholder: "Id", spellcheck: false })),
-    by, field("From", input("since", { type: "date" })), field("To", input("until", { type: "date" })), clear);
+    field("What", select("kind", [["", "Everything"]], groups)), field("Person", el("input", { type: "search", placeholder: "Id, or number of a receipt", spellcheck: false, value: filter.subject || filter.subject_uid,
+      oninput: (e) => { filter.subject_uid = ""; set("subject", e.target.value.trim(), 300); } })),
+    by, field("From (UTC)", dayInput("since")), field("To (UTC)", dayInput("until")), clear);
 
   // ---- the chain, and the export
   async function verify() {
@@ -112,7 +120,7 @@ export function open(main, who, from) {
             "and tell whoever is responsible for security."),
           el("ul", {}, v.findings.map((f) => el("li", {}, f)))));
     } catch (e) {
-      results.replaceChildren(failure(e));
+      results.replaceChildren(failed(e, verify));
     } finally {
       button.disabled = false;
     }
@@ -140,6 +148,7 @@ export function open(main, who, from) {
     el("header", {}, el("h1", {}, "Audit"), el("div.row", {}, button, el("button", { type: "button", onclick: exported }, icon("save"), "Export"))),
     el("div.stack", {}, results, form, problem, entries.element, el("div.row.end", {}, status, more)));
   entries.element.hidden = true;
+  problem.append(waiting());
   load(true);
   return () => {
     clearTimeout(timer);

@@ -3,7 +3,8 @@
 
 import { get } from "./api.js";
 import { chartWidth, count, day, el, oneIn, plain, svg } from "./dom.js";
-import { failure, pairs, shareAbove } from "./verdict.js";
+import { pairs, shareAbove } from "./verdict.js";
+import { failed } from "./widgets.js";
 import { outcome } from "./words.js";
 
 const LOW = -40, STEP = 2, BINS = 64, WEEKS = 12, DECISIONS = ["match", "inconclusive", "no_match"];
@@ -17,7 +18,7 @@ function curve(c) {
   const y = (r) => top + (Math.log10(Math.max(r, 10 ** least)) / least) * (H - top - bottom);
   const text = (at, up, what, anchor = "middle", kind = "") => svg("text", { x: at, y: up, "text-anchor": anchor, class: kind }, what);
   const out = svg("svg", { viewBox: `0 0 ${W} ${H}`, class: "chart", role: "img",
-    "aria-label": `At the threshold of ${plain(c.threshold, 1)}, ${oneIn(shareAbove(c.knots, c.threshold))} other people match.` });
+    "aria-label": `At the threshold of ${plain(c.threshold, 1)}, ${oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate)} other people match.` });
   for (let p = 0; p >= least; p--)
     out.append(svg("line", { x1: left, x2: W - right, y1: y(10 ** p), y2: y(10 ** p), class: "grid" }),
       text(left - 8, y(10 ** p) + 4, p === 0 ? "all" : `1 in ${count(10 ** -p)}`, "end"));
@@ -36,7 +37,7 @@ function curve(c) {
     const s = Number(slider.value), rate = shareAbove(c.knots, s);
     mark.setAttribute("cx", x(s));
     mark.setAttribute("cy", y(rate));
-    said.replaceChildren("At ", el("strong", {}, plain(s, 1)), `, ${s > last ? "at most " : ""}${oneIn(rate)} other people would match.`);
+    said.replaceChildren("At ", el("strong", {}, plain(s, 1)), `, ${oneIn(rate, c.knots.at(-1).rate)} other people would match.`);
   };
   slider.addEventListener("input", ask);
   ask();
@@ -99,7 +100,7 @@ const legend = () => el("p.states", {}, DECISIONS.map((k) => el(`span.key.${outc
 
 export function openCalibration(body) {
   let done = false;
-  get("/v1/stats").then((s) => {
+  const load = () => get("/v1/stats").then((s) => {
     if (done) return;
     const c = s.calibration, all = weeks(s.days);
     body.replaceChildren(el("div.try", {},
@@ -111,14 +112,15 @@ export function openCalibration(body) {
             : [el("p.dim", {}, "No verification so far. A histogram a day is kept, of the scores alone: it names nobody.")]))),
       el("div.side", {},
         el("section.card", {}, el("h2", {}, "In force"), el("dl.facts", {}, pairs([
-          ["Threshold", plain(c.threshold, 1)], ["Other people match", oneIn(shareAbove(c.knots, c.threshold)).replace(/^about /, "")], ["From", c.source === "shipped" ? "the model, as shipped" : "scans of your own"],
+          ["Threshold", plain(c.threshold, 1)], ["Other people match", oneIn(shareAbove(c.knots, c.threshold), c.knots.at(-1).rate).replace(/^about /, "")], ["From", c.source === "shipped" ? "the model, as shipped" : "scans of your own"],
           c.made_at && ["Made", day(c.made_at)]])),
           el("p.dim", {}, "A score at or above the threshold is a match.")),
         el("section.card", {}, el("h2", {}, "Does it still fit?"),
           el("p", {}, "The green hill should stay well to the right of the threshold, week after week. If it moves to the left, ",
             "scanners or people have changed: look at the quality of new scans, and calibrate anew with scans of your own."),
           el("p.dim", {}, el("code", {}, "surfacectl calibrate"), " does that.")))));
-  }, (e) => !done && body.replaceChildren(failure(e)));
+  }, (e) => !done && body.replaceChildren(failed(e, load)));
+  load();
   return () => {
     done = true;
   };

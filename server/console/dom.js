@@ -64,9 +64,22 @@ export const signed = (value, digits) => (value < 0 ? "−" : "+") + Math.abs(va
 
 export const plain = (value, digits) => (value < 0 ? "−" : "") + Math.abs(value).toFixed(digits);
 
-/** "2026-11-23 02:29:53", as the logs have it. */
+/** "2026-11-23 02:29:53": UTC, as the logs have it. */
 export const time = (iso) => (iso ? iso.replace("T", " ").replace(/(\.\d+)?Z$/, "") : "–");
-export const day = (iso) => (iso ? iso.slice(0, 10) : "–");
+
+const clock = new Intl.DateTimeFormat("sv-SE", { dateStyle: "short", timeStyle: "medium" });
+const zone = new Intl.DateTimeFormat("en-GB", { timeZoneName: "short" });
+
+/** "2026-11-23 02:29:53 UTC", and before it the time of the viewer's clock if that is another. */
+export function moment(iso) {
+  const at = new Date(iso), utc = `${time(iso)} UTC`;
+  if (at.getTimezoneOffset() === 0) return utc;
+  const name = zone.formatToParts(at).find((p) => p.type === "timeZoneName").value;
+  return `${clock.format(at)} ${name} (${utc})`;
+}
+
+/** The day, UTC; the moment for who points at it. */
+export const day = (iso, none = "–") => (iso ? el("time", { dateTime: iso, title: moment(iso) }, iso.slice(0, 10)) : none);
 
 /** The last moment of a day that was chosen, or null. */
 export const dayEnd = (date) => (date ? `${date}T23:59:59Z` : null);
@@ -82,8 +95,8 @@ export function away(iso, what = "never") {
   return unit ? relative.format(Math.trunc(s / length), unit) : s > 0 ? "in a moment" : "just now";
 }
 
-/** The same as an element that has the time itself for who points at it. */
-export const when = (iso, what) => el("time", { dateTime: iso ?? "", title: iso ? `${time(iso)} UTC` : "" }, away(iso, what));
+/** The same as an element that has the moment for who points at it. */
+export const when = (iso, what) => el("time", { dateTime: iso ?? "", title: iso ? moment(iso) : "" }, away(iso, what));
 
 /** 402341 s: "4 days 15 h" */
 export function span(s) {
@@ -94,14 +107,36 @@ export function span(s) {
 /** One of them, or many: "1 template", "2 templates". */
 export const many = (n, what) => `${count(n)} ${what}${n === 1 ? "" : "s"}`;
 
-/** A rate of false matches in words: "about 1 in 17 million". */
-export function oneIn(rate) {
+/** A rate of false matches in words: "about 1 in 17 million".  least: the lowest that the evaluation supports. */
+export function oneIn(rate, least = 0) {
   if (!(rate > 0)) return "fewer than can be told";
   if (rate > 0.095) return `about ${Math.round(rate * 100)} in 100`;
-  const n = Number((1 / rate).toPrecision(2));
-  if (n >= 1e9) return `about 1 in ${n / 1e9} billion`;
-  if (n >= 1e6) return `about 1 in ${n / 1e6} million`;
-  return `about 1 in ${count(n)}`;
+  const n = Number((1 / rate).toPrecision(2)), how = rate <= least ? "fewer than" : "about";
+  if (n >= 1e9) return `${how} 1 in ${n / 1e9} billion`;
+  if (n >= 1e6) return `${how} 1 in ${n / 1e6} million`;
+  return `${how} 1 in ${count(n)}`;
+}
+
+/** What is new, for who does not see it: read aloud once what is read now has ended. */
+const news = el("div.sr", { id: "news", role: "status" });
+export function say(text) {
+  if (!news.isConnected) document.body.append(news);
+  news.textContent = text;
+}
+
+export const labelOf = (e) => e.getAttribute("aria-label") ?? e.textContent.trim();
+
+/** What had the focus under this name, where it was made anew; else the page. */
+export function focusAgain(name, within = document.getElementById("main")) {
+  const again = name && [...within.querySelectorAll("a, button, input, select, summary")].find((e) => labelOf(e) === name && e.checkVisibility());
+  (again || document.getElementById("main"))?.focus({ preventScroll: true });
+}
+
+/** Replaces the children of an element; the focus stays with what has the same name. */
+export function refill(element, ...children) {
+  const held = document.activeElement, name = element.contains(held) && held !== element && labelOf(held);
+  element.replaceChildren(...children);
+  if (name !== false && !held.isConnected) focusAgain(name, element);
 }
 
 /** Offers bytes or a text to be saved under a name. */

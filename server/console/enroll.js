@@ -1,41 +1,45 @@
 // enroll.js -- a scan of a person: looked at first, then enrolled or verified once that is confirmed.
 
 import { get, post, query, request } from "./api.js";
-import { count, dayEnd, el, icon, many, mm, percent } from "./dom.js";
+import { camera } from "./camera.js";
+import { count, dayEnd, el, icon, many, mm, percent, say } from "./dom.js";
 import { readSeen } from "./glb.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, regions, verdict } from "./verdict.js";
-import { attempt, dialog, field, VERBATIM } from "./widgets.js";
+import { advice, checked, decided, facts, regions, verdict } from "./verdict.js";
+import { attempt, dialog, failed, field, VERBATIM } from "./widgets.js";
+
+const ID = /[A-Za-z0-9._@:\-]{1,128}/;
 
 const at = (subject, what) => `/v1/subjects/${encodeURIComponent(subject)}/${what}`;
 
 /** The place of a scan beside the picture of it.  ready(file, r): it was checked; r: null: not. */
 function scanning(d, file, verifying, ready) {
-  const stage = createStage(), said = el("div.side", { "aria-live": "polite" });
-  const slot = createSlot("", look);
+  const stage = createStage(), said = el("div.side");
+  const slot = createSlot("", look), lens = camera(() => look(slot.file));
   let stop = null;
 
   async function look(f) {
     stop?.abort();
     const own = (stop = new AbortController());
     ready(f, null);
-    if (!f) {
+    if (!f || !await lens.ready([f])) {
       said.replaceChildren();
       return stage.clear();
     }
     d.element.classList.add("busy");
     try {
-      const { extras: r, nodes } = readSeen(await request("POST", "/v1/check?detail=surface", { body: f, binary: true, stop: own.signal }));
+      const { extras: r, nodes } = readSeen(await request("POST", `/v1/check${query({ detail: "surface", ...lens.values })}`, { body: f, binary: true, stop: own.signal }));
       if (nodes) stage.show(nodes, false);
       else stage.clear();
       slot.label(r.scan, r.quality?.score);
       said.replaceChildren(...[checked(r, verifying), advice(r)].filter(Boolean));
+      say(said.querySelector(".verdict")?.textContent);
       ready(f, r);
     } catch (e) {
       if (e.name === "AbortError") return;
       stage.clear();
-      said.replaceChildren(failure(e));
+      said.replaceChildren(failed(e, () => look(f)));
     } finally {
       if (own === stop) d.element.classList.remove("busy");
     }
@@ -45,7 +49,7 @@ function scanning(d, file, verifying, ready) {
     slot.label();
     look(file);
   }
-  return { slot: slot.box, stage, said, close: () => { stop?.abort(); stage.close(); } };
+  return { slot: [slot.box, lens.element], lens, stage, said, close: () => { stop?.abort(); stage.close(); } };
 }
 
 /** Enrolls a scan of subject, or of whoever is typed in; done() is called once something was stored.
@@ -54,17 +58,20 @@ export function enroll({ who, subject, file, done }) {
   let scan = null, found = null, parts = null, added = false;
   const d = dialog(subject ? `Enroll a scan of ${subject}` : "Enroll somebody", { wide: true, closed: () => parts.close() });
   const id = el("input", {
-    type: "text", required: true, maxLength: 128, pattern: "[A-Za-z0-9._@:\\-]{1,128}", ...VERBATIM, oninput: () => update(),
+    type: "text", required: true, maxLength: 128, pattern: ID.source, ...VERBATIM, oninput: () => update(),
   });
   const label = el("input", { type: "text", maxLength: 64, autocomplete: "off" });
   const consent = el("input", { type: "text", maxLength: 128, autocomplete: "off" });
   const ends = el("input", { type: "date" });
-  const error = el("p.error", { role: "alert" });
+  const error = el("p.error", { role: "alert" }), wrong = el("p.error", { role: "alert" });
   const button = el("button.primary", { type: "submit", disabled: true }, "Enroll");
   const force = el("button.danger", { type: "button", hidden: true, onclick: () => send(force, true) }, "Enroll anyway");
   const name = () => subject ?? id.value.trim();
 
   function update() {
+    const strange = !subject && [...id.value].filter((c) => !ID.test(c));
+    wrong.textContent = strange?.length ? `An id has letters a to z, digits and . _ - @ : alone, and no ${strange.includes(" ") ? "space" : `“${strange[0]}”`}.` : "";
+    id.setAttribute("aria-invalid", wrong.textContent !== "");
     button.disabled = !found?.enrollable || !(subject || (id.value && id.checkValidity()));
     button.textContent = name() ? `Enroll ${name()}` : "Enroll";
     force.hidden = true;
@@ -79,7 +86,7 @@ export function enroll({ who, subject, file, done }) {
         added = true;
       }
       try {
-        response = await post(at(name(), `templates${query({ label: label.value, force: forced ? "true" : "" })}`), scan);
+        response = await post(at(name(), `templates${query({ label: label.value, force: forced ? "true" : "", ...parts.lens.values })}`), scan);
       } catch (e) {
         force.hidden = e.code !== "sample_mismatch" || !who.scopes.includes("manage");
         throw e;
@@ -100,8 +107,8 @@ export function enroll({ who, subject, file, done }) {
     update();
   });
   const form = el("form", { onsubmit: (e) => { e.preventDefault(); send(button, false); } },
-    subject ? null : field("Id", id, "Letters, digits and . _ - @ :"),
-    parts.slot, parts.said,
+    ...(subject ? [] : [field("Id", id, "Letters, digits and . _ - @ :"), wrong]),
+    ...parts.slot, parts.said,
     el("details", {}, el("summary", {}, "Label, consent"),
       field("Label of the scan", label, "Where or how it was made, say"),
       ...(subject ? [] : [field("Reference of the consent", consent), field("The consent ends", ends)])),
@@ -123,7 +130,7 @@ export function verifyHere({ who, subject, attempts, done }) {
 
   async function send() {
     let r, nodes;
-    const path = at(subject, `verify${detail ? "?detail=surface" : ""}`);
+    const path = at(subject, `verify${query({ detail: detail ? "surface" : "", ...parts.lens.values })}`);
     if (!await attempt(button, error, async () => {
       ({ extras: r, nodes } = readSeen(await request("POST", path, { body: scan, binary: detail })));
     })) return;
@@ -143,7 +150,7 @@ export function verifyHere({ who, subject, attempts, done }) {
     el("p.advice", {}, icon("warning", 18), el("span", {}, "This counts as an attempt, as at a door: if it fails, the next one may have to wait. ",
       el("strong", {}, before), "To look at two scans without that, use Try.")),
     detail && el("p.dim", {}, "The enrolled face is shown with it; the audit log records that."),
-    parts.slot, parts.said, error,
+    ...parts.slot, parts.said, error,
     el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Cancel"), button));
   d.body.append(el("div.scanning", {}, parts.stage.element, form));
   form.querySelector("input").focus();

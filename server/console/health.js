@@ -3,10 +3,9 @@
 
 import { get, repeat } from "./api.js";
 import { openCalibration } from "./calibration.js";
-import { chartWidth, count, el, icon, many, percent, plain, span, svg } from "./dom.js";
+import { chartWidth, count, el, icon, many, plain, refill, span, svg } from "./dom.js";
 import { openTokens } from "./tokens.js";
-import { failure } from "./verdict.js";
-import { choices } from "./widgets.js";
+import { choices, failed, waiting } from "./widgets.js";
 import { WHY, outcome } from "./words.js";
 
 /** Name, title, and the scope that it takes. */
@@ -19,6 +18,7 @@ export function open(main, who, asked) {
   const body = el("div.stack"), actions = el("div.row");
   main.replaceChildren(el("header", {}, el("h1", {}, "Health"), actions),
     el("div.stack", {}, choices("Health", tabs, tab, at), body));
+  body.append(waiting());
   return { "": openNow, tokens: openTokens, calibration: openCalibration }[tab](body, who, actions);
 }
 
@@ -66,9 +66,9 @@ function openNow(body, who, actions) {
     // The rate of the last seconds; at first that since the start.
     const [n, seconds] = before ? [rates.verifications - before.n, (Date.now() - before.at) / 1000] : [rates.verifications, s.uptime_s];
     const order = ["error", "warning", "ok"], bad = s.findings.filter((f) => f.severity !== "ok").length;
-    body.replaceChildren(
+    refill(body,
       el("div.tiles", {},
-        tile(count(rates.verifications), "Verifications", `${plain((60 * n) / Math.max(seconds, 1), 1)} a minute ${before ? "now" : "on average"}`),
+        tile(count(rates.verifications), "Decisions since the start", `${plain((60 * n) / Math.max(seconds, 1), 1)} a minute ${before ? "now" : "on average"}`),
         tile(ms.p50 == null ? "–" : `${plain(ms.p50, 0)} ms`, "Half are faster than", ms.p95 == null ? "none so far" : `95 of 100 faster than ${plain(ms.p95, 0)} ms`),
         tile(count(counts.subjects), "People", many(counts.templates, "template")),
         tile(span(s.uptime_s), "Running", `${count(s.queue.waiting)} waiting`)),
@@ -80,7 +80,7 @@ function openNow(body, who, actions) {
             return el(`li.${kind}`, {}, icon(name, 18), el("div", {}, el("span.sr", {}, `${f.severity}: `), el("p", {}, el("strong", {}, `${f.about}: `), f.what), f.do && el("p.dim", {}, f.do)));
           })))),
         el("div.side", {},
-          el("section.card", {}, el("h2", {}, "Decisions since the start"),
+          el("section.card", {}, el("h2", {}, "Verifications and comparisons since the start"),
             rates.verifications ? bars(["match", "no_match", "inconclusive"].map((d) => [outcome(d).title, rates.decisions[d], outcome(d).kind])) : el("p.dim", {}, "None so far.")),
           el("section.card", {}, el("h2", {}, "Refused since the start"),
             Object.keys(rates.refusals).length ? bars(Object.entries(rates.refusals).map(([code, k]) => [WHY[code] ?? code, k])) : el("p.dim", {}, "Nothing so far.")),
@@ -88,5 +88,6 @@ function openNow(body, who, actions) {
     before ??= { n: rates.verifications, at: Date.now() };
   }
 
-  return repeat(EVERY_MS, () => get("/v1/stats").then(show, (e) => body.replaceChildren(failure(e))));
+  const load = () => get("/v1/stats").then(show, (e) => body.replaceChildren(failed(e, load)));
+  return repeat(EVERY_MS, load);
 }

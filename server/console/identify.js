@@ -1,10 +1,11 @@
 // identify.js -- who is it, of all who may be found?
 
 import { query, request } from "./api.js";
-import { count, el, icon, oneIn, plain } from "./dom.js";
+import { camera } from "./camera.js";
+import { count, el, icon, oneIn, plain, say } from "./dom.js";
 import { createSlot } from "./slot.js";
-import { facts, failure, gauge, UNTOLD, verdict, VERDICTS } from "./verdict.js";
-import { field, personAt, table, VERBATIM } from "./widgets.js";
+import { facts, gauge, UNTOLD, verdict, VERDICTS } from "./verdict.js";
+import { failed, field, personAt, table, VERBATIM } from "./widgets.js";
 
 const people = (n) => `${count(n)} ${n === 1 ? "person" : "people"}`;
 
@@ -32,7 +33,7 @@ function candidates(all) {
   const list = table("Candidates", [
     ["Person", (c) => el("a", { href: personAt(c.subject) }, c.subject), "name"],
     ["Evidence", (c) => plain(c.score, 1), "number"],
-    ["Other people who score as high", (c) => oneIn(c.fmr_at_score), "dim"],
+    ["Other people who score as high, at most", (c) => oneIn(c.fmr_at_score).replace("about ", ""), "dim"],
   ]);
   list.set(all);
   return el("section.stack", {}, el("h2", {}, "To be reviewed by a person"),
@@ -41,10 +42,10 @@ function candidates(all) {
 
 export function open(main, who) {
   const reads = who.scopes.includes("read");
-  const slot = createSlot("", run, true);
+  const slot = createSlot("", run, true), lens = camera(run);
   const group = el("input", { type: "text", maxLength: 64, pattern: "[a-z0-9._\\-]{1,64}", list: "groups", placeholder: "everybody", ...VERBATIM, onchange: run });
   const most = el("input", { type: "number", min: 0, max: 50, value: 0, onchange: run });
-  const said = el("div.stack", { "aria-live": "polite" });
+  const said = el("div.stack");
   let running = null;
 
   function show(r) {
@@ -59,10 +60,12 @@ export function open(main, who) {
         r.skipped > 0 && ["Stored scans not searched", count(r.skipped)],
         r.timing_ms.total != null && ["Time on the server", `${r.timing_ms.total.toFixed(0)} ms`]])].filter(Boolean));
     slot.label(r.scan, r.quality.score);
+    say(`${title}. ${explain(r)}`);
   }
 
   async function run() {
     running?.abort();
+    if (!await lens.ready(slot.files)) return;
     if (!slot.file) return said.replaceChildren();
     if (!group.reportValidity() || !most.reportValidity()) return;
     const own = (running = new AbortController());
@@ -73,9 +76,9 @@ export function open(main, who) {
     }
     main.classList.add("busy");
     try {
-      show(await request("POST", `/v1/identify${query({ group: group.value, candidates: most.value > 0 ? most.value : "" })}`, { body, stop: own.signal }));
+      show(await request("POST", `/v1/identify${query({ group: group.value, candidates: most.value > 0 ? most.value : "", ...lens.values })}`, { body, stop: own.signal }));
     } catch (e) {
-      if (e.name !== "AbortError") said.replaceChildren(failure(e));
+      if (e.name !== "AbortError") said.replaceChildren(failed(e, run));
     } finally {
       if (own === running) main.classList.remove("busy");
     }
@@ -83,7 +86,7 @@ export function open(main, who) {
 
   main.replaceChildren(
     el("header", {}, el("h1", {}, "Identify"), el("span.dim.note", {}, "Each search is recorded.")),
-    el("div.stack.column", {}, slot.box,
+    el("div.stack.column", {}, slot.box, lens.element,
       el("div.row.wrap", {},
         field("Group", group, "Only these people are searched"),
         reads && field("Candidates", most, "List so many, for a person to review"),

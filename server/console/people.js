@@ -5,26 +5,28 @@ import { count, day, el, icon, when } from "./dom.js";
 import { enroll } from "./enroll.js";
 import { openPerson } from "./person.js";
 import { droppable } from "./slot.js";
-import { failure } from "./verdict.js";
-import { choices, groupLinks, meter, personAt, state, table } from "./widgets.js";
+import { choices, failed, groupLinks, meter, personAt, state, table, waiting } from "./widgets.js";
 import { personStates } from "./words.js";
 
 const STATES = [["", "All"], ["active", "Active"], ["ending", "Ending soon"], ["expired", "Expired"], ["disabled", "Disabled"], ["hold", "On hold"]];
 const PAGE = 50, LEAST = 20, TRIES = 20;
 
+let listed = "#people"; // the list that was looked at last, which a person's page goes back to
+
 export function open(main, who, asked) {
   if (!who.scopes.includes("read")) return openDesk(main, who);
-  if (asked.get("subject") !== null) return openPerson(main, who, asked.get("subject"));
+  if (asked.get("subject") !== null) return openPerson(main, who, asked.get("subject"), listed);
 
   let q = asked.get("q") ?? "", group = asked.get("group"), filter = asked.get("state") ?? "", cursor = null, shown = 0, stop = null, timer = 0;
   const here = (filter) => `#people${query({ q, state: filter, group })}`;
+  listed = here(filter);
   const search = el("input", {
     type: "search", value: q, placeholder: "Find an id", "aria-label": "Find a person by a part of the id", spellcheck: false, autocapitalize: "off",
     oninput: () => {
       clearTimeout(timer);
       timer = setTimeout(() => {
         q = search.value.trim();
-        history.replaceState(null, "", here(filter));
+        history.replaceState(null, "", listed = here(filter));
         links();
         load(true);
       }, 250);
@@ -39,7 +41,7 @@ export function open(main, who, asked) {
     ["Templates", (s) => s.templates || el("span.dim", {}, "none"), "number"],
     ["Quality", (s) => meter(s.quality)],
     ["Last seen", (s) => when(s.last_seen), "dim"],
-    ["Consent ends", (s) => (s.expires_at ? day(s.expires_at) : "never"), "dim"],
+    ["Consent ends (UTC)", (s) => day(s.expires_at, s.consent ? "never" : "–"), "dim"],
   ], (tr) => tr.classList.add("link"));
   const status = el("p.dim", { role: "status" });
   const more = el("button", { type: "button", onclick: () => load(false) }, "Show more");
@@ -71,7 +73,7 @@ export function open(main, who, asked) {
     } catch (e) {
       if (e.name === "AbortError") return;
       status.textContent = "";
-      problem.replaceChildren(failure(e));
+      problem.replaceChildren(failed(e, () => load(anew)));
     }
   }
 
@@ -83,6 +85,7 @@ export function open(main, who, asked) {
       group !== null && el("p.row", {}, "Of the group ", el("strong", {}, group), el("a", { href: `#people${query({ q, state: filter })}` }, "Show all")), problem, list.element, el("div.row.end", {}, status, more)));
   links();
   list.element.hidden = true;
+  problem.append(waiting());
   load(true);
   return () => {
     clearTimeout(timer);

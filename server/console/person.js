@@ -3,14 +3,14 @@
 
 import { get, query, request } from "./api.js";
 import { cameOf } from "./audit.js";
-import { count, day, dayEnd, el, icon, many, save, time, when } from "./dom.js";
+import { count, day, dayEnd, el, icon, many, moment, refill, save, when } from "./dom.js";
 import { enroll, verifyHere } from "./enroll.js";
 import { readGlb } from "./glb.js";
 import { droppable } from "./slot.js";
 import { createStage } from "./stage.js";
-import { failure, facts, pairs, verdict } from "./verdict.js";
-import { ask, attempt, dialog, field, groupLinks, groupsField, meter, state, table, VERBATIM } from "./widgets.js";
-import { kind, personStates } from "./words.js";
+import { facts, pairs, verdict } from "./verdict.js";
+import { ask, attempt, dialog, failed, field, groupLinks, groupsField, meter, state, table, VERBATIM, waiting } from "./widgets.js";
+import { isLocked, kind, personStates } from "./words.js";
 
 const LATELY = 8;
 
@@ -20,11 +20,13 @@ const nameOf = (t) => t.label || t.template_id.slice(0, 8);
 function about(s) {
   if (s.disabled) return "Nobody is verified as them until somebody enables them.";
   if (s.expires_at && Date.parse(s.expires_at) <= Date.now()) return "The consent is over: nobody is verified as them, and the next purge erases them.";
+  if (isLocked(s)) return `Too many verifications failed: nobody is verified as them until ${moment(s.attempts.locked_until)}.`;
   if (!s.templates.length) return "No scan is enrolled yet: nobody can be verified as them.";
   return "A scan that fits is verified as them.";
 }
 
-export function openPerson(main, who, subject) {
+/** list: the address of the list of people that is gone back to. */
+export function openPerson(main, who, subject, list) {
   const may = (scope) => who.scopes.includes(scope);
   const path = `/v1/subjects/${encodeURIComponent(subject)}`;
   const actions = el("div.row");
@@ -38,7 +40,7 @@ export function openPerson(main, who, subject) {
     } catch (e) {
       if (done) return;
       actions.replaceChildren();
-      body.replaceChildren(e.status === 404 ? verdict("unsure", "unsure", "Nobody", el("p", {}, "Nobody is enrolled under this id.")) : failure(e));
+      body.replaceChildren(e.status === 404 ? verdict("unsure", "unsure", "Nobody", el("p", {}, "Nobody is enrolled under this id.")) : failed(e, load));
     }
   }
 
@@ -56,7 +58,7 @@ export function openPerson(main, who, subject) {
       el("h2", {}, icon(first.icon, 26), first.title),
       el("p", {}, about(person)),
       others.length > 0 && el("p.states", {}, others.map(state), held && el("span.dim", {}, "and so cannot be erased")),
-      el("p.dim", {}, "Last seen ", when(person.last_seen), "."),
+      el("p.dim", {}, "Added ", when(person.created), ", last seen ", when(person.last_seen), "."),
       may("manage") && el("div.row.wrap", {},
         person.disabled
           ? asking("Enable", `Enable ${subject}?`, "They can be verified again.", "Enable", { disabled: false })
@@ -90,11 +92,20 @@ export function openPerson(main, who, subject) {
     reference.focus();
   }
 
+  /** When it was written last, for who may know. */
+  function changedAt() {
+    const at = el("dd", {}, "–");
+    get(`/v1/audit${query({ subject, kind: "set_subject,add_subject", limit: 1 })}`).then(({ entries }) => entries[0] && at.replaceChildren(when(entries[0].at)), () => {});
+    return [el("dt", {}, "Recorded"), at];
+  }
+
   const consentCard = () => el("section.card", {},
     el("div.row.between", {}, el("h2", {}, "Consent"),
       may("manage") && el("button.quiet", { type: "button", "aria-label": "Change the consent", onclick: editConsent }, "Change")),
-    el("dl.facts", {}, pairs([["Reference", person.consent ?? "–"], ["Purpose", person.purpose ?? "–"],
-      ["Ends", person.expires_at ? day(person.expires_at) : "never"], ["Searches", person.identify ? "may find them" : "opted out"], ["Since", day(person.created)]])));
+    !person.consent && !person.expires_at && el("p.dim", {}, "None is recorded."),
+    el("dl.facts", {}, pairs([person.consent && ["Reference", person.consent], person.purpose && ["Purpose", person.purpose],
+      (person.consent || person.expires_at) && ["Ends (UTC)", day(person.expires_at, "never")], ["Searches", person.identify ? "may find them" : "opted out"]]),
+    may("audit") && (person.consent || person.expires_at) && changedAt()));
 
   function editGroups() {
     const d = dialog("Groups"), error = el("p.error", { role: "alert" });
@@ -117,22 +128,22 @@ export function openPerson(main, who, subject) {
 
   function attemptsCard() {
     const { failures, locked_until: until } = person.attempts, error = el("p.error", { role: "alert" });
-    const locked = until && Date.parse(until) > Date.now();
+    const locked = isLocked(person);
     const button = el("button", {
       type: "button", onclick: () => attempt(button, error, () => request("DELETE", `${path}/attempts`).then(load)),
     }, locked ? "End the lock-out" : "Forget them");
     return el("section.card", {}, el("h2", {}, "Attempts"),
-      el(locked ? "p.advice" : "p", {}, locked && icon("warning", 18), el("span", {}, locked ? `Locked out until ${time(until)}: ` : "",
+      el(locked ? "p.advice" : "p", {}, locked && icon("warning", 18), el("span", {}, locked ? `Locked out until ${moment(until)}: ` : "",
         failures ? `${many(failures, "verification")} in a row failed.` : "No verification has failed lately.")),
       failures > 0 && may("manage") && el("div", {}, button), error);
   }
 
   function lately() {
     const error = el("p.dim"), list = table("What happened lately", [
-      ["What happened lately", (e) => kind(e.kind)], ["Outcome", cameOf, "dim"], ["By", (e) => e.actor_name ?? e.actor, "by"], ["When", (e) => when(e.at), "dim.when"],
+      ["What", (e) => kind(e.kind)], ["Outcome", cameOf, "dim"], ["By", (e) => e.actor_name ?? e.actor, "by"], ["When", (e) => when(e.at), "dim.when"],
     ]);
-    get(`/v1/audit${query({ subject, limit: LATELY })}`).then(({ entries }) => list.set(entries), (e) => (error.textContent = e.message));
-    return [list.element, error, el("p.row.end", {}, el("a", { href: `#audit${query({ subject })}` }, "All of it in Audit"))];
+    get(`/v1/audit${query({ subject, limit: LATELY })}`).then(({ entries }) => list.set(entries), (e) => (error.textContent = e.message)); // it is tried again with the page
+    return [el("h2", {}, "What happened lately"), list.element, error, el("p.row.end", {}, el("a", { href: `#audit${query({ subject })}` }, "All of it in Audit"))];
   }
 
   // ---- templates
@@ -174,7 +185,7 @@ export function openPerson(main, who, subject) {
   // ---- erasing
 
   function erase() {
-    const d = dialog(`Erase ${subject}?`, { closed: () => { if (erased) location.hash = "#people"; } });
+    const d = dialog(`Erase ${subject}?`, { closed: () => { if (erased) location.hash = list; } });
     const error = el("p.error", { role: "alert" });
     let erased = null;
     const typed = el("input", { type: "text", ...VERBATIM, oninput: () => (button.disabled = typed.value !== subject) });
@@ -187,8 +198,8 @@ export function openPerson(main, who, subject) {
         d.body.replaceChildren(
           verdict("ok", "yes", "Erased",
             el("p", {}, `${many(erased.templates_removed, "template")} and all that was known of ${subject} are overwritten.`)),
-          el("p", {}, "Keep the receipt: it is signed, and shows when this was done. It cannot be made again."),
-          facts([["Erased (UTC)", time(erased.erased_at)], ["Entry of the log", count(erased.audit.seq)]]),
+          el("p", {}, "Keep the receipt: it is signed, and shows when this was done. It cannot be made again. Audit finds what was done about them by the number on it, not by the id."),
+          facts([["Erased", moment(erased.erased_at)], ["Number", erased.subject_uid], ["Entry of the log", count(erased.audit.seq)]]),
           el("div.buttons", {}, el("button", { type: "button", onclick: d.close }, "Close"),
             el("button.primary", { type: "button", onclick: keep }, icon("save"), "Save the receipt")));
         d.body.querySelector("button.primary").focus();
@@ -215,12 +226,13 @@ export function openPerson(main, who, subject) {
       may("enroll") && el("button.primary", { type: "button", onclick: () => begin() }, icon("plus"), "Enroll a scan"),
     ].filter(Boolean));
     const looked = body.querySelector(".looked") ?? el("section.stack.looked");
-    body.replaceChildren(el("div.try", {},
+    refill(body, el("div.try", {},
       el("div.stack", {}, templates(), looked, may("audit") && lately()),
       el("div.side", {}, stateCard(), attemptsCard(), consentCard(), groupsCard(), may("delete") && eraseCard())));
   }
 
-  main.replaceChildren(el("header", {}, el("a.back", { href: "#people", "aria-label": "All people" }, icon("back", 20)), el("h1.id", {}, subject), actions), body);
+  main.replaceChildren(el("header", {}, el("a.back", { href: list, "aria-label": "Back to the people" }, icon("back", 20)), el("h1.id", {}, subject), actions), body);
+  body.append(waiting());
   load();
   return () => {
     done = true;

@@ -1,9 +1,8 @@
 // tokens.js -- who may ask the daemon: tokens made, rotated and revoked.
 
 import { get, post, request, setToken } from "./api.js";
-import { away, day, dayEnd, el, icon, when } from "./dom.js";
-import { failure } from "./verdict.js";
-import { ask, attempt, dialog, field, groupLinks, groupsField, state, table } from "./widgets.js";
+import { away, day, dayEnd, el, icon, refill, when } from "./dom.js";
+import { ask, attempt, dialog, failed, field, groupLinks, groupsField, state, table } from "./widgets.js";
 import { SCOPES } from "./words.js";
 
 const SOON_MS = 30 * 86400e3;
@@ -39,7 +38,7 @@ export function openTokens(body, who, actions) {
     ["May", (t) => el("span.chips", {}, t.scopes.map((s) => el("span.chip", { title: SCOPES[s] ?? "" }, s))), "why"],
     ["People", (t) => (t.groups.length ? groupLinks(t.groups) : el("span.dim", {}, "all")), "why"],
     ["Last used", (t) => when(t.last_used), "dim"],
-    ["Ends", (t) => (t.expires_at ? day(t.expires_at) : "never"), "dim"],
+    ["Ends (UTC)", (t) => day(t.expires_at, "never"), "dim"],
     ["", (t) => !t.revoked_at && el("span.row.end", {},
       el("button", { type: "button", "aria-label": `Rotate ${t.name}`, onclick: () => rotate(t) }, "Rotate"),
       t.id !== who.id && el("button.quiet", { type: "button", "aria-label": `Revoke ${t.name}`, onclick: () => ask(`Revoke ${t.name}?`,
@@ -53,9 +52,9 @@ export function openTokens(body, who, actions) {
       if (done) return;
       const ended = (t) => Boolean(t.revoked_at);
       list.set([...tokens.filter((t) => !ended(t)), ...tokens.filter(ended)]);
-      body.replaceChildren(list.element, problem);
+      refill(body, list.element, problem);
     } catch (e) {
-      if (!done) body.replaceChildren(failure(e));
+      if (!done) body.replaceChildren(failed(e, load));
     }
   }
 

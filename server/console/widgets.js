@@ -1,16 +1,17 @@
 // widgets.js -- dialogs, tables, fields: what several pages are made of.
 
 import { query } from "./api.js";
-import { el, icon } from "./dom.js";
+import { el, focusAgain, icon, labelOf } from "./dom.js";
+import { failure } from "./verdict.js";
 
 /** A dialog over the page; the browser holds the focus in it, closes it on Escape, and gives the focus
  *  back.  Returns {element, close, body}; closed(): however it ended. */
 export function dialog(title, { wide, closed } = {}) {
-  const body = el("div.body");
+  const body = el("div.body"), opener = labelOf(document.activeElement);
   function ended() {
     element.remove();
     closed?.();
-    if (document.activeElement === document.body) document.getElementById("main")?.focus(); // what opened it is gone
+    if (document.activeElement === document.body) focusAgain(opener); // what opened it was made anew, or is gone
   }
   const element = el(wide ? "dialog.wide" : "dialog", { "aria-labelledby": "dialog-title", onclose: ended },
     el("header", {}, el("h2", { id: "dialog-title" }, title),
@@ -23,6 +24,7 @@ export function dialog(title, { wide, closed } = {}) {
 
 /** Calls act() while its button waits; what was refused is shown beside it.  Returns whether it was done. */
 export async function attempt(button, error, act) {
+  const name = document.activeElement === button && labelOf(button); // a disabled button loses the focus
   button.disabled = true;
   error.textContent = "";
   try {
@@ -33,8 +35,20 @@ export async function attempt(button, error, act) {
     return false;
   } finally {
     button.disabled = false;
+    if (button.isConnected && name) button.focus();
+    else if (name && document.activeElement === document.body) focusAgain(name);
   }
 }
+
+/** What failed, and a button that tries it again. */
+export function failed(e, again) {
+  const card = failure(e);
+  card.append(el("div", {}, el("button", { type: "button", onclick: again }, "Try again")));
+  return card;
+}
+
+/** In the place of what the daemon has not sent yet; it shows only if that takes a while. */
+export const waiting = () => el("div.waiting", { role: "img", "aria-label": "Loading" }, [1, 2, 3].map(() => el("i.card")));
 
 /** A question before something is done: act() once it is confirmed. */
 export function ask(title, text, verb, act, { danger } = {}) {
@@ -61,8 +75,8 @@ export function field(label, input, note) {
     note && el("span.dim", { id: `${input.id}-note` }, note));
 }
 
-/** A table; columns: [title, row => cell, class].  On a phone each row is a card.  row(tr, x): what
- *  else a row is given. */
+/** A table; columns: [title, row => cell, class].  Where it is wider than its place, each row is a card.
+ *  row(tr, x): what else a row is given. */
 export function table(caption, columns, row) {
   const body = el("tbody", { role: "rowgroup" });
   const make = (x) => {
@@ -71,11 +85,23 @@ export function table(caption, columns, row) {
     row?.(tr, x);
     return tr;
   };
-  const element = el("div.card.table", {}, el("table", { role: "table", "aria-label": caption },
+  const inner = el("table", { role: "table", "aria-label": caption },
     el("thead", { role: "rowgroup" }, el("tr", { role: "row" }, columns.map(([title, , kind]) =>
       el(`th${kind ? `.${kind}` : ""}`, { scope: "col", role: "columnheader" }, title)))),
-    body));
-  return { element, body, set: (rows) => body.replaceChildren(...rows.map(make)), add: (rows) => body.append(...rows.map(make)) };
+    body);
+  const element = el("div.card.table", {}, inner);
+  let width = 0; // of the place, when it was looked at last
+  function fit() {
+    element.classList.remove("cards");
+    width = element.offsetWidth;
+    element.classList.toggle("cards", inner.scrollWidth > element.clientWidth);
+  }
+  new ResizeObserver(() => element.offsetWidth !== width && fit()).observe(element);
+  const changed = (change) => (rows) => {
+    change(rows);
+    if (element.isConnected) fit();
+  };
+  return { element, body, set: changed((rows) => body.replaceChildren(...rows.map(make))), add: changed((rows) => body.append(...rows.map(make))) };
 }
 
 /** The groups that a text names, "door-3, staff"; and an input for them. */
@@ -86,7 +112,7 @@ export function groupsField(note, groups = []) {
 }
 
 /** Groups, each as a link to its people. */
-export const groupLinks = (groups) => el("span.chips", {}, groups.map((group) => el("a.chip", { href: `#people${query({ group })}` }, group)));
+export const groupLinks = (groups) => groups.length > 0 && el("span.chips", {}, groups.map((group) => el("a.chip", { href: `#people${query({ group })}` }, group)));
 
 /** The address of a person's page. */
 export const personAt = (subject) => `#people${query({ subject })}`;

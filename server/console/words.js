@@ -24,8 +24,29 @@ export const WHY = {
   too_many_templates: "This person has as many templates as a person can have.",
   unauthorized: "The token was wrong.",
   insufficient_scope: "The token may not do that.",
+  capture_required: "The scan is not signed by a scanner.",
+  capture_invalid: "The scan is not signed by a scanner that is known.",
+  capture_stale: "The scanner took too long: scan again.",
+  capture_replayed: "This is a scan that was used before: scan again.",
+  liveness_failed: "The scanner has seen no living face.",
   storage_full: "The disk is full.",
   busy: "The daemon had too much to do.",
+};
+
+/** What came of an event, by its type and outcome, or by its type; of a refusal see WHY. */
+export const REASONS = {
+  "verify match": "The shape of the face speaks for them.",
+  "verify no_match": "The shape of the face speaks against them.",
+  "verify inconclusive": "Too little of the face could be compared, or the scan was too noisy: scan again.",
+  "identify match": "The shape of the face speaks for them, and for nobody else who was searched.",
+  "identify no_match": "Nobody who was searched is alike enough.",
+  "identify inconclusive": "The scan, or the number of people, allows no decision: scan again.",
+  "enroll enrolled": "A template was made of the scan.",
+  enroll_mismatch: "The new scan does not fit the person's first one.",
+  locked_out: "Too many verifications failed.",
+  attempts_reset: "They can be verified again.",
+  many_subjects: "This token has failed for many people.",
+  attempts_pattern: "Failures between the matches of one person: somebody else may be trying.",
 };
 
 /** What an entry of the audit log is about: its title, and its group. */
@@ -95,17 +116,21 @@ export const SCOPES = {
 /** The end of a consent is near when it is so many days off; the daemon's filter "ending" has the same. */
 const SOON_MS = 30 * 86400e3;
 
-/** What there is to say of a person: icon, kind and title each. */
+/** What there is to say of a person: icon, kind and title each.  attempts are known of one person alone. */
 export function personStates(s) {
   const left = s.expires_at ? Date.parse(s.expires_at) - Date.now() : Infinity;
   const out = [];
   if (s.disabled) out.push({ icon: "off", kind: "unsure", title: "Disabled" });
   if (left <= 0) out.push({ icon: "no", kind: "no", title: "Expired" });
+  if (isLocked(s)) out.push({ icon: "lock", kind: "unsure", title: "Locked out" });
+  if (!(s.templates.length ?? s.templates)) out.push({ icon: "face", kind: "note", title: "No scan yet" });
   if (!out.length) out.push({ icon: "yes", kind: "ok", title: "Active" });
   if (left > 0 && left < SOON_MS) out.push({ icon: "clock", kind: "unsure", title: "Ends soon" });
   if (s.hold) out.push({ icon: "shield", kind: "note", title: "On hold" });
   return out;
 }
+
+export const isLocked = (s) => Date.parse(s.attempts?.locked_until ?? "") > Date.now();
 
 const OUTCOMES = {
   ...VERDICTS,
@@ -113,5 +138,14 @@ const OUTCOMES = {
   known: { icon: "yes", kind: "ok", title: "Known already" },
 };
 
-/** Of a decision, or of what else came of a request. */
-export const outcome = (name) => OUTCOMES[name] ?? { icon: "warning", kind: "unsure", title: "Refused" };
+/** What an event says in a word, where its outcome does not. */
+const EVENTS = {
+  enroll_mismatch: { icon: "no", kind: "no", title: "Does not fit" },
+  locked_out: { icon: "lock", kind: "unsure", title: "Locked out" },
+  attempts_reset: { icon: "yes", kind: "note", title: "Lock-out ended" },
+  many_subjects: { icon: "warning", kind: "unsure", title: "Many people tried" },
+  attempts_pattern: { icon: "warning", kind: "unsure", title: "Failures between matches" },
+};
+
+/** Of an event, or of a decision by its name. */
+export const outcome = (e) => EVENTS[e.type] ?? OUTCOMES[e.outcome ?? e] ?? { icon: "warning", kind: "unsure", title: "Refused" };

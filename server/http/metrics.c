@@ -248,9 +248,13 @@ static void describe_problems(const struct metrics *m, struct json *j, unsigned 
 static void describe_refusals(const struct metrics *m, struct json *j)
 {
     json_object(j, "refusals");
+    describe_problems(m, j, ST_ENOTFOUND, ST_ENOTFOUND);
     describe_problems(m, j, ST_ELIMIT, ST_EQUALITY);
     describe_problems(m, j, ERRMAP_CAPTURE_REQUIRED, ERRMAP_LIVENESS);
-    describe_problems(m, j, ERRMAP_ATTEMPTS, ERRMAP_SUBJECTS);
+    describe_problems(m, j, ERRMAP_SCOPE, ERRMAP_SCOPE);
+    describe_problems(m, j, ERRMAP_DISABLED, ERRMAP_EXPIRED);
+    describe_problems(m, j, ERRMAP_ATTEMPTS, ERRMAP_TWIN);
+    describe_problems(m, j, ERRMAP_OVERLOAD, ERRMAP_OVERLOAD);
     describe_problems(m, j, ST_EREPLAYED, ST_EREPLAYED);
     describe_problem(j, ST_EMISMATCH, metrics_at(m, METRICS_MISMATCH));
     describe_problems(m, j, ERRMAP_STORAGE_FULL, ERRMAP_STORAGE_FULL);

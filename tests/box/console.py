@@ -23,7 +23,7 @@ def test_lock(d):
     best = min(p or 1e9 for p in paints)
     within("first paint", best, 1000)
     one(d, "#token").send_keys("sfd_wrong" + Keys.ENTER)
-    some("a wrong token is refused", d, ".error", "does not know this token")
+    some("a wrong token is refused", d, ".error", "mistyped, has expired")
     contrast("locked", d)
     one(d, "#token").send_keys(ALL + Keys.ENTER)
     some("the right one is not", d, "nav a", "Try")
@@ -71,8 +71,9 @@ def test_live(d):
     some("is said in a sentence", d, ".live p", "Locked out")
     some("with those before it", d, "tbody tr", "Different faces")
     contrast("Live", d)
-    one(d, ".live button", "End the lock-out").click()
-    some("a click ends it", d, ".live .dim", "has ended")
+    one(d, ".lockouts button", "End").click()
+    one(d, "dialog button", "End it").click()
+    some("a click ends it", d, "tbody tr", "Lock-out ended")
     is_("for the door as well", send("/v1/subjects/alice/verify", "a2.ply"), 200)
     some("as the page shows", d, ".live h2", "Same face")
     one(d, "tbody a", "alice").click()
@@ -395,12 +396,12 @@ def test_identify(d):
     go(d, "audit?kind=candidate")
     some("who was listed is in the log", d, "tbody tr", "Listed as a candidate")
     go(d, "live")
-    some("and it is live", d, "tbody tr", "Nobody is alike enough")
+    some("and it is live", d, "tbody tr", "Nobody who was searched is alike enough")
     unlock(d, token("hall", ["identify"])["secret"], "identify")
     give("a2.ply")
     some("a token with identify alone", d, ".verdict.no h2", "Nobody who was searched")
     some("gets no numbers", d, ".verdict p", "scope score")
-    is_("nor candidates", d.find_elements(By.CSS_SELECTOR, "[type=number], .gauge, table"), [])
+    is_("nor candidates", d.find_elements(By.CSS_SELECTOR, "main .row [type=number], .gauge, table"), [])
     give("other2.ply")
     some("but a name", d, ".verdict.ok h2", "bob")
     quiet("Identify", d)
@@ -410,9 +411,9 @@ def test_identify(d):
 
 def test_scopes(d):
     pages = {"enroll": "Try People", "verify": "Try", "identify": "Try Identify", "read": "People", "delete": "",
-             "manage": "", "tokens": "Health", "audit": "Live Audit Health", "events": "", "score": "", "detail": ""}
+             "manage": "", "tokens": "Health", "audit": "Audit Health", "events": "Live", "score": "", "detail": ""}
     for scope in SCOPES:
-        unlock(d, token("only " + scope, [scope])["secret"])
+        unlock(d, token("only " + scope, [scope])["secret"], "")
         is_("with %s alone" % scope, " ".join(a.text for a in d.find_elements(By.CSS_SELECTOR, "aside nav a")), pages[scope])
     some("a token without a page", d, "main", "no scope that a page needs")
     enroll = token("desk alone", ["enroll"])

@@ -128,4 +128,6 @@ for path in /console /console/style.css; do
     req GET "$path"
     is "$path with --no-console" "$STATUS" 404
 done
+req GET /
+is "the root is the API's description then" "$STATUS $(field Location)" "303 docs"
 finish

@@ -8,7 +8,8 @@ needs jsonschema
 
 # Responses that no request can cause: METHOD PATH STATUS.
 # 503: these use neither the database nor the queue, and fail only without memory.
-UNSEEN='GET /healthz 503
+UNSEEN='GET / 503
+GET /healthz 503
 GET /metrics 503
 GET /openapi.json 503
 GET /docs 503
@@ -118,7 +119,8 @@ each 401 '.open | not'
 for path in /v1/subjects /metrics; do
     ask GET "$path" 401 -H 'Authorization: Bearer 0123456789abcdef'
 done
-each 200 .open
+each 200 '.open and .path != "/"'
+ask GET / 303
 : >"$T/body"
 ask GET /openapi.json 304 -H 'If-None-Match: *'
 for scope in verify read; do

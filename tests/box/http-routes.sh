@@ -178,7 +178,11 @@ for target in http://127.0.0.1/healthz HTTP://example.org:8080/healthz https://e
     req GET / --request-target "$target"
     is "$target" "$STATUS $(get .status)" "200 ok"
 done
-for target in http://127.0.0.1 'http://127.0.0.1?x=/healthz' http:/healthz ftp://127.0.0.1/healthz '*'; do
+req GET / --request-target http://127.0.0.1
+is "the root is the console" "$STATUS $(field Location)" "303 console"
+req GET / --request-target 'http://127.0.0.1?x=/healthz'
+problem "a query is no path" 400 invalid_parameter
+for target in http:/healthz ftp://127.0.0.1/healthz '*'; do
     req GET / --request-target "$target"
     problem "$target" 404 no_such_route
 done

@@ -36,6 +36,7 @@ POST /v1/tokens tokens
 DELETE /v1/tokens/{token_id} tokens
 POST /v1/tokens/{token_id}/rotate tokens
 GET /v1/stats audit
+GET / -
 GET /healthz -
 GET /readyz -
 GET /metrics -,audit
@@ -110,7 +111,7 @@ for scope in $(echo "$ALL" | tr ',' ' '); do
         case ,$needs, in
         ,-, | *,"$scope",*)
             try "$verb" "$route"
-            ok "$scope alone may $verb $route: $STATUS" matches "$STATUS" '^20[014]$'
+            ok "$scope alone may $verb $route: $STATUS" matches "$STATUS" '^(20[014]|303)$'
             ;;
         *)
             [ -z "${PGHOST:-}" ] || continue

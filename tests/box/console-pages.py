@@ -1,0 +1,282 @@
+"""The console's pages where a person is stopped, in a real browser: see browser.py.  The last argument is the
+daemon's process, which is stopped and goes on."""
+import os
+import signal
+import sys
+import time
+
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+from browser import *
+
+DAEMON = int(sys.argv[4])
+
+
+def file_at(name):
+    return os.path.join(FOLDER, "in", name)
+
+
+def give(d, path):
+    """A file, to the place of a scan that is on the page."""
+    wait(d, lambda _: d.find_element(By.CSS_SELECTOR, "dialog input[type=file], main .slot input")).send_keys(path)
+
+
+def texts(d, selector):
+    return [e.text for e in d.find_elements(By.CSS_SELECTOR, selector)]
+
+
+def test_landing(d):
+    """A token opens with the page of its work, and is told what another one takes."""
+    for scopes, title in ((["events", "manage"], "Live"), (["read", "enroll", "manage", "delete"], "People"), (["audit", "read"], "People"),
+                          (["audit"], "Audit"), (["tokens"], "Health"), (["identify"], "Identify"), (["verify", "score"], "Compare two scans")):
+        unlock(d, token("lands", scopes)["secret"], "")
+        some("with %s" % scopes, d, "main h1", title)
+    unlock(d, token("auditor", ["audit"])["secret"], "people")
+    some("a page that it may not see", d, "main", "This takes a token with the scope read or enroll")
+    d.get("about:blank")
+    d.get(ROOT)
+    check("the root is the console", wait(d, lambda _: d.current_url == ROOT + "console"), d.current_url)
+    one(d, "#token").send_keys("0" * 64 + Keys.ENTER)
+    some("a token that is none", d, ".error", "mistyped, has expired, or was revoked")
+
+
+def test_reload(d):
+    """F5 loads what is shown, and the token is not asked for again."""
+    api("POST", "/v1/subjects", {"subject": "before"})
+    unlock(d, ALL, "people?q=fore")
+    some("the list", d, "tbody th", "before")
+    api("POST", "/v1/subjects", {"subject": "fore-2"})
+    for keys in (Keys.F5, Keys.CONTROL + "r"):
+        d.execute_script("document.querySelector('tbody').dataset.old = '1'")
+        d.find_element(By.TAG_NAME, "body").send_keys(keys)
+        check("is loaded again", wait(d, lambda _: d.execute_script("const b = document.querySelector('tbody'); return b && !b.dataset.old")))
+        some("with what is new, and no token is asked for", d, "tbody", "fore-2")
+    is_("whoever leaves is asked", d.execute_script("""const e = new Event("beforeunload", { cancelable: true });
+        dispatchEvent(e); return e.defaultPrevented;"""), True)
+    one(d, "aside button", "Lock").click()
+    one(d, "#token")
+    is_("but not if there is no token", d.execute_script("""const e = new Event("beforeunload", { cancelable: true });
+        dispatchEvent(e); return e.defaultPrevented;"""), False)
+
+
+def test_formats(d):
+    """A browser's guess at a type is not sent; a depth image's camera is asked for."""
+    unlock(d, ALL, "people")
+    one(d, "main button", "Enroll").click()
+    for name in ("plain.obj", "binary.pcd"):
+        give(d, file_at(name))
+        some("%s is read" % name, d, "dialog .verdict h2", "Good to enroll")
+    press(d, Keys.ESCAPE)
+    for page in ("identify", "people"):
+        go(d, page)
+        if page == "people":
+            one(d, "main button", "Enroll").click()
+        give(d, file_at("depth.png"))
+        camera = some("a depth image's camera is asked for", d, ".camera")
+        is_("and has the focus", d.execute_script("return document.activeElement.closest('.camera') !== null"), True)
+        for field, value in zip(camera.find_elements(By.TAG_NAME, "input"), ("600", "600", "119.5", "159.5", "10000")):
+            field.send_keys(value)
+        press(d, Keys.TAB)
+        some("then it is read", d, ".verdict h2", "Good to enroll" if page == "people" else "Nobody")
+        give(d, file_at("plain.obj"))
+        check("another file has none", wait(d, lambda _: not d.find_element(By.CSS_SELECTOR, ".camera").is_displayed()))
+        some("and is read", d, ".verdict h2", "Good to enroll" if page == "people" else "Nobody")
+    press(d, Keys.ESCAPE)
+
+
+def test_id(d):
+    unlock(d, ALL, "people")
+    one(d, "main button", "Enroll").click()
+    field = one(d, "dialog input[type=text]")
+    field.send_keys("müller")
+    some("which character an id cannot have", d, "dialog .error", "no “ü”")
+    field.clear()
+    field.send_keys("anna b")
+    some("also a space", d, "dialog .error", "no space")
+    field.clear()
+    field.send_keys("anna-b")
+    check("nothing is said of a good one", wait(d, lambda _: "An id has" not in " ".join(texts(d, "dialog .error"))))
+    press(d, Keys.ESCAPE)
+
+
+def test_states(d):
+    """What is said of a person is true."""
+    send("/v1/subjects/locked/templates", "a.ply")
+    for _ in range(3):
+        send("/v1/subjects/locked/verify", "other.ply")
+    is_("a lock-out", send("/v1/subjects/locked/verify", "a2.ply"), 429)
+    unlock(d, ALL, "people?subject=locked")
+    some("who is locked out is not active", d, ".verdict h2", "Locked out")
+    some("until when", d, ".verdict p", "UTC")
+    d.execute_script("arguments[0].focus()", one(d, "section button", "End the lock-out"))
+    press(d, Keys.ENTER)
+    some("then active", d, ".verdict h2", "Active")
+    check("the focus is on the page, and not lost", wait(d, lambda _: focused(d).startswith("main")), focused(d))
+    go(d, "people?subject=before")
+    some("who has no scan is not active", d, ".verdict h2", "No scan yet")
+    consent = some("without a consent", d, "section", "None is recorded").text
+    check("there is no end of it, nor a beginning", "never" not in consent and "Since" not in consent, consent)
+    time.sleep(1.1)
+    api("PATCH", "/v1/subjects/locked", {"consent": "C-1", "expires_at": "2031-05-01"})
+    go(d, "people?subject=locked")
+    some("a consent has its last day", d, "section time", "2031-05-01")
+    some("and when it was recorded", d, "section dd", "just now")
+
+
+def test_zones(d):
+    d.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "America/New_York"})
+    unlock(d, ALL, "people?subject=locked")
+    title = wait(d, lambda _: one(d, "section time", "2031-05-01").get_attribute("title"))
+    is_("the viewer's time and UTC", title, "2031-05-01 19:59:59 GMT-4 (2031-05-01 23:59:59 UTC)")
+    d.execute_cdp_cmd("Emulation.setTimezoneOverride", {"timezoneId": "UTC"})
+
+
+def test_erased(d):
+    """What was done about an erased person is found by the number on the receipt."""
+    send("/v1/subjects/gone/templates", "other.ply")
+    uid = api("DELETE", "/v1/subjects/gone")[1]["subject_uid"]
+    unlock(d, ALL, "audit?subject=gone")
+    some("an id that was overwritten", d, ".verdict p", "look for the number on the receipt")
+    field = one(d, "form [type=search]")
+    field.clear()
+    field.send_keys(uid)
+    some("the number finds them", d, "tbody tr", "Person erased")
+    some("alone", d, ".row.end [role=status]", "4 entries")
+    check("as the address says", "subject_uid=" + uid in d.current_url, d.current_url)
+    one(d, "a.clear").click()
+    one(d, "tbody a", "erased since").click()
+    some("and so does a click", d, ".row.end [role=status]", "4 entries")
+
+
+def test_back(d):
+    unlock(d, ALL, "people?q=before&state=active")
+    one(d, "tbody a", "before").click()
+    some("a person", d, "h1", "before")
+    one(d, "a.back").click()
+    check("back to what was looked for", wait(d, lambda _: "q=before&state=active" in d.current_url), d.current_url)
+    is_("with what was typed", one(d, "[type=search]").get_attribute("value"), "before")
+
+
+def test_health(d):
+    api("PATCH", "/v1/subjects/locked", {"disabled": True})
+    send("/v1/subjects/locked/verify", "a2.ply")
+    send("/v1/subjects/nobody/verify", "a2.ply")
+    api("PATCH", "/v1/subjects/locked", {"disabled": False})
+    unlock(d, ALL, "health")
+    some("a refusal of who is disabled", d, ".bars li", "This person is disabled")
+    some("and of who is not there", d, ".bars li", "Nobody is enrolled under this id")
+    some("comparisons count as such", d, "h2", "Verifications and comparisons since the start")
+    go(d, "health?tab=calibration")
+    slider = one(d, "[type=range]")
+    slider.send_keys(Keys.END)
+    some("beyond the table there is no rate", d, "output", "fewer than 1 in")
+
+
+def test_gone(d):
+    """A daemon that does not answer: something is shown, and a button tries again."""
+    pages = (("people", "tbody th"), ("people?subject=before", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
+             ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
+    for page, there in pages:
+        unlock(d, ALL, page)
+        one(d, there)
+        go(d, "try")
+        one(d, ".welcome")
+        os.kill(DAEMON, signal.SIGSTOP)
+        go(d, page)
+        some("%s: not blank while it waits" % page, d, "main .waiting")
+        os.kill(DAEMON, signal.SIGCONT)
+        some("%s: then the page" % page, d, there)
+        go(d, "try")
+        one(d, ".welcome")
+        d.execute_cdp_cmd("Network.enable", {})
+        d.execute_cdp_cmd("Network.setBlockedURLs", {"urls": ["*/v1/*"]})
+        go(d, page)
+        again = some("%s: a way out" % page, d, "main button", "Try again")
+        d.execute_cdp_cmd("Network.setBlockedURLs", {"urls": []})
+        again.click()
+        some("%s: which works" % page, d, there)
+        check("%s: and the problem is gone" % page, wait(d, lambda _: "Try again" not in texts(d, "main button")))
+
+
+def test_upload(d):
+    unlock(d, ALL, "identify")
+    big = os.path.join(FOLDER, "big.ply")
+    with open(os.path.join(FOLDER, "a.ply"), "rb") as f, open(big, "wb") as to:
+        to.write(f.read() + b"\0" * 8000000)
+    one(d, ".welcome")
+    d.execute_cdp_cmd("Network.enable", {})
+    d.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": 2000000})
+    give(d, big)
+    check("how much was sent", wait(d, lambda _: 0 < float(one(d, ".sending").get_property("value")) < 1))
+    d.execute_cdp_cmd("Network.emulateNetworkConditions", {"offline": False, "latency": 0, "downloadThroughput": -1, "uploadThroughput": -1})
+    check("until it was", wait(d, lambda _: not d.find_element(By.CSS_SELECTOR, ".sending").is_displayed()))
+
+
+PAGES = (("people", "tbody th"), ("people?subject=locked", ".verdict h2"), ("audit", "tbody tr"), ("health", ".tile"),
+         ("health?tab=tokens", "tbody tr"), ("health?tab=calibration", "output"))
+
+OVER = """return [...document.querySelectorAll("main *")].filter((e) => e.checkVisibility() && !e.closest("svg, .sr, thead, pre") &&
+    e.scrollWidth > e.clientWidth + 1 && ["auto", "scroll"].includes(getComputedStyle(e).overflowX)).map((e) => e.className)"""
+
+
+def test_narrow(d):
+    """Nothing is scrolled out sideways."""
+    unlock(d, ALL)
+    for width in (1280, 1024, 768, 320):
+        look(d, width, width != 768)
+        for page, there in PAGES:
+            go(d, page)
+            one(d, there)
+            time.sleep(0.3)
+            title = "pages-%s-%d" % (page.replace("?", "-").replace("=", "-"), width)
+            is_(title + ": all is in sight", d.execute_script(OVER), [])
+            is_(title + ": nothing is wider than the screen", d.execute_script("return document.documentElement.scrollWidth"), width)
+            contrast(title, d)
+            d.save_screenshot(os.path.join(FOLDER, title + ".png"))
+    look(d, 1280, True)
+
+
+def test_print(d):
+    unlock(d, ALL)
+    for page, there in PAGES:
+        go(d, page)
+        one(d, there)
+        d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        is_("%s: paper has no controls" % page, d.execute_script(
+            "return [...document.querySelectorAll('aside, button, input[type=search]')].filter((e) => e.checkVisibility()).length"), 0)
+        is_("%s: and is white" % page, d.execute_script("return getComputedStyle(document.body).backgroundColor"), "rgb(255, 255, 255)")
+        contrast("on paper", d)
+        d.save_screenshot(os.path.join(FOLDER, "print-%s.png" % page.replace("?", "-").replace("=", "-")))
+        d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    look(d, 1280, True)
+
+
+def test_forced(d):
+    """With colours of the reader's own the bars are still there."""
+    d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "forced-colors", "value": "active"}]})
+    unlock(d, ALL, "health")
+    one(d, ".bars li")
+    is_("bars", d.execute_script("""const c = (e) => getComputedStyle(e).backgroundColor;
+        const bar = document.querySelector(".bars .track i"); return c(bar) !== c(bar.parentElement) && c(bar) !== c(document.body);"""), True)
+    d.save_screenshot(os.path.join(FOLDER, "forced-health.png"))
+    d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+    look(d, 1280, True)
+
+
+def test_focus(d):
+    """A dialog gives the focus back to what opened it, also where that was made anew."""
+    unlock(d, ALL, "people?subject=locked")
+    one(d, ".verdict h2")
+    for name in ("Change the consent", "Change the groups"):
+        d.execute_script("arguments[0].focus()", one(d, "[aria-label='%s']" % name))
+        press(d, Keys.ENTER)
+        one(d, "dialog")
+        press(d, *("staff" if "groups" in name else "C-2"), Keys.ENTER)
+        check("it is saved", wait(d, lambda _: not d.find_elements(By.TAG_NAME, "dialog")))
+        check("the focus is where it was", wait(d, lambda _: focused(d) == "button " + name), focused(d))
+    quiet("focus", d)
+
+
+run(browser(), test_landing, test_reload, test_formats, test_id, test_states, test_zones, test_erased, test_back, test_health, test_gone,
+    test_upload, test_narrow, test_print, test_forced, test_focus)
