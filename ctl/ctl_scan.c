@@ -55,7 +55,10 @@ static void print_text(const struct checked *k)
         ctl_face_reasons(stdout, k->face);
     }
     (void)printf("enrolment    %s\n", t->enrolment == ST_OK ? "usable" : t->why.msg);
-    (void)printf("verification %s\n", t->verification == ST_OK ? "usable" : "refused");
+    (void)printf("verification %s\n", t->verification != ST_OK ? "refused"
+                                      : t->enrolment == ST_ENOTFACE
+                                          ? "accepted, but hardly a face"
+                                          : "usable");
     for (size_t i = 0; t->enrolment == ST_OK && i < t->advice.n; i++)
         (void)printf("advice       %s\n", t->advice.line[i]);
     for (size_t i = 0; i < t->advice.nnote; i++)

@@ -127,12 +127,14 @@ function createPins(view, layerOf) {
   };
 }
 
+let stages = 0;
+
 export function createStage() {
   const canvas = el("canvas", { tabIndex: 0, role: "application", "aria-label": "The surfaces", "aria-roledescription": "3D picture" });
   const about = el("p.about"), tip = el("div.tip", { hidden: true }), said = el("p.sr", { role: "status" });
   const cross = el("span.cross", { hidden: true, "aria-hidden": "true" });
   const legend = createLegend(), section = createSection();
-  const keys = el("p.sr", { id: "stage-keys" }, KEYS);
+  const keys = el("p.sr", { id: `stage-keys-${++stages}` }, KEYS);
   canvas.setAttribute("aria-describedby", keys.id);
   const handle = el("div.handle", { role: "slider", tabIndex: 0, "aria-label": "The line between A and B", "aria-valuemin": 0, "aria-valuemax": 100 },
     el("span", {}, "A ⇔ B"));

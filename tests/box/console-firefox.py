@@ -82,18 +82,31 @@ class Firefox:
         with open("%s/%s.png" % (FOLDER, name), "wb") as f:
             f.write(base64.b64decode(self.ask("WebDriver:TakeScreenshot", full=False)["value"]))
 
-    def messages(self):
+    def messages(self, where=ROOT):
         """Errors of our pages, and all that their policy has refused."""
         self.ask("Marionette:SetContext", value="chrome")
         lines = self.run("return Services.console.getMessageArray().map(String)")
         self.ask("Marionette:SetContext", value="content")
-        return [line for line in lines if ROOT in line and (
+        return [line for line in lines if where in line and (
             "Error:" in line or "JavaScript Error" in line or "Content-Security-Policy" in line)]
 
 
 def text(firefox, selector, part):
     return firefox.wait("""return [...document.querySelectorAll(arguments[0])].map((e) => e.textContent)
                                .find((t) => t.includes(arguments[1])) ?? null""", selector, part)
+
+
+def section(firefox, title):
+    """A section follows a drag over the face."""
+    firefox.run("[...document.querySelectorAll('.stage button')].find((b) => b.textContent === 'Section').click()")
+    first = text(firefox, ".section .said", "B lies at most")
+    x, y = firefox.run("const b = document.querySelector('canvas').getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2].map(Math.round)")
+    firefox.ask("WebDriver:PerformActions", actions=[{"type": "pointer", "id": "mouse", "actions": [
+        {"type": "pointerMove", "x": x - 90, "y": y - 30}, {"type": "pointerDown", "button": 0},
+        {"type": "pointerMove", "x": x, "y": y - 10, "duration": 50}, {"type": "pointerMove", "x": x + 90, "y": y - 20, "duration": 50},
+        {"type": "pointerUp", "button": 0}]}])
+    check("%s: a section that follows a drag" % title, first and firefox.wait("""
+        const t = document.querySelector(".section .said").textContent; return t !== arguments[0] && t.startsWith("B lies at most")""", first))
 
 
 def main():
@@ -113,11 +126,17 @@ def main():
     check("by a picture", firefox.wait("""
         const c = document.querySelector("canvas");
         return c !== null && c.width > 100 && c.getContext("webgl2") !== null"""))
-    time.sleep(1)
+    section(firefox, "two people")
     firefox.picture("firefox-try")
     is_("no error, and nothing that the policy refused", firefox.messages(), [])
     firefox.run("[...document.querySelectorAll('aside button')].find((b) => b.textContent.includes('Lock')).click()")
     check("locked again", firefox.wait("return document.querySelector('#token') !== null"))
+    page = "file://%s/explanation/explain.html" % FOLDER
+    firefox.ask("WebDriver:Navigate", url=page)
+    check("the page of a file", text(firefox, ".verdict h2", "Different faces"))
+    section(firefox, "of a file")
+    firefox.picture("firefox-page")
+    is_("no error there", firefox.messages(page), [])
     firefox.process.terminate()
     firefox.process.wait()
 

@@ -265,6 +265,12 @@ def test_pins(d):
     is_("Enter labels it", len(d.find_elements(By.CSS_SELECTOR, ".pin")), 1)
     ActionChains(d).key_down(Keys.SHIFT).send_keys(Keys.ARROW_LEFT * 40).key_up(Keys.SHIFT).perform()
     is_("beside the face", d.execute_script("return document.querySelector('.stage [role=status]').textContent"), "No surface here.")
+    # a finger
+    press(d, Keys.ESCAPE)
+    x, y = d.execute_script("const b = arguments[0].getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]", canvas)
+    d.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x + good[1][0], "y": y + good[1][1]}]})
+    d.execute_cdp_cmd("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    is_("a tap labels, too", len(d.find_elements(By.CSS_SELECTOR, ".pin")), 1)
     # the second scale
     one(d, ".tabs button", "As measured").click()
     still(d)

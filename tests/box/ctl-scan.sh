@@ -11,6 +11,8 @@ scan 2 0 a.ply --pose 4 --shift 5
 scan 2 0 a.xyz --pose 4 --shift 5
 awk 'BEGIN { for (x = -80; x <= 80; x += 3) for (y = -80; y <= 80; y += 3)
     print x, y, 60 - sqrt(x * x + y * y) }' >cone.xyz
+awk 'BEGIN { for (x = -74; x <= 74; x += 2) for (y = -99; y <= 99; y += 2) if ((x / 75) ^ 2 + (y / 100) ^ 2 <= 1)
+    print x, y, 19 * exp(-((x / 9) ^ 2 + (y / 27) ^ 2) / 2) - 50 * ((x / 72) ^ 2 + (y / 92) ^ 2) }' >egg.xyz
 head -n 60 a.xyz >few.xyz
 printf 'OFF\n3 1 0\n' >a.off
 printf 'v 1 2 x\n' >bad.obj
@@ -36,6 +38,8 @@ expect 1 "a cone" "$ctl" scan --json cone.xyz
 is "it is refused" "$(one '[.enrollable, .code] | join(" ")')" 'false not_a_face'
 ok "and why" [ "$(one '.detail | length')" -gt 20 ]
 ok "and what to do" [ "$(one '.advice | length')" -gt 0 ]
+expect 1 "an egg with a ridge like a nose" "$ctl" scan egg.xyz
+has out '^verification  *accepted, but hardly a face$'
 expect 1 "few points" "$ctl" scan few.xyz
 has out '^enrolment  *refused: 60 points, fewer than 100'
 has out 'move nearer to the scanner, or let'
