@@ -59,9 +59,10 @@ static bool take_uid(struct request *r, struct asked *a)
     }
     if (sodium_hex2bin(a->uid, sizeof a->uid, hex, strlen(hex), NULL, &n, NULL) != 0 ||
         n != sizeof a->uid || sodium_is_zero(a->uid, sizeof a->uid)) {
-        request_problem(r, ERRMAP_PARAMETER,
-                        "subject_uid is the %d hexadecimal digits of an entry or a receipt",
-                        2 * LOG_UID);
+        request_problem(
+            r, ERRMAP_PARAMETER,
+            "subject_uid is the %d hexadecimal digits of an entry or a receipt",
+            2 * LOG_UID);
         return false;
     }
     a->filter.uid = a->uid;
@@ -75,8 +76,7 @@ static bool ask(struct request *r, struct asked *a)
     memset(a, 0, sizeof *a);
     f->names = true;
     return logs_take(r, "subject", a->subject, sizeof a->subject, &f->subject) &&
-           take_uid(r, a) &&
-           logs_take(r, "kind", a->kind, sizeof a->kind, &f->kind) &&
+           take_uid(r, a) && logs_take(r, "kind", a->kind, sizeof a->kind, &f->kind) &&
            logs_take(r, "actor", a->actor, sizeof a->actor, &f->actor) &&
            logs_take(r, "since", a->since, sizeof a->since, &f->since) &&
            logs_take(r, "until", a->until, sizeof a->until, &f->until);

@@ -6,7 +6,7 @@ import { count, dayEnd, el, icon, many, mm, percent, say } from "./dom.js";
 import { readSeen } from "./glb.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, regions, verdict } from "./verdict.js";
+import { advice, checked, decided, facts, qualityOf, regions, verdict } from "./verdict.js";
 import { attempt, dialog, failed, field, VERBATIM } from "./widgets.js";
 
 const ID = /[A-Za-z0-9._@:\-]{1,128}/;
@@ -32,7 +32,7 @@ function scanning(d, file, verifying, ready) {
       const { extras: r, nodes } = readSeen(await request("POST", `/v1/check${query({ detail: "surface", ...lens.values })}`, { body: f, binary: true, stop: own.signal }));
       if (nodes) stage.show(nodes, false);
       else stage.clear();
-      slot.label(r.scan, r.quality?.score);
+      slot.label(r.scan, qualityOf(r));
       said.replaceChildren(...[checked(r, verifying), advice(r)].filter(Boolean));
       say(said.querySelector(".verdict")?.textContent);
       ready(f, r);

@@ -1,12 +1,14 @@
 // try.js -- two scans compared, or one looked at.  Nothing is stored.
 
-import { request, url } from "./api.js";
-import { count, el, icon, mm, percent, plain, save, time } from "./dom.js";
+import { query, request, url } from "./api.js";
+import { camera } from "./camera.js";
+import { count, el, icon, mm, percent, plain, save, say, time } from "./dom.js";
 import { readSeen } from "./glb.js";
 import { createReport } from "./report.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, notes, pairs, qualityOf, regions } from "./verdict.js";
+import { advice, checked, decided, facts, notes, pairs, qualityOf, regions } from "./verdict.js";
+import { failed } from "./widgets.js";
 
 const SAMPLES = [
   ["The same person, twice", "one.ply", "one_again.ply"],
@@ -35,7 +37,7 @@ export function open(main, who) {
   const verifies = who.scopes.includes("verify");
   const slots = ["A", "B"].map((letter) => createSlot(letter, run));
   const stage = createStage(), report = createReport(stage, () => shown);
-  const side = el("div.side", { "aria-live": "polite" });
+  const side = el("div.side"), lens = camera(run);
   const title = el("h1", {}, "Compare two scans");
   const saveButton = el("button", { type: "button", disabled: true, onclick: () => save("surfaces.glb", [file], "model/gltf-binary") },
     icon("save"), "Save 3D file");
@@ -79,13 +81,14 @@ export function open(main, who) {
   /** A request that compares or checks, by an id that the daemon's log has too. */
   async function ask(path, body, stop) {
     const id = [...crypto.getRandomValues(new Uint8Array(8))].map((b) => b.toString(16).padStart(2, "0")).join("");
-    const response = await request("POST", path, { body, binary: true, stop, headers: { "X-Request-Id": id } });
+    const response = await request("POST", `${path}${query({ detail: "surface", ...lens.values })}`, { body, binary: true, stop, headers: { "X-Request-Id": id } });
     return { response, id };
   }
 
   /** Fills the side, and the report. */
   function tell(title, sides, cards, known, id, ...more) {
     side.replaceChildren(...[...cards, facts(known), ...more].filter(Boolean));
+    say(cards[0].textContent);
     shown = {
       title, sides, at: `${time(new Date().toISOString())} UTC`, cards: cards.filter(Boolean).map((card) => card.cloneNode(true)),
       facts: [...known, ["Request", id], ["Token", who.name]],
@@ -93,7 +96,7 @@ export function open(main, who) {
   }
 
   async function check(s, stop) {
-    const { response, id } = await ask("/v1/check?detail=surface", s.file, stop);
+    const { response, id } = await ask("/v1/check", s.file, stop);
     const r = show(response, false);
     s.label(r.scan, qualityOf(r));
     const known = r.scan ? [["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
@@ -110,7 +113,7 @@ export function open(main, who) {
     const body = new FormData();
     body.append("a", slots[0].file, slots[0].file.name);
     body.append("b", slots[1].file, slots[1].file.name);
-    const { response, id } = await ask("/v1/compare?detail=surface", body, stop);
+    const { response, id } = await ask("/v1/compare", body, stop);
     const r = show(response, true);
     slots.forEach((s, i) => s.label(r.scan["ab"[i]], r.quality["ab"[i]]?.score));
     tell("Two scans compared", slots.map((s, i) => ["AB"[i], s.file.name, sideOf(r.scan["ab"[i]], r.quality["ab"[i]]?.score)]),
@@ -125,6 +128,7 @@ export function open(main, who) {
     running?.abort();
     const own = (running = new AbortController());
     const given = slots.filter((s) => s.file);
+    if (!await lens.ready(given.map((s) => s.file))) return clear();
     main.classList.toggle("busy", given.length > 0);
     try {
       if (given.length === 2 && verifies) await compare(own.signal);
@@ -132,7 +136,7 @@ export function open(main, who) {
       else welcome();
     } catch (e) {
       if (e.name === "AbortError") return;
-      clear(failure(e));
+      clear(failed(e, run));
     } finally {
       if (own === running) main.classList.remove("busy");
     }
@@ -151,7 +155,7 @@ export function open(main, who) {
 
   main.replaceChildren(
     el("header", {}, title, el("span.dim.note", {}, "Nothing is stored."), report.buttons, saveButton),
-    el("div.slots", {}, slots[0].box, swapButton, slots[1].box),
+    el("div.slots", {}, slots[0].box, swapButton, slots[1].box), lens.element,
     el("div.try", {}, stage.element, side));
   welcome();
   return () => {

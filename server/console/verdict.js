@@ -46,8 +46,8 @@ function explain(r) {
  *  unknown it is a limit: beyond the last of them the rate stays at its own. */
 function rate(r) {
   if (r.decision !== "match") return null;
-  const knots = r.calibration?.knots, how = !knots ? "At most " : r.score > knots.at(-1).score ? "Fewer than " : "About ";
-  return el("p.dim", {}, `${oneIn(r.fmr_at_score).replace(/^(about|fewer than) /, how)} other people would score this high or higher.`);
+  const knots = r.calibration?.knots, many = oneIn(r.fmr_at_score, knots?.at(-1).rate);
+  return el("p.dim", {}, `${knots ? many[0].toUpperCase() + many.slice(1) : `At most ${many.replace(/^\D*/, "")}`} other people would score this high or higher.`);
 }
 
 /** Of a comparison: the verdict, why, the gauge, and the rate in words. */
