@@ -1,6 +1,7 @@
 #define _GNU_SOURCE /* pthread_cond_clockwait() */
 #include "events.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -10,7 +11,6 @@
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
-#include <microhttpd.h>
 
 #include "app.h"
 #include "errinfo.h"
@@ -21,50 +21,20 @@
 #include "mem.h"
 #include "place.h"
 #include "request.h"
+#include "stream.h"
 #include "utc.h"
 
 #define TURN    500   /* entries that are read at a time */
 #define LOOK_MS 200.0 /* until another daemon's entry is seen */
 /* Between two reads: entries of this time are sent together, so that many streams cost verifications little. */
 #define GATHER_MS     20.0
-#define GATHER_ONE_MS 0.5     /* more for each stream */
+#define GATHER_ONE_MS 1.0     /* more for each stream */
 #define BEAT_MS       15000.0 /* of silence, then a heartbeat follows */
-#define FAILED_MS     5000.0 /* that the log cannot be read: clients then look elsewhere */
-#define CUT_MS        500.0  /* on a stop: then connections that do not take it are cut */
-#define DEAD_MS       60000u /* after which a client that acknowledges nothing is gone */
-#define LINE_MAX      (2 * PLACE_MAX + 1024) /* bytes of an event */
-
-struct events_stream {
-    struct events *of;
-    struct events_stream *prev, *next;
-    uint64_t serial;
-    /* Members below are protected by the lock of `of`. */
-    struct store_audit_place place; /* what the client has got, or has in the buffer */
-    bool live;                      /* place is not before the head's */
-    bool full, failed;              /* of the last page: no room for all; not read */
-    bool ended;                     /* after the buffer the response ends */
-    bool unchecked;   /* the token may have been revoked or rotated since the last look */
-    int64_t until_ms; /* end of the secret, ms since 1970 */
-    double wrote_ms;  /* when something was put into the buffer */
-    char *buf;        /* [EVENTS_BUFFER], or NULL: empty */
-    size_t from, len; /* what is in it: buf[from..len-1] */
-    /* A request that waits. */
-    struct request *r; /* NULL: endless */
-    void (*done)(void *arg);
-    void *arg;
-    size_t limit, n; /* events in the buffer */
-    double end_ms;
-    /* A connection. */
-    struct MHD_Connection *conn;
-    int fd;
-    bool suspended, gone;
-    /* Constant. */
-    char token[STORE_ID_LEN + 1], groups[GROUPS_SIZE];
-    int64_t revision; /* of the token's row, when the secret was new */
-    /* On the I/O thread only. */
-    struct guard_peer *peer;
-    bool sending;
-};
+#define SCAN_MS                                                                          \
+    2000.0 /* that the log is searched for what a token may see, then a page is empty */
+#define FAILED_MS 5000.0 /* that the log cannot be read: clients then look elsewhere */
+#define CUT_MS    500.0  /* on a stop: then connections that do not take it are cut */
+#define DEAD_MS   60000u /* after which a client that acknowledges nothing is gone */
 
 struct events {
     struct app *app;
@@ -82,6 +52,7 @@ struct events {
     struct store_audit_place head; /* what live streams have seen */
     bool begun;                    /* head is set */
     double read_ms, good_ms;       /* when the head was read last, and without an error */
+    double rest_ms;                /* until then no page is read for one stream */
 };
 
 /* ---- the list */
@@ -115,148 +86,12 @@ static void count_open(struct events *ev, int more)
     atomic_store(&ev->open, ev->state.open);
 }
 
-static void release(struct events_stream *s)
-{
-    mem_free(s->buf);
-    free(s);
-}
-
-/* ---- the buffer of a stream */
-
-static size_t held(const struct events_stream *s)
-{
-    return s->len - s->from;
-}
-
-static bool put(struct events_stream *s, const char *text, size_t n)
-{
-    if (held(s) + n > EVENTS_BUFFER ||
-        (s->buf == NULL && (s->buf = mem_array(EVENTS_BUFFER, 1)) == NULL))
-        return false;
-    if (s->len + n > EVENTS_BUFFER) {
-        memmove(s->buf, s->buf + s->from, held(s));
-        s->len -= s->from;
-        s->from = 0;
-    }
-    memcpy(s->buf + s->len, text, n);
-    s->len += n;
-    s->wrote_ms = logger_clock_ms();
-    return true;
-}
-
-static void resume(struct events_stream *s)
-{
-    if (!s->suspended)
-        return;
-    s->suspended = false;
-    MHD_resume_connection(s->conn);
-}
-
-static void end(struct events_stream *s)
-{
-    s->ended = true;
-    resume(s);
-}
-
-/* An event at the stream's place.  text: of event_text().  False: there is no room. */
-static bool put_event(struct events_stream *s, const char *type, const char *text)
-{
-    char cursor[PLACE_MAX], line[LINE_MAX];
-    int n;
-
-    place_print(&s->place, cursor);
-    if (s->r != NULL)
-        n = snprintf(line, sizeof line, "%s{\"cursor\":\"%s\",%s", s->n > 0 ? "," : "",
-                     cursor, text + 1);
-    else
-        n = snprintf(line, sizeof line,
-                     "id: %s\nevent: %s\ndata: {\"cursor\":\"%s\",%s\n\n", cursor, type,
-                     cursor, text + 1);
-    if (n < 0 || (size_t)n >= sizeof line || (s->r != NULL && s->n == s->limit) ||
-        !put(s, line, (size_t)n))
-        return false;
-    s->n++;
-    s->of->state.sent++;
-    resume(s);
-    return true;
-}
-
-/* An id without data: a client that was sent nothing else goes on from there. */
-static void put_place(struct events_stream *s, const char *comment)
-{
-    char cursor[PLACE_MAX], line[PLACE_MAX + 32];
-    int n;
-
-    place_print(&s->place, cursor);
-    n = snprintf(line, sizeof line, "%sid: %s\n\n", comment, cursor);
-    if (s->r == NULL && put(s, line, (size_t)n))
-        resume(s);
-}
-
-/* ---- entries for streams */
-
-static uint64_t *place_of(struct store_audit_place *p, const struct log_entry *entry,
-                          uint32_t **mark)
-{
-    if (entry->log == LOG_CHANGES) {
-        *mark = &p->change_mark;
-        return &p->changes;
-    }
-    if (p->daemons <= entry->daemon)
-        p->daemons = entry->daemon + 1;
-    *mark = &p->access_mark[entry->daemon];
-    return &p->accesses[entry->daemon];
-}
-
-static bool give_gap(struct events_stream *s, const struct log_entry *entry,
-                     uint64_t *seq, uint32_t *mark)
-{
-    const uint64_t was = *seq;
-    const uint32_t was_mark = *mark;
-    char *text = event_gap(entry->at);
-    bool ok;
-
-    *seq = entry->seq - 1;
-    *mark = 0;
-    ok = text != NULL && put_event(s, "gap", text);
-    free(text);
-    if (!ok) {
-        *seq = was;
-        *mark = was_mark;
-    }
-    return ok;
-}
-
-/* text: of the event; NULL: the entry is none.  False: there was no room, and s is where it was. */
-static bool give(struct events_stream *s, const struct store_audit_entry *a,
-                 const char *text)
-{
-    const struct log_entry *entry = &a->entry;
-    uint32_t *mark, was_mark;
-    uint64_t *seq = place_of(&s->place, entry, &mark), was;
-
-    if (entry->seq <= *seq)
-        return true;
-    if (entry->seq > *seq + 1 && !give_gap(s, entry, seq, mark))
-        return false;
-    was = *seq;
-    was_mark = *mark;
-    *seq = entry->seq;
-    *mark = store_audit_mark(entry);
-    if (text == NULL || !event_visible(a, s->token, s->groups) ||
-        put_event(s, event_type(entry), text))
-        return true;
-    *seq = was;
-    *mark = was_mark;
-    return false;
-}
-
-/* text: as in give().  It may also be missing for lack of memory. */
+/* text: as in stream_give().  It may also be missing for lack of memory. */
 static void give_all(struct events *ev, const struct store_audit_entry *a,
                      const char *text, bool missing)
 {
     for (struct events_stream *s = ev->first; s != NULL; s = s->next)
-        if (s->live && (missing || !give(s, a, text)))
+        if (s->live && (missing || !stream_give(s, a, text)))
             s->live = false; /* it goes on by pages of its own */
 }
 
@@ -275,7 +110,7 @@ static size_t deliver(struct events *ev, const struct store_audit_entry *a, size
         if (one == NULL)
             give_all(ev, &a[i], text, missing);
         else
-            ok = !missing && give(one, &a[i], text);
+            ok = !missing && stream_give(one, &a[i], text);
         free(text);
     }
     return ok ? i : i - 1;
@@ -304,56 +139,40 @@ static struct events_stream *find(const struct events *ev, uint64_t serial)
     return s;
 }
 
-static void shorten(struct events_stream *s, const char *until)
-{
-    int64_t ms;
-
-    if (!utc_read(until, &ms))
-        s->until_ms = 0;
-    else if (ms < s->until_ms)
-        s->until_ms = ms;
-}
-
-/* A rotation leaves the secret of s valid for a while, a second one does not. */
-static void judge(struct events_stream *s, const struct store_token *t)
-{
-    if (t->revoked[0] != '\0' || t->revision > s->revision + 1)
-        s->until_ms = 0;
-    else if (t->revision != s->revision)
-        shorten(s, t->old_until);
-}
-
-static void check_token(struct events *ev, struct events_stream *s)
+/* False: the row cannot be read now. */
+static bool check_token(struct events *ev, struct events_stream *s)
 {
     const uint64_t serial = s->serial;
     char id[STORE_ID_LEN + 1];
     struct store_token t;
     enum status st = ST_OK;
 
-    memcpy(id, s->token, sizeof id);
     s->unchecked = false;
+    if (s->token[0] == '\0')
+        return true;
+    memcpy(id, s->token, sizeof id);
     (void)pthread_mutex_unlock(&ev->lock);
-    if (id[0] != '\0')
-        st = store_token_get(ev->app->store, "", id, &t, NULL);
+    st = store_token_get(ev->app->store, "", id, &t, NULL);
     (void)pthread_mutex_lock(&ev->lock);
-    if (id[0] == '\0' || (s = find(ev, serial)) == NULL)
-        return;
+    if ((s = find(ev, serial)) == NULL)
+        return true;
     if (st == ST_OK)
-        judge(s, &t);
+        stream_judge(s, &t);
     else if (st == ST_ENOTFOUND || st == ST_ECORRUPT)
         s->until_ms = 0;
     else
         s->unchecked = true;
+    return !s->unchecked;
 }
 
 static void check_tokens(struct events *ev)
 {
-    struct events_stream *s = ev->first;
+    struct events_stream *s;
 
-    while (s != NULL && !s->unchecked)
-        s = s->next;
-    if (s != NULL)
-        check_token(ev, s);
+    do
+        for (s = ev->first; s != NULL && !s->unchecked; s = s->next)
+            continue;
+    while (s != NULL && check_token(ev, s));
 }
 
 /* ---- reading the log */
@@ -374,30 +193,6 @@ static bool read_log(struct events *ev, const struct store_audit_place *from,
     return st == ST_OK;
 }
 
-static bool covers(const struct store_audit_place *a, const struct store_audit_place *b)
-{
-    for (uint32_t i = 0; i < b->daemons; i++)
-        if (a->accesses[i] < b->accesses[i])
-            return false;
-    return a->changes >= b->changes;
-}
-
-/* Moves p on to q: p has all that lies between. */
-static void pass(struct store_audit_place *p, const struct store_audit_place *q)
-{
-    if (p->changes < q->changes) {
-        p->changes = q->changes;
-        p->change_mark = q->change_mark;
-    }
-    if (p->daemons < q->daemons)
-        p->daemons = q->daemons;
-    for (uint32_t i = 0; i < q->daemons; i++)
-        if (p->accesses[i] < q->accesses[i]) {
-            p->accesses[i] = q->accesses[i];
-            p->access_mark[i] = q->access_mark[i];
-        }
-}
-
 static void begin(struct events *ev)
 {
     enum status st;
@@ -411,7 +206,7 @@ static void begin(struct events *ev)
 }
 
 /* Reads what has come since, for all streams that are live. */
-static void read_head(struct events *ev)
+static void events_read_head(struct events *ev)
 {
     struct store_audit_entry *list = NULL;
     struct store_audit_place next;
@@ -427,7 +222,7 @@ static void read_head(struct events *ev)
     ev->head = next;
     for (struct events_stream *s = ev->first; s != NULL; s = s->next)
         if (s->live)
-            pass(&s->place, &next);
+            stream_pass(&s->place, &next);
     if (!next.end)
         events_poke(ev);
 }
@@ -451,8 +246,9 @@ static bool turn(struct events *ev, struct events_stream *s)
     if ((s = find(ev, serial)) != NULL) {
         s->full = deliver(ev, list, n, s) < n;
         if (!s->full)
-            pass(&s->place, &next);
-        s->live = !s->full && next.end && ev->begun && covers(&s->place, &ev->head);
+            stream_pass(&s->place, &next);
+        s->live =
+            !s->full && next.end && ev->begun && stream_covers(&s->place, &ev->head);
     }
     free(list);
     return true;
@@ -463,31 +259,12 @@ static struct events_stream *next_behind(const struct events *ev)
 {
     struct events_stream *s = ev->first;
 
-    while (s != NULL && (s->live || s->ended || held(s) > EVENTS_BUFFER / 2))
+    while (s != NULL && (s->live || s->ended || stream_held(s) > STREAM_BUFFER / 2))
         s = s->next;
     return s;
 }
 
 /* ---- ends */
-
-static void respond(struct events_stream *s, bool valid, bool failed)
-{
-    const size_t len = held(s), room = len + PLACE_MAX + 64;
-    char cursor[PLACE_MAX], *text;
-
-    if (!valid) {
-        request_problem(s->r, ERRMAP_NO_TOKEN, "the token is not valid any more");
-        s->r->response.bad_token = true;
-    } else if (failed) {
-        request_problem(s->r, ST_EBUSY, "the log cannot be read");
-    } else {
-        place_print(&s->place, cursor);
-        if ((text = malloc(room)) != NULL)
-            (void)snprintf(text, room, "{\"events\":[%.*s],\"next_cursor\":\"%s\"}",
-                           (int)len, len > 0 ? s->buf + s->from : "", cursor);
-        request_respond(s->r, 200, text);
-    }
-}
 
 static void finish(struct events *ev, struct events_stream *s)
 {
@@ -497,7 +274,7 @@ static void finish(struct events *ev, struct events_stream *s)
     unlink_one(ev, s);
     count_open(ev, -1);
     s->r->waits = NULL;
-    release(s);
+    stream_free(s);
     done(arg);
 }
 
@@ -510,16 +287,17 @@ static void tend_one(struct events *ev, struct events_stream *s, double now, int
     if (s->r != NULL) {
         if (s->done == NULL) /* its worker still has it */
             return;
-        if (s->full || (s->live && (s->n > 0 || now >= s->end_ms)) || !valid || failed ||
+        if (s->full || (s->live && s->n > 0) ||
+            now >= s->end_ms + (s->live ? 0 : SCAN_MS) || !valid || failed ||
             ev->stopping || atomic_load(&s->r->gone)) {
-            respond(s, valid, failed);
+            stream_respond(s, valid, failed);
             finish(ev, s);
         }
     } else if (!valid || failed || ev->stopping) {
         s->from = s->len; /* at once */
-        end(s);
-    } else if (held(s) == 0 && now - s->wrote_ms >= BEAT_MS) {
-        put_place(s, ":\n");
+        stream_end(s);
+    } else if (stream_held(s) == 0 && now - s->wrote_ms >= BEAT_MS) {
+        stream_put_place(s, ":\n");
     }
 }
 
@@ -557,12 +335,13 @@ static bool take_poke(struct events *ev)
     return due;
 }
 
-/* Until the head is to be read.  idle: there are no streams. */
-static void events_pause(struct events *ev, bool idle)
+/* Until the head is to be read, or, with behind, a page for a stream.  idle: there are no streams. */
+static void events_pause(struct events *ev, bool idle, bool behind)
 {
     (void)pthread_mutex_lock(&ev->wake_lock);
     for (;;) {
-        const double left = due_ms(ev) - logger_clock_ms();
+        const double until = behind ? fmin(due_ms(ev), ev->rest_ms) : due_ms(ev);
+        const double left = until - logger_clock_ms();
         struct timespec t;
 
         if (idle ? ev->poked : left <= 0)
@@ -576,23 +355,32 @@ static void events_pause(struct events *ev, bool idle)
     (void)pthread_mutex_unlock(&ev->wake_lock);
 }
 
+/* Then rests as long as it took: streams that are behind leave half of a processor to verifications. */
+static void take_turn(struct events *ev)
+{
+    const double begun = logger_clock_ms();
+    struct events_stream *s = begun >= ev->rest_ms ? next_behind(ev) : NULL;
+
+    if (s != NULL)
+        ev->rest_ms = turn(ev, s) ? 2 * logger_clock_ms() - begun : begun + LOOK_MS;
+}
+
 static void events_round(struct events *ev)
 {
-    struct events_stream *s;
+    bool behind;
 
     if (!ev->begun)
         begin(ev);
     if (take_poke(ev))
-        read_head(ev);
+        events_read_head(ev);
     check_tokens(ev);
-    s = next_behind(ev);
-    if (s != NULL && !turn(ev, s))
-        s = NULL;
+    take_turn(ev);
     tend(ev);
-    if (s != NULL || ev->stopping)
+    behind = next_behind(ev) != NULL;
+    if (ev->stopping)
         return;
     (void)pthread_mutex_unlock(&ev->lock);
-    events_pause(ev, false);
+    events_pause(ev, false, behind);
     (void)pthread_mutex_lock(&ev->lock);
 }
 
@@ -608,7 +396,7 @@ static void *events_run(void *arg)
         }
         ev->begun = false;
         (void)pthread_mutex_unlock(&ev->lock);
-        events_pause(ev, true);
+        events_pause(ev, true, false);
         (void)pthread_mutex_lock(&ev->lock);
         ev->good_ms = logger_clock_ms();
     }
@@ -644,43 +432,24 @@ static bool has_room(const struct events *ev, const char *token)
            (token[0] == '\0' || own < EVENTS_OF_TOKEN);
 }
 
-static struct events_stream *new_stream(struct events *ev, const struct request *r,
-                                        const struct store_audit_place *place)
-{
-    struct events_stream *s = calloc(1, sizeof *s);
-
-    if (s == NULL)
-        return NULL;
-    s->of = ev;
-    s->place = *place;
-    s->unchecked = true;
-    s->until_ms = INT64_MAX;
-    if (r->token_expires[0] != '\0')
-        shorten(s, r->token_expires);
-    s->wrote_ms = logger_clock_ms();
-    memcpy(s->token, r->actor, sizeof s->token);
-    memcpy(s->groups, r->groups, sizeof s->groups);
-    s->revision = r->token_revision;
-    return s;
-}
-
 struct events_stream *events_open(struct events *ev, struct request *r,
                                   const struct store_audit_place *place, size_t limit,
                                   double wait_ms)
 {
-    struct events_stream *s = new_stream(ev, r, place);
+    struct events_stream *s = stream_new(ev, r, place);
 
     if (s == NULL) {
         request_problem(r, ST_ENOMEM, "no memory for a stream of events");
         return NULL;
     }
+    s->sent = &ev->state.sent;
     s->limit = limit;
     s->r = limit > 0 ? r : NULL;
     s->end_ms = logger_clock_ms() + wait_ms;
     (void)pthread_mutex_lock(&ev->lock);
     if (!has_room(ev, s->token)) {
         (void)pthread_mutex_unlock(&ev->lock);
-        release(s);
+        stream_free(s);
         request_problem(r, ERRMAP_STREAMS,
                         "%d streams of events are open, or %d of one token",
                         EVENTS_STREAMS, EVENTS_OF_TOKEN);
@@ -688,7 +457,7 @@ struct events_stream *events_open(struct events *ev, struct request *r,
         return NULL;
     }
     if (limit == 0)
-        put_place(s, "");
+        stream_put_place(s, "");
     s->serial = ++ev->serial;
     link_last(ev, s);
     count_open(ev, 1);
@@ -717,13 +486,13 @@ void events_close(void *arg)
     if (s == NULL)
         return;
     ev = s->of;
-    if (s->peer != NULL)
-        guard_begin(s->peer, GUARD_RESPONSE); /* on_gone() is not called any more */
+    if (s->to.place != NULL)
+        guard_begin(s->to.place, GUARD_RESPONSE); /* on_gone() is not called any more */
     (void)pthread_mutex_lock(&ev->lock);
     unlink_one(ev, s);
     count_open(ev, -1);
     (void)pthread_mutex_unlock(&ev->lock);
-    release(s);
+    stream_free(s);
 }
 
 /* ---- connections */
@@ -735,66 +504,41 @@ static void on_gone(void *arg)
 
     (void)pthread_mutex_lock(&s->of->lock);
     s->gone = true;
-    resume(s);
+    stream_end(s);
     (void)pthread_mutex_unlock(&s->of->lock);
 }
 
-void events_attach(struct events_stream *s, struct MHD_Connection *conn,
-                   struct guard_peer *peer)
+void events_attach(struct events_stream *s, const struct stream_connection *to)
 {
     const unsigned ms = DEAD_MS;
+    const int bytes = STREAM_BUFFER;
 
+    (void)setsockopt(to->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ms, sizeof ms);
+    /* Else the kernel would hold megabytes for each client that does not read. */
+    (void)setsockopt(to->fd, SOL_SOCKET, SO_SNDBUF, &bytes, sizeof bytes);
     (void)pthread_mutex_lock(&s->of->lock);
-    s->conn = conn;
-    s->fd = MHD_get_connection_info(conn, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
-    (void)setsockopt(s->fd, IPPROTO_TCP, TCP_USER_TIMEOUT, &ms, sizeof ms);
+    s->to = *to;
     (void)pthread_mutex_unlock(&s->of->lock);
-    s->peer = peer;
     events_poke(s->of);
 }
 
-/* Takes what there is, or suspends the connection. */
-static ssize_t events_take(struct events_stream *s, char *to, size_t max)
+ssize_t events_read(struct events_stream *s, char *to, size_t max)
 {
-    const size_t n = held(s) < max ? held(s) : max;
-
-    if (n > 0) {
-        memcpy(to, s->buf + s->from, n);
-        s->from += n;
-    } else if (s->gone || s->ended) {
-        return s->gone ? MHD_CONTENT_READER_END_WITH_ERROR
-                       : MHD_CONTENT_READER_END_OF_STREAM;
-    } else {
-        MHD_suspend_connection(s->conn);
-        s->suspended = true;
-    }
-    if (held(s) == 0) {
-        mem_free(s->buf);
-        s->buf = NULL;
-        s->from = s->len = 0;
-    }
-    return (ssize_t)n;
-}
-
-ssize_t events_read(void *arg, uint64_t pos, char *to, size_t max)
-{
-    struct events_stream *s = arg;
     struct events *ev = s->of;
     bool behind;
     ssize_t n;
 
-    (void)pos;
     (void)pthread_mutex_lock(&ev->lock);
-    n = events_take(s, to, max);
-    behind = !s->live && held(s) <= EVENTS_BUFFER / 2;
+    n = stream_take(s, to, max);
+    behind = !s->live && stream_held(s) <= STREAM_BUFFER / 2;
     (void)pthread_mutex_unlock(&ev->lock);
     if (n == 0)
-        guard_work(s->peer, on_gone, s);
+        guard_work(s->to.place, on_gone, s);
     else if (!s->sending)
-        guard_begin(s->peer, GUARD_STREAM);
+        guard_begin(s->to.place, GUARD_STREAM);
     s->sending = n != 0;
     if (n > 0)
-        guard_more(s->peer, (size_t)n);
+        guard_more(s->to.place, (size_t)n);
     if (behind && n > 0)
         events_poke(ev);
     return n;
@@ -846,8 +590,8 @@ void events_stop(struct events *ev)
         (void)nanosleep(&pause, NULL);
     (void)pthread_mutex_lock(&ev->lock);
     for (struct events_stream *s = ev->first; s != NULL; s = s->next)
-        if (s->conn != NULL)
-            (void)shutdown(s->fd, SHUT_RDWR);
+        if (s->to.conn != NULL)
+            (void)shutdown(s->to.fd, SHUT_RDWR);
     (void)pthread_mutex_unlock(&ev->lock);
 }
 

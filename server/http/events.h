@@ -6,26 +6,20 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include <sys/types.h>
-#include "store.h"
+#include "stream.h"
 
 struct app;
 struct errinfo;
 struct events;
-struct events_stream;
-struct guard_peer;
-struct MHD_Connection;
 struct request;
 
-#define EVENTS_STREAMS  200                /* open streams, waiting requests included */
-#define EVENTS_OF_TOKEN 50                 /* of them by one token */
-#define EVENTS_BUFFER   ((size_t)64 << 10) /* bytes for a client that are in memory */
-#define EVENTS_BLOCK    ((size_t)4 << 10)  /* bytes that are sent at a time */
+#define EVENTS_STREAMS  200               /* open streams, waiting requests included */
+#define EVENTS_OF_TOKEN 50                /* of them by one token */
+#define EVENTS_BLOCK    ((size_t)4 << 10) /* bytes that are sent at a time */
 
 struct events_state {
-    unsigned open;  /* open streams, waiting requests included */
-    uint64_t sent;  /* events given to clients */
-    uint64_t turns; /* pages that were read for a stream of its own */
+    unsigned open; /* open streams, waiting requests included */
+    uint64_t sent; /* events given to clients */
 };
 
 /* events_start(app): Starts the thread, which reads app->store.  NULL: out of memory. */
@@ -43,12 +37,12 @@ struct events_stream *events_open(struct events *ev, struct request *r,
  * belongs to s until then. */
 void events_wait(struct events_stream *s, void (*done)(void *arg), void *arg);
 
-/* events_attach(s, conn, peer): Lets s go to a connection by events_read(), whose argument it becomes. */
-void events_attach(struct events_stream *s, struct MHD_Connection *conn,
-                   struct guard_peer *peer);
+/* events_attach(s, to): Lets s go to a connection by events_read(). */
+void events_attach(struct events_stream *s, const struct stream_connection *to);
 
-/* events_read(s, pos, to, max): Is an MHD_ContentReaderCallback.  Suspends the connection while there is nothing. */
-ssize_t events_read(void *s, uint64_t pos, char *to, size_t max);
+/* events_read(s, to, max): Takes up to max bytes, and returns their number; 0: there are none, and the connection is
+ * suspended until there are; STREAM_END, STREAM_GONE. */
+ssize_t events_read(struct events_stream *s, char *to, size_t max);
 
 /* events_close(s): Releases s, which no call of events_wait() has.  On the I/O thread; NULL is allowed. */
 void events_close(void *s);

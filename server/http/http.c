@@ -159,6 +159,8 @@ static void http_finish(struct exchange *x)
         guard_linger(h->host.guard, x->linger_fd);
     guard_begin(x->peer->place, GUARD_IDLE);
     upload_end(&x->upload);
+    events_close(x->r.response.stream);
+    events_close(x->r.waits);
     request_free(&x->r);
 }
 

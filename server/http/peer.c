@@ -124,17 +124,51 @@ static void free_parts(void *arg)
     free(s);
 }
 
+/* ---- streams of events */
+
+static void suspend(void *conn)
+{
+    MHD_suspend_connection(conn);
+}
+
+static void resume(void *conn)
+{
+    MHD_resume_connection(conn);
+}
+
+static ssize_t read_stream(void *stream, uint64_t pos, char *to, size_t max)
+{
+    const ssize_t n = events_read(stream, to, max);
+
+    (void)pos;
+    return n == STREAM_END    ? MHD_CONTENT_READER_END_OF_STREAM
+           : n == STREAM_GONE ? MHD_CONTENT_READER_END_WITH_ERROR
+                              : n;
+}
+
+/* Takes the stream, unless it returns NULL. */
+static struct MHD_Response *make_stream(const struct peer *p,
+                                        struct events_stream *stream)
+{
+    const struct stream_connection to = {p->conn, suspend, resume, p->fd, p->place};
+    struct MHD_Response *resp = MHD_create_response_from_callback(
+        MHD_SIZE_UNKNOWN, EVENTS_BLOCK, read_stream, stream, events_close);
+
+    if (resp != NULL)
+        events_attach(stream, &to);
+    return resp;
+}
+
+/* ---- */
+
 /* Takes the body, unless it returns NULL. */
 static struct MHD_Response *make_body(struct peer *p, const struct response *a)
 {
     struct MHD_Response *resp;
     struct parts *s;
 
-    if (a->stream != NULL) {
-        events_attach(a->stream, p->conn, p->place);
-        return MHD_create_response_from_callback(MHD_SIZE_UNKNOWN, EVENTS_BLOCK,
-                                                 events_read, a->stream, events_close);
-    }
+    if (a->stream != NULL)
+        return make_stream(p, a->stream);
     if (a->file == NULL && a->body == NULL && a->len <= PART)
         return MHD_create_response_from_buffer(a->len, (void *)(uintptr_t)a->page,
                                                MHD_RESPMEM_PERSISTENT);

@@ -10,7 +10,6 @@
 
 #include "errinfo.h"
 #include "errmap.h"
-#include "events.h"
 #include "mem.h"
 #include "json.h"
 #include "utf8.h"
@@ -146,8 +145,6 @@ static void set_body(struct request *r, int http, const char *type, char *body)
 {
     if (r->response.file != NULL)
         (void)fclose(r->response.file);
-    events_close(r->response.stream);
-    r->response.stream = NULL;
     r->response.file = NULL;
     r->response.name = NULL;
     mem_free(r->response.body);
@@ -302,8 +299,6 @@ void request_free(struct request *r)
     mem_free(r->response.body);
     if (r->response.file != NULL)
         (void)fclose(r->response.file);
-    events_close(r->response.stream);
-    events_close(r->waits);
     free(r->last_event);
     sodium_memzero(r->token, sizeof r->token);
 }

@@ -208,7 +208,7 @@ void request_page(struct request *r, const char *type, const void *text, size_t 
 void request_file(struct request *r, const char *type, FILE *file, size_t len,
                   const char *name);
 
-/* request_stream(r, stream): Responds 200 with a stream of events; takes ownership of stream. */
+/* request_stream(r, stream): Responds 200 with a stream of events, which http.c closes. */
 void request_stream(struct request *r, struct events_stream *stream);
 
 /* request_not_modified(r): Responds 304, without a body. */

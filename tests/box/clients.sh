@@ -163,7 +163,9 @@ forward() {
 }
 forward
 trap 'kill -9 $door $collector $forwarder 2>/dev/null; cleanup' EXIT
+# shellcheck disable=SC2034 # for metric
 WATCHER=$(new_token watcher --scope audit)
+# shellcheck disable=SC2317 # called by soon
 two_listen() { [ "$(metric surfaced_event_streams)" = 2 ]; }
 ok "the door and the forwarder listen" soon two_listen
 # at FRONT SCAN...: a verification of ida at the door
@@ -185,9 +187,10 @@ is "it has opened once" "$(grep -c open "$T/door")" 1
 staff resume ida
 is "resumed" "$CODE" 0
 kill -9 $forwarder # what happens meanwhile is not lost
-for n in 1 2 3; do at_front stranger; done
+for _ in 1 2 3; do at_front stranger; done
 ok "a lock-out, with its end" soon grep -q '^ida is locked out until 20' "$T/door"
 forward
+# shellcheck disable=SC2317 # called by soon
 all_collected() { [ "$(wc -l <"$T/collected")" -ge 8 ]; }
 ok "all is collected" soon all_collected
 is "each once, in order" "$(cut -d ' ' -f 2,3 "$T/collected" | paste -sd ,)" "verify match,subject_disabled disabled,\

@@ -53,6 +53,7 @@ FOLLOWER=$!
 ok "a client follows" soon grep -q ready "$T/follow.log"
 
 # streams N: that many are open
+# shellcheck disable=SC2317 # called by soon
 streams() {
     [ "$(metric surfaced_event_streams)" = "$1" ]
 }
@@ -182,6 +183,7 @@ id_of() {
 one=$(new_token revoked --scope events)
 ended "a revoked token" req DELETE "/v1/tokens/$(id_of revoked)"
 one=$(new_token rotated --scope events)
+# shellcheck disable=SC2317 # called by ended
 rotate() {
     req POST "/v1/tokens/$(id_of rotated)/rotate" -H "$JSON" -d '{"grace_s": 2}'
     next=$(get .secret)
@@ -213,6 +215,7 @@ for round in 1 2 3; do
     verify alice a2
     is "round $round" "$STATUS" 200
 done
+# shellcheck disable=SC2317 # called by soon
 all_came() {
     events pages "$URL1" >"$T/pages"
     [ "$(wc -l <"$T/followed")" -ge "$(wc -l <"$T/pages")" ]

@@ -99,6 +99,7 @@ class Verdict(TypedDict):
     minimal: NotRequired[dict[str, Any]]
     alignment: NotRequired[dict[str, Any]]
     regions: NotRequired[dict[str, float | None]]
+    expected: NotRequired[float]
     heatmap: NotRequired[list[float | None]]
     cells: NotRequired[dict[str, Any]]
 
