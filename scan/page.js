@@ -2,11 +2,11 @@
 // explain and surfacectl scan write.  scripts/page.sh joins it with the modules, scan/page.c adds the
 // data: binary glTF whose extras are the response, and of each side name, origin and time.
 
-import { count, el, icon, mm, percent, plain, time } from "./dom.js";
+import { el, icon, time } from "./dom.js";
 import { openGlb, readGlb } from "./glb.js";
-import { createReport } from "./report.js";
+import { copies, createReport } from "./report.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, failure, notes, qualityOf, regions } from "./verdict.js";
+import { compared, facts, failure, found, qualityOf } from "./verdict.js";
 
 /** Puts the bytes of each array back: scan/page.c has first all first bytes of its elements, then all
  *  second ones, and so on, each as the difference from the one before, which packs better. */
@@ -36,20 +36,6 @@ function side(letter, s) {
     s.quality != null && el("span.badge", {}, `quality ${s.quality.toFixed(2)}`));
 }
 
-const comparison = (r) => ({
-  cards: [decided(r), regions(r.regions)],
-  known: [["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
-    ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`], ["Version", r.engine]],
-});
-
-const check = (r) => ({
-  cards: [checked(r, false), advice(r), notes(r)],
-  known: r.scan ? [["Format", r.scan.format.toUpperCase()], ["Points read", count(r.scan.points_read)],
-    ["Points on the face", count(r.scan.points_used)],
-    r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
-    r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]] : [],
-});
-
 function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
   dispatchEvent(new Event("theme"));
@@ -57,10 +43,10 @@ function setTheme(theme) {
 
 function open({ extras: r, nodes }) {
   const two = r.decision !== undefined, stage = createStage();
-  const { cards, known } = (two ? comparison : check)(r), title = two ? "What decided" : "What was found", made = `${time(r.made_at)} UTC`;
+  const { cards, known } = (two ? compared : found)(r), title = two ? "What decided" : "What was found", made = `${time(r.made_at)} UTC`;
   const sides = two ? [["A", r.a], ["B", r.b]] : [["", { ...r.a, quality: qualityOf({ ...r, quality: { score: r.a.quality } }) }]];
   const report = createReport(stage, () => ({
-    title, at: made, facts: known, cards: cards.filter(Boolean).map((card) => card.cloneNode(true)),
+    title, at: made, facts: known, cards: copies(cards),
     sides: sides.map(([letter, s]) => [letter, s.name, `${s.about} ${s.at ? `${time(s.at)} UTC` : ""}${s.quality != null ? `, quality ${s.quality.toFixed(2)}` : ""}`]),
   }));
   document.title = two ? `${r.a.name} and ${r.b.name}` : r.a.name;

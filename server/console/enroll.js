@@ -2,11 +2,12 @@
 
 import { get, post, query, request } from "./api.js";
 import { camera } from "./camera.js";
-import { count, dayEnd, el, icon, many, mm, percent, say } from "./dom.js";
+import { dayEnd, el, icon, many, say, time } from "./dom.js";
 import { readSeen } from "./glb.js";
+import { copies, createReport, requestId, scanInWords } from "./report.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, qualityOf, regions, verdict } from "./verdict.js";
+import { advice, checked, compared, facts, qualityOf, verdict } from "./verdict.js";
 import { attempt, dialog, failed, field, VERBATIM } from "./widgets.js";
 
 const ID = /[A-Za-z0-9._@:\-]{1,128}/;
@@ -122,30 +123,36 @@ export function enroll({ who, subject, file, done }) {
 /** Verifies a scan as a door would.  attempts: of the subject; done(): it was counted. */
 export function verifyHere({ who, subject, attempts, done }) {
   const detail = who.scopes.includes("detail");
-  let scan = null, parts = null;
-  const d = dialog(`Verify a scan as ${subject}`, { wide: true, closed: () => { parts.close(); done(); } });
+  let scan = null, checkedAs = null, parts = null, shown = null;
+  const d = dialog(`Verify a scan as ${subject}`, { wide: true, closed: () => { report.close(); parts.close(); done(); } });
   const error = el("p.error", { role: "alert" });
   const button = el("button.primary", { type: "submit", disabled: true }, "Verify");
   const before = attempts.failures ? `${many(attempts.failures, "attempt")} failed already. ` : "None has failed so far. ";
 
   async function send() {
     let r, nodes;
-    const path = at(subject, `verify${query({ detail: detail ? "surface" : "", ...parts.lens.values })}`);
+    const id = requestId(), path = at(subject, `verify${query({ detail: detail ? "surface" : "", ...parts.lens.values })}`);
     if (!await attempt(button, error, async () => {
-      ({ extras: r, nodes } = readSeen(await request("POST", path, { body: scan, binary: detail })));
+      ({ extras: r, nodes } = readSeen(await request("POST", path, { body: scan, binary: detail, headers: { "X-Request-Id": id } })));
     })) return;
     if (nodes) parts.stage.show(nodes, true);
-    form.replaceChildren(...[decided(r), r.regions && regions(r.regions),
-      r.score !== undefined && facts([["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, detail ? 3 : 2)],
-        ["Templates compared", count(r.templates_compared)]]),
-      el("div.buttons", {}, el("button.primary", { type: "button", onclick: d.close }, "Done"))].filter(Boolean));
+    const { cards, known } = compared(r), template = r.template_id && ["Template", r.template_id];
+    shown = {
+      title: `A verification of ${subject}`, at: `${time(new Date().toISOString())} UTC`, cards: copies(cards),
+      sides: [["A", subject, "as enrolled"], ["B", scan.name, scanInWords(checkedAs.scan, qualityOf(checkedAs))]],
+      facts: [...known, template, ["Request", id], ["Token", who.name]],
+    };
+    report.ready(true);
+    form.replaceChildren(...[...cards, known.length > 0 && facts(known),
+      el("div.buttons", {}, report.buttons[0], el("button.primary", { type: "button", onclick: d.close }, "Done"))].filter(Boolean));
     form.querySelector("button.primary").focus();
   }
 
   parts = scanning(d, null, true, (f, r) => {
-    scan = f;
+    [scan, checkedAs] = [f, r];
     button.disabled = !r?.usable;
   });
+  const report = createReport(parts.stage, () => shown);
   const form = el("form", { onsubmit: (e) => { e.preventDefault(); send(); } },
     el("p.advice", {}, icon("warning", 18), el("span", {}, "This counts as an attempt, as at a door: if it fails, the next one may have to wait. ",
       el("strong", {}, before), "To look at two scans without that, use Try.")),

@@ -1,8 +1,18 @@
 // report.js -- a decision, or what was found in a scan, as one sheet of paper, which is printed or filed in
 // the place of the page; and the picture as a file.
 
-import { el, icon, save } from "./dom.js";
+import { count, el, icon, save } from "./dom.js";
 import { pairs } from "./verdict.js";
+
+/** An id for a request, which the daemon's log has too. */
+export const requestId = () => [...crypto.getRandomValues(new Uint8Array(8))].map((b) => b.toString(16).padStart(2, "0")).join("");
+
+/** A scan in so many words: how many points, how good. */
+export const scanInWords = (scan, quality) =>
+  [scan && `${count(scan.points_read)} points`, quality != null && `quality ${quality.toFixed(2)}`].filter(Boolean).join(", ");
+
+/** Copies of cards, as a report takes them. */
+export const copies = (cards) => cards.filter(Boolean).map((card) => card.cloneNode(true));
 
 /** contents(): {title, at, sides: [[letter, name, about]], cards, facts} of what is shown; null: nothing, and the page is printed
  *  as it is. */

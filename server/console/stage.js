@@ -318,8 +318,12 @@ export function createStage() {
   function drawCut() {
     if (cut) section.draw(cutters, planeOf(cut), cutPanel.clientWidth - 24 || 600, 216);
   }
-  const observer = new ResizeObserver(drawCut);
+  const observer = new ResizeObserver(() => {
+    drawCut();
+    if (aim) aimAt(null); // another place is under it
+  });
   observer.observe(cutPanel);
+  observer.observe(scene);
 
   function clear() {
     nodes = null;
@@ -362,9 +366,9 @@ export function createStage() {
       const shots = !nodes || !view ? [] : two
         ? [["A", { layer: "a", pose: "three" }], ["B", { layer: "b", pose: "three" }], ["What decided: blue for, orange against one person", { layer: PART, pose: "front" }]]
         : [["Front", { pose: "front" }], ["Three-quarter", { pose: "three" }], ["Profile", { pose: "profile" }]];
-      if (nodes && solid()) drawing.draw(cutters, planeOf(cut ?? presets().profile), 680, 210);
+      if (nodes && solid()) drawing.draw(cutters, planeOf(cut ?? presets().profile), 680, 186);
       return {
-        shots: shots.map(([title, as]) => [title, view.picture(480, 540, { cut: null, ...as, colors: of })]),
+        shots: shots.map(([title, as]) => [title, view.picture(560, 640, { cut: null, ...as, colors: of })]),
         section: nodes && solid() ? drawing : null,
       };
     },

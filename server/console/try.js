@@ -2,12 +2,12 @@
 
 import { query, request, url } from "./api.js";
 import { camera } from "./camera.js";
-import { count, el, icon, mm, percent, plain, save, say, time } from "./dom.js";
+import { el, icon, save, say, time } from "./dom.js";
 import { readSeen } from "./glb.js";
-import { createReport } from "./report.js";
+import { copies, createReport, requestId, scanInWords } from "./report.js";
 import { createSlot } from "./slot.js";
 import { createStage } from "./stage.js";
-import { advice, checked, decided, facts, notes, pairs, qualityOf, regions } from "./verdict.js";
+import { compared, facts, found, pairs, qualityOf } from "./verdict.js";
 import { failed } from "./widgets.js";
 
 const SAMPLES = [
@@ -78,36 +78,27 @@ export function open(main, who) {
     side.replaceChildren(...cards.filter(Boolean));
   }
 
-  /** A request that compares or checks, by an id that the daemon's log has too. */
   async function ask(path, body, stop) {
-    const id = [...crypto.getRandomValues(new Uint8Array(8))].map((b) => b.toString(16).padStart(2, "0")).join("");
+    const id = requestId();
     const response = await request("POST", `${path}${query({ detail: "surface", ...lens.values })}`, { body, binary: true, stop, headers: { "X-Request-Id": id } });
     return { response, id };
   }
 
   /** Fills the side, and the report. */
-  function tell(title, sides, cards, known, id, ...more) {
+  function tell(title, sides, { cards, known }, id, ...more) {
     side.replaceChildren(...[...cards, facts(known), ...more].filter(Boolean));
     say(cards[0].textContent);
-    shown = {
-      title, sides, at: `${time(new Date().toISOString())} UTC`, cards: cards.filter(Boolean).map((card) => card.cloneNode(true)),
-      facts: [...known, ["Request", id], ["Token", who.name]],
-    };
+    shown = { title, sides, at: `${time(new Date().toISOString())} UTC`, cards: copies(cards), facts: [...known, ["Request", id], ["Token", who.name]] };
   }
 
   async function check(s, stop) {
     const { response, id } = await ask("/v1/check", s.file, stop);
     const r = show(response, false);
     s.label(r.scan, qualityOf(r));
-    const known = r.scan ? [["Format", r.scan.format.toUpperCase()], ["Points on the face", count(r.scan.points_used)],
-      r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
-      r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]] : [];
-    tell("What was found in a scan", [["", s.file.name, sideOf(r.scan, qualityOf(r))]],
-      [checked(r, false, verifies && el("p.dim", {}, "Drop a second scan to compare them.")), advice(r), notes(r)], known, id,
+    tell("What was found in a scan", [["", s.file.name, scanInWords(r.scan, qualityOf(r))]],
+      found(r, verifies && el("p.dim", {}, "Drop a second scan to compare them.")), id,
       timing(r.timing_ms), curl("/v1/check", ["--data-binary", `@${s.file.name}`]));
   }
-
-  const sideOf = (scan, quality) => [scan && `${count(scan.points_read)} points`, quality != null && `quality ${quality.toFixed(2)}`].filter(Boolean).join(", ");
 
   async function compare(stop) {
     const body = new FormData();
@@ -116,11 +107,8 @@ export function open(main, who) {
     const { response, id } = await ask("/v1/compare", body, stop);
     const r = show(response, true);
     slots.forEach((s, i) => s.label(r.scan["ab"[i]], r.quality["ab"[i]]?.score));
-    tell("Two scans compared", slots.map((s, i) => ["AB"[i], s.file.name, sideOf(r.scan["ab"[i]], r.quality["ab"[i]]?.score)]),
-      [decided(r), regions(r.regions)],
-      [["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, 3)],
-        ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`], ["Version", r.engine]], id,
-      timing(r.timing_ms),
+    tell("Two scans compared", slots.map((s, i) => ["AB"[i], s.file.name, scanInWords(r.scan["ab"[i]], r.quality["ab"[i]]?.score)]),
+      compared(r), id, timing(r.timing_ms),
       curl("/v1/compare", ["-F", `a=@${slots[0].file.name}`], ["-F", `b=@${slots[1].file.name}`]));
   }
 

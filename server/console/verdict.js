@@ -1,7 +1,7 @@
 // verdict.js -- a decision and what goes with it: cards with the word, the score on a gauge, what each
 // region adds, advice, figures.
 
-import { el, icon, mm, oneIn, percent, plain, signed, svg } from "./dom.js";
+import { count, el, icon, mm, oneIn, percent, plain, signed, svg } from "./dom.js";
 
 export const VERDICTS = {
   match: { icon: "yes", kind: "ok", title: "Same face" },
@@ -59,6 +59,23 @@ export function decided(r) {
 
 /** The quality of a scan, if what was scanned is a face: of anything else it says nothing. */
 export const qualityOf = (r) => (r.code === "not_a_face" ? null : r.quality?.score);
+
+/** Of a comparison: the cards that say what decided, and its figures. */
+export const compared = (r) => ({
+  cards: [decided(r), r.regions && regions(r.regions)],
+  known: r.score === undefined ? [] : [["Face in common", percent(r.overlap)], ["Minimal disparity", mm(r.disparity_mm, r.minimal ? 3 : 2)],
+    r.minimal && ["Volume between", `${(r.minimal.volume_mm3 / 1000).toFixed(1)} cm³`],
+    r.template_id && ["Templates compared", count(r.templates_compared)], ["Version", r.engine]],
+});
+
+/** Of a check: likewise what was found in a scan; after: the verdict's last lines. */
+export const found = (r, ...after) => ({
+  cards: [checked(r, false, ...after), advice(r), notes(r)],
+  known: r.scan ? [["Format", r.scan.format.toUpperCase()], ["Points read", count(r.scan.points_read)],
+    ["Points on the face", count(r.scan.points_used)],
+    r.scan.yaw_deg != null && ["Turned", `${plain(r.scan.yaw_deg, 0)}°`], ["Covered", percent(r.scan.occluded)],
+    r.quality && ["A point every", mm(r.quality.density_mm, 1)], r.quality && ["Noise", mm(r.quality.noise_mm)]] : [],
+});
 
 /** Of a scan alone, by a check; verifying: nobody is to be enrolled. */
 export function checked(r, verifying, ...rest) {

@@ -208,7 +208,7 @@ export function createView(canvas, { drawn, tapped, drawing, lined }) {
       });
       centre = low.map((x, i) => (x + high[i]) / 2);
       if (of.index) centre[2] -= 20; // of a face; a scan alone is in its own unit
-      radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.72 : 0.58);
+      radius = Math.max(high[0] - low[0], high[1] - low[1]) * (nodes.scan ? 0.72 : 0.61);
     }
     if (pose) [yaw, pitch, zoom] = [...VIEWS[pose], 1];
     changedFrame();

@@ -5,6 +5,7 @@ import math
 import os
 import random
 import re
+import shutil
 import time
 
 from selenium.webdriver.common.action_chains import ActionChains
@@ -12,7 +13,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from browser import (ALL, FOLDER, browser, check, choose, color_at, contrast, decoded, difference, focused, go, is_,
-                     look, one, pixels, press, quiet, run, some, still, token, unlock, wait, within)
+                     look, one, pixels, press, quiet, run, send, some, still, token, unlock, wait, within)
 
 
 def test_no_webgl(d):
@@ -364,7 +365,8 @@ def test_report(d):
     unlock(d, ALL)
     one(d, ".samples button", "Two people").click()
     some("two people", d, ".verdict h2", "Different faces")
-    d.execute_script("addEventListener('beforeprint', () => window.sheet = document.querySelector('.paper').cloneNode(true))")
+    d.execute_script("""for (const when of ["beforeprint", "afterprint"])
+        addEventListener(when, () => window.sheet = document.querySelector(".paper")?.cloneNode(true) ?? window.sheet);""")
     pdf = printed(d)
     is_("one A4", [pages_of(pdf), b"/MediaBox [0 0 594.9" in pdf], [1, True])
     text = d.execute_script("return window.sheet.textContent")
@@ -400,6 +402,38 @@ def test_report(d):
     some("one scan", d, ".verdict h2", "Good to enroll")
     is_("is one A4, too", pages_of(printed(d)), 1)
     check("with its figures", "Points on the face" in d.execute_script("return window.sheet.textContent"))
+    long = os.path.join(FOLDER, "%s.ply" % ("a-name-that-is-long-" * 8))
+    shutil.copy(os.path.join(FOLDER, "bust.ply"), long)
+    choose(d, "a", long)
+    some("a long name", d, ".slot.a", "a-name-that-is-long")
+    some("of a good scan", d, ".verdict h2", "Good to enroll")
+    is_("is one A4 as well", pages_of(printed(d)), 1)
+    # a verification
+    is_("somebody is enrolled", send("/v1/subjects/filed/templates", "a.ply"), 201)
+    go(d, "people?subject=filed")
+    one(d, "main button", "Verify a scan").click()
+    one(d, "dialog h2", "Verify")
+    d.find_element(By.CSS_SELECTOR, "dialog input[type=file]").send_keys(os.path.join(FOLDER, "a2.ply"))
+    some("a scan to verify", d, "dialog .verdict h2", "Good to verify")
+    one(d, "dialog [type=submit]").click()
+    some("the decision", d, "dialog .verdict h2", "Same face")
+    is_("a verification is one A4", pages_of(printed(d)), 1)
+    d.execute_script("dispatchEvent(new Event('beforeprint'))")
+    d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    d.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 703, "height": 1032, "deviceScaleFactor": 1, "mobile": False})
+    still(d)
+    d.save_screenshot(os.path.join(FOLDER, "report-verification.png"))
+    d.execute_script("dispatchEvent(new Event('afterprint'))")
+    d.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    look(d, 1280, True)
+    text = d.execute_script("return window.sheet.textContent")
+    for part in ("A verification of filed", "a2.ply", "Same face", "Template", "Request", "surfaced/", "B lies at most"):
+        check("its report has %s" % part, part in text, text)
+    press(d, Keys.ESCAPE)
+    go(d, "try")
+    some("Try again", d, ".samples button", "Two people")
+    choose(d, "a", os.path.join(FOLDER, "bust.ply"))
+    some("one scan once more", d, ".verdict h2", "Good to enroll")
     # dots outside the solid face alone
     one(d, ".poses button", "Front").click()
     still(d)
