@@ -68,6 +68,18 @@ static void link_last(struct events *ev, struct events_stream *s)
     ev->last = s;
 }
 
+/* Its turn is the next: a client waits for the page. */
+static void link_first(struct events *ev, struct events_stream *s)
+{
+    s->prev = NULL;
+    s->next = ev->first;
+    if (ev->first != NULL)
+        ev->first->prev = s;
+    else
+        ev->last = s;
+    ev->first = s;
+}
+
 static void unlink_one(struct events *ev, struct events_stream *s)
 {
     if (s->prev != NULL)
@@ -459,7 +471,10 @@ struct events_stream *events_open(struct events *ev, struct request *r,
     if (limit == 0)
         stream_put_place(s, "");
     s->serial = ++ev->serial;
-    link_last(ev, s);
+    if (limit > 0)
+        link_first(ev, s);
+    else
+        link_last(ev, s);
     count_open(ev, 1);
     (void)pthread_mutex_unlock(&ev->lock);
     return s;

@@ -277,13 +277,35 @@ is "the page is empty" "$(jq -c .events "$T/waited")" '[]'
 
 # ---- entries that were cut off
 sql 'DELETE FROM access_log WHERE daemon = 0 AND seq <= 3'
-start_daemon --attempt-subjects 1000
+start_daemon --attempt-subjects 1000 --timeout 2
 ONE=$PID
 req GET '/v1/events?after=0-0&limit=1000'
 is "events are missing, and this is said" "$(get '[.events[] | select(.type == "gap") | "\(.outcome) \(.subject)"] | join(" ")')" 'trimmed null'
 after=$(get '.events[] | select(.type == "gap") | .cursor')
 req GET "/v1/events?after=$after"
 is "and once" "$STATUS $(get '[.events[] | select(.type == "gap")] | length')" '200 0'
+
+# ---- more than fits between: who takes nothing is cut off, and a client that reads has all
+long=$(printf '%0128d' 0)
+req POST /v1/subjects -H "$JSON" -d "{\"subject\": \"$long\"}"
+for _ in $(seq 200); do printf 'url = "%s/v1/subjects/%s"\noutput = /dev/null\n' "$URL" "$long"; done >"$T/changes"
+curl -sS -K "$T/changes" -X PATCH -H "Authorization: Bearer $AUTH" -H "$MERGE" \
+    -d '{"consent": "x", "hold": false, "disabled": false, "groups": ["a"], "identify": true}'
+exec 8<>"$T/hold"
+python3 tests/box/events.py hold "$URL1" 20 '?after=0-0' "$t1" <"$T/hold" >"$T/held" 2>&1 &
+holder=$!
+ok "20 are open" soon grep -qx 'open 20 refused 0' "$T/held"
+events pages "$URL1" 1000 >"$T/pages"
+ok "all is read beside them: $(wc -l <"$T/pages")" test "$(wc -l <"$T/pages")" -ge 1000
+# shellcheck disable=SC2317 # called by soon
+cut_off() {
+    [ "$(metric 'surfaced_connections_closed_total{reason="slow_events"}')" = 20 ]
+}
+ok "each is cut off" soon cut_off
+ok "and closed" soon streams 0
+kill $holder
+wait $holder 2>/dev/null
+exec 8>&-
 if [ -n "${TWO:-}" ]; then
     kill -TERM "$TWO"
     wait "$TWO"
