@@ -52,8 +52,10 @@ static enum status ctl_run_subject_list(struct ctl *c)
     size_t n, all = 0;
     enum status st = ST_OK;
 
-    if (state != NULL && !store_subject_state(state, &what.state))
-        return ctl_usage(c, "--state is active, disabled, hold, expired or ending");
+    if (state != NULL && (!store_subject_state(state, &what.state) ||
+                          what.state == STORE_LOCKED)) /* attempts list has those */
+        return ctl_usage(
+            c, "--state is active, disabled, hold, expired, ending or no_consent");
     if (group != NULL && !groups_label(group))
         return ctl_usage(c, "--group is one group: 1 to %d characters of a-z 0-9 . _ -",
                          GROUPS_LABEL);
@@ -351,8 +353,9 @@ const struct ctl_command ctl_subject_list = {
     .options = {CTL_OPTION("match", "TEXT", command_text, &part,
                            "only those whose id has this in it"),
                 CTL_OPTION("state", "WORD", command_text, &state,
-                           "only those that are active, disabled, on hold, expired, or\n"
-                           "ending (within 30 days): active, disabled, hold, ..."),
+                           "only those that are active, disabled, on hold, expired,\n"
+                           "ending (within 30 days) or without a consent: active,\n"
+                           "disabled, hold, expired, ending, no_consent"),
                 CTL_OPTION("group", "NAME", command_text, &group,
                            "only those of this group")},
     .run = ctl_run_subject_list,

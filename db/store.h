@@ -50,11 +50,13 @@ enum store_state { /* state of a subject at one moment; several may be true */
                    STORE_DISABLED,
                    STORE_HELD,
                    STORE_EXPIRED,
-                   STORE_ENDING /* not expired, but expires within STORE_ENDING_MS */
+                   STORE_ENDING,    /* not expired, but expires within STORE_ENDING_MS */
+                   STORE_LOCKED,    /* a token is locked out of it */
+                   STORE_NO_CONSENT /* no reference of a consent */
 };
 
-/* store_subject_state(word, out): Reads "active", "disabled", "hold", "expired" or "ending".  Returns false for
- * another word. */
+/* store_subject_state(word, out): Reads "active", "disabled", "hold", "expired", "ending", "locked" or "no_consent".
+ * Returns false for another word. */
 bool store_subject_state(const char *word, enum store_state *out);
 
 #define STORE_ENDING_MS   (INT64_C(30) * 86400000)
@@ -64,8 +66,9 @@ struct store_search {
     const char *group; /* one of the subject's groups; "": any, or none */
     const char *part;  /* part of the id, in any case of its letters; "": any id */
     enum store_state state;
-    int64_t after; /* as in store_subject_list() */
-    size_t limit;  /* most results, 1 or more */
+    const struct store_limits *limits; /* for lock-outs; NULL: none is looked for */
+    int64_t after;                     /* as in store_subject_list() */
+    size_t limit;                      /* most results, 1 or more */
 };
 
 /* store_subject_search(s, actor, what, out, n, next, e): Lists subjects, with their quality, in the order of creation.

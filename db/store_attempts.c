@@ -178,30 +178,38 @@ static enum status look_at(void *arg, const char *token, struct errinfo *e)
     return st;
 }
 
+enum status store_attempts_longest(struct log_txn *t, const struct store_subject *subject,
+                                   const struct store_limits *l, int64_t now,
+                                   struct store_worst *out, struct errinfo *e)
+{
+    static const char another[] = "*"; /* no token's id */
+    struct worst w = {.t = t, .subject = subject, .limits = l, .now = now};
+    enum status st = rows_attempts_each(t, subject, look_at, &w, e);
+
+    if (st == ST_OK && w.failures > 0) /* else none is locked out */
+        st = look_at(&w, another, e);
+    memset(out, 0, sizeof *out);
+    out->failures = w.failures;
+    if (st == ST_OK && w.wait_ms > 0)
+        utc_print(now + w.wait_ms, out->until);
+    return st;
+}
+
 enum status store_attempts_worst(struct store *s, const char *actor, const char *subject,
                                  const struct store_limits *l, struct store_worst *out,
                                  struct errinfo *e)
 {
-    static const char another[] = "*"; /* no token's id */
     struct rows_subject of;
     struct log_act by;
     struct log_txn t;
-    struct worst w = {.t = &t, .subject = &of.one, .limits = l};
     enum status st;
 
     memset(out, 0, sizeof *out);
     if ((st = ident_subject(subject, e)) != ST_OK ||
         (st = store_act_begin(s, actor, SQL_READ, &by, &t, e)) != ST_OK)
         return st;
-    w.now = by.ms;
-    if ((st = rows_subject_find(&t, subject, &of, e)) == ST_OK &&
-        (st = rows_attempts_each(&t, &of.one, look_at, &w, e)) == ST_OK)
-        st = look_at(&w, another, e);
+    if ((st = rows_subject_find(&t, subject, &of, e)) == ST_OK)
+        st = store_attempts_longest(&t, &of.one, l, by.ms, out, e);
     sodium_memzero(&of, sizeof of);
-    if ((st = store_end(s, &t, st, e)) != ST_OK)
-        return st;
-    out->failures = w.failures;
-    if (w.wait_ms > 0)
-        utc_print(w.now + w.wait_ms, out->until);
-    return ST_OK;
+    return store_end(s, &t, st, e);
 }

@@ -104,7 +104,8 @@ enum status store_subject_due(struct store *s, struct store_subject **out, size_
 
 bool store_subject_state(const char *word, enum store_state *out)
 {
-    static const char *const name[] = {"active", "disabled", "hold", "expired", "ending"};
+    static const char *const name[] = {"active", "disabled", "hold",      "expired",
+                                       "ending", "locked",   "no_consent"};
 
     for (size_t i = 0; i < sizeof name / sizeof *name; i++)
         if (strcmp(word, name[i]) == 0) {
@@ -139,7 +140,10 @@ static bool is_wanted(const struct store_subject_searching *x, struct store_subj
         return false;
     switch (x->what->state) {
     case STORE_ANY:
+    case STORE_LOCKED: /* is_locked() */
         break;
+    case STORE_NO_CONSENT:
+        return one->reference[0] == '\0';
     case STORE_ACTIVE:
         return !one->disabled && !one->expired;
     case STORE_DISABLED:
@@ -155,23 +159,45 @@ static bool is_wanted(const struct store_subject_searching *x, struct store_subj
     return true;
 }
 
+/* Whether a token is locked out of it, for what is wanted otherwise. */
+static enum status find_lock(struct store_subject_searching *x, struct store_subject *one,
+                             bool *wanted, struct errinfo *e)
+{
+    struct store_worst worst = {.failures = 0};
+    enum status st = ST_OK;
+
+    if (*wanted && x->what->limits != NULL)
+        st = store_attempts_longest(&x->t, one, x->what->limits, x->now, &worst, e);
+    memcpy(one->locked, worst.until, sizeof one->locked);
+    if (x->what->state == STORE_LOCKED)
+        *wanted = worst.until[0] != '\0';
+    return st;
+}
+
 /* Those of a batch; one more than wanted tells that there are more.  The page ends with the last one that is
  * wanted: what lies behind may be no subject of the actor's. */
-static void store_subject_choose(struct store_subject_searching *x,
-                                 struct store_subject *list, size_t n)
+static enum status store_subject_choose(struct store_subject_searching *x,
+                                        struct store_subject *list, size_t n,
+                                        struct errinfo *e)
 {
-    for (size_t i = 0; i < n && !x->done; i++) {
+    enum status st = ST_OK;
+
+    for (size_t i = 0; i < n && !x->done && st == ST_OK; i++) {
+        bool wanted = is_wanted(x, &list[i]);
+
         if ((x->done = x->looked == STORE_SEARCH_ROWS)) {
             x->last = x->next;
-            return;
+            return ST_OK;
         }
         x->looked++;
-        if (is_wanted(x, &list[i]) && !(x->done = x->n == x->what->limit)) {
+        st = find_lock(x, &list[i], &wanted, e);
+        if (wanted && !(x->done = x->n == x->what->limit)) {
             x->out[x->n++] = list[i];
             x->last = list[i].key;
         }
         x->next = list[i].key;
     }
+    return st;
 }
 
 static enum status store_subject_look(struct store_subject_searching *x,
@@ -185,7 +211,7 @@ static enum status store_subject_look(struct store_subject_searching *x,
 
         if ((st = rows_subject_list(&x->t, x->next, BATCH, &list, &n, e)) != ST_OK)
             return st;
-        store_subject_choose(x, list, n);
+        st = store_subject_choose(x, list, n, e);
         if (!x->done && n < BATCH) {
             x->last = 0;
             x->done = true;

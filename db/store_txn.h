@@ -6,6 +6,9 @@
 #include "log_txn.h"
 #include "rows_types.h"
 
+struct store_limits; /* store_attempts.h */
+struct store_worst;
+
 struct newfile;       /* newfile.h */
 struct surface_model; /* libsurface.h */
 struct rows_subject;  /* rows_subject.h */
@@ -148,6 +151,12 @@ enum status store_erase_rows(struct log_txn *t, const struct log_act *by,
                              struct store_receipt *out, struct errinfo *e);
 
 /* ---- times, random ids, limits */
+
+/* store_attempts_longest(t, subject, l, now, out, e): As store_attempts_worst(), inside the transaction t, at the
+ * time now. */
+enum status store_attempts_longest(struct log_txn *t, const struct store_subject *subject,
+                                   const struct store_limits *l, int64_t now,
+                                   struct store_worst *out, struct errinfo *e);
 
 /* store_rules_random(out, bytes): Writes 2 * bytes random hexadecimal digits and a NUL.
  *   bytes  at most 32 */

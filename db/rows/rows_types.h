@@ -59,6 +59,8 @@ struct store_subject {
     /* It was expired when it was read; set by store_subject_get() and store_snapshot_begin(). */
     bool expired;
     uint32_t templates; /* number of templates */
+    char locked
+        [32]; /* end of the longest lock-out, set only by store_subject_search(); "": not locked out */
     /* Quality of the best template, set only by store_subject_search(); NAN: no template. */
     double quality;
 };

@@ -57,6 +57,7 @@ static char *write_subjects(const struct store_subject *s, size_t n, int64_t nex
     for (size_t i = 0; i < n; i++) {
         json_object(j, NULL);
         describe_subject_row(j, &s[i]);
+        json_text(j, "locked_until", s[i].locked[0] != '\0' ? s[i].locked : NULL);
         json_close(j);
     }
     json_close(j);
@@ -89,7 +90,8 @@ void subjects_list(struct request *r, struct worker *w)
 {
     char cursor[SUBJECTS_CURSOR], part[STORE_SUBJECT_MAX + 1] = "", state[16] = "";
     char group[GROUPS_LABEL + 1] = "";
-    struct store_search what = {.group = group, .part = part, .limit = PAGE_DEFAULT};
+    struct store_search what = {
+        .group = group, .part = part, .limits = &r->app->limits, .limit = PAGE_DEFAULT};
     struct store_subject *s = NULL;
     struct errinfo e = {0};
     enum status st;
@@ -109,7 +111,9 @@ void subjects_list(struct request *r, struct worker *w)
     else if (state[0] != '\0' && !store_subject_state(state, &what.state))
         request_problem(
             r, ERRMAP_PARAMETER,
-            "state must be active, disabled, hold, expired or ending, not '%s'", state);
+            "state must be active, disabled, hold, expired, ending, locked or no_consent, "
+            "not '%s'",
+            state);
     else if (store_subject_search(r->app->store, r->actor, &what, &s, &n, &next, &e) !=
              ST_OK)
         request_fail(r, &e);

@@ -2,15 +2,23 @@
 // scores of the last weeks.
 
 import { get } from "./api.js";
-import { chartWidth, count, day, el, oneIn, plain, svg } from "./dom.js";
+import { chartWidth, count, day, el, many, oneIn, plain, svg } from "./dom.js";
 import { pairs, shareAbove } from "./verdict.js";
 import { failed } from "./widgets.js";
 import { outcome } from "./words.js";
 
 const LOW = -40, STEP = 2, BINS = 64, WEEKS = 12, DECISIONS = ["match", "inconclusive", "no_match"];
 
+/** What another threshold would have changed, of the scores that are kept, which are counted in steps: in a sentence. */
+function effect(all, from, to) {
+  const n = all.reduce((sum, w) => sum + w.n, 0), low = Math.min(from, to), high = Math.max(from, to);
+  const share = (bin) => Math.max(0, Math.min(LOW + STEP * (bin + 1), high) - Math.max(LOW + STEP * bin, low)) / STEP;
+  const k = Math.round(all.flatMap((w) => DECISIONS.map((d) => w.bins[d].reduce((sum, v, bin) => sum + v * share(bin), 0))).reduce((a, b) => a + b, 0));
+  return n > 0 && to !== from && ` Of the ${count(n)} scans of the last ${many(all.length, "week")}, ${k ? `about ${count(k)}` : "none"} ${to > from ? "fewer" : "more"} would have passed.`;
+}
+
 /** Rates downwards by powers of ten, scores to the right; a line that is moved to ask "what if". */
-function curve(c) {
+function curve(c, all) {
   const W = chartWidth(), H = 260, left = 96, bottom = 28, top = 24, right = 16;
   const low = Math.max(-40, Math.min(c.knots[0].score, 0)), high = Math.max(c.knots.at(-1).score, c.threshold + 8);
   const least = Math.floor(Math.log10(Math.min(...c.knots.map((k) => k.rate))));
@@ -37,7 +45,7 @@ function curve(c) {
     const s = Number(slider.value), rate = shareAbove(c.knots, s);
     mark.setAttribute("cx", x(s));
     mark.setAttribute("cy", y(rate));
-    said.replaceChildren("At ", el("strong", {}, plain(s, 1)), `, ${oneIn(rate, c.knots.at(-1).rate)} other people would match.`);
+    said.replaceChildren(...["At ", el("strong", {}, plain(s, 1)), `, ${oneIn(rate, c.knots.at(-1).rate)} other people would match.`, all && effect(all, c.threshold, s)].filter(Boolean));
   };
   slider.addEventListener("input", ask);
   ask();
@@ -105,7 +113,7 @@ export function openCalibration(body) {
     const c = s.calibration, all = weeks(s.days);
     body.replaceChildren(el("div.try", {},
       el("div.stack", {},
-        el("section.card", {}, el("h2", {}, "How many other people would match"), ...curve(c)),
+        el("section.card", {}, el("h2", {}, "How many other people would match"), ...curve(c, s.days.some((d) => d.bins) && all)),
         el("section.card", {}, el("h2", {}, "Scores of the last weeks"),
           ...(s.days.some((d) => d.bins) ? [legend(), history(all, c.threshold), el("details", {}, el("summary", {}, "As a table"), asTable(all))]
             : all.length ? [el("p.dim", {}, "Scores are shown to a token with the scope score."), asTable(all)]

@@ -116,7 +116,7 @@ export const SCOPES = {
 /** The end of a consent is near when it is so many days off; the daemon's filter "ending" has the same. */
 const SOON_MS = 30 * 86400e3;
 
-/** What there is to say of a person: icon, kind and title each.  attempts are known of one person alone. */
+/** What there is to say of a person: icon, kind and title each. */
 export function personStates(s) {
   const left = s.expires_at ? Date.parse(s.expires_at) - Date.now() : Infinity;
   const out = [];
@@ -130,7 +130,7 @@ export function personStates(s) {
   return out;
 }
 
-export const isLocked = (s) => Date.parse(s.attempts?.locked_until ?? "") > Date.now();
+export const isLocked = (s) => Date.parse(s.locked_until ?? s.attempts?.locked_until ?? "") > Date.now();
 
 const OUTCOMES = {
   ...VERDICTS,

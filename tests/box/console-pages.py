@@ -19,7 +19,9 @@ def file_at(name):
 
 def give(d, path):
     """A file, to the place of a scan that is on the page."""
-    wait(d, lambda _: d.find_element(By.CSS_SELECTOR, "dialog input[type=file], main .slot input")).send_keys(path)
+    place = wait(d, lambda _: d.find_element(By.CSS_SELECTOR, "dialog input[type=file], main .slot input"))
+    d.execute_script("arguments[0].value = ''", place)  # else it is added
+    place.send_keys(path)
 
 
 def texts(d, selector):
@@ -74,7 +76,7 @@ def test_formats(d):
             one(d, "main button", "Enroll").click()
         give(d, file_at("depth.png"))
         camera = some("a depth image's camera is asked for", d, ".camera")
-        is_("and has the focus", d.execute_script("return document.activeElement.closest('.camera') !== null"), True)
+        check("and has the focus", wait(d, lambda _: d.execute_script("return document.activeElement.closest('.camera') !== null")), focused(d))
         for field, value in zip(camera.find_elements(By.TAG_NAME, "input"), ("600", "600", "119.5", "159.5", "10000")):
             field.send_keys(value)
         press(d, Keys.TAB)
@@ -158,6 +160,35 @@ def test_back(d):
     is_("with what was typed", one(d, "[type=search]").get_attribute("value"), "before")
 
 
+def test_people(d):
+    """Who is locked out, who has no consent; in an order; all of them, as a table."""
+    for _ in range(3):
+        send("/v1/subjects/locked/verify", "other.ply")
+    api("POST", "/v1/subjects", {"subject": "formula", "consent": "=1+1", "groups": ["staff"]})
+    for k in range(70):
+        api("POST", "/v1/subjects", {"subject": "z-%02d" % (69 - k)})
+    unlock(d, ALL, "people?state=locked")
+    some("who is locked out", d, "tbody tr", "Locked out")
+    check("alone", wait(d, lambda _: texts(d, "tbody th") == ["locked"]), texts(d, "tbody th"))
+    api("DELETE", "/v1/subjects/locked/attempts")
+    go(d, "people?state=no_consent")
+    some("who has no consent", d, "tbody th", "before")
+    is_("and nobody else", [t for t in texts(d, "tbody th") if t in ("locked", "formula")], [])
+    go(d, "people")
+    some("a page of them", d, ".row.end [role=status]", "there are more")
+    select = one(d, "[aria-label=Order]")
+    select.send_keys("Id")
+    check("in the order of the ids, all of them", wait(d, lambda _: len(texts(d, "tbody th")) > 70 and texts(d, "tbody th") == sorted(texts(d, "tbody th"))))
+    check("as the address says", "order=subject" in d.current_url, d.current_url)
+    one(d, "[aria-label='Save as CSV']").click()
+    rows = saved("people.csv").splitlines()
+    check("a table of them all", len(rows) == 1 + len(texts(d, "tbody th")), len(rows))
+    check("without a formula", any("\"'=1+1\"" in row for row in rows), rows[:3])
+    one(d, ".chip", "staff").click()
+    some("of a group", d, "main strong", "staff")
+    check("its people alone", wait(d, lambda _: texts(d, "tbody th") == ["formula"]), texts(d, "tbody th"))
+
+
 def test_health(d):
     api("PATCH", "/v1/subjects/locked", {"disabled": True})
     send("/v1/subjects/locked/verify", "a2.ply")
@@ -170,6 +201,7 @@ def test_health(d):
     go(d, "health?tab=calibration")
     slider = one(d, "[type=range]")
     slider.send_keys(Keys.END)
+    some("what another threshold would have done", d, "output", "fewer would have passed")
     some("beyond the table there is no rate", d, "output", "fewer than 1 in")
 
 
@@ -278,5 +310,5 @@ def test_focus(d):
     quiet("focus", d)
 
 
-run(browser(), test_landing, test_reload, test_formats, test_id, test_states, test_zones, test_erased, test_back, test_health, test_gone,
+run(browser(), test_landing, test_reload, test_formats, test_id, test_states, test_zones, test_erased, test_back, test_people, test_health, test_gone,
     test_upload, test_narrow, test_print, test_forced, test_focus)

@@ -38,6 +38,7 @@ for i in alice bob carol dave erin frank; do
 done
 thief=$(new_token thief --scope verify)
 door=$(new_token door --scope verify)
+reader=$(new_token reader --scope read)
 WATCHER=$(new_token watcher --scope audit)
 start_daemon --attempt-wait 1000 --attempt-subjects 4
 thief_id=$(sql "SELECT id FROM tokens WHERE name = 'thief'")
@@ -49,6 +50,14 @@ done
 locked_out "who failed" too_many_attempts 900 1000 "$thief" alice "$T/a1.ply"
 locked_out "another token" too_many_attempts 1 60 "$door" alice "$T/a1.ply"
 is "a lock-out is an event" "$(events locked_out)" 1
+AUTH=$reader
+req GET '/v1/subjects?state=locked'
+is "who is locked out is listed" "$(get '[.subjects[].subject] | join(" ")')" alice
+until=$(get '.subjects[0].locked_until')
+req GET /v1/subjects/alice
+is "until when" "$(get .attempts.locked_until | cut -c1-19)" "$(echo "$until" | cut -c1-19)"
+req GET '/v1/subjects?q=bob'
+is "who is not" "$(get '.subjects[0].locked_until')" null
 ok "and a line in the log" grep -q 'level=warn .*locked out.*token='"$thief_id" "$LOG"
 is "and counted" "$(metric 'surfaced_attempt_warnings_total{kind="locked_out"}')" 1
 is "what was refused too" "$(metric 'surfaced_attempts_refused_total{reason="token"}')" 1
