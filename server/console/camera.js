@@ -10,7 +10,8 @@ const HEADS = ["\x89PNG", "\x93NUM"];
 /** Fields that show once a file is a depth image.  ready(files): may they be sent?  values: for the query.
  *  changed(): they may be sent now. */
 export function camera(changed) {
-  const inputs = FIELDS.map(([name]) => el("input", { type: "number", step: "any", min: name[0] === "c" ? null : 0, required: name !== "depth_scale", onchange: () => element.checkValidity() && changed() }));
+  const inputs = FIELDS.map(([name]) => el("input", { type: "number", step: "any", min: name[0] === "c" ? null : 0, required: name !== "depth_scale", onchange: () => whole() && changed() }));
+  const whole = () => inputs.every((i) => i.validity.valid); // a fieldset is always valid
   const element = el("fieldset.camera", { hidden: true }, el("legend", {}, "The camera of the depth image"),
     FIELDS.map(([, title, note], i) => field(title, inputs[i], note)));
 
@@ -18,7 +19,7 @@ export function camera(changed) {
     const heads = await Promise.all([...files].map(async (f) => String.fromCharCode(...new Uint8Array(await f.slice(0, 4).arrayBuffer()))));
     element.hidden = !heads.some((head) => HEADS.includes(head));
     element.disabled = element.hidden;
-    const ok = element.hidden || element.checkValidity();
+    const ok = element.hidden || whole();
     if (!ok) inputs.find((i) => !i.validity.valid).focus();
     return ok;
   }

@@ -36,7 +36,7 @@ export function openTokens(body, who, actions) {
     ["Token", (t) => el("span", {}, t.name, t.id === who.id && el("span.dim", {}, " (this one)")), "name"],
     ["State", (t) => state(about(t))],
     ["May", (t) => el("span.chips", {}, t.scopes.map((s) => el("span.chip", { title: SCOPES[s] ?? "" }, s))), "why"],
-    ["People", (t) => (t.groups.length ? groupLinks(t.groups) : el("span.dim", {}, "all")), "why"],
+    ["People", (t) => (t.groups.length ? groupLinks(t.groups) : el("span.dim", {}, "all people")), "why"],
     ["Last used", (t) => when(t.last_used), "dim"],
     ["Ends (UTC)", (t) => day(t.expires_at, "never"), "dim"],
     ["", (t) => !t.revoked_at && el("span.row.end", {},

@@ -262,7 +262,7 @@ def test_narrow(d):
             one(d, there)
             time.sleep(0.3)
             title = "pages-%s-%d" % (page.replace("?", "-").replace("=", "-"), width)
-            is_(title + ": all is in sight", d.execute_script(OVER), [])
+            check(title + ": all is in sight", wait(d, lambda _: d.execute_script(OVER) == []), d.execute_script(OVER))
             is_(title + ": nothing is wider than the screen", d.execute_script("return document.documentElement.scrollWidth"), width)
             contrast(title, d)
             d.save_screenshot(os.path.join(FOLDER, title + ".png"))

@@ -108,7 +108,7 @@ for limit in 1 2 5; do
     is "pages of $limit" "$(cat "$T/back")" "$(jq -r '.entries[] | tojson' "$T/whole")"
     is "pages of $limit, forward" "$(tac "$T/pages")" "$(cat "$T/back")"
 done
-is "after the last one can ask again" "$cursor" "$(sql 'SELECT (SELECT max(seq) FROM change_log) || "-" || (SELECT max(seq) FROM access_log)')"
+is "after the last one can ask again" "$(echo "$cursor" | sed 's/\.[0-9a-f]*//g')" "$(sql 'SELECT (SELECT max(seq) FROM change_log) || "-" || (SELECT max(seq) FROM access_log)')"
 req GET '/v1/audit?kind=verify,reset_attempts&subject=Alice@home'
 is "two kinds of a subject" "$(kinds)" 'reset_attempts verify verify verify'
 req GET "/v1/audit?actor=$(sql "SELECT id FROM tokens WHERE name = 'door'")"
