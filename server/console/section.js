@@ -163,7 +163,7 @@ export function createSection() {
   /** cutters: of A, and of B or null; size: of the drawing in px. */
   function draw(cutters, plane, width, height) {
     const [a, b] = cutters.map((c) => (c ? flatten(c.curves(plane), plane) : []));
-    const scale = Math.min((width - 44) / WIDE, (height - 30) / HIGH), ends = [Infinity, Infinity, -Infinity, -Infinity];
+    const scale = Math.min((width - 64) / WIDE, (height - 30) / HIGH), ends = [Infinity, Infinity, -Infinity, -Infinity];
     for (const line of [...a, ...b])
       for (let i = 0; i < line.length; i++) {
         ends[i % 2] = Math.min(ends[i % 2], line[i]);

@@ -316,7 +316,8 @@ export function createStage() {
     setCut({ turn: Number(turn.value), tilt: cut.tilt, place: Number(place.value) });
   }
   function drawCut() {
-    if (cut) section.draw(cutters, planeOf(cut), cutPanel.clientWidth - 24 || 600, 216);
+    const width = cutPanel.clientWidth - 24 || 600;
+    if (cut) section.draw(cutters, planeOf(cut), width, Math.min(216, 0.55 * width));
   }
   const observer = new ResizeObserver(() => {
     drawCut();
