@@ -89,7 +89,7 @@ GET /v1/audit/export?subject=alice -> 400 invalid_parameter
 GET /v1/audit/export?format=csv&since=soon -> 400 malformed a time is like
 GET /healthz?$(printf '%08000d' 1) -> 400 invalid_parameter unknown query parameter 0{64};
 POST /v1/tokens json {"name": "a", "scopes": ["verify"], "expires_at": "2020-01-01"} -> 400 malformed ^expires_at 2020-01-01 is in the past
-GET / -> 404 no_such_route /docs .* /openapi.json
+GET /index.html -> 404 no_such_route /docs .* /openapi.json
 END
     printf 'POST /v1/subjects/alice/verify?%s ply @a.ply -> 400 invalid_parameter unknown query parameter .*; this path accepts units, axes, fx, fy, cx, cy, depth_scale, width, height, detail$\n' \
         unknown=1 'units=mm&unknown' '&unknown=1&' unit=mm unitss=mm Units=mm %75nits=mm unknown=%zz \
