@@ -4,7 +4,7 @@ import { get, post, query, request } from "./api.js";
 import { count, el, icon, moment, plain, save } from "./dom.js";
 import { verdict, VERDICTS } from "./verdict.js";
 import { attempt, dialog, failed, field, personAt, state, table, waiting } from "./widgets.js";
-import { kind, KINDS } from "./words.js";
+import { kind, KINDS, WHY } from "./words.js";
 
 const PAGE = 50, TRIES = 20;
 const FILTERS = ["subject", "subject_uid", "kind", "actor", "since", "until"];
@@ -14,7 +14,12 @@ const UID = /^[0-9a-f]{32}$/;
 const dayOf = (iso) => new Date(iso).toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", year: "numeric", timeZone: "UTC" });
 
 /** What came of it: a decision, or in the log's words. */
-export const cameOf = (e) => (e.outcome in VERDICTS ? state(VERDICTS[e.outcome]) : e.outcome);
+export function cameOf(e) {
+  if (e.outcome in VERDICTS) return state(VERDICTS[e.outcome]);
+  const code = e.outcome.split(" ")[0];
+  if (e.kind === "refused" && code in WHY) return el("span", { title: e.outcome }, WHY[code]);
+  return e.outcome.replace(/\S+Z$/, moment);
+}
 
 export function open(main, who, from) {
   const filter = Object.fromEntries(FILTERS.map((name) => [name, from.get(name) ?? ""]));
@@ -26,7 +31,7 @@ export function open(main, who, from) {
     ["What", (e) => el("span", { title: `${e.kind}, entry ${e.seq} of the ${e.log}` }, kind(e.kind))],
     ["Person", (e) => (e.subject === null ? (e.erased ? el("a.dim", { href: here({ subject: "", subject_uid: e.subject_uid }), title: `All of ${e.subject_uid}` }, "erased since") : "")
       : who.scopes.includes("read") ? el("a", { href: personAt(e.subject) }, e.subject) : e.subject), "name"],
-    ["Outcome", cameOf, "dim"],
+    ["Outcome", cameOf, "dim.why"],
     ["By", (e) => el("a.plain", { href: here({ actor: e.actor }), title: `Only by ${e.actor}` }, e.actor_name ?? e.actor), "by"],
     ["Time (UTC)", (e) => el("time", { dateTime: e.at, title: moment(e.at) }, e.at.slice(11, 19)), "dim"],
   ]);

@@ -140,7 +140,7 @@ export function openPerson(main, who, subject, list) {
 
   function lately() {
     const error = el("p.dim"), list = table("What happened lately", [
-      ["What", (e) => kind(e.kind)], ["Outcome", cameOf, "dim"], ["By", (e) => e.actor_name ?? e.actor, "by"], ["When", (e) => when(e.at), "dim.when"],
+      ["What", (e) => kind(e.kind)], ["Outcome", cameOf, "dim.why"], ["By", (e) => e.actor_name ?? e.actor, "by"], ["When", (e) => when(e.at), "dim.when"],
     ]);
     get(`/v1/audit${query({ subject, limit: LATELY })}`).then(({ entries }) => list.set(entries), (e) => (error.textContent = e.message)); // it is tried again with the page
     return [el("h2", {}, "What happened lately"), list.element, error, el("p.row.end", {}, el("a", { href: `#audit${query({ subject })}` }, "All of it in Audit"))];

@@ -53,6 +53,8 @@ export const REASONS = {
 export const KINDS = {
   verify: ["Verification", "Doors"],
   identify: ["Identification", "Doors"],
+  refused: ["Refused", "Doors"],
+  capture: ["Capture refused", "Doors"],
   candidate: ["Listed as a candidate", "Doors"],
   locked_out: ["Locked out", "Doors"],
   many_subjects: ["Many people tried", "Doors"],

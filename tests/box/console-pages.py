@@ -115,6 +115,7 @@ def test_states(d):
     press(d, Keys.ENTER)
     some("then active", d, ".verdict h2", "Active")
     check("the focus is on the page, and not lost", wait(d, lambda _: focused(d).startswith("main")), focused(d))
+    some("what was refused, in words", d, "tbody tr", "Locked out: too many verifications failed.")
     go(d, "people?subject=before")
     some("who has no scan is not active", d, ".verdict h2", "No scan yet")
     consent = some("without a consent", d, "section", "None is recorded").text
@@ -177,7 +178,7 @@ def test_people(d):
     go(d, "people")
     some("a page of them", d, ".row.end [role=status]", "there are more")
     select = one(d, "[aria-label=Order]")
-    select.send_keys("Id")
+    select.send_keys("By id")
     check("in the order of the ids, all of them", wait(d, lambda _: len(texts(d, "tbody th")) > 70 and texts(d, "tbody th") == sorted(texts(d, "tbody th"))))
     check("as the address says", "order=subject" in d.current_url, d.current_url)
     one(d, "[aria-label='Save as CSV']").click()
