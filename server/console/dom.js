@@ -96,7 +96,7 @@ export function away(iso, what = "never") {
 }
 
 /** The same as an element that has the moment for who points at it. */
-export const when = (iso, what) => el("time", { dateTime: iso ?? "", title: iso ? moment(iso) : "" }, away(iso, what));
+export const when = (iso, what) => (iso ? el("time.ago", { dateTime: iso, title: moment(iso) }, away(iso)) : el("span", {}, away(iso, what)));
 
 /** 402341 s: "4 days 15 h" */
 export function span(s) {

@@ -31,6 +31,17 @@ export const WHY = {
   liveness_failed: "The scanner has seen no living face.",
   storage_full: "The disk is full.",
   busy: "The daemon had too much to do.",
+  malformed: "The request could not be read.",
+  invalid_parameter: "The request asked for something that does not exist.",
+  body_too_large: "The file is too large.",
+  too_many_points: "The scan has too many points.",
+  not_finite: "The scan has points without a place.",
+  out_of_range: "The scan has points that are too far away.",
+  degenerate: "The points of the scan are no surface.",
+  several_people: "The scans are not all of one person.",
+  forbidden: "The token may not do that.",
+  unsupported_media_type: "The file is no scan.",
+  damaged_content_encoding: "The file is damaged.",
 };
 
 /** What came of an event, by its type and outcome, or by its type; of a refusal see WHY. */

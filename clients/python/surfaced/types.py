@@ -185,6 +185,7 @@ class Listed(TypedDict):
     groups: list[str]
     templates: int
     quality: float | None
+    locked_until: str | None
 
 
 class AuditEntry(TypedDict):
