@@ -155,7 +155,12 @@ def unlock(driver, token, page="try"):
 
 
 def go(driver, page):
-    driver.execute_script("location.hash = arguments[0]", page)
+    """To a page, by its address; once the one before is gone."""
+    driver.execute_script("""
+        if (location.hash !== "#" + arguments[0])
+            document.querySelector("main > *")?.setAttribute("data-before", "");
+        location.hash = arguments[0]""", page)
+    wait(driver, lambda d: not d.find_elements(By.CSS_SELECTOR, "main > [data-before], main > .waiting"))
 
 
 def press(driver, *keys):

@@ -57,7 +57,8 @@ def wide(d):
 def look_at(d, page):
     for name, *rest in LOOKS:
         set_look(d, *rest)
-        time.sleep(0.2)
+        # What is too wide becomes cards only once it is drawn: none may stay.
+        wait(d, lambda _: not wide(d) and not faults(d, rest[-1]), 5)
         found = faults(d, rest[-1])
         check("%s, %s: axe-core finds nothing" % (page, name), not found, json.dumps(found[:6], indent=1))
         check("%s, %s: no sideways scrolling" % (page, name), not wide(d), wide(d))

@@ -41,6 +41,7 @@ GET /healthz -
 GET /readyz -
 GET /metrics -
 GET /openapi.json -
+GET / -
 GET /docs -
 GET /console -
 GET /version -
