@@ -113,7 +113,7 @@ done
 : >"$T/trips"
 send POST /v1/subjects/alice/verify "$PLY" "$T/a1.ply"
 problem "locked out" 429 too_many_attempts
-trips "a refusal, which writes nothing" 2
+trips "a refusal, with its entry" 7
 ctl_exits 0 attempts reset alice
 for i in 2 3 4; do
     req DELETE "/v1/subjects/new$i"
