@@ -19,12 +19,12 @@ const put = (columns, name, text) => {
   img.src = `data:image/png;base64,${shots[name]}`;
   img.style.cssText = "width:100%;display:block";
   note.textContent = text;
-  note.style.cssText = text && "padding:6px 16px 8px";
+  note.style.cssText = text && "padding:6px 16px 8px;font-size:13px";
   box.append(img, note);
   document.body.append(box);
 };
 put("1 / 3", "faces", "Two scans, A and B");
-put("3 / 4", "map", "Blue for one person, orange not");
+put("3 / 4", "map", "Blue for one person, orange against");
 put("1 / 2", "verdict", "");
 put("2 / 4", "section", said);
 return Promise.all([...document.images].map((i) => i.decode())).then(() => document.body.lastChild.getBoundingClientRect().bottom + 12);
