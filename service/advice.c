@@ -184,6 +184,14 @@ static void found(enum status st, const struct surface_found *f, struct advice *
              cloudunit_name(f->unit_mm));
 }
 
+/* Returns true if a surface that is not a face may be part of one, so that its other findings hold.  On an egg or
+ * a ball the model lies best if it looks far up or down. */
+static bool nearly_a_face(const struct surface_found *f)
+{
+    return f->support > NEARLY_A_FACE * f->support_wanted &&
+           !(warns(f, SURFACE_TURNED) && fabs(f->pitch_deg) > SURFACE_TILT_DEG);
+}
+
 static void sparse(const struct surface_found *f, struct advice *a)
 {
     add(a,
@@ -215,8 +223,7 @@ void advice_give(enum status st, const struct surface_found *f,
     out->n = out->nnote = 0;
     if (too_sparse(st, f))
         sparse(f, out);
-    if (f->fits_mm == 0 &&
-        (st != ST_ENOTFACE || f->support > NEARLY_A_FACE * f->support_wanted))
+    if (f->fits_mm == 0 && (st != ST_ENOTFACE || nearly_a_face(f)))
         found(st, f, out); /* else it was found in something else */
     reason(st, f, out);
     if (f->quality.density_mm > 0 && (st == ST_OK || st == ST_EQUALITY))

@@ -82,7 +82,7 @@ export function checked(r, verifying, ...rest) {
   const [kind, iconName, title, text] = r.enrollable || (r.usable && verifying && r.code !== "not_a_face")
     ? ["ok", "yes", verifying ? "Good to verify" : "Good to enroll", r.enrollable ? "The face is whole, sharp and turned to the scanner." : "It is good enough for that, though not to enroll."]
     : r.usable && r.code === "not_a_face" ? ["no", "no", "Hardly a face",
-      "What was scanned does not have the shape of a face. A verification takes such a scan, and it fits nobody."]
+      "What was scanned does not have the shape of a face, or too little of one is seen. A verification takes such a scan, but hardly any fits."]
     : r.usable ? ["unsure", "unsure", "Good to verify, not to enroll", r.detail] : ["no", "no", "Not usable", r.detail];
   return verdict(kind, iconName, title, el("p", {}, text), ...rest);
 }

@@ -40,6 +40,8 @@ ok "and why" [ "$(one '.detail | length')" -gt 20 ]
 ok "and what to do" [ "$(one '.advice | length')" -gt 0 ]
 expect 1 "an egg with a ridge like a nose" "$ctl" scan egg.xyz
 has out '^verification  *accepted, but hardly a face$'
+expect 1 "the same as JSON" "$ctl" scan --json egg.xyz
+is "nothing is said of its chin" "$(one '.advice | join("; ")')" 'send one face seen from the front, with forehead, nose and chin'
 expect 1 "few points" "$ctl" scan few.xyz
 has out '^enrolment  *refused: 60 points, fewer than 100'
 has out 'move nearer to the scanner, or let'

@@ -175,6 +175,29 @@ TEST(test_support)
     assert_line(0, "send one face seen from the front, with forehead, nose and chin");
 }
 
+/* An egg: the pose and the cover that were found on it are those of no face. */
+TEST(test_egg)
+{
+    struct surface_found f = plain;
+
+    good();
+    f.warnings = 1U << SURFACE_OCCLUDED | 1U << SURFACE_TURNED | 1U << SURFACE_BEHIND;
+    f.occluded = 0.06;
+    f.pitch_deg = 32;
+    f.support_wanted = 0.35;
+    f.support = 0.4;
+    give(ST_ENOTFACE, f);
+    assert_int_equal(a.n, 1);
+    assert_line(0, "send one face seen from the front, with forehead, nose and chin");
+    f.pitch_deg = 4;
+    f.yaw_deg = 46;
+    give(ST_ENOTFACE, f);
+    assert_int_equal(a.n, 3);
+    assert_line(1,
+                "turn the head towards the scanner: 46° to the left now, up to 30° for "
+                "enrolment");
+}
+
 /* What the model explains too little of is a matter of the sensor, not of the person. */
 TEST(test_noisy)
 {
