@@ -13,6 +13,7 @@
 
 #include "console_api_js.h"
 #include "console_audit_js.h"
+#include "console_burst_js.h"
 #include "console_calibration_js.h"
 #include "console_camera_js.h"
 #include "console_console_js.h"
@@ -77,6 +78,7 @@ static struct page {
     PAGE("/console/icon.svg", "image/svg+xml", console_icon_svg),
     PAGE("/console/api.js", JAVASCRIPT, console_api_js),
     PAGE("/console/audit.js", JAVASCRIPT, console_audit_js),
+    PAGE("/console/burst.js", JAVASCRIPT, console_burst_js),
     PAGE("/console/calibration.js", JAVASCRIPT, console_calibration_js),
     PAGE("/console/camera.js", JAVASCRIPT, console_camera_js),
     PAGE("/console/console.js", JAVASCRIPT, console_console_js),

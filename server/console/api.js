@@ -7,7 +7,8 @@ let token = null;
 export class Refusal extends Error {
   constructor(status, problem, wait) {
     super(problem.detail ?? problem.title ?? `the daemon responded ${status}`);
-    Object.assign(this, { status, code: problem.code ?? "", wait });
+    const { code = "", frames, templates } = problem;
+    Object.assign(this, { status, code, frames, templates, wait });
   }
 }
 

@@ -1,11 +1,12 @@
 // identify.js -- who is it, of all who may be found?
 
 import { query, request } from "./api.js";
-import { camera } from "./camera.js";
+import { createBurst } from "./burst.js";
 import { count, el, icon, oneIn, plain, say } from "./dom.js";
-import { createSlot } from "./slot.js";
 import { facts, gauge, UNTOLD, verdict, VERDICTS } from "./verdict.js";
 import { failed, field, personAt, table, VERBATIM } from "./widgets.js";
+
+const AT_ONCE = 10; // files, by the API
 
 const people = (n) => `${count(n)} ${n === 1 ? "person" : "people"}`;
 
@@ -42,7 +43,7 @@ function candidates(all) {
 
 export function open(main, who) {
   const reads = who.scopes.includes("read");
-  const slot = createSlot("", run, true), lens = camera(run);
+  const burst = createBurst({ most: AT_ONCE, verifying: true, changed: run });
   const group = el("input", { type: "text", maxLength: 64, pattern: "[a-z0-9._\\-]{1,64}", list: "groups", placeholder: "everybody", ...VERBATIM, onchange: run });
   const most = el("input", { type: "number", min: 0, max: 50, value: 0, onchange: run });
   const said = el("div.stack");
@@ -54,31 +55,30 @@ export function open(main, who) {
     said.replaceChildren(...[
       verdict(v.kind, v.icon, title, el("p", {}, explain(r)), r.score != null && r.threshold !== null && gauge(r), chance(r),
         r.decision === "match" && reads && el("p", {}, el("a", { href: personAt(r.subject) }, `Open ${r.subject}`))),
-      ...(r.frames ?? []).filter((f) => !f.used).map((f) => el("p.advice", {}, icon("warning", 18), `${f.file} was left out: ${f.reason.detail}`)),
+      burst.gains(r),
       r.candidates?.length > 0 && candidates(r.candidates),
       facts([["Points on the face", count(r.scan.points_used)], ["Quality of the scan", r.quality.score.toFixed(2)],
         r.skipped > 0 && ["Stored scans not searched", count(r.skipped)],
         r.timing_ms.total != null && ["Time on the server", `${r.timing_ms.total.toFixed(0)} ms`]])].filter(Boolean));
-    slot.label(r.scan, r.quality.score);
+    burst.label(r.scan, r.quality.score);
     say(`${title}. ${explain(r)}`);
   }
 
   async function run() {
     running?.abort();
-    if (!await lens.ready(slot.files)) return;
-    if (!slot.file) return said.replaceChildren();
+    if (!burst.files.length) return said.replaceChildren();
     if (!group.reportValidity() || !most.reportValidity()) return;
     const own = (running = new AbortController());
-    let body = slot.file;
-    if (slot.files.length > 1) {
-      body = new FormData();
-      for (const f of slot.files) body.append("scan", f, f.name);
-    }
     main.classList.add("busy");
     try {
-      show(await request("POST", `/v1/identify${query({ group: group.value, candidates: most.value > 0 ? most.value : "", ...lens.values })}`, { body, stop: own.signal }));
+      if (!await burst.check(own.signal) || own.signal.aborted) return;
+      const r = await request("POST", `/v1/identify${query({ group: group.value, candidates: most.value > 0 ? most.value : "", ...burst.values })}`, { body: burst.body, stop: own.signal });
+      burst.became(r);
+      show(r);
     } catch (e) {
-      if (e.name !== "AbortError") said.replaceChildren(failed(e, run));
+      if (e.name === "AbortError") return;
+      burst.became(e, true);
+      said.replaceChildren(failed(e, run));
     } finally {
       if (own === running) main.classList.remove("busy");
     }
@@ -86,7 +86,7 @@ export function open(main, who) {
 
   main.replaceChildren(
     el("header", {}, el("h1", {}, "Identify"), el("span.dim.note", {}, "Each search is recorded.")),
-    el("div.stack.column", {}, slot.box, lens.element,
+    el("div.stack.column", {}, ...burst.parts,
       el("div.row.wrap", {},
         field("Group", group, "Only these people are searched"),
         reads && field("Candidates", most, "List so many, for a person to review"),

@@ -120,7 +120,7 @@ export function open(main, who, asked) {
       save("people.csv", [COLUMNS.join(), ...sorted().map((s) => COLUMNS.map((c) => cell(c === "groups" ? s.groups.join(" ") : s[c])).join())].map((line) => `${line}\r\n`), "text/csv");
   }
 
-  const begin = (file) => enroll({ who, file, done: () => load(true) });
+  const begin = (_, files = []) => enroll({ who, files: [...files], done: () => load(true) });
   main.replaceChildren(
     el("header", {}, el("h1", {}, "People"), el("span.search", {}, icon("search"), search), by,
       el("button", { type: "button", "aria-label": "Save as CSV", onclick: saveAll }, icon("save"), "CSV"),

@@ -30,7 +30,7 @@ export function openPerson(main, who, subject, list) {
   const may = (scope) => who.scopes.includes(scope);
   const path = `/v1/subjects/${encodeURIComponent(subject)}`;
   const actions = el("div.row");
-  const body = el("div", may("enroll") ? droppable((file) => person && begin(file)) : {});
+  const body = el("div", may("enroll") ? droppable((_, files) => person && begin(files)) : {});
   let stage = null, person = null, done = false;
 
   async function load() {
@@ -216,7 +216,7 @@ export function openPerson(main, who, subject, list) {
 
   // ---- the page
 
-  const begin = (file) => enroll({ who, subject, file, done: load });
+  const begin = (files = []) => enroll({ who, subject, files: [...files], done: load });
 
   function show() {
     actions.replaceChildren(...[

@@ -14,40 +14,47 @@ export const droppable = (put) => ({
   },
 });
 
-/** put(file) is called with what was dropped or chosen, and with null once it was taken out again.  several: files are
- *  taken, s.files. */
-export function createSlot(letter, put, several = false) {
-  const empty = several ? "Drop files or choose them" : "Drop a file or choose one";
+/** put(file) is called with what was dropped or chosen, and with null once it was taken out again.  most: as many files
+ *  of one person are taken, s.files; of more none is, which s.wrong says. */
+export function createSlot(letter, put, most = 1) {
+  const several = most > 1, empty = several ? `Drop up to ${most} files of one sitting, or choose them` : "Drop a file or choose one";
   const name = el("strong", {}, "New scan"), about = el("span.dim", {}, empty);
   const badge = el("span.badge", { hidden: true });
-  const input = el("input", { type: "file", "aria-label": letter ? `Scan ${letter}` : "Scan", multiple: several, onchange: () => set(input.files[0], input.files) });
+  const input = el("input", { type: "file", "aria-label": letter ? `Scan ${letter}` : "Scan", multiple: several, onchange: () => input.files.length && take([...input.files]) });
   const out = el("button.quiet.out", { type: "button", hidden: true, title: "Take it out", "aria-label": letter ? `Take scan ${letter} out` : "Take the scan out",
     onclick: () => {
       input.value = "";
-      fill(null, []);
+      take([]);
       input.focus();
     } }, icon("close"));
-  const box = el(`div.slot${letter && `.${letter.toLowerCase()}`}`, droppable(set), letter && el("span.letter", { "aria-hidden": "true" }, letter), el("span.text", {}, name, about), badge, input, out);
-  const s = { box, input, label, file: null, files: [] };
+  const box = el(`div.slot${letter && `.${letter.toLowerCase()}`}`, droppable((_, files) => take([...files])), letter && el("span.letter", { "aria-hidden": "true" }, letter), el("span.text", {}, name, about), badge, input, out);
+  const wrong = several && el("p.error", { role: "alert" });
+  const s = {
+    box, input, wrong, label, take, files: [],
+    get file() { return s.files[0] ?? null; },
+    set file(f) { s.files = f ? [f] : []; },
+  };
 
   /** scan, quality: what the daemon said of it. */
   function label(scan, quality) {
     name.textContent = s.files.length > 1 ? `${s.files.length} scans of one person` : s.file?.name ?? "New scan";
     about.textContent = !s.file ? empty
-      : scan ? `${count(scan.points_read)} points${scan.units ? `, ${scan.units}` : ""}` : `${count(Math.ceil(s.file.size / 1024))} KB`;
+      : scan && s.files.length === 1 ? `${count(scan.points_read)} points${scan.units ? `, ${scan.units}` : ""}` : `${count(Math.ceil(s.files.reduce((sum, f) => sum + f.size, 0) / 1024))} KB`;
     badge.hidden = quality == null;
     if (quality != null) badge.textContent = `quality ${quality.toFixed(2)}`;
     out.hidden = !s.file;
   }
 
-  function set(file, files) {
-    if (file) fill(file, several ? [...files] : [file]);
-  }
-  function fill(file, files) {
-    s.file = file;
-    s.files = files;
+  function take(files) {
+    const excess = several && files.length > most;
+    if (several) wrong.textContent = excess ? `${files.length} files are too many: send up to ${most}, all of one person in one sitting. None was taken.` : "";
+    if (excess) {
+      input.value = "";
+      return;
+    }
+    s.files = files.slice(0, most);
     label();
-    put(file);
+    put(s.file);
   }
   return s;
 }
